@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     import attitude.scattering
     import attitude.scene
     import attitude.shape
-    import attitude.spectrum
     import attitude.splitting
     import attitude.survey
     import attitude.torch
@@ -106,7 +105,7 @@ PUBLIC_MODULES: tuple[str, ...] = (
             *("frames.quaternion", "frames.representations", "inversion", "jacobi", "jax"),
             *("light_curve", "motions", "paths", "photometry", "plots", "proof", "published"),
             *("quaternion", "referee", "representations", "scattering", "scene", "shape"),
-            *("spectrum", "splitting", "survey", "torch", "torques", "viewer"),
+            *("splitting", "survey", "torch", "torques", "viewer"),
         )
     ),
 )

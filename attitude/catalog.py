@@ -231,7 +231,10 @@ class Entry:
         )
 
     def load(self, **given: Any) -> Loaded:
-        """Body and spin; keywords supply values that are missing, or replace published ones."""
+        """Body and spin; keywords supply values that are missing, or replace published ones.
+
+        An epoch without phi0, psi0 or wxyz is one to which the published state is propagated.
+        """
         unknown = [name for name in given if name not in _KEYWORDS]
         if unknown:
             are = "is not a keyword" if len(unknown) == 1 else "are not keywords"
@@ -239,6 +242,10 @@ class Entry:
                 f"{', '.join(unknown)} {are} of load; give any of {', '.join(_KEYWORDS)}."
             )
         given = {name: value for name, value in given.items() if value is not None}
+        if self.is_propagated(given):
+            to = given.pop("epoch")
+            body, spin = self.load(**given)
+            return Loaded(body, FreeRotation(body, spin).spin_at(to))
         kind = self._kind(given)
         missing = [name for name in _NEEDED[kind] if name not in given and not self._has(name)]
         if missing:
@@ -297,6 +304,14 @@ class Entry:
         if "angles" in self.given:
             return "angles"
         return "periods" if "P_phi" in self.given else "rates"
+
+    def is_propagated(self, given: Mapping[str, Any]) -> bool:
+        """Whether `load` brings the published state to an epoch among keywords, by free rotation.
+
+        Otherwise the epoch is that of a state which the keywords complete or replace.
+        """
+        has_own = "epoch" in self.given and not {"phi0", "psi0", "wxyz"} & set(given)
+        return has_own and given.get("epoch") is not None
 
     def _has(self, name: str) -> bool:
         """Whether the entry has a value under a keyword of `load`."""

@@ -139,7 +139,7 @@ seen = history.inertial_to_body(stars)
 """
 CURVE_OF_TWO = """
 from attitude import photometry
-from attitude.spectrum import fit as series
+from attitude.photometry import fit_series as series
 t = np.sort(np.random.default_rng(1).uniform(0.0, 4e5, 200))
 y = 15.0 + 0.2 * np.cos(2e-4 * t) + 0.1 * np.cos(3.3e-4 * t)
 """
@@ -223,7 +223,7 @@ CALLS = {
         CURVE_OF_TWO,
         "photometry.periodogram(t, y, min_period=1e4, max_period=1e5)",
     ),
-    "`spectrum.fit`, two periods, 200 points": (
+    "`photometry.fit_series`, two periods, 200 points": (
         CURVE_OF_TWO,
         "series(t, y, P_psi=31415.9, P_phi=19040.0)",
     ),

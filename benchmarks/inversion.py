@@ -6,17 +6,24 @@
                                                       "sessions", "slow-tumblers"; a fourth
                                                       number: from this case on
     python benchmarks/inversion.py constant 300 SEED  slow tumblers that are called constant
+    python benchmarks/inversion.py nonconvex 24 SEED  bodies with shadows, offsets of nights; also
+                                                      "albedo", "inertia", "wobble", "survey",
+                                                      "outliers", "exposures", "moons", "rotators"
 
 Nothing of a truth is in the input; the search goes up to 3.2 turns in a mean rotation.  Processor
 seconds of one core; the first call, which compiles, is not counted.  Rotators about one axis whose
 magnitude varies by less than its errors, which no light curve decides, are not drawn: their seeds
 are printed (`inversion_cases.is_decidable`, of the truth alone).
+
+Bodies from "nonconvex" on are those of `inversion_meshes`: random ones, or, where the environment
+variable MESHES names a folder, its OBJ files.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
+import os
 import sys
 import time
 from collections.abc import Iterable, Iterator
@@ -37,14 +44,16 @@ from attitude.inversion import (
     _lattices,
     _pole_map,
     _problem,
+    _refinement,
     _search,
     _states,
-    _verdicts,
 )
+from attitude.inversion._ellipsoid import SearchState
 from attitude.inversion._problem import CurveProblem
+from attitude.inversion._settings import DEFAULT
 from attitude.inversion._spin_states import is_better_constant, is_constant
 from attitude.photometry import _spectrum
-from benchmarks import inversion_cases
+from benchmarks import inversion_cases, inversion_meshes
 from benchmarks.doc_tables import Table, markdown
 from examples import toutatis_photometry
 
@@ -124,12 +133,39 @@ SLOW = [
 ]
 
 
+def _varied(styles: list[dict], kinds: tuple[str, ...], **more: object) -> list[dict]:
+    """Styles with kinds of bodies in turn, and other keywords of `inversion_meshes.case`."""
+    bodies = itertools.cycle(kinds)
+    return [{**style, "kind": next(bodies), **more} for style in styles]
+
+
+LUMPY, CONCAVE = ("lumpy",), ("bilobed", "bent", "lumpy", "bent", "bilobed")
+# Binaries: periods (d) of the primary, spans (d), nights.
+BINARIES = [
+    dict(zip(_NAMES, ("PA", P, span, nights, (4, 8), 8, 0.015), strict=True))
+    for P, span, nights in ((0.1, 20, 12), (0.13, 25, 14), (0.2, 30, 16), (0.11, 15, 10))
+]
+
+
 class Kind(NamedTuple):
-    """What cases are drawn: styles, zero points, and whether undecidable ones are left out."""
+    """What cases are drawn: styles, zero points, and whether undecidable ones are left out.
+
+    `meshes`: by `inversion_meshes`, with files where there are any.
+    """
 
     styles: list[dict]
     zero_points: str
     decidable: bool = False
+    meshes: bool = False
+
+    def case(self, seed: int, number: int) -> inversion_cases.Case:
+        """The case of a seed, of the style of a number."""
+        style = self.styles[number % len(self.styles)]
+        if not self.meshes:
+            return inversion_cases.case(seed, style)
+        folder = os.environ.get("MESHES")
+        files = sorted(Path(folder).glob("*.obj")) if folder and style["kind"] != "lumpy" else None
+        return inversion_meshes.case(seed, style, files)
 
 
 KINDS = {
@@ -138,7 +174,29 @@ KINDS = {
     "axial": Kind(AXIAL, "shared", decidable=True),
     "sessions": Kind(STYLES, "auto"),
     "slow-tumblers": Kind(SLOW, "auto", decidable=True),
-}
+    "nonconvex": Kind(_varied(STYLES, CONCAVE, zero=(0.02, 0.1)), "auto", meshes=True),
+    "albedo": Kind(_varied(STYLES, LUMPY, spots=0.25), "shared", meshes=True),
+    "inertia": Kind(_varied(STYLES, LUMPY, inertia=True), "shared", meshes=True),
+    "wobble": Kind(_varied(STYLES, LUMPY, tilt=(1.5, 15.0)), "shared", meshes=True),
+    "survey": Kind(
+        _varied([x for x in STYLES if x["span"] >= 25], LUMPY, survey=(100, 200)), "shared",
+        meshes=True,
+    ),
+    "outliers": Kind(
+        _varied(STYLES, LUMPY, outliers=0.03, halved=True, clock=0.002), "shared", meshes=True
+    ),
+    "exposures": Kind(
+        [
+            {**style, "exposure": 0.2 * style["P"]}
+            for style in _varied([x for x in STYLES if x["P"] < 0.7], LUMPY)
+        ],
+        "shared", meshes=True,
+    ),
+    "moons": Kind(_varied(BINARIES, LUMPY, moon=True, most=3.0), "shared", meshes=True),
+    "rotators": Kind(
+        _varied(AXIAL, CONCAVE, zero=(0.02, 0.05)), "auto", decidable=True, meshes=True
+    ),
+}  # fmt: skip
 
 
 def curve_of(case: inversion_cases.Case, zero_points: str) -> inversion.LightCurve:
@@ -150,6 +208,7 @@ def curve_of(case: inversion_cases.Case, zero_points: str) -> inversion.LightCur
         sun=case.sun * units.au,
         observer=case.observer * units.au,
         session=case.session,
+        filter=case.filter,
         zero_points=zero_points,
         frame="ecliptic",
     )
@@ -161,16 +220,16 @@ def judged(found: inversion.Solution, case: inversion_cases.Case) -> tuple[bool,
     near = abs(86400.0 / found.P_phi - 1.0 / case.P_phi) * span < 0.35
     if case.mode != "PA":
         near &= abs(86400.0 / found.P_psi - 1.0 / case.P_psi) * span < 0.35
-    pole = matrix_to_icrf("ecliptic").T @ _search.pole(found.state)
+    pole = matrix_to_icrf("ecliptic").T @ SearchState.of(found.state).pole
     angle = math.degrees(math.acos(max(-1.0, min(1.0, float(pole @ case.pole)))))
     return bool(near and found.mode == case.mode), angle
 
 
 def _sides(found: inversion.Solution) -> tuple[np.ndarray, np.ndarray]:
     """The pole, and its mirror image in the plane of the scene, ecliptic axes."""
-    here, normal = _search.pole(found.state), _verdicts.plane_of(found.weighted.problem)
+    here, normal = SearchState.of(found.state).pole, _pole_map.plane_of(found.weighted.problem)
     turn = matrix_to_icrf("ecliptic").T
-    return turn @ here, turn @ _verdicts.mirrored(here, normal)
+    return turn @ here, turn @ _pole_map.mirrored(here, normal)
 
 
 def _mirrored(found: inversion.Solution, case: inversion_cases.Case) -> float:
@@ -197,7 +256,7 @@ def errors_of(found: inversion.Solution, case: inversion_cases.Case) -> np.ndarr
 def made(kind: Kind, count: int, seed: int) -> Iterator[inversion_cases.Case]:
     """Cases of successive seeds, styles in turn; seeds that are left out are printed."""
     for k in range(count):
-        case = inversion_cases.case(seed, kind.styles[k % len(kind.styles)])
+        case = kind.case(seed, k)
         while kind.decidable and not inversion_cases.is_decidable(case):
             print(
                 f"left out: seed {seed}, {inversion_cases.variation(case):.3f} mag of variation in "
@@ -205,7 +264,7 @@ def made(kind: Kind, count: int, seed: int) -> Iterator[inversion_cases.Case]:
                 flush=True,
             )
             seed += 1
-            case = inversion_cases.case(seed, kind.styles[k % len(kind.styles)])
+            case = kind.case(seed, k)
         yield case
         seed += 1
 
@@ -302,7 +361,7 @@ def is_called_constant(case: inversion_cases.Case, curve: inversion.LightCurve) 
     periods are tried here, some 1 s in place of 10.
     """
     most = case.most / 86400.0
-    given = most, _search.ELLIPSOID_ERROR
+    given = most, DEFAULT.ellipsoid_error
     one, own = (_problem.problem(curve, *given, each)[0] for each in ("shared", "auto"))
     if is_constant(one) or not is_constant(own):
         return is_constant(one)
@@ -312,9 +371,7 @@ def is_called_constant(case: inversion_cases.Case, curve: inversion.LightCurve) 
         f = -f
     rates = [_lattices.Candidate(0.5 * (twice + max(f, 0.0)), f)]
     tie, generator = _states.of("shape"), np.random.default_rng(0)
-    made = _search.Search(
-        one, most * curve.span, (case.mode,), tie, (), generator, math.inf, lambda _: None
-    )
+    made = _search.Search(one, most * curve.span, (case.mode,), tie, (), generator, lambda _: None)
     held = _ellipsoid.Held(0.15)
     pool = _ellipsoid.around(one, generator, rates, 40, iterations=40, tie=held)
     made.begin(_ellipsoid.in_order(pool).states[:8])
@@ -359,6 +416,12 @@ def speed() -> tuple[float, float]:
     states = np.tile([20.3, 14.7, 0.2, -1.0, 0.2, *np.eye(3).ravel(), 0.7, 0.4], (100, 1))
     spent = _best(lambda: list(curve.rows(states, True))) / 100
     print(f"likelihood with ten derivatives: {spent / 400 * 1e9:.0f} ns a point")
+    body = np.concatenate([states[0], np.zeros(_refinement.WIDTH - _ellipsoid.WIDTH)])
+    counted = CurveProblem.of(*given)
+    with _refinement.limited():
+        step = _best(lambda: _refinement.refine(counted, body, iterations=2)) / 2.0
+    estimate = counted.settings.step_cost + 400 * counted.settings.body_cost
+    print(f"step of a body, 400 points: {step * 1e3:.2f} ms, counted as {estimate * 1e3:.2f}")
     return pair, spent / 400 * 1e9
 
 

@@ -37,6 +37,9 @@ class Case:
     moments: np.ndarray
     most: float  # largest frequency of the search, 1/d
     exact: np.ndarray | None = None  # magnitude without errors, where it is known
+    filter: np.ndarray | None = None
+    orbit: float | None = None  # period of a moon
+    exposure: float = 0.0  # d
 
 
 def hull(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

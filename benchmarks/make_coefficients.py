@@ -32,6 +32,7 @@ MEASURED = {
     ("_support/constants.py", "EARTH_FLATTENING"),
     ("scene/_scene.py", "_OF_ORBIT"),
     ("scene/_scene.py", "_OF_RANGE"),
+    ("torques/_magnetic.py", "_MU_0_OVER_4_PI"),
 }
 
 

@@ -19,7 +19,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from attitude import Body, FreeRotation, Scene, Spin, photometry, propagate, shape, spectrum
+from attitude import Body, FreeRotation, Scene, Spin, photometry, propagate, shape
 from attitude._compilation.choice import compiling
 from benchmarks.doc_tables import Table, markdown
 
@@ -97,7 +97,7 @@ def _nanoseconds():
 def _found(t, y):
     start = time.process_time()
     limits = {"min_period": "2 h", "max_period": "40 h"}
-    found = photometry.two_periods(t, y, np.full(t.size, NOISE), **limits)
+    found = photometry.periods(t, y, np.full(t.size, NOISE), count=2, **limits)
     return found, time.process_time() - start
 
 
@@ -143,11 +143,11 @@ def tumblers(count):
 
 
 def toutatis():
-    data = photometry.read(CURVE).reduced(g=0.15).shared()
-    one = photometry.periodogram(data, min_period="1 d", max_period="40 d")
+    data = photometry.LightCurve.read(CURVE).reduced(g=0.15).shared()
+    one = photometry.periods(data, min_period="1 d", max_period="40 d")
     print(one)
     start = time.process_time()
-    two = photometry.two_periods(data, min_period="1 d", max_period="40 d")
+    two = photometry.periods(data, count=2, min_period="1 d", max_period="40 d")
     print(two, f"{time.process_time() - start:.1f} s")
     for each in two.candidates(5):
         print(each)
@@ -177,7 +177,7 @@ def lines(count):
         t = np.sort(generator.uniform(0.0, 400.0, 500))
         scene = Scene(motion, None, observer, sun, shape=shape.Ellipsoid(axes))
         y = -2.5 * np.log10(np.maximum(np.asarray(scene.at(t).brightness), 1e-6))
-        fitted = spectrum.fit(t, y, *both, order=(5, 4))
+        fitted = photometry.fit_series(t, y, *both, order=(5, 4))
         power = fitted.amplitudes**2 / np.sum(fitted.amplitudes**2)
         for number, share in zip(fitted.numbers, power, strict=True):
             total[mode][tuple(map(int, number))] += share / count
@@ -188,11 +188,11 @@ def lines(count):
 
 
 def figures():
-    data = photometry.read(CURVE).reduced(g=0.15).shared()
+    data = photometry.LightCurve.read(CURVE).reduced(g=0.15).shared()
     limits = {"min_period": "1 d", "max_period": "40 d"}
     out = ROOT / "docs" / "figures"
-    photometry.periodogram(data, **limits).plot(out / "toutatis_periodogram.png")
-    photometry.two_periods(data, **limits).plot(out / "toutatis_two_periods.png")
+    photometry.periods(data, **limits).plot(out / "toutatis_periodogram.png")
+    photometry.periods(data, count=2, **limits).plot(out / "toutatis_two_periods.png")
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from attitude import FreeRotation, epochs, spectrum
+from attitude import FreeRotation, epochs, photometry
 from attitude.formats import mission
 from attitude.scattering import hg
 from attitude.scene import View
@@ -51,7 +51,7 @@ def main() -> None:
     left = view.seconds - view.light_time
 
     print_curve(view, seconds, magnitude)
-    fit = spectrum.fit(left, variation, motion.period_psi, motion.period_phi, order=4)
+    fit = photometry.fit_series(left, variation, motion.period_psi, motion.period_phi, order=4)
     print_lines(fit, variation)
     draw(view, seconds / DAY, magnitude, variation, fit)
 
@@ -67,7 +67,7 @@ def print_curve(view: View, seconds: Array, magnitude: Array) -> None:
         )
 
 
-def print_lines(fit: spectrum.SeriesFit, variation: Array) -> None:
+def print_lines(fit: photometry.SeriesFit, variation: Array) -> None:
     total = np.var(variation)
     print("\nLines |i/P_phi + j/P_psi|, the strongest first; power as a part of the variance:")
     print(f"{'i':>3}{'j':>4}{'period h':>10}{'amplitude mag':>15}{'power':>9}")
@@ -100,7 +100,7 @@ def periodogram(seconds: Array, variation: Array) -> tuple[Array, Array]:
 
 
 def draw(
-    view: View, days: Array, magnitude: Array, variation: Array, fit: spectrum.SeriesFit
+    view: View, days: Array, magnitude: Array, variation: Array, fit: photometry.SeriesFit
 ) -> None:
     frequency, amplitude = periodogram(days * DAY, variation)
     top = frequency[np.argmax(amplitude)]

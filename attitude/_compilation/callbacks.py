@@ -113,14 +113,9 @@ _ATTRIBUTE = "_attitude_callback"
 class Callback:
     """A C function, compiled at the first use of its address.
 
-    Parameters
-    ----------
-    python : function
-        Of the six arguments of `pointers.C_FUNCTION`.
-    fastmath : bool or set
-        The argument of `numba.cfunc`.
-    kept : bool
-        Whether the machine code is kept on disk.
+    python: of the six arguments of `pointers.C_FUNCTION`.
+    fastmath: the argument of `numba.cfunc`.
+    kept: whether the machine code is kept on disk.
     """
 
     def __init__(
@@ -167,10 +162,7 @@ def is_compiled(function: object) -> bool:
 
 
 def callback_of(function: Callable[..., Any]) -> Callback:
-    """The C function that calls a user's compiled function of (t, wxyz, omega).
-
-    It is kept as an attribute of the function: compiled once, and freed with the function.
-    """
+    """The C function of a user's compiled function of (t, wxyz, omega), kept as its attribute."""
     made: Callback | None = getattr(function, _ATTRIBUTE, None)
     if made is not None:
         return made

@@ -74,21 +74,13 @@ class Compilable:
 
     A call from Python runs the function in Python; compiled code calls its machine code.
 
-    Parameters
-    ----------
-    python : function
-        The function in Python.
-    options : mapping
-        Options of `numba.njit`.
-    kept : bool
-        Whether the machine code is kept on disk.
+    python: the function in Python.
+    options: options of `numba.njit`.
+    kept: whether the machine code is kept on disk.
 
-    Attributes
-    ----------
-    py_func : function
-        The function in Python.
-    targetoptions : mapping
-        Options of `numba.njit`.  numba reads both names of a global function to inline it.
+    py_func: the function in Python.
+    targetoptions: options of `numba.njit`.  numba reads both names of a global function to inline
+        it.
     """
 
     def __init__(
@@ -141,10 +133,7 @@ class Compilable:
 class EntryPoint(Compilable):
     """A `Compilable` that Python calls too: compiled at the first call for each set of types.
 
-    Attributes
-    ----------
-    run : callable
-        What a call of the entry point calls: for loops in which 0.1 us counts.  Read it at each
+    run: what a call of the entry point calls: for loops in which 0.1 us counts.  Read it at each
         call; it is replaced at the first.
     """
 
@@ -273,9 +262,8 @@ def compiled_names() -> set[str]:
 
 
 def _for_python(given: Callable[..., Any]) -> Callable[..., Any]:
-    """The function with `ieee` under the name ``math`` and entry points that are not compiled.
-
-    Compiled ones would be compiled anew for the types of Python.
+    """The function with `ieee` as ``math`` and entry points not compiled, which they would be anew
+    for it.
     """
     function = cast(FunctionType, given)
     names = {**function.__globals__, "math": ieee}
@@ -371,8 +359,7 @@ def reduction_within(function: Callable[..., Any]) -> Compilable:
 
 
 def reduction_inlined(function: Callable[..., Any]) -> Compilable:
-    """As `reduction`, for functions that numba copies into their callers before it infers types.
-
-    A loop with a call is not vectorised and six times slower.
+    """As `reduction`, copied into callers before types are inferred: a call would stop
+    vectorisation.
     """
     return Compilable(function, {**_ANY_ORDER, "inline": "always"})

@@ -72,9 +72,8 @@ _interrupted = False
 
 
 def hold_interrupts() -> None:
-    """Defer Ctrl-C until as many calls of `release_interrupts`.
-
-    Only in the main thread, and only where Python's own handler is installed.
+    """Defer Ctrl-C in the main thread, under Python's handler, until as many calls of
+    `release_interrupts`.
     """
     global _holds
     if threading.current_thread() is not threading.main_thread():

@@ -20,9 +20,8 @@ _DOUBLE, _INTEGER = ir.DoubleType(), ir.IntType(64)
 
 @cache
 def is_instruction(name: str, count: int) -> bool:
-    """Whether LLVM makes an instruction, and not a call, of an intrinsic of `count` doubles.
-
-    For the processor that numba compiles for, which NUMBA_CPU_NAME and NUMBA_CPU_FEATURES change.
+    """Whether LLVM makes an instruction, and no call, of an intrinsic of `count` doubles for the
+    processor that numba compiles for, which NUMBA_CPU_NAME and NUMBA_CPU_FEATURES change.
     """
     module = ir.Module()
     function = ir.Function(module, ir.FunctionType(_DOUBLE, [_DOUBLE] * count), "probe")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
@@ -12,11 +11,12 @@ from numba import carray, types
 from numba.core import cgutils
 from numba.core.caching import NullCache
 from numba.core.ccallback import CFunc
-from numba.extending import lower_builtin, overload, type_callable
+from numba.extending import overload
 
 from attitude._compilation import error_free, instructions, pointers, simd_lowering
 from attitude._compilation.disk_cache import is_stamped, kept_on_disk
 from attitude._compilation.error_free import is_instruction
+from attitude._compilation.simd_lowering import instruction
 from attitude._compilation.wide_lowering import register_wide
 
 if TYPE_CHECKING:
@@ -85,20 +85,6 @@ class _StampedCFunc(CFunc):
         self._cache = on_disk if is_stamped(on_disk, self._pyfunc) else NullCache()
 
 
-def _instruction(function, signature):
-    """Decorator that registers the instructions of a function of doubles and integers."""
-
-    @type_callable(function)
-    def typed(context):
-        def typer(*given):
-            return signature
-
-        typer.pysig = inspect.signature(function)
-        return typer
-
-    return lower_builtin(function, types.VarArg(types.Any))
-
-
 def _llvm(builder, name, arguments):
     """Call LLVM's intrinsic function of doubles with a name."""
     function = builder.module.declare_intrinsic(
@@ -107,84 +93,68 @@ def _llvm(builder, name, arguments):
     return builder.call(function, arguments)
 
 
-@type_callable(instructions.fma)
-@type_callable(instructions.loop_fma)
-@type_callable(instructions.descending_fma)
-def _fma_type(context):
-    def typer(a, b, c):
-        kind = simd_lowering.lanes_among((a, b, c))
-        if kind is None:
-            return _F8(_F8, _F8, _F8)
-        return kind(*simd_lowering.operands((a, b, c)))
-
-    return typer
+def _fma_type(a, b, c):
+    kind = simd_lowering.lanes_among((a, b, c))
+    if kind is None:
+        return _F8(_F8, _F8, _F8)
+    return kind(*simd_lowering.operands((a, b, c)))
 
 
-@lower_builtin(instructions.fma, types.VarArg(types.Any))
-def _fma(context, builder, signature, arguments):
-    if signature.return_type == _F8:
+def _register_fma(function, by_transforms):
+    """The instruction of a b + c, or the functions of doubles that replace it."""
+
+    @instruction(function, _fma_type)
+    def fma(context, builder, signature, arguments):
+        if signature.return_type != _F8:
+            return simd_lowering.fused(builder, signature.return_type, arguments)
         if is_instruction("llvm.fma", 3):
             return _llvm(builder, "llvm.fma", arguments)
-        return error_free.fma_of_any(builder, *arguments)
-    return simd_lowering.fused(builder, signature.return_type, arguments)
+        return by_transforms(builder, *arguments)
 
 
-@lower_builtin(instructions.loop_fma, types.VarArg(types.Any))
-def _loop_fma(context, builder, signature, arguments):
-    if signature.return_type != _F8:
-        return simd_lowering.fused(builder, signature.return_type, arguments)
-    if is_instruction("llvm.fma", 3):
-        return _llvm(builder, "llvm.fma", arguments)
-    return error_free.fma(builder, *arguments)
+_register_fma(instructions.fma, error_free.fma_of_any)
+_register_fma(instructions.loop_fma, error_free.fma)
+_register_fma(instructions.descending_fma, error_free.descending_fma)
 
 
-@lower_builtin(instructions.descending_fma, types.VarArg(types.Any))
-def _descending_fma(context, builder, signature, arguments):
-    if signature.return_type != _F8:
-        return simd_lowering.fused(builder, signature.return_type, arguments)
-    if is_instruction("llvm.fma", 3):
-        return _llvm(builder, "llvm.fma", arguments)
-    return error_free.descending_fma(builder, *arguments)
-
-
-@_instruction(instructions.rint, _F8(_F8))
+@instruction(instructions.rint, _F8(_F8))
 def _rint(context, builder, signature, arguments):
     if is_instruction("llvm.rint", 1):
         return _llvm(builder, "llvm.rint", arguments)
     return error_free.rint(builder, *arguments)
 
 
-@_instruction(instructions.as_bits, _I8(_F8))
+@instruction(instructions.as_bits, _I8(_F8))
 def _as_bits(context, builder, signature, arguments):
     return builder.bitcast(arguments[0], _INTEGER)
 
 
-@_instruction(instructions.from_bits, _F8(_I8))
+@instruction(instructions.from_bits, _F8(_I8))
 def _from_bits(context, builder, signature, arguments):
     return builder.bitcast(arguments[0], _DOUBLE)
 
 
-@_instruction(instructions.larger, _F8(_F8, _F8))
+@instruction(instructions.larger, _F8(_F8, _F8))
 def _larger(context, builder, signature, arguments):
     return builder.select(builder.fcmp_ordered(">", *arguments), *arguments)
 
 
-@_instruction(instructions.fence, _F8(_F8))
+@instruction(instructions.fence, _F8(_F8))
 def _fence(context, builder, signature, arguments):
     return _llvm(builder, "llvm.arithmetic.fence", arguments)
 
 
-@_instruction(instructions.bits_set, types.uint8(types.uint8))
+@instruction(instructions.bits_set, types.uint8(types.uint8))
 def _bits_set(context, builder, signature, arguments):
     return builder.ctpop(arguments[0])
 
 
-@_instruction(instructions.lowest_bit, types.uint64(types.uint64))
+@instruction(instructions.lowest_bit, types.uint64(types.uint64))
 def _lowest_bit(context, builder, signature, arguments):
     return builder.cttz(arguments[0], ir.Constant(ir.IntType(1), 1))
 
 
-@_instruction(pointers.call, types.void(_I8, _F8, *[_I8] * 5))
+@instruction(pointers.call, types.void(_I8, _F8, *[_I8] * 5))
 def _call(context, builder, signature, arguments):
     pointer = _DOUBLE.as_pointer()
     kind = ir.FunctionType(ir.VoidType(), [_DOUBLE] + [pointer] * 5)
@@ -194,29 +164,29 @@ def _call(context, builder, signature, arguments):
     return context.get_dummy_value()
 
 
-@_instruction(pointers.scratch, _I8())
+@instruction(pointers.scratch, _I8())
 def _scratch(context, builder, signature, arguments):
     found = cgutils.alloca_once(builder, _DOUBLE, size=pointers.SCRATCH)
     return builder.ptrtoint(found, _INTEGER)
 
 
-@_instruction(pointers.number, _F8(_I8, _I8))
+@instruction(pointers.number, _F8(_I8, _I8))
 def _number(context, builder, signature, arguments):
     return builder.load(_place(builder, _DOUBLE, *arguments))
 
 
-@_instruction(pointers.whole, _I8(_I8, _I8))
+@instruction(pointers.whole, _I8(_I8, _I8))
 def _whole(context, builder, signature, arguments):
     return builder.load(_place(builder, _INTEGER, *arguments))
 
 
-@_instruction(pointers.put, types.void(_I8, _I8, _F8))
+@instruction(pointers.put, types.void(_I8, _I8, _F8))
 def _put(context, builder, signature, arguments):
     builder.store(arguments[2], _place(builder, _DOUBLE, *arguments[:2]))
     return context.get_dummy_value()
 
 
-@_instruction(pointers.put_three, types.void(_I8, _I8, _F8, _F8, _F8))
+@instruction(pointers.put_three, types.void(_I8, _I8, _F8, _F8, _F8))
 def _put_three(context, builder, signature, arguments):
     address, k, *numbers = arguments
     first = _place(builder, _DOUBLE, address, k)

@@ -27,12 +27,7 @@ if TYPE_CHECKING:
 
 
 class Lanes:
-    """A SIMD vector of doubles, in Python.
-
-    Attributes
-    ----------
-    lanes : tuple of float
-    """
+    """A SIMD vector of doubles, in Python."""
 
     __slots__ = ("lanes",)
 

@@ -5,6 +5,7 @@ It is imported when the first function is compiled.
 
 from __future__ import annotations
 
+import inspect
 import operator
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
@@ -44,30 +45,18 @@ class _LanesModel(models.PrimitiveModel):
         super().__init__(manager, kind, kind.vector)
 
 
-def typed(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Register a typer: a function from the argument types of a function of `simd` to its type."""
+def instruction(function: Callable[..., Any], kind: Any) -> Callable[..., Any]:
+    """Register the types of a function, a signature or a typer, and the instructions of it.
 
-    def register(typer):
-        @type_callable(function)
-        def of_context(context):
-            return typer
-
-        return typer
-
-    return register
-
-
-def lowered(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Register the instructions of a function of `simd`."""
+    A typer makes the type, or the signature, from the types of the arguments.
+    """
+    typer: Any = kind if inspect.isfunction(kind) else lambda *arguments: kind
+    typer.pysig = inspect.signature(function)
+    type_callable(function)(lambda context: typer)
     return lower_builtin(function, types.VarArg(types.Any))
 
 
-@typed(simd.lanes)
-def _lanes_type(numbers):
-    return LanesType(len(numbers))
-
-
-@lowered(simd.lanes)
+@instruction(simd.lanes, lambda numbers: LanesType(len(numbers)))
 def _lanes(context, builder, signature, arguments):
     kind = signature.return_type
     made = ir.Constant(kind.vector, ir.Undefined)
@@ -77,24 +66,14 @@ def _lanes(context, builder, signature, arguments):
     return made
 
 
-@typed(simd.doubles_of)
-def _doubles_type(a):
-    return types.UniTuple(types.float64, a.count)
-
-
-@lowered(simd.doubles_of)
+@instruction(simd.doubles_of, lambda a: types.UniTuple(types.float64, a.count))
 def _doubles(context, builder, signature, arguments):
     count = range(signature.return_type.count)
     found = [builder.extract_element(arguments[0], _INDEX(k)) for k in count]
     return context.make_tuple(builder, signature.return_type, found)
 
 
-@typed(simd.bits_set_in_bytes)
-def _bits_type(word):
-    return LanesType(8)(types.uint64)
-
-
-@lowered(simd.bits_set_in_bytes)
+@instruction(simd.bits_set_in_bytes, lambda word: LanesType(8)(types.uint64))
 def _bits(context, builder, signature, arguments):
     kind = signature.return_type
     parts = builder.bitcast(arguments[0], ir.VectorType(ir.IntType(8), kind.count))
@@ -102,54 +81,29 @@ def _bits(context, builder, signature, arguments):
     return builder.uitofp(counted, kind.vector)
 
 
-@typed(simd.every)
-def _every_type(number, like):
-    return like(types.float64, like)
-
-
-@lowered(simd.every)
+@instruction(simd.every, lambda number, like: like(types.float64, like))
 def _every_lane(context, builder, signature, arguments):
     return _spread(builder, signature.return_type, arguments[0])
 
 
-@typed(simd.at_least)
-def _at_least_type(a, least):
-    return a
-
-
-@lowered(simd.at_least)
+@instruction(simd.at_least, lambda a, least: a)
 def _at_least(context, builder, signature, arguments):
     arguments = [_spread(builder, signature.return_type, each) for each in arguments]
     return builder.select(builder.fcmp_ordered(">", *arguments), *arguments)
 
 
-@typed(simd.at_most)
-def _at_most_type(a, most):
-    return a
-
-
-@lowered(simd.at_most)
+@instruction(simd.at_most, lambda a, most: a)
 def _at_most(context, builder, signature, arguments):
     arguments = [_spread(builder, signature.return_type, each) for each in arguments]
     return builder.select(builder.fcmp_ordered("<", *arguments), *arguments)
 
 
-@typed(simd.chosen)
-def _chosen_type(by, a, b):
-    return a
-
-
-@lowered(simd.chosen)
+@instruction(simd.chosen, lambda by, a, b: a)
 def _chosen(context, builder, signature, arguments):
     return builder.select(_above_zero(builder, arguments[0]), *arguments[1:])
 
 
-@typed(simd.root)
-def _root_type(a):
-    return a
-
-
-@lowered(simd.root)
+@instruction(simd.root, lambda a: a)
 def _root(context, builder, signature, arguments):
     kind = signature.return_type
     if not isinstance(kind, LanesType):
@@ -158,12 +112,7 @@ def _root(context, builder, signature, arguments):
     return builder.call(function, arguments)
 
 
-@typed(simd.packed)
-def _packed_type(a, by):
-    return a
-
-
-@lowered(simd.packed)
+@instruction(simd.packed, lambda a, by: a)
 def _packed(context, builder, signature, arguments):
     kind, mask = signature.return_type.vector, _above_zero(builder, arguments[1])
     if llvm_version_info[0] < _COMPRESSES:
@@ -189,23 +138,12 @@ def _packed_one_by_one(builder, a, mask):
     return builder.load(memory)
 
 
-@typed(simd.largest_lane)
-@typed(simd.summed_up)
-def _one_lane_type(a):
-    return types.float64
-
-
-@lowered(simd.summed_up)
+@instruction(simd.summed_up, lambda a: types.float64)
 def _summed_up(context, builder, signature, arguments):
     return builder.extract_element(_added(builder, arguments[0], 1), _INDEX(0))
 
 
-@typed(simd.summed_for_each)
-def _summed_for_each_type(a, like):
-    return like(a, like)
-
-
-@lowered(simd.summed_for_each)
+@instruction(simd.summed_for_each, lambda a, like: like(a, like))
 def _summed_for_each(context, builder, signature, arguments):
     kind = signature.return_type
     if isinstance(kind, LanesType):
@@ -223,12 +161,12 @@ def _added(builder, left, count):
     return left
 
 
-@typed(simd.for_each)
-def _for_each_type(numbers, like):
-    return LanesType(len(numbers) * (like.count if isinstance(like, LanesType) else 1))
-
-
-@lowered(simd.for_each)
+@instruction(
+    simd.for_each,
+    lambda numbers, like: LanesType(
+        len(numbers) * (like.count if isinstance(like, LanesType) else 1)
+    ),
+)
 def _for_each(context, builder, signature, arguments):
     kind = signature.return_type
     made, count = ir.Constant(kind.vector, ir.Undefined), kind.count // len(signature.args[0])
@@ -238,7 +176,7 @@ def _for_each(context, builder, signature, arguments):
     return made
 
 
-@lowered(simd.largest_lane)
+@instruction(simd.largest_lane, lambda a: types.float64)
 def _largest(context, builder, signature, arguments):
     (left,) = arguments
     half = signature.args[0].count // 2
@@ -249,12 +187,7 @@ def _largest(context, builder, signature, arguments):
     return builder.extract_element(left, _INDEX(0))
 
 
-@typed(simd.positive_bits)
-def _positive_type(a):
-    return types.int64
-
-
-@lowered(simd.positive_bits)
+@instruction(simd.positive_bits, lambda a: types.int64)
 def _positive(context, builder, signature, arguments):
     above = builder.bitcast(_above_zero(builder, arguments[0]), ir.IntType(signature.args[0].count))
     return builder.zext(above, ir.IntType(64))
@@ -310,13 +243,17 @@ def _picked(places):
     return ir.Constant(ir.VectorType(_INDEX, len(places)), places)
 
 
+def _operator_type(a, b):
+    kind = lanes_among((a, b))
+    return kind and kind(*operands((a, b)))
+
+
 def _operator(symbol, instruction):
     """Register the instruction of an operator on vectors, and on a vector and a double."""
 
-    @typed(symbol)
-    def typer(a, b):
-        kind = lanes_among((a, b))
-        return kind and kind(*operands((a, b)))
+    @type_callable(symbol)
+    def of_context(context):
+        return _operator_type
 
     def applied(context, builder, signature, arguments):
         kind = signature.return_type
@@ -332,9 +269,9 @@ _operator(operator.mul, "fmul")
 _operator(operator.truediv, "fdiv")
 
 
-@typed(operator.neg)
-def _negative_type(a):
-    return a if isinstance(a, LanesType) else None
+@type_callable(operator.neg)
+def _negative_type(context):
+    return lambda a: a if isinstance(a, LanesType) else None
 
 
 @lower_builtin(operator.neg, LanesType)
@@ -345,37 +282,24 @@ def _negative(context, builder, signature, arguments):
 # ---- The instructions of `simd` that read and write arrays
 
 
-@typed(simd.eight)
-def _eight_type(array, i):
-    return LanesType(8) if array.is_contig else None
+def _register_read(function, count):
+    @instruction(function, lambda array, i: LanesType(count) if array.is_contig else None)
+    def read(context, builder, signature, arguments):
+        kind = signature.return_type
+        data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+        first = builder.gep(data, [arguments[1]])
+        return builder.load(builder.bitcast(first, kind.vector.as_pointer()), align=8)
 
 
-@typed(simd.four)
-def _four_type(array, i):
-    return LanesType(4) if array.is_contig else None
+_register_read(simd.four, 4)
+_register_read(simd.eight, 8)
+_register_read(simd.sixteen, 16)
 
 
-@typed(simd.sixteen)
-def _sixteen_type(array, i):
-    return LanesType(16) if array.is_contig else None
-
-
-@lowered(simd.four)
-@lowered(simd.sixteen)
-@lowered(simd.eight)
-def _eight(context, builder, signature, arguments):
-    kind = signature.return_type
-    data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
-    here = builder.gep(data, [arguments[1]])
-    return builder.load(builder.bitcast(here, kind.vector.as_pointer()), align=8)
-
-
-@typed(simd.put_eight)
-def _put_eight_type(array, i, a):
-    return types.void(array, types.intp, a) if array.is_contig else None
-
-
-@lowered(simd.put_eight)
+@instruction(
+    simd.put_eight,
+    lambda array, i, a: types.void(array, types.intp, a) if array.is_contig else None,
+)
 def _put_eight(context, builder, signature, arguments):
     data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
     here = builder.gep(data, [arguments[1]])
@@ -384,12 +308,12 @@ def _put_eight(context, builder, signature, arguments):
     return context.get_dummy_value()
 
 
-@typed(simd.add_in_columns)
-def _add_type(array, i, rows, amounts):
-    return types.void(array, types.intp, rows, amounts) if array.is_contig else None
-
-
-@lowered(simd.add_in_columns)
+@instruction(
+    simd.add_in_columns,
+    lambda array, i, rows, amounts: (
+        types.void(array, types.intp, rows, amounts) if array.is_contig else None
+    ),
+)
 def _add_in_columns(context, builder, signature, arguments):
     data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
     count = signature.args[2].count
@@ -410,36 +334,21 @@ def _add_in_columns(context, builder, signature, arguments):
 _WHOLE, _EIGHTHS = 3.0 * 2.0**51, 3.0 * 2.0**48
 
 
-@typed(simd.truncated)
-def _truncated_type(a):
-    return a
-
-
-@lowered(simd.truncated)
+@instruction(simd.truncated, lambda a: a)
 def _truncated(context, builder, signature, arguments):
     kind = signature.return_type
     whole = builder.fptosi(arguments[0], ir.VectorType(_INDEX, kind.count))
     return builder.sitofp(whole, kind.vector)
 
 
-@typed(simd.nearest_eighth)
-def _nearest_type(a):
-    return a
-
-
-@lowered(simd.nearest_eighth)
+@instruction(simd.nearest_eighth, lambda a: a)
 def _nearest_eighth(context, builder, signature, arguments):
     kind = signature.return_type
     total = _in_low_bits(builder, kind, arguments[0], _EIGHTHS)
     return _fenced(builder, kind, builder.fsub(total, _all(kind, _EIGHTHS)))
 
 
-@typed(simd.inverse_power)
-def _power_type(a):
-    return a
-
-
-@lowered(simd.inverse_power)
+@instruction(simd.inverse_power, lambda a: a)
 def _inverse_power(context, builder, signature, arguments):
     kind = signature.return_type
     integers = ir.VectorType(ir.IntType(64), kind.count)
@@ -455,12 +364,7 @@ def _inverse_power(context, builder, signature, arguments):
     return builder.bitcast(builder.sub(builder.bitcast(power, integers), whole), kind.vector)
 
 
-@typed(simd.halved)
-def _halved_type(a, times):
-    return a
-
-
-@lowered(simd.halved)
+@instruction(simd.halved, lambda a, times: a)
 def _halved(context, builder, signature, arguments):
     kind = signature.return_type
     integers = ir.VectorType(ir.IntType(64), kind.count)
@@ -470,12 +374,7 @@ def _halved(context, builder, signature, arguments):
     return builder.bitcast(bits, kind.vector)
 
 
-@typed(simd.exponent)
-def _exponent_type(a):
-    return a
-
-
-@lowered(simd.exponent)
+@instruction(simd.exponent, lambda a: a)
 def _exponent(context, builder, signature, arguments):
     kind = signature.return_type
     integers = ir.VectorType(ir.IntType(64), kind.count)
@@ -506,29 +405,20 @@ def _all(kind, number):
 _INTEGER, _LINE = ir.IntType(64), ir.VectorType(ir.DoubleType(), streaming.LINE)
 
 
-@type_callable(streaming.past_line)
-def _past_line_type(context):
-    return lambda array: types.intp(array) if array.is_contig else None
-
-
-@lower_builtin(streaming.past_line, types.VarArg(types.Any))
+@instruction(streaming.past_line, lambda array: types.intp(array) if array.is_contig else None)
 def _past_line(context, builder, signature, arguments):
     data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
     number = builder.udiv(builder.ptrtoint(data, _INTEGER), _INTEGER(8))
     return builder.urem(number, _INTEGER(streaming.LINE))
 
 
-@type_callable(streaming.copy_line)
-def _copy_line_type(context):
-    def typer(source, i, target, j):
-        if not (source.is_contig and target.is_contig):
-            return None
-        return types.void(source, types.intp, target, types.intp)
-
-    return typer
+def _copy_line_type(source, i, target, j):
+    if not (source.is_contig and target.is_contig):
+        return None
+    return types.void(source, types.intp, target, types.intp)
 
 
-@lower_builtin(streaming.copy_line, types.VarArg(types.Any))
+@instruction(streaming.copy_line, _copy_line_type)
 def _copy_line(context, builder, signature, arguments):
     places = []
     for k in (0, 2):
@@ -545,12 +435,10 @@ def _store_line(builder, line, target):
     stored.set_metadata("nontemporal", builder.module.add_metadata([ir.IntType(32)(1)]))
 
 
-@type_callable(streaming.put_line)
-def _put_line_type(context):
-    return lambda array, i, a: types.void(array, types.intp, a) if array.is_contig else None
-
-
-@lower_builtin(streaming.put_line, types.VarArg(types.Any))
+@instruction(
+    streaming.put_line,
+    lambda array, i, a: types.void(array, types.intp, a) if array.is_contig else None,
+)
 def _put_line(context, builder, signature, arguments):
     array, i, line = arguments
     data = context.make_array(signature.args[0])(context, builder, array).data
@@ -559,12 +447,7 @@ def _put_line(context, builder, signature, arguments):
     return context.get_dummy_value()
 
 
-@type_callable(streaming.finish_stores)
-def _finish_stores_type(context):
-    return lambda: types.void()
-
-
-@lower_builtin(streaming.finish_stores)
+@instruction(streaming.finish_stores, lambda: types.void())
 def _finish_stores(context, builder, signature, arguments):
     builder.fence("seq_cst")
     return context.get_dummy_value()

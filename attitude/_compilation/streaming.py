@@ -35,10 +35,7 @@ def copy_line(source: FloatArray, i: int, target: FloatArray, j: int) -> None:
 
 
 def put_line(array: FloatArray, i: int, a: Lanes) -> None:
-    """Store a vector of eight doubles as the line of the cache that starts at array[i].
-
-    As `copy_line`.
-    """
+    """Store a vector of eight doubles as the line of the cache at array[i], as `copy_line`."""
     i = int(i)
     array[i : i + LINE] = a.lanes
 

@@ -9,6 +9,7 @@ from numba import types
 from numba.extending import lower_builtin, models, register_model, type_callable
 
 from attitude._compilation import wide
+from attitude._compilation.simd_lowering import instruction
 
 _SIZE = 64 * wide.WORDS
 _WIDE, _PRODUCT, _TWO = ir.IntType(_SIZE), ir.IntType(2 * _SIZE), ir.IntType(128)
@@ -33,37 +34,17 @@ class _WideModel(models.PrimitiveModel):
         super().__init__(manager, kind, _WIDE)
 
 
-def _instruction(function, *kinds):
-    """Register the type of a function of `wide` (result, arguments) and its instructions."""
-
-    def register(lowered):
-        @type_callable(function)
-        def of_context(context):
-            return _TYPERS[len(kinds) - 1](kinds[0](*kinds[1:]))
-
-        return lower_builtin(function, types.VarArg(types.Any))(lowered)
-
-    return register
-
-
-# numba calls a typer with the types of the arguments by position.
-_TYPERS = {
-    1: lambda signature: lambda a: signature,
-    2: lambda signature: lambda a, b: signature,
-}
-
-
-@_instruction(wide.wide, _KIND, types.int64)
+@instruction(wide.wide, _KIND(types.int64))
 def _wide(context, builder, signature, arguments):
     return builder.sext(arguments[0], _WIDE)
 
 
-@_instruction(wide.word, types.int64, _KIND)
+@instruction(wide.word, types.int64(_KIND))
 def _low_word(context, builder, signature, arguments):
     return builder.trunc(arguments[0], _WORD)
 
 
-@_instruction(wide.whole, _KIND, types.float64)
+@instruction(wide.whole, _KIND(types.float64))
 def _whole(context, builder, signature, arguments):
     bits = builder.bitcast(arguments[0], _WORD)
     exponent = builder.and_(builder.lshr(bits, _WORD(52)), _WORD(0x7FF))
@@ -84,7 +65,7 @@ def _magnitude(builder, n):
     return below, builder.select(below, builder.sub(_WIDE(0), n), n)
 
 
-@_instruction(wide.double, types.float64, _KIND)
+@instruction(wide.double, types.float64(_KIND))
 def _double(context, builder, signature, arguments):
     below, size = _magnitude(builder, arguments[0])
     zeros = builder.ctlz(size, _BIT(0))  # all bits of zero
@@ -119,7 +100,7 @@ def _multiplied(builder, arguments, first):
     return total, builder.xor(*signs)
 
 
-@_instruction(wide.times, _KIND, _KIND, _KIND)
+@instruction(wide.times, _KIND(_KIND, _KIND))
 def _times(context, builder, signature, arguments):
     total, below = _multiplied(builder, arguments, 0)
     total = builder.select(below, builder.sub(_PRODUCT(0), total), total)
@@ -127,7 +108,7 @@ def _times(context, builder, signature, arguments):
     return builder.trunc(builder.ashr(total, _PRODUCT(wide.BITS)), _WIDE)
 
 
-@_instruction(wide.product, _KIND, _KIND, _KIND)
+@instruction(wide.product, _KIND(_KIND, _KIND))
 def _product(context, builder, signature, arguments):
     total, below = _multiplied(builder, arguments, wide.FIRST)
     size = builder.trunc(builder.lshr(total, _PRODUCT(wide.BITS)), _WIDE)
@@ -138,7 +119,7 @@ def _word(builder, n, k):
     return builder.trunc(builder.lshr(n, _WIDE(64 * k)), _WORD)
 
 
-@_instruction(wide.shifted, _KIND, _KIND, types.int64)
+@instruction(wide.shifted, _KIND(_KIND, types.int64))
 def _shifted(context, builder, signature, arguments):
     n, places = arguments
     left = builder.icmp_signed(">=", places, _WORD(0))
@@ -147,13 +128,13 @@ def _shifted(context, builder, signature, arguments):
     return builder.select(left, builder.shl(n, size), builder.ashr(n, size))
 
 
-@_instruction(wide.negative, types.boolean, _KIND)
+@instruction(wide.negative, types.boolean(_KIND))
 def _negative(context, builder, signature, arguments):
     below = builder.icmp_signed("<", arguments[0], _WIDE(0))
     return context.cast(builder, below, types.boolean, signature.return_type)
 
 
-@_instruction(wide.length, types.int64, _KIND)
+@instruction(wide.length, types.int64(_KIND))
 def _length(context, builder, signature, arguments):
     _, size = _magnitude(builder, arguments[0])
     zeros = builder.trunc(builder.ctlz(size, _BIT(0)), _WORD)
@@ -167,25 +148,12 @@ def _place(context, builder, kind, array, k):
     return builder.bitcast(here, _WIDE.as_pointer())
 
 
-def _words_type(result):
-    def of_context(context):
-        if result is _KIND:
-            return lambda words, k: _KIND(words, types.int64)
-        return lambda words, k, n: types.void(words, types.int64, _KIND)
-
-    return of_context
-
-
-type_callable(wide.load)(_words_type(_KIND))
-type_callable(wide.store)(_words_type(types.void))
-
-
-@lower_builtin(wide.load, types.VarArg(types.Any))
+@instruction(wide.load, lambda words, k: _KIND(words, types.int64))
 def _load(context, builder, signature, arguments):
     return builder.load(_place(context, builder, signature.args[0], *arguments), align=8)
 
 
-@lower_builtin(wide.store, types.VarArg(types.Any))
+@instruction(wide.store, lambda words, k, n: types.void(words, types.int64, _KIND))
 def _store(context, builder, signature, arguments):
     place = _place(context, builder, signature.args[0], *arguments[:2])
     builder.store(arguments[2], place, align=8)

@@ -37,14 +37,10 @@ class _Prepared(NamedTuple):
 class Batch(NamedTuple):
     """The states of B bodies.
 
-    Attributes
-    ----------
-    inertia : (B, 3) or (B, 3, 3) array
-        Principal moments about the body axes, or tensors in body axes, whose doubles are exact.
-    wxyz : (B, 4) array
-        Attitudes at t = 0, body to inertial, of any length.
-    omega : (B, 3) array
-        rad/s over the body axes.
+    inertia: (B, 3) or (B, 3, 3), principal moments about the body axes, or tensors in body axes,
+        whose doubles are exact.
+    wxyz: (B, 4), attitudes at t = 0, body to inertial, of any length.
+    omega: (B, 3), rad/s over the body axes.
     """
 
     inertia: FloatArray
@@ -60,9 +56,8 @@ class Batch(NamedTuple):
         sensitivity: Sequence[FloatArray],
         threads: int,
     ) -> None:
-        """Fill attitudes, and angular velocities and derivatives where memory is given.
-
-        Shapes: t, t_low (1 or B, T), wxyz (B, 4, T), rates (B, 3, T), sensitivity (B, 3, 9, T).
+        """Fill wxyz (B, 4, T), and rates (B, 3, T), sensitivity (B, 3, 9, T) if given; t (1 or B,
+        T).
         """
         count, length = len(self.wxyz), t.shape[1]
         if not count:
@@ -103,9 +98,8 @@ class Batch(NamedTuple):
         first: int,
         count: int,
     ) -> None:
-        """As `propagated`, in one piece, for a span of the epochs.
-
-        For error messages, the first body has the number `first` of `count`.
+        """As `propagated` for a span of the epochs; errors say that its first body is `first` of
+        `count`.
         """
         found = self._prepared(rates is not None, first, count)
         body = evaluation.evaluated(found.constants, t, t_low, wxyz, rates, *span)
@@ -147,10 +141,7 @@ class Batch(NamedTuple):
 def symmetric_tensors(
     tensors: FloatArray, first: int = 0, count: int = 1, *, raises: bool = True
 ) -> FloatArray:
-    """Tensors (B, 3, 3) without the rounding of their asymmetry.
-
-    Shapes: tensors (B, 3, 3).
-    """
+    """Tensors (B, 3, 3) without the rounding of their asymmetry."""
     across = np.swapaxes(tensors, 1, 2)
     with np.errstate(invalid="ignore", over="ignore"):
         off, largest = (np.abs(each).max(axis=(1, 2)) for each in (tensors - across, tensors))

@@ -565,16 +565,10 @@ def exchange_members(moments, axes, new_moments, new_axes, w):
 
 @entry_point
 def evaluate_members(constants, starts, t, t_low, wxyz, rates, column):
-    """As `evaluate_arcs` for each of N members.
+    """As `evaluate_arcs` for N members: constants (N, K), starts (K, 2); wxyz (N, 4, T), rates (N,
+    3, T).
 
-    Given
-        constants  (N, K) records of the arcs of each member
-        starts     (K, 2) starts of the arcs, the same for all members
-    Filled
-        wxyz       (N, 4, T), from the column on
-        rates      (N, 3, T)
-    Returned
-        -1, or the first member with an epoch beyond its reach
+    Returns -1, or the first member with an epoch beyond its reach.
     """
     for b in range(len(constants)):
         to = wxyz[b : b + 1], rates[b : b + 1]
@@ -624,11 +618,7 @@ def surveyed(member):
 
 @sized_entry_point
 def runs_of(member, first, end, who, starts):
-    """Fill the member and the first row of each run of the rows first to end, and the end.
-
-    Returned
-        the number of runs
-    """
+    """Fill the member and the first row of each run of the rows first to end; returns the count."""
     count = 0
     for k in range(first, end):
         if k == first or member[k] != member[k - 1]:
@@ -647,12 +637,7 @@ def counted(member, counts):
 
 @sized_entry_point
 def placed(member, first, places, order):
-    """Fill the order in which rows stand by member, each member's as given.
-
-    Given
-        member     (K,) of the rows from `first` on
-        places     the next place of each member; advanced
-    """
+    """Fill the order in which rows stand by member (K,), each member's as given, by `places`."""
     for k in range(len(member)):
         place = places[member[k]]
         order[place] = first + k

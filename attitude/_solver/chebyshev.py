@@ -54,9 +54,8 @@ def nodes(count: int) -> FloatArray:
 
 
 def coefficients(values: ArrayLike) -> FloatArray:
-    """The Chebyshev coefficients of the polynomial through values at the nodes.
-
-    Shapes: values (count, ...).
+    """Chebyshev coefficients (count, ...) of the polynomial through values (count, ...) at the
+    nodes.
     """
     values = np.asarray(values, dtype=np.float64)
     count = len(values)
@@ -71,9 +70,8 @@ def coefficients(values: ArrayLike) -> FloatArray:
 
 
 def evaluate(table: FloatArray, piece: NDArray[np.integer[Any]], x: FloatArray) -> FloatArray:
-    """Values at N epochs of the polynomials of their pieces, by Clenshaw's recurrence.
-
-    Shapes: piece (N,), x (N,).
+    """Values at N epochs of the polynomials of their pieces (N,) at x (N,), by Clenshaw's
+    recurrence.
     """
     out = np.empty((*table.shape[1:-1], len(x)))
     for start in range(0, len(x), _CHUNK):
@@ -98,14 +96,10 @@ def _clenshaw(table, piece, x):
 class Pieces:
     """A function of time on a span, as equal Chebyshev pieces.  Made by `Pieces.fit`.
 
-    Attributes
-    ----------
-    start, width : float
-        The start of the first piece and the length of each, in the unit of the function's time.
-    table : (degree + 1, ..., pieces) array, read-only
-        Coefficients, as `evaluate` takes them.
-    error : float
-        The largest absolute error of any component, measured between the nodes of every piece.
+    start, width: the start of the first piece and the length of each, in the unit of the function's
+        time.
+    table: (degree + 1, ..., pieces), coefficients, as `evaluate` takes them.
+    error: the largest absolute error of any component, measured between the nodes of every piece.
 
     >>> path = Pieces.fit(lambda t: np.stack([np.cos(t), np.sin(t)], axis=-1), 0.0, 100.0, 1e-12)
     >>> path(np.linspace(0.0, 100.0, 7)).shape, path.error < 1e-12
@@ -139,10 +133,7 @@ class Pieces:
         *,
         degree: int = 15,
     ) -> Pieces:
-        """Fit a function with 1, 2, 4, ... pieces, until the tolerance is reached.
-
-        Shapes: function in s.
-        """
+        """Fit a function of s with 1, 2, 4, ... pieces, until the tolerance is reached."""
         start, stop = validation.number(start, "start"), validation.number(stop, "stop")
         tolerance = validation.positive(tolerance, "tolerance")
         if not start < stop:
@@ -341,9 +332,8 @@ def _four_at_once(rows, first, count, t):
 
 @quickly_compiled
 def values(records, skip, count, piece, x, factor, out):
-    """Fill out (3, N) with the vector at each epoch times a factor.
-
-    Eight epochs in one piece are evaluated together, by SIMD.
+    """Fill out (3, N) with the vector at each epoch times a factor; eight of one piece at once, by
+    SIMD.
     """
     out_a, out_b, out_c = out[0], out[1], out[2]
     for first in range(0, piece.size, 8):
@@ -425,10 +415,7 @@ def _row_of(seconds, most, width, cells):
 
 @quickly_compiled
 def values_and_rates(records, skip, count, piece, x, widths, factor, out, rate):
-    """As `values`, and fill rate (3, N) with the derivative by time.
-
-    widths (pieces,) or (1,) holds the lengths of the pieces in seconds.
-    """
+    """As `values`, and fill rate (3, N) with the derivative; widths (pieces,) or (1,) in s."""
     equal = widths.size == 1
     for component in range(3):
         first = skip + component * count

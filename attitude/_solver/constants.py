@@ -208,9 +208,8 @@ def _rotates_uniformly(c):
 
 @subroutine
 def _order(c):
-    """Fill the ascending order and D2 = L^2 - 2 E I2, I2 the middle moment; whether D2 cancels.
-
-    D2 is positive where the momentum circulates about the axis of greatest inertia.
+    """Fill the ascending order and D2 = L^2 - 2 E I2, positive for circulation about the axis of
+    greatest inertia; whether D2 cancels.
     """
     # The next stage replaces it where the other form converges faster.
     c.form = codes.TRIGONOMETRIC
@@ -256,11 +255,7 @@ def _exact_middle_invariant(c, total):
 
 @sized_entry_point
 def solve_all(constants):
-    """Fill the rates and phases of those of B motions that tumble.
-
-    Returned
-        how many of them have the hyperbolic form
-    """
+    """Fill the rates and phases of those of B motions that tumble; returns how many hyperbolic."""
     hyperbolic = 0
     for b in range(len(constants)):
         c = constants[b]
@@ -274,9 +269,8 @@ def solve_all(constants):
 
 @subroutine
 def jacobi(c):
-    """Jacobi ordering (3.32): the angular momentum circulates about the internal third axis.
-
-    A proper signed permutation also makes the first and third rates non-negative.
+    """Jacobi ordering (3.32), by a proper signed permutation: the momentum circulates about the
+    third axis, and the first and third rates are not negative.
     """
     d2, omega, axes = pair(c.d2), c.omega, c.jacobi
     # 2, 1, 0 or 0, 1, 2 of the ascending order
@@ -447,10 +441,9 @@ def hyperbolic_all(constants):
 
 @subroutine
 def _trigonometric_series(c, alpha, beta):
-    """Theta functions of nome Q, written with X = exp(-2 delta) and P = Q exp(2 delta).
-
-    Every term is then a product of numbers of at most 1, and nothing overflows for a symmetric
-    body, whose delta is infinite and whose Q is 0.
+    """Theta functions of nome Q by X = exp(-2 delta) and P = Q exp(2 delta): every term is a
+    product of numbers of at most 1, also for a symmetric body, whose delta is infinite and whose Q
+    is 0.
     """
     if c.stretch < math.inf:
         double_delta = 0.5 * math.pi * c.stretch * c.fraction
@@ -561,9 +554,8 @@ def hyperbolic_rates_all(constants):
 
 @subroutine
 def _trigonometric_rates(q, c, rates):
-    """Amplitudes times cn, sn, dn as theta quotients, nome q.
-
-    theta1 and theta2 are without their factor 2 q^(1/4).
+    """Amplitudes times cn, sn, dn as theta quotients, nome q; theta1, theta2 without their 2
+    q^(1/4).
     """
     theta2 = theta3 = theta4 = 0.0
     sign = even = odd = step = 1.0

@@ -69,9 +69,8 @@ def known(given: Any, name: str = "covariance") -> FloatArray:
 
 
 def components(covariance: FloatArray) -> dict[str, FloatArray] | None:
-    """Standard deviations (3,) by name that `known` makes into the same bits, or None.
-
-    None for correlated errors, and for variances that are no squares of doubles.
+    """Standard deviations (3,) by name that `known` makes into the same bits; None for correlated
+    errors, and for variances that are no squares of doubles.
     """
     sigma = np.sqrt(np.diag(covariance))
     if np.diag(sigma**2).tobytes() != covariance.tobytes():

@@ -323,9 +323,8 @@ def ellipticity(c):
 
 @subroutine
 def passage(c):
-    """A pair a with exp(-2|y|) = 2^(-a |dx|), and Q' = 2^(-a/2), of the hyperbolic form.
-
-    As a pair: about the middle axis the motion is as small as exp(-2|y|), with all its digits.
+    """A pair a with exp(-2|y|) = 2^(-a |dx|), Q' = 2^(-a/2): motions about the middle axis keep all
+    digits.
     """
     if c.winds == 0.0:
         return TWO_OVER_LOG_2, 0.0

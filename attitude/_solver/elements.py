@@ -86,12 +86,9 @@ def elements_of(c: Any) -> Elements:
 
 
 def inputs_by_elements(c: Any, by_input: FloatArray) -> FloatArray:
-    """The least change (6, 5) of angular velocity and moments for a unit change of each element.
-
-    Shapes: c, by_input (7, 6).
-
-    The inverse of the Jacobian of the elements but for the common scale of the moments, which
-    changes no attitude.
+    """The least change (6, 5) of angular velocity and moments for a unit change of each element,
+    by_input (7, 6): the inverse of the Jacobian but for the scale of the moments, which changes no
+    attitude.
     """
     if c["form"] == codes.UNIFORM or (c["form"] == codes.HYPERBOLIC and c["winds"] == 0.0):
         raise AttitudeError(
@@ -161,10 +158,9 @@ def _sums(s: float, x: float, sign: float) -> tuple[float, float]:
 
 
 def state_of(elements: Elements) -> tuple[FloatArray, FloatArray]:
-    """Moments (3,), the greatest being 1, and angular velocity (3,) at the epoch.
-
-    Over the principal axes in the order of the solution: the momentum circulates about the third,
-    the second is the middle one.
+    """Moments (3,), the greatest being 1, and angular velocity (3,) at the epoch, over the
+    principal axes in the order of the solution: the momentum circulates about the third, the second
+    is the middle one.
     """
     from scipy.special import ellipj, ellipk
 

@@ -117,9 +117,8 @@ def _turned_back(quadrant, c, s):
 
 @subroutine
 def quarter_and_fraction(b, c, s):
-    """K of complementary modulus b > 0, and F/K of the amplitude in the first quadrant; doubles.
-
-    The amplitude is given by its cosine and sine up to a common factor.
+    """K of complementary modulus b > 0, and F/K of an amplitude of the first quadrant with a cosine
+    and a sine up to a common factor; doubles.
     """
     a = 1.0
     quadrant = 0

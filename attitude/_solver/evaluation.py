@@ -5,7 +5,6 @@ It is imported (and, the first time on a machine, compiled) at the first propaga
 
 from __future__ import annotations
 
-from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -115,8 +114,7 @@ def evaluate_all(
 ) -> int:
     """Fill columns of attitudes, and of angular velocities unless rates is None: see `kernel`.
 
-    Returned
-        -1, or the number of a body with an epoch beyond its reach; then not all are filled
+    Returns -1, or the number of a body with an epoch beyond its reach; then not all are filled.
     """
     # To numba a read-only array is of another type, for which each loop would be compiled anew.
     constants, t = _read_only(constants), _read_only(t)
@@ -191,10 +189,8 @@ def constants_of(
     first: int = 0,
     count: int = 1,
 ) -> NDArray[Any]:
-    """Constants (B,) of motions whose principal moments and rates are pairs of doubles.
-
-    Shapes: moments, omega (B, 3, 2), wxyz (B, 4), principal (1 or B, 4), differences (3, 2),
-    wxyz_low (B, 4).
+    """Constants (B,) of motions: moments, omega (B, 3, 2), wxyz, wxyz_low (B, 4), principal (1 or
+    B, 4), differences (3, 2).
     """
     constants, faults = prepared(
         moments, wxyz, omega, principal, differences=differences, rates=rates, wxyz_low=wxyz_low
@@ -216,11 +212,9 @@ def prepared(
     rates: bool = True,
     wxyz_low: FloatArray | None = None,
 ) -> tuple[NDArray[Any], int]:
-    """As `constants_of`, but states that are not physical are counted, not refused.
-
-    Shapes: returns constants (B,).
+    """Constants (B,) as of `constants_of`, but states that are not physical are counted, not
+    refused.
     """
-    prepare_all, _ = _compiled()
     # zeros, two microseconds faster than np.zeros of a record with so many fields
     constants: NDArray[Any] = np.ndarray(
         len(moments), CONSTANTS, bytearray(len(moments) * CONSTANTS.itemsize)
@@ -231,9 +225,6 @@ def prepared(
 
 def faults_of(moments: FloatArray, wxyz: FloatArray, omega: FloatArray) -> IntArray:
     """Numbers (K,) of the states (B,), given as to `constants_of`, that are not physical."""
-    _compiled()
-    from attitude._solver.constants import classify_all
-
     constants: NDArray[Any] = np.ndarray(
         len(moments), CONSTANTS, bytearray(len(moments) * CONSTANTS.itemsize)
     )
@@ -257,11 +248,7 @@ def evaluate(
     wxyz: FloatArray,
     rates: FloatArray | None,
 ) -> None:
-    """Fill attitudes and angular velocities of B motions at given epochs.
-
-    Shapes: constants (B,), t, t_low (1 or B, T), wxyz (B, 4, T), rates (B, 3, T).
-    """
-    _, evaluate_all = _compiled()
+    """Fill wxyz (B, 4, T) and rates (B, 3, T) of B motions at epochs t, t_low (1 or B, T)."""
     if t.flags.writeable:
         t = read_only(t)
     if t_low is not None and t_low.flags.writeable:
@@ -288,7 +275,6 @@ def evaluated(
     end: int,
 ) -> int:
     """As `evaluate` for the epochs from `first` to `end`, in one call of compiled code."""
-    _, evaluate_all = _compiled()
     found: int = evaluate_all(constants, t, t_low, wxyz, rates, first, end)
     return found
 
@@ -302,12 +288,6 @@ def refuse_epoch(constants: Any, t: FloatArray, t_low: FloatArray | None) -> Non
         "two doubles of time resolve this motion for 5e16 turns to either side. Give a nearer "
         "epoch."
     )
-
-
-@cache
-def _compiled():
-
-    return prepare_all, evaluate_all
 
 
 def writable(array: Any) -> Any:

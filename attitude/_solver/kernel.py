@@ -58,8 +58,7 @@ if TYPE_CHECKING:
 def _signed_permutations() -> tuple[FloatArray, FloatArray]:
     """Proper signed permutations as matrices and unit quaternions, [first, second, sign 1, sign 3].
 
-    Column k of the matrix is the principal axis that becomes internal axis k: `first`, `second`
-    and the third one; index 1 for a negative sign.  The sign of the second axis follows.
+    Column k is the principal axis that becomes internal axis k; index 1 is a negative sign.
     """
     matrices, quaternions = np.zeros((3, 3, 2, 2, 3, 3)), np.zeros((3, 3, 2, 2, 4))
     for first, second in ((0, 1), (1, 2), (2, 0), (1, 0), (2, 1), (0, 2)):
@@ -130,9 +129,8 @@ def product(p, q):
 
 @subroutine
 def at_start(wxyz, low):
-    """The unit quaternion of the epoch: wxyz of any length, or its first doubles if it has others.
-
-    wxyz + low is of unit length unless `low` is zero.
+    """The unit quaternion of the epoch: wxyz of any length, or wxyz + low of unit length if low is
+    not zero.
     """
     return wxyz if any_of(low) else unit(wxyz)
 

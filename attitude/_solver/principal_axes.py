@@ -318,9 +318,8 @@ _WORTH, _APART = 2.0**-12, 2.0**-20
 
 @subroutine
 def approach(tensor, exponent, t, axes, wxyz, w):
-    """Turn the matrix of w, and its axes, which are those of the body, to axes of the tensor.
-
-    t, axes (3, 3) and wxyz (4,) are memory for doubles.
+    """Turn the matrix of w and its axes to axes of the tensor; t, axes (3, 3), wxyz (4,) are
+    memory.
     """
     for i in range(3):
         for j in range(3):
@@ -526,18 +525,12 @@ def _put_differences(w, x, z, tempo, out):
 class PrincipalAxes(NamedTuple):
     """Principal moments and axes of B symmetric tensors, whose doubles are taken as exact.
 
-    Attributes
-    ----------
-    words : (B, 7 KEPT) array
-        The moments and the axes to 115 digits, integers of `wide`.
-    moments : (B, 3, 2) array
-        Pairs of doubles in the unit of the tensors: ascending, of a diagonal tensor its diagonal.
-        A least moment that is zero within rounding is 0; the body is then a rod.
-    axes : (B, 3, 3, 2) array
-        Pairs of doubles: unit columns over the body axes, right-handed.  The largest component of
-        each is positive, except where that would make the third left-handed.
-    wxyz : (B, 4) array
-        Unit quaternions from the principal axes to the body axes, w >= 0.
+    words: (B, 7 KEPT), the moments and the axes to 115 digits, integers of `wide`.
+    moments: (B, 3, 2), pairs of doubles in the unit of the tensors: ascending, of a diagonal tensor
+        its diagonal. A least moment that is zero within rounding is 0; the body is then a rod.
+    axes: (B, 3, 3, 2), pairs of doubles: unit columns over the body axes, right-handed.  The
+        largest component of each is positive, except where that would make the third left-handed.
+    wxyz: (B, 4), unit quaternions from the principal axes to the body axes, w >= 0.
     """
 
     words: NDArray[np.int64]
@@ -559,9 +552,8 @@ class PrincipalAxes(NamedTuple):
         return found
 
     def over_axes(self, omega: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Angular velocities over the principal axes, and differences beside them.
-
-        Shapes: omega (N, 3), returns rates (N, 3, 2), returns differences (N, 3, 2).
+        """Angular velocities (N, 3) over the principal axes, (N, 3, 2), and differences (N, 3, 2)
+        beside them.
         """
         rates, differences = np.empty((len(omega), 3, 2)), np.empty((len(omega), 3, 2))
         _over_axes_all(self.words, omega, rates, differences)

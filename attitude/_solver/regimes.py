@@ -321,10 +321,8 @@ def _place(near, u):
 
 @subroutine
 def _interpolated(x1, f1, x2, f2, x3, f3):
-    """Where the next value is taken between x1 (0) and x2 (1), from a point x3 outside of them.
-
-    By the inverse parabola through the three where it is monotonic between x1 and x2, in the middle
-    where it is not.
+    """The next value between x1 (0) and x2 (1), by the inverse parabola through a third point x3
+    where it is monotonic between them, else in the middle.
     """
     part, rise = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2)
     if rise * rise < part and (1.0 - rise) * (1.0 - rise) < 1.0 - part:

@@ -35,10 +35,7 @@ _MOST_GROWTH = 280.0
 def tangents_of(
     moments: FloatArray, wxyz: FloatArray, principal: FloatArray, constants: NDArray[Any]
 ) -> NDArray[Any]:
-    """The derivatives of the elements of B motions.
-
-    Shapes: constants (B,).
-    """
+    """The derivatives of the elements of B motions, constants (B,)."""
     if np.any(moments[:, :, 0] == 0.0):
         body = int(np.flatnonzero(np.any(moments[:, :, 0] == 0.0, axis=1))[0])
         raise AttitudeError(
@@ -65,10 +62,8 @@ def evaluate(
     *,
     edges: IntArray | None = None,
 ) -> None:
-    """Fill the derivatives of B motions at given epochs.
-
-    Shapes: constants, tangents (B,), t, t_low (1 or B, T), attitude (B, 3, P, T), omega (B, 3, P,
-    T).
+    """Fill attitude, omega (B, 3, P, T) with the derivatives of B motions at epochs t, t_low (1 or
+    B, T).
     """
     short = _short_of(constants, tangents, t, edges, omega is not None)
     _in_blocks(constants, tangents, short, t, t_low, 1, (attitude, omega), edges)
@@ -77,12 +72,9 @@ def evaluate(
 class Factored(NamedTuple):
     """What `covariances` needs of B motions and the covariances of their parameters.
 
-    Attributes
-    ----------
-    factors : (B, 9, 9) array
-        W of covariances W W^T, such that W^T makes the columns triangular.
-    tangents : (B,) structured array
-        Those of parameters of which the given ones are combinations by the factors.
+    factors: (B, 9, 9), W of covariances W W^T, such that W^T makes the columns triangular.
+    tangents: (B,) structured, those of parameters of which the given ones are combinations by the
+        factors.
     """
 
     factors: FloatArray
@@ -102,10 +94,7 @@ def covariances(
     t_low: FloatArray | None,
     out: FloatArray,
 ) -> None:
-    """Fill the covariances of B motions at given epochs.
-
-    Shapes: out (B, 3, 3, T).
-    """
+    """Fill out (B, 3, 3, T) with the covariances of B motions at given epochs."""
     short = _short_of(constants, tangents, t, None, out.shape[1] == 6)
     if len(short):
         short["series"] = np.moveaxis(of.factors, 1, 2)[:, None] @ short["series"]
@@ -113,10 +102,7 @@ def covariances(
 
 
 def _short_of(constants, tangents, t, edges, rates):
-    """The series of the motions for epochs near that of the state, or none if none is near.
-
-    At the epoch itself only the derivatives of the angular velocity need them.
-    """
+    """The series of motions for epochs near that of the state, or none if no epoch needs them."""
     reach = np.empty(len(constants))
     _short().reaches(evaluation.writable(constants), reach)
     far = reach[:, None] if edges is None else np.repeat(reach, np.diff(edges))[None]

@@ -78,12 +78,8 @@ def reaches(constants, out):
 
 @slowly_compiled
 def short_setup(constants, tangents, reach, out):
-    """Fill the series of those of B motions that are not at rest.
-
-    Given
-        reach    (B,) of `reaches`
-    Filled
-        out      (B,) of SHORT
+    """Fill the series (B,) of SHORT of those of B motions that are not at rest; reach (B,) of
+    `reaches`.
     """
     w, dw = np.zeros((3, TERMS)), np.zeros((3, TERMS))
     momentum, turn = np.zeros((3, TERMS)), np.zeros((3, 3, TERMS))

@@ -124,10 +124,7 @@ def kicked(state, change, rest):
 
 @subroutine
 def _add(x, low, change):
-    """x + low + change as a sum and its error: compensated summation.
-
-    The error is exact if |change| >= |low|, else right to a rounding of the change.
-    """
+    """x + low + change as a sum and its error, exact if |change| >= |low|, else rounded."""
     change, lost = quick_two_sum(change, low)
     x, left = two_sum(x, change)
     return x, left + lost

@@ -44,9 +44,8 @@ _LONGEST_DAMPING: Final = 256.0
 
 @subroutine
 def body_of(c):
-    """The numbers c of `march` as tuples: moments, inverses, quaternion, matrix, largest angle.
-
-    Then the matrix of damping by rows, and its size.
+    """The numbers c of `march` as tuples: moments, inverses, quaternion, matrix, largest angle;
+    then the matrix of damping by rows, and its size.
     """
     d = layout.DAMPING
     return (

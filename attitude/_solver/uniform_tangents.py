@@ -221,10 +221,7 @@ def _put_turn(d, j, row, turns, moments, axis, change):
 
 @force_inlined
 def uniform_block(c, d, t, t_low, block):
-    """Fill seconds, cosine and sine of the turn, S and V of a block.
-
-    Arguments as in tangents.
-    """
+    """Fill seconds, cosine and sine of the turn, S and V of a block; arguments as in tangents."""
     gh, gl = c.precession[0], c.precession[1]
     for i in range(len(t)):
         time, low = epoch_pair(t, t_low, i)

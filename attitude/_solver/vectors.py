@@ -92,9 +92,8 @@ def separation(
     by: FloatArray,
     bz: FloatArray,
 ) -> FloatArray:
-    """Angles (N,) in rad between unit vectors a and b; components are (N,), or (1,) for all epochs.
-
-    2 atan2(|a - b|, |a + b|): exact at 0 and pi, where an arc cosine loses half of its digits.
+    """Angles (N,) in rad between unit vectors of components (N,) or (1,), as 2 atan2(|a - b|, |a +
+    b|): an arc cosine loses half of its digits at 0 and pi.
     """
     if ax.size == 1:
         ax, ay, az, bx, by, bz = bx, by, bz, ax, ay, az

@@ -20,10 +20,8 @@ from attitude._solver.records import CONSTANTS
 
 
 def compile_ahead() -> None:
-    """Compile the functions that are not in the disk cache; on a single core, do nothing.
-
-    If the cache cannot be written, the functions of the other process are compiled again at their
-    first use.
+    """Compile the functions that are not in the disk cache, in a second process; not on a single
+    core.
     """
     if not sys.executable or _cores() < 2:
         return

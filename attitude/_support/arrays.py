@@ -36,10 +36,8 @@ def frozen(array: Array) -> Array:
 
 
 def read_only(array: Array) -> Array:
-    """A read-only view.
-
-    Compiled code takes read-only arrays throughout: to numba a writable array has another type,
-    for which every function would be compiled once more.
+    """A read-only view: to numba a writable array has another type, for which it would compile once
+    more.
     """
     view = array.view()
     view.flags.writeable = False
@@ -47,9 +45,8 @@ def read_only(array: Array) -> Array:
 
 
 def copied(array: Array) -> Array:
-    """A copy, made in parts: Python acts on signals, such as that of Ctrl-C, between two of them.
-
-    The first write to each page of new memory costs more than the copy: 0.1 s for 5e7 doubles.
+    """A copy, made in parts between which Python acts on signals: new memory costs more than the
+    copy.
     """
     if array.size <= _PART:
         return array.copy(order="K")

@@ -146,10 +146,7 @@ _called = -_RELEASE
 class ProgressBar:
     """A function of (done, total) that draws a bar if standard error is a terminal.
 
-    Parameters
-    ----------
-    label : str
-        What is computed.
+    label: what is computed.
     """
 
     def __init__(self, label: str) -> None:

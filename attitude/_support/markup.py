@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 import re
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -56,6 +56,33 @@ def table(head: str, rows: Iterable[Sequence[str]], *pictures: str) -> str:
     )
 
 
+def of_table(head: str, columns: Any, most: int = 12, *pictures: str) -> str:
+    """The first rows of an astropy table under a heading, with units, and pictures beside them."""
+    names = list(columns.colnames)
+    shown = columns[:most]
+    units = [getattr(columns[name], "unit", None) for name in names]
+    heads = [f"{name} [{unit}]" if unit else name for name, unit in zip(names, units, strict=True)]
+    texts = [_texts(shown[name]) for name in names]
+    rows = [heads, *map(list, zip(*texts, strict=True))]
+    if len(columns) > most:
+        rows.append([f"... {len(columns)} in all", *[""] * (len(names) - 1)])
+    return table(head, rows, *pictures)
+
+
+def _texts(column: Any) -> list[str]:
+    """The entries of a column of a table, numbers to six digits."""
+    found = []
+    for each in column:
+        value = getattr(each, "value", each)
+        if isinstance(value, (float, np.floating)):
+            found.append(f"{value:.6g}")
+        elif isinstance(value, np.ndarray) and value.ndim == 0 and value.dtype.kind == "f":
+            found.append(f"{float(value):.6g}")
+        else:
+            found.append(str(value))
+    return found
+
+
 def described(text: str, span: Sequence[object] | None) -> str:
     """A table of a description, or of its one line and the ends of a span."""
     head, rows = rows_of(text)
@@ -89,10 +116,12 @@ def line_plot(
     colors: Sequence[str] = ("#0072b2", "#d55e00", "#009e73"),
     is_equal: bool = False,
     is_downward: bool = False,
+    is_dotted: bool = False,
 ) -> str:
     """An SVG of lines (x, y) of one scale, with a caption; points that are not finite are gaps.
 
     `is_equal`: one scale for x and y.  `is_downward`: y grows downwards, as magnitudes do.
+    `is_dotted`: a dot for each point in place of lines.
     """
     finite = [np.isfinite(x) & np.isfinite(y) for x, y in lines]
     if not any(np.any(each) for each in finite):
@@ -111,7 +140,9 @@ def line_plot(
         if not is_downward:
             points[:, 1] = _HEIGHT - points[:, 1]
         color = colors[k % len(colors)]
-        paths.append(f'<path d="{_path(points)}" fill="none" stroke="{color}"/>')
+        dots = ' stroke-linecap="round" stroke-width="2.5"' if is_dotted else ""
+        drawn = _path(points, is_dotted=is_dotted)
+        paths.append(f'<path d="{drawn}" fill="none" stroke="{color}"{dots}/>')
     return (
         f'<figure style="margin:0"><svg width="{_WIDTH:.0f}" height="{_HEIGHT:.0f}" '
         f'role="img" aria-label="{html.escape(caption)}">{"".join(paths)}</svg>'
@@ -119,12 +150,41 @@ def line_plot(
     )
 
 
-def _path(points: NDArray[np.float64]) -> str:
+def solid(corners: NDArray[np.float64], normals: NDArray[np.float64], caption: str) -> str:
+    """An SVG of the facets (F, 3, 3) of a surface that face the viewer, lit from beside him."""
+    toward = np.array([0.48, 0.64, 0.6])
+    right = np.array([-0.8, 0.6, 0.0])
+    up = np.cross(toward, right)
+    facing = np.flatnonzero(normals @ toward > 0.0)
+    order = facing[np.argsort(np.mean(corners[facing], axis=1) @ toward)]
+    flat = np.stack([corners[order] @ right, -(corners[order] @ up)], axis=-1)
+    if not len(order):
+        return ""
+    low, high = flat.min(axis=(0, 1)), flat.max(axis=(0, 1))
+    scale = (_HEIGHT - 2.0 * _EDGE) / max(float(np.max(high - low)), 1e-300)
+    flat = (flat - 0.5 * (low + high)) * scale + 0.5 * _HEIGHT
+    light = normals[order] @ np.array([0.1, 0.75, 0.65])
+    shades = (60.0 + 170.0 * np.clip(light, 0.0, 1.0)).astype(int).tolist()
+    drawn = "".join(
+        f'<path d="{_path(points)}Z" fill="rgb({each},{each},{each})" '
+        f'stroke="rgb({each},{each},{each})" stroke-width="0.4"/>'
+        for points, each in zip(flat, shades, strict=True)
+    )
+    return (
+        f'<figure style="margin:0"><svg width="{_HEIGHT:.0f}" height="{_HEIGHT:.0f}" role="img" '
+        f'aria-label="{html.escape(caption)}">{drawn}</svg>'
+        f'<figcaption style="font-size:80%">{html.escape(caption)}</figcaption></figure>'
+    )
+
+
+def _path(points: NDArray[np.float64], *, is_dotted: bool = False) -> str:
     words, is_gap = [], True
     for x, y in points:
         if not (np.isfinite(x) and np.isfinite(y)):
             is_gap = True
             continue
-        words.append(f"{'M' if is_gap else 'L'}{x:.1f} {y:.1f}")
+        words.append(f"{'M' if is_gap or is_dotted else 'L'}{x:.1f} {y:.1f}")
+        if is_dotted:
+            words.append("h0")
         is_gap = False
     return "".join(words)

@@ -59,10 +59,7 @@ _WORD = re.compile("|".join(rf"\b{word}\b" for word in _SPELLINGS))
 
 
 def numbers_and_unit(text: str, name: str) -> tuple[list[str], str]:
-    """The numbers of a text, as they are written, and its unit, "" if it has none.
-
-    `name` is the name of the value in the error message.
-    """
+    """The numbers of a text, as written, and its unit or ""; `name` stands in the error message."""
     found = _NUMBERS.fullmatch(text)
     if found is None:
         raise AttitudeError(
@@ -94,10 +91,7 @@ def _spelled(text: str) -> str:
 
 
 def unit_of(text: str, name: str) -> UnitBase:
-    """The astropy unit with a name; plurals, "rpm" and "rev" are known too.
-
-    `name` is the name of the value in the error message.
-    """
+    """The astropy unit with a name, plurals, "rpm" and "rev"; `name` stands in the error."""
     from astropy import units
 
     guess = None
@@ -112,3 +106,28 @@ def unit_of(text: str, name: str) -> UnitBase:
         f"{name} is in {quoted(text)}, which is not a unit that astropy knows"
         + (f" (did you mean {guess.group(1)}?)." if guess else ".")
     ) from None
+
+
+# ---- Times in the unit that their size asks for
+
+TIME_UNITS: dict[str, float] = {"d": 86400.0, "h": 3600.0, "min": 60.0, "s": 1.0}
+
+
+def time_unit(seconds: float) -> str:
+    """The unit in which a time is read best: days from 2 days on, h, min, or s below 2 minutes.
+
+    >>> [time_unit(each) for each in (5.4 * 86400.0, 7200.0, 600.0, 111.0, float("inf"))]
+    ['d', 'h', 'min', 's', 'd']
+    """
+    size = abs(seconds)
+    return next((unit for unit, each in TIME_UNITS.items() if size >= 2.0 * each), "s")
+
+
+def of_time(seconds: float, digits: int = 6) -> str:
+    """A time with the unit of its size.
+
+    >>> of_time(19123.0), of_time(111.4)
+    ('5.31194 h', '111.4 s')
+    """
+    unit = time_unit(seconds)
+    return f"{seconds / TIME_UNITS[unit]:.{digits}g} {unit}"

@@ -129,11 +129,11 @@ ATTRIBUTES: dict[str, dict[str, str]] = {
         **_each("use sun_direction, over the body axes", "sun", "sun_vector"),
         **_each("use observer_direction, over the body axes", "observer", "observer_vector"),
     },
-    "HasSamples": {
+    "LightCurve": {
         **_each("use magnitude", "mag", "mags", "magnitudes"),
         **_each("use sigma", "error", "errors", "err", "uncertainty"),
         **_each("use times", "time", "t", "jd", "epochs"),
-        **_each("use attitude.photometry.periodogram(curve)", "periodogram", "period", "periods"),
+        **_each("use attitude.photometry.periods(curve)", "periodogram", "period", "periods"),
         **_each("use attitude.photometry.fold(curve, period)", "fold", "folded"),
         **_each("use the class's read(file)", "from_file", "load", "open"),
         **_each("use attitude.inversion.spin_states(curve, ...)", "invert", "solve"),
@@ -180,7 +180,8 @@ MODULES: dict[str, dict[str, str]] = {
         **_each(
             "use attitude.photometry.LightCurve or attitude.inversion.LightCurve", "LightCurve"
         ),
-        **_each("use attitude.photometry.periodogram(curve)", "periodogram", "LombScargle"),
+        **_each("use attitude.photometry.periods(curve)", "periodogram", "LombScargle"),
+        **_each("use attitude.photometry: lines, fit_series, periods", "spectrum"),
         **_each("use attitude.shape.Ellipsoid", "Ellipsoid"),
         **_each("use attitude.shape.Mesh, or attitude.shape.read(file)", "Mesh", "read_shape"),
         **_each("use attitude.motions.Motion", "Motion"),
@@ -216,11 +217,14 @@ MODULES: dict[str, dict[str, str]] = {
         **_each("use attitude.viewer.animate(motion, file)", "animate"),
     },
     "attitude.inversion": {
+        **_each(
+            "use photometry.periods(curve, count=2, min_period=...)", "periods", "Periods", "Pair"
+        ),
         **_each("use inversion.spin_states(curve, ...)", "invert", "solve", "run", "fit"),
         **_each("use inversion.LightCurve.read(file)", "read", "load"),
     },
     "attitude.photometry": {
-        **_each("use photometry.periodogram(curve)", "lomb_scargle", "LombScargle"),
+        **_each("use photometry.periods(curve)", "lomb_scargle", "LombScargle"),
         **_each("use photometry.read(file)", "load", "from_file"),
     },
     "attitude.viewer": {
@@ -276,12 +280,8 @@ class Answering:
 def arguments(hints: Mapping[str, str], example: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
     """A decorator of a function or ``__init__``: a wrong call is an AttitudeError.
 
-    Parameters
-    ----------
-    hints : mapping
-        What to do in place of an argument that does not exist.
-    example : str
-        A call that is right.
+    hints: what to do in place of an argument that does not exist.
+    example: a call that is right.
     """
 
     def decorated(function: Callable[P, R]) -> Callable[P, R]:

@@ -18,10 +18,7 @@ from attitude.errors import AttitudeError
 class FlatTable(QTable):
     """A QTable; `write` to CSV splits columns of vectors, and `to_pandas` too.
 
-    Attributes
-    ----------
-    flat_names : dict
-        Names of the components by the name of a column; otherwise name_0, name_1 and so on.
+    flat_names: names of the components by the name of a column; otherwise name_0, name_1 and so on.
     """
 
     flat_names: ClassVar[dict[str, tuple[str, ...]]] = {

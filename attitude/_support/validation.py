@@ -62,10 +62,7 @@ def is_finite(array: FloatArray) -> bool:
 
 
 def rows(value: Reals, name: str, width: int, *, unit: str | None = None) -> FloatArray:
-    """The value as a float64 array (..., width), not copied if it is one already.
-
-    NaN and infinity pass: the compiled solution checks its input.
-    """
+    """The value as a float64 array (..., width), not copied if it is one; NaN and infinity pass."""
     if type(value) is np.ndarray and value.dtype == np.float64:
         array: FloatArray = value
     else:

@@ -73,9 +73,8 @@ def written_whole(
 
 @contextmanager
 def made_whole(path: str | os.PathLike[str], name: str = "output") -> Iterator[str]:
-    """A temporary file name for libraries that open files by name; renamed to `path` at the end.
-
-    Parameters and errors are those of `written_whole`.  Devices and pipes are refused.
+    """As `written_whole`, a temporary name for libraries that open files by name; no devices or
+    pipes.
     """
     target = _target(path, name)
     if os.path.exists(target) and not os.path.isfile(target):
@@ -94,10 +93,7 @@ def made_whole(path: str | os.PathLike[str], name: str = "output") -> Iterator[s
 
 @contextmanager
 def _temporary(target: str, direct: bool = False, *, ending: str = "") -> Iterator[str]:
-    """The name to write to in place of `target`; no such file is left when the block ends.
-
-    Also where SIGTERM or SIGHUP ends the process, if their handlers are Python's own.
-    """
+    """The name to write to in place of `target`, deleted at the end, at SIGTERM and SIGHUP too."""
     if direct:
         yield target
         return

@@ -65,9 +65,8 @@ def comment_of(text: str) -> str | None:
 
 
 def values(lines: Lines) -> dict[str, str]:
-    """Keyword -> value of a message of one block, such as an OMM; the last of each keyword counts.
-
-    Comments are left out; a value ends before an opening bracket, which begins a unit.
+    """Keyword -> value of a message of one block, the last one counts; without comments and
+    [units].
     """
     found = {}
     for line in lines:

@@ -32,12 +32,8 @@ Fault: TypeAlias = Callable[[str, int | None], AttitudeError]
 class Lines:
     """Iterator over the lines of an open file as bytes, without their line ends.
 
-    Attributes
-    ----------
-    path : str
-        Name of the file in error messages.
-    number : int
-        Number of the last line that was read, counted from 1; 0 before the first.
+    path: name of the file in error messages.
+    number: number of the last line that was read, counted from 1; 0 before the first.
     """
 
     def __init__(self, file: BinaryIO | _ReturnsAsFeeds, path: str | os.PathLike[str]):
@@ -175,12 +171,8 @@ def cut(value: object, mark: str | None = None) -> str:
 class NoNumber(Exception):
     """An entry of a column that is not a number.
 
-    Attributes
-    ----------
-    line, column : int
-        Its line and its column among those that `numbers` was given, counted from 0.
-    shown : str
-        The entry in quotes, at most 40 characters of it.
+    line, column: its line and its column among those that `numbers` was given, counted from 0.
+    shown: the entry in quotes, at most 40 characters of it.
     """
 
     def __init__(self, line: int, column: int, token: bytes):

@@ -27,32 +27,18 @@ if TYPE_CHECKING:
 class Form:
     """What a kind of message may hold.
 
-    Attributes
-    ----------
-    kind : str
-        "AEM", "APM" or "ACM".
-    versions, header, meta : tuple of str
-        The versions, and the keywords of the header and the meta data.
-    blocks : mapping
-        Block -> its keywords; one that ends in * stands for all that begin so.
-    units : mapping
-        Keyword -> units that may stand behind its value; a value without a unit is in the first.
-    elements : mapping
-        Element of XML -> block.
-    rows : mapping
-        Block with rows -> the element of XML that holds one.
-    inner : mapping
-        Block that stands inside of another one -> that one.
-    once, repeated : tuple of str
-        Blocks that a message has once, keywords that a block may have several times.
-    old : mapping
-        Keyword of version 1.0, whose blocks have no marks in KVN -> block, and keyword there.
-    groups : tuple of str
-        Elements of XML that stand between a block and its keywords.
-    anywhere : tuple of str
-        Keywords of the meta data that stand in a block of XML.
-    marks : mapping
-        "metadata" and "data" -> what marks them in KVN, if there are marks.
+    kind: "AEM", "APM" or "ACM".
+    versions, header, meta: the versions, and the keywords of the header and the meta data.
+    blocks: block -> its keywords; one that ends in * stands for all that begin so.
+    units: keyword -> units that may stand behind its value; a value without a unit is in the first.
+    elements: element of XML -> block.
+    rows: block with rows -> the element of XML that holds one.
+    inner: block that stands inside of another one -> that one.
+    once, repeated: blocks that a message has once, keywords that a block may have several times.
+    old: keyword of version 1.0, whose blocks have no marks in KVN -> block, and keyword there.
+    groups: elements of XML that stand between a block and its keywords.
+    anywhere: keywords of the meta data that stand in a block of XML.
+    marks: "metadata" and "data" -> what marks them in KVN, if there are marks.
     """
 
     kind: str
@@ -75,22 +61,12 @@ class Form:
 class Block(dict[str, str]):
     """Keywords and values of a part of a message.
 
-    Attributes
-    ----------
-    name, line : str, int
-        The name, and the number of the line in which the block begins.
-    lines : dict of int
-        Keyword -> number of its line.
-    order : list of (keyword, value, line)
-        All keywords in the order of the file, repeated ones too.
-    comments : list of str
-    tokens, places : list of bytes, list of int
-        The entries of all rows, and the line of each row.
-    width : int
-        Entries of a row; 0 before the first.
-    inner : list of Block
-    message : Message
-        The one that holds the block.
+    name, line: the name, and the number of the line in which the block begins.
+    lines: keyword -> number of its line.
+    order: list of (keyword, value, line), all keywords in the order of the file, repeated ones too.
+    tokens, places: the entries of all rows, and the line of each row.
+    width: entries of a row; 0 before the first.
+    message: the one that holds the block.
     """
 
     def __init__(self, name: str, line: int, message: Message):
@@ -189,23 +165,10 @@ def _finite(word):
 class Message:
     """A message while it is read: header, meta data and blocks.
 
-    Parameters
-    ----------
-    form : Form
-    version, path : str
-    fault : callable
-        Makes the error for a sentence and the number of a line.
+    fault: makes the error for a sentence and the number of a line.
 
-    Attributes
-    ----------
-    form, version, path, fault
-        As given.
-    header, meta : Block
-    blocks : list of Block
-    open : list of Block
-        Those that have begun and not ended.
-    where : str
-        "header", "meta data" or "data"; "" in messages without marks between these.
+    open: those that have begun and not ended.
+    where: "header", "meta data" or "data"; "" in messages without marks between these.
     """
 
     def __init__(self, form: Form, version: str, path: str, fault: Fault):

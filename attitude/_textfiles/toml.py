@@ -24,18 +24,14 @@ if TYPE_CHECKING:
 def read(path: str | os.PathLike[str], kind: str) -> str:
     """The text of a file; `kind` is its kind in the error message, such as "spin file".
 
-    Raises
-    ------
-    AttitudeError
-        If the file cannot be read or is not UTF-8.
+    AttitudeError if the file cannot be read or is not UTF-8.
     """
     return whole(path, f"give the name of a {kind}")
 
 
 def parsed(text: str, origin: str) -> dict[str, Any]:
-    """The content of a TOML text as dicts and lists.
-
-    `origin`, such as the name of the file, begins the error message.
+    """The content of a TOML text as dicts and lists; `origin`, as the file's name, begins the
+    error.
     """
     try:
         return tomllib.loads(text)
@@ -49,10 +45,7 @@ def parsed(text: str, origin: str) -> dict[str, Any]:
 
 
 def refuse_unknown(section: Iterable[str], known: Collection[str], where: str) -> None:
-    """AttitudeError for the first key of a section that is not known, with the nearest known key.
-
-    `where` is the name of the section in the error message.
-    """
+    """AttitudeError for the first unknown key of a section `where`, with the nearest known key."""
     for key in section:
         if key not in known:
             near = difflib.get_close_matches(key.lower(), known, n=1)
@@ -67,10 +60,7 @@ def refuse_unknown(section: Iterable[str], known: Collection[str], where: str) -
 
 
 def way_of(section: Mapping[str, Any], ways: Iterable[str], where: str) -> str:
-    """The one key, out of several alternatives, that a section has.
-
-    `where` is the name of the section in the error message.
-    """
+    """The one key, out of several alternatives, that the section `where` has."""
     taken = [way for way in ways if way in section]
     if len(taken) != 1:
         raise AttitudeError(
@@ -166,9 +156,8 @@ def of_json(text: str, name: str) -> Any:
 
 
 def of_csv(text: str, name: str) -> list[dict[str, Any]]:
-    """The rows of a CSV text, each as a dict whose keys are the entries of the first line.
-
-    `name` is the name of the file in error messages.
+    """The rows of a CSV text as dicts by the entries of the first line; `name` is the file in
+    errors.
     """
     rows = csv.DictReader(io.StringIO(text))
     try:

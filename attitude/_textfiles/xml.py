@@ -39,14 +39,9 @@ class ElementReader:
     A subclass may interpret parts of the file without the parser: it overrides `take`, and adds the
     lines of these parts to `skipped`.
 
-    Attributes
-    ----------
-    path : str
-        Name of the file in error messages.
-    message : object
-        What a subclass makes of the file; None before the message begins.
-    fed, skipped : int
-        Bytes that the parser was given; lines that it was not.
+    path: name of the file in error messages.
+    message: what a subclass makes of the file; None before the message begins.
+    fed, skipped: bytes that the parser was given; lines that it was not.
     """
 
     def __init__(self, path: str | os.PathLike[str]):

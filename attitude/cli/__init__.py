@@ -2,10 +2,11 @@
 
 A command module defines ``HELP`` (one line), ``EPILOG`` (optional text below the help),
 ``add_arguments(parser)`` and ``run(arguments)``, which returns None and raises an AttitudeError for
-wrong input.
+wrong input.  A module of several commands, named in `_MODULES`, has dicts ``HELP`` and ``EPILOG``
+by command, and its functions take the command as the second argument.
 
-propagate, describe, geometry, lightcurve, invert, periods, fold, plot, view, convert, check,
-warm_up     the commands
+propagate, describe, geometry, lightcurve, passes, invert, periods, fold, plot, view, convert,
+check, installation   the commands
 _options    the motion of a file or of an entry of the catalogue; equally spaced epochs; ``--orbit``
 _output     the option ``--output``; rows of CSV and ECSV
 _selftest   what ``check`` measures
@@ -24,15 +25,18 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial
 from importlib import import_module
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 from attitude.errors import AttitudeError, AttitudeWarning
 
 COMMANDS: tuple[str, ...] = (
     "propagate",
     "describe",
+    "catalog",
     "geometry",
     "lightcurve",
+    "passes",
+    "glints",
     "invert",
     "periods",
     "fold",
@@ -41,7 +45,15 @@ COMMANDS: tuple[str, ...] = (
     "convert",
     "check",
     "warm-up",
+    "completion",
 )
+# Commands that share a module with another one.
+_MODULES = {
+    "catalog": "describe",
+    "glints": "passes",
+    "warm-up": "installation",
+    "completion": "installation",
+}
 
 _DESCRIPTION = "Exact attitude of freely tumbling spacecraft and asteroids at any epoch."
 _EPILOG = """\
@@ -118,21 +130,34 @@ def _parsed(argv: list[str]) -> argparse.Namespace:
         )
     if first in COMMANDS:
         # Parsed by the command's own parser, so that its errors name it.
-        module = _module(first)
-        command = _Parser(
-            prog=f"attitude {first}", description=module.HELP, epilog=getattr(module, "EPILOG", "")
-        )
-        module.add_arguments(command)
-        command.set_defaults(run=module.run)
+        found = command_of(first)
+        command = _Parser(prog=f"attitude {first}", description=found.help, epilog=found.epilog)
+        found.add_arguments(command)
+        command.set_defaults(run=found.run)
         return command.parse_args(argv[1:])
     commands = parser.add_subparsers(metavar="COMMAND", title="commands", required=True)
     for name in COMMANDS:
-        commands.add_parser(name, help=_module(name).HELP)
+        commands.add_parser(name, help=command_of(name).help)
     return parser.parse_args(argv)
 
 
-def _module(command: str) -> Any:
-    return import_module(f"attitude.cli.{command.replace('-', '_')}")
+class Command(NamedTuple):
+    """What a command says of itself, its options and what it does."""
+
+    help: str
+    epilog: str
+    add_arguments: Callable[[argparse.ArgumentParser], None]
+    run: Callable[[argparse.Namespace], None]
+
+
+def command_of(name: str) -> Command:
+    """The Command of one of `COMMANDS`."""
+    module = import_module(f"attitude.cli.{_MODULES.get(name, name)}")
+    epilog: Any = getattr(module, "EPILOG", "")
+    if isinstance(module.HELP, str):
+        return Command(module.HELP, epilog, module.add_arguments, module.run)
+    functions = (partial(each, command=name) for each in (module.add_arguments, module.run))
+    return Command(module.HELP[name], epilog.get(name, ""), *functions)
 
 
 def _joined(argv: list[str]) -> list[str]:

@@ -1,8 +1,8 @@
 """Arguments that several commands have: the motion, equally spaced epochs, ``--orbit``.
 
-Epochs are computed block by block.  If start or stop is a date, the steps are seconds of UTC (leap
-seconds count), so that 00:00 is followed by 01:00; if both count from the epoch, they are seconds
-of TDB, as in ``motion.at(seconds)``.  The two differ by microseconds.
+Epochs are computed block by block.  Steps, and times after the epoch, are seconds of UTC (leap
+seconds count), so that 00:00 is followed by 01:00; they are seconds of TDB if the start is a date
+in TDB.  The two differ by microseconds.
 """
 
 from __future__ import annotations
@@ -26,6 +26,10 @@ if TYPE_CHECKING:
     from attitude.catalog import Entry
     from attitude.motions._free_rotation import FreeRotation
     from attitude.paths._path import Path, Place
+    from attitude.scattering._law import Law
+    from attitude.shape._ellipsoid import Ellipsoid
+    from attitude.shape._mesh import Mesh
+    from attitude.torques._torqued import TorquedRotation
 
     Pair = tuple[FloatArray, FloatArray]  # high and low parts, s
 
@@ -94,8 +98,10 @@ class Grid:
         return 9
 
 
-def grid(epoch: _instants.Instant, start: str, stop: str, step: str) -> Grid:
-    """The Grid of the texts of --start, --stop and --step."""
+def grid(
+    epoch: _instants.Instant, start: str, stop: str, step: str, *, is_tdb: bool = False
+) -> Grid:
+    """The Grid of the texts of --start, --stop and --step, in seconds of UTC, or else of TDB."""
     pace = duration(step, "--step")
     if pace == 0:
         raise AttitudeError('--step is zero; give the time between two rows, like "10 s" or "1 h".')
@@ -104,12 +110,14 @@ def grid(epoch: _instants.Instant, start: str, stop: str, step: str) -> Grid:
             f"--step is {step}; give at least 1e-9 s, the shortest step that dates resolve."
         )
     first, last = _moment(start, "--start"), _moment(stop, "--stop")
-    dated = isinstance(first, _instants.Instant) or isinstance(last, _instants.Instant)
-    uniform_in = "utc" if dated else "tdb"
+    is_tdb = is_tdb or re.search(r"\bTDB\s*$", start, re.IGNORECASE) is not None
+    uniform_in = "tdb" if is_tdb else "utc"
     begin = _instant(first, epoch, uniform_in, "--start", start)
     end = _instant(last, epoch, uniform_in, "--stop", stop)
     if isinstance(first, Fraction) and isinstance(last, Fraction):
         span = last - first
+    elif is_tdb:
+        span = _exact((end.seconds, end.low)) - _exact((begin.seconds, begin.low))
     else:
         span = _exact(_tt(end)) - _exact(_tt(begin))
     if span * pace < 0 and abs(span) > _ROUNDING:
@@ -128,7 +136,7 @@ def grid(epoch: _instants.Instant, start: str, stop: str, step: str) -> Grid:
 
 def one(epoch: _instants.Instant, text: str, name: str) -> _instants.Instant:
     """The Instant of one text, as --start of `grid`; the name begins error messages."""
-    return _instant(_moment(text, name), epoch, "tdb", name, text)
+    return _instant(_moment(text, name), epoch, "utc", name, text)
 
 
 def duration(text: str, name: str) -> Fraction:
@@ -312,9 +320,13 @@ _WORDS = (
     ("--mode", "mode", "LAM or SAM"),
     ("--convention", "convention", "L or S: phi of the long or the short axis"),
     ("--theta-branch", "theta_branch", "acute or obtuse, where psi librates"),
-    ("--epoch", "epoch", "date in UTC"),
+    ("--epoch", "epoch", "date in UTC; alone: one to which the state is propagated"),
     ("--frame", "frame", "frame of the pole or of wxyz"),
 )
+
+
+# Of an epoch that differs from that of the entry.
+_PROPAGATED = "propagated to --epoch"
 
 
 class Target(NamedTuple):
@@ -328,6 +340,7 @@ class Target(NamedTuple):
     source, note : str or None
     given : tuple of str
         Options whose values replace or complete those of the entry.
+    shape, law : of a spin file, or None
     """
 
     motion: FreeRotation
@@ -335,13 +348,15 @@ class Target(NamedTuple):
     source: str | None
     note: str | None
     given: tuple[str, ...] = ()
+    shape: Ellipsoid | Mesh | None = None
+    law: Law | None = None
 
     @property
     def label(self) -> str:
         """The name, and which numbers are not those of its sources."""
-        if not self.given:
-            return self.name
-        return f"{self.name}, with {', '.join(self.given)} as given here"
+        given = [each for each in self.given if each != _PROPAGATED]
+        text = f"{self.name}, with {', '.join(given)} as given here" if given else self.name
+        return f"{text}, {_PROPAGATED}" if _PROPAGATED in self.given else text
 
 
 _FILES = "a body and its state in a file: spin file (.toml), APM, or DAMIT spin file (.spin)"
@@ -367,6 +382,15 @@ def is_file(text: str) -> bool:
     return os.path.isfile(text) or (written_so and not catalog.has(text))
 
 
+def motion_of(arguments: argparse.Namespace) -> FreeRotation | TorquedRotation:
+    """The motion of parsed arguments; that of a mission file with sections [[torque]] too."""
+    if is_file(arguments.target) and _has_torques(arguments.target):
+        from attitude.formats import mission
+
+        return mission.read_motion(arguments.target)
+    return opened(arguments).motion
+
+
 def opened(arguments: argparse.Namespace) -> Target:
     """The Target of parsed arguments."""
     if is_file(arguments.target):
@@ -374,9 +398,12 @@ def opened(arguments: argparse.Namespace) -> Target:
     from attitude import catalog
 
     entry = catalog.entry(arguments.target)
-    given = tuple(_completing(arguments))
+    options = tuple(_completing(arguments))
     sources = "; ".join(entry.sources)
-    return Target(entry.motion(**_given(arguments)), entry.name, sources, entry.note, given)
+    given = _given(arguments)
+    if entry.is_propagated({name: each for name, each in given.items() if each is not None}):
+        options = (*(each for each in options if each != "--epoch"), _PROPAGATED)
+    return Target(entry.motion(**given), entry.name, sources, entry.note, options)
 
 
 def incomplete(arguments: argparse.Namespace) -> Entry | None:
@@ -389,6 +416,15 @@ def incomplete(arguments: argparse.Namespace) -> Entry | None:
     return entry if entry.missing else None
 
 
+def _has_torques(path: str) -> bool:
+    """Whether a file is TOML with sections [[torque]]."""
+    from attitude._textfiles import toml
+
+    if not path.lower().endswith(".toml"):
+        return False
+    return "torque" in toml.parsed(toml.read(path, "spin file"), path)
+
+
 def _from_file(arguments: argparse.Namespace) -> Target:
     from attitude.formats import detect
 
@@ -399,7 +435,8 @@ def _from_file(arguments: argparse.Namespace) -> Target:
             "spin file."
         )
     found = detect.read_state(arguments.target)
-    return Target(found.motion, found.name or arguments.target, found.source, found.note)
+    labels = found.name or arguments.target, found.source, found.note
+    return Target(found.motion, *labels, shape=found.shape, law=found.law)
 
 
 def _given(arguments: argparse.Namespace) -> dict[str, Any]:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from attitude.cli._options import Grid
     from attitude.motions._free_rotation import FreeRotation
+    from attitude.torques._torqued import TorquedRotation
 
 
 PICTURES: tuple[str, ...] = ("png", "svg", "pdf", "jpg")
@@ -62,7 +63,9 @@ def opened(name: str | None) -> AbstractContextManager[Any]:
 # ---- Rows of a table as text, as CSV or as ECSV (which astropy reads with units and times)
 
 
-def header(kind: str, motion: FreeRotation, *, rates: bool, sigma: bool = False) -> str:
+def header(
+    kind: str, motion: FreeRotation | TorquedRotation, *, rates: bool, sigma: bool = False
+) -> str:
     """The lines above the rows: names of the columns; in ECSV also units and descriptions."""
     if kind == "csv":
         return ",".join(tables.names(rates=rates, sigma=sigma)) + "\n"
@@ -106,7 +109,13 @@ def head(table: QTable) -> str:
 
 
 def rows(
-    grid: Grid, motion: FreeRotation, first: int, count: int, *, rates: bool, sigma: bool = False
+    grid: Grid,
+    motion: FreeRotation | TorquedRotation,
+    first: int,
+    count: int,
+    *,
+    rates: bool,
+    sigma: bool = False,
 ) -> str:
     """The text of rows of a grid from `first` on: UTC, TDB seconds, attitude, angular velocity.
 

@@ -160,7 +160,8 @@ def _convert(
         _write_span(arguments, written, motion, settings)
     elif _by_tolerance(arguments, written, found.motion):
         start, stop = _ends(arguments, motion)
-        settings |= {"start": _moment(motion, start), "stop": _moment(motion, stop)}
+        ends = (_moment(motion, each, arguments) for each in (start, stop))
+        settings |= dict(zip(("start", "stop"), ends, strict=True))
         settings |= written.labels(motion, found.said)
         print(detect.write(arguments.output, motion, tolerance=arguments.tolerance, **settings))
     else:
@@ -258,7 +259,7 @@ def _write_span(
         asked = (arguments.start, arguments.stop, arguments.tolerance, arguments.method)
         if not _is_table(source) or any(each is not None for each in asked):
             start, stop = _ends(arguments, source)
-            ends = _moment(source, start), _moment(source, stop)
+            ends = tuple(_moment(source, each, arguments) for each in (start, stop))
     print(written.write(arguments.output, source, *ends, **settings))
 
 
@@ -274,7 +275,7 @@ def _records(arguments: argparse.Namespace, source: Motion) -> Any:
         options = "--step and --stop" if free else "--start, --stop and --step"
         raise AttitudeError(f"{arguments.output} holds attitudes at epochs; give {options}.")
     start, stop = _ends(arguments, source)
-    epochs = _epochs(source, start, stop, arguments.step)
+    epochs = _epochs(source, start, stop, arguments.step, arguments)
     hi, lo = epochs.block(0, epochs.count)
     return Records(source, source.epoch, hi, lo)
 
@@ -293,15 +294,19 @@ def _ends(arguments: argparse.Namespace, source: Motion) -> tuple[str, str]:
     return start or "0", stop
 
 
-def _epochs(source: Motion, start: str, stop: str, step: str) -> Grid:
+def _epochs(
+    source: Motion, start: str, stop: str, step: str, arguments: argparse.Namespace
+) -> Grid:
+    """Epochs in seconds of UTC; of TDB in files in TDB, and within tables, whose span is in TDB."""
     from attitude.cli._options import grid
 
-    return grid(source.epoch, start, stop, step)
+    is_tdb = _is_table(source) or (arguments.time_system or "").strip().upper() in ("TDB", "ET")
+    return grid(source.epoch, start, stop, step, is_tdb=is_tdb)
 
 
-def _moment(source: Motion, text: str) -> Instant:
+def _moment(source: Motion, text: str, arguments: argparse.Namespace) -> Instant:
     """The Instant of a date, or of a time after the epoch of IN."""
-    return _epochs(source, text, text, "1").start
+    return _epochs(source, text, text, "1", arguments).start
 
 
 def _settings(arguments: argparse.Namespace, written: Format, path: Path | None) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""``attitude describe NAME|FILE.toml``: mode, periods, momentum and energy of a motion as text."""
+"""``attitude describe NAME|FILE``: a motion as text; ``attitude catalog``: the published states."""
 
 from __future__ import annotations
 
@@ -7,22 +7,63 @@ import textwrap
 
 from attitude.cli import _options
 
-HELP: str = "print mode, periods, momentum and energy of a spin file or a catalogued body"
-EPILOG: str = """\
+HELP: dict[str, str] = {
+    "describe": "print mode, periods, momentum and energy of a spin file or a catalogued body",
+    "catalog": "list the published spin states that the package holds, or print one with sources",
+}
+EPILOG: dict[str, str] = {
+    "describe": """\
 example:
   attitude describe toutatis.toml
   attitude describe "1P/Halley"
+  attitude describe toutatis --epoch 2029-04-13
 
 With a section [errors] in the spin file each number has its error of one standard deviation.
-"""
+""",
+    "catalog": """\
+examples:
+  attitude catalog
+  attitude catalog apophis
+
+Names, or parts of them, are what other commands take in place of a spin file. What an entry lacks
+is given by options, such as --phi0.
+""",
+}
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the command."""
-    _options.add_target_arguments(parser)
+def add_arguments(parser: argparse.ArgumentParser, command: str) -> None:
+    """Add the options of one of both commands."""
+    if command == "describe":
+        _options.add_target_arguments(parser)
+    else:
+        parser.add_argument("name", metavar="NAME", nargs="?", help="of a body, or a part of it")
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run(arguments: argparse.Namespace, command: str) -> None:
+    """Print a description or the catalogue."""
+    if command == "describe":
+        _describe(arguments)
+    else:
+        _list(arguments.name)
+
+
+def _list(name: str | None) -> None:
+    """Print a line for each entry of the catalogue, or the entries of a name with their sources."""
+    from attitude import catalog
+
+    if name is not None:
+        own = catalog.entry(name).name.partition(" (")[0]
+        found = [each for each in catalog.names() if each.partition(" (")[0] == own]
+        print("\n\n".join(str(catalog.entry(each)) for each in found))
+        return
+    entries = [catalog.entry(each) for each in catalog.names()]
+    width = max(len(each.name) for each in entries)
+    for each in entries:
+        lacking = f"lacks {', '.join(each.missing)}" if each.missing else "complete"
+        print(f"{each.name:{width}}  {each.year}  {each.mode or '-':3}  {lacking}")
+
+
+def _describe(arguments: argparse.Namespace) -> None:
     """Print the description; of an incomplete entry of the catalogue, the entry."""
     from attitude.motions._description import description
 

@@ -35,18 +35,18 @@ def run(arguments: argparse.Namespace) -> None:
     """Print the periods, amplitude and rms; write table and figure."""
     import numpy as np
 
-    from attitude._support import validation
+    from attitude._support import quantity_text, validation
     from attitude.photometry import _folding
 
     if arguments.figure is not None:
         _output.kind_of(arguments.figure, _output.PICTURES, "--figure")
     kind = _output.kind_of(arguments.output)
     data = periods.data_of(arguments)
-    given = np.atleast_1d(validation.real(arguments.period, "--period", unit="s"))
-    order = arguments.order or (4 if given.size == 1 else 2)
+    count = np.size(validation.real(arguments.period, "--period", unit="s"))
+    order = arguments.order or (4 if count == 1 else 2)
     found = _folding.fold(
         data,
-        given,
+        arguments.period,
         order=order,
         epoch=arguments.epoch,
         refine=arguments.refine,
@@ -57,10 +57,9 @@ def run(arguments: argparse.Namespace) -> None:
     for k, period in enumerate(found.periods):
         error = found.series.errors[k] * period**2
         size = float(np.ptp(found.curve(phase, k)))
-        print(
-            f"period {period / 3600.0:.8g} h = {period / 86400.0:.7g} d +- {error / 3600.0:.2g} h, "
-            f"peak to peak {size:.3g}"
-        )
+        unit = quantity_text.time_unit(period)
+        scale = quantity_text.TIME_UNITS[unit]
+        print(f"period {period / scale:.8g} +- {error / scale:.2g} {unit}, peak to peak {size:.3g}")
     print(f"rms of the residuals {found.rms:.4g}, order {order}")
     if arguments.output is not None:
         found.table().write(

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import os
+import re
 from typing import TYPE_CHECKING, Any
 
 from attitude.cli import _options, _output
@@ -14,12 +16,21 @@ if TYPE_CHECKING:
 
 HELP: str = "find the spin states of a tumbling body from a light curve"
 EPILOG: str = """\
-example:
+examples:
   attitude invert toutatis.csv --max-frequency "0.75 /d" --output solution.toml --figure fit.png
+  attitude invert curve.csv --max-frequency "3 /d" --orbit body.oem --site 568 \\
+      --predict "2026-03-01T18:00 .. 2026-03-02T04:00, 10 min" --prediction night.png
+  attitude view solution.toml
+  attitude invert pass.csv --max-frequency "0.08 Hz" --shape satellite.obj --law materials.toml \\
+      --moments satellite.toml
 
 Prints the verdict with its criterion, and the ranked solutions. The CSV has a line of names: an
 epoch (utc, jd_tdb, jd_utc), magnitude or flux, sigma, session, filter, and the geometry (sun_x ..
-observer_z in au, or ra, dec, delta); otherwise give --orbit and --site.
+observer_z in au, or ra, dec, delta); otherwise give --orbit and --site. --output writes state,
+errors and shape, which "attitude view", "attitude lightcurve" and mission files draw. With --shape
+the shape is known, and rates and attitude are sought. --predict takes dates
+("2026-03-01, 2026-03-02"), a span ("START .. STOP, STEP"), a file with a date a line, or a light
+curve, whose points the figure of --prediction shows too.
 """
 
 
@@ -45,38 +56,67 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='"shape" (the default), "free", a tolerance, three known moments "3.1, 3.2, 1", or a '
         "spin file with the body",
     )
+    parser.add_argument(
+        "--exposure", metavar="T", help='exposure time of the points, such as "60 s" (of the file)'
+    )
+    parser.add_argument(
+        "--shape",
+        metavar="FILE",
+        help="the known shape: OBJ, DAMIT, STL or PLY, or a spin or mission file with [shape]",
+    )
+    parser.add_argument("--unit", default="m", metavar="UNIT", help="of the mesh (default: m)")
+    parser.add_argument(
+        "--law",
+        metavar="NAME|FILE",
+        help="with --shape: a scattering law, or a TOML file with [scattering] (default: that of "
+        "the file of the shape)",
+    )
     parser.add_argument("--budget", default="60 s", help="time of the search (60 s)")
     parser.add_argument("--seed", type=int, default=0, help="of the random starts (0)")
     parser.add_argument("--output", metavar="FILE.toml", help="spin file of the best solution")
     kinds = ", ".join(_output.PICTURES)
     parser.add_argument("--figure", metavar="FILE", help=f"figure, by its ending: {kinds}")
+    parser.add_argument(
+        "--predict", metavar="DATES|FILE", help="magnitudes of the best solution at other dates"
+    )
+    parser.add_argument(
+        "--prediction",
+        metavar="FILE",
+        help=f"of --predict: their table (.csv, .ecsv) or a figure with a panel a night ({kinds})",
+    )
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Search, print verdict and table, write the spin file and the figure."""
     from attitude._support import validation
-    from attitude.inversion import _curve, _spin_states
+    from attitude.inversion import _spin_states
+    from attitude.photometry._curve import LightCurve
 
     if arguments.figure is not None:
         _output.kind_of(arguments.figure, _output.PICTURES, "--figure")
-    curve = _curve.LightCurve.read(
+    curve = LightCurve.read(
         arguments.file,
         frame=arguments.frame,
         zero_points=_zero_points(arguments.zero_points),
         **_geometry(arguments),
+        **({} if arguments.exposure is None else {"exposure": arguments.exposure}),
     )
+    kind, dates = _prediction_of(arguments)
     moments = _moments(arguments.moments)
     found = _spin_states.spin_states(
         curve,
         arguments.max_frequency,
         modes=tuple(each.strip() for each in arguments.modes.split(",")),
         moments=moments,
+        **_surface(arguments),
         budget=validation.positive(arguments.budget, "--budget", unit="s"),
         seed=arguments.seed,
     )
     print(curve)
     print(found)
     _write(found, arguments)
+    if arguments.predict is not None:
+        _predict(found, dates, kind, arguments.prediction)
 
 
 def _write(found: SpinStates, arguments: argparse.Namespace) -> None:
@@ -90,6 +130,86 @@ def _write(found: SpinStates, arguments: argparse.Namespace) -> None:
     if arguments.figure:
         found.plot(arguments.figure)
         print(arguments.figure)
+
+
+# A span of dates: "START .. STOP, STEP"; without a step it has 200.
+_SPAN = re.compile(r"\s*(.+?)\s*\.\.\s*([^,]+?)\s*(?:,\s*(.+?)\s*)?")
+_STEPS, _MOST_EPOCHS = 200, 1_000_000
+# Epochs that are printed.
+_PRINTED = 40
+
+
+def _prediction_of(arguments: argparse.Namespace) -> tuple[str | None, Any]:
+    """What --prediction writes, and the epochs of --predict, or a light curve."""
+    if arguments.predict is None:
+        if arguments.prediction is not None:
+            raise AttitudeError("--prediction is the file of --predict; give --predict DATES too.")
+        return None, None
+    kind = None
+    if arguments.prediction is not None:
+        kinds = ("csv", "ecsv", *_output.PICTURES)
+        kind = _output.kind_of(arguments.prediction, kinds, "--prediction")
+    return kind, _dates(arguments.predict, arguments)
+
+
+def _dates(text: str, arguments: argparse.Namespace) -> Any:
+    import numpy as np
+
+    from attitude._support import validation
+    from attitude.epochs import _inputs, _instants
+    from attitude.photometry import _files
+    from attitude.photometry._curve import LightCurve
+
+    if os.path.isfile(text):
+        lines = [line.strip() for line in _files.text_of(text).splitlines()]
+        rows = [line for line in lines if line and not line.startswith("#")]
+        if rows and all("," not in row for row in rows):
+            _inputs.past_j2000(rows)
+            return rows
+        return LightCurve.read(text, frame=arguments.frame, **_geometry(arguments))
+    span = _SPAN.fullmatch(text)
+    if span is None:
+        dates = [each.strip() for each in text.split(",")]
+        _inputs.past_j2000(dates)
+        return dates
+    start, stop = (_inputs.instant(each) for each in span.groups()[:2])
+    length = stop.seconds - start.seconds
+    step = length / _STEPS
+    if span.group(3):
+        step = validation.positive(span.group(3), "the step of --predict", unit="s")
+    if not length > 0.0 or length / step > _MOST_EPOCHS:
+        raise AttitudeError(
+            f"--predict is {text!r}: {length / 86400.0:.6g} d in steps of {step:.6g} s; give a "
+            f"stop after the start, and at most {_MOST_EPOCHS} epochs."
+        )
+    return _instants.times(start, np.arange(int(length / step + 1e-9) + 1) * step)
+
+
+def _predict(found: SpinStates, dates: Any, kind: str | None, output: str | None) -> None:
+    """Print the magnitudes of the best solution at dates; write their table or figure."""
+    from attitude.photometry._curve import LightCurve
+
+    if len(found) == 0:
+        raise AttitudeError("nothing was found, so that nothing is predicted.")
+    is_curve = isinstance(dates, LightCurve)
+    prediction = found[0].predict(dates)
+    print(f"predicted: {repr(prediction)[1:-1]}")
+    table = prediction.table()
+    print(f"{'UTC':<24}{'mag':>9}{'sigma':>8}{'form':>8}{'level':>8}{'phase deg':>11}")
+    for row in table[:_PRINTED]:
+        numbers = [getattr(row[key], "value", row[key]) for key in table.colnames[1:]]
+        print("{:<24}{:9.3f}{:8.3f}{:8.3f}{:8.3f}{:11.3f}".format(row["time"].isot[:23], *numbers))
+    if len(table) > _PRINTED:
+        print(f"and {len(table) - _PRINTED} more" + ("" if output else "; give --prediction FILE"))
+    if output is None:
+        return
+    if kind in _output.PICTURES:
+        prediction.plot(output, observed=dates if is_curve else None)
+    else:
+        table["time"] = table["time"].isot
+        table.rename_column("time", "utc")
+        table.write(output, format=f"ascii.{kind}", overwrite=True)
+    print(output)
 
 
 def _zero_points(text: str) -> Any:
@@ -118,6 +238,30 @@ def _moments(text: str) -> Any:
             f'--moments is {text!r}; give "shape", "free", a number (the tolerance), three moments '
             'such as "3.1, 3.2, 1", or the name of a spin file (.toml).'
         ) from None
+
+
+def _surface(arguments: argparse.Namespace) -> dict[str, Any]:
+    """The keywords of a known shape from --shape and --law."""
+    if arguments.shape is None:
+        if arguments.law is not None:
+            raise AttitudeError("--law is that of a known shape; give --shape too.")
+        return {}
+    from attitude.formats import _surface as surface
+    from attitude.shape import _files
+    from attitude.shape._ellipsoid import Ellipsoid
+
+    shape, law = None, None
+    if arguments.shape.endswith(".toml"):
+        shape, law = surface.of_file(arguments.shape)
+    else:
+        shape = _files.read(arguments.shape, unit=arguments.unit)
+    if isinstance(shape, Ellipsoid):
+        shape = shape.facets()
+    if arguments.law is not None and arguments.law.endswith(".toml"):
+        law = surface.law_of_file(arguments.law, shape)
+    elif arguments.law is not None:
+        law = surface.law_of({"law": arguments.law}, shape)
+    return {"shape": shape} if law is None else {"shape": shape, "law": law}
 
 
 def _geometry(arguments: argparse.Namespace) -> dict[str, Any]:

@@ -150,9 +150,9 @@ def run_observed(mission: Mission, observed: str, target: str | None, figure: st
     """
     import numpy as np
 
-    from attitude.inversion import _curve
+    from attitude.photometry import _files
 
-    columns, _ = _curve.columns(observed, {})
+    columns = _files.opened(observed, bad="refuse")
     if "magnitude" not in columns:
         raise AttitudeError(f"{observed}: has no column of magnitudes; name one magnitude or mag.")
     assert mission.magnitude is not None

@@ -9,9 +9,8 @@ from attitude.cli import _options, _output
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
-    from attitude.photometry._curve import Photometry
-    from attitude.photometry._periodogram import Periodogram
-    from attitude.photometry._two_periods import TwoPeriods
+    from attitude.photometry._curve import LightCurve
+    from attitude.photometry._periods import Periods
 
 
 HELP: str = "find the periods of a body from photometry: one period, or two of a tumbler"
@@ -77,79 +76,72 @@ def run(arguments: argparse.Namespace) -> None:
     print(repr(data)[1:-1])
     for note in data.notes:
         print(f"note: {note}")
-    found = _two(data, arguments) if arguments.two else _one(data, arguments)
+    found = _found(data, arguments)
+    _print(found, arguments)
     if arguments.figure is not None:
         found.plot(arguments.figure)
         print(arguments.figure)
 
 
-def data_of(arguments: argparse.Namespace) -> Photometry:
+def data_of(arguments: argparse.Namespace) -> LightCurve:
     """The photometry of the options that `add_data` adds, reduced where its geometry is known."""
     from attitude._support import validation
-    from attitude.photometry import _files
+    from attitude.photometry._curve import LightCurve
 
-    data = _files.read(arguments.file)
+    data = LightCurve.read(arguments.file)
     if arguments.filter is not None:
         data = data.select(filter=arguments.filter)
     validation.one_of(arguments.zero_points, "--zero-points", ("auto", "free", "shared"))
     path = _options.path_of(arguments)
     site = _options.site_of(arguments)
-    if path is not None or data.sun is not None:
+    if path is not None or data.has_geometry:
         return data.reduced(path, site=site, g=arguments.g)
     if arguments.g is not None:
         raise AttitudeError("--g needs the geometry; give --orbit, or vectors in the file.")
     return data
 
 
-def _one(data: Photometry, arguments: argparse.Namespace) -> Periodogram:
-    from attitude.photometry import _periodogram
+def _found(data: LightCurve, arguments: argparse.Namespace) -> Periods:
+    from attitude.photometry import _periods
 
-    found = _periodogram.periodogram(
+    return _periods.periods(
         data,
+        count=2 if arguments.two else 1,
         min_period=arguments.min,
         max_period=arguments.max,
         order=arguments.order,
         method=arguments.method,
-        count=arguments.count,
+        keep=max(arguments.count, _ROWS) if arguments.two else arguments.count,
         zero_points=arguments.zero_points,
     )
-    print(f"power that 1 of 100 light curves reaches by chance: {found.false_alarm:.3f}")
-    print(f"{'':4}{'period, h':>14}{'+-':>10}{'period, d':>13}{'power':>8}  relation")
-    for rank, peak in enumerate(found.peaks, 1):
-        hours, error = peak.period / 3600.0, peak.error / 3600.0
-        print(
-            f"{rank:3d} {hours:14.7g}{error:10.2g}{hours / 24.0:13.6g}{peak.power:8.3f}"
-            f"  {peak.relation}".rstrip()
-        )
-    if arguments.bootstrap is not None:
-        error = found.bootstrap(draws=arguments.bootstrap) / 3600.0
-        print(f"error of the best period by bootstrap: {error:.2g} h")
-    return found
 
 
-def _two(data: Photometry, arguments: argparse.Namespace) -> TwoPeriods:
-    from attitude.photometry import _two_periods
+def _print(found: Periods, arguments: argparse.Namespace) -> None:
+    """Print a table of the peaks in the unit of the best one, and what it may mean."""
+    from attitude._support.quantity_text import TIME_UNITS, time_unit
 
-    found = _two_periods.two_periods(
-        data,
-        min_period=arguments.min,
-        max_period=arguments.max,
-        order=arguments.order,
-        count=max(arguments.count, _ROWS),
-        zero_points=arguments.zero_points,
+    unit = time_unit(found.period)
+    size = TIME_UNITS[unit]
+    what = "pairs" if found.count == 2 else "frequencies"
+    print(
+        f"{found.tried} {what}; by chance 1 of 100 light curves leaves {found.false_alarm:.3f} of "
+        "chi-squared"
     )
-    print(f"{found.tried} pairs; by chance 1 of 100 leaves {found.false_alarm:.3f} of chi-squared")
-    print(f"{'':4}{'first, h':>12}{'+-':>9}{'second, h':>13}{'+-':>9}{'left':>8}  relation")
-    for rank, pair in enumerate(found.pairs[: arguments.count], 1):
-        (first, second), (a, b) = pair.periods, pair.errors
-        print(
-            f"{rank:3d} {first / 3600.0:12.7g}{a / 3600.0:9.2g}{second / 3600.0:13.7g}"
-            f"{b / 3600.0:9.2g}{pair.left:8.3f}  {pair.relation}".rstrip()
-        )
+    names = ("first", "second") if found.count == 2 else ("period",)
+    head = "".join(f"{f'{name}, {unit}':>14}{'+-':>10}" for name in names)
+    print(f"{'':3}{head}{'power':>8}{'left':>8}  relation")
+    for rank, peak in enumerate(found.peaks[: arguments.count], 1):
+        both = zip(peak.periods, peak.errors, strict=True)
+        numbers = "".join(f"{one / size:14.7g}{error / size:10.2g}" for one, error in both)
+        print(f"{rank:3d}{numbers}{peak.power:8.3f}{peak.left:8.3f}  {peak.relation}".rstrip())
     if arguments.bootstrap is not None:
-        errors = [each / 3600.0 for each in found.bootstrap(draws=arguments.bootstrap)]
-        print(f"errors of the best pair by bootstrap: {errors[0]:.2g} h, {errors[1]:.2g} h")
-    print("candidates for the rotation:")
-    for rank, candidate in enumerate(found.candidates(arguments.count), 1):
-        print(f"{rank:3d} {candidate}")
-    return found
+        errors = ", ".join(
+            f"{each / size:.2g} {unit}" for each in found.bootstrap(draws=arguments.bootstrap)
+        )
+        print(f"error of the best by bootstrap: {errors}")
+    if found.count == 2:
+        print("candidates for the rotation:")
+        for rank, candidate in enumerate(found.candidates(arguments.count), 1):
+            print(f"{rank:3d} {candidate}")
+    elif found.hint:
+        print(f"note: {found.hint}")

@@ -23,10 +23,12 @@ columns:
   sigma_x _y _z  with --sigma: standard deviations of the attitude about the axes of ICRF, rad;
                  sigma_omega_x _y _z with --rates: of the angular velocity, rad/s
 
+A mission file with sections [[torque]] is propagated under these torques.
+
 --sigma needs the section [errors] of the spin file.
 
-A date may end in the name of a time scale ("2026-01-01T00:00:00 TDB"). The step is in seconds of
-TDB if start and stop both count from the epoch, else in seconds of UTC.
+A date may end in the name of a time scale ("2026-01-01T00:00:00 TDB"). Steps, and times after the
+epoch, are seconds of UTC, of TDB if the start is a date in TDB.
 
 AEM, C-kernels and other formats are written by "attitude convert".
 """
@@ -66,7 +68,7 @@ def run(arguments: argparse.Namespace) -> None:
     kind = _output.kind_of(
         arguments.output, hint="`attitude convert` writes AEM, C-kernels and other formats."
     )
-    motion = _options.opened(arguments).motion
+    motion = _options.motion_of(arguments)
     epochs = grid(motion.spin.epoch, arguments.start, arguments.stop, arguments.step)
     if arguments.sigma and motion.spin.covariance is None:
         raise AttitudeError(

@@ -17,15 +17,17 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray
     from attitude.formats.mission import Mission
     from attitude.motions._motion import Motion
+    from attitude.scattering._law import Law
     from attitude.scene._scene import Scene
     from attitude.scene._view import View
+    from attitude.shape._ellipsoid import Ellipsoid
     from attitude.shape._mesh import Mesh
 
 
 # ---- What ``attitude view`` shows: the motion or scene of a file, or of a name in the catalogue
 
 # Keys of a spin file; a TOML with others is a mission file.
-_OF_SPIN_FILES = {"name", "source", "note", "body", "spin", "errors"}
+_OF_SPIN_FILES = {"name", "source", "note", "body", "spin", "errors", "shape", "scattering"}
 
 
 class ViewSource(NamedTuple):
@@ -34,9 +36,10 @@ class ViewSource(NamedTuple):
     motion: Motion | Scene
     start: Any
     stop: Any
-    shape: Mesh | None
+    shape: Ellipsoid | Mesh | None
     title: str
     magnitude: tuple[Callable[[View], FloatArray], str] | None
+    law: Law | None = None
 
 
 def opened(arguments: argparse.Namespace) -> ViewSource:
@@ -53,8 +56,9 @@ def opened(arguments: argparse.Namespace) -> ViewSource:
         named = isinstance(spin, str) or (isinstance(spin, dict) and "catalog" in spin)
         if set(content) - _OF_SPIN_FILES or named:
             return _of_mission(arguments, mesh)
-    motion, title = _motion(arguments)
-    source = ViewSource(motion, arguments.start, arguments.stop, mesh, title, None)
+    motion, title, shape, law = _motion(arguments)
+    shown = shape if mesh is None else mesh
+    source = ViewSource(motion, arguments.start, arguments.stop, shown, title, None, law)
     return _lit(arguments, source)
 
 
@@ -100,15 +104,18 @@ def _times(found: Mission) -> tuple[Any, Any]:
     return found.times.get("start"), found.times.get("stop")
 
 
-def _motion(arguments: argparse.Namespace) -> tuple[Motion, str]:
+def _motion(
+    arguments: argparse.Namespace,
+) -> tuple[Motion, str, Ellipsoid | Mesh | None, Law | None]:
+    """The motion, its title, and the shape and law of a spin file."""
     given = arguments.target
     if _options.is_file(given) and not given.endswith((".toml", ".spin", ".apm")):
         from attitude.formats import detect
 
         found = detect.opened(given, body=arguments.body, kernels=arguments.kernels or ())
-        return found.motion, os.path.basename(given)
+        return found.motion, os.path.basename(given), None, None
     one = _options.opened(arguments)
-    return one.motion, one.name
+    return one.motion, one.name, one.shape, one.law
 
 
 def _lit(arguments: argparse.Namespace, source: ViewSource) -> ViewSource:
@@ -131,7 +138,8 @@ def _lit(arguments: argparse.Namespace, source: ViewSource) -> ViewSource:
     shape: Any = source.shape
     if shape is None and motion.body is not None:
         shape = Ellipsoid.of_moments(motion.body.moments)
-    scene = Scene(motion, None, observer, sun, shape=shape)
+    law = "lommel-seeliger" if source.law is None else source.law
+    scene = Scene(motion, None, observer, sun, shape=shape, law=law)
     return source._replace(motion=scene)
 
 

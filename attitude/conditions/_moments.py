@@ -47,14 +47,9 @@ class Drift(NamedTuple):
 class Source:
     """The motion or the scene that is searched.
 
-    Attributes
-    ----------
-    motion : Motion or None
-        None for a scene without a motion.
-    epoch : Instant
-        From which seconds count: that of the motion, J2000 without a motion.
-    scene : Scene or None
-        None for a motion alone.
+    motion: none for a scene without a motion.
+    epoch: from which seconds count: that of the motion, J2000 without a motion.
+    scene: none for a motion alone.
     """
 
     motion: Motion | None
@@ -111,13 +106,8 @@ def values_at(
 class Moment:
     """A block of epochs: attitudes and directions, each evaluated once.
 
-    Attributes
-    ----------
-    source : Source
-    hi, lo : (N,) arrays
-        TDB seconds since the epoch of the source: hi + lo.
-    step : float or None
-        Spacing of the epochs in s, if they are evenly spaced.
+    hi, lo: (N,) arrays, TDB seconds since the epoch of the source: hi + lo.
+    step: spacing of the epochs in s, if they are evenly spaced.
     """
 
     def __init__(self, source: Source, hi: FloatArray, lo: FloatArray, step: float | None) -> None:

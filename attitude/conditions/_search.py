@@ -43,12 +43,8 @@ if TYPE_CHECKING:
 class Advance:
     """The progress of a search that goes through its span once or several times.
 
-    Parameters
-    ----------
-    start, stop : pairs of doubles
-        s; a bar does not need the low parts.
-    rounds : int
-        How often the search goes through the span.
+    start, stop: s; a bar does not need the low parts.
+    rounds: how often the search goes through the span.
     """
 
     def __init__(self, start: Pair, stop: Pair, rounds: int = 1) -> None:
@@ -143,11 +139,8 @@ _MARGIN = 1.25
 class Bounded:
     """Bounds that hold at any time of a part.
 
-    Attributes
-    ----------
-    spacing : float
-        Of the first knots, in rad of rotation; bounds make any spacing safe, this one is fastest.
-    bounds : RateBounds
+    spacing: of the first knots, in rad of rotation; bounds make any spacing safe, this one is
+        fastest.
     """
 
     spacing: Final = 0.8
@@ -170,12 +163,8 @@ class Sampled:
     They prove nothing.  The attitudes of a table have kinks where its angular velocities jump, so
     the second derivative of a motion that is not smooth has no bound.
 
-    Attributes
-    ----------
-    spacing : float
-        Of the first knots, in rad of rotation.
-    smooth : bool
-        Whether angular accelerations are known.
+    spacing: of the first knots, in rad of rotation.
+    smooth: whether angular accelerations are known.
     """
 
     spacing: Final = 0.25

@@ -56,19 +56,10 @@ def are_alike(changes: Sequence[Change]) -> bool:
 class Chains:
     """The arcs of N members between K changes at given epochs.
 
-    Parameters
-    ----------
-    ensemble : Ensemble
-        Of one epoch.
-    changes : sequence of Change
-        For which `are_alike` holds.
-
-    Raises
-    ------
-    Failed
-        For a member that no chain exists of.
-    AttitudeError
-        For times that are not in order.
+    ensemble: of one epoch.
+    changes: for which `are_alike` holds.
+    Failed for a member that no chain exists of.
+    AttitudeError for times that are not in order.
     """
 
     def __init__(self, ensemble: Ensemble, changes: Sequence[Change]) -> None:
@@ -178,22 +169,12 @@ def _compiled() -> Any:
 class ArcsEnsemble(Immutable):
     """The rotations of N bodies with the same changes, each an `Arcs`.
 
-    Parameters
-    ----------
-    ensemble : Ensemble
-        States at one epoch.
-    changes : Impulse, InertiaChange, or sequence of them
-        As in `Arcs`; seconds count from the epoch of the ensemble.  Those at given epochs with
-        given momenta are compiled over members, 0.1 ms a member and change; events and
-        functions are resolved member by member.
+    ensemble: states at one epoch.
+    changes: as in `Arcs`; seconds count from the epoch of the ensemble.  Those at given epochs with
+        given momenta are compiled over members, 0.1 ms a member and change; events and functions
+        are resolved member by member.
+    AttitudeError for members with epochs of their own, and as `Arcs`, with the name of the member.
 
-    Raises
-    ------
-    AttitudeError
-        For members with epochs of their own, and as `Arcs`, with the name of the member.
-
-    Notes
-    -----
     Attitudes have the bits of `Arcs.at`.
     """
 

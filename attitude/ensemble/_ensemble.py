@@ -13,7 +13,7 @@ from attitude import frames
 from attitude._solver import regime as solver_regime
 from attitude._solver import sensitivities
 from attitude._solver.regime import Regime
-from attitude._support import validation
+from attitude._support import markup, validation
 from attitude._support.arrays import Immutable, frozen, read_only
 from attitude._support.blocks import ProgressBar, in_blocks
 from attitude.ensemble import _evaluation, _light, _members, _quantities, _tables
@@ -65,13 +65,10 @@ _FEW = 256
 class Coverage(NamedTuple):
     """How long, and with what gaps, a quantity of each member is within its bounds.
 
-    Attributes
-    ----------
-    fraction : (N,) array
-        Of the span of epochs: intervals with both ends within count whole, with one end half.
-    longest_gap : (N,) array
-        s; the longest time between two epochs within that follow each other, or between such an
-        epoch and an end of the span; the whole span where none is within.
+    fraction: (N,), of the span of epochs: intervals with both ends within count whole, with one end
+        half.
+    longest_gap: (N,), s; the longest time between two epochs within that follow each other, or
+        between such an epoch and an end of the span; the whole span where none is within.
     """
 
     fraction: FloatArray
@@ -669,6 +666,20 @@ class Ensemble(Immutable):
         start = "epochs of their own" if self.epoch is None else f"{self.epoch.utc_iso} UTC"
         return f"<{type(self).__name__} of {len(self)} members, from {start}>"
 
+    def _repr_html_(self) -> str:
+        """A table for notebooks: periods and rates of the first members."""
+        from attitude._solver.regime import Mode
+
+        few = self[:8]
+        rows: list[tuple[str, ...]] = [("member", "mode", "period psi, s", "period phi, s")]
+        for k, mode in enumerate(few.mode.tolist()):
+            periods = (f"{each[k]:.9g}" for each in (few.period_psi, few.period_phi))
+            name = str(k) if self.names is None else str(self.names[k])
+            rows.append((name, Mode(mode).name, *periods))
+        if len(self) > len(few):
+            rows.append(("...", "", "", ""))
+        return markup.table(repr(self)[1:-1], rows)
+
     # ---- Epochs
 
     @property
@@ -946,9 +957,8 @@ class Ensemble(Immutable):
         return MemberRows(len(self), who, seconds, lows, in_runs)
 
     def _members_of(self, member: ArrayLike) -> tuple[IntArray, bool]:
-        """Numbers of members, of the shape given, and whether equal ones stand in long runs.
-
-        AttitudeError for those out of range.
+        """Numbers of members, of the shape given, and whether equal ones stand in long runs; errors
+        out of range.
         """
         try:
             array = np.asarray(member)

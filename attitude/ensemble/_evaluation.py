@@ -118,10 +118,7 @@ def ragged(
 class Runs:
     """Evaluates rows of which those of one member stand together.
 
-    Parameters
-    ----------
-    members, label, raises
-        As in `grid`.
+    members, label, raises: as in `grid`.
     """
 
     def __init__(self, members: Members, label: Callable[[int], str], raises: bool = True) -> None:
@@ -256,13 +253,9 @@ def compiled() -> Any:
 class Piece(NamedTuple):
     """Rows of which those of one member stand together.
 
-    Attributes
-    ----------
-    place : slice or array of int
-        Of the rows among all.
-    member : (K,) array of int
-    t, low : (K,) arrays
-        Seconds t + low since the epoch of the member; low may be None.
+    place: of the rows among all.
+    member: (K,) array of int
+    t, low: (K,) arrays, seconds t + low since the epoch of the member; low may be None.
     """
 
     place: slice | IntArray
@@ -274,23 +267,15 @@ class Piece(NamedTuple):
 class MemberGrid:
     """All of N members at T epochs.
 
-    Parameters
-    ----------
-    count : int
-        N.
-    t, t_low : (1 or N, T) arrays
-        Seconds t + t_low since the epoch of the member; t_low may be None.
-    scalar : bool
-        Whether one epoch was given, so that the answers have no axis of epochs.
-    first : int
-        Number of the first member.
+    count: N.
+    t, t_low: (1 or N, T) arrays, seconds t + t_low since the epoch of the member; t_low may be
+        None.
+    scalar: whether one epoch was given, so that the answers have no axis of epochs.
+    first: number of the first member.
 
-    Attributes
-    ----------
-    shape : tuple
-        S: (N, T), or (N,) for one epoch.
-    member : (S) array of int
-    seconds, low : (S) arrays
+    shape: S: (N, T), or (N,) for one epoch.
+    member: (S) array of int
+    seconds, low: (S) arrays
     """
 
     def __init__(
@@ -366,15 +351,10 @@ class MemberGrid:
 class MemberRows:
     """Rows of one epoch of one of N members each.
 
-    Parameters
-    ----------
-    count : int
-        N.
-    member : (S) array of int
-    seconds, low : (S) arrays
-        Seconds + low since the epoch of the member; low may be None.
-    in_runs : bool, optional
-        Whether rows of one member stand together, in long runs (`survey`), if known.
+    count: N.
+    member: (S) array of int
+    seconds, low: (S) arrays, seconds + low since the epoch of the member; low may be None.
+    in_runs: whether rows of one member stand together, in long runs (`survey`), if known.
     """
 
     def __init__(
@@ -569,13 +549,8 @@ _ROWS = 1 << 15
 class MemberDerivatives:
     """Derivatives of members: of rows of which those of one member stand together, and of grids.
 
-    Parameters
-    ----------
-    members : Members
-    label : callable
-        Name of a member in error messages.
-    raises : bool
-        Whether members without derivatives and epochs beyond the reach of a member are refused;
+    label: name of a member in error messages.
+    raises: whether members without derivatives and epochs beyond the reach of a member are refused;
         otherwise they give NaN.
     """
 

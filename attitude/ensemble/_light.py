@@ -139,18 +139,10 @@ _ROWS_OF_MESHES = 1 << 12
 class Light:
     """The brightness of members with given shapes under a law.
 
-    Parameters
-    ----------
-    members : Members
-    label : callable
-        Name of a member in error messages.
-    shapes : array or list
-        Of `known_shapes`.
-    law : str or Law
-    shadows : bool or Visibility
-        As in `light_curve.brightness`.
-    raises : bool
-        Whether epochs beyond the reach of a member are refused; otherwise they give NaN.
+    label: name of a member in error messages.
+    shapes: of `known_shapes`.
+    shadows: as in `light_curve.brightness`.
+    raises: whether epochs beyond the reach of a member are refused; otherwise they give NaN.
     """
 
     def __init__(

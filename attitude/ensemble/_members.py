@@ -34,10 +34,7 @@ _DATES = "ISO dates in UTC, an astropy or skyfield Time, datetimes or datetime64
 class Seconds(NamedTuple):
     """Epochs of members that are seconds already.
 
-    Attributes
-    ----------
-    high, low : (1 or N,) arrays
-        TDB seconds past J2000: high + low.
+    high, low: (1 or N,) arrays, TDB seconds past J2000: high + low.
     """
 
     high: FloatArray
@@ -167,14 +164,10 @@ _BLOCK = 512
 class Given(NamedTuple):
     """What a caller gave as bodies, one row for all of them or one each.
 
-    Attributes
-    ----------
-    array : (1 or N, 3) or (1 or N, 3, 3) array
-        Principal moments about the body axes, or tensors; kg m2, or relative.
-    relative : bool
-        Whether the unit is unknown.
-    bodies : (1 or N,) array of Body, or None
-        The bodies, if objects were given.
+    array: (1 or N, 3) or (1 or N, 3, 3), principal moments about the body axes, or tensors; kg m2,
+        or relative.
+    relative: whether the unit is unknown.
+    bodies: (1 or N,) array of Body, or None, the bodies, if objects were given.
     """
 
     array: FloatArray
@@ -213,12 +206,8 @@ class Given(NamedTuple):
 class Resolved(NamedTuple):
     """Angular velocities of N members over their principal axes.
 
-    Attributes
-    ----------
-    rates : (N, 3, 2) array, or (N, 3) where the low parts are zero
-        rad/s, in pairs of doubles.
-    differences : (N, 3, 2) array or None
-        See `PrincipalAxes.over_axes`; NaN for members without.
+    rates: (N, 3, 2) array, or (N, 3) where the low parts are zero, rad/s, in pairs of doubles.
+    differences: (N, 3, 2) array or None, see `PrincipalAxes.over_axes`; NaN for members without.
     """
 
     rates: FloatArray
@@ -229,16 +218,10 @@ class Resolved(NamedTuple):
 class Inertia:
     """Moments of N bodies; arrays have the leading axis 1 if all bodies share one inertia.
 
-    Attributes
-    ----------
-    given, relative, bodies
-        As in `Given`.
-    moments : (1 or N, 3, 2) array
-        Principal moments in pairs of doubles.
-    axes : (1 or N, 3, 3) array
-        Columns: the principal axes in body axes.
-    principal : (1 or N, 4) array
-        The unit quaternion from principal to body axes.
+    given, relative, bodies: as in `Given`.
+    moments: (1 or N, 3, 2), principal moments in pairs of doubles.
+    axes: (1 or N, 3, 3), columns: the principal axes in body axes.
+    principal: (1 or N, 4), the unit quaternion from principal to body axes.
     """
 
     given: FloatArray
@@ -357,18 +340,13 @@ BLOCK = 512
 class Members:
     """States from which `evaluation.prepared` makes the constants of members.
 
-    Attributes
-    ----------
-    moments : (1 or N, 3, 2) array
-        Principal moments in pairs of doubles.
-    principal : (1 or N, 4) array
-        Unit quaternion from principal to body axes.
-    rates : (N, 3) or (N, 3, 2) array
-        rad/s over the principal axes; the low parts are zero where only the first doubles are kept.
-    differences : (N, 3, 2) array or None
-        See `Body.differences`; NaN for members without.
-    wxyz, low : (N, 4) arrays
-        Attitudes from body axes to ICRF; `low`, their second doubles, is None if all are zero.
+    moments: (1 or N, 3, 2), principal moments in pairs of doubles.
+    principal: (1 or N, 4), unit quaternion from principal to body axes.
+    rates: (N, 3) or (N, 3, 2), rad/s over the principal axes; the low parts are zero where only the
+        first doubles are kept.
+    differences: (N, 3, 2) array or None, see `Body.differences`; NaN for members without.
+    wxyz, low: (N, 4) arrays, attitudes from body axes to ICRF; `low`, their second doubles, is None
+        if all are zero.
     """
 
     moments: FloatArray
@@ -411,9 +389,8 @@ class Members:
     def prepared(
         self, which: slice | IntArray, *, rates: bool = True
     ) -> tuple[NDArray[Any], IntArray]:
-        """The constants (B,) of some members, and which of them (K,) are not physical.
-
-        Those are given constants that evaluate to NaN.
+        """The constants (B,) of some members, and those (K,) not physical, whose constants evaluate
+        to NaN.
         """
         moments, wxyz, omega = self.states(which)
         principal = self.principal if len(self.principal) == 1 else self.principal[which]
@@ -462,11 +439,7 @@ _NONE: IntArray = np.zeros(0, dtype=np.int64)
 class Kept:
     """Members whose constants are kept once prepared, if they are few; for several epochs.
 
-    Parameters
-    ----------
-    members : Members
-    first : int
-        Number of the first one.
+    first: number of the first one.
     """
 
     def __init__(self, members: Members, first: int = 0, constants: Any = None) -> None:

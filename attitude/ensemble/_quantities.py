@@ -35,14 +35,9 @@ class MemberView(View):
 
     Lines of sight are those of the centre, the same for all members.
 
-    Parameters
-    ----------
-    base : View
-        The scene at all epochs.
-    epochs : slice
-        The epochs of the history among them.
-    history : EnsembleHistory (N, T)
-        Attitudes of the members at the epochs of emission.
+    base: the scene at all epochs.
+    epochs: the epochs of the history among them.
+    history: EnsembleHistory (N, T), attitudes of the members at the epochs of emission.
     """
 
     def __init__(self, base: View, epochs: slice, history: EnsembleHistory) -> None:
@@ -286,10 +281,7 @@ class AngleTo(Immutable):
 class Computed:
     """A quantity that a function of an EnsembleHistory returns.
 
-    Parameters
-    ----------
-    function : callable
-        Returns an array (N, T) for a history of that shape.
+    function: returns an array (N, T) for a history of that shape.
     """
 
     def __init__(self, function: Callable[[EnsembleHistory], Any]) -> None:
@@ -313,12 +305,8 @@ class Computed:
 class Seen:
     """A quantity of a scene by its name, such as "magnitude" or "aspect_angle".
 
-    Parameters
-    ----------
-    name : str
-        A quantity of `attitude.scene.View` with one number for each epoch.
-    base : View
-        The scene at all epochs, without a motion.
+    name: a quantity of `attitude.scene.View` with one number for each epoch.
+    base: the scene at all epochs, without a motion.
     """
 
     def __init__(self, name: str, base: View) -> None:

@@ -167,14 +167,9 @@ _WIDTHS = {"attitude": 3, "wxyz": 4, "angular_velocity": 3, "moments": 3}
 class Drawn(NamedTuple):
     """States of N members.
 
-    Attributes
-    ----------
-    wxyz : (N, 4) array
-        Body to ICRF.
-    rates : (N, 3) array
-        rad/s over the body axes.
-    moments : (N, 3) array or None
-        Principal moments; None for those of the motion.
+    wxyz: (N, 4), body to ICRF.
+    rates: (N, 3), rad/s over the body axes.
+    moments: (N, 3) array or None, principal moments; None for those of the motion.
     """
 
     wxyz: FloatArray

@@ -48,25 +48,13 @@ class TorquedHistory(EnsembleHistory):
 class TorquedEnsemble(Immutable):
     """The rotations of N bodies under the same torques.
 
-    Parameters
-    ----------
-    ensemble : Ensemble
-        States at one epoch; their frame, bodies and names.
-    torques : Torque, or sequence of them
-        As in `TorquedRotation`.
-    step : float or Quantity
-        s, of all members.
-    scheme : str or Scheme
-        As in `TorquedRotation`.
+    ensemble: states at one epoch; their frame, bodies and names.
+    torques: as in `TorquedRotation`.
+    step: s, of all members.
+    scheme: as in `TorquedRotation`.
+    AttitudeError for members with epochs of their own or that are not physical, a step that does
+        not resolve the rotation of a member, and as `TorquedRotation`.
 
-    Raises
-    ------
-    AttitudeError
-        For members with epochs of their own or that are not physical, a step that does not resolve
-        the rotation of a member, and as `TorquedRotation`.
-
-    Notes
-    -----
     Attitudes are those of ``TorquedRotation(body, spin, torques, step=step, scheme=scheme)``.
     States are integrated anew in each call of `at`, and are not kept.
     """

@@ -168,10 +168,7 @@ def read(
 ) -> tuple[FloatArray, FloatArray | None]:
     """The entries of `attitude.epochs._inputs.entries` in two doubles; NaN where masked.
 
-    Returns
-    -------
-    hi, lo : arrays
-        Of the shape given.  TDB seconds past J2000 for dates; for the kinds in `LENGTHS`,
+    hi, lo: of the shape given.  TDB seconds past J2000 for dates; for the kinds in `LENGTHS`,
         seconds from `start`, and lo may be None.
     """
     reader = _READERS[kind]

@@ -42,17 +42,10 @@ if TYPE_CHECKING:
 class Fixed(SearchDirection):
     """A constant direction.
 
-    Parameters
-    ----------
-    vector : (3,) array_like or Direction
-        On ICRF axes, of any length.
-    name : str
-        For error messages.
+    vector: (3,) array_like or Direction, on ICRF axes, of any length.
+    name: for error messages.
 
-    Attributes
-    ----------
-    vector : (3,) array
-        Unit vector, ICRF.
+    vector: (3,), unit vector, ICRF.
     """
 
     def __init__(self, vector: Reals | Direction, name: str = "direction") -> None:
@@ -150,26 +143,15 @@ class OfScene(SearchDirection):
 class Aberrated(SearchDirection):
     """The apparent direction of incoming light, or the direction of emission, of a moving body.
 
-    Parameters
-    ----------
-    direction : SearchDirection
-    velocity : (3,) array_like, function (N,) -> (N, 3), or "center"
-        Velocity of the body relative to the frame of the direction, m/s on ICRF axes; "center":
-        the barycentric velocity of the scene's center.
-    source : Source
-    sent : bool
-        False for incoming light: its apparent direction is shifted towards the velocity.  True for
-        light that the body sends in the given direction of that frame: in the frame of the body
+    velocity: (3,) array_like, function (N,) -> (N, 3), or "center", velocity of the body relative
+        to the frame of the direction, m/s on ICRF axes; "center": the barycentric velocity of the
+        scene's center.
+    sent: false for incoming light: its apparent direction is shifted towards the velocity.  True
+        for light that the body sends in the given direction of that frame: in the frame of the body
         it leaves in a direction shifted away from the velocity.
+    AttitudeError for "center" without a scene that has a center; in a search, for a velocity that
+        is not below the speed of light.
 
-    Raises
-    ------
-    AttitudeError
-        For "center" without a scene that has a center; in a search, for a velocity that is not
-        below the speed of light.
-
-    Notes
-    -----
     The Lorentz transformation of the direction of light, Einstein (1905), section 7:
     u' = (u / g + b + (g / (g + 1)) (b.u) b) / (1 + b.u), with g = 1 / sqrt(1 - b^2), b = v / c.
     """
@@ -303,14 +285,9 @@ class Cone(Height):
 class Mirrored(Channel):
     """r.s - cos(radius) of the mirrored observer r = 2 (n.o) n - o and the Sun s, by chords.
 
-    Parameters
-    ----------
-    normal : (3,) array
-        Unit normal n of the mirror, body axes.
-    sun, observer : SearchDirection
-        s and o.
-    radius : float or None
-        rad; None: the radius of the Sun's disc at its distance in the scene.
+    normal: (3,), unit normal n of the mirror, body axes.
+    sun, observer: s and o.
+    radius: rad; None: the radius of the Sun's disc at its distance in the scene.
     """
 
     def __init__(

@@ -623,12 +623,8 @@ class ShadowState(Joinable):
 
     That of a Scene stands for the condition that the body is in shadow: penumbra or umbra.
 
-    Attributes
-    ----------
-    lit : Scene or function
-        Gives the fraction of the Sun's disc that is seen.
-    epoch : Instant or None
-        From which seconds count, if `lit` is a Scene with a motion.
+    lit: gives the fraction of the Sun's disc that is seen.
+    epoch: from which seconds count, if `lit` is a Scene with a motion.
     """
 
     def __init__(self, lit: Scene | StateFunction, epoch: _instants.Instant | None = None) -> None:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from attitude._support import validation
+from attitude._support import markup, validation
 from attitude._support.arrays import Immutable, frozen
 from attitude.conditions._conditions import condition_of
 from attitude.conditions._moments import OfReception
@@ -151,6 +151,11 @@ class Timetable(Immutable):
 
     def __repr__(self) -> str:
         return f"<{len(self)} {type(self).__name__}: {', '.join(self.columns)}>"
+
+    def _repr_html_(self) -> str:
+        """The first rows for notebooks, times in UTC."""
+        name = type(self).__name__
+        return markup.of_table(f"{len(self)} {name}, times in UTC", self.table())
 
     def __str__(self) -> str:
         shown = self.table()

@@ -39,12 +39,8 @@ NAMES = ("linear", "soft_l1", "huber", "cauchy")
 class Loss:
     """A loss and its scale.
 
-    Attributes
-    ----------
-    name : str
-        One of `NAMES`.
-    scale : float
-        In standard errors: where residuals begin to count as outliers.
+    name: one of `NAMES`.
+    scale: in standard errors: where residuals begin to count as outliers.
     """
 
     name: str
@@ -112,13 +108,9 @@ UNKNOWN = (np.pi**2 / 3.0 + 2.0) / 3.0
 class Decomposed:
     """A normal matrix, scaled to a diagonal of ones, by its eigenvalues and vectors.
 
-    Attributes
-    ----------
-    scale : (P,) array
-        Roots of the diagonal; 1 in place of 0.
-    empty : (P,) array of bool
-        Parameters on which no record depends.
-    values, vectors : (P,) and (P, P) arrays
+    scale: (P,), roots of the diagonal; 1 in place of 0.
+    empty: (P,) array of bool, parameters on which no record depends.
+    values, vectors: (P,) and (P, P) arrays
     """
 
     def __init__(self, normal: FloatArray) -> None:
@@ -137,19 +129,12 @@ class Decomposed:
 class Linearised:
     """The loss near a point.
 
-    Attributes
-    ----------
-    point : Point
-    predicted : Prediction
-    cost : float
-        Half the sum of the losses.
-    gradient : (P,) array
-        The direction of descent: minus the derivative of the cost.
-    variance : float
-        Of the records, in units of their standard errors: that of residuals as large as these.
-    bending, normal : Decomposed
-        The second derivatives of the cost, from first ones of the residuals: with the weights of
-        the loss, and with those of the standard errors alone.
+    cost: half the sum of the losses.
+    gradient: (P,), the direction of descent: minus the derivative of the cost.
+    variance: of the records, in units of their standard errors: that of residuals as large as
+        these.
+    bending, normal: the second derivatives of the cost, from first ones of the residuals: with the
+        weights of the loss, and with those of the standard errors alone.
     """
 
     point: Point
@@ -162,14 +147,7 @@ class Linearised:
 
 
 class Problem:
-    """A model, observations and a loss.
-
-    Parameters
-    ----------
-    model : Model
-    observed : Observations
-    loss : Loss
-    """
+    """A model, observations and a loss."""
 
     def __init__(self, model: Model, observed: Observations, loss: Loss) -> None:
         self.model, self.observed, self.loss = model, observed, loss

@@ -59,20 +59,13 @@ class Point:
 class Prediction(NamedTuple):
     """The motion of a point at N epochs, over the principal axes of inertia, and its derivatives.
 
-    Attributes
-    ----------
-    wxyz : (N, 4) array
-        Principal axes to ICRF.
-    omega : (N, 3) array or None
-        rad/s, principal axes.
-    axes : (3, 3) array
-        Columns: the principal axes over the body axes.
-    to_body : (4,) array or None
-        The same as a quaternion; None where they are the body axes.
-    attitude : (3, P, N) array
-        The turn of the body, ICRF axes, for a unit change of each parameter.
-    rates : (3, P, N) array or None
-        The change of the angular velocity of the body, over the (unchanged) principal axes.
+    wxyz: (N, 4), principal axes to ICRF.
+    omega: (N, 3) array or None, rad/s, principal axes.
+    axes: (3, 3), columns: the principal axes over the body axes.
+    to_body: (4,) array or None, the same as a quaternion; None where they are the body axes.
+    attitude: (3, P, N), the turn of the body, ICRF axes, for a unit change of each parameter.
+    rates: (3, P, N) array or None, the change of the angular velocity of the body, over the
+        (unchanged) principal axes.
     """
 
     wxyz: FloatArray
@@ -86,13 +79,9 @@ class Prediction(NamedTuple):
 class Chain(NamedTuple):
     """What a change of the parameters does to the nine parameters of the principal axes.
 
-    Attributes
-    ----------
-    state : (9, P) array
-        First attitude of the principal axes (rad, ICRF axes), angular velocity (rad/s, principal
-        axes), principal moments of the tensor of unit trace.
-    turns : (3, P) array
-        Turn of the principal axes in the body, rad, over themselves.
+    state: (9, P), first attitude of the principal axes (rad, ICRF axes), angular velocity (rad/s,
+        principal axes), principal moments of the tensor of unit trace.
+    turns: (3, P), turn of the principal axes in the body, rad, over themselves.
     """
 
     state: FloatArray
@@ -102,11 +91,7 @@ class Chain(NamedTuple):
 class Model:
     """Free rotations of a known body, or of a body of any shape.
 
-    Parameters
-    ----------
-    body : Body or None
-    axes : str
-        Without a body: "principal" or "free".
+    axes: without a body: "principal" or "free".
     """
 
     def __init__(self, body: Body | None, axes: str) -> None:

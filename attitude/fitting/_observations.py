@@ -163,14 +163,9 @@ class Directions:
 class Observations:
     """Records of one kind or more at N epochs.
 
-    Attributes
-    ----------
-    epoch : Instant
-        Of the first record.
-    t : (N,) array
-        TDB seconds since then.
-    kinds : tuple
-        Records of N epochs each.
+    epoch: of the first record.
+    t: (N,), TDB seconds since then.
+    kinds: records of N epochs each.
     """
 
     epoch: Instant

@@ -51,9 +51,8 @@ _RATES = {"1.0": "RATE_FRAME", "2.0": "ANGVEL_FRAME"}
 
 
 def fill(segment: MessageSegment) -> None:
-    """Give a segment the keywords that it lacks, and note each of them.
-
-    START_TIME and STOP_TIME are left out: they follow from the records.
+    """Give a segment the keywords that it lacks, and note each; START_TIME, STOP_TIME follow from
+    records.
     """
     version, values = segment.message.version, segment.values
     missing = {**_MISSING, **(_MISSING_1 if version == "1.0" else {})}
@@ -191,24 +190,14 @@ _NEEDED = (
 class Options:
     """Arguments of `aem.read` that supplement the file.
 
-    Attributes
-    ----------
-    tolerance : float
-        Largest deviation from 1 of the length of a quaternion.
-    frame : str or None
-        The external axes, if their name in the file is not known.
-    orbit : Path or None
-        Path of the body about its center, for axes of an orbit.
-    rates : str or None
-        What the rates of version 1 are: "body", "euler", or None: "body" with a warning.
-    object : str or None
-        OBJECT_ID or OBJECT_NAME of the segments that are read.
-    segment : int or None
-        The place of the one segment that is read, counted from 0.
-    lenient : bool
-        Whether missing parts of a message in KVN are assumed.
-    cic : bool
-        Whether the file is in the dialect of CNES; see `formats.cic`.
+    tolerance: largest deviation from 1 of the length of a quaternion.
+    frame: the external axes, if their name in the file is not known.
+    orbit: path of the body about its center, for axes of an orbit.
+    rates: what the rates of version 1 are: "body", "euler", or None: "body" with a warning.
+    object: OBJECT_ID or OBJECT_NAME of the segments that are read.
+    segment: the place of the one segment that is read, counted from 0.
+    lenient: whether missing parts of a message in KVN are assumed.
+    cic: whether the file is in the dialect of CNES; see `formats.cic`.
     """
 
     tolerance: float = TOLERANCE
@@ -229,21 +218,11 @@ class Options:
 class Message:
     """The header of a message, and its finished segments.
 
-    Attributes
-    ----------
-    path, version : str
-    options : Options
-    header : dict of str
-        Keyword -> value.
-    comments : list of str
-    tables : list of AttitudeTable
-        One for each finished segment.
-    warned : bool
-        Whether a warning of the rates of version 1 was given.
-    assumed : list of str
-        What a lenient reading has assumed.
-    title : str
-        Format and version in `AttitudeTable.meta`, by default those of an AEM.
+    header: keyword -> value.
+    tables: one for each finished segment.
+    warned: whether a warning of the rates of version 1 was given.
+    assumed: what a lenient reading has assumed.
+    title: format and version in `AttitudeTable.meta`, by default those of an AEM.
     """
 
     path: str
@@ -265,35 +244,16 @@ class Message:
 class MessageSegment:
     """One segment of a message while it is read.
 
-    Parameters
-    ----------
-    message : Message
-    fault : callable
-        Makes the error for a sentence and the number of a line.
+    fault: makes the error for a sentence and the number of a line.
 
-    Attributes
-    ----------
-    message, fault
-        As given.
-    values, lines : dict
-        Keyword of the meta data -> value, and -> number of its line.
-    comments, data_comments : list of str
-        Comments of the meta data and of the data.
-
+    values, lines: keyword of the meta data -> value, and -> number of its line.
+    comments, data_comments: comments of the meta data and of the data.
     The following are set by `begin`.
-
-    kind : str
-        Attitude type, under its name in version 2.
-    scale : str
-        Time scale in lower case.
-    axes, body : Axes, str
-        The external axes, and the name of the body's.
-    how : Convention
-    usable : list of two Instants, or None for each
-    method, degree : str, int, or None
-        Interpolation.
-    rows : Rows or None
-        The records; None before `begin`.
+    kind: attitude type, under its name in version 2.
+    scale: time scale in lower case.
+    axes, body: the external axes, and the name of the body's.
+    method, degree: interpolation.
+    rows: the records; None before `begin`.
     """
 
     kind: str
@@ -546,28 +506,15 @@ def written_kind(settings: Mapping[str, Any], has_rates: bool) -> str:
 class WrittenSegment:
     """A segment to be written: its keywords, and its rows piece by piece.
 
-    Parameters
-    ----------
-    part : Records
-    settings : mapping
-        Arguments of `aem.write`, by name; `names` are object_name, object_id, center, body_frame;
-        `epochs`, if given, the function that writes epochs, as `_ccsds_epochs.texts`.
+    settings: arguments of `aem.write`, by name; `names` are object_name, object_id, center,
+        body_frame; `epochs`, if given, the function that writes epochs, as `_ccsds_epochs.texts`.
 
-    Attributes
-    ----------
-    kind : str
-        Attitude type, under its name in version 2.
-    scalar_first, sequence, rates_of_angles : bool, str, bool
-        As in `Convention`.
-    keywords : dict of str
-        Keyword of the meta data -> value, in their order.
-    comments, data_comments : sequence of str
-        Comments of the meta data and of the data.
-
-    Raises
-    ------
-    AttitudeError
-        For names of types, axes or time systems that are not known or not in this version.
+    kind: attitude type, under its name in version 2.
+    scalar_first, sequence, rates_of_angles: as in `Convention`.
+    keywords: keyword of the meta data -> value, in their order.
+    comments, data_comments: comments of the meta data and of the data.
+    AttitudeError for names of types, axes or time systems that are not known or not in this
+        version.
     """
 
     def __init__(self, part: Records, settings: Mapping[str, Any]):

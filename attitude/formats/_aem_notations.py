@@ -77,10 +77,7 @@ _BATCH = 16384
 
 
 def read_kvn(lines: Lines, first: bytes, options: Options) -> AttitudeTable:
-    """The AttitudeTable of an AEM in KVN; see `aem.read`.
-
-    `first` is the first line that is not empty, which has been taken from `lines`.
-    """
+    """The AttitudeTable of an AEM in KVN; `first` is the line already taken; see `aem.read`."""
     family = "CIC" if options.cic else "CCSDS"
     version = kvn.version(lines, first, "AEM", VERSIONS, family)
     if options.cic:  # both versions of CIC have the keywords of version 1.0
@@ -252,12 +249,8 @@ _LONGEST = 4096  # bytes of a record: patterns of longer ones would take long to
 def pattern_of(record: bytes, texts: int) -> bytes | None:
     """The regular expression of records with the structure of one; None for other than plain texts.
 
-    Parameters
-    ----------
-    record : bytes
-        A whole element, well-formed.
-    texts : int
-        Number of texts in the record, which are the groups of the expression.
+    record: a whole element, well-formed.
+    texts: number of texts in the record, which are the groups of the expression.
 
     >>> found = re.compile(pattern_of(b"<a><b>1</b> <c u='m'>2</c></a>", 2))
     >>> found.match(b"  <a><b>3</b> <c u='m'>4</c></a>").groups()
@@ -309,8 +302,7 @@ def read_xml(path: FilePath, options: Options) -> AttitudeTable:
 class _AemReader(ElementReader):
     """Collects the message; records that differ from the last one in their texts match a pattern.
 
-    `_tags` are the tags of the open elements, `_comments` the comments before the message, `_rest`
-    the bytes that are kept back from the parser.
+    `_rest` are the bytes that are kept back from the parser.
     """
 
     def __init__(self, path, options):
@@ -605,9 +597,8 @@ def _groups(kind, columns, version):
 
 
 def _leaf(name, version, place, axis, rates):
-    """The element of one column; `place` is its place in its group, `axis` that of its angle.
-
-    `rates` are the axes of the rates of version 1.
+    """The element of one column, `place` in its group, of the angle `axis`; `rates` as of version
+    1.
     """
     tag = f"rotation{place + 1}"
     if version == "1.0" and name.startswith("ANGLE"):

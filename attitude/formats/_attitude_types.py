@@ -108,23 +108,16 @@ OUT_OF_VERSION_1: dict[str, str] = {old: new for new, old in IN_VERSION_1.items(
 class Convention:
     """Directions, axes and units of the columns of an attitude type.
 
-    Attributes
-    ----------
-    to_body : bool
-        Whether the rotation goes from the external axes to the body (the default) or back.
-    rates_over_body : bool
-        Whether ANGVEL components are over the body axes or over the external ones.
-    rates_follow : bool
-        Whether rates belong to the rotation A to B (version 2) or always to the body (version 1).
-    scalar_first : bool
-        Whether QC stands before Q1, Q2, Q3 (version 1).
-    sequence : str or None
-        Axes of the Euler angles, such as "ZXZ".
-    in_radians : bool
-        Whether ANGVEL components are rad/s, as in CSV tables, or deg/s, as in CCSDS messages.
-    rates_of_angles : bool
-        Whether the three numbers of ANGVEL are derivatives of the Euler angles of `sequence` of the
-        rotation of the file (version 1).
+    to_body: whether the rotation goes from the external axes to the body (the default) or back.
+    rates_over_body: whether ANGVEL components are over the body axes or over the external ones.
+    rates_follow: whether rates belong to the rotation A to B (version 2) or always to the body
+        (version 1).
+    scalar_first: whether QC stands before Q1, Q2, Q3 (version 1).
+    sequence: axes of the Euler angles, such as "ZXZ".
+    in_radians: whether ANGVEL components are rad/s, as in CSV tables, or deg/s, as in CCSDS
+        messages.
+    rates_of_angles: whether the three numbers of ANGVEL are derivatives of the Euler angles of
+        `sequence` of the rotation of the file (version 1).
     """
 
     to_body: bool = True
@@ -154,9 +147,8 @@ def has_rates(kind: str) -> bool:
 
 
 def decoded(kind: str, rows: FloatArray, how: Convention) -> tuple[FloatArray, FloatArray | None]:
-    """Attitudes and angular velocities from the columns of a file.
-
-    Shapes: rows (N, columns) s, returns wxyz (N, 4), returns rates (N, 3).
+    """Attitudes wxyz (N, 4) and angular velocities (N, 3) from the columns of a file, rows (N,
+    columns).
     """
     family = kind.partition("/")[0]
     wxyz, rates = {"QUATERNION": _of_quaternions, "EULER_ANGLE": _of_angles, "SPIN": _of_spin}[
@@ -182,9 +174,8 @@ def encoded(
     acceleration: FloatArray | None,
     how: Convention,
 ) -> FloatArray:
-    """The columns (N, columns) of an attitude type, in deg, deg/s and s; inverse of `decoded`.
-
-    Shapes: wxyz (N, 4), rates (N, 3), acceleration (N, 3).
+    """The columns (N, columns) of an attitude type, in deg, deg/s and s, from wxyz (N, 4), rates
+    (N, 3) and acceleration (N, 3); inverse of `decoded`.
     """
     family = kind.partition("/")[0]
     if family == "SPIN":
@@ -231,9 +222,8 @@ def _of_quaternions(kind, rows, how):
 
 
 def of_euler_derivatives(wxyz: FloatArray, change: FloatArray, how: Convention) -> FloatArray:
-    """Angular velocities (N, 3), rad/s over the body axes, relative to the external axes.
-
-    Shapes: wxyz (N, 4), change (N, 3).
+    """Angular velocities (N, 3), rad/s over the body axes, from wxyz (N, 4) and change (N, 3) of
+    angles.
     """
     assert how.sequence is not None
     given = (
@@ -250,12 +240,8 @@ def rates_by_axis(letters: str, sequence: str | None) -> list[int] | None:
     """The places of rates with the names of axes, as derivatives of the angles of a sequence.
 
     Repeated letters, such as Y, X, Y under sequence 212, are the derivatives in their order.
-
-    Returns
-    -------
-    list of int or None
-        For each angle of the sequence the place of its rate; None if the letters are not those of
-        the sequence.
+    Returns for each angle of the sequence the place of its rate; None if the letters are not those
+        of the sequence.
 
     >>> rates_by_axis("YXY", "YXY"), rates_by_axis("XYZ", "ZYX"), rates_by_axis("XYZ", "ZXZ")
     ([0, 1, 2], [2, 1, 0], None)

@@ -35,6 +35,8 @@ TIME_SYSTEMS: dict[str, str] = {
 WRITTEN: tuple[str, ...] = ("UTC", "TAI", "TT", "TDB", "GPS")
 # Decimals of written seconds: rounding errors are at most half a picosecond.
 DIGITS: int = 12
+# Conversions between scales and pairs of doubles leave so much, s (benchmarks/speed.py).
+_NOISE = 1e-11
 _LONGEST = 48
 _MOST_DECIMALS = 18
 # A modified Julian date in text, and that of the last day of the year 9999.
@@ -46,10 +48,7 @@ _YEARDAY = {4: "-", 8: "T", 11: ":", 14: ":"}, 17
 
 
 def known(time_system: str, name: str = "TIME_SYSTEM") -> str:
-    """The time scale, in lower case, of a CCSDS time system.
-
-    `name` is the name of the argument or of the file's keyword in the error message.
-    """
+    """The time scale, in lower case, of a CCSDS time system; `name` stands in the error message."""
     given = time_system.strip().upper() if isinstance(time_system, str) else None
     if given not in TIME_SYSTEMS:
         raise AttitudeError(
@@ -75,10 +74,7 @@ def now() -> str:
 
 
 def parsed(tokens: Sequence[bytes], scale: str) -> tuple[FloatArray, FloatArray]:
-    """TDB seconds since J2000, hi + lo, of N epochs.
-
-    Shapes: returns hi, lo (N,).
-    """
+    """TDB seconds since J2000, hi + lo (N,), of N epochs."""
     lengths = np.fromiter(map(len, tokens), dtype=np.intp, count=len(tokens))
     if np.any(lengths > _LONGEST):
         raise BadEpoch(int(np.argmax(lengths > _LONGEST)), "it is too long")
@@ -132,12 +128,8 @@ def parsed_days(
 class BadEpoch(Exception):
     """An epoch that cannot be read.
 
-    Attributes
-    ----------
-    index : int
-        Its place in the sequence that `parsed` was given.
-    reason : str
-        What is wrong with it.
+    index: its place in the sequence that `parsed` was given.
+    reason: what is wrong with it.
     """
 
     def __init__(self, index: int, reason: str):
@@ -157,13 +149,15 @@ def texts(
     seconds: FloatArray,
     low: FloatArray | None,
     scale: str,
-    digits: int = DIGITS,
+    digits: int | None = None,
 ) -> list[str]:
-    """Time codes A of N epochs.
+    """Time codes A of N epochs, with so many decimals, by default the `fewest` of these epochs.
 
     Shapes: seconds, low (N,).
     """
     hi, lo = pairs.add((np.asarray(seconds), 0.0 if low is None else low), epoch.seconds, epoch.low)
+    if digits is None:
+        digits = fewest(hi, lo, scale)
     day, whole, ticks = _civil(hi, lo, scale, digits)
     year, month, date = _calendar(day)
     if np.any((year < 1) | (year > 9999)):
@@ -183,6 +177,20 @@ def texts(
     chars = np.stack(np.broadcast_arrays(*columns), axis=-1).astype(np.uint8)
     flat = np.ascontiguousarray(chars).view(f"S{chars.shape[-1]}")[..., 0]
     return flat.astype(f"U{chars.shape[-1]}").tolist()
+
+
+def fewest(hi: FloatArray, lo: FloatArray, scale: str) -> int:
+    """3, 6, 9 or 12 decimals of a second: the fewest that say what epochs (N,) are.
+
+    Seconds since J2000 that differ by less than `_NOISE` are one double today.
+    """
+    ticks = _civil(hi, lo, scale, DIGITS)[2]
+    for digits in (3, 6, 9):
+        unit = 10 ** (DIGITS - digits)
+        off = np.minimum(ticks % unit, -ticks % unit)
+        if np.all(off <= _NOISE * 10**DIGITS):
+            return digits
+    return DIGITS
 
 
 def days_and_seconds(

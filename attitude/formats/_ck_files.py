@@ -87,14 +87,7 @@ def spiceypy() -> Any:
 class LoadedKernels:
     """Kernels in the pool, until `close` or the end of a ``with`` block.
 
-    Parameters
-    ----------
-    names : iterable of paths
-
-    Raises
-    ------
-    AttitudeError
-        If a kernel is broken or SPICE cannot load it; no kernel stays loaded then.
+    AttitudeError if a kernel is broken or SPICE cannot load it; no kernel stays loaded then.
     """
 
     def __init__(self, names: Iterable[FilePath]):
@@ -197,33 +190,17 @@ class Plan:
 
     The clock counts seconds of TDB, or of TT, from `first`.
 
-    Parameters
-    ----------
-    motion, start, stop, kind, tolerance, rate_tolerance
-        As in `ck.write`.
-    scale : str
-        Time scale of the clock, "tdb" or "tt".
+    motion, start, stop, kind, tolerance, rate_tolerance: as in `ck.write`.
+    scale: time scale of the clock, "tdb" or "tt".
 
-    Attributes
-    ----------
-    kind : int
-        Type of the C-kernel, 5 or 3.
-    tolerance, rate_tolerance : float
-        rad and rad/s.
-    first : float
-        Start of the clock, seconds of its time scale since J2000.
-    begin, end : float
-        The span, s on the clock.
-    bounds : (S + 1,) array
-        `begin`, the jumps of the angular velocity in between, and `end`, s on the clock: stretch k
-        runs from bounds[k] to bounds[k + 1].
-    step : float
-        Time between records, s.
-
-    Raises
-    ------
-    AttitudeError
-        For an unknown kind, tolerances out of range, and an empty span.
+    kind: type of the C-kernel, 5 or 3.
+    tolerance, rate_tolerance: rad and rad/s.
+    first: start of the clock, seconds of its time scale since J2000.
+    begin, end: the span, s on the clock.
+    bounds: (S + 1,), `begin`, the jumps of the angular velocity in between, and `end`, s on the
+        clock: stretch k runs from bounds[k] to bounds[k + 1].
+    step: time between records, s.
+    AttitudeError for an unknown kind, tolerances out of range, and an empty span.
     """
 
     def __init__(
@@ -451,19 +428,9 @@ def opened(path: str) -> Iterator[tuple[Any, int]]:
 def write(path: str, plan: Plan, clock: KernelClock, instrument: int) -> None:
     """Write the C-kernel of a `Plan` to a new file.
 
-    Parameters
-    ----------
-    path : str
-        Must not exist.
-    plan : Plan
-    clock : KernelClock
-    instrument : int
-        NAIF number.
-
-    Raises
-    ------
-    AttitudeError
-        As `opened`.
+    path: must not exist.
+    instrument: NAIF number.
+    AttitudeError: as `opened`.
     """
     stretches = plan.records()
     with opened(path) as (spice, handle):
@@ -617,16 +584,10 @@ _DATA_TYPE = "SCLK_DATA_TYPE_"
 class KernelClock:
     """A clock, for seconds counted from the begin of a kernel.
 
-    Attributes
-    ----------
-    number : int
-        NAIF number, negative.
-    ticks : callable
-        Encoded clock times (N,) of seconds (N,) since `first`.
-    per_tick : float
-        Seconds of a tick.
-    text : str or None
-        The clock kernel to be written; None for that of a mission.
+    number: NAIF number, negative.
+    ticks: encoded clock times (N,) of seconds (N,) since `first`.
+    per_tick: seconds of a tick.
+    text: the clock kernel to be written; None for that of a mission.
     """
 
     number: int
@@ -696,18 +657,9 @@ _MOST_DEGREE = 23
 class TableSegments:
     """The stretches of a table on the clock of a kernel, which counts TDB seconds from `first`.
 
-    Parameters
-    ----------
-    table : AttitudeTable
-
-    Attributes
-    ----------
-    first : float
-        TDB seconds since J2000, before the first record.
-    span : float
-        s from there to the last record.
-    step : float
-        Greatest time between records of a stretch, s.
+    first: TDB seconds since J2000, before the first record.
+    span: s from there to the last record.
+    step: greatest time between records of a stretch, s.
     """
 
     def __init__(self, table: AttitudeTable):

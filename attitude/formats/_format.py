@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
@@ -47,18 +48,11 @@ class OpenedFile(NamedTuple):
 class Option:
     """An option of `attitude convert` that a format needs.
 
-    Attributes
-    ----------
-    name : str
-        Without dashes in front; "time-system" for --time-system.
-    help : str
-    settings : mapping
-        Further keyword arguments of argparse's `add_argument`.
-    of_reading : bool
-        Whether the option is a keyword of `detect.opened`.  Others belong to writers, and are
-        refused for formats that do not name them in `Format.writing`.
-    refusal : str
-        What the option of a writer says of other formats; {noun} is `Format.noun`.
+    name: without dashes in front; "time-system" for --time-system.
+    settings: further keyword arguments of argparse's `add_argument`.
+    of_reading: whether the option is a keyword of `detect.opened`.  Others belong to writers, and
+        are refused for formats that do not name them in `Format.writing`.
+    refusal: what the option of a writer says of other formats; {noun} is `Format.noun`.
     """
 
     name: str
@@ -82,46 +76,26 @@ class Format:
     A file of its own, named in `MODULES`, that calls ``register(Format(...))`` below its `read` and
     `write`, and a row in the table of docs/formats.md.
 
-    Attributes
-    ----------
-    name : str
-        The format in `detect.of_file` and `detect.to_write`.
-    module : str
-        ``__name__`` of the file that registers it.
-    title : str
-        What the help of the command calls files of this format.
-    endings : tuple of str
-        In lower case; the longest that a name has decides.
-    read : callable
-        ``read(path, **keywords)`` returns an `OpenedFile`; see `table_reader`.
-    reading : tuple of str
-        The keywords of `detect.opened` that `read` takes.
-    write : callable
-        ``write(path, source, t=None, **settings)`` for records; ``write(path, motion, **settings)``
-        for a motion; ``write(path, motion, start, stop, **settings)`` for a span.
-    writing : tuple of str
-        Options that `write` takes, as attributes of parsed arguments.
-    renamed : mapping
-        The keywords of `write` for options of another name.
-    holds : str
-        "records" (attitudes at epochs), "motion" (a free rotation) or "span" (attitudes at any
+    name: the format in `detect.of_file` and `detect.to_write`.
+    module: ``__name__`` of the file that registers it.
+    title: what the help of the command calls files of this format.
+    endings: in lower case; the longest that a name has decides.
+    read: ``read(path, **keywords)`` returns an `OpenedFile`; see `table_reader`.
+    reading: the keywords of `detect.opened` that `read` takes.
+    write: ``write(path, source, t=None, **settings)`` for records; ``write(path, motion,
+        **settings)`` for a motion; ``write(path, motion, start, stop, **settings)`` for a span.
+    writing: options that `write` takes, as attributes of parsed arguments.
+    renamed: the keywords of `write` for options of another name.
+    holds: "records" (attitudes at epochs), "motion" (a free rotation) or "span" (attitudes at any
         epoch of a span).
-    marks : tuple of bytes
-        With one of these a file begins, whatever its ending.
-    element : str, optional
-        Name of the element of the message, for XML.
-    resembles : callable, optional
-        Whether the first line of a file of no known mark or ending looks like this format.
-    noun : str
-        The format in errors of the command; {output} is the name of the file.
-    options : tuple of Option
-        Options that this format adds to the command; other formats may name them in `writing`.
-    fulfilled : mapping
-        Options and the value that is what `write` does anyway, such as --for stk.
-    is_sampled : bool
-        Whether `write` of records takes start=, stop= and tolerance=.
-    labels : callable
-        ``labels(motion, said)`` are settings of `write` that follow from what was read.
+    marks: with one of these a file begins, whatever its ending.
+    element: name of the element of the message, for XML.
+    resembles: whether the first line of a file of no known mark or ending looks like this format.
+    noun: the format in errors of the command; {output} is the name of the file.
+    options: options that this format adds to the command; other formats may name them in `writing`.
+    fulfilled: options and the value that is what `write` does anyway, such as --for stk.
+    is_sampled: whether `write` of records takes start=, stop= and tolerance=.
+    labels: ``labels(motion, said)`` are settings of `write` that follow from what was read.
     """
 
     name: str
@@ -147,10 +121,7 @@ class Format:
 def register(made: Format) -> None:
     """Add a format; one registered again from the same file replaces the former.
 
-    Raises
-    ------
-    AttitudeError
-        For a name or an ending of another format.
+    AttitudeError for a name or an ending of another format.
     """
     for other in _by_name.values():
         if (other.name, other.module) == (made.name, made.module):
@@ -187,10 +158,7 @@ def register_message(
 def forget(name: str) -> None:
     """Remove a name from the registry, as at the end of a test that registers a format.
 
-    Raises
-    ------
-    AttitudeError
-        For a name that is not registered.
+    AttitudeError for a name that is not registered.
     """
     if name not in formats():
         raise AttitudeError(f"no format is called {name!r}; known are {', '.join(formats())}.")
@@ -209,6 +177,43 @@ def formats() -> dict[str, Format]:
 def endings() -> dict[str, Format]:
     """All endings of files with their formats."""
     return {ending: each for each in formats().values() for ending in each.endings}
+
+
+# Endings of files that hold no attitudes, with what writes them.
+_FOREIGN = {
+    **dict.fromkeys((".obj", ".stl", ".ply"), "a shape, which shape.Mesh.write writes"),
+    **dict.fromkeys((".html", ".glb", ".czml"), "a page or scene, which attitude.viewer writes"),
+    **dict.fromkeys((".png", ".svg", ".pdf", ".jpg"), "a picture, which attitude.plots draws"),
+    **dict.fromkeys((".gif", ".webp", ".mp4"), "an animation, by attitude.viewer.animate"),
+}
+
+
+def refuse_foreign(path: object, name: str) -> None:
+    """Raise the AttitudeError for a file to write in a format whose ending is that of another."""
+    if not isinstance(path, (str, os.PathLike)):
+        return
+    ending, own = ending_of(path), formats()[name]
+    other = endings().get(ending)
+    # Messages in XML are often named .xml, whatever they are, and other packages build on writers.
+    is_foreign = (
+        other is not None
+        and other.module != own.module
+        and other.module.startswith("attitude.formats.")
+        and ending != ".xml"
+    )
+    if is_foreign or ending in _FOREIGN:
+        holds = other.title if other is not None else _FOREIGN[ending]
+        raise AttitudeError(
+            f"{os.fspath(path)!r} is to be written as {own.title}, but {ending} is the ending of "
+            f"{holds}; give a name that ends in {own.endings[0]}."
+        )
+
+
+def ending_of(path: str | os.PathLike[str]) -> str:
+    """The ending of the name of a file, in lower case; of several that are known the longest."""
+    name = os.path.basename(os.fspath(path)).lower()
+    longer = (each for each in endings() if each.count(".") > 1 and name.endswith(each))
+    return next(longer, os.path.splitext(name)[1])
 
 
 def table_reader(read: Callable[..., Any]) -> Callable[..., OpenedFile]:

@@ -22,16 +22,10 @@ if TYPE_CHECKING:
 class Recipe:
     """Settings for one tool.
 
-    Attributes
-    ----------
-    tool : str
-        Its name in error messages.
-    settings : mapping
-        Settings of the writer of the format, by name.
-    allowed : mapping
-        Values of settings that the tool reads, where it does not read all.
-    samples : bool
-        Whether the tool interpolates from degree + 1 records, with angular velocities too.
+    tool: its name in error messages.
+    settings: settings of the writer of the format, by name.
+    allowed: values of settings that the tool reads, where it does not read all.
+    samples: whether the tool interpolates from degree + 1 records, with angular velocities too.
     """
 
     tool: str

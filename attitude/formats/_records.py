@@ -46,18 +46,10 @@ def known_tolerance(tolerance: float) -> float:
 class Rows:
     """The records of one segment while they are read: epochs, columns and their lines.
 
-    Parameters
-    ----------
-    scale : str
-        Time scale of the epochs in lower case.
-    width : int
-        Columns beside the epoch.
+    scale: time scale of the epochs in lower case.
+    width: columns beside the epoch.
 
-    Attributes
-    ----------
-    scale, width : str, int
-    count : int
-        Records that were added.
+    count: records that were added.
     """
 
     def __init__(self, scale: str, width: int):

@@ -126,32 +126,16 @@ def refuse_breaks(motion: object, holder: str) -> None:
 class Records:
     """One segment to be written: a motion and its epochs, evaluated piece by piece.
 
-    Parameters
-    ----------
-    motion : Motion
-    epoch : Instant
-    seconds, low : (N,) arrays
-        seconds + low are TDB seconds since the epoch, increasing; low may be None.
-    history : AttitudeHistory, optional
-        The attitudes at these epochs, if they are known; otherwise the motion is evaluated.
+    seconds, low: (N,) arrays, seconds + low are TDB seconds since the epoch, increasing; low may be
+        None.
+    history: the attitudes at these epochs, if they are known; otherwise the motion is evaluated.
 
-    Attributes
-    ----------
-    motion, epoch, seconds, low
-        As given.
-    has_rates : bool
-        Whether the motion knows angular velocities better than from differences of attitudes.
-    meta : dict
-        Names, comments and keywords of the file that the motion was read from.
-    table : AttitudeTable or None
-        The motion, if it is a table.
-    after_break : bool
-        Whether the segment begins where the angular velocity jumps.
-
-    Raises
-    ------
-    AttitudeError
-        If there are no epochs, or some are NaN or do not increase.
+    has_rates: whether the motion knows angular velocities better than from differences of
+        attitudes.
+    meta: names, comments and keywords of the file that the motion was read from.
+    table: the motion, if it is a table.
+    after_break: whether the segment begins where the angular velocity jumps.
+    AttitudeError if there are no epochs, or some are NaN or do not increase.
     """
 
     def __init__(
@@ -288,14 +272,9 @@ _LEAST, _GREATEST = 1e-14, 1.0
 class SampledFile:
     """How a motion was written to a tolerance.
 
-    Attributes
-    ----------
-    records, segments : int
-        Their numbers in the file.
-    step : float
-        Greatest time between records, s.
-    error : float
-        Largest angle, rad, between the motion and the file as its reader interpolates it.
+    records, segments: their numbers in the file.
+    step: greatest time between records, s.
+    error: largest angle, rad, between the motion and the file as its reader interpolates it.
     """
 
     records: int
@@ -346,33 +325,18 @@ def write(
 ) -> SampledFile:
     """Write a motion to a file whose interpolated attitudes are within a tolerance.
 
-    Parameters
-    ----------
-    path : str or path
-        Appears whole or not at all.
-    source : a motion, or another object with ``.at(t)``
-    start, stop : epochs, or TDB seconds since the epoch of the motion
-        By default the span of a table.
-    tolerance : float
-        Largest angle, rad, between the motion and the interpolated attitudes.
-    method, degree : str, int
-        The interpolation that the file states.
-    name : str
-        Name of the file in error messages.
-    write_records : callable
-        Writes segments to a file of a temporary name.
-    read : callable
-        Reads that file.
-    one_segment : bool
-        Whether the format holds one segment only.
-    stretch : int, optional
-        The one stretch of the span to write, counted from 0; by default all.
-
-    Raises
-    ------
-    AttitudeError
-        For a tolerance out of range or that cannot be reached, a span without both ends, several
-        stretches in a format of one, and as `write_records`.
+    path: appears whole or not at all.
+    source: a motion, or another object with ``.at(t)``
+    start, stop: by default the span of a table.
+    tolerance: largest angle, rad, between the motion and the interpolated attitudes.
+    method, degree: the interpolation that the file states.
+    name: name of the file in error messages.
+    write_records: writes segments to a file of a temporary name.
+    read: reads that file.
+    one_segment: whether the format holds one segment only.
+    stretch: the one stretch of the span to write, counted from 0; by default all.
+    AttitudeError for a tolerance out of range or that cannot be reached, a span without both ends,
+        several stretches in a format of one, and as `write_records`.
     """
     from attitude.catalog import motion_of
 

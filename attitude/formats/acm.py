@@ -37,7 +37,7 @@ from attitude.errors import AttitudeError
 from attitude.formats import _attitude_types, _messages, _sampling
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._attitude_types import Convention
-from attitude.formats._format import of_table, register_message
+from attitude.formats._format import of_table, refuse_foreign, register_message
 from attitude.formats._messages import INERTIA
 from attitude.formats._records import TOLERANCE, columns_of, known_tolerance, refuse_length, to_icrf
 from attitude.frames import quaternion
@@ -367,12 +367,8 @@ class Comprehensive:
 class TimeTags:
     """The times of rows: dates, or seconds since EPOCH_TZERO.
 
-    Parameters
-    ----------
-    scale : str
-        Time scale of the message in lower case.
-    zero : Instant
-        EPOCH_TZERO.
+    scale: time scale of the message in lower case.
+    zero: EPOCH_TZERO.
     """
 
     def __init__(self, scale: str, zero: Instant):
@@ -392,8 +388,9 @@ class TimeTags:
             hi, lo = _time_scales.tdb_from("tt", hi, lo)
         return np.asarray(hi), np.asarray(lo)
 
-    def text(self, hi: FloatArray, lo: FloatArray, digits: int) -> list[str]:
+    def text(self, hi: FloatArray, lo: FloatArray, digits: int | None) -> list[str]:
         """Seconds since EPOCH_TZERO, as decimal texts, of TDB seconds since J2000."""
+        digits = ccsds_epochs.DIGITS if digits is None else digits
         pair = _time_scales.tt_from_tdb(hi, lo) if self._uniform else (hi, lo)
         hi, lo = pairs.add(pair, -self._base[0], -self._base[1])
         whole = np.floor(hi)
@@ -828,7 +825,7 @@ def write(
     originator: str = "ATTITUDE",
     comments: Sequence[str] | None = None,
     creation_date: str | None = None,
-    digits: int = ccsds_epochs.DIGITS,
+    digits: int | None = None,
     orbit: Path | None = None,
 ) -> None:
     """Write attitudes as an ACM, with the body, the impulses and the errors of their motion.
@@ -856,6 +853,7 @@ def write(
     AttitudeError
         As `aem.write`, and for variances of a motion without a covariance.
     """
+    refuse_foreign(path, "acm")
     parts = _sampling.segments(source, t)
     motion, meta = parts[0].motion, parts[0].meta
     axes = _axes.named(frame or meta.get("frame") or "ICRF")

@@ -24,9 +24,14 @@ from attitude._textfiles import kvn, messages
 from attitude._textfiles.lines import opened
 from attitude.errors import AttitudeError
 from attitude.formats import _aem_notations, _attitude_types, _recipes, _sampling
-from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._aem_message import Options, WrittenSegment, written_kind
-from attitude.formats._format import Option, message_labels, register_message, table_reader
+from attitude.formats._format import (
+    Option,
+    message_labels,
+    refuse_foreign,
+    register_message,
+    table_reader,
+)
 from attitude.formats._messages import VERSIONS, written_header
 from attitude.formats._records import TOLERANCE
 from attitude.frames import quaternion
@@ -127,7 +132,7 @@ def write(
     method: str | None = None,
     degree: int | None = None,
     creation_date: str | None = None,
-    digits: int = ccsds_epochs.DIGITS,
+    digits: int | None = None,
     orbit: Path | None = None,
 ) -> SampledFile | None:
     """Write attitudes as an AEM.
@@ -178,8 +183,9 @@ def write(
         degree 7, less if there are few records.
     creation_date : str, optional
         Now, in UTC, by default.
-    digits : int
-        Decimals of the seconds.
+    digits : int, optional
+        Decimals of the seconds; by default the fewest of 3, 6, 9 and 12 that return the epochs to
+        1e-11 s.
     orbit : Path, optional
         Path of the body about its center, for LVLH and RTN.
 
@@ -194,6 +200,7 @@ def write(
         For unknown names of versions, types, axes or time systems, for epochs that do not increase,
         for settings that the tool `for_` does not read, and for a file that cannot be written.
     """
+    refuse_foreign(path, "aem")
     meta, has_rates = _sampling.known_of(source, t)
     settings: dict[str, Any] = {
         "version": version,

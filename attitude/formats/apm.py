@@ -24,7 +24,7 @@ from attitude.errors import AttitudeError
 from attitude.formats import _attitude_types, _messages
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._attitude_types import Convention
-from attitude.formats._format import OpenedFile, message_labels, register_message
+from attitude.formats._format import OpenedFile, message_labels, refuse_foreign, register_message
 from attitude.formats._messages import INERTIA, OLD_INERTIA, VERSIONS
 from attitude.formats._records import TOLERANCE, known_tolerance, refuse_length, to_icrf
 from attitude.formats._sampling import refuse_breaks
@@ -110,16 +110,9 @@ _FORM = Form(
 class Interpreted:
     """The state in the blocks of a message.
 
-    Parameters
-    ----------
-    message : Message
-    tolerance, frame, orbit, products, rates
-        As in `apm.read`.
+    tolerance, frame, orbit, products, rates: as in `apm.read`.
 
-    Attributes
-    ----------
-    epoch : Instant
-        EPOCH of the message; set by `result`.
+    epoch: EPOCH of the message; set by `result`.
     """
 
     epoch: Instant
@@ -570,7 +563,7 @@ def write(
     originator: str = "ATTITUDE",
     comments: Sequence[str] | None = None,
     creation_date: str | None = None,
-    digits: int = ccsds_epochs.DIGITS,
+    digits: int | None = None,
 ) -> None:
     """Write the state and the inertia of a FreeRotation as an APM.
 
@@ -598,6 +591,7 @@ def write(
         For unknown names of versions, axes or time systems, a state without rates or inertia, a
         motion whose angular velocity jumps, and a file that cannot be written.
     """
+    refuse_foreign(path, "apm")
     if version not in VERSIONS:
         raise AttitudeError(f"version is {version!r}; APM has {' and '.join(VERSIONS)}.")
     refuse_breaks(motion, "an APM")

@@ -31,7 +31,7 @@ from attitude._textfiles.messages import refuse_line_breaks
 from attitude.formats import _aem_notations, _sampling
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._aem_message import Options, WrittenSegment
-from attitude.formats._format import Format, message_labels, register, table_reader
+from attitude.formats._format import Format, message_labels, refuse_foreign, register, table_reader
 from attitude.formats._messages import written_header
 from attitude.formats._records import TOLERANCE
 
@@ -125,6 +125,7 @@ def write(
     AttitudeError
         For several segments, and as `aem.write`.
     """
+    refuse_foreign(path, "cic")
     meta, _ = _sampling.known_of(source, t)
     settings: dict[str, Any] = {
         **{"version": "1.0", "kind": "QUATERNION", "scalar_first": True, "rates": None},

@@ -31,7 +31,7 @@ from attitude.epochs import _instants
 from attitude.errors import AttitudeError
 from attitude.formats import _ck_files
 from attitude.formats._ck_files import LoadedKernels, Plan, TableSegments, spiceypy
-from attitude.formats._format import Format, OpenedFile, Option, register
+from attitude.formats._format import Format, OpenedFile, Option, refuse_foreign, register
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.motions._motion import Motion
@@ -267,6 +267,7 @@ def write(
         If the tolerances cannot be reached, a name or number is not one of SPICE's, spiceypy is not
         installed, or a file cannot be written.
     """
+    refuse_foreign(path, "ck")
     of_records = isinstance(motion, AttitudeTable) and start is None and stop is None
     if t is not None or ((start is None or stop is None) and not of_records):
         raise AttitudeError(

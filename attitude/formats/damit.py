@@ -23,7 +23,7 @@ from attitude._textfiles.lines import is_number, opened
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
 from attitude.formats import _ccsds_epochs as ccsds_epochs
-from attitude.formats._format import Format, OpenedFile, register
+from attitude.formats._format import Format, OpenedFile, refuse_foreign, register
 from attitude.formats._sampling import refuse_breaks
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
@@ -160,6 +160,7 @@ def write(path: FilePath, motion: FreeRotation, *, scattering: Iterable[str] = (
     AttitudeError
         For other motions, and a file that cannot be written.
     """
+    refuse_foreign(path, "damit")
     refuse_breaks(motion, "a DAMIT spin file")
     rates = motion.spin.angular_velocity
     z = rates[2]

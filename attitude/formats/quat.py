@@ -30,7 +30,7 @@ from attitude._textfiles.lines import NoNumber, cut, is_number, numbers, opened
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats import _sampling
 from attitude.formats._attitude_types import Convention
-from attitude.formats._format import Format, register, table_reader
+from attitude.formats._format import Format, refuse_foreign, register, table_reader
 from attitude.formats._records import TOLERANCE, Rows, columns_of, known_tolerance
 from attitude.motions._axes import named
 
@@ -182,6 +182,7 @@ def write(
     AttitudeError
         For several segments, an unknown frame, and a file that cannot be written.
     """
+    refuse_foreign(path, "quat")
     axes = named(frame)
 
     def write_records(target, parts):

@@ -37,6 +37,8 @@
            ``frame``), ``angular_velocity`` (body axes), ``moments`` (of the principal moments, in
            the unit of the body); or ``covariance``, nine or six rows as in `Spin`, in rad, rad/s
            and the unit of the body.
+[shape]    optional, with [scattering]: the shape of the body and its scattering law, as in mission
+           files (`attitude.formats.mission`), which take them where they have no [shape].
 top level  ``name``, ``source``, ``note``: text, all optional.
 =========  =========================================================================================
 
@@ -51,7 +53,7 @@ from __future__ import annotations
 import os
 import re
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -66,7 +68,7 @@ from attitude._textfiles.lines import cut
 from attitude._textfiles.toml import listed, refuse_unknown
 from attitude.epochs import _inputs, _instants
 from attitude.errors import AttitudeError
-from attitude.formats._format import Format, OpenedFile, register
+from attitude.formats._format import Format, OpenedFile, refuse_foreign, register
 from attitude.motions._body import Body
 from attitude.motions._free_rotation import FreeRotation
 from attitude.motions._published import moments_from_ratios
@@ -76,6 +78,9 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from attitude._support.annotations import FilePath
+    from attitude.scattering._law import Law
+    from attitude.shape._ellipsoid import Ellipsoid
+    from attitude.shape._mesh import Mesh
 
 __all__ = ["SpinFile", "of_sections", "parse", "read", "text", "write"]
 
@@ -315,7 +320,7 @@ def _kind(value):
     return {int: "number", float: "number"}.get(type(value), type(value).__name__)
 
 
-_KEYS = ("name", "source", "note", "body", "spin", "errors")
+_KEYS = ("name", "source", "note", "body", "spin", "errors", "shape", "scattering")
 
 
 @dataclass(frozen=True, eq=False)
@@ -328,6 +333,9 @@ class SpinFile(Immutable):
     spin : Spin
     name, source, note : str or None
         Name of the body, source of the numbers, remarks.
+    shape : Ellipsoid, Mesh or None
+    law : Law or None
+        How its surface scatters light.
     motion : FreeRotation
     """
 
@@ -336,6 +344,8 @@ class SpinFile(Immutable):
     name: str | None = None
     source: str | None = None
     note: str | None = None
+    shape: Ellipsoid | Mesh | None = None
+    law: Law | None = None
 
     @cached_property
     def motion(self) -> FreeRotation:
@@ -362,11 +372,13 @@ def read(path: FilePath) -> SpinFile:
         the name of the file.
     """
     path = os.fspath(path)
-    return parse(toml.read(path, "spin file"), path)
+    return parse(toml.read(path, "spin file"), path, folder=os.path.dirname(path))
 
 
-def parse(text: str, origin: str = "text") -> SpinFile:
-    '''The body and spin in the text of a spin file; `origin` begins every error message.
+def parse(text: str, origin: str = "text", *, folder: str = ".") -> SpinFile:
+    '''The body and spin in the text of a spin file.
+
+    `origin` begins every error message; names of files are relative to `folder`.
 
     >>> parse("""
     ... body.moments = [10, 20, 26]
@@ -380,18 +392,37 @@ def parse(text: str, origin: str = "text") -> SpinFile:
     try:
         toml.refuse_unknown(content, _KEYS, "the file")
         labels = {key: toml.text_of(content, key) for key in ("name", "source", "note")}
-        return of_sections(content, **labels)
+        return of_sections(content, folder, **labels)
     except AttitudeError as err:
         raise AttitudeError(f"{origin}: {err}") from err
 
 
-def of_sections(content: Mapping[str, Any], **labels: str | None) -> SpinFile:
-    """The `SpinFile` of the sections [body], [spin] and [errors] of a parsed text.
+def of_sections(content: Mapping[str, Any], folder: str = ".", **labels: str | None) -> SpinFile:
+    """The `SpinFile` of the sections [body], [spin], [errors] and [shape] of a parsed text.
 
     `labels` are its name, source and note.  AttitudeError as `read`.
     """
     body, spin = body_and_spin(content)
-    return SpinFile(body, spin, **labels)
+    shape, law = _surface(content, body, folder)
+    return SpinFile(body, spin, **labels, shape=shape, law=law)
+
+
+def _surface(content, body, folder):
+    """Shape and law of the sections [shape] and [scattering]; None without [shape]."""
+    if "shape" not in content:
+        if "scattering" in content:
+            raise AttitudeError(
+                "the file has a section [scattering], but no [shape]; give a shape."
+            )
+        return None, None
+    from attitude.formats import _surface as surface
+
+    file = partial(surface.beside, folder=folder)
+    found = surface.shape_of(content["shape"], body, file)
+    if "shadows" in found:
+        raise AttitudeError("[shape] shadows belongs to a mission file; leave it out.")
+    law = surface.law_of(content.get("scattering", {}), found["shape"])
+    return surface.facets_for(content["shape"], found["shape"], law), law
 
 
 def write(
@@ -401,24 +432,30 @@ def write(
     name: str | None = None,
     source: str | None = None,
     note: str | None = None,
+    shape: Ellipsoid | Mesh | None = None,
+    law: Law | None = None,
 ) -> None:
-    """Write body, spin and errors of a motion exactly: `read` gives the same bits.
+    """Write body, spin, errors and shape exactly: `read` gives the same bits.
 
     Parameters
     ----------
     path : str or path
-        Appears whole or not at all.
+        Appears whole or not at all.  Its ending is not that of another format.
     motion : FreeRotation or SpinFile
-        Name, source and note of a SpinFile are kept unless others are given.
+        Name, source, note, shape and law of a SpinFile are kept unless others are given.
     name, source, note : str, optional
+    shape : Ellipsoid or Mesh, optional
+    law : Law, optional
+        Of the shape; a law with a name, or Materials.
 
     Raises
     ------
     AttitudeError
-        For another type of motion, labels that are not text in UTF-8, or a file that cannot be
-        written.
+        For another type of motion, a law without a shape or a name, labels that are not text in
+        UTF-8, the ending of another format, or a file that cannot be written.
     """
-    content = text(motion, name=name, source=source, note=note)
+    refuse_foreign(path, "spin")
+    content = text(motion, name=name, source=source, note=note, shape=shape, law=law)
     try:
         content.encode()
     except UnicodeEncodeError as err:
@@ -436,6 +473,8 @@ def text(
     name: str | None = None,
     source: str | None = None,
     note: str | None = None,
+    shape: Ellipsoid | Mesh | None = None,
+    law: Law | None = None,
 ) -> str:
     """The text of a spin file; see `write` for the parameters."""
     if not isinstance(motion, (FreeRotation, SpinFile)):
@@ -458,6 +497,7 @@ def text(
         f"wxyz = {_listed(spin.wxyz)}  # body to frame",
         f"angular_velocity = {_listed(spin.angular_velocity)}  # rad/s, body axes",
         *_error_lines(spin.covariance),
+        *_surface_lines(motion, shape, law),
     ]
     return "\n".join(lines).lstrip("\n") + "\n"
 
@@ -505,6 +545,20 @@ def _error_lines(covariance):
     ]
 
 
+def _surface_lines(motion, shape, law):
+    """The sections [shape] and [scattering], if there is a shape."""
+    if isinstance(motion, SpinFile):
+        shape, law = shape or motion.shape, law or motion.law
+    if shape is None:
+        if law is not None:
+            raise AttitudeError("law is given, but no shape whose law it is; give shape= too.")
+        return []
+    from attitude.formats import _surface as surface
+
+    lines = ["", *surface.shape_lines(shape)]
+    return lines if law is None else [*lines, "", *surface.law_lines(law)]
+
+
 def _epoch_text(instant):
     iso = instant.utc_iso
     if _inputs.instant(iso) == instant:
@@ -518,9 +572,8 @@ def _listed(row):
 
 def _opened(path):
     found = read(path)
-    return OpenedFile(
-        found.motion, {"name": found.name, "source": found.source, "note": found.note}
-    )
+    names = ("name", "source", "note", "shape", "law")
+    return OpenedFile(found.motion, {name: getattr(found, name) for name in names})
 
 
 def _labels(motion, said):
@@ -528,7 +581,8 @@ def _labels(motion, said):
     name = said.get("name") or said.get("object_name")
     note = said.get("note") or " ".join(said.get("comments", ()))
     found = {"name": name if name != "UNKNOWN" else None, "source": said.get("source")}
-    return {key: text for key, text in (found | {"note": note}).items() if text}
+    found |= {"note": note, "shape": said.get("shape"), "law": said.get("law")}
+    return {key: each for key, each in found.items() if each}
 
 
 register(

@@ -32,7 +32,7 @@ from attitude.errors import AttitudeError
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats import _sampling
 from attitude.formats._attitude_types import Convention
-from attitude.formats._format import Format, Option, register, table_reader
+from attitude.formats._format import Format, Option, refuse_foreign, register, table_reader
 from attitude.formats._records import TOLERANCE, Rows, columns_of, known_tolerance
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
@@ -94,11 +94,7 @@ def instant(text: str, what: str) -> Instant:
     """The Instant of a date in UTC.
 
     `what` is the name of the keyword in the error message.
-
-    Raises
-    ------
-    AttitudeError
-        If it cannot be read.
+    AttitudeError if it cannot be read.
     """
     code = iso(text)
     if code is None:
@@ -146,19 +142,11 @@ def of_rows(words: Sequence[bytes], count: int) -> list[bytes]:
 class Section(NamedTuple):
     """What stands in the rows of a section.
 
-    Attributes
-    ----------
-    kind : str
-        CCSDS attitude type of the attitudes.
-    width : int
-        Numbers behind the time.
-    form : str
-        "quaternion", "matrix", "euler", "ypr", "euler rates", "ypr rates" or "vector".
-    scalar_first : bool
-    initial : str or None
-        Keyword of the angles at the first record.
-    axes : str or None
-        The axes, if CoordinateAxes has no effect.
+    kind: CCSDS attitude type of the attitudes.
+    width: numbers behind the time.
+    form: "quaternion", "matrix", "euler", "ypr", "euler rates", "ypr rates" or "vector".
+    initial: keyword of the angles at the first record.
+    axes: the axes, if CoordinateAxes has no effect.
     """
 
     kind: str
@@ -198,18 +186,10 @@ USUAL: dict[str, str] = {"euler": "313", "ypr": "321"}
 class Decoder:
     """Rows of a section to the columns of its CCSDS attitude type.
 
-    Parameters
-    ----------
-    section : Section
-    sequence : str or None
-        The order of rotations, as in `quaternion.known_sequence`.
-    initial : sequence of float or None
-        The angles at the first record, deg, in the order of the section's columns.
+    sequence: the order of rotations, as in `quaternion.known_sequence`.
+    initial: the angles at the first record, deg, in the order of the section's columns.
 
-    Attributes
-    ----------
-    section, sequence
-        As given; the sequence is that of the Euler angles of `columns`.
+    section, sequence: as given; the sequence is that of the Euler angles of `columns`.
     """
 
     def __init__(
@@ -310,26 +290,13 @@ def named(given: str) -> Axes:
 class Header:
     """The keywords of a file up to the name of its section.
 
-    Parameters
-    ----------
-    lines : Lines
-        At the beginning of the file; they are read up to the first record.
+    lines: at the beginning of the file; they are read up to the first record.
 
-    Attributes
-    ----------
-    keywords : dict of str
-    section : Section
-    count : int or None
-        NumberOfAttitudePoints.
-    method, degree : str, int
-        Interpolation, as of AttitudeTable.
-    time_format : str
-        TimeFormat in lower case.
-
-    Raises
-    ------
-    AttitudeError
-        For a file that is no STK attitude file, and keywords or values that are not known.
+    count: NumberOfAttitudePoints.
+    method, degree: interpolation, as of AttitudeTable.
+    time_format: TimeFormat in lower case.
+    AttitudeError for a file that is no STK attitude file, and keywords or values that are not
+        known.
     """
 
     def __init__(self, lines: Lines):
@@ -715,6 +682,7 @@ def write(
         For several segments, an unknown section, frame, sequence or order, and a file that cannot
         be written.
     """
+    refuse_foreign(path, "stk")
     has_rates = _sampling.known_of(source, t)[1]
     section = section or ("AttitudeTimeQuatAngVels" if has_rates else "AttitudeTimeQuaternions")
     if section not in WRITTEN:

@@ -59,6 +59,7 @@ class EllipsoidCurve:
         self._observer = _motions.padded(problem.observer).reshape(-1)
         # epochs that fill up the last vector have no weight
         self._weight = _motions.padded(problem.root, "constant")
+        self._tally, self._settings = problem.tally, problem.settings
         count, n = len(problem.u), self._t.size
         self._size = max(1, _AT_ONCE // n)
         # filling new memory takes as long as computing what goes into it
@@ -79,6 +80,8 @@ class EllipsoidCurve:
         rows = self._rows if with_slopes else self._rows.reshape(-1, 1, self._t.size)[:size]
         elements, k = np.ascontiguousarray(states[:, :3]), _motions.coefficients(states)
         epochs = self._t, self._sun, self._observer, self._y, self._weight
+        costs = self._settings.screen_cost, self._settings.ellipsoid_cost
+        self._tally.add(len(states) * self._t.size, costs[with_slopes])
         for start in range(0, len(states), size):
             part = slice(start, start + size)
             some = rows[: len(states) - start]
@@ -275,6 +278,8 @@ def _products(rows, found, size):
 
 # Entries of a start, and of those the elements that the moments follow from.
 WIDTH = 16
+# Entries of the direction of the angular momentum, the third column of the orientation.
+OF_POLE = [7, 10, 13]
 OF_MOMENTS = [0, 1, 3, 4]
 # Bounds of ln rho, X and of the logarithms of the shape.
 LEAST_RHO, MOST_RHO, LEAST_X, MOST_X, MOST_RATIO = -8.0, -0.01, -0.3, 0.95, 6.0
@@ -282,6 +287,62 @@ LEAST_RHO, MOST_RHO, LEAST_X, MOST_X, MOST_RATIO = -8.0, -0.01, -0.3, 0.95, 6.0
 _LONGEST = 0.6
 # Damping at the start, and that at which no step lowers the sum of squares.
 _DAMPING, _STUCK = 1e-2, 1e8
+
+
+class SearchState(NamedTuple):
+    """The entries of a state by name.
+
+    precession (lambda / 2 pi), nutation (f, signed by the mode), turns per span, and phase, turns,
+    at the middle of the span; log_rho, x of the normal form; frame (3, 3): axes along the momentum,
+    columns, ICRF; flat (2,): logarithms of squared ratios of axes; modes (M,) of the areas, none
+    for an ellipsoid.
+    """
+
+    precession: float
+    nutation: float
+    phase: float
+    log_rho: float
+    x: float
+    frame: FloatArray
+    flat: FloatArray
+    modes: FloatArray
+
+    @classmethod
+    def of(cls, state: FloatArray) -> SearchState:
+        """Those of a vector (16 or more,)."""
+        precession, nutation, phase, log_rho, x = state[:5].tolist()
+        frame, flat, modes = state[5:14].reshape(3, 3), state[14:16], state[16:]
+        return cls(precession, nutation, phase, log_rho, x, frame, flat, modes)
+
+    @property
+    def vector(self) -> FloatArray:
+        """The state as a vector (16 + M,)."""
+        return np.concatenate([self[:5], self.frame.ravel(), self.flat, self.modes])
+
+    @property
+    def pole(self) -> FloatArray:
+        """The direction (3,) of the angular momentum, ICRF."""
+        return self.frame[:, 2]
+
+    @property
+    def is_axial(self) -> bool:
+        """Whether this is rotation about one axis."""
+        return self.log_rho == AXIAL
+
+    @property
+    def rates(self) -> tuple[float, float]:
+        """Frequencies of phi of the long axis and of psi, turns per span; psi 0 for one axis."""
+        twice = 2.0 * self.precession
+        if self.is_axial:
+            return twice, 0.0
+        return twice - max(self.nutation, 0.0), abs(self.nutation)
+
+    def has_rates(self, other: SearchState, width: float) -> bool:
+        """Whether another state has this mode and these rates, to a width in turns per span."""
+        alike = 2.0 * abs(self.precession - other.precession) < width
+        if self.is_axial or other.is_axial:
+            return self.is_axial and other.is_axial and alike
+        return alike and abs(self.nutation - other.nutation) < width
 
 
 class Priors(NamedTuple):
@@ -508,6 +569,13 @@ def rotations(generator: np.random.Generator, count: int) -> FloatArray:
     return np.stack(rows, axis=-1)
 
 
+def frames_of(generator: np.random.Generator, poles: FloatArray) -> FloatArray:
+    """Matrices (P, 9) whose third columns are directions (P, 3), turned about them at random."""
+    first = np.cross(poles, generator.standard_normal(poles.shape))
+    first /= np.linalg.norm(first, axis=1)[:, None]
+    return np.stack([first, np.cross(poles, first), poles], axis=-1).reshape(-1, 9)
+
+
 def starts(
     generator: np.random.Generator, precession: FloatArray, nutation: FloatArray
 ) -> FloatArray:
@@ -570,6 +638,32 @@ def around(
     return minimised(problem, chosen, iterations, tie=tie)
 
 
+def narrowed(
+    problem: CurveProblem,
+    generator: np.random.Generator,
+    rates: list[Candidate],
+    count: int,
+    *,
+    tie: Held = _FREELY,
+) -> Pool:
+    """The best minimum of each pair of rates: of many starts a few steps, of the best more.
+
+    `count` starts, each the best of some random ones, take four steps; a quarter of them six more,
+    and the best of these ten more.
+    """
+    groups = len(rates)
+    pool = around(problem, generator, rates, count, screens=4, iterations=4, tie=tie)
+    for kept, steps in ((max(count // 4, 1), 6), (1, 10)):
+        size = len(pool.cost) // groups
+        order = np.argsort(pool.cost.reshape(groups, size), axis=1, kind="stable")[:, :kept]
+        chosen = (order + size * np.arange(groups)[:, None]).ravel()
+        more = minimised(problem, pool.states[chosen], steps, tie=tie)
+        is_better = more.cost < pool.cost[chosen]
+        cost = np.where(is_better, more.cost, pool.cost[chosen])
+        pool = Pool(cost, np.where(is_better[:, None], more.states, pool.states[chosen]))
+    return pool
+
+
 def best_of_each(pool: Pool, groups: int) -> Pool:
     """The best state of each of so many equal groups."""
     size = len(pool.cost) // groups
@@ -612,11 +706,7 @@ def axial_at_poles(
     each = np.repeat(0.5 * rates, size)
     given = starts(generator, each, -np.ones(len(each)))
     given[:, 2], given[:, 3], given[:, 4] = 0.0, AXIAL, 0.0
-    third = np.repeat(poles, size, axis=0)
-    first = np.cross(third, generator.standard_normal(third.shape))
-    first /= np.linalg.norm(first, axis=1)[:, None]
-    turns = np.stack([first, np.cross(third, first), third], axis=-1)
-    given[:, 5:14] = turns.reshape(-1, 9)
+    given[:, 5:14] = frames_of(generator, np.repeat(poles, size, axis=0))
     chosen = screened(problem, given, count * _AROUND)
     fixed = AXIAL_FIXED.copy()
     fixed[:2] = True

@@ -21,16 +21,16 @@ import numpy as np
 
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
-from attitude.inversion import _ellipsoid, _motions, _refinement
+from attitude.inversion import _ellipsoid, _motions, _problem, _refinement
 from attitude.motions._propagation import propagate
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from attitude._support.annotations import BoolArray, FloatArray, IntArray
+    from attitude.inversion._evidence import Weighted
     from attitude.inversion._moving import MovingPoint
     from attitude.inversion._problem import CurveProblem
-    from attitude.inversion._refinement import Weighted
     from attitude.inversion._shapes import KnownShape, Tie
 
 
@@ -331,9 +331,20 @@ def costs(
 
     Shapes: moments (3,), wxyz, omega (M, 4) rad/s, seconds (N,) s.
     """
-    turned = propagate(moments, wxyz, omega, seconds)
-    sun, observer = over_body(quaternion.matrix(turned), problem)
-    return of_magnitudes(problem, known.magnitudes(sun, observer, least))
+    nodes = _problem.at_nodes(problem)
+    count_states(nodes, known, len(wxyz))
+    # the epochs of the nodes, from the origin of the seconds
+    shifts = (nodes.t.reshape(-1, len(problem)) - problem.t) * problem.span
+    turned = propagate(moments, wxyz, omega, (seconds + shifts).reshape(-1))
+    sun, observer = over_body(quaternion.matrix(turned), nodes)
+    magnitude = known.magnitudes(sun, observer, least)
+    return of_magnitudes(problem, _problem.mean_magnitudes(problem, magnitude))
+
+
+def count_states(problem: CurveProblem, known: KnownShape, states: int) -> None:
+    """Count the work of the magnitudes of so many states."""
+    terms = states * len(problem) * len(known.mesh.facets)
+    problem.tally.add(terms, problem.settings.facet_cost)
 
 
 def over_body(matrix: FloatArray, problem: CurveProblem) -> tuple[FloatArray, FloatArray]:

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from attitude import plots
-from attitude.inversion import _lattices, _search, _verdicts
-from attitude.photometry import _spectrum
+from attitude._support.quantity_text import TIME_UNITS, time_unit
+from attitude.errors import AttitudeError
+from attitude.inversion import _lattices, _problem
+from attitude.inversion._ellipsoid import SearchState
+from attitude.photometry import _folding, _spectrum
+from attitude.photometry._curve import LightCurve, dimming
 from attitude.photometry._spectrum import OVERSAMPLING
 
 if TYPE_CHECKING:
-    from attitude._support.annotations import FilePath
-    from attitude.inversion._periods import Periods
+    from collections.abc import Sequence
+
+    from attitude._support.annotations import FilePath, FloatArray
     from attitude.inversion._refine import Refinement
-    from attitude.inversion._solution import Solution, SpinStates
+    from attitude.inversion._solution import Prediction, Solution, SpinStates
 
 
 _DAY = 86400.0
@@ -24,18 +29,159 @@ _SIDE = 60
 _DATA, _MODEL, _OTHER = "#0072b2", "#d55e00", "0.6"
 
 
-def of_solution(solution: Solution, path: FilePath | None = None) -> Any:
-    """The fit of one solution, its residuals, and the curve folded by both periods."""
-    figure = plots.new_figure((11.0, 8.0))
-    axes = figure.subplots(2, 2)
-    _fit(axes[0, 0], axes[1, 0], solution)
-    _folded(axes[0, 1], solution, 0)
-    _folded(axes[1, 1], solution, 1)
-    figure.suptitle(repr(solution)[1:-1], fontsize=9)
+# Nights of a figure at most, columns of panels, and points a night from which nights have panels.
+_NIGHTS, _COLUMNS, _FEW = 20, 4, 3
+# Points of a line of the model.
+_FINE = 200
+
+
+class _Night(NamedTuple):
+    """A panel: its date, points with errors and residuals, and the model with its error."""
+
+    title: str
+    hours: FloatArray
+    value: FloatArray
+    error: FloatArray
+    residual: FloatArray
+    line: tuple[FloatArray, FloatArray, FloatArray]
+
+
+def of_nights(solution: Solution | Refinement, path: FilePath | None = None) -> Any:
+    """A panel a night: points, the model as a line, residuals under it.
+
+    Of curves of few points a night, one panel of the whole curve.
+    """
+    problem, curve = solution.weighted.problem, solution.curve
+    seconds = problem.t * problem.span
+    groups = _problem.nights_of(seconds)
+    if np.median([len(each) for each in groups]) < _FEW:
+        return of_fit(solution, path)
+    chosen = sorted(groups, key=lambda each: -len(each))[:_NIGHTS]
+    nights = []
+    for points in sorted(chosen, key=lambda each: each[0]):
+        fine = np.linspace(seconds[points[0]], seconds[points[-1]], _FINE)
+        there = _between(curve, fine)
+        model = _reduced(solution.predict(there), curve)
+        computed = problem.magnitude[points] - solution.residuals[points]
+        at = np.interp(seconds[points], fine, model)
+        start = seconds[points[0]]
+        nights.append(
+            _Night(
+                curve.epoch.after(float(start)).utc_iso[:16].replace("T", " "),
+                (seconds[points] - start) / 3600.0,
+                problem.magnitude[points],
+                problem.sigma[points],
+                solution.residuals[points],
+                ((fine - start) / 3600.0, model + np.median(computed - at), np.zeros(_FINE)),
+            )
+        )
+    words = f", {len(nights)} of {len(groups)} nights" if len(nights) < len(groups) else ""
+    figure = _panels(nights, "reduced magnitude", f"{repr(solution)[1:-1]}{words}")
     return _saved(figure, path)
 
 
-def of_fit(found: Refinement, path: FilePath | None = None) -> Any:
+def of_prediction(
+    found: Prediction, path: FilePath | None = None, observed: LightCurve | None = None
+) -> Any:
+    """A panel a night of what is predicted, with the error of its form, and of what was observed.
+
+    Points are shifted by the mean residual of each night, which is beside its date.
+    """
+    nights = []
+    for points in _problem.nights_of(found.seconds)[:_NIGHTS]:
+        start = float(found.seconds[points[0]])
+        title = found.epoch.after(start).utc_iso[:16].replace("T", " ")
+        hours = (found.seconds[points] - start) / 3600.0
+        line = hours, found.magnitude[points], found.form[points]
+        seen = value = error = residual = np.zeros(0)
+        if observed is not None:
+            times = observed.seconds + (observed.epoch.seconds - found.epoch.seconds)
+            inside = (times >= found.seconds[points[0]]) & (times <= found.seconds[points[-1]])
+            seen = (times[inside] - start) / 3600.0
+            value, error = observed.magnitude[inside], observed.magnitude_sigma[inside]
+            residual = value - np.interp(seen, hours, line[1])
+            if len(seen):
+                offset = float(np.mean(residual))
+                value, residual = value - offset, residual - offset
+                title += f", shifted {-offset:+.3f} mag"
+        nights.append(_Night(title, seen, value, error, residual, line))
+    level = f"level to {np.median(found.level):.3f} mag; the band is the error of the form"
+    words = f"{repr(found.fit)[1:-1]}\n{level}"
+    return _saved(_panels(nights, "magnitude", words), path)
+
+
+def _between(curve: LightCurve, emission: FloatArray) -> LightCurve:
+    """The geometry of a curve, interpolated at epochs of emission."""
+    known, first = np.unique(curve.emission, return_index=True)
+    both = [
+        np.stack([np.interp(emission, known, vectors[first, k]) for k in range(3)], axis=1)
+        for vectors in curve.vectors
+    ]
+    return LightCurve(
+        emission,
+        np.zeros(len(emission)),
+        sun=both[0],
+        observer=both[1],
+        epoch=curve.epoch,
+        time_of="emission",
+    )
+
+
+def _reduced(found: Prediction, curve: LightCurve) -> FloatArray:
+    """Predicted magnitudes at 1 au."""
+    if curve.unit_distances:
+        return found.magnitude
+    return found.magnitude - dimming(found.sun, found.observer)
+
+
+def _panels(nights: Sequence[_Night], name: str, title: str) -> Any:
+    """A figure of panels with residuals under them where there are points, all of one scale."""
+    from matplotlib.ticker import MaxNLocator
+
+    columns = min(_COLUMNS, len(nights))
+    rows = -(-len(nights) // columns)
+    figure = plots.new_figure((max(3.1 * columns + 0.6, 7.0), 2.9 * rows + 0.7))
+    cells: Any = figure.subfigures(rows, columns, squeeze=False, wspace=0.01, hspace=0.01)
+    height = 1.15 * max(float(np.ptp(np.append(each.value, each.line[1]))) for each in nights)
+    off = [float(np.abs(each.residual).max()) for each in nights if len(each.residual)]
+    for k, night in enumerate(nights):
+        row, column = divmod(k, columns)
+        ratios = {"height_ratios": (3, 1)} if off else {}
+        axes = cells[row, column].subplots(2 if off else 1, 1, sharex=True, gridspec_kw=ratios)
+        above, below = axes if off else (axes, None)
+        hours, model, band = night.line
+        above.fill_between(hours, model - band, model + band, color=_MODEL, alpha=0.25, lw=0)
+        above.plot(hours, model, color=_MODEL, lw=1.2)
+        if below is not None and len(night.hours):
+            error = np.nan_to_num(night.error)
+            style: dict[str, Any] = {"fmt": "o", "ms": 2.5, "lw": 0.7, "color": _DATA}
+            above.errorbar(night.hours, night.value, error, **style)
+            below.errorbar(night.hours, night.residual, error, **style)
+        if below is not None:
+            below.set_ylim(1.3 * max(off), -1.3 * max(off))
+            below.axhline(0.0, color=_OTHER, lw=0.8)
+        middle = float(np.mean([model.min(), model.max()]))
+        above.set_ylim(middle + 0.5 * height, middle - 0.5 * height)
+        above.set_title(night.title, fontsize=8)
+        for each, count in ((above, 5), (below, 3)):
+            if each is not None:
+                each.tick_params(labelsize=7)
+                each.yaxis.set_major_locator(MaxNLocator(count))
+                each.xaxis.set_major_locator(MaxNLocator(5))
+        if column == 0:
+            above.set_ylabel(name, fontsize=8)
+            if below is not None:
+                below.set_ylabel("residual", fontsize=8)
+        if k + columns >= len(nights):
+            (above if below is None else below).set_xlabel("hours from the date", fontsize=8)
+        cells[row, column].align_ylabels()
+    for k in range(len(nights), rows * columns):
+        cells[divmod(k, columns)].set_visible(False)
+    figure.suptitle(title, fontsize=9)
+    return figure
+
+
+def of_fit(found: Solution | Refinement, path: FilePath | None = None) -> Any:
     """The fit of a refinement and its residuals."""
     figure = plots.new_figure((8.0, 8.0))
     above, below = figure.subplots(2, 1)
@@ -57,11 +203,13 @@ def of_states(found: SpinStates, path: FilePath | None = None) -> Any:
     for each in found:
         behind = each.evidence - first
         colour = _MODEL if behind < 16.0 else _OTHER
-        phi, psi = np.array(_verdicts.rates(each.state)) / each.curve.span * _DAY
+        phi, psi = np.array(SearchState.of(each.state).rates) / each.curve.span * _DAY
         axes[0, 2].plot(phi, psi, "o" if each.mode == "LAM" else "s", mfc="none", color=colour)
         longitude, latitude = np.degrees(each.pole)
         axes[1, 2].plot(longitude, latitude, "o", color=colour)
-        axes[1, 2].annotate(str(each.rank), (longitude, latitude), fontsize=7)
+        axes[1, 2].annotate(
+            str(each.rank), (longitude, latitude), (4, 4), textcoords="offset points", fontsize=8
+        )
     axes[0, 2].set_xlabel("1/P_phi of the long axis, 1/d")
     axes[0, 2].set_ylabel("1/P_psi, 1/d")
     axes[1, 2].set_xlabel("ecliptic longitude of the momentum, deg")
@@ -72,26 +220,12 @@ def of_states(found: SpinStates, path: FilePath | None = None) -> Any:
     return _saved(figure, path)
 
 
-def of_pairs(found: Periods, path: FilePath | None = None) -> Any:
-    """Pairs of frequencies, larger the less variance they leave."""
-    figure = plots.new_figure((6.0, 5.0))
-    axes = figure.subplots()
-    for rank, pair in enumerate(found):
-        colour = _OTHER if pair.left > found.false_alarm else _MODEL
-        size = 200.0 * (1.0 - pair.left) ** 2
-        axes.scatter(pair.first * _DAY, pair.second * _DAY, size, color=colour, alpha=0.6)
-        axes.annotate(str(rank), (pair.first * _DAY, pair.second * _DAY), fontsize=7)
-    axes.set_xlabel("first frequency, 1/d")
-    axes.set_ylabel("second frequency, 1/d")
-    return _saved(figure, path)
-
-
 def _map(axes: Any, best: Solution) -> None:
     """The share of chi-squared that series at i/P_phi + 2j/P_psi leave, near the best."""
     if best.is_axial:
         return
     problem = best.weighted.problem
-    phi, psi = _verdicts.rates(best.state)
+    phi, psi = SearchState.of(best.state).rates
     step = 1.0 / OVERSAMPLING
     sides = []
     for centre in (phi, 2.0 * psi):
@@ -131,20 +265,27 @@ def _fit(above: Any, below: Any, solution: Solution | Refinement) -> None:
 
 
 def _folded(axes: Any, solution: Solution, which: int) -> None:
-    problem = solution.weighted.problem
-    rate = _verdicts.rates(solution.state)[which]
-    name = ("P_phi", "P_psi")[which]
-    if _search.is_axial(solution.state) and which:
+    """The curve folded with a period, without the lines of the series that have the other one."""
+    periods = [solution.P_phi] if solution.is_axial else [solution.P_phi, solution.P_psi]
+    if which >= len(periods):
         axes.set_visible(False)
         return
-    magnitude = problem.magnitude - np.mean(problem.magnitude)
-    axes.plot(np.mod(rate * problem.t, 1.0), magnitude, ".", color=_DATA)
-    axes.plot(
-        np.mod(rate * problem.t, 1.0), magnitude - solution.residuals, "x", color=_MODEL, ms=4
-    )
-    axes.invert_yaxis()
-    axes.set_xlabel(f"phase of {name} = {solution.curve.span / rate / _DAY:.5g} d")
-    axes.set_ylabel("magnitude less its mean")
+    try:
+        folded = _folding.fold(
+            solution.curve, np.array(periods), order=4 if solution.is_axial else 2
+        )
+    except AttitudeError:  # fewer points than a series has unknowns
+        axes.set_visible(False)
+        return
+    axes.plot(folded.phase[which], folded.values[which], ".", color=_DATA, ms=3)
+    phase = np.linspace(0.0, 1.0, 400)
+    axes.plot(phase, folded.curve(phase, which), color=_MODEL, lw=1.2)
+    if not folded.samples.is_flux:
+        axes.invert_yaxis()
+    unit = time_unit(periods[which])
+    name = ("P_phi", "P_psi")[which] if len(periods) == 2 else "P"
+    axes.set_xlabel(f"phase of {name} = {periods[which] / TIME_UNITS[unit]:.6g} {unit}")
+    axes.set_ylabel("mag, without the other lines" if len(periods) == 2 else "mag")
 
 
 def _saved(figure: Any, path: FilePath | None) -> Any:

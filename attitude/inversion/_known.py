@@ -8,7 +8,6 @@ errors.  Many states are propagated and refined side by side.
 from __future__ import annotations
 
 import math
-import time
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -18,8 +17,9 @@ from attitude._support import validation
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
-from attitude.inversion import _errors, _moving, _problem, _refinement, _search, _shapes, _verdicts
+from attitude.inversion import _errors, _evidence, _moving, _problem, _shapes, _verdicts
 from attitude.inversion._refine import Refinement
+from attitude.inversion._settings import Tally
 from attitude.inversion._shapes import Tie
 from attitude.motions._body import Body
 from attitude.motions._free_rotation import FreeRotation
@@ -30,9 +30,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from attitude._support.annotations import FloatArray, IntArray
-    from attitude.inversion._curve import LightCurve
     from attitude.inversion._problem import CurveProblem
+    from attitude.inversion._settings import Settings
     from attitude.inversion._shapes import KnownShape
+    from attitude.photometry._curve import LightCurve
     from attitude.scattering._law import Law
     from attitude.shape._mesh import Mesh
 
@@ -96,8 +97,6 @@ class PassSearch:
     most : float
         Largest rate, rad/s.
     generator : Generator
-    deadline : float
-        `time.monotonic` at which the search ends.
     progress : callable
     found : States
         The best first, at the epoch `origin`.
@@ -110,7 +109,6 @@ class PassSearch:
     moments: FloatArray
     most: float
     generator: np.random.Generator
-    deadline: float
     progress: Callable[[str], object]
     found: States = field(init=False)
     origin: float = field(init=False)
@@ -137,7 +135,7 @@ class PassSearch:
                 is_rough = self._mean_square() < _POOR
             agreeing = sum(each < _MARGIN * min(costs) for each in costs)
             fits = min(costs) < len(problem) / _EXPECTED
-            if fits or (is_rough and agreeing >= _AGREEING) or time.monotonic() > self.deadline:
+            if fits or (is_rough and agreeing >= _AGREEING) or self.problem.tally.is_over:
                 break
         assert best is not None
         self.found, self.origin = best, origin
@@ -171,7 +169,7 @@ class PassSearch:
             self.found = self._refined(own, self._branched(own, self.found), _ITERATIONS)
             self._keep(count)
             self.progress(f"span {2.0 * span:.0f} s: {len(self.found.cost)} states")
-            if time.monotonic() > self.deadline:
+            if self.problem.tally.is_over:
                 break
         own = problem.with_model_error(_ERRORS[1])
         self.found = self._refined(own, self._branched(own, self.found), _LAST)
@@ -196,7 +194,7 @@ class PassSearch:
             best = both.rows(np.argsort(both.cost, kind="stable")[:_REFINED])
             if begin % (50 * block) == 0:
                 self.progress(f"{begin + size} of {count} random states")
-            if time.monotonic() > self.deadline:
+            if self.problem.tally.is_over:
                 break
         assert best is not None
         return best
@@ -217,6 +215,8 @@ class PassSearch:
 
     def _near_block(self, problem: CurveProblem, wxyz: FloatArray, omega: FloatArray) -> NearMany:
         t = problem.t * problem.span - self.origin
+        # six magnitudes for differences beside the own
+        _errors.count_states(problem, self.known, 7 * len(wxyz))
         turned, slopes = propagate(self.moments, wxyz, omega, t, sensitivity=True)
         matrix = quaternion.matrix(turned)
         lit = self.known.lit(*_errors.over_body(matrix, problem), self.least)
@@ -335,6 +335,11 @@ _FITTED, _BEHIND = 12, 150.0
 _SAME_RATES = 0.01
 # Turn, rad, and share of the rate, within which two minima are in one lobe of the density.
 _LOBE_TURN, _LOBE_RATE = 0.3, 0.1
+# Views, and angles (rad), by which symmetry about an axis is recognized: magnitudes differ by less
+# than this share of the errors, and moments by this share of the largest.
+_SEED, _VIEWS, _ANGLES, _UNSEEN, _ROUND = 36, 200, (0.7, 1.9), 0.4, 1e-3
+# Momenta, relative, and directions of the axis of symmetry, rad, that are one.
+_SAME_ROUND, _SAME_AXIS = 0.02, 0.1
 # Mean square of residuals, without the worst 3 %, over sigma and 0.01 mag of an accepted state.
 _FLOOR = 1.25
 
@@ -361,6 +366,7 @@ def found(
     moments: Any,
     seconds: float,
     seed: int,
+    settings: Settings,
     progress: Callable[[str], object],
 ) -> tuple[list[Refinement], str, str, tuple[str, ...]]:
     """Solutions, the best first, the verdict, its criterion, and notes; see `spin_states`."""
@@ -369,8 +375,9 @@ def found(
     known = _shapes.known(mesh, law).over(axes)
     zero_points = curve.zero_points
     problem, bins = _problem.problem(
-        curve, most, _search.ELLIPSOID_ERROR, zero_points, is_known=True
-    )
+        curve, most, settings.ellipsoid_error, zero_points, is_known=True, settings=settings,
+        tally=Tally(seconds),
+    )  # fmt: skip
     notes = list(curve.notes)
     if bins is not None:
         notes.append(f"{len(curve)} points were averaged to {len(problem)}.")
@@ -380,7 +387,6 @@ def found(
         body.moments,
         2.0 * math.pi * most,
         validation.generator(seed),
-        time.monotonic() + seconds,
         progress,
     )
     made.run()
@@ -390,14 +396,24 @@ def found(
         if k < _FITTED and made.found.cost[k] < made.found.cost[0] + _BEHIND
     ]
     solutions.sort(key=lambda each: each.evidence)
+    symmetry = symmetry_of(known, body.moments, float(np.median(problem.sigma)))
     kept: list[Refinement] = []
+    turned = 0
     for each in solutions:
-        if not any(_is_same(each, other) for other in kept):
+        if any(_looks_same(each, other, symmetry) for other in kept):
+            turned += not any(_is_same(each, other) for other in kept)
+        elif not any(_is_same(each, other) for other in kept):
             each.rank = len(kept)
             each.relation = _relation(each, kept[0]) if kept else "best"
             each.rivals = _rivals(each, solutions)
             kept.append(each)
-    return kept, *_verdict(kept), tuple(notes)
+    verdict, criterion = _verdict(kept)
+    if turned:
+        criterion += (
+            f" {turned} states differ from these by a turn about the axis of symmetry of the "
+            "shape, which brightness does not show, and are not listed."
+        )
+    return kept, verdict, criterion, tuple(notes)
 
 
 def _fitted(curve, problem, known, body, made, k):
@@ -428,6 +444,61 @@ def _is_same(one: Refinement, other: Refinement) -> bool:
         and np.linalg.norm(v - w) < _SAME_RATES * size
         and turn > math.cos(0.05)
     )
+
+
+class Symmetry(NamedTuple):
+    """The principal axis (0 to 2) about which a body looks and moves alike, or None.
+
+    can_turn_over: whether it looks alike with the axis reversed.
+    """
+
+    axis: int | None
+    can_turn_over: bool
+
+
+def symmetry_of(known: KnownShape, moments: FloatArray, sigma: float) -> Symmetry:
+    """The symmetry of a shape over principal axes, to a share of errors of sigma, mag.
+
+    By magnitudes from random directions: a wheel of many facets counts as round, one of few
+    does not.
+    """
+    sun, observer = np.random.default_rng(_SEED).standard_normal((2, _VIEWS, 3))
+    sun /= np.linalg.norm(sun, axis=1)[:, None]
+    observer /= np.linalg.norm(observer, axis=1)[:, None]
+    least = known.floor(sun, observer)
+    given = known.magnitudes(sun, observer, least)
+
+    def is_alike(turn: FloatArray) -> bool:
+        seen = known.magnitudes(sun @ turn.T, observer @ turn.T, least)
+        # a median: where little of a body is lit, its facets show
+        return bool(np.median(np.abs(seen - given)) < _UNSEEN * sigma)
+
+    for axis in range(3):
+        one, two = (axis + 1) % 3, (axis + 2) % 3
+        if abs(moments[one] - moments[two]) > _ROUND * float(np.max(moments)):
+            continue
+        unit = np.eye(3)
+        turns = [_turn(angle * unit[axis]) for angle in _ANGLES]
+        if all(is_alike(turn) for turn in turns):
+            return Symmetry(axis, is_alike(_turn(math.pi * unit[one])))
+    return Symmetry(None, False)
+
+
+def _turn(vector: FloatArray) -> FloatArray:
+    """The matrix of a rotation vector (3,), rad."""
+    return quaternion.matrix(forms.from_rotation_vector(vector))
+
+
+def _looks_same(one: Refinement, other: Refinement, symmetry: Symmetry) -> bool:
+    """Whether two states differ by a turn about an axis of symmetry alone."""
+    if symmetry.axis is None:
+        return False
+    (a, _), (b, _) = _vectors(one), _vectors(other)
+    size = float(np.linalg.norm(a))
+    axes = [quaternion.matrix(each.point.spin.wxyz_icrf)[:, symmetry.axis] for each in (one, other)]
+    cosine = float(axes[0] @ axes[1])
+    near = abs(cosine) if symmetry.can_turn_over else cosine
+    return bool(np.linalg.norm(a - b) < _SAME_ROUND * size and near > math.cos(_SAME_AXIS))
 
 
 def _rivals(
@@ -467,16 +538,17 @@ def _verdict(found: Sequence[Refinement]) -> tuple[str, str]:
     if not found:
         return _verdicts.OPEN, "No solution was found."
     best = found[0]
-    floor = _refinement.floor_ratio(best.weighted, best._problem)
+    settings = best._problem.settings
+    floor = _evidence.floor_ratio(best.weighted, best._problem)
     gap = min(
         (e.evidence - best.evidence for e in found[1:] if not _has_rates(e, best)),
         default=math.inf,
     )
     words = (
-        f"chi2/N is {floor:.2f} with errors of sigma and {_refinement.FLOOR_ERROR:g} mag (floor "
+        f"chi2/N is {floor:.2f} with errors of sigma and {settings.floor_error:g} mag (floor "
         f"{_FLOOR:g}); the next rates are {gap:.1f} behind in -2 ln(evidence) "
-        f"({_verdicts.COMPETING:g} needed)."
+        f"({settings.competing:g} needed)."
     )
-    if floor < _FLOOR and gap > _verdicts.COMPETING:
+    if floor < _FLOOR and gap > settings.competing:
         return _verdicts.SOLVED, words
     return _verdicts.OPEN, words

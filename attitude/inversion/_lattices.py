@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 # Least frequency, turns per span.
 LEAST = 0.7
+# Unknowns of a series of order 2, by which the cost of a pair is scaled.
+_UNKNOWN = 25
 # Distances at which two candidates are one: of lambda/pi and of f, turns per span.
 _SAME_RATE, _SAME_NUTATION = 0.7, 0.5
 
@@ -52,6 +54,9 @@ def lattice_pairs(
     end = least + max(count - least, 3)
     made = tables(problem, 4 * order * end + 2)
     found = _spectrum.best(made, (least, end), (least, end), order, RIDGE, keep)
+    unknown = 2 * len(_spectrum.harmonics(order)) - 1
+    fitted = min(found.tried, _spectrum.MOST)
+    problem.tally.add(fitted, problem.settings.pair_cost * (unknown / _UNKNOWN) ** 3)
     both = np.stack([found.first, found.second], axis=-1) / OVERSAMPLING
     return both, found.left
 

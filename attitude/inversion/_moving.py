@@ -18,8 +18,8 @@ from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
-from attitude.inversion import _refinement, _shapes
-from attitude.inversion._search import ELLIPSOID_ERROR
+from attitude.inversion import _evidence, _problem, _refinement, _shapes
+from attitude.inversion._settings import DEFAULT
 from attitude.motions._body import Body
 from attitude.motions._differentiable import changed
 from attitude.motions._free_rotation import FreeRotation
@@ -34,8 +34,8 @@ from attitude.torques._triggers import Trigger
 if TYPE_CHECKING:
     from attitude._support.annotations import BoolArray, FloatArray
     from attitude.epochs._instants import Instant
+    from attitude.inversion._evidence import Weighted
     from attitude.inversion._problem import CurveProblem
-    from attitude.inversion._refinement import Weighted
     from attitude.inversion._shapes import KnownShape
 
 
@@ -338,12 +338,12 @@ class MovingFit:
     fixed: BoolArray
 
     def model(self, problem: CurveProblem, state: MovingState) -> MovingModel:
-        """The magnitudes of a state, with derivatives."""
-        point = state.point
-        seconds = seconds_of(point, self.epoch, problem.t * problem.span)
+        """The magnitudes of a state, means over exposures, with derivatives."""
+        point, nodes = state.point, _problem.at_nodes(problem)
+        seconds = seconds_of(point, self.epoch, nodes.t * nodes.span)
         matrix, slopes = point.attitudes(seconds)
-        sun = np.ascontiguousarray(np.einsum("nij,in->nj", matrix, problem.sun))
-        observer = np.ascontiguousarray(np.einsum("nij,in->nj", matrix, problem.observer))
+        sun = np.ascontiguousarray(np.einsum("nij,in->nj", matrix, nodes.sun))
+        observer = np.ascontiguousarray(np.einsum("nij,in->nj", matrix, nodes.observer))
         if self.known is None:
             lit = _shapes.magnitudes(sun, observer, state.shape)
         else:
@@ -351,7 +351,8 @@ class MovingFit:
         across = np.einsum("nij,nj->ni", matrix, lit.across)
         of_motion = np.einsum("ni,nip->pn", across, slopes)
         jacobian = np.concatenate([of_motion, lit.by_shape])
-        return MovingModel(lit.magnitude, jacobian, lit.areas, lit.slopes)
+        magnitude, jacobian = _problem.over_exposures(problem, lit.magnitude, jacobian)
+        return MovingModel(magnitude, jacobian, lit.areas, lit.slopes)
 
     def near(self, problem: CurveProblem, state: MovingState) -> MovingFound:
         """The cost near a state."""
@@ -406,7 +407,7 @@ class MovingFit:
 
     def weighted(self, problem: CurveProblem, start: MovingState) -> Weighted:
         """The state of largest posterior density, with Student's errors and a model error."""
-        whole = problem.with_model_error(ELLIPSOID_ERROR)
+        whole = problem.with_model_error(DEFAULT.ellipsoid_error)
         best = self.minimum(whole, start, _LAST)
         if best.chi_squared > _BAD * len(whole):
             grown = self._in_stages(whole, start)
@@ -414,15 +415,15 @@ class MovingFit:
         if not math.isfinite(best.cost):
             raise AttitudeError("the start has no magnitudes at the epochs of the curve.")
         for _ in range(2):
-            residual, _ = _refinement.residuals(whole, best.magnitude)
-            whole = problem.with_model_error(_refinement.model_error(problem, residual))
+            residual, _ = _evidence.residuals(whole, best.magnitude)
+            whole = problem.with_model_error(_evidence.model_error(problem, residual))
             best = self.minimum(whole, best.state)
 
         def fit(own: CurveProblem, state: MovingState) -> MovingFound:
             return self.minimum(own, state, _LAST, 1e-5)
 
         free = int(np.count_nonzero(~self.fixed[: start.point.size]))
-        return _refinement.student(whole, best.state, fit, free)
+        return _evidence.student(whole, best.state, fit, free)
 
     def _in_stages(self, problem: CurveProblem, start: MovingState) -> MovingFound:
         """The least cost from fits of points near the epoch of the start, then of more."""

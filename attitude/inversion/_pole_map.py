@@ -1,9 +1,14 @@
-"""Poles of a rotation about one axis: the best convex bodies all over the sky, and their minima.
+"""Poles all over the sky: of a rotation about one axis, and of tumbling with rates that are held.
 
-Convex bodies have more minima than ellipsoids, and with the errors of the points more than with
-those of ellipsoids.  At each of many poles some bodies are fitted with the pole held; from the most
-probable of these the pole is free.  The rate that a pole needs differs from that of another one by
-the turn of the scene about each: the bisector of Sun and observer is followed.
+For rotation about one axis convex bodies have more minima than ellipsoids, and with the errors of
+the points more than with those of ellipsoids.  At each of many poles some bodies are fitted with
+the pole held; from the most probable of these the pole is free.  The rate that a pole needs differs
+from that of another one by the turn of the scene about each: the bisector of Sun and observer is
+followed.
+
+For tumbling, ellipsoids with both rates held are fitted at all poles, and from the best of them
+free ones.  Mirror images of a solution, in the plane of the scene and in that of its pole, keep the
+shape: the body is inverted through its centre, and turned half a turn about the plane's normal.
 """
 
 from __future__ import annotations
@@ -13,24 +18,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from attitude.inversion import _ellipsoid, _refinement
+from attitude.inversion import _ellipsoid, _evidence, _refinement, _shapes
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from attitude._support.annotations import BoolArray, FloatArray
+    from attitude.inversion._ellipsoid import Held
+    from attitude.inversion._evidence import Weighted
     from attitude.inversion._problem import CurveProblem
-    from attitude.inversion._refinement import Refined, Weighted
+    from attitude.inversion._refinement import Refined
     from attitude.inversion._shapes import Tie
 
 
-# Where a state holds its pole.
-_POLE = [7, 10, 13]
-# Poles of the map, and bodies at each.
-POLES, _BODIES = 200, 2
-# Bodies at held poles from which the pole is free, and the most by which they may lie behind the
-# best, in -2 ln(evidence).
-_FREED, _BEHIND = 80, 50.0
+# Turns about a pole of which the best is a start, and steps of ellipsoids at held poles.
+_TURNS, _STEPS = 6, 12
 # Iterations, and the relative gain at which they end, of held and of free poles.
 _HELD, _FREE = (25, 1e-3), (40, 3e-4)
 # Rates of one turn, turns per span; the angle, rad, to minima that are errors of a pole, and the
@@ -66,9 +68,15 @@ def has_turn(problem: CurveProblem, a: FloatArray, b: FloatArray) -> bool:
 
     The rates about poles far from each other differ by twice the turn of the scene.
     """
-    states = np.stack([a, b])
-    seen = 2.0 * states[:, 0] - turn_of_scene(problem, states[:, _POLE])
+    states = np.stack([each[: _ellipsoid.WIDTH] for each in (a, b)])
+    seen = 2.0 * states[:, 0] - turn_of_scene(problem, states[:, _ellipsoid.OF_POLE])
     return bool(abs(seen[0] - seen[1]) < _SAME_RATE)
+
+
+def _has_rates(problem: CurveProblem, a: FloatArray, b: FloatArray) -> bool:
+    """Whether two tumbling states have the same nutation, and turn alike as the scene sees it."""
+    same = abs(a[1] - b[1]) < problem.settings.same_rate
+    return bool(same) and has_turn(problem, a, b)
 
 
 def spread(
@@ -80,7 +88,7 @@ def spread(
     frame = state[5:14].reshape(3, 3)
     offsets, weights = [np.zeros(8)], [1.0]
     for other, behind in others:
-        here = frame.T @ other[_POLE]
+        here = frame.T @ other[_ellipsoid.OF_POLE]
         angle = math.acos(max(-1.0, min(1.0, float(here[2]))))
         if angle < _LOBE:
             offset = np.zeros(8)
@@ -93,6 +101,78 @@ def spread(
     every, share = np.array(offsets), np.array(weights) / sum(weights)
     found: FloatArray = (every * share[:, None]).T @ every
     return found
+
+
+def plane_of(problem: CurveProblem) -> FloatArray:
+    """The normal (3,) of the plane in which Sun and observer lie, seen from the body."""
+    both = np.concatenate([problem.sun, problem.observer], axis=1)
+    found: FloatArray = np.linalg.eigh(both @ both.T)[1][:, 0]
+    return found
+
+
+def mirrored(pole: FloatArray, normal: FloatArray) -> FloatArray:
+    """The pole (3,) of the mirror image of a rotating body in the plane of a normal (3,).
+
+    Directions in that plane see both alike.  Angular momentum is an axial vector: its part along
+    the plane changes sign, so that the longitude from the plane's axis changes by half a turn.
+    """
+    found: FloatArray = 2.0 * (pole @ normal) * normal - pole
+    return found
+
+
+def images(problem: CurveProblem, state: FloatArray) -> list[FloatArray]:
+    """Mirror images of a tumbling state: mirror pole, antipode, and antipode of the mirror pole.
+
+    In the plane of the scene; in that of the pole and the middle of the scene; in both.
+    """
+    middle = (problem.sun + problem.observer).sum(axis=1)
+    mirror = mirrored_state(problem, state, plane_of(problem))
+    found = [mirror]
+    for each in (state, mirror):
+        normal = np.cross(middle, each[_ellipsoid.OF_POLE])
+        size = float(np.linalg.norm(normal))
+        if size > 1e-6 * float(np.linalg.norm(middle)):
+            found.append(mirrored_state(problem, each, normal / size))
+    return found
+
+
+def mirrored_state(problem: CurveProblem, state: FloatArray, normal: FloatArray) -> FloatArray:
+    """The mirror image of a state in the plane of a normal (3,), as bright from that plane.
+
+    A reflection of the scene and the inversion of the body are a half turn about the normal.
+    """
+    own = _ellipsoid.SearchState.of(state)
+    half_turn = 2.0 * np.outer(normal, normal) - np.eye(3)
+    frame = half_turn @ own.frame
+    turns = turn_of_scene(problem, np.stack([own.pole, frame[:, 2]]))
+    return own._replace(
+        frame=frame,
+        precession=own.precession + 0.5 * float(turns[1] - turns[0]),
+        modes=_shapes.inverted(own.modes),
+    ).vector
+
+
+def of_rates(
+    problem: CurveProblem, generator: np.random.Generator, state: FloatArray, held: Held
+) -> list[FloatArray]:
+    """Ellipsoids (16,) with the rates of a tumbling state at other poles, the best first."""
+    settings = problem.settings
+    poles = sphere(settings.map_poles)
+    turns = turn_of_scene(problem, np.concatenate([state[None, _ellipsoid.OF_POLE], poles]))
+    size = settings.map_starts * _TURNS
+    starts = np.repeat(state[None, : _ellipsoid.WIDTH], len(poles) * size, axis=0)
+    starts[:, 0] += 0.5 * np.repeat(turns[1:] - turns[0], size)
+    starts[:, 2] = generator.random(len(starts))
+    starts[:, 3] = np.clip(starts[:, 3] + generator.normal(0.0, 0.3, len(starts)), -4.0, -0.1)
+    starts[:, 5:14] = _ellipsoid.frames_of(generator, np.repeat(poles, size, axis=0))
+    starts[:, 14:] += generator.normal(0.0, 0.3, (len(starts), 2))
+    chosen = _ellipsoid.screened(problem, starts, len(poles) * settings.map_starts)
+    fixed = np.zeros(_ellipsoid.PARAMETERS, bool)
+    fixed[[0, 1, 3, 4]] = True
+    pool = _ellipsoid.minimised(problem, chosen, _STEPS, tie=held, fixed=fixed)
+    at_poles = _ellipsoid.in_order(_ellipsoid.best_of_each(pool, len(poles)))
+    free = _ellipsoid.minimised(problem, at_poles.states[: len(poles) // 2], 2 * _STEPS, tie=held)
+    return [each for each in _ellipsoid.in_order(free).states if _has_rates(problem, each, state)]
 
 
 def minima(
@@ -108,16 +188,17 @@ def minima(
 
     Shapes: best (WIDTH,), fixed (SIZE,).
     """
-    poles = sphere(POLES)
-    turns = turn_of_scene(rough, np.concatenate([best[None, _POLE], poles]))
+    settings = problem.settings
+    poles = sphere(settings.axial_poles)
+    turns = turn_of_scene(rough, np.concatenate([best[None, _ellipsoid.OF_POLE], poles]))
     rates = 2.0 * float(best[0]) + turns[1:] - turns[0]
-    starts = _ellipsoid.axial_at_poles(rough, generator, rates, poles, _BODIES)
+    starts = _ellipsoid.axial_at_poles(rough, generator, rates, poles, settings.axial_bodies)
     held = fixed.copy()
     held[:2] = True
     at_poles = _refined(problem, starts.states, tie, held, _HELD, is_over)
-    chosen = most_probable(at_poles, len(problem))[:_FREED]
+    chosen = most_probable(at_poles, problem)[: settings.axial_freed]
     states = np.array([each.state for each in chosen])
-    return most_probable(_refined(problem, states, tie, fixed, _FREE, is_over), len(problem))
+    return most_probable(_refined(problem, states, tie, fixed, _FREE, is_over), problem)
 
 
 def _refined(
@@ -137,11 +218,12 @@ def _refined(
         )
 
 
-def most_probable(found: Iterable[Refined], points: int) -> list[Refined]:
-    """Those of rotations about one axis that compete, the best first, for so many points."""
-    values = [(each.cost + _refinement.occam(each.normal, points), each) for each in found]
+def most_probable(found: Iterable[Refined], problem: CurveProblem) -> list[Refined]:
+    """Those of rotations about one axis that compete, the best first."""
+    behind, points = problem.settings.axial_pole_behind, len(problem)
+    values = [(each.cost + _evidence.occam(each.normal, points), each) for each in found]
     values.sort(key=lambda pair: pair[0])
-    return [each for value, each in values if value < values[0][0] + _BEHIND]
+    return [each for value, each in values if value < values[0][0] + behind]
 
 
 def listed(found: Sequence[Weighted], behind: float) -> tuple[list[Weighted], list[Weighted]]:
@@ -161,4 +243,7 @@ def listed(found: Sequence[Weighted], behind: float) -> tuple[list[Weighted], li
 
 
 def _is_entry(a: FloatArray, b: FloatArray) -> bool:
-    return bool(2.0 * abs(a[0] - b[0]) < _SAME_RATE and a[_POLE] @ b[_POLE] > _ENTRY)
+    return bool(
+        2.0 * abs(a[0] - b[0]) < _SAME_RATE
+        and a[_ellipsoid.OF_POLE] @ b[_ellipsoid.OF_POLE] > _ENTRY
+    )

@@ -5,16 +5,18 @@ Epochs are in units of the span, from the middle, so that rates are turns per sp
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude.inversion._curve import CALIBRATED
+from attitude._support import validation
+from attitude.errors import AttitudeError
+from attitude.inversion._settings import DEFAULT, Settings, Tally
+from attitude.photometry._curve import WAYS, LightCurve, angle_between
 
 if TYPE_CHECKING:
     from attitude._support.annotations import BoolArray, FloatArray, IntArray
-    from attitude.inversion._curve import LightCurve
 
 
 # Eigenvalues of the scaled linear terms, relative to 1, below which a combination is a copy.
@@ -54,6 +56,14 @@ class CurveProblem:
         Standard deviation of the coefficient of each term; infinite for a free one.
     model_error : float
         Magnitudes, added to sigma in quadrature.
+    orbit : float
+        Frequency, turns per span, of the series of a moon's orbit, whose terms are the last; 0: no
+        such series.
+    settings : Settings
+    tally : Tally
+        The work done on this and on all problems that were made from it.
+    exposure : (N,) array or None
+        Exposure times, spans, over which the brightness is averaged; None without any.
     """
 
     t: FloatArray
@@ -68,6 +78,10 @@ class CurveProblem:
     root: FloatArray
     u: FloatArray
     y: FloatArray
+    orbit: float
+    settings: Settings
+    tally: Tally
+    exposure: FloatArray | None = None
 
     @classmethod
     def of(
@@ -81,6 +95,11 @@ class CurveProblem:
         terms: FloatArray,
         prior: FloatArray,
         model_error: float,
+        *,
+        orbit: float = 0.0,
+        settings: Settings = DEFAULT,
+        tally: Tally | None = None,
+        exposure: FloatArray | None = None,
     ) -> CurveProblem:
         """The problem with a model error; `root`, `u` and `y` follow from the rest."""
         root = 1.0 / np.hypot(sigma, model_error)
@@ -102,17 +121,49 @@ class CurveProblem:
             root,
             u,
             np.ascontiguousarray(y),
+            orbit,
+            settings,
+            Tally() if tally is None else tally,
+            exposure,
         )
+
+    def _remade(
+        self,
+        sigma: FloatArray,
+        terms: FloatArray,
+        prior: FloatArray,
+        model_error: float,
+    ) -> CurveProblem:
+        """The same points with other errors or linear terms."""
+        return CurveProblem.of(
+            self.t, self.span, self.sun, self.observer, self.magnitude, sigma, terms, prior,
+            model_error, orbit=self.orbit, settings=self.settings, tally=self.tally,
+            exposure=self.exposure,
+        )  # fmt: skip
 
     def with_model_error(self, model_error: float) -> CurveProblem:
         """The same magnitudes with another model error."""
-        given = self.t, self.span, self.sun, self.observer, self.magnitude
-        return CurveProblem.of(*given, self.sigma, self.terms, self.prior, model_error)
+        return self._remade(self.sigma, self.terms, self.prior, model_error)
 
     def with_sigma(self, sigma: FloatArray) -> CurveProblem:
         """The same magnitudes with other errors (N,), and no model error."""
-        given = self.t, self.span, self.sun, self.observer, self.magnitude
-        return CurveProblem.of(*given, sigma, self.terms, self.prior, 0.0)
+        return self._remade(sigma, self.terms, self.prior, 0.0)
+
+    def with_errors(self, sigma: FloatArray) -> CurveProblem:
+        """The same magnitudes with other errors (N,) and this model error."""
+        return self._remade(sigma, self.terms, self.prior, self.model_error)
+
+    def with_weights(self, weights: FloatArray) -> CurveProblem:
+        """The same magnitudes, whose squared errors are divided by weights (N,)."""
+        size = np.hypot(self.sigma, self.model_error) / np.sqrt(weights)
+        # the model error stays: sigma takes up what the weights change
+        sigma = np.sqrt(np.maximum(size**2 - self.model_error**2, self.sigma**2))
+        return self.with_errors(sigma)
+
+    def with_terms(self, terms: FloatArray, prior: FloatArray, orbit: float) -> CurveProblem:
+        """The same magnitudes with the series (N, M) of an orbit, of standard deviations (M,)."""
+        joined = np.concatenate([self.terms, terms], axis=1), np.concatenate([self.prior, prior])
+        return replace(self, orbit=orbit)._remade(self.sigma, *joined, self.model_error)
 
     def part(self, chosen: BoolArray) -> CurveProblem:
         """Some of the points (N,) alone."""
@@ -126,6 +177,10 @@ class CurveProblem:
             self.terms[chosen],
             self.prior,
             self.model_error,
+            orbit=self.orbit,
+            settings=self.settings,
+            tally=self.tally,
+            exposure=None if self.exposure is None else self.exposure[chosen],
         )
 
     def __len__(self) -> int:
@@ -151,14 +206,185 @@ class CurveProblem:
         return float(r @ r - along @ along)
 
 
+# ---- Outliers and noise, from points that are close neighbours in time
+
+# Standard deviations by which a point lies off its neighbours that is an outlier; the share of a
+# turn, at the largest frequency, that a point and its neighbours span at most.
+_OFF, _CLOSE = 6.0, 0.2
+# Triples of neighbours from which noise is estimated at least, and that of a median of absolute
+# deviations of a normal distribution.
+_TRIPLES, _NORMAL = 20, 1.4826
+
+
+def off_neighbours(
+    problem: CurveProblem, values: FloatArray, turns: float
+) -> tuple[FloatArray, FloatArray]:
+    """How far values (N,) lie off the line through both neighbours, and the errors (N,) of that.
+
+    NaN where the three span more than `_CLOSE` of a turn; `turns` per span.
+    """
+    off, error = np.full(len(values), np.nan), np.full(len(values), np.nan)
+    t, variance = problem.t, problem.sigma**2
+    length = t[2:] - t[:-2]
+    close = (length * turns < _CLOSE) & (length > 0.0)
+    share = np.where(close, (t[1:-1] - t[:-2]) / np.where(close, length, 1.0), 0.5)
+    line = (1.0 - share) * values[:-2] + share * values[2:]
+    spread = variance[1:-1] + (1.0 - share) ** 2 * variance[:-2] + share**2 * variance[2:]
+    off[1:-1] = np.where(close, values[1:-1] - line, np.nan)
+    error[1:-1] = np.where(close, np.sqrt(spread), np.nan)
+    return off, error
+
+
+def without_outliers(problem: CurveProblem, turns: float) -> tuple[CurveProblem, int]:
+    """The problem in which points far off both neighbours hardly count, and how many they are.
+
+    Their errors become as large as they are off.  The worst goes first, since its neighbours lie
+    off it too.
+    """
+    sigma, values = problem.sigma.copy(), problem.y.copy()
+    count = 0
+    while True:
+        off, error = off_neighbours(problem, values, turns)
+        scaled = np.abs(off / error)
+        known = np.isfinite(scaled)
+        if np.count_nonzero(known) < _TRIPLES:
+            break
+        scaled = np.where(known, scaled, 0.0)
+        worst = int(np.argmax(scaled))
+        if scaled[worst] < _OFF * max(1.0, _NORMAL * float(np.median(scaled[known]))):
+            break
+        sigma[worst] = max(abs(float(off[worst])), sigma[worst])
+        # as its neighbours have it
+        values[worst] -= off[worst]
+        count = int(np.count_nonzero(sigma != problem.sigma))
+        if count > len(problem) // 10:
+            return problem, 0
+    return (problem.with_errors(sigma) if count else problem), count
+
+
+def noise(problem: CurveProblem, residual: FloatArray, turns: float) -> float:
+    """By what factor neighbouring residuals (N,) differ more than the errors say; at least 1."""
+    off, error = off_neighbours(problem, residual, turns)
+    known = np.isfinite(off)
+    if np.count_nonzero(known) < _TRIPLES:
+        return 1.0
+    return max(1.0, _NORMAL * float(np.median(np.abs(off[known] / error[known]))))
+
+
+# ---- Nights
+
+# Gap of the epochs, s, between two nights.
+_NIGHT = 0.3 * 86400.0
+
+
+def nights_of(seconds: FloatArray) -> list[IntArray]:
+    """Numbers of the epochs (T,) of each night."""
+    order = np.argsort(seconds, kind="stable")
+    gaps = np.flatnonzero(np.diff(seconds[order]) > _NIGHT) + 1
+    return np.split(order, gaps)
+
+
+# ---- Exposures: the brightness of a point is the mean over its exposure, at the nodes of Gauss
+
+# Nodes, and their weights, of exposures whose body turns by up to some 0.3 of a turn: an error
+# below 1e-4 of the brightness at five nodes (tests/inversion/test_exposures.py).
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
+# Exposures, in spans, that are shorter than this have one node.
+_INSTANT = 1e-9
+
+
+def at_nodes(problem: CurveProblem) -> CurveProblem:
+    """The problem at the nodes of the exposures, (K, N) in one row; without any, the problem.
+
+    The directions of Sun and observer are those of the middle.
+    """
+    if problem.exposure is None or float(problem.exposure.max()) < _INSTANT:
+        return problem
+    count = len(_NODES)
+    t = problem.t + 0.5 * _NODES[:, None] * problem.exposure
+    sun, observer = (np.tile(each, count) for each in (problem.sun, problem.observer))
+    return replace(problem, t=t.reshape(-1), sun=sun, observer=observer, exposure=None)
+
+
+def mean_magnitudes(problem: CurveProblem, magnitude: FloatArray) -> FloatArray:
+    """Magnitudes (..., N) of the mean fluxes over exposures, from those (..., K N) at the nodes."""
+    if magnitude.shape[-1] == len(problem):
+        return magnitude
+    at = magnitude.reshape(*magnitude.shape[:-1], len(_NODES), -1)
+    flux = np.sum(0.5 * _WEIGHTS[:, None] * 10.0 ** (-0.4 * at), axis=-2)
+    mean: FloatArray = -2.5 * np.log10(flux)
+    return mean
+
+
+def over_exposures(
+    problem: CurveProblem, magnitude: FloatArray, jacobian: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Magnitudes (N,) of the mean fluxes, and derivatives (P, N), from those at the nodes."""
+    if len(magnitude) == len(problem):
+        return magnitude, jacobian
+    mean = mean_magnitudes(problem, magnitude)
+    at = magnitude.reshape(len(_NODES), -1)
+    share = 0.5 * _WEIGHTS[:, None] * 10.0 ** (-0.4 * (at - mean))
+    by = jacobian.reshape(len(jacobian), len(_NODES), -1)
+    return mean, np.einsum("pkn,kn->pn", by, share)
+
+
 # ---- The `CurveProblem` of a light curve: scaled epochs, linear terms, points binned if too many
 
+LEAST_POINTS: int = 20
+# Errors, mag, that are assumed where none are given.
+UNKNOWN_SIGMA: float = 0.02
+# Standard deviation, mag, of the zero points of sessions whose magnitudes share one system.
+CALIBRATED: float = 0.1
+# The share of points that have the brightest magnitude exactly, from which they may be saturated.
+_SATURATED = 0.05
 # Standard deviation of the fitted zero points, mag, above which they are taken as free.
 _UNCALIBRATED = 0.15
 # Points of a search; more are averaged.
 MOST_POINTS = 2500
 # Terms of the phase angle: widths, and the standard deviation of the curvature, mag; drift in time.
 _SURGE, _WIDE, _CURVATURE, _DRIFT = np.radians(5.0), np.radians(50.0), 0.5, 0.05
+
+
+def usable(curve: Any) -> LightCurve:
+    """The light curve as magnitudes, all with errors; AttitudeError without geometry.
+
+    Notes say what errors were assumed, and that points may be saturated.
+    """
+    if not isinstance(curve, LightCurve):
+        raise AttitudeError(f"curve is {validation.shown(curve)}; give a LightCurve.")
+    if not curve.has_geometry:
+        raise AttitudeError(
+            "the light curve has no geometry, which an inversion needs: the directions of Sun and "
+            f"observer at each epoch. Give {WAYS}, as in "
+            'LightCurve.read(file, path="orbit.oem", site="568").'
+        )
+    count, spread = len(curve), curve.emission  # of dates at a barycenter: an error
+    if count < LEAST_POINTS:
+        raise AttitudeError(
+            f"the light curve has {count} points at different epochs; give at least "
+            f"{LEAST_POINTS}, better some hundred."
+        )
+    if not np.ptp(spread) > 0.0:
+        raise AttitudeError("all points are of one epoch; give a longer light curve.")
+    magnitude, errors = np.array(curve.magnitude), np.array(curve.magnitude_sigma)
+    notes = list(curve.notes)
+    unknown = ~(errors > 0.0)
+    if np.any(unknown):
+        known = errors[~unknown]
+        assumed = max(UNKNOWN_SIGMA, float(np.median(known)) if len(known) else 0.0)
+        errors[unknown] = assumed
+        notes.append(
+            f"{np.count_nonzero(unknown)} of {count} points have no error; {assumed:.3f} mag is "
+            "assumed."
+        )
+    brightest = np.count_nonzero(magnitude == magnitude.min())
+    if brightest >= 5 and brightest > _SATURATED * count and np.ptp(magnitude) > 0.0:
+        notes.append(
+            f"{brightest} points share the brightest magnitude {magnitude.min():.3f} exactly, as "
+            "saturated ones do; leave such points out."
+        )
+    return curve.replaced(magnitude=magnitude, sigma=errors, notes=notes)
 
 
 def problem(
@@ -168,6 +394,8 @@ def problem(
     zero_points: Any,
     *,
     is_known: bool = False,
+    settings: Settings = DEFAULT,
+    tally: Tally | None = None,
 ) -> Any:
     """The problem of a curve, and its points (N,) or None where they are averages.
 
@@ -197,6 +425,9 @@ def problem(
         np.stack(terms, axis=-1),
         np.array(prior),
         error,
+        settings=settings,
+        tally=tally,
+        exposure=values["exposure"] / span if np.any(values["exposure"]) else None,
     )
     return found, bins
 
@@ -246,10 +477,11 @@ def _averaged(curve: LightCurve, bins: IntArray | None) -> dict[str, Any]:
         unit[name] = vectors / np.linalg.norm(vectors, axis=1)[:, None]
     values: dict[str, Any] = {
         "emission": curve.emission,
-        "reduced": curve.reduced,
+        "reduced": curve.reduced_magnitude,
         "sigma": curve.sigma,
         "session": curve.session,
         "filter": curve.filter,
+        "exposure": curve.exposure,
         **unit,
     }
     if bins is not None:
@@ -264,11 +496,9 @@ def _averaged(curve: LightCurve, bins: IntArray | None) -> dict[str, Any]:
             )
             values[name] = mean / np.linalg.norm(mean, axis=1)[:, None]
         values["sigma"] = 1.0 / np.sqrt(total)
-        for name in ("session", "filter"):
+        for name in ("session", "filter", "exposure"):
             values[name] = values[name][first]
         order = np.argsort(values["emission"], kind="stable")
         values = {name: each[order] for name, each in values.items()}
-    cross = np.linalg.norm(np.cross(values["sun"], values["observer"]), axis=1)
-    dot = np.sum(values["sun"] * values["observer"], axis=1)
-    values["alpha"] = np.arctan2(cross, dot)
+    values["alpha"] = angle_between(values["sun"], values["observer"])
     return values

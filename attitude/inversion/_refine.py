@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude._support import validation
-from attitude.errors import AttitudeError
-from attitude.inversion import _errors, _moving, _problem, _refinement, _search, _shapes, _states
-from attitude.inversion._curve import CALIBRATED, LightCurve
+from attitude.inversion import _errors, _evidence, _moving, _problem, _refinement, _shapes, _states
+from attitude.inversion._problem import CALIBRATED, usable
+from attitude.inversion._settings import DEFAULT
 from attitude.inversion._shapes import MODES
 from attitude.inversion._solution import CurveFit, Solution
 from attitude.motions._free_rotation import FreeRotation
@@ -22,11 +22,12 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from attitude._support.annotations import BoolArray, FilePath, FloatArray
+    from attitude.inversion._evidence import Weighted
     from attitude.inversion._moving import Motion, MovingPoint
     from attitude.inversion._problem import CurveProblem
-    from attitude.inversion._refinement import Weighted
     from attitude.motions._body import Body
     from attitude.motions._published import Published
+    from attitude.photometry._curve import LightCurve
     from attitude.scattering._law import Law
     from attitude.torques._arcs import Impulse
     from attitude.torques._torque import Torque
@@ -64,6 +65,10 @@ class Refinement(CurveFit):
         self._fit, self._body = fit, body
         self.point: MovingPoint = weighted.refined.state.point
         self.rivals: tuple[tuple[FloatArray, float], ...] = ()
+
+    @property
+    def _has_phase_terms(self) -> bool:  # type: ignore[override]
+        return self._fit.known is None
 
     @property
     def moments(self) -> FloatArray:
@@ -184,7 +189,7 @@ class Refinement(CurveFit):
         """A figure of the fit and its residuals; saved if a path is given."""
         from attitude.inversion import _figures
 
-        return _figures.of_fit(self, path)
+        return _figures.of_nights(self, path)
 
     def __repr__(self) -> str:
         return f"<Refinement: {self.point.motion!r}, rms {self.rms:.3f} mag>"
@@ -236,8 +241,7 @@ def refine(
     torques those of the scheme with its steps.  Where the start does not fit the whole curve, the
     points near its epoch are fitted first, then more and more.
     """
-    if not isinstance(curve, LightCurve):
-        raise AttitudeError(f"curve is {validation.shown(curve)}; give a LightCurve.")
+    curve = usable(curve)
     motion, own = _start(start)
     tie = _states.of(moments)
     ends = float(curve.emission[0]), float(curve.emission[-1])
@@ -258,12 +262,12 @@ def refine(
     zero_points = curve.zero_points
     for _ in range(2):
         problem, _ = _problem.problem(
-            curve, most, _search.ELLIPSOID_ERROR, zero_points, is_known=known is not None
+            curve, most, DEFAULT.ellipsoid_error, zero_points, is_known=known is not None
         )
         fit = _moving.moving_fit(curve.epoch, problem, point, known, tie, shape == "ellipsoid")
         with _refinement.limited():
             found = fit.weighted(problem, _moving.MovingState(point, params))
-        offsets = _refinement.residuals(problem, found.refined.magnitude)[1]
+        offsets = _evidence.residuals(problem, found.refined.magnitude)[1]
         offsets = offsets[problem.prior == CALIBRATED]
         if zero_points != "auto" or not _problem.are_free(offsets):
             break

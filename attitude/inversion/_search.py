@@ -1,93 +1,43 @@
 """The blind search: candidate rates, ellipsoids from many starts, convex bodies, robust errors.
 
-Rounds go on, with more pairs and more starts each, until the best solution leaves residuals as
-small as the errors, or the time is over.
+Rounds go on, with more pairs and more starts each, until the verdict is met or the budget is spent.
 """
 
 from __future__ import annotations
 
 import math
-import time
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from attitude.inversion import _ellipsoid, _lattices, _pole_map, _refinement
+from attitude.inversion import (
+    _ellipsoid,
+    _evidence,
+    _lattices,
+    _pole_map,
+    _problem,
+    _refinement,
+    _satellites,
+    _verdicts,
+)
+from attitude.inversion._ellipsoid import SearchState
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
     from attitude._support.annotations import BoolArray, FloatArray
     from attitude.inversion._ellipsoid import Pool
+    from attitude.inversion._evidence import Weighted
     from attitude.inversion._problem import CurveProblem
-    from attitude.inversion._refinement import Refined, Weighted
+    from attitude.inversion._refinement import Refined
+    from attitude.inversion._settings import Settings
     from attitude.inversion._shapes import Tie
-
-
-# Model error, mag, of ellipsoids; that of convex bodies is estimated.
-ELLIPSOID_ERROR = 0.07
-# Standard deviation of the logarithms of the moments of motion and ellipsoid.
-_TIE = 0.15
-# The same for moments that are given, so wide that an iteration reaches them from any start.
-_TIE_GIVEN = 0.03
-# Pairs of frequencies, and starts of each pair of rates, in the first round; doubled in the next.
-_PAIRS, _QUICK, _DEEP = 200, 4, 40
-# Pairs of rates that get more starts; ellipsoids made convex; convex bodies with robust errors;
-# rotations about one axis that are listed, and within which difference of evidence.
-_CLASSES, _CONVEX, _FINAL, _FINAL_AXIAL, _AXIAL_BEHIND = 30, 40, 14, 48, 25.0
-# Poles of one pair of rates.
-_POLES = 7
-# Precessions of which every nutation is tried.
-_SCANNED = 3
-# Starts of each pair of rates that the windows of the epochs displace.
-_ALIASES = 12
-# Rates that are fitted between looks at the clock.
-_BLOCK = 200
-# Rates of one solution: lambda/pi and f, turns per span; poles of one solution, cosine.
-SAME_RATE, _SAME_POLE = 0.35, math.cos(math.radians(8.0))
-# Without the floor: the share of the variance left, and the difference of evidence to the next
-# periods, of a solution that is accepted.
-LEFT, ALONE = 0.12, 120.0
-_ROUNDS = 4
-_AXIAL_RATES, _AXIAL_STARTS = 12, 12
-# Poles of rotation about one axis are mapped where chi-squared of the best such rotation is at most
-# this times that of the best solution; also at other rates that lie so little behind in evidence.
-_AXIAL_WORSE, _AXIAL_MAPPED = 2.0, 60.0
-# Rates, turns per span, that one map of poles comprises.
-_AXIAL_RATE = 1.2
-# Such rotations that are compared with a motion that explains the curve better by far.
-_AXIAL_OTHERS = 3
-# Tumbling bodies among all: the odds before the curve is seen.
-TUMBLERS = 0.01
 
 
 def never() -> bool:
     """False: a search goes on."""
     return False
-
-
-def pole(state: FloatArray) -> FloatArray:
-    """The direction (3,) of the angular momentum, ICRF."""
-    return state[[7, 10, 13]]
-
-
-def is_same(a: FloatArray, b: FloatArray) -> bool:
-    """Whether two states have one mode, the same rates and the same pole."""
-    return has_rates(a, b) and float(pole(a) @ pole(b)) > _SAME_POLE
-
-
-def has_rates(a: FloatArray, b: FloatArray) -> bool:
-    """Whether two states have one mode and the same rates."""
-    if is_axial(a) or is_axial(b):
-        return is_axial(a) and is_axial(b) and 2.0 * abs(a[0] - b[0]) < SAME_RATE
-    same = 2.0 * abs(a[0] - b[0]) < SAME_RATE and abs(a[1] - b[1]) < SAME_RATE
-    return bool(same)
-
-
-def is_axial(state: FloatArray) -> bool:
-    """Whether a state is rotation about one axis."""
-    return bool(state[3] == _ellipsoid.AXIAL)
 
 
 @dataclass(eq=False)
@@ -106,8 +56,6 @@ class Search:
     shifts : tuple of float
         Turns per span of a day, where the epochs lie at one time of the day.
     generator : Generator
-    deadline : float
-        `time.monotonic` at which the search ends.
     progress : callable
         Called with a text after each stage.
     convex : list of Refined
@@ -118,6 +66,8 @@ class Search:
         Rotations about one axis from a map of poles, the most probable first.
     beside : list of Weighted
         Those that are not among `solutions`, for a better pole lies near.
+    rival : Search
+        For a rotation about one axis with a moon, if that competes.
     is_complete : bool
         Whether the first round came to its end.
     """
@@ -128,27 +78,38 @@ class Search:
     tie: Tie
     shifts: tuple[float, ...]
     generator: np.random.Generator
-    deadline: float
     progress: Callable[[str], object]
     convex: list[Refined] = field(default_factory=list)
     solutions: list[Weighted] = field(default_factory=list)
     axial: list[Refined] = field(default_factory=list)
     beside: list[Weighted] = field(default_factory=list)
     is_complete: bool = False
+    rival: Search | None = None
+    _mapped_rates: list[FloatArray] = field(default_factory=list)
     is_ellipsoid: bool = False
     notes: list[str] = field(default_factory=list)
 
     @property
+    def settings(self) -> Settings:
+        """Those of the problem."""
+        return self.problem.settings
+
+    @property
     def is_over(self) -> bool:
-        """Whether the time is over."""
-        return time.monotonic() > self.deadline
+        """Whether the budget is spent."""
+        return self.problem.tally.is_over
+
+    def is_same(self, a: FloatArray, b: FloatArray) -> bool:
+        """Whether two states have one mode, the same rates and the same pole."""
+        return self.has_rates(a, b) and _has_pole(a, b, self.settings.same_pole)
+
+    def has_rates(self, a: FloatArray, b: FloatArray) -> bool:
+        """Whether two states have one mode and the same rates."""
+        return SearchState.of(a).has_rates(SearchState.of(b), self.settings.same_rate)
 
     def begin(self, states: Iterable[FloatArray]) -> None:
         """Make `solutions` from states alone, such as those that another search has found."""
-        self.convex = [
-            _refinement.refine(self.problem, each, tie=self.tie, fixed=self._fixed(each), gain=3e-3)
-            for each in states
-        ]
+        self.convex = [self._fit(state) for state in states]
         self.convex.sort(key=lambda each: each.cost)
         self.finish()
 
@@ -158,73 +119,150 @@ class Search:
         self.is_complete = other.is_complete
 
     def run(self, is_ended: Callable[[], bool] = never) -> None:
-        """Search until the floor is reached, the time is over, or `is_ended` after a round."""
+        """Search until the verdict is met, the budget is spent, or `is_ended` after a round."""
         self._axial()
-        for number in range(_ROUNDS):
+        for number in range(self.settings.rounds):
             for pool in self._pools(number):
                 self._refine(pool)
             if self.shifts and not self.is_over:
                 rates = self._displaced()
-                made = _ellipsoid.around(
-                    self.problem, self.generator, rates, _ALIASES, iterations=30, tie=self._held
+                pool = _ellipsoid.around(
+                    self.problem,
+                    self.generator,
+                    rates,
+                    self.settings.alias_starts,
+                    iterations=30,
+                    tie=self._held,
                 )
-                self._refine(_ellipsoid.in_order(_ellipsoid.best_of_each(made, len(rates))))
+                self._refine(_ellipsoid.in_order(_ellipsoid.best_of_each(pool, len(rates))))
             if number == 0:
                 self._axial_poles()
                 self.is_complete = not self.is_over
             self.finish()
-            if is_ended() or self.is_over or self.has_reached_floor:
+            if self._other_poles():
+                self.finish()
+            if number == 0:
+                self._compare_with_satellite()
+            if is_ended() or self.is_over or self.is_decided:
                 break
+            self.problem = self._clipped()
 
     @property
     def _held(self) -> _ellipsoid.Held:
         """What holds the moments of the motions of ellipsoids."""
         if self.tie.given is None:
-            return _ellipsoid.Held(_TIE)
+            return _ellipsoid.Held(self.settings.tie)
         a, b, c = np.log(self.tie.given).tolist()
-        return _ellipsoid.Held(_TIE_GIVEN, (a, b, c))
+        return _ellipsoid.Held(self.settings.tie_given, (a, b, c))
 
     @property
-    def has_reached_floor(self) -> bool:
-        """Whether the best solution leaves residuals as small as the errors, or stands alone."""
-        if not self.solutions:
-            return False
+    def is_decided(self) -> bool:
+        """Whether the verdict is met."""
+        if self.rival is not None:
+            return self.satellite_is_ahead() > self.settings.alone
+        given = self.solutions, self.problem, self.is_complete, self.most
+        return _verdicts.verdict(*given)[0] != _verdicts.OPEN
+
+    def satellite_is_ahead(self) -> float:
+        """By how much the evidence of the rival with a moon is better than that of the best."""
+        return -math.inf if self.rival is None else self.evidence() - self.rival.evidence()
+
+    def evidence(self) -> float:
+        """That of the best solution among those of other zero points and series."""
         best = self.solutions[0]
-        if _refinement.floor_ratio(best, self.problem) < _refinement.FLOOR:
-            return True
-        others = [e for e in self.solutions if not has_rates(e.refined.state, best.refined.state)]
-        gap = min((each.evidence - best.evidence for each in others), default=0.0)
-        left = _refinement.share_left(best, self.problem)
-        return bool(gap > ALONE and left < LEFT)
+        volume = _evidence.volume_of_offsets(best.problem)
+        # the more orbits were tried, the better one fits by chance
+        tried = self.most if self.problem.orbit else 1.0
+        return best.evidence + volume + 2.0 * math.log(tried)
+
+    def _compare_with_satellite(self) -> None:
+        """Search for a rotation about one axis beside the series of an orbit, if series fit."""
+        if self.is_over or self.problem.orbit or not self.solutions:
+            return
+        best = self.solutions[0]
+        pairs = _satellites.additive_pairs(self.problem, self.most, self.settings.orbits)
+        left = _evidence.share_left(best, self.problem)
+        rivals = []
+        for pair in pairs:
+            if not pair.are_dips or pair.left > self.settings.orbit_worse**2 * left:
+                continue
+            rival = replace(
+                self,
+                problem=_satellites.beside(self.problem, pair.orbit),
+                convex=[], solutions=[], axial=[], beside=[], notes=[],
+            )  # fmt: skip
+            rates = pair.rotation * np.array([0.5, 1.0, 2.0])
+            rival._axial(rates[rates < 2.0 * self.most])
+            rival.finish()
+            if rival.solutions:
+                rivals.append(rival)
+        if not rivals:
+            return
+        rival = min(rivals, key=lambda one: one.evidence())
+        self.progress(f"a satellite is {rival.evidence() - self.evidence():.1f} behind")
+        if rival.evidence() < self.evidence() + self.settings.competing:
+            rival._axial_poles()
+            rival.is_complete = not self.is_over
+            rival.finish()
+            self.rival = rival
+
+    def _clipped(self) -> CurveProblem:
+        """The problem with the weights that the points have beside the best solution.
+
+        Outliers turn least squares to other rates; by Student's distribution they hardly count.
+        """
+        size = np.hypot(self.problem.sigma, self.problem.model_error)
+        square = (self.solutions[0].residual / size) ** 2
+        return self.problem.with_weights(_evidence.weights(square))
 
     def _pools(self, number: int) -> Iterator[Pool]:
         """Ellipsoids of a round: of the lattices, then of every psi at the best phi."""
         more = 2**number
-        found, _ = _lattices.lattice_pairs(self.problem, self.most, _PAIRS * more)
+        found, _ = _lattices.lattice_pairs(self.problem, self.most, self.settings.pairs * more)
         rates = _lattices.candidates(found, self.most, self.modes, self.shifts)
-        yield self._ellipsoids(rates, more, "periods of the lines")
+        starts = self.settings.quick_starts * more
+        yield self._ellipsoids(rates, starts, more, "periods of the lines")
         self.convex.sort(key=lambda each: each.cost)
-        yield self._ellipsoids(self._scan(), more, "periods of psi")
+        starts = self.settings.scan_starts * more
+        yield self._ellipsoids(self._scan(), starts, more, "periods of psi")
 
-    def _ellipsoids(self, rates: list[_lattices.Candidate], more: int, name: str) -> Pool:
-        """Ellipsoids of rates, with more starts for the best."""
+    def _ellipsoids(
+        self, rates: list[_lattices.Candidate], starts: int, more: int, name: str
+    ) -> Pool:
+        """Ellipsoids of rates, with more starts for the best.
+
+        A few starts of few steps miss one body in ten: each pair of rates has many, of which the
+        best go on.
+        """
         problem = self.problem
         parts = []
-        for start in range(0, len(rates), _BLOCK):
-            part = rates[start : start + _BLOCK]
-            made = _ellipsoid.around(problem, self.generator, part, _QUICK * more, tie=self._held)
-            parts.append(_ellipsoid.best_of_each(made, len(part)))
+        for start in range(0, len(rates), self.settings.block):
+            part = rates[start : start + self.settings.block]
+            parts.append(
+                _ellipsoid.narrowed(
+                    problem,
+                    self.generator,
+                    part,
+                    starts,
+                    tie=self._held,
+                )
+            )
             self.progress(f"ellipsoids: {start + len(part)} of {len(rates)} {name}")
             if self.is_over:
                 break
         pool = _ellipsoid.in_order(*parts)
         deep = [pool]
-        for rate in _ellipsoid.rates_of(pool, _CLASSES):
+        for rate in _ellipsoid.rates_of(pool, self.settings.classes):
             if self.is_over:
                 break
             deep.append(
                 _ellipsoid.around(
-                    problem, self.generator, [rate], _DEEP * more, iterations=40, tie=self._held
+                    problem,
+                    self.generator,
+                    [rate],
+                    self.settings.deep_starts * more,
+                    iterations=40,
+                    tie=self._held,
                 )
             )
         return _ellipsoid.in_order(*deep)
@@ -236,7 +274,7 @@ class Search:
         for each in self.convex:
             state = each.state
             here = 2.0 * float(state[0])
-            if not is_axial(state) and state[1] > 0.0:
+            if not SearchState.of(state).is_axial and state[1] > 0.0:
                 here -= float(state[1])
             if any(abs(here - other) < 0.4 for other in used):
                 continue
@@ -246,7 +284,7 @@ class Search:
                 rates += [_lattices.Candidate(0.5 * (here + f), f) for f in steps]
             if "SAM" in self.modes:
                 rates += [_lattices.Candidate(0.5 * here, -f) for f in steps if f < 1.4 * here]
-            if len(used) == _SCANNED:
+            if len(used) == self.settings.scanned:
                 break
         return rates
 
@@ -258,7 +296,9 @@ class Search:
         rates: list[_lattices.Candidate] = []
         states: list[FloatArray] = []
         for each in self.convex:
-            if is_axial(each.state) or any(has_rates(each.state, other) for other in states):
+            if SearchState.of(each.state).is_axial or any(
+                self.has_rates(each.state, other) for other in states
+            ):
                 continue
             states.append(each.state)
             nutation = abs(float(each.state[1]))
@@ -274,73 +314,133 @@ class Search:
                         and rate + max(-f, 0.0) < self.most
                         and ("LAM" if f > 0.0 else "SAM") in self.modes
                     ]
-            if len(states) == _SCANNED:
+            if len(states) == self.settings.scanned:
                 break
         return list(dict.fromkeys(rates))
 
-    def _axial(self) -> None:
-        """Rotations about one axis."""
-        found = _lattices.lines(self.problem, self.most, _AXIAL_RATES)
-        rates = np.unique(np.concatenate([found, 0.5 * found]))
+    def _axial(self, rates: FloatArray | None = None) -> None:
+        """Rotations about one axis at rates (R,), turns per span, or at those of strong lines."""
+        if rates is None:
+            found = _lattices.lines(self.problem, self.most, self.settings.axial_rates)
+            rates = np.unique(np.concatenate([found, 0.5 * found]))
         rates = rates[rates > _lattices.LEAST]
-        pool = _ellipsoid.axial(self.problem, self.generator, rates, _AXIAL_STARTS)
-        self._refine(_ellipsoid.in_order(pool), keep=_CONVEX // 2)
+        pool = _ellipsoid.axial(self.problem, self.generator, rates, self.settings.axial_starts)
+        self._refine(_ellipsoid.in_order(pool), keep=self.settings.convex // 2)
         self.progress("rotations about one axis")
 
     def _axial_poles(self) -> None:
         """Rotations about one axis from poles all over the sky, if one explains the curve."""
-        axial = [each for each in self.convex if is_axial(each.state)]
+        axial = [each for each in self.convex if SearchState.of(each.state).is_axial]
         if not axial or self.is_over:
             return
-        if axial[0].chi_squared > _AXIAL_WORSE * self.convex[0].chi_squared:
+        if axial[0].chi_squared > self.settings.axial_worse * self.convex[0].chi_squared:
             return
         problem = self._with_own_error(axial[0])
         rates: list[Weighted] = []
         for each in axial:
             rate = float(each.state[0])
-            if all(2.0 * abs(rate - o.refined.state[0]) > _AXIAL_RATE for o in rates):
+            if all(2.0 * abs(rate - o.refined.state[0]) > self.settings.axial_width for o in rates):
                 rates.append(self._robust(problem, each))
-                if len(rates) > _AXIAL_OTHERS:
+                if len(rates) > self.settings.axial_others:
                     break
         rates.sort(key=lambda each: each.evidence)
         fixed = self._fixed(rates[0].refined.state)
         for one in rates:
-            if one.evidence < rates[0].evidence + _AXIAL_MAPPED:
+            if one.evidence < rates[0].evidence + self.settings.axial_mapped:
                 given = one.refined.state, self.generator, self.tie, fixed, lambda: self.is_over
                 self.axial += _pole_map.minima(rates[0].problem, self.problem, *given)
                 self.progress(f"{len(self.axial)} poles of rotations about one axis")
-        self.axial = _pole_map.most_probable(self.axial, len(problem))
-        for minimum in self.axial[:_AXIAL_OTHERS]:
-            self.convex.append(
-                _refinement.refine(
-                    self.problem, minimum.state, tie=self.tie, fixed=fixed, gain=3e-3
-                )
-            )
+        self.axial = _pole_map.most_probable(self.axial, problem)
+        for minimum in self.axial[: self.settings.axial_others]:
+            self.convex.append(self._fit(minimum.state))
         self.convex.sort(key=lambda each: each.cost)
 
-    def _refine(self, pool: Pool, keep: int = _CONVEX, poles: int = _POLES) -> None:
-        """Add the convex bodies of the best distinct ellipsoids."""
+    def _refine(self, pool: Pool, keep: int | None = None) -> None:
+        """Add the convex bodies of the best distinct ellipsoids.
+
+        Ellipsoids misjudge bodies that are far from one: pairs of rates, not single states, go on,
+        in the order of convex bodies that are fitted in a few steps.
+        """
+        most = self.settings.convex if keep is None else keep
         chosen: list[FloatArray] = []
-        for state in pool.states:
-            alike = [other for other in chosen if has_rates(state, other)]
-            if len(alike) < poles and not any(is_same(state, other) for other in alike):
+        for state in self._by_short_fits(pool):
+            alike = [other for other in chosen if self.has_rates(state, other)]
+            if len(alike) < self.settings.poles and not any(
+                self.is_same(state, other) for other in alike
+            ):
                 chosen.append(state)
-                if len(chosen) >= keep:
+                if len(chosen) >= most:
                     break
-        for state in chosen:
-            self.convex.append(
-                _refinement.refine(
-                    self.problem,
-                    state,
-                    tie=self.tie,
-                    fixed=self._fixed(state),
-                    gain=3e-3,
-                )
-            )
+        self._add(chosen)
+        self.progress(f"{len(self.convex)} convex bodies")
+
+    def _by_short_fits(self, pool: Pool) -> list[FloatArray]:
+        """The states of a pool in the order of short convex fits of the best of each rates."""
+        classes: list[list[FloatArray]] = []
+        for state in pool.states[: self.settings.short_states]:
+            for members in classes:
+                if self.has_rates(state, members[0]):
+                    members.append(state)
+                    break
+            else:
+                if len(classes) < self.settings.short_classes:
+                    classes.append([state])
+        costs = []
+        for members in classes:
+            if self.is_over:
+                return list(pool.states)
+            costs.append(self._fit(members[0], self.settings.short_steps).cost)
+        first: list[FloatArray] = []
+        for k in np.argsort(costs, kind="stable"):
+            first += classes[k][: self.settings.short_members]
+        return first + list(pool.states)
+
+    def _fit(self, state: FloatArray, iterations: int = 20) -> Refined:
+        """The convex body near a state."""
+        return _refinement.refine(
+            self.problem,
+            state,
+            iterations=iterations,
+            tie=self.tie,
+            fixed=self._fixed(state),
+            gain=3e-3,
+        )
+
+    def _add(self, states: Iterable[FloatArray]) -> None:
+        """Add the convex bodies near states."""
+        for state in states:
+            self.convex.append(self._fit(state))
             if self.is_over and len(self.convex) > 4:
                 break
-        self.convex.sort(key=lambda each: each.cost)
-        self.progress(f"{len(self.convex)} convex bodies")
+        self.convex.sort(key=lambda body: body.cost)
+
+    def _other_poles(self) -> bool:
+        """Add bodies at other poles with the rates of the best tumbling solutions; whether any.
+
+        The mirror images of each, in the plane of the scene and in that of its pole, and minima
+        all over the sky with both rates held.
+        """
+        leading = [
+            one
+            for one in self.solutions[: self.settings.mapped]
+            if one.evidence < self.solutions[0].evidence + self.settings.mapped_behind
+            and not SearchState.of(one.refined.state).is_axial
+        ]
+        before = len(self.convex)
+        for one in leading:
+            state = one.refined.state
+            if self.is_over or any(self.has_rates(state, other) for other in self._mapped_rates):
+                continue
+            self._mapped_rates.append(state)
+            images = _pole_map.images(self.problem, state)
+            near = _pole_map.of_rates(self.problem, self.generator, state, self._held)
+            chosen = [state]
+            for other in (*images, *near):
+                if not any(_has_pole(other, known, self.settings.same_pole) for known in chosen):
+                    chosen.append(other)
+            self._add(chosen[1 : 1 + self.settings.map_bodies])
+        self.progress(f"{len(self.convex) - before} bodies at other poles")
+        return len(self.convex) > before
 
     def finish(self) -> None:
         """Make `solutions` of the best convex bodies, with robust errors."""
@@ -348,62 +448,93 @@ class Search:
             return
         chosen: list[Refined] = []
         for each in self.convex:
-            alike = [other for other in chosen if has_rates(each.state, other.state)]
-            if len(alike) < _POLES and not any(is_same(each.state, o.state) for o in alike):
+            alike = [other for other in chosen if self.has_rates(each.state, other.state)]
+            if len(alike) < self.settings.poles and not any(
+                self.is_same(each.state, o.state) for o in alike
+            ):
                 chosen.append(each)
-                if len(chosen) >= _FINAL:
+                if len(chosen) >= self.settings.finals:
                     break
         problem = self._with_own_error(chosen[0])
-        found = [self._robust(problem, each) for each in chosen if not is_axial(each.state)]
+        if self._takes_noise(problem, chosen[0]):
+            problem = self._with_own_error(chosen[0])
+        found = [
+            self._robust(problem, each)
+            for each in chosen
+            if not SearchState.of(each.state).is_axial
+        ]
         found += self._axial_solutions(problem)
+        found = _evidence.as_rotators(found, problem)
         found.sort(key=lambda each: each.evidence)
         self.solutions = []
         for one in found:
-            if not any(is_same(one.refined.state, o.refined.state) for o in self.solutions):
+            if not any(self.is_same(one.refined.state, o.refined.state) for o in self.solutions):
                 self.solutions.append(one)
         error = problem.model_error
         self.progress(f"{len(self.solutions)} solutions, model error {error:.3f} mag")
 
+    def _takes_noise(self, problem: CurveProblem, best: Refined) -> bool:
+        """Whether errors are enlarged, where neighbouring residuals of a good body exceed them."""
+        one = self._robust(problem, best)
+        if _evidence.share_left(one, problem) > self.settings.left:
+            return False
+        rates = SearchState.of(one.refined.state).rates
+        factor = _problem.noise(problem, one.residual, sum(rates))
+        if factor < self.settings.noisier:
+            return False
+        self.problem = self.problem.with_errors(factor * self.problem.sigma)
+        self.notes.append(
+            f"neighbouring residuals differ {factor:.1f} times as much as the errors say; errors "
+            "are taken to be larger by this factor."
+        )
+        return True
+
     def _with_own_error(self, best: Refined) -> CurveProblem:
         """The problem with the model error that the residuals of a body show."""
-        residual, _ = _refinement.residuals(self.problem, best.magnitude)
-        error = _refinement.model_error(self.problem, residual)
+        residual, _ = _evidence.residuals(self.problem, best.magnitude)
+        error = _evidence.model_error(self.problem, residual)
         for _ in range(2):
             fitted = self._robust(self.problem.with_model_error(error), best)
-            error = _refinement.model_error(self.problem, fitted.residual)
+            error = _evidence.model_error(self.problem, fitted.residual)
         return self.problem.with_model_error(error)
 
     def _axial_solutions(self, problem: CurveProblem) -> list[Weighted]:
         """Rotations about one axis with the errors of a problem, the most probable poles."""
-        axial = [each for each in self.convex if is_axial(each.state)]
+        axial = [each for each in self.convex if SearchState.of(each.state).is_axial]
         if not self.axial:
-            return [self._compared(problem, each) for each in axial[:_AXIAL_OTHERS]]
+            return [self._compared(problem, each) for each in axial[: self.settings.axial_others]]
         found: list[Weighted] = []
         for each in self.axial:
-            if not any(is_same(each.state, other.refined.state) for other in found):
+            if not any(self.is_same(each.state, other.refined.state) for other in found):
                 found.append(self._robust(problem, each))
         # their own prior ranks poles; with the one of tumbling bodies they are compared with those
-        more = _refinement.widened(min(found, key=lambda each: each.evidence))
+        best = min(found, key=lambda each: each.evidence)
+        more = self._compared(problem, best.refined).evidence - best.evidence
         found = [replace(each, evidence=each.evidence + more) for each in found]
-        found, self.beside = _pole_map.listed(found, _AXIAL_BEHIND)
-        found = found[:_FINAL_AXIAL]
+        found, self.beside = _pole_map.listed(found, self.settings.axial_behind)
+        found = found[: self.settings.axial_finals]
         # the next period decides whether this one is accepted, however far it lies behind
         rates = np.array([each.refined.state[0] for each in found])
-        others = [each for each in axial if 2.0 * np.abs(rates - each.state[0]).min() > _AXIAL_RATE]
-        return found + [self._compared(problem, each) for each in others[:_AXIAL_OTHERS]]
+        others = [
+            each
+            for each in axial
+            if 2.0 * np.abs(rates - each.state[0]).min() > self.settings.axial_width
+        ]
+        return found + [
+            self._compared(problem, each) for each in others[: self.settings.axial_others]
+        ]
 
     def _compared(self, problem: CurveProblem, given: Refined) -> Weighted:
-        """A rotation about one axis with the evidence that tumbling bodies are ranked by."""
-        found = self._robust(problem, given)
-        return replace(found, evidence=found.evidence + _refinement.widened(found))
+        """A rotation about one axis with the prior and the evidence of tumbling bodies."""
+        return self._robust(problem, given, is_wide=True)
 
-    def _robust(self, problem: CurveProblem, given: Refined) -> Weighted:
+    def _robust(self, problem: CurveProblem, given: Refined, *, is_wide: bool = False) -> Weighted:
         # the more frequencies of nutation were tried, the better one fits by chance
-        trials = 1.0 if is_axial(given.state) else self.most / TUMBLERS
-        return _refinement.refined(
+        trials = 1.0 if SearchState.of(given.state).is_axial else self.most / self.settings.tumblers
+        return _evidence.refined(
             problem,
             given.state,
-            tie=self.tie,
+            tie=replace(self.tie, is_wide=True) if is_wide else self.tie,
             fixed=self._fixed(given.state),
             trials=trials,
         )
@@ -411,8 +542,13 @@ class Search:
     def _fixed(self, state: FloatArray) -> BoolArray:
         """Parameters that stay: of the axis for rotation about one, of areas for ellipsoids."""
         fixed = np.zeros(_refinement.SIZE, bool)
-        if is_axial(state):
+        if SearchState.of(state).is_axial:
             fixed[:8] = _ellipsoid.AXIAL_FIXED[:8]
         if self.is_ellipsoid:
             fixed[10:] = True
         return fixed
+
+
+def _has_pole(a: FloatArray, b: FloatArray, width: float) -> bool:
+    """Whether the poles of two states lie within an angle, rad."""
+    return bool(SearchState.of(a).pole @ SearchState.of(b).pole > math.cos(width))

@@ -66,6 +66,25 @@ def sphere() -> Sphere:
     return Sphere(normals, normals**2, np.ascontiguousarray(modes))
 
 
+@cache
+def _inversion() -> FloatArray:
+    """The coefficients (M, M) of the body inverted through its centre, from those of the body.
+
+    The factor of the areas at the opposite normals, by the interpolation of its Gaussian process.
+    """
+    on = sphere()
+    across = np.exp((-(on.normals.T @ on.normals) - 1.0) / _LENGTH**2)
+    # the modes are eigenvectors: K^-1 of their factor is the factor over its eigenvalue
+    sizes = np.sum(on.modes**2, axis=0)
+    found: FloatArray = (on.modes / sizes).T @ (across @ (on.modes / sizes)) * _AMPLITUDE**2
+    return found
+
+
+def inverted(modes: FloatArray) -> FloatArray:
+    """The coefficients (M,) of a body whose areas are exchanged with those of opposite normals."""
+    return _inversion() @ modes if len(modes) else modes
+
+
 def areas(flat: FloatArray, modes: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Areas (F,), the largest being 1, and slopes (F, 2 + M) of their logarithms.
 
@@ -238,10 +257,14 @@ class Tie:
         infinite: any moments.
     given : (3,) array, optional
         Moments, ascending, in place of those of the shape.
+    is_wide : bool
+        Whether rotations about one axis have the prior of the shapes of tumbling bodies, under
+        which they are compared with those; under their own their poles are ranked.
     """
 
     tolerance: float = TOLERANCE
     given: FloatArray | None = None
+    is_wide: bool = False
 
     @property
     def holds_axes(self) -> bool:
@@ -306,7 +329,7 @@ def penalties(
             by[6:8, :motion] = moments.slopes / tie.tolerance
             by[6:8, motion:] = -held.by_ratios / tie.tolerance
         strain = float(r[3:8] @ r[3:8])
-    wide = widths(moments is None)
+    wide = widths(moments is None and not tie.is_wide)
     r[8:] = shape / wide
     by[range(8, count), range(motion, size)] = 1.0 / wide
     return r, by, strain

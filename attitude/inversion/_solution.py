@@ -3,35 +3,47 @@
 from __future__ import annotations
 
 import math
+import os
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from attitude._support.constants import ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S
+from attitude._support import markup, quantity_text, validation
+from attitude._support.arrays import Immutable, frozen
+from attitude._support.constants import SPEED_OF_LIGHT_M_S
+from attitude._support.quantity_text import TIME_UNITS
 from attitude._support.synonyms import Answering
-from attitude.epochs import _inputs
+from attitude.epochs import _inputs, _instants
+from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
-from attitude.inversion import _errors, _problem, _refinement, _search, _shapes, _states, _verdicts
-from attitude.inversion._curve import LightCurve
+from attitude.inversion import _errors, _problem, _refinement, _satellites, _shapes, _states
+from attitude.inversion._ellipsoid import SearchState
 from attitude.inversion._shapes import sphere
 from attitude.motions._free_rotation import FreeRotation
+from attitude.paths import _places
+from attitude.photometry._curve import LightCurve, angle_between, dimming, vectors_of
 from attitude.scattering._weighted import LommelSeeligerLambert
+from attitude.scene._scene import Scene
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from astropy.table import QTable
+    from astropy.time import Time
+
     from attitude._support.annotations import Epochs, FilePath, FloatArray
     from attitude._support.tables import FlatTable
     from attitude.inversion._errors import GroupErrors, Modelled
+    from attitude.inversion._evidence import Weighted
     from attitude.inversion._posterior import Posterior
     from attitude.inversion._problem import CurveProblem
-    from attitude.inversion._refinement import Weighted
     from attitude.inversion._shapes import Tie
     from attitude.motions._published import Published
+    from attitude.paths._path import Path
     from attitude.scattering._law import Law
     from attitude.shape._mesh import Mesh
 
@@ -39,74 +51,234 @@ if TYPE_CHECKING:
 # ---- Magnitudes that a solution predicts, with the errors of motion, shape and zero points
 
 
+@dataclass(frozen=True, eq=False, repr=False)
+class Prediction(Immutable):
+    """Magnitudes that a fit predicts; unpacks as ``magnitude, sigma = best.predict(dates)``.
+
+    Attributes
+    ----------
+    epoch : Instant
+        Of the curve.
+    seconds : (T,) array
+        TDB s from it, of reception (of emission, where the curve has those).
+    magnitude : (T,) array
+        Apparent magnitudes, or at 1 au where those of the curve are.
+    sigma : (T,) array
+        Standard errors: of the motion, the shape, the zero points, the phase terms and the model.
+    form : (T,) array
+        Of them, the errors about the mean of the night (of all epochs, where nights have less than
+        three): those of the form of the light curve.
+    level : (T,) array
+        The error of that mean.
+    sun, observer : (T, 3) arrays
+        Vectors from the body, m, ICRF.
+    fit : CurveFit
+    """
+
+    epoch: Instant
+    seconds: FloatArray
+    magnitude: FloatArray
+    sigma: FloatArray
+    form: FloatArray
+    level: FloatArray
+    sun: FloatArray
+    observer: FloatArray
+    fit: CurveFit
+
+    def __iter__(self) -> Iterator[FloatArray]:
+        return iter((self.magnitude, self.sigma))
+
+    @property
+    def times(self) -> Time:
+        """The epochs (T,) as an astropy Time in TDB."""
+        return _instants.times(self.epoch, self.seconds)
+
+    @property
+    def phase_angle(self) -> FloatArray:
+        """Angle (T,) at the body between Sun and observer, rad."""
+        return angle_between(self.sun, self.observer)
+
+    def table(self) -> QTable:
+        """A row for each epoch: UTC, magnitude, errors, phase angle."""
+        from astropy import units
+        from astropy.table import QTable
+
+        time = self.times.utc
+        time.format = "isot"
+        table = QTable({"time": time, "magnitude": self.magnitude * units.mag})
+        for key in ("sigma", "form", "level"):
+            table[key] = getattr(self, key) * units.mag
+        table["phase_angle"] = np.degrees(self.phase_angle) * units.deg
+        return table
+
+    def plot(self, path: FilePath | None = None, *, observed: LightCurve | None = None) -> Any:
+        """A figure with a panel a night: the model as a line with its error, points if given.
+
+        Parameters
+        ----------
+        path : str or path, optional
+            Where it is saved.
+        observed : LightCurve, optional
+            Points that were observed at these nights, with their residuals below.
+        """
+        from attitude.inversion import _figures
+
+        return _figures.of_prediction(self, path, observed)
+
+    def __repr__(self) -> str:
+        return (
+            f"<Prediction of {len(self.seconds)} magnitudes from {self.times[0].utc.isot[:16]} "
+            f"UTC: form to {np.median(self.form):.3f} mag, level to {np.median(self.level):.3f} "
+            "mag>"
+        )
+
+
 def predicted(
-    solution: CurveFit, times: Epochs | LightCurve | None
-) -> tuple[FloatArray, FloatArray]:
-    """Apparent magnitudes (T,) and their standard errors; see `CurveFit.predict`."""
+    solution: CurveFit,
+    times: Epochs | LightCurve | None,
+    path: Path | str | None = None,
+    site: Any = None,
+    filter: str | None = None,
+) -> Prediction:
+    """The magnitudes of a fit at epochs; see `CurveFit.predict`."""
     curve = solution.curve
-    emission, sun, observer = _geometry(curve, times)
-    alpha = _angle(sun, observer)
+    seconds, emission, sun, observer = _geometry(curve, times, path, site)
     own = solution.weighted.problem
-    terms = _terms(solution, emission, alpha)
+    terms = _terms(solution, emission, angle_between(sun, observer), filter)
     unit = [(each / np.linalg.norm(each, axis=1)[:, None]).T for each in (sun, observer)]
-    there = replace(own, t=emission / own.span, sun=unit[0].copy(), observer=unit[1].copy())
-    here = solution._model(own)
-    coefficients = own.coefficients(here.magnitude)
-    made = solution._model(there)
-    size = np.linalg.norm(sun, axis=1) * np.linalg.norm(observer, axis=1) / ASTRONOMICAL_UNIT_M**2
-    magnitude = made.magnitude + terms @ coefficients + 5.0 * np.log10(size)
+    there = replace(
+        own,
+        t=emission / own.span,
+        sun=unit[0].copy(),
+        observer=unit[1].copy(),
+        exposure=_exposures(curve, times, len(emission), own.span),
+    )
+    fitted = solution._model(own)
+    model = solution._model(there)
+    magnitude = model.magnitude + terms @ own.coefficients(fitted.magnitude)
+    if not curve.unit_distances:
+        magnitude += dimming(sun, observer)
     # the linear terms follow the parameters
     b = own.terms * own.root[:, None]
-    inverse = np.linalg.pinv(b.T @ b + np.diag(1.0 / own.prior**2), hermitian=True)
-    follow = -inverse @ (b.T @ (here.jacobian * own.root).T)
-    slopes = made.jacobian.T + terms @ follow
-    variance = np.sum(
-        (slopes @ _refinement.inverse(solution.weighted.refined.normal)) * slopes, axis=1
+    normal = b.T @ b + np.diag(1.0 / own.prior**2)
+    inverse = np.asarray(np.linalg.pinv(normal, hermitian=True), dtype=np.float64)
+    follow = -inverse @ (b.T @ (fitted.jacobian * own.root).T)
+    # columns whose outer product is the covariance of the magnitudes
+    factor = np.concatenate(
+        [
+            (model.jacobian.T + terms @ follow)
+            @ _factor(_refinement.inverse(solution.weighted.refined.normal)),
+            terms @ _factor(inverse),
+        ],
+        axis=1,
     )
-    variance += np.sum((terms @ inverse) * terms, axis=1)
-    floor = float(np.median(np.abs(solution.residuals))) * 1.48
-    return magnitude, np.sqrt(np.maximum(variance, 0.0) + floor**2)
+    mean = np.empty_like(factor)
+    groups = _problem.nights_of(emission)
+    if np.median([len(each) for each in groups]) < 3.0:
+        groups = [np.arange(len(emission))]
+    for night in groups:
+        mean[night] = factor[night].mean(axis=0)
+    floor = 1.48 * float(np.median(np.abs(solution.residuals)))
+    return Prediction(
+        curve.epoch,
+        frozen(seconds),
+        frozen(magnitude),
+        frozen(np.sqrt(np.sum(factor**2, axis=1) + floor**2)),
+        frozen(np.sqrt(np.sum((factor - mean) ** 2, axis=1) + floor**2)),
+        frozen(np.linalg.norm(mean, axis=1)),
+        sun,
+        observer,
+        solution,
+    )
 
 
-def _geometry(curve: LightCurve, times: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Epochs of emission from that of the curve, and vectors to Sun and observer."""
+def _exposures(curve: LightCurve, times: Any, count: int, span: float) -> FloatArray | None:
+    """Exposures (T,), spans: those of a curve, or the usual one of the curve that was fitted."""
+    if times is None or isinstance(times, LightCurve):
+        return (curve if times is None else times).exposure / span
+    return np.full(count, float(np.median(curve.exposure)) / span)
+
+
+def _factor(covariance: FloatArray) -> FloatArray:
+    """F (P, P) with F F^T the covariance, of which rounding may have left eigenvalues below 0."""
+    values, vectors = np.linalg.eigh(0.5 * (covariance + covariance.T))
+    factor: FloatArray = vectors * np.sqrt(np.maximum(values, 0.0))
+    return factor
+
+
+def _geometry(
+    curve: LightCurve, times: Any, path: Any, site: Any
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Seconds of reception and of emission, (T,), and vectors (T, 3) to Sun and observer."""
     if times is None:
-        return curve.emission, curve.sun, curve.observer
+        return curve.seconds, curve.emission, *curve.vectors
+    if path is not None:
+        hi, lo = _inputs.seconds_since(curve.epoch, times)
+        t = np.atleast_1d(np.asarray(hi + (0.0 if lo is None else lo), dtype=float))
+        given: dict[str, Any] = {} if site is None else {"site": site}
+        times = LightCurve(t, np.zeros(len(t)), epoch=curve.epoch, path=path, **given)
     if isinstance(times, LightCurve):
         shift = times.epoch.seconds - curve.epoch.seconds
-        return times.emission + shift, times.sun, times.observer
+        return times.seconds + shift, times.emission + shift, *times.vectors
     hi, lo = _inputs.seconds_since(curve.epoch, times)
     t = np.atleast_1d(np.asarray(hi + (0.0 if lo is None else lo), dtype=float))
+    if curve.scenes:
+        scene = _scene(curve, site)
+        sun, observer = vectors_of(scene, curve.epoch, t)
+        late = np.linalg.norm(observer, axis=1) / SPEED_OF_LIGHT_M_S
+        return t, t - late if scene.light_time else t, sun, observer
+    if site is not None:
+        raise AttitudeError(
+            "site is given, but the curve has vectors in place of a path; give path= too."
+        )
     known, first = np.unique(curve.seconds, return_index=True)
     outside = (t < known[0]) | (t > known[-1])
     if np.any(outside):
         raise AttitudeError(
             f"{np.count_nonzero(outside)} of {len(t)} epochs lie outside of the light curve, whose "
-            "geometry ends there; give a LightCurve of these epochs (its magnitudes do not matter)."
+            "geometry, given as vectors, ends there; give path= (the orbit) and site=, as in "
+            'predict(dates, path="orbit.oem", site="568").'
         )
     sun, observer = (
         np.stack([np.interp(t, known, vectors[first, k]) for k in range(3)], axis=1)
-        for vectors in (curve.sun, curve.observer)
+        for vectors in curve.vectors
     )
     late = float(np.median(curve.seconds - curve.emission))
     light = np.linalg.norm(observer, axis=1) / SPEED_OF_LIGHT_M_S if late > 0.0 else 0.0
-    return t - light, sun, observer
+    return t, t - light, sun, observer
 
 
-def _terms(solution: CurveFit, emission: FloatArray, alpha: FloatArray) -> FloatArray:
-    """Linear terms (T, L) at other epochs: of the first filter, sessions at their mean."""
+def _scene(curve: LightCurve, site: Any) -> Scene:
+    """The scene of a site of the curve, by default of most of its points, or of another place."""
+    if site is None:
+        return curve.scenes[curve.sites[int(np.argmax(np.bincount(curve.site)))]]
+    if isinstance(site, str) and site in curve.scenes:
+        return curve.scenes[site]
+    scene = next(iter(curve.scenes.values()))
+    place: Any = _places.place(site, "site", is_observer=True)
+    options: dict[str, Any] = {"light_time": scene.light_time, "ephemeris": scene.ephemeris}
+    return Scene(None, scene.center, place, scene.sun, **options)
+
+
+def _terms(
+    solution: CurveFit, emission: FloatArray, alpha: FloatArray, filter: str | None
+) -> FloatArray:
+    """Linear terms (T, L) at other epochs: of a filter, the first, sessions at their mean."""
     own = solution.weighted.problem
-    found = np.zeros((len(emission), own.terms.shape[1]))
-    made = _problem.phase_terms(alpha, emission / own.span)
-    found[:, : made.shape[1]] = made
-    found[:, made.shape[1]] = 1.0
-    return found
-
-
-def _angle(a: FloatArray, b: FloatArray) -> FloatArray:
-    cross = np.linalg.norm(np.cross(a, b), axis=1)
-    found: FloatArray = np.arctan2(cross, np.sum(a * b, axis=1))
-    return found
+    terms = np.zeros((len(emission), own.terms.shape[1]))
+    count = 0
+    if solution._has_phase_terms:
+        phase = _problem.phase_terms(alpha, emission / own.span)
+        count = phase.shape[1]
+        terms[:, :count] = phase
+    names = solution.curve.filters
+    if filter is not None:
+        validation.one_of(filter, "filter", names)
+    terms[:, count + (0 if filter is None else names.index(filter))] = 1.0
+    if own.orbit:
+        series = _satellites.series(own.orbit, _satellites.ORDERS[1], emission / own.span)
+        terms[:, -series.shape[1] :] = series
+    return terms
 
 
 # ---- What every fit to a light curve has: residuals, shape, law, predictions, a spin file
@@ -132,8 +304,9 @@ class CurveFit(Answering, ABC):
 
     motion: Any
 
-    # What a spin file says of its origin.
+    # What a spin file says of its origin, and whether terms of the phase angle are fitted.
     _made = "by a fit to a light curve"
+    _has_phase_terms = True
 
     def __init__(
         self, curve: LightCurve, weighted: Weighted, problem: CurveProblem, rank: int, relation: str
@@ -171,38 +344,72 @@ class CurveFit(Answering, ABC):
     def _model(self, problem: CurveProblem) -> Modelled:
         """Magnitudes and their derivatives at the epochs of a problem."""
 
-    def predict(self, times: Epochs | LightCurve | None = None) -> tuple[FloatArray, FloatArray]:
-        """Apparent magnitudes at epochs of reception, and their standard errors.
+    def predict(
+        self,
+        times: Epochs | LightCurve | None = None,
+        *,
+        path: Path | str | None = None,
+        site: Any = None,
+        filter: str | None = None,
+    ) -> Prediction:
+        """Magnitudes at epochs of reception, and their errors, those of form and level apart.
 
         Parameters
         ----------
         times : epochs, or LightCurve, optional
-            Epochs within the curve, where its geometry is interpolated; or a curve with geometry
-            of its own.  By default those of the curve.
+            Any number of epochs, beyond the curve too if it was made with ``path=`` or ``scene=``;
+            with geometry given as vectors, epochs within the curve, where it is interpolated.  Or
+            a curve with geometry of its own.  By default the epochs of the curve.
+        path : Path, name, file or text, optional
+            The orbit of the body, in place of the geometry of the curve.
+        site : Path or text, optional
+            The observer: a site of the curve (by default that of most points), or another place.
+        filter : str, optional
+            Of the curve; by default its first.
 
         Returns
         -------
-        magnitude, sigma : (T,) arrays
-            The error of the motion, the shape and the zero points, and the model error.
+        Prediction
+            Which unpacks as magnitude, sigma: (T,) arrays.
 
         Raises
         ------
         AttitudeError
-            For epochs outside of the curve.
+            For epochs outside of a curve whose geometry is given as vectors, and other filters.
+
+        Notes
+        -----
+        The phase angle of a prediction may leave the range of the curve: `level` and `form` then
+        grow with the errors of the phase terms, as far as these are linear.
         """
-        return predicted(self, times)
+        return predicted(self, times, path, site, filter)
 
-    def write(self, path: FilePath, **labels: str | None) -> None:
-        """Write the spin file of the state with its covariance; see `formats.spin_file.write`."""
-        from attitude.formats import spin_file
+    def write(self, path: FilePath, **labels: Any) -> None:
+        """Write the spin file (.toml) of the state with its covariance, shape and scattering law.
 
+        `labels` are name, source and note, as `formats.spin_file.write` takes them.  ``attitude
+        view``, ``attitude lightcurve`` and mission files that name the file draw its shape; the
+        shape alone is written by ``shape.write("x.obj")``.
+
+        Raises
+        ------
+        AttitudeError
+            For a name that does not end in .toml, and as `formats.spin_file.write`.
+        """
+        from attitude.formats import _surface, spin_file
+
+        if not os.fspath(path).lower().endswith(".toml"):
+            raise AttitudeError(
+                f"{os.fspath(path)!r} is to hold the state, its errors and the shape as a spin "
+                "file; give a name that ends in .toml. The shape alone is written by "
+                'shape.write("x.obj"), also .txt (DAMIT), .stl and .ply.'
+            )
+        law = self.law if _surface.has_lines(self.law) else None
         note = labels.pop("note", None) or f"{self._made}: {self!r}"
         source = labels.pop("source", None) or "attitude.inversion"
         first = FreeRotation(self.motion.body, self.motion.spin)
-        spin_file.write(path, first, source=source, note=note, **labels)
-
-
-_DAY = 86400.0
+        surface = {"shape": self.shape, "law": law}
+        spin_file.write(path, first, source=source, note=note, **(surface | labels))
 
 
 class Solution(CurveFit):
@@ -239,7 +446,7 @@ class Solution(CurveFit):
     @property
     def is_axial(self) -> bool:
         """Whether the body rotates about one principal axis."""
-        return _search.is_axial(self.state)
+        return SearchState.of(self.state).is_axial
 
     @cached_property
     def motion(self) -> FreeRotation:
@@ -281,19 +488,19 @@ class Solution(CurveFit):
     @property
     def P_psi(self) -> float:
         """s; infinite for rotation about one axis."""
-        psi = _verdicts.rates(self.state)[1]
+        psi = SearchState.of(self.state).rates[1]
         return self.curve.span / psi if psi > 0.0 else math.inf
 
     @property
     def P_phi(self) -> float:
         """s, of the long axis about the momentum; the period of rotation about one axis."""
-        return self.curve.span / _verdicts.rates(self.state)[0]
+        return self.curve.span / SearchState.of(self.state).rates[0]
 
     @property
     def periods_sigma(self) -> tuple[float, float]:
         """Standard errors of P_psi and P_phi (long axis), s."""
         c = self._covariances[1].covariance
-        phi, psi = _verdicts.rates(self.state)
+        phi, psi = SearchState.of(self.state).rates
         if self.is_axial:
             return math.inf, 2.0 * math.sqrt(c[3, 3]) * self.curve.span / phi**2
         sign = 1.0 if self.state[1] > 0.0 else -1.0
@@ -309,7 +516,7 @@ class Solution(CurveFit):
         """Longitude and latitude of the momentum, J2000 ecliptic, rad."""
         from attitude.frames import matrix_to_icrf
 
-        x, y, z = matrix_to_icrf("ecliptic").T @ _search.pole(self.state)
+        x, y, z = matrix_to_icrf("ecliptic").T @ SearchState.of(self.state).pole
         return np.array([math.atan2(y, x) % (2.0 * math.pi), math.asin(max(-1.0, min(1.0, z)))])
 
     @property
@@ -349,19 +556,55 @@ class Solution(CurveFit):
         return _refinement.model(problem, self.state)
 
     def plot(self, path: FilePath | None = None) -> Any:
-        """A figure: fit by night, residuals, folded by both periods; saved if a path is given."""
+        """A figure with a panel a night: points, model, residuals; saved if a path is given."""
         from attitude.inversion import _figures
 
-        return _figures.of_solution(self, path)
+        return _figures.of_nights(self, path)
+
+    def _repr_html_(self) -> str:
+        """A table for notebooks, the fit and the shape."""
+        longitude, latitude = np.degrees(self.pole)
+        psi, phi = self.periods_sigma
+        rows = [("rank, relation", f"{self.rank}, {self.relation or 'best'}"), ("mode", self.mode)]
+        if not self.is_axial:
+            rows.append(("P_psi", _with_error(self.P_psi, psi)))
+        rows += [
+            ("period" if self.is_axial else "P_phi (long axis)", _with_error(self.P_phi, phi)),
+            ("pole, ecliptic", f"{longitude:.2f} {latitude:+.2f} deg"),
+            ("error of the pole", f"{np.degrees(self.pole_sigma):.2g} deg"),
+            ("moments", " : ".join(f"{each:.4g}" for each in self.moments / self.moments[0])),
+            ("rms", f"{self.rms:.4f} mag"),
+        ]
+        shape = markup.solid(self.shape.corners, self.shape.normals, "shape, from x, y, z > 0")
+        return markup.table("Solution", rows, *self._fit_picture(), shape)
+
+    def _fit_picture(self) -> list[str]:
+        """Observed and computed magnitudes, less the mean of each, against time."""
+        problem = self.weighted.problem
+        days = (problem.t - problem.t.min()) * self.curve.span / TIME_UNITS["d"]
+        return [
+            markup.line_plot(
+                [(days, self.residuals)],
+                f"residuals over {np.ptp(days):.4g} d, {np.ptp(self.residuals):.3g} mag in all",
+                is_downward=True,
+                is_dotted=True,
+            )
+        ]
 
     def __repr__(self) -> str:
-        psi, phi = self.P_psi / _DAY, self.P_phi / _DAY
         longitude, latitude = np.degrees(self.pole)
-        periods = f"P {phi:.6g} d" if self.is_axial else f"P_phi(L) {phi:.6g} d, P_psi {psi:.6g} d"
+        psi, phi = quantity_text.of_time(self.P_psi), quantity_text.of_time(self.P_phi)
+        periods = f"P {phi}" if self.is_axial else f"P_phi(L) {phi}, P_psi {psi}"
         return (
             f"<Solution {self.rank}: {self.mode}, {periods}, pole {longitude:.1f} "
             f"{latitude:+.1f} deg, rms {self.rms:.3f} mag>"
         )
+
+
+def _with_error(seconds: float, sigma: float) -> str:
+    unit = quantity_text.time_unit(seconds)
+    size = TIME_UNITS[unit]
+    return f"{seconds / size:.6g} +- {sigma / size:.2g} {unit}"
 
 
 class SpinStates(Answering, Sequence[Any]):
@@ -370,7 +613,8 @@ class SpinStates(Answering, Sequence[Any]):
     Attributes
     ----------
     verdict : str
-        "solved", "periods only" (the pole is not decided) or "not solved".
+        "solved", "periods only" (the pole is not decided), "not solved", or "a satellite of period"
+        and that period: rotation about one axis, beside dips at the period of a moon.
     criterion : str
         The numbers that led to the verdict.
     notes : tuple of str
@@ -411,12 +655,14 @@ class SpinStates(Answering, Sequence[Any]):
         first = rows[0].evidence if rows else 0.0
         moments = np.array([each.moments for each in rows]).reshape(-1, 3)
         poles = np.array([each.pole for each in rows]).reshape(-1, 2)
+        unit = quantity_text.time_unit(rows[0].P_phi if rows else math.inf)
+        size = quantity_text.TIME_UNITS[unit]
         return FlatTable(
             {
                 "rank": np.arange(len(rows)),
                 "mode": [each.mode for each in rows],
-                "P_phi": np.array([each.P_phi for each in rows]) / _DAY * units.d,
-                "P_psi": np.array([each.P_psi for each in rows]) / _DAY * units.d,
+                "P_phi": np.array([each.P_phi for each in rows]) / size * units.Unit(unit),
+                "P_psi": np.array([each.P_psi for each in rows]) / size * units.Unit(unit),
                 "longitude": np.degrees(poles[:, 0]) * units.deg,
                 "latitude": np.degrees(poles[:, 1]) * units.deg,
                 "A/C": moments[:, 0] / moments[:, 2],
@@ -435,16 +681,22 @@ class SpinStates(Answering, Sequence[Any]):
             return _figures.of_fit(self[0], path)
         return _figures.of_states(self, path)
 
+    def _repr_html_(self) -> str:
+        """Verdict and ranked solutions for notebooks."""
+        return markup.of_table(f"{self.verdict}: {self.criterion}", self.table())
+
     def __repr__(self) -> str:
         return f"<SpinStates: {self.verdict}, {len(self)} solutions>"
 
     def __str__(self) -> str:
         lines = [f"{self.verdict}: {self.criterion}", *self.notes]
+        unit = quantity_text.time_unit(self._solutions[0].P_phi if self._solutions else math.inf)
+        size = quantity_text.TIME_UNITS[unit]
         for k, each in enumerate(self._solutions[:10]):
-            psi, phi = each.P_psi / _DAY, each.P_phi / _DAY
+            psi, phi = each.P_psi / size, each.P_phi / size
             longitude, latitude = np.degrees(each.pole)
             lines.append(
-                f"{k:2d} {each.mode:3s}  P_phi {phi:10.5f} d  P_psi {psi:10.5f} d  pole "
+                f"{k:2d} {each.mode:3s}  P_phi {phi:10.5f} {unit}  P_psi {psi:10.5f} {unit}  pole "
                 f"{longitude:5.1f} {latitude:+5.1f}  rms {each.rms:.3f}  evidence "
                 f"{each.evidence - self._solutions[0].evidence:+8.1f}  {each.relation}"
             )

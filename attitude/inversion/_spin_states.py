@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +12,7 @@ from attitude._support.blocks import timed
 from attitude.errors import AttitudeError
 from attitude.inversion import (
     _ellipsoid,
+    _evidence,
     _known,
     _lattices,
     _problem,
@@ -21,7 +21,9 @@ from attitude.inversion import (
     _states,
     _verdicts,
 )
-from attitude.inversion._curve import CALIBRATED, LightCurve
+from attitude.inversion._ellipsoid import SearchState
+from attitude.inversion._problem import CALIBRATED, usable
+from attitude.inversion._settings import DEFAULT, Settings, Tally
 from attitude.inversion._solution import Solution, SpinStates
 from attitude.shape._mesh import Mesh
 
@@ -29,9 +31,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from attitude._support.annotations import FloatArray, Real
+    from attitude.inversion._evidence import Weighted
     from attitude.inversion._problem import CurveProblem
-    from attitude.inversion._refinement import Weighted
     from attitude.motions._body import Body
+    from attitude.photometry._curve import LightCurve
     from attitude.scattering._law import Law
 
     ZeroPoints = str | float | tuple[str, ...]
@@ -41,16 +44,7 @@ if TYPE_CHECKING:
 _MODES = ("LAM", "SAM")
 _DAY = 86400.0
 _LABEL = "spin states"
-# Standard deviations of chi-squared over the degrees of freedom, above 1, of a curve that is not
-# constant, and the least such ratio that no constant curve has.
-_CONSTANT, _CONSTANT_AT_MOST = 3.0, 1.5
-# Frequencies searched at most, turns per span; more need a shorter curve.
-_MOST_TURNS = 1500.0
-# Of the epochs, the share that lies within the same third of the day for one site.
-_ONE_SITE = 0.9
 _IS_CONSTANT = "the brightness is constant within the errors"
-# Solutions of one zero point that are refined with offsets of the sessions.
-_COMPARED = 6
 
 
 def spin_states(
@@ -64,6 +58,7 @@ def spin_states(
     budget: Real = 60.0,
     seed: int = 0,
     threads: int = 1,
+    settings: Settings = DEFAULT,
     progress: Callable[[str], object] | None = None,
 ) -> SpinStates:
     """The spin states that a light curve allows, found without a first guess.
@@ -87,11 +82,14 @@ def spin_states(
         moments, of which the ratios count, or a Body: known moments, with any shape.  Of a known
         mesh "shape" is homogeneous, and three moments are about its own axes.
     budget : float or text
-        Time, s, after which the best so far is returned.
+        Work, s of one idle core of 3 GHz, after which the best so far is returned.  Work is counted
+        by steps and points, so that load and speed of the machine change no result.
     seed : int
-        Of the random starts.  The same seed gives the same result if the budget is not exhausted.
+        Of the random starts.  The same seed gives the same result.
     threads : int
         Of the linear algebra.
+    settings : Settings
+        Thresholds and sizes of the search.
     progress : callable, optional
         Called with a text after each stage.  By default a bar of the time is drawn where standard
         error is a terminal.
@@ -110,24 +108,25 @@ def spin_states(
     -----
     Ctrl-C ends the search, and the best so far is returned.
     """
+    curve = usable(curve)
     if isinstance(shape, Mesh):
-        most = _checked_turns(curve, max_frequency)
+        most = _checked_turns(curve, max_frequency, settings)
         seconds = validation.positive(budget, "budget", unit="s")
         number = validation.count(threads, "threads")
         with _refinement.limited(number), timed(_LABEL, seconds, progress) as report:
-            given = curve, most, shape, law, moments, seconds, seed, report
+            given = curve, most, shape, law, moments, seconds, seed, settings, report
             return SpinStates(*_known.found(*given))
     if law is not None:
         raise AttitudeError("law= is that of a known mesh; give shape=mesh, or leave law out.")
-    most, tie = _checked(curve, max_frequency, modes, shape, moments)
+    most, tie = _checked(curve, max_frequency, modes, shape, moments, settings)
     seconds = validation.positive(budget, "budget", unit="s")
     validation.count(threads, "threads")
     _compile(curve, most)
-    deadline = time.monotonic() + seconds
+    tally = Tally(seconds)
     with _refinement.limited(threads), timed(_LABEL, seconds, progress) as report:
 
         def prepared(zero_points: ZeroPoints) -> _search.Search:
-            given = curve, most, zero_points, modes, shape, tie, seed, deadline, report
+            given = curve, most, zero_points, modes, shape, tie, seed, settings, tally, report
             return _prepared(*given)
 
         found = _searched(curve, prepared)
@@ -137,35 +136,33 @@ def spin_states(
 def _compile(curve: LightCurve, most: float) -> None:
     """Run every compiled loop once: the time of compilation is not counted."""
     generator = np.random.default_rng(0)
-    problem, _ = _problem.problem(curve, most, _search.ELLIPSOID_ERROR, "shared")
+    problem, _ = _problem.problem(curve, most, DEFAULT.ellipsoid_error, "shared")
     found, _ = _lattices.lattice_pairs(problem, 2.0, 1)
     rate = _lattices.Candidate(float(found[0, 0]), -1.0)
     pool = _ellipsoid.around(problem, generator, [rate], 1, iterations=1, tie=_ellipsoid.Held(1.0))
     _refinement.refine(problem, pool.states[0], iterations=1)
 
 
-def _checked_turns(curve, max_frequency):
+def _checked_turns(curve, max_frequency, settings):
     """The largest frequency, Hz."""
-    if not isinstance(curve, LightCurve):
-        raise AttitudeError(f"curve is {validation.shown(curve)}; give a LightCurve.")
     most = validation.positive(max_frequency, "max_frequency", unit="1/s")
-    turns = most * curve.span
+    turns, limit = most * curve.span, settings.most_turns
     if turns < 2.0:
         raise AttitudeError(
             f"the light curve spans {turns:.2g} turns at max_frequency; give a larger one, at "
             f"least {2.0 / curve.span:.3g} Hz, or a longer curve."
         )
-    if turns > _MOST_TURNS:
+    if turns > limit:
         raise AttitudeError(
-            f"the light curve spans {turns:.0f} turns at max_frequency; at most {_MOST_TURNS:.0f} "
-            f"are searched. Give at most {_MOST_TURNS / curve.span * _DAY:.3g} /d, or a part of "
+            f"the light curve spans {turns:.0f} turns at max_frequency; at most {limit:.0f} "
+            f"are searched. Give at most {limit / curve.span * _DAY:.3g} /d, or a part of "
             "the curve."
         )
     return most
 
 
-def _checked(curve, max_frequency, modes, shape, moments):
-    most = _checked_turns(curve, max_frequency)
+def _checked(curve, max_frequency, modes, shape, moments, settings):
+    most = _checked_turns(curve, max_frequency, settings)
     if not modes or isinstance(modes, str):
         raise AttitudeError(f'modes is {modes!r}; give a sequence such as ("LAM", "SAM").')
     for mode in modes:
@@ -174,20 +171,23 @@ def _checked(curve, max_frequency, modes, shape, moments):
     return most, _states.of(moments)
 
 
-def _prepared(curve, most, zero_points, modes, shape, tie, seed, deadline, progress):
-    problem, bins = _problem.problem(curve, most, _search.ELLIPSOID_ERROR, zero_points)
+def _prepared(curve, most, zero_points, modes, shape, tie, seed, settings, tally, progress):
+    given = curve, most, settings.ellipsoid_error, zero_points
+    problem, bins = _problem.problem(*given, settings=settings, tally=tally)
+    problem, outliers = _problem.without_outliers(problem, most * curve.span)
     made = _search.Search(
         problem,
         most * curve.span,
         tuple(modes),
         tie,
-        _shifts(curve),
+        _shifts(curve, settings.one_site),
         validation.generator(seed),
-        deadline,
         progress,
         is_ellipsoid=shape == "ellipsoid",
     )
     made.notes = list(curve.notes)
+    if outliers:
+        made.notes.append(f"{outliers} points lie far off both neighbours; they hardly count.")
     if bins is not None:
         made.notes.append(f"{len(curve)} points were averaged to {len(problem)}.")
     return made
@@ -233,7 +233,7 @@ def _with_offsets_if_needed(one: _search.Search, prepared: Prepared) -> _search.
         return one
     if may_be_constant and is_better_constant(own.problem, one.solutions):
         one.solutions = []
-        offsets = _offsets_of(_refinement.constant(own.problem))
+        offsets = _offsets_of(_evidence.constant(own.problem))
         one.notes.append(
             f"{_IS_CONSTANT} with zero points of the sessions of {np.std(offsets):.3f} mag rms; "
             f"with one zero point chi2/N is {_mean_square(one.problem):.1f}."
@@ -242,7 +242,7 @@ def _with_offsets_if_needed(one: _search.Search, prepared: Prepared) -> _search.
     if not asked[-1]:
         return one
     own.follow(one)
-    if _search.is_axial(own.solutions[0].refined.state) or not own.has_reached_floor:
+    if SearchState.of(own.solutions[0].refined.state).is_axial or not own.is_decided:
         _run(own)
     offsets = _offsets_of(own.solutions[0])
     if _problem.are_free(offsets):
@@ -269,14 +269,14 @@ def _asks_for_offsets(one: _search.Search, own: _search.Search) -> bool:
     """Whether evidence prefers zero points of the sessions, with the best motions found so far."""
     if not one.solutions:
         return False
-    own.begin([each.refined.state for each in one.solutions[:_COMPARED]])
-    better = _evidence(one.solutions[0]) - _evidence(own.solutions[0])
-    return better > _verdicts.COMPETING
+    own.begin([each.refined.state for each in one.solutions[: one.settings.compared]])
+    better = _with_volume(one.solutions[0]) - _with_volume(own.solutions[0])
+    return better > one.settings.competing
 
 
-def _evidence(found: Weighted) -> float:
+def _with_volume(found: Weighted) -> float:
     """That of a solution among others with other zero points."""
-    return found.evidence + _refinement.volume_of_offsets(found.problem)
+    return found.evidence + _evidence.volume_of_offsets(found.problem)
 
 
 def _mean_square(problem: CurveProblem) -> float:
@@ -290,26 +290,27 @@ def is_constant(problem: CurveProblem) -> bool:
     Terms with a prior count by it: offsets beyond it are no constant brightness.  Free zero points
     of many nights take degrees of freedom, and most of a slow variation.
     """
-    own = problem.with_model_error(0.0)
+    own, settings = problem.with_model_error(0.0), problem.settings
     taken = np.linalg.matrix_rank((own.terms * own.root[:, None])[:, np.isinf(own.prior)])
     free = len(own) - int(taken)
-    most = min(_CONSTANT_AT_MOST, 1.0 + _CONSTANT * math.sqrt(2.0 / free))
+    most = min(settings.constant_at_most, 1.0 + settings.constant * math.sqrt(2.0 / free))
     return own.chi_squared(np.zeros(len(own))) < most * free
 
 
 def is_better_constant(problem: CurveProblem, found: Sequence[Weighted]) -> bool:
     """Whether offsets alone have better evidence, by 13, than any solution without them."""
-    most = min((_evidence(each) for each in found), default=math.inf) - _verdicts.COMPETING
-    return _evidence(_refinement.constant(problem)) < most
+    most = min((_with_volume(each) for each in found), default=math.inf)
+    most -= problem.settings.competing
+    return _with_volume(_evidence.constant(problem)) < most
 
 
-def _shifts(curve: LightCurve) -> tuple[float, ...]:
+def _shifts(curve: LightCurve, share: float) -> tuple[float, ...]:
     """A day in turns per span, if most points lie at one time of the day."""
     if curve.span < 2.0 * _DAY:
         return ()
     angle = 2.0 * np.pi * curve.seconds / _DAY
     hour = np.mod(angle - np.angle(np.mean(np.exp(1j * angle))) + np.pi, 2.0 * np.pi) - np.pi
-    one_site = np.mean(np.abs(hour) < np.pi / 3.0) > _ONE_SITE
+    one_site = np.mean(np.abs(hour) < np.pi / 3.0) > share
     return (curve.span / _DAY,) if one_site else ()
 
 
@@ -320,6 +321,10 @@ def _offsets_of(found: Weighted) -> FloatArray:
 
 
 def _results(curve, found):
+    ahead = found.satellite_is_ahead()
+    searched = found
+    if ahead > 0.0:
+        found = found.rival
     solutions = [
         Solution(curve, each, found.problem, found.tie, k)
         for k, each in enumerate(found.solutions)
@@ -331,14 +336,21 @@ def _results(curve, found):
         each._rivals = [each] + [
             other
             for other in solutions
-            if other is not each and abs(other.evidence - each.evidence) < _verdicts.COMPETING_POLES
+            if other is not each
+            and abs(other.evidence - each.evidence) < found.settings.competing_poles
         ]
         each._beside = [
             one
             for one in found.beside
-            if each.is_axial and abs(one.evidence - each.evidence) < _verdicts.COMPETING_POLES
+            if each.is_axial and abs(one.evidence - each.evidence) < found.settings.competing_poles
         ]
     weighted = [each.weighted for each in solutions]
     given = weighted, found.problem, found.is_complete, found.most
     verdict, criterion = _verdicts.verdict(*given)
-    return SpinStates(solutions, verdict, criterion, tuple(found.notes))
+    if searched.rival is not None:
+        period = curve.span / searched.rival.problem.orbit / _DAY
+        given = (verdict, criterion), period, ahead, found.settings.alone
+        verdict, criterion = _verdicts.of_satellite(*given)
+    if verdict == _verdicts.OPEN and found.is_over:
+        criterion += f" The budget of {found.problem.tally.budget:g} s ended the search."
+    return SpinStates(solutions, verdict, criterion, tuple(searched.notes))

@@ -13,7 +13,7 @@ from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.inversion import _ellipsoid, _errors, _motions, _pole_map, _refinement, _shapes
-from attitude.inversion._search import is_axial
+from attitude.inversion._ellipsoid import SearchState
 from attitude.inversion._shapes import Tie
 from attitude.motions._body import Body
 from attitude.motions._free_rotation import FreeRotation
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from attitude._support.annotations import BoolArray, FloatArray, IntArray
     from attitude.epochs._instants import Instant
     from attitude.inversion._errors import GroupErrors
+    from attitude.inversion._evidence import Weighted
     from attitude.inversion._moving import MovingPoint
-    from attitude.inversion._refinement import Weighted
 
 
 # ---- What `moments=` says: the moments of the motion are free, those of the shape, or given
@@ -79,7 +79,7 @@ def physical(state: FloatArray) -> PhysicalState:
     """The state of motion of the parameters of a search; the largest moment is 1."""
     body = _motions.at_epochs(state, np.zeros(1)).matrix.reshape(3, 3)
     matrix = state[5:14].reshape(3, 3) @ body
-    if is_axial(state):
+    if SearchState.of(state).is_axial:
         held = _shapes.constraints(state[14:16], *_shapes.areas(state[14:16], state[16:]))
         ratios = np.exp(np.append(held.log_ratios, 0.0))
         ratios[2] = max(ratios[2], 1.0001 * float(ratios[:2].max()))
@@ -93,7 +93,7 @@ def physical(state: FloatArray) -> PhysicalState:
 
 def is_admissible(state: FloatArray) -> bool:
     """Whether a body has the moments of a state."""
-    if is_axial(state):
+    if SearchState.of(state).is_axial:
         return True
     return bool(_motions.moments(state[_ellipsoid.OF_MOMENTS]).exists)
 
@@ -130,11 +130,11 @@ def covariance(
     here = _refinement.model(problem, state)
     formal = _errors.covariance_of_motion(found, tie)
     made = _errors.errors(found, here, groups, 8, refitted, formal)
-    if is_axial(state):
+    if SearchState.of(state).is_axial:
         others = [
             (each.refined.state, each.evidence)
             for each in rivals
-            if is_axial(each.refined.state)
+            if SearchState.of(each.refined.state).is_axial
             and _pole_map.has_turn(problem, each.refined.state, state)
         ]
         wider = made.covariance + _pole_map.spread(state, found.evidence, others)
@@ -155,7 +155,7 @@ def _slopes(state: FloatArray) -> FloatArray:
     slopes = np.zeros((9, 8))
     scale = np.array([1.0, 1.0, 1.0, abs(state[0]), max(abs(state[1]), 1.0), 1.0, 1.0, 1.0])
     for p in range(8):
-        if is_axial(state) and p >= 4:
+        if SearchState.of(state).is_axial and p >= 4:
             continue
         ends = []
         for sign in (1.0, -1.0):

@@ -12,16 +12,15 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from attitude.inversion import _pole_map, _refinement, _search
+from attitude.inversion import _evidence, _pole_map
+from attitude.inversion._ellipsoid import SearchState
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from attitude._support.annotations import FloatArray
+    from attitude.inversion._evidence import Weighted
     from attitude.inversion._problem import CurveProblem
-    from attitude.inversion._refinement import Weighted
 
 
 # ---- How one spin state relates to another that fits the same light curve, in words
@@ -31,44 +30,32 @@ _NEAR, _RATE = math.radians(25.0), 0.5
 _SIDEREAL_DAY, _DAY = 86164.0905, 86400.0
 
 
-def rates(state: FloatArray) -> tuple[float, float]:
-    """Frequencies of phi of the long axis and of psi, turns per span; psi 0 for one axis."""
-    twice = 2.0 * float(state[0])
-    if _search.is_axial(state):
-        return twice, 0.0
-    nutation = abs(float(state[1]))
-    return (twice - nutation if state[1] > 0.0 else twice), nutation
-
-
-def plane_of(problem: CurveProblem) -> FloatArray:
-    """The normal (3,) of the plane in which Sun and observer lie, seen from the body."""
-    both = np.concatenate([problem.sun, problem.observer], axis=1)
-    found: FloatArray = np.linalg.eigh(both @ both.T)[1][:, 0]
-    return found
-
-
 def relation(state: FloatArray, best: FloatArray, problem: CurveProblem) -> str:
     """The relation of a state to the best one: of modes, periods and poles.
 
     Shapes: state, best (WIDTH,).
     """
     words = []
-    if _search.is_axial(state) != _search.is_axial(best):
-        words.append("rotation about one axis" if _search.is_axial(state) else "tumbling")
-    elif not (_search.has_rates(state, best) or _sees_one_turn(state, best, problem)):
+    if SearchState.of(state).is_axial != SearchState.of(best).is_axial:
+        words.append("rotation about one axis" if SearchState.of(state).is_axial else "tumbling")
+    elif not (_has_rates(state, best, problem) or _sees_one_turn(state, best, problem)):
         words.append(_of_rates(state, best, problem.span))
     if state is best:
         return "best"
-    words.append(_of_poles(_search.pole(state), _search.pole(best), plane_of(problem)))
+    words.append(
+        _of_poles(
+            SearchState.of(state).pole, SearchState.of(best).pole, _pole_map.plane_of(problem)
+        )
+    )
     return ", ".join(words)
 
 
 def _sees_one_turn(state: FloatArray, best: FloatArray, problem: CurveProblem) -> bool:
-    return _search.is_axial(best) and _pole_map.has_turn(problem, state, best)
+    return SearchState.of(best).is_axial and _pole_map.has_turn(problem, state, best)
 
 
 def _of_rates(state: FloatArray, best: FloatArray, span: float) -> str:
-    (phi, psi), (phi0, psi0) = rates(state), rates(best)
+    (phi, psi), (phi0, psi0) = SearchState.of(state).rates, SearchState.of(best).rates
     same_phi, same_psi = abs(phi - phi0) < _RATE, abs(psi - psi0) < _RATE
     other = (state[1] > 0.0) != (best[1] > 0.0)
     if other and 2.0 * abs(state[0] - best[0]) < _RATE and same_psi:
@@ -93,18 +80,8 @@ def _of_rates(state: FloatArray, best: FloatArray, span: float) -> str:
     return f"{prefix}other periods"
 
 
-def mirrored(pole: FloatArray, normal: FloatArray) -> FloatArray:
-    """The pole (3,) of the mirror image of a rotating body in the plane of a normal (3,).
-
-    Directions in that plane see both alike.  Angular momentum is an axial vector: its part along
-    the plane changes sign, so that the longitude from the plane's axis changes by half a turn.
-    """
-    found: FloatArray = 2.0 * (pole @ normal) * normal - pole
-    return found
-
-
 def _of_poles(pole: FloatArray, best: FloatArray, normal: FloatArray) -> str:
-    mirror = mirrored(best, normal)
+    mirror = _pole_map.mirrored(best, normal)
     near = math.cos(_NEAR)
     if pole @ best > near:
         return "same pole"
@@ -119,22 +96,25 @@ def _of_poles(pole: FloatArray, best: FloatArray, normal: FloatArray) -> str:
 
 
 SOLVED, PERIODS, OPEN = "solved", "periods only", "not solved"
-# Differences of evidence within which other periods, and other poles, compete.
-COMPETING, COMPETING_POLES = 13.0, 12.0
-# Least number of turns of each period.
-_LEAST_TURNS = 1.2
-# Parameters of a nutation; the least rho (the tangent of half the tilt of the axis) of one that is
-# no wobble about the axis; how often chance explains a better fit.
-_NUTATION, _WIDE, _BY_CHANCE = 4, 0.08, 0.1
+SATELLITE = "a satellite of period"
+# Parameters of a nutation.
+_NUTATION = 4
 # Of the iteration for what chance explains.
 _STEPS = 40
+
+
+def needed(best: Weighted, problem: CurveProblem) -> float:
+    """By how much other periods have to lie behind a solution in evidence."""
+    settings = problem.settings
+    is_at_floor = _evidence.floor_ratio(best, problem) < settings.floor
+    return settings.competing if is_at_floor else settings.alone
 
 
 def verdict(
     found: Sequence[Weighted],
     problem: CurveProblem,
     is_complete: bool = True,
-    most: float = _search.SAME_RATE,
+    most: float = 0.0,
 ) -> tuple[str, str]:
     """The verdict and its criterion in words.
 
@@ -143,48 +123,98 @@ def verdict(
     """
     if not found:
         return OPEN, "No solution was found."
-    best = found[0]
+    settings, best = problem.settings, found[0]
+    most = max(most, settings.same_rate)
     state = best.refined.state
-    floor = _refinement.floor_ratio(best, problem)
-    left = _refinement.share_left(best, problem)
+    floor = _evidence.floor_ratio(best, problem)
+    left = _evidence.share_left(best, problem)
     others = [each for each in found[1:] if not _is_motion_of(each.refined.state, state, problem)]
     gap = min((each.evidence - best.evidence for each in others), default=math.inf)
     poles = [
         each
         for each in found[1:]
-        if _has_periods(each.refined.state, state, problem)
-        and each.evidence - best.evidence < COMPETING_POLES
+        if _has_periods(each.refined.state, state, problem) and _competes(each, best, problem)
     ]
-    needed = COMPETING if floor < _refinement.FLOOR else _search.ALONE
+    behind = needed(best, problem)
     words = (
-        f"chi2/N is {floor:.2f} with errors of sigma and {_refinement.FLOOR_ERROR:g} mag (floor "
-        f"{_refinement.FLOOR:g}); {100.0 * left:.1f} % of the variance is left; the next periods "
+        f"chi2/N is {floor:.2f} with errors of sigma and {settings.floor_error:g} mag (floor "
+        f"{settings.floor:g}); {100.0 * left:.1f} % of the variance is left; the next periods "
         "are "
-        f"{gap:.1f} behind in -2 ln(evidence) ({needed:g} needed)"
+        f"{gap:.1f} behind in -2 ln(evidence) ({behind:g} needed)"
     )
-    accepted = (floor < _refinement.FLOOR or left < _search.LEFT) and gap > needed
+    accepted = (floor < settings.floor or left < settings.left) and gap > behind
     turns = abs(float(state[0]))
-    if not _search.is_axial(state):
+    if not SearchState.of(state).is_axial:
         turns = min(turns, abs(float(state[1])))
     if not is_complete:
-        return OPEN, f"The time ended before all periods were tried; give a larger budget. {words}."
-    if not accepted or turns < _LEAST_TURNS:
+        return OPEN, f"The budget ended before all periods were tried; give a larger one. {words}."
+    if not accepted or turns < settings.least_turns:
         return OPEN, words + "."
-    if _search.is_axial(state):
-        tumbling = [each for each in found[1:] if not _search.is_axial(each.refined.state)]
-        close = sum(each.evidence - best.evidence < needed for each in tumbling)
-        better = _better_by_nutation(found, problem, needed, most)
+    if SearchState.of(state).is_axial:
+        tumbling = [
+            each
+            for each in found[1:]
+            if not SearchState.of(each.refined.state).is_axial
+            and not _evidence.counts_as(each, best, problem)
+        ]
+        close = sum(each.evidence - best.evidence < behind for each in tumbling)
+        better = _better_by_nutation([best, *tumbling], problem, behind, most)
         if better:
             return OPEN, f"{words}; {better}."
         if close:
             return PERIODS, f"{words}; {close} tumbling states with this period lie within them."
     if poles:
-        return PERIODS, f"{words}; {len(poles)} other poles lie within {COMPETING_POLES:g}."
-    return SOLVED, f"{words}; no other pole lies within {COMPETING_POLES:g}."
+        return PERIODS, f"{words}; {len(poles)} other poles lie {_within(problem)}."
+    return SOLVED, f"{words}; no other pole lies {_within(problem)}."
+
+
+def _within(problem: CurveProblem) -> str:
+    settings = problem.settings
+    errors = f"{settings.pole_errors:g} standard errors between nights"
+    return f"within {settings.competing_poles:g} or {errors}"
+
+
+def _competes(other: Weighted, best: Weighted, problem: CurveProblem) -> bool:
+    """Whether another pole with the same periods competes with the best one.
+
+    Within a difference of evidence, or within the standard errors of the difference between nights.
+    """
+    settings = problem.settings
+    behind = other.evidence - best.evidence
+    if behind < settings.competing_poles:
+        return True
+    width = settings.pole_errors * _evidence.standard_error(best, other, problem)
+    return behind < width and not _is_near(other, best, settings.near_pole)
+
+
+def _is_near(other: Weighted, best: Weighted, width: float) -> bool:
+    cosine = SearchState.of(other.refined.state).pole @ SearchState.of(best.refined.state).pole
+    return bool(cosine > math.cos(width))
+
+
+def of_satellite(
+    verdict: tuple[str, str], period: float, ahead: float, needed: float
+) -> tuple[str, str]:
+    """The verdict and its criterion where a rotation about one axis beside an orbit competes.
+
+    `period` of the orbit, days; `ahead`: by how much its evidence is better than that of the best
+    body without one, and `needed`, by how much it has to be.
+    """
+    rival = (
+        f"rotation about one axis with an additive series of period {period:.6g} d, as of a moon"
+    )
+    if ahead > needed:
+        words = f"{rival} is {ahead:.1f} ahead of every body alone; of the rotation: {verdict[1]}"
+        return f"{SATELLITE} {period:.6g} d", words
+    if ahead > -needed:
+        side = "ahead of" if ahead > 0.0 else "behind"
+        words = f"{rival} is {abs(ahead):.1f} {side} the best body alone ({needed:g} needed)."
+        return OPEN, f"{words} {verdict[1]}"
+    return verdict
 
 
 def _better_by_nutation(
-    found: Sequence[Weighted], problem: CurveProblem, needed: float, most: float
+    found: Sequence[Weighted], problem: CurveProblem, behind: float, most: float
 ) -> str:
     """In words: a tumbling state that fits better than the best one, a rotation about one axis.
 
@@ -192,16 +222,16 @@ def _better_by_nutation(
     put the rotation about one axis in front, and the likelihood of a wide nutation is higher than
     by chance among the frequencies tried, a claim would rest on the prior.
     """
-    best = found[0]
-    counted = _NUTATION * math.log(len(problem)) + 2.0 * math.log(most / _search.TUMBLERS)
+    settings, best = problem.settings, found[0]
+    counted = _NUTATION * math.log(len(problem)) + 2.0 * math.log(most / settings.tumblers)
     gains = [
-        _refinement.gain(each, best, problem)
+        _evidence.gain(each, best, problem)
         for each in found[1:]
-        if not _search.is_axial(each.refined.state)
-        and each.refined.state[3] > math.log(_WIDE)
-        and each.evidence - best.evidence < needed + counted
+        if not SearchState.of(each.refined.state).is_axial
+        and each.refined.state[3] > math.log(settings.wide)
+        and each.evidence - best.evidence < behind + counted
     ]
-    chance = exceeded_by_chance(_BY_CHANCE * min(1.0, _search.SAME_RATE / most))
+    chance = exceeded_by_chance(settings.by_chance * min(1.0, settings.same_rate / most))
     if max(gains, default=0.0) < chance:
         return ""
     return (
@@ -212,16 +242,21 @@ def _better_by_nutation(
 
 def _has_periods(state: FloatArray, best: FloatArray, problem: CurveProblem) -> bool:
     """Whether two states have the same periods; about one axis, as the scene sees them."""
-    if _search.is_axial(state) and _search.is_axial(best):
+    if SearchState.of(state).is_axial and SearchState.of(best).is_axial:
         return _pole_map.has_turn(problem, state, best)
-    return _search.has_rates(state, best)
+    return _has_rates(state, best, problem)
 
 
 def _is_motion_of(state: FloatArray, best: FloatArray, problem: CurveProblem) -> bool:
     """Whether a state has the rates of the best one, or adds a nutation to its one axis."""
-    if _search.is_axial(best) and not _search.is_axial(state):
+    if SearchState.of(best).is_axial and not SearchState.of(state).is_axial:
         return True
     return _has_periods(state, best, problem)
+
+
+def _has_rates(state: FloatArray, best: FloatArray, problem: CurveProblem) -> bool:
+    width = problem.settings.same_rate
+    return SearchState.of(state).has_rates(SearchState.of(best), width)
 
 
 def exceeded_by_chance(probability: float) -> float:

@@ -249,9 +249,8 @@ def _described(out: object) -> str:
 def kernel_of(
     shape: object, law: Law, shadows: bool | Visibility, threads: int
 ) -> Callable[..., object]:
-    """The function of six components and an output array that evaluates one block.
-
-    Without the phase function of the law; arguments as in `brightness`.
+    """The function of six components and an output that evaluates a block, without the phase
+    function.
     """
     if isinstance(shape, Ellipsoid):
         return _ellipsoid_kernel(shape, law)
@@ -319,13 +318,16 @@ def _fused_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..
     masks, resolution = table.masks.view(np.uint64), table.resolution
 
     def kernel(*arrays: FloatArray) -> None:
-        cells = _cells(resolution, arrays[:3]), _cells(resolution, arrays[3:6])
+        cells = (
+            cells_of_directions(resolution, arrays[:3]),
+            cells_of_directions(resolution, arrays[3:6]),
+        )
         _sums.fused(*tables, masks, *cells, *arrays)
 
     return _times(clusters.area, kernel)
 
 
-def _cells(resolution: int, directions: Sequence[FloatArray]) -> FloatArray:
+def cells_of_directions(resolution: int, directions: Sequence[FloatArray]) -> FloatArray:
     """The indices (N,) of the cells of directions by component (N,), as `_sums` takes them."""
     from attitude.light_curve import _sums
 
@@ -370,7 +372,10 @@ def _facet_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..
 
     def kernel(*arrays: FloatArray) -> None:
         *directions, out = arrays
-        cells = _cells(resolution, directions[:3]), _cells(resolution, directions[3:])
+        cells = (
+            cells_of_directions(resolution, directions[:3]),
+            cells_of_directions(resolution, directions[3:]),
+        )
         half = np.empty((2, out.size))
         _sums.halves(*directions, *half)
         ends = np.empty((min(out.size, size // SIZE), len(rows)), dtype=np.int64)
@@ -394,7 +399,10 @@ def _few_kernel(
 
     def kernel(*arrays: FloatArray) -> None:
         *directions, out = arrays
-        cells = _cells(resolution, directions[:3]), _cells(resolution, directions[3:])
+        cells = (
+            cells_of_directions(resolution, directions[:3]),
+            cells_of_directions(resolution, directions[3:]),
+        )
         half = np.empty((2, out.size))
         _sums.halves(*directions, *half)
         summed(rows, packs.first, packs.facets, masks, *cells, *directions, *half, out)
@@ -418,9 +426,8 @@ def _segments(which: IntArray, rows: int) -> NDArray[np.uint64]:
 
 
 def _times(area: float, summed: Callable[..., object]) -> Callable[..., None]:
-    """The kernel of a sum over facet areas in units of the whole area.
-
-    The sums treat totals below a fixed bound as 0; with these units it fits bodies of any size.
+    """The kernel of a sum over areas in units of the whole one: totals below a fixed bound count as
+    0.
     """
 
     def kernel(*arrays: FloatArray) -> None:

@@ -48,15 +48,10 @@ _Y, _Z, _AREA = (np.uint64(k * SIZE) for k in (1, 2, 3))
 class Packs:
     """Facets in packs of eight that have the same row of a law.
 
-    Attributes
-    ----------
-    facets : (P * 32,) array
-        Pack by pack: x, y and z of the normals, and areas in units of the whole area, 0 in empty
-        places.
-    first : (M + 1,) array of int
-        The packs of row m of the law are first[m] to first[m + 1].
-    order : (P * 8,) array of int
-        The facet in each place, -1 in empty places.
+    facets: (P * 32,), pack by pack: x, y and z of the normals, and areas in units of the whole
+        area, 0 in empty places.
+    first: (M + 1,) array of int, the packs of row m of the law are first[m] to first[m + 1].
+    order: (P * 8,) array of int, the facet in each place, -1 in empty places.
     """
 
     facets: FloatArray
@@ -91,9 +86,8 @@ def packs_of(mesh: Mesh, number: IntArray, rows: int, order: IntArray) -> Packs 
 def arranged(
     masks: NDArray[np.uint8], packs: Packs, order: IntArray | None = None
 ) -> NDArray[np.uint64]:
-    """The masks of `Visibility`, a column for each facet in `order`, as a word for each pack.
-
-    Zeros without an order.
+    """The masks of `Visibility`, a column for each facet in `order`, a word a pack; zeros without
+    an order.
     """
     found = np.zeros((len(masks), len(packs.order)), dtype=np.uint8)
     if order is not None:

@@ -119,9 +119,8 @@ def distance_modulus(sun_distance: Reals, observer_distance: Reals) -> FloatArra
 
 
 def dimming(lit: Reals) -> FloatArray:
-    """Magnitudes by which a body is fainter if only a fraction of the Sun's disc lights it.
-
-    The fraction `lit` is 0 to 1, of any shape; the result is inf for 0.
+    """Magnitudes by which a body is fainter if a fraction `lit` of the Sun's disc lights it; inf
+    for 0.
     """
     with np.errstate(divide="ignore"):
         return -2.5 * np.log10(validation.real(lit, "lit", finite=False))

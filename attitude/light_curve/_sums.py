@@ -88,24 +88,17 @@ _made: weakref.WeakKeyDictionary[Mesh, Clusters] = weakref.WeakKeyDictionary()
 class Clusters:
     """The facets of a mesh in the memory layout of the compiled sums: C clusters of SIZE places.
 
-    Attributes
-    ----------
-    blocks : (C * ROWS * SIZE,) array
-        Cluster by cluster: the slopes of normals along the two axes that follow the axis of the
-        cluster, their heights along it, and areas in units of the whole area.  Areas are 0 in
-        empty places.
-    axes : (C, 2) uint64 array
-        Indices into (x, y, z, x, y, -x, -y, -z) of a direction: of the first of its components
-        along the two following axes, and of its component along the axis of the cluster.
-    sky : (cells^3, C / WORD) uint64 array
-        A bit for each cluster with a facet that faces some direction of the cell; 0 in cells away
-        from the unit sphere.
-    cells : int
-        Number of cells along an edge of the cube.
-    order : (C * SIZE,) array
-        The facet in each place, -1 in empty places.
-    area : float
-        The whole area, m2.
+    blocks: (C * ROWS * SIZE,), cluster by cluster: the slopes of normals along the two axes that
+        follow the axis of the cluster, their heights along it, and areas in units of the whole
+        area.  Areas are 0 in empty places.
+    axes: (C, 2) uint64, indices into (x, y, z, x, y, -x, -y, -z) of a direction: of the first of
+        its components along the two following axes, and of its component along the axis of the
+        cluster.
+    sky: (cells^3, C / WORD) uint64, a bit for each cluster with a facet that faces some direction
+        of the cell; 0 in cells away from the unit sphere.
+    cells: number of cells along an edge of the cube.
+    order: (C * SIZE,), the facet in each place, -1 in empty places.
+    area: the whole area, m2.
     """
 
     blocks: FloatArray
@@ -417,9 +410,8 @@ def _laid_out(ways, first, x, y, z):
 
 @reduction_inlined
 def _cosines(x, y, ways, way, own):
-    """Cosines between a direction and normals of slopes x and y, over the normals' heights.
-
-    `way` and `own` are the indices of `Clusters.axes`.
+    """Cosines between a direction and normals of slopes x, y, over heights; `way`, `own` as
+    `Clusters.axes`.
     """
     return x * ways[way] + y * ways[way + _1] + ways[own]
 
@@ -599,10 +591,8 @@ def gather(
 
 @cache
 def by_facet(of_phase: Compilable, element: Compilable) -> EntryPoint:
-    """The sum over gathered facets for the functions of a law, one facet at a time.
-
-    It is compiled for each pair, so that the loop over facets has no branch for the law; see
-    `Law`.  Arguments as in `by_sixteen`.
+    """As `by_sixteen`, one facet at a time; compiled for each law, so that the loop has no branch
+    for it.
     """
 
     @reduction_over(of_phase, element)

@@ -76,12 +76,9 @@ _APART = 0.2
 class Hierarchy:
     """Facets in groups of nearby ones.
 
-    Attributes
-    ----------
-    boxes : (2 L, 6) array
-        For each node the lowest and the highest coordinates of its facets, m; node 0 is unused.
-    order : (F,) array of int
-        The facets, leaf by leaf.
+    boxes: (2 L, 6), for each node the lowest and the highest coordinates of its facets, m; node 0
+        is unused.
+    order: (F,) array of int, the facets, leaf by leaf.
     """
 
     boxes: FloatArray
@@ -136,20 +133,15 @@ def _cut(places: FloatArray, leaves: int) -> IntArray:
 class Outlines:
     """The outlines of the nodes of a `Hierarchy`, and bounds of the directions that they face.
 
-    Attributes
-    ----------
-    edges : (N, 6) array
-        Start and end of edges, m: the outline of each node, then all edges of the facets of each
-        leaf, each once.
-    sides : (N, 2) array of int
-        The places in the tree of the facets to the left and to the right of each edge; LEAF L
-        where there is none.
-    first : (3 L + 1,) array of int
-        Node k has the edges first[k] to first[k + 1], and the leaf of node L + k those from
-        first[2 L + k] to first[2 L + k + 1].
-    fronts : (2 L, 8) array
-        The smallest and the largest components of the normals of the facets of a node, and the
-        smallest and the largest height of their planes above the middle of its box, m.
+    edges: (N, 6), start and end of edges, m: the outline of each node, then all edges of the facets
+        of each leaf, each once.
+    sides: (N, 2) array of int, the places in the tree of the facets to the left and to the right of
+        each edge; LEAF L where there is none.
+    first: (3 L + 1,) array of int, node k has the edges first[k] to first[k + 1], and the leaf of
+        node L + k those from first[2 L + k] to first[2 L + k + 1].
+    fronts: (2 L, 8), the smallest and the largest components of the normals of the facets of a
+        node, and the smallest and the largest height of their planes above the middle of its box,
+        m.
     """
 
     edges: FloatArray
@@ -241,9 +233,8 @@ def axes_of(face):
 
 @reduction_within
 def side_shown(boxes, fronts, node, middle):
-    """1 if all facets of a group show their fronts to all points about a facet, -1 their backs.
-
-    0 where some may do one, some the other.  `middle` is a row of `surroundings`.
+    """1 if all facets of a group show their fronts to all points about a facet, -1 their backs,
+    else 0.
     """
     spread = middle[_3] + middle[_4] + middle[_5]
     least, most = -fronts[node, 7] - spread, spread - fronts[node, 6]
@@ -535,9 +526,8 @@ def _above(height, slope, resolution):
 
 @reduction_subroutine
 def fill(normal, across, up, resolution, frames, counts, drawn, sky, member, members):
-    """Clear the bits of the cells above the horizon whose counts are not zero, and the counts.
-
-    `sky` has the bytes of all `members` of each cell, cell by cell.
+    """Clear the bits of cells above the horizon whose counts are not 0, and the counts; `sky` cell
+    by cell.
     """
     for face in range(FACES):
         w, u, v = axes_of(face)
@@ -578,9 +568,8 @@ _THREE = np.uint64(3)
 
 
 def tangents(shift: FloatArray, resolution: int) -> tuple[FloatArray, FloatArray]:
-    """Tangents along the rows and the columns of a face for each cell and point, two flat arrays.
-
-    shift (8, 2) is in cells.
+    """Tangents along rows and columns of a face for each cell and point, flat; shift (8, 2) in
+    cells.
     """
     places = (np.arange(resolution)[:, None, None] + 0.5 + shift) / (0.5 * resolution) - 1.0
     # the inverse of `_sums.evened`
@@ -935,9 +924,8 @@ def require_mesh(given: object) -> None:
 
 
 def points_of(corners: FloatArray) -> FloatArray:
-    """Points (F, POINTS, 3) that sample each triangle evenly, with the same weights of its corners.
-
-    `corners` are (F, 3, 3).
+    """Points (F, POINTS, 3) that sample each triangle of corners (F, 3, 3) evenly, with equal
+    weights.
     """
     # A Kronecker sequence of the plastic number fills the square, folded onto the triangle
     # (Roberts 2018).  Of 40000 starts this one has the best moments: the mean is the centroid to

@@ -228,23 +228,12 @@ _STEP = 1.0
 class Axes:
     """Reference axes: their orientation relative to ICRF and their angular velocity.
 
-    Parameters
-    ----------
-    name : str
-    kind : str
-    inertial : bool
-        Whether rates in these axes are relative to inertial space.
-    at : Instant, optional
-        Axes of date at this epoch, which are fixed.
+    inertial: whether rates in these axes are relative to inertial space.
+    at: axes of date at this epoch, which are fixed.
 
-    Attributes
-    ----------
-    name : str
-        Name in the file.
-    kind : str
-        One of the table above, or "gcrf".
-    turning : bool
-        Whether the axes turn relative to ICRF.
+    name: name in the file.
+    kind: one of the table above, or "gcrf".
+    turning: whether the axes turn relative to ICRF.
     """
 
     def __init__(
@@ -284,9 +273,8 @@ class Axes:
         lo: FloatArray | float | None,
         orbit: Path | None = None,
     ) -> FloatArray | None:
-        """Angular velocity of the axes, (N, 3) rad/s in ICRF; see `to_icrf` for the parameters.
-
-        None for fixed axes, and for axes whose rates are relative to inertial space.
+        """Angular velocity (N, 3), rad/s in ICRF; None for fixed axes, and rates relative to
+        inertial space.
         """
         if not self.turning or self._inertial:
             return None
@@ -350,10 +338,7 @@ def of_pair(a: str, b: str, frame: str | None) -> tuple[Axes, str, bool]:
 
 
 def named(name: str, keyword: str = "frame") -> Axes:
-    """The Axes with a name.
-
-    `keyword` is the name of the argument or of the file's keyword in the error message.
-    """
+    """The Axes with a name; `keyword` is of the argument or of the file in the error."""
     found = known(name) if isinstance(name, str) else None
     if found is None:
         raise AttitudeError(
@@ -383,9 +368,8 @@ def _central(turned):
 
 
 def _one_sided(turned, side):
-    """Angular velocity from two steps to one side.
-
-    Its error is 4e-11 rad/s in a low Earth orbit of eccentricity 0.05.
+    """Angular velocity from two steps to one side, to 4e-11 rad/s in a low orbit of eccentricity
+    0.05.
     """
     step, now = side * _STEP, forms.conjugate(turned(0.0))
     one, two = (
@@ -406,14 +390,9 @@ class FramedHistory(Immutable):
 
     S is the shape of the epochs.
 
-    Attributes
-    ----------
-    history : AttitudeHistory
-        Relative to ICRF.
-    frame : str
-        As given, in lower case.
-    wxyz : (S, 4) array
-        Body to frame, scalar first; continuous in sign along one row of epochs.
+    history: relative to ICRF.
+    frame: as given, in lower case.
+    wxyz: (S, 4), body to frame, scalar first; continuous in sign along one row of epochs.
     """
 
     history: Any

@@ -11,7 +11,7 @@ import numpy as np
 
 from attitude._solver.evaluation import writable
 from attitude._solver.principal_axes import ASYMMETRY, PrincipalAxes
-from attitude._support import validation
+from attitude._support import markup, validation
 from attitude._support.arrays import Valued, frozen
 from attitude.errors import AttitudeError
 
@@ -233,6 +233,20 @@ class Body(Valued):
         unit = "relative" if self.relative else "kg m2"
         listed = ", ".join(f"{moment:.9g}" for moment in self.moments)
         return f"<Body: principal moments {listed} {unit}>"
+
+    def _repr_html_(self) -> str:
+        """A table for notebooks."""
+        unit = "relative" if self.relative else "kg m2"
+        rows = [("principal moments", f"{', '.join(f'{x:.9g}' for x in self.moments)} {unit}")]
+        if np.any(self.tensor != np.diag(self.moments)):
+            for k, row in enumerate(self.tensor):
+                rows.append(("tensor" if k == 0 else "", ", ".join(f"{x:.9g}" for x in row)))
+        if self.mass is not None:
+            rows.append(("mass", f"{self.mass:.9g} kg"))
+        if np.any(self.center_of_mass):
+            place = ", ".join(f"{x:.6g}" for x in self.center_of_mass)
+            rows.append(("center of mass", f"{place} m"))
+        return markup.table("Body", rows)
 
     def _from_moments(self, moments: FloatArray) -> None:
         _check(moments, "moments")

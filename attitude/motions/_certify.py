@@ -100,9 +100,8 @@ def _check_inertia(body: Body, spin: Spin) -> None:
 def chain_of(
     body: Body, spin: Spin, joints: Sequence[Joint] = (), order: Sequence[int] | None = None
 ) -> Chain:
-    """The exact motion from the doubles of a body and a spin, over some changes.
-
-    `order` is that of the moments, ascending, where equal ones leave it open.
+    """The exact motion from the doubles of a body and a spin; `order` is that of the moments,
+    ascending.
     """
     from attitude.proof._chain import Chain
 

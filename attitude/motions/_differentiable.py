@@ -60,11 +60,7 @@ class Derivatives(ABC):
 class Sensitivity(Derivatives):
     """The derivatives of one motion at any epoch.
 
-    Parameters
-    ----------
-    constants : (1,) structured array
-        Of `evaluation.constants_of`.
-    body, spin : Body, Spin
+    constants: (1,) structured, of `evaluation.constants_of`.
     """
 
     def __init__(self, constants: NDArray[Any], body: Body, spin: Spin) -> None:

@@ -44,17 +44,18 @@ if TYPE_CHECKING:
 
 
 def spin_of(motion: Any, epoch: EpochOrSeconds) -> Spin:
-    """The Spin at one epoch of a motion that has a spin, in the frame of that spin."""
+    """The Spin at one epoch of a motion, in the frame of its spin, or ICRF without one."""
     hi, lo = _inputs.seconds_since(motion.epoch, epoch, name="epoch")
     if hi.shape != () or not np.isfinite(hi):
         raise AttitudeError(f"epoch is {epoch!r}; give one finite epoch.")
     history = motion.at(hi, low=np.zeros(()) if lo is None else lo)
     at: Instant = motion.epoch.after(float(hi), 0.0 if lo is None else float(lo))
-    frame = motion.spin.frame
+    spin = getattr(motion, "spin", None)
+    frame = "icrf" if spin is None else spin.frame
     back = quaternion.conjugate(frames.wxyz_to_icrf(frame))
     wxyz = history.wxyz if frame == "icrf" else quaternion.multiply(back, history.wxyz)
     found = Spin(at, wxyz, history.angular_velocity, frame)
-    if motion.spin.covariance is None:
+    if spin is None or spin.covariance is None:
         return found
     return found.with_covariance(_covariance(motion, hi, lo, frame))
 

@@ -24,8 +24,15 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from attitude._solver.regime import Regime
-    from attitude._support.annotations import Epoch, Epochs, FilePath, FloatArray
+    from attitude._support.annotations import (
+        EpochOrSeconds,
+        Epochs,
+        FilePath,
+        FloatArray,
+    )
     from attitude.motions._body import Body
+    from attitude.motions._published import Published
+    from attitude.motions._spin import Spin
 
     class HasAttitudes(Protocol):
         """A motion, or any other object with ``.at(t)``; see `motion_of`."""
@@ -38,9 +45,8 @@ _NO_JOINTS = frozen(np.zeros(0))
 
 
 class RateBounds(NamedTuple):
-    """Upper bounds of |(R a)'|, |(R a)''|, |(R a)'''| for any unit vector a fixed in the body.
-
-    In rad/s, rad/s2, rad/s3; inf for an unknown bound.
+    """Upper bounds, rad/s, rad/s2, rad/s3, or inf, of |(R a)'|, |(R a)''|, |(R a)'''| for any unit
+    a.
     """
 
     first: float
@@ -246,9 +252,60 @@ class Motion(Valued):
         """Name of the class in error messages."""
         return type(self).__name__
 
-    def body_at(self, t: Epoch | float) -> Body | None:
+    def body_at(self, t: EpochOrSeconds) -> Body | None:
         """The Body at one epoch, given as for `at`; None if the inertia is unknown."""
         return self.body
+
+    def spin_at(self, epoch: EpochOrSeconds) -> Spin:
+        """The state at one epoch, from which another motion may start.
+
+        Parameters
+        ----------
+        epoch : epoch or seconds
+            One, as `at` takes it.
+
+        Returns
+        -------
+        Spin
+            In the frame of the motion's spin (ICRF if it has none), with its covariance (to first
+            order) if it has one.
+
+        Raises
+        ------
+        AttitudeError
+            For several epochs, and those that `at` refuses.
+        """
+        spin: Spin = synonyms.named("attitude.motions._free_rotation:spin_of")(self, epoch)
+        return spin
+
+    def published(
+        self, convention: str, frame: str | None = None, at: EpochOrSeconds | None = None
+    ) -> Published:
+        """The free rotation at one epoch in the form of papers; see `FreeRotation.published`.
+
+        Parameters
+        ----------
+        convention : "L" or "S"
+        frame : str, optional
+        at : epoch or seconds, optional
+            By default the epoch of the motion.  Under torques, or along arcs, it is the free
+            rotation that would follow from the state there.
+
+        Raises
+        ------
+        AttitudeError
+            For a motion without a body, and as `FreeRotation.published`.
+        """
+        time = 0.0 if at is None else at
+        body = self.body_at(time)
+        if body is None:
+            raise AttitudeError(
+                f"the form of papers follows from a body's inertia, but the motion ({self._kind}) "
+                "has none; give a motion with a body."
+            )
+        free = synonyms.named("attitude.motions._free_rotation:FreeRotation")
+        found: Published = free(body, self.spin_at(time)).published(convention, frame)
+        return found
 
     def constant_body(self, what: str) -> Body:
         """The Body that the motion has at all epochs.
@@ -402,10 +459,7 @@ class Motion(Valued):
 class Foreign(Motion):
     """Any other object with ``.at(t)`` that returns an AttitudeHistory, as a Motion.
 
-    Parameters
-    ----------
-    given : object
-        Its seconds count from its ``epoch``, or from that of its ``spin``.  Its ``body``,
+    given: its seconds count from its ``epoch``, or from that of its ``spin``.  Its ``body``,
         ``momentum``, ``span`` and ``meta`` are used if it has them.
     """
 

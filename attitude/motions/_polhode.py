@@ -58,9 +58,8 @@ def polhode(constants: Any, principal_axes: FloatArray, points: int = 361) -> Fl
 
 
 def pictures(body: Body, energy: float, curve: Callable[[int], FloatArray]) -> list[str]:
-    """An SVG of the polhode on the ellipsoid of its energy; none at rest and for a rod.
-
-    `curve` returns that many points (n, 3) of the polhode, rad/s over body axes.
+    """An SVG of the polhode on the ellipsoid of its energy from `curve`, which returns (n, 3)
+    rad/s; none at rest and for a rod.
     """
     if not energy > 0.0 or np.min(body.moments) <= 0.0:
         return []
@@ -83,10 +82,7 @@ def pictures(body: Body, energy: float, curve: Callable[[int], FloatArray]) -> l
 
 
 def plane(momentum: FloatArray) -> FloatArray:
-    """Unit axes (2, 3) of the invariable plane: of growing colatitude, and of growing longitude.
-
-    In the inertial frame of the momentum (3,).
-    """
+    """Axes (2, 3), of growing colatitude and longitude, of the plane across the momentum (3,)."""
     x, y, z = momentum / np.max(np.abs(momentum))
     pole = np.array([np.arctan2(y, x), np.arctan2(z, np.hypot(x, y))])
     return quaternion.matrix(_conventions.pole_wxyz(pole)).T[:2]

@@ -146,9 +146,8 @@ def _is_rounding(motion: Differentiable, seconds: float, angle: float) -> bool:
 
 
 def flip_within_errors(motion: Differentiable) -> float:
-    """The time to the next turn-over if errors of the spin reach across the separatrix, else inf.
-
-    One standard deviation along each principal axis of its covariance.
+    """The time to the next turn-over if one standard deviation of the spin crosses the separatrix,
+    or inf.
     """
     found = math.inf
     given = motion.spin.covariance_icrf

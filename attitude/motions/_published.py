@@ -95,10 +95,8 @@ def possible(moments: ArrayLike, P_psi: float, P_phi: float) -> list[tuple[str, 
 
 
 def longest_P_phi(moments: ArrayLike, mode: str | Mode, convention: str, P_psi: float) -> float:
-    """The longest mean P_phi of motions with a given P_psi, in the unit of P_psi.
-
-    It is the limit of rotation about the axis; every shorter P_phi is possible, the shorter the
-    nearer to the separatrix.
+    """The longest mean P_phi, in units of P_psi: that of rotation about the axis; shorter ones are
+    possible.
     """
     turns, _ = cycle(moments, known_mode(mode), (1.0, 0.0))
     return P_psi / (turns + (known_convention(convention) == "S"))
@@ -146,9 +144,8 @@ def refuse_missing_mode(moments: FloatArray, mode: str) -> None:
 def places_of_dynamic_inertia(
     moments: FloatArray, long_axis: BoolArray, ratios: FloatArray
 ) -> FloatArray:
-    """Positions y, 1 - y and P_psi for a momentum of 1, (N, 3), of given P_psi / P_phi_L.
-
-    Moments (N, 3), ascending; long_axis and ratios (N,).  NaN where no motion has the ratio.
+    """y, 1 - y and P_psi for a momentum of 1, (N, 3), of moments (N, 3), ascending; long_axis and
+    ratios P_psi / P_phi_L (N,); NaN where no motion has the ratio.
     """
     from attitude._solver.regimes import positions_all
 
@@ -165,9 +162,8 @@ def _solved(moments: ArrayLike, mode: str, ratio: float) -> FloatArray:
 
 
 def cycle(moments: ArrayLike, mode: str, position: Sequence[float]) -> FloatArray:
-    """P_psi / P_phi_L of a position (y, 1 - y), and P_psi for a momentum of 1.
-
-    Moments (3,), ascending; mode "LAM" or "SAM".
+    """P_psi / P_phi_L of a position (y, 1 - y) of moments (3,), ascending, and P_psi for a momentum
+    of 1.
     """
     from attitude._solver.regimes import cycles_all
 
@@ -258,18 +254,11 @@ _IN_ORDER = np.arange(3)[None]
 class Labels(NamedTuple):
     """Moments, axes, mode and convention of N bodies, as the compiled solution takes them.
 
-    Attributes
-    ----------
-    moments : (N, 3) array
-        Ascending.
-    order : (N, 3) array
-        Indices of the principal moments, ascending.
-    axes : (1 or N, 3, 3) array
-        Principal axes as columns over the body axes.
-    long_axis, long_labels : (N,) arrays
-        Whether the mode is "LAM", the convention "L".
-    branches : (N,) array
-        0 where theta_branch is not given, else 1 for "acute" and 2 for "obtuse".
+    moments: (N, 3), ascending.
+    order: (N, 3), indices of the principal moments, ascending.
+    axes: (1 or N, 3, 3), principal axes as columns over the body axes.
+    long_axis, long_labels: (N,) arrays, whether the mode is "LAM", the convention "L".
+    branches: (N,), 0 where theta_branch is not given, else 1 for "acute" and 2 for "obtuse".
     """
 
     moments: FloatArray

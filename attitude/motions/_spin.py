@@ -11,7 +11,7 @@ import numpy as np
 
 from attitude import frames
 from attitude._solver import covariance as covariances
-from attitude._support import validation
+from attitude._support import markup, validation
 from attitude._support.arrays import Valued, frozen
 from attitude._support.synonyms import arguments
 from attitude.epochs import _inputs
@@ -389,6 +389,22 @@ class Spin(Valued):
     def __repr__(self) -> str:
         rate = ", ".join(f"{component:.6g}" for component in self.angular_velocity)
         return f"<Spin at {self.epoch.utc_iso} UTC: angular velocity {rate} rad/s in body axes>"
+
+    def _repr_html_(self) -> str:
+        """A table for notebooks."""
+        rows = [
+            ("epoch", f"{self.epoch.utc_iso} UTC"),
+            ("attitude w, x, y, z", ", ".join(f"{x:.9f}" for x in self.wxyz)),
+            ("", f"body axes to {self.frame}"),
+            ("angular velocity", ", ".join(f"{x:.9g}" for x in self.angular_velocity)),
+            ("", "rad/s over the body axes"),
+            ("rate", f"{np.degrees(np.linalg.norm(self.angular_velocity)):.9g} deg/s"),
+        ]
+        if self.covariance is not None:
+            sigma = np.sqrt(np.diag(self.covariance))
+            rows.append(("sigma of attitude", f"{np.degrees(sigma[:3]).max():.3g} deg"))
+            rows.append(("sigma of rates", f"{sigma[3:6].max():.3g} rad/s"))
+        return markup.table("Spin", rows)
 
 
 # __new__, which takes anything, would hide the arguments from help and shift-tab.

@@ -122,9 +122,8 @@ def _by_polynomial(table, row, ahead, order):
 
 
 def _window(table, row, ahead, width):
-    """First record of each window, the epoch in it, its length in s, the epochs of its records.
-
-    Epochs are in units of that length, from the record before the epoch.
+    """First record of each window; the epoch in it from the record before, in units of its length;
+    its length in s; the epochs of its records.
     """
     first = np.clip(row - (width - 1) // 2, 0, len(table.seconds) - width)
     index = first[:, None] + np.arange(width)

@@ -118,9 +118,8 @@ def spread(
 
 
 def in_quadrature(found: FloatArray) -> list[Uncertain]:
-    """The values (K,) in the first row of (1 + N, K), with their errors downward and upward.
-
-    The other rows are the values at either end of the error of each input.
+    """The values (K,) of the first row of (1 + N, K), with errors down and up from the rows of the
+    ends of N.
     """
     with np.errstate(invalid="ignore"):
         change = found[1:] - found[0]

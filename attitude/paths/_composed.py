@@ -19,14 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Composed(Path):
-    """A sum of paths, each with its sign.  Made by `relative`.
-
-    Attributes
-    ----------
-    plus, minus : tuples of Path
-    name : str
-    center : str or Path
-    """
+    """A sum of paths, each with its sign.  Made by `relative`."""
 
     plus: tuple[Path, ...]
     minus: tuple[Path, ...]
@@ -78,12 +71,8 @@ class NamedBody(Path):
     the steps which two bodies share cancel.  Equal to other named bodies of the same name, and to
     the name.
 
-    Attributes
-    ----------
-    name : str
-        As `body_name` spells it.
-    ephemeris : Ephemeris, path of a kernel, or None
-        See `ephemeris`.
+    name: as `body_name` spells it.
+    ephemeris: see `ephemeris`.
     """
 
     name: str

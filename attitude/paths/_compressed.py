@@ -35,20 +35,12 @@ if TYPE_CHECKING:
 class EqualPieces(Immutable):
     """Pieces of one width.
 
-    Attributes
-    ----------
-    start : Instant
-        Start of the first piece.
-    width : float
-        Length of a piece, s.
-    records : (pieces, skip + 3 count) array, read-only
-        A row for each piece; see `attitude._solver.chebyshev`.
-    skip, count : int
-        Numbers of a row before the coefficients, and coefficients of one component.
-    factor : float
-        Factor of the values.
-    least, most : float
-        Range of the epochs, in seconds after start.
+    start: start of the first piece.
+    width: length of a piece, s.
+    records: (pieces, skip + 3 count), a row for each piece; see `attitude._solver.chebyshev`.
+    skip, count: numbers of a row before the coefficients, and coefficients of one component.
+    factor: factor of the values.
+    least, most: range of the epochs, in seconds after start.
     """
 
     start: Instant
@@ -63,9 +55,8 @@ class EqualPieces(Immutable):
     def place(
         self, instant: Instant, hi: FloatArray, lo: FloatArray
     ) -> tuple[IntArray, FloatArray, int]:
-        """Numbers of the pieces (N,), coordinates in them (N,), index of an epoch outside or -1.
-
-        The epochs are instant + hi + lo; a coordinate goes from -1 to 1.
+        """Numbers of the pieces (N,), coordinates -1 to 1 in them (N,) at instant + hi + lo; epoch
+        outside or -1.
         """
         from attitude._solver import chebyshev
 
@@ -85,18 +76,12 @@ class EqualPieces(Immutable):
 class CellPieces(Immutable):
     """Pieces that each fill one or more equal cells: short where the motion is quick.
 
-    Attributes
-    ----------
-    width : float
-        Length of a cell, s.
-    cells : (cells,) int32 array
-        Number of the piece that fills each cell.
-    starts, widths : (pieces,) arrays
-        Starts of the pieces in seconds after start, and their lengths in s.
-    most : float
-        End of the range of the epochs, in seconds after start.
-    start, records, count, skip, factor
-        See `EqualPieces`.
+    width: length of a cell, s.
+    cells: (cells,) int32, number of the piece that fills each cell.
+    starts, widths: (pieces,) arrays, starts of the pieces in seconds after start, and their lengths
+        in s.
+    most: end of the range of the epochs, in seconds after start.
+    start, records, count, skip, factor: see `EqualPieces`.
     """
 
     start: Instant
@@ -131,12 +116,9 @@ class CellPieces(Immutable):
 class KnotPieces(Immutable):
     """Pieces between knots: the epochs of the rows of a table.
 
-    Attributes
-    ----------
-    knots, knots_low : (pieces + 1,) arrays
-        Ends of the pieces in seconds after start, in two doubles.
-    start, records, count, skip, factor
-        See `EqualPieces`.
+    knots, knots_low: (pieces + 1,) arrays, ends of the pieces in seconds after start, in two
+        doubles.
+    start, records, count, skip, factor: see `EqualPieces`.
     """
 
     start: Instant
@@ -194,10 +176,7 @@ def placed(
 
 
 def values(pieces: Pieces, piece: IntArray, x: FloatArray, skip: int | None = None) -> FloatArray:
-    """The vectors (3, N) at coordinates x (N,) in pieces with the numbers piece (N,).
-
-    `skip` replaces that of the pieces.
-    """
+    """The vectors (3, N) at coordinates x (N,) in pieces (N,), with another `skip`."""
     from attitude._solver import chebyshev
 
     out = np.empty((3, piece.size))

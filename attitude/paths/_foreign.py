@@ -28,11 +28,7 @@ _DAY = 86400.0
 class SkyfieldPath(Path):
     """A vector function of skyfield.  Made by `from_skyfield`.
 
-    Attributes
-    ----------
-    function : skyfield vector function
-    name, center, source
-        As for all paths.
+    name, center, source: as for all paths.
     """
 
     function: Any  # a VectorFunction, or an object of the user with the same methods

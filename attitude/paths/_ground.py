@@ -71,9 +71,8 @@ def to_celestial(
 
 
 def rotation_angle(hi: FloatArray, lo: FloatArray) -> FloatArray:
-    """The Earth rotation angle in rad at UT1 seconds hi + lo past J2000 (ERFA's era00).
-
-    Accurate to 1e-15 of a turn; IERS Conventions (2010) eq. 5.15.
+    """The Earth rotation angle, rad, at UT1 seconds hi + lo past J2000, to 1e-15 of a turn (ERFA's
+    era00).
     """
     whole = np.rint(hi / _time_scales.DAY)
     part = ((hi - whole * _time_scales.DAY) + lo) / _time_scales.DAY
@@ -157,17 +156,11 @@ _POLE = np.array([0.0, 0.0, 1.0])
 class Site(Immutable, Path):
     """A place at rest on the rotating Earth.  Made by `site` and `observatory`.
 
-    Attributes
-    ----------
-    itrs : (3,) array, read-only
-        Position in m, ITRS axes.
-    up : (3,) array, read-only
-        Unit vector to the geodetic zenith, ITRS axes; for an observatory of the MPC, the normal of
-        the ellipsoid at that place.
-    long_term : bool
-        Whether a model replaces the IERS table at epochs outside of the table.
-    name, center, source, span
-        As for all paths.
+    itrs: (3,), position in m, ITRS axes.
+    up: (3,), unit vector to the geodetic zenith, ITRS axes; for an observatory of the MPC, the
+        normal of the ellipsoid at that place.
+    long_term: whether a model replaces the IERS table at epochs outside of the table.
+    name, center, source, span: as for all paths.
     """
 
     itrs: FloatArray
@@ -316,9 +309,8 @@ def observatory(code: str, *, long_term: bool = False) -> Site:
 
 
 def named(text: str) -> Site | None:
-    """The observatory with a name, or with words that no other name has; None if there is none.
-
-    AttitudeError for words that several names have.
+    """The observatory with a name, or words that no other name has; None for none, AttitudeError
+    for several.
     """
     words = re.findall(r"\w+", text.lower())
     if not words:

@@ -92,17 +92,9 @@ def naif_index(value: Any) -> int | None:
 def body_name(body: Any, name: str = "body") -> str:
     """The unique name of a body given by a name or a NAIF number.
 
-    Parameters
-    ----------
-    body : str or int
-        A number without a name here (an asteroid, a spacecraft) gives its digits.
-    name : str
-        Name of the parameter in the error message.
-
-    Raises
-    ------
-    AttitudeError
-        For a name that is not known.
+    body: a number without a name here (an asteroid, a spacecraft) gives its digits.
+    name: name of the parameter in the error message.
+    AttitudeError for a name that is not known.
 
     >>> body_name("Earth Barycenter"), body_name(10), body_name("2099942")
     ('emb', 'sun', '2099942')
@@ -472,13 +464,8 @@ _J2000 = Instant(0.0)
 class Uniform(Immutable, Path):
     """Uniform motion r(t) = start + speed (t - epoch).  Made by `uniform` and `fixed`.
 
-    Attributes
-    ----------
-    start, speed : (3,) float64 arrays, read-only
-        m at the epoch and m/s, ICRF axes.
-    epoch : Instant
-    name, center, source
-        As for all paths.
+    start, speed: (3,) float64 arrays, read-only, m at the epoch and m/s, ICRF axes.
+    name, center, source: as for all paths.
     """
 
     start: FloatArray

@@ -58,16 +58,10 @@ _OMM_DEFAULTS = {
 class Satellite(Path):
     """A satellite on mean elements.  Made by `tle` and `omm`.
 
-    Attributes
-    ----------
-    lines : tuple of str, or of pairs of str
-        The two lines of a TLE, or keywords and values of an OMM.
-    epoch : Instant
-        The epoch of the elements.
-    any_epoch : bool
-        Whether epochs far from that of the elements are accepted.
-    name, center, source
-        As for all paths.
+    lines: the two lines of a TLE, or keywords and values of an OMM.
+    epoch: the epoch of the elements.
+    any_epoch: whether epochs far from that of the elements are accepted.
+    name, center, source: as for all paths.
     """
 
     lines: tuple[str, ...] | tuple[tuple[str, str], ...]

@@ -46,14 +46,9 @@ _SERIES_SPAN = Instant(-36524.5 * 86400.0), Instant(36524.5 * 86400.0)
 class AstropyBody(Path):
     """A body of `astropy.coordinates.get_body_barycentric_posvel`.  Made by `from_astropy`.
 
-    Attributes
-    ----------
-    body : str
-        astropy's name of the body.
-    ephemeris : str
-        "builtin", or the absolute path of a kernel.
-    name, center, source, span, roughness
-        As for all paths.
+    body: astropy's name of the body.
+    ephemeris: "builtin", or the absolute path of a kernel.
+    name, center, source, span, roughness: as for all paths.
     """
 
     body: str
@@ -154,12 +149,9 @@ _LO = np.zeros(1)
 class SeriesBody(Path):
     """The path of an `AstropyBody` with a span, by Chebyshev pieces.  Made by `built_in().step`.
 
-    Attributes
-    ----------
-    series : AstropyBody
-    name, center, source, span, roughness
-        Those of the series.  Positions differ from it by up to its roughness, 0.1 m; velocities
-        are the derivatives of the positions, from which those of plan94 differ by up to 26 m/s.
+    name, center, source, span, roughness: those of the series.  Positions differ from it by up to
+        its roughness, 0.1 m; velocities are the derivatives of the positions, from which those of
+        plan94 differ by up to 26 m/s.
     """
 
     def __init__(self, series: AstropyBody) -> None:

@@ -38,17 +38,10 @@ FRAMES: dict[int, str] = {1: "icrf", 17: "ecliptic"}
 class Segment(Path):
     """A segment of an SPK file: one body, relative to one center, over one span.
 
-    Attributes
-    ----------
-    kernel : Kernel
-    number : int
-        Position of the segment in the file, from 0.
-    rotation : (3, 3) array, read-only
-        Axes of the segment to ICRF.
-    is_turned : bool
-        Whether the axes differ from ICRF.
-    name, center, source, span
-        As for all paths.
+    number: position of the segment in the file, from 0.
+    rotation: (3, 3), axes of the segment to ICRF.
+    is_turned: whether the axes differ from ICRF.
+    name, center, source, span: as for all paths.
     """
 
     def __init__(self, kernel: Kernel, number: int, name: str, segment: Any) -> None:
@@ -133,12 +126,8 @@ class Kernel(Ephemeris):
 
     ``kernel.step(body)`` is the path of a body relative to the center that the file gives for it.
 
-    Attributes
-    ----------
-    file : str
-        Absolute path.
-    source : str
-        Name of the file.
+    file: absolute path.
+    source: name of the file.
     """
 
     advice = "Give one of these, or another kernel."
@@ -259,12 +248,7 @@ def _segment_path(kernel, name, number, segment):
 
 
 class KernelSegment(Segment):
-    """A segment of type 2 or 3: Chebyshev polynomials over equal intervals.
-
-    Attributes
-    ----------
-    pieces : EqualPieces
-    """
+    """A segment of type 2 or 3: Chebyshev polynomials over equal intervals."""
 
     def __init__(self, kernel: Kernel, number: int, name: str, segment: Any) -> None:
         super().__init__(kernel, number, name, segment)
@@ -312,11 +296,7 @@ class Succession(Path):
 
     At an epoch that several cover, the first in `parts` is used.
 
-    Attributes
-    ----------
-    parts : tuple of Path
-        Each with a span.
-    name : str
+    parts: each with a span.
     """
 
     parts: tuple[Path, ...]

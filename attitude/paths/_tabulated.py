@@ -103,18 +103,11 @@ _HIGHEST_DEGREE = 31
 class TabulatedPath(Path):
     """An interpolated table.  Made by `table`; CCSDS files are read by `oem`.
 
-    Attributes
-    ----------
-    pieces : KnotPieces
-        The polynomial of each interval.
-    rates : KnotPieces or None
-        Polynomials of the velocities, if these are interpolated on their own.
-    interpolation : str
-        "lagrange" or "hermite".
-    degree : int
-        Degree of the polynomials.
-    name, center, source, span
-        As for all paths.
+    pieces: the polynomial of each interval.
+    rates: polynomials of the velocities, if these are interpolated on their own.
+    interpolation: "lagrange" or "hermite".
+    degree: degree of the polynomials.
+    name, center, source, span: as for all paths.
     """
 
     pieces: KnotPieces

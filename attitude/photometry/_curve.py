@@ -1,31 +1,33 @@
-"""`Photometry` of one body, its reduction to 1 au, and its rows in files."""
+"""`LightCurve`: brightness at epochs with errors, sessions and sites, and the geometry of each."""
 
 from __future__ import annotations
 
+import math
 import re
-import warnings
-from collections import Counter
-from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
 
 from attitude import frames
-from attitude._support import validation
+from attitude._support import markup, validation
 from attitude._support.arrays import Immutable, frozen
 from attitude._support.constants import ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S
+from attitude._support.quoting import quoted
 from attitude._textfiles.atomic_write import written_whole
 from attitude.epochs import _inputs, _instants
 from attitude.epochs._instants import Instant
-from attitude.errors import AttitudeError, AttitudeWarning
+from attitude.errors import AttitudeError
 from attitude.formats import _ccsds_epochs as ccsds_epochs
-from attitude.paths import _composed
-from attitude.photometry._samples import HasSamples, Samples
+from attitude.paths import _composed, _places
+from attitude.paths._path import Path, Place
+from attitude.photometry import _files
+from attitude.photometry._files import PLACES, BadRow
 from attitude.scattering import _weighted
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from astropy.table import QTable
     from astropy.time import Time
@@ -40,451 +42,26 @@ if TYPE_CHECKING:
         Real,
         Reals,
     )
-    from attitude.paths._path import Path
     from attitude.scene._scene import Scene
 
+    Site = Place | str | ArrayLike | Mapping[str, Any]
 
-# Magnitudes beyond these stand for missing values in catalogues (99, 99.99, -99, 999).
-_MISSING = (-50.0, 50.0)
-# Julian dates of the years -2000 to 4700.
-_JULIAN = (990_000.0, 3_440_000.0)
-_BLANK = ("", "nan", "--", "-", "none", "null", "n/a", "inf", "-inf")
-# Bad rows that a message names.
-_NAMED = 6
-# What a file may say about its epochs and magnitudes.
-PLACES: Final = ("reception", "emission", "barycenter", "heliocenter")
-
-
-class BadRow(NamedTuple):
-    """A row of a file that is left out: its line, counted from 1, and the reason."""
-
-    line: int
-    reason: str
-
-    def __str__(self) -> str:
-        return f"line {self.line}: {self.reason}"
-
-
-class RawPoint(NamedTuple):
-    """One observation as text, as it stands in a file; "" where the file has no entry."""
-
-    line: int
-    time: str
-    value: str
-    error: str = ""
-    filter: str = ""
-    site: str = ""
-    session: str = ""
-
-
-@dataclass
-class Contents:
-    """The rows of a file that can be used.
-
-    Attributes
-    ----------
-    name : str
-        Of the file, in messages.
-    times : Time or list of str
-        Epochs (N,).
-    value, error : (N,) arrays
-        Magnitudes or fluxes; NaN where an error is unknown.
-    is_flux : bool
-    filter, site, session : list of str or None
-    time_of : str
-        Where light is at the times, one of `PLACES`.
-    unit_distances : bool
-        Whether the brightness is that at 1 au from Sun and observer.
-    rows : (N,) array of int
-        The numbers of the good rows among all of them.
-    bad : list of BadRow
-    notes : list of str
-    more : dict
-        Further keywords of `Photometry`, such as vectors to Sun and observer.
-    """
-
-    name: str
-    times: Any
-    value: FloatArray
-    error: FloatArray
-    is_flux: bool = False
-    filter: list[str] | None = None
-    site: list[str] | None = None
-    session: list[str] | None = None
-    time_of: str = "reception"
-    unit_distances: bool = False
-    rows: Any = None
-    bad: list[BadRow] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
-    more: dict[str, Any] = field(default_factory=dict)
-
-    def keywords(self) -> dict[str, Any]:
-        """The keywords of `Photometry` and of `LightCurve`, as far as the file has them."""
-        found: dict[str, Any] = {
-            "times": self.times,
-            "flux" if self.is_flux else "magnitude": self.value,
-        }
-        if np.any(np.isfinite(self.error)):
-            found["sigma"] = np.where(np.isfinite(self.error), self.error, 0.0)
-        for name in ("filter", "site", "session"):
-            words = getattr(self, name)
-            if words is not None and any(words):
-                found[name] = words
-        return found | self.more
-
-
-def of_rows(
-    rows: Sequence[RawPoint],
-    name: str,
-    *,
-    scale: str | None = None,
-    offset: float = 0.0,
-    is_flux: bool = False,
-    bad: list[BadRow] | None = None,
-) -> Contents:
-    """The `Contents` of rows of text."""
-    left_out, kept, numbers = list(bad or ()), [], []
-    without = 0
-    word = "flux" if is_flux else "magnitude"
-    for k, row in enumerate(rows):
-        if row.value.strip().lower() in _BLANK:
-            without += 1
-            continue
-        reason, value, error = _numbers(row, word, is_flux)
-        if reason is None and scale is not None:
-            reason = _julian_fault(row.time, offset)
-        if reason is None:
-            kept.append(k)
-            numbers.append((value, error))
-        else:
-            left_out.append(BadRow(row.line, reason))
-    times, good, faults = _times([rows[k] for k in kept], scale, offset)
-    left_out += faults
-    kept, numbers = [kept[k] for k in good], [numbers[k] for k in good]
-    left_out.sort(key=lambda each: each.line)
-    if not kept:
-        raise AttitudeError(
-            f"{name}: no row can be used"
-            + (f" ({without} rows have no {word})" if without else "")
-            + (f"; {_listed(left_out)}" if left_out else "")
-            + "."
-        )
-    notes = [f"{without} of {len(rows)} rows have no {word}."] if without else []
-    notes += _repeated([rows[k] for k in kept], word)
-    both = np.array(numbers).reshape(-1, 2)
-    words: dict[str, Any] = {
-        key: each if any(each) else None
-        for key in ("filter", "site", "session")
-        for each in [[getattr(rows[k], key).strip() for k in kept]]
-    }
-    return Contents(
-        name,
-        times,
-        both[:, 0],
-        both[:, 1],
-        is_flux=is_flux,
-        rows=np.array(kept),
-        bad=left_out,
-        notes=notes,
-        filter=words["filter"],
-        site=words["site"],
-        session=words["session"],
-    )
-
-
-def _repeated(rows: Sequence[RawPoint], word: str) -> list[str]:
-    """A note of rows that repeat others, and of the sessions that consist of such rows."""
-    first: dict[tuple[str, ...], RawPoint] = {}
-    repeats: list[tuple[RawPoint, RawPoint]] = []
-    for row in rows:
-        key = tuple(each.strip() for each in (row.time, row.value, row.filter, row.site))
-        if (earlier := first.setdefault(key, row)) is not row:
-            repeats.append((row, earlier))
-    if not repeats:
-        return []
-    count = Counter(row.session for row in rows)
-    again = Counter((row.session, earlier.session) for row, earlier in repeats)
-    whole = [
-        f"session {row[:40]!r} repeats {earlier[:40]!r}"
-        for (row, earlier), many in again.items()
-        if row != earlier and many == count[row]
-    ]
-    row, earlier = repeats[0]
-    return [
-        f"{len(repeats)} of {len(rows)} rows repeat the date, {word}, filter and site of others "
-        f"(line {row.line} those of line {earlier.line})"
-        + (f"; {listed(whole)}" if whole else "")
-        + ": they count twice."
-    ]
-
-
-def listed(items: Sequence[object]) -> str:
-    """The first six of some items, and how many follow."""
-    more = len(items) - _NAMED
-    return ", ".join(map(str, items[:_NAMED])) + (f" and {more} more" if more > 0 else "")
-
-
-def report(contents: Contents, bad: str) -> None:
-    """Warn of bad rows, or raise an AttitudeError for them."""
-    if not contents.bad or bad == "ignore":
-        return
-    many = len(contents.bad)
-    said = (
-        f"{contents.name}: {many} row{'s' if many > 1 else ''} cannot be used: "
-        f"{_listed(contents.bad)}"
-    )
-    if bad == "refuse":
-        raise AttitudeError(f'{said}; correct or delete them, or give bad="warn".')
-    warnings.warn(f"{said}. Left out.", AttitudeWarning, stacklevel=3)
-
-
-def _listed(bad: Sequence[BadRow]) -> str:
-    more = len(bad) - _NAMED
-    return "; ".join(map(str, bad[:_NAMED])) + (f"; and {more} more" if more > 0 else "")
-
-
-def _numbers(row: RawPoint, word: str, is_flux: bool) -> tuple[str | None, float, float]:
-    """What is wrong with the numbers of a row, or None; its value and error."""
-    text = row.value.strip()
-    if text[:1] in "<>":
-        return f"the {word} {text[:20]!r} is a limit", 0.0, 0.0
-    value, error = _float(text), np.nan
-    if value is None:
-        return f"the {word} is {text[:20]!r}, which is no number", 0.0, 0.0
-    if not np.isfinite(value) or not (is_flux or _MISSING[0] < value < _MISSING[1]):
-        return f"the {word} {text[:20]} stands for a missing value", 0.0, 0.0
-    if row.error.strip().lower() not in _BLANK:
-        found = _float(row.error)
-        if found is None:
-            return f"the error is {row.error.strip()[:20]!r}, which is no number", 0.0, 0.0
-        if found < 0.0 or found > 1e300:
-            return f"the error is {row.error.strip()[:20]}, not above zero", 0.0, 0.0
-        error = found if found > 0.0 else np.nan
-    return None, value, error
-
-
-def _float(text: str) -> float | None:
-    try:
-        return float(text)
-    except ValueError:
-        return None
-
-
-def _julian_fault(text: str, offset: float) -> str | None:
-    found = _float(text)
-    if found is None:
-        return f"the date is {text.strip()[:30]!r}, which is no number"
-    if not _JULIAN[0] < found + offset < _JULIAN[1]:
-        return f"the date {text.strip()[:30]} is no Julian date"
-    return None
-
-
-def _times(
-    rows: Sequence[RawPoint], scale: str | None, offset: float
-) -> tuple[Any, list[int], list[BadRow]]:
-    """Epochs of rows, the numbers of the rows whose dates can be read, and the others."""
-    everything = list(range(len(rows)))
-    if not rows:
-        return [], [], []
-    if scale is not None:
-        return julian([each.time for each in rows], scale, offset), everything, []
-    dates = [iso(each.time) for each in rows]
-    try:
-        _inputs.past_j2000(dates)
-    except AttitudeError:
-        good, faults = [], []
-        for k, row in enumerate(rows):
-            try:
-                _inputs.past_j2000([dates[k]])
-                good.append(k)
-            except AttitudeError as err:
-                faults.append(
-                    BadRow(row.line, str(err).split(";")[0].replace("t is ", "the date "))
-                )
-        return [dates[k] for k in good], good, faults
-    return dates, everything, []
-
-
-def iso(text: str) -> str:
-    """A date as it stands in files, in the spelling of ISO 8601.
-
-    >>> iso("2011/09/13 7:46:00")
-    '2011-09-13 07:46:00'
-    """
-    found = re.fullmatch(
-        r"\s*(\d{4})[-/. ](\d{1,2})[-/. ](\d{1,2})(?:[T ]+(\d{1,2})(:.*))?\s*", text
-    )
-    if found is None:
-        return text.strip()
-    year, month, day, hour, rest = found.groups()
-    date = f"{year}-{int(month):02d}-{int(day):02d}"
-    return date if hour is None else f"{date} {int(hour):02d}{rest}"
-
-
-def julian(days: Sequence[str] | FloatArray, scale: str, offset: float = 0.0) -> Any:
-    """Julian dates as a Time: the whole days and the rest are two doubles."""
-    from astropy.time import Time
-
-    parts = [str(each).strip().partition(".") for each in days]
-    exact = all(re.fullmatch(r"\d+", a) and re.fullmatch(r"\d*", b) for a, _, b in parts)
-    if exact:
-        whole = np.array([float(a) for a, _, _ in parts])
-        rest = np.array([float(f"0.{b or 0}") for _, _, b in parts])
-    else:
-        given = np.array([float(each) for each in days])
-        whole = np.floor(given)
-        rest = given - whole
-    added = np.floor(offset)
-    return Time(whole + added, rest + (offset - added), format="jd", scale=scale)
-
-
-# ---- Brightness at 1 au from Sun and observer, when the light left the body, at zero phase angle
-
-# Rounds of the correction of a date at the barycenter: each gains four digits.
-_ROUNDS = 4
-_CENTERS = {"barycenter": None, "heliocenter": "sun"}
-
-
-def reduced(
-    data: Photometry,
-    path: Path | None = None,
-    *,
-    site: Any = None,
-    phase_function: Callable[[FloatArray], FloatArray] | str | None = None,
-    g: Real | None = None,
-) -> Photometry:
-    """The photometry at 1 au from Sun and observer, at the times at which light left the body.
-
-    Light time as in `Scene`; dates of light at the barycenter of the solar system are converted to
-    those of reception first, to 1e-6 s for a body beyond 0.01 au.
-    """
-    if path is None and (data.sun is None or data.observer is None):
-        raise AttitudeError(
-            "the photometry has no vectors to Sun and observer; give the path of the body, as in "
-            "reduced(paths.mpc_orbit(line)) or reduced(paths.oem(file))."
-        )
-    if path is None:
-        sun, observer = np.array(data.sun), np.array(data.observer)
-        received = data.seconds
-    else:
-        sun, observer, received = _from_path(data, path, site)
-    far = [np.linalg.norm(each, axis=1) for each in (sun, observer)]
-    left = received if data.time_of == "emission" else received - far[1] / SPEED_OF_LIGHT_M_S
-    shift = np.zeros(len(data))
-    if not data.unit_distances:
-        shift -= 5.0 * np.log10(far[0] * far[1] / ASTRONOMICAL_UNIT_M**2)
-    function = _function(phase_function, g)
-    if function is not None:
-        if data.zero_phase:
-            raise AttitudeError("the photometry is at zero phase angle already.")
-        alpha = np.arctan2(
-            np.linalg.norm(np.cross(sun, observer), axis=1), np.sum(sun * observer, axis=1)
-        )
-        shift -= function(alpha) - function(np.zeros(1))[0]
-    factor = 10.0 ** (-0.4 * shift)
-    changed: dict[str, Any] = {"magnitude": data.value + shift}
-    if data.is_flux:
-        changed = {"flux": data.value * factor, "sigma": data.sigma * factor}
-    return data.replaced(
-        times=left,
-        sun=sun,
-        observer=observer,
-        time_of="emission",
-        unit_distances=True,
-        zero_phase=data.zero_phase or function is not None,
-        **changed,
-    )
-
-
-def phase_angle(data: Photometry) -> FloatArray:
-    """Angle (N,) at the body between Sun and observer, rad; AttitudeError without vectors."""
-    if data.sun is None or data.observer is None:
-        raise AttitudeError("the photometry has no vectors to Sun and observer; see reduced.")
-    cross = np.linalg.norm(np.cross(data.sun, data.observer), axis=1)
-    found: FloatArray = np.arctan2(cross, np.sum(data.sun * data.observer, axis=1))
-    return found
-
-
-def _function(given: Any, g: Real | None) -> Callable[[FloatArray], FloatArray] | None:
-    if given is None and g is None:
-        return None
-    if given is None or given == "hg":
-        slope = 0.15 if g is None else validation.number(g, "g")
-        return lambda alpha: _weighted.hg(alpha, 0.0, slope)
-    if g is not None or not callable(given):
-        raise AttitudeError(
-            f"phase_function is {validation.shown(given)}; give a function of the phase angle in "
-            'rad without g, or "hg" with g.'
-        )
-    return given
-
-
-def _from_path(
-    data: Photometry, path: Path, site: Any
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Vectors (N, 3) to Sun and observer, m, and seconds (N,) of reception, or of emission."""
-    from attitude.scene._scene import Scene
-
-    sun, observer = np.empty((len(data), 3)), np.empty((len(data), 3))
-    received = np.array(data.seconds)
-    light_time = data.time_of != "emission"
-    for number, name in enumerate(data.sites):
-        here = data.site == number
-        scene = Scene(None, path, _place(name, site), light_time=light_time)
-        if data.time_of in _CENTERS:
-            received[here] = _received(data, here, scene)
-        view = scene.at(_instants.times(data.epoch, received[here]))
-        for out, key in ((sun, "sun"), (observer, "observer")):
-            unit = getattr(view, f"{key}_direction_icrf")
-            out[here] = unit * np.reshape(getattr(view, f"{key}_distance"), (-1, 1))
-    return sun, observer, received
-
-
-def _received(data: Photometry, here: Any, scene: Scene) -> FloatArray:
-    """Seconds of reception from those of light in the plane through the barycenter or the Sun."""
-    given = data.seconds[here]
-    found = np.array(given)
-    center = _CENTERS[data.time_of]
-    assert scene.center is not None
-    for _ in range(_ROUNDS):
-        view = scene.at(_instants.times(data.epoch, found))
-        towards = -view.observer_direction_icrf
-        place = scene.observer.position(data.epoch, found)  # type: ignore[union-attr]
-        if center is not None:
-            place = place - _composed.body(center).position(data.epoch, found)
-        found = given - np.sum(place * towards, axis=-1) / SPEED_OF_LIGHT_M_S
-    return found
-
-
-def _place(name: str, site: Any) -> Any:
-    """The observer of points of a site."""
-    if isinstance(site, dict):
-        if name not in site:
-            raise AttitudeError(f"site has no {name!r}; it has {', '.join(map(repr, site))}.")
-        return site[name]
-    if site is not None:
-        return site
-    if not name:
-        return "earth"
-    from attitude.paths import _places
-
-    try:
-        return _places.place(name, "site", is_observer=True)
-    except AttitudeError as err:
-        raise AttitudeError(f"{err} Or give site= for points of {name!r}.") from None
-
-
-# ---- `Photometry`: the brightness of one body at epochs, with errors, filters, sites and sessions
 
 _MAGNITUDE = 2.5 / np.log(10.0)
 _WORDS = ("filter", "site", "session")
 _J2000 = Instant(0.0)
-_AS_GIVEN = ("epoch", "time_of", "unit_distances", "zero_phase", "is_flux", "notes", "name")
+_AS_GIVEN = ("epoch", "time_of", "unit_distances", "zero_phase", "notes", "name", "zero_points")
+# Latitude of the Sun, deg, as seen from the Earth, at most.
+_ON_ECLIPTIC = 0.1
+# Rounds of the correction of a date at the barycenter or the body: each gains four digits.
+_ROUNDS = 4
+_CENTERS: Final = {"barycenter": None, "heliocenter": "sun"}
+WAYS: Final = "sun= and observer= (vectors from the body), scene=, or path= with site="
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Photometry(Immutable, HasSamples):
-    """The brightness of a body at epochs, in time order.
+class LightCurve(Immutable):
+    """The brightness of a body at epochs, in time order, with the geometry if it is known.
 
     Parameters
     ----------
@@ -494,30 +71,53 @@ class Photometry(Immutable, HasSamples):
         One of them; Quantities, or flux in any linear unit.
     sigma : (N,) array_like or float, optional
         Standard errors in the unit of the brightness; zero and NaN are unknown errors.
-    filter, site, session : (N,) array_like of text or numbers, or one text, optional
-        Filter, code of the observatory, and session (night, observer).
+    sun, observer : (N, 3) array_like, optional
+        Vectors from the body, m or Quantities, over the axes of `frame`; of the observer, to where
+        the light of the body arrived from where the body was when it left.
+    scene : Scene, optional
+        In place of sun and observer: its places, light time included.
+    path : Path, name, file or text, optional
+        In place of both: the path of the body, with `site`.
+    site : (N,) array_like of text, or one place, or dict, optional
+        The site of each point: codes or names of observatories, longitude and latitude; one place
+        for all points, also a Path; or the places by the names of the sessions.  Points without a
+        site are of the centre of the Earth.
+    places : dict, optional
+        The places by the names of sites, where they are not known by these names.
+    session, filter : (N,) array_like of text or numbers, or one text, optional
+        The session (night, observer) and the filter of each point.
+    exposure : float, text or (N,) array_like, optional
+        Exposure times, s, of which the epochs are the middles; zero and NaN are unknown.
+    zero_points : str, float or sequence
+        What sessions share: "auto" (those given are calibrated to 0.1 mag unless the curve shows
+        otherwise), "shared", "free", a standard deviation in mag, or the names of the sessions
+        that have zero points of their own.  Filters always have their own.
     time_of : str
         Where light is at `times`: "reception" by the observer, "emission" by the body, at the
-        "barycenter" of the solar system (BJD), or the "heliocenter" (HJD).
+        "barycenter" of the solar system (BJD), or the "heliocenter" (HJD); the last two become
+        reception where `path` is given.
+    light_time : bool
+        False: the same as time_of="emission".
     unit_distances : bool
         Whether the brightness is that at 1 au from Sun and observer.
     zero_phase : bool
         Whether it is that at zero phase angle.
-    sun, observer : (N, 3) array_like, optional
-        Vectors from the body, m or Quantities, over the axes of `frame`.
     epoch : epoch, optional
         To which plain seconds refer; J2000.
     frame : str
+        Axes of the vectors: "icrf", "ecliptic", ...
     name : str, optional
         Of the body.
     bad : sequence of BadRow
         Rows of the file that were left out.
     notes : sequence of str
+    labels : sequence of str, optional
+        Of the points, such as lines of a file, which notes name.
 
     Attributes
     ----------
     epoch : Instant
-        The middle of the epochs, to the second.
+        The middle of the epochs, to the second; of those of emission if the geometry is known.
     seconds : (N,) array
         TDB s from the epoch.
     value, sigma : (N,) arrays
@@ -525,19 +125,27 @@ class Photometry(Immutable, HasSamples):
     is_flux : bool
     filter, site, session : (N,) arrays of int
         Numbers into the tuples `filters`, `sites` and `sessions` of str.
+    exposure : (N,) array
+        s; zero where it is unknown.
     sun, observer : (N, 3) arrays or None
         m, ICRF.
-    time_of, unit_distances, zero_phase, name, bad, notes
+    scenes : dict
+        The Scene of each site, where path= or scene= was given.
+    notes : tuple of str
+        What was assumed or is doubtful: epochs that occur twice in one session and filter, which
+        are averaged, a frame in which the Sun leaves the ecliptic, notes of the file.
+    zero_points, time_of, unit_distances, zero_phase, name, bad
         As given.
 
     Raises
     ------
     AttitudeError
-        For arrays of other lengths, numbers that are not finite and errors below zero.
+        For arrays of other lengths, numbers that are not finite, errors below zero, geometry that
+        is given twice or by half, and sites that are not known.
 
-    >>> data = Photometry(["2026-01-01", "2026-01-02"], magnitude=[15.0, 15.5], filter="V")
+    >>> data = LightCurve(["2026-01-01", "2026-01-02"], magnitude=[15.0, 15.5], filter="V")
     >>> data
-    <Photometry: 2 magnitudes in V over 1 d about 2026-01-01>
+    <LightCurve: 2 magnitudes in V over 1 d about 2026-01-01>
     """
 
     epoch: Instant
@@ -551,8 +159,11 @@ class Photometry(Immutable, HasSamples):
     filters: tuple[str, ...]
     sites: tuple[str, ...]
     sessions: tuple[str, ...]
+    exposure: FloatArray
     sun: FloatArray | None
     observer: FloatArray | None
+    scenes: dict[str, Scene]
+    zero_points: str | float | tuple[str, ...]
     time_of: str
     unit_distances: bool
     zero_phase: bool
@@ -567,47 +178,118 @@ class Photometry(Immutable, HasSamples):
         sigma: Reals | None = None,
         *,
         flux: Reals | None = None,
-        filter: ArrayLike | None = None,
-        site: ArrayLike | None = None,
-        session: ArrayLike | None = None,
-        time_of: str = "reception",
-        unit_distances: bool = False,
-        zero_phase: bool = False,
         sun: Reals | None = None,
         observer: Reals | None = None,
+        scene: Scene | None = None,
+        path: Path | str | None = None,
+        site: Site | None = None,
+        places: Mapping[str, Any] | None = None,
+        session: ArrayLike | None = None,
+        filter: ArrayLike | None = None,
+        exposure: Reals | None = None,
+        zero_points: str | float | Sequence[str] = "auto",
+        time_of: str = "reception",
+        light_time: bool = True,
+        unit_distances: bool = False,
+        zero_phase: bool = False,
         epoch: Epoch | None = None,
         frame: str = "icrf",
         name: str | None = None,
         bad: Sequence[BadRow] = (),
         notes: Sequence[str] = (),
+        labels: Sequence[str] | None = None,
     ) -> None:
-        start = _J2000 if epoch is None else _inputs.instant(epoch)
-        hi, lo = _inputs.seconds_since(start, times, name="times")
-        if hi.ndim != 1 or not hi.size or not np.all(np.isfinite(hi)):
-            raise AttitudeError(
-                f"times has shape {hi.shape} and {np.count_nonzero(~np.isfinite(hi))} entries that "
-                "are not epochs; give a list of N epochs."
-            )
-        middle = float(np.round(0.5 * (hi.min() + hi.max())))
-        t = (hi - middle) + (0.0 if lo is None else lo)
-        order = np.argsort(t, kind="stable")
+        start, t = _seconds(times, epoch)
         values, errors = _brightness(magnitude, flux, sigma, len(t))
-        self._set("epoch", start.after(middle))
+        site, places = _sites(site, places, session, len(t))
+        named = [
+            _numbered(*each, len(t)) for each in zip((filter, site, session), _WORDS, strict=True)
+        ]
+        notes = list(notes)
+        rows, values, errors = _without_twice(start, t, named, values, errors, labels, notes)
         self._set("is_flux", flux is not None)
-        for key, array in (("seconds", t), ("value", values), ("sigma", errors)):
-            self._set(key, frozen(np.asarray(array[order])))
-        for key, given in zip(_WORDS, (filter, site, session), strict=True):
-            words, numbers = numbered(given, len(t), key)
-            self._set(key, frozen(numbers[order]))
+        for key, array in (("value", values), ("sigma", errors)):
+            self._set(key, frozen(array))
+        for key, (words, numbers) in zip(_WORDS, named, strict=True):
+            self._set(key, frozen(numbers[rows]))
             self._set(f"{key}s", words)
-        for key, vectors in (("sun", sun), ("observer", observer)):
-            self._set(key, _vectors(vectors, key, frame, order))
-        self._set("time_of", validation.one_of(time_of, "time_of", PLACES))
+        self._set("exposure", frozen(_exposures(exposure, len(t))[rows]))
+        self._set("zero_points", _known_zero_points(zero_points, self.sessions))
+        validation.one_of(time_of, "time_of", PLACES)
+        time_of = time_of if validation.flag(light_time, "light_time") else "emission"
+        vectors = _vectors(sun, observer, frame, rows, len(t), notes)
+        self._set("scenes", _scenes(vectors is not None, scene, path, places, self.sites))
+        t = t[rows]
+        if self.scenes:
+            vectors, received = _of_scenes(self.scenes, self.sites, self.site, start, t, time_of)
+            t, time_of = (received, "reception") if time_of in _CENTERS else (t, time_of)
+        late = _late(vectors, time_of)
+        middle = float(np.round(0.5 * ((t - late).min() + (t - late).max())))
+        self._set("epoch", start.after(middle))
+        self._set("seconds", frozen(t - middle))
+        for k, key in enumerate(("sun", "observer")):
+            self._set(key, None if vectors is None else frozen(vectors[k]))
+        self._set("time_of", time_of)
         self._set("unit_distances", validation.flag(unit_distances, "unit_distances"))
         self._set("zero_phase", validation.flag(zero_phase, "zero_phase"))
         self._set("name", name)
         self._set("bad", tuple(bad))
-        self._set("notes", tuple(notes))
+        self._set("notes", tuple(dict.fromkeys(notes)))
+
+    @classmethod
+    def read(
+        cls,
+        path: FilePath,
+        /,
+        *,
+        format: str | None = None,
+        columns: Mapping[str, str] | None = None,
+        bad: str = "warn",
+        encoding: str | None = None,
+        **given: Any,
+    ) -> Self:
+        """The light curve in a file.
+
+        Parameters
+        ----------
+        path : str or path
+            CSV or other separated text and ECSV with named columns (`attitude.photometry._files`
+            lists the names), ALCDEF, ADES in PSV or XML, MPC records of 80 columns, DAMIT.
+        format : str, optional
+            One of "csv", "ecsv", "alcdef", "ades-psv", "ades-xml", "mpc" and "damit"; by default
+            from the content.
+        columns : dict, optional
+            For named columns: the name in the file, by the name it stands for, such as
+            {"magnitude": "Vcal", "jd": "T"}.
+        bad : "warn", "refuse" or "ignore"
+            What happens if rows cannot be used: a warning that names their lines and reasons, an
+            error, or neither.  `LightCurve.bad` lists them.
+        encoding : str, optional
+            Of the text, as Python names it; by default UTF-8, or with a note Latin-1 where it is
+            not.
+        **given
+            Keywords of the class, which replace those of the file; geometry that the file does not
+            have (``path=``, ``site=``), `frame`, `zero_points`, `exposure`.
+
+        Raises
+        ------
+        AttitudeError
+            For a file that cannot be read, an unknown format, a file without any usable row, and
+            as the class.
+        """
+        opened = _files.opened(path, format=format, columns=columns, bad=bad, encoding=encoding)
+        keywords = {key: each for key, each in opened.items() if key != "rows"}
+        if any(key in given for key in ("scene", "path", "sun", "observer")):
+            for key in ("sun", "observer", "frame"):
+                keywords.pop(key, None)
+        elif "frame" in keywords:  # of the file, whatever the frame of other files
+            given = {key: each for key, each in given.items() if key != "frame"}
+        if "flux" in given or "magnitude" in given:
+            keywords.pop("flux", None)
+            keywords.pop("magnitude", None)
+        if isinstance(given.get("site"), Mapping) and "site" in keywords:
+            given = {("places" if key == "site" else key): each for key, each in given.items()}
+        return cls(**keywords | given)
 
     # ---- What it holds
 
@@ -619,12 +301,32 @@ class Photometry(Immutable, HasSamples):
         words = [f"{len(self)} {what}"]
         bands = ", ".join(each for each in self.filters if each)
         if bands:
-            words.append(f"in {bands}")
+            words.append(f"in {quoted(bands, 60, '')}")
         if len(self.sessions) > 1:
             words.append(f"in {len(self.sessions)} sessions")
         span = self.span / 86400.0
         words.append(f"over {span:.4g} d about {self.epoch.utc_iso[:10]}")
-        return f"<Photometry{' of ' + self.name if self.name else ''}: {' '.join(words)}>"
+        name = f" of {quoted(self.name, 60, '')}" if self.name else ""
+        return f"<LightCurve{name}: {' '.join(words)}>"
+
+    def _repr_html_(self) -> str:
+        """A table for notebooks, and the brightness against time."""
+        days = (self.seconds - self.seconds[:1]) / 86400.0
+        rows = [
+            ("points", f"{len(self)}{' fluxes' if self.is_flux else ''}"),
+            ("sessions", str(len(self.sessions))),
+            ("filters", ", ".join(each for each in self.filters if each) or "-"),
+            ("span", f"{self.span / 86400.0:.6g} d from {self.epoch.utc_iso} UTC"),
+            ("errors", f"{np.nanmedian(self.sigma):.3g} (median)" if np.any(self.sigma) else "-"),
+            ("geometry", "known" if self.has_geometry else "not known"),
+        ]
+        picture = markup.line_plot(
+            [(days, self.value)],
+            f"{'flux' if self.is_flux else 'magnitude'} over {self.span / 86400.0:.4g} d",
+            is_downward=not self.is_flux,
+            is_dotted=True,
+        )
+        return markup.table(f"Light curve {self.name or ''}".strip(), rows, picture)
 
     @property
     def times(self) -> Time:
@@ -632,9 +334,36 @@ class Photometry(Immutable, HasSamples):
         return _instants.times(self.epoch, self.seconds)
 
     @property
+    def has_geometry(self) -> bool:
+        """Whether the vectors to Sun and observer are known."""
+        return self.sun is not None
+
+    @property
+    def vectors(self) -> tuple[FloatArray, FloatArray]:
+        """Vectors (N, 3) to Sun and observer, m, ICRF; AttitudeError if they are not known."""
+        if self.sun is None or self.observer is None:
+            raise AttitudeError(
+                f"the light curve has no vectors to Sun and observer; give {WAYS}, as in "
+                'LightCurve.read(file, path="orbit.oem", site="568") or curve.reduced(path).'
+            )
+        return self.sun, self.observer
+
+    @property
+    def emission(self) -> FloatArray:
+        """TDB s (N,) from the epoch, at which the light left the body."""
+        vectors = self.vectors
+        if self.time_of in _CENTERS:
+            raise AttitudeError(
+                f"the dates of the light curve are those of light at the {self.time_of}; give "
+                "path=, as in LightCurve.read(file, path=orbit), which converts them."
+            )
+        return self.seconds - _late(vectors, self.time_of)
+
+    @property
     def span(self) -> float:
-        """From the first to the last epoch, s."""
-        return float(np.ptp(self.seconds))
+        """From the first to the last epoch, s; of emission if the geometry is known."""
+        is_known = self.has_geometry and self.time_of not in _CENTERS
+        return float(np.ptp(self.emission if is_known else self.seconds))
 
     @property
     def magnitude(self) -> FloatArray:
@@ -644,17 +373,35 @@ class Photometry(Immutable, HasSamples):
         if np.any(self.value <= 0.0):
             raise AttitudeError(
                 f"{np.count_nonzero(self.value <= 0.0)} fluxes are not above zero, and have no "
-                "magnitude; leave these points out."
+                "magnitude; leave these points out, or add the background that was taken off too "
+                "much."
             )
-        found: FloatArray = -2.5 * np.log10(self.value)
-        return found
+        magnitude: FloatArray = -2.5 * np.log10(self.value)
+        return magnitude
 
     @property
     def magnitude_sigma(self) -> FloatArray:
         """Errors (N,) of the magnitudes, NaN where they are unknown."""
         return _MAGNITUDE * self.sigma / np.abs(self.value) if self.is_flux else self.sigma
 
-    def __getitem__(self, which: Any) -> Photometry:
+    @property
+    def dimming(self) -> FloatArray:
+        """Magnitudes (N,) by which distances make the values fainter than they are at 1 au."""
+        if self.unit_distances:
+            return np.zeros(len(self))
+        return dimming(*self.vectors)
+
+    @property
+    def reduced_magnitude(self) -> FloatArray:
+        """Magnitudes (N,) at 1 au from Sun and observer."""
+        return self.magnitude - self.dimming
+
+    @property
+    def phase_angle(self) -> FloatArray:
+        """Angle (N,) at the body between Sun and observer, rad."""
+        return angle_between(*self.vectors)
+
+    def __getitem__(self, which: Any) -> LightCurve:
         """The points of a mask, of a slice or of whole numbers."""
         chosen = np.atleast_1d(np.arange(len(self))[which])
         if not chosen.size:
@@ -663,24 +410,27 @@ class Photometry(Immutable, HasSamples):
 
     def select(
         self, *, filter: str | None = None, site: str | None = None, session: str | None = None
-    ) -> Photometry:
+    ) -> LightCurve:
         """The points with a filter, of a site, of a session; AttitudeError if there are none."""
         mask = np.ones(len(self), bool)
         for key, word in (("filter", filter), ("site", site), ("session", session)):
             if word is not None:
                 words = getattr(self, f"{key}s")
-                validation.one_of(str(word), key, words)
+                if str(word) not in words:
+                    raise AttitudeError(
+                        f"{key} is {quoted(str(word))}; it must be one of {_listed(words)}."
+                    )
                 mask &= getattr(self, key) == words.index(str(word))
         return self[mask]
 
-    def replaced(self, chosen: IntArray | None = None, **changes: Any) -> Photometry:
+    def replaced(self, chosen: IntArray | None = None, **changes: Any) -> LightCurve:
         """The points with these numbers, all by default, with other values of attributes.
 
         `changes` are keywords of the class; arrays are those of the chosen points.
         """
         which: Any = slice(None) if chosen is None else chosen
-        keywords = {key: getattr(self, key) for key in _AS_GIVEN if key != "is_flux"}
-        keywords["bad"] = self.bad
+        keywords = {key: getattr(self, key) for key in _AS_GIVEN}
+        keywords |= {"bad": self.bad, "exposure": self.exposure[which]}
         for key in _WORDS:
             words = getattr(self, f"{key}s")
             if any(words):
@@ -693,55 +443,35 @@ class Photometry(Immutable, HasSamples):
         if changes.keys() & {"magnitude", "flux"}:
             for key in ("magnitude", "flux"):
                 keywords.pop(key, None)
-        return Photometry(**keywords | changes)
+        if isinstance(self.zero_points, tuple) and "zero_points" not in changes:
+            left = set(keywords.get("session", ()) if "session" not in changes else ())
+            keywords["zero_points"] = tuple(each for each in self.zero_points if each in left)
+        curve = LightCurve(**keywords | changes)
+        if not curve.scenes:
+            kept = {key: each for key, each in self.scenes.items() if key in curve.sites}
+            curve._set("scenes", kept)
+        return curve
 
     # ---- What it becomes
 
-    def samples(self) -> Samples:
-        """The `Samples` for periods: a zero point for each session and filter, or each filter."""
-        keys = self.session * len(self.filters) + self.filter
-        _, first, curve = np.unique(keys, return_index=True, return_inverse=True)
-        names = tuple(
-            " ".join(
-                each
-                for each in (self.sessions[self.session[k]], self.filters[self.filter[k]])
-                if each
-            )
-            for k in first
-        )
-        known = np.isfinite(self.sigma) & (self.sigma > 0.0)
-        errors = None
-        if np.any(known):
-            errors = np.where(known, self.sigma, np.median(self.sigma[known]))
-        return Samples(
-            np.array(self.seconds),
-            np.array(self.value),
-            errors,
-            np.asarray(curve, np.int64).reshape(-1),
-            self.epoch,
-            is_flux=self.is_flux,
-            names=names,
-            joined=np.unique(self.filter, return_inverse=True)[1].reshape(-1).astype(np.int64),
-        )
-
-    def shared(self) -> Photometry:
+    def shared(self) -> LightCurve:
         """The same points as one session, so that all share a zero point (filters keep theirs)."""
-        return self.replaced(session=None)
+        return self.replaced(session=None, zero_points="auto")
 
     def reduced(
         self,
-        path: Path | None = None,
+        path: Path | str | None = None,
         *,
-        site: Any = None,
+        site: Site | None = None,
         phase_function: Any = None,
         g: Real | None = None,
-    ) -> Photometry:
+    ) -> LightCurve:
         """At 1 au from Sun and observer, at the times at which the light left the body.
 
         Parameters
         ----------
         path : Path, optional
-            Of the body; not needed where the data have vectors to Sun and observer.
+            Of the body; not needed where the geometry is known.
         site : Path, name, dict of them by the names of sites, optional
             The observer; by default the sites of the data (codes of observatories, or longitude
             and latitude), and the centre of the Earth for points without a site.
@@ -753,7 +483,7 @@ class Photometry(Immutable, HasSamples):
 
         Returns
         -------
-        Photometry
+        LightCurve
             With `sun` and `observer`, ``time_of="emission"``.
 
         Raises
@@ -766,8 +496,29 @@ class Photometry(Immutable, HasSamples):
         Light time as in `Scene`; dates of light at the barycenter of the solar system are converted
         to those of reception first, to 1e-6 s for a body beyond 0.01 au.
         """
-
-        return reduced(self, path, site=site, phase_function=phase_function, g=g)
+        if path is not None:
+            where = "places" if isinstance(site, Mapping) and any(self.sites) else "site"
+            changes: dict[str, Any] = {} if site is None else {where: site}
+            return self.replaced(sun=None, observer=None, path=path, **changes).reduced(
+                phase_function=phase_function, g=g
+            )
+        shift = -self.dimming
+        function = _phase_function(phase_function, g)
+        if function is not None:
+            if self.zero_phase:
+                raise AttitudeError("the light curve is at zero phase angle already.")
+            shift -= function(self.phase_angle) - function(np.zeros(1))[0]
+        changed: dict[str, Any] = {"magnitude": self.value + shift}
+        if self.is_flux:
+            factor = 10.0 ** (-0.4 * shift)
+            changed = {"flux": self.value * factor, "sigma": self.sigma * factor}
+        return self.replaced(
+            times=self.emission,
+            time_of="emission",
+            unit_distances=True,
+            zero_phase=self.zero_phase or function is not None,
+            **changed,
+        )
 
     def table(self) -> QTable:
         """A row for each point, with Times and units."""
@@ -775,18 +526,20 @@ class Photometry(Immutable, HasSamples):
         from astropy.table import QTable
 
         unit = units.dimensionless_unscaled if self.is_flux else units.mag
-        found = QTable({"time": self.times})
-        found["flux" if self.is_flux else "magnitude"] = self.value * unit
-        found["sigma"] = self.sigma * unit
+        table = QTable({"time": self.times})
+        table["flux" if self.is_flux else "magnitude"] = self.value * unit
+        table["sigma"] = self.sigma * unit
         for key in _WORDS:
             words = getattr(self, f"{key}s")
             if any(words):
-                found[key] = [words[k] for k in getattr(self, key)]
-        found.meta = {key: str(getattr(self, key)) for key in ("name", "time_of")}
-        return found
+                table[key] = [words[k] for k in getattr(self, key)]
+        if np.any(self.exposure):
+            table["exposure"] = self.exposure * units.s
+        table.meta = {key: str(getattr(self, key)) for key in ("name", "time_of")}
+        return table
 
     def write(self, path: FilePath) -> None:
-        """Write the points as a CSV with named columns, which `photometry.read` reads.
+        """Write the points as a CSV with named columns, which `LightCurve.read` reads.
 
         Raises
         ------
@@ -800,7 +553,23 @@ class Photometry(Immutable, HasSamples):
         """A figure of the points against time; saved if a path is given."""
         from attitude.photometry import _figures
 
-        return _figures.of_photometry(self, path)
+        return _figures.of_light_curve(self, path)
+
+
+# ---- Arguments of the class
+
+
+def _seconds(times: Any, epoch: Any) -> tuple[Instant, FloatArray]:
+    """The middle of epochs, and seconds (N,) from it."""
+    start = _J2000 if epoch is None else _inputs.instant(epoch)
+    hi, lo = _inputs.seconds_since(start, times, name="times")
+    if hi.ndim != 1 or not hi.size or not np.all(np.isfinite(hi)):
+        raise AttitudeError(
+            f"times has shape {hi.shape} and {np.count_nonzero(~np.isfinite(hi))} entries that "
+            "are not epochs; give a list of N epochs."
+        )
+    middle = float(np.round(0.5 * (hi.min() + hi.max())))
+    return start.after(middle), (hi - middle) + (0.0 if lo is None else lo)
 
 
 def _brightness(magnitude: Any, flux: Any, sigma: Any, count: int) -> tuple[FloatArray, FloatArray]:
@@ -808,13 +577,24 @@ def _brightness(magnitude: Any, flux: Any, sigma: Any, count: int) -> tuple[Floa
         raise AttitudeError("give either magnitude or flux, of each epoch.")
     name, given = ("magnitude", magnitude) if flux is None else ("flux", flux)
     unit = getattr(given, "unit", None) if flux is not None else None
-    values = _plain(given, name, unit, "mag" if flux is None else None)
+    values = _plain(given, name, unit, "mag" if flux is None else None, finite=False)
     if values.shape != (count,):
         raise AttitudeError(f"{name} has shape {values.shape}; give one for each of {count} times.")
+    wrong = np.flatnonzero(~np.isfinite(values))
+    if len(wrong):
+        raise AttitudeError(
+            f"{name} holds {len(wrong)} entries that are not finite, the first at row {wrong[0]}; "
+            "leave these points out."
+        )
     errors = np.full(count, np.nan)
     if sigma is not None:
-        found = _plain(sigma, "sigma", unit, "mag" if flux is None else None, finite=False)
-        errors = np.broadcast_to(found, (count,)).copy()
+        numbers = _plain(sigma, "sigma", unit, "mag" if flux is None else None, finite=False)
+        if numbers.shape not in ((), (count,)):
+            raise AttitudeError(
+                f"sigma has shape {numbers.shape}; give one number, or one for each of {count} "
+                "times."
+            )
+        errors = np.broadcast_to(numbers, (count,)).copy()
         if np.any(errors < 0.0):
             raise AttitudeError("sigma has entries below zero; give standard errors.")
         errors[~np.isfinite(errors) | (errors == 0.0)] = np.nan
@@ -828,7 +608,7 @@ def _plain(given: Any, name: str, unit: Any, own: str | None, finite: bool = Tru
     return validation.real(given, name, finite=finite, unit=own)
 
 
-def numbered(given: Any, count: int, name: str) -> tuple[tuple[str, ...], IntArray]:
+def _numbered(given: Any, name: str, count: int) -> tuple[tuple[str, ...], IntArray]:
     """The names of filters, sites or sessions, and the number of each of `count` points."""
     if given is None:
         return ("",), np.zeros(count, np.int64)
@@ -840,22 +620,290 @@ def numbered(given: Any, count: int, name: str) -> tuple[tuple[str, ...], IntArr
             f"{name} has shape {array.shape}; give one for each of {count} points, text or numbers."
         )
     words, numbers = np.unique(array.astype(str), return_inverse=True)
-    return tuple(words.tolist()), numbers.astype(np.int64)
+    return tuple(words.tolist()), numbers.reshape(-1).astype(np.int64)
 
 
-def _vectors(given: Any, name: str, frame: str, order: IntArray) -> FloatArray | None:
+def _sites(site: Any, places: Any, session: Any, count: int) -> tuple[Any, dict[str, Any]]:
+    """The names of the sites of the points, and the places that are given by name."""
+    known = {} if places is None else {str(key): each for key, each in dict(places).items()}
+    if isinstance(site, Mapping):
+        known |= {str(key): each for key, each in site.items()}
+        if session is None:
+            raise AttitudeError(
+                "site is a dict, by the names of sessions, but the light curve has no sessions; "
+                "give session=, or the site of each point."
+            )
+        return session, known
+    is_one = site is not None and not isinstance(site, str) and np.ndim(_as_array(site)) == 0
+    if is_one and not isinstance(site, (int, np.integer)):
+        word = str(getattr(site, "name", None) or type(site).__name__)
+        return word, known | {word: site}
+    return site, known
+
+
+def _as_array(given: Any) -> Any:
+    """An array of a sequence; anything else is one object."""
+    return np.asarray(given) if isinstance(given, (list, tuple, np.ndarray)) else 0
+
+
+def _exposures(given: Any, count: int) -> FloatArray:
+    """Exposure times (N,), s; zero where they are unknown."""
     if given is None:
-        return None
-    vectors = validation.real(given, name, unit="m")
-    if vectors.shape not in ((len(order), 3), (3,)):
+        return np.zeros(count)
+    numbers = validation.real(given, "exposure", finite=False, unit="s")
+    if numbers.shape not in ((), (count,)):
         raise AttitudeError(
-            f"{name} has shape {vectors.shape}; give a vector for each of {len(order)} epochs."
+            f"exposure has shape {numbers.shape}; give one number, or one for each of {count} "
+            "points."
         )
-    turned = np.broadcast_to(vectors, (len(order), 3)) @ frames.matrix_to_icrf(frame).T
-    return frozen(np.ascontiguousarray(turned[order]))
+    if np.any(numbers < 0.0) or np.any(np.isinf(numbers)):
+        raise AttitudeError("exposure has entries that are not times; give s, or zero if unknown.")
+    return np.nan_to_num(np.broadcast_to(numbers, (count,)), nan=0.0)
 
 
-# ---- Photometry as CSV with named columns
+def _known_zero_points(given: Any, sessions: tuple[str, ...]) -> str | float | tuple[str, ...]:
+    if isinstance(given, str):
+        return validation.one_of(given, "zero_points", ("auto", "shared", "free"))
+    if isinstance(given, (list, tuple, set)):
+        names = tuple(str(each) for each in given)
+        for each in names:
+            if each not in sessions:
+                raise AttitudeError(
+                    f"zero_points names the session {quoted(each)}; the curve has "
+                    f"{_listed(sessions)}."
+                )
+        return names
+    return validation.positive(given, "zero_points", unit="mag")
+
+
+def _listed(words: Sequence[str]) -> str:
+    """Names, as far as a sentence holds them."""
+    return quoted(", ".join(map(repr, words)), 120, "")
+
+
+def _without_twice(
+    start: Instant,
+    t: FloatArray,
+    named: Sequence[tuple[tuple[str, ...], IntArray]],
+    values: FloatArray,
+    errors: FloatArray,
+    labels: Sequence[str] | None,
+    notes: list[str],
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Rows (M,) of distinct epochs in time order, and their values and errors.
+
+    Points of one epoch, session, filter and site are weighted means; exact repeats count once.
+    """
+    keys = np.stack([t, *(numbers.astype(float) for _, numbers in named)], axis=1)
+    _, first, which = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    which = which.reshape(-1)
+    counts = np.bincount(which)
+    if np.any(counts > 1):
+        twice = np.sort(first[counts > 1])
+        jd = _instants.times(start, t[twice[:1]], np.zeros(1))[0]
+        label = f"row {twice[0]}" if labels is None else labels[twice[0]]
+        notes.append(
+            f"{len(twice)} epochs occur more than once in one session, filter and site, the first "
+            f"at {label}, JD {jd.jd:.6f} (TDB), {jd.utc.isot[:19]} UTC; such points are averaged, "
+            "and exact repeats count once."
+        )
+        pairs = np.column_stack([which.astype(float), values, np.nan_to_num(errors)])
+        single = np.unique(pairs, axis=0, return_index=True)[1]
+        known = np.bincount(which, np.isnan(errors)) == 0
+        weights = np.where(known[which], np.nan_to_num(errors, nan=1.0), 1.0) ** -2.0
+        total = np.bincount(which[single], weights[single], len(first))
+        mean = np.bincount(which[single], (weights * values)[single], len(first)) / total
+        values = np.where(counts > 1, mean, values[first])
+        errors = np.where(counts > 1, np.where(known, total**-0.5, np.nan), errors[first])
+    else:
+        values, errors = values[first], errors[first]
+    order = np.argsort(first, kind="stable")
+    order = order[np.argsort(t[first[order]], kind="stable")]
+    return first[order], values[order], errors[order]
+
+
+# ---- The geometry
+
+
+def _vectors(
+    sun: Any, observer: Any, frame: str, rows: IntArray, count: int, notes: list[str]
+) -> tuple[FloatArray, FloatArray] | None:
+    """Vectors (M, 3) to Sun and observer that are given, m, ICRF, of some of `count` rows."""
+    turn = frames.matrix_to_icrf(frame)
+    if sun is None and observer is None:
+        return None
+    if sun is None or observer is None:
+        raise AttitudeError(f"{'sun' if sun is None else 'observer'} is missing; give {WAYS}.")
+    both = []
+    for given, name in ((sun, "sun"), (observer, "observer")):
+        vectors = validation.real(given, name, unit="m")
+        if vectors.shape not in ((count, 3), (3,)):
+            raise AttitudeError(
+                f"{name} has shape {vectors.shape}; give a vector for each of {count} epochs."
+            )
+        vectors = np.broadcast_to(vectors, (count, 3)) @ turn.T
+        if np.any(np.linalg.norm(vectors, axis=1) == 0.0):
+            raise AttitudeError(f"{name} has a vector of length zero; give directions.")
+        both.append(np.ascontiguousarray(vectors[rows]))
+    _doubt_frame(frame, both[0] - both[1], notes)
+    return both[0], both[1]
+
+
+def _doubt_frame(frame: str, to_sun: FloatArray, notes: list[str]) -> None:
+    """Note vectors (N, 3), ICRF, from observer to Sun, that fit the Earth in another frame alone.
+
+    The Sun stands on the ecliptic of an observer on the Earth; not so of a spacecraft, so that the
+    frame stays as it was given.
+    """
+    unit = to_sun / np.maximum(np.linalg.norm(to_sun, axis=1), 1e-300)[:, None]
+    given = unit @ frames.matrix_to_icrf(frame)
+    north = frames.matrix_to_icrf("ecliptic")[:, 2]
+    latitude = {}
+    for each in dict.fromkeys((frame.lower(), "icrf", "ecliptic")):
+        turned = given @ frames.matrix_to_icrf(each).T
+        latitude[each] = math.degrees(math.asin(min(1.0, np.abs(turned @ north).max())))
+    other = min(latitude, key=lambda each: latitude[each])
+    if latitude[frame.lower()] > _ON_ECLIPTIC > latitude[other]:
+        notes.append(
+            f"the vectors are given over the axes {frame!r}, where the observer sees the Sun up to "
+            f"{latitude[frame.lower()]:.1f} degrees from the ecliptic; over {other!r} it lies on "
+            "the ecliptic, as it does for the Earth. If the observer was there, give "
+            f"frame={other!r}."
+        )
+
+
+def _scenes(
+    has_vectors: bool,
+    scene: Scene | None,
+    path: Any,
+    places: dict[str, Any],
+    sites: tuple[str, ...],
+) -> dict[str, Scene]:
+    """The scene of each site; empty where the geometry is given as vectors, or not at all."""
+    from attitude.scene._scene import Scene
+
+    ways = [has_vectors, scene is not None, path is not None]
+    if sum(ways) > 1:
+        raise AttitudeError(f"the geometry is given in {sum(ways)} ways; give one of {WAYS}.")
+    if scene is not None:
+        if not isinstance(scene, Scene):
+            raise AttitudeError(f"scene is {validation.shown(scene)}; give a Scene.")
+        return dict.fromkeys(sites, scene)
+    if path is None:
+        return {}
+    body: Any = _places.place(path, "path")
+    return {name: Scene(None, body, _place(name, places)) for name in sites}
+
+
+def _place(name: str, places: dict[str, Any]) -> Any:
+    """The observer of points of a site."""
+    if name in places:
+        return _places.place(places[name], "site", is_observer=True)
+    if places and not name:
+        raise AttitudeError(
+            f"some points have no site; the places are those of {_listed(tuple(places))}."
+        )
+    if not name:
+        return "earth"
+    try:
+        return _places.place(name, "site", is_observer=True)
+    except AttitudeError as err:
+        raise AttitudeError(
+            f"{err} Or give site= for all points, or places= with {quoted(name)}."
+        ) from None
+
+
+def _of_scenes(
+    scenes: dict[str, Scene],
+    sites: tuple[str, ...],
+    site: IntArray,
+    epoch: Instant,
+    t: FloatArray,
+    time_of: str,
+) -> tuple[tuple[FloatArray, FloatArray], FloatArray]:
+    """Vectors (N, 3) to Sun and observer, m, ICRF, and seconds (N,) of reception."""
+    sun, observer, received = np.empty((len(t), 3)), np.empty((len(t), 3)), np.array(t)
+    for number, name in enumerate(sites):
+        points = site == number
+        if np.any(points):
+            received[points] = _received(scenes[name], epoch, t[points], time_of)
+            sun[points], observer[points] = vectors_of(scenes[name], epoch, received[points])
+    return (sun, observer), received
+
+
+def vectors_of(scene: Scene, epoch: Instant, seconds: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Vectors (N, 3) from the body to Sun and observer, m, ICRF, at seconds of reception.
+
+    Of a direction, infinitely far away, a unit vector.
+    """
+    view = scene.at(_instants.times(epoch, seconds, np.zeros_like(seconds)))
+    both = []
+    for name in ("sun", "observer"):
+        is_direction = getattr(scene, name).is_direction
+        distance = 1.0 if is_direction else getattr(view, f"{name}_distance")
+        unit = np.broadcast_to(getattr(view, f"{name}_direction_icrf"), (len(seconds), 3))
+        both.append(unit * np.reshape(distance, (-1, 1)))
+    return both[0], both[1]
+
+
+def _received(scene: Scene, epoch: Instant, given: FloatArray, time_of: str) -> FloatArray:
+    """Seconds of reception from those of light at the body, or in the plane through a center."""
+    if time_of == "reception" or scene.observer.is_direction or not scene.light_time:
+        return given
+    observer_path: Any = scene.observer
+    seconds = np.array(given)
+    for _ in range(_ROUNDS):
+        observer = vectors_of(scene, epoch, seconds)[1]
+        far = np.linalg.norm(observer, axis=1)
+        if time_of == "emission":
+            seconds = given + far / SPEED_OF_LIGHT_M_S
+            continue
+        place = observer_path.position(epoch, seconds)
+        if (center := _CENTERS[time_of]) is not None:
+            place = place - _composed.body(center).position(epoch, seconds)
+        seconds = given + np.sum(place * observer, axis=1) / far / SPEED_OF_LIGHT_M_S
+    return seconds
+
+
+def _late(vectors: Any, time_of: str) -> Any:
+    """Light time (N,), s, from the body to where light is at the epochs."""
+    if vectors is None or time_of != "reception":
+        return 0.0
+    return np.linalg.norm(vectors[1], axis=1) / SPEED_OF_LIGHT_M_S
+
+
+def angle_between(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Angles (N,) between vectors (N, 3), rad."""
+    cross = np.linalg.norm(np.cross(one, other), axis=1)
+    return np.arctan2(cross, np.sum(one * other, axis=1))
+
+
+def dimming(sun: FloatArray, observer: FloatArray) -> FloatArray:
+    """5 log10(r Delta) (N,), r and Delta in au, from vectors (N, 3), m."""
+    size = np.linalg.norm(sun, axis=1) * np.linalg.norm(observer, axis=1)
+    return 5.0 * np.log10(size / ASTRONOMICAL_UNIT_M**2)
+
+
+def phase_angle(data: LightCurve) -> FloatArray:
+    """Angle (N,) at the body between Sun and observer, rad; AttitudeError without vectors."""
+    return data.phase_angle
+
+
+def _phase_function(given: Any, g: Real | None) -> Callable[[FloatArray], FloatArray] | None:
+    if given is None and g is None:
+        return None
+    if given is None or given == "hg":
+        slope = 0.15 if g is None else validation.number(g, "g")
+        return lambda alpha: _weighted.hg(alpha, 0.0, slope)
+    if g is not None or not callable(given):
+        raise AttitudeError(
+            f"phase_function is {validation.shown(given)}; give a function of the phase angle in "
+            'rad without g, or "hg" with g.'
+        )
+    return given
+
+
+# ---- Light curves as CSV with named columns
 
 # Names of the columns of dates that are not those of an observer.
 _COLUMN_OF_CENTER = {"barycenter": "bjd_tdb", "heliocenter": "hjd"}
@@ -864,8 +912,8 @@ _COLUMN_OF_CENTER = {"barycenter": "bjd_tdb", "heliocenter": "hjd"}
 _FORMULA = re.compile(r"[=@]|[+-](?![\d., +-]*(deg)?$)")
 
 
-def write(path: FilePath, data: Photometry) -> None:
-    """Write the points as CSV; see `Photometry.write`.
+def write(path: FilePath, data: LightCurve) -> None:
+    """Write the points as CSV; see `LightCurve.write`.
 
     Dates at the barycenter or the Sun are Julian dates, others ISO dates in UTC; vectors to Sun and
     observer are in au over the axes of ICRF.  What the dates and the brightness mean stands in the
@@ -894,6 +942,9 @@ def write(path: FilePath, data: Photometry) -> None:
             names.append(key)
             cells = [_cell(word) for word in words]
             columns.append([cells[k] for k in getattr(data, key)])
+    if np.any(data.exposure):
+        names.append("exposure")
+        columns.append([repr(float(each)) if each > 0.0 else "" for each in data.exposure])
     for key in ("sun", "observer"):
         vectors = getattr(data, key)
         if vectors is not None:

@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude import plots
+from attitude._support import quantity_text
 
 if TYPE_CHECKING:
     from attitude._support.annotations import FilePath, FloatArray
-    from attitude.photometry._curve import Photometry
+    from attitude.photometry._curve import LightCurve
     from attitude.photometry._folding import Folded
-    from attitude.photometry._periodogram import Periodogram
-    from attitude.photometry._two_periods import TwoPeriods
+    from attitude.photometry._periods import Periods
 
 
-_DAY, _HOUR = 86400.0, 3600.0
+_DAY = 86400.0
 _DATA, _MODEL, _OTHER, _ALIAS = "#0072b2", "#d55e00", "0.6", "#cc79a7"
 # Peaks that are named, and curves that have colours of their own.
 _NAMED, _COLOURS = 5, 10
@@ -24,7 +24,7 @@ _NAMED, _COLOURS = 5, 10
 _POINTS = 20_000
 
 
-def of_photometry(data: Photometry, path: FilePath | None = None) -> Any:
+def of_light_curve(data: LightCurve, path: FilePath | None = None) -> Any:
     """Brightness against time, a colour a filter."""
     figure = plots.new_figure((10.0, 5.0))
     axes = figure.subplots()
@@ -45,25 +45,30 @@ def of_photometry(data: Photometry, path: FilePath | None = None) -> Any:
     return _saved(figure, path)
 
 
-def of_periodogram(found: Periodogram, path: FilePath | None = None) -> Any:
+def of_periods(found: Periods, path: FilePath | None = None) -> Any:
+    """The figure of one period, or of two."""
+    return (_of_one if found.count == 1 else _of_two)(found, path)
+
+
+def _of_one(found: Periods, path: FilePath | None = None) -> Any:
     """Power with its peaks, the spectral window, and the curve folded with the best period."""
     figure = plots.new_figure((11.0, 8.0))
     parts: Any = figure.subfigures(2, 1, height_ratios=(3, 2))
     above, below = parts
     axes = above.subplots()
-    frequency, power = _extremes(found.frequency * _DAY, np.asarray(found.power))
+    frequency, power = _extremes(np.asarray(found.frequency) * _DAY, np.asarray(found.power))
     axes.plot(frequency, power, color=_DATA, lw=0.7)
-    axes.axhline(found.false_alarm, color=_OTHER, ls="--", lw=0.8, label="1 of 100 by chance")
+    axes.axhline(1.0 - found.false_alarm, color=_OTHER, ls="--", lw=0.8, label="1 of 100 by chance")
     for rank, peak in enumerate(found.peaks[:_NAMED], 1):
         colour = _ALIAS if peak.relation.startswith("alias") else _MODEL
         at = _DAY / peak.period
         axes.plot(at, peak.power, "v", color=colour, ms=6)
-        label = f"#{rank}  {peak.period / _HOUR:.6g} h"
+        label = f"#{rank}  {quantity_text.of_time(peak.period)}"
         if peak.relation:
             label += f", {peak.relation}"
         axes.plot([], [], "v", color=colour, label=label)
     axes.set_xlim(frequency[0], frequency[-1])
-    axes.set_ylim(0.0, min(1.0, 1.1 * max(found.power.max(), found.false_alarm)))
+    axes.set_ylim(0.0, min(1.0, 1.1 * max(power.max(), 1.0 - found.false_alarm)))
     axes.set_xlabel("frequency, 1/d")
     name = "1 - theta" if found.method == "pdm" else f"share of variance, order {found.order}"
     axes.set_ylabel(name)
@@ -94,23 +99,24 @@ def of_folded(folded: Folded, path: FilePath | None = None) -> Any:
     return _saved(figure, path)
 
 
-def of_two_periods(found: TwoPeriods, path: FilePath | None = None) -> Any:
+def _of_two(found: Periods, path: FilePath | None = None) -> Any:
     """Chi-squared over both frequencies, the lines of the best pair, and both folded curves."""
     figure = plots.new_figure((12.0, 9.0))
     axes = figure.subplots(2, 2)
     plane, spectrum = axes[0]
+    assert found.edges is not None and found.map is not None
     edges = [each * _DAY for each in found.edges]
     shown = plane.pcolormesh(edges[0], edges[1], found.map.T, cmap="viridis", rasterized=True)
     figure.colorbar(shown, ax=plane, label="share of chi-squared left")
-    for rank, pair in enumerate(found.pairs[:_NAMED], 1):
+    for rank, pair in enumerate(found.peaks[:_NAMED], 1):
         colour = _MODEL if not pair.relation else _ALIAS
         plane.plot(pair.first * _DAY, pair.second * _DAY, "o", mfc="none", color=colour, ms=9)
         plane.annotate(f"  {rank}", (pair.first * _DAY, pair.second * _DAY), color=colour)
     plane.set_xlabel("first frequency, 1/d")
     plane.set_ylabel("second frequency, 1/d")
-    best = found.pairs[0]
-    first, second = (each / _HOUR for each in best.periods)
-    plane.set_title(f"#1: {first:.6g} h and {second:.6g} h, {best.left:.3f} left", fontsize=9)
+    best = found.peaks[0]
+    first, second = (quantity_text.of_time(each) for each in best.periods)
+    plane.set_title(f"#1: {first} and {second}, {best.left:.3f} left", fontsize=9)
     lines = found.lines()
     for line, amplitude in lines:
         x = line.frequency * _DAY
@@ -127,7 +133,8 @@ def of_two_periods(found: TwoPeriods, path: FilePath | None = None) -> Any:
     return _saved(figure, path)
 
 
-def _window(axes: Any, found: Periodogram) -> None:
+def _window(axes: Any, found: Periods) -> None:
+    assert found.window is not None
     axes.plot(found.window.frequency * _DAY, found.window.power, color=_OTHER, lw=0.7)
     for line in found.window.lines:
         axes.annotate(
@@ -152,7 +159,7 @@ def _folded(axes: Any, folded: Folded, which: int) -> None:
     if not data.is_flux:
         axes.invert_yaxis()
     period = folded.periods[which]
-    axes.set_xlabel(f"phase of {period / _HOUR:.7g} h = {period / _DAY:.6g} d")
+    axes.set_xlabel(f"phase of {quantity_text.of_time(period, 7)}")
     other = ", without the lines of the other period" if len(folded.periods) > 1 else ""
     axes.set_ylabel(("flux" if data.is_flux else "magnitude") + " less zero point")
     if other:

@@ -1,4 +1,4 @@
-"""`read`: photometry in files of any known format.
+"""Photometry in files of any known format, read as keywords of `LightCurve`.
 
 Names of columns are read in any case, without units in brackets, blanks as underscores:
 
@@ -15,6 +15,7 @@ sigma, error, merr, mag_err ...     standard errors, in the unit of the brightne
 filter, band                        filter
 site, station, stn, obs_code        code of the observatory
 session, night, observer            session
+exposure, exptime                   exposure times, s, of which the dates are the middles
 sun_x .. observer_z                 vectors from the body, au, over the axes of `frame`
 ra, dec, delta                      place in the sky (deg, ICRF) and distance (au) from the Earth's
                                     centre, light time taken off
@@ -28,9 +29,11 @@ from __future__ import annotations
 
 import os
 import re
+import warnings
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from decimal import Decimal
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -41,14 +44,252 @@ from attitude._textfiles import lines as textfiles_lines
 from attitude._textfiles import toml, xml
 from attitude.epochs import _inputs
 from attitude.epochs._instants import Instant
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.formats.damit_light_curve import read_damit_light_curves
 from attitude.paths import _composed
-from attitude.photometry import _curve
-from attitude.photometry._curve import BadRow, Contents, Photometry, RawPoint
 
 if TYPE_CHECKING:
     from attitude._support.annotations import FilePath, FloatArray
+
+
+Keywords: TypeAlias = dict[str, Any]
+
+# ---- Rows of text as keywords of `LightCurve`
+
+# Magnitudes beyond these stand for missing values in catalogues (99, 99.99, -99, 999).
+_MISSING = (-50.0, 50.0)
+# Julian dates of the years -2000 to 4700.
+_JULIAN = (990_000.0, 3_440_000.0)
+_BLANK = ("", "nan", "--", "-", "none", "null", "n/a", "inf", "-inf")
+# Bad rows that a message names.
+_NAMED = 6
+# What a file may say about its epochs and magnitudes.
+PLACES: Final = ("reception", "emission", "barycenter", "heliocenter")
+
+
+class BadRow(NamedTuple):
+    """A row of a file that is left out: its line, counted from 1, and the reason."""
+
+    line: int
+    reason: str
+
+    def __str__(self) -> str:
+        return f"line {self.line}: {self.reason}"
+
+
+class RawPoint(NamedTuple):
+    """One observation as text, as it stands in a file; "" where the file has no entry."""
+
+    line: int
+    time: str
+    value: str
+    error: str = ""
+    filter: str = ""
+    site: str = ""
+    session: str = ""
+    exposure: float = 0.0
+
+
+def of_rows(
+    rows: Sequence[RawPoint],
+    name: str,
+    *,
+    scale: str | None = None,
+    offset: float = 0.0,
+    is_flux: bool = False,
+    bad: list[BadRow] | None = None,
+) -> Keywords:
+    """Keywords of `LightCurve` of rows of text, and "rows", the numbers of those that are used."""
+    left_out, kept, numbers = list(bad or ()), [], []
+    without = 0
+    word = "flux" if is_flux else "magnitude"
+    for k, row in enumerate(rows):
+        if row.value.strip().lower() in _BLANK:
+            without += 1
+            continue
+        reason, value, error = _brightness(row, word, is_flux)
+        if reason is None and scale is not None:
+            reason = _julian_fault(row.time, offset)
+        if reason is None:
+            kept.append(k)
+            numbers.append((value, error))
+        else:
+            left_out.append(BadRow(row.line, reason))
+    times, good, faults = _times([rows[k] for k in kept], scale, offset)
+    left_out += faults
+    kept, numbers = [kept[k] for k in good], [numbers[k] for k in good]
+    left_out.sort(key=lambda each: each.line)
+    if not kept:
+        raise AttitudeError(
+            f"{name}: no row can be used"
+            + (f" ({without} rows have no {word})" if without else "")
+            + (f"; {_listed(left_out)}" if left_out else "")
+            + "."
+        )
+    notes = [f"{without} of {len(rows)} rows have no {word}."] if without else []
+    notes += _repeated([rows[k] for k in kept], word)
+    both = np.array(numbers).reshape(-1, 2)
+    keywords: Keywords = {
+        "times": times,
+        word: both[:, 0],
+        "sigma": both[:, 1],
+        "rows": np.array(kept),
+        "bad": left_out,
+        "notes": notes,
+        "labels": [f"line {rows[k].line}, {rows[k].time.strip()[:40]}" for k in kept],
+    }
+    for key in ("filter", "site", "session"):
+        words = [getattr(rows[k], key).strip() for k in kept]
+        if any(words):
+            keywords[key] = words
+    exposures = [rows[k].exposure for k in kept]
+    if any(exposures):
+        keywords["exposure"] = np.array(exposures)
+    return keywords
+
+
+def _repeated(rows: Sequence[RawPoint], word: str) -> list[str]:
+    """A note of rows that repeat others, and of the sessions that consist of such rows."""
+    first: dict[tuple[str, ...], RawPoint] = {}
+    repeats: list[tuple[RawPoint, RawPoint]] = []
+    for row in rows:
+        key = tuple(each.strip() for each in (row.time, row.value, row.filter, row.site))
+        earlier = first.setdefault(key, row)
+        if earlier.session != row.session:  # in one session they are averaged
+            repeats.append((row, earlier))
+    if not repeats:
+        return []
+    count = Counter(row.session for row in rows)
+    again = Counter((row.session, earlier.session) for row, earlier in repeats)
+    whole = [
+        f"session {row[:40]!r} repeats {earlier[:40]!r}"
+        for (row, earlier), many in again.items()
+        if many == count[row]
+    ]
+    row, earlier = repeats[0]
+    return [
+        f"{len(repeats)} of {len(rows)} rows repeat the date, {word}, filter and site of others "
+        f"(line {row.line} those of line {earlier.line})"
+        + (f"; {listed(whole)}" if whole else "")
+        + ": they count twice."
+    ]
+
+
+def listed(items: Sequence[object]) -> str:
+    """The first six of some items, and how many follow."""
+    more = len(items) - _NAMED
+    return ", ".join(map(str, items[:_NAMED])) + (f" and {more} more" if more > 0 else "")
+
+
+def _report(name: str, left_out: list[BadRow], bad: str) -> None:
+    """Warn of bad rows, or raise an AttitudeError for them."""
+    if not left_out or bad == "ignore":
+        return
+    many = len(left_out)
+    words = f"{name}: {many} row{'s' if many > 1 else ''} cannot be used: {_listed(left_out)}"
+    if bad == "refuse":
+        raise AttitudeError(f'{words}; correct or delete them, or give bad="warn".')
+    warnings.warn(f"{words}. Left out.", AttitudeWarning, stacklevel=4)
+
+
+def _listed(bad: Sequence[BadRow]) -> str:
+    more = len(bad) - _NAMED
+    return "; ".join(map(str, bad[:_NAMED])) + (f"; and {more} more" if more > 0 else "")
+
+
+def _brightness(row: RawPoint, word: str, is_flux: bool) -> tuple[str | None, float, float]:
+    """What is wrong with the numbers of a row, or None; its value and error."""
+    text = row.value.strip()
+    if text[:1] in "<>":
+        return f"the {word} {text[:20]!r} is a limit", 0.0, 0.0
+    value, error = _float(text), np.nan
+    if value is None:
+        return f"the {word} is {text[:20]!r}, which is no number", 0.0, 0.0
+    if not np.isfinite(value) or not (is_flux or _MISSING[0] < value < _MISSING[1]):
+        return f"the {word} {text[:20]} stands for a missing value", 0.0, 0.0
+    if row.error.strip().lower() not in _BLANK:
+        found = _float(row.error)
+        if found is None:
+            return f"the error is {row.error.strip()[:20]!r}, which is no number", 0.0, 0.0
+        if found < 0.0 or found > 1e300:
+            return f"the error is {row.error.strip()[:20]}, not above zero", 0.0, 0.0
+        error = found if found > 0.0 else np.nan
+    return None, value, error
+
+
+def _float(text: str) -> float | None:
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
+def _julian_fault(text: str, offset: float) -> str | None:
+    found = _float(text)
+    if found is None:
+        return f"the date is {text.strip()[:30]!r}, which is no number"
+    if not _JULIAN[0] < found + offset < _JULIAN[1]:
+        return f"the date {text.strip()[:30]} is no Julian date"
+    return None
+
+
+def _times(
+    rows: Sequence[RawPoint], scale: str | None, offset: float
+) -> tuple[Any, list[int], list[BadRow]]:
+    """Epochs of rows, the numbers of the rows whose dates can be read, and the others."""
+    everything = list(range(len(rows)))
+    if not rows:
+        return [], [], []
+    if scale is not None:
+        return julian([each.time for each in rows], scale, offset), everything, []
+    dates = [iso(each.time) for each in rows]
+    try:
+        _inputs.past_j2000(dates)
+    except AttitudeError:
+        good, faults = [], []
+        for k, row in enumerate(rows):
+            try:
+                _inputs.past_j2000([dates[k]])
+                good.append(k)
+            except AttitudeError as err:
+                faults.append(
+                    BadRow(row.line, str(err).split(";")[0].replace("t is ", "the date "))
+                )
+        return [dates[k] for k in good], good, faults
+    return dates, everything, []
+
+
+def iso(text: str) -> str:
+    """A date as it stands in files, in the spelling of ISO 8601.
+
+    >>> iso("2011/09/13 7:46:00")
+    '2011-09-13 07:46:00'
+    """
+    found = re.fullmatch(
+        r"\s*(\d{4})[-/. ](\d{1,2})[-/. ](\d{1,2})(?:[T ]+(\d{1,2})(:.*))?\s*", text
+    )
+    if found is None:
+        return text.strip()
+    year, month, day, hour, rest = found.groups()
+    date = f"{year}-{int(month):02d}-{int(day):02d}"
+    return date if hour is None else f"{date} {int(hour):02d}{rest}"
+
+
+def julian(days: Sequence[str] | FloatArray, scale: str, offset: float = 0.0) -> Any:
+    """Julian dates as a Time: the whole days and the rest are two doubles."""
+    from astropy.time import Time
+
+    parts = [str(each).strip().partition(".") for each in days]
+    exact = all(re.fullmatch(r"\d+", a) and re.fullmatch(r"\d*", b) for a, _, b in parts)
+    if exact:
+        whole = np.array([float(a) for a, _, _ in parts])
+        rest = np.array([float(f"0.{b or 0}") for _, _, b in parts])
+    else:
+        given = np.array([float(each) for each in days])
+        whole = np.floor(given)
+        rest = given - whole
+    added = np.floor(offset)
+    return Time(whole + added, rest + (offset - added), format="jd", scale=scale)
 
 
 # ---- Photometry in exchange formats: ALCDEF, ADES (PSV and XML), MPC 80 columns, DAMIT
@@ -59,6 +300,7 @@ if TYPE_CHECKING:
 # Days of the exposure by which a date moves to its middle.
 _MIDDLE = {"START": 0.5, "END": -0.5}
 _SECONDS = 86400.0
+_ALCDEF_PLACE = ("OBSLONGITUDE", "OBSLATITUDE")
 _NO = ("", "NONE", "FALSE")
 # Columns of ADES that are used.
 _OPTICAL = ("obsTime", "mag", "rmsMag", "band", "stn")
@@ -69,8 +311,8 @@ _PACKED = re.compile(r"\d{4} \d\d \d\d", re.ASCII)
 _MPC_DATE = re.compile(r"(\d{4}) (\d\d) (\d\d)(?:\.(\d*))?", re.ASCII)
 
 
-def of_alcdef(text: str, name: str) -> Contents:
-    """The `Contents` of an ALCDEF file: each block of metadata begins a session.
+def of_alcdef(text: str, name: str) -> Keywords:
+    """Keywords of `LightCurve` from an ALCDEF file: each block of metadata begins a session.
 
     Dates are Julian dates in UTC at the middle of an exposure, or moved there by EXPJD and
     EXPOSURE.  Magnitudes of blocks with DIFFERMAGS are relative: they are sessions with zero points
@@ -94,7 +336,7 @@ def of_alcdef(text: str, name: str) -> Contents:
             rows.append(_alcdef_row(number, parts, meta, len(seen)))
         elif value and key not in meta:
             meta[key] = value.strip()
-    found = _curve.of_rows(rows, name, scale="utc", bad=bad)
+    keywords = of_rows(rows, name, scale="utc", bad=bad)
     light, reduced = (
         {meta.get(key, "").upper() not in _NO for meta in seen} for key in ("LTCAPP", "REDUCEDMAGS")
     )
@@ -103,23 +345,25 @@ def of_alcdef(text: str, name: str) -> Contents:
             f"{name}: some blocks have {'LTCAPP' if len(light) > 1 else 'REDUCEDMAGS'} and others "
             "have not; write those with and those without into files of their own."
         )
-    if True in light:
-        found.time_of = "emission"
-    found.unit_distances = True in reduced
+    keywords["time_of"] = "emission" if True in light else "reception"
+    keywords["unit_distances"] = True in reduced
     objects = {meta.get("OBJECTNAME") or meta.get("MPCDESIG", "") for meta in seen}
-    found.more["name"] = ", ".join(sorted(objects - {""})) or None
-    if any(meta.get("DIFFERMAGS", "").upper() == "TRUE" for meta in seen):
-        found.notes.append("Some sessions have differential magnitudes (DIFFERMAGS).")
+    keywords["name"] = ", ".join(sorted(objects - {""})) or None
+    relative = [meta.get("DIFFERMAGS", "").upper() == "TRUE" for meta in seen]
+    if all(relative):
+        keywords["zero_points"] = "free"
+        keywords["notes"].append(
+            "All sessions have differential magnitudes (DIFFERMAGS): their zero points are free."
+        )
+    elif any(relative):
+        keywords["notes"].append("Some sessions have differential magnitudes (DIFFERMAGS).")
     unmoved = [k for k, meta in enumerate(seen, 1) if _shifted(meta) and not _exposure(meta) > 0.0]
     if unmoved:
-        found.notes.append(
-            f"EXPJD of block {_curve.listed(unmoved)} is not the middle, but EXPOSURE is not "
+        keywords["notes"].append(
+            f"EXPJD of block {listed(unmoved)} is not the middle, but EXPOSURE is not "
             "given: the dates are used as they stand."
         )
-    places = {(m.get("OBSLONGITUDE", ""), m.get("OBSLATITUDE", "")) for m in seen}
-    if found.site is None and len(places) == 1 and "" not in (place := places.pop()):
-        found.site = [f"{place[0]}, {place[1]} deg"] * len(found.value)
-    return found
+    return keywords
 
 
 def _alcdef_row(number: int, parts: list[str], meta: dict[str, str], block: int) -> RawPoint:
@@ -134,7 +378,10 @@ def _alcdef_row(number: int, parts: list[str], meta: dict[str, str], block: int)
     band = meta.get("FILTER") or meta.get("MAGBAND", "")
     session = f"{block} {meta.get('SESSIONDATE', '')}".strip()
     error = parts[2].strip() if len(parts) > 2 else ""
-    return RawPoint(number, date, parts[1].strip(), error, band, meta.get("MPCCODE", ""), session)
+    site = meta.get("MPCCODE", "")
+    if not site and "" not in (place := [meta.get(key, "") for key in _ALCDEF_PLACE]):
+        site = f"{place[0]}, {place[1]} deg"
+    return RawPoint(number, date, parts[1].strip(), error, band, site, session, exposure)
 
 
 def _shifted(meta: dict[str, str]) -> float:
@@ -144,14 +391,17 @@ def _shifted(meta: dict[str, str]) -> float:
 
 def _exposure(meta: dict[str, str]) -> float:
     """The exposure of a block, s; 0 if it is not given."""
-    try:
-        return float(meta.get("EXPOSURE", "0"))
-    except ValueError:
-        return 0.0
+    return _exposure_of(meta.get("EXPOSURE", ""))
 
 
-def of_ades_text(text: str, name: str) -> Contents:
-    """The `Contents` of an ADES file in PSV; rows without a magnitude are left out."""
+def _exposure_of(text: str) -> float:
+    """An exposure, s; 0 if it is unknown."""
+    number = _float(text)
+    return number if number is not None and 0.0 < number < np.inf else 0.0
+
+
+def of_ades_text(text: str, name: str) -> Keywords:
+    """Keywords of `LightCurve` from an ADES file in PSV; rows without a magnitude are left out."""
     names: list[str] = []
     rows, bad = [], []
     for number, line in enumerate(text.splitlines(), 1):
@@ -170,8 +420,8 @@ def of_ades_text(text: str, name: str) -> Contents:
     return _of_ades(rows, name, bad)
 
 
-def of_ades_xml(text: str, name: str) -> Contents:
-    """The `Contents` of an ADES file in XML, which may have no document type and no entities."""
+def of_ades_xml(text: str, name: str) -> Keywords:
+    """Keywords of `LightCurve` from ADES in XML, without a document type or entities."""
     found = xml.records(text, name, "optical")
     if not found:
         raise AttitudeError(f"{name}: holds no <optical>, the element of photometry in ADES.")
@@ -183,12 +433,12 @@ def _ades_row(number: int, entries: dict[str, str]) -> RawPoint:
     return RawPoint(number, date, value, error, band, site)
 
 
-def _of_ades(rows: list[RawPoint], name: str, bad: list[BadRow]) -> Contents:
-    return _curve.of_rows(rows, name, bad=bad)
+def _of_ades(rows: list[RawPoint], name: str, bad: list[BadRow]) -> Keywords:
+    return of_rows(rows, name, bad=bad)
 
 
-def of_mpc(text: str, name: str) -> Contents:
-    """The `Contents` of MPC records of 80 columns; lines of headers and of radar are left out."""
+def of_mpc(text: str, name: str) -> Keywords:
+    """Keywords of `LightCurve` from MPC records of 80 columns, without headers and radar."""
     rows, bad = [], []
     for number, line in enumerate(text.splitlines(), 1):
         if not is_mpc(line):
@@ -198,7 +448,7 @@ def of_mpc(text: str, name: str) -> Contents:
         if line[14] in "sSrRvVxX":  # the second line of a satellite, radar; replaced records
             continue
         rows.append(_mpc_row(number, line))
-    return _curve.of_rows(rows, name, scale="utc", bad=bad)
+    return of_rows(rows, name, scale="utc", bad=bad)
 
 
 def is_mpc(line: str) -> bool:
@@ -219,28 +469,37 @@ def _mpc_row(number: int, line: str) -> RawPoint:
     return RawPoint(number, date, line[65:70].strip(), "", line[70].strip(), line[77:80].strip())
 
 
-def of_damit(path: FilePath, name: str) -> Contents:
-    """The `Contents` of DAMIT light curves: a session each, intensities at unit distances."""
+def of_damit(path: FilePath, name: str) -> Keywords:
+    """Keywords of `LightCurve` from DAMIT light curves: sessions at unit distances."""
     curves = read_damit_light_curves(path)
-    count = [len(each) for each in curves]
-    found = Contents(
-        name,
-        _damit_times(curves),
-        np.concatenate([each.brightness for each in curves]),
-        np.full(sum(count), np.nan),
-        is_flux=True,
-        time_of="emission",
-        unit_distances=True,
-        rows=np.arange(sum(count)),
-    )
-    found.session = [str(k) for k, n in enumerate(count, 1) for _ in range(n)]
-    for key, attribute in (("sun", "sun"), ("observer", "earth")):
-        vectors = np.concatenate([getattr(each, attribute) for each in curves])
-        found.more[key] = vectors * ASTRONOMICAL_UNIT_M
-    found.more["frame"] = "ecliptic"
-    if not all(each.calibrated for each in curves):
-        found.notes.append("Some sessions are relative: their zero points are their own.")
-    return found
+    vectors = [np.concatenate([getattr(each, key) for each in curves]) for key in ("sun", "earth")]
+    keywords: Keywords = {
+        "times": _damit_times(curves),
+        "flux": np.concatenate([each.brightness for each in curves]),
+        "sun": vectors[0] * ASTRONOMICAL_UNIT_M,
+        "observer": vectors[1] * ASTRONOMICAL_UNIT_M,
+        "frame": "ecliptic",
+        "session": [str(k) for k, each in enumerate(curves, 1) for _ in range(len(each))],
+        "time_of": "emission",
+        "unit_distances": True,
+        "labels": [
+            f"point {n + 1} of light curve {k}, {each.jd[n]:.6f}"
+            for k, each in enumerate(curves, 1)
+            for n in range(len(each))
+        ],
+        "bad": [],
+        "notes": [],
+    }
+    relative = [str(k) for k, each in enumerate(curves, 1) if not each.calibrated]
+    if relative:
+        keywords["zero_points"] = tuple(relative)
+        keywords["notes"].append(
+            f"{len(relative)} of {len(curves)} sessions are relative: their zero points are free"
+            + ("; the others share one." if len(relative) < len(curves) else ".")
+        )
+    elif len(curves) > 1:
+        keywords["zero_points"] = "shared"
+    return keywords
 
 
 def _damit_times(curves: Any) -> Any:
@@ -284,6 +543,7 @@ _NAMES: dict[str, tuple[str, ...]] = {
         *("sigma", "error", "merr", "mag_err", "e_mag", "err", "flux_err", "magerr", "rmsmag"),
         *("sigmag", "mag_error", "e_flux", "fluxerr", "flux_error", "uncertainty", "dmag"),
     ),
+    "exposure": ("exposure", "exptime", "exp_time", "exposure_time"),
     "session": ("session", "night", "observer", "code", "curve"),
     "filter": ("filter", "band", "filt", "fid"),
     "site": ("site", "station", "stn", "obs_code", "mpc_code", "observatory", "mpccode"),
@@ -294,8 +554,8 @@ _WIDTH = 10
 _J2000 = Instant(0.0)
 
 
-def of_text(text: str, name: str, columns: Mapping[str, str] | None = None) -> Contents:
-    """The `Contents` of a table in text."""
+def of_text(text: str, name: str, columns: Mapping[str, str] | None = None) -> Keywords:
+    """Keywords of `LightCurve` from a table in text."""
     rows = toml.of_separated(text, name)
     if not rows:
         raise AttitudeError(f"{name}: holds no rows; give a table of photometry.")
@@ -320,12 +580,12 @@ def of_table(
     name: str,
     columns: Mapping[str, str] | None = None,
     bad: list[BadRow] | None = None,
-) -> Contents:
-    """The `Contents` of columns of text under their names, as `of_text`; lines (N,) of the rows."""
+) -> Keywords:
+    """Keywords of `LightCurve` from columns of text; lines (N,) of the rows."""
     for meant, given in (columns or {}).items():
         if _plain(given) not in table:
             raise AttitudeError(
-                f"{name}: has no column {quoted(given)}; it has {_listed(table) or 'none'}."
+                f"{name}: has no column {quoted(given)}; it has {_names_of(table) or 'none'}."
             )
         table = {_plain(meant): table[_plain(given)], **{k: v for k, v in table.items()}}
         table[_plain(meant)] = table[_plain(given)]
@@ -336,24 +596,27 @@ def of_table(
     if brightness is None:
         raise AttitudeError(
             f"{name}: has no column of magnitudes or flux; name one mag or flux, or give "
-            f"columns= with one of {_listed(table)}."
+            f"columns= with one of {_names_of(table)}."
         )
     if scale is None and all(map(_is_number, table[date][:5])):
         scale, offset = _scale_of_numbers(table[date], name, date)
     texts = {key: _column(table, key) for key in ("error", "filter", "site", "session")}
+    exposures = _column(table, "exposure")
     values = _column(table, brightness) or []
     rows = [
         RawPoint(
-            line, table[date][k], values[k], **{key: col[k] for key, col in texts.items() if col}
+            line,
+            table[date][k],
+            values[k],
+            exposure=_exposure_of(exposures[k]) if exposures else 0.0,
+            **{key: col[k] for key, col in texts.items() if col},
         )
         for k, line in enumerate(lines)
     ]
-    found = _curve.of_rows(
-        rows, name, scale=scale, offset=offset, is_flux=brightness == "flux", bad=bad
-    )
-    found.time_of, found.unit_distances = place, brightness == "reduced"
-    found.more.update(_geometry(table, found, name))
-    return found
+    is_flux = brightness == "flux"
+    keywords = of_rows(rows, name, scale=scale, offset=offset, is_flux=is_flux, bad=bad)
+    keywords |= {"time_of": place, "unit_distances": brightness == "reduced"}
+    return keywords | _geometry(table, keywords, name)
 
 
 def _plain(name: str) -> str:
@@ -373,7 +636,7 @@ def _dates(table: Mapping[str, Any], name: str) -> tuple[str, tuple[str | None, 
             return key, (less.group(2) or scale, float(less.group(3)), place)
     raise AttitudeError(
         f"{name}: has no column of epochs; name one of {', '.join(_TIMES)}, or give columns= with "
-        f"one of {_listed(table)}."
+        f"one of {_names_of(table)}."
     )
 
 
@@ -390,7 +653,7 @@ def _scale_of_numbers(values: Sequence[str], name: str, key: str) -> tuple[str, 
     )
 
 
-def _listed(table: Mapping[str, Any]) -> str:
+def _names_of(table: Mapping[str, Any]) -> str:
     """The names of the columns of a table, as far as a sentence holds them."""
     return quoted(", ".join(table), 120, "")
 
@@ -407,7 +670,7 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def _without_names(rows: list[tuple[int, list[str]]], name: str) -> Contents:
+def _without_names(rows: list[tuple[int, list[str]]], name: str) -> Keywords:
     width = len(rows[0][1])
     if width not in (2, 3, _WIDTH):
         raise AttitudeError(
@@ -427,25 +690,25 @@ def _without_names(rows: list[tuple[int, list[str]]], name: str) -> Contents:
     return of_table(table, [line for line, _ in rows], name, None, bad)
 
 
-def _geometry(table: Mapping[str, list[str]], found: Contents, name: str) -> dict[str, Any]:
+def _geometry(table: Mapping[str, list[str]], keywords: Keywords, name: str) -> dict[str, Any]:
     """Vectors to Sun and observer, if the table has them."""
     more: dict[str, Any] = {}
     for place in ("sun", "observer"):
         keys = [f"{place}_{axis}" for axis in "xyz"]
         if all(key in table for key in keys):
-            vectors = [_numbers(table[key], key, found, name) for key in keys]
+            vectors = [_numbers(table[key], key, keywords, name) for key in keys]
             more[place] = np.stack(vectors, axis=-1) * ASTRONOMICAL_UNIT_M
     keys = [next((each for each in names if each in table), "") for names in _PLACE]
     if not more and all(keys):
-        ra, dec, delta = (_numbers(table[key], key, found, name) for key in keys)
-        sun, observer = _of_sky(found.times, ra, dec, delta)
+        ra, dec, delta = (_numbers(table[key], key, keywords, name) for key in keys)
+        sun, observer = _of_sky(keywords["times"], ra, dec, delta)
         more = {"sun": sun, "observer": observer, "frame": "icrf"}
     return more
 
 
-def _numbers(values: Sequence[str], key: str, found: Contents, name: str) -> FloatArray:
+def _numbers(values: Sequence[str], key: str, keywords: Keywords, name: str) -> FloatArray:
     try:
-        return np.array([float(values[k]) for k in found.rows])
+        return np.array([float(values[k]) for k in keywords["rows"]])
     except ValueError as err:
         raise AttitudeError(
             f"{name}: the column {quoted(key, mark='')} holds text "
@@ -472,54 +735,6 @@ _CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f\x7f-\x9f]")
 FORMATS: tuple[str, ...] = ("csv", "ecsv", "alcdef", "ades-psv", "ades-xml", "mpc", "damit")
 
 
-def read(
-    path: FilePath,
-    *,
-    format: str | None = None,
-    columns: Mapping[str, str] | None = None,
-    bad: str = "warn",
-    encoding: str | None = None,
-    **given: Any,
-) -> Photometry:
-    """The photometry in a file.
-
-    Parameters
-    ----------
-    path : str or path
-        CSV or other separated text and ECSV with named columns (`attitude.photometry._files`
-        lists the names), ALCDEF, ADES in PSV or XML, MPC records of 80 columns, DAMIT light curves.
-    format : str, optional
-        One of `FORMATS`; by default from the content.
-    columns : dict, optional
-        For named columns: the name in the file, by the name it stands for, such as
-        {"magnitude": "Vcal", "jd": "T"}.
-    bad : "warn", "refuse" or "ignore"
-        What happens if rows cannot be used: a warning that names their lines and reasons, an error,
-        or neither.  `Photometry.bad` lists them.
-    encoding : str, optional
-        Of the text, as Python names it; by default UTF-8, or with a note Latin-1 where it is not.
-    **given
-        Keywords of `Photometry`, which replace those of the file.
-
-    Returns
-    -------
-    Photometry
-
-    Raises
-    ------
-    AttitudeError
-        For a file that cannot be read, an unknown format, and a file without any usable row.
-    """
-    found = opened(path, format=format, columns=columns, bad=bad, encoding=encoding)
-    keywords = found.keywords()
-    keywords.setdefault("name", _stem(path))
-    keywords |= {"time_of": found.time_of, "unit_distances": found.unit_distances}
-    if "flux" in given or "magnitude" in given:
-        keywords.pop("flux", None)
-        keywords.pop("magnitude", None)
-    return Photometry(**keywords | given, bad=tuple(found.bad), notes=tuple(found.notes))
-
-
 def opened(
     path: FilePath,
     *,
@@ -527,8 +742,8 @@ def opened(
     columns: Mapping[str, str] | None = None,
     bad: str = "warn",
     encoding: str | None = None,
-) -> Contents:
-    """The `Contents` of a file; parameters and errors as in `read`."""
+) -> Keywords:
+    """Keywords of `LightCurve` from a file, and "rows"; arguments as `LightCurve.read`."""
     name = os.fspath(path)
     validation.one_of(bad, "bad", ("warn", "refuse", "ignore"))
     text, notes = _decoded(name, encoding)
@@ -536,11 +751,11 @@ def opened(
     if columns and kind not in ("csv", "ecsv"):
         raise AttitudeError(f"columns is given, but {name} is {kind}, whose columns are fixed.")
     if kind == "csv":
-        found = of_text(text, name, columns)
+        keywords = of_text(text, name, columns)
     elif kind == "ecsv":
-        found = of_table(*_of_ecsv(text, name), name, columns)
+        keywords = of_table(*_of_ecsv(text, name), name, columns)
     elif kind == "damit":
-        found = of_damit(path, name)
+        keywords = of_damit(path, name)
     else:
         reader = {
             "alcdef": of_alcdef,
@@ -548,10 +763,16 @@ def opened(
             "ades-xml": of_ades_xml,
             "mpc": of_mpc,
         }[kind]
-        found = reader(text, name)
-    found.notes += notes
-    _curve.report(found, bad)
-    return found
+        keywords = reader(text, name)
+    keywords["notes"] += notes
+    keywords["name"] = keywords.get("name") or os.path.splitext(os.path.basename(name))[0]
+    _report(name, keywords["bad"], bad)
+    return keywords
+
+
+def text_of(path: FilePath) -> str:
+    """The text of a file."""
+    return _decoded(os.fspath(path), None)[0]
 
 
 def _decoded(name: str, encoding: str | None) -> tuple[str, list[str]]:
@@ -566,10 +787,6 @@ def _decoded(name: str, encoding: str | None) -> tuple[str, list[str]]:
         if _CONTROL.search(text):  # not text at all
             raise
     return text, ["The file is not in UTF-8 and was read as Latin-1; encoding= says otherwise."]
-
-
-def _stem(path: FilePath) -> str:
-    return os.path.splitext(os.path.basename(os.fspath(path)))[0]
 
 
 def _kind(text: str, name: str) -> str:

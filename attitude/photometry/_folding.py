@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude._support import validation
+from attitude._support import quantity_text, validation
 from attitude._support.arrays import Immutable, frozen
 from attitude.epochs import _inputs, _instants
 from attitude.photometry import _samples, _spectrum
+from attitude.photometry._curve import LightCurve
 from attitude.photometry._samples import line_numbers
 
 if TYPE_CHECKING:
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from attitude._support.annotations import Epoch, Epochs, FilePath, FloatArray, Real, Reals
-    from attitude.photometry._samples import HasSamples, Samples
+    from attitude.photometry._samples import Samples
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -86,12 +87,12 @@ class Folded(Immutable):
         return _figures.of_folded(self, path)
 
     def __repr__(self) -> str:
-        hours = " and ".join(f"{each / 3600.0:.7g} h" for each in self.periods)
-        return f"<Folded: {len(self.residuals)} points at {hours}, rms {self.rms:.3g}>"
+        periods = " and ".join(quantity_text.of_time(each, 7) for each in self.periods)
+        return f"<Folded: {len(self.residuals)} points at {periods}, rms {self.rms:.3g}>"
 
 
 def fold(
-    t: Epochs | HasSamples,
+    t: Epochs | LightCurve | Samples,
     period: Real | Reals,
     values: Reals | None = None,
     errors: Reals | None = None,
@@ -106,11 +107,11 @@ def fold(
 
     Parameters
     ----------
-    t : Photometry, LightCurve, or (N,) epochs
+    t : LightCurve, or (N,) epochs
     period : float, Quantity or text
         s, or such as "5.37 d"; two of them for a tumbler, "5.37, 7.37 d".
     values, errors, curve
-        As in `spectrum.fit`.
+        As in `periods`.
     order : int
         Of the series: harmonics of one period, lines |i f1 + j f2| with |i|, |j| up to it of two.
     epoch : epoch, optional
@@ -132,11 +133,13 @@ def fold(
         validation.one_of(periods.shape, "the shape of period", ((1,), (2,)))
         for each in periods:
             validation.positive(each, "period", unit="s")
+    if isinstance(t, LightCurve) or values is not None:
+        _samples.warn_of_plain(period, "period", data)
     number = validation.count(order, "order")
     if len(periods) == 1:
         numbers = np.arange(1, number + 1)[:, None]
     else:
-        # (i of the second, j of the first), as spectrum.lines has them
+        # (i of the second, j of the first), as `lines` has them
         numbers = np.array(line_numbers((number, number)))[:, ::-1]
 
     def folded(own: Samples) -> Folded:

@@ -1,28 +1,22 @@
-"""`periodogram`: one period; the spectral window of the epochs, aliases and harmonics in words."""
+"""The power of series of one period: spectral window, scan, peaks with aliases in words."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from attitude._compilation import deferral
 from attitude._compilation.decorators import entry_point
 from attitude._support import blocks, validation
-from attitude._support.arrays import Immutable, frozen
 from attitude.errors import AttitudeError
-from attitude.photometry import _folding, _samples, _spectrum
+from attitude.photometry import _spectrum
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import ArrayLike
-
-    from attitude._support.annotations import Epochs, FilePath, FloatArray, Real, Reals
-    from attitude._support.tables import FlatTable
-    from attitude.photometry._folding import Folded
-    from attitude.photometry._samples import HasSamples, Samples
+    from attitude._support.annotations import FloatArray, Real
+    from attitude.photometry._samples import Samples
 
 
 # Grid frequencies per 1/span, and power from which a line of the window makes aliases.
@@ -146,7 +140,7 @@ def dispersions(t, y, weights, frequencies, bins, covers, out):
         out[k] = within / freedom / whole if freedom > 0.0 else 1.0
 
 
-# ---- `periodogram`: one period, by Fourier series of any order or by phase dispersion
+# ---- The scan over one frequency, by Fourier series of any order or by phase dispersion
 
 _DAY = 86400.0
 # Grid frequencies per 1/(order span), and frequencies at most.
@@ -161,221 +155,41 @@ _EULER = 0.5772
 _FREQUENCIES, _POINTS = 1 << 15, 5_000_000
 
 
-class Peak(NamedTuple):
-    """A peak of a periodogram.
-
-    period, error : float, s; the error is of one standard deviation, by curvature.  power : float,
-    the share of the variance that the series of this period explains.  relation : str, how the
-    period follows from a better one ("alias of #1 (+1 /d)", "2 x #1"), or "".
-    """
-
-    period: float
-    error: float
-    power: float
-    relation: str
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Periodogram(Immutable):
-    """Power against frequency, and its peaks.
-
-    Attributes
-    ----------
-    frequency : (K,) array
-        Hz.
-    power : (K,) array
-        The share of the variance explained; of phase dispersion 1 - theta.
-    peaks : tuple of Peak
-        The best first.
-    false_alarm : float
-        Power that 1 of 100 light curves reaches whose values are exchanged at random among the
-        epochs, on the grid.
-    window : Window
-        The spectral window of the epochs.
-    samples : Samples
-    order : int
-    method : str
-    """
+class Scan(NamedTuple):
+    """Shares of the variance explained (K,) at frequencies (K,), Hz, and by chance; the window."""
 
     frequency: FloatArray
     power: FloatArray
-    peaks: tuple[Peak, ...]
-    false_alarm: float
+    chance: float
     window: Window
-    samples: Samples
-    order: int
-    method: str
-
-    @property
-    def period(self) -> float:
-        """The best period, s."""
-        return self.peaks[0].period
-
-    @property
-    def error(self) -> float:
-        """Its standard error by curvature, s."""
-        return self.peaks[0].error
-
-    def fold(self, rank: int = 0, *, order: int | None = None) -> Folded:
-        """The light curve folded with the period of a peak; see `photometry.fold`."""
-        return _folding.fold(
-            _samples.GivenSamples(self.samples),
-            self.peaks[rank].period,
-            order=order or max(self.order, 2),
-        )
-
-    def bootstrap(self, rank: int = 0, *, draws: int = 200, seed: int = 0) -> float:
-        """The standard error of the period of a peak, s, from points drawn anew.
-
-        Parameters
-        ----------
-        rank, draws, seed : int
-        """
-        found = _refined(self.samples, 1.0 / self.peaks[rank].period, self.order)
-        f = _spectrum.bootstrap(self.samples, found, validation.count(draws, "draws", 2), seed)
-        return float(np.std(f[:, 0], ddof=1) * self.peaks[rank].period ** 2)
-
-    def table(self) -> FlatTable:
-        """A row for each peak."""
-        from astropy import units
-
-        from attitude._support.tables import FlatTable
-
-        return FlatTable(
-            {
-                "period": np.array([each.period for each in self.peaks]) / 3600.0 * units.h,
-                "error": np.array([each.error for each in self.peaks]) / 3600.0 * units.h,
-                "frequency": _DAY / np.array([each.period for each in self.peaks]) / units.d,
-                "power": [each.power for each in self.peaks],
-                "significant": [each.power > self.false_alarm for each in self.peaks],
-                "relation": [each.relation for each in self.peaks],
-            }
-        )
-
-    def plot(self, path: FilePath | None = None) -> Any:
-        """A figure: power, peaks with their aliases, spectral window; saved if a path is given."""
-        from attitude.photometry import _figures
-
-        return _figures.of_periodogram(self, path)
-
-    def __repr__(self) -> str:
-        best = self.peaks[0]
-        return (
-            f"<Periodogram of order {self.order}: {best.period / 3600.0:.7g} h +- "
-            f"{best.error / 3600.0:.2g} h, power {best.power:.3f}, {len(self.peaks)} peaks>"
-        )
 
 
-def periodogram(
-    t: Epochs | HasSamples,
-    values: Reals | None = None,
-    errors: Reals | None = None,
-    *,
-    min_period: Real | None = None,
-    max_period: Real | None = None,
-    order: int = 2,
-    method: str = "fourier",
-    bins: int = 10,
-    curve: ArrayLike | None = None,
-    engine: str = "auto",
-    count: int = 10,
-    seed: int = 0,
-    zero_points: str = "auto",
-) -> Periodogram:
-    """The periods of a light curve with one frequency.
-
-    Parameters
-    ----------
-    t : Photometry, LightCurve, or (N,) epochs
-        Photometry has its values, errors, sessions and filters, which have their own zero points.
-    values, errors, curve
-        As in `spectrum.fit`.
-    min_period, max_period : float, Quantity or text, optional
-        s, or such as "2 h"; by default from twice the median distance of epochs to the span.
-    order : int
-        Harmonics of the series; a light curve with two maxima a turn needs 2.
-    method : "fourier" or "pdm"
-        Fourier series by least squares, or phase dispersion minimisation (Stellingwerf 1978).
-    bins : int
-        Of phase, for "pdm", each covered twice.
-    engine : "auto", "astropy" or "nifty-ls"
-        What computes the series: astropy's LombScargle, by itself or with nifty-ls, if installed.
-    count : int
-        Of peaks.
-    seed : int
-        Of the permutations.
-    zero_points : "auto", "free" or "shared"
-        Of the sessions of a light curve: "auto" gives each its own where the best series with them
-        is the more probable one (`_samples.settled`).
-
-    Returns
-    -------
-    Periodogram
-
-    Raises
-    ------
-    AttitudeError
-        For periods out of order, more than 5e6 frequencies, and fewer values than unknowns.
-
-    Notes
-    -----
-    The grid has 5 frequencies per 1 / (order span); peaks are refined with all zero points free
-    (`_spectrum.refined`), to the least squares of period, harmonics and zero points.  Before the
-    scan the mean of each curve with a zero point of its own is taken off, which hides most of a
-    period longer than a session: so one zero point for all sessions is tried first.
-
-    >>> t = np.sort(np.random.default_rng(1).uniform(0.0, 40.0, 200))      # days
-    >>> found = periodogram(t * 86400.0, np.sin(2 * np.pi * t / 0.31), min_period="2 h", order=1)
-    >>> round(found.period / 86400.0, 6)
-    0.31
-    """
-    data = _samples.tempered(_samples.of(t, values, errors, curve, zero_points))
-    number = validation.count(order, "order")
-    validation.one_of(method, "method", ("fourier", "pdm"))
-
-    def found(own: Samples) -> Periodogram:
-        bounds = min_period, max_period
-        return _periodogram(own, bounds, number, method, bins, engine, count, seed)
-
-    return _samples.settled(data, found, _significant)
-
-
-def _significant(found: Periodogram) -> _spectrum.RefinedSeries | None:
-    """The series of the best peak; None if chance reaches the power of the grid."""
-    if found.power.max() < found.false_alarm:
-        return None
-    return _refined(found.samples, 1.0 / found.period, found.order)
-
-
-def _periodogram(
+def scan(
     data: Samples,
     bounds: tuple[Real | None, Real | None],
-    number: int,
+    order: int,
     method: str,
     bins: int,
     engine: str,
-    count: int,
     seed: int,
-) -> Periodogram:
-    if len(data.t) < data.curves + 2 * number + 2:
+) -> Scan:
+    """The scan between two periods, s."""
+    if len(data.t) < data.linear + 2 * order + 2:
         raise AttitudeError(
-            f"{len(data.t)} values are given for {data.curves} zero points and {number} harmonics; "
+            f"{len(data.t)} values are given for {data.linear} zero points and {order} harmonics; "
             "give more values, or a lower order."
         )
-    frequency = _grid(data, *bounds, number)
+    frequency = _grid(data, *bounds, order)
     if method == "fourier":
-        power = _fourier(data, frequency, number, data.detrended, engine)
-        chance = _chance(data, frequency, number, engine, seed)
+        power = _fourier(data, frequency, order, data.detrended, engine)
+        chance = _chance(data, frequency, order, engine, seed)
     else:
         power = _dispersion(data, frequency, validation.count(bins, "bins", 3), data.detrended)
         chance = _chance_of_dispersion(data, frequency, bins, seed)
     # zero points that are fitted with the series leave fewer values to it
-    chance = min(1.0, chance * (len(data.t) - 1) / max(1, len(data.t) - data.curves))
+    chance = min(1.0, chance * (len(data.t) - 1) / max(1, len(data.t) - data.linear))
     window = spectral_window(data, max(3.0 / _DAY, min(frequency[-1], 12.0 / _DAY)))
-    peaks = _peaks(data, frequency, power, number, window, validation.count(count, "count"))
-    return Periodogram(
-        frozen(frequency), frozen(power), peaks, chance, window, data, number, method
-    )
+    return Scan(frequency, power, chance, window)
 
 
 def _grid(data: Samples, least: Real | None, most: Real | None, order: int) -> FloatArray:
@@ -383,9 +197,7 @@ def _grid(data: Samples, least: Real | None, most: Real | None, order: int) -> F
     if not span > 0.0:
         raise AttitudeError("all values are of one epoch; give values of two epochs or more.")
     if least is None:
-        steps = np.diff(np.sort(data.t))
-        steps = steps[steps > 0.0]
-        low = min(_NYQUIST * float(np.median(steps)) * order, 0.25 * span)
+        low = shortest(data, order)
     else:
         low = validation.positive(least, "min_period", unit="s")
     high = span if most is None else validation.positive(most, "max_period", unit="s")
@@ -402,6 +214,12 @@ def _grid(data: Samples, least: Real | None, most: Real | None, order: int) -> F
         )
     # from one bound to the other, a little denser than the step
     return np.linspace(1.0 / high, 1.0 / low, count)
+
+
+def shortest(data: Samples, order: int) -> float:
+    """The shortest period, s, that is searched by default."""
+    steps = np.diff(np.sort(data.t))
+    return min(_NYQUIST * float(np.median(steps[steps > 0.0])) * order, 0.25 * data.span)
 
 
 def _fourier(
@@ -492,22 +310,22 @@ def _one_of_hundred(largest: list[float]) -> float:
     return float(min(1.0, place - scale * np.log(-np.log(0.99))))
 
 
-def _refined(data: Samples, frequency: float, order: int) -> _spectrum.RefinedSeries:
+def refined(data: Samples, frequency: float, order: int) -> _spectrum.RefinedSeries:
+    """The series of least squares near a frequency."""
     numbers = np.arange(1, order + 1)[:, None]
     return _spectrum.refined(data, np.array([frequency]), numbers)
 
 
-def _peaks(
-    data: Samples,
-    frequency: FloatArray,
-    power: FloatArray,
-    order: int,
-    window: Window,
-    count: int,
-) -> tuple[Peak, ...]:
-    """The best peaks, refined within the range of frequencies, in the order of their power."""
+def best_peaks(
+    data: Samples, found: Scan, order: int, count: int
+) -> list[tuple[float, float, float, str]]:
+    """Frequency, error, share of chi-squared left and relation of the best peaks, in that order.
+
+    They are refined, within the range of frequencies.
+    """
+    frequency, power = found.frequency, found.power
     near = 0.7 / (data.span * order)
-    found: list[tuple[float, float, float]] = []
+    rows: list[tuple[float, float, float]] = []
     taken: list[float] = []
     total = float(np.sum((data.weights * data.detrended) ** 2))
     for k in np.argsort(-power, kind="stable"):
@@ -515,21 +333,26 @@ def _peaks(
             break
         if all(abs(frequency[k] - other) > near for other in taken):
             taken.append(float(frequency[k]))
-            best = _refined(data, float(frequency[k]), order)
+            best = refined(data, float(frequency[k]), order)
             f = abs(float(best.frequencies[0]))
             if not frequency[0] <= f <= frequency[-1]:
                 continue
-            if all(abs(f - other[0]) > 0.5 * near for other in found):
-                found.append((f, float(best.errors[0]), 1.0 - best.chi_squared / total))
-    if not found:
+            if all(abs(f - other[0]) > 0.5 * near for other in rows):
+                rows.append((f, float(best.errors[0]), best.chi_squared / total))
+    if not rows:
         # no maximum within the range: the power rises towards an end
         f = float(frequency[np.argmax(power)])
         numbers = np.arange(1, order + 1)[:, None]
         best = _spectrum.fixed(data, np.array([f]), numbers)
-        found.append((f, float(best.errors[0]), 1.0 - best.chi_squared / total))
-    found.sort(key=lambda each: -each[2])
-    peaks: list[Peak] = []
-    for f, error, share in found[:count]:
-        words = relation(f, [1.0 / each.period for each in peaks], window.lines, 1.0 / data.span)
-        peaks.append(Peak(1.0 / f, error / f**2, share, words))
-    return tuple(peaks)
+        rows.append((f, float(best.errors[0]), best.chi_squared / total))
+    rows.sort(key=lambda row: row[2])
+    rows = rows[:count]
+    return [
+        (
+            f,
+            error,
+            left,
+            relation(f, [row[0] for row in rows[:k]], found.window.lines, 1 / data.span),
+        )
+        for k, (f, error, left) in enumerate(rows)
+    ]

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import re
+import warnings
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from attitude._support import validation
-from attitude._support.synonyms import Answering
+from attitude._support import quantity_text, validation
 from attitude.epochs import _inputs
 from attitude.epochs._instants import Instant
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.motions._motion import Motion
+from attitude.photometry._curve import LightCurve
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -27,14 +30,11 @@ Found = TypeVar("Found")
 
 # Least error in a search of periods, in standard deviations of the values.
 _FLOOR = 0.05
-
-
-class HasSamples(Answering):
-    """Base of objects that are a light curve: `samples` returns it as numbers."""
-
-    def samples(self) -> Samples:
-        """The light curve as `Samples`."""
-        raise NotImplementedError(f"{type(self).__name__} defines no samples")
+# Turns in a span, and spans in a period, from which plain numbers of seconds are doubted.
+_TURNS, _SPANS = 3e5, 10.0
+_UNIT = re.compile(r"[A-Za-df-z]")
+# Change of the phase angle, rad, from which its terms are fitted; width of the opposition surge.
+_SWEEP, _SURGE = np.radians(2.0), np.radians(5.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +59,8 @@ class Samples:
     joined : (N,) array of int or None
         Zero points in place of `curve` if all sessions share one, where it is not known whether
         they do; `settled` decides.
+    terms : (N, L) array or None
+        Further terms in which the values are linear, such as those of the phase angle.
     """
 
     t: FloatArray
@@ -69,6 +71,7 @@ class Samples:
     is_flux: bool = False
     names: tuple[str, ...] = ()
     joined: IntArray | None = None
+    terms: FloatArray | None = None
 
     @property
     def span(self) -> float:
@@ -86,8 +89,23 @@ class Samples:
         return int(self.curve.max()) + 1
 
     @property
+    def linear(self) -> int:
+        """The number of zero points and further linear terms."""
+        return self.curves + (0 if self.terms is None else self.terms.shape[1])
+
+    @cached_property
+    def columns(self) -> FloatArray:
+        """One column (N, linear) for each zero point, 1 or 0, and for each further term."""
+        own = (self.curve[:, None] == np.arange(self.curves)).astype(float)
+        return own if self.terms is None else np.concatenate([own, self.terms], axis=1)
+
+    @cached_property
     def detrended(self) -> FloatArray:
-        """Values (N,) without the weighted mean of each curve."""
+        """Values (N,) without the zero points and terms that fit them best."""
+        if self.terms is not None:
+            matrix = self.columns * self.weights[:, None]
+            solution = np.linalg.lstsq(matrix, self.values * self.weights, rcond=None)[0]
+            return np.asarray(self.values - self.columns @ solution)
         weights = self.weights**2
         total = np.bincount(self.curve, weights)
         mean = np.bincount(self.curve, weights * self.values) / total
@@ -95,15 +113,27 @@ class Samples:
         return found
 
 
-class GivenSamples(HasSamples):
-    """Samples as an argument of functions that take a light curve."""
-
-    def __init__(self, found: Samples) -> None:
-        self._found = found
-
-    def samples(self) -> Samples:
-        """The samples."""
-        return self._found
+def warn_of_plain(given: Any, name: str, data: Samples) -> None:
+    """Warn of plain numbers, which are periods in seconds, where these are absurd for a curve."""
+    if given is None or hasattr(given, "unit"):
+        return
+    each = [given] if isinstance(given, str) or np.ndim(given) == 0 else list(given)
+    if any(hasattr(one, "unit") or (isinstance(one, str) and _UNIT.search(one)) for one in each):
+        return
+    periods = validation.real(given, name, unit="s")
+    steps = np.diff(np.sort(data.t))
+    step = float(steps[steps > 0.0].min(initial=np.inf))
+    short = data.span > _TURNS * periods.min() or periods.min() < 0.5 * step
+    if short or periods.max() > _SPANS * data.span:
+        shown = ", ".join(f"{one:.6g}" for one in np.ravel(periods))
+        turns = data.span / float(periods.min())
+        warnings.warn(
+            f"{name} is {shown} without a unit, which is seconds: {turns:.3g} turns in the "
+            f"{quantity_text.of_time(data.span, 4)} of the light curve, whose closest epochs are "
+            f'{quantity_text.of_time(step, 3)} apart; give a unit, such as "{shown} d".',
+            AttitudeWarning,
+            stacklevel=4,
+        )
 
 
 def tempered(found: Samples) -> Samples:
@@ -146,8 +176,56 @@ def settled(
         return one
 
 
+def of_curve(curve: LightCurve) -> Samples:
+    """The samples of a light curve: at 1 au at the epochs of emission, if the geometry is known.
+
+    Zero points are those of sessions and filters, or of filters alone.
+    """
+    t, values, errors = curve.seconds, curve.value, curve.sigma
+    if curve.has_geometry:
+        t = curve.emission
+        factor = 10.0 ** (0.4 * curve.dimming)
+        values = values * factor if curve.is_flux else values - curve.dimming
+        errors = errors * factor if curve.is_flux else errors
+    own = np.full(len(curve.sessions), curve.zero_points != "shared")
+    if isinstance(curve.zero_points, tuple):
+        own = np.isin(curve.sessions, curve.zero_points)
+    session = np.where(own[curve.session], curve.session + 1, 0)
+    keys = session * len(curve.filters) + curve.filter
+    _, first, number = np.unique(keys, return_index=True, return_inverse=True)
+    words = [
+        (curve.sessions[curve.session[k]] if session[k] else "", curve.filters[curve.filter[k]])
+        for k in first
+    ]
+    known = np.isfinite(errors) & (errors > 0.0)
+    is_settled = curve.zero_points in ("shared", "free") or isinstance(curve.zero_points, tuple)
+    return Samples(
+        np.array(t),
+        np.array(values),
+        np.where(known, errors, np.median(errors[known])) if np.any(known) else None,
+        np.asarray(number, np.int64).reshape(-1),
+        curve.epoch,
+        is_flux=curve.is_flux,
+        names=tuple(" ".join(each for each in both if each) for both in words),
+        joined=None if is_settled else np.unique(curve.filter, return_inverse=True)[1].reshape(-1),
+        terms=_phase_terms(curve),
+    )
+
+
+def _phase_terms(curve: LightCurve) -> FloatArray | None:
+    """Terms (N, 2) of the phase angle: None where it is known or changes little.
+
+    Of fluxes too, whose logarithm is linear in them: to first order.
+    """
+    if not curve.has_geometry or curve.zero_phase or np.ptp(curve.phase_angle) < _SWEEP:
+        return None
+    alpha = curve.phase_angle
+    terms = np.stack([alpha, np.exp(-alpha / _SURGE)], axis=1)
+    return terms - terms.mean(axis=0)
+
+
 def of(
-    t: Epochs | HasSamples,
+    t: Epochs | LightCurve | Samples,
     values: Reals | None = None,
     errors: Reals | None = None,
     curve: ArrayLike | None = None,
@@ -158,20 +236,22 @@ def of(
     Shapes: t (N,), values (N,), errors (N,), curve (N,).
     """
     validation.one_of(zero_points, "zero_points", ("auto", "free", "shared"))
-    if isinstance(t, HasSamples):
+    if isinstance(t, Samples):
+        return t
+    if isinstance(t, LightCurve):
         if values is not None or errors is not None or curve is not None:
             raise AttitudeError(
                 f"t is a {type(t).__name__}, which has its values, errors and curves; leave those "
                 "arguments out."
             )
-        made = t.samples()
+        made = of_curve(t)
         if zero_points == "free" or made.joined is None:
             return replace(made, joined=None)
         if zero_points == "shared":
             return replace(made, curve=made.joined, names=(), joined=None)
         return made
     if values is None:
-        raise AttitudeError("values is missing; give a value for each epoch, or a Photometry as t.")
+        raise AttitudeError("values is missing; give a value for each epoch, or a LightCurve as t.")
     epoch, seconds = _seconds(t)
     if seconds.ndim != 1 or not seconds.size:
         raise AttitudeError(f"t has shape {seconds.shape}; give a row of epochs, (N,).")

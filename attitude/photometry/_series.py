@@ -25,13 +25,12 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from attitude._support.annotations import Epochs, FloatArray, IntArray, Real, Reals
-    from attitude.photometry._samples import HasSamples, Samples
+    from attitude.photometry._curve import LightCurve
+    from attitude.photometry._samples import Samples
 
 
 # Singular values below this part of the greatest belong to lines that the span does not resolve.
 _RANK = 1e-8
-# Most evaluations of one descent.
-_ROUNDS = 60
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -120,8 +119,8 @@ class SeriesFit(Immutable):
         )
 
 
-def fit(
-    t: Epochs | HasSamples,
+def fit_series(
+    t: Epochs | LightCurve,
     values: Reals | None = None,
     P_psi: Real | None = None,
     P_phi: Real | None = None,
@@ -134,9 +133,9 @@ def fit(
 
     Parameters
     ----------
-    t : (N,) epochs, or HasSamples
-        Time objects, dates, time Quantities or plain seconds, in any order; or a `Photometry` or
-        `LightCurve`, without values, errors and curve: ``fit(data, P_psi="5.4 d", P_phi="7.4 d")``.
+    t : (N,) epochs, or LightCurve
+        Time objects, dates, time Quantities or plain seconds, in any order; or a `LightCurve`,
+        without values, errors and curve: ``fit_series(data, P_psi="5.4 d", P_phi="7.4 d")``.
     values : (N,) array_like
         Magnitudes or intensities; Quantities in any unit.
     P_psi, P_phi : float, Quantity or text
@@ -163,7 +162,7 @@ def fit(
         If the values do not determine all parameters (`SeriesFit.rank`).
 
     >>> t = np.linspace(0, 1000, 400)
-    >>> found = fit(t, 5 + 2 * np.cos(2 * np.pi * (1 / 17 - 1 / 90) * t), 90, 17)
+    >>> found = fit_series(t, 5 + 2 * np.cos(2 * np.pi * (1 / 17 - 1 / 90) * t), 90, 17)
     >>> line, amplitude = found.strongest(1)[0]
     >>> (line.i, line.j), round(amplitude, 9)
     ((1, -1), 2.0)
@@ -206,86 +205,6 @@ def _warn_of_rank(rank: int, parameters: int, span: float) -> None:
         )
 
 
-def search(
-    t: Epochs | HasSamples,
-    values: Reals | None = None,
-    P_psi: Real | None = None,
-    P_phi: Real | None = None,
-    *,
-    within: Reals = 0.01,
-    order: int | Sequence[int] = 2,
-    errors: Reals | None = None,
-    curve: ArrayLike | None = None,
-) -> SeriesFit:
-    """The series with the least residuals for periods near given ones.
-
-    Parameters
-    ----------
-    t, values, P_psi, P_phi, order, errors, curve : as in `fit`
-    within : float or pair (of P_psi, of P_phi)
-        Half width of the interval searched, relative to the period.
-
-    Returns
-    -------
-    SeriesFit
-
-    Notes
-    -----
-    The sum of squares is evaluated at frequencies 0.25 / (span * order) apart, a sixth of the
-    width of its minima; from the three lowest, Levenberg-Marquardt descends in both frequencies
-    (variable projection: the linear terms are fitted at each).
-
-    Raises
-    ------
-    AttitudeError
-        As `fit`, and for more than 1e5 pairs of frequencies: narrow `within`, or shorten the span.
-    """
-    from scipy.optimize import least_squares
-
-    data = _Data(_samples.of(t, values, errors, curve))
-    orders = known_orders(order)
-    numbers = np.array(line_numbers(orders))
-    data.refuse_few(numbers)
-    centre = np.array(_frequencies(P_psi, P_phi))
-    spread = validation.real(within, "within") * np.ones(2)
-    if spread.shape != (2,) or not np.all((spread >= 0.0) & (spread < 1.0)):
-        raise AttitudeError(f"within is {within!r}; give parts of the periods, from 0 to below 1.")
-    span = np.ptp(data.t)
-    if not span > 0.0:
-        raise AttitudeError("all values are of one epoch; give values of two epochs or more.")
-    steps = [0.25 / (span * max(1, n)) for n in orders]
-    grids = [_grid(*each) for each in zip(centre, spread, steps, strict=True)]
-    count = len(grids[0]) * len(grids[1])
-    if count > 100_000:
-        raise AttitudeError(
-            f"within {within!r} there are {count} pairs of periods, and at most 100000 are "
-            "searched; narrow within=, or give a shorter span of data."
-        )
-    pairs = np.stack(np.meshgrid(*grids, indexing="ij"), axis=-1).reshape(-1, 2)
-    sums = [data.roughly(psi, phi, numbers) for psi, phi in pairs]
-    unit = 1.0 / span
-
-    def weighted(x: FloatArray, pair: FloatArray) -> FloatArray:
-        psi, phi = pair + unit * x
-        return data.weighted(psi, phi, numbers)
-
-    cost, best = np.inf, pairs[0]
-    for k in np.argsort(sums)[:3]:
-        found = least_squares(
-            weighted,
-            np.zeros(2),
-            args=(pairs[k],),
-            method="lm",
-            xtol=1e-13,
-            ftol=1e-13,
-            max_nfev=_ROUNDS,
-        )
-        if found.cost < cost:
-            cost, best = found.cost, pairs[k] + unit * found.x
-    psi, phi = best
-    return fit(t, values, 1.0 / psi, 1.0 / phi, order=order, errors=errors, curve=curve)
-
-
 def _frequencies(P_psi: Real | None, P_phi: Real | None) -> tuple[float, float]:
     """1 / P_psi and 1 / P_phi, Hz."""
     if P_psi is None or P_phi is None:
@@ -326,18 +245,6 @@ class _Data:
         solution = np.asarray(found, dtype=np.float64)
         return solution, self.values - matrix @ solution, int(rank)
 
-    def weighted(self, psi: float, phi: float, numbers: IntArray) -> FloatArray:
-        """The weighted residuals of the fit."""
-        return self.solved(psi, phi, numbers)[1] * self.weights
-
-    def roughly(self, psi: float, phi: float, numbers: IntArray) -> float:
-        """The sum of squares by the normal equations: faster, to 1e-6 of that of the data."""
-        matrix = self._matrix(psi, phi, numbers) * self.weights[:, None]
-        values = self.values * self.weights
-        normal, right = matrix.T @ matrix, matrix.T @ values
-        normal.flat[:: len(normal) + 1] *= 1.0 + 1e-9
-        return float(values @ values - right @ np.linalg.solve(normal, right))
-
     def _matrix(self, psi: float, phi: float, numbers: IntArray) -> FloatArray:
         angles = _angles(self.t, self.start, 1.0 / psi, 1.0 / phi, numbers)
         own = self.curve[:, None] == np.arange(self.curves)
@@ -353,9 +260,3 @@ def _angles(
     )
     reduced: FloatArray = turns - np.rint(turns)
     return 2.0 * np.pi * reduced
-
-
-def _grid(frequency: float, part: float, step: float) -> FloatArray:
-    """Frequencies at multiples of a step from one, up to a part of it on either side."""
-    reach = int(np.ceil(part * frequency / step))
-    return frequency + np.arange(-reach, reach + 1, dtype=np.float64) * step

@@ -438,7 +438,7 @@ def refined(
     """
     numbers = np.asarray(numbers).reshape(len(numbers), -1)
     lines, dimensions = numbers.shape
-    parameters = samples.curves + 2 * lines + dimensions
+    parameters = samples.linear + 2 * lines + dimensions
     if len(samples.t) <= parameters:
         raise AttitudeError(
             f"{len(samples.t)} values are given for {parameters} unknowns; give more values, or a "
@@ -470,13 +470,14 @@ def refined(
     joint = _joint(samples, f, numbers, start, weights, matrix, solution, unit)
     freedom = max(1, len(samples.t) - parameters)
     inverse = np.linalg.pinv(joint.T @ joint, hermitian=True)[-dimensions:, -dimensions:]
+    first = samples.linear
     return RefinedSeries(
         f,
         inverse * unit**2 * chi / freedom,
         numbers,
         solution[: samples.curves],
-        solution[samples.curves : samples.curves + lines],
-        solution[samples.curves + lines :],
+        solution[first : first + lines],
+        solution[first + lines :],
         start,
         residuals / weights,
         chi,
@@ -527,8 +528,9 @@ def _angles(t: FloatArray, start: float, frequencies: FloatArray, numbers: IntAr
 def _solved(samples, f, numbers, start, weights):
     """Weighted matrix, coefficients and weighted residuals of the linear fit."""
     angles = _angles(samples.t, start, f, numbers)
-    own = samples.curve[:, None] == np.arange(samples.curves)
-    matrix = np.concatenate([own, np.cos(angles), np.sin(angles)], axis=1) * weights[:, None]
+    matrix = (
+        np.concatenate([samples.columns, np.cos(angles), np.sin(angles)], axis=1) * weights[:, None]
+    )
     right = samples.values * weights
     solution = _least_squares(matrix, right)
     return matrix, solution, right - matrix @ solution
@@ -550,7 +552,7 @@ def _least_squares(matrix, right):
 def _joint(samples, f, numbers, start, weights, matrix, solution, unit):
     """The matrix of all parameters: linear terms, and frequencies in units of 1/span."""
     lines = len(numbers)
-    first = samples.curves
+    first = samples.linear
     cosines, sines = solution[first : first + lines], solution[first + lines :]
     # the weighted cosines and sines are columns of the matrix
     rate = matrix[:, first : first + lines] * sines - matrix[:, first + lines :] * cosines

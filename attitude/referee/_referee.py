@@ -50,22 +50,15 @@ if TYPE_CHECKING:
 class Run(Immutable):
     """The errors and the cost of one integrator at one step or tolerance.
 
-    Attributes
-    ----------
-    name : str
-        Of the integrator.
-    step : float
-        s; of an adaptive integrator its relative tolerance.
-    attitude_error : float
-        rad, the largest over the epochs compared; the sign of the quaternion is ignored.
-    rate_error : float
-        Of the angular velocity, relative to its largest component.
-    energy_drift, momentum_drift : float
-        Largest relative change of the energy, and of the momentum as a vector in ICRF.
-    seconds : float
-        Wall time of the whole run.
-    seconds_per_step : float
-        NaN for an adaptive integrator.
+    name: of the integrator.
+    step: s; of an adaptive integrator its relative tolerance.
+    attitude_error: rad, the largest over the epochs compared; the sign of the quaternion is
+        ignored.
+    rate_error: of the angular velocity, relative to its largest component.
+    energy_drift, momentum_drift: largest relative change of the energy, and of the momentum as a
+        vector in ICRF.
+    seconds: wall time of the whole run.
+    seconds_per_step: NaN for an adaptive integrator.
     """
 
     name: str
@@ -82,11 +75,7 @@ class Run(Immutable):
 class Comparison(Immutable):
     """The runs of `compare`; print it for a table.
 
-    Attributes
-    ----------
-    runs : tuple of Run
-    span : float
-        s.
+    span: s.
     """
 
     runs: tuple[Run, ...]

@@ -46,16 +46,10 @@ class NumberField:
 class Parameter:
     """Values that a field of a law accepts.
 
-    Attributes
-    ----------
-    low, high : float
-        The range of a number, both ends included.
-    unit : str or None
-        Unit of the number, as astropy spells it; None for a pure number.
-    words : tuple of str
-        The words allowed if the field is a word; empty if it is a number.
-    is_required : bool
-        Whether the field has no default.
+    low, high: the range of a number, both ends included.
+    unit: unit of the number, as astropy spells it; None for a pure number.
+    words: the words allowed if the field is a word; empty if it is a number.
+    is_required: whether the field has no default.
     """
 
     low: float

@@ -234,6 +234,11 @@ class Materials(Law):
                 )
         object.__setattr__(self, "_by_name", by_name)
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the groups of facets."""
+        return tuple(self._by_name)
+
     def __getitem__(self, name: str) -> Material:
         if name not in self._by_name:
             known = ", ".join(repr(n) for n in self._by_name)

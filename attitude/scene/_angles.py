@@ -66,9 +66,8 @@ def parts(count: int) -> Iterator[slice]:
 
 
 def bisector(sun: FloatArray, observer: FloatArray) -> FloatArray:
-    """Ecliptic (J2000) longitude and latitude (2, N) of the phase-angle bisector -(s + o), rad.
-
-    s and o are the unit vectors from the body to the Sun and to the observer, ICRF.
+    """Ecliptic (J2000) longitude and latitude (2, N), rad, of -(s + o), s and o unit vectors (3,
+    N), ICRF.
     """
     turn = -frames.matrix_to_icrf("ecliptic").T
     out = new_array(2, max(sun.shape[1], observer.shape[1]))
@@ -79,10 +78,8 @@ def bisector(sun: FloatArray, observer: FloatArray) -> FloatArray:
 
 
 def position_angle(axis: FloatArray, line_of_sight: FloatArray) -> FloatArray:
-    """The angle (N,) on the sky from north through east to an axis, 0 to 2 pi rad.
-
-    Both arguments are directions (3, N), ICRF; the line of sight points from the observer to the
-    body.
+    """The angle (N,) on the sky from north through east to an axis, 0 to 2 pi; directions (3, N),
+    ICRF.
     """
     out = new_array(line_of_sight.shape[1])
     for part in parts(out.size):

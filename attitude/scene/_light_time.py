@@ -56,12 +56,8 @@ _SAME = 2e-10
 class Steps(NamedTuple):
     """The paths that connect a target and a viewer; a scene finds them once.
 
-    Attributes
-    ----------
-    geometric : Path
-        Target relative to viewer.
-    target, viewer : Path
-        Relative to the barycentre of the solar system.
+    geometric: target relative to viewer.
+    target, viewer: relative to the barycentre of the solar system.
     """
 
     geometric: Path
@@ -80,20 +76,13 @@ class Steps(NamedTuple):
 class Sightline(Path):
     """The path from a viewer at t to a target at the epoch at which its light left towards t.
 
-    Parameters
-    ----------
-    steps : Steps
-        The paths between target, viewer and the barycentre.
-    sample : (Instant, array, array)
-        Some of the epochs at which the path will be evaluated; they decide whether the target is
-        near.
+    steps: the paths between target, viewer and the barycentre.
+    sample: (Instant, array, array), some of the epochs at which the path will be evaluated; they
+        decide whether the target is near.
 
-    Attributes
-    ----------
-    nearest : float
-        Least distance at the epochs of the sample, m, without the correction; 0 without any epoch.
-    is_near : bool
-        Whether the target is nearer than a light second at all epochs of the sample.
+    nearest: least distance at the epochs of the sample, m, without the correction; 0 without any
+        epoch.
+    is_near: whether the target is nearer than a light second at all epochs of the sample.
     """
 
     def __init__(
@@ -162,10 +151,8 @@ class Sightline(Path):
         )
 
     def _far(self, instant, hi, lo):
-        """A function that returns the vectors (3, N) from barycentric positions.
-
-        Its arguments are light times (N,), or None for none, and the epochs of emission (2, N).
-        And the largest number that enters these differences, m.
+        """A function of light times (N,) or None and epochs of emission (2, N) that returns vectors
+        (3, N) from barycentric positions, and the largest number that enters these differences, m.
         """
         own = self.viewer._position(instant, hi, lo)
 
@@ -192,9 +179,8 @@ class Sightline(Path):
         return vectors_at, 0.0
 
     def _guess(self, instant, hi, lo, path):
-        """Positions at the epochs of reception, the first guess of the fixed point.
-
-        After the end of the target's span, the position at that end: emission is earlier.
+        """Positions at the epochs of reception, or the end of the target's span: emission is
+        earlier.
         """
         if self._ends is not None and hi.size:
             last = since(self._ends[1], instant)
@@ -238,16 +224,10 @@ _SAMPLE = 65
 class LineOfSight(Immutable):
     """A line of sight at each epoch: direction and distance.
 
-    Attributes
-    ----------
-    unit : (3, N) or (3, 1) array
-        Unit vectors, ICRF; (3, 1) if the direction is the same at all epochs.
-    distance : (N,) array or None
-        m; None for a `paths.Direction`, which is infinitely far away.
-    source : str
-        Where the positions come from.
-    error : float or None
-        Largest measured error of the compression, m; None without a compression.
+    unit: (3, N) or (3, 1), unit vectors, ICRF; (3, 1) if the direction is the same at all epochs.
+    distance: (N,) array or None, m; None for a `paths.Direction`, which is infinitely far away.
+    source: where the positions come from.
+    error: largest measured error of the compression, m; None without a compression.
     """
 
     unit: FloatArray
@@ -369,11 +349,7 @@ class Metered(Path):
 
     Velocities are zero: a line of sight needs none, and the `speed_error` of its fit is not used.
 
-    Parameters
-    ----------
-    path : Path
-    budget : int
-        Number of positions that may be evaluated.
+    budget: number of positions that may be evaluated.
     """
 
     def __init__(self, path: Path, budget: int) -> None:

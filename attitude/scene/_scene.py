@@ -185,12 +185,8 @@ _HINTS = {
 class OfView(Observable):
     """A number of a view at every epoch of reception; made by ``scene.quantity``.
 
-    Attributes
-    ----------
-    name : str
-        Of the quantity, or "function".
-    is_flag : bool
-        Whether it is true or false, and so a condition itself.
+    name: of the quantity, or "function".
+    is_flag: whether it is true or false, and so a condition itself.
     """
 
     def __init__(

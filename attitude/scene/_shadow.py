@@ -101,9 +101,8 @@ class _Outlines:
         return area / whole
 
     def _samples(self) -> tuple[FloatArray, FloatArray]:
-        """Angles (K, M) on the outlines of the discs, ascending, and depths there.
-
-        With the extremes of the depth, so that a sliver between two points is not missed.
+        """Ascending angles (K, M) on the outlines of the discs, with the extremes of depth, and
+        depths there.
         """
         step = 2.0 * np.pi / _POINTS
         phi = np.broadcast_to(step * np.arange(_POINTS), (self.half_angle.size, _POINTS))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast, overload
 
 import numpy as np
 
+from attitude._support import markup
 from attitude._support.arrays import (
     Immutable,
     components_first,
@@ -55,17 +56,11 @@ Value = TypeVar("Value")
 class LazyProperty(Generic[Value]):
     """A property of a view, computed once per view; made by `quantity` and `kept`.
 
-    Attributes
-    ----------
-    name : str
-    unit : str
-        In the spelling of astropy; "" for pure numbers and for values that are not numbers.
-    parts : tuple of str
-        Names of the entries of the last axis; () for one number at each epoch.
-    is_column : bool
-        Whether a table can hold the property: one number, or one row of `parts`, at each epoch.
-    about : str
-        Description in one line.
+    unit: in the spelling of astropy; "" for pure numbers and for values that are not numbers.
+    parts: names of the entries of the last axis; () for one number at each epoch.
+    is_column: whether a table can hold the property: one number, or one row of `parts`, at each
+        epoch.
+    about: description in one line.
     """
 
     name: str
@@ -197,6 +192,27 @@ class View(Immutable):
 
     def __repr__(self) -> str:
         return f"<View of {self.seconds.size} epochs; evaluated: {', '.join(self.evaluated)}>"
+
+    def _repr_html_(self) -> str:
+        """A table for notebooks: ranges of the quantities that were computed, the light curve."""
+        known = self.columns()
+        rows = [("epochs", str(self.seconds.size)), ("scene", repr(self.scene))]
+        for name in self.evaluated:
+            values = np.asarray(getattr(self, name)) if name in known else np.zeros((0, 2))
+            finite = values[np.isfinite(values)] if values.dtype.kind == "f" else values[:0]
+            if values.shape == self.shape and finite.size:
+                ends = f"{finite.min():.6g} to {finite.max():.6g} {known[name].unit}"
+                rows.append((name, ends.strip()))
+        return markup.table("View", rows, *self._pictures())
+
+    def _pictures(self) -> list[str]:
+        """The magnitudes against time, if they were computed."""
+        for name in ("magnitude", "reduced_magnitude", "magnitude_everywhere"):
+            if name in self.evaluated and self.seconds.ndim == 1 and self.seconds.size > 2:
+                line = [(self.seconds - self.seconds[0], np.asarray(getattr(self, name)))]
+                caption = f"{name.replace('_', ' ')} over {np.ptp(self.seconds):.4g} s"
+                return [markup.line_plot(line, caption, is_downward=True)]
+        return []
 
     # ---- Quantities by name
 
@@ -471,9 +487,8 @@ class View(Immutable):
         return self._numbers(np.maximum(lit, 0.0, out=lit))
 
     def _velocity_of(self, body: str, part: slice, where: BoolArray) -> FloatArray:
-        """Barycentric velocities (3, K) of a body at the marked epochs of a part, m/s, ICRF.
-
-        The epochs are those of emission.
+        """Barycentric velocities (3, K) of a body at marked epochs of emission of a part, m/s,
+        ICRF.
         """
         hi, lo = (np.broadcast_to(each, self.seconds.size)[part] for each in self._emission())
         path = _composed.relative(body, "ssb", self.scene.ephemeris)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from attitude._support import validation
+from attitude._support import markup, validation
 from attitude._support.arrays import Immutable, frozen
 from attitude._support.quoting import quoted
 from attitude._support.synonyms import arguments
@@ -150,6 +150,17 @@ class Ellipsoid(Immutable):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Ellipsoid, (self.semi_axes,)
+
+    def _repr_html_(self) -> str:
+        """A table for notebooks, and the body seen from one side."""
+        rows = [
+            ("semi-axes", f"{', '.join(f'{x:.6g}' for x in self.semi_axes)} m"),
+            ("area", f"{self.area:.6g} m2"),
+            ("volume", f"{self.volume:.6g} m3"),
+        ]
+        mesh = self.facets(500)
+        picture = markup.solid(mesh.corners, mesh.normals, "seen from x, y, z > 0")
+        return markup.table("Ellipsoid", rows, picture)
 
     @classmethod
     def of_moments(cls, moments: Reals, *, diameter: Real = 1.0) -> Ellipsoid:

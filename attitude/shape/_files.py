@@ -1,4 +1,4 @@
-"""Shapes from files: OBJ and DAMIT's shape.txt, read strictly here; STL and PLY through trimesh."""
+"""Shapes in files: OBJ and DAMIT's shape.txt, read strictly here; STL and PLY through trimesh."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import numpy as np
 from attitude._support import validation
 from attitude._support.quoting import quoted
 from attitude._support.validation import flag, shown
+from attitude._textfiles.atomic_write import written_whole
 from attitude._textfiles.lines import whole
 from attitude.errors import AttitudeError
 from attitude.shape._mesh import SURFACE, Mesh, of_printed, of_single_precision
@@ -66,12 +67,7 @@ def read(
         raise AttitudeError(f"path is {shown(path)}; give the path of a shape as text or a Path.")
     closed, repair = flag(closed, "closed"), flag(repair, "repair")
     file = Path(path)
-    kind = format or _FORMATS.get(file.suffix.lower())
-    if kind not in _FORMATS.values():
-        raise AttitudeError(
-            f"{file.name}: a shape is read as obj, damit, stl or ply; name the file .obj, .txt, "
-            f".stl or .ply, or give format= (given {quoted(format)})."
-        )
+    kind = _kind_of(file, format, "read")
     if not file.is_file():
         raise AttitudeError(f"{file}: there is no such file; give the path of a shape.")
     factor, rounding = _metres(unit), 0.0
@@ -92,6 +88,58 @@ def read(
         return mesh.require_closed() if closed else mesh
     except AttitudeError as err:
         raise AttitudeError(f"{file.name}: {err}") from err
+
+
+def write(path: FilePath, mesh: Mesh, *, unit: str = "m", format: str | None = None) -> None:
+    """Write a mesh; see `Mesh.write`."""
+    if not isinstance(path, (str, os.PathLike)):
+        raise AttitudeError(f"path is {shown(path)}; give the path of a shape as text or a Path.")
+    file = Path(path)
+    kind = _kind_of(file, format, "written")
+    vertices = mesh.vertices / _metres(unit)
+    if kind in ("obj", "damit"):
+        lines = obj_lines if kind == "obj" else damit_lines
+        with written_whole(path, "shape") as text:
+            text.writelines(f"{line}\n" for line in lines(vertices, mesh))
+        return
+    trimesh = _trimesh()
+    content = trimesh.Trimesh(vertices, mesh.facets, process=False).export(file_type=kind)
+    with written_whole(path, "shape", binary=True) as binary:
+        binary.write(content)
+
+
+def obj_lines(vertices: FloatArray, mesh: Mesh) -> Iterator[str]:
+    """The lines of a Wavefront OBJ: vertices (V, 3), then the facets with their materials."""
+    yield from (f"v {x!r} {y!r} {z!r}" for x, y, z in vertices.tolist())
+    material = SURFACE
+    for name, (a, b, c) in zip(mesh.materials, (mesh.facets + 1).tolist(), strict=True):
+        if name != material:
+            if name.split() != name.split(" ") or "#" in name:
+                raise AttitudeError(
+                    f"the material {quoted(name)} cannot stand in an OBJ file: its name holds '#' "
+                    "or blanks beyond single ones between words; rename it."
+                )
+            yield f"usemtl {name}"
+            material = name
+        yield f"f {a} {b} {c}"
+
+
+def damit_lines(vertices: FloatArray, mesh: Mesh) -> Iterator[str]:
+    """The lines of a DAMIT shape model; see `read_damit`."""
+    yield f"{len(vertices)} {len(mesh)}"
+    yield from (f"{x!r} {y!r} {z!r}" for x, y, z in vertices.tolist())
+    yield from (f"{a} {b} {c}" for a, b, c in (mesh.facets + 1).tolist())
+
+
+def _kind_of(file: Path, format: str | None, done: str) -> str:
+    """The format that is given, or that of the ending of a file to be read or written."""
+    kind = format or _FORMATS.get(file.suffix.lower(), "")
+    if kind not in _FORMATS.values():
+        raise AttitudeError(
+            f"{file.name}: a shape is {done} as obj, damit, stl or ply; name the file .obj, .txt, "
+            f".stl or .ply, or give format= (given {quoted(format)})."
+        )
+    return kind
 
 
 def read_obj(lines: Iterable[str], name: str = "OBJ") -> Parts:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from attitude._support import validation
+from attitude._support import markup, synonyms, validation
 from attitude._support.arrays import Immutable, frozen
 from attitude._support.quoting import quoted
 from attitude._support.validation import shown
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike
 
-    from attitude._support.annotations import FloatArray, IntArray, Real, Reals
+    from attitude._support.annotations import FilePath, FloatArray, IntArray, Real, Reals
 
 
 # ---- What rounded coordinates, such as those of a text file, leave uncertain of a surface
@@ -92,15 +92,12 @@ _OF_CORNERS = np.sqrt([7.0, 11.0, 13.0])
 class Edges:
     """The edges of facets; edge 3 f + k runs from corner k of facet f to the next.
 
-    Attributes
-    ----------
-    unbalanced : (N,) array of int
-        Sorted indices of the facets with an edge that is passed more often one way than the other.
-    repeated : (M,) array of int
-        Those among them at an edge that is passed twice in the same direction.
-    mates : (F, 3) array of int
-        The edge of the neighbour that passes the same vertices the other way; -1 where an edge
-        belongs to one facet or to more than two.
+    unbalanced: (N,) array of int, sorted indices of the facets with an edge that is passed more
+        often one way than the other.
+    repeated: (M,) array of int, those among them at an edge that is passed twice in the same
+        direction.
+    mates: (F, 3) array of int, the edge of the neighbour that passes the same vertices the other
+        way; -1 where an edge belongs to one facet or to more than two.
     """
 
     unbalanced: IntArray
@@ -452,6 +449,8 @@ def listed(indices: IntArray) -> str:
 
 # The material of facets that are given none.
 SURFACE: str = "surface"
+# Most facets of the picture of a notebook.
+_DRAWN = 2000
 # Rounding of vertices and normals in heights, over the size of the body.
 _FLAT = 1e-12 + 32.0 * np.finfo(float).eps
 
@@ -528,6 +527,25 @@ class Mesh(Immutable):
     def __repr__(self) -> str:
         kind = "closed" if self.is_closed else "open"
         return f"<Mesh: {len(self.vertices)} vertices, {len(self.facets)} facets, {kind}>"
+
+    def _repr_html_(self) -> str:
+        """A table for notebooks, and the body seen from one side."""
+        size = np.ptp(self.vertices, axis=0)
+        rows = [
+            ("vertices, facets", f"{len(self.vertices)}, {len(self)}"),
+            ("surface", "closed" if self.is_closed else "open"),
+            ("size x, y, z", f"{', '.join(f'{x:.6g}' for x in size)} m"),
+            ("area", f"{self.area:.6g} m2"),
+        ]
+        if self.is_closed:
+            rows.append(("volume", f"{self.volume:.6g} m3"))
+            rows.append(("convex", "yes" if self.is_convex else "no"))
+        if set(self.materials) != {SURFACE}:
+            rows.append(("materials", ", ".join(sorted(set(self.materials)))))
+        picture = ""
+        if len(self) <= _DRAWN:
+            picture = markup.solid(self.corners, self.normals, "seen from x, y, z > 0")
+        return markup.table("Mesh", rows, *([picture] if picture else []))
 
     def __len__(self) -> int:
         """The number of facets."""
@@ -727,6 +745,31 @@ class Mesh(Immutable):
             open=self.may_be_open or other.may_be_open,
         )
         return both.with_rounding(max(self.rounding, other.rounding))
+
+    def write(self, path: FilePath, *, unit: str = "m", format: str | None = None) -> None:
+        """Write the mesh to a file, which `attitude.shape.read` reads back.
+
+        Parameters
+        ----------
+        path : str or path
+            OBJ (.obj, with the materials), DAMIT's shape.txt (.txt), or STL or PLY (.stl, .ply),
+            which need trimesh.  Appears whole or not at all.
+        unit : str
+            Of the numbers in the file, as astropy spells it: "m", "km".
+        format : "obj", "damit", "stl" or "ply", optional
+            By default that of the ending of the file.
+
+        Raises
+        ------
+        AttitudeError
+            For an ending of no format, a unit that is no length, or a file that cannot be written.
+
+        Notes
+        -----
+        OBJ and DAMIT in m give the same doubles back; STL and PLY have 32 bits of each coordinate.
+        DAMIT, STL and PLY hold no materials.
+        """
+        synonyms.named("attitude.shape._files:write")(path, self, unit=unit, format=format)
 
     def mass_properties(
         self, *, density: Real | None = None, surface_density: Real | None = None

@@ -302,16 +302,11 @@ def drawn(
 ) -> FloatArray:
     """Numbers (N,) of objects, drawn from a distribution.
 
-    Parameters
-    ----------
-    names : (N,) array_like
-        Names of the objects.
-    column : str
-        Name of the number.
-    seed : int
-    distribution : (low, high), number or callable
-        Uniform between two numbers; the same number for all; or the inverse of the distribution
-        function, which takes an array of numbers from 0 to 1.
+    names: (N,) array_like, names of the objects.
+    column: name of the number.
+    distribution: (low, high), number or callable, uniform between two numbers; the same number for
+        all; or the inverse of the distribution function, which takes an array of numbers from 0 to
+        1.
 
     >>> drawn(["A", "B"], "period_h", 1, (2.0, 2.0))
     array([2., 2.])

@@ -5,6 +5,7 @@ _gravity_gradient   `GravityGradient`
 _radiation          `SolarRadiation`, `AerodynamicTorque`
 _magnetic           `EddyCurrent`, `MagneticDipole`; fields: `IGRF`, `DipoleField`
 _custom             `CustomTorque`, by a function of the user
+_rheology           `Rheology`, `QualityFactor`, `Maxwell`: friction of an ellipsoid of a material
 _compiled           the compiled functions of the built-in torques
 _torqued            `TorquedRotation` (`attitude.splitting`); states after fixed and adaptive steps
 _system             body, torques and scheme as the compiled loops take them; derivatives
@@ -31,6 +32,9 @@ if TYPE_CHECKING:
     from attitude.torques._magnetic import MagneticField as MagneticField
     from attitude.torques._radiation import AerodynamicTorque as AerodynamicTorque
     from attitude.torques._radiation import SolarRadiation as SolarRadiation
+    from attitude.torques._rheology import Maxwell as Maxwell
+    from attitude.torques._rheology import QualityFactor as QualityFactor
+    from attitude.torques._rheology import Rheology as Rheology
     from attitude.torques._torque import ConstantTorque as ConstantTorque
     from attitude.torques._torque import InternalDissipation as InternalDissipation
     from attitude.torques._torque import LinearDamping as LinearDamping
@@ -42,6 +46,7 @@ _WHERE = {
         ("DipoleField", "EddyCurrent", "IGRF", "MagneticDipole", "MagneticField"),
         "attitude.torques._magnetic",
     ),
+    **dict.fromkeys(("Maxwell", "QualityFactor", "Rheology"), "attitude.torques._rheology"),
     "AerodynamicTorque": "attitude.torques._radiation",
     "ConstantTorque": "attitude.torques._torque",
     "CustomTorque": "attitude.torques._custom",

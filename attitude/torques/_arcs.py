@@ -26,7 +26,7 @@ from attitude._solver import evaluation, sensitivities
 from attitude._solver.elements import inputs_by_elements
 from attitude._solver.evaluation import EPOCHS
 from attitude._solver.records import CONSTANTS
-from attitude._support import pairs, validation
+from attitude._support import markup, pairs, validation
 from attitude._support.arrays import Valued, frozen, read_only
 from attitude._support.synonyms import arguments
 from attitude.epochs import _inputs
@@ -549,6 +549,22 @@ class Arcs(Differentiable):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Arcs, (self.body, self.spin, self.changes)
+
+    def _repr_html_(self) -> str:
+        """A table for notebooks: begin, mode and periods of each arc."""
+        rows: list[tuple[str, ...]] = [
+            ("begins, s", "change", "mode", "period psi, s", "period phi, s")
+        ]
+        changes = ["-", *(type(each).__name__ for each in self.changes)]
+        for change, begin in zip(changes, [0.0, *self.joints.tolist()], strict=True):
+            body, spin = self._bodies[0], self.spin
+            if change != "-":
+                body, state = self.body_at(begin), self.at(begin)
+                spin = Spin(self.epoch.after(begin), state.wxyz, state.angular_velocity)
+            arc = FreeRotation(body, spin)
+            periods = (f"{each:.9g}" for each in (arc.period_psi, arc.period_phi))
+            rows.append(("-" if change == "-" else f"{begin:.9g}", change, arc.mode.name, *periods))
+        return markup.table(f"{len(self)} arcs from {self.spin.epoch.utc_iso} UTC", rows)
 
     def __repr__(self) -> str:
         return f"<Arcs: {len(self.joints) + 1} from {self.spin.epoch.utc_iso} UTC>"

@@ -12,7 +12,7 @@ import math
 
 from attitude._compilation.callbacks import callback, reduction_callback
 from attitude._compilation.decorators import subroutine
-from attitude._compilation.pointers import vector
+from attitude._compilation.pointers import number, vector
 
 
 @subroutine
@@ -138,6 +138,71 @@ def internal_dissipation(t, wxyz, omega, given, p, out):
     out[0], out[1], out[2] = c * n[0], c * n[1], c * n[2]
 
 
+@subroutine
+def _weights(x):
+    """Of four equally spaced values, for the place x between the second (0) and third (1)."""
+    return (
+        -x * (x - 1.0) * (x - 2.0) / 6.0,
+        (x + 1.0) * (x - 1.0) * (x - 2.0) / 2.0,
+        -(x + 1.0) * x * (x - 2.0) / 2.0,
+        (x + 1.0) * x * (x - 1.0) / 6.0,
+    )
+
+
+@subroutine
+def _place(value, first, inverse, count):
+    """The first of four nodes about a value within the table, and the place after the second."""
+    at = min(max((value - first) * inverse, 0.0), count - 1.0)
+    begin = min(max(math.floor(at) - 1.0, 0.0), count - 4.0)
+    return int(begin), at - begin - 1.0
+
+
+@callback
+def rheological_dissipation(t, wxyz, omega, given, p, out):
+    """As `internal_dissipation`, with a strength by energy and momentum from a table.
+
+    p: moments A <= B <= C; their axes by rows; first node, inverse of the spacing and number of
+    nodes of ln(L/C) and of the logarithm of share/rest; logarithms of strengths near the short and
+    near the long axis.
+    """
+    a, b, c = p[0], p[1], p[2]
+    x, y, z = omega[0], omega[1], omega[2]
+    u = p[3] * x + p[4] * y + p[5] * z
+    v = p[6] * x + p[7] * y + p[8] * z
+    w = p[9] * x + p[10] * y + p[11] * z
+    # over the principal axes: momentum, and what is left of L^2 - 2 B T
+    hu, hv, hw = a * u, b * v, c * w
+    size = math.sqrt(hu * hu + hv * hv + hw * hw)
+    apart = c * (c - b) * w * w - a * (b - a) * u * u
+    if apart >= 0.0:
+        table = 0
+        share = b * (a * u * u * (c - a) + b * v * v * (c - b))
+        rest = c * apart
+    else:
+        table = 1
+        share = b * (c * w * w * (c - a) + b * v * v * (b - a))
+        rest = -a * apart
+    strength = 0.0
+    if size > 0.0 and share > 0.0:
+        logarithm = math.log(share / rest) if rest > share * 1e-30 else 100.0
+        rates, shares = int(p[14]), int(p[17])
+        i, fast = _place(math.log(size / c), p[12], p[13], p[14])
+        j, near = _place(logarithm, p[15], p[16], p[17])
+        by_rate, by_share = _weights(fast), _weights(near)
+        values = vector(p, 18 + 2 * rates * shares)[18:].reshape(2, rates, shares)
+        total = 0.0
+        for k in range(4):
+            row = 0.0
+            for m in range(4):
+                row += by_share[m] * values[table, i + k, j + m]
+            total += by_rate[k] * row
+        strength = math.exp(total) / size
+    n = _cross((hu, hv, hw), (u, v, w))
+    out[0] = strength * (p[3] * n[0] + p[6] * n[1] + p[9] * n[2])
+    out[1] = strength * (p[4] * n[0] + p[7] * n[1] + p[10] * n[2])
+    out[2] = strength * (p[5] * n[0] + p[8] * n[1] + p[11] * n[2])
+
+
 @reduction_callback
 def solar_radiation(t, wxyz, omega, given, p, out):
     """Torque of light pressure on flat facets that face the Sun.
@@ -166,4 +231,75 @@ def solar_radiation(t, wxyz, omega, given, p, out):
         bz += along_normal * rows[9, k]
     n = _cross((ax, ay, az), (sx, sy, sz))
     pressure = -p[0] / (r * r)
+    out[0], out[1], out[2] = pressure * (n[0] + bx), pressure * (n[1] + by), pressure * (n[2] + bz)
+
+
+@subroutine
+def _pushed(p, k, sun):
+    """Area of facet k that takes a push along the sunlight, and that along the normal.
+
+    p: the rows of `solar_radiation`, from its third number on.
+    """
+    cosine = max(p[1, k] * sun[0] + p[2, k] * sun[1] + p[3, k] * sun[2], 0.0)
+    size, mirrored = p[0, k] * cosine, p[11, k]
+    return size * (1.0 - mirrored), size * 2.0 * (mirrored * cosine + p[10, k] * (1.0 / 3.0))
+
+
+@subroutine
+def _on_face(x, y, z):
+    """The face of the cube of `light_curve._visibility` that a direction meets, and its place."""
+    ax, ay, az = abs(x), abs(y), abs(z)
+    if ay < ax and az < ax:
+        face, w, u, v = 0, x, y, z
+    elif az > ay:
+        face, w, u, v = 4, z, x, y
+    else:
+        face, w, u, v = 2, y, z, x
+    if w < 0.0:
+        face += 1
+    return face, _evened(u / abs(w)), _evened(v / abs(w))
+
+
+@subroutine
+def _evened(u):
+    """As `light_curve._sums.evened`."""
+    s = math.sqrt(1.0 + 3.0 * abs(u)) - 1.0
+    return s if u >= 0.0 else -s
+
+
+@reduction_callback
+def shaded_radiation(t, wxyz, omega, given, p, out):
+    """As `solar_radiation`, on the shares of facets that are free of shadows.
+
+    p: the address of a table (6 (n + 2)^2, N) of these shares by cell of the sky, n, and what
+    `solar_radiation` takes.
+    """
+    back, r = _direction(wxyz, given)
+    sun = -back[0], -back[1], -back[2]
+    cells, count = int(p[1]), int(p[3])
+    rows = vector(p, 4 + 12 * count)[4:].reshape(12, count)
+    face, u, v = _on_face(sun[0], sun[1], sun[2])
+    # between the middles of four cells, of those of the face and one row around them
+    x, y = 0.5 * (u + 1.0) * cells + 0.5, 0.5 * (v + 1.0) * cells + 0.5
+    i, j, wide = min(max(int(x), 0), cells), min(max(int(y), 0), cells), cells + 2
+    x, y = x - i, y - j
+    first = ((face * wide + j) * wide + i) * count
+    table, right, above = int(p[0]), count, wide * count
+    ax = ay = az = bx = by = bz = 0.0
+    for k in range(count):
+        along_sun, along_normal = _pushed(rows, k, sun)
+        if along_sun > 0.0 or along_normal > 0.0:
+            at = first + k
+            lower = (1.0 - x) * number(table, at) + x * number(table, at + right)
+            upper = (1.0 - x) * number(table, at + above) + x * number(table, at + above + right)
+            lit = (1.0 - y) * lower + y * upper
+            along_sun, along_normal = lit * along_sun, lit * along_normal
+            ax += along_sun * rows[4, k]
+            ay += along_sun * rows[5, k]
+            az += along_sun * rows[6, k]
+            bx += along_normal * rows[7, k]
+            by += along_normal * rows[8, k]
+            bz += along_normal * rows[9, k]
+    n = _cross((ax, ay, az), sun)
+    pressure = -p[2] / (r * r)
     out[0], out[1], out[2] = pressure * (n[0] + bx), pressure * (n[1] + by), pressure * (n[2] + bz)

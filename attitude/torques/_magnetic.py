@@ -17,14 +17,15 @@ from attitude._support import pairs, validation
 from attitude._support.arrays import Immutable, frozen, read_only
 from attitude._textfiles.lines import packaged
 from attitude.epochs import _time_scales
+from attitude.epochs._inputs import instant as instant_of
 from attitude.errors import AttitudeError
-from attitude.frames import _earth, quaternion
+from attitude.paths import _ground
 from attitude.torques._torque import BY_RATE, Torque, path_of, positions, span_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from attitude._support.annotations import FloatArray, Reals
+    from attitude._support.annotations import Epoch, FloatArray, Reals
     from attitude.epochs._instants import Instant
     from attitude.motions._body import Body
     from attitude.paths._path import Path
@@ -124,46 +125,79 @@ class IGRF(MagneticField):
     ----------
     degree : int
         From 1, the tilted dipole, to 13.
+    epoch : epoch, optional
+        Of the coefficients, as a Spin takes it; by default each epoch has its own.  The field of
+        one epoch turns with the Earth at all others, beyond those of the model too.
 
     Raises
     ------
     AttitudeError
-        For another degree; from `at`, for epochs before 1955 or after 2030.
+        For another degree, an epoch before 1955 or after 2030; from `at`, for such epochs if no
+        epoch is given.
 
     Notes
     -----
     Coefficients of IAGA V-MOD, doi.org/10.5281/zenodo.14012302 (November 2024), linear between
-    epochs of five years; from 2025 on a prediction.  Cunningham's recursion, regular at the poles
-    (Montenbruck & Gill, Satellite Orbits, eqs. 3.29 to 3.33).
+    epochs of five years; from 2025 on a prediction.  The Earth turns by the IERS table and, outside
+    of it, by a model of UT1 (seconds in years, 1e-4 rad).  Cunningham's recursion, regular at the
+    poles (Montenbruck & Gill, Satellite Orbits, eqs. 3.29 to 3.33).
     """
 
     degree: int
+    epoch: Instant | None
     is_smooth = True
 
-    def __init__(self, degree: int = 13) -> None:
+    def __init__(self, degree: int = 13, epoch: Epoch | None = None) -> None:
         degree = validation.count(degree, "degree")
         if not 1 <= degree <= 13:
             raise AttitudeError(f"degree is {degree}; the model has the degrees 1 to 13.")
         self._set("degree", degree)
+        self._set("epoch", None if epoch is None else instant_of(epoch))
+        if self.epoch is not None:
+            _coefficients_in(_years(self.epoch, np.zeros(1), np.zeros(1)))
 
     def at(
         self, instant: Instant, seconds: FloatArray, low: FloatArray, position: FloatArray
     ) -> FloatArray:
         """The field (K, 3) in T over ICRF axes; see `MagneticField.at`."""
         hi, lo = pairs.add((seconds, low), instant.seconds, instant.low)
-        years = 2000.0 + (hi + lo) / _time_scales.DAY / 365.25
-        known, table = _coefficients()
-        if np.any(years < known[0]) or np.any(years > known[-1]):
-            raise AttitudeError(
-                f"the field of the Earth is asked for in {float(years.flat[0]):.1f}; IGRF "
-                f"covers {known[0]:.0f} to {known[-1]:.0f}."
-            )
-        place = np.clip(np.searchsorted(known, years, side="right") - 1, 0, len(known) - 2)
-        share = ((years - known[place]) / (known[place + 1] - known[place]))[:, None, None]
-        numbers = table[place] * (1.0 - share) + table[place + 1] * share
-        to_icrf = _earth.to_icrf("itrf", hi, lo)
-        fixed = quaternion.rotate(quaternion.conjugate(to_icrf), position)
-        return quaternion.rotate(to_icrf, _gradient(fixed, numbers, self.degree))
+        if self.epoch is None:
+            numbers = _coefficients_in(_years(instant, seconds, low))
+        else:
+            numbers = _coefficients_in(_years(self.epoch, np.zeros(1), np.zeros(1)))
+        # Earth-fixed axes over ICRF: (axis, component, K)
+        axes = np.array(
+            [
+                _ground.to_celestial(hi, lo, axis, long_term=True, rates=False)[0]
+                for axis in np.eye(3)
+            ]
+        )
+        fixed = np.einsum("ack,kc->ka", axes, position)
+        found: FloatArray = np.einsum("ack,ka->kc", axes, _gradient(fixed, numbers, self.degree))
+        return found
+
+
+def _years(instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
+    """Years (K,) of the calendar, to a day."""
+    hi, lo = pairs.add((seconds, low), instant.seconds, instant.low)
+    return 2000.0 + ((hi + lo) / _time_scales.DAY + 0.5) / 365.25
+
+
+def _coefficients_in(years: FloatArray) -> FloatArray:
+    """The coefficients (K, 14, 14) of years (K,), T."""
+    known, table = _coefficients()
+    # a day: the years are not more exact
+    beyond = (years < known[0] - 0.003) | (years > known[-1] + 0.003)
+    if np.any(beyond):
+        raise AttitudeError(
+            f"the field of the Earth is asked for in {float(years[beyond][0]):.1f}; IGRF covers "
+            f"{known[0]:.0f} to {known[-1]:.0f}. Give IGRF(epoch=...) to keep the coefficients of "
+            "one epoch."
+        )
+    place = np.clip(np.searchsorted(known, years, side="right") - 1, 0, len(known) - 2)
+    share = ((years - known[place]) / (known[place + 1] - known[place]))[:, None, None]
+    numbers: FloatArray = table[place] * (1.0 - share) + table[place + 1] * share
+    return numbers
 
 
 # m: reference radius of the model
@@ -244,8 +278,10 @@ def field_of(given: MagneticField | FieldFunction) -> MagneticField:
 # ---- Samples along a path
 
 # Polynomials of 16 coefficients on pieces in which the direction of the path turns by 1/4 rad: the
-# 13th harmonic of the field then has half a wave, and errs by 1e-11 of the field.
-_COUNT, _TURN = 16, 0.25
+# 13th harmonic of the field then has half a wave, and errs by 1e-11 of the field.  A piece whose
+# last two coefficients are larger than this share of its largest (near the pericenter of an
+# eccentric orbit) is halved, at most so often; beyond, the field is differenced.
+_COUNT, _TURN, _TAIL, _HALVINGS = 16, 0.25, 1e-12, 7
 # Pieces that are kept, and the step (s) of differences where nothing is fitted.
 _MOST_PIECES = 100_000
 _STEP = 0.5
@@ -290,53 +326,73 @@ class FieldOnPath:
     def _fitted(self, instant, seconds, low):
         key = instant.seconds, instant.low
         if key not in self._pieces:
-            self._pieces[key] = self._width(instant, float(seconds[0])), {}
+            self._pieces[key] = self._width(instant), {}
         width, known = self._pieces[key]
         number = np.floor(seconds / width)
         wanted, piece = np.unique(number, return_inverse=True)
         first, last = span_of(self._path, instant)
         inside = (wanted * width >= first) & ((wanted + 1.0) * width <= last)
+        if len(known) + len(wanted) > _MOST_PIECES:
+            known.clear()
+        missing = [k for k in wanted[inside] if int(k) not in known]
+        if missing:
+            known |= self._fit(instant, np.array(missing), width)
+        # each piece is so many equal parts, a row of coefficients each; none where nothing fits
+        tables = [
+            known[int(k)] if within else _NOTHING for k, within in zip(wanted, inside, strict=True)
+        ]
+        parts = np.array([len(table) for table in tables])
         out = np.empty((len(seconds), 6))
-        outside = ~inside[piece]
+        outside = parts[piece] == 0
         if np.any(outside):
             out[outside] = self._differenced(instant, seconds[outside], low[outside])
         rows = np.flatnonzero(~outside)
         if rows.size:
-            used, place = np.unique(number[rows], return_inverse=True)
-            if len(known) + len(used) > _MOST_PIECES:
-                known.clear()
-            missing = [k for k in used if int(k) not in known]
-            if missing:
-                known |= self._fit(instant, np.array(missing), width)
-            records = read_only(np.array([known[int(k)] for k in used]))
-            x = 2.0 * (((seconds[rows] - number[rows] * width) + low[rows]) / width) - 1.0
+            records = read_only(np.concatenate(tables))
+            begins, count = (np.cumsum(parts) - parts)[piece[rows]], parts[piece[rows]]
+            share = ((seconds[rows] - number[rows] * width) + low[rows]) / width * count
+            part = np.clip(np.floor(share), 0, count - 1)
             value, rate = np.empty((3, rows.size)), np.empty((3, rows.size))
+            place, x = begins + part.astype(np.int64), 2.0 * (share - part) - 1.0
             chebyshev.values_and_rates(
-                records, 0, _COUNT, place.astype(np.int64), x, np.array([width]), 1.0, value, rate
+                records, 0, _COUNT, place, x, np.array([width]), 1.0, value, rate
             )
-            out[rows, :3], out[rows, 3:] = value.T, rate.T
+            out[rows, :3], out[rows, 3:] = value.T, (rate * count).T
         return out
 
     def _fit(self, instant, numbers, width):
-        """Records by number."""
+        """Coefficients (parts, 3 count) by number of the piece; no part where nothing fits."""
         x = chebyshev.nodes(_COUNT)
-        at = (numbers[:, None] + 0.5 * (x + 1.0)) * width
-        field = self.direct(instant, at.ravel(), np.zeros(at.size)).reshape(*at.shape, 3)
-        table = chebyshev.coefficients(np.moveaxis(field, 1, 0))  # (count, pieces, 3)
-        rows = np.ascontiguousarray(np.moveaxis(table, 0, -1)).reshape(len(numbers), -1)
-        return {int(k): row for k, row in zip(numbers, rows, strict=True)}
+        tables = {}
+        for halving in range(_HALVINGS + 1):
+            parts = 1 << halving
+            starts = numbers[:, None] + np.arange(parts) / parts
+            at = (starts[..., None] + 0.5 / parts * (x + 1.0)) * width
+            field = self.direct(instant, at.ravel(), np.zeros(at.size)).reshape(*at.shape, 3)
+            table = np.moveaxis(chebyshev.coefficients(np.moveaxis(field, 2, 0)), 0, -1)
+            size = np.abs(table).max(axis=(2, 3))
+            fits = np.all(np.abs(table[..., -2:]).max(axis=(2, 3)) <= _TAIL * size, axis=1)
+            for k, rows in zip(numbers[fits], table[fits], strict=True):
+                tables[int(k)] = np.ascontiguousarray(rows).reshape(parts, -1)
+            numbers = numbers[~fits]
+            if not numbers.size:
+                break
+        return tables | {int(k): _NOTHING for k in numbers}
 
-    def _width(self, instant, start):
+    def _width(self, instant):
         """Seconds in which the direction of the path, or the Earth, turns by `_TURN`."""
         first, last = span_of(self._path, instant)
-        t = np.clip(start + np.array([-10.0, 10.0]), first, last)
+        t = np.clip([-10.0, 10.0], first, last)
         before, after = positions(self._path, instant, t, np.zeros(2), "path")
         size = np.sqrt(np.sum(before * before) * np.sum(after * after))
         turn = np.sqrt(np.sum(np.cross(before, after) ** 2)) / size
-        seconds = max(float(t[1] - t[0]), 1e-3)
         slowest = _time_scales.DAY / (2.0 * np.pi) * _TURN
-        # an eccentric orbit is faster elsewhere
-        return float(min(slowest, 0.5 * _TURN * seconds / max(turn, 1e-12)))
+        if not t[1] > t[0] or not turn > 0.0:  # an epoch outside of the span: halvings find it
+            return slowest
+        return float(min(slowest, 0.5 * _TURN * float(t[1] - t[0]) / turn))
+
+
+_NOTHING = np.empty((0, 3 * _COUNT))
 
 
 # ---- Torques

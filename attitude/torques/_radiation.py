@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -13,21 +15,26 @@ from attitude._support.constants import (
     ASTRONOMICAL_UNIT_M,
     EARTH_RADIUS_M,
     SPEED_OF_LIGHT_M_S,
+    SUN_RADIUS_M,
 )
 from attitude.errors import AttitudeError
 from attitude.frames import _earth
+from attitude.light_curve._brightness import cells_of_directions
+from attitude.light_curve._visibility import Visibility
 from attitude.paths._ground import RATE as EARTH_RATE_RAD_S
+from attitude.paths._path import Path
+from attitude.scene import _shadow
+from attitude.shape._mesh import Mesh
 from attitude.torques._torque import Torque, path_of, positions, span_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
     from attitude._support.annotations import FloatArray, Real, Reals
     from attitude.epochs._instants import Instant
     from attitude.motions._body import Body
-    from attitude.paths._path import Path
     from attitude.torques._torque import PositionFunction
 
 
@@ -67,6 +74,12 @@ class SolarRadiation(Torque):
         Lambert's law too: diffuse=1 is Rubincam's approximation of YORP.
     flux : float or Quantity
         W/m2 at 1 au.
+    shadows : bool or Visibility
+        Whether facets shade each other: the table of `attitude.light_curve.Visibility`, of a `Mesh`
+        only.  False is exact for convex shapes.
+    shadow_of : Path, mapping, or sequence of Paths
+        Bodies that eclipse the Sun: their paths from the Sun, with a name such as "earth" whose
+        radius is known; or a mapping from paths to radii, m.
 
     Attributes
     ----------
@@ -74,17 +87,23 @@ class SolarRadiation(Torque):
     diffuse, mirrored : (N,) float64 arrays, read-only
     flux : float
         W/m2.
+    shadows : Visibility or None
+    shadow_of : tuple of (Path, float)
+        Radii in m.
 
     Raises
     ------
     AttitudeError
         For a shape without these attributes, a path of another type, fractions outside of 0 to 1,
-        a flux that is not positive.
+        a flux that is not positive, shadows of anything but a mesh, a body without a known radius.
 
     Notes
     -----
-    Facets do not shade each other: exact for convex shapes.  Force on a facet: Wertz (1978),
-    Spacecraft Attitude Determination and Control, eq. 17-35.  Rubincam (2000), Icarus 148, 2.
+    With shadows the push on a facet is that on the share of eight points that is lit, interpolated
+    between directions that are 90 deg / resolution apart; divide large facets (`Mesh.divided`).
+    Light that other facets reflect is left out.  In the penumbra of an eclipse the push is that of
+    the share of the Sun's disc that is free.  Force on a facet: Wertz (1978), Spacecraft Attitude
+    Determination and Control, eq. 17-35.  Rubincam (2000), Icarus 148, 2.
 
     The torque has a kink where a facet turns into the light: schemes of any order err there by the
     second power of the step.
@@ -95,6 +114,8 @@ class SolarRadiation(Torque):
     diffuse: FloatArray
     mirrored: FloatArray
     flux: float
+    shadows: Visibility | None
+    shadow_of: tuple[tuple[Path, float], ...]
     columns = 3
 
     def __init__(
@@ -104,19 +125,51 @@ class SolarRadiation(Torque):
         diffuse: Real | Reals = 1.0,
         mirrored: Real | Reals = 0.0,
         flux: Real = SOLAR_CONSTANT,
+        *,
+        shadows: bool | Visibility = False,
+        shadow_of: Path | Mapping[Path, Real] | Sequence[Path] = (),
     ) -> None:
         self._set("path", path_of(path, "path"))
         _set_facets(self, shape, diffuse, mirrored)
         self._set("flux", validation.positive(flux, "flux", unit="W/m2"))
+        self._set("shadows", _visibility_of(shape, shadows))
+        self._set("shadow_of", _occulters(shadow_of))
 
     def address(self) -> int:
-        """Address of `_compiled.solar_radiation`."""
-        from attitude.torques._compiled import solar_radiation
+        """Address of `_compiled.solar_radiation`, or of `shaded_radiation`."""
+        from attitude.torques import _compiled
 
-        return solar_radiation.address
+        if self.shadows is None:
+            return _compiled.solar_radiation.address
+        return _compiled.shaded_radiation.address
+
+    @cached_property
+    def _lit(self) -> FloatArray:
+        """Shares (6 (n + 2)^2, N) of each facet that are free of shadows, by cell of the sky.
+
+        Around the cells of each face of the cube lie those of its neighbours.
+        """
+        table = self.shadows
+        assert table is not None
+        bits = np.array([bin(k).count("1") for k in range(256)]) / 8.0
+        order = np.asarray(table.clusters.order)
+        shares = np.empty((len(table.masks), len(self.diffuse)))
+        shares[:, order] = bits[table.masks[:, : len(order)]]
+        n = table.resolution
+        middles = (np.arange(n + 2) + 0.5 - 1.0) * 2.0 / n - 1.0
+        tangents = np.sign(middles) * ((1.0 + np.abs(middles)) ** 2 - 1.0) / 3.0
+        v, u = np.meshgrid(tangents, tangents, indexing="ij")
+        faces = []
+        for face in range(6):
+            w = np.full(u.shape, -1.0 if face % 2 else 1.0)
+            faces.append([(w, u, v), (v, w, u), (u, v, w)][face // 2])
+        directions = [np.ravel([face[k] for face in faces]) for k in range(3)]
+        size = np.sqrt(sum(each * each for each in directions))
+        cells = cells_of_directions(n, [frozen(each / size) for each in directions])
+        return frozen(shares[cells[: directions[0].size].astype(np.int64)])
 
     def parameters(self, body: Body) -> FloatArray:
-        """The parameters (2 + 12 N,) of `_compiled.solar_radiation`.
+        """The parameters of the function: (2 + 12 N,), with shadows two numbers before these.
 
         Raises
         ------
@@ -124,15 +177,36 @@ class SolarRadiation(Torque):
             For a body whose moments are relative.
         """
         strength = self.flux / SPEED_OF_LIGHT_M_S * ASTRONOMICAL_UNIT_M**2
-        return _facet_parameters(self, body, strength, "light pressure is in newtons")
+        found = _facet_parameters(self, body, strength, "light pressure is in newtons")
+        if self.shadows is None:
+            return found
+        return np.concatenate([[self._lit.ctypes.data, self.shadows.resolution], found])
 
     def span(self, instant: Instant) -> tuple[float, float]:
         """First and last TDB seconds since an instant that the path covers."""
         return span_of(self.path, instant)
 
     def sample(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
-        """The body's positions (K, 3) from the Sun in m, ICRF axes."""
-        return positions(self.path, instant, seconds, low, "path")
+        """The body's positions (K, 3) from the Sun in m, ICRF axes; as if farther in an eclipse."""
+        place = positions(self.path, instant, seconds, low, "path")
+        if not self.shadow_of:
+            return place
+        distance = np.sqrt(np.sum(place * place, axis=1))
+        if np.any(distance <= SUN_RADIUS_M):
+            raise AttitudeError(
+                f"path comes within {np.min(distance):.6g} m of the centre of the Sun; give the "
+                "body's position from the Sun."
+            )
+        lit = np.ones(len(place))
+        for path, radius in self.shadow_of:
+            other = positions(path, instant, seconds, low, f"the path of {path.name}")
+            flattening = _shadow.flattening_of(str(path.name), radius)
+            lit -= 1.0 - _shadow.lit_fraction(
+                (other - place).T, radius, -place.T / distance, distance, flattening=flattening
+            )
+        # the push follows the inverse square of the distance: none at 1e100 times
+        found: FloatArray = place / np.sqrt(np.maximum(lit, 1e-200))[:, None]
+        return found
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -217,7 +291,8 @@ class AerodynamicTorque(Torque):
         before, after = ends
         velocity = (after - before) / (2.0 * _STEP)
         hi, lo = pairs.add((seconds, low), instant.seconds, instant.low)
-        pole = _earth.to_gcrs(*_earth.pole_of_date(hi, lo), np.array([[0.0], [0.0], [1.0]]))
+        x, y, locator = _earth.pole_of_date(hi, lo)
+        pole = _earth.to_gcrs(x, y, locator, np.array([[0.0], [0.0], [1.0]]))
         flow = np.cross(EARTH_RATE_RAD_S * pole.T, position) - velocity
         speed = np.sqrt(np.sum(flow * flow, axis=-1))
         height = np.sqrt(np.sum(position * position, axis=-1)) - EARTH_RADIUS_M
@@ -232,6 +307,47 @@ class AerodynamicTorque(Torque):
         length = 1.0 / (np.maximum(speed, 1e-9) * np.sqrt(np.maximum(density, 1e-200)))
         found: FloatArray = flow / np.maximum(speed, 1e-9)[:, None] * length[:, None]
         return found
+
+
+def _visibility_of(shape: Any, shadows: Any) -> Visibility | None:
+    """The table of shadows of a mesh; None without shadows."""
+    if shadows is False:
+        return None
+    if not isinstance(shape, Mesh):
+        raise AttitudeError(
+            f"shadows is {shadows!r}, but shape is {type(shape).__name__}; facets shade each other "
+            "on a Mesh: give one of attitude.shape, or shadows=False."
+        )
+    if shadows is True:
+        return Visibility.of(shape)
+    if not isinstance(shadows, Visibility):
+        raise AttitudeError(f"shadows is {shadows!r}; give True, False, or Visibility.of(shape).")
+    if not shadows.is_of(shape):
+        raise AttitudeError("shadows is the table of another mesh; give Visibility.of(shape).")
+    return shadows
+
+
+def _occulters(given: Any) -> tuple[tuple[Path, float], ...]:
+    """Paths from the Sun, and radii in m, of bodies that eclipse it."""
+    if isinstance(given, Path):
+        given = (given,)
+    pairs_of = given.items() if isinstance(given, Mapping) else ((path, None) for path in given)
+    found = []
+    for path, radius in pairs_of:
+        if not isinstance(path, Path):
+            raise AttitudeError(
+                f"shadow_of holds {validation.shown(path)}; give the path of a body from the Sun, "
+                'as in paths.relative("earth", "sun").'
+            )
+        if radius is None:
+            radius = _shadow.radius_of(str(path.name))
+        if radius is None:
+            raise AttitudeError(
+                f"the radius of {path.name}, in shadow_of, is not known here; give it in m, as in "
+                "shadow_of={path: 1e6}."
+            )
+        found.append((path, validation.positive(radius, f"the radius of {path.name}", unit="m")))
+    return tuple(found)
 
 
 # s: half of the step over which a path is differenced.

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray, Real, Reals
     from attitude.epochs._instants import Instant
     from attitude.motions._body import Body
+    from attitude.torques._rheology import Rheology
 
     PositionFunction: TypeAlias = Callable[[FloatArray], NDArray[Any]]
 
@@ -259,37 +260,56 @@ class InternalDissipation(Torque):
 
     Parameters
     ----------
-    strength : float
-        Pure number, not negative: about the inverse of the quality factor.
+    strength : float or Rheology
+        Pure number, not negative: about the inverse of the quality factor.  Of a `Rheology`, the
+        strength is that which takes its mean power over the nutation of the present energy and
+        momentum: the same evolution over many nutations, not within one.
 
     Raises
     ------
     AttitudeError
-        For a negative strength.
+        For a negative strength; from a motion, as `Rheology`.
 
     Notes
     -----
     Double-bracket dissipation (Bloch, Krishnaprasad, Marsden & Ratiu 1996, Commun. Math. Phys.
-    175, 1), the simplest model with these two laws.  It does not derive the strength from a
-    material; see Breiter, Rozek & Vokrouhlicky 2012.  Integrated to second order in the step,
+    175, 1), the simplest model with these two laws.  Integrated to second order in the step,
     whatever the scheme.
     """
 
-    strength: float
+    strength: float | Rheology
     kind = SLIP
 
-    def __init__(self, strength: Real) -> None:
+    def __init__(self, strength: Real | Rheology) -> None:
+        from attitude.torques._rheology import Rheology
+
+        if isinstance(strength, Rheology):
+            self._set("strength", strength)
+            return
         given = validation.number(strength, "strength")
         if given < 0.0:
             raise AttitudeError(f"strength is {given!r}; friction does not add energy: give >= 0.")
         self._set("strength", given)
 
     def address(self) -> int:
-        """Address of `_compiled.internal_dissipation`."""
-        from attitude.torques._compiled import internal_dissipation
+        """Address of `_compiled.internal_dissipation`, or of `rheological_dissipation`."""
+        from attitude.torques import _compiled
 
-        return internal_dissipation.address
+        if isinstance(self.strength, float):
+            return _compiled.internal_dissipation.address
+        return _compiled.rheological_dissipation.address
 
     def parameters(self, body: Body) -> FloatArray:
-        """The strength, and the tensor's upper triangle by rows (7,)."""
-        return np.concatenate([[self.strength], body.tensor[np.triu_indices(3)]])
+        """The strength and the tensor's upper triangle by rows (7,); of a rheology its table."""
+        if isinstance(self.strength, float):
+            return np.concatenate([[self.strength], body.tensor[np.triu_indices(3)]])
+        from attitude.torques import _rheology
+
+        return _rheology.parameters(self.strength, body)
+
+    def strength_at(self, body: Body, momentum: ArrayLike, sine_squared: ArrayLike) -> FloatArray:
+        """The strength (...) at momenta and energies (...), as `Rheology.power` takes them."""
+        if isinstance(self.strength, float):
+            shape = np.broadcast_shapes(np.shape(momentum), np.shape(sine_squared))
+            return np.full(shape, self.strength)
+        return self.strength.strength_at(body, momentum, sine_squared)

@@ -56,12 +56,8 @@ _BEFORE = 1e-9
 class PosePiece:
     """Equally spaced attitudes between two jumps of the angular velocity.
 
-    Attributes
-    ----------
-    start, step : float
-        s from the start of the span, and between attitudes.
-    wxyz, angular_velocity : (N, 4), (N, 3) arrays
-        Body to ICRF; rad/s over the body axes.
+    start, step: s from the start of the span, and between attitudes.
+    wxyz, angular_velocity: (N, 4), (N, 3) arrays, body to ICRF; rad/s over the body axes.
     """
 
     start: float
@@ -283,17 +279,11 @@ _BOX = (1.0, 0.7, 0.45)
 class Surface(NamedTuple):
     """Triangles in body axes.
 
-    Attributes
-    ----------
-    vertices : (V, 3) array
-        In units of the greatest distance of a vertex from the origin.
-    facets : (F, 3) array of int
-    kind : str
-        "mesh", "ellipsoid", "ellipsoid of inertia" or "box".
-    size : float
-        The unit of the vertices in m; NaN if the size is unknown.
-    closed : bool
-        Whether no facet is seen from behind.
+    vertices: (V, 3), in units of the greatest distance of a vertex from the origin.
+    facets: (F, 3) array of int
+    kind: "mesh", "ellipsoid", "ellipsoid of inertia" or "box".
+    size: the unit of the vertices in m; NaN if the size is unknown.
+    closed: whether no facet is seen from behind.
     """
 
     vertices: FloatArray
@@ -389,18 +379,9 @@ class Subject:
     Times are seconds of TDB from `start`.  In a scene they are those at which light is received:
     the attitude shown is the one that the light shows.
 
-    Attributes
-    ----------
-    motion : Motion
-    scene : Scene or None
-    shape : Ellipsoid, Mesh or None
-    start : Instant
-    duration : float
-        s
-    title : str
-    magnitude : callable or None
-        Magnitudes (N,) of a View, and `label` on their axis; None without a shape in the scene.
-    label : str
+    duration: s
+    magnitude: magnitudes (N,) of a View, and `label` on their axis; None without a shape in the
+        scene.
     """
 
     motion: Motion

@@ -16,7 +16,7 @@ import pytest
 import attitude
 from attitude import Body, FreeRotation, Spin, cli, epochs
 from attitude.cli import _options, _output
-from attitude.formats import spin_file
+from attitude.formats import _ccsds_epochs, spin_file
 from attitude.motions import _description
 from tests.support.places import ROOT
 
@@ -60,17 +60,25 @@ def test_rows_are_those_of_the_motion(attitude_command):
     assert (code, err) == (0, "")
     found = columns(out)
     seconds = np.array(found["tdb_seconds"], dtype=float)
-    assert seconds.tolist() == [21600.0 * k for k in range(13)]
-    history = spin_file.read(TOUTATIS).motion.at(seconds)
+    days = [f"1992-11-{9 + k // 4:02d}T{('17', '23', '05', '11')[k % 4]}" for k in range(13)]
+    days = [each if "T17" in each or "T23" in each else _next_day(each) for each in days]
+    assert found["utc"] == tuple(f"{each}:49:47" for each in days)  # six hours of UTC
+    # TDB runs unevenly against UTC, by microseconds in days.
+    assert np.max(np.abs(seconds - 21600.0 * np.arange(13))) < 1e-4
+    history = spin_file.read(TOUTATIS).motion.at(list(found["utc"]))
     for k, name in enumerate("wxyz"):
-        assert np.array(found[name], dtype=float).tolist() == history.wxyz[:, k].tolist()
+        column = np.array(found[name], dtype=float)
+        assert column == pytest.approx(history.wxyz[:, k], abs=4e-16)
     for k, name in enumerate(("omega_x", "omega_y", "omega_z")):
-        assert (
-            np.array(found[name], dtype=float).tolist() == history.angular_velocity[:, k].tolist()
-        )
+        column = np.array(found[name], dtype=float)
+        assert column == pytest.approx(history.angular_velocity[:, k], rel=1e-14)
     # The dates say the same epochs, to the nanosecond.
     since = epochs.seconds_since(history.epoch, list(found["utc"]))
     assert np.max(np.abs(since[0] - seconds + since[1])) <= 0.5001e-9
+
+
+def _next_day(text):
+    return f"{text[:8]}{int(text[8:10]) + 1:02d}{text[10:]}"
 
 
 def test_standard_deviations(attitude_command, tmp_path):
@@ -84,9 +92,11 @@ def test_standard_deviations(attitude_command, tmp_path):
     history = motion.at(np.array(found["tdb_seconds"], dtype=float))
     for k, axis in enumerate("xyz"):
         sigma = np.array(found[f"sigma_{axis}"], dtype=float)
-        assert sigma.tolist() == history.sigma[:, k].tolist()
+        # At the epochs in two doubles, of which the column holds one: 1e-16 of a rate of 15 rad/s.
+        assert sigma == pytest.approx(history.sigma[:, k], rel=1e-13)
         of_rate = np.array(found[f"sigma_omega_{axis}"], dtype=float)
-        assert of_rate.tolist() == np.sqrt(history.covariance[:, 3 + k, 3 + k]).tolist()
+        wanted = np.sqrt(history.covariance[:, 3 + k, 3 + k])
+        assert of_rate == pytest.approx(wanted, rel=1e-13)
         assert sigma[0] == pytest.approx(np.radians(1.0), rel=1e-12)
     assert sigma[-1] > np.radians(1.001)
     _, out, _ = attitude_command(*options)
@@ -95,7 +105,7 @@ def test_standard_deviations(attitude_command, tmp_path):
 
     attitude_command(*options, "--rates", "--output", tmp_path / "a.ecsv")
     table = QTable.read(tmp_path / "a.ecsv")
-    assert np.array_equal(table["sigma_z"].to_value("rad"), history.sigma[:, 2])
+    assert np.array_equal(table["sigma_z"].to_value("rad"), sigma)
     assert str(table["sigma_omega_x"].unit) == "rad / s"
     code, out, err = attitude_command("propagate", PAPER, "--stop", "1", "--step", "1", "--sigma")
     assert (code, out) == (2, "")
@@ -136,16 +146,15 @@ def test_time_runs_backwards(attitude_command):
     for options in (("--start", "0", "--stop", "-2 h"), ("--start", "0", "--stop", "-2h")):
         code, out, _ = attitude_command("propagate", TOUTATIS, *options, "--step", "-1h")
         assert code == 0
-        assert columns(out)["tdb_seconds"] == ("0.0", "-3600.0", "-7200.0")
+        assert columns(out)["utc"] == tuple(f"1992-11-09T{hour}:49:47" for hour in (17, 16, 15))
 
 
 def test_one_row_and_a_last_step_that_does_not_fit(attitude_command):
     _, out, _ = attitude_command("propagate", PAPER, "--stop", "0", "--step", "1")
     assert len(out.splitlines()) == 2
-    _, out, _ = attitude_command("propagate", PAPER, "--stop", "0.35", "--step", "0.1")
-    assert columns(out)["tdb_seconds"] == ("0.0", "0.1", "0.2", "0.3")
-    _, out, _ = attitude_command("propagate", PAPER, "--stop", "0.3", "--step", "0.1")
-    assert columns(out)["tdb_seconds"] == ("0.0", "0.1", "0.2", "0.3")
+    for stop in ("0.35", "0.3"):
+        _, out, _ = attitude_command("propagate", ENVISAT, "--stop", stop, "--step", "0.1")
+        assert [each[-6:] for each in columns(out)["utc"]] == [f"00.{k}00" for k in range(4)]
 
 
 def test_blocks_make_no_difference(monkeypatch, attitude_command):
@@ -436,7 +445,7 @@ def test_parsing_needs_nothing_heavy():
 
 def test_a_far_grid_stays_on_its_steps():
     # 1e9 steps of a tenth of a second: the last is at 1e8 s, not 5e-9 s beside it.
-    found = _options.grid(epochs.instant("2000-01-01"), "0", "1e8", "0.1 s")
+    found = _options.grid(epochs.instant("2000-01-01"), "0", "1e8", "0.1 s", is_tdb=True)
     assert found.count == 10**9 + 1
     hi, lo = found.block(found.count - 1, 5)[:2]
     assert hi.tolist() == [1e8]
@@ -463,6 +472,40 @@ def test_steps_of_utc_are_equal_in_utc():
     hi, lo = found.block(0, 400)
     drift = hi - 86400.0 * np.arange(367) + lo
     assert 2e-3 < np.ptp(drift) < 4e-3
+
+
+def test_steps_are_in_the_scale_of_the_start():
+    epoch = epochs.instant("2020-01-01")
+    for start, is_tdb in (("0", False), ("2020-01-01", False), ("2020-01-01 TDB", True)):
+        found = _options.grid(epoch, start, "365 d", "1 d")
+        hi, lo = found.block(0, 400)
+        drift = np.ptp(hi - hi[0] - 86400.0 * np.arange(len(hi)) + lo)
+        assert drift < 1e-9 if is_tdb else 2e-3 < drift < 4e-3
+
+
+def test_dates_of_messages_have_no_digits_without_meaning(attitude_command, tmp_path):
+    """A stop of an hour is an hour of UTC; TDB files step in TDB; odd epochs keep 12 digits."""
+    name = tmp_path / "a.aem"
+
+    def dates(*options):
+        code, _, err = attitude_command("convert", TOUTATIS, name, *options)
+        assert code == 0, err
+        return re.findall(r"^(?:ST\w+_TIME = )?(\d{4}-\S+)", name.read_text(), re.M)
+
+    found = dates("--stop", "1 h", "--step", "20 min")
+    assert found[2:] == [
+        f"1992-11-09T{each}:47.000" for each in ("17:49", "18:09", "18:29", "18:49")
+    ]
+    found = dates("--stop", "1 h", "--step", "20 min", "--time-system", "TDB")
+    assert len(found[2]) == 32 and {each[17:] for each in found} == {found[2][17:]}
+    found = dates("--stop", "1.5 s", "--step", "0.25 s")
+    assert [each[-6:] for each in found[-3:]] == ["48.000", "48.250", "48.500"]
+    # What conversions leave, some 1e-12 s, is not printed; more is.
+    epoch = spin_file.read(TOUTATIS).motion.epoch
+    near = _ccsds_epochs.texts(epoch, np.zeros(2), np.array([4e-12, -3e-12]), "utc")
+    assert [each[-6:] for each in near] == ["47.000", "47.000"]
+    far = _ccsds_epochs.texts(epoch, np.array([2e-11]), np.array([0.0]), "utc")
+    assert far[0].endswith("47.000000000020")
 
 
 # Names of the catalogue ---------------------------------------------------------------------------

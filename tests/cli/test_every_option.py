@@ -24,6 +24,7 @@ from tests.house.test_docs import PAGES, ROOT
 DATA = ROOT / "data"
 OEM, TLE = DATA / "paths" / "apophis-2012-2013.oem", DATA / "paths" / "envisat-2013.tle"
 MISSION = DATA / "mission" / "apophis-2012.toml"
+PASS, GLINTS = (DATA / "mission" / f"envisat-{name}.toml" for name in ("pass", "glints"))
 # Toutatis of the catalogue, whose epoch is 1992-12-11; the file is written below.
 STATE = catalog.entry("toutatis").motion()
 
@@ -43,6 +44,17 @@ CASES = {
         'state.toml --start 0 --stop "2 d" --step "1 d" --rates --sigma --output OUT.csv',
     ],
     "describe": list(_VALUES),
+    "catalog": ["", "apophis"],
+    "passes": [
+        f'{PASS} --start 2013-10-23 --stop 2013-10-24 --elevation "1 deg" --sunlit '
+        '--night "-6 deg" --output OUT.csv',
+        f"{PASS} --start 2013-10-23T09:00 --stop 2013-10-23T10:00",
+    ],
+    "glints": [
+        f'{GLINTS} --start 2013-10-23T20:50 --stop 2013-10-23T20:51 --side "body +z" --all '
+        "--fraction 0.2 --output OUT.ecsv",
+    ],
+    "completion": ["bash", "zsh", "fish"],
     "geometry": [
         f'{MISSION} --start 2012-12-23 --stop 2012-12-24 --step "6 h" --output OUT.csv',
         "--list",
@@ -54,9 +66,13 @@ CASES = {
     ],
     "invert": [
         f"asteroid.csv {_INVERT} --orbit {OEM} --site {_GROUND} --seed 1 --zero-points shared "
-        "--frame icrf --output OUT.toml --figure OUT.png",
+        "--frame icrf --output OUT.toml --figure OUT.png --exposure '60 s' --predict "
+        "'2013-05-01T00:00 .. 2013-05-01T06:00, 1 h' --prediction OUT2.png",
         f'satellite.csv {_INVERT} --max-frequency "20 mHz" --orbit {TLE} --orbit-of ENVISAT '
         f"--site {_GROUND}",
+        f'satellite.csv --max-frequency "0.02 Hz" --budget "0.5 s" --orbit {TLE} '
+        f"--orbit-of ENVISAT --site {_GROUND} --shape box.obj --unit m --law lambert "
+        '--moments "3, 4, 5" --output OUT.toml',
     ],
     "periods": [
         f"asteroid.csv --filter V --zero-points shared --orbit {OEM} --site earth --g 0.24 "
@@ -118,7 +134,7 @@ SLOW = ("warm-up",)
 def options_of(command):
     """The first name of each option of a command, as its parser has them."""
     parser = argparse.ArgumentParser(add_help=False)
-    importlib.import_module(f"attitude.cli.{command.replace('-', '_')}").add_arguments(parser)
+    cli.command_of(command).add_arguments(parser)
     return {each.option_strings[0] for each in parser._actions if each.option_strings}
 
 
@@ -214,8 +230,7 @@ def test_the_geometry_of_a_light_curve_by_keyword(files):
 
 # Functions that hand all further keywords on, and what takes them.
 FORWARDS = {
-    "LightCurve.read": "attitude.inversion:LightCurve",
-    "read": "attitude.photometry:Photometry",
+    "LightCurve.read": "attitude.photometry:LightCurve",
 }
 
 
@@ -312,10 +327,7 @@ def test_every_call_of_the_docs_binds():
 
 def test_a_function_that_hands_keywords_on_has_none_of_their_names():
     """A first parameter `path` makes `path=` of the class behind it unreachable."""
-    for function, target in (
-        (inversion.LightCurve.read, inversion.LightCurve),
-        (attitude.photometry.read, attitude.photometry.Photometry),
-    ):
+    for function, target in ((inversion.LightCurve.read, inversion.LightCurve),):
         own = inspect.signature(function).parameters.values()
         named = {each.name for each in own if each.kind is each.POSITIONAL_OR_KEYWORD}
         assert not named & set(inspect.signature(target).parameters)

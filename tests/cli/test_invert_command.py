@@ -194,6 +194,6 @@ def test_many_points_are_averaged_with_a_note(tmp_path, capsys, monkeypatch):
     options = ["--max-frequency", "6 /d", "--budget", "0.2 s"]
     assert cli.main(["invert", str(path), *options]) == 0
     text = capsys.readouterr().out
-    assert f"LightCurve of {count} points" in text
+    assert f"LightCurve of many: {count} magnitudes" in text
     averaged = [line for line in text.splitlines() if f"{count} points were averaged to" in line]
     assert len(averaged) == 1 and 1000 < int(averaged[0].rstrip(".").split()[-1]) < 6000

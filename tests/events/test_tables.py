@@ -173,7 +173,7 @@ def test_tables_and_files(night, tmp_path):
     np.testing.assert_allclose((again["rise"] - table["rise"]).sec, 0, atol=1e-3)
     table.write(tmp_path / "x.csv")
     head = (tmp_path / "x.csv").read_text().splitlines()
-    assert head[0].startswith("rise,rise_azimuth [deg],culmination") and len(head) == 6
+    assert head[0].startswith("rise_utc,rise_azimuth [deg],culmination_utc") and len(head) == 6
     assert "deg" in str(night) and repr(night[:2]).startswith("<2 Timetable")
     with pytest.raises(AttributeError, match="Passes has no 'altitude'; its columns are rise"):
         _ = night.altitude

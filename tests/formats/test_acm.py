@@ -345,7 +345,8 @@ def test_on_the_command_line(tmp_path, name):
     assert detect.of_file(path).startswith("acm")
     assert len(acm.read(path).covariances) == 1
     assert main(["convert", str(path), str(tmp_path / "b.aem")]) == 0
-    assert apart(aem.read(tmp_path / "b.aem").wxyz, MOTION.at(np.arange(7.0)).wxyz) < 1e-14
+    dates = [f"2016-12-31T23:59:{50 + k}" for k in range(7)]  # steps are seconds of UTC
+    assert apart(aem.read(tmp_path / "b.aem").wxyz, MOTION.at(dates).wxyz) < 1e-14
     assert main(["convert", str(tmp_path / "b.aem"), str(tmp_path / "c.acm")]) == 0
     assert apart(detect.read(tmp_path / "c.acm").wxyz, detect.read(path).wxyz) < 1e-14
     # A message with several bodies, or with none.

@@ -17,6 +17,8 @@ MOTION = FreeRotation(
 )
 T = np.arange(0.0, 61.0, 10.0)
 HISTORY = MOTION.at(T)
+# The same in seconds of UTC, in which the command steps.
+STEPS = MOTION.at([f"2026-01-01T00:0{k // 60}:{k % 60:02d}" for k in range(0, 61, 10)])
 
 
 def apart(p, q):
@@ -82,7 +84,7 @@ def test_the_command_converts_from_and_to_it(tmp_path, capsys):
     ):
         names = [str(tmp_path / given), str(tmp_path / made)]
         assert cli.main(["convert", *names, *words]) == 0, capsys.readouterr().err
-    assert apart(detect.read(tmp_path / "c.quat").wxyz, HISTORY.wxyz) < 1e-13
+    assert apart(detect.read(tmp_path / "c.quat").wxyz, STEPS.wxyz) < 1e-13
     words = [str(tmp_path / "in.toml"), str(tmp_path / "e.quat"), *steps, "--version", "2.0"]
     assert cli.main(["convert", *words]) == 2
     assert "--version has no meaning for a table of quaternions" in capsys.readouterr().err
@@ -175,7 +177,7 @@ def test_a_format_that_is_registered_is_detected_and_converted(tmp_path, capsys)
         assert capsys.readouterr().out == "written\n"
         assert detect.to_write("x.mine") == "mine"
         (tmp_path / "a.mine").write_text((tmp_path / "a.mine").read_text().replace("# ", ""))
-        assert apart(detect.read(tmp_path / "a.mine").wxyz, HISTORY.wxyz) < 1e-15
+        assert apart(detect.read(tmp_path / "a.mine").wxyz, STEPS.wxyz) < 1e-15
         with pytest.raises(AttitudeError, match=r"share '\.a'"):
             _format.register(_format.Format("other", endings=(".a",), **made))
         out[0] = str(tmp_path / "a.csv")

@@ -1,5 +1,6 @@
 """Spin files: what is written is read back bit by bit; what is wrong is told in a sentence."""
 
+import importlib
 import os
 import pickle
 import signal
@@ -14,11 +15,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from attitude import AttitudeError, Body, FreeRotation, Spin
+from attitude import AttitudeError, Body, FreeRotation, Spin, catalog, scattering, shape
 from attitude._support import validation
 from attitude._textfiles.atomic_write import made_whole, written_whole
 from attitude.epochs._instants import Instant
-from attitude.formats import spin_file
+from attitude.formats import mission, spin_file
 from tests.support import states
 from tests.support.places import ROOT
 
@@ -533,3 +534,108 @@ def test_published_states_that_are_wrong(old, new, words):
     assert old in PUBLISHED
     with pytest.raises(AttitudeError, match=words):
         spin_file.parse(PUBLISHED.replace(old, new))
+
+
+# The shape in the file ----------------------------------------------------------------------------
+
+
+def _shown(folder, text):
+    (folder / "mission.toml").write_text(text)
+    return mission.read(folder / "mission.toml").scene
+
+
+def test_the_shape_is_kept_and_missions_take_it(tmp_path):
+    motion = catalog.entry("toutatis").motion()
+    mesh = shape.Ellipsoid((2.3, 1.2, 1.0)).facets(80)
+    law = scattering.LommelSeeligerLambert(c=0.1, a=0.0, k=0.0)
+    spin_file.write(tmp_path / "found.toml", motion, shape=mesh, law=law)
+    found = spin_file.read(tmp_path / "found.toml")
+    assert np.array_equal(found.shape.vertices, mesh.vertices)
+    assert np.array_equal(found.shape.facets, mesh.facets) and found.law == law
+    spin_file.write(tmp_path / "again.toml", found)
+    assert (tmp_path / "again.toml").read_text() == (tmp_path / "found.toml").read_text()
+
+    rest = (
+        'observer.direction = [1, 0, 0]\nsun.direction = [0, 1, 0]\ntimes.epochs = ["1993-01-01"]'
+    )
+    scene = _shown(tmp_path, f'spin = "found.toml"\n{rest}')
+    assert np.array_equal(scene.shape.vertices, mesh.vertices) and scene.law == law
+    other = _shown(tmp_path, f'spin = "found.toml"\n{rest}\nshape.ellipsoid = "3, 2, 1 km"')
+    assert isinstance(other.shape, shape.Ellipsoid) and other.law.name == "lommel-seeliger"
+    lambert = _shown(tmp_path, f'spin = "found.toml"\n{rest}\nscattering.law = "lambert"')
+    assert lambert.law.name == "lambert" and len(lambert.shape) == len(mesh)
+
+
+def test_materials_and_ellipsoids_are_kept(tmp_path):
+    motion = catalog.entry("toutatis").motion()
+    both = shape.box((1, 2, 3), material="foil").joined(
+        shape.box((1, 1, 1), material="solar panel").moved((5, 0, 0))
+    )
+    law = scattering.Materials(
+        {"foil": scattering.Material(0.3, 0.2), "solar panel": scattering.Material(0.1)}
+    )
+    spin_file.write(tmp_path / "a.toml", motion, shape=both, law=law)
+    found = spin_file.read(tmp_path / "a.toml")
+    assert found.shape.materials == both.materials
+    assert found.law["foil"] == law["foil"] and found.law.names == law.names
+    spin_file.write(tmp_path / "b.toml", motion, shape=shape.Ellipsoid((3, 2, 1)))
+    assert spin_file.read(tmp_path / "b.toml").shape.semi_axes.tolist() == [3.0, 2.0, 1.0]
+    both.write(tmp_path / "body.obj")
+    text = spin_file.text(motion) + '[shape]\nfile = "body.obj"\n[scattering]\nlaw = "lambert"\n'
+    (tmp_path / "c.toml").write_text(text)
+    assert spin_file.read(tmp_path / "c.toml").shape.materials == both.materials
+
+
+@pytest.mark.parametrize(
+    ("lines", "sentence"),
+    [
+        ('[scattering]\nlaw = "lambert"', "no .shape."),
+        ('[shape]\nfile = "none.obj"', "no such file"),
+        ("[shape]\nfile = 3", "give the name of a file"),
+        ("[shape.mesh]\nvertices = [[0, 0, 0]]", "has no facets"),
+        ("[shape.mesh]\nvertices = [[0, 0, 0]]\nfacets = [[0, 1, 2]]", "do not exist"),
+        ("[shape]\nball = 3", "ball"),
+        ("[shape]\nbox = [1, 2, 3]\nshadows = false", "mission file"),
+    ],
+)
+def test_wrong_shapes_are_refused(tmp_path, lines, sentence):
+    path = tmp_path / "a.toml"
+    path.write_text(spin_file.text(catalog.entry("toutatis").motion()) + lines + "\n")
+    with pytest.raises(AttitudeError, match=sentence) as error:
+        spin_file.read(path)
+    assert str(error.value).startswith(str(path))
+
+
+def test_a_law_without_a_name_or_a_shape_is_not_written(tmp_path):
+    motion = catalog.entry("toutatis").motion()
+
+    class Nameless(scattering.Lambert):
+        name = None
+
+    for settings in ({"law": scattering.Lambert()}, {"shape": "ball"}):
+        with pytest.raises(AttitudeError):
+            spin_file.write(tmp_path / "a.toml", motion, **settings)
+    with pytest.raises(AttitudeError, match="has no name"):
+        spin_file.write(tmp_path / "a.toml", motion, shape=shape.box((1, 2, 3)), law=Nameless())
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("module", "name", "ending"),
+    [
+        ("spin_file", "m.obj", "a shape"),
+        ("spin_file", "m.aem", "AEM"),
+        ("spin_file", "m.html", "a page"),
+        ("aem", "m.toml", "spin file"),
+        ("aem", "m.csv", "tables"),
+        ("apm", "m.aem", "AEM"),
+        ("stk", "m.png", "a picture"),
+        ("quat", "m.bc", "SPICE"),
+        ("damit", "m.toml", "spin file"),
+    ],
+)
+def test_writers_refuse_the_endings_of_others(tmp_path, module, name, ending):
+    writer = importlib.import_module(f"attitude.formats.{module}")
+    with pytest.raises(AttitudeError, match=f"is the ending of.*{ending}"):
+        writer.write(tmp_path / name, catalog.entry("toutatis").motion())
+    assert list(tmp_path.iterdir()) == []

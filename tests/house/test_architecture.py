@@ -32,7 +32,7 @@ LAYERS = (
     ("cli", "__main__"),
 )
 # Paths that hand on the names of other modules: nothing of the package imports them.
-HANDED_ON = ("arcs", "published", "quaternion", "representations", "spectrum", "splitting")
+HANDED_ON = ("arcs", "published", "quaternion", "representations", "splitting")
 PLACE = {name: (row, k) for row, names in enumerate(LAYERS) for k, name in enumerate(names)}
 HEAVY = ("numba", "llvmlite", "astropy", "scipy", "skyfield", "matplotlib", "erfa", "jplephem")
 

@@ -101,10 +101,10 @@ def test_the_pages_about_the_inside_name_files_that_exist():
 
 def test_the_site_shows_every_section_of_mission_files():
     """docs/files.md is made from the docstring of the reader."""
-    from attitude.formats import mission
+    from attitude.formats import _surface, mission
 
     assert ".. automodule:: attitude.formats.mission" in (ROOT / "docs" / "files.md").read_text()
-    for name in [*mission._KEYS, *mission._SHAPES, *mission._ANY_SHAPE]:
+    for name in [*mission._KEYS, *_surface._SHAPES, *_surface._ANY_SHAPE]:
         assert re.search(rf"\b{name}\b", mission.__doc__), name
 
 

@@ -728,8 +728,8 @@ def relative(value, tolerance):
 @part()
 def periods():
     """Of one and of two frequencies, of the observed curve of Toutatis."""
-    curve = photometry.read(DATA / "light_curve" / "toutatis-1992-photometry.csv")
-    one = photometry.periodogram(curve, min_period="1 d", max_period="20 d")
+    curve = photometry.LightCurve.read(DATA / "light_curve" / "toutatis-1992-photometry.csv")
+    one = photometry.periods(curve, min_period="1 d", max_period="20 d")
     yield (
         "one",
         Numbers(
@@ -737,19 +737,16 @@ def periods():
             | {f"power {k}": (float(peak.power), 1e-9) for k, peak in enumerate(one.peaks[:5])}
         ),
     )
-    two = photometry.two_periods(curve, first=("7.2 d", "7.5 d"), second=("5.3 d", "5.5 d"))
-    yield "two", Numbers(pair_numbers(two.pairs))
-    given = inversion.LightCurve.read(DATA / "light_curve" / "toutatis-1992-photometry.csv")
-    found = inversion.periods(given, "0.75 /d")
-    yield "inversion", Numbers(pair_numbers(found))
+    two = photometry.periods(curve, count=2, first=("7.2 d", "7.5 d"), second=("5.3 d", "5.5 d"))
+    yield "two", Numbers(pair_numbers(two.peaks))
 
 
 @part(slow=True)
 def two_periods():
     """The same curve, over all periods from 2 to 10 days."""
-    curve = photometry.read(DATA / "light_curve" / "toutatis-1992-photometry.csv")
-    found = photometry.two_periods(curve, min_period="2 d", max_period="10 d")
-    yield "toutatis", Numbers(pair_numbers(found.pairs))
+    curve = photometry.LightCurve.read(DATA / "light_curve" / "toutatis-1992-photometry.csv")
+    found = photometry.periods(curve, count=2, min_period="2 d", max_period="10 d")
+    yield "toutatis", Numbers(pair_numbers(found.peaks))
 
 
 def pair_numbers(pairs):

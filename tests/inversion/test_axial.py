@@ -7,7 +7,14 @@ import numpy as np
 import pytest
 
 from attitude import inversion
-from attitude.inversion import _ellipsoid, _pole_map, _refinement, _search, _shapes, _verdicts
+from attitude.inversion import (
+    _ellipsoid,
+    _evidence,
+    _pole_map,
+    _refinement,
+    _shapes,
+    _verdicts,
+)
 from attitude.inversion._problem import CurveProblem
 from benchmarks import inversion as figures
 from benchmarks import inversion_cases
@@ -43,7 +50,7 @@ def test_the_mirror_pole_shows_the_same_magnitudes():
     reflection = np.eye(3) - 2.0 * np.outer(normal, normal)
     turn = reflection @ state[5:14].reshape(3, 3) @ np.diag([1.0, 1.0, -1.0])
     other[5:14] = turn.ravel()
-    assert turn[:, 2] == pytest.approx(_verdicts.mirrored(state[[7, 10, 13]], normal), abs=1e-12)
+    assert turn[:, 2] == pytest.approx(_pole_map.mirrored(state[[7, 10, 13]], normal), abs=1e-12)
     away = other.copy()
     away[[6, 7, 9, 10, 12, 13]] *= -1.0
     own, seen, antipode = (
@@ -144,11 +151,10 @@ def solved():
     case = inversion_cases.case(1, {**figures.AXIAL[0], "per_hour": 1})
     curve = figures.curve_of(case, "shared")
     most = f"{1.3 / case.P_phi} /d"
-    with pytest.MonkeyPatch.context() as patch:
-        for name, count in {"_PAIRS": 10, "_DEEP": 4, "_CLASSES": 6, "_CONVEX": 10}.items():
-            patch.setattr(_search, name, count)
-        patch.setattr(_pole_map, "POLES", 60)
-        return case, inversion.spin_states(curve, most, modes=("SAM",), budget=300)
+    settings = inversion.Settings(
+        pairs=10, deep_starts=4, classes=6, convex=10, short_classes=10, axial_poles=60, rounds=1
+    )
+    return case, inversion.spin_states(curve, most, modes=("SAM",), settings=settings)
 
 
 def test_a_rotation_about_one_axis_is_found(solved):
@@ -164,7 +170,9 @@ def test_a_rotation_about_one_axis_is_found(solved):
 
 def test_the_list_has_one_entry_a_pole_and_no_other_periods_close_by(solved):
     _, found = solved
-    poles = np.array([_search.pole(each.state) for each in found if each.is_axial])
+    poles = np.array(
+        [_ellipsoid.SearchState.of(each.state).pole for each in found if each.is_axial]
+    )
     rates = np.array([each.state[0] for each in found if each.is_axial])
     alike = (poles @ poles.T > math.cos(math.radians(14.9))) & (
         np.abs(rates[:, None] - rates) < 0.17
@@ -188,4 +196,4 @@ def test_a_wider_prior_changes_the_evidence_as_laplace_says():
     )
     costs = [stiff * each / (stiff + each) @ middle**2 for each in (own, wide)]
     volume = np.sum(np.log((stiff + wide) / (stiff + own)))
-    assert _refinement.widened(found) == pytest.approx(costs[1] - costs[0] + volume)
+    assert _evidence.widened(found) == pytest.approx(costs[1] - costs[0] + volume)

@@ -104,7 +104,7 @@ def test_a_search_ends_where_several_starts_agree(turn, costs, attempts, monkeyp
     given, _ = _problem.problem(curve, 0.01, 0.15, curve.zero_points, is_known=True)
     axes = BODY.principal_axes
     known = _shapes.known(MESH, LAW).over(axes)
-    nothing = np.random.default_rng(0), np.inf, lambda said: None
+    nothing = np.random.default_rng(0), lambda said: None
     made = _known.PassSearch(given, known, BODY.moments, 0.06, *nothing)
     here = MOTION.at([curve.epoch])
     wxyz = quaternion.multiply(here.wxyz[0], quaternion.from_matrix(axes))

@@ -7,9 +7,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from attitude.inversion import _ellipsoid, _refinement, _verdicts
+from attitude.inversion import _ellipsoid, _evidence, _refinement, _verdicts
 from attitude.inversion import _problem as inversion_problem
-from attitude.inversion._curve import CALIBRATED
+from attitude.inversion._problem import CALIBRATED
 from attitude.inversion._spin_states import is_constant
 
 COUNT = 100
@@ -72,7 +72,7 @@ def test_other_poles_leave_the_periods():
 
 def test_a_search_that_was_cut_off_claims_nothing():
     verdict, words = _verdicts.verdict([_solution(7.0, 0.0, 0.01)], _problem(0.02), False)
-    assert verdict == _verdicts.OPEN and "larger budget" in words
+    assert verdict == _verdicts.OPEN and "give a larger one" in words
 
 
 def test_zero_points_of_nights_do_not_hide_a_variation():
@@ -100,12 +100,10 @@ def test_zero_points_beyond_their_prior_are_no_constant_brightness(size, expecte
     given = np.linspace(-0.5, 0.5, 240), 1.0, zeros, zeros, y, np.full(240, 0.05), terms, prior
     made = inversion_problem.CurveProblem.of(*given, 0.07)
     assert is_constant(made) is expected
-    found = _refinement.constant(made)
+    found = _evidence.constant(made)
     assert found.chi_squared < 1.3
     # the offsets' part of the posterior volume, closed: ln(1 + 4 prior^2 / sigma^2) of each
-    assert _refinement.volume_of_offsets(found.problem) == pytest.approx(
-        60.0 * np.log(17.0), rel=0.1
-    )
+    assert _evidence.volume_of_offsets(found.problem) == pytest.approx(60.0 * np.log(17.0), rel=0.1)
 
 
 def test_residuals_above_the_errors_are_not_solved():
@@ -116,13 +114,13 @@ def test_residuals_above_the_errors_are_not_solved():
 def test_the_volume_of_a_minimum_counts():
     """By Laplace's method; parameters of the nutation count ln N each instead."""
     normal = np.diag(np.arange(1.0, _refinement.SIZE + 1.0) * 1e4)
-    first = _refinement.occam(normal, COUNT)
+    first = _evidence.occam(normal, COUNT)
     narrow = normal.copy()
     narrow[1, 1] *= 9.0
-    assert _refinement.occam(narrow, COUNT) - first == pytest.approx(np.log(9.0), abs=1e-3)
+    assert _evidence.occam(narrow, COUNT) - first == pytest.approx(np.log(9.0), abs=1e-3)
     narrow = normal.copy()
     narrow[6, 6] *= 9.0
-    assert _refinement.occam(narrow, COUNT) == first
+    assert _evidence.occam(narrow, COUNT) == first
 
 
 @pytest.mark.parametrize("probability", [0.1, 1e-3, 1e-12])

@@ -8,7 +8,7 @@ from astropy import units
 from astropy.table import QTable
 from astropy.time import Time
 
-from attitude import AttitudeError, inversion, photometry
+from attitude import AttitudeError, inversion, paths, photometry
 from attitude.errors import AttitudeWarning
 
 CSV = """\
@@ -227,7 +227,7 @@ def test_repeated_sessions_have_a_note(tmp_path):
         "28); session '3 2011-09-16' repeats '2 2011-09-16': they count twice.",
     )
     found = read(tmp_path, "jd,mag\n2455817.7,15\n2455817.8,15\n2455817.7,15\n")
-    assert "1 of 3 rows repeat" in found.notes[0] and "(line 4 those of line 2)" in found.notes[0]
+    assert len(found) == 2 and "the first at line 2, 2455817.7, JD" in found.notes[0]
 
 
 def test_written_cells_are_no_formulas(tmp_path):
@@ -285,7 +285,8 @@ def test_damit(tmp_path):
     assert found.is_flux and found.time_of == "emission" and found.unit_distances
     assert found.sessions == ("1", "2") and found.sun.shape == (3, 3)
     assert found.magnitude[2] == pytest.approx(-2.5 * np.log10(0.5))
-    assert "relative" in found.notes[0]
+    assert found.notes[0].startswith("1 of 2 sessions are relative: their zero points are free")
+    assert found.zero_points == ("2",)  # and those of the first one are shared
 
 
 @pytest.mark.parametrize(
@@ -318,4 +319,60 @@ def test_the_inversion_shares_the_reader(tmp_path):
     np.testing.assert_array_equal(curve.sun, found.sun)
     path.write_text(path.read_text().replace("jd,", "bjd,"))
     with pytest.raises(AttitudeError, match="light at the barycenter"):
-        inversion.LightCurve.read(path)
+        inversion.spin_states(inversion.LightCurve.read(path), "10 /d")
+
+
+def test_sites_of_rows_and_of_sessions(tmp_path):
+    """A dict names the places of the sessions, or of the sites where the file has them."""
+    orbit = paths.kepler(
+        semi_major_axis="1.9 au", eccentricity=0.2, inclination="8 deg", node="40 deg",
+        pericenter_argument="10 deg", mean_anomaly="20 deg", epoch="2026-01-01",
+    )  # fmt: skip
+    rows = [(2461041.5 + k, 15.0 + k / 10, "ab"[k % 2]) for k in range(6)]
+    path = tmp_path / "c.csv"
+    places = {"a": "568", "b": "-70.7, -30.2 deg, 2700 m"}
+    curves = []
+    for name in ("session", "site"):
+        path.write_text(f"jd,mag,{name}\n" + "\n".join(f"{t},{m},{s}" for t, m, s in rows))
+        curves.append(photometry.LightCurve.read(path, path=orbit, site=places))
+    np.testing.assert_array_equal(curves[0].observer, curves[1].observer)
+    alone = [photometry.LightCurve.read(path, path=orbit, site=each) for each in places.values()]
+    for k, curve in enumerate(alone):
+        own = curves[1].site == k
+        np.testing.assert_allclose(curve.vectors[1][own], curves[1].vectors[1][own], rtol=1e-12)
+    assert not np.allclose(alone[0].observer, alone[1].observer, rtol=1e-6)
+    part = curves[1][2:]
+    assert set(part.scenes) == {"a", "b"} and len(part) == 4
+    with pytest.raises(AttitudeError, match="light curve has no sessions"):
+        path.write_text("jd,mag\n2461041.5,15\n2461042.5,15\n")
+        photometry.LightCurve.read(path, path=orbit, site=places)
+
+
+LONG = "x" * 20_000
+
+
+@pytest.mark.parametrize(
+    ("text", "given"),
+    [
+        (f"jd,mag,site\n2460000.5,1,{LONG}\n", {"path": "earth"}),
+        (f"jd,mag,session\n2460000.5,1,{LONG}\n", {"zero_points": ("q",)}),
+        ("jd,mag,session\n2460000.5,1,a\n", {"zero_points": (LONG,)}),
+        ("jd,mag\n2460000.5,1\n", {"path": LONG}),
+        (f"jd,{LONG}\n2460000.5,1\n", {}),
+    ],
+)
+def test_errors_echo_little_of_the_input(tmp_path, text, given):
+    with pytest.raises(AttitudeError) as raised:
+        read(tmp_path, text, **given)
+    assert len(str(raised.value)) < 700 and LONG[:200] not in str(raised.value)
+
+
+def test_a_light_curve_without_geometry_is_asked_for_it(tmp_path):
+    rows = "\n".join(f"{2460000.5 + k},{15 + k % 3}" for k in range(30))
+    curve = read(tmp_path, f"jd,mag\n{rows}\n")
+    assert not curve.has_geometry
+    with pytest.raises(AttitudeError, match=r"has no geometry, which an inversion needs"):
+        inversion.spin_states(curve, "0.3 /d")
+    with pytest.raises(AttitudeError, match="no vectors to Sun and observer"):
+        _ = curve.phase_angle
+    assert inversion.LightCurve is photometry.LightCurve is photometry.Photometry

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from attitude import AttitudeError, Body, FreeRotation, Spin, catalog, light_curve, spectrum
+from attitude import AttitudeError, Body, FreeRotation, Spin, catalog, light_curve, photometry
 from attitude.errors import AttitudeWarning
 from attitude.shape import Ellipsoid
 
@@ -36,11 +36,11 @@ def test_the_series_converges_to_the_exact_light_curve(mode):
     t = epochs(motion, 1200)
     y = curve(motion, t)
     psi, phi = motion.period_psi, motion.period_phi
-    fits = [spectrum.fit(t, y, psi, phi, order=n) for n in (2, 4, 8)]
+    fits = [photometry.fit_series(t, y, psi, phi, order=n) for n in (2, 4, 8)]
     rms = [each.rms / np.std(y) for each in fits]
     # Coefficients of an analytic function fall geometrically; wrong lines leave order 1.
     assert rms[1] < 0.3 * rms[0] and rms[2] < 2e-3, rms
-    wrong = spectrum.fit(t, y, psi, phi * 1.037, order=8)
+    wrong = photometry.fit_series(t, y, psi, phi * 1.037, order=8)
     assert wrong.rms / np.std(y) > 0.3
     found = fits[-1]
     later = t[-1] + epochs(motion, 200)
@@ -50,8 +50,8 @@ def test_the_series_converges_to_the_exact_light_curve(mode):
 @pytest.mark.parametrize("mode", ["SAM", "LAM"])
 def test_both_conventions_have_the_same_lines(mode):
     motion = tumbler(mode)
-    long, short = (spectrum.lines(motion, 8, convention=c) for c in "LS")
-    inner = [line.frequency for line in spectrum.lines(motion, 4, convention="L")]
+    long, short = (photometry.lines(motion, 8, convention=c) for c in "LS")
+    inner = [line.frequency for line in photometry.lines(motion, 4, convention="L")]
     every = np.array([line.frequency for line in short])
     # 1/P_phi differs by 1/P_psi, so (i, j) becomes (i, j -+ i).
     assert max(np.min(np.abs(every - f)) for f in inner) < 1e-14
@@ -75,15 +75,15 @@ def test_apophis_shows_30_56_hours():
     y = -2.5 * np.log10(
         light_curve.brightness(Ellipsoid((1.6, 1.1, 1.0)), "lommel-seeliger", observer, observer)
     )
-    line, amplitude = spectrum.fit(t, y, motion.period_psi, motion.period_phi, order=4).strongest(
-        1
-    )[0]
+    line, amplitude = photometry.fit_series(
+        t, y, motion.period_psi, motion.period_phi, order=4
+    ).strongest(1)[0]
     assert (line.i, abs(line.j)) == (2, 2)
     assert 2 * line.period / HOUR == pytest.approx(30.56, abs=0.01)
     assert amplitude > 0.05
 
 
-def test_search_finds_the_periods_of_the_motion():
+def test_a_refined_fold_finds_the_periods_of_the_motion():
     # P_psi / P_phi is 4.3: near a whole number lines would coincide, and either period be free.
     motion = tumbler("SAM", (0.35, 0.2, 1.0), (2.0, 2.6, 3.1))
     t = epochs(motion, 500, periods=8.0)
@@ -91,18 +91,19 @@ def test_search_finds_the_periods_of_the_motion():
     y = curve(motion, t)
     noisy = y + 0.01 * np.std(y) * rng.normal(size=len(y))
     psi, phi = motion.period_psi, motion.period_phi
-    found = spectrum.search(t, noisy, psi * 1.006, phi * 0.9985, within=(0.012, 0.003), order=4)
+    near = [1.0 / (1.0 / psi + 0.1 / np.ptp(t)), 1.0 / (1.0 / phi - 0.1 / np.ptp(t))]
+    found = photometry.fold(t, near, noisy, order=4, refine=True)
     # In parts of the resolution of the span: what is left out of the series draws them so far.
     span = np.ptp(t)
-    assert abs(1 / found.P_phi - 1 / phi) * span < 2e-3
-    assert abs(1 / found.P_psi - 1 / psi) * span < 2e-3
+    assert abs(1 / found.periods[1] - 1 / phi) * span < 2e-3
+    assert abs(1 / found.periods[0] - 1 / psi) * span < 2e-3
 
 
 def test_relative_curves_have_their_own_constants():
     t = np.linspace(0, 500, 300)
     which = (t > 250).astype(int)
     y = np.cos(2 * np.pi * t / 13.0) + np.where(which, 7.0, -2.0)
-    found = spectrum.fit(t, y, 70.0, 13.0, order=1, curve=which, errors=np.full(300, 0.1))
+    found = photometry.fit_series(t, y, 70.0, 13.0, order=1, curve=which, errors=np.full(300, 0.1))
     np.testing.assert_allclose(found.offsets, [-2.0, 7.0], atol=1e-12)
     np.testing.assert_allclose(found(t, which), y, atol=1e-12)
     for wrong in (2, -1, 0.5, which[:3]):
@@ -116,7 +117,7 @@ def test_relative_curves_have_their_own_constants():
 def test_lines_that_coincide_leave_a_smaller_rank():
     t = np.linspace(0, 500, 300)
     with pytest.warns(AttitudeWarning, match=r"the values determine \d+ of the 25 parameters"):
-        found = spectrum.fit(t, np.cos(2 * np.pi * t / 10.0), 20.0, 10.0, order=2)
+        found = photometry.fit_series(t, np.cos(2 * np.pi * t / 10.0), 20.0, 10.0, order=2)
     assert found.rank < found.parameters
     np.testing.assert_allclose(found.residuals, 0.0, atol=1e-12)
 
@@ -136,10 +137,4 @@ def test_lines_that_coincide_leave_a_smaller_rank():
 def test_bad_input_is_a_sentence(change, said):
     given = {"t": np.arange(50.0), "values": np.arange(50.0), "P_psi": 9.0, "P_phi": 4.0}
     with pytest.raises(AttitudeError, match=said):
-        spectrum.fit(**{**given, **change})
-
-
-def test_search_refuses_too_many_places():
-    t = np.linspace(0, 1e7, 100)
-    with pytest.raises(AttitudeError, match="narrow"):
-        spectrum.search(t, np.cos(t), 90.0, 17.0, within=0.5)
+        photometry.fit_series(**{**given, **change})

@@ -4,9 +4,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from attitude.errors import AttitudeError
-from attitude.shape import Ellipsoid, box, read
+from attitude.shape import Ellipsoid, box, compare, read
 
 CUBE = box((1, 2, 3), material="foil")
 
@@ -117,3 +118,93 @@ def test_repair_turns_facets_round_and_closes_holes(tmp_path):
         ):
             read(path, closed=closed)
     assert read(path, repair=True).volume == pytest.approx(mesh.volume, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", ["a.obj", "shape.txt", "a.stl", "a.ply"])
+def test_a_mesh_that_is_written_is_read_back(tmp_path, name):
+    if name.endswith(("stl", "ply")):
+        pytest.importorskip("trimesh", reason="trimesh is not installed")
+    mesh = Ellipsoid((3.1, 2.0, 0.7)).facets(80).joined(box((1, 1, 1)).moved((9, 0, 0)))
+    mesh.write(tmp_path / name)
+    again = read(tmp_path / name)
+    if name in ("a.obj", "shape.txt"):
+        assert np.array_equal(again.vertices, mesh.vertices)
+        assert np.array_equal(again.facets, mesh.facets)
+    assert again.volume == pytest.approx(mesh.volume, rel=2e-7)  # STL, PLY: 32 bits of coordinates
+    mesh.write(tmp_path / name, unit="km")
+    assert read(tmp_path / name, unit="km").volume == pytest.approx(mesh.volume, rel=2e-7)
+
+
+def test_materials_are_written_to_obj(tmp_path):
+    both = CUBE.joined(box((1, 1, 1), material="solar panel").moved((5, 0, 0)))
+    both.write(tmp_path / "a.obj")
+    assert read(tmp_path / "a.obj").materials == both.materials
+    odd = box((1, 1, 1), material="a  #b")
+    with pytest.raises(AttitudeError, match="cannot stand in an OBJ"):
+        odd.write(tmp_path / "b.obj")
+    assert not (tmp_path / "b.obj").exists()
+
+
+@pytest.mark.parametrize("name", ["a.toml", "a", "a.xyz"])
+def test_a_mesh_is_not_written_under_another_ending(tmp_path, name):
+    with pytest.raises(AttitudeError, match="written as obj, damit, stl or ply"):
+        CUBE.write(tmp_path / name)
+    with pytest.raises(AttitudeError, match="unit"):
+        CUBE.write(tmp_path / "a.obj", unit="s")
+    assert list(tmp_path.iterdir()) == []
+
+
+def turn(*angles):
+    return Rotation.from_euler("ZXZ", angles).as_matrix()
+
+
+def test_equal_bodies_have_all_in_common():
+    for mesh in (Ellipsoid((3, 2, 1)).facets(500), CUBE, CUBE.joined(CUBE.moved((2, 1, 0.5)))):
+        other = mesh.turned(turn(0.3, 1.0, 2.0)).scaled(7.0).moved((5, 6, 7))
+        found = compare(mesh, other)
+        assert found.overlap == pytest.approx(1.0, abs=1e-6)
+        assert found.axes[0] == pytest.approx(found.axes[1], rel=1e-9)
+        # The axes of the second become those of the first, but for the symmetry of the body.
+        tensor = [each.mass_properties(density=1.0).inertia for each in (mesh, other)]
+        turned = found.matrix @ tensor[1] @ found.matrix.T
+        assert turned / np.trace(turned) == pytest.approx(tensor[0] / np.trace(tensor[0]), abs=1e-7)
+
+
+def test_the_overlap_of_cubes_and_of_ellipsoids():
+    """A cube turned by 45 degrees has an octagon in common; concentric balls scale by volume."""
+    cube = box((1, 1, 1))
+    octagon = 2.0 * (np.sqrt(2.0) - 1.0)
+    found = compare(cube, cube.turned(turn(np.pi / 4, 0, 0)), turned=False)
+    assert found.overlap == pytest.approx(octagon / (2.0 - octagon), rel=1e-12)
+    assert compare(cube, cube.turned(turn(0.2, 0.1, 0.0))).overlap > 1.0 - 1e-4
+    # By integration over directions: the smaller of both radii, cubed.
+    a, b = np.array([3.0, 2.0, 1.0]) / 6.0 ** (1 / 3), np.ones(3)
+    on = Ellipsoid((1, 1, 1)).facets(20_000)
+    u = on.centroids / np.linalg.norm(on.centroids, axis=1)[:, None]
+    radii = [1.0 / np.linalg.norm(u / axes, axis=1) for axes in (a, b)]
+    common = np.average(np.minimum(*radii) ** 3, weights=on.areas)
+    found = compare(Ellipsoid((3, 2, 1)), Ellipsoid((1, 1, 1)))
+    assert found.overlap == pytest.approx(common / (2.0 - common), abs=3e-3)  # 980 facets
+    assert found.axes[0] == pytest.approx(a, rel=3e-3)
+
+
+def test_a_body_that_is_not_convex_is_compared_by_points():
+    """Two boxes apart against the larger one: at equal volumes the common part is known."""
+    apart = box((2, 2, 2)).joined(box((1, 1, 1)).moved((5, 0, 0)))
+    found = compare(apart, apart, turned=False)
+    assert found.overlap == 1.0
+    half = box((2, 2, 2)).joined(box((2, 2, 2)).moved((0, 0, 2.5)))  # two cubes, a gap between
+    single = box((2, 2, 4.5)).moved((0, 0, 1.25))
+    # Both have their centre in the gap; volumes 16 and 18, scaled to the same.
+    factor = (16.0 / 18.0) ** (1.0 / 3.0)
+    top = 2.25 * factor  # of the single box
+    common = (2.0 * factor) ** 2 * 2.0 * (top - 0.25) / 16.0
+    found = compare(half, single, turned=False)
+    assert found.overlap == pytest.approx(common / (2.0 - common), abs=5e-3)
+
+
+def test_only_shapes_are_compared():
+    with pytest.raises(AttitudeError, match="second is"):
+        compare(CUBE, (3, 2, 1))
+    with pytest.raises(AttitudeError, match="turned is"):
+        compare(CUBE, CUBE, turned="yes")

@@ -70,8 +70,8 @@ def interrupting(function, calls):
 def test_ctrl_c_is_heard_after_a_block(call, monkeypatch):
     """Of five blocks or more, at most one is evaluated after the signal."""
     calls = []
-    prepare, evaluate = evaluation._compiled()
-    monkeypatch.setattr(evaluation, "_compiled", lambda: (prepare, interrupting(evaluate, calls)))
+    evaluate = interrupting(evaluation.evaluate_all, calls)
+    monkeypatch.setattr(evaluation, "evaluate_all", evaluate)
     chain = interrupting(_arcs._compiled(), calls)
     monkeypatch.setattr(_arcs, "_compiled", lambda: chain)
     with pytest.raises(KeyboardInterrupt):

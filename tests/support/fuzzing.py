@@ -107,7 +107,15 @@ def samples():
             for kind in ("QUATERNION/ANGVEL", "EULER_ANGLE/ANGVEL"):
                 how = {"version": "1.0", "kind": kind, "rates": "euler", "sequence": "YXY"}
                 keep(f"rates {kind}{mark}", "aem", aem.write, history[:5], xml=xml, **how)
-            keep(f"apm{mark}", ending, apm.write, motion, xml=xml, version="1.0", rates="euler")
+            keep(
+                f"apm{mark}",
+                "xml" if xml else "apm",
+                apm.write,
+                motion,
+                xml=xml,
+                version="1.0",
+                rates="euler",
+            )
         keep("aem two", "aem", aem.write, [history[:5], history[4:9]], frame="TOD")
         keep("aem xml", "xml", aem.write, history[:5], xml=True)
         text = re.sub(rb"<(/?)([a-zA-Z])", rb"<\1n:\2", found["aem xml"][0])

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from attitude import AttitudeError, Body, FreeRotation, Spin, epochs
+from attitude import AttitudeError, Body, FreeRotation, Spin, epochs, paths
+from attitude._textfiles.lines import packaged
 from attitude.frames import quaternion
 from attitude.shape import box
 from attitude.splitting import TorquedRotation
@@ -95,6 +96,113 @@ def test_fields_along_a_path_are_fitted():
     assert np.all(np.abs(fitted - direct)[:, :3] < 1e-12 * scale[:3])
     # differences with half a second err by 1e-11
     assert np.all(np.abs(fitted - direct)[:, 3:] < 1e-10 * scale[3:])
+
+
+@pytest.mark.parametrize("start", [0.0, np.pi])
+def test_fields_along_an_eccentric_orbit(start):
+    """From the apocenter, where the path turns 30 times more slowly, or the pericenter."""
+    transfer = paths.kepler(
+        epoch="2024-03-01",
+        center="earth",
+        semi_major_axis=2.4371e7,
+        eccentricity=0.73,
+        inclination=0.5,
+        node=0.3,
+        pericenter_argument=0.4,
+        mean_anomaly=start,
+    )
+    instant, seconds, low = epochs.instant("2024-03-01"), np.linspace(0, 4e4, 401), np.zeros(401)
+    on_path = EddyCurrent(1.0, IGRF(), transfer)._on_path
+    fitted, direct = on_path.at(instant, seconds, low), on_path._differenced(instant, seconds, low)
+    for part, tolerance in ((slice(0, 3), 1e-12), (slice(3, 6), 2e-9)):  # of the differences
+        size = np.linalg.norm(direct[:, part], axis=1)
+        error = np.linalg.norm(fitted[:, part] - direct[:, part], axis=1)
+        assert np.max(error / size) < tolerance
+
+
+def test_a_field_with_a_kink_is_not_fitted_there():
+    class Kinked(MagneticField):
+        is_smooth = True
+
+        def at(self, instant, seconds, low, position):
+            return 1e-5 + 1e-8 * np.abs(seconds[:, None] - 61.0) * np.ones(3)
+
+    on_path = EddyCurrent(1.0, Kinked(), orbit)._on_path
+    seconds = np.linspace(0.0, 400.0, 41)
+    found = on_path.at(epochs.instant("2024-03-01"), seconds, np.zeros(41))
+    np.testing.assert_allclose(found[:, 0], 1e-5 + 1e-8 * np.abs(seconds - 61.0), rtol=1e-11)
+
+
+def field_by_potential(seconds, r, instant):
+    """-grad of the potential of IGRF-14 by Legendre functions of scipy, over astropy's axes."""
+    from astropy.coordinates import GCRS, ITRS, CartesianRepresentation
+    from astropy.time import Time
+    from scipy.special import factorial, lpmv
+
+    lines = [
+        line.split()
+        for line in packaged("reference/igrf14.txt").splitlines()
+        if not line.startswith("#")
+    ]
+    years = np.array(lines[0], dtype=float)
+    time = Time(2451545.0, instant.seconds / 86400.0, format="jd", scale="tdb")
+    time = Time(time.jd1, time.jd2 + seconds / 86400.0, format="jd", scale="tdb")
+    itrs = GCRS(CartesianRepresentation(r, unit="m"), obstime=time).transform_to(ITRS(obstime=time))
+    turn = (
+        np.array(
+            [
+                GCRS(CartesianRepresentation(e, unit="m"), obstime=time)
+                .transform_to(ITRS(obstime=time))
+                .cartesian.xyz.to_value("m")
+                for e in np.eye(3) * 1e7
+            ]
+        ).T
+        / 1e7
+    )
+
+    def potential(place):
+        size = np.linalg.norm(place)
+        longitude, total = np.arctan2(place[1], place[0]), 0.0
+        for n, m, *numbers in lines[1:]:
+            degree, order = int(n), abs(int(m))
+            number = np.interp(time.jyear + 0.5 / 365.25, years, np.array(numbers, dtype=float))
+            norm = np.sqrt(
+                (2.0 if order else 1.0) * factorial(degree - order) / factorial(degree + order)
+            )
+            legendre = (-1.0) ** order * lpmv(order, degree, place[2] / size)
+            wave = np.sin if int(m) < 0 else np.cos
+            total += (
+                6371200.0 * (6371200.0 / size) ** (degree + 1)
+                * number * norm * legendre * wave(order * longitude)
+            )  # fmt: skip
+        return total * 1e-9
+
+    place, h = itrs.cartesian.xyz.to_value("m"), 2e3
+    slopes = []
+    for axis in np.eye(3):
+        one, two, three, four = (potential(place + k * h * axis) for k in (-2, -1, 1, 2))
+        slopes.append((8.0 * (three - two) - (four - one)) / (12.0 * h))
+    return -turn.T @ np.array(slopes)
+
+
+@pytest.mark.parametrize("seconds", [0.0, 2000.0, 40000.0])
+def test_igrf_by_its_potential_over_astropys_axes(seconds):
+    instant = epochs.instant("2024-03-01")
+    wanted = field_by_potential(seconds, orbit(seconds), instant)
+    found = IGRF().at(instant, np.array([seconds]), np.zeros(1), orbit(seconds)[None])[0]
+    # differences of the potential, and astropy's GCRS to ITRS of places at rest
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=3e-9 * np.linalg.norm(wanted))
+
+
+def test_igrf_of_one_epoch():
+    place, zero = np.array([[7e6, 1e6, 2e6]]), np.zeros(1)
+    spring = epochs.instant("2024-03-01")
+    one, two = (model.at(spring, zero, zero, place) for model in (IGRF(), IGRF(epoch="2024-03-01")))
+    np.testing.assert_array_equal(one, two)
+    late = IGRF(epoch="2025-01-01").at(epochs.instant("2060-03-01"), zero, zero, place)
+    assert 0.5 < np.linalg.norm(late) / np.linalg.norm(one) < 2.0
+    with pytest.raises(AttitudeError, match="IGRF covers 1955 to 2030"):
+        IGRF(epoch="2040-01-01")
 
 
 # ---- Torques at an epoch
@@ -214,6 +322,30 @@ def test_currents_brake_and_turn_the_momentum():
     # dw_x/dt = -k B^2 w_x / I
     decay = np.exp(-1e9 * 9e-10 / 20.0 * np.array([0.0, 20.0, 40.0]))
     np.testing.assert_allclose(np.hypot(*inertial[:, :2].T), 0.1 * decay, rtol=2e-4)
+
+
+def test_air_against_dop853():
+    shape, density = box((1.0, 2.0, 0.5)), 1e-9
+    body = Body(tensor=TENSOR, center_of_mass=(0.1, 0.05, -0.2))
+    facets = shape.areas, shape.normals, shape.centroids - body.center_of_mass
+
+    def torque(t, wxyz, omega):
+        r, v = orbit(t), (orbit(t + 0.05) - orbit(t - 0.05)) / 0.1
+        # third row of ERFA's pnm06a of that date
+        pole = np.array([0.00233917, 3.80955e-5, 0.999997263])
+        flow = quaternion.matrix(wxyz).T @ (np.cross(7.292115e-5 * pole, r) - v)
+        areas, normals, arms = facets
+        push = density * areas * np.maximum(-normals @ flow, 0.0)
+        return np.sum(np.cross(arms, push[:, None] * flow), axis=0)
+
+    motion = TorquedRotation(
+        body, SPIN, AerodynamicTorque(shape, orbit, density), tolerance=1e-9, span=(0, 300)
+    )
+    end = _solved(torque, SPIN, 300.0)
+    history = motion.at(300.0)
+    turn = _angle(history.wxyz, end[:4] / np.linalg.norm(end[:4]))
+    by_air = _angle(history.wxyz, FreeRotation(body, SPIN).at(300.0).wxyz)
+    assert turn < 2e-7 * by_air < 1.0  # 4e-8 of the speed, by the torque's differences of 0.5 s
 
 
 @pytest.mark.parametrize("kind", ["eddy", "dipole", "air"])

@@ -36,10 +36,10 @@ from attitude import (
     fit_rates,
     light_curve,
     paths,
+    photometry,
     propagate,
     scattering,
     shape,
-    spectrum,
 )
 from attitude.arcs import AxisCrossesDirection
 from attitude.formats import aem, spin_file, tables
@@ -188,7 +188,7 @@ def found(motion: FreeRotation) -> int:
     lit = events.illuminated(motion, (0, 0, 1), sun=(1, 0, 1))
     times, values = events.find_discrete(0, 10, lit & ~events.visible(motion, (0, 0, 1), (0, 1, 0)))
     peaks = events.find_maxima(0, 10, events.separation(motion, (0, 0, 1), (1, 0, 0)))
-    frequencies = spectrum.lines(motion, order=2)
+    frequencies = photometry.lines(motion, order=2)
     return len(times) + len(values) + len(peaks.seconds) + len(frequencies)
 
 

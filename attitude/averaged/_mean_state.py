@@ -1,0 +1,113 @@
+"""From the state of a rotation to its mean state, by the Fourier series of the torque on the torus.
+
+To first order the mean state is the state less sum F_jk / (i (j w_psi + k w_phi)) over all pairs of
+whole numbers but (0, 0), F being the series of dL/dt and dy/dt over the phases of nutation and
+precession, from the phases of the state.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from attitude.averaged._polhode import shares
+from attitude.averaged._rates import torques_at
+from attitude.frames import quaternion
+from attitude.motions._free_rotation import FreeRotation
+from attitude.torques._torque import SLIP
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from attitude._support.annotations import FloatArray
+    from attitude.averaged._polhode import Axes
+    from attitude.epochs._instants import Instant
+    from attitude.motions._body import Body
+    from attitude.motions._spin import Spin
+    from attitude.torques._torque import Torque
+
+_NODES = 64
+
+
+def corrections(
+    axes: Axes,
+    body: Body,
+    spin: Spin,
+    torques: Sequence[Torque],
+    instant: Instant,
+    seconds: float = 0.0,
+) -> tuple[FloatArray, float]:
+    """What to subtract from L (3,), ICRF axes, and from y of a state at instant + seconds."""
+    free = FreeRotation(body, spin)
+    period = float(free.regime.P_psi)
+    if not np.isfinite(period):
+        return np.zeros(3), 0.0
+    t = period * np.arange(_NODES + 1) / _NODES
+    history = free.at(t)
+    momentum = history.body_to_inertial(history.angular_velocity @ body.tensor)[0]
+    size = float(np.sqrt(momentum @ momentum))
+    along = momentum / size
+    turn = quaternion.multiply(history.wxyz[-1], quaternion.conjugate(history.wxyz[0]))
+    pace = 2.0 * math.atan2(float(turn[1:] @ along), float(turn[0])) / period
+    back = _turns(along, -pace * t[:-1])
+    phases = _turns(along, 2.0 * math.pi * np.arange(_NODES) / _NODES)
+    wxyz = quaternion.multiply(
+        phases[None], quaternion.multiply(back, history.wxyz[:-1])[:, None]
+    ).reshape(-1, 4)
+    omega = np.repeat(history.angular_velocity[:-1], _NODES, axis=0)
+    total = np.zeros((_NODES * _NODES, 4))
+    for torque in torques:
+        total += _rates_of(torque, axes, body, (instant, seconds), wxyz, omega, size)
+    series = np.fft.fft2(total.reshape(_NODES, _NODES, 4), axes=(0, 1)) / _NODES**2
+    number = np.fft.fftfreq(_NODES, 1.0 / _NODES)
+    frequency = number[:, None] * (2.0 * math.pi / period) + number * pace
+    series[0, 0] = series[_NODES // 2] = series[:, _NODES // 2] = 0.0
+    frequency[0, 0] = 1.0
+    # a resonance of high order has no mean state nearby; its term is left out
+    series[np.abs(frequency) < 1e-3 * 2.0 * math.pi / period] = 0.0
+    frequency[frequency == 0.0] = 1.0
+    found = np.sum(series / (1j * frequency)[..., None], axis=(0, 1)).real
+    return found[:3], float(found[3])
+
+
+def _turns(axis: FloatArray, angle: FloatArray) -> FloatArray:
+    """Quaternions (N, 4) of turns about an axis."""
+    return np.concatenate(
+        [np.cos(0.5 * angle)[:, None], np.sin(0.5 * angle)[:, None] * axis], axis=1
+    )
+
+
+def _rates_of(torque, axes, body, epoch, wxyz, omega, size):
+    """dL/dt over ICRF axes and dy/dt (N, 4) of a torque at states of the torus."""
+    given = np.zeros((1, 1))
+    if torque.columns:
+        given = torque.sample(epoch[0], np.array([epoch[1]]), np.zeros(1))
+    given = np.ascontiguousarray(np.broadcast_to(given, (len(wxyz), given.shape[1])))
+    parameters = np.append(np.asarray(torque.parameters(body), dtype=np.float64), 0.0)
+    found = np.empty((len(wxyz), 3))
+    times = np.full(len(wxyz), epoch[1])
+    states = np.ascontiguousarray(wxyz), np.ascontiguousarray(omega)
+    torques_at(torque.address(), parameters.ctypes.data, times, *states, given, found)
+    inertial = np.zeros_like(found)
+    momentum = omega @ body.tensor
+    if torque.kind == SLIP:
+        found = np.cross(momentum, found)
+    else:
+        inertial = quaternion.rotate(wxyz, found)
+    unit = momentum / size
+    across = omega - np.sum(omega * unit, axis=1)[:, None] * unit
+    y = np.log(_odds(axes, omega))
+    p, rest = shares(y)
+    rate = 2.0 * np.sum(across * found, axis=1) / (size * size * axes.spread * p * rest)
+    return np.concatenate([inertial, rate[:, None]], axis=1)
+
+
+def _odds(axes, omega):
+    """p/(1 - p) of angular velocities (N, 3) over the body axes."""
+    a, b, c = axes.moments
+    w = omega @ axes.matrix
+    over = a * (c - a) * w[:, 0] ** 2 + b * (c - b) * w[:, 1] ** 2
+    below = c * (c - a) * w[:, 2] ** 2 + b * (b - a) * w[:, 1] ** 2
+    return np.maximum(a * over, 1e-300) / np.maximum(c * below, 1e-300)

@@ -1,0 +1,347 @@
+"""Means of torques over nutation and precession: closed forms, tables of one direction, the torus.
+
+`register` names the function that gives the means of a class of torques.  A torque without an entry
+is averaged over nodes of the torus of both phases: slow, and always correct.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+
+import numpy as np
+
+from attitude.averaged import _rates, _tables
+from attitude.averaged._polhode import Axes, Nutations
+from attitude.torques._gravity_gradient import GravityGradient
+from attitude.torques._magnetic import EddyCurrent, MagneticDipole
+from attitude.torques._radiation import AerodynamicTorque, SolarRadiation
+from attitude.torques._torque import (
+    SLIP,
+    ConstantTorque,
+    InternalDissipation,
+    LinearDamping,
+    Torque,
+)
+
+if TYPE_CHECKING:
+    from attitude._support.annotations import FloatArray
+    from attitude.motions._body import Body
+
+    Numbers: TypeAlias = Callable[[FloatArray], FloatArray]
+
+# Nodes of the torus: of the nutation at least (more near the separatrix), and of the precession.
+_TORUS = 16
+
+
+@dataclass(frozen=True, eq=False)
+class Mean:
+    """One mean, as the compiled loops take it.
+
+    Attributes
+    ----------
+    kind : int
+        HARMONICS, TENSOR or TORUS of `_rates`.
+    numbers : callable
+        Of samples (K, columns) of the torque: numbers (K, F) of the mean; F is 4 for a direction
+        and its weight, 9 for a tensor by rows.
+    means : (4, n + 1, C) array
+        For each region at the nodes of `_tables.coordinates`.
+    arcs : (4, C) array
+        The same, integrated over time along the arcs of the separatrix at L = 1.
+    exponent : int
+        The numbers of the table are multiplied by |L|^exponent.
+    strength : float
+        An upper bound or root mean square of the torque for numbers of size 1 and L = 1.
+    is_linear : bool
+        Whether the numbers themselves may be averaged over an orbit.
+    torque : Torque or None
+        For the torus.
+    """
+
+    kind: int
+    numbers: Numbers
+    means: FloatArray
+    arcs: FloatArray
+    exponent: int = 0
+    strength: float = 0.0
+    is_linear: bool = False
+    torque: Torque | None = None
+
+    @property
+    def degree(self) -> int:
+        """Largest degree of the harmonics."""
+        return self.arcs.shape[1] // 4 - 1
+
+
+MeansFunction: TypeAlias = Callable[[Any, "Body", Axes, int], Sequence[Mean]]
+Function = TypeVar("Function", bound=MeansFunction)
+_MEANS: dict[type[Torque], MeansFunction] = {}
+
+
+def register(kind: type[Torque]) -> Callable[[Function], Function]:
+    """Decorator: the function (torque, body, axes, degree) returns the means of this class."""
+
+    def named(function: Function) -> Function:
+        _MEANS[kind] = function
+        return function
+
+    return named
+
+
+def means_of(torque: Torque, body: Body, axes: Axes, degree: int) -> Sequence[Mean]:
+    """The means of a torque: those of its class, or one over the torus."""
+    for kind in type(torque).__mro__:
+        if kind in _MEANS:
+            return _MEANS[kind](torque, body, axes, degree)
+    return [over_torus(torque)]
+
+
+def over_torus(torque: Torque) -> Mean:
+    """The mean of any torque over nodes of both phases."""
+    return Mean(_rates.TORUS, lambda given: given, np.zeros((4, 2, 0)), np.zeros((4, 0)), 0, 1.0,
+                torque=torque)  # fmt: skip
+
+
+# ---- Closed forms
+
+
+def _nutations(axes: Axes) -> list[Nutations]:
+    h = _tables.distances(_tables.coordinates(axes))
+    return [Nutations.of(axes, region, h) for region in range(4)]
+
+
+def _on_arcs(axes: Axes) -> tuple[FloatArray, FloatArray, FloatArray, float]:
+    """l (4, N, 3), seconds (N,), gamma (3,) and p (1 - p) on the separatrix."""
+    arcs, seconds = axes.arcs
+    p = float(1.0 / (1.0 + np.exp(-axes.separatrix)))
+    return arcs, seconds, np.array([1.0 - p, 0.0, -p]), p * (1.0 - p)
+
+
+def _alone(given: FloatArray) -> FloatArray:
+    """The numbers of a torque without a direction."""
+    return np.tile([0.0, 0.0, 1.0, 1.0], (len(given), 1))
+
+
+def _of_rates(
+    along: Sequence[FloatArray],
+    energy: Sequence[FloatArray],
+    on_arcs: FloatArray,
+    exponent: int,
+    strength: float,
+) -> Mean:
+    """A mean from torque along L, and gamma l . N / (p (1 - p)), for each region."""
+    means = np.zeros((4, len(along[0]), 4))
+    means[..., 0], means[..., 1] = along, energy
+    arcs = np.zeros((4, 4))
+    arcs[:, 1] = on_arcs
+    return Mean(_rates.HARMONICS, _alone, means, arcs, exponent, strength, True)
+
+
+@register(InternalDissipation)
+def friction(torque: InternalDissipation, body: Body, axes: Axes, degree: int) -> list[Mean]:
+    """dy/dt = -2 strength L D (sum gamma_i^2 <l_i^2>) / (p (1 - p)); L is fixed."""
+    factor = -torque.strength * axes.spread
+    table = _nutations(axes)
+    energy = [factor * np.sum(n.gamma**2 * n.squares, axis=1) / (n.p * n.rest) for n in table]
+    arcs, seconds, gamma, pq = _on_arcs(axes)
+    on_arcs = factor * np.sum((arcs * gamma) ** 2, axis=2) @ seconds / pq
+    nothing = [np.zeros(len(n.p)) for n in table]
+    return [_of_rates(nothing, energy, on_arcs, 2, -0.5 * factor)]
+
+
+@register(LinearDamping)
+def damping(torque: LinearDamping, body: Body, axes: Axes, degree: int) -> list[Mean]:
+    """dL/dt = -L sum C_ii <l_i^2> / I_i along l, and gamma_i in the sum for y."""
+    matrix = np.diag(axes.matrix.T @ torque.coefficient @ axes.matrix) / axes.moments
+    table = _nutations(axes)
+    along = [-n.squares @ matrix for n in table]
+    energy = [-np.sum(n.gamma * n.squares * matrix, axis=1) / (n.p * n.rest) for n in table]
+    arcs, seconds, gamma, pq = _on_arcs(axes)
+    turned = axes.matrix.T @ torque.coefficient @ axes.matrix / axes.moments
+    on_arcs = -np.einsum("ani,ij,anj,n->a", arcs * gamma, turned, arcs, seconds) / pq
+    return [_of_rates(along, energy, on_arcs, 1, float(np.max(np.abs(turned))))]
+
+
+@register(ConstantTorque)
+def constant(torque: ConstantTorque, body: Body, axes: Axes, degree: int) -> list[Mean]:
+    """dL/dt = N_a <l_a> along l, a the circulated axis, and gamma_a in the product for y."""
+    over = torque.torque @ axes.matrix
+    table = _nutations(axes)
+    along = [n.along @ over for n in table]
+    energy = [(n.gamma * n.along) @ over / (n.p * n.rest) for n in table]
+    arcs, seconds, gamma, pq = _on_arcs(axes)
+    on_arcs = np.einsum("ani,i,n->a", arcs * gamma, over, seconds) / pq
+    return [_of_rates(along, energy, on_arcs, 0, float(np.sqrt(over @ over)))]
+
+
+@register(GravityGradient)
+def gravity(torque: GravityGradient, body: Body, axes: Axes, degree: int) -> list[Mean]:
+    """dL/dt = -(3 sum I_i <l_i^2> - tr I)/2 l x (T l), T = 3 GM s s'/r^3; y is constant."""
+
+    def numbers(given: FloatArray) -> FloatArray:
+        r = np.sqrt(np.sum(given * given, axis=1))
+        tensor = 3.0 * torque.mu * given[:, :, None] * given[:, None, :]
+        found: FloatArray = (tensor / r[:, None, None] ** 5).reshape(-1, 9)
+        return found
+
+    table = _nutations(axes)
+    means = np.zeros((4, len(table[0].p), 10))
+    for region, n in enumerate(table):
+        means[region, :, 7] = -0.5 * (3.0 * (n.squares @ axes.moments) - np.sum(axes.moments))
+    # u x I u . gamma l: its mean over the precession and over one arc is not 0
+    arcs = np.zeros((4, 10))
+    points, seconds, gamma, pq = _on_arcs(axes)
+    torques = np.cross(points, points * axes.moments)
+    arcs[:, 4] = 1.5 * np.sum(torques * points * gamma, axis=2) @ seconds / pq
+    arcs[:, 3] = -arcs[:, 4] / 3.0
+    spread = 0.5 * float(axes.moments[2] - axes.moments[0])
+    return [Mean(_rates.TENSOR, numbers, means, arcs, 0, spread, True)]
+
+
+@register(MagneticDipole)
+def dipole(torque: MagneticDipole, body: Body, axes: Axes, degree: int) -> list[Mean]:
+    """dL/dt = m_a <l_a> l x B; y is constant."""
+
+    def numbers(given: FloatArray) -> FloatArray:
+        size = max(float(np.mean(np.sqrt(np.sum(given**2, axis=1)))), 1e-300)
+        return np.concatenate([given / size, np.full((len(given), 1), size)], axis=1)
+
+    over = torque.moment @ axes.matrix
+    table = _nutations(axes)
+    means = np.zeros((4, len(table[0].p), 8))
+    for region, n in enumerate(table):
+        means[region, :, 7] = 2.0 * n.along @ over
+    arcs = np.zeros((4, 8))
+    points, seconds, gamma, pq = _on_arcs(axes)
+    arcs[:, 5] = np.sum(np.cross(over, points) * points * gamma, axis=2) @ seconds / pq
+    return [Mean(_rates.HARMONICS, numbers, means, arcs, 0, float(np.sqrt(over @ over)), True)]
+
+
+# ---- Tensors: torques that are bilinear in a vector and another one
+
+_LEVI = np.zeros((3, 3, 3))
+for _i, _j, _k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+    _LEVI[_i, _j, _k], _LEVI[_i, _k, _j] = 1.0, -1.0
+
+
+def tensor_numbers(x: FloatArray, points: FloatArray, gamma: FloatArray) -> FloatArray:
+    """The ten numbers (N, 10) of `_rates.of_tensor` for N_i = e_ijk X_jm T_mk at l (N, 3).
+
+    x: (N, 3, 3), over the principal axes as l; gamma (3,) by p (1 - p).  Over the precession T is
+    a 1 + b l l' and the part of vec T along l, and the torque across l follows from T l and T' l.
+    """
+    straight = np.einsum("ijk,njk->ni", _LEVI, x)
+    doubled = np.einsum("ijk,njm,nm,nk->ni", _LEVI, x, points, points)
+    skew = np.einsum("ijk,njm,pmk,np->ni", _LEVI, x, _LEVI, points)
+    out = np.empty((len(points), 10))
+    for first, arm in ((0, points), (3, points * gamma)):
+        one, two, three = (np.sum(arm * each, axis=1) for each in (straight, doubled, skew))
+        out[:, first] = 0.5 * (one - two)
+        out[:, first + 1] = 1.5 * two - 0.5 * one
+        out[:, first + 2] = -0.5 * three
+    first_arm = np.einsum("ijk,njm,nk->nim", _LEVI, x, points)  # by T l
+    second_arm = np.einsum("ijk,njm,nm->nik", _LEVI, x, points)  # by T' l
+    for place, matrix in ((6, first_arm), (8, second_arm)):
+        along = np.einsum("ni,nij,nj->n", points, matrix, points)
+        out[:, place] = 0.5 * (np.trace(matrix, axis1=1, axis2=2) - along)
+        out[:, place + 1] = 0.5 * np.einsum("nk,kij,nji->n", points, _LEVI, matrix)
+    return out
+
+
+def _of_bilinear(
+    axes: Axes,
+    matrix: Callable[[FloatArray], FloatArray],
+    numbers: Numbers,
+    exponent: int,
+    strength: float,
+) -> Mean:
+    """The mean of N_i = e_ijk X_jm T_mk, X a function of l, by nodes of the nutation."""
+    h = _tables.distances(_tables.coordinates(axes))
+    means = np.empty((4, len(h), 10))
+    for region, n in enumerate(_nutations(axes)):
+        gamma = n.gamma / (n.p * n.rest)[:, None]
+        sign = 1.0 if region > 1 else -1.0
+        for j, distance in enumerate(h):
+            count = 24 + int(14.0 * max(1.0, -np.log(distance)))
+            points = axes.nodes(axes.separatrix + sign * distance, region, count)
+            means[region, j] = np.mean(tensor_numbers(matrix(points), points, gamma[j]), axis=0)
+    points, seconds, gamma, pq = _on_arcs(axes)
+    arcs = np.array([seconds @ tensor_numbers(matrix(x), x, gamma / pq) for x in points])
+    arcs[:, :3] = arcs[:, 6:] = 0.0
+    return Mean(_rates.TENSOR, numbers, means, arcs, exponent, strength, True)
+
+
+@register(EddyCurrent)
+def eddy(torque: EddyCurrent, body: Body, axes: Axes, degree: int) -> list[Mean]:
+    """(M (w x B - B')) x B: bilinear in B and B, and in B' and B."""
+    torque.parameters(body)  # refuses relative moments
+    tensor = axes.matrix.T @ torque.tensor @ axes.matrix
+    size = float(np.max(np.abs(tensor)))
+
+    def turned(points: FloatArray) -> FloatArray:
+        rate = points / axes.moments
+        # (M [w x])_jq = M_jm e_mpq w_p
+        return np.einsum("jm,mpq,np->njq", tensor, _LEVI, rate)
+
+    def still(points: FloatArray) -> FloatArray:
+        return np.broadcast_to(-tensor, (len(points), 3, 3))
+
+    def squares(given: FloatArray) -> FloatArray:
+        return (given[:, :3, None] * given[:, None, :3]).reshape(-1, 9)
+
+    def products(given: FloatArray) -> FloatArray:
+        return (given[:, 3:6, None] * given[:, None, :3]).reshape(-1, 9)
+
+    key, arrays = ("eddy",), (axes.numbers, tensor)
+
+    def made() -> dict[str, FloatArray]:
+        pair = (
+            _of_bilinear(axes, turned, squares, 1, size / float(axes.moments[0])),
+            _of_bilinear(axes, still, products, 0, size),
+        )
+        return {
+            f"{name}{k}": getattr(mean, name)
+            for k, mean in enumerate(pair)
+            for name in ("means", "arcs")
+        }
+
+    table = _tables.kept(key, arrays, made)
+    return [
+        Mean(_rates.TENSOR, squares, table["means0"], table["arcs0"], 1,
+             size / float(axes.moments[0]), True),
+        Mean(_rates.TENSOR, products, table["means1"], table["arcs1"], 0, size, True),
+    ]  # fmt: skip
+
+
+# ---- Tables of one direction
+
+
+@register(SolarRadiation)
+@register(AerodynamicTorque)
+def one_direction(torque: Torque, body: Body, axes: Axes, degree: int) -> list[Mean]:
+    """Light and flow: a function of the direction of the sample, by its squared length."""
+    parameters = np.asarray(torque.parameters(body), dtype=np.float64)
+
+    def made() -> dict[str, FloatArray]:
+        field = _tables.field_of(torque.address(), parameters, axes, torque.columns)
+        coefficients = _tables.harmonics(field, degree)
+        means, arcs = _tables.sums_of(coefficients, axes)
+        return {"coefficients": coefficients, "means": means, "arcs": arcs}
+
+    key = (type(torque).__name__, degree)
+    table = _tables.kept(key, (axes.numbers, parameters), made)
+
+    def numbers(given: FloatArray) -> FloatArray:
+        square = np.sum(given[:, :3] ** 2, axis=1)
+        unit = given[:, :3] / np.sqrt(square)[:, None]
+        return np.concatenate([unit, (1.0 / square)[:, None]], axis=1)
+
+    strength = float(np.sqrt(np.sum(table["coefficients"] ** 2) / (4.0 * np.pi)))
+    return [Mean(_rates.HARMONICS, numbers, table["means"], table["arcs"], 0, strength)]
+
+
+def slips(torque: Torque) -> bool:
+    """Whether the torque is a slip of the body under a fixed momentum."""
+    return torque.kind == SLIP

@@ -1,0 +1,281 @@
+"""Means of torques packed for the compiled loops; their numbers along paths, in windows of time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from attitude.averaged import _rates as layout
+from attitude.averaged import _tables
+from attitude.averaged._means import Mean, slips
+from attitude.errors import AttitudeError
+from attitude.torques._torque import Torque, positions, span_of
+
+if TYPE_CHECKING:
+    from attitude._support.annotations import FloatArray, IntArray
+    from attitude.averaged._polhode import Axes
+    from attitude.epochs._instants import Instant
+    from attitude.motions._body import Body
+
+# Epochs of one turn of a path over which means are taken.
+ORBIT = 32
+# Least count of samples of a turn of a path that is followed, and most; the share of the largest
+# number by which their splines may err.
+_FEWEST, _MOST, _CLOSE = 32, 2048, 1e-6
+# Intervals of a window of time.
+_INTERVALS = 1024
+# Turns after which a path that repeats itself is back to this share of its numbers.
+_TURNS, _REPEATS = (1, 3, 10, 31, 100, 316, 1000), 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Sampling:
+    """How one torque's path enters.
+
+    Attributes
+    ----------
+    torque : Torque
+    period : float
+        s, of one turn of the path; infinite for a torque without samples or a fixed direction.
+    is_averaged : bool
+        Over the turn.
+    interval : float
+        s between samples; infinite for numbers that do not change.
+    """
+
+    torque: Torque
+    period: float
+    is_averaged: bool
+    interval: float
+
+
+def turn_period(torque: Torque, instant: Instant) -> float:
+    """Seconds in which the direction of the path of a torque turns once; infinite at rest."""
+    path = getattr(torque, "path", None)
+    if not torque.columns or path is None:
+        return float("inf")
+    first, last = span_of(path, instant)
+    begin = min(max(0.0, first), last)
+
+    def unit(t: float) -> FloatArray:
+        r = positions(path, instant, np.array([t]), np.zeros(1), "path")[0]
+        found: FloatArray = r / np.sqrt(r @ r)
+        return found
+
+    now, step, turned, t = unit(begin), 1.0, 0.0, begin
+    for _ in range(4000):
+        sign = 1.0 if t + step <= last else -1.0
+        if sign < 0.0 and t - step < first:
+            break
+        after = unit(t + sign * step)
+        angle = float(np.arctan2(np.linalg.norm(np.cross(now, after)), now @ after))
+        if angle > 0.2:
+            step *= 0.5
+            continue
+        if angle < 0.05 and step < 1e12 and turned == 0.0:
+            step *= 2.0
+            continue
+        if angle < 1e-9:
+            return float("inf")
+        t, now, turned = t + sign * step, after, turned + angle
+        if turned >= 2.0 * np.pi or sign < 0.0:
+            return (
+                abs(t - begin) * 2.0 * np.pi / turned
+                if turned < 6.0
+                else _closed(unit, begin, t, turned)
+            )
+        step *= min(2.0, 0.1 / angle)
+    return float("inf") if turned < 0.1 else abs(t - begin) * 2.0 * np.pi / turned
+
+
+def _closed(unit, begin, t, turned):
+    """The period, refined: where the direction comes nearest to that at the beginning."""
+    target = unit(begin)
+    guess = (t - begin) * 2.0 * np.pi / turned
+    low, high = 0.97 * guess, 1.03 * guess
+
+    def behind(p):
+        other = unit(begin + p)
+        ahead = unit(begin + 1.001 * p) - unit(begin + 0.999 * p)
+        return float((other - target) @ ahead)
+
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if behind(middle) < 0.0:
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high)
+
+
+class Packed:
+    """Means of torques on one body, as the compiled loops take them.
+
+    Attributes
+    ----------
+    data, models, work : arrays
+        See `_rates`.
+    """
+
+    def __init__(
+        self,
+        axes: Axes,
+        body: Body,
+        means: Sequence[tuple[Sampling, Mean]],
+        instant: Instant,
+    ) -> None:
+        self.axes, self.means, self._instant = axes, list(means), instant
+        x = _tables.coordinates(axes)
+        head = np.array([x[0], x[1] - x[0], len(x) - 1.0])
+        parts, size = [axes.numbers, head], layout.DATA_START
+        self.models: IntArray = np.zeros((len(self.means), layout.MODEL_ENTRIES), dtype=np.int64)
+        self._alive = []
+        work = 0
+        for row, (sampling, mean) in zip(self.models, self.means, strict=True):
+            nodes = ORBIT if sampling.is_averaged and not mean.is_linear else 1
+            columns = mean.arcs.shape[1]
+            row[layout.KIND], row[layout.COLUMNS] = mean.kind, columns
+            row[layout.DEGREE], row[layout.NODES] = max(mean.degree, 0), nodes
+            row[layout.EXPONENT] = mean.exponent
+            torque = sampling.torque
+            if mean.kind == layout.TORUS:
+                parameters = np.append(np.asarray(torque.parameters(body), dtype=np.float64), 0.0)
+                self._alive.append(parameters)
+                row[layout.FUNCTION] = torque.address()
+                row[layout.PARAMETERS] = parameters.ctypes.data
+                row[layout.SAMPLED] = torque.columns
+                row[layout.NUTATION] = row[layout.PRECESSION] = 16
+                row[layout.SLIPS] = int(slips(torque))
+                row[layout.WIDTH] = nodes * (torque.columns + 1)
+            else:
+                width = 9 if mean.kind == layout.TENSOR else 4
+                row[layout.WIDTH] = nodes * width
+                table = [_tables.spline(x, values).reshape(-1) for values in mean.means]
+                row[layout.TABLE], row[layout.ARCS] = size, size + sum(map(len, table))
+                row[layout.STRENGTH] = row[layout.ARCS] + mean.arcs.size
+                parts += [*table, mean.arcs.reshape(-1), np.array([mean.strength])]
+                size = int(row[layout.STRENGTH]) + 1
+            work = max(work, int(row[layout.WIDTH]) + columns + 9 * nodes + 16)
+        self.data: FloatArray = np.concatenate(parts)
+        self.work: FloatArray = np.zeros(work)
+
+    def sampled(self, sampling: Sampling, mean: Mean, t: FloatArray) -> FloatArray:
+        """The numbers (T, F) of a mean at seconds (T,)."""
+        count = len(t)
+        if mean.kind == layout.TORUS and not sampling.torque.columns:
+            return np.zeros((count, 1))
+        offsets = np.zeros(1)
+        if sampling.is_averaged:
+            offsets = sampling.period * ((np.arange(ORBIT) + 0.5) / ORBIT - 0.5)
+        times = t[:, None] + offsets
+        if sampling.is_averaged:
+            first, last = sampling.torque.span(self._instant)
+            half = 0.5 * sampling.period
+            times = np.clip(t, first + half, last - half)[:, None] + offsets
+        flat = np.ascontiguousarray(times.reshape(-1))
+        given = sampling.torque.sample(self._instant, flat, np.zeros(len(flat)))
+        if mean.kind == layout.TORUS:
+            shift = np.broadcast_to(offsets, times.shape).reshape(-1, 1)
+            found = np.concatenate([shift, given], axis=1)
+        else:
+            found = mean.numbers(given)
+        found = found.reshape(count, len(offsets), -1)
+        if not sampling.is_averaged:
+            return found[:, 0]
+        if mean.is_linear:
+            averaged: FloatArray = np.mean(found, axis=1)
+            return averaged
+        if mean.kind == layout.HARMONICS:
+            found[..., 3] /= ORBIT
+        return found.reshape(count, -1)
+
+    def interval(self, sampling: Sampling, mean: Mean) -> float:
+        """Seconds between samples that splines join to 1e-6 of the largest number."""
+        torque = sampling.torque
+        if not torque.columns:
+            return float("inf")
+        first, last = torque.span(self._instant)
+        period = sampling.period
+        if sampling.is_averaged:
+            t = np.array([0.0, *(n * period for n in _TURNS), *(0.37 * n * period for n in _TURNS)])
+            t = np.clip(t, first, last)
+            values = self.sampled(sampling, mean, t)
+            if mean.is_linear and _spread(values) <= _REPEATS:
+                return float("inf")
+            if not mean.is_linear and _spread(values[: len(_TURNS) + 1]) <= _REPEATS:
+                return float("inf")
+            return self._slow(sampling, mean, first, last)
+        if not np.isfinite(period):
+            t = np.clip(np.array([0.0, 1e3, 1e5, 1e7]), first, last)
+            if _spread(self.sampled(sampling, mean, t)) <= _REPEATS:
+                return float("inf")
+            period = 86400.0
+        return self._fine(sampling, mean, first, last, period / _FEWEST, period / _MOST)
+
+    def _slow(self, sampling, mean, first, last):
+        """For means over turns of a path that drifts: as many turns as splines can join."""
+        longest = 4096.0 * sampling.period
+        if np.isfinite(first) and np.isfinite(last):
+            longest = min(longest, (last - first) / 8.0)
+        return self._fine(sampling, mean, first, last, longest, sampling.period, 1e-3)
+
+    def _fine(self, sampling, mean, first, last, width, least, close=_CLOSE):
+        """The widest interval, of halves of one, at whose middles a spline errs by little."""
+        while width > least:
+            begin = min(max(-8.0 * width, first), max(last - 16.0 * width, first))
+            end = min(begin + 16.0 * width, last)
+            t = np.linspace(begin, end, 17)
+            middle = 0.5 * (t[4:12] + t[5:13])
+            from scipy.interpolate import CubicSpline
+
+            values = self.sampled(sampling, mean, t)
+            error = CubicSpline(t, values, axis=0)(middle) - self.sampled(sampling, mean, middle)
+            largest = max(float(np.max(np.abs(values))), 1e-300)
+            if float(np.max(np.abs(error))) <= close * largest:
+                return width
+            width *= 0.5
+        return width
+
+    def window(self, number: int, length: float, last: tuple[float, float]) -> FloatArray:
+        """The block `forcing` of the window from number times its length, s, to the next.
+
+        last: first and last second at which the paths are known.
+        """
+        blocks, size = [], 0
+        for row, (sampling, mean) in zip(self.models, self.means, strict=True):
+            row[layout.FORCING] = size
+            if not np.isfinite(sampling.interval):
+                values = self.sampled(sampling, mean, np.zeros(1))[0]
+                block = np.concatenate([[0.0, 1.0, 0.0], values])
+            else:
+                begin = max(number * length, last[0])
+                end = min((number + 1) * length, last[1])
+                if end - begin < 1e-6:
+                    raise AttitudeError("the path of a torque ends there; give a longer path.")
+                count = max(int(np.ceil((end - begin) / sampling.interval)), 4)
+                t = np.linspace(begin, end, count + 1)
+                t[-1] = end
+                block = np.concatenate(
+                    [
+                        [begin, (end - begin) / count, float(count)],
+                        _tables.spline(t, self.sampled(sampling, mean, t)).reshape(-1),
+                    ]
+                )
+            blocks.append(block)
+            size += len(block)
+        return np.concatenate(blocks)
+
+    @property
+    def length(self) -> float:
+        """Seconds of a window; infinite where nothing changes."""
+        intervals = [s.interval for s, _ in self.means if np.isfinite(s.interval)]
+        return _INTERVALS * min(intervals) if intervals else float("inf")
+
+
+def _spread(values: FloatArray) -> float:
+    """The largest difference of rows, in units of the largest number."""
+    largest = max(float(np.max(np.abs(values))), 1e-300)
+    return float(np.max(np.ptp(values, axis=0))) / largest

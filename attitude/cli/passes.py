@@ -1,0 +1,143 @@
+"""``attitude passes``, ``attitude glints``: what an observer sees of a mission file, as a table."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING, Any
+
+from attitude.cli import _options, _output
+from attitude.errors import AttitudeError
+
+if TYPE_CHECKING:
+    from attitude.events._windows import Timetable
+    from attitude.formats.mission import Mission
+
+HELP: dict[str, str] = {
+    "passes": "list the passes of a satellite over a ground site",
+    "glints": "list the glints of the flat sides of a body: when, which, how bright",
+}
+_TIMES = """\
+--start and --stop are dates (UTC) or times after the epoch of the spin; by default those of the
+file. Times are UTC at which light is received. As x.csv or x.ecsv columns name their units.
+"""
+EPILOG: dict[str, str] = {
+    "passes": f"""\
+examples:
+  attitude passes data/mission/envisat-pass.toml --start 2013-10-23 --stop 2013-10-24
+  attitude passes data/mission/envisat-pass.toml --start 2013-10-23 --stop 2013-10-24 \\
+      --elevation "1 deg" --sunlit --night "-6 deg" --output passes.csv
+
+Columns: rise, culmination and set with azimuths, greatest elevation, distance and elevation of the
+Sun at culmination; with --sunlit or --night also from when until when the satellite is visible.
+{_TIMES}""",
+    "glints": f"""\
+examples:
+  attitude glints data/mission/envisat-glints.toml --start 2013-10-23T20:40 --stop 2013-10-23T21:10
+  attitude glints data/mission/envisat-glints.toml --side "body -y" --side "body +y" --all
+
+Columns: side, start, peak and stop of the glint, magnitude of the whole body at the peak, angle off
+the mirror direction, phase angle, share of the Sun's disc, elevation. The mission file needs a mesh
+([shape]) and materials with a specular part ([scattering.materials]). --all lists also those in
+shadow, below the horizon and by day.
+{_TIMES}""",
+}
+
+
+def add_arguments(parser: argparse.ArgumentParser, command: str) -> None:
+    """Add the options of one of both commands."""
+    parser.add_argument("file", metavar="MISSION.toml", help="mission file")
+    for name in ("start", "stop"):
+        parser.add_argument(f"--{name}", metavar="TIME", help=f"replaces the {name} of the file")
+    if command == "passes":
+        parser.add_argument(
+            "--elevation", default="0 deg", metavar="ANGLE", help="least elevation (0 deg)"
+        )
+        parser.add_argument(
+            "--sunlit", action="store_true", help="passes in which the satellite is sunlit"
+        )
+        parser.add_argument(
+            "--night", metavar="ANGLE", help='with the Sun lower than this, such as "-6 deg"'
+        )
+    else:
+        parser.add_argument(
+            "--side", action="append", metavar="NAME", help="a flat side; may be repeated (all)"
+        )
+        parser.add_argument(
+            "--fraction",
+            type=float,
+            default=0.1,
+            metavar="PART",
+            help="a side glints while its lobe exceeds this part of its peak (0.1)",
+        )
+        parser.add_argument("--all", action="store_true", help="also those that nobody sees")
+    parser.add_argument("--output", metavar="FILE", help="x.csv or x.ecsv (default: a text table)")
+
+
+def run(arguments: argparse.Namespace, command: str) -> None:
+    """Search, and print or write the table."""
+    from attitude.events import glints, passes
+    from attitude.formats import mission as formats_mission
+
+    if arguments.output is not None:
+        _output.kind_of(arguments.output)
+    mission = formats_mission.read(arguments.file)
+    ends = _span(mission, arguments)
+    found: Timetable
+    if command == "passes":
+        found = passes(
+            mission.scene,
+            *ends,
+            elevation=arguments.elevation,
+            sunlit=arguments.sunlit,
+            night=arguments.night,
+        )
+    else:
+        found = glints(
+            mission.scene,
+            *ends,
+            sides=arguments.side,
+            fraction=arguments.fraction,
+            visible=not arguments.all,
+        )
+    if arguments.output is not None:
+        _write(found, arguments.output)
+        print(f"{arguments.output}: {_counted(found, command)}")
+    elif len(found):
+        print(found)
+    else:
+        print(f"{_counted(found, command)} from {arguments.start or 'the start'} on.")
+
+
+def _counted(found: Timetable, command: str) -> str:
+    count = len(found)
+    return f"{count or 'no'} {command if count != 1 else command.removesuffix('s')}"
+
+
+def _span(mission: Mission, arguments: argparse.Namespace) -> list[Any]:
+    """Start and stop of the search: of the options, else of the file."""
+    dates = mission.times.get("epochs")
+    ends = []
+    for name, end in (("start", 0), ("stop", -1)):
+        option = getattr(arguments, name)
+        text = option or mission.times.get(name) or (dates[end] if dates else None)
+        if text is None:
+            raise AttitudeError(f"the file has no {name}; give --{name}.")
+        ends.append(_moment(mission, str(text), f"--{name}" if option else f"[times] {name}"))
+    return ends
+
+
+def _moment(mission: Mission, text: str, name: str) -> Any:
+    """A date, or a time after the epoch of the spin."""
+    epoch = mission.scene.epoch
+    if epoch is None:
+        from attitude.epochs import _inputs
+
+        return _inputs.instant(text, name)
+    return _options.one(epoch, text, name)
+
+
+def _write(found: Timetable, name: str) -> None:
+    from attitude._textfiles.atomic_write import made_whole
+
+    with made_whole(name, "--output") as temporary:
+        found.table().write(temporary)

@@ -1,0 +1,441 @@
+"""Sections [shape], [scattering] and [magnitude] of spin and mission files, read and written."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from attitude._support import validation
+from attitude._support.quoting import quoted
+from attitude._textfiles import toml
+from attitude._textfiles.toml import refuse_unknown, way_of
+from attitude.errors import AttitudeError
+from attitude.light_curve import _magnitudes
+from attitude.scattering import _law as scattering_law
+from attitude.scattering import _materials as scattering_materials
+from attitude.scattering import _weighted
+from attitude.shape import _ellipsoid as shape_ellipsoid
+from attitude.shape import _files, _mesh, _solids
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from attitude._support.annotations import FilePath, FloatArray
+    from attitude.motions._body import Body
+    from attitude.scattering._law import Law
+    from attitude.scene._scene import Scene
+    from attitude.scene._view import View
+
+
+# The key of each kind of shape, with the further keys that it allows.
+_SHAPES = {
+    "ellipsoid": ("diameter", "facets"),
+    "box": (),
+    "cylinder": (),
+    "box_wing": (),
+    "file": ("unit", "format"),
+    "mesh": (),
+}
+_ANY_SHAPE = ("divided", "shadows")
+# Units of the numbers in tables of dimensions; None for words and whole numbers.
+_CYLINDER: dict[str, str | None] = {"radius": "m", "height": "m", "sides": None, "axis": None}
+_BOX_WING: dict[str, str | None] = {
+    "body": "m",
+    "wing": "m",
+    "gap": "m",
+    "thickness": "m",
+    "wing_axis": None,
+    "wing_angle": "rad",
+    "wings": None,
+}
+_MESH: dict[str, str | None] = {"vertices": "m", "facets": None, "materials": None}
+# Facets of an ellipsoid by default.
+FACETS = 1000
+
+
+@dataclass(frozen=True)
+class MagnitudeScale:
+    """The kind of magnitudes of a light curve.
+
+    Attributes
+    ----------
+    kind : str
+        "apparent" or "reduced".
+    sun_distance, observer_distance : float or None
+        Distances of the body, m, for a Sun or an observer that the scene has as a direction.
+    """
+
+    kind: str
+    sun_distance: float | None = None
+    observer_distance: float | None = None
+
+    def of(self, view: View, *, everywhere: bool = False) -> FloatArray:
+        """The magnitudes of a View, (S,); inf where no part of the body is both lit and seen.
+
+        NaN where a ground site does not observe it (`View.is_observable`), unless `everywhere`, or
+        the scene has site_limits=False.
+        """
+        found = self._everywhere(view)
+        return found if everywhere else view.as_observed(found)
+
+    def _everywhere(self, view: View) -> FloatArray:
+        if self.kind == "reduced":
+            return view.reduced_magnitude
+        if self.sun_distance is None and self.observer_distance is None:
+            return view.magnitude_everywhere
+        given = self.sun_distance, self.observer_distance
+        sun = view.sun_distance if given[0] is None else given[0]
+        observer = view.observer_distance if given[1] is None else given[1]
+        found = view.reduced_magnitude + _magnitudes.distance_modulus(sun, observer)
+        return found + _magnitudes.dimming(view.lit_fraction) if view.scene.shadow_of else found
+
+
+def shape_of(
+    given: Any, body: Body | None, opened: Callable[[Any, str], FilePath]
+) -> dict[str, Any]:
+    """The arguments ``shape`` and, if given, ``shadows`` of a Scene from a section [shape]."""
+    if not isinstance(given, dict):
+        raise AttitudeError(f"shape is {quoted(given)}; give a section that begins [shape].")
+    known = {*_SHAPES, *_ANY_SHAPE, *(key for each in _SHAPES.values() for key in each)}
+    refuse_unknown(given, sorted(known), "[shape]")
+    way = way_of(given, _SHAPES, "[shape]")
+    for key in given:
+        if key not in (way, *_ANY_SHAPE, *_SHAPES[way]):
+            raise AttitudeError(
+                f"[shape] {quoted(key, mark='')} does not go with {way}; leave it out."
+            )
+    found: dict[str, Any] = {}
+    if "shadows" in given:
+        found["shadows"] = validation.one_of(given["shadows"], "[shape] shadows", (True, False))
+    if way == "file":
+        path = opened(given["file"], "[shape] file")
+        options = {key: given[key] for key in ("unit", "format") if key in given}
+        found["shape"] = _files.read(path, **options)
+    elif way == "ellipsoid":
+        found["shape"] = _ellipsoid(given, body)
+    elif way == "box":
+        found["shape"] = _solids.box(number_of(given["box"], "[shape] box", "m"))
+    elif way == "mesh":
+        table = table_of(given[way], "[shape] mesh", _MESH, ("vertices", "facets"))
+        found["shape"] = _mesh.Mesh(**table).require_closed()
+    elif way == "cylinder":
+        needed = ("radius", "height")
+        found["shape"] = _solids.cylinder(
+            **table_of(given[way], "[shape] cylinder", _CYLINDER, needed)
+        )
+    else:
+        needed = ("body", "wing")
+        found["shape"] = _solids.box_wing(
+            **table_of(given[way], "[shape] box_wing", _BOX_WING, needed)
+        )
+    if "divided" in given:
+        if way == "ellipsoid":
+            raise AttitudeError("[shape] divided does not go with ellipsoid; give facets.")
+        found["shape"] = found["shape"].divided(given["divided"])
+    return found
+
+
+def facets_for(
+    given: Mapping[str, Any], found: shape_ellipsoid.Ellipsoid | _mesh.Mesh, law: Law
+) -> shape_ellipsoid.Ellipsoid | _mesh.Mesh:
+    """The shape itself, or the facets of an ellipsoid if the law has no closed form for it.
+
+    Facets are also made if the section [shape] `given` has a number of them.
+    """
+    if isinstance(found, shape_ellipsoid.Ellipsoid) and not law.has_ellipsoid_form:
+        return found.facets(given.get("facets", FACETS))
+    if "facets" in given and isinstance(found, shape_ellipsoid.Ellipsoid):
+        return found.facets(given["facets"])
+    return found
+
+
+def law_of(given: Any, found: shape_ellipsoid.Ellipsoid | _mesh.Mesh) -> Law:
+    """The law of a section [scattering], for the shape `found`."""
+    if not isinstance(given, dict):
+        raise AttitudeError(
+            f"scattering is {quoted(given)}; give a section that begins [scattering]."
+        )
+    if "materials" in given:
+        refuse_unknown(given, ("materials",), "[scattering] with materials")
+        return _materials(given["materials"], found)
+    name, known = given.get("law", "lommel-seeliger"), scattering_law.laws()
+    if not isinstance(name, str) or name not in known:
+        raise AttitudeError(
+            f"[scattering] law is {quoted(name)}; give one of {', '.join(map(repr, known))}, or a "
+            "table of materials."
+        )
+    rest = {key: value for key, value in given.items() if key != "law"}
+    return _law(known[name], rest, "[scattering]")
+
+
+def scale_of(given: Any) -> dict[str, Any]:
+    """The arguments ``phase_function`` and ``sun_magnitude`` of a Scene from a [magnitude]
+    section.
+    """
+    if not isinstance(given, dict):
+        raise AttitudeError(
+            f"magnitude is {quoted(given)}; give a section that begins [magnitude]."
+        )
+    known = ("kind", "sun_magnitude", "h", "g", "g1", "g2", "sun_distance", "observer_distance")
+    refuse_unknown(given, known, "[magnitude]")
+    found: dict[str, Any] = {"phase_function": _phase_function(given)}
+    if "sun_magnitude" in given:
+        band = given["sun_magnitude"]
+        found["sun_magnitude"] = validation.number(band, "[magnitude] sun_magnitude", unit="mag")
+    if found["phase_function"] is not None and "sun_magnitude" in given:
+        raise AttitudeError(
+            "[magnitude] has both h and sun_magnitude, but h alone sets the scale of magnitudes; "
+            "leave one out."
+        )
+    return found
+
+
+def magnitude_of(given: Mapping[str, Any], scene: Scene) -> MagnitudeScale:
+    """The `MagnitudeScale` of a section [magnitude], for a Scene."""
+    distances = {}
+    for key, place in (("sun_distance", scene.sun), ("observer_distance", scene.observer)):
+        if key in given:
+            if not place.is_direction:
+                raise AttitudeError(
+                    f"[magnitude] {key} is given, but the {key.partition('_')[0]} is "
+                    f"{place.name}, whose distance is known; leave it out."
+                )
+            value = number_of(given[key], f"[magnitude] {key}", "m")
+            distances[key] = validation.positive(value, f"[magnitude] {key}", unit="m")
+    far = [
+        key
+        for key, place in (("sun_distance", scene.sun), ("observer_distance", scene.observer))
+        if place.is_direction and key not in distances
+    ]
+    kind = given.get("kind", "reduced" if far else "apparent")
+    validation.one_of(kind, "[magnitude] kind", ("apparent", "reduced"))
+    if kind == "apparent" and far:
+        raise AttitudeError(
+            f"[magnitude] kind is apparent, which needs {' and '.join(far)} for a direction; give "
+            'it in [magnitude], or kind = "reduced".'
+        )
+    return MagnitudeScale(kind, **distances)
+
+
+def _ellipsoid(given: Mapping[str, Any], body: Body | None) -> shape_ellipsoid.Ellipsoid:
+    axes = given["ellipsoid"]
+    if axes != "moments":
+        if "diameter" in given:
+            raise AttitudeError('[shape] diameter goes with ellipsoid = "moments"; leave it out.')
+        return shape_ellipsoid.Ellipsoid(number_of(axes, "[shape] ellipsoid", "m"))
+    if body is None:
+        raise AttitudeError(
+            '[shape] ellipsoid is "moments", but there is no spin with a body; give one, or three '
+            "semi-axes."
+        )
+    if np.any(body.tensor != np.diag(np.diag(body.tensor))):
+        raise AttitudeError(
+            '[shape] ellipsoid is "moments", but the inertia tensor of the body is not diagonal; '
+            "give three semi-axes."
+        )
+    diameter = number_of(given.get("diameter", 1.0), "[shape] diameter", "m")
+    return shape_ellipsoid.Ellipsoid.of_moments(np.diag(body.tensor), diameter=diameter)
+
+
+def _law(made: type[Law], given: Mapping[str, Any], where: str) -> Law:
+    """A law of a class from a table whose keys are the fields of the class."""
+    parameters = made.parameters()
+    refuse_unknown(given, list(parameters), f"{where} ({made.name})")
+    values = {}
+    for key, value in given.items():
+        each = parameters[key]
+        values[key] = value if each.words else number_of(value, f"{where} {key}", each.unit)
+    for key in made.required():
+        if key not in values:
+            raise AttitudeError(f"{where} has no {key}; give {parameters[key]}.")
+    try:
+        return made(**values)
+    except AttitudeError as err:
+        raise AttitudeError(f"{where} {err}") from err
+
+
+def _materials(
+    given: Any, found: shape_ellipsoid.Ellipsoid | _mesh.Mesh
+) -> scattering_materials.Materials:
+    if not isinstance(given, dict) or not all(isinstance(each, dict) for each in given.values()):
+        raise AttitudeError(
+            f"[scattering] materials is {validation.shown(given)}; give a table for each group of "
+            "facets, as in [scattering.materials.body]."
+        )
+    if isinstance(found, shape_ellipsoid.Ellipsoid):
+        raise AttitudeError(
+            "[scattering] has materials, which belong to groups of facets, but an ellipsoid has "
+            "none; give a law."
+        )
+    carried = sorted(set(found.materials))
+    for name in given:
+        if name not in carried:
+            raise AttitudeError(
+                f"[scattering] materials has {quoted(name)}, which no facet carries; the facets of "
+                f"the shape carry {quoted(', '.join(map(repr, carried)), 120, '')}."
+            )
+    for name in carried:
+        if name not in given:
+            raise AttitudeError(
+                f"[scattering] materials has no {quoted(name)}, which facets of the shape carry; "
+                "give it."
+            )
+    return scattering_materials.Materials(
+        {key: _material(value, f"[scattering] {key}") for key, value in given.items()}
+    )
+
+
+def _material(given: Mapping[str, Any], where: str) -> scattering_materials.Material:
+    material = _law(scattering_materials.Material, given, where)
+    assert isinstance(material, scattering_materials.Material)
+    return material
+
+
+def _phase_function(given: Mapping[str, Any]) -> Callable[[FloatArray], FloatArray] | None:
+    """Reduced magnitude as a function of the phase angle (rad); None without h."""
+    names = [key for key in ("g", "g1", "g2") if key in given]
+    if "h" not in given:
+        if names:
+            raise AttitudeError(
+                f"[magnitude] has {names[0]} but no h; give the absolute magnitude."
+            )
+        return None
+    numbers = {
+        key: validation.number(
+            number_of(given[key], f"[magnitude] {key}", None), f"[magnitude] {key}"
+        )
+        for key in ("h", *names)
+    }
+    if names in ([], ["g"]):
+        made: Callable[..., FloatArray] = _weighted.hg
+    elif names == ["g1", "g2"]:
+        made = _weighted.hg1g2
+    else:
+        raise AttitudeError(
+            f"[magnitude] has h with {' and '.join(names)}; give h and g, or h, g1 and g2."
+        )
+
+    def function(alpha: FloatArray) -> FloatArray:
+        return made(alpha, **numbers)
+
+    function(np.zeros(1))  # raises now for parameters out of range
+    return function
+
+
+def table_of(
+    given: Any, where: str, units: Mapping[str, str | None], needed: Sequence[str]
+) -> dict[str, Any]:
+    """What makes a shape, from a table, in SI units and radians."""
+    if not isinstance(given, dict):
+        keys = ", ".join(units)
+        raise AttitudeError(f"{where} is {quoted(given)}; give a table of {keys}, in braces.")
+    refuse_unknown(given, tuple(units), where)
+    found = {
+        key: value if units[key] is None else number_of(value, f"{where} {key}", units[key])
+        for key, value in given.items()
+    }
+    for key in needed:
+        if key not in found:
+            unit = ", in m" if units[key] == "m" else ""
+            raise AttitudeError(f"{where} has no {key}; give it{unit}.")
+    return found
+
+
+def number_of(value: Any, name: str, unit: str | None) -> Any:
+    """A number, a list or a text of a file, as a float or an array in the unit."""
+    return validation.real(value, name, unit=unit)[()]
+
+
+# ---- Shape and law of a spin or mission file, whatever else it holds
+
+
+def of_file(path: str) -> tuple[shape_ellipsoid.Ellipsoid | _mesh.Mesh, Law]:
+    """Shape and law of the sections [shape] and [scattering] of a file in TOML."""
+    content = toml.parsed(toml.read(path, "file with a section [shape]"), path)
+    if "shape" not in content:
+        raise AttitudeError(f"{path}: has no section [shape]; give a file with one, or a mesh.")
+    if isinstance(content["shape"], dict) and content["shape"].get("ellipsoid") == "moments":
+        raise AttitudeError(f'{path}: [shape] ellipsoid is "moments"; give three semi-axes here.')
+    try:
+        found = shape_of(content["shape"], None, _beside(path))["shape"]
+        return found, law_of(content.get("scattering", {}), found)
+    except AttitudeError as err:
+        raise AttitudeError(f"{path}: {err}") from err
+
+
+def law_of_file(path: str, shape: shape_ellipsoid.Ellipsoid | _mesh.Mesh) -> Law:
+    """The law of the section [scattering] of a file in TOML, for a shape."""
+    content = toml.parsed(toml.read(path, "file with a section [scattering]"), path)
+    if "scattering" not in content:
+        raise AttitudeError(f"{path}: has no section [scattering]; give a file with one.")
+    try:
+        return law_of(content["scattering"], shape)
+    except AttitudeError as err:
+        raise AttitudeError(f"{path}: {err}") from err
+
+
+def _beside(path: str) -> Callable[[Any, str], FilePath]:
+    """How a file names other files: relative to its folder."""
+    return partial(beside, folder=os.path.dirname(path))
+
+
+def beside(given: Any, name: str, folder: str) -> str:
+    """A file named relative to a folder; AttitudeError for what is not text."""
+    if not isinstance(given, str):
+        raise AttitudeError(f"{name} is {quoted(given)}; give the name of a file.")
+    return os.path.join(folder, os.path.expanduser(given))
+
+
+# ---- The lines of sections [shape] and [scattering]
+
+
+def shape_lines(shape: shape_ellipsoid.Ellipsoid | _mesh.Mesh) -> list[str]:
+    """The section [shape], of which `shape_of` makes the same numbers."""
+    if isinstance(shape, shape_ellipsoid.Ellipsoid):
+        return ["[shape]", f"ellipsoid = {shape.semi_axes.tolist()!r}  # m"]
+    if not isinstance(shape, _mesh.Mesh):
+        raise AttitudeError(f"shape is {validation.shown(shape)}; give a Mesh or an Ellipsoid.")
+    lines = ["[shape.mesh]", "vertices = [  # m"]
+    lines += [f"    {row!r}," for row in shape.vertices.tolist()]
+    lines += ["]", "facets = [  # vertices from 0, anticlockwise seen from outside"]
+    lines += [f"    {row!r}," for row in shape.facets.tolist()]
+    lines.append("]")
+    if set(shape.materials) != {_mesh.SURFACE}:
+        names = ", ".join(toml.quoted(each, "materials") for each in shape.materials)
+        lines.append(f"materials = [{names}]")
+    return lines
+
+
+def law_lines(law: Law) -> list[str]:
+    """The section [scattering], of which `law_of` makes an equal law.
+
+    AttitudeError for a law without a registered name.
+    """
+    if isinstance(law, scattering_materials.Materials):
+        lines: list[str] = []
+        for name in law.names:
+            head = f"[scattering.materials.{toml.quoted(name, 'materials')}]"
+            lines += [*([""] if lines else []), head, *_fields(law[name])]
+        return lines
+    if scattering_law.laws().get(str(law.name)) is not type(law):
+        raise AttitudeError(
+            f"law is {validation.shown(law)}, which has no name in attitude.scattering.laws(); "
+            "give one of these, or Materials."
+        )
+    return ["[scattering]", f"law = {toml.quoted(law.name, 'law')}", *_fields(law)]
+
+
+def has_lines(law: Law) -> bool:
+    """Whether a file can hold a law: Materials, and laws with a registered name."""
+    is_named = scattering_law.laws().get(str(law.name)) is type(law)
+    return is_named or isinstance(law, scattering_materials.Materials)
+
+
+def _fields(law: Law) -> list[str]:
+    found = {name: getattr(law, name) for name in law.parameters()}
+    texts = {k: toml.quoted(v, k) if isinstance(v, str) else repr(v) for k, v in found.items()}
+    return [f"{name} = {text}" for name, text in texts.items()]

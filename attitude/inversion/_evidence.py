@@ -1,0 +1,331 @@
+"""The evidence that solutions are ranked by, and what residuals say of a solution.
+
+-2 ln of the posterior density at its maximum, and what takes the place of the width of the peak:
+
+| term | where |
+| --- | --- |
+| Student's density of the residuals about sigma and the model error | `student` |
+| priors of the linear terms, of the shape, of the moments | `student`, from the cost of the fit |
+| ln N for each free parameter of the motion | `student` |
+| 2 ln of the frequencies tried over the share of tumbling bodies | `student`, its `trials` |
+| ln det of the Hessian of orientation, rate and shape, in place of their ln N | `occam` |
+| the prior of the shape of tumbling bodies, for rotation about one axis | `widened` |
+| ln det of the terms with a prior, where fits differ in these | `volume_of_offsets` |
+
+Errors follow Student's distribution with five degrees of freedom, since photometry of many nights
+and observers has outliers, about sigma and a model error in quadrature, which is what makes the
+residuals of the best solution as large as expected.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
+
+import numpy as np
+
+from attitude.inversion import _refinement, _shapes
+from attitude.inversion._ellipsoid import SearchState
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from attitude._support.annotations import BoolArray, FloatArray
+    from attitude.inversion._problem import CurveProblem
+    from attitude.inversion._refinement import Refined
+    from attitude.inversion._shapes import Tie
+
+
+State = TypeVar("State")
+Found = TypeVar("Found", covariant=True)
+
+
+class Fitted(Protocol[Found]):
+    """What a fit returns, such as `Refined`."""
+
+    @property
+    def state(self) -> Found:
+        """The state of the least cost."""
+
+    @property
+    def cost(self) -> float:
+        """The least cost."""
+
+    @property
+    def chi_squared(self) -> float:
+        """Its part of the magnitudes."""
+
+    @property
+    def magnitude(self) -> FloatArray:
+        """Magnitudes of the model (N,)."""
+
+
+FREEDOM = 5.0
+# Squares of normalised residuals above this do not enter the estimate of the model error, and the
+# mean of the others for normal errors.
+_CUT, _MEAN_BELOW = 9.0, 0.9733
+_LEAST_ERROR = 0.003
+_ROUNDS = 2
+# Epochs closer than this, s, belong to one night; nights at least of a standard error.
+_NIGHT, _FEWEST = 0.3 * 86400.0, 5
+# Multiples of half a rotation that the rates of a comb are.
+_COMB = 6
+# Singular values of linear terms, relative to the largest, below which one is a copy.
+_COPY = 1e-7
+# Parameters of the motion: orientation and rate, of every motion, and those of the nutation.
+_ALWAYS, _NUTATION = 4, 4
+
+
+@dataclass(frozen=True, eq=False)
+class Weighted:
+    """A refined state with weights of its own.
+
+    Attributes
+    ----------
+    refined : Refined, or what another fit returned
+    problem : CurveProblem
+        With the weights of this solution.
+    evidence : float
+        Minus twice the logarithm of the posterior density at its maximum, but for constants, plus
+        ln N for each free parameter of the motion; of `refined`, the logarithm of the determinant
+        of the Hessian of orientation, rate and shape in place of theirs.
+    residual : (N,) array
+        Magnitudes, observed less computed, linear terms included.
+    chi_squared : float
+        Mean square of residuals over sigma and the model error.
+    """
+
+    refined: Any
+    problem: CurveProblem
+    evidence: float
+    residual: FloatArray
+    chi_squared: float
+
+
+def residuals(problem: CurveProblem, magnitude: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Residuals (N,) of model magnitudes and the coefficients (L,) of the linear terms."""
+    coefficients = problem.coefficients(magnitude)
+    return problem.magnitude - magnitude - problem.terms @ coefficients, coefficients
+
+
+def model_error(problem: CurveProblem, residual: FloatArray) -> float:
+    """The error, mag, that has to be added to sigma for the residuals to be as expected."""
+    low, high = _LEAST_ERROR, 2.0
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        squares = residual**2 / (problem.sigma**2 + middle**2)
+        below = squares < _CUT
+        mean = np.mean(squares[below]) if np.any(below) else np.inf
+        low, high = (middle, high) if mean > _MEAN_BELOW else (low, middle)
+    return low if high > _LEAST_ERROR * 1.01 else _LEAST_ERROR
+
+
+def refined(
+    problem: CurveProblem,
+    start: FloatArray,
+    *,
+    tie: Tie,
+    fixed: BoolArray | None = None,
+    iterations: int = 20,
+    gain: float = 1e-4,
+    trials: float = 1.0,
+) -> Weighted:
+    """The state of largest posterior density near a start, with Student's errors."""
+
+    def fit(own: CurveProblem, state: FloatArray) -> Refined:
+        return _refinement.refine(
+            own, state, tie=tie, fixed=fixed, iterations=iterations, gain=gain
+        )
+
+    free = 8 if fixed is None else int(np.count_nonzero(~fixed[:8]))
+    found = student(problem, start, fit, free, trials)
+    return replace(found, evidence=found.evidence + occam(found.refined.normal, len(problem)))
+
+
+def occam(normal: FloatArray, points: int) -> float:
+    """What replaces ln N for orientation and rate: the logarithm of the determinant of a
+    Hessian.
+    """
+    kept = np.ones(len(normal), bool)
+    kept[_ALWAYS : _ALWAYS + _NUTATION] = False
+    inner = normal[np.ix_(kept, kept)].copy()
+    inner[range(_ALWAYS), range(_ALWAYS)] += 1.0
+    return float(np.linalg.slogdet(inner)[1]) - _ALWAYS * float(np.log(points))
+
+
+def widened(found: Weighted) -> float:
+    """What the evidence of a rotation about one axis changes by under the prior of tumbling bodies.
+
+    By Laplace's method: the cost of its minimum with the wider prior, after one step of Newton's,
+    and the determinant there.
+    """
+    normal, shape = found.refined.normal, found.refined.state[-_shapes.SIZE :]
+    free = np.diag(normal)[-_shapes.SIZE :] != 1.0
+    less = _shapes.widths(True) ** -2.0 - _shapes.widths(False) ** -2.0
+    less[~free] = 0.0
+    inner = normal.copy()
+    at = np.arange(len(normal) - _shapes.SIZE, len(normal))
+    inner[at, at] -= less
+    pull = np.zeros(len(normal))
+    pull[at] = less * shape
+    cost = -float(shape @ pull[at] + pull @ np.linalg.solve(inner, pull))
+    points = len(found.problem)
+    return cost + occam(inner, points) - occam(normal, points)
+
+
+def weights(square: FloatArray) -> FloatArray:
+    """Weights (N,) of Student's distribution for squares of residuals over their errors."""
+    found: FloatArray = (FREEDOM + 1.0) / (FREEDOM + square)
+    return found
+
+
+def student(
+    problem: CurveProblem,
+    start: State,
+    fit: Callable[[CurveProblem, State], Fitted[State]],
+    free: int,
+    trials: float = 1.0,
+) -> Weighted:
+    """The state of largest posterior density near a start, with Student's errors."""
+    state, own = start, problem
+    size = np.hypot(problem.sigma, problem.model_error)
+    for turn in range(_ROUNDS + 1):
+        found = fit(own, state)
+        state = found.state
+        residual, coefficients = residuals(own, found.magnitude)
+        square = (residual / size) ** 2
+        if turn < _ROUNDS:
+            own = problem.with_sigma(size / np.sqrt(weights(square)))
+    evidence = (FREEDOM + 1.0) * float(np.sum(np.log1p(square / FREEDOM)))
+    evidence += 2.0 * float(np.sum(np.log(size)))
+    evidence += float(np.sum((coefficients / problem.prior) ** 2))
+    evidence += found.cost - found.chi_squared
+    evidence += free * float(np.log(len(problem))) + 2.0 * float(np.log(trials))
+    return Weighted(found, own, evidence, residual, float(np.mean(square)))
+
+
+class Constant(NamedTuple):
+    """What fits a curve of constant brightness: no parameters, magnitudes (N,) of zero."""
+
+    state: None
+    cost: float
+    chi_squared: float
+    magnitude: FloatArray
+
+
+def constant(problem: CurveProblem) -> Weighted:
+    """The linear terms alone, with the model error that their residuals show."""
+    zeros = np.zeros(len(problem))
+
+    def fit(own: CurveProblem, _: None) -> Constant:
+        chi_squared = own.chi_squared(zeros)
+        return Constant(None, chi_squared, chi_squared, zeros)
+
+    for _ in range(2):
+        residual, _ = residuals(problem, zeros)
+        problem = problem.with_model_error(model_error(problem, residual))
+    return student(problem, None, fit, 0)
+
+
+def volume_of_offsets(own: CurveProblem) -> float:
+    """What an evidence lacks of the terms that have a prior, where their number differs.
+
+    The logarithm of the determinant of their Hessian, over that of the prior, free terms marginal:
+    many offsets that are hardly held fit better by chance.
+    """
+    scaled = own.terms * own.root[:, None]
+    free = np.isinf(own.prior)
+    held = scaled[:, ~free] * own.prior[~free]
+    basis, size, _ = np.linalg.svd(scaled[:, free], full_matrices=False)
+    basis = basis[:, size > _COPY * size.max(initial=0.0)]
+    held = held - basis @ (basis.T @ held)
+    return float(np.linalg.slogdet(np.eye(held.shape[1]) + held.T @ held)[1])
+
+
+def share_left(solution: Weighted, problem: CurveProblem) -> float:
+    """Mean square of the residuals over that of the magnitudes less the linear terms.
+
+    Both without the worst, as `floor_ratio`.
+    """
+    worst = problem.settings.worst
+    whole = problem.detrended - np.median(problem.detrended)
+    return _trimmed(solution.residual**2, worst) / max(_trimmed(whole**2, worst), 1e-12)
+
+
+def _trimmed(squares: FloatArray, worst: float) -> float:
+    """The mean of the squares (N,) without the largest share of them."""
+    return float(np.mean(np.sort(squares)[: max(1, int((1.0 - worst) * len(squares)))]))
+
+
+def floor_ratio(solution: Weighted, problem: CurveProblem) -> float:
+    """Mean square of the residuals over sigma and 0.01 mag, without outliers."""
+    squares = solution.residual**2 / (problem.sigma**2 + problem.settings.floor_error**2)
+    return _trimmed(squares, problem.settings.worst)
+
+
+def standard_error(solution: Weighted, other: Weighted, problem: CurveProblem) -> float:
+    """That of the difference of -2 ln(likelihood) of two solutions, from its parts of the nights.
+
+    Residuals of a model that errs are correlated within a night: a difference counts as many
+    points as one.  Source: Vuong, Econometrica 57, 307 (1989), with nights as samples.
+    """
+    size = problem.sigma**2 + problem.model_error**2
+    logs = [np.log1p(each.residual**2 / size / FREEDOM) for each in (solution, other)]
+    gains = (FREEDOM + 1.0) * (logs[1] - logs[0])
+    nights = np.concatenate([[0], np.cumsum(np.diff(problem.t) * problem.span > _NIGHT)])
+    parts = np.bincount(nights, gains)
+    if len(parts) < _FEWEST:
+        return 0.0
+    return float(np.sqrt(len(parts) * np.var(parts, ddof=1)))
+
+
+def as_rotators(found: list[Weighted], problem: CurveProblem) -> list[Weighted]:
+    """The solutions, where tumbling states whose lines form a rotator's comb stand behind it.
+
+    Where both rates are multiples of one frequency within the resolution of the span, tumbling has
+    no line that a rotation about one axis has not: four parameters more fit what its shape lacks.
+    It counts as that rotation, if chi-squared of this is not far larger.
+    """
+    out = []
+    for one in found:
+        behind = [
+            rotator.evidence + 1.0 - one.evidence
+            for rotator in found
+            if counts_as(one, rotator, problem)
+        ]
+        out.append(replace(one, evidence=one.evidence + max([0.0, *behind])))
+    return out
+
+
+def counts_as(one: Weighted, rotator: Weighted, problem: CurveProblem) -> bool:
+    """Whether a tumbling state is on the comb of a rotator that explains the curve too."""
+    settings = problem.settings
+    state, other = SearchState.of(one.refined.state), SearchState.of(rotator.refined.state)
+    return (
+        other.is_axial
+        and not state.is_axial
+        and _is_comb(state, 2.0 * other.precession, settings.comb_width)
+        and rotator.chi_squared < settings.axial_worse * one.chi_squared
+    )
+
+
+def _is_comb(state: SearchState, rotation: float, width: float) -> bool:
+    """Whether the lines of a tumbling state are multiples of a rotation or of half of it."""
+    base = 0.5 * rotation
+    numbers = [rate / base for rate in state.rates]
+    whole = [round(each) for each in numbers]
+    off = [abs(a - b) * base for a, b in zip(numbers, whole, strict=True)]
+    return max(off) < width and min(whole) >= 1 and max(whole) <= _COMB
+
+
+def gain(solution: Weighted, other: Weighted, problem: CurveProblem) -> float:
+    """The difference of -2 ln(likelihood) by which a solution fits better than another one.
+
+    By Student's distribution about sigma and 0.01 mag, or about the larger errors that the solution
+    itself leaves; without priors and the number of parameters.
+    """
+    size = max(1.0, floor_ratio(solution, problem)) * (
+        problem.sigma**2 + problem.settings.floor_error**2
+    )
+    logs = [np.log1p(each.residual**2 / size / FREEDOM) for each in (solution, other)]
+    return (FREEDOM + 1.0) * float(np.sum(logs[1] - logs[0]))

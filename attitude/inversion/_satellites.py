@@ -1,0 +1,176 @@
+"""Rotation about one axis beside an additive series in a second period: bodies with a moon.
+
+Eclipses and occultations by a moon add dips at the period of its orbit to the magnitudes of a
+rotating body.  A tumbling body has lines at sums and differences of two frequencies; here there are
+none, only multiples of each.  Pairs of periods are found by series (`additive_pairs`); the rival of
+a tumbling state is then a body that rotates about one axis, with the series in the second period
+among the linear terms.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from attitude.inversion import _lattices
+from attitude.photometry import _spectrum
+
+if TYPE_CHECKING:
+    from attitude._support.annotations import BoolArray, FloatArray
+    from attitude.inversion._problem import CurveProblem
+
+
+# Lines of the rotation and of the orbit in the scan, and in the fits of its best pairs: rotation is
+# smooth, dips are narrow, and two of unlike depth an orbit leave half the period behind.
+_SCANNED, ORDERS = (4, 6), (6, 16)
+# Frequencies of the orbit per 1/span: its sixth harmonic is resolved.
+_FINE = 12
+# Strong lines whose orbits are scanned, and pairs that are fitted for each that is returned; the
+# best of them also with twice and half the period of the orbit.
+_ROTATIONS, _MORE = 12, 4
+# Ratios of two numbers up to this are those of one comb, whose lines are a shape's.
+_COMB = 4
+# Steps of the fit of both frequencies, and the longest one, turns per span.
+_STEPS, _LONGEST = 4, 0.1
+# Skewness of dips at least (binaries: 1.2 to 2.1), orbits in the span at least, range at most, mag:
+# half of a pair of equal bodies is 0.75, and noise adds to it.
+_LEAST_SKEWNESS, _LEAST_ORBITS, _DEEPEST = 0.6, 4.0, 1.2
+# Epochs of an orbit at which its series is evaluated.
+_PHASES = 360
+# Standard deviation, mag, of the amplitudes of a series beside a body before the curve is seen.
+_AMPLITUDE = 0.1
+
+
+class AdditivePair(NamedTuple):
+    """Frequencies of rotation and orbit, turns per span, and the share of chi-squared left.
+
+    range, mag, and skewness are those of the series in the orbit.
+    """
+
+    rotation: float
+    orbit: float
+    left: float
+    range: float = 0.0
+    skewness: float = 0.0
+
+    @property
+    def are_dips(self) -> bool:
+        """Whether the series in the orbit looks like eclipses: short, faint, seen several times.
+
+        Series that mimic tumbling are skewed to either side, reach many magnitudes, or last for
+        most of the span.
+        """
+        is_short = self.skewness > _LEAST_SKEWNESS and self.orbit > _LEAST_ORBITS
+        return is_short and self.range < _DEEPEST
+
+
+def series(frequency: float, order: int, t: FloatArray) -> FloatArray:
+    """Cosines and sines (N, 2 order) of the multiples of a frequency at epochs (N,)."""
+    angle = 2.0 * math.pi * frequency * np.outer(t, np.arange(1, order + 1))
+    return np.concatenate([np.cos(angle), np.sin(angle)], axis=1)
+
+
+def beside(problem: CurveProblem, frequency: float) -> CurveProblem:
+    """The problem with the series of an orbit among its linear terms."""
+    terms = series(frequency, ORDERS[1], problem.t)
+    return problem.with_terms(terms, np.full(terms.shape[1], _AMPLITUDE), frequency)
+
+
+def additive_pairs(problem: CurveProblem, most: float, keep: int = 4) -> list[AdditivePair]:
+    """Pairs of frequencies whose series, added, fit a curve best, the best first.
+
+    The frequency of the orbit is the lower one.  `most`: of the rotation, turns per span.
+    """
+    strong = _lattices.lines(problem, most, _ROTATIONS)
+    rotations = np.unique(np.concatenate([strong, 0.5 * strong]))
+    rotations = rotations[rotations > 2.0 * _lattices.LEAST]
+    if not len(rotations):
+        return []
+    # sums and differences of any two lines
+    count = int(2.0 * max(_SCANNED) * rotations.max() * _FINE) + 2
+    made = _spectrum.tables(problem.t, problem.root**2, problem.detrended, 1.0 / _FINE, count)
+    lines = np.array(
+        [(0, 0)]
+        + [(i, 0) for i in range(1, _SCANNED[0] + 1)]
+        + [(0, j) for j in range(1, _SCANNED[1] + 1)]
+    )
+    scanned: list[tuple[float, float, float]] = []
+    for rotation in rotations:
+        orbits = np.arange(int(_lattices.LEAST * _FINE), int(rotation * _FINE))
+        orbits = orbits[~_is_comb(orbits / _FINE, rotation)]
+        if not len(orbits):
+            continue
+        first = np.full(len(orbits), round(rotation * _FINE))
+        gain = np.empty(len(orbits))
+        _spectrum.decreases(*made[:4], first, orbits, lines, _spectrum.RIDGE, gain)
+        problem.tally.add(len(orbits), problem.settings.pair_cost)
+        chosen: list[float] = []
+        for k in np.argsort(-gain, kind="stable")[: 8 * _MORE]:
+            orbit = float(orbits[k]) / _FINE
+            if all(abs(orbit - other) > 0.5 for other in chosen) and len(chosen) < _MORE:
+                chosen.append(orbit)
+                scanned.append((-float(gain[k]), float(rotation), orbit))
+    best = sorted(scanned)[: keep * _MORE]
+    found = sorted((_fitted(problem, *pair[1:]) for pair in best), key=lambda each: each.left)
+    found += [
+        _fitted(problem, pair.rotation, factor * pair.orbit)
+        for pair in found[:keep]
+        for factor in (0.5, 2.0)
+        if _lattices.LEAST < factor * pair.orbit < pair.rotation
+    ]
+    distinct: list[AdditivePair] = []
+    for pair in sorted(found, key=lambda each: each.left):
+        near = [max(abs(pair[0] - one[0]), abs(pair[1] - one[1])) < 0.5 for one in distinct]
+        if not any(near) and not _is_comb(np.array([pair.orbit]), pair.rotation)[0]:
+            distinct.append(pair)
+    return distinct[:keep]
+
+
+def _is_comb(orbits: FloatArray, rotation: float) -> BoolArray:
+    """Which frequencies (P,) have lines of the comb of a rotation within a turn of the span."""
+    ratios = {i / j for i in range(1, _COMB + 1) for j in range(1, _COMB + 1)}
+    on = [np.abs(orbits - ratio * rotation) < 1.0 for ratio in ratios]
+    return np.asarray(np.any(on, axis=0))
+
+
+def _fitted(problem: CurveProblem, rotation: float, orbit: float) -> AdditivePair:
+    """The pair near two frequencies whose series fit best, linear terms projected out exactly."""
+    y = problem.y * problem.root
+    y = y - problem.u.T @ (problem.u @ y)
+    total = float(y @ y)
+    pair = np.array([rotation, orbit])
+    best = AdditivePair(rotation, orbit, math.inf)
+    orbit_series = series(1.0, ORDERS[1], np.arange(_PHASES) / _PHASES)
+    multiples = [np.arange(1, order + 1) for order in ORDERS]
+    for _ in range(_STEPS):
+        bases = [series(f, order, problem.t) for f, order in zip(pair, ORDERS, strict=True)]
+        joint = _projected(problem, np.concatenate(bases, axis=1))
+        inner = joint @ joint.T + _spectrum.RIDGE * np.eye(len(joint))
+        amplitudes = np.linalg.solve(inner, joint @ y)
+        residual = y - joint.T @ amplitudes
+        left = 1.0 - float(amplitudes @ (joint @ y)) / total
+        if left < best.left:
+            dips = orbit_series @ amplitudes[2 * ORDERS[0] :]
+            off = dips - dips.mean()
+            skewness = float(np.mean(off**3) / max(float(np.mean(off**2)) ** 1.5, 1e-30))
+            best = AdditivePair(float(pair[0]), float(pair[1]), left, float(np.ptp(dips)), skewness)
+        slopes, start = [], 0
+        for base, order, numbers in zip(bases, ORDERS, multiples, strict=True):
+            cosine, sine = amplitudes[start : start + order], amplitudes[start + order :][:order]
+            rate = base[:, :order] @ (sine * numbers) - base[:, order:] @ (cosine * numbers)
+            slopes.append(2.0 * math.pi * problem.t * rate)
+            start += 2 * order
+        whole = np.concatenate([_projected(problem, np.stack(slopes, axis=1)), joint])
+        inner = whole @ whole.T
+        inner[2:, 2:] += _spectrum.RIDGE * np.eye(len(joint))
+        step = np.linalg.lstsq(inner, whole @ residual, rcond=1e-12)[0][:2]
+        pair = pair + np.clip(step, -_LONGEST, _LONGEST)
+    return best
+
+
+def _projected(problem: CurveProblem, terms: FloatArray) -> FloatArray:
+    """Weighted terms (K, N) of terms (N, K), the linear terms of the problem taken off."""
+    weighted = terms.T * problem.root
+    return weighted - (weighted @ problem.u.T) @ problem.u

@@ -1,0 +1,183 @@
+"""`Settings`: the thresholds of a search, each with its reason; `Tally`: the work that it has done.
+
+A problem carries both, so that a search can be run with a changed threshold.  The budget of a
+search is in seconds of one idle core, estimated from the work: a seed gives one result on every
+machine and under every load.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+
+@dataclass
+class Tally:
+    """Work, estimated in seconds of one idle core, and the most that may be done.
+
+    Attributes
+    ----------
+    budget, spent : float
+    """
+
+    budget: float = math.inf
+    spent: float = 0.0
+
+    def add(self, count: float, cost: float) -> None:
+        """Count so many steps (times points) of a cost in seconds."""
+        self.spent += count * cost
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the budget is spent."""
+        return self.spent > self.budget
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Thresholds and sizes of the search for spin states.
+
+    Differences of evidence are those of -2 ln.  "Point" is a point of the light curve.
+    """
+
+    # ---- Costs, s of one core of 3 GHz (`benchmarks/inversion.py speed`), by which work is counted
+    # A pair of frequencies at order 2; other orders in proportion to the cube of their unknowns.
+    pair_cost: float = 1.8e-6
+    # An ellipsoid, a point, with and without derivatives.
+    ellipsoid_cost: float = 3.6e-8
+    screen_cost: float = 2.0e-8
+    # A step of a convex body: a point, with derivatives and its part of the normal matrix, and
+    # what does not depend on the points, its priors and the solution.
+    body_cost: float = 3.0e-6
+    step_cost: float = 6.0e-4
+    # A state of a known shape, a point and a facet.
+    facet_cost: float = 1.5e-9
+
+    # ---- Models of the search
+    # Model error of ellipsoids, mag: hulls leave 0.04 to 0.1; that of convex bodies is estimated.
+    ellipsoid_error: float = 0.07
+    # ln of moments, of motion against ellipsoid: hulls with planed faces scatter by 0.1.
+    tie: float = 0.15
+    # The same for given moments, so wide that an iteration reaches them from any start.
+    tie_given: float = 0.03
+
+    # ---- Rounds
+    # Pairs of frequencies, and starts of each pair of rates, in the first round; doubled in each.
+    pairs: int = 200
+    quick_starts: int = 6
+    scan_starts: int = 10
+    deep_starts: int = 40
+    # Rounds at most: the last one tries 64 times as many starts as the first.
+    rounds: int = 7
+    # Pairs of rates that get more starts.
+    classes: int = 30
+    # Ellipsoids of one stage that become convex bodies: 60 ms each.
+    convex: int = 40
+    # Pairs of rates whose best ellipsoids are made convex in a few steps, to rank the pairs; states
+    # among which they are looked for, and of each pair that go on before any other.
+    short_classes: int = 60
+    short_states: int = 2000
+    short_steps: int = 6
+    short_members: int = 2
+    # Bodies fitted with robust errors: all that may compete, at 0.2 s each.
+    finals: int = 14
+    # Poles of one pair of rates among them.
+    poles: int = 7
+    # Solutions whose rates get a map of poles, within this difference of evidence of the best;
+    # poles of the map, starts at each, and bodies of each map.
+    mapped: int = 3
+    mapped_behind: float = 40.0
+    map_poles: int = 150
+    map_starts: int = 6
+    map_bodies: int = 16
+    # Precessions of which every nutation is tried.
+    scanned: int = 3
+    # Starts of each pair of rates that the windows of the epochs displace.
+    alias_starts: int = 12
+    # Rates that are fitted between looks at the tally.
+    block: int = 200
+
+    # ---- What is one solution
+    # Difference of rates, turns per span: below, a curve of one span does not tell two apart.
+    same_rate: float = 0.35
+    # Angle between poles of one solution, rad.
+    same_pole: float = math.radians(8.0)
+
+    # ---- Rotation about one axis
+    # Strong lines whose rates, and half of them, are tried, and starts at each.
+    axial_rates: int = 12
+    axial_starts: int = 12
+    # Poles of the map, 15 degrees apart, and bodies at each: minima of shapes lie side by side.
+    axial_poles: int = 200
+    axial_bodies: int = 2
+    # Bodies at held poles from which the pole is free, and the most by which they lie behind the
+    # best: a held pole is up to 8 degrees off.
+    axial_freed: int = 80
+    axial_pole_behind: float = 50.0
+    # Listed rotations, and the difference of evidence within which they are.
+    axial_finals: int = 48
+    axial_behind: float = 25.0
+    # Poles are mapped where chi-squared of the best rotation is at most this times the best's.
+    axial_worse: float = 2.0
+    # Other rates that are mapped lie at most so far behind in evidence.
+    axial_mapped: float = 60.0
+    # Rates, turns per span, that one map of poles comprises.
+    axial_width: float = 1.2
+    # Rotations that are compared with a motion that explains the curve better by far.
+    axial_others: int = 3
+
+    # ---- Moons
+    # Pairs of rotation and orbit that become bodies, and the rms of their series, over that of the
+    # best solution, above which none does: for binaries 0.9 to 1.3, for tumbling bodies 1.4 to 11.
+    orbits: int = 3
+    orbit_worse: float = 2.0
+
+    # ---- Evidence
+    # Tumbling bodies among all: the odds before the curve is seen.
+    tumblers: float = 0.01
+    # Mean square of residuals over sigma and `floor_error` (mag) of a solution that is accepted.
+    floor: float = 1.0
+    floor_error: float = 0.01
+    # Share of the points, the worst, that neither the floor nor the share of variance counts.
+    worst: float = 0.03
+    # Without the floor: the share of the variance left, and the difference of evidence to the next
+    # periods, of a solution that is accepted: errors of the model are correlated, so that
+    # differences of evidence are too large by a factor of some ten.
+    left: float = 0.12
+    alone: float = 120.0
+    # Differences of evidence within which other periods, and other poles, compete: odds of 700 and
+    # 400 to 1.
+    competing: float = 13.0
+    competing_poles: float = 12.0
+    # Standard errors, of the difference of likelihoods between nights, within which other poles
+    # compete however large the difference: residuals of a model that errs are correlated.
+    pole_errors: float = 2.5
+    # Poles closer than this, rad, are errors of one pole, not rivals of it.
+    near_pole: float = math.radians(15.0)
+    # Distance, turns per span, within which lines are those of one comb: the resolution.
+    comb_width: float = 1.0
+    # Neighbouring residuals over the errors from which the errors are taken to be too small.
+    noisier: float = 1.3
+    # Least number of turns of each period.
+    least_turns: float = 1.2
+    # Least rho (the tangent of half the tilt of the axis) of a nutation that is no wobble.
+    wide: float = 0.08
+    # How often chance explains a nutation that fits better.
+    by_chance: float = 0.1
+
+    # ---- Constant brightness
+    # Standard deviations of chi-squared over the degrees of freedom, above 1, of a curve that is
+    # not constant, and the least such ratio that no constant curve has.
+    constant: float = 3.0
+    constant_at_most: float = 1.5
+    # Solutions of one zero point that are refined with offsets of the sessions.
+    compared: int = 6
+
+    # ---- Epochs
+    # Frequencies searched at most, turns per span; more need a shorter curve.
+    most_turns: float = 1500.0
+    # Of the epochs, the share that lies within the same third of the day for one site.
+    one_site: float = 0.9
+
+
+DEFAULT = Settings()

@@ -1,9 +1,0 @@
-"""Lines in the spectrum of a tumbler's light curve, and Fourier series in two frequencies.
-
-The code is in photometry/_samples.py and photometry/_series.py.
-"""
-
-from attitude.photometry._samples import HasSamples, Line, Samples, lines
-from attitude.photometry._series import SeriesFit, fit, search
-
-__all__ = ["HasSamples", "Line", "Samples", "SeriesFit", "fit", "lines", "search"]

@@ -1,0 +1,269 @@
+"""Parts of the search: work that is counted, other poles, moons, outliers, noise, symmetry."""
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from attitude import Body, inversion
+from attitude.inversion import (
+    _ellipsoid,
+    _evidence,
+    _known,
+    _pole_map,
+    _problem,
+    _refinement,
+    _satellites,
+    _settings,
+    _shapes,
+    _verdicts,
+)
+from attitude.scattering import LommelSeeligerLambert
+from attitude.shape import Mesh, box
+from benchmarks import inversion as figures
+from benchmarks import inversion_meshes
+from tests.inversion.test_axial import in_plane
+
+COUNT = 400
+
+
+def _given(y, t=None, sigma=0.02, sun=None, observer=None, span=30.0 * 86400.0):
+    """A problem of magnitudes (N,) at epochs (N,), with a constant that is free."""
+    count = len(y)
+    t = np.linspace(-0.5, 0.5, count) if t is None else t
+    up = np.tile([[0.0], [0.0], [1.0]], count)
+    directions = up if sun is None else sun, up if observer is None else observer
+    terms = np.ones((count, 1)), np.array([np.inf])
+    return _problem.CurveProblem.of(
+        t, span, *directions, y, np.full(count, sigma), *terms, 0.0, tally=_settings.Tally()
+    )
+
+
+def _body(seed=3, nutation=-9.0):
+    generator = np.random.default_rng(seed)
+    state = np.zeros(_refinement.WIDTH)
+    state[:16] = _ellipsoid.starts(generator, np.array([17.3]), np.array([nutation]))[0]
+    state[16:] = 0.4 * generator.normal(size=_shapes.MODES)
+    return state
+
+
+def test_work_is_counted_by_steps_and_points():
+    given = _given(np.zeros(COUNT))
+    states = _ellipsoid.starts(np.random.default_rng(0), np.full(30, 12.0), np.full(30, -5.0))
+    _ellipsoid.costs(given, states)
+    assert given.tally.spent == pytest.approx(30 * COUNT * given.settings.screen_cost)
+    # problems that are made of one share its tally
+    _refinement.model(given.with_model_error(0.1).part(np.arange(COUNT) < 100), _body())
+    more = given.settings.step_cost + 100 * given.settings.body_cost
+    assert given.tally.spent == pytest.approx(30 * COUNT * given.settings.screen_cost + more)
+    given.tally.budget = 0.5 * given.tally.spent
+    assert given.tally.is_over
+
+
+def test_a_verdict_says_that_the_budget_ended_the_search():
+    style = {**figures.STYLES[6], "per_hour": 3}
+    case = figures.inversion_cases.case(31, style)
+    found = inversion.spin_states(figures.curve_of(case, "shared"), f"{case.most} /d", budget=0.5)
+    assert found.verdict == "not solved" and "budget of 0.5 s ended the search" in found.criterion
+
+
+@pytest.mark.parametrize("nutation", [-9.0, 9.0])
+def test_the_mirror_image_of_a_tumbling_body_is_as_bright(nutation):
+    """From the plane of the mirror, with a shape that has no symmetry; 400 points."""
+    generator = np.random.default_rng(5)
+    normal = np.array([0.1, -0.2, 0.97])
+    normal /= np.linalg.norm(normal)
+    t = np.sort(generator.uniform(-0.5, 0.5, COUNT))
+    sun, observer = (in_plane(generator, COUNT, normal) for _ in range(2))
+    given = _given(np.zeros(COUNT), t, sun=sun, observer=observer)
+    state = _body(nutation=nutation)
+    assert np.abs(_pole_map.plane_of(given) @ normal) == pytest.approx(1.0)
+    mirror = _pole_map.mirrored_state(given, state, normal)
+    # the plane does not turn: its rates are those of the state
+    mirror[0] = state[0]
+    upright = mirror.copy()
+    upright[16:] = state[16:]
+    own, seen, other = (
+        _refinement.model(given, each).magnitude for each in (state, mirror, upright)
+    )
+    # the modes are smooth: their interpolation at opposite normals errs by some 0.02 mag
+    assert np.std(seen - own) < 0.15 * np.std(other - own)
+    pole = _ellipsoid.SearchState.of(mirror).pole
+    assert pole == pytest.approx(_pole_map.mirrored(state[[7, 10, 13]], normal), abs=1e-12)
+    assert _shapes.inverted(_shapes.inverted(state[16:])) == pytest.approx(state[16:], abs=0.3)
+
+
+def test_a_state_by_names_is_the_state():
+    state = _body()
+    own = _ellipsoid.SearchState.of(state)
+    assert np.array_equal(own.vector, state) and not own.is_axial
+    assert own.rates == (34.6, 9.0)
+    assert _ellipsoid.SearchState.of(_body(nutation=9.0)).rates == (25.6, 9.0)
+    axial = own._replace(log_rho=_ellipsoid.AXIAL)
+    assert axial.is_axial and axial.rates == (34.6, 0.0)
+    assert axial.has_rates(axial, 0.35) and not axial.has_rates(own, 0.35)
+
+
+def test_poles_with_the_same_rates_contain_the_true_one():
+    """From a state at another pole: both rates held, the whole sky."""
+    generator = np.random.default_rng(8)
+    t = np.sort(generator.uniform(-0.5, 0.5, COUNT))
+    turn = 1.4 * t
+    sun = np.stack([np.cos(turn), np.sin(turn), 0.2 * np.sin(3.0 * turn)])
+    observer = np.stack([np.cos(turn + 0.6), np.sin(turn + 0.6), 0.1 + 0.0 * t])
+    sun, observer = (each / np.linalg.norm(each, axis=0) for each in (sun, observer))
+    state = _body()[:16]
+    state[14:16] = 1.2, 0.5
+    given = _given(np.zeros(COUNT), t, sun=sun, observer=observer)
+    curve = _ellipsoid.EllipsoidCurve(given)
+    ((_, rows),) = curve.rows(state[None], False)
+    magnitude = -(rows[0, 0, :COUNT] / given.root)
+    given = _given(magnitude, t, sun=sun, observer=observer)
+    away = state.copy()
+    away[5:14] = _ellipsoid.frames_of(generator, np.array([[0.6, -0.5, 0.62]]))[0]
+    turns = _pole_map.turn_of_scene(given, np.stack([each[[7, 10, 13]] for each in (away, state)]))
+    away[0] += 0.5 * (turns[0] - turns[1])
+    found = _pole_map.of_rates(given, generator, away, _ellipsoid.Held(0.5))
+    poles = np.array([each[[7, 10, 13]] for each in found[:5]])
+    assert np.max(poles @ state[[7, 10, 13]]) > math.cos(math.radians(8.0))
+
+
+def test_additive_pairs_of_rotation_and_dips():
+    """Two unlike eclipses an orbit beside rotation, and a tumbler, which no sum explains."""
+    generator = np.random.default_rng(2)
+    t = np.sort(generator.uniform(-0.5, 0.5, 600))
+    rotation, orbit = 61.37, 13.21
+    turned = 0.2 * np.cos(4.0 * math.pi * rotation * t) + 0.1 * np.sin(2.0 * math.pi * rotation * t)
+    phase = np.mod(orbit * t, 1.0)
+    dips = 0.2 * (np.abs(phase - 0.2) < 0.06) + 0.12 * (np.abs(phase - 0.7) < 0.06)
+    noise = 0.01 * generator.normal(size=600)
+    best = _satellites.additive_pairs(_given(turned + dips + noise, t), 90.0)[0]
+    assert best.rotation == pytest.approx(rotation, abs=0.05) or best.rotation == pytest.approx(
+        2.0 * rotation, abs=0.1
+    )
+    assert best.orbit == pytest.approx(orbit, abs=0.05) and best.left < 0.03
+    assert best.are_dips and best.range == pytest.approx(0.2, abs=0.12)
+    product = 0.3 * np.cos(2.0 * math.pi * 61.37 * t) * np.cos(2.0 * math.pi * 13.21 * t)
+    none = _satellites.additive_pairs(_given(turned * (1.0 + 3.0 * product) + product, t), 90.0)
+    assert none[0].left > 0.1 and not any(pair.are_dips for pair in none)
+
+
+def test_a_body_with_an_orbit_predicts_its_dips():
+    t = np.linspace(-0.5, 0.5, COUNT)
+    given = _satellites.beside(_given(np.zeros(COUNT), t), 7.0)
+    assert given.orbit == 7.0 and given.with_model_error(0.1).orbit == 7.0
+    series = _satellites.series(7.0, _satellites.ORDERS[1], t)
+    assert np.array_equal(given.terms[:, 1:], series)
+
+
+def test_points_off_both_neighbours_hardly_count():
+    generator = np.random.default_rng(4)
+    t = np.sort(generator.uniform(-0.5, 0.5, 3000))
+    clean = 0.3 * np.cos(2.0 * math.pi * 40.0 * t) + 0.02 * generator.normal(size=3000)
+    wild = generator.choice(3000, 60, replace=False)
+    y = clean.copy()
+    y[wild] += generator.choice([-1.0, 1.0], 60) * generator.uniform(0.4, 1.0, 60)
+    given, count = _problem.without_outliers(_given(y, t), 40.0)
+    enlarged = np.flatnonzero(given.sigma > 0.021)
+    assert count == len(enlarged) and len(np.intersect1d(enlarged, wild)) > 50
+    assert len(np.setdiff1d(enlarged, wild)) < 4
+    same, none = _problem.without_outliers(_given(clean, t), 40.0)
+    assert none == 0 and np.all(same.sigma == 0.02)
+
+
+@pytest.mark.parametrize("factor", [1.0, 2.0])
+def test_noise_from_neighbouring_residuals(factor):
+    """Not the smooth error of a model, 0.03 mag, which is larger than the errors."""
+    generator = np.random.default_rng(6)
+    t = np.sort(generator.uniform(-0.5, 0.5, 2000))
+    residual = 0.03 * np.cos(2.0 * math.pi * 40.0 * t)
+    residual += factor * 0.02 * generator.normal(size=2000)
+    found = _problem.noise(_given(residual, t), residual, 40.0)
+    assert found == pytest.approx(factor, rel=0.08)
+    assert _problem.noise(_given(residual, t), residual, 40000.0) == 1.0
+
+
+def _weighted(nutation, evidence, chi_squared, residual=None):
+    state = _body(nutation=nutation)
+    if nutation == 0.0:
+        state[3] = _ellipsoid.AXIAL
+    refined = SimpleNamespace(state=state)
+    return _evidence.Weighted(refined, None, evidence, residual, chi_squared)
+
+
+@pytest.mark.parametrize(
+    ("nutation", "chi_squared", "expected"),
+    [
+        (-17.3, 1.0, 101.0),  # P_psi is twice the period of the rotation
+        (-34.6, 1.0, 101.0),
+        (-9.0, 1.0, 0.0),  # no comb
+        (-17.3, 0.2, 0.0),  # the rotation does not explain the curve
+    ],
+)
+def test_a_tumbler_on_the_comb_of_a_rotator_counts_as_it(nutation, chi_squared, expected):
+    found = [_weighted(nutation, 0.0, chi_squared), _weighted(0.0, 100.0, 1.0)]
+    ranked = _evidence.as_rotators(found, _given(np.zeros(COUNT)))
+    assert [each.evidence for each in ranked] == [expected, 100.0]
+
+
+def test_a_difference_counts_by_nights():
+    """Residuals alike within nights: their difference has the error of its parts."""
+    generator = np.random.default_rng(1)
+    nights = np.repeat(np.arange(40.0), 10) + np.tile(np.arange(10) * 0.01, 40)
+    given = _given(np.zeros(COUNT), nights / 40.0 - 0.5, span=40.0 * 86400.0)
+    common = np.repeat(0.02 * generator.normal(size=40), 10)
+    one, other = (_weighted(-9.0, 0.0, 1.0, r) for r in (common, np.roll(common, 10)))
+    alone = 0.02 * generator.normal(size=COUNT)
+    two, three = (_weighted(-9.0, 0.0, 1.0, r) for r in (alone, np.roll(alone, 10)))
+    correlated = _evidence.standard_error(one, other, given)
+    independent = _evidence.standard_error(two, three, given)
+    # ten points of one night count as one
+    assert correlated / independent == pytest.approx(math.sqrt(10.0), rel=0.35)
+    worse = _weighted(-9.0, 20.0, 1.0, np.roll(common, 10))
+    turned = worse.refined.state.copy()
+    turned[5:14] = np.roll(turned[5:14].reshape(3, 3), 1, axis=1).ravel()
+    worse = replace(worse, refined=SimpleNamespace(state=turned))
+    assert _verdicts._competes(worse, one, given)
+
+
+def test_the_symmetry_of_a_shape():
+    angle = 2.0 * math.pi * np.arange(48) / 48
+    ring = np.stack([1.2 * np.cos(angle), 1.2 * np.sin(angle), 0.0 * angle], axis=-1)
+    for top, can_turn_over in ((1.0, True), (0.5, False)):
+        points = np.concatenate(
+            [ring - [0, 0, 4], ring * [top, top, 1] + [0, 0, 4], [[0, 0, -4], [0, 0, 4]]]
+        )
+        facets = []
+        for i in range(48):
+            j = (i + 1) % 48
+            facets += [(i, j, 48 + j), (i, 48 + j, 48 + i), (96, j, i), (97, 48 + i, 48 + j)]
+        mesh = Mesh(points, np.array(facets))
+        body = Body.from_shape(mesh, density=1.0)
+        known = _shapes.known(mesh, LommelSeeligerLambert(c=0.1, a=0.0, k=0.0))
+        known = known.over(body.principal_axes)
+        symmetry = _known.symmetry_of(known, body.moments, 0.05)
+        long_axis = int(np.argmin(body.moments))
+        assert symmetry == (long_axis, can_turn_over)
+    brick = box((2.0, 1.0, 1.0))
+    known = _shapes.known(brick, None)
+    moments = Body.from_shape(brick, density=1.0).moments
+    assert _known.symmetry_of(known, moments, 0.05).axis is None
+
+
+def test_a_known_sum_over_facets_with_shadows():
+    """Two walls of a corner: the forward model of the families hides what a ray meets."""
+    points, facets = inversion_meshes.icosphere(2)
+    solid = inversion_meshes.Solid.of(points * [1.0, 0.7, 0.5], facets, False)
+    up = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
+    alone = solid.flux(up, up)
+    # the moments of an ellipsoid: (b^2 + c^2)/(a^2 + b^2) and (a^2 + c^2)/(a^2 + b^2)
+    assert solid.moments == pytest.approx([0.74 / 1.49, 1.25 / 1.49, 1.0], rel=2e-3)
+    # seen from above a sphere of 0.6 above hides the body, from its side it does not
+    moon = np.array([[0.0, 0.0, 3.0], [0.0, 0.0, 3.0]])
+    both = solid.flux(up, up, moon, 1.2)
+    own = inversion_meshes.Solid.of(*inversion_meshes.icosphere(2), False)
+    sphere = own.flux(up, up) * (4.0 * math.pi * 1.2**2 / own.areas.sum())
+    assert both[0] == pytest.approx(sphere[0], rel=0.01)
+    assert both[1] == pytest.approx(sphere[1] + alone[1], rel=0.01)
