@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from attitude._support import validation
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
+from attitude.motions._body import Body
+from attitude.motions._spin import Spin
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -14,8 +18,6 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from attitude._support.annotations import Epochs, FloatArray, Reals
-    from attitude.motions._body import Body
-    from attitude.motions._spin import Spin
     from attitude.proof._certificate import Certificate
     from attitude.proof._chain import Chain, Joint
 
@@ -53,8 +55,8 @@ def certify(
     Raises
     ------
     AttitudeError
-        For wrong shapes, numbers that are not finite, attitudes that 65,536 bits do not decide, and
-        without python-flint (extra ``proof``).
+        For wrong shapes, numbers that are not finite, a spin about an axis without inertia,
+        attitudes that 65,536 bits do not decide, and without python-flint (extra ``proof``).
 
     Notes
     -----
@@ -68,6 +70,12 @@ def certify(
     >>> f"{certificate.error[0]:.3e}"
     '2.000e-09'
     """
+    if not isinstance(body, Body) or not isinstance(spin, Spin):
+        raise AttitudeError(
+            f"certify takes a Body and a Spin first; {type(body).__name__} and "
+            f"{type(spin).__name__} are given."
+        )
+    _check_inertia(body, spin)
     hi, lo = _inputs.seconds_since(spin.epoch, seconds, low, name="seconds")
     wxyz = validation.real(wxyz, "wxyz", shape=(*hi.shape, 4))
     rates = None
@@ -76,6 +84,17 @@ def certify(
             angular_velocity, "angular_velocity", shape=(*hi.shape, 3), unit="rad/s"
         )
     return chain_of(body, spin).certificate(hi, lo, wxyz, rates)
+
+
+def _check_inertia(body: Body, spin: Spin) -> None:
+    """Refuse a spin about a principal axis without inertia."""
+    rates = spin.angular_velocity
+    if body.has_given_axes and np.any((body.moments == 0.0) & (rates != 0.0)):
+        raise AttitudeError(
+            f"the angular velocity is {rates.tolist()} rad/s and the moments are "
+            f"{body.moments.tolist()}; the spin about an axis without inertia is undefined. Give 0 "
+            "for that component, or a moment above zero."
+        )
 
 
 def chain_of(

@@ -104,8 +104,11 @@ class Certificate:
         AttitudeError
             For a number of digits that is not from 1 to 10,000.
         """
-        if not isinstance(digits, int) or not 1 <= digits <= 10_000:
+        if isinstance(digits, bool) or not isinstance(digits, (int, np.integer)):
             raise AttitudeError(f"digits is {digits!r}; give a whole number from 1 to 10000.")
+        digits = int(digits)
+        if not 1 <= digits <= 10_000:
+            raise AttitudeError(f"digits is {digits}; give a whole number from 1 to 10000.")
         rows = [_digits_of(build, t, digits) for build, t in self._builds]
         return np.array(rows, dtype=object).reshape(*self.error.shape, 4)
 

@@ -134,8 +134,10 @@ def test_exact_quaternion_to_any_number_of_digits():
     with mpmath.workdps(75):
         for x, y in zip(exact[1], wanted, strict=True):
             assert abs(mpmath.mpf(str(x)) - y) <= mpmath.mpf(10) ** -60
-    with pytest.raises(AttitudeError, match="digits is 0; give a whole number"):
-        MOTION.certificate([0.0]).exact(0)
+    assert MOTION.certificate([0.0]).exact(np.int64(5)).shape == (1, 4)
+    for digits in (0, True, 2.0, 10_001):
+        with pytest.raises(AttitudeError, match=f"digits is {digits}; give a whole number"):
+            MOTION.certificate([0.0]).exact(digits)
 
 
 def test_epochs_of_any_kind_and_shape():
@@ -161,6 +163,13 @@ def test_certify_measures_what_others_computed():
     assert np.all(certify(MOTION.body, MOTION.spin, [5.0, 6.0], off).error > 1e-8)
     with pytest.raises(AttitudeError, match="wxyz"):
         certify(MOTION.body, MOTION.spin, [5.0], wxyz)
+    with pytest.raises(AttitudeError, match="a Body and a Spin first; int and Spin are given"):
+        certify(3, MOTION.spin, [5.0], wxyz[:1])
+    rod = Body(moments=(1, 0, 1))
+    with pytest.raises(AttitudeError, match="an axis without inertia is undefined"):
+        certify(rod, MOTION.spin, [5.0], wxyz[:1])
+    about_it = Spin("2026-01-01", (1, 0, 0, 0), (0.3, 0.0, 0.4))
+    assert certify(rod, about_it, [0.0], [(1, 0, 0, 0)]).error[0] < 1e-30
     with pytest.raises(AttitudeError, match="not finite or zero"):
         certify(MOTION.body, MOTION.spin, [5.0], [[0.0, 0.0, 0.0, 0.0]])
 
