@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     import attitude.torch
     import attitude.torques
     import attitude.viewer  # noqa: F401
-    from attitude._compilation.status import compilation_status as compilation_status
+    from attitude._compilation.decorators import compilation_status as compilation_status
     from attitude._solver.regime import Mode as Mode
     from attitude.ensemble._ensemble import Ensemble as Ensemble
     from attitude.fitting._attitudes import fit as fit
@@ -83,7 +83,7 @@ _WHERE = {
     "Spin": "attitude.motions._spin",
     "TorquedRotation": "attitude.torques._torqued",
     "certify": "attitude.motions._certify",
-    "compilation_status": "attitude._compilation.status",
+    "compilation_status": "attitude._compilation.decorators",
     "compare": "attitude.referee._referee",
     "fit": "attitude.fitting._attitudes",
     "fit_directions": "attitude.fitting._attitudes",

@@ -6,7 +6,9 @@ figure of four.  No window is opened, and no global setting changed.
 
 from __future__ import annotations
 
+import io
 import warnings
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -88,9 +90,23 @@ def _warn_of_coarse(motion: FreeRotation, seconds: ArrayLike) -> None:
 
 def new_figure(size: tuple[float, float]) -> Figure:
     """An empty figure without a window, of a width and height in inches."""
-    from attitude._support.shown_figure import ShownFigure
+    return _figure_class()(figsize=size, layout="constrained")
 
-    return ShownFigure(figsize=size, layout="constrained")
+
+@cache
+def _figure_class() -> type[Figure]:
+    """Figures without a window, shown as PNG where one is the result of a cell of a notebook."""
+    from matplotlib.figure import Figure
+
+    class ShownFigure(Figure):
+        """A matplotlib figure that notebooks show without a command."""
+
+        def _repr_png_(self) -> bytes:
+            buffer = io.BytesIO()
+            self.savefig(buffer, format="png", dpi=100)
+            return buffer.getvalue()
+
+    return ShownFigure
 
 
 def time_span(motion: FreeRotation, span: Real | None = None) -> float:

@@ -7,10 +7,8 @@ error_free     the same for processors without them; ieee, the functions of `mat
 simd           SIMD vectors of doubles as values; elementary, their powers, angles, logarithms
 wide           whole numbers of 448 bits as values
 pointers       raw memory and calls by address in compiled loops
-streaming      stores past the caches
-lowering       LLVM code of instructions and pointers; simd_lowering (with streaming), wide_lowering
+lowering       LLVM code of instructions and pointers; simd_lowering, wide_lowering
 callbacks      C functions that loops call by address, and the exceptions that leave them
 disk_cache     machine code kept on disk, made anew after a change of its sources
 deferral       no garbage collection and no Ctrl-C during a compilation
-status         `compilation_status`
 """

@@ -1,4 +1,4 @@
-"""The vector instructions of `simd` and `streaming` for numba.
+"""The vector instructions of `simd` for numba.
 
 It is imported when the first function is compiled.
 """
@@ -16,7 +16,7 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import lower_builtin, models, register_model, type_callable
 
-from attitude._compilation import error_free, simd, streaming
+from attitude._compilation import error_free, simd
 from attitude._compilation.error_free import is_instruction
 
 _DOUBLE = ir.DoubleType()
@@ -400,16 +400,16 @@ def _all(kind, number):
     return ir.Constant(kind.vector, [number] * kind.count)
 
 
-# ---- The instructions of `streaming`
+# ---- Stores past the caches
 
-_INTEGER, _LINE = ir.IntType(64), ir.VectorType(ir.DoubleType(), streaming.LINE)
+_INTEGER, _LINE = ir.IntType(64), ir.VectorType(ir.DoubleType(), simd.LINE)
 
 
-@instruction(streaming.past_line, lambda array: types.intp(array) if array.is_contig else None)
+@instruction(simd.past_line, lambda array: types.intp(array) if array.is_contig else None)
 def _past_line(context, builder, signature, arguments):
     data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
     number = builder.udiv(builder.ptrtoint(data, _INTEGER), _INTEGER(8))
-    return builder.urem(number, _INTEGER(streaming.LINE))
+    return builder.urem(number, _INTEGER(simd.LINE))
 
 
 def _copy_line_type(source, i, target, j):
@@ -418,7 +418,7 @@ def _copy_line_type(source, i, target, j):
     return types.void(source, types.intp, target, types.intp)
 
 
-@instruction(streaming.copy_line, _copy_line_type)
+@instruction(simd.copy_line, _copy_line_type)
 def _copy_line(context, builder, signature, arguments):
     places = []
     for k in (0, 2):
@@ -431,12 +431,12 @@ def _copy_line(context, builder, signature, arguments):
 
 
 def _store_line(builder, line, target):
-    stored = builder.store(line, target, align=8 * streaming.LINE)
+    stored = builder.store(line, target, align=8 * simd.LINE)
     stored.set_metadata("nontemporal", builder.module.add_metadata([ir.IntType(32)(1)]))
 
 
 @instruction(
-    streaming.put_line,
+    simd.put_line,
     lambda array, i, a: types.void(array, types.intp, a) if array.is_contig else None,
 )
 def _put_line(context, builder, signature, arguments):
@@ -447,7 +447,7 @@ def _put_line(context, builder, signature, arguments):
     return context.get_dummy_value()
 
 
-@instruction(streaming.finish_stores, lambda: types.void())
+@instruction(simd.finish_stores, lambda: types.void())
 def _finish_stores(context, builder, signature, arguments):
     builder.fence("seq_cst")
     return context.get_dummy_value()

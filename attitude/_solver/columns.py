@@ -13,8 +13,7 @@ from __future__ import annotations
 
 from attitude._compilation.decorators import force_inlined, subroutine
 from attitude._compilation.instructions import fma
-from attitude._compilation.simd import eight, put_eight
-from attitude._compilation.streaming import LINE, copy_line, past_line, put_line
+from attitude._compilation.simd import LINE, copy_line, eight, past_line, put_eight, put_line
 from attitude._solver import codes
 from attitude._solver.records import (
     BASIS,

@@ -26,7 +26,7 @@ import math
 import numpy as np
 
 from attitude._compilation.decorators import force_inlined, slowly_compiled, subroutine
-from attitude._compilation.streaming import LINE, finish_stores
+from attitude._compilation.simd import LINE, finish_stores
 from attitude._solver import codes
 from attitude._solver.columns import (
     add_products,

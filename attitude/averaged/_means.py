@@ -14,6 +14,7 @@ import numpy as np
 
 from attitude.averaged import _rates, _tables
 from attitude.averaged._polhode import Axes, Nutations
+from attitude.errors import AttitudeError
 from attitude.torques._gravity_gradient import GravityGradient
 from attitude.torques._magnetic import EddyCurrent, MagneticDipole
 from attitude.torques._radiation import AerodynamicTorque, SolarRadiation
@@ -142,6 +143,11 @@ def _of_rates(
 @register(InternalDissipation)
 def friction(torque: InternalDissipation, body: Body, axes: Axes, degree: int) -> list[Mean]:
     """dy/dt = -2 strength L D (sum gamma_i^2 <l_i^2>) / (p (1 - p)); L is fixed."""
+    if not isinstance(torque.strength, float):
+        raise AttitudeError(
+            "the strength of InternalDissipation is a Rheology, whose friction depends on the rate; "
+            "give a number to AveragedMotion, such as torque.strength_at(body, L, p)."
+        )
     factor = -torque.strength * axes.spread
     table = _nutations(axes)
     energy = [factor * np.sum(n.gamma**2 * n.squares, axis=1) / (n.p * n.rest) for n in table]

@@ -194,7 +194,7 @@ def quarter_period(b):
         a, b = 0.5 * (a + b), math.sqrt(a * b)
         if close:
             break
-    return 1.5707963267948966 / a
+    return 0.5 * math.pi / a
 
 
 @subroutine
@@ -212,7 +212,7 @@ def quarter_and_mean_square(m, mc):
             break
         c = 0.25 * c * c / (0.5 * (a + b))
         weight *= 2.0
-    return 1.5707963267948966 / a, share
+    return 0.5 * math.pi / a, share
 
 
 @subroutine
@@ -377,7 +377,7 @@ def fill_means(axes, region, h, out):
         row[2], row[3], row[4] = rest, gamma, -p
         middle = side * side * square
         row[6] = middle
-        half = 1.5707963267948966 / k
+        half = 0.5 * math.pi / k
         row[8], row[9], row[10] = 0.0, 0.0, 0.0
         if region < LAM_PLUS:
             row[5], row[7] = p * (1.0 - square), rest * (1.0 - m * square)

@@ -77,6 +77,10 @@ ROW_END: Final = 24  # the second at which the row stops being valid
 ROW_ENTRIES: Final = 25
 
 
+# Golden section: phases of precession that no period of the nodes repeats.
+GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
+
+
 @subroutine
 def place(data, y, region):
     """Interval of the tables, and the distance into it."""
@@ -399,7 +403,7 @@ def over_torus(t, y, region, size, l0, l1, l2, data, first, model, models, work,
         u = 4.0 * k * (j + 0.5) / count
         x = direction(region, shape, jacobi(u, constants))
         # the precession is shifted from node to node, so that few nodes of both alias less
-        turn = 0.618033988749895 * j
+        turn = GOLDEN * j
         mean = over_precession(t, x, turn, size, l0, l1, l2, data, first, model, models, work, at)
         o0 += mean[0]
         o1 += mean[1]

@@ -46,7 +46,8 @@ def coordinates(axes: Axes) -> FloatArray:
     """The nodes (n + 1,) of the tables of a body."""
     last = _TAIL + abs(axes.separatrix)
     count = math.ceil((last - _FIRST) / _STEP)
-    return _FIRST + _STEP * np.arange(count + 1)
+    nodes: FloatArray = _FIRST + _STEP * np.arange(count + 1.0)
+    return nodes
 
 
 def distances(x: FloatArray) -> FloatArray:
@@ -68,7 +69,7 @@ def spline(x: FloatArray, values: FloatArray) -> FloatArray:
 @subroutine
 def legendre(degree, z, steps, out):
     """Orthonormal functions without sin^m: A_lm(z), (degree + 2, degree + 2); steps (2, ...)."""
-    out[0, 0] = 0.28209479177387814  # 1/sqrt(4 pi)
+    out[0, 0] = 0.5 / math.sqrt(math.pi)
     for m in range(1, degree + 1):
         out[m, m] = steps[0, m, m] * out[m - 1, m - 1]
     for m in range(degree + 1):

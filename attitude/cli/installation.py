@@ -47,7 +47,7 @@ def run(arguments: argparse.Namespace, command: str) -> None:
 
 def _warm_up(*, everything: bool) -> None:
     """Compile, and print what was compiled and where it is kept."""
-    from attitude._compilation.status import compilation_status
+    from attitude._compilation.decorators import compilation_status
     from attitude.cli import _warm_up
 
     begin = time.perf_counter()

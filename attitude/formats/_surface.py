@@ -415,27 +415,26 @@ def law_lines(law: Law) -> list[str]:
 
     AttitudeError for a law without a registered name.
     """
-    if isinstance(law, scattering_materials.Materials):
+    if law.by_material:
         lines: list[str] = []
-        for name in law.names:
+        for name, material in law.by_material.items():
             head = f"[scattering.materials.{toml.quoted(name, 'materials')}]"
-            lines += [*([""] if lines else []), head, *_fields(law[name])]
+            lines += [*([""] if lines else []), head, *_fields(material)]
         return lines
-    if scattering_law.laws().get(str(law.name)) is not type(law):
+    if not has_lines(law):
         raise AttitudeError(
             f"law is {validation.shown(law)}, which has no name in attitude.scattering.laws(); "
             "give one of these, or Materials."
         )
-    return ["[scattering]", f"law = {toml.quoted(law.name, 'law')}", *_fields(law)]
+    return ["[scattering]", f"law = {toml.quoted(str(law.name), 'law')}", *_fields(law)]
 
 
 def has_lines(law: Law) -> bool:
     """Whether a file can hold a law: Materials, and laws with a registered name."""
-    is_named = scattering_law.laws().get(str(law.name)) is type(law)
-    return is_named or isinstance(law, scattering_materials.Materials)
+    return bool(law.by_material) or scattering_law.laws().get(str(law.name)) is type(law)
 
 
 def _fields(law: Law) -> list[str]:
-    found = {name: getattr(law, name) for name in law.parameters()}
-    texts = {k: toml.quoted(v, k) if isinstance(v, str) else repr(v) for k, v in found.items()}
+    values = law.values()
+    texts = {k: toml.quoted(v, k) if isinstance(v, str) else repr(v) for k, v in values.items()}
     return [f"{name} = {text}" for name, text in texts.items()]

@@ -9,8 +9,6 @@ import numpy as np
 from attitude._support import validation
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
-from attitude.motions._body import Body
-from attitude.motions._spin import Spin
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -18,6 +16,8 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from attitude._support.annotations import Epochs, FloatArray, Reals
+    from attitude.motions._body import Body
+    from attitude.motions._spin import Spin
     from attitude.proof._certificate import Certificate
     from attitude.proof._chain import Chain, Joint
 
@@ -70,6 +70,9 @@ def certify(
     >>> f"{certificate.error[0]:.3e}"
     '2.000e-09'
     """
+    from attitude.motions._body import Body
+    from attitude.motions._spin import Spin
+
     if not isinstance(body, Body) or not isinstance(spin, Spin):
         raise AttitudeError(
             f"certify takes a Body and a Spin first; {type(body).__name__} and "

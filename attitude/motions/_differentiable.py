@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self, overload
 
 import numpy as np
 
-from attitude._compilation.streaming import LINE
+from attitude._compilation.simd import LINE
 from attitude._solver import covariance as covariances
 from attitude._solver import sensitivities
 from attitude._solver.elements import inputs_by_elements

@@ -16,7 +16,7 @@ from attitude._support import validation
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from numpy.typing import ArrayLike
 
@@ -243,6 +243,15 @@ class Law:
     def __post_init__(self) -> None:
         for name, parameter in self.parameters().items():
             object.__setattr__(self, name, parameter.accepted(getattr(self, name), name))
+
+    @property
+    def by_material(self) -> Mapping[str, Law]:
+        """The law of each group of facets, by its name; empty where one law is that of all."""
+        return {}
+
+    def values(self) -> dict[str, Any]:
+        """The parameters of the law: a dict of numbers and words, by the names of `parameters`."""
+        return {name: getattr(self, name) for name in self.parameters()}
 
     @classmethod
     def parameters(cls) -> dict[str, Parameter]:

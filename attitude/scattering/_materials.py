@@ -239,6 +239,11 @@ class Materials(Law):
         """The names of the groups of facets."""
         return tuple(self._by_name)
 
+    @property
+    def by_material(self) -> Mapping[str, Law]:
+        """A dict of the Material of each group of facets, by its name."""
+        return dict(self._by_name)
+
     def __getitem__(self, name: str) -> Material:
         if name not in self._by_name:
             known = ", ".join(repr(n) for n in self._by_name)

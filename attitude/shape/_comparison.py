@@ -101,9 +101,9 @@ def compare(
     Examples
     --------
     >>> from attitude.shape import box
-    >>> compare(box((1, 2, 3)), box((3, 1, 2))).overlap.round(6)
+    >>> round(compare(box((1, 2, 3)), box((3, 1, 2))).overlap, 6)
     1.0
-    >>> compare(box((1, 2, 3)), box((3, 1, 2)), turned=False).overlap.round(6)
+    >>> round(compare(box((1, 2, 3)), box((3, 1, 2)), turned=False).overlap, 6)
     0.333333
     """
     bodies, axes, turns = [], [], []

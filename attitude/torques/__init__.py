@@ -4,7 +4,6 @@ _torque             `Torque`, the contract; `ConstantTorque`, `LinearDamping`, `
 _gravity_gradient   `GravityGradient`
 _radiation          `SolarRadiation`, `AerodynamicTorque`
 _magnetic           `EddyCurrent`, `MagneticDipole`; fields: `IGRF`, `DipoleField`
-_custom             `CustomTorque`, by a function of the user
 _rheology           `Rheology`, `QualityFactor`, `Maxwell`: friction of an ellipsoid of a material
 _compiled           the compiled functions of the built-in torques
 _torqued            `TorquedRotation` (`attitude.splitting`); states after fixed and adaptive steps
@@ -23,7 +22,6 @@ from attitude._support.synonyms import absent
 
 if TYPE_CHECKING:
     # The names of _WHERE, for editors and type checkers.
-    from attitude.torques._custom import CustomTorque as CustomTorque
     from attitude.torques._gravity_gradient import GravityGradient as GravityGradient
     from attitude.torques._magnetic import IGRF as IGRF
     from attitude.torques._magnetic import DipoleField as DipoleField
@@ -36,6 +34,7 @@ if TYPE_CHECKING:
     from attitude.torques._rheology import QualityFactor as QualityFactor
     from attitude.torques._rheology import Rheology as Rheology
     from attitude.torques._torque import ConstantTorque as ConstantTorque
+    from attitude.torques._torque import CustomTorque as CustomTorque
     from attitude.torques._torque import InternalDissipation as InternalDissipation
     from attitude.torques._torque import LinearDamping as LinearDamping
     from attitude.torques._torque import Torque as Torque
@@ -49,7 +48,7 @@ _WHERE = {
     **dict.fromkeys(("Maxwell", "QualityFactor", "Rheology"), "attitude.torques._rheology"),
     "AerodynamicTorque": "attitude.torques._radiation",
     "ConstantTorque": "attitude.torques._torque",
-    "CustomTorque": "attitude.torques._custom",
+    "CustomTorque": "attitude.torques._torque",
     "GravityGradient": "attitude.torques._gravity_gradient",
     "InternalDissipation": "attitude.torques._torque",
     "LinearDamping": "attitude.torques._torque",

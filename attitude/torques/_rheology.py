@@ -299,7 +299,7 @@ class Rheology(Immutable):
     @cached_property
     def _form(self) -> FloatArray:
         """G (9, 9), m7: the stored energy is 1/2 rho^2 J B G B."""
-        radius = float(np.prod(self.axes)) ** (1.0 / 3.0)
+        radius = float(np.cbrt(np.prod(self.axes)))
         axes = self.axes / radius
         _, load = _stiffness(axes, 0.0)
         found: FloatArray = radius**7 * (load.T @ displacement(axes, self.poisson))
@@ -309,7 +309,7 @@ class Rheology(Immutable):
         """-Im J (...) in 1/Pa, with self-gravity, at angular frequencies (...) in rad/s."""
         rate = np.asarray(frequency, dtype=np.float64)
         given = np.asarray(self.compliance(rate), dtype=np.complex128)
-        radius = float(np.prod(self.axes)) ** (1.0 / 3.0)
+        radius = float(np.cbrt(np.prod(self.axes)))
         # rho g R of a sphere
         weight = 4.0 * np.pi / 3.0 * _GRAVITATION * (self.density * radius) ** 2
         found: FloatArray = -np.imag(given / (1.0 + 2.0 / 19.0 * weight * given))

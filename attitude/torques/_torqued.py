@@ -985,7 +985,7 @@ def _torques(given: Any) -> tuple[Torque, ...]:
                     f"torques holds {torque!r}; give objects of attitude.torques, or functions of "
                     "(t, wxyz, omega)."
                 )
-            from attitude.torques._custom import CustomTorque
+            from attitude.torques._torque import CustomTorque
 
             torque = CustomTorque(torque)
         found.append(torque)

@@ -18,7 +18,7 @@ import pytest
 import attitude
 from attitude import FreeRotation, catalog, cli, inversion, paths
 from attitude.formats import spin_file
-from attitude.inversion import _errors, _search
+from attitude.inversion import _errors
 from tests.house.test_docs import PAGES, ROOT
 
 DATA = ROOT / "data"
@@ -179,8 +179,9 @@ def words_of(text):
 
 def _small(monkeypatch):
     """A search of few pairs and starts: options are what is tested."""
-    for name in ("_PAIRS", "_DEEP", "_CLASSES", "_CONVEX", "_FINAL"):
-        monkeypatch.setattr(_search, name, 2)
+    counts = dict.fromkeys(("pairs", "deep_starts", "classes", "convex", "finals"), 2)
+    smaller = inversion.Settings(**counts, short_classes=4, rounds=1)
+    monkeypatch.setitem(inversion.spin_states.__kwdefaults__, "settings", smaller)
     monkeypatch.setattr(_errors, "_REFITS", 1)
     monkeypatch.setattr(_errors, "_SAMPLES", 20)
 

@@ -23,9 +23,9 @@ def _smaller(monkeypatch, **counts):
 def test_toutatis_from_its_photometry(tmp_path, capsys, monkeypatch):
     """Periods, pole and attitudes of December 1992 as radar found them; nothing of it is given.
 
-    With a fifth of the pairs of frequencies, starts and convex bodies, and fewer fits for errors.
+    With a part of the pairs of frequencies, and fewer fits for errors.
     """
-    _smaller(monkeypatch, pairs=40, deep_starts=20, classes=8, convex=8, finals=3)
+    _smaller(monkeypatch, pairs=100, deep_starts=40, classes=20, convex=30, finals=14)
     found, drawn = tmp_path / "toutatis.toml", tmp_path / "fit.png"
     given = ["invert", PHOTOMETRY, "--max-frequency", "0.75 /d", "--budget", "600 s"]
     assert cli.main([*map(str, given), "--output", str(found), "--figure", str(drawn)]) == 0

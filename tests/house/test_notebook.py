@@ -166,7 +166,7 @@ def test_a_light_curve_and_solutions():
     assert "120" in words and len(list(tree.iter("path"))) == 1
     found = inversion.spin_states(curve, "6 /d", modes=("LAM",), budget="1 s")
     _, words = parsed(found)
-    assert found.verdict in words and "P_phi [d]" in words
+    assert found.verdict in words and "P_phi [h]" in words
     tree, words = parsed(found[0])
     assert found[0].mode in words and f"{found[0].rms:.4f} mag" in words
     assert len(list(tree.iter("svg"))) == 2

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from attitude._compilation.decorators import entry_point
-from attitude._compilation.simd import eight
-from attitude._compilation.streaming import LINE, copy_line, finish_stores, past_line, put_line
+from attitude._compilation.simd import LINE, copy_line, eight, finish_stores, past_line, put_line
 
 
 @entry_point
