@@ -145,8 +145,8 @@ def friction(torque: InternalDissipation, body: Body, axes: Axes, degree: int) -
     """dy/dt = -2 strength L D (sum gamma_i^2 <l_i^2>) / (p (1 - p)); L is fixed."""
     if not isinstance(torque.strength, float):
         raise AttitudeError(
-            "the strength of InternalDissipation is a Rheology, whose friction depends on the rate; "
-            "give a number to AveragedMotion, such as torque.strength_at(body, L, p)."
+            "the strength of InternalDissipation is a Rheology, whose friction depends on the "
+            "rate; give AveragedMotion a number, such as torque.strength_at(body, L, p)."
         )
     factor = -torque.strength * axes.spread
     table = _nutations(axes)
