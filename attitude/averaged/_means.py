@@ -337,7 +337,8 @@ def one_direction(torque: Torque, body: Body, axes: Axes, degree: int) -> list[M
         return {"coefficients": coefficients, "means": means, "arcs": arcs}
 
     key = (type(torque).__name__, degree)
-    table = _tables.kept(key, (axes.numbers, parameters), made)
+    contents = torque.contents(body) if isinstance(torque, SolarRadiation) else (parameters,)
+    table = _tables.kept(key, (axes.numbers, *contents), made)
 
     def numbers(given: FloatArray) -> FloatArray:
         square = np.sum(given[:, :3] ** 2, axis=1)

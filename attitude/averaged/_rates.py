@@ -21,6 +21,7 @@ import numpy as np
 
 from attitude._compilation.decorators import entry_point, subroutine
 from attitude._compilation.pointers import call, number, put, scratch
+from attitude._solver.kernel import product
 from attitude.averaged._polhode import (
     AXES_ENTRIES,
     INVERSES,
@@ -296,17 +297,6 @@ def in_two_turns(x, b, l0, l1, l2):
     q = product((w2, c2[0], c2[1], c2[2]), (w1, c1[0], c1[1], c1[2]))
     size = math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
     return q[0] / size, q[1] / size, q[2] / size, q[3] / size
-
-
-@subroutine
-def product(p, q):
-    """The product of two quaternions."""
-    return (
-        p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
-        p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
-        p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1],
-        p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0],
-    )
 
 
 @subroutine

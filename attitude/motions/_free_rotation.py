@@ -15,7 +15,7 @@ from attitude._solver.elements import Elements, elements_of, state_of
 from attitude._solver.regime import Mode, regime_of, regimes
 from attitude._support import markup, validation
 from attitude._support.arrays import frozen, new_array
-from attitude._support.synonyms import checks_arguments
+from attitude._support.synonyms import arguments, checks_arguments
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
@@ -265,26 +265,6 @@ class FreeRotation(Differentiable):
         """Instant from which its seconds count: that of the spin."""
         return self.spin.epoch
 
-    def spin_at(self, epoch: EpochOrSeconds) -> Spin:
-        """The state at another epoch: ``FreeRotation(body, motion.spin_at(t))`` is this motion.
-
-        Parameters
-        ----------
-        epoch : epoch or seconds
-            One, as `at` takes it.
-
-        Returns
-        -------
-        Spin
-            In the frame of the spin, with its covariance (to first order) if it has one.
-
-        Raises
-        ------
-        AttitudeError
-            For several epochs, and those that `at` refuses.
-        """
-        return spin_of(self, epoch)
-
     # ---- Proofs
 
     def certificate(
@@ -492,6 +472,7 @@ class FreeRotation(Differentiable):
 
     # ---- Forms of papers, and curves
 
+    @arguments({}, 'published("L")')
     def published(
         self, convention: str, frame: str | None = None, at: EpochOrSeconds | None = None
     ) -> Published:

@@ -278,6 +278,7 @@ class Motion(Valued):
         spin: Spin = synonyms.named("attitude.motions._free_rotation:spin_of")(self, epoch)
         return spin
 
+    @synonyms.arguments({}, 'published("L")')
     def published(
         self, convention: str, frame: str | None = None, at: EpochOrSeconds | None = None
     ) -> Published:

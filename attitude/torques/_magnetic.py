@@ -190,7 +190,7 @@ def _coefficients_in(years: FloatArray) -> FloatArray:
     beyond = (years < known[0] - 0.003) | (years > known[-1] + 0.003)
     if np.any(beyond):
         raise AttitudeError(
-            f"the field of the Earth is asked for in {float(years[beyond][0]):.1f}; IGRF covers "
+            f"the epoch {float(years[beyond][0]):.1f} lies beyond the Earth's field; IGRF covers "
             f"{known[0]:.0f} to {known[-1]:.0f}. Give IGRF(epoch=...) to keep the coefficients of "
             "one epoch."
         )

@@ -182,6 +182,11 @@ class SolarRadiation(Torque):
             return found
         return np.concatenate([[self._lit.ctypes.data, self.shadows.resolution], found])
 
+    def contents(self, body: Body) -> tuple[FloatArray, ...]:
+        """The numbers of the torque: `parameters`, with shares of light in place of an address."""
+        parameters = self.parameters(body)
+        return (parameters,) if self.shadows is None else (parameters[1:], self._lit)
+
     def span(self, instant: Instant) -> tuple[float, float]:
         """First and last TDB seconds since an instant that the path covers."""
         return span_of(self.path, instant)

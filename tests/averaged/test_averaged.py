@@ -6,7 +6,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from attitude import AttitudeError, Body, Spin, quaternion
+from attitude import AttitudeError, Body, Spin, quaternion, shape
 from attitude.averaged import AveragedMotion, over_torus
 from attitude.averaged import _means as means
 from attitude.averaged import _polhode as polhode
@@ -21,6 +21,7 @@ from attitude.torques import (
     InternalDissipation,
     LinearDamping,
     MagneticDipole,
+    SolarRadiation,
 )
 
 EPOCH = "2026-01-01"
@@ -254,3 +255,17 @@ def test_a_slowing_spin_ends_with_an_event():
     with pytest.raises(AttitudeError, match="no longer weak"):
         motion.at(1e8)
     assert motion.events[-1].kind == "no longer weak"
+
+
+def test_the_key_of_a_shaded_table_has_no_address():
+    """Equal torques have equal tables on disk, wherever their shares of light lie in memory."""
+    mesh = shape.box_wing((2.0, 1.0, 1.0), (3.0, 1.0))
+    body = Body(moments=(1700.0, 4000.0, 4500.0))
+    first, second = (SolarRadiation(mesh, _at_earth, shadows=True) for _ in range(2))
+    assert first.parameters(body)[0] != second.parameters(body)[0]
+    for a, b in zip(first.contents(body), second.contents(body), strict=True):
+        np.testing.assert_array_equal(a, b)
+
+
+def _at_earth(seconds):
+    return np.broadcast_to([1.496e11, 0.0, 0.0], (len(seconds), 3))

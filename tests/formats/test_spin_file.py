@@ -384,7 +384,8 @@ def test_a_failed_write_leaves_what_was_there(tmp_path):
 
 
 _WRITING = """
-import sys, threading, time
+import signal, sys, threading, time
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # ignored below nohup
 from attitude._textfiles.atomic_write import made_whole, written_whole
 
 def write():

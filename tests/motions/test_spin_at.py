@@ -60,3 +60,9 @@ def test_a_table_has_a_state_and_no_periods():
         table.published("L", at=5.0)
     with pytest.raises(AttitudeError, match="give one finite epoch"):
         table.spin_at([1.0, 2.0])
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_the_form_of_papers_needs_a_convention(name):
+    with pytest.raises(AttitudeError, match="missing a required argument: 'convention'"):
+        MOTIONS[name].published()

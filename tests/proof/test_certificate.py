@@ -309,7 +309,7 @@ def test_long_hunt(seed):
 @pytest.mark.parametrize(
     ("moments", "wxyz", "rates", "t"),
     [
-        # the worst of a million: 1.94e-15
+        # moments of the worst of a million states, 1.94e-15; its attitude is not known
         ((2.0, 2.00000000158537, 2.000000003646351), (1, 0, 0, 0), (0.3, -0.8, 0.5), 1e6),
     ],
 )
