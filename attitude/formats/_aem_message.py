@@ -492,6 +492,11 @@ class WrittenSegment:
         self.keywords: dict[str, str] = self._keywords(version)
         refuse_line_breaks(*self.data_comments)
 
+    @property
+    def parts(self) -> messages.Segment:
+        """Keywords, comments and the function that writes the data."""
+        return self.keywords, self.comments, self.write
+
     def write(self, out: Generator) -> None:
         """Write comments and records."""
         out.comments(self.data_comments)

@@ -224,17 +224,9 @@ def write(
     messages.refuse_line_breaks(*header.values(), *comments)
 
     def write_records(target, segments):
-        written = [WrittenSegment(records, settings) for records in segments]
-        messages.write(
-            target,
-            "the AEM",
-            _aem_message.FORM,
-            version,
-            header,
-            comments,
-            [(segment.keywords, segment.comments, segment.write) for segment in written],
-            xml=xml,
-        )
+        written = [WrittenSegment(records, settings).parts for records in segments]
+        form = _aem_message.FORM
+        messages.write(target, "the AEM", form, version, header, comments, written, xml=xml)
 
     if tolerance is None:
         _sampling.refuse_span(start, stop)
