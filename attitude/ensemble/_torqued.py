@@ -153,6 +153,11 @@ class TorquedEnsemble(Immutable):
         for sign, here in ((1.0, total >= 0.0), (-1.0, total < 0.0)):
             if here.any() and len(self):
                 self._integrate(sign * self.step, seconds, rest, np.flatnonzero(here), out, threads)
+        if any(system.inertia is not None for system in self._systems):
+            shared = len(self._systems) == 1
+            for k, states in enumerate(out):
+                system = self._systems[0 if shared else k]
+                states[:, 4:] = system.turning(seconds, rest, states[:, 4:])
         shape = len(self), len(seconds)
         member = np.broadcast_to(np.arange(len(self))[:, None], shape)
         times = Seconds(seconds, None if lo is None else rest)
