@@ -16,6 +16,7 @@ from attitude._solver.regime import Regime
 from attitude._support import markup, validation
 from attitude._support.arrays import Immutable, frozen, read_only
 from attitude._support.blocks import ProgressBar, in_blocks
+from attitude._support.pairs import Seconds
 from attitude.ensemble import _evaluation, _light, _members, _quantities, _tables
 from attitude.ensemble._arcs import ArcsEnsemble
 from attitude.ensemble._evaluation import EnsembleHistory, MemberDerivatives, MemberGrid, MemberRows
@@ -38,7 +39,6 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from attitude._support.annotations import Epochs, FilePath, FloatArray, IntArray, Real, Reals
-    from attitude._support.pairs import Seconds
     from attitude.ensemble._members import Inertia
     from attitude.light_curve._visibility import Visibility
     from attitude.scattering._law import Law
@@ -933,9 +933,11 @@ class Ensemble(Immutable):
         views = [found.shaped(a, b[0]) for a, b in zip(memory, outs, strict=True)]
         return (views[0], views[1]) if both else views[0]
 
-    def evaluated(self, member: IntArray, seconds: Seconds) -> FloatArray:
-        """Angular velocities (S, 3), rad/s in body axes, of members (S) at epochs (S)."""
-        found = MemberRows(len(self), member, seconds)
+    def evaluated(
+        self, member: IntArray, seconds: FloatArray, low: FloatArray | None
+    ) -> FloatArray:
+        """Angular velocities (S, 3), rad/s in body axes, of members (S) at seconds + low (S)."""
+        found = MemberRows(len(self), member, Seconds(seconds, low))
         wxyz, rates = (np.empty((width, found.size)) for width in (4, 3))
         self._fill_rows(found, wxyz, rates, 1)
         return found.shaped(rates, None)
@@ -988,7 +990,7 @@ class Ensemble(Immutable):
         memory = [found.memory(*each) for each in outs]
         self._fill_rows(found, memory[0], memory[1] if len(memory) > 1 else None, threads)
         views = [read_only(found.shaped(a, b[0])) for a, b in zip(memory, outs, strict=True)]
-        history = EnsembleHistory(self, found.member, found.seconds, views[0])
+        history = EnsembleHistory(self, found.member, *found.seconds.pair, views[0])
         if len(views) > 1:
             history.__dict__["angular_velocity"] = views[1]
         return history
@@ -1272,7 +1274,7 @@ class Ensemble(Immutable):
         )  # fmt: skip
         numbers = np.broadcast_to(np.arange(which.start, which.stop)[:, None], (count, length))
         seconds = t.mapped(lambda array: np.broadcast_to(array, (count, length)))
-        history = EnsembleHistory(self, numbers, seconds, np.moveaxis(wxyz, 1, 2))
+        history = EnsembleHistory(self, numbers, *seconds.pair, np.moveaxis(wxyz, 1, 2))
         found: FloatArray = known.measured(history, epochs)
         return found
 

@@ -444,10 +444,11 @@ class EnsembleHistory(AttitudeHistory):
         self,
         ensemble: Ensemble,
         member: IntArray,
-        seconds: Seconds,
+        seconds: FloatArray,
+        low: FloatArray | None,
         wxyz: FloatArray,
     ) -> None:
-        super().__init__(ensemble, ensemble.start_of_seconds, *seconds.pair, wxyz)
+        super().__init__(ensemble, ensemble.start_of_seconds, seconds, low, wxyz)
         self._set("ensemble", ensemble)
         self._set("member", frozen(member))
 
@@ -455,8 +456,7 @@ class EnsembleHistory(AttitudeHistory):
         """Some of the attitudes: history[3], history[:, 10:20], history[mask]."""
         part = super().__getitem__(index)
         member = np.asarray(self.member[index])
-        times = Seconds(part.seconds, part.low)
-        found = EnsembleHistory(self.ensemble, member, times, part.wxyz)
+        found = EnsembleHistory(self.ensemble, member, part.seconds, part.low, part.wxyz)
         if "angular_velocity" in part.__dict__:
             found.__dict__["angular_velocity"] = part.angular_velocity
         return found
@@ -468,8 +468,7 @@ class EnsembleHistory(AttitudeHistory):
     @cached_property
     def angular_velocity(self) -> FloatArray:
         """(S, 3) rad/s over the body axes."""
-        times = Seconds(self.seconds, self.low)
-        return frozen(self.ensemble.evaluated(self.member, times))
+        return frozen(self.ensemble.evaluated(self.member, self.seconds, self.low))
 
     @cached_property
     def sensitivity(self) -> FloatArray:
@@ -522,7 +521,7 @@ class EnsembleHistory(AttitudeHistory):
     def _flattened(self) -> EnsembleHistory:
         times = Seconds(self.seconds, self.low).mapped(np.ravel)
         wxyz = self.wxyz.reshape(-1, 4)
-        return EnsembleHistory(self.ensemble, np.ravel(self.member), times, wxyz)
+        return EnsembleHistory(self.ensemble, np.ravel(self.member), *times.pair, wxyz)
 
 
 # ---- Derivatives of the attitudes of members of an ensemble at epochs

@@ -162,7 +162,7 @@ class TorquedEnsemble(Immutable):
         member = np.broadcast_to(np.arange(len(self))[:, None], shape)
         times = Seconds(seconds, None if lo is None else rest)
         spread = times.mapped(lambda array: np.broadcast_to(array, shape))
-        history = TorquedHistory(self.ensemble, member, spread, out[..., :4])
+        history = TorquedHistory(self.ensemble, member, *spread.pair, out[..., :4])
         history.__dict__["angular_velocity"] = frozen(out[..., 4:])
         return history
 
