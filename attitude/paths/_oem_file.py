@@ -97,9 +97,9 @@ def oem(file: FilePath, *, ephemeris: EphemerisLike = None, degree: int | None =
     Parameters
     ----------
     file : path
-        A message in KVN or XML about one object; any number of segments, each interpolated on its own by its
-        keywords INTERPOLATION and INTERPOLATION_DEGREE (Hermite or Lagrange polynomials; Hermite
-        of degree 7 without them).
+        A message in KVN or XML about one object; any number of segments, each interpolated on its
+        own by its keywords INTERPOLATION and INTERPOLATION_DEGREE (Hermite or Lagrange polynomials;
+        Hermite of degree 7 without them).
     ephemeris : Ephemeris, path of a kernel, or None
         See `ephemeris`; used if the segments have different centers.
     degree : int, optional
