@@ -82,7 +82,7 @@ def _of_mission(arguments: argparse.Namespace, mesh: Mesh | None) -> ViewSource:
             f"{arguments.target}: has no spin, without which nothing turns; give spin = ..."
         )
     start, stop = _times(found)
-    title = found.name or os.path.basename(arguments.target)
+    title = found.name or _stem(arguments.target)
     magnitude = None
     if found.magnitude is not None:
         label = "magnitude" if found.magnitude.kind == "apparent" else "reduced magnitude"
@@ -113,9 +113,16 @@ def _motion(
         from attitude.formats import detect
 
         found = detect.opened(given, body=arguments.body, kernels=arguments.kernels or ())
-        return found.motion, os.path.basename(given), None, None
+        return found.motion, _stem(given), None, None
     one = _options.opened(arguments)
-    return one.motion, one.name, one.shape, one.law
+    # A spin file without a name shows that of the file, not the path typed.
+    name = _stem(given) if one.name == given else one.name
+    return one.motion, name, one.shape, one.law
+
+
+def _stem(path: str) -> str:
+    """The name of a file without folder and ending."""
+    return os.path.splitext(os.path.basename(path))[0]
 
 
 def _lit(arguments: argparse.Namespace, source: ViewSource) -> ViewSource:

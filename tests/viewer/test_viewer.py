@@ -21,6 +21,7 @@ from attitude import (
     shape,
 )
 from attitude.errors import AttitudeError, AttitudeWarning
+from attitude.formats import mission
 from attitude.frames import quaternion
 from attitude.viewer import _page, _subject, view
 from attitude.viewer._subject import subject
@@ -288,3 +289,41 @@ def test_the_library_is_whole_and_named():
     # Joined scripts share one scope: no two files define the same name.
     defined = re.findall(r"^(?:export )?(?:class|function|const|let) (\w+)", sources, re.M)
     assert len(defined) == len(set(defined))
+
+
+def test_the_shade_is_that_of_the_scene():
+    """Envisat leaves the Earth's shadow: at all seconds of 40 minutes, as the View has it."""
+    scene = mission.read(ROOT / "data" / "mission" / "envisat-glints.toml").scene
+    what = _subject.subject(scene, "2013-10-23T20:40:00", "2013-10-23T21:20:00")
+    found = _subject.shade(what)
+    seconds = np.arange(0.0, 2400.0)
+    exact = what.view(seconds).lit_fraction
+    assert exact.min() == 0.0 and exact.max() == 1.0
+    # Lines over steps of 0.07 s: the penumbra takes 9 s.
+    assert np.abs(np.interp(seconds, found.times, found.lit) - exact).max() < 1e-3
+    assert found.names == "the Earth's"
+    sunlit = _subject.subject(scene, "2013-10-23T21:05:00", "2013-10-23T21:06:00")
+    assert _subject.shade(sunlit) is None
+    assert _subject.shade(_subject.subject(scene.motion)) is None
+
+
+def test_fine_meshes_are_smooth_and_boxes_are_not():
+    motion = catalog.entry("toutatis").motion()
+    for what, smooth in (
+        (shape.Ellipsoid((2.0, 1.2, 1.0)).facets(4000), True),
+        (shape.box((2.0, 1.2, 1.0)), False),
+    ):
+        assert _subject.surface(_subject.subject(motion, shape=what)).smooth == smooth
+
+
+def test_the_title_is_no_path(tmp_path, monkeypatch, capsys):
+    """A spin file without a name, in a folder: its name without folder and ending."""
+    folder = tmp_path / "some" / "folder"
+    folder.mkdir(parents=True)
+    lines = ["[body]", "moments = [10, 20, 26]", "[spin]", 'epoch = "2026-01-01"',
+             "wxyz = [1, 0, 0, 0]", "angular_velocity = [0.1, 1.5, 0.1]"]  # fmt: skip
+    (folder / "brick.toml").write_text("\n".join(lines))
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["view", str(folder / "brick.toml")]) == 0
+    assert capsys.readouterr().out == "brick.html\n"
+    assert "<title>brick</title>" in (tmp_path / "brick.html").read_text()
