@@ -642,6 +642,11 @@ class Arcs(Differentiable):
             return
         first = TorquedRotation(body, spin, torques, **how)
         self._set("torques", first.torques)
+        if any(torque.changes_inertia for torque in first.torques):
+            raise AttitudeError(
+                "arcs take no InertiaHistory; give the changes of inertia as InertiaChange, or use "
+                "TorquedRotation."
+            )
         self._integrate(first)
 
     @cached_property

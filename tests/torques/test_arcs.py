@@ -11,7 +11,7 @@ from attitude._solver import evaluation
 from attitude._solver.chains import flow
 from attitude._support.arrays import read_only
 from attitude.frames import quaternion
-from attitude.torques import GravityGradient, LinearDamping
+from attitude.torques import GravityGradient, InertiaHistory, LinearDamping
 from attitude.torques._arcs import Arcs, Impulse, InertiaChange
 from attitude.torques._torqued import TorquedRotation
 from attitude.torques._triggers import AxisCrossesDirection, PointMeetsPlane
@@ -473,6 +473,7 @@ def test_events_and_functions_of_the_motion_under_torques():
         ({"torques": LinearDamping(1.0), "step": 0.1, "tolerance": 1e-3}, "takes one of step"),
         ({"torques": LinearDamping(1.0), "step": 10.0}, "cannot resolve the motion"),
         ({"torques": thruster, "scheme": "force-gradient"}, "CustomTorque does not define"),
+        ({"torques": InertiaHistory(lambda t: np.zeros((len(t), 3, 3)))}, "no InertiaHistory"),
     ],
 )
 def test_bad_torques_are_a_sentence(how, message):
