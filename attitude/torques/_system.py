@@ -90,7 +90,7 @@ class System:
         self.body, self.spin, self.inertia = body, spin, _inertia_of(torques)
         if self.inertia is not None and self.shift != (0.0, 0.0):
             raise AttitudeError(
-                "an InertiaHistory counts its seconds from the epoch of the spin; leave out origin=."
+                "an InertiaHistory counts seconds from the epoch of the spin; leave out origin=."
             )
         self.moments, self.axes = ascending(body)
         self.turn = quaternion.from_matrix(self.axes)
