@@ -4,6 +4,7 @@ import base64
 import json
 import re
 import warnings
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -327,3 +328,26 @@ def test_the_title_is_no_path(tmp_path, monkeypatch, capsys):
     assert cli.main(["view", str(folder / "brick.toml")]) == 0
     assert capsys.readouterr().out == "brick.html\n"
     assert "<title>brick</title>" in (tmp_path / "brick.html").read_text()
+
+
+def test_toutatis_is_shown_as_in_december_1992(tmp_path, monkeypatch):
+    """Sun and Earth against the phase angles of JPL Horizons in the photometry of that month."""
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["view", "toutatis", "--output", "t.html"]) == 0
+    page = content(SimpleNamespace(html=(tmp_path / "t.html").read_text()))
+    assert page["title"] == "(4179) Toutatis, December 1992"
+    assert page["curve"] is not None and page["surface"]["kind"] == "mesh"
+    assert page["utc"][0].startswith("1992-12-08") and page["duration"] == pytest.approx(
+        22 * DAY, abs=1e-2
+    )
+    scene = mission.read(catalog.entry("toutatis").scene).scene
+    table = ROOT / "data" / "light_curve" / "toutatis-1992-photometry.csv"
+    rows = [line.split(",") for line in table.read_text().splitlines() if "1992-12-" in line[:8]]
+    rows = [row for row in rows if "1992-12-08" <= row[0][:10] < "1992-12-30"]
+    phase = np.degrees(scene.at([row[0] for row in rows]).phase_angle)
+    published = np.array([float(row[11]) for row in rows])
+    assert len(rows) > 100 and published.min() < 25.0 and published.max() > 90.0
+    assert np.abs(phase - published).max() < 0.05  # deg: a Kepler ellipse through these places
+    # With a shape, a span, other directions or values of the state there is no such scene.
+    assert cli.main(["view", "toutatis", "--sun", "1,0,0", "--observer", "0,1,0"]) == 0
+    assert (tmp_path / "4179-toutatis.html").exists()
