@@ -73,9 +73,7 @@ def written_whole(
 
 @contextmanager
 def made_whole(path: str | os.PathLike[str], name: str = "output") -> Iterator[str]:
-    """As `written_whole`, a temporary name for libraries that open files by name; no devices or
-    pipes.
-    """
+    """As `written_whole`, a temporary name for libraries that open files by name; no devices."""
     target = _target(path, name)
     if os.path.exists(target) and not os.path.isfile(target):
         raise AttitudeError(

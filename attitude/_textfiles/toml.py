@@ -30,9 +30,7 @@ def read(path: str | os.PathLike[str], kind: str) -> str:
 
 
 def parsed(text: str, origin: str) -> dict[str, Any]:
-    """The content of a TOML text as dicts and lists; `origin`, as the file's name, begins the
-    error.
-    """
+    """The content of a TOML text as dicts and lists; `origin`, as the file's name, is in errors."""
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as err:
@@ -156,9 +154,7 @@ def of_json(text: str, name: str) -> Any:
 
 
 def of_csv(text: str, name: str) -> list[dict[str, Any]]:
-    """The rows of a CSV text as dicts by the entries of the first line; `name` is the file in
-    errors.
-    """
+    """The rows of a CSV text as dicts by the entries of its first line; `name` is in errors."""
     rows = csv.DictReader(io.StringIO(text))
     try:
         return list(rows)

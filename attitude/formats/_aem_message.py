@@ -191,9 +191,9 @@ class _Segment(Rows):
             self._kind, self.others = "QUATERNION/ANGVEL", {_MMS: _READ}
             self._how = replace(self._how, rates_over_body=True, scalar_first=False)
         columns = _attitude_types.COLUMNS[self._kind]
-        super().__init__(scale, len(columns))
-        self.names = _scalar_first(columns) if self._how.scalar_first else columns
-        self.lead, epoch = (2, "a day and its seconds") if self._is_cic else (1, "an epoch")
+        names = _scalar_first(columns) if self._how.scalar_first else columns
+        lead, epoch = (2, "a day and its seconds") if self._is_cic else (1, "an epoch")
+        super().__init__(scale, block.message.fault, names, lead)
         self.holds = (
             f"{cut(meta['ATTITUDE_TYPE'], '')} has {epoch} and {len(columns)} numbers: "
             f"{', '.join(columns)}"
@@ -315,7 +315,7 @@ class _Segment(Rows):
     def finished(self) -> AttitudeTable:
         """The AttitudeTable of the complete records."""
         meta, message, options = self.block.meta, self.block.message, self._options
-        self.refuse_outside(*self._limits, message.fault)
+        self.refuse_outside(*self._limits)
         method, degree = self._interpolation
         said: dict[str, Any] = {
             "format": f"{'CIC ' * self._is_cic}AEM {message.version}",
@@ -337,7 +337,6 @@ class _Segment(Rows):
                 self._kind,
                 self._how,
                 self._axes,
-                message.fault,
                 tolerance=options.tolerance,
                 orbit=options.orbit,
                 method=method,

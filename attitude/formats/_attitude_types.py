@@ -147,9 +147,7 @@ def has_rates(kind: str) -> bool:
 
 
 def decoded(kind: str, rows: FloatArray, how: Convention) -> tuple[FloatArray, FloatArray | None]:
-    """Attitudes wxyz (N, 4) and angular velocities (N, 3) from the columns of a file, rows (N,
-    columns).
-    """
+    """Attitudes wxyz (N, 4) and angular velocities (N, 3) from the rows (N, columns) of a file."""
     family = kind.partition("/")[0]
     wxyz, rates = {"QUATERNION": _of_quaternions, "EULER_ANGLE": _of_angles, "SPIN": _of_spin}[
         family
@@ -174,9 +172,7 @@ def encoded(
     acceleration: FloatArray | None,
     how: Convention,
 ) -> FloatArray:
-    """The columns (N, columns) of an attitude type, in deg, deg/s and s, from wxyz (N, 4), rates
-    (N, 3) and acceleration (N, 3); inverse of `decoded`.
-    """
+    """Rows (N, columns) in deg, deg/s and s from wxyz (N, 4), rates and acceleration (N, 3)."""
     family = kind.partition("/")[0]
     if family == "SPIN":
         return _spin_columns(kind, wxyz, rates, acceleration)
@@ -222,9 +218,7 @@ def _of_quaternions(kind, rows, how):
 
 
 def of_euler_derivatives(wxyz: FloatArray, change: FloatArray, how: Convention) -> FloatArray:
-    """Angular velocities (N, 3), rad/s over the body axes, from wxyz (N, 4) and change (N, 3) of
-    angles.
-    """
+    """Rates (N, 3), rad/s over the body, from wxyz (N, 4) and the change (N, 3) of angles."""
     assert how.sequence is not None
     given = (
         frames_quaternion.unit(wxyz)

@@ -151,10 +151,7 @@ def texts(
     scale: str,
     digits: int | None = None,
 ) -> list[str]:
-    """Time codes A of N epochs, with so many decimals, by default the `fewest` of these epochs.
-
-    Shapes: seconds, low (N,).
-    """
+    """Time codes A of N epochs, seconds + low (N,), by default with the `fewest` decimals."""
     hi, lo = pairs.add((np.asarray(seconds), 0.0 if low is None else low), epoch.seconds, epoch.low)
     if digits is None:
         digits = fewest(hi, lo, scale)
@@ -180,10 +177,7 @@ def texts(
 
 
 def fewest(hi: FloatArray, lo: FloatArray, scale: str) -> int:
-    """3, 6, 9 or 12 decimals of a second: the fewest that say what epochs (N,) are.
-
-    Seconds since J2000 that differ by less than `_NOISE` are one double today.
-    """
+    """3, 6, 9 or 12 decimals of a second: the fewest that say what epochs (N,) are."""
     ticks = _civil(hi, lo, scale, DIGITS)[2]
     for digits in (3, 6, 9):
         unit = 10 ** (DIGITS - digits)

@@ -40,10 +40,7 @@ _SUMMARIES = {b"DAF/CK": (2, 6), b"DAF/SPK": (2, 6), b"DAF/PCK": (2, 5)}
 
 
 def fault(path: FilePath) -> str | None:
-    """The fault in the head of a kernel, as a sentence; None if there is none.
-
-    Files that are not DAF, or in the byte order of old machines, are not checked.
-    """
+    """The fault in the head of a kernel that is a DAF, as a sentence; None if there is none."""
     with open(path, "rb") as file:
         head = file.read(_RECORD)
     kind, order = head[:8].rstrip(), _ORDERS.get(head[88:96])
@@ -487,11 +484,7 @@ def _packets(history, speed):
 
 
 def measured(path: str, plan: Plan, clock: KernelClock, instrument: int) -> tuple[float, float]:
-    """Largest deviations from the motion, rad and rad/s, of the C-kernel read by SPICE.
-
-    They are measured at 2000 random epochs, and at four beside each jump of the angular velocity,
-    of at most 2000.
-    """
+    """Largest deviations, rad and rad/s, of a C-kernel read by SPICE at random epochs and jumps."""
     random = np.random.default_rng(2006)
     et = plan.first + plan.checks(_CHECKS, random)
     # Doubles of the clock's time scale: on the clock they are exact.
@@ -505,11 +498,7 @@ def measured(path: str, plan: Plan, clock: KernelClock, instrument: int) -> tupl
 def measured_at(
     path: str, ticks: FloatArray, instrument: int, *, rates: bool = True
 ) -> tuple[FloatArray, FloatArray]:
-    """Matrices (N, 3, 3) and angular velocities (N, 3) in J2000 that SPICE reads at clock times.
-
-    The kernel is read by its handle, so that the user's kernels in SPICE's pool are neither used
-    nor changed.  Without rates they are NaN.
-    """
+    """Matrices (N, 3, 3) and angular velocities (N, 3) in J2000 that SPICE reads at clock times."""
     spice = spiceypy()
     matrices, found = np.empty((len(ticks), 3, 3)), np.full((len(ticks), 3), np.nan)
     handle = None
@@ -761,10 +750,7 @@ def _inertial(part: AttitudeTable) -> FloatArray:
 
 
 def _padded(ticks, values, slopes, width):
-    """Records with some beyond both ends, on the polynomials of the first and the last window.
-
-    `slopes` are the derivatives by ticks of `values`, or None.
-    """
+    """Records with some beyond both ends, on the polynomials of the first and the last window."""
     count = width // 2 - 1
     if count < 1 or len(ticks) < width:
         return ticks, values, slopes

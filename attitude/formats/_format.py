@@ -138,10 +138,7 @@ def register(made: Format) -> None:
 def register_message(
     name: str, title: str, write: Callable[..., Any], options: tuple[Option, ...] = (), **rest: Any
 ) -> None:
-    """Add a CCSDS message as two formats: in KVN, and in XML with `write` under xml=True.
-
-    Messages in XML end in .NAME.xml, but for an AEM, which ends in .xml.
-    """
+    """Add a CCSDS message as two formats: in KVN, and in XML with `write` under xml=True."""
     ending = ".xml" if name == "aem" else f".{name}.xml"
     mark = f"CCSDS_{name.upper()}_VERS".encode()
     kvn: dict[str, Any] = {

@@ -68,9 +68,7 @@ _OF_GMAT = {"QUATERNION": ("slerp", 1), "EULER_ANGLE": ("lagrange", 7)}
 
 
 def of_aem(tool: str | None, given: dict[str, Any], has_rates: bool) -> dict[str, Any]:
-    """The settings of `aem.write` for a tool: those given, and for the others those of its
-    recipe.
-    """
+    """The settings of `aem.write` for a tool: those given, and for the others its recipe's."""
     if tool is None:
         return given
     recipe = AEM.get(tool.lower()) if isinstance(tool, str) else None

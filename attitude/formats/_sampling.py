@@ -48,10 +48,7 @@ _APART = 1e-9
 
 
 def only_segment(source: AttitudeSource, t: Epochs | None, holder: str) -> Records:
-    """The one segment of what a writer was given; see `segments`.
-
-    `holder` is the kind of file in the error message.
-    """
+    """The one segment of what a writer was given; `holder` is the kind of file in sentences."""
     parts = segments(source, t)
     if any(part.after_break for part in parts):
         listed = ", ".join(f"{part.seconds[0]:.9g}" for part in parts if part.after_break)
@@ -109,10 +106,7 @@ def refuse_span(start: object, stop: object) -> None:
 
 
 def refuse_breaks(motion: object, holder: str) -> None:
-    """Raise the AttitudeError for a motion whose angular velocity jumps.
-
-    `holder` is the kind of file in the error message, which holds the state at one epoch.
-    """
+    """AttitudeError for a motion whose angular velocity jumps; `holder` holds one state."""
     if isinstance(motion, Motion) and len(motion.breaks()):
         count = len(motion.breaks())
         raise AttitudeError(
@@ -525,10 +519,7 @@ def _apart(p: FloatArray, q: FloatArray) -> float:
 def stated(
     method: str | None, degree: int | None, has_rates: bool, table: AttitudeTable | None
 ) -> tuple[str, int]:
-    """Method and degree of the interpolation that a file will state; see `_table.settled`.
-
-    By default those of a table, else Hermite with angular velocities and Lagrange without.
-    """
+    """Method and degree that a file will state, by default a table's; see `_table.settled`."""
     if method is None and table is not None:
         method, degree = table.method, degree or table.degree
     return _table.settled(method, degree, _table.MOST_DEGREE + 1, has_rates)

@@ -142,10 +142,7 @@ def shape_of(
 def facets_for(
     given: Mapping[str, Any], found: shape_ellipsoid.Ellipsoid | _mesh.Mesh, law: Law
 ) -> shape_ellipsoid.Ellipsoid | _mesh.Mesh:
-    """The shape itself, or the facets of an ellipsoid if the law has no closed form for it.
-
-    Facets are also made if the section [shape] `given` has a number of them.
-    """
+    """The shape, or facets of an ellipsoid if the law has no closed form or `given` counts them."""
     if isinstance(found, shape_ellipsoid.Ellipsoid) and not law.has_ellipsoid_form:
         return found.facets(given.get("facets", FACETS))
     if "facets" in given and isinstance(found, shape_ellipsoid.Ellipsoid):
@@ -173,9 +170,7 @@ def law_of(given: Any, found: shape_ellipsoid.Ellipsoid | _mesh.Mesh) -> Law:
 
 
 def scale_of(given: Any) -> dict[str, Any]:
-    """The arguments ``phase_function`` and ``sun_magnitude`` of a Scene from a [magnitude]
-    section.
-    """
+    """The arguments phase_function and sun_magnitude of a Scene from a [magnitude] section."""
     if not isinstance(given, dict):
         raise AttitudeError(
             f"magnitude is {quoted(given)}; give a section that begins [magnitude]."
@@ -411,10 +406,7 @@ def shape_lines(shape: shape_ellipsoid.Ellipsoid | _mesh.Mesh) -> list[str]:
 
 
 def law_lines(law: Law) -> list[str]:
-    """The section [scattering], of which `law_of` makes an equal law.
-
-    AttitudeError for a law without a registered name.
-    """
+    """The section [scattering], of which `law_of` makes an equal law, if its name is registered."""
     if law.by_material:
         lines: list[str] = []
         for name, material in law.by_material.items():

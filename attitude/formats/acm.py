@@ -465,12 +465,11 @@ class _TimedRows(Rows):
     """The rows of a block, at dates or at seconds since EPOCH_TZERO."""
 
     def __init__(self, block: Block, names: Sequence[str]):
-        super().__init__(_messages.scale_of(block.meta), len(names))
-        self.names = names
+        super().__init__(_messages.scale_of(block.meta), block.message.fault, names)
         self.holds = f"{block.name} of this type has a time and {len(names)} numbers"
         self._tags = _tags(block.message)
 
-    def _parsed(self, tokens, of_day):
+    def _parsed(self, tokens):
         return self._tags.parsed(tokens)
 
 
@@ -492,7 +491,7 @@ def _rows(block):
     """The complete rows of a block."""
     if block.rows is None:
         raise block.fault(f"the block {block.name} has no rows.")
-    return block.rows.reader.joined()
+    return block.rows.joined()
 
 
 def _table(block, tolerance, frame, orbit):

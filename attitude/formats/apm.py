@@ -227,10 +227,7 @@ class _State:
         return self._rates_of(np.radians(values) * (1.0 if to_body else -1.0), axes, over_body)
 
     def _rates_of(self, rates, axes, over_body=True, how=None):
-        """A function: attitude -> rates relative to ICRF, over the body axes.
-
-        From rates over the body axes or the external ones, or with `how` derivatives of the angles.
-        """
+        """A function: attitude -> rates in ICRF; `how`: from derivatives of the angles."""
         refuse_speed(rates)
 
         def of(wxyz):

@@ -158,10 +158,7 @@ class KernelAttitude(Motion):
         return wxyz.reshape(*shape, 4), omega.reshape(*shape, 3)
 
     def _state_at(self, second):
-        """Direction cosine matrix, angular velocity in J2000, and their epoch, s past J2000.
-
-        The epoch is `second` or, at an end of the kernel, the neighbouring double inside of it.
-        """
+        """Direction cosine matrix and angular velocity in J2000, and their epoch, s past J2000."""
         spice = spiceypy()
         ways = (
             lambda t: spice.xf2rav(spice.sxform(_REFERENCE, self.frame, t)),

@@ -237,10 +237,7 @@ def _section(content, name):
 
 
 def _way(section, ways, common, name):
-    """The leading key of the alternative that a section uses.
-
-    AttitudeError for none or several, and for unknown, missing and surplus keys.
-    """
+    """The leading key of the one alternative that a section uses."""
     known = [*common]
     for way, (needed, optional) in ways.items():
         known += [way, *needed, *optional]

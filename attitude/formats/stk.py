@@ -115,17 +115,14 @@ def tai_of(epoch: Instant) -> tuple[FloatArray, FloatArray]:
     return pairs.add(tt, -_time_scales.TT_MINUS_TAI)
 
 
-def of_rows(words: Sequence[bytes], count: int) -> list[bytes]:
-    """The dates at the start of rows as CCSDS time codes.
-
-    `words` are those of all rows, `count` of each.  A date that STK does not write stays as it is,
-    and is refused by the reader of time codes.
-    """
-    found = []
-    for k in range(0, len(words), count):
-        text = b" ".join(words[k : k + count]).decode("ascii", "replace")
-        found.append((iso(text) or text).encode("ascii", "replace"))
-    return found
+def of_rows(leads: Sequence[Sequence[bytes]]) -> list[bytes]:
+    """The dates of N rows, whose words are (words, N), as CCSDS time codes."""
+    dates = []
+    for words in zip(*leads, strict=True):
+        text = b" ".join(words).decode("ascii", "replace")
+        # A date that STK does not write stays as it is; the reader of time codes refuses it.
+        dates.append((iso(text) or text).encode("ascii", "replace"))
+    return dates
 
 
 # ---- The sections of an STK attitude file: the columns of each, as attitudes
@@ -475,7 +472,6 @@ _NAMES = {
     **{"icrf": "ICRF", "eme2000": "J2000", "itrf": "Fixed", "teme": "TEMEOfDate", "lvlh": "VVLH"},
     **{"tod": "TrueOfDate", "mod": "MeanOfDate", "b1950": "B1950"},
 }
-_BATCH = 16384
 
 
 def read(
@@ -488,52 +484,28 @@ def read(
     """An STK attitude file as an AttitudeTable; see `aem.read` for parameters and errors."""
     known_tolerance(tolerance)
     with opened(path) as lines:
-        return _StkReader(lines).table(tolerance, frame, orbit)
-
-
-class _StkReader:
-    """Reads the records behind the keywords of a file."""
-
-    def __init__(self, lines):
-        self._lines = lines
-        self._header = Header(lines)
-        self._section = self._header.section
-        self._decoder = self._header.decoder
-        self._start = self._origin = None
-        # Words of a row before its numbers.
-        self._lead = DATES.get(self._header.time_format, 1)
-
-    def table(self, tolerance, frame, orbit):
-        lines, header, section = self._lines, self._header, self._section
-        found = header.axes(frame)
-        if self._header.time_format in UNITS:
-            self._start = header.start()
-        scale = "utc" if self._start is None else "tai"
-        rows = Rows(scale, section.width)
-        if section.form == "vector":
-            motions_axes.known_path(orbit, "the direction to the center")
-        self._vectors = found, orbit
-        ended = self._read_rows(rows)
-        if header.count is not None and rows.count != header.count:
+        header = Header(lines)
+        records = _Records(lines, header, frame, orbit)
+        has_ended = records.read(lines)
+        if header.count is not None and records.count != header.count:
             raise lines.fault(
-                f"the file has {rows.count} records, but NumberOfAttitudePoints is {header.count}"
-                + ("." if ended else "; is it cut off?"),
+                f"the file has {records.count} records, but NumberOfAttitudePoints is "
+                f"{header.count}" + ("." if has_ended else "; is it cut off?"),
             )
-        if not rows.count:
+        if not records.count:
             raise lines.fault("the file has no attitudes.")
-        how = Convention(scalar_first=section.scalar_first, sequence=self._decoder.sequence)
+        how = Convention(scalar_first=header.section.scalar_first, sequence=header.decoder.sequence)
         meta = {
             "format": "STK",
             "keywords": dict(header.keywords),
-            "frame": found.name,
+            "frame": records.axes.name,
             "center": header.keywords.get("CentralBody"),
         }
         try:
-            return rows.table(
-                section.kind,
+            return records.table(
+                header.section.kind,
                 how,
-                found,
-                lines.fault,
+                records.axes,
                 tolerance=tolerance,
                 orbit=orbit,
                 method=header.method,
@@ -545,87 +517,79 @@ class _StkReader:
                 raise
             raise lines.fault(str(err)) from err
 
-    def _read_rows(self, rows):
-        """Add the records up to END Attitude; False if the file ends before it."""
-        lines, tokens, places = self._lines, [], []
-        width = self._section.width + self._lead
+
+class _Records(Rows):
+    """The records behind the keywords of a file; axes are those of the file."""
+
+    def __init__(self, lines, header, frame, orbit):
+        lead, width = DATES.get(header.time_format, 1), header.section.width
+        super().__init__("utc", lines.fault, ("",) * width, lead)
+        words = f" of {lead} words" if lead > 1 else ""
+        self.holds = f"a record has a time{words} and {width} numbers"
+        self.axes = header.axes(frame)
+        self._start = header.start() if header.time_format in UNITS else None
+        self._header, self._orbit, self._origin = header, orbit, None
+        if header.section.form == "vector":
+            motions_axes.known_path(orbit, "the direction to the center")
+
+    def read(self, lines):
+        """Take the records up to END Attitude; False if the file ends before it."""
         for line in lines:
-            parts = line.replace(b'"', b"").split()
-            if len(parts) == width and not line.lstrip().startswith(b"#"):
-                tokens.extend(parts)
-                places.append(lines.number)
-                if len(places) == _BATCH:
-                    self._take(rows, tokens, places)
-                    tokens, places = [], []
-            elif [part.lower() for part in parts] == [b"end", b"attitude"]:
-                self._take(rows, tokens, places)
-                self._refuse_more()
+            tokens = line.replace(b'"', b"").split()
+            if not tokens or tokens[0].startswith(b"#"):
+                continue
+            if len(tokens) != self.step and [word.lower() for word in tokens] == _END:
+                self.convert()
+                for more in lines:
+                    if more.strip() and not more.strip().startswith(b"#"):
+                        raise lines.fault("there is more after END Attitude.")
                 return True
-            elif parts and not parts[0].startswith(b"#"):
-                raise lines.fault(
-                    f"it has {len(parts)} entries; a record has a time"
-                    f"{f' of {self._lead} words' if self._lead > 1 else ''} and "
-                    f"{self._section.width} numbers."
-                )
-        self._take(rows, tokens, places)
+            self.take(self.known(tokens, lines.number), lines.number)
+        self.convert()
         return False
 
-    def _refuse_more(self):
-        for line in self._lines:
-            if line.strip() and not line.strip().startswith(b"#"):
-                raise self._lines.fault("there is more after END Attitude.")
-
-    def _take(self, rows, tokens, places):
-        if not tokens:
-            return
-        lead, step = self._lead, self._section.width + self._lead
-        try:
-            values = numbers(tokens, step, range(lead, step))
-        except NoNumber as err:
-            raise self._lines.fault(f"{err.shown} is no number.", places[err.line]) from err
-        if not np.all(np.isfinite(values)):
-            k = int(np.argmin(np.isfinite(values).all(axis=1)))
-            raise self._lines.fault("it holds a number that is not finite.", places[k])
-        hi, lo = self._epochs(tokens, step, places)
+    def add(self, leads, values, lines):
+        """Add N records, of which the first ones have the lines."""
+        finite = np.isfinite(values).all(axis=1)
+        if not np.all(finite):
+            raise self.fault("it holds a number that is not finite.", lines[int(np.argmin(finite))])
+        hi, lo = self._epochs(leads, lines)
         try:
             with np.errstate(over="ignore", invalid="ignore"):
                 if self._origin is None:
                     self._origin = hi[0], lo[0]
                 seconds = (hi - self._origin[0]) + (lo - self._origin[1])
-                values = self._decoder.columns(seconds, values)
-                if self._section.form == "vector":
-                    found, orbit = self._vectors
-                    values = pointed(values, found, Instant(0.0), hi, lo, orbit)
+                values = self._header.decoder.columns(seconds, values)
+                if self._header.section.form == "vector":
+                    values = pointed(values, self.axes, Instant(0.0), hi, lo, self._orbit)
         except AttitudeError as err:
-            raise self._lines.fault(f"in the records from here on, {err}", places[0]) from err
-        rows.add_times(hi, lo, values, places, self._lines.fault)
+            raise self.fault(f"in the records from here on, {err}", lines[0]) from err
+        self.add_times(hi, lo, values, lines)
 
-    def _epochs(self, tokens, step, places):
+    def _epochs(self, leads, lines):
         """TDB seconds since J2000, hi and lo, of some rows."""
-        lines = self._lines
         if self._start is None:
-            words = [word for k in range(self._lead) for word in tokens[k::step]]
-            count = len(places)
-            rows = [word for k in range(count) for word in words[k::count]]
-            codes = of_rows(rows, self._lead)
+            codes = of_rows(leads)
             try:
                 return ccsds_epochs.parsed(codes, "utc")
             except ccsds_epochs.BadEpoch as err:
                 shown = codes[err.index][:40].decode("ascii", "replace")
-                raise lines.fault(
-                    f"the time {shown!r} cannot be read: {err.reason}.", places[err.index]
+                raise self.fault(
+                    f"the time {shown!r} cannot be read: {err.reason}.", lines[err.index]
                 ) from err
         try:
-            seconds = numbers(tokens, step, range(1))[:, 0]
+            seconds = numbers(leads[0], 1, [0])[:, 0]
         except NoNumber as err:
-            raise lines.fault(f"{err.shown} is no number.", places[err.line]) from err
+            raise self.fault(f"{err.shown} is no number.", lines[err.line]) from err
         if not np.all(np.isfinite(seconds)):
-            k = int(np.argmin(np.isfinite(seconds)))
-            raise lines.fault("its time is not finite.", places[k])
+            raise self.fault("its time is not finite.", lines[int(np.argmin(np.isfinite(seconds)))])
         unit = UNITS[self._header.time_format]
         pair = (seconds, 0.0) if unit == 1.0 else pairs.product(seconds, unit)
         tai = pairs.add((np.float64(self._start[0]), np.float64(self._start[1])), *pair)
         return _time_scales.tdb_from("tai", *tai)
+
+
+_END = [b"end", b"attitude"]
 
 
 # ---- Writing
@@ -774,10 +738,7 @@ def _name_in_stk(found, given):
 
 
 def _whole_second(part):
-    """ScenarioEpoch as text, and a function: history -> seconds of TAI since ScenarioEpoch.
-
-    ScenarioEpoch is the whole second of UTC at or before the first record.
-    """
+    """ScenarioEpoch (a whole second) as text, and a function: history -> seconds of TAI since."""
     seconds, low = part.first_and_last()
     hi, lo = pairs.add((seconds[0], low[0]), part.epoch.seconds, part.epoch.low)
     text = ccsds_epochs.texts(Instant(0.0), np.array([hi]), np.array([lo]), "utc", 12)[0]

@@ -393,11 +393,7 @@ def _halves(numbers):
 
 
 def _fit(path, start, level, numbers, length, tolerance):
-    """Numbers of pieces, and for each its record, error, speed error and allowed error.
-
-    A tuple of these for a level, and for the next ones as far as few samples suffice for all: a
-    call of a path costs as much as hundreds of epochs.
-    """
+    """Numbers of pieces, and for each its record, error, speed error and allowed error."""
     levels = [numbers]
     while not path.is_slow and sum(map(len, levels)) + 2 * len(levels[-1]) <= _TOGETHER:
         levels.append(_halves(levels[-1]))
@@ -424,10 +420,7 @@ def _fit(path, start, level, numbers, length, tolerance):
 
 
 def _errors(table, position, velocity, widths):
-    """Largest errors of coefficients (count, 3, pieces), and of their derivatives, between nodes.
-
-    At the extrema of T_16: positions (3, pieces, 17), and velocities at their end.
-    """
+    """Largest errors of coefficients (count, 3, pieces) and their derivatives, between nodes."""
     off = np.tensordot(table, _VALUES, axes=(0, 1)) - position
     slow = np.tensordot(table, _SLOPES, axes=(0, 1)) * (2.0 / widths)[:, None]
     slow -= velocity[:, :, _COUNT:]

@@ -50,10 +50,7 @@ def to_celestial(
     name: str = "the ground site",
     rates: bool = True,
 ) -> tuple[FloatArray, FloatArray | None]:
-    """GCRS components (3, N) and their rates per second of a vector (3,) that rests in ITRS.
-
-    Shapes: hi, lo (N,), vector (3,).
-    """
+    """GCRS components (3, N) and their rates of a vector (3,) in ITRS, at hi, lo (N,)."""
     tt = pairs.add((hi, lo), -_time_scales.difference_at(hi, lo))
     tai = pairs.add(tt, -_time_scales.TT_MINUS_TAI)
     ut1_minus_tai, x_pole, y_pole = _orientation(tai, tt, long_term, name)
@@ -71,9 +68,7 @@ def to_celestial(
 
 
 def rotation_angle(hi: FloatArray, lo: FloatArray) -> FloatArray:
-    """The Earth rotation angle, rad, at UT1 seconds hi + lo past J2000, to 1e-15 of a turn (ERFA's
-    era00).
-    """
+    """The Earth rotation angle, rad, at UT1 seconds past J2000, to 1e-15 turns (ERFA's era00)."""
     whole = np.rint(hi / _time_scales.DAY)
     part = ((hi - whole * _time_scales.DAY) + lo) / _time_scales.DAY
     turns = 0.7790572732640 + part + 0.00273781191135448 * (whole + part)
@@ -309,9 +304,7 @@ def observatory(code: str, *, long_term: bool = False) -> Site:
 
 
 def named(text: str) -> Site | None:
-    """The observatory with a name, or words that no other name has; None for none, AttitudeError
-    for several.
-    """
+    """The observatory with a name, or words that no other has; AttitudeError for several."""
     words = re.findall(r"\w+", text.lower())
     if not words:
         return None

@@ -36,10 +36,7 @@ def interval_polynomials(
     rates: FloatArray | None,
     degree: int,
 ) -> FloatArray:
-    """Chebyshev coefficients of the polynomial of each interval between rows.
-
-    Shapes: knots, knots_low (N,) s, values (N, 3), rates (N, 3).
-    """
+    """Chebyshev coefficients between rows at knots (N,) s, of values and rates (N, 3)."""
     window = rows_needed(degree, rates is not None)
     first = np.arange(len(knots) - 1) - (window - 1) // 2
     first = np.clip(first, 0, len(knots) - window)
