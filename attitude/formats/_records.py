@@ -178,9 +178,9 @@ def to_icrf(
     refuse_speed(rates)
     wxyz = quaternion.multiply(axes.to_icrf(epoch, hi, lo, orbit), wxyz)
     if rates is not None:
-        own = axes.angular_velocity(epoch, hi, lo, orbit)
-        if own is not None:
-            rates = rates + quaternion.rotate(quaternion.conjugate(wxyz), own)
+        turning = axes.angular_velocity(epoch, hi, lo, orbit)
+        if turning is not None:
+            rates = rates + quaternion.rotate(quaternion.conjugate(wxyz), turning)
     return forms.continuous(wxyz) if axes.turning else wxyz, rates
 
 
@@ -203,9 +203,9 @@ def columns_of(
         low = 0.0 if history.low is None else history.low
         outer = axes.to_icrf(history.epoch, history.seconds, low, orbit)
         if rates is not None:
-            own = axes.angular_velocity(history.epoch, history.seconds, low, orbit)
-            if own is not None:
-                rates = rates - quaternion.rotate(quaternion.conjugate(wxyz), own)
+            turning = axes.angular_velocity(history.epoch, history.seconds, low, orbit)
+            if turning is not None:
+                rates = rates - quaternion.rotate(quaternion.conjugate(wxyz), turning)
         wxyz = quaternion.multiply(quaternion.conjugate(outer), wxyz)
     return _attitude_types.encoded(kind, wxyz, rates, acceleration, how)
 

@@ -441,15 +441,8 @@ def read(
     epoch = _messages.epoch_of(message.meta, "EPOCH", _messages.scale_of(message.meta))
     wxyz, speeds, body = _State(message, epoch, tolerance, frame, orbit, rates).result()
     inertia = next(iter(message.all("INERTIA")), None)
-    meta = {
-        "format": f"APM {message.version}",
-        "header": dict(message.header),
-        "comments": tuple(message.header.comments),
-        "keywords": dict(message.meta),
+    meta = _messages.said_by(message, message.meta, f"APM {message.version}", "OBJECT_ID") | {
         "blocks": tuple((b.name, dict(b), tuple(b.comments)) for b in message.blocks),
-        "object_name": message.meta["OBJECT_NAME"],
-        "object_id": message.meta["OBJECT_ID"],
-        "center": message.meta.get("CENTER_NAME"),
         "body_frame": body,
         "inertia_frame": None,
     }

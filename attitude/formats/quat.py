@@ -100,7 +100,7 @@ def _header(lines):
     order = " ".join(parts[:5])
     if order not in _ORDERS:
         raise lines.fault(
-            f"it must name the columns: {' or '.join(f'# {each}' for each in _ORDERS)}.", 1
+            f"it must name the columns: {' or '.join(f'# {columns}' for columns in _ORDERS)}.", 1
         )
     words = {"direction": _DIRECTIONS[0]}
     for word in parts[5:]:

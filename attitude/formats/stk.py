@@ -76,17 +76,17 @@ def iso(text: str) -> str | None:
     >>> iso('"1 July 1999 00:00:00.00"'), iso("1 Jul 1999 7:30:00"), iso("Today")
     ('1999-07-01T00:00:00.00', '1999-07-01T07:30:00', None)
     """
-    given = " ".join(text.strip().strip("\"'").split())
-    if _ISO.fullmatch(given):
-        return given
-    found = _DATE.fullmatch(given)
-    if found is None:
+    date_text = " ".join(text.strip().strip("\"'").split())
+    if _ISO.fullmatch(date_text):
+        return date_text
+    match = _DATE.fullmatch(date_text)
+    if match is None:
         return None
-    date, month, year, hour, minute, second, part = found.groups()
+    date, month, year, hour, minute, second, fraction = match.groups()
     months = [k for k, name in enumerate(MONTHS) if month.title() in (name, name[:3])]
     if not months:
         return None
-    time = f"{int(hour):02d}:{minute}:{second}{part or ''}".rstrip(".")
+    time = f"{int(hour):02d}:{minute}:{second}{fraction or ''}".rstrip(".")
     return f"{year}-{months[0] + 1:02d}-{int(date):02d}T{time}"
 
 
@@ -98,9 +98,9 @@ def instant(text: str, what: str) -> Instant:
     """
     code = iso(text)
     if code is None:
-        given = repr(text[:40]) if text else "not given"
+        shown = repr(text[:40]) if text else "not given"
         raise AttitudeError(
-            f"{what} is {given}; write a date in UTC like 1 Jan 2026 00:00:00.000, and not the "
+            f"{what} is {shown}; write a date in UTC like 1 Jan 2026 00:00:00.000, and not the "
             "name of a time that STK knows."
         )
     try:
@@ -229,10 +229,10 @@ class Decoder:
             seconds = np.concatenate([[self._before[0]], seconds])
             rates = np.concatenate([self._before[1][None], rates])
         steps = np.diff(seconds)[:, None] * 0.5 * (rates[1:] + rates[:-1])
-        found = angles + np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
-        self._angles, first = found[-1], self._before is not None
+        integrals = angles + np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
+        self._angles, first = integrals[-1], self._before is not None
         self._before = seconds[-1], rates[-1]
-        return found[1:] if first else found
+        return integrals[1:] if first else integrals
 
 
 def pointed(
@@ -279,9 +279,9 @@ _AXES = {"fixed": "ITRF", "vvlh": "LVLH", "inertial": "ICRF"}
 _ICRF_BODIES = ("earth", "sun", "")
 
 
-def named(given: str) -> Axes:
+def named(name: str) -> Axes:
     """The Axes of a name of STK; AttitudeError for another name."""
-    return motions_axes.named(_AXES.get(given.lower(), given))
+    return motions_axes.named(_AXES.get(name.lower(), name))
 
 
 class Header:
@@ -306,10 +306,12 @@ class Header:
         self.method: str
         self.degree: int
         self.method, self.degree = self._interpolation()
-        given = self.keywords.get("TimeFormat", "EpSec").strip("\"'")
-        self.time_format: str = given.lower()
+        time_format = self.keywords.get("TimeFormat", "EpSec").strip("\"'")
+        self.time_format: str = time_format.lower()
         if self.time_format not in (*UNITS, *DATES):
-            raise self.fault("TimeFormat", f"TimeFormat is {given[:40]!r}; known are {FORMATS}.")
+            raise self.fault(
+                "TimeFormat", f"TimeFormat is {time_format[:40]!r}; known are {FORMATS}."
+            )
         # Checked before the records are read.
         self.decoder: Decoder = self._decoder()
 
@@ -320,10 +322,10 @@ class Header:
     def start(self) -> tuple[float, float]:
         """ScenarioEpoch: TAI seconds since J2000 in two doubles."""
         try:
-            found = instant(self.keywords.get("ScenarioEpoch", ""), "ScenarioEpoch")
+            start = instant(self.keywords.get("ScenarioEpoch", ""), "ScenarioEpoch")
         except AttitudeError as err:
             raise self.fault("ScenarioEpoch", str(err)) from err
-        hi, lo = tai_of(found)
+        hi, lo = tai_of(start)
         return float(hi), float(lo)
 
     def axes(self, frame: str | None) -> Axes:
@@ -342,13 +344,13 @@ class Header:
         except AttitudeError as err:
             raise self.fault("CoordinateAxes", str(err)) from err
 
-    def _axes(self, given):
-        words = given.split()
+    def _axes(self, name):
+        words = name.split()
         custom = len(words) > 1 and words[0].lower() in ("custom", "awb")
-        lower = (words[1] if custom else given).lower()
+        lower = (words[1] if custom else name).lower()
         if custom and lower != "vvlh":
             raise AttitudeError(
-                f"CoordinateAxes is {given[:40]!r}, axes that a scenario of STK defines; give "
+                f"CoordinateAxes is {name[:40]!r}, axes that a scenario of STK defines; give "
                 "what they are with frame=."
             )
         if lower == "lvlh":
@@ -366,8 +368,8 @@ class Header:
         kind = motions_axes.OF_EPOCH.get(motions_axes.normal(lower))
         if kind is not None:
             epoch = instant(self.keywords.get("CoordinateAxesEpoch", ""), "CoordinateAxesEpoch")
-            return motions_axes.Axes(given, kind, at=epoch)
-        return motions_axes.named(_AXES.get(lower, lower if custom else given), "CoordinateAxes")
+            return motions_axes.Axes(name, kind, at=epoch)
+        return motions_axes.named(_AXES.get(lower, lower if custom else name), "CoordinateAxes")
 
     def _read_keywords(self):
         """The name of the section; sets `keywords`."""
@@ -377,11 +379,11 @@ class Header:
             if not text or text.startswith("#"):
                 continue
             keyword, value = (*text.split(None, 1), "")[:2]
-            found = _BY_LOWER.get(keyword.lower())
-            if found in REFUSED:
-                raise lines.fault(f"the section {found} is not read: {REFUSED[found]}.")
-            if found is not None and not value:
-                return found
+            known = _BY_LOWER.get(keyword.lower())
+            if known in REFUSED:
+                raise lines.fault(f"the section {known} is not read: {REFUSED[known]}.")
+            if known is not None and not value:
+                return known
             name = _KEYWORD_BY_LOWER.get(keyword.lower())
             if name is None:
                 raise lines.fault(
@@ -409,13 +411,13 @@ class Header:
                 "InterpolationOrder",
                 f"InterpolationOrder is {degree}; it must be 0 to {most}.",
             )
-        given = self.keywords.get("InterpolationMethod", "Lagrange")
-        if given.lower() not in ("lagrange", "hermite"):
+        method = self.keywords.get("InterpolationMethod", "Lagrange")
+        if method.lower() not in ("lagrange", "hermite"):
             raise self.fault(
                 "InterpolationMethod",
-                f"InterpolationMethod is {given[:40]!r}; give Lagrange or Hermite.",
+                f"InterpolationMethod is {method[:40]!r}; give Lagrange or Hermite.",
             )
-        if given.lower() == "hermite" and degree > 1:
+        if method.lower() == "hermite" and degree > 1:
             return "hermite", degree
         return ("slerp", 1) if degree < 2 else ("lagrange", degree)
 
@@ -425,7 +427,7 @@ class Header:
         form = section.form.partition(" ")[0]
         if form not in USUAL:
             return Decoder(section, None)
-        given, initial = self.keywords.get("Sequence", USUAL[form]), None
+        sequence, initial = self.keywords.get("Sequence", USUAL[form]), None
         try:
             if section.initial is not None:
                 keyword = section.initial
@@ -435,25 +437,25 @@ class Header:
                         f"it is {' '.join(words)[:40]!r}; the section has rates alone and needs a "
                         "sequence and three angles in deg."
                     )
-                given, initial = words[0], [float(word) for word in words[1:]]
+                sequence, initial = words[0], [float(word) for word in words[1:]]
                 if not np.all(np.isfinite(initial)):
                     raise AttitudeError("an angle is not finite.")
             if form == "ypr":
-                given = given.upper().translate(str.maketrans("RPY", "XYZ"))
-            return Decoder(section, quaternion.known_sequence(given), initial)
+                sequence = sequence.upper().translate(str.maketrans("RPY", "XYZ"))
+            return Decoder(section, quaternion.known_sequence(sequence), initial)
         except AttitudeError as err:
             raise self.fault(keyword, f"{keyword}: {err}") from err
 
 
 def _read_banner(lines):
-    found = None
+    banner = None
     for line in lines:
         text = lines.text(line).strip()
         if not text or text.startswith("#"):
             continue
-        if found is None:
-            found = re.fullmatch(r"stk\.v\.\d+\.\d+(\.\d+)?", text, re.ASCII | re.IGNORECASE)
-            if found is None:
+        if banner is None:
+            banner = re.fullmatch(r"stk\.v\.\d+\.\d+(\.\d+)?", text, re.ASCII | re.IGNORECASE)
+            if banner is None:
                 raise lines.fault(f"it begins with {text[:40]!r}; an STK file begins with stk.v.")
         elif re.fullmatch(r"BEGIN\s+Attitude", text, re.IGNORECASE):
             return
@@ -651,30 +653,30 @@ def write(
     section = section or ("AttitudeTimeQuatAngVels" if has_rates else "AttitudeTimeQuaternions")
     if section not in WRITTEN:
         raise AttitudeError(f"section is {section!r}; it must be one of {', '.join(WRITTEN)}.")
-    found = named(frame)
+    axes = named(frame)
     sequence = quaternion.known_sequence(sequence).upper()
     if order is not None and not (isinstance(order, int) and 1 <= order <= _table.MOST_DEGREE):
         raise AttitudeError(
             f"order is {order!r}; give a whole number from 1 to {_table.MOST_DEGREE}."
         )
-    head = {"CentralBody": center, "CoordinateAxes": _name_in_stk(found, frame)}
+    head = {"CentralBody": center, "CoordinateAxes": _name_in_stk(axes, frame)}
     if SECTIONS[section].kind == "EULER_ANGLE":
         head["Sequence"] = sequence.translate(str.maketrans("XYZ", "123"))
     how = Convention(scalar_first=SECTIONS[section].scalar_first, sequence=sequence)
-    settings = (section, found, how, head)
+    settings = (section, axes, how, head)
     if tolerance is None:
         _sampling.refuse_span(start, stop)
         parts = _sampling.segments(source, t) if split else []
         if len(parts) < 2:
             parts = [_sampling.only_segment(source, t, "an STK file")]
-        for name, part in zip(_names(path, len(parts)), parts, strict=True):
-            _write(name, part, *settings, order, orbit)
+        for name, records in zip(_names(path, len(parts)), parts, strict=True):
+            _write(name, records, *settings, order, orbit)
         return None
     _sampling.refuse_epochs(t)
     motion = _sampling.one_motion(source)
     degree = order or (motion.degree if isinstance(motion, AttitudeTable) else _table.USUAL_DEGREE)
     count = _sampling.count_of_stretches(motion, start, stop) if split else 1
-    made = [
+    files = [
         _sampling.write(
             *(name, motion, start, stop, tolerance),
             method="slerp" if degree == 1 else "lagrange",
@@ -688,10 +690,10 @@ def write(
         for k, name in enumerate(_names(path, count))
     ]
     return _sampling.SampledFile(
-        sum(each.records for each in made),
-        sum(each.segments for each in made),
-        max(each.step for each in made),
-        max(each.error for each in made),
+        sum(file.records for file in files),
+        sum(file.segments for file in files),
+        max(file.step for file in files),
+        max(file.error for file in files),
     )
 
 
@@ -703,14 +705,14 @@ def _names(path, count):
     return [f"{stem}-{k + 1}{ending}" for k in range(count)]
 
 
-def _write(path, part, section, found, how, head, order, orbit):
+def _write(path, records, section, axes, how, head, order, orbit):
     """Write one segment; `head` are the keywords that do not depend on its records."""
-    start, shift = _whole_second(part)
+    start, shift = _whole_second(records)
     if order is None:
-        order = part.table.degree if part.table is not None else _table.USUAL_DEGREE
-        order = max(min(order, len(part) - 1), 1)
+        order = records.table.degree if records.table is not None else _table.USUAL_DEGREE
+        order = max(min(order, len(records) - 1), 1)
     numbers_of = {
-        "NumberOfAttitudePoints": len(part),
+        "NumberOfAttitudePoints": len(records),
         "BlockingFactor": 20,
         "InterpolationOrder": order,
     }
@@ -719,28 +721,28 @@ def _write(path, part, section, found, how, head, order, orbit):
         for key, value in (*numbers_of.items(), ("ScenarioEpoch", start), *head.items()):
             file.write(f"{key} {value}\n")
         file.write(f"\n{section}\n\n")
-        for history in part.pieces():
-            columns = columns_of(history, SECTIONS[section].kind, how, found, orbit)
+        for history in records.pieces():
+            columns = columns_of(history, SECTIONS[section].kind, how, axes, orbit)
             seconds = shift(history)
             row = "%r" + " %r" * columns.shape[1] + "\n"
             lists = [seconds.tolist(), *columns.T.tolist()]
-            file.write("".join([row % each for each in zip(*lists, strict=True)]))
+            file.write("".join([row % record for record in zip(*lists, strict=True)]))
         file.write("\nEND Attitude\n")
 
 
-def _name_in_stk(found, given):
-    if found.kind not in _NAMES:
+def _name_in_stk(axes, name):
+    if axes.kind not in _NAMES:
         raise AttitudeError(
-            f"frame is {given!r}, which STK attitude files do not know; give one of "
+            f"frame is {name!r}, which STK attitude files do not know; give one of "
             f"{', '.join(_NAMES.values())}."
         )
-    return _NAMES[found.kind]
+    return _NAMES[axes.kind]
 
 
-def _whole_second(part):
+def _whole_second(records):
     """ScenarioEpoch (a whole second) as text, and a function: history -> seconds of TAI since."""
-    seconds, low = part.first_and_last()
-    hi, lo = pairs.add((seconds[0], low[0]), part.epoch.seconds, part.epoch.low)
+    seconds, low = records.first_and_last()
+    hi, lo = pairs.add((seconds[0], low[0]), records.epoch.seconds, records.epoch.low)
     text = ccsds_epochs.texts(Instant(0.0), np.array([hi]), np.array([lo]), "utc", 12)[0]
     text = text.partition(".")[0]
     whole = ccsds_epochs.instant(text, "utc")
@@ -749,8 +751,8 @@ def _whole_second(part):
     shown = f"{date.day} {MONTHS[date.month - 1][:3]} {date.year:04d} {text[11:]}.000000000"
 
     def shift(history):
-        rest = 0.0 if history.low is None else history.low
-        epochs = pairs.add((history.seconds, rest), history.epoch.seconds, history.epoch.low)
+        history_low = 0.0 if history.low is None else history.low
+        epochs = pairs.add((history.seconds, history_low), history.epoch.seconds, history.epoch.low)
         tai = pairs.add(_time_scales.tt_from_tdb(*epochs), -_time_scales.TT_MINUS_TAI)
         hi, lo = pairs.add(tai, -tai0[0], -tai0[1])
         return hi + lo

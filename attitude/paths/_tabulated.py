@@ -53,10 +53,10 @@ def interval_polynomials(
     slopes = None
     if rates is not None:
         slopes = rates[rows] * width[:, None, None]
-        nodes, known, slopes = (np.repeat(each, 2, axis=1) for each in (nodes, known, slopes))
+        nodes, known, slopes = (np.repeat(array, 2, axis=1) for array in (nodes, known, slopes))
     newton = _divided_differences(nodes, known, slopes)
     x = 0.5 * (chebyshev.nodes(degree + 1) + 1.0)
-    sampled = np.stack([_newton_at(each, nodes, newton) for each in x])
+    sampled = np.stack([_newton_at(array, nodes, newton) for array in x])
     table = chebyshev.coefficients(sampled)
     table[0] += start[:, 0]
     return np.ascontiguousarray(table.transpose(1, 2, 0)).reshape(len(interval), -1)
