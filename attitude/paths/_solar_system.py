@@ -24,7 +24,7 @@ from attitude._solver import chebyshev
 from attitude._support.arrays import read_only
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
-from attitude.paths._compressed import EqualPieces, placed, values, values_and_rates
+from attitude.paths._compressed import EqualPieces
 from attitude.paths._path import SSB, Ephemeris, Path, julian, since
 
 if TYPE_CHECKING:
@@ -165,11 +165,9 @@ class SeriesBody(Path):
         self._is_fitted = np.zeros(_PIECES, dtype=bool)
         self.pieces = EqualPieces(
             start=self.span[0],
-            width=length / _PIECES,
+            widths=np.array([length / _PIECES]),
             records=read_only(self._records),
-            skip=0,
             count=_COUNT,
-            factor=1.0,
             least=0.0,
             most=length,
         )
@@ -178,14 +176,14 @@ class SeriesBody(Path):
         return SeriesBody, (self.series,)
 
     def _position(self, instant, hi, lo):
-        return values(self.pieces, *self._placed(instant, hi, lo))
+        return self.pieces.values(*self._placed(instant, hi, lo))
 
     def _state(self, instant, hi, lo):
-        return values_and_rates(self.pieces, *self._placed(instant, hi, lo))
+        return self.pieces.values_and_rates(*self._placed(instant, hi, lo))
 
     def _placed(self, instant, hi, lo):
         """Numbers of the pieces (N,), which are fitted now if need be, and places in them (N,)."""
-        piece, x = placed(self, instant, hi, lo)
+        piece, x = self.pieces.place(self, instant, hi, lo)
         if not self._is_fitted[piece].all():
             # Threads that fit the same piece write the same numbers: no lock is needed.
             numbers = np.unique(piece)

@@ -22,7 +22,7 @@ from attitude._support import pairs, validation
 from attitude._support.arrays import read_only
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
-from attitude.paths import _compressed
+from attitude.paths._compressed import EqualPieces
 from attitude.paths._path import Ephemeris, Path, body_name, since, spelled
 
 if TYPE_CHECKING:
@@ -264,9 +264,9 @@ class KernelSegment(Segment):
                 f"{kernel.source} has a damaged segment for {name}: its directory does not fit "
                 "its size; get the file anew."
             )
-        self.pieces = _compressed.EqualPieces(
+        self.pieces = EqualPieces(
             start=Instant(start),
-            width=width,
+            widths=np.array([width]),
             records=read_only(words[:-4].reshape(rows, size)),
             skip=2,
             count=(size - 2) // components,
@@ -276,19 +276,17 @@ class KernelSegment(Segment):
         )
 
     def _position(self, instant, hi, lo):
-        return self._in_icrf(
-            _compressed.values(self.pieces, *_compressed.placed(self, instant, hi, lo))
-        )
+        return self._in_icrf(self.pieces.values(*self.pieces.place(self, instant, hi, lo)))
 
     def _state(self, instant, hi, lo):
-        placed = _compressed.placed(self, instant, hi, lo)
+        pieces = self.pieces
+        piece, x = pieces.place(self, instant, hi, lo)
         if self._has_rates:
             # Type 3 has separate polynomials for the velocity, after those of the position.
-            position = _compressed.values(self.pieces, *placed)
-            skip = self.pieces.skip + 3 * self.pieces.count
-            velocity = _compressed.values(self.pieces, *placed, skip=skip)
+            position = pieces.values(piece, x)
+            velocity = pieces.values(piece, x, pieces.skip + 3 * pieces.count)
         else:
-            position, velocity = _compressed.values_and_rates(self.pieces, *placed)
+            position, velocity = pieces.values_and_rates(piece, x)
         return self._in_icrf(position), self._in_icrf(velocity)
 
 

@@ -12,7 +12,7 @@ from attitude._solver import chebyshev
 from attitude._support import pairs, validation
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
-from attitude.paths._compressed import KnotPieces, placed, values, values_and_rates
+from attitude.paths._compressed import KnotPieces
 from attitude.paths._path import Path, known_center, spelled
 
 if TYPE_CHECKING:
@@ -118,16 +118,16 @@ class TabulatedPath(Path):
 
     def _placed(self, instant, hi, lo):
         self.check_span(instant, hi, lo)
-        return placed(self, instant, hi, lo)
+        return self.pieces.place(self, instant, hi, lo)
 
     def _position(self, instant, hi, lo):
-        return values(self.pieces, *self._placed(instant, hi, lo))
+        return self.pieces.values(*self._placed(instant, hi, lo))
 
     def _state(self, instant, hi, lo):
-        where = self._placed(instant, hi, lo)
+        piece, x = self._placed(instant, hi, lo)
         if self.rates is None:
-            return values_and_rates(self.pieces, *where)
-        return values(self.pieces, *where), values(self.rates, *where)
+            return self.pieces.values_and_rates(piece, x)
+        return self.pieces.values(piece, x), self.rates.values(piece, x)
 
 
 def table(
@@ -190,7 +190,14 @@ def table(
 
     def polynomials(rows, slopes):
         records = interval_polynomials(knots, low, rows, slopes, degree)
-        return KnotPieces(first, knots, low, records, degree + 1)
+        return KnotPieces(
+            start=first,
+            widths=np.diff(knots) + np.diff(low),
+            records=records,
+            count=degree + 1,
+            knots=knots,
+            knots_low=low,
+        )
 
     separate = method == "lagrange" and v is not None
     return TabulatedPath(
