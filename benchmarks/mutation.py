@@ -3,6 +3,7 @@
 python benchmarks/mutation.py                     all modules of MODULES
 python benchmarks/mutation.py twofloat elliptic   some of them
 python benchmarks/mutation.py --list series       the changes, without running them
+python benchmarks/mutation.py --table             the table of docs/accuracy.md
 
 Constants and operators are changed one by one.  Each change is imported in a process of its own,
 not compiled, and runs the checks of `tests/support/battery.py` until one fails: then the change
@@ -18,19 +19,23 @@ import importlib.util
 import json
 import os
 import resource
+import shutil
 import signal
+import subprocess
 import sys
+import tempfile
 import time
 import tomllib
 from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 
-# Before the package is imported: the checks run in Python.
-os.environ["ATTITUDE_COMPILE"] = "never"
-
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
+
+from benchmarks.doc_tables import Table, markdown
+
+MAKES = ("mutation",)
 EQUIVALENT = ROOT / "tests" / "data" / "equivalent_changes.toml"
 
 # The chain from a state to its attitudes, pairs of doubles, quaternions and elliptic functions.
@@ -277,7 +282,7 @@ class _Finder:
 # Checks that look first at each module, by what they kill in the shortest time.
 _FIRST = {
     "twofloat": ("pairs", "expansions"),
-    "pairs": ("pairs_of_arrays",),
+    "pairs": ("pairs_of_arrays", "epochs"),
     "series": ("sines", "phases", "coefficients"),
     "kernel": ("quaternions", "attitudes"),
     "constants": ("attitudes", "records", "limits"),
@@ -332,26 +337,26 @@ def _forget():
 
 def outcomes(changes, workers=2):
     """Name -> what killed it, or "" for what survived; in processes that fork for each change."""
+    os.environ["ATTITUDE_COMPILE"] = "never"  # before the package is imported
     from tests.support import battery
 
     truths = battery.truths()
     for check in battery.CHECKS.values():
         check(truths)  # unchanged, all pass
     _forget()
-    streams = []
+    folder = Path(tempfile.mkdtemp())
     for worker in range(workers):
-        source, target = os.pipe()
         if os.fork() == 0:
-            os.close(source)
-            with os.fdopen(target, "w") as stream:
+            with (folder / str(worker)).open("w") as stream:
                 for change in changes[worker::workers]:
                     print(json.dumps([change.name, _outcome(change, truths)]), file=stream)
+                    stream.flush()
             os._exit(0)
-        os.close(target)
-        streams.append(os.fdopen(source))
-    found = dict(json.loads(line) for stream in streams for line in stream)
     for _ in range(workers):
         os.wait()
+    lines = [line for file in folder.iterdir() for line in file.read_text().splitlines()]
+    shutil.rmtree(folder)
+    found = dict(json.loads(line) for line in lines)
     assert found.keys() == {change.name for change in changes}
     return found
 
@@ -378,29 +383,60 @@ def summary(found):
     return rows
 
 
+def shares(rows):
+    """Per cent of all changes that were killed, and of those that are not equivalent."""
+    count, killed, same = (sum(row[k] for row in rows.values()) for k in range(3))
+    return 100.0 * killed / count, 100.0 * killed / (count - same)
+
+
+def tables(quick):
+    """The table of docs/accuracy.md; from a process of its own, which compiles nothing."""
+    if not quick:
+        command = [sys.executable, __file__, "--table"]
+        yield Table("mutation", subprocess.run(command, capture_output=True, text=True).stdout)
+
+
+def _table(rows):
+    """Changes of each module in Markdown."""
+    cells = [
+        (f"`{MODULES[name]}`", count, killed, same, len(left))
+        for name, (count, killed, same, left) in rows.items()
+    ]
+    cells.append(("in all", *(sum(row[k] for row in cells) for k in range(1, 5))))
+    header = ("module", "changes", "killed", "equivalent", "others left")
+    of_all, of_others = shares(rows)
+    killed = f"{of_all:.1f} % of all changes, {of_others:.1f} % of those that are not equivalent"
+    rows = [tuple(map(str, row)) for row in cells]
+    return f"{markdown(header, rows)}\nKilled are {killed}.\n"
+
+
 def main(arguments):
+    """Print what survives; the exit code is 1 below 98 % and for survivors without a reason."""
     names = [x for x in arguments if not x.startswith("-")] or list(MODULES)
     changes = [change for name in names for change in changes_of(name)]
     if "--list" in arguments:
         print(*(change.name for change in changes), sep="\n")
-        return
+        return 0
     start = time.perf_counter()
     found = outcomes(changes)
     rows = summary(found)
-    for module, (count, killed, same, survivors) in rows.items():
-        print(
-            f"{module}: {count} changes, {killed} killed, {same} equivalent, {len(survivors)} left"
-        )
-        print(*(f"    {name}" for name in survivors), sep="\n")
+    if "--table" in arguments:
+        print(_table(rows), end="")
+        return 0
+    for module, (count, killed, same, left) in rows.items():
+        print(f"{module}: {count} changes, {killed} killed, {same} equivalent, {len(left)} left")
+        print(*(f"    {name}" for name in left), sep="\n")
+    of_all, of_others = shares(rows)
     killed = sum(row[1] for row in rows.values())
-    same = sum(row[2] for row in rows.values())
     print(
-        f"{killed} of {len(found)} changes killed, {100 * killed / len(found):.1f} %; "
-        f"{100 * killed / (len(found) - same):.1f} % of those that are not equivalent; "
-        f"{time.perf_counter() - start:.0f} s"
+        f"{killed} of {len(found)} changes killed, {of_all:.1f} %; {of_others:.1f} % of those that "
+        f"are not equivalent; {time.perf_counter() - start:.0f} s"
     )
     print("by", dict(Counter(x.split(":")[0] for x in found.values() if x).most_common()))
+    stale = [name for name in equivalent() if found.get(name)]
+    print(*(f"named equivalent, but killed: {name}" for name in stale), sep="\n")
+    return int(of_all < 98.0 or any(row[3] for row in rows.values()) or bool(stale))
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    sys.exit(main(sys.argv[1:]))

@@ -35,6 +35,9 @@ _BODIES = {
     "short-axis mode": ((3.0, 4.0, 6.0), (0.004, 0.002, 0.1)),
     "long-axis mode": ((3.0, 4.0, 6.0), (0.1, 0.002, 0.004)),
     "near the separatrix": ((10.0, 20.0, 26.0), (0.086, -0.015, 0.0688)),
+    "symmetric body": ((2.0, 2.0, 3.0), (0.05, 0.02, 0.08)),
+    "on the separatrix": ((2.0, 5.0, 6.0), (0.0625, 0.02, 0.0625)),
+    "uniform rotation": ((3.0, 4.0, 6.0), (0.0, 0.0, 0.1)),
 }
 
 
@@ -310,8 +313,10 @@ def figure():
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
-    drawn, axes = plt.subplots(1, 3, figsize=(11, 3.6), sharey=True, layout="constrained")
-    for axis, name in zip(axes, _BODIES, strict=True):
+    drawn, axes = plt.subplots(
+        2, 3, figsize=(11, 6.4), sharex=True, sharey=True, layout="constrained"
+    )
+    for axis, name in zip(axes.flat, _BODIES, strict=True):
         moved = motion(name)
         turn = 2 * np.pi / np.linalg.norm(moved.spin.angular_velocity)
         turns = np.logspace(-1, 16.5, 106)
@@ -331,11 +336,13 @@ def figure():
             turns[some], errors, "ko", mfc="none", ms=6, lw=0, label="measured against mpmath"
         )
         axis.set_title(name)
-        axis.set_xlabel("turns since the epoch")
         axis.grid(alpha=0.3)
-    axes[0].set_ylabel("rotation angle / rad")
-    axes[0].set_ylim(1e-17, 1e-13)
-    axes[0].legend(loc="upper left", fontsize=8)
+    for axis in axes[1]:
+        axis.set_xlabel("turns since the epoch")
+    for axis in axes[:, 0]:
+        axis.set_ylabel("rotation angle / rad")
+    axes[0, 0].set_ylim(1e-17, 1e-13)
+    axes[0, 0].legend(loc="upper left", fontsize=8)
     drawn.savefig(FIGURES / "proof.png", dpi=110)
 
 

@@ -52,7 +52,8 @@ def certified(state, seconds):
     """
     motion = motion_of(state)
     wxyz, omega = by_propagate(state, seconds)
-    found = certify(motion.body, motion.spin, seconds, wxyz, angular_velocity=omega)
+    low = np.zeros(len(seconds))  # seconds, not what looks like a Julian date
+    found = certify(motion.body, motion.spin, seconds, wxyz, low=low, angular_velocity=omega)
     turned = np.where(found.same_sign, found.error, 2.0 * np.pi - found.error)
     size = np.maximum(np.abs(omega).max(axis=1), 1e-300)
     return [
