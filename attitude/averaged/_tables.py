@@ -236,7 +236,7 @@ def field_of(
 
 
 def weights(degree: int) -> FloatArray:
-    """Factors (degree + 1, 4) of the sums of each degree n: the highest coefficients of P_n and P_n'.
+    """Factors (degree + 1, 4) of the sums of each degree n: highest coefficients of P_n and P_n'.
 
     k_n = (2 n - 1)!!/n! of P_n; P_n' has n k_n, and is divided by n (n + 1) in the means.
     """
