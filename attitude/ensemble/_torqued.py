@@ -12,6 +12,7 @@ from attitude._solver.march_layout import OMEGA, STATE_ENTRIES, WXYZ
 from attitude._support import validation
 from attitude._support.arrays import Immutable, frozen
 from attitude._support.blocks import ProgressBar, in_blocks
+from attitude._support.pairs import Seconds
 from attitude.ensemble._evaluation import EnsembleHistory
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
@@ -159,9 +160,9 @@ class TorquedEnsemble(Immutable):
                 states[:, 4:] = system.turning(seconds, rest, states[:, 4:])
         shape = len(self), len(seconds)
         member = np.broadcast_to(np.arange(len(self))[:, None], shape)
-        lows = None if lo is None else np.broadcast_to(rest, shape)
-        spread = np.broadcast_to(seconds, shape)
-        history = TorquedHistory(self.ensemble, member, spread, lows, out[..., :4])
+        times = Seconds(seconds, None if lo is None else rest)
+        spread = times.mapped(lambda array: np.broadcast_to(array, shape))
+        history = TorquedHistory(self.ensemble, member, *spread.pair, out[..., :4])
         history.__dict__["angular_velocity"] = frozen(out[..., 4:])
         return history
 
