@@ -10,6 +10,7 @@ import io
 import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, TypeAlias
 
 import numpy as np
@@ -131,6 +132,11 @@ def packaged(name: str) -> str:
     from importlib import resources
 
     return resources.files("attitude").joinpath(name).read_text("utf-8")
+
+
+def path_of_packaged(name: str) -> str:
+    """The path of a data file of this package, for readers of files that name others."""
+    return str(Path(__file__).resolve().parent.parent / name)
 
 
 def unreadable(path: str | os.PathLike[str], err: OSError) -> AttitudeError:

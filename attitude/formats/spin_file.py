@@ -173,7 +173,7 @@ def _body(section):
         tensor = _numbers(section, "body", "tensor", (3, 3), inertia)
         return Body(tensor=tensor, relative=relative, **extra)
     if way == "ellipsoid":
-        axes = _numbers(section, "body", "ellipsoid", (3,), "m" if extra else None)
+        axes = _numbers(section, "body", "ellipsoid", (3,), "m")
         return Body.from_ellipsoid(axes, **extra)
     if way == "A_over_C":
         ratios = (_numbers(section, "body", key, (), None) for key in ("A_over_C", "B_over_C"))
