@@ -129,7 +129,7 @@ class Packed:
     ) -> None:
         self.axes, self.means, self._instant = axes, list(means), instant
         x = _tables.coordinates(axes)
-        head = np.array([x[0], x[1] - x[0], len(x) - 1.0])
+        head = np.concatenate([[x[0], x[1] - x[0], len(x) - 1.0], layout.recursions()])
         parts, size = [axes.numbers, head], layout.DATA_START
         self.models: IntArray = np.zeros((len(self.means), layout.MODEL_ENTRIES), dtype=np.int64)
         self._alive = []
