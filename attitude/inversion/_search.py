@@ -70,6 +70,8 @@ class Search:
         For a rotation about one axis with a moon, if that competes.
     is_complete : bool
         Whether the first round came to its end.
+    length : float
+        Spans from one apparition to another one that is joined with it; 0 of one search.
     """
 
     problem: CurveProblem
@@ -87,6 +89,7 @@ class Search:
     rival: Search | None = None
     _mapped_rates: list[FloatArray] = field(default_factory=list)
     is_ellipsoid: bool = False
+    length: float = 0.0
     notes: list[str] = field(default_factory=list)
 
     @property

@@ -132,6 +132,17 @@ class Settings:
     orbits: int = 3
     orbit_worse: float = 2.0
 
+    # ---- Several apparitions of a tumbling body
+    # Solutions of each apparition that are joined with those of another, and by how much their
+    # errors are larger than those of the curvature: by 2 to 3 where the model errs.
+    joined_solutions: int = 8
+    joined_wider: float = 3.0
+    # Pairs of numbers of turns: chi-squared, with those errors, above the least of two solutions;
+    # pairs that are fitted in a few steps; pairs that are listed.
+    joined_within: float = 25.0
+    joined_trials: int = 400
+    joined: int = 40
+
     # ---- Evidence
     # Tumbling bodies among all: the odds before the curve is seen.
     tumblers: float = 0.01

@@ -14,6 +14,7 @@ from attitude.inversion import (
     _apparitions,
     _ellipsoid,
     _evidence,
+    _joined,
     _known,
     _lattices,
     _problem,
@@ -40,6 +41,8 @@ if TYPE_CHECKING:
 
     ZeroPoints = str | float | tuple[str, ...]
     Prepared = Callable[[ZeroPoints], _search.Search]
+    PreparedOf = Callable[[LightCurve, type[_search.Search]], Prepared]
+    Window = tuple[float, float]
 
 
 _MODES, _ROTATION = ("LAM", "SAM"), ("PA",)
@@ -118,7 +121,7 @@ def spin_states(
     """
     curve = usable(curve)
     if isinstance(shape, Mesh):
-        most = _checked_turns(curve, max_frequency, settings)
+        most = _checked_turns(curve, max_frequency, settings, True, [curve])
         seconds = validation.positive(budget, "budget", unit="s")
         number = validation.count(threads, "threads")
         with _refinement.limited(number), timed(_LABEL, seconds, progress) as report:
@@ -131,18 +134,68 @@ def spin_states(
     seconds = validation.positive(budget, "budget", unit="s")
     validation.count(threads, "threads")
     _compile(curve, most)
-    tally = Tally(seconds)
     with _refinement.limited(threads), timed(_LABEL, seconds, progress) as report:
 
-        def prepared(zero_points: ZeroPoints) -> _search.Search:
-            given = curve, most, zero_points, modes, shape, tie, seed, settings, tally, report
-            made = _prepared(*given)
-            if isinstance(made, _apparitions.RotatorSearch):
-                made.window = window[0] * curve.span, most * curve.span
-            return made
+        def prepared_of(part: LightCurve, kind: type[_search.Search]) -> Prepared:
+            tally = Tally(seconds)
 
-        found = _searched(curve, prepared)
+            def prepared(zero_points: ZeroPoints) -> _search.Search:
+                given = part, most, zero_points, modes, tie, seed, settings, tally, report
+                return _prepared(*given, kind=kind, is_ellipsoid=shape == "ellipsoid")
+
+            return prepared
+
+        if tuple(modes) == _ROTATION:
+            found = _rotator(curve, prepared_of(curve, _apparitions.RotatorSearch), window)
+        elif most * curve.span > settings.most_turns:
+            found = _joined_search(curve, prepared_of, settings)
+        else:
+            found = _searched(curve, prepared_of(curve, _search.Search))
     return _results(curve, found)
+
+
+def _rotator(curve: LightCurve, prepared: Prepared, window: Window) -> _search.Search:
+    """A search for rotations about one axis in a window of frequencies, Hz."""
+
+    def within(zero_points: ZeroPoints) -> _search.Search:
+        made = prepared(zero_points)
+        assert isinstance(made, _apparitions.RotatorSearch)
+        made.window = window[0] * curve.span, window[1] * curve.span
+        return made
+
+    return _searched(curve, within)
+
+
+def _joined_search(
+    curve: LightCurve, prepared_of: PreparedOf, settings: Settings
+) -> _search.Search:
+    """A search for motions that all apparitions have in common; each is solved first."""
+    known: list[_joined.Apparition] = []
+    words: list[str] = []
+
+    def alone() -> list[_joined.Apparition]:
+        for number, part in enumerate(() if known else _joined.apparitions(curve), 1):
+            one = _searched(part, prepared_of(part, _search.Search))
+            known.append(_joined.alone(curve, part, one, settings))
+            weighted = one.solutions, one.problem, one.is_complete, one.most
+            verdict = _verdicts.verdict(*weighted)[0] if one.solutions else _verdicts.OPEN
+            words.append(
+                f"Apparition {number} ({part.span / _DAY:.0f} d, {len(part)} points): {verdict}, "
+                f"{len(known[-1].solutions)} tumbling states go on."
+            )
+        return known
+
+    prepared = prepared_of(curve, _joined.JoinedSearch)
+
+    def joined(zero_points: ZeroPoints) -> _search.Search:
+        made = prepared(zero_points)
+        assert isinstance(made, _joined.JoinedSearch)
+        made.alone = alone
+        return made
+
+    found = _searched(curve, joined)
+    found.notes += words
+    return found
 
 
 def _compile(curve: LightCurve, most: float) -> None:
@@ -186,8 +239,8 @@ def _window(curve, max_frequency, period, modes):
     return _ROTATION, (least, most)
 
 
-def _checked_turns(curve, max_frequency, settings, is_rotation=False):
-    """The largest frequency, Hz."""
+def _checked_turns(curve, max_frequency, settings, is_limited, parts):
+    """The largest frequency, Hz; `is_limited`: few enough turns in each of the parts."""
     if max_frequency is None:
         raise AttitudeError("max_frequency is missing; give the largest frequency of rotation.")
     most = validation.positive(max_frequency, "max_frequency", unit="1/s")
@@ -197,10 +250,13 @@ def _checked_turns(curve, max_frequency, settings, is_rotation=False):
             f"the light curve spans {turns:.2g} turns at max_frequency; give a larger one, at "
             f"least {2.0 / curve.span:.3g} Hz, or a longer curve."
         )
-    if turns > limit and not is_rotation:
+    if turns > limit and len(parts) > 1:
+        turns = most * max(part.span for part in parts)
+    if turns > limit and is_limited:
+        one = "an apparition" if len(parts) > 1 else "the light curve"
         raise AttitudeError(
-            f"the light curve spans {turns:.0f} turns at max_frequency; at most {limit:.0f} "
-            f"are searched for tumbling. Give at most {limit / curve.span * _DAY:.3g} /d, a part "
+            f"{one} spans {turns:.0f} turns at max_frequency; at most {limit:.0f} "
+            f"are searched for tumbling. Give at most {limit / turns * most * _DAY:.3g} /d, a part "
             'of the curve, or modes=("PA",) for rotation about one axis.'
         )
     return most
@@ -217,16 +273,18 @@ def _checked(curve, max_frequency, modes, shape, moments, settings):
             'tumbling: leave "PA" out, or give it alone.'
         )
     is_rotation = tuple(modes) == _ROTATION
-    most = _checked_turns(curve, max_frequency, settings, is_rotation)
+    parts = _joined.apparitions(curve)
+    most = _checked_turns(curve, max_frequency, settings, not is_rotation, parts)
     validation.one_of(shape, "shape", ("convex", "ellipsoid"))
     return most, _states.of(moments)
 
 
-def _prepared(curve, most, zero_points, modes, shape, tie, seed, settings, tally, progress):
+def _prepared(
+    curve, most, zero_points, modes, tie, seed, settings, tally, progress, *, kind, is_ellipsoid
+):
     given = curve, most, settings.ellipsoid_error, zero_points
     problem, bins = _problem.problem(*given, settings=settings, tally=tally)
     problem, outliers = _problem.without_outliers(problem, most * curve.span)
-    kind = _apparitions.RotatorSearch if tuple(modes) == _ROTATION else _search.Search
     made = kind(
         problem,
         most * curve.span,
@@ -235,7 +293,7 @@ def _prepared(curve, most, zero_points, modes, shape, tie, seed, settings, tally
         _shifts(curve, settings.one_site),
         validation.generator(seed),
         progress,
-        is_ellipsoid=shape == "ellipsoid",
+        is_ellipsoid=is_ellipsoid,
     )
     made.notes = list(curve.notes)
     if outliers:
@@ -384,7 +442,8 @@ def _results(curve, found):
     ]
     for k, each in enumerate(solutions):
         each.rank = k
-        each.relation = _verdicts.relation(each.state, solutions[0].state, each._problem)
+        best = solutions[0].state
+        each.relation = _verdicts.relation(each.state, best, each._problem, found.length)
         each._rivals = [each] + [
             other
             for other in solutions
