@@ -189,7 +189,7 @@ class JoinedSearch(Search):
 
     alone: Callable[[], Sequence[Apparition]] = tuple
 
-    def run(self, is_ended: Callable[[], bool] = never) -> None:
+    def run(self, is_ended: Callable[[bool], bool] = never) -> None:
         """Fit the common motions of all numbers of turns, of two apparitions, then of more."""
         ordered = self.alone()
         inside = np.zeros(len(self.problem), bool)

@@ -79,6 +79,9 @@ class Settings:
     short_states: int = 2000
     short_steps: int = 6
     short_members: int = 2
+    # Cost after these steps, over the least, of bodies that take more; of the best so many do.
+    short_worse: float = 1.6
+    short_least: int = 8
     # Bodies fitted with robust errors: all that may compete, at 0.2 s each.
     finals: int = 14
     # Poles of one pair of rates among them.
@@ -119,6 +122,9 @@ class Settings:
     axial_behind: float = 25.0
     # Poles are mapped where chi-squared of the best rotation is at most this times the best's.
     axial_worse: float = 2.0
+    # Difference of evidence by which a tumbling body with other lines may be ahead: blind rotators
+    # gain up to some hundred by their map.
+    axial_tumbling: float = 200.0
     # Other rates that are mapped lie at most so far behind in evidence.
     axial_mapped: float = 60.0
     # Rates, turns per span, that one map of poles comprises.

@@ -23,7 +23,6 @@ from attitude.inversion import (
     _states,
     _verdicts,
 )
-from attitude.inversion._ellipsoid import SearchState
 from attitude.inversion._problem import CALIBRATED, usable
 from attitude.inversion._settings import DEFAULT, Settings, Tally
 from attitude.inversion._solution import Solution, SpinStates
@@ -335,8 +334,10 @@ def _with_offsets_if_needed(one: _search.Search, prepared: Prepared) -> _search.
     may_be_constant = is_constant(own.problem)
     asked = []
 
-    def asks() -> bool:
-        asked.append(_asks_for_offsets(one, own))
+    def asks(is_early: bool) -> bool:
+        settings = one.settings
+        needed = settings.alone if is_early else settings.competing
+        asked.append(_asks_for_offsets(one, own, needed))
         return asked[-1] and not may_be_constant
 
     if not _run(one, asks):
@@ -349,10 +350,12 @@ def _with_offsets_if_needed(one: _search.Search, prepared: Prepared) -> _search.
             f"with one zero point chi2/N is {_mean_square(one.problem):.1f}."
         )
         return one
-    if not asked[-1]:
+    # a budget that ended in between has not asked
+    if not (asked[-1] if asked else asks(False)):
         return one
+    # what one zero point made of the lines may hide the true motion: all is tried again
     own.follow(one)
-    if SearchState.of(own.solutions[0].refined.state).is_axial or not own.is_decided:
+    if not _problem.are_free(_offsets_of(own.solutions[0])):
         _run(own)
     offsets = _offsets_of(own.solutions[0])
     if _problem.are_free(offsets):
@@ -363,7 +366,7 @@ def _with_offsets_if_needed(one: _search.Search, prepared: Prepared) -> _search.
     return own
 
 
-def _run(made: _search.Search, is_ended: Callable[[], bool] = _search.never) -> bool:
+def _run(made: _search.Search, is_ended: Callable[[bool], bool] = _search.never) -> bool:
     """Run a search; False if it was interrupted."""
     try:
         made.run(is_ended)
@@ -375,13 +378,13 @@ def _run(made: _search.Search, is_ended: Callable[[], bool] = _search.never) -> 
     return True
 
 
-def _asks_for_offsets(one: _search.Search, own: _search.Search) -> bool:
+def _asks_for_offsets(one: _search.Search, own: _search.Search, needed: float) -> bool:
     """Whether evidence prefers zero points of the sessions, with the best motions found so far."""
     if not one.solutions:
         return False
     own.begin([each.refined.state for each in one.solutions[: one.settings.compared]])
     better = _with_volume(one.solutions[0]) - _with_volume(own.solutions[0])
-    return better > one.settings.competing
+    return better > needed
 
 
 def _with_volume(found: Weighted) -> float:
