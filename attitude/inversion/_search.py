@@ -203,7 +203,7 @@ class Search:
         left = _evidence.share_left(best, self.problem)
         rivals = []
         for pair in pairs:
-            if not pair.are_dips or pair.left > self.settings.orbit_worse**2 * left:
+            if pair.left > self.settings.orbit_worse**2 * left:
                 continue
             rival = replace(
                 self,

@@ -135,7 +135,7 @@ class Settings:
     # ---- Moons
     # Pairs of rotation and orbit that become bodies, and the rms of their series, over that of the
     # best solution, above which none does: for binaries 0.9 to 1.3, for tumbling bodies 1.4 to 11.
-    orbits: int = 3
+    orbits: int = 4
     orbit_worse: float = 2.0
 
     # ---- Several apparitions of a tumbling body
