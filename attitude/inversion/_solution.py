@@ -274,7 +274,10 @@ def _terms(
     names = solution.curve.filters
     if filter is not None:
         validation.one_of(filter, "filter", names)
-    terms[:, count + (0 if filter is None else names.index(filter))] = 1.0
+    number = 0 if filter is None else names.index(filter)
+    terms[:, count + number] = 1.0
+    if count and _problem.has_own_slopes(solution.curve):
+        terms[:, count + len(names) + number] = _problem.by_phase(alpha)
     if own.orbit:
         series = _satellites.series(own.orbit, _satellites.ORDERS[1], emission / own.span)
         terms[:, -series.shape[1] :] = series
