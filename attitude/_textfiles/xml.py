@@ -24,13 +24,6 @@ _LONGEST_TAG = 100
 _LONGEST = 20_000
 
 
-# Messages of CCSDS 505.0-B-3, and the elements that may stand around one.
-MESSAGES: tuple[str, ...] = (
-    *("acm", "aem", "apm", "cdm", "ocm", "oem", "omm", "opm", "rdm", "tdm"),
-)
-OUTSIDE: tuple[str, ...] = ("ndm", "COMMENT", "MESSAGE_ID")
-
-
 class ElementReader:
     """Base of readers of XML: calls `begin` and `end` of a subclass for each element.
 

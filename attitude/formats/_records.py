@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude._support import pairs
+from attitude._textfiles.messages import RowReader
 from attitude.errors import AttitudeError
 from attitude.formats import _attitude_types
 from attitude.formats import _ccsds_epochs as ccsds_epochs
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
 
 # Largest deviation from 1 of the length of a quaternion: some files print few digits.
 TOLERANCE: float = 1e-3
+# Seconds since J2000 beyond which no epoch is read: 30 million years.
+_LARGEST = 1e15
 # Rounding of START_TIME and STOP_TIME, s.
 _ROUNDED = 1e-3
 
@@ -43,7 +46,7 @@ def known_tolerance(tolerance: float) -> float:
     return tolerance
 
 
-class Rows:
+class Rows(RowReader):
     """The records of one segment while they are read: epochs, columns and their lines.
 
     scale: time scale of the epochs in lower case.
@@ -70,15 +73,9 @@ class Rows:
         fault: Fault,
         of_day: Sequence[bytes] | None = None,
     ) -> None:
-        """Add N records.
-
-        Shapes: values (N, width).
-        """
+        """Add N records; values are (N, width)."""
         try:
-            if of_day is None:
-                hi, lo = ccsds_epochs.parsed(tokens, self.scale)
-            else:
-                hi, lo = ccsds_epochs.parsed_days(tokens, of_day, self.scale)
+            hi, lo = self._parsed(tokens, of_day)
         except ccsds_epochs.BadEpoch as err:
             token = tokens[err.index] + (b" " + of_day[err.index] if of_day is not None else b"")
             shown = token[:38].decode("ascii", "replace")
@@ -86,6 +83,12 @@ class Rows:
                 f"the epoch {shown!r} cannot be read: {err.reason}.", lines[err.index]
             ) from err
         self.add_times(hi, lo, values, lines, fault)
+
+    def _parsed(self, tokens, of_day):
+        """TDB seconds since J2000, hi and lo, of epochs; or of days and their seconds."""
+        if of_day is None:
+            return ccsds_epochs.parsed(tokens, self.scale)
+        return ccsds_epochs.parsed_days(tokens, of_day, self.scale)
 
     def add_times(
         self,
@@ -96,10 +99,10 @@ class Rows:
         fault: Fault,
     ) -> None:
         """Add N records whose epochs are TDB seconds since J2000, hi + lo; see `add`."""
-        finite = np.isfinite(values).all(axis=1) & np.isfinite(hi)
+        finite = np.isfinite(values).all(axis=1) & (np.abs(hi) < _LARGEST)
         if not np.all(finite):
             k = int(np.argmin(finite))
-            raise fault("it holds a number that is not finite.", lines[k])
+            raise fault("it holds a number that is not finite or too large.", lines[k])
         before = (
             (hi, lo)
             if self._last is None
@@ -138,6 +141,15 @@ class Rows:
                         int(lines[k]),
                     )
 
+    def joined(self) -> tuple[FloatArray, FloatArray, FloatArray, IntArray]:
+        """Epochs as TDB seconds since J2000, hi and lo (N,), columns (N, width) and lines (N,)."""
+        return (
+            np.concatenate(self._hi),
+            np.concatenate(self._lo),
+            np.concatenate(self._values),
+            np.concatenate(self._lines),
+        )
+
     def table(
         self,
         kind: str,
@@ -152,8 +164,7 @@ class Rows:
         """The AttitudeTable of the records, relative to ICRF."""
         from attitude.epochs._instants import Instant
 
-        hi, lo = np.concatenate(self._hi), np.concatenate(self._lo)
-        values, lines = np.concatenate(self._values), np.concatenate(self._lines)
+        hi, lo, values, lines = self.joined()
         epoch = Instant(float(hi[0]), float(lo[0]))
         seconds = pairs.add((hi, lo), -epoch.seconds, -epoch.low)
         if kind.startswith("QUATERNION"):

@@ -389,9 +389,8 @@ def _kind(path: str, name: str) -> str:
         if re.match(mark, start, re.DOTALL):
             return kind
     raise AttitudeError(
-        f"{name} {path!r} is in no known format; give an OEM in keyword = value notation, "
-        "two-line elements, an OMM, an SPK, lines of MPCORB.DAT, or elements or a mission file in "
-        "TOML."
+        f"{name} {path!r} is in no known format; give an OEM, two-line elements, an OMM, an "
+        "SPK, lines of MPCORB.DAT, or elements or a mission file in TOML."
     )
 
 

@@ -20,7 +20,7 @@ import numpy as np
 
 from attitude._support import pairs, validation
 from attitude._support.quoting import quoted
-from attitude._textfiles import kvn, toml, xml
+from attitude._textfiles import messages, toml, xml
 from attitude._textfiles.lines import of_text, whole
 from attitude.epochs import _time_scales
 from attitude.epochs._instants import Instant
@@ -385,7 +385,7 @@ def _satellites(message):
         return [_as_text(each) for each in given], label
     if "=" not in text and "," in text:
         return [_as_text(each) for each in toml.of_csv(text, label)], label
-    return [kvn.values(of_text(text, label))], label
+    return [messages.values(of_text(text, label))], label
 
 
 def _as_text(fields):
