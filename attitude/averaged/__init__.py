@@ -11,9 +11,11 @@ _tracks       the integration in one direction of time, events
 _resonances   resonances of nutation and precession: where, scatter, strength
 _history      `AveragedHistory`, mean states at epochs
 _motion       `AveragedMotion`, branches
+_ensemble     `AveragedEnsemble`, many states that share tables
 _plots        figures
 """
 
+from attitude.averaged._ensemble import AveragedEnsemble, AveragedEnsembleHistory
 from attitude.averaged._history import AveragedHistory
 from attitude.averaged._means import Mean, over_torus, register
 from attitude.averaged._motion import AveragedMotion, Branch, Branches
@@ -22,6 +24,8 @@ from attitude.averaged._tracks import AveragedEvent
 
 __all__ = [
     "HIGHEST",
+    "AveragedEnsemble",
+    "AveragedEnsembleHistory",
     "AveragedEvent",
     "AveragedHistory",
     "AveragedMotion",

@@ -133,10 +133,10 @@ class AveragedHistory(Immutable):
     @cached_property
     def P_psi(self) -> FloatArray:
         """Periods of the nutation (S,) in s."""
-        out = np.empty(self.y.size)
+        out = np.full(self.y.size, np.nan)
         flat, region = self.y.reshape(-1), self.region.reshape(-1)
         for k in range(4):
-            chosen = region == k
+            chosen = (region == k) & np.isfinite(flat)
             h = np.abs(flat[chosen] - self._packing.axes.separatrix)
             out[chosen] = Nutations.of(self._packing.axes, k, np.maximum(h, 1e-15)).period
         return frozen(out.reshape(self.y.shape) / self.size)
@@ -148,16 +148,22 @@ class AveragedHistory(Immutable):
         p, rest = shares(self.y)
         zero = np.zeros_like(p)
         unit = np.stack([np.sqrt(p), zero, np.sqrt(rest)], axis=-1)
-        omega = self.size[..., None] * unit / axes.moments
-        found = solver_regime.regimes(axes.moments, omega.reshape(-1, 3))
-        return frozen(np.asarray(found.P_phi_L).reshape(self.y.shape))
+        omega = (self.size[..., None] * unit / axes.moments).reshape(-1, 3)
+        known = np.isfinite(omega[:, 0])
+        out = np.full(len(omega), np.nan)
+        if np.any(known):
+            out[known] = solver_regime.regimes(axes.moments, omega[known]).P_phi_L
+        return frozen(out.reshape(self.y.shape))
 
     @cached_property
     def weakness(self) -> FloatArray:
         """|N| P/(2 pi |L|) (S,), the share of the momentum that torques change in a radian."""
         states = np.concatenate([self.momentum, self.y[..., None]], axis=-1).reshape(-1, 4)
         flat = zip(self.seconds.reshape(-1), states, self.region.reshape(-1), strict=True)
-        found = [self._packing.weakness_of(float(t), x, int(k)) for t, x, k in flat]
+        found = [
+            self._packing.weakness_of(float(t), x, int(k)) if np.isfinite(x[3]) else np.nan
+            for t, x, k in flat
+        ]
         return frozen(np.array(found).reshape(self.y.shape))
 
     def free_rotation(self, phases: tuple[Real, Real] | None = None, seed: int = 0) -> FreeRotation:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +14,7 @@ from attitude._compilation.callbacks import raising_callback_errors
 from attitude._support import validation
 from attitude.averaged import _rates as layout
 from attitude.averaged._means import Mean, means_of
-from attitude.averaged._pack import Packed, Sampling, turn_period
+from attitude.averaged._pack import Packed, Sampling, ripple_period, turn_period
 from attitude.averaged._polhode import LAM_PLUS, Axes
 from attitude.errors import AttitudeError
 
@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 SLOWEST = 10.0
 # Change of L, rad, in one turn of a path below which "auto" averages over the turn.
 _SMALL = 1e-3 * 2.0 * math.pi
+# The same for the turn about a planet of a path from the Sun: its direction turns by 1e-3 at most,
+# and an eclipse leaves out a small part.
+_SMALL_IN_RIPPLE = 0.1
 # Bytes of the windows of paths that are kept.
 _LARGEST = 1 << 28
 
@@ -69,7 +72,7 @@ class MeanTorques:
     ) -> None:
         self.body, self.torques, self.instant, self.degree = body, torques, instant, degree
         self.axes = Axes(body)
-        self._packings: dict[tuple[bool, ...], Packing] = {}
+        self._packings: dict[tuple[tuple[bool, float], ...], Packing] = {}
         # filled by `_resonances.listed`
         self.resonances: list[tuple[int, int, bool, float]] | None = None
 
@@ -77,6 +80,11 @@ class MeanTorques:
     def periods(self) -> list[float]:
         """s, of one turn of the path of each torque; infinite without one."""
         return [turn_period(torque, self.instant) for torque in self.torques]
+
+    @cached_property
+    def ripples(self) -> list[float]:
+        """s, of the turn about a planet in the path from the Sun of each torque; else infinite."""
+        return [ripple_period(torque, self.instant) for torque in self.torques]
 
     @cached_property
     def means(self) -> list[list[Mean]]:
@@ -104,17 +112,18 @@ class MeanTorques:
     def packing(self, kinds: list[str], size: float, y: float, region: int) -> Packing:
         """The packed means for "averaged", "followed" or "auto" of each torque, for a state."""
         self._refuse_fast_paths(size, y, region)
-        chosen = tuple(
-            np.isfinite(period)
-            and (
-                kind == "averaged"
-                or (kind == "auto" and self._turn_of(k, size, y, region) < _SMALL)
-            )
-            for k, (kind, period) in enumerate(zip(kinds, self.periods, strict=True))
-        )
-        if chosen not in self._packings:
-            self._packings[chosen] = Packing(self, chosen)
-        return self._packings[chosen]
+        chosen = []
+        for k, (kind, period) in enumerate(zip(kinds, self.periods, strict=True)):
+            turn, ripple = period, self.ripples[k]
+            change = self._rate_of(k, size, y, region) if kind == "auto" else 0.0
+            averaged = bool(np.isfinite(turn)) and kind != "followed" and change * turn < _SMALL
+            smooth = np.isfinite(ripple) and kind != "followed"
+            smooth = smooth and change * ripple < _SMALL_IN_RIPPLE
+            chosen.append((averaged, ripple if smooth else math.inf))
+        key = tuple(chosen)
+        if key not in self._packings:
+            self._packings[key] = Packing(self, key)
+        return self._packings[key]
 
     def slowest(self, size: float, y: float, region: int) -> float:
         """s, the longer one of a turn and a nutation of small amplitude.
@@ -133,17 +142,16 @@ class MeanTorques:
                     "a path that is ten times slower. Integrate by TorquedRotation."
                 )
 
-    def _turn_of(self, number: int, size: float, y: float, region: int) -> float:
-        """rad by which a torque turns the momentum in a turn of its path."""
-        x, out, largest = np.array([0.6 * size, 0.0, 0.8 * size, y]), np.empty(4), 0.0
+    def _rate_of(self, number: int, size: float, y: float, region: int) -> float:
+        """rad/s, an upper bound or root mean square, by which a torque turns the momentum."""
+        x, out, total = np.array([0.6 * size, 0.0, 0.8 * size, y]), np.empty(4), 0.0
         for packed in self._single[number]:
             forcing = packed.window(0, math.inf, (0.0, 0.0))
             arguments = packed.data, packed.models, forcing, packed.work, out, 1
             with raising_callback_errors():
                 eps = layout.rates_at(0.0, x, region, *arguments)
-            pace = size / float(self.axes.moments[2])
-            largest = max(largest, eps * pace * self.periods[number])
-        return largest
+            total = max(total, eps * size / float(self.axes.moments[2]))
+        return total
 
 
 class Packing:
@@ -152,20 +160,21 @@ class Packing:
     Parameters
     ----------
     torques : MeanTorques
-    averaged : tuple of bool
-        Over the turn of the path, for each torque.
+    averaged : tuple of (bool, float)
+        Of each torque: whether it is averaged over the turn of its path, and the s of the turn
+        about a planet over which it is averaged, or infinity.
     """
 
-    def __init__(self, torques: MeanTorques, averaged: tuple[bool, ...]) -> None:
-        self.torques, self.axes, self.averaged = torques, torques.axes, averaged
+    def __init__(self, torques: MeanTorques, averaged: tuple[tuple[bool, float], ...]) -> None:
+        self.torques, self.axes = torques, torques.axes
+        self.averaged = tuple(turn for turn, _ in averaged)
         means = []
         rows = zip(torques.torques, torques.periods, averaged, torques.means, strict=True)
-        for k, (torque, period, is_averaged, several) in enumerate(rows):
-            for j, mean in enumerate(several):
-                bare = Sampling(torque, period, is_averaged, math.inf)
-                single = torques._single[k][j]
+        for k, (torque, period, (turn, ripple), several) in enumerate(rows):
+            for mean, single in zip(several, torques._single[k], strict=True):
+                bare = Sampling(torque, period, turn, math.inf, ripple)
                 interval = single.interval(bare, mean)
-                means.append((Sampling(torque, period, is_averaged, interval), mean))
+                means.append((replace(bare, interval=interval), mean))
         self.packed = Packed(self.axes, torques.body, means, torques.instant)
         self._windows: dict[int, Window] = {}
 

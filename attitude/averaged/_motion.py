@@ -27,7 +27,7 @@ from attitude.averaged._history import AveragedHistory
 from attitude.averaged._mean_torques import MeanTorques, Packing, checked_orbits
 from attitude.averaged._polhode import LAM_PLUS, REGIONS, Axes
 from attitude.averaged._tracks import WEAK, AveragedEvent, Course, Track
-from attitude.epochs import _inputs, _instants
+from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.motions._body import Body
@@ -37,7 +37,7 @@ from attitude.torques._torqued import TorquedRotation, _torques
 if TYPE_CHECKING:
     from astropy.table import QTable
 
-    from attitude._support.annotations import Epochs, FilePath, FloatArray, Real
+    from attitude._support.annotations import Epochs, FilePath, FloatArray, IntArray, Real
     from attitude.epochs._instants import Instant
     from attitude.torques._torque import Torque
 
@@ -80,7 +80,7 @@ class Branch:
             For epochs outside of that span.
         """
         packing = self._track.course.packing
-        seconds = _seconds_of(packing.torques.instant, t)
+        seconds = seconds_of(packing.torques.instant, t)
         outside = (seconds * self._track.sign < 0.0) | (
             (seconds - self.until) * self._track.sign > 0.0
         )
@@ -135,7 +135,7 @@ class Branches(Sequence[Branch]):
     def at(self, t: Epochs) -> AveragedHistory:
         """Mean states (B, ...) of all branches, NaN behind the end of a branch; with `odds`."""
         packing = self._leaves[0]._track.course.packing
-        seconds = _seconds_of(packing.torques.instant, t)
+        seconds = seconds_of(packing.torques.instant, t)
         sign = self._leaves[0]._track.sign
         if np.any(seconds * sign < 0.0) or np.any((seconds - self.until) * sign > 0.0):
             raise AttitudeError(
@@ -234,13 +234,15 @@ class AveragedMotion(Immutable):
         self._begin(MeanTorques(body, acting, spin.epoch, settings.degree), spin, settings)
 
     @classmethod
-    def of_shared(cls, shared: MeanTorques, spin: Spin, settings: Settings) -> Self:
-        """A motion under means that others have too."""
+    def of_shared(
+        cls, shared: MeanTorques, spin: Spin, settings: Settings, number: int = 0
+    ) -> Self:
+        """A motion under means that others have too; its number decides its draws."""
         made = cls.__new__(cls)
-        made._begin(shared, spin, settings)
+        made._begin(shared, spin, settings, number)
         return made
 
-    def _begin(self, shared: MeanTorques, spin: Spin, settings: Settings) -> None:
+    def _begin(self, shared: MeanTorques, spin: Spin, settings: Settings, number: int = 0) -> None:
         """Set the attributes, and find the mean state."""
         body = shared.body
         self._set_all(body=body, spin=spin, torques=shared.torques, axes=shared.axes)
@@ -268,7 +270,7 @@ class AveragedMotion(Immutable):
         self._set("_tracks", [Track(course, mean, region, sign) for sign in (1.0, -1.0)])
         self._set("_farthest", [0.0, 0.0])
         seed = self.passages if isinstance(self.passages, int) else 0
-        draws = [np.random.default_rng((seed, k)) for k in range(2)]
+        draws = [np.random.default_rng((seed, number, k)) for k in range(2)]
         self._set("_draws", draws)
 
     axes: Axes
@@ -336,7 +338,7 @@ class AveragedMotion(Immutable):
             For epochs outside of the paths, or beyond the end of the motion ("no longer weak",
             "too slow for its path"): `reaches` says how far it goes.
         """
-        seconds = _seconds_of(self.epoch, t)
+        seconds = seconds_of(self.epoch, t)
         self._check_span(seconds)
         if self.passages == "all":
             farthest = float(seconds.flat[np.argmax(np.abs(seconds))]) if seconds.size else 0.0
@@ -366,12 +368,33 @@ class AveragedMotion(Immutable):
 
         Of the branch of `passages`; of the likeliest one for passages="all".
         """
-        seconds = float(_seconds_of(self.epoch, until))
+        seconds = float(seconds_of(self.epoch, until))
         self._check_span(np.array([seconds]))
+        ended = self.ends(seconds)
+        return seconds if ended is None else ended.seconds
+
+    def ends(self, until: Epochs) -> AveragedEvent | None:
+        """The event that ends the motion on the way to an epoch, or None; as `reaches`."""
+        seconds = float(seconds_of(self.epoch, until))
         ended = self._extended(seconds).ended
-        if ended is None or abs(ended.seconds) > abs(seconds):
-            return seconds
-        return ended.seconds
+        return None if ended is None or abs(ended.seconds) > abs(seconds) else ended
+
+    def known(self, seconds: FloatArray) -> tuple[FloatArray, IntArray]:
+        """States (T, 4), NaN beyond the end, and regions (T,) at seconds that are integrated."""
+        states = np.full((len(seconds), 4), np.nan)
+        regions = np.zeros(len(seconds), dtype=np.int64)
+        for track in self._tracks:
+            chosen = seconds >= 0.0 if track.sign > 0.0 else seconds < 0.0
+            if track.ended is not None:
+                chosen &= np.abs(seconds) <= abs(track.ended.seconds)
+            if np.any(chosen):
+                states[chosen], regions[chosen] = track.states(seconds[chosen])
+        return states, regions
+
+    def count_passages(self, until: float) -> int:
+        """Passages of the separatrix up to seconds that are integrated."""
+        track = self._tracks[0 if until >= 0.0 else 1]
+        return sum(event.kind == "passage" for event in track.happened(until))
 
     @property
     def events(self) -> tuple[AveragedEvent, ...]:
@@ -406,7 +429,7 @@ class AveragedMotion(Immutable):
             if end == 0.0:
                 raise AttitudeError("no epoch has been asked; give one, as in branches(until).")
         else:
-            end = float(_seconds_of(self.epoch, until))
+            end = float(seconds_of(self.epoch, until))
         self._check_span(np.array([end]))
         return self._tree(end)
 
@@ -451,9 +474,9 @@ class AveragedMotion(Immutable):
         """The error of the mean momentum to expect, a share of |L|, at epochs of shape S.
 
         The sum over steps of |N| P/(2 pi |L|) times |change of L|/|L|: the order of first-order
-        means.  It knows neither resonances nor which branch of a passage is taken; `check` measures.
+        means.  It knows neither resonances nor which branch a passage takes; `check` measures.
         """
-        seconds = _seconds_of(self.epoch, t)
+        seconds = seconds_of(self.epoch, t)
         self._check_span(seconds)
         flat, out = seconds.reshape(-1), np.zeros(seconds.size)
         for sign in (1.0, -1.0):
@@ -569,7 +592,7 @@ class Settings:
         return cls(checked_orbits(orbit, count), passages, edge, step, degree)
 
 
-def _seconds_of(epoch: Instant, t: Epochs) -> FloatArray:
+def seconds_of(epoch: Instant, t: Epochs) -> FloatArray:
     """Epochs as TDB seconds since that of the spin."""
     hi, lo = _inputs.seconds_since(epoch, t)
     found = np.asarray(hi if lo is None else hi + lo, dtype=np.float64)
