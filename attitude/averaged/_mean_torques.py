@@ -163,6 +163,12 @@ class Packing:
     averaged : tuple of (bool, float)
         Of each torque: whether it is averaged over the turn of its path, and the s of the turn
         about a planet over which it is averaged, or infinity.
+
+    Attributes
+    ----------
+    averaged : tuple of bool
+    turn : float
+        s, of the turns over which torques are averaged: the mean by their sizes; 0 for none.
     """
 
     def __init__(self, torques: MeanTorques, averaged: tuple[tuple[bool, float], ...]) -> None:
@@ -176,7 +182,19 @@ class Packing:
                 interval = single.interval(bare, mean)
                 means.append((replace(bare, interval=interval), mean))
         self.packed = Packed(self.axes, torques.body, means, torques.instant)
+        self.turn = self._mean_turn()
         self._windows: dict[int, Window] = {}
+
+    def _mean_turn(self) -> float:
+        """s, of the turns over which torques are averaged, by their shares of all torques."""
+        torques, some = self.torques, np.array(self.averaged)
+        if not np.any(some):
+            return 0.0
+        y = self.axes.separatrix - 1.0
+        size = float(self.axes.moments[2])
+        rates = np.array([torques._rate_of(k, size, y, 0) for k in range(len(some))])
+        periods = np.where(some, torques.periods, 0.0)
+        return float(rates @ periods / max(float(np.sum(rates)), 1e-300))
 
     def window(self, t: float, sign: float) -> Window:
         """The window of a time, towards later (1) or earlier (-1) times."""

@@ -252,18 +252,14 @@ class AveragedMotion(Immutable):
         size, y, region = self.axes.state(spin.angular_velocity)
         packing = shared.packing(settings.kinds, size, y, region)
         momentum = quaternion.rotate(spin.wxyz_icrf, spin.angular_velocity @ body.tensor)
+        self._refuse_strong(packing, np.append(momentum, y), region)
         shift, bend = np.zeros(3), 0.0
         if abs(y) < -self.least_y:
             shift, bend = _mean_state.corrections(self.axes, body, spin, self.torques, spin.epoch)
         mean = np.append(momentum - shift, y - bend)
         if (mean[3] < self.axes.separatrix) != (region < LAM_PLUS):
             mean[3] = y
-        eps = packing.weakness_of(0.0, mean, region)
-        if not eps <= WEAK:
-            raise AttitudeError(
-                f"the torques are not weak: |N| P/(2 pi L) is {eps:.3g} at the epoch, and means "
-                f"need less than {WEAK}. Integrate by TorquedRotation."
-            )
+        self._refuse_strong(packing, mean, region)
         pace = 2.0 * math.pi * float(self.axes.moments[2]) / size
         course = Course(packing, self.least_y, self.tolerance, pace)
         self._set_all(start=frozen(mean), start_region=region, packing=packing, _course=course)
@@ -272,6 +268,15 @@ class AveragedMotion(Immutable):
         seed = self.passages if isinstance(self.passages, int) else 0
         draws = [np.random.default_rng((seed, number, k)) for k in range(2)]
         self._set("_draws", draws)
+
+    @staticmethod
+    def _refuse_strong(packing: Packing, x: FloatArray, region: int) -> None:
+        eps = packing.weakness_of(0.0, x, region)
+        if not eps <= WEAK:
+            raise AttitudeError(
+                f"the torques are not weak: |N| P/(2 pi L) is {eps:.3g} at the epoch, and means "
+                f"need less than {WEAK}. Integrate by TorquedRotation."
+            )
 
     axes: Axes
     least_y: float
@@ -473,8 +478,11 @@ class AveragedMotion(Immutable):
     def error_estimate(self, t: Epochs) -> FloatArray:
         """The error of the mean momentum to expect, a share of |L|, at epochs of shape S.
 
-        The sum over steps of |N| P/(2 pi |L|) times |change of L|/|L|: the order of first-order
-        means.  It knows neither resonances nor which branch a passage takes; `check` measures.
+        The sum over steps of |change of L|/|L| times eps = |N| P/(2 pi |L|), the order of
+        first-order means; where torques are averaged over turns T of their paths,
+        |N| T/(2 pi |L|) is added to eps, and once to the sum, since the place on the path at the
+        epoch is averaged too.  Resonances and the branch that a passage takes are left out;
+        `check` measures.
         """
         seconds = seconds_of(self.epoch, t)
         self._check_span(seconds)

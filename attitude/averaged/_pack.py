@@ -255,10 +255,10 @@ class Packed:
             if _spread(self.sampled(sampling, mean, t)) <= _REPEATS:
                 return float("inf")
             period = 86400.0
-        least, close = period / _MOST, _CLOSE
+        least = period / _MOST
         if np.isfinite(sampling.ripple):
-            least, close = sampling.ripple, 1e-4
-        return self._fine(sampling, mean, first, last, period / _FEWEST, least, close)
+            least = max(least, sampling.ripple)
+        return self._fine(sampling, mean, first, last, period / _FEWEST, least)
 
     def _slow(self, sampling, mean, first, last):
         """For means over turns of a path that drifts: as many turns as splines can join."""

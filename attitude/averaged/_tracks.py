@@ -259,23 +259,27 @@ class Track:
         return [each for each in self.events if (each.seconds - until) * self.sign <= 0.0]
 
     def error_to(self, t: FloatArray) -> FloatArray:
-        """Sums (T,) of |N| P/(2 pi |L|) times |change of L|/|L| over the steps up to seconds."""
-        rows = self.rows
+        """The estimate (T,) of `AveragedMotion.error_estimate` at seconds (T,)."""
+        rows, packing = self.rows, self.course.packing
         if not len(rows):
             return np.zeros(len(t))
         ends = rows[:, layout.ROW_END]
-        at_ends = _states(rows, ends, self.sign)
+        at_ends = _states(rows, ends, self.sign, np.arange(len(rows)))
         starts = rows[:, layout.ROW_TERMS : layout.ROW_TERMS + 4]
         size = np.sqrt(np.sum(starts[:, :3] ** 2, axis=1))
         change = np.sqrt(np.sum((at_ends - starts)[:, :3] ** 2, axis=1)) / size
-        packing = self.course.packing
-        eps = [
-            packing.weakness_of(float(row[layout.ROW_START]), x, int(row[layout.ROW_REGION]))
-            for row, x in zip(rows, starts, strict=True)
-        ]
-        total = np.concatenate([[0.0], np.cumsum(change * np.array(eps))])
+        eps = np.array(
+            [
+                packing.weakness_of(float(row[layout.ROW_START]), x, int(row[layout.ROW_REGION]))
+                for row, x in zip(rows, starts, strict=True)
+            ]
+        )
+        # |N| T/(2 pi |L|) for the turns T over which torques are averaged
+        of_turns = eps * size / float(packing.axes.moments[2]) * packing.turn / (2.0 * math.pi)
+        total = np.concatenate([[0.0], np.cumsum(change * (eps + of_turns))])
         times = np.concatenate([[0.0], ends]) * self.sign
-        return np.interp(t * self.sign, times, total)
+        offset = np.concatenate([of_turns[:1], of_turns])
+        return np.interp(t * self.sign, times, total) + np.interp(t * self.sign, times, offset)
 
 
 def _places(rows: FloatArray, t: FloatArray, sign: float) -> IntArray:
