@@ -8,13 +8,49 @@ Source: Dekker, Numer. Math. 18, 224 (1971); Knuth, The Art of Computer Programm
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+import numpy as np
+
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from attitude._support.annotations import FloatArray
 
     Doubles: TypeAlias = float | FloatArray
     Pair: TypeAlias = tuple[Any, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Seconds:
+    """Epochs hi + lo, s, arrays of one shape; lo is None if it is zero, which halves the work."""
+
+    hi: FloatArray
+    lo: FloatArray | None = None
+
+    def __getitem__(self, index: Any) -> Seconds:
+        """Some of the epochs."""
+        return self.mapped(lambda array: array[index])
+
+    def mapped(self, function: Callable[[FloatArray], FloatArray]) -> Seconds:
+        """The epochs after a change of shape or memory of either array."""
+        return Seconds(function(self.hi), None if self.lo is None else function(self.lo))
+
+    @property
+    def pair(self) -> tuple[FloatArray, FloatArray | None]:
+        """As arguments of compiled loops."""
+        return self.hi, self.lo
+
+    @property
+    def low(self) -> FloatArray:
+        """The second doubles, zeros if there are none."""
+        return np.zeros(np.shape(self.hi)) if self.lo is None else self.lo
+
+    @property
+    def rounded(self) -> FloatArray:
+        """hi + lo in one double."""
+        return self.hi if self.lo is None else self.hi + self.lo
 
 
 def two_sum(a: Doubles, b: Doubles) -> Pair:

@@ -21,6 +21,7 @@ from attitude.torques._radiation import AerodynamicTorque, SolarRadiation
 from attitude.torques._torque import (
     SLIP,
     ConstantTorque,
+    InertiaHistory,
     InternalDissipation,
     LinearDamping,
     Torque,
@@ -155,6 +156,15 @@ def friction(torque: InternalDissipation, body: Body, axes: Axes, degree: int) -
     on_arcs = factor * np.sum((arcs * gamma) ** 2, axis=2) @ seconds / pq
     nothing = [np.zeros(len(n.p)) for n in table]
     return [_of_rates(nothing, energy, on_arcs, 2, -0.5 * factor)]
+
+
+@register(InertiaHistory)
+def changing(torque: InertiaHistory, body: Body, axes: Axes, degree: int) -> list[Mean]:
+    """Refused: the moments are constants of the tables."""
+    raise AttitudeError(
+        "AveragedMotion has constant moments, and an InertiaHistory changes them; integrate by "
+        "TorquedRotation through the change, and average from its last state on."
+    )
 
 
 @register(LinearDamping)

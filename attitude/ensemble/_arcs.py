@@ -17,6 +17,7 @@ from attitude._solver.records import CONSTANTS
 from attitude._support import pairs, validation
 from attitude._support.arrays import Immutable, frozen, read_only
 from attitude._support.blocks import ProgressBar, in_blocks, in_rectangles
+from attitude._support.pairs import Seconds
 from attitude.ensemble import _evaluation
 from attitude.ensemble._evaluation import EnsembleHistory
 from attitude.ensemble._members import BLOCK
@@ -76,16 +77,15 @@ class Chains:
 
     def fill(
         self,
-        t: FloatArray,
-        low: FloatArray | None,
+        t: Seconds,
         wxyz: FloatArray,
         rates: FloatArray,
         threads: int,
     ) -> None:
-        """Fill attitudes (N, 4, T) and rates (N, 3, T) at seconds t + low (T,)."""
-        low = np.zeros(t.size) if low is None else low
+        """Fill attitudes (N, 4, T) and rates (N, 3, T) at epochs (T,)."""
         with np.errstate(invalid="ignore", over="ignore"):
-            high, rest = (read_only(np.ascontiguousarray(each)) for each in pairs.two_sum(t, low))
+            sums = pairs.two_sum(t.hi, t.low)
+        high, rest = (read_only(np.ascontiguousarray(each)) for each in sums)
 
         def work(part: slice, epochs: tuple[int, int]) -> None:
             here = slice(*epochs)
@@ -98,7 +98,7 @@ class Chains:
 
         most = evaluation.EPOCHS
         bar = ProgressBar("attitudes")
-        in_rectangles(work, len(wxyz), t.size, BLOCK, most, most, threads, bar)
+        in_rectangles(work, len(wxyz), len(high), BLOCK, most, most, threads, bar)
 
 
 def _records(
@@ -245,15 +245,14 @@ class ArcsEnsemble(Immutable):
             self._evaluate_singles(hi, lo, wxyz, rates, threads)
         else:
             try:
-                self._chains.fill(hi, lo, wxyz, rates, threads)
+                self._chains.fill(Seconds(hi, lo), wxyz, rates, threads)
             except Failed as failed:
                 self._evaluate_singles(hi, lo, wxyz, rates, 1, only=failed.member)
         shape = count, length
         member = np.broadcast_to(np.arange(count)[:, None], shape)
-        lows = None if lo is None else np.broadcast_to(lo, shape)
-        spread = np.broadcast_to(hi.copy(), shape)
+        spread = Seconds(hi.copy(), lo).mapped(lambda array: np.broadcast_to(array, shape))
         history = EnsembleHistory(
-            self.ensemble, member, spread, lows, read_only(np.moveaxis(wxyz, 1, 2))
+            self.ensemble, member, *spread.pair, read_only(np.moveaxis(wxyz, 1, 2))
         )
         history.__dict__["angular_velocity"] = read_only(np.moveaxis(rates, 1, 2))
         return history

@@ -16,6 +16,7 @@ from attitude._solver.regime import Regime
 from attitude._support import markup, validation
 from attitude._support.arrays import Immutable, frozen, read_only
 from attitude._support.blocks import ProgressBar, in_blocks
+from attitude._support.pairs import Seconds
 from attitude.averaged._ensemble import AveragedEnsemble
 from attitude.ensemble import _evaluation, _light, _members, _quantities, _tables
 from attitude.ensemble._arcs import ArcsEnsemble
@@ -927,7 +928,7 @@ class Ensemble(Immutable):
         filled = memory[0], memory[1] if both else None
         changes = MemberDerivatives(self._members, self.label, self.on_error == "raise")
         if isinstance(found, MemberGrid):
-            changes.grid(found.t, found.t_low, *filled, threads)
+            changes.grid(found.t, *filled, threads)
         else:
             _evaluation.ragged(changes, *found.flat(), found.order, *filled, threads)
         views = [found.shaped(a, b[0]) for a, b in zip(memory, outs, strict=True)]
@@ -937,8 +938,8 @@ class Ensemble(Immutable):
         self, member: IntArray, seconds: FloatArray, low: FloatArray | None
     ) -> FloatArray:
         """Angular velocities (S, 3), rad/s in body axes, of members (S) at seconds + low (S)."""
-        found = MemberRows(len(self), member, seconds, low)
-        wxyz, rates = (np.empty((width, seconds.size)) for width in (4, 3))
+        found = MemberRows(len(self), member, Seconds(seconds, low))
+        wxyz, rates = (np.empty((width, found.size)) for width in (4, 3))
         self._fill_rows(found, wxyz, rates, 1)
         return found.shaped(rates, None)
 
@@ -954,8 +955,8 @@ class Ensemble(Immutable):
         if member is None:
             return MemberGrid(len(self), *_members.shared(self._start, t, low, len(self)))
         known, in_runs = self._members_of(member)
-        seconds, lows, who = _members.of_rows(self._start, t, low, known)
-        return MemberRows(len(self), who, seconds, lows, in_runs)
+        seconds, who = _members.of_rows(self._start, t, low, known)
+        return MemberRows(len(self), who, seconds, in_runs)
 
     def _members_of(self, member: ArrayLike) -> tuple[IntArray, bool]:
         """Numbers of members, of the shape given, and whether equal ones stand in long runs; errors
@@ -990,7 +991,7 @@ class Ensemble(Immutable):
         memory = [found.memory(*each) for each in outs]
         self._fill_rows(found, memory[0], memory[1] if len(memory) > 1 else None, threads)
         views = [read_only(found.shaped(a, b[0])) for a, b in zip(memory, outs, strict=True)]
-        history = EnsembleHistory(self, found.member, found.seconds, found.low, views[0])
+        history = EnsembleHistory(self, found.member, *found.seconds.pair, views[0])
         if len(views) > 1:
             history.__dict__["angular_velocity"] = views[1]
         return history
@@ -1005,11 +1006,11 @@ class Ensemble(Immutable):
         """Fill component-major memory with attitudes and, unless it is None, rates."""
         raises = self.on_error == "raise"
         if isinstance(found, MemberGrid):
-            members, label, epochs = self._members, self.label, (found.t, found.t_low)
+            members, label = self._members, self.label
             if found.count < len(members):
                 members = members.taken(slice(found.first, found.first + found.count))
                 label = partial(_shifted, self.label, found.first)
-            _evaluation.grid(members, label, *epochs, wxyz, rates, threads, raises)
+            _evaluation.grid(members, label, found.t, wxyz, rates, threads, raises)
         else:
             runs = _evaluation.Runs(self._members, self.label, raises)
             _evaluation.ragged(runs, *found.flat(), found.order, wxyz, rates, threads)
@@ -1153,7 +1154,7 @@ class Ensemble(Immutable):
         if wanted.ndim != 1 or np.any((wanted < 0.0) | (wanted > 100.0)):
             raise AttitudeError(f"percentages are {wanted.tolist()}; give a row of 0 to 100.")
         known, grid = _quantities.known(quantity, scene, self, t, low)
-        length = grid.t.shape[1]
+        length = grid.length
         out, kept = np.full((len(wanted), length), np.nan), Kept(self._members)
         size = max(_FEWEST, _HELD // max(len(self), 1))
 
@@ -1196,7 +1197,7 @@ class Ensemble(Immutable):
         if bounds.ndim != 1 or len(bounds) < 2 or np.any(np.diff(bounds) <= 0.0):
             raise AttitudeError(f"edges are {validation.shown(edges)}; give an ascending row.")
         known, grid = _quantities.known(quantity, scene, self, t, low)
-        bins, length = len(bounds) - 1, grid.t.shape[1]
+        bins, length = len(bounds) - 1, grid.length
         counts = np.zeros(length * bins, dtype=np.int64)
         bar, done = ProgressBar("histograms"), 0
         for which, epochs in grid.pieces(_HELD >> 2):
@@ -1242,18 +1243,18 @@ class Ensemble(Immutable):
             For epochs that do not ascend, fewer than two, and as `percentiles`.
         """
         known, grid = _quantities.known(quantity, scene, self, t, low)
-        if grid.t.shape[1] < 2 or not np.all(np.diff(grid.t) > 0.0):
+        if grid.length < 2 or not np.all(np.diff(grid.t.hi) > 0.0):
             raise AttitudeError("t does not ascend, or holds fewer than two epochs; give (T,).")
         fraction, gap = np.empty((2, len(self)))
-        size = max(1, (_HELD >> 2) // grid.t.shape[1])
-        every = slice(0, grid.t.shape[1])
+        size = max(1, (_HELD >> 2) // grid.length)
+        every = slice(0, grid.length)
 
         def work(begin: int, end: int) -> None:
             which = slice(begin, end)
             values = known.finished(self._measured(known, grid, self._members, which, every))
             with np.errstate(invalid="ignore"):
                 within = (values >= least) & (values <= greatest)
-            times = grid.t[which] if len(grid.t) > 1 else grid.t
+            times = grid.t.hi[which] if len(grid.t.hi) > 1 else grid.t.hi
             fraction[which], gap[which] = _covered(within, times)
 
         in_blocks(work, len(self), size, threads, ProgressBar("coverage"))
@@ -1263,20 +1264,18 @@ class Ensemble(Immutable):
         self, known: Any, grid: MemberGrid, source: Any, which: slice, epochs: slice
     ) -> FloatArray:
         """What a quantity measures of some members at some epochs."""
-        own = which if len(grid.t) > 1 else slice(None)
-        t = np.ascontiguousarray(grid.t[own, epochs])
-        low = None if grid.t_low is None else np.ascontiguousarray(grid.t_low[own, epochs])
+        own = which if len(grid.t.hi) > 1 else slice(None)
+        t = grid.t[own, epochs].mapped(np.ascontiguousarray)
         count, length = which.stop - which.start, epochs.stop - epochs.start
         wxyz = np.empty((count, 4, length))
         members = source.taken(which)
         _evaluation.grid(
-            members, lambda k: self.label(k + which.start), t, low, wxyz, None, 1,
+            members, lambda k: self.label(k + which.start), t, wxyz, None, 1,
             self.on_error == "raise",
         )  # fmt: skip
         numbers = np.broadcast_to(np.arange(which.start, which.stop)[:, None], (count, length))
-        lows = None if low is None else np.broadcast_to(low, (count, length))
-        seconds = np.broadcast_to(t, (count, length))
-        history = EnsembleHistory(self, numbers, seconds, lows, np.moveaxis(wxyz, 1, 2))
+        seconds = t.mapped(lambda array: np.broadcast_to(array, (count, length)))
+        history = EnsembleHistory(self, numbers, *seconds.pair, np.moveaxis(wxyz, 1, 2))
         found: FloatArray = known.measured(history, epochs)
         return found
 

@@ -14,6 +14,7 @@ from attitude._solver.series import LONGEST
 from attitude._support import pairs
 from attitude._support.arrays import frozen, read_only
 from attitude._support.blocks import ProgressBar, in_blocks, in_rectangles
+from attitude._support.pairs import Seconds
 from attitude.ensemble._members import BLOCK
 from attitude.epochs import _instants
 from attitude.errors import AttitudeError
@@ -44,8 +45,7 @@ _LONG_RUN = 64
 def grid(
     members: Members | Kept,
     label: Callable[[int], str],
-    t: FloatArray,
-    low: FloatArray | None,
+    t: Seconds,
     wxyz: FloatArray,
     rates: FloatArray | None,
     threads: int,
@@ -53,27 +53,25 @@ def grid(
 ) -> None:
     """Fill attitudes and angular velocities of N members at T epochs each.
 
-    Shapes: t, low (1 or N, T), wxyz (N, 4, T), rates (N, 3, T).
+    Shapes: t (1 or N, T), wxyz (N, 4, T), rates (N, 3, T).
     """
-    count, length = wxyz.shape[0], t.shape[1]
+    count, length = wxyz.shape[0], t.hi.shape[1]
     if not count or not length:
         return
-    given = read_only(t), None if low is None else read_only(low)
+    t = t.mapped(read_only)
 
     def work(part: slice, epochs: tuple[int, int]) -> None:
         constants, _ = members.prepared(part, rates=rates is not None)
-        here = part if len(t) > 1 else slice(None)
-        times = given[0][here], None if given[1] is None else given[1][here]
+        times = t[part] if len(t.hi) > 1 else t
         out = wxyz[part], None if rates is None else rates[part]
-        failed = evaluation.evaluated(constants, *times, *out, *epochs)
+        failed = evaluation.evaluated(constants, *times.pair, *out, *epochs)
         if failed < 0:
             return
         if raises:
-            few = failed if len(t) > 1 else 0, slice(*epochs)
-            lows = None if times[1] is None else times[1][few]
-            refuse(constants[failed], times[0][few], lows, label(part.start + failed))
-        near = within(*times, reaches(constants)[:, None])
-        evaluation.evaluated(constants, *near, *out, *epochs)
+            few = failed if len(t.hi) > 1 else 0, slice(*epochs)
+            refuse(constants[failed], times[few], label(part.start + failed))
+        near = within(times, reaches(constants)[:, None])
+        evaluation.evaluated(constants, *near.pair, *out, *epochs)
 
     most = evaluation.EPOCHS
     bar = ProgressBar("attitudes")
@@ -83,8 +81,7 @@ def grid(
 def ragged(
     runs: Callable[..., None],
     member: IntArray,
-    t: FloatArray,
-    low: FloatArray | None,
+    t: Seconds,
     order: IntArray | None,
     first: FloatArray,
     second: FloatArray | None,
@@ -92,22 +89,21 @@ def ragged(
 ) -> None:
     """Fill two results at R rows, each of one of N members.
 
-    Shapes: member (R,), t, low (R,), order (R,), first, second (..., R).
+    Shapes: member (R,), t (R,), order (R,), first, second (..., R).
     """
     if not len(member):
         return
 
     def direct(begin: int, end: int) -> None:
-        runs(member, begin, end, t, low, first, second)
+        runs(member, begin, end, t, first, second)
 
     def gathered(begin: int, end: int) -> None:
         assert order is not None
         some = order[begin:end]
-        lows = None if low is None else low[some]
         given = [each for each in (first, second) if each is not None]
         found = [np.empty((*each.shape[:-1], len(some))) for each in given]
         both = found[0], None if second is None else found[1]
-        runs(member[some], 0, len(some), t[some], lows, *both)
+        runs(member[some], 0, len(some), t[some], *both)
         for whole, part in zip(given, found, strict=True):
             np.moveaxis(whole, -1, 0)[some] = np.moveaxis(part, -1, 0)
 
@@ -130,45 +126,42 @@ class Runs:
         member: IntArray,
         begin: int,
         end: int,
-        t: FloatArray,
-        low: FloatArray | None,
+        t: Seconds,
         wxyz: FloatArray,
         rates: FloatArray | None,
     ) -> None:
         """Fill the rows from `begin` to `end`.
 
-        Shapes: member, t, low (R,), wxyz (4, R), rates (3, R).
+        Shapes: member, t (R,), wxyz (4, R), rates (3, R).
         """
         who, starts = self.runs(member, begin, end)
-        times = read_only(t)[None], None if low is None else read_only(low)[None]
+        times = t.mapped(read_only)[None]
         out = wxyz[None], None if rates is None else rates[None]
         for first in range(0, len(who), BLOCK):
             some = who[first : first + BLOCK]
             constants, _ = self._members.prepared(consecutive(some), rates=rates is not None)
             edges = starts[first : first + len(some) + 1]
             records = read_only(constants)
-            failed = self._rows.evaluate_runs(records, edges, *times, *out)
+            failed = self._rows.evaluate_runs(records, edges, *times.pair, *out)
             if failed >= 0:
-                near = self.nearer(constants, edges, t, low, failed, some)
-                self._rows.evaluate_runs(records, edges, near[None], times[1], *out)
+                near = self.nearer(constants, edges, t, failed, some)
+                self._rows.evaluate_runs(records, edges, near[None], times.lo, *out)
 
     def nearer(
         self,
         constants: NDArray[Any],
         edges: IntArray,
-        t: FloatArray,
-        low: FloatArray | None,
+        t: Seconds,
         failed: int,
         who: IntArray,
     ) -> FloatArray:
         """The epochs t (R,) with NaN beyond the reach of the runs `who` of rows between `edges`."""
         if self._raises:
             here = slice(edges[failed], edges[failed + 1])
-            lows = None if low is None else low[here]
-            refuse(constants[failed], t[here], lows, self._label(int(who[failed])))
-        near, rows = t.copy(), slice(edges[0], edges[-1])
+            refuse(constants[failed], t[here], self._label(int(who[failed])))
+        near, rows = t.hi.copy(), slice(edges[0], edges[-1])
         reach = np.repeat(reaches(constants), np.diff(edges))
-        near[rows] = within(t[rows], None if low is None else low[rows], reach)[0]
+        near[rows] = within(t[rows], reach).hi
         return read_only(near)
 
     def runs(self, member: IntArray, begin: int, end: int) -> tuple[IntArray, IntArray]:
@@ -221,20 +214,18 @@ def reaches(constants: NDArray[Any]) -> FloatArray:
         return np.minimum(LONGEST / np.maximum(*phases), np.finfo(float).max)
 
 
-def within(
-    t: FloatArray, low: FloatArray | None, reach: FloatArray
-) -> tuple[FloatArray, FloatArray | None]:
+def within(t: Seconds, reach: FloatArray) -> Seconds:
     """The epochs with NaN in place of those beyond reach, in the shape that t and reach have."""
     with np.errstate(invalid="ignore"):
-        near = np.where(np.abs(t if low is None else t + low) > reach, np.nan, t)
-    lows = None if low is None else np.array(np.broadcast_to(low, near.shape), order="C")
-    return read_only(near), None if lows is None else read_only(lows)
+        near = np.where(np.abs(t.rounded) > reach, np.nan, t.hi)
+    lows = t.mapped(lambda array: np.array(np.broadcast_to(array, near.shape), order="C")).lo
+    return Seconds(near, lows).mapped(read_only)
 
 
-def refuse(constants: NDArray[Any], t: FloatArray, low: FloatArray | None, label: str) -> None:
+def refuse(constants: NDArray[Any], t: Seconds, label: str) -> None:
     """Raise the AttitudeError of a member for epochs of which one is beyond its reach."""
     try:
-        evaluation.refuse_epoch(constants, t, low)
+        evaluation.refuse_epoch(constants, *t.pair)
     except AttitudeError as err:
         raise AttitudeError(f"{label}: {err}") from None
 
@@ -255,50 +246,46 @@ class Piece(NamedTuple):
 
     place: of the rows among all.
     member: (K,) array of int
-    t, low: (K,) arrays, seconds t + low since the epoch of the member; low may be None.
+    t: (K,), since the epoch of the member.
     """
 
     place: slice | IntArray
     member: IntArray
-    t: FloatArray
-    low: FloatArray | None
+    t: Seconds
 
 
 class MemberGrid:
     """All of N members at T epochs.
 
     count: N.
-    t, t_low: (1 or N, T) arrays, seconds t + t_low since the epoch of the member; t_low may be
-        None.
+    t: (1 or N, T), since the epoch of the member.
     scalar: whether one epoch was given, so that the answers have no axis of epochs.
     first: number of the first member.
 
     shape: S: (N, T), or (N,) for one epoch.
     member: (S) array of int
-    seconds, low: (S) arrays
+    seconds: (S)
     """
 
-    def __init__(
-        self, count: int, t: FloatArray, t_low: FloatArray | None, scalar: bool, first: int = 0
-    ) -> None:
+    def __init__(self, count: int, t: Seconds, scalar: bool, first: int = 0) -> None:
         self.count, self.scalar, self.first = count, scalar, first
         # Epochs that all members share are few: a copy does not change with the caller's array.
-        few = len(t) == 1 and t.size < 1 << 20
-        self.t = t.copy() if few else np.ascontiguousarray(t)
-        self.t_low = None if t_low is None else np.ascontiguousarray(t_low)
-        self.shape: tuple[int, ...] = (count,) if scalar else (count, t.shape[1])
+        few = len(t.hi) == 1 and t.hi.size < 1 << 20
+        hi = t.hi.copy() if few else t.hi
+        self.t = Seconds(hi, t.lo).mapped(np.ascontiguousarray)
+        self.length: int = t.hi.shape[1]
+        self.shape: tuple[int, ...] = (count,) if scalar else (count, self.length)
         numbers = np.arange(first, first + count)
         self.member = self._over_epochs(numbers[:, None])
-        self.seconds = self._over_epochs(self.t)
-        self.low = None if self.t_low is None else self._over_epochs(self.t_low)
+        self.seconds = self.t.mapped(self._over_epochs)
 
     def _over_epochs(self, array):
-        found = np.broadcast_to(array, (self.count, self.t.shape[1]))
-        return found[:, 0] if self.scalar else found
+        spread = np.broadcast_to(array, (self.count, self.length))
+        return spread[:, 0] if self.scalar else spread
 
     def pieces(self, most: int) -> list[tuple[slice, slice]]:
         """Members and epochs of parts of at most `most` rows, in order."""
-        length = self.t.shape[1]
+        length = self.length
         span, size = min(length, most), max(1, most // max(length, 1))
         return [
             (slice(k, min(k + size, self.count)), slice(j, min(j + span, length)))
@@ -309,7 +296,7 @@ class MemberGrid:
     def piece(self, part: tuple[slice, slice]) -> Piece:
         """The rows of one of the `pieces`."""
         members, epochs = part
-        length = self.t.shape[1]
+        length = self.length
         place = slice(
             members.start * length + epochs.start, (members.stop - 1) * length + epochs.stop
         )
@@ -320,8 +307,7 @@ class MemberGrid:
             here = array[members if len(array) > 1 else slice(None), epochs]
             return np.ascontiguousarray(np.broadcast_to(here, shape)).reshape(-1)
 
-        low = None if self.t_low is None else rows(self.t_low)
-        return Piece(place, who, rows(self.t), low)
+        return Piece(place, who, self.t.mapped(rows))
 
     def vectors(self, given: FloatArray, part: tuple[slice, slice]) -> FloatArray:
         """The rows (K, 3) of vectors (S, 3) in one of the `pieces`."""
@@ -332,15 +318,14 @@ class MemberGrid:
     def parts(self, most: int) -> Iterator[tuple[Any, MemberGrid]]:
         """Grids of at most `most` attitudes, each after its place among the answers."""
         for members, epochs in self.pieces(most):
-            own = (members if len(self.t) > 1 else slice(None)), epochs
-            low = None if self.t_low is None else self.t_low[own]
+            own = (members if len(self.t.hi) > 1 else slice(None)), epochs
             count = members.stop - members.start
             place = members if self.scalar else (members, epochs)
-            yield place, MemberGrid(count, self.t[own], low, self.scalar, members.start)
+            yield place, MemberGrid(count, self.t[own], self.scalar, members.start)
 
     def memory(self, out: FloatArray | None, name: str, *width: int) -> FloatArray:
         """Component-major memory (N, *W, T) for an answer; that of `out` where possible."""
-        shape = self.count, self.t.shape[1]
+        shape = self.count, self.length
         return _propagation.result_memory(out, name, shape, width, self.scalar)
 
     def shaped(self, memory: FloatArray, out: FloatArray | None) -> FloatArray:
@@ -353,7 +338,7 @@ class MemberRows:
 
     count: N.
     member: (S) array of int
-    seconds, low: (S) arrays, seconds + low since the epoch of the member; low may be None.
+    seconds: (S), since the epoch of the member.
     in_runs: whether rows of one member stand together, in long runs (`survey`), if known.
     """
 
@@ -361,40 +346,41 @@ class MemberRows:
         self,
         count: int,
         member: IntArray,
-        seconds: FloatArray,
-        low: FloatArray | None,
+        seconds: Seconds,
         in_runs: bool | None = None,
     ) -> None:
         self.count, self.member, self._in_runs = count, member, in_runs
-        self.seconds = read_only(seconds)
-        self.low = None if low is None else read_only(low)
-        self.shape: tuple[int, ...] = seconds.shape
+        self.seconds = seconds.mapped(read_only)
+        self.size: int = seconds.hi.size
+        self.shape: tuple[int, ...] = seconds.hi.shape
 
     def pieces(self, most: int) -> list[slice | IntArray]:
         """The places of parts of `most` rows, of which those of one member stand together."""
-        size, order = self.seconds.size, self.order
+        size, order = self.size, self.order
         parts = [slice(k, min(k + most, size)) for k in range(0, size, most)]
         return [*parts] if order is None else [order[part] for part in parts]
 
     def piece(self, part: slice | IntArray) -> Piece:
         """The rows of one of the `pieces`."""
-        member, t, low = self.flat()
-        return Piece(part, member[part], t[part], None if low is None else low[part])
+        member, t = self.flat()
+        return Piece(part, member[part], t[part])
 
     def vectors(self, given: FloatArray, part: slice | IntArray) -> FloatArray:
         """The rows (K, 3) of vectors (S, 3) in one of the `pieces`."""
         return given[part] if given.ndim == 2 else given.reshape(-1, 3)[part]
 
-    def flat(self) -> tuple[IntArray, FloatArray, FloatArray | None]:
-        """Members, seconds and their second doubles as arrays (R,)."""
-        low = None if self.low is None else np.ascontiguousarray(self.low).reshape(-1)
-        member = np.ascontiguousarray(self.member).reshape(-1)
-        return member, np.ascontiguousarray(self.seconds).reshape(-1), low
+    def flat(self) -> tuple[IntArray, Seconds]:
+        """Members and their epochs (R,)."""
+
+        def row(array: NDArray[Any]) -> NDArray[Any]:
+            return np.ascontiguousarray(array).reshape(-1)
+
+        return row(self.member), self.seconds.mapped(row)
 
     @cached_property
     def order(self) -> IntArray | None:
         """The order (R,) in which rows stand by member; None if they stand in long runs already."""
-        if not self.seconds.size:
+        if not self.size:
             return None
         member = self.flat()[0]
         in_runs = survey(member)[2] if self._in_runs is None else self._in_runs
@@ -402,18 +388,17 @@ class MemberRows:
 
     def parts(self, most: int) -> Iterator[tuple[slice, MemberRows]]:
         """Rows of at most `most` attitudes, each after their place among the rows (R,)."""
-        member, seconds, low = self.flat()
-        for first in range(0, self.seconds.size, most):
+        member, seconds = self.flat()
+        for first in range(0, self.size, most):
             place = slice(first, first + most)
-            lows = None if low is None else low[place]
-            yield place, MemberRows(self.count, member[place], seconds[place], lows)
+            yield place, MemberRows(self.count, member[place], seconds[place])
 
     def memory(self, out: FloatArray | None, name: str, *width: int) -> FloatArray:
         """Memory (*W, R) for an answer; that of `out` where possible."""
         if out is None and self.order is not None:
             # Rows are filled one by one: the numbers of each are together.
-            return np.moveaxis(np.empty((self.seconds.size, *width)), 0, -1)
-        return _propagation.result_memory(out, name, (self.seconds.size,), width, False)
+            return np.moveaxis(np.empty((self.size, *width)), 0, -1)
+        return _propagation.result_memory(out, name, (self.size,), width, False)
 
     def shaped(self, memory: FloatArray, out: FloatArray | None) -> FloatArray:
         """Component-major memory (*W, R) as (S, *W), in `out` if it is given."""
@@ -511,8 +496,8 @@ class EnsembleHistory(AttitudeHistory):
         if self.ensemble.epoch is not None:
             return _instants.times(self.epoch, self.seconds, self.low)
         start = self.ensemble.epochs_of(self.member)
-        low = 0.0 if self.low is None else self.low
-        return _instants.times(self.epoch, *pairs.add(start, self.seconds, low))
+        times = Seconds(self.seconds, self.low)
+        return _instants.times(self.epoch, *pairs.add(start, times.hi, times.low))
 
     def table(self, *, rates: bool = True, sigma: bool = False) -> QTable:
         """As `AttitudeHistory.table`, one row for each attitude, with columns member and name.
@@ -534,10 +519,9 @@ class EnsembleHistory(AttitudeHistory):
         return found
 
     def _flattened(self) -> EnsembleHistory:
-        low = None if self.low is None else np.ravel(self.low)
+        times = Seconds(self.seconds, self.low).mapped(np.ravel)
         wxyz = self.wxyz.reshape(-1, 4)
-        given = np.ravel(self.member), np.ravel(self.seconds), low
-        return EnsembleHistory(self.ensemble, *given, wxyz)
+        return EnsembleHistory(self.ensemble, np.ravel(self.member), *times.pair, wxyz)
 
 
 # ---- Derivatives of the attitudes of members of an ensemble at epochs
@@ -563,43 +547,39 @@ class MemberDerivatives:
         member: IntArray,
         begin: int,
         end: int,
-        t: FloatArray,
-        low: FloatArray | None,
+        t: Seconds,
         attitude: FloatArray,
         omega: FloatArray | None,
     ) -> None:
         """Fill the rows from `begin` to `end`.
 
-        Shapes: member, t, low (R,), attitude (3, 9, R), omega (3, 9, R).
+        Shapes: member, t (R,), attitude (3, 9, R), omega (3, 9, R).
         """
         who, starts = self._runs.runs(member, begin, end)
         for first in range(0, len(who), BLOCK):
             some = who[first : first + BLOCK]
             edges = starts[first : first + len(some) + 1]
-            times = t[None], None if low is None else low[None]
             out = attitude[None], None if omega is None else omega[None]
-            self._fill(some, *times, *out, edges)
+            self._fill(some, t[None], *out, edges)
 
     def grid(
         self,
-        t: FloatArray,
-        low: FloatArray | None,
+        t: Seconds,
         attitude: FloatArray,
         omega: FloatArray | None,
         threads: int,
     ) -> None:
         """Fill the derivatives of N members at T epochs each.
 
-        Shapes: t, low (1 or N, T), attitude, omega (N, 3, 9, T).
+        Shapes: t (1 or N, T), attitude, omega (N, 3, 9, T).
         """
 
         def work(part: slice, epochs: tuple[int, int]) -> None:
-            here = part if len(t) > 1 else slice(None)
-            times = t[here], None if low is None else low[here]
+            times = t[part] if len(t.hi) > 1 else t
             out = attitude[part], None if omega is None else omega[part]
-            self._fill(np.arange(part.start, part.stop), *times, *out, None)
+            self._fill(np.arange(part.start, part.stop), times, *out, None)
 
-        length = t.shape[1]
+        length = t.hi.shape[1]
         if length:
             bar = ProgressBar("derivatives")
             in_rectangles(work, len(attitude), length, BLOCK, length, _ROWS, threads, bar)
@@ -607,8 +587,7 @@ class MemberDerivatives:
     def _fill(
         self,
         who: IntArray,
-        t: FloatArray,
-        low: FloatArray | None,
+        t: Seconds,
         attitude: FloatArray,
         omega: FloatArray | None,
         edges: IntArray | None,
@@ -629,10 +608,10 @@ class MemberDerivatives:
             if not self._raises:
                 for name in ("weights", "offset", "amplitudes", "uniform", "uniform_rates"):
                     tangents[name][unknown] = np.nan
-                t, low = _near(constants, tangents, t, low, edges)
-            sensitivities.evaluate(constants, tangents, t, low, attitude, omega, edges=edges)
+                t = _near(constants, tangents, t, edges)
+            sensitivities.evaluate(constants, tangents, *t.pair, attitude, omega, edges=edges)
         except AttitudeError:
-            self._refuse(who, constants, states, t, low, edges)
+            self._refuse(who, constants, states, t, edges)
             raise
 
     def _refuse(
@@ -640,21 +619,19 @@ class MemberDerivatives:
         who: IntArray,
         constants: NDArray[Any],
         states: tuple[FloatArray, FloatArray, FloatArray],
-        t: FloatArray,
-        low: FloatArray | None,
+        t: Seconds,
         edges: IntArray | None,
     ) -> None:
         """Raise the AttitudeError of the first member that has one, with its name."""
         for k, number in enumerate(who.tolist()):
             own = [each[k : k + 1] if len(each) > 1 else each for each in (constants, *states)]
             rows = slice(None) if edges is None else slice(edges[k], edges[k + 1])
-            line = slice(k, k + 1) if len(t) > 1 else slice(None)
-            times = read_only(np.ascontiguousarray(t[line, rows]))
-            lows = None if low is None else read_only(np.ascontiguousarray(low[line, rows]))
+            line = slice(k, k + 1) if len(t.hi) > 1 else slice(None)
+            times = t[line, rows].mapped(np.ascontiguousarray).mapped(read_only)
             try:
                 tangents = sensitivities.tangents_of(own[1], own[2], own[3], own[0])
-                found = np.empty((1, 3, sensitivities.PARAMETERS, times.shape[1]))
-                sensitivities.evaluate(own[0], tangents, times, lows, found)
+                unused = np.empty((1, 3, sensitivities.PARAMETERS, times.hi.shape[1]))
+                sensitivities.evaluate(own[0], tangents, *times.pair, unused)
             except AttitudeError as err:
                 raise AttitudeError(f"{self._label(number)}: {err}") from None
 
@@ -662,17 +639,16 @@ class MemberDerivatives:
 def _near(
     constants: NDArray[Any],
     tangents: NDArray[Any],
-    t: FloatArray,
-    low: FloatArray | None,
+    t: Seconds,
     edges: IntArray | None,
-) -> tuple[FloatArray, FloatArray | None]:
+) -> Seconds:
     """The epochs with NaN in place of those at which the derivatives of a member are unknown."""
     reach = np.fmin(reaches(constants), sensitivities.reaches(tangents))
     rows = slice(None) if edges is None else slice(edges[0], edges[-1])
     far = reach[:, None] if edges is None else np.repeat(reach, np.diff(edges))[None]
-    near, lows = within(t[:, rows], None if low is None else low[:, rows], far)
+    near = within(t[:, rows], far)
     if edges is None:
-        return near, lows
-    whole = t.copy()
-    whole[:, rows] = near
-    return read_only(whole), low
+        return near
+    whole = t.hi.copy()
+    whole[:, rows] = near.hi
+    return Seconds(read_only(whole), t.lo)

@@ -217,19 +217,18 @@ class Light:
         assert isinstance(self._shapes, np.ndarray) and self._law.weights is not None
         who, starts = self._runs.runs(piece.member, 0, len(piece.member))
         work = np.empty((1, 10, self._piece))
-        lows = None if piece.low is None else read_only(piece.low)[None]
         vectors, factor = (*_memory(sun), *_memory(observer)), self._law.weights[0]
-        t = read_only(piece.t)[None]
+        t = piece.t.mapped(read_only)[None]
         for first in range(0, len(who), BLOCK):
             some = who[first : first + BLOCK]
             constants, _ = self._members.prepared(_evaluation.consecutive(some), rates=False)
             edges = starts[first : first + len(some) + 1]
             axes = self._shapes if len(self._shapes) == 1 else self._shapes[some]
             records, rest = read_only(constants), (*vectors, axes, factor, work, out)
-            failed = self._loop(records, edges, t, lows, *rest)
+            failed = self._loop(records, edges, *t.pair, *rest)
             if failed >= 0:
-                near = self._runs.nearer(constants, edges, t[0], piece.low, failed, some)
-                self._loop(records, edges, near[None], lows, *rest)
+                near = self._runs.nearer(constants, edges, piece.t, failed, some)
+                self._loop(records, edges, near[None], t.lo, *rest)
 
     def _make_kernels(self, member: IntArray, threads: int) -> None:
         """The functions that sum over the facets of each shape that occurs."""
@@ -247,7 +246,7 @@ class Light:
 
         count = len(piece.member)
         wxyz, turned = np.empty((4, count)), np.empty((2, 3, count))
-        self._runs(piece.member, 0, count, piece.t, piece.low, wxyz, None)
+        self._runs(piece.member, 0, count, piece.t, wxyz, None)
         for given, into in zip((sun, observer), turned, strict=True):
             solver_vectors.to_body(read_only(wxyz), read_only(_unit(given)), into)
         parts = [read_only(each) for both in turned for each in both]

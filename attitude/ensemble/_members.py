@@ -70,8 +70,8 @@ def of_members(given: Any) -> FloatArray:
 
 def shared(
     start: FloatArray, t: Any, low: ArrayLike | None, count: int
-) -> tuple[FloatArray, FloatArray | None, bool]:
-    """Epochs of all of N members: seconds and their second doubles, (1 or N, T), and if T is one.
+) -> tuple[support_pairs.Seconds, bool]:
+    """Epochs (1 or N, T) of all of N members, and if T is one.
 
     Shapes: start (2, 1), t (T,).
     """
@@ -87,7 +87,7 @@ def shared(
     lo = None if lo is None else np.atleast_2d(lo)
     if dates is not None and lo is not None:
         hi, lo = support_pairs.add((hi, lo), -start[0][:, None], -start[1][:, None])
-    return hi, lo, scalar
+    return support_pairs.Seconds(hi, lo), scalar
 
 
 def received(
@@ -105,8 +105,8 @@ def received(
 
 def of_rows(
     start: FloatArray, t: Any, low: ArrayLike | None, member: IntArray
-) -> tuple[FloatArray, FloatArray | None, IntArray]:
-    """Epochs of rows of any shape S: seconds, their second doubles and the members, of shape S."""
+) -> tuple[support_pairs.Seconds, IntArray]:
+    """Epochs of rows and their members, of any shape S."""
     dates = _dates(start, t, low)
     hi, lo = _plain(start, t, low) if dates is None else dates
     if hi.shape != member.shape:
@@ -120,7 +120,7 @@ def of_rows(
         lo = None if lo is None else np.array(np.broadcast_to(lo, shape))
     if dates is not None and lo is not None:
         hi, lo = support_pairs.add((hi, lo), -start[0][member], -start[1][member])
-    return hi, lo, member
+    return support_pairs.Seconds(hi, lo), member
 
 
 def _plain(

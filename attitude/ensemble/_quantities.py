@@ -44,9 +44,9 @@ class MemberView(View):
         self._base: View
         self._epochs: slice
         self._history: EnsembleHistory
-        low = None if base.low is None else np.array(self._tiled(base.low[epochs], history.shape))
-        seconds = np.array(self._tiled(base.seconds[epochs], history.shape))
-        super().__init__(base.scene, base.epoch, seconds, low)
+        times = pairs.Seconds(base.seconds, base.low)[epochs]
+        spread = times.mapped(lambda array: np.array(self._tiled(array, history.shape)))
+        super().__init__(base.scene, base.epoch, *spread.pair)
         self._set("_base", base)
         self._set("_epochs", epochs)
         self._set("_history", history)
@@ -129,13 +129,12 @@ def bound(
     shared = ensemble.epoch
     start = ensemble.start_of_seconds
     base = free.since(start, seconds, low)
-    hi, lo = base.emission
-    hi, lo = np.asarray(hi)[None], None if lo is None else np.asarray(lo)[None]
+    times = pairs.Seconds(*base.emission)[None]
     if shared is None:
         own = ensemble.epochs_of(np.arange(len(ensemble)))
-        past = pairs.add((hi, 0.0 if lo is None else lo), start.seconds, start.low)
-        hi, lo = pairs.add(past, -own[0][:, None], -own[1][:, None])
-    return base, MemberGrid(len(ensemble), hi, lo, False)
+        past = pairs.add((times.hi, times.low), start.seconds, start.low)
+        times = pairs.Seconds(*pairs.add(past, -own[0][:, None], -own[1][:, None]))
+    return base, MemberGrid(len(ensemble), times, False)
 
 
 # ---- The compiled loops of angles between a body axis and directions, and of order statistics

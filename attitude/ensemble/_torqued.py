@@ -12,6 +12,7 @@ from attitude._solver.march_layout import OMEGA, STATE_ENTRIES, WXYZ
 from attitude._support import validation
 from attitude._support.arrays import Immutable, frozen
 from attitude._support.blocks import ProgressBar, in_blocks
+from attitude._support.pairs import Seconds
 from attitude.ensemble._evaluation import EnsembleHistory
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
@@ -152,11 +153,16 @@ class TorquedEnsemble(Immutable):
         for sign, here in ((1.0, total >= 0.0), (-1.0, total < 0.0)):
             if here.any() and len(self):
                 self._integrate(sign * self.step, seconds, rest, np.flatnonzero(here), out, threads)
+        if any(system.inertia is not None for system in self._systems):
+            shared = len(self._systems) == 1
+            for k, states in enumerate(out):
+                system = self._systems[0 if shared else k]
+                states[:, 4:] = system.turning(seconds, rest, states[:, 4:])
         shape = len(self), len(seconds)
         member = np.broadcast_to(np.arange(len(self))[:, None], shape)
-        lows = None if lo is None else np.broadcast_to(rest, shape)
-        spread = np.broadcast_to(seconds, shape)
-        history = TorquedHistory(self.ensemble, member, spread, lows, out[..., :4])
+        times = Seconds(seconds, None if lo is None else rest)
+        spread = times.mapped(lambda array: np.broadcast_to(array, shape))
+        history = TorquedHistory(self.ensemble, member, *spread.pair, out[..., :4])
         history.__dict__["angular_velocity"] = frozen(out[..., 4:])
         return history
 

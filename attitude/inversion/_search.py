@@ -68,6 +68,8 @@ class Search:
         Those that are not among `solutions`, for a better pole lies near.
     rival : Search
         For a rotation about one axis with a moon, if that competes.
+    constant : str
+        In words, how a constant brightness with zero points of the sessions competes.
     is_complete : bool
         Whether the first round came to its end.
     """
@@ -85,6 +87,7 @@ class Search:
     beside: list[Weighted] = field(default_factory=list)
     is_complete: bool = False
     rival: Search | None = None
+    constant: str = ""
     _mapped_rates: list[FloatArray] = field(default_factory=list)
     is_ellipsoid: bool = False
     notes: list[str] = field(default_factory=list)

@@ -259,8 +259,9 @@ def _searched(curve, prepared):
         own = prepared(curve.zero_points)
         if is_constant(own.problem):
             own.notes.append(
-                f"{_IS_CONSTANT} with the zero points of the sessions; with one zero point "
-                f"chi2/N is {_mean_square(one.problem):.1f}."
+                "the zero points of the sessions alone explain the brightness within the errors; "
+                f"with one zero point chi2/N is {_mean_square(one.problem):.1f}.  "
+                'zero_points="auto" fits them only where a rotation needs them.'
             )
         else:
             _run(own)
@@ -283,15 +284,9 @@ def _with_offsets_if_needed(one: _search.Search, prepared: Prepared) -> _search.
 
     if not _run(one, asks):
         return one
-    if may_be_constant and is_better_constant(own.problem, one.solutions):
-        one.solutions = []
-        offsets = _offsets_of(_evidence.constant(own.problem))
-        one.notes.append(
-            f"{_IS_CONSTANT} with zero points of the sessions of {np.std(offsets):.3f} mag rms; "
-            f"with one zero point chi2/N is {_mean_square(one.problem):.1f}."
-        )
-        return one
-    if not asked[-1]:
+    if may_be_constant:
+        one.constant = _as_constant(own.problem, one.solutions)
+    if one.constant or not asked[-1]:
         return one
     own.follow(one)
     if SearchState.of(own.solutions[0].refined.state).is_axial or not own.is_decided:
@@ -349,11 +344,20 @@ def is_constant(problem: CurveProblem) -> bool:
     return own.chi_squared(np.zeros(len(own))) < most * free
 
 
-def is_better_constant(problem: CurveProblem, found: Sequence[Weighted]) -> bool:
-    """Whether offsets alone have better evidence, by 13, than any solution without them."""
-    most = min((_with_volume(each) for each in found), default=math.inf)
-    most -= problem.settings.competing
-    return _with_volume(_evidence.constant(problem)) < most
+def _as_constant(problem: CurveProblem, found: Sequence[Weighted]) -> str:
+    """How a constant brightness with zero points of the sessions competes; "" if it does not."""
+    constant = _evidence.constant(problem)
+    best = min((_with_volume(each) for each in found), default=math.inf)
+    ahead = best - _with_volume(constant)
+    if ahead < -problem.settings.competing:
+        return ""
+    size = float(np.std(_offsets_of(constant)))
+    words = f"a constant brightness with zero points of the sessions of {size:.3f} mag rms"
+    if not found:
+        return f"{words} explains the curve"
+    side = "ahead of" if ahead > 0.0 else "behind"
+    needed = f"({problem.settings.competing:g} needed)"
+    return f"{words} is {abs(ahead):.1f} {side} the best state in -2 ln(evidence) {needed}"
 
 
 def _shifts(curve: LightCurve, share: float) -> tuple[float, ...]:
@@ -403,6 +407,8 @@ def _results(curve, found):
         period = curve.span / searched.rival.problem.orbit / _DAY
         given = (verdict, criterion), period, ahead, found.settings.alone
         verdict, criterion = _verdicts.of_satellite(*given)
+    if searched.constant:
+        verdict, criterion = _verdicts.OPEN, f"{searched.constant}; {criterion}"
     if verdict == _verdicts.OPEN and found.is_over:
         criterion += f" The budget of {found.problem.tally.budget:g} s ended the search."
     return SpinStates(solutions, verdict, criterion, tuple(searched.notes))

@@ -1,6 +1,7 @@
 """Torques on a body, and motions with torques or instantaneous changes.
 
-_torque             `Torque`, the contract; `ConstantTorque`, `LinearDamping`, `InternalDissipation`
+_torque             `Torque`, the contract; `ConstantTorque`, `LinearDamping`, `CustomTorque`,
+                    `InternalDissipation`, `InertiaHistory`
 _gravity_gradient   `GravityGradient`
 _radiation          `SolarRadiation`, `AerodynamicTorque`
 _magnetic           `EddyCurrent`, `MagneticDipole`; fields: `IGRF`, `DipoleField`
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from attitude.torques._rheology import Rheology as Rheology
     from attitude.torques._torque import ConstantTorque as ConstantTorque
     from attitude.torques._torque import CustomTorque as CustomTorque
+    from attitude.torques._torque import InertiaHistory as InertiaHistory
     from attitude.torques._torque import InternalDissipation as InternalDissipation
     from attitude.torques._torque import LinearDamping as LinearDamping
     from attitude.torques._torque import Torque as Torque
@@ -50,6 +52,7 @@ _WHERE = {
     "ConstantTorque": "attitude.torques._torque",
     "CustomTorque": "attitude.torques._torque",
     "GravityGradient": "attitude.torques._gravity_gradient",
+    "InertiaHistory": "attitude.torques._torque",
     "InternalDissipation": "attitude.torques._torque",
     "LinearDamping": "attitude.torques._torque",
     "SolarRadiation": "attitude.torques._radiation",

@@ -138,6 +138,26 @@ def internal_dissipation(t, wxyz, omega, given, p, out):
     out[0], out[1], out[2] = c * n[0], c * n[1], c * n[2]
 
 
+@callback
+def inertia_history(t, wxyz, omega, given, p, out):
+    """A slip in rad/s: -(I + D)^-1 D w, I w being the momentum.
+
+    given: the change D (6) of the tensor; p: I (6).
+    """
+    w = omega[0], omega[1], omega[2]
+    x, y, z = _symmetric(given, 0, w)
+    a, b, c = p[0] + given[0], p[1] + given[1], p[2] + given[2]
+    d, e, f = p[3] + given[3], p[4] + given[4], p[5] + given[5]
+    # cofactors; a matrix that is not positive leaves NaN
+    aa, bb, cc = d * f - e * e, c * e - b * f, b * e - c * d
+    determinant = a * aa + b * bb + c * cc
+    if a > 0.0 and a * d - b * b > 0.0 and determinant > 0.0:
+        s = -1.0 / determinant
+        out[0] = s * (aa * x + bb * y + cc * z)
+        out[1] = s * (bb * x + (a * f - c * c) * y + (b * c - a * e) * z)
+        out[2] = s * (cc * x + (b * c - a * e) * y + (a * d - b * b) * z)
+
+
 @subroutine
 def _weights(x):
     """Of four equally spaced values, for the place x between the second (0) and third (1)."""

@@ -16,8 +16,9 @@ from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.motions._differentiable import Derivatives, changed
+from attitude.torques._gravity_gradient import GravityGradient
 from attitude.torques._schemes import ascending
-from attitude.torques._torque import BY_RATE, LINEAR, SLIP
+from attitude.torques._torque import BY_ATTITUDE, BY_RATE, LINEAR, SLIP
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from attitude.motions._body import Body
     from attitude.motions._spin import Spin
     from attitude.torques._schemes import Scheme
-    from attitude.torques._torque import Torque
+    from attitude.torques._torque import InertiaHistory, Torque
     from attitude.torques._torqued import StepMesh
 
 
@@ -56,6 +57,8 @@ class System:
         State at the epoch, over the principal axes in ascending order: `march_layout`.
     setup : tuple of three arrays
         Body, scheme and models of `march_layout`.
+    inertia : InertiaHistory or None
+        Which of the torques changes the tensor of inertia.
     kicks : int
         Of a step.
     order : int
@@ -71,7 +74,7 @@ class System:
                 "it infinitely fast; give it a small moment there."
             )
         self.epoch, self.torques, self.scheme = spin.epoch, torques, chosen
-        self.body = body
+        self.body, self.inertia = body, _inertia_of(torques)
         self.moments, self.axes = ascending(body)
         self.turn = quaternion.from_matrix(self.axes)
         self.start = np.zeros(STATE_ENTRIES)
@@ -340,6 +343,11 @@ class System:
         states[:, WXYZ] = quaternion.multiply(found[known, :4], self.turn)
         states[:, OMEGA] = found[known, 4:] @ self.axes
         t = np.stack([seconds[known], low[known]])
+        if self.inertia is not None:
+            raise AttitudeError(
+                "angular accelerations are not defined with an InertiaHistory; difference the "
+                "angular velocities."
+            )
         out = np.full((len(found), 3), np.nan)
         some = np.empty((len(states), 3))
         numbers, _, models = self.setup
@@ -354,6 +362,35 @@ class System:
         out[:, :4] = q / np.sqrt(np.sum(q * q, axis=-1))[:, None]
         out[:, 4:] = states[:, 4:] @ self.axes.T
         return out
+
+    def turning(self, seconds: FloatArray, low: FloatArray, rates: FloatArray) -> FloatArray:
+        """I(t)^-1 I w (N, 3), the angular velocities, of rates w (N, 3) over the body axes."""
+        if self.inertia is None or not len(rates):
+            return rates
+        tensors = self.body.tensor + self.inertia.tensors(seconds + low)
+        momentum = (rates @ self.body.tensor)[..., None]
+        return np.asarray(np.linalg.solve(tensors, momentum)[..., 0], dtype=np.float64)
+
+
+def _inertia_of(torques: tuple[Torque, ...]) -> InertiaHistory | None:
+    """The `InertiaHistory` among torques, which may stand beside torques of the attitude only."""
+    changing = [torque for torque in torques if torque.changes_inertia]
+    if not changing:
+        return None
+    beside = [
+        type(torque).__name__
+        for torque in torques
+        if torque is not changing[0]
+        and (torque.kind != BY_ATTITUDE or isinstance(torque, GravityGradient))
+    ]
+    if beside:
+        raise AttitudeError(
+            f"{' and '.join(beside)} cannot act beside an InertiaHistory, because it takes the "
+            "angular velocity or the tensor of the body, which change; give torques that depend on "
+            "the attitude alone (a CustomTorque with depends_on_rate=False)."
+        )
+    found: InertiaHistory = changing[0]  # type: ignore[assignment]
+    return found
 
 
 # ---- Derivatives of a torqued motion by its state and its moments: the chain of those of its steps
@@ -421,6 +458,8 @@ class TorquedSensitivity(Derivatives):
             if np.any(here):
                 found[here] = self._on_side(side, t[here], rest[here])
         shape = (*np.shape(seconds), 3, self._width)
+        if rates and self._system.inertia is not None:
+            self._with_turning(t, rest, found)
         omega = found[:, 3:6].reshape(shape) if rates else None
         return found[:, :3].reshape(shape), omega
 
@@ -429,6 +468,20 @@ class TorquedSensitivity(Derivatives):
         raise AttitudeError(
             'by is "elements"; a motion under torques has no constant elements. Give by="state".'
         )
+
+    def _with_turning(self, t: FloatArray, low: FloatArray, found: FloatArray) -> None:
+        """Turn changes of I^-1 L in maps (T, 9 + P, 9 + P) into those of I(t)^-1 L."""
+        system, body = self._system, self._body
+        known = np.isfinite(t + low)
+        assert system.inertia is not None
+        rates = self._states(t[known], low[known])[:, 4:]
+        gained = rates - system.turning(t[known], low[known], rates)
+        tensors = body.tensor + system.inertia.tensors(t[known] + low[known])
+        changes = body.tensor @ found[known, 3:6]
+        # by the moments, of which I and I(t) have the same change
+        axes = body.principal_axes
+        changes[..., 6:9] += axes * (gained @ axes)[:, None, :]
+        found[known, 3:6] = np.linalg.solve(tensors, changes)
 
     def _on_side(self, side: int, t: FloatArray, low: FloatArray) -> FloatArray:
         """The maps (T, 9 + P, 9 + P) from the epoch to t + low, of one direction."""

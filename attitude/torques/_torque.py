@@ -50,11 +50,14 @@ class Torque(Immutable):
     is_users : bool
         Whether the function is a user's, which only machine code calls: its exceptions, and
         Ctrl-C, then leave the state of the motion as it was.
+    changes_inertia : bool
+        Whether it is an `InertiaHistory`.
     """
 
     kind: int = BY_ATTITUDE
     columns: int = 0
     is_users: bool = False
+    changes_inertia: bool = False
 
     def address(self) -> int:
         """Address of the compiled function of the torque; see `attitude._solver.torqued_step`."""
@@ -317,6 +320,104 @@ class InternalDissipation(Torque):
             shape = np.broadcast_shapes(np.shape(momentum), np.shape(sine_squared))
             return np.full(shape, self.strength)
         return self.strength.strength_at(body, momentum, sine_squared)
+
+
+# ---- A body whose inertia changes: a deployment, jets, melting
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class InertiaHistory(Torque):
+    """A tensor of inertia that changes with time; the momentum is kept.
+
+    A slip of the body under its momentum L: it turns with I(t)^-1 L in place of I^-1 L.  Other
+    torques may act beside it.
+
+    Parameters
+    ----------
+    change : function
+        Of seconds (K,) since the epoch of the spin, returns I(t) - I (K, 3, 3) over the body axes,
+        kg m2 (the body's unit, if its moments are relative), I being the tensor of the body; zero
+        at the epoch.
+
+    Raises
+    ------
+    AttitudeError
+        For anything but a function; from a motion, for another shape, matrices that are not
+        symmetric or finite, a change at the epoch, a body that would have no positive moments, a
+        second `InertiaHistory`, and torques that take the angular velocity or the tensor.
+
+    Notes
+    -----
+    d(I w)/dt + w x I w = N, which is dL/dt = N over inertial axes: matter that leaves takes the
+    momentum of its place along, and moves on straight or radial lines over the body (Thomson,
+    Introduction to Space Dynamics, 1986, section 7.3).  Of second order in the step, whatever the
+    scheme.  Angular velocities that the motion returns are I(t)^-1 L; its angular accelerations
+    are refused.
+
+    >>> from attitude import Body, Spin
+    >>> from attitude.splitting import TorquedRotation
+    >>> def boom(t):  # grows in 100 s
+    ...     return np.clip(t / 100.0, 0.0, 1.0)[:, None, None] * np.diag([4.0, 0.0, 4.0])
+    >>> body, spin = Body(moments=(10, 20, 26)), Spin("2026-01-01", (1, 0, 0, 0), (0, 0, 0.3))
+    >>> TorquedRotation(body, spin, InertiaHistory(boom), step=0.5).at(200.0).angular_velocity
+    array([0.  , 0.  , 0.26])
+    """
+
+    change: Callable[[FloatArray], FloatArray]
+    kind = SLIP
+    columns = 6
+    changes_inertia = True
+
+    def __init__(self, change: Callable[[FloatArray], FloatArray]) -> None:
+        validation.refuse_class(change, "change")
+        if not callable(change):
+            raise AttitudeError(
+                f"change is {validation.shown(change)}; give a function of seconds (K,) that "
+                "returns the change of the tensor of inertia (K, 3, 3) in kg m2."
+            )
+        self._set("change", change)
+
+    def address(self) -> int:
+        """Address of `_compiled.inertia_history`."""
+        from attitude.torques._compiled import inertia_history
+
+        return inertia_history.address
+
+    def parameters(self, body: Body) -> FloatArray:
+        """The upper triangle of the body's tensor by rows (6,)."""
+        first = self.tensors(np.zeros(1))[0]
+        if np.max(np.abs(first)) > 1e-9 * float(np.max(body.moments)):
+            raise AttitudeError(
+                f"the change of an InertiaHistory is {first.tolist()} at the epoch of the spin; "
+                "give the difference from the tensor of the body, which is zero there."
+            )
+        return body.tensor[np.triu_indices(3)]
+
+    def sample(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
+        """Upper triangles (K, 6) of the change by rows."""
+        one, two = np.triu_indices(3)
+        found: FloatArray = self.tensors(seconds + low)[:, one, two]
+        return found
+
+    def tensors(self, seconds: FloatArray) -> FloatArray:
+        """The change (K, 3, 3) at seconds (K,), checked."""
+        found = np.asarray(self.change(np.asarray(seconds)))
+        if found.shape != (len(seconds), 3, 3) or found.dtype.kind not in "fiu":
+            raise AttitudeError(
+                f"change of an InertiaHistory returned {validation.shown(found)} for "
+                f"{len(seconds)} epochs; it must return numbers (K, 3, 3) for seconds (K,)."
+            )
+        found = found.astype(np.float64)
+        size = np.max(np.abs(found), initial=0.0)
+        turned = np.swapaxes(found, 1, 2)
+        if not np.all(np.isfinite(found)) or np.max(np.abs(found - turned), initial=0.0) > (
+            1e-9 * size
+        ):
+            raise AttitudeError(
+                "change of an InertiaHistory returned a matrix that is not finite or not "
+                "symmetric; a tensor of inertia is."
+            )
+        return found
 
 
 # ---- A torque by a function of the user, in plain Python or compiled by numba

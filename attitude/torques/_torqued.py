@@ -44,8 +44,15 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike
 
-    from attitude._support.annotations import Epoch, FloatArray, IntArray, Real
+    from attitude._support.annotations import (
+        Epoch,
+        EpochOrSeconds,
+        FloatArray,
+        IntArray,
+        Real,
+    )
     from attitude.epochs._instants import Instant
+    from attitude.motions._history import AttitudeHistory
     from attitude.torques._schemes import Scheme
 
     TorqueFunction = Callable[[float, FloatArray, FloatArray], ArrayLike]
@@ -910,6 +917,47 @@ class TorquedRotation(Differentiable):
         with self._lock:
             return max(grid.estimate() for grid in self._grids)
 
+    def constant_body(self, what: str) -> Body:
+        """The Body of the motion, for what the message names; see `Motion.constant_body`.
+
+        Raises
+        ------
+        AttitudeError
+            With an `InertiaHistory`.
+        """
+        if self._system.inertia is not None:
+            raise AttitudeError(
+                f"{what} follows from a body's inertia, which an InertiaHistory changes; give a "
+                "motion with one body."
+            )
+        return self.body
+
+    def body_at(self, t: EpochOrSeconds) -> Body:
+        """The Body at one epoch, of any kind that `at` takes."""
+        if self._system.inertia is None:
+            return self.body
+        hi, lo = _inputs.seconds_since(self.spin.epoch, t)
+        if np.ndim(hi):
+            raise AttitudeError(f"t holds {np.size(hi)} epochs; give one.")
+        change = self._system.inertia.tensors(np.array([hi if lo is None else hi + lo]))[0]
+        body = self.body
+        return Body(
+            tensor=body.tensor + change,
+            relative=body.relative,
+            center_of_mass=body.center_of_mass,
+        )
+
+    def momentum_in_body(self, history: AttitudeHistory) -> FloatArray:
+        """Angular momentum (S, 3), kg m2/s over the body axes, with the tensor of each epoch."""
+        tensors = self.body.tensor
+        if self._system.inertia is not None:
+            low = 0.0 if history.low is None else history.low
+            seconds = np.asarray(history.seconds + low).reshape(-1)
+            change = self._system.inertia.tensors(seconds)
+            tensors = tensors + change.reshape(*np.shape(history.seconds), 3, 3)
+        found: FloatArray = np.sum(tensors * history.angular_velocity[..., None, :], axis=-1)
+        return found
+
     def _evaluate(
         self, seconds: FloatArray, low: FloatArray | None, order: int
     ) -> list[FloatArray]:
@@ -921,7 +969,8 @@ class TorquedRotation(Differentiable):
         for begin in range(0, flat.size, _EPOCHS_AT_ONCE):
             here = slice(begin, begin + _EPOCHS_AT_ONCE)
             states = self._states(flat[here], rest[here])
-            found[0][here], found[1][here] = states[:, :4], states[:, 4:]
+            found[0][here] = states[:, :4]
+            found[1][here] = self._system.turning(flat[here], rest[here], states[:, 4:])
             if order > 1:
                 found[2][here] = self._system.acceleration(flat[here], rest[here], states)
         return [part.reshape(*seconds.shape, part.shape[-1]) for part in found]

@@ -404,9 +404,12 @@ def test_offsets_of_sessions_about_a_constant_brightness(small_search):
     for zero_points in ("auto", "free"):
         curve = figures.curve_of(flat, zero_points)
         found = inversion.spin_states(curve, f"{case.most} /d", modes=("LAM",), settings=SMALL)
-        words = " ".join(found.notes)
-        assert not len(found) and found.verdict == "not solved"
-        assert "constant within the errors with" in words and "with one zero point chi2/N" in words
+        words = " ".join((found.criterion, *found.notes))
+        assert found.verdict == "not solved"
+        assert "within the errors" not in found.criterion
+        explained = "a constant brightness with zero points of the sessions of 0.0"
+        explained = explained if zero_points == "auto" else "with one zero point chi2/N"
+        assert explained in words
 
 
 def test_offsets_that_the_data_ask_for_are_fitted(small_search):
@@ -423,10 +426,9 @@ def test_no_slow_tumbler_is_called_constant():
 
 @pytest.mark.slow
 def test_no_slow_tumbler_of_many_is_called_constant():
-    """Offsets of the sessions within their prior explain one curve in six, and none is lost."""
+    """Offsets of the sessions within their prior explain one curve in six."""
     found, explained = figures.called_constant(300, 8100000)
-    # 34 varies by 0.092 mag, less than offsets may, in three points a session
-    assert set(found) <= {34} and explained > 30
+    assert not found and explained > 30
 
 
 def test_periods_of_the_lines(solved):

@@ -12,6 +12,7 @@ from attitude.torques import (
     ConstantTorque,
     CustomTorque,
     GravityGradient,
+    InertiaHistory,
     InternalDissipation,
     LinearDamping,
 )
@@ -30,6 +31,13 @@ def _orbit(seconds):
 
 # A strong field: the torque turns the body within the span.
 GRAVITY = GravityGradient(_orbit, 2e20)
+
+
+def _growing(seconds):
+    share = np.sin(0.1 * np.asarray(seconds))[:, None, None]
+    return share * np.array([[4.0, 0.5, 0.2], [0.5, 5.0, 0.4], [0.2, 0.4, 3.0]])
+
+
 MOTIONS = {
     "constant": (BODY, SPIN, ConstantTorque((0, 0.5, 0.26)), {"step": 0.1}),
     "tilted axes": (TILTED, SPIN, ConstantTorque((0.1, 0.5, 0.26)), {"step": 0.1}),
@@ -45,6 +53,10 @@ MOTIONS = {
         {"tolerance": 1e-11, "span": (-10.0, 20.0)},
     ),
     "damping": (TILTED, SPIN, LinearDamping(0.3), {"step": 0.1}),
+    "inertia": (
+        *(TILTED, SPIN, [InertiaHistory(_growing), ConstantTorque((0.1, 0.5, 0.26))]),
+        {"step": 0.1},
+    ),
     "slip": (TILTED, SPIN, [InternalDissipation(3e-3), GRAVITY], {"step": 0.1}),
 }
 
