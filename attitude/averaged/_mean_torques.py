@@ -15,7 +15,7 @@ from attitude._support import validation
 from attitude.averaged import _rates as layout
 from attitude.averaged._means import Mean, means_of
 from attitude.averaged._pack import Packed, Sampling, ripple_period, turn_period
-from attitude.averaged._polhode import LAM_PLUS, Axes
+from attitude.averaged._polhode import LAM_PLUS, SPREAD, Axes
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
@@ -263,9 +263,7 @@ def slowest_turns(axes: Axes, size: FloatArray, y: FloatArray, region: int) -> F
     """s (N,), the longer one of a turn and a nutation without its growth at the separatrix."""
     half = 0.5 * np.clip(y, -700.0, 700.0)
     share, gap = (
-        (-half, axes.numbers[layout.SPREAD + 2])
-        if region < LAM_PLUS
-        else (half, axes.numbers[layout.SPREAD + 1])
+        (-half, axes.numbers[SPREAD + 2]) if region < LAM_PLUS else (half, axes.numbers[SPREAD + 1])
     )
     # cos theta or sin theta
     side = 1.0 / np.sqrt(1.0 + np.exp(-2.0 * share))

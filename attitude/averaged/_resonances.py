@@ -22,6 +22,8 @@ from attitude.averaged._polhode import LAM_PLUS, REGIONS, Axes, shares
 from attitude.averaged._tracks import AveragedEvent, Track, _states
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from attitude._support.annotations import FloatArray, IntArray
     from attitude.averaged._mean_torques import MeanTorques, Packing
 
@@ -163,7 +165,9 @@ def _event(track: Track, time: float, number: int) -> AveragedEvent:
     )
 
 
-def _resonant(packing: Packing, time: float, state: FloatArray, region: int) -> FloatArray:
+def _resonant(
+    packing: Packing, time: float, state: FloatArray, region: int
+) -> NDArray[np.complex128]:
     """The complex terms (N,) of dy/dt whose frequencies are 0, by their order."""
     torques = packing.torques
     total = np.zeros(0, dtype=complex)
@@ -191,12 +195,14 @@ def _resonant(packing: Packing, time: float, state: FloatArray, region: int) -> 
     return total
 
 
-def _on_line(terms: FloatArray, frequency: FloatArray, nutation: float) -> FloatArray:
+def _on_line(
+    terms: NDArray[np.complex128], frequency: FloatArray, nutation: float
+) -> NDArray[np.complex128]:
     """The terms of y of frequency 0 but that of order 0, one of each pair of conjugates."""
     half = len(terms) // 2
     j, k = np.nonzero(np.abs(frequency) < 1e-6 * nutation)
     order_j, order_k = (np.where(n >= half, n - 2 * half, n) for n in (j, k))
     chosen = (order_k > 0) | ((order_k == 0) & (order_j > 0))
     rows: IntArray = np.argsort(order_k[chosen], kind="stable")
-    found: FloatArray = terms[j[chosen], k[chosen], 3][rows]
-    return found
+    along_y: NDArray[np.complex128] = terms[j[chosen], k[chosen], 3][rows]
+    return along_y
