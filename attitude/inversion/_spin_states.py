@@ -355,6 +355,8 @@ def _with_offsets_if_needed(one: _search.Search, prepared: Prepared) -> _search.
         return one
     # what one zero point made of the lines may hide the true motion: all is tried again
     own.follow(one)
+    if not own.solutions:
+        return one
     if not _problem.are_free(_offsets_of(own.solutions[0])):
         _run(own)
     offsets = _offsets_of(own.solutions[0])
