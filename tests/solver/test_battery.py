@@ -24,8 +24,8 @@ def test_the_package_passes(name, truths):
 
 
 def _mutation(*modules):
-    """The report of benchmarks/mutation.py, which ends with 1 below 98 % and for survivors without
-    a reason.
+    """The report of benchmarks/mutation.py, which ends with 1 if fewer than 98 % of the changes
+    that are not equivalent are killed, and for survivors without a reason.
     """
     command = [sys.executable, str(ROOT / "benchmarks" / "mutation.py"), *modules]
     result = subprocess.run(command, capture_output=True, text=True, env=dict(os.environ))

@@ -875,7 +875,7 @@ def check_two(truths):
     from attitude._solver import evaluation
 
     turns = _some_quaternions(4)
-    low = 1e-17 * _some_quaternions(6)[4:]
+    low = 1e-16 * _some_quaternions(6)[4:]
     t = np.array([[0.5, 1.5], [2.5, -40.5]])
     for moments, rates in (
         ([(1.0, 2.0, 3.0), (2.0, 3.0, 4.0)], [(0.1, 0.2, 0.9), (0.2, 0.1, 0.9)]),
