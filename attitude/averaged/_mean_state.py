@@ -21,6 +21,8 @@ from attitude.torques._torque import SLIP
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from numpy.typing import NDArray
+
     from attitude._support.annotations import FloatArray
     from attitude.averaged._polhode import Axes
     from attitude.epochs._instants import Instant
@@ -59,7 +61,7 @@ def series(
     torques: Sequence[Torque],
     instant: Instant,
     seconds: float = 0.0,
-) -> tuple[FloatArray, FloatArray, float] | None:
+) -> tuple[NDArray[np.complex128], FloatArray, float] | None:
     """The Fourier series (J, K, 4) of dL/dt and dy/dt over both phases, from those of the state.
 
     With the frequencies (J, K) of its terms and that of the nutation, rad/s; None on the

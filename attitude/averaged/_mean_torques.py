@@ -15,7 +15,7 @@ from attitude._support import validation
 from attitude.averaged import _rates as layout
 from attitude.averaged._means import Mean, means_of
 from attitude.averaged._pack import Packed, Sampling, ripple_period, turn_period
-from attitude.averaged._polhode import LAM_PLUS, Axes
+from attitude.averaged._polhode import LAM_PLUS, SPREAD, Axes
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
@@ -116,8 +116,16 @@ class MeanTorques:
         for k, (kind, period) in enumerate(zip(kinds, self.periods, strict=True)):
             turn, ripple = period, self.ripples[k]
             change = self._rate_of(k, size, y, region) if kind == "auto" else 0.0
+            first, last = self.torques[k].span(self.instant)
+            if kind == "averaged" and np.isfinite(turn) and turn > last - first:
+                raise AttitudeError(
+                    f"the path of {type(self.torques[k]).__name__} is known for "
+                    f"{last - first:.4g} s, and a turn of it takes {turn:.4g} s; give a longer "
+                    'path, or orbit="followed".'
+                )
             averaged = bool(np.isfinite(turn)) and kind != "followed" and change * turn < _SMALL
-            smooth = np.isfinite(ripple) and kind != "followed"
+            averaged = averaged and turn <= last - first
+            smooth = np.isfinite(ripple) and kind != "followed" and ripple <= last - first
             smooth = smooth and change * ripple < _SMALL_IN_RIPPLE
             chosen.append((averaged, ripple if smooth else math.inf))
         key = tuple(chosen)
@@ -263,9 +271,7 @@ def slowest_turns(axes: Axes, size: FloatArray, y: FloatArray, region: int) -> F
     """s (N,), the longer one of a turn and a nutation without its growth at the separatrix."""
     half = 0.5 * np.clip(y, -700.0, 700.0)
     share, gap = (
-        (-half, axes.numbers[layout.SPREAD + 2])
-        if region < LAM_PLUS
-        else (half, axes.numbers[layout.SPREAD + 1])
+        (-half, axes.numbers[SPREAD + 2]) if region < LAM_PLUS else (half, axes.numbers[SPREAD + 1])
     )
     # cos theta or sin theta
     side = 1.0 / np.sqrt(1.0 + np.exp(-2.0 * share))

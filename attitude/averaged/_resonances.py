@@ -20,8 +20,11 @@ from attitude.averaged import _rates as layout
 from attitude.averaged._history import AveragedHistory
 from attitude.averaged._polhode import LAM_PLUS, REGIONS, Axes, shares
 from attitude.averaged._tracks import AveragedEvent, Track, _states
+from attitude.torques._torque import ConstantTorque, InternalDissipation, LinearDamping
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from attitude._support.annotations import FloatArray, IntArray
     from attitude.averaged._mean_torques import MeanTorques, Packing
 
@@ -163,7 +166,9 @@ def _event(track: Track, time: float, number: int) -> AveragedEvent:
     )
 
 
-def _resonant(packing: Packing, time: float, state: FloatArray, region: int) -> FloatArray:
+def _resonant(
+    packing: Packing, time: float, state: FloatArray, region: int
+) -> NDArray[np.complex128]:
     """The complex terms (N,) of dy/dt whose frequencies are 0, by their order."""
     torques = packing.torques
     total = np.zeros(0, dtype=complex)
@@ -172,6 +177,8 @@ def _resonant(packing: Packing, time: float, state: FloatArray, region: int) -> 
     for torque, period, is_averaged in zip(
         torques.torques, torques.periods, packing.averaged, strict=True
     ):
+        if isinstance(torque, (ConstantTorque, InternalDissipation, LinearDamping)):
+            continue  # the same at all phases of the precession
         times = [time]
         if is_averaged:
             first, last = torques.span
@@ -191,12 +198,14 @@ def _resonant(packing: Packing, time: float, state: FloatArray, region: int) -> 
     return total
 
 
-def _on_line(terms: FloatArray, frequency: FloatArray, nutation: float) -> FloatArray:
+def _on_line(
+    terms: NDArray[np.complex128], frequency: FloatArray, nutation: float
+) -> NDArray[np.complex128]:
     """The terms of y of frequency 0 but that of order 0, one of each pair of conjugates."""
     half = len(terms) // 2
     j, k = np.nonzero(np.abs(frequency) < 1e-6 * nutation)
     order_j, order_k = (np.where(n >= half, n - 2 * half, n) for n in (j, k))
     chosen = (order_k > 0) | ((order_k == 0) & (order_j > 0))
     rows: IntArray = np.argsort(order_k[chosen], kind="stable")
-    found: FloatArray = terms[j[chosen], k[chosen], 3][rows]
+    found: NDArray[np.complex128] = terms[j[chosen], k[chosen], 3][rows]
     return found

@@ -16,7 +16,7 @@ from attitude.averaged._polhode import LAM_PLUS, REGIONS
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
-    from attitude._support.annotations import FloatArray, IntArray
+    from attitude._support.annotations import BoolArray, FloatArray, IntArray
 
     # Of a track and the odds of the regions beyond the separatrix: the one to continue in.
     Choice: TypeAlias = Callable[["Track", dict[int, float]], int]
@@ -188,10 +188,11 @@ class Track:
             return False
         rows, axes = self.blocks[-1], self.course.packing.axes
 
-        def slow(t: FloatArray) -> FloatArray:
+        def slow(t: FloatArray) -> BoolArray:
             states = _states(rows, t, self.sign)
             size = np.sqrt(np.sum(states[:, :3] ** 2, axis=1))
-            return SLOWEST * slowest_turns(axes, size, states[:, 3], self.region) > fastest
+            turns = slowest_turns(axes, size, states[:, 3], self.region)
+            return np.asarray(SLOWEST * turns > fastest)
 
         ends = np.flatnonzero(slow(rows[:, layout.ROW_END]))
         if not len(ends):
