@@ -1,25 +1,28 @@
-"""CCSDS messages as blocks of keywords: read from KVN or XML by a table, and written in either.
+"""CCSDS messages as tables of keywords: tokens of KVN or XML, rows in bulk, and one generator.
 
 A `Form` is the table of a kind of message.  Both notations are read into the same `Message`, by
-calls of its `start`, `entry`, `row` and `stop`, and written by the same calls of a `Generator`.
+calls of its `start`, `entry` and `stop` and of `MessageRows.take`, and written by the same calls
+of a `Generator`.
 """
 
 from __future__ import annotations
 
+import io
 import math
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from itertools import chain, groupby
 from typing import IO, TYPE_CHECKING, TypeAlias
 
-from attitude._textfiles import kvn
 from attitude._textfiles.atomic_write import written_whole
-from attitude._textfiles.lines import cut, is_number, opened
-from attitude._textfiles.xml import MESSAGES, OUTSIDE, ElementReader, escaped
+from attitude._textfiles.lines import BATCH, BulkRows, cut, is_number, opened
+from attitude._textfiles.xml import ElementReader, escaped
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
-    from attitude._support.annotations import FilePath
+    from attitude._support.annotations import FilePath, FloatArray
     from attitude._textfiles.lines import Fault, Lines
 
 
@@ -27,24 +30,35 @@ if TYPE_CHECKING:
 class Form:
     """What a kind of message may hold.
 
-    kind: "AEM", "APM" or "ACM".
-    versions, header, meta: the versions, and the keywords of the header and the meta data.
-    blocks: block -> its keywords; one that ends in * stands for all that begin so.
+    kind, family: such as "AEM"; "CCSDS" or "CIC".
+    versions, header, meta: the versions, and the keywords of the header and the meta data; a
+        keyword that ends in * stands for all that begin so.
+    needed: keywords that the meta data must have.
+    only: keyword of the meta data -> the one version that has it.
+    blocks: block -> its keywords.
     units: keyword -> units that may stand behind its value; a value without a unit is in the first.
     elements: element of XML -> block.
     rows: block with rows -> the element of XML that holds one.
     inner: block that stands inside of another one -> that one.
     once, repeated: blocks that a message has once, keywords that a block may have several times.
+    skipped: blocks that are not read.
     old: keyword of version 1.0, whose blocks have no marks in KVN -> block, and keyword there.
-    groups: elements of XML that stand between a block and its keywords.
+    groups: elements of XML that stand between a block or a row and its keywords.
     anywhere: keywords of the meta data that stand in a block of XML.
-    marks: "metadata" and "data" -> what marks them in KVN, if there are marks.
+    marks: "metadata" and "data" -> what marks them in KVN, if there are marks.  A message with
+        "data" has segments, each with meta data and a block DATA; "" if the meta data end where it
+        begins.
+    lenient: whether unknown meta data are left out, and the marks of DATA may be missing.
+    spaced: whether empty lines stand around the written meta data.
     """
 
     kind: str
     versions: tuple[str, ...]
     header: tuple[str, ...]
     meta: tuple[str, ...] = ()
+    family: str = "CCSDS"
+    needed: tuple[str, ...] = ()
+    only: Mapping[str, str] = field(default_factory=dict)
     blocks: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     units: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     elements: Mapping[str, str] = field(default_factory=dict)
@@ -52,10 +66,42 @@ class Form:
     inner: Mapping[str, str] = field(default_factory=dict)
     once: tuple[str, ...] = ()
     repeated: tuple[str, ...] = ()
+    skipped: tuple[str, ...] = ()
     old: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     groups: tuple[str, ...] = ()
     anywhere: tuple[str, ...] = ()
     marks: Mapping[str, str] = field(default_factory=dict)
+    lenient: bool = False
+    spaced: bool = False
+
+    def meta_of(self, version: str) -> tuple[str, ...]:
+        """The keywords of the meta data in a version, in their order."""
+        return tuple(word for word in self.meta if self.only.get(word, version) == version)
+
+
+# The bytes with which a row begins in KVN.
+_NUMERIC = frozenset(b"+-.0123456789")
+# The block with the rows of a message that has segments.
+_DATA = "DATA"
+# The element of a number in a row of XML: tag, that of the element around it, and attributes.
+Leaf: TypeAlias = tuple[str, str, Mapping[str, str]]
+
+
+class MessageRows(BulkRows):
+    """The rows of a block: base of the classes that collect them.
+
+    unread: names of numbers in XML that are not read.
+    """
+
+    unread: Sequence[str] = ()
+
+    def named(self, leaves: Sequence[Leaf]) -> Sequence[str]:
+        """The names of the numbers of a row in XML; "EPOCH" for its epoch."""
+        return [tag for tag, _, _ in leaves]
+
+
+# Makes the rows of a block, from the count of entries of the first one (None in XML).
+BeginRows: TypeAlias = Callable[["Block", "int | None"], MessageRows]
 
 
 class Block(dict[str, str]):
@@ -64,23 +110,21 @@ class Block(dict[str, str]):
     name, line: the name, and the number of the line in which the block begins.
     lines: keyword -> number of its line.
     order: list of (keyword, value, line), all keywords in the order of the file, repeated ones too.
-    tokens, places: the entries of all rows, and the line of each row.
-    width: entries of a row; 0 before the first.
-    message: the one that holds the block.
+    rows: its rows; None before the first.
+    message, meta: the message that holds the block, and the meta data before it.
     """
 
-    def __init__(self, name: str, line: int, message: Message):
+    def __init__(self, name: str, line: int, message: Message, meta: Block | None = None):
         super().__init__()
         self.name: str = name
         self.line: int = line
         self.lines: dict[str, int] = {}
         self.order: list[tuple[str, str, int]] = []
         self.comments: list[str] = []
-        self.tokens: list[bytes] = []
-        self.places: list[int] = []
-        self.width: int = 0
+        self.rows: MessageRows | None = None
         self.inner: list[Block] = []
         self.message: Message = message
+        self.meta: Block = self if meta is None else meta
 
     def fault(self, sentence: str, keyword: str | None = None) -> AttitudeError:
         """The error for a keyword, in its line, or for the block."""
@@ -98,15 +142,24 @@ class Block(dict[str, str]):
             raise self.fault(f"{what}{err}", keyword) from err
 
     def put(self, keyword: str, value: str, line: int) -> None:
-        """Add a keyword; AttitudeError for a repeated one, and behind rows."""
-        if keyword in self and keyword not in self.message.form.repeated:
+        """Add a keyword; AttitudeError for a repeated one, an empty one, and behind rows."""
+        form = self.message.form
+        if keyword in self and keyword not in form.repeated:
             raise self.message.fault(
                 f"{cut(keyword, '')} is given twice, first in line {self.lines[keyword]}.", line
             )
-        if self.tokens:
+        if not value and keyword in form.needed:
+            raise self.message.fault(f"{keyword} has no value.", line)
+        if self.rows is not None:
             raise self.message.fault(f"{keyword} stands behind the rows of its block.", line)
         self.order.append((keyword, value, line))
         self[keyword], self.lines[keyword] = value, line
+
+    def begin_rows(self, count: int | None = None) -> MessageRows:
+        """The rows of the block, of which the first has so many entries (None in XML)."""
+        if self.rows is None:
+            self.rows = self.message.begin_rows(self, count)
+        return self.rows
 
     def needed(self, keyword: str) -> str:
         """The value of a keyword; AttitudeError if it is missing or empty."""
@@ -126,11 +179,8 @@ class Block(dict[str, str]):
 
     def numbers(self, keyword: str, count: int = 1) -> list[float]:
         """The finite numbers of a keyword; a unit other than the standard's is refused."""
-        value, unit = kvn.without_unit(self.needed(keyword))
-        allowed = self.message.form.units.get(keyword, ())
-        if unit and unit.replace(" ", "") not in allowed:
-            known = f"; it must be in {allowed[0]}" if allowed else ", but it has no unit"
-            raise self.fault(f"{keyword} is in {cut(unit)}{known}.", keyword)
+        value, unit = _without_unit(self.needed(keyword))
+        self.message.refuse_unit(keyword, unit.replace(" ", ""), self.lines[keyword])
         values = [_finite(word) for word in value.split()]
         if len(values) != count or not all(map(math.isfinite, values)):
             what = "a finite number" if count == 1 else f"{count} finite numbers"
@@ -145,17 +195,14 @@ class Block(dict[str, str]):
         """The value of a keyword in upper case, out of some choices; AttitudeError for another."""
         value = self.get(keyword, usual)
         if value is None or value.upper() not in choices:
-            state = "is missing" if value is None else f"is {cut(value)}"
+            what = f"the {self.title} lack{'s' * self.is_block} {keyword}"
+            if value is not None:
+                what = f"{keyword}{f' of the {self.title}' * self.is_block} is {cut(value)}"
             raise self.fault(
-                f"{keyword} of the {self.title} {state}; it must be one of "
-                f"{', '.join(cut(choice, '') for choice in choices)}.",
+                f"{what}; it must be one of {', '.join(cut(choice, '') for choice in choices)}.",
                 keyword,
             )
         return value.upper()
-
-    def row_fault(self, sentence: str, row: int) -> AttitudeError:
-        """The error for a row, counted from 0."""
-        return self.message.fault(sentence, self.places[row])
 
 
 def _finite(word):
@@ -166,26 +213,44 @@ class Message:
     """A message while it is read: header, meta data and blocks.
 
     fault: makes the error for a sentence and the number of a line.
+    begin_rows: makes the rows of a block before the first row.
 
+    meta: the meta data, of several segments those of the last.
     open: those that have begun and not ended.
     where: "header", "meta data" or "data"; "" in messages without marks between these.
+    assumed: what a lenient form lets the reader assume.
     """
 
-    def __init__(self, form: Form, version: str, path: str, fault: Fault):
+    def __init__(
+        self,
+        form: Form,
+        version: str,
+        path: str,
+        fault: Fault,
+        begin_rows: BeginRows | None = None,
+    ):
         self.form: Form = form
         self.version: str = version
         self.path: str = path
         self.fault: Fault = fault
+        self.begin_rows: BeginRows = begin_rows or (lambda block, count: MessageRows(fault, ()))
         self.header: Block = Block("header", 0, self)
         self.meta: Block = Block("meta data", 0, self)
         self.blocks: list[Block] = []
         self.open: list[Block] = []
         self.where: str = "header" if "metadata" in form.marks else ""
+        self.assumed: list[str] = []
+        self._comments: list[str] = []
         self._old = form.old if version == "1.0" else {}
 
     def all(self, name: str) -> list[Block]:
         """The blocks of a name."""
         return [block for block in self.blocks if block.name == name]
+
+    def assume(self, what: str) -> None:
+        """Note what is assumed, once."""
+        if what not in self.assumed:
+            self.assumed.append(what)
 
     def start(self, name: str, line: int) -> None:
         """Begin a block, inside of another one or not."""
@@ -194,59 +259,69 @@ class Message:
             raise self.fault(f"{name} begins before the end of {outer.name}.", line)
         if outer is None and allowed is not None:
             raise self.fault(f"{name} stands outside of {allowed}.", line)
-        if name in self.form.once and self.all(name):
+        if name in self.form.once and any(block.meta is self.meta for block in self.all(name)):
             raise self.fault(f"the message has a second block {name}; it may have one.", line)
         blocks = self.blocks if outer is None else outer.inner
-        blocks.append(Block(name, line, self))
+        blocks.append(Block(name, line, self, self.meta))
         self.open.append(blocks[-1])
+        if name == _DATA:
+            self.open[-1].comments.extend(self._comments)
+            self._comments.clear()
 
     def stop(self, name: str, line: int) -> None:
         """End the innermost block, which must have this name."""
         if not self.open or self.open[-1].name != name:
             raise self.fault(f"{name}_STOP stands without {name}_START.", line)
-        self.open.pop()
+        block = self.open.pop()
+        if block.rows is not None:
+            block.rows.convert()
 
     def entry(self, keyword: str, value: str, line: int) -> None:
         """Add a keyword where the reader is; AttitudeError if it is not known there."""
         block = self.open[-1] if self.open else None
         if keyword == "COMMENT":
-            common = self.header if self.where in ("header", "") else self.meta
-            (common if block is None else block).comments.append(value)
+            self._remarks(block).append(value)
         elif block is None and self._is_common(keyword):
-            (self.header if keyword in self.form.header else self.meta).put(keyword, value, line)
+            is_of_header = self.where != "meta data" and _is_among(keyword, self.form.header)
+            (self.header if is_of_header else self.meta).put(keyword, value, line)
         elif keyword in self._old:
             self._in_version_1(block, keyword, value, line)
-        elif block is not None and self._is_known(keyword, block.name):
+        elif block is not None and _is_among(keyword, self.form.blocks[block.name]):
             block.put(keyword, value, line)
+        elif self.form.lenient and self.where == "meta data":
+            self.assume(f"{cut(keyword, '')} is not known: left out")
         else:
-            raise self.fault(f"{cut(keyword, '')} is not known in {self._here()}.", line)
+            only = self.form.only.get(keyword)
+            hint = f" (it belongs to version {only})" if only else ""
+            raise self.fault(f"{cut(keyword, '')} is not known in {self._here()}{hint}.", line)
 
-    def row(self, entries: list[bytes], line: int) -> None:
-        """Add a row to the open block; AttitudeError for another number of entries than before."""
-        block = self.open[-1]
-        if block.width and len(entries) != block.width:
-            raise self.fault(
-                f"the row has {len(entries)} entries, and those before have {block.width}.", line
-            )
-        block.width = len(entries)
-        block.tokens.extend(entries)
-        block.places.append(line)
+    def at_row(self, first: int, line: int) -> bool:
+        """Whether a line of KVN that begins with this byte is a row of the open block."""
+        form = self.form
+        if form.lenient and self.lacks_data and chr(first).isdigit():
+            self.start(_DATA, line)
+        return first in _NUMERIC and bool(self.open) and self.open[-1].name in form.rows
 
-    def has_rows(self) -> bool:
-        """Whether the open block may have rows."""
-        return bool(self.open) and self.open[-1].name in self.form.rows
+    @property
+    def lacks_data(self) -> bool:
+        """Whether the meta data of a segment have ended and its data have not begun."""
+        if self.where != "data" or _DATA not in self.form.blocks:
+            return False
+        return not self.blocks or self.blocks[-1].meta is not self.meta
+
+    def is_skipping(self) -> bool:
+        """Whether the open block is not read."""
+        return bool(self.open) and self.open[-1].name in self.form.skipped
 
     def mark(self, mark: str, line: int) -> None:
         """Process a line of KVN with _START or _STOP."""
         name, _, end = mark.rpartition("_")
-        if name == "META":
-            steps = {("header", "START"): "meta data", ("meta data", "STOP"): "data", ("", end): ""}
-            if (self.where, end) not in steps:
-                raise self.fault(
-                    f"{mark} stands in the wrong place; an {self.form.kind} has one META block.",
-                    line,
-                )
-            self.where = steps[self.where, end]
+        if mark == "META_START":
+            self.start_meta(mark, line)
+        elif mark == "META_STOP":
+            self.stop_meta(line)
+            if self.form.marks.get("data") == "":
+                self.start(_DATA, line)
         elif name not in self.form.blocks or self._old:
             known = ", ".join(["META", *(() if self._old else self.form.blocks)])
             raise self.fault(
@@ -261,20 +336,85 @@ class Message:
         else:
             self.stop(name, line)
 
-    def refuse_open(self) -> None:
-        """AttitudeError if the file ends inside of a block or before the data."""
-        if self.open or self.where not in ("data", ""):
-            name = self.open[-1].name if self.open else "META"
-            raise self.fault(f"the file ends before {name}_STOP; is it cut off?", None)
+    def start_meta(self, mark: str, line: int) -> None:
+        """Begin the meta data of the message or of a segment; `mark` is what does so."""
+        if self.where == "data" and _DATA in self.form.blocks:
+            self._end_data(mark, line)
+        elif self.where == "meta data":
+            raise self.fault(f"{mark} stands before the end of the meta data before.", line)
+        elif self.where == "data":
+            raise self.fault(
+                f"{mark} stands in the wrong place; an {self.form.kind} has one META block.", line
+            )
+        if self.where:
+            self.meta, self.where = Block(self.meta.name, line, self), "meta data"
+            self._comments.clear()
 
-    def _is_known(self, keyword, name):
-        return any(
-            keyword == known or (known.endswith("*") and keyword.startswith(known[:-1]))
-            for known in self.form.blocks[name]
-        )
+    def stop_meta(self, line: int) -> None:
+        """End the meta data, which must be complete."""
+        if not self.where:
+            return
+        if self.where != "meta data":
+            raise self.fault("META_STOP stands without META_START.", line)
+        self._refuse_incomplete(line)
+        self.where = "data"
+
+    def end(self, line: int | None = None) -> None:
+        """End the message; AttitudeError if it ends inside of a block or before the data."""
+        if not self.where:
+            self._refuse_incomplete(line)
+        elif self.where == "data" and _DATA in self.form.blocks:
+            self._end_data(None, line)
+        if self.open or self.where not in ("data", ""):
+            mark = "META_START" if self.where == "header" else "META_STOP"
+            mark = f"{self.open[-1].name}_STOP" if self.open else mark
+            raise self.fault(f"the file ends before {mark}; is it cut off?", line)
+
+    def _refuse_incomplete(self, line):
+        for keyword in self.form.needed:
+            if not self.meta.get(keyword):
+                raise self.fault(
+                    f"the meta data end without {keyword}, which they must have.", line
+                )
+
+    def _end_data(self, mark, line):
+        """End the data of a segment at the mark of the next one, or at the end of the file."""
+        lacking = "DATA_START" if self.lacks_data else ""
+        is_marked = self.form.marks["data"] != ""
+        if self.open and self.open[-1].name == _DATA and (self.form.lenient or not is_marked):
+            if is_marked:
+                self.assume("DATA_STOP is missing: the data end with the next segment or the file")
+            self.stop(_DATA, line)
+        elif self.open:
+            lacking = f"{self.open[-1].name}_STOP"
+        if lacking:
+            what = "the file ends" if mark is None else f"{mark} stands"
+            raise self.fault(f"{what} before {lacking}; is it cut off?", line)
+
+    def refuse_between(self, shown: str, line: int) -> None:
+        """AttitudeError for a line without = before or behind the data of a segment."""
+        if self.where == "data" and not self.open and _DATA in self.form.blocks:
+            mark = "DATA_START" if self.lacks_data else "META_START or the end"
+            raise self.fault(f"{shown} stands where {mark} must be.", line)
+
+    def refuse_unit(self, keyword: str, unit: str | None, line: int | None) -> None:
+        """AttitudeError for a unit in which a keyword or a number of a row may not be."""
+        allowed = self.form.units.get(keyword, ())
+        if unit and unit not in allowed:
+            known = f"; it must be in {allowed[0]}" if allowed else ", but it has no unit"
+            raise self.fault(f"{keyword} is in {cut(unit)}{known}.", line)
+
+    def _remarks(self, block):
+        """The list of comments where the reader is; those behind the data of a segment are lost."""
+        if block is not None:
+            return block.comments
+        if self.where == "data" and _DATA in self.form.blocks:
+            return self._comments
+        return (self.header if self.where in ("header", "") else self.meta).comments
 
     def _is_common(self, keyword):
-        header, meta = keyword in self.form.header, keyword in self.form.meta
+        header = _is_among(keyword, self.form.header)
+        meta = keyword in self.form.meta_of(self.version)
         return {"header": header, "meta data": meta, "": header or meta}.get(self.where, False)
 
     def _in_version_1(self, block, keyword, value, line):
@@ -282,7 +422,7 @@ class Message:
         name, known = self._old[keyword]
         if block is None:
             if not self.all(name) or keyword == "MAN_EPOCH_START":
-                self.blocks.append(Block(name, line, self))
+                self.blocks.append(Block(name, line, self, self.meta))
             block = self.all(name)[-1]
         if block.name != name:
             raise self.fault(f"{keyword} is not known in {self._here()}.", line)
@@ -290,7 +430,7 @@ class Message:
 
     def _here(self):
         """Where the reader is, and what is known there."""
-        form = self.form
+        form, meta = self.form, self.form.meta_of(self.version)
         if self.open:
             name = self.open[-1].name
             old = [keyword for keyword, (block, _) in self._old.items() if block == name]
@@ -299,18 +439,27 @@ class Message:
             return f"an {form.kind} outside of a block"
         else:
             place = f"the {self.where or 'header and the meta data'} of an {form.kind}"
-            header, meta = (self.where in (name, "") for name in ("header", "meta data"))
-            known = (*form.header * header, *form.meta * meta)
-        return f"{place} of version {self.version}; known are {', '.join(known)}"
+            known = {"header": form.header, "meta data": meta}.get(self.where, form.header + meta)
+        words = f"; known are {', '.join(known)}" if known else ""
+        return f"{place} of version {self.version}{words}"
 
 
-def read(path: FilePath, form: Form) -> Message:
+def _is_among(keyword, words):
+    """Whether a keyword is one of some, of which those with * stand for all that begin so."""
+    return keyword in words or any(
+        word.endswith("*") and keyword.startswith(word[:-1]) for word in words
+    )
+
+
+def read(path: FilePath, form: Form, begin_rows: BeginRows | None = None) -> Message:
     """A message in KVN or XML, recognized by the content."""
     with opened(path) as lines:
-        first = kvn.first(lines)
-        if first is not None:
-            return _of_kvn(lines, first, form)
-    reader = _MessageReader(path, form)
+        line = _first(lines)
+        if line is None and form.family != "CCSDS":
+            line = b"<"  # other families have no XML
+        if line is not None:
+            return _of_kvn(lines, Message(*_head(lines, line, form), lines.fault, begin_rows))
+    reader = _MessageReader(path, form, begin_rows)
     reader.run()
     if reader.message is None:
         raise reader.fault(f"there is no <{form.kind.lower()}> message in it.")
@@ -318,68 +467,200 @@ def read(path: FilePath, form: Form) -> Message:
     return message
 
 
-def _of_kvn(lines: Lines, first: bytes, form: Form) -> Message:
-    version = kvn.version(lines, first, form.kind, form.versions)
-    message = Message(form, version, lines.path, lines.fault)
-    for line in lines:
+# ---- Tokens of KVN: lines of KEYWORD = value
+
+# Longest keyword, characters: sentences repeat them.
+_LONGEST_KEYWORD = 60
+# value [unit]
+_UNIT = re.compile(r"(.*?)\s*\[([^][]*)\]")
+
+
+def _of_kvn(lines: Lines, message: Message) -> Message:
+    """The message of the lines behind the first."""
+    line = next(lines, None)
+    while line is not None:
         text = line.strip()
+        if text and message.at_row(text[0], lines.number):
+            line = _take_rows(lines, line, message.open[-1])
+            continue
         if text.endswith((b"_START", b"_STOP")) and b"=" not in text and b" " not in text:
             message.mark(text.decode("ascii", "replace"), lines.number)
-        elif not text:
-            continue
-        elif message.has_rows() and b"=" not in text and text[:1] in b"+-.0123456789":
-            message.row(text.split(), lines.number)  # it begins with a number or a date
-        else:
-            message.entry(*kvn.pair(lines, line), lines.number)
-    message.refuse_open()
+        elif text and not message.is_skipping():
+            if b"=" not in text and not text.startswith(b"COMMENT"):
+                message.refuse_between(_shown(lines.text(line)), lines.number)
+            message.entry(*pair(lines, line), lines.number)
+        line = next(lines, None)
+    message.end()
     return message
 
 
-_PLACES = {"header": "header", "metadata": "meta data", "data": "data"}
-_OUTER = ("ndm", "body", "segment", *_PLACES)
+def _take_rows(lines, line, block):
+    """Take rows of a block from a line on; the first line that is none, None at the end."""
+    rows = block.begin_rows(len(line.split()))
+    if block.line == lines.number:
+        block.message.assume("DATA_START is missing: the data begin with the first epoch")
+    width, entries, places = rows.step, rows.entries, rows.lines
+    for following in chain((line,), lines):
+        tokens = following.split()
+        if tokens and tokens[0][0] in _NUMERIC:
+            if len(tokens) != width:
+                tokens = rows.known(tokens, lines.number)
+            entries.extend(tokens)
+            places.append(lines.number)
+            if len(places) == BATCH:
+                rows.convert()
+        elif tokens:
+            return following
+    return None
+
+
+def _first(lines: Lines) -> bytes | None:
+    """The first line that is neither empty nor a comment; None if the message is in XML."""
+    for line in lines:
+        text = line.lstrip(b"\xef\xbb\xbf \t")
+        if text.startswith((b"<", b"\xff\xfe", b"\xfe\xff")):
+            return None
+        if text and not text.startswith(b"COMMENT"):
+            return line
+    raise lines.fault("the file is empty.")
+
+
+def _head(lines: Lines, line: bytes, form: Form) -> tuple[Form, str, str]:
+    """Form, version and path of a message, from its first line."""
+    keyword, value = pair(lines, line)
+    wanted = f"{form.family}_{form.kind}_VERS"
+    if keyword != wanted or value not in form.versions:
+        other = keyword == f"CIC_{form.kind}_VERS" and form.family != "CIC"
+        raise lines.fault(
+            f"it begins with {_shown(lines.text(line))}; an {form.kind} begins with {wanted} = "
+            f"{' or '.join(form.versions)}"
+            + ("; attitude.formats.cic reads the dialect of CNES." if other else ".")
+        )
+    return form, value, lines.path
+
+
+def pair(lines: Lines, line: bytes) -> tuple[str, str]:
+    """Keyword, in capital letters, and value of a line; a comment is ("COMMENT", text)."""
+    text = lines.text(line)
+    stripped = text.strip()
+    if stripped.startswith("COMMENT"):
+        return "COMMENT", stripped[7:].removeprefix("=").strip()
+    keyword, equals, value = text.partition("=")
+    if not equals or not 0 < len(keyword.strip()) <= _LONGEST_KEYWORD:
+        raise lines.fault(f'{_shown(text)} is no "KEYWORD = value".')
+    return keyword.strip().upper(), value.strip()
+
+
+def values(lines: Lines) -> dict[str, str]:
+    """Keyword -> value of a message of one block, without comments and units; the last counts."""
+    pairs = (pair(lines, line) for line in lines if lines.text(line).strip())
+    return {
+        keyword: value.partition("[")[0].strip() for keyword, value in pairs if keyword != "COMMENT"
+    }
+
+
+def _without_unit(value):
+    """Value and unit of ``1.5 [deg]``; the unit is "" if none is given."""
+    match = _UNIT.fullmatch(value)
+    return (match.group(1), match.group(2).strip()) if match else (value, "")
+
+
+def _shown(text):
+    """A line as it appears in an error message: in quotes, at most 40 characters."""
+    return cut(text.strip())
+
+
+# ---- Tokens of XML: CCSDS 505.0-B-3
+
+# Messages, and the elements that may stand around one.
+_MESSAGES = ("acm", "aem", "apm", "cdm", "ocm", "oem", "omm", "opm", "rdm", "tdm")
+_OUTSIDE = ("ndm", "COMMENT", "MESSAGE_ID")
+_PARTS = frozenset(("header", "metadata", "data"))
+_OUTER = frozenset(("ndm", "body", "segment", *_PARTS))
+# Longest incomplete row, bytes, that is kept back from the parser until its end is read, so that a
+# pattern can match it.
+_LONGEST_ROW = 1 << 16
+# Layouts of rows in one file for which patterns are compiled.
+_MOST_PATTERNS = 50
 
 
 class _MessageReader(ElementReader):
-    """Collects the message; `_tags` are the tags of the open elements and the blocks they begin."""
+    """Collects the message; rows that differ from the last one in their texts match a pattern.
 
-    def __init__(self, path, form):
+    `_tags` are the tags of the open elements and the blocks they begin; `_leaves` and `_texts`
+    those of the open row; `_rest` are the bytes that are kept back from the parser.
+    """
+
+    def __init__(self, path, form, begin_rows):
         super().__init__(path)
-        self._form = form
+        self._form, self._begin_rows = form, begin_rows
         self._tags, self._attributes, self._comments = [], {}, []
+        self._is_leaf, self._leaves, self._texts = False, None, []
+        row = form.rows.get(_DATA, "")
+        self._begin, self._end = f"<{row}>".encode(), f"</{row}>".encode()
+        self._rest, self._pattern, self._patterns, self._ended_at = b"", None, {}, 0
 
     def begin(self, tag, attributes):
         form, message, name = self._form, self.message, None
-        if tag in MESSAGES or (message is None and tag not in OUTSIDE):
+        if self._leaves is not None:
+            pass
+        elif tag in _MESSAGES or (message is None and tag not in _OUTSIDE):
             version = self.version(tag, attributes, form.kind.lower(), form.versions)
-            self.message = Message(form, version, self.path, self.fault)
+            self.message = Message(form, version, self.path, self.fault, self._begin_rows)
             self.message.header.comments.extend(self._comments)
-        elif tag in form.elements:
-            outer = message.open[-1].name if message.open else None
-            if self._above() == "data" or form.inner.get(form.elements[tag], "") == outer:
-                name = form.elements[tag]
-                message.start(name, self.line)
-        elif tag in _PLACES and message is not None and message.where:
-            message.where = _PLACES[tag]
+        elif tag in _PARTS and message is not None and message.where:
+            self._enter(tag)
+        if message is not None and self._leaves is None:
+            name = self._started(tag)
         self._tags.append((tag, name))
-        self._attributes = attributes
+        self._attributes, self._is_leaf = attributes, True
+
+    def _enter(self, tag):
+        """Enter a part of the message or of a segment."""
+        if tag == "metadata":
+            self.message.start_meta("<metadata>", self.line)
+        elif tag == "data" and self.message.where != "data":
+            raise self.fault("<data> stands before the end of <metadata>.")
+        else:
+            self.message.where = tag
+
+    def _started(self, tag):
+        """Begin the block of an element, or a row; the name of the block."""
+        form, message = self._form, self.message
+        outer = message.open[-1].name if message.open else None
+        name = form.elements.get(tag)
+        if outer in form.rows and tag == form.rows[outer]:
+            self._leaves, self._texts = [], []
+        elif name is not None and (
+            self._above() == "data" or name == _DATA or form.inner.get(name, "") == outer
+        ):
+            message.start(name, self.line)
+            return name
+        return None
 
     def _above(self):
         return self._tags[-1][0] if self._tags else None
 
     def end(self, tag, text):
         name, message = self._tags.pop()[1], self.message
+        is_leaf, self._is_leaf = self._is_leaf, False
         if message is None:
             self._comments += [text] if tag == "COMMENT" else []
+        elif self._leaves is not None:
+            self._in_row(tag, text, is_leaf)
         elif name is not None:
             message.stop(name, self.line)
-        elif tag not in (*_OUTER, self._form.kind.lower(), *self._form.groups):
+        elif tag == "metadata" and message.where:
+            message.stop_meta(self.line)
+        elif tag == self._form.kind.lower():
+            message.end(self.line)
+        elif tag not in _OUTER and tag not in self._form.groups:
             self._leaf(message, tag, text)
 
     def _leaf(self, message, tag, text):
         form, unit = self._form, self._attributes.get("units")
         label = self._attributes.get("angle") or self._attributes.get("rate")
-        if message.has_rows() and tag == form.rows[message.open[-1].name]:
-            message.row(text.encode("ascii", "replace").split(), self.line)
+        if message.is_skipping():
             return
         if tag.startswith("rotation") and label in form.repeated:
             tag = label
@@ -388,9 +669,139 @@ class _MessageReader(ElementReader):
         if tag in form.anywhere and tag not in message.meta:
             message.meta.put(tag, text, self.line)
         elif not message.open and self._above() not in ("header", "metadata") and tag != "COMMENT":
-            raise self.fault(f"<{tag[:40]}> stands outside of a block.")
+            if _DATA not in form.blocks:  # between the parts of segments elements are not read
+                raise self.fault(f"<{tag[:40]}> stands outside of a block.")
         else:
             message.entry(tag, text if unit is None else f"{text} [{unit}]", self.line)
+
+    def _in_row(self, tag, text, is_leaf):
+        """Add an element to the open row, or end the row."""
+        block = self.message.open[-1]
+        if tag == self._form.rows[block.name]:
+            self._end_row(block.begin_rows(), text)
+        elif is_leaf and (text or tag not in self._form.groups):
+            self._leaves.append((tag, self._above(), self._attributes))
+            self._texts.append(text.encode("ascii", "replace"))
+        elif text or tag not in self._form.groups:
+            raise self.fault(f"<{tag}> does not belong into a row, or has a text.")
+
+    def _end_row(self, rows, text):
+        """Add the open row: that of its elements, or of its text without any."""
+        if self._leaves:
+            rows.arrange(self._order(rows), len(self._leaves))
+            rows.take(self._texts, self.line)
+        else:
+            tokens = text.encode("ascii", "replace").split()
+            rows.take(rows.known(tokens, self.line), self.line)
+        self._leaves, self._ended_at = None, self.place
+
+    def _order(self, rows):
+        """The places of lead and names among the leaves of the open row."""
+        places: dict[str, int] = {}
+        for place, name in enumerate(rows.named(self._leaves)):
+            if name in places or name not in ("EPOCH", *rows.names, *rows.unread):
+                raise self.fault(
+                    f"{cut(name, '')} does not belong into a row, or not twice; {rows.holds}."
+                )
+            self.message.refuse_unit(name, self._leaves[place][2].get("units"), None)
+            places[name] = place
+        names = ("EPOCH", *rows.names)
+        lacking = [name for name in names if name not in places]
+        if lacking:
+            raise self.fault(f"the row lacks {', '.join(lacking)}.")
+        return [places[name] for name in names]
+
+    # Runs of rows that differ in their texts only are read by a pattern instead of the parser.  The
+    # first row of a run is parsed as XML.  The following rows that have the same tags, attributes,
+    # order and spaces, and plain texts without entities, have the same structure; a regular
+    # expression extracts their texts, four times as fast as the parser.  Everything else is parsed.
+
+    def take(self, piece, last=False):
+        """Match rows that follow a parsed one; give everything else to the parser."""
+        if _DATA not in self._form.rows:
+            self.feed(piece, last)
+            return
+        buffer, at = self._rest + piece, 0
+        self._rest = b""
+        while True:
+            if self._pattern is not None:
+                at = self._match_rows(buffer, at)
+            end = buffer.find(self._end, at) + len(self._end)
+            if end < len(self._end):
+                break
+            start = buffer.rfind(self._begin, at, end)
+            self.feed(buffer[at:end])
+            self._pattern = self._pattern_of(buffer[start:end]) if start >= 0 else None
+            at = end
+        # The beginning of a row is kept until its end is read, up to some length.
+        start = buffer.find(b"<", at) if self._pattern is not None else buffer.find(self._begin, at)
+        if start < 0:
+            start = len(buffer)
+        elif last or len(buffer) - start > _LONGEST_ROW:
+            start, self._pattern = len(buffer), None
+        self.feed(buffer[at:start], last)
+        self._rest = buffer[start:]
+
+    def _pattern_of(self, row):
+        """The pattern of the last row, if the parser has just finished it."""
+        if self._ended_at + len(self._end) != self.fed:
+            return None
+        source = pattern_of(row, self.message.open[-1].rows.step)
+        if source is not None and source not in self._patterns:
+            if len(self._patterns) >= _MOST_PATTERNS:
+                return None
+            self._patterns[source] = re.compile(source)
+        return self._patterns.get(source)
+
+    def _match_rows(self, buffer, at):
+        """Add the rows that match the pattern; the offset of the first that does not."""
+        match, rows, line = self._pattern.match, self.message.open[-1].rows, self.line
+        entries, lines = rows.entries, rows.lines
+        while texts := match(buffer, at):
+            entries.extend(texts.groups())
+            line += buffer.count(b"\n", at, texts.end())
+            lines.append(line)
+            at = texts.end()
+        self.skipped += line - self.line
+        if len(lines) >= BATCH:
+            rows.convert()
+        return at
+
+
+# Texts of numbers and dates: no references, no tags, no underscores (which Python's float takes
+# for separators of digits).
+_TEXT = rb"([^<>&_\s]{1,60})"
+_TAG = re.compile(rb"<[^<>]*>")
+_LONGEST_PATTERN = 4096  # bytes of a row: patterns of longer ones would take long to compile
+
+
+def pattern_of(row: bytes, texts: int) -> bytes | None:
+    """The regular expression of rows with the structure of one; None for other than plain texts.
+
+    row: a whole element, well-formed.
+    texts: number of texts in the row, which are the groups of the expression.
+
+    >>> pattern = re.compile(pattern_of(b"<a><b>1</b> <c u='m'>2</c></a>", 2))
+    >>> pattern.match(b"  <a><b>3</b> <c u='m'>4</c></a>").groups()
+    (b'3', b'4')
+    >>> pattern.match(b"<a><b>3</b> <c u='s'>4</c></a>") is None
+    True
+    """
+    if len(row) > _LONGEST_PATTERN or b"<!" in row or b"<?" in row or b"&" in row:
+        return None
+    pieces, end = [rb"\s*"], 0
+    for tag in _TAG.finditer(row):
+        between = row[end : tag.start()]
+        text = between.strip()
+        if text:
+            texts -= 1
+            before, _, after = between.partition(text)
+            pieces += [re.escape(before), _TEXT, re.escape(after)]
+        else:
+            pieces.append(re.escape(between))
+        pieces.append(re.escape(tag.group()))
+        end = tag.end()
+    return b"".join(pieces) if texts == 0 and end == len(row) else None
 
 
 # ---- Writing
@@ -404,14 +815,19 @@ class Generator:
     def __init__(self, file: IO[str], form: Form, version: str):
         self._file, self._form, self._version = file, form, version
 
-    def write(self, text: str) -> None:
-        """Write a text as it is."""
-        self._file.write(text)
+    def text_of(self, write: Callable[[Generator], None]) -> str:
+        """What a function writes, as a text instead of in the file."""
+        file, self._file = self._file, io.StringIO()
+        try:
+            write(self)
+            return self._file.getvalue()
+        finally:
+            self._file = file
 
     @contextmanager
     def message(self) -> Iterator[None]:
         """The message around its parts."""
-        self._file.write(f"CCSDS_{self._form.kind}_VERS = {self._version}\n")
+        self._file.write(f"{self._form.family}_{self._form.kind}_VERS = {self._version}\n")
         yield
 
     @contextmanager
@@ -426,7 +842,7 @@ class Generator:
 
     def entry(self, key: str, value: str | float, element: str = "") -> None:
         """A keyword with its unit; `element` is the tag in XML with attributes, if not the key."""
-        self._file.write(f"{key} = {_shown(value)}{self._unit(key, ' [{}]')}\n")
+        self._file.write(f"{key} = {_written(value)}{self._unit(key, ' [{}]')}\n")
 
     def comments(self, comments: Iterable[str]) -> None:
         """Comments, one by one."""
@@ -437,9 +853,29 @@ class Generator:
         for key, value in entries:
             self.entry(key, value)
 
-    def rows(self, texts: Iterable[str], element: str) -> None:
-        """Rows, each an element of XML."""
-        self._file.writelines(f"{text}\n" for text in texts)
+    def grouped(
+        self, entries: Iterable[tuple[str, str | float]], groups: Mapping[str, str | None]
+    ) -> None:
+        """Keywords and values; in XML each group of them has an element around it."""
+        self.entries(entries)
+
+    def row(self, element: str, count: int) -> str:
+        """The text of a row: %s for its epoch and %r for each of its numbers."""
+        return "%s" + " %r" * count + "\n"
+
+    def table(self, epochs: Sequence[str], columns: FloatArray, row: str) -> None:
+        """MessageRows of N epochs and columns (N, count), each by its text from `row`."""
+        records = zip(epochs, *columns.T.tolist(), strict=True)
+        self._file.write("".join([row % record for record in records]))
+
+    def metadata(self, keywords: Mapping[str, str], comments: Iterable[str]) -> None:
+        """The meta data of a message or of a segment."""
+        space = "\n" * self._form.spaced
+        with self.part("metadata"):
+            self.comments(comments)
+            self._file.write(space)
+            self.entries(keywords.items())
+            self._file.write(space)
 
     def _unit(self, key, text):
         return text.format(self._form.units[key][0]) if key in self._form.units else ""
@@ -476,7 +912,7 @@ class XmlGenerator(Generator):
 
     def entry(self, key: str, value: str | float, element: str = "") -> None:
         """An element with its unit."""
-        tag, text = element or key, escaped(_shown(value))
+        tag, text = element or key, escaped(_written(value))
         unit = self._unit(key, ' units="{}"')
         self._file.write(f"{' ' * self._depth}<{tag}{unit}>{text}</{tag.split()[0]}>\n")
 
@@ -485,13 +921,30 @@ class XmlGenerator(Generator):
         for text in comments:
             self.entry("COMMENT", text)
 
-    def rows(self, texts: Iterable[str], element: str) -> None:
-        """Rows, each an element of XML."""
-        for text in texts:
-            self.entry(element, text)
+    def grouped(
+        self, entries: Iterable[tuple[str, str | float]], groups: Mapping[str, str | None]
+    ) -> None:
+        """Keywords and values; angles and rates of version 1 are numbered, with their axes."""
+        for group, members in groupby(entries, key=lambda entry: groups.get(entry[0])):
+            if group is None:
+                self.entries(members)
+                continue
+            label = _LABELS.get(group)
+            with self.part(group):
+                for k, (key, value) in enumerate(members):
+                    self.entry(key, value, f'rotation{k + 1} {label}="{key}"' if label else key)
+
+    def row(self, element: str, count: int) -> str:
+        """The text of a row, an element."""
+        numbers_of_row = "%s" + " %r" * count
+        return self.text_of(lambda out: out.entry(element, numbers_of_row))
 
 
-def _shown(value):
+# Group of numbered elements of XML -> attribute that names their axes.
+_LABELS = {"rotationAngles": "angle", "rotationRates": "rate"}
+
+
+def _written(value):
     return value if isinstance(value, str) else repr(value)
 
 
@@ -508,7 +961,7 @@ def write(
     comments: Sequence[str],
     segments: Iterable[Segment],
     *,
-    xml: bool,
+    xml: bool = False,
 ) -> None:
     """Write a message to a file that appears whole or not at all; `name` is that in errors."""
     segments = list(segments)
@@ -524,9 +977,7 @@ def write(
             with out.part("body"):
                 for keywords, remarks, write_data in segments:
                     with out.part("segment"):
-                        with out.part("metadata"):
-                            out.comments(remarks)
-                            out.entries(keywords.items())
+                        out.metadata(keywords, remarks)
                         with out.part("data"):
                             write_data(out)
 

@@ -24,13 +24,6 @@ _LONGEST_TAG = 100
 _LONGEST = 20_000
 
 
-# Messages of CCSDS 505.0-B-3, and the elements that may stand around one.
-MESSAGES: tuple[str, ...] = (
-    *("acm", "aem", "apm", "cdm", "ocm", "oem", "omm", "opm", "rdm", "tdm"),
-)
-OUTSIDE: tuple[str, ...] = ("ndm", "COMMENT", "MESSAGE_ID")
-
-
 class ElementReader:
     """Base of readers of XML: calls `begin` and `end` of a subclass for each element.
 
@@ -87,16 +80,16 @@ class ElementReader:
 
     def version(self, tag: str, attributes: dict[str, str], kind: str, known: Sequence[str]) -> str:
         """The version of a message, from its outermost element."""
-        found = attributes.get("version")
-        if tag != kind or found is None or found not in known:
+        number = attributes.get("version")
+        if tag != kind or number is None or number not in known:
             raise self.fault(
-                f"its outermost element is <{tag[:40]}> of version {cut(found)}; an "
+                f"its outermost element is <{tag[:40]}> of version {cut(number)}; an "
                 f'{kind.upper()} is <{kind} id="CCSDS_{kind.upper()}_VERS" '
                 f'version="{" or ".join(known)}">.'
             )
         if self.message is not None:
             raise self.fault("it holds several messages; write each into a file of its own.")
-        return found
+        return number
 
     def run(self) -> None:
         """Parse the file."""

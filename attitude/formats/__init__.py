@@ -12,8 +12,7 @@ quat                plain tables of quaternions
 tables              astropy QTable, ECSV, FITS, CSV, parquet
 detect              any of these by content or ending: `read`, `opened`, `write`, `write_motion`
 
-_aem_message        an AEM or CIC file as segments, read and to be written
-_aem_notations      the same in KVN and XML
+_aem_message        an AEM or CIC file: keywords, records of segments, read and to be written
 _attitude_types     attitude types of CCSDS messages: their columns and rates
 _ccsds_epochs       time codes of CCSDS messages
 _ck_files           files, clock and records of C-kernels; SPICE's pool

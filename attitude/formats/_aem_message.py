@@ -1,26 +1,31 @@
-"""The content of an AEM or CIC file: header and segments, read and to be written.
+"""Segments of an AEM or CIC file: the table of keywords, the meaning of records, written records.
 
 `aem.read(lenient=True)` fills what files of operators leave out.  Definitive attitude of the MMS
 mission (GSFC) has the header of an AEM, and 21 columns: the epoch, elapsed seconds, the quaternion
 (scalar last) from J2000 to the body, its rates in deg/s over the body axes, phases, poles and a
 flag of quality.  The quaternion and the rates are read.
+
+Keywords and elements of XML are those of CCSDS 504.0-B-1 with 505.0-B-1 and 505.0-B-2 (section
+4.8) for version 1.0, and of CCSDS 504.0-B-2 (section 7) with 505.0-B-3 for version 2.0.  For the
+conventions see `_attitude_types`.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from attitude._textfiles import messages
 from attitude._textfiles.lines import cut
-from attitude._textfiles.messages import refuse_line_breaks
+from attitude._textfiles.messages import Form, Generator, XmlGenerator, refuse_line_breaks
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
-from attitude.formats import _attitude_types, _recipes
+from attitude.formats import _attitude_types, _messages, _recipes
 from attitude.formats import _ccsds_epochs as ccsds_epochs
-from attitude.formats._messages import written_body
+from attitude.formats._messages import GROUPS, HEADER, Q_DOT, VERSIONS, written_body
 from attitude.formats._records import TOLERANCE, Rows, columns_of, known_tolerance
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
@@ -28,18 +33,127 @@ from attitude.motions import _axes, _table
 from attitude.motions._table import AttitudeTable
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
 
-    from attitude._support.annotations import FloatArray
-    from attitude._textfiles.lines import Fault
-    from attitude.formats._attitude_types import Convention
+    from attitude._support.annotations import FilePath
+    from attitude._textfiles.messages import Block, Leaf
     from attitude.formats._sampling import Records
-    from attitude.motions._axes import Axes
     from attitude.paths._path import Path
 
 
+# ---- The table of keywords, in the order in which they are written
+
+# Version -> attitude type -> element of a record.
+_ELEMENTS: dict[str, dict[str, str]] = {
+    "2.0": {
+        "QUATERNION": "quaternionEphemeris",
+        "QUATERNION/DERIVATIVE": "quaternionDerivative",
+        "QUATERNION/ANGVEL": "quaternionAngVel",
+        "EULER_ANGLE": "eulerAngle",
+        "EULER_ANGLE/DERIVATIVE": "eulerAngleDerivative",
+        "EULER_ANGLE/ANGVEL": "eulerAngleAngVel",
+        "SPIN": "spin",
+        "SPIN/NUTATION": "spinNutation",
+        "SPIN/NUTATION_MOM": "spinNutationMom",
+    },
+    "1.0": {
+        "QUATERNION": "quaternionState",
+        "QUATERNION/DERIVATIVE": "quaternionDerivative",
+        "QUATERNION/ANGVEL": "quaternionEulerRate",
+        "EULER_ANGLE": "eulerAngle",
+        "EULER_ANGLE/ANGVEL": "eulerAngleRate",
+        "SPIN": "spin",
+        "SPIN/NUTATION": "spinNutation",
+    },
+}
+_RECORDS = {element for names in _ELEMENTS.values() for element in names.values()}
+_ANGVEL = ("ANGVEL_X", "ANGVEL_Y", "ANGVEL_Z")
+
+FORM = Form(
+    "AEM",
+    VERSIONS,
+    HEADER,
+    meta=(
+        *("OBJECT_NAME", "OBJECT_ID", "CENTER_NAME", "REF_FRAME_A", "REF_FRAME_B", "ATTITUDE_DIR"),
+        *("TIME_SYSTEM", "START_TIME", "USEABLE_START_TIME", "USEABLE_STOP_TIME", "STOP_TIME"),
+        *("ATTITUDE_TYPE", "QUATERNION_TYPE", "EULER_ROT_SEQ", "RATE_FRAME", "ANGVEL_FRAME"),
+        *("INTERPOLATION_METHOD", "INTERPOLATION_DEGREE"),
+    ),
+    only={
+        **dict.fromkeys(("ATTITUDE_DIR", "QUATERNION_TYPE", "RATE_FRAME"), "1.0"),
+        "ANGVEL_FRAME": "2.0",
+    },
+    needed=(
+        *("OBJECT_NAME", "OBJECT_ID", "REF_FRAME_A", "REF_FRAME_B", "TIME_SYSTEM"),
+        *("START_TIME", "STOP_TIME", "ATTITUDE_TYPE"),
+    ),
+    blocks={"DATA": ()},
+    units=_messages.UNITS,
+    elements={"data": "DATA"},
+    rows={"DATA": "attitudeState"},
+    once=("DATA",),
+    groups=(
+        *("quaternion", "quaternionDot", "quaternionRate", "angVel", "rotationAngles"),
+        *("rotationRates", *sorted(_RECORDS)),
+    ),
+    marks={"metadata": "META", "data": "DATA"},
+)
+
+
+@dataclass
+class Options:
+    """Arguments of `aem.read` that supplement the file.
+
+    tolerance: largest deviation from 1 of the length of a quaternion.
+    frame: the external axes, if their name in the file is not known.
+    orbit: path of the body about its center, for axes of an orbit.
+    rates: what the rates of version 1 are: "body", "euler", or None: "body" with a warning.
+    object: OBJECT_ID or OBJECT_NAME of the segments that are read.
+    segment: the place of the one segment that is read, counted from 0.
+    lenient: whether missing parts of a message in KVN are assumed.
+    """
+
+    tolerance: float = TOLERANCE
+    frame: str | None = None
+    orbit: Path | None = None
+    rates: str | None = None
+    object: str | None = None
+    segment: int | None = None
+    lenient: bool = False
+
+    def __post_init__(self) -> None:
+        known_tolerance(self.tolerance)
+        _attitude_types.known_rates(self.rates)
+
+
+def read(path: FilePath, form: Form, options: Options) -> AttitudeTable:
+    """The segments of one object of an AEM, or of a CIC file, as one AttitudeTable."""
+    if options.lenient:
+        form = replace(form, lenient=True, needed=("REF_FRAME_A", "REF_FRAME_B"))
+    segments: list[_Segment] = []
+
+    def begin_rows(block, count):
+        segments.append(_Segment(block, options, count))
+        return segments[-1]
+
+    message = messages.read(path, form, begin_rows)
+    for block in message.blocks:
+        if block.rows is None:
+            raise block.fault("the segment has no attitudes.")
+    if not segments:
+        raise message.fault("the message has no segment.", None)
+    guessed = next((segment for segment in segments if segment.has_guessed_rates), None)
+    if guessed is not None:
+        name = f"ATTITUDE_TYPE {guessed.block.meta['ATTITUDE_TYPE']}"
+        _attitude_types.warn(message.path, name)
+    tables = [segment.finished() for segment in segments]
+    return _chosen(tables, message.path, options)
+
+
+# ---- The records of a segment, and what its meta data say of them
+
 # Columns of MMS, and those of them that are read: epoch, Q1, Q2, Q3, QC, rates X, Y, Z.
-MMS: int = 21
+_MMS = 21
 _READ = (0, 2, 3, 4, 5, 6, 7, 8)
 # Keyword -> what stands for it if it is missing; version 1 only, or both.
 _MISSING = {
@@ -47,35 +161,193 @@ _MISSING = {
     "ATTITUDE_TYPE": "QUATERNION",
 }
 _MISSING_1 = {"ATTITUDE_DIR": "A2B", "QUATERNION_TYPE": "LAST"}
-_RATES = {"1.0": "RATE_FRAME", "2.0": "ANGVEL_FRAME"}
 
 
-def fill(segment: MessageSegment) -> None:
-    """Give a segment the keywords that it lacks, and note each; START_TIME, STOP_TIME follow from
-    records.
-    """
-    version, values = segment.message.version, segment.values
-    missing = {**_MISSING, **(_MISSING_1 if version == "1.0" else {})}
-    if segment.message.options.cic:  # whose scalar stands first by default
-        missing.pop("QUATERNION_TYPE")
-    kind = values.get("ATTITUDE_TYPE", "")
-    if kind.upper().endswith(("/RATE", "/ANGVEL")):
-        missing[_RATES[version]] = values.get("REF_FRAME_B", "")
-    if not kind.upper().startswith("QUATERNION") and kind:
-        missing.pop("QUATERNION_TYPE", None)
-    for keyword, value in missing.items():
-        if not values.get(keyword):
-            segment.values[keyword] = value
-            segment.lines[keyword] = 1
-            segment.assume(f"{keyword} is missing: {cut(value, '')}")
-    for keyword in ("START_TIME", "STOP_TIME"):
-        if not values.get(keyword) and not segment.message.options.cic:
-            segment.assume(f"{keyword} is missing: that of the records")
+class _Segment(Rows):
+    """The records of a segment while they are read, by the conventions of its meta data."""
+
+    def __init__(self, block: Block, options: Options, count: int | None):
+        meta, form = block.meta, block.message.form
+        self.block, self._options = block, options
+        self._is_cic = form.family == "CIC"  # whose versions have the keywords of AEM 1.0
+        self._is_old = self._is_cic or block.message.version == "1.0"
+        if options.lenient:
+            self._fill()
+        with meta.located("ATTITUDE_TYPE"):
+            version = "1.0" if self._is_old else "2.0"
+            self._kind = _attitude_types.known_type(meta["ATTITUDE_TYPE"], version)
+        scale = _messages.scale_of(meta)
+        self._axes, self._body, body_is_a = _messages.axes_of(meta, options.frame)
+        self._how = self._convention(body_is_a)
+        self._usable = [self._epoch(f"USEABLE_{end}_TIME", scale) for end in ("START", "STOP")]
+        self._limits = self._epoch("START_TIME", scale), self._epoch("STOP_TIME", scale)
+        if None not in self._limits and self._limits[1].since(self._limits[0]) < 0.0:
+            raise meta.fault("STOP_TIME is before START_TIME.", "STOP_TIME")
+        self._interpolation = self._recommended()
+        if options.lenient and not self._is_cic and count == _MMS:
+            block.message.assume(
+                "21 columns are those of MMS: Q1, Q2, Q3, QC and rates in deg/s over the body"
+            )
+            self._kind, self.others = "QUATERNION/ANGVEL", {_MMS: _READ}
+            self._how = replace(self._how, rates_over_body=True, scalar_first=False)
+        columns = _attitude_types.COLUMNS[self._kind]
+        names = _scalar_first(columns) if self._how.scalar_first else columns
+        lead, epoch = (2, "a day and its seconds") if self._is_cic else (1, "an epoch")
+        super().__init__(scale, block.message.fault, names, lead)
+        self.holds = (
+            f"{cut(meta['ATTITUDE_TYPE'], '')} has {epoch} and {len(columns)} numbers: "
+            f"{', '.join(columns)}"
+        )
+
+    def _fill(self):
+        """Assume the keywords that are missing; START_TIME, STOP_TIME follow from records."""
+        meta, assume = self.block.meta, self.block.message.assume
+        missing = {**_MISSING, **(_MISSING_1 if self._is_old else {})}
+        if self._is_cic:  # whose scalar stands first by default
+            missing.pop("QUATERNION_TYPE")
+        kind = meta.get("ATTITUDE_TYPE", "").upper()
+        if kind.endswith(("/RATE", "/ANGVEL")):
+            missing["RATE_FRAME" if self._is_old else "ANGVEL_FRAME"] = meta["REF_FRAME_B"]
+        if kind and not kind.startswith("QUATERNION"):
+            missing.pop("QUATERNION_TYPE", None)
+        for keyword, value in missing.items():
+            if not meta.get(keyword):
+                meta[keyword] = value
+                assume(f"{keyword} is missing: {cut(value, '')}")
+        for keyword in ("START_TIME", "STOP_TIME"):
+            if not meta.get(keyword) and not self._is_cic:
+                assume(f"{keyword} is missing: that of the records")
+
+    def _convention(self, body_is_a):
+        """Directions and axes of the columns."""
+        meta, is_old, kind = self.block.meta, self._is_old, self._kind
+        to_body, scalar_first, over_body, sequence = not body_is_a, False, True, None
+        is_rated = kind.endswith("/ANGVEL")
+        of_angles = is_old and is_rated and self._options.rates == "euler"
+        if is_old:
+            to_body = (meta.one_of("ATTITUDE_DIR", ("A2B", "B2A")) == "A2B") != body_is_a
+            is_needed = kind.startswith("QUATERNION")
+            if "QUATERNION_TYPE" in meta or (is_needed and not self._is_cic):
+                scalar_first = meta.one_of("QUATERNION_TYPE", ("FIRST", "LAST")) == "FIRST"
+            else:
+                scalar_first = is_needed
+        if is_rated:
+            names = meta["REF_FRAME_A"].upper(), meta["REF_FRAME_B"].upper()
+            choices = {"REF_FRAME_A": body_is_a, "REF_FRAME_B": not body_is_a}
+            choices |= dict(zip(names, (body_is_a, not body_is_a), strict=True))
+            over_body = choices[meta.one_of("RATE_FRAME" if is_old else "ANGVEL_FRAME", choices)]
+        if kind.startswith("EULER") or of_angles:
+            sequence = _messages.sequence_of(meta)
+        return _attitude_types.Convention(
+            to_body=to_body,
+            rates_over_body=over_body,
+            rates_follow=not is_old,
+            scalar_first=scalar_first,
+            sequence=sequence,
+            rates_of_angles=of_angles,
+        )
+
+    def _epoch(self, keyword, scale):
+        """The Instant of a keyword, of which CIC has days and seconds too; None without it."""
+        value = self.block.meta.get(keyword)
+        if value is None:
+            return None
+        words = value.encode("ascii", "replace").split()
+        if not self._is_cic or len(words) != 2:
+            return _messages.epoch_of(self.block.meta, keyword, scale)
+        with _messages.epochs_named(self.block.meta, keyword):
+            hi, lo = ccsds_epochs.parsed_days(words[:1], words[1:], scale)
+        return Instant(float(hi[0]), float(lo[0]))
+
+    def _recommended(self):
+        """Method and degree of interpolation, None if they are not stated."""
+        meta = self.block.meta
+        method, degree = (meta.get(f"INTERPOLATION_{k}") for k in ("METHOD", "DEGREE"))
+        try:
+            degree = None if degree is None else int(degree)
+            if method is None and self._is_cic:
+                method, degree = "slerp", 1  # as VTS interpolates
+            _table.settled(method, degree, 2, True)
+        except (ValueError, AttitudeError) as err:
+            keyword = "INTERPOLATION_" + ("DEGREE" if isinstance(degree, str) else "METHOD")
+            reason = str(err) if isinstance(err, AttitudeError) else "give a whole number."
+            raise meta.fault(f"{keyword} is {cut(meta.get(keyword))}: {reason}", keyword) from err
+        return method, degree
+
+    def named(self, leaves: Sequence[Leaf]) -> list[str]:
+        """Names of the numbers of a record in XML; those of version 1 are numbered."""
+        names, letters = [], {}
+        for tag, above, attributes in leaves:
+            place = _ROTATIONS.get(tag)
+            if place is None:
+                names.append(tag)
+            elif above == "rotationAngles":
+                names.append(f"ANGLE_{place + 1}")
+            else:
+                letters[place] = attributes.get("rate", "")[:1].upper()
+                names.append(_ANGVEL[place])
+        if letters:
+            by_axis = self._axes_of_rates("".join(letters.get(k, "") for k in range(3)))
+            names = [by_axis.get(name, name) for name in names]
+        return names
+
+    def _axes_of_rates(self, letters):
+        """Rates by number -> the column of the axis that a letter names."""
+        if len(letters) == 3 > len(set(letters)) and not self._how.rates_of_angles:
+            sequence = _messages.sequence_of(self.block.meta)
+            self._how = replace(self._how, sequence=sequence, rates_of_angles=True)
+        usual = self._how.sequence.upper() if self._how.rates_of_angles else "XYZ"
+        letters = letters or usual
+        places = _attitude_types.rates_by_axis(letters, usual)
+        if places is None:
+            raise self.block.message.fault(
+                f"the rates are those of {', '.join(letters)}, not of {usual}.", None
+            )
+        return {name: _ANGVEL[places.index(k)] for k, name in enumerate(_ANGVEL)}
+
+    @property
+    def has_guessed_rates(self) -> bool:
+        """Whether the file does not say what its rates of version 1 are, nor does the caller."""
+        stated = self.block.meta["ATTITUDE_TYPE"].upper().endswith("/RATE")
+        is_rated = self._is_old and self._kind.endswith("/ANGVEL") and stated
+        return is_rated and self._options.rates is None and not self._how.rates_of_angles
+
+    def finished(self) -> AttitudeTable:
+        """The AttitudeTable of the complete records."""
+        meta, message, options = self.block.meta, self.block.message, self._options
+        self.refuse_outside(*self._limits)
+        method, degree = self._interpolation
+        title = f"{'CIC ' * self._is_cic}AEM {message.version}"
+        said = _messages.said_by(message, meta, title, "OBJECT_ID") | {
+            "meta_comments": tuple(meta.comments),
+            "data_comments": tuple(self.block.comments),
+            "frame": self._axes.name,
+            "body_frame": self._body,
+            "time_system": meta["TIME_SYSTEM"].upper(),
+            **({"assumed": tuple(message.assumed)} if options.lenient else {}),
+        }
+        with self.block.located():
+            return self.table(
+                self._kind,
+                self._how,
+                self._axes,
+                tolerance=options.tolerance,
+                orbit=options.orbit,
+                method=method,
+                degree=degree,
+                usable=self._usable,
+                meta=said,
+            )
 
 
-def of_mms(tokens: Sequence[bytes]) -> list[bytes]:
-    """The entries of a row of MMS that are read."""
-    return [tokens[k] for k in _READ]
+# Elements of XML of version 1 -> their place.
+_ROTATIONS = {"rotation1": 0, "rotation2": 1, "rotation3": 2}
+
+
+def _scalar_first(columns):
+    """Names of columns with QC before Q1, Q2, Q3, as under QUATERNION_TYPE = FIRST of version 1."""
+    groups = [columns[k : k + 4] for k in range(0, len(columns), 4)]
+    return [n for g in groups for n in ((*g[3:], *g[:3]) if g[3:4] and g[3][:2] == "QC" else g)]
 
 
 # ---- The segments of a message that belong to one object, as one table
@@ -87,14 +359,9 @@ _CONTRADICTING = 10.0
 _COMPARED = 1000
 
 
-def chosen(
-    tables: Sequence[AttitudeTable],
-    path: str,
-    name: str | None,
-    segment: int | None,
-    tolerance: float,
-) -> AttitudeTable:
+def _chosen(tables, path, options):
     """The segments of one object as one AttitudeTable."""
+    name, segment = options.object, options.segment
     if segment is not None:
         whole = isinstance(segment, int) and not isinstance(segment, bool)
         if not whole or not 0 <= segment < len(tables):
@@ -104,31 +371,31 @@ def chosen(
             )
         tables = tables[segment : segment + 1]
     if name is not None:
-        names = [(each.meta["object_id"], each.meta["object_name"]) for each in tables]
-        found = [t for t, known in zip(tables, names, strict=True) if name in known]
-        if not found:
+        names = [(table.meta["object_id"], table.meta["object_name"]) for table in tables]
+        of_object = [t for t, known in zip(tables, names, strict=True) if name in known]
+        if not of_object:
             raise AttitudeError(
                 f"{path}: object is {cut(name)}; the segments are those of {_listed(names)}."
             )
-        tables = found
+        tables = of_object
     for what, keys, advice in (
         ("objects", ("object_id", "object_name"), "choose one with object= or segment="),
         ("body frames", ("body_frame",), "choose one segment with segment="),
     ):
         # The identifier decides; names may be written differently.
-        values = [tuple(each.meta[key] for key in keys) for each in tables]
+        values = [tuple(table.meta[key] for key in keys) for table in tables]
         if len({value[0].upper() for value in values}) > 1:
             raise AttitudeError(
                 f"{path}: its segments are those of several {what}: {_listed(values)}; {advice} "
                 "(on the command line --object, --segment)."
             )
-    _refuse_contradictions(tables, path, _CONTRADICTING * tolerance)
+    _refuse_contradictions(tables, path, _CONTRADICTING * options.tolerance)
     return AttitudeTable.joined(tables)
 
 
 def _listed(names):
     different = list(dict.fromkeys(names))
-    texts = [" ".join(dict.fromkeys(cut(part, "") for part in name)) for name in different]
+    texts = [" ".join(dict.fromkeys(cut(word, "") for word in name)) for name in different]
     return ", ".join(texts[:6]) + (", ..." if len(texts) > 6 else "")
 
 
@@ -138,7 +405,7 @@ def _refuse_contradictions(tables, path, most):
     order = sorted(range(len(tables)), key=lambda k: tables[k].span[0].seconds)
     for first, second in pairwise(order):
         one, two = tables[first], tables[second]
-        end = min(one.span[1], two.span[1], key=lambda each: each.seconds)
+        end = min(one.span[1], two.span[1], key=lambda instant: instant.seconds)
         start = two.span[0]
         if end.since(start) <= 0.0:
             continue
@@ -161,338 +428,6 @@ def _refuse_contradictions(tables, path, most):
             )
 
 
-# ---- Header and segments of an Attitude Ephemeris Message, in either notation and version
-# The readers of KVN and XML collect keywords and rows; `Message` checks them and makes them an
-# AttitudeTable.  For the conventions see `_attitude_types`.
-
-# Version -> keywords of a segment, in the order in which they are written.
-META: dict[str, tuple[str, ...]] = {
-    "1.0": (
-        *("OBJECT_NAME", "OBJECT_ID", "CENTER_NAME", "REF_FRAME_A", "REF_FRAME_B", "ATTITUDE_DIR"),
-        *("TIME_SYSTEM", "START_TIME", "USEABLE_START_TIME", "USEABLE_STOP_TIME", "STOP_TIME"),
-        *("ATTITUDE_TYPE", "QUATERNION_TYPE", "EULER_ROT_SEQ", "RATE_FRAME"),
-        *("INTERPOLATION_METHOD", "INTERPOLATION_DEGREE"),
-    ),
-    "2.0": (
-        *("OBJECT_NAME", "OBJECT_ID", "CENTER_NAME", "REF_FRAME_A", "REF_FRAME_B"),
-        *("TIME_SYSTEM", "START_TIME", "USEABLE_START_TIME", "USEABLE_STOP_TIME", "STOP_TIME"),
-        *("ATTITUDE_TYPE", "EULER_ROT_SEQ", "ANGVEL_FRAME"),
-        *("INTERPOLATION_METHOD", "INTERPOLATION_DEGREE"),
-    ),
-}
-_NEEDED = (
-    *("OBJECT_NAME", "OBJECT_ID", "REF_FRAME_A", "REF_FRAME_B", "TIME_SYSTEM"),
-    *("START_TIME", "STOP_TIME", "ATTITUDE_TYPE"),
-)
-
-
-@dataclass
-class Options:
-    """Arguments of `aem.read` that supplement the file.
-
-    tolerance: largest deviation from 1 of the length of a quaternion.
-    frame: the external axes, if their name in the file is not known.
-    orbit: path of the body about its center, for axes of an orbit.
-    rates: what the rates of version 1 are: "body", "euler", or None: "body" with a warning.
-    object: OBJECT_ID or OBJECT_NAME of the segments that are read.
-    segment: the place of the one segment that is read, counted from 0.
-    lenient: whether missing parts of a message in KVN are assumed.
-    cic: whether the file is in the dialect of CNES; see `formats.cic`.
-    """
-
-    tolerance: float = TOLERANCE
-    frame: str | None = None
-    orbit: Path | None = None
-    rates: str | None = None
-    object: str | None = None
-    segment: int | None = None
-    lenient: bool = False
-    cic: bool = False
-
-    def __post_init__(self) -> None:
-        known_tolerance(self.tolerance)
-        _attitude_types.known_rates(self.rates)
-
-
-@dataclass
-class Message:
-    """The header of a message, and its finished segments.
-
-    header: keyword -> value.
-    tables: one for each finished segment.
-    warned: whether a warning of the rates of version 1 was given.
-    assumed: what a lenient reading has assumed.
-    title: format and version in `AttitudeTable.meta`, by default those of an AEM.
-    """
-
-    path: str
-    version: str
-    options: Options
-    header: dict[str, str] = field(default_factory=dict)
-    comments: list[str] = field(default_factory=list)
-    tables: list[AttitudeTable] = field(default_factory=list)
-    warned: bool = False
-    assumed: list[str] = field(default_factory=list)
-    title: str = ""
-
-    def table(self) -> AttitudeTable:
-        """The segments of one object as one AttitudeTable; see `chosen`."""
-        options = self.options
-        return chosen(self.tables, self.path, options.object, options.segment, options.tolerance)
-
-
-class MessageSegment:
-    """One segment of a message while it is read.
-
-    fault: makes the error for a sentence and the number of a line.
-
-    values, lines: keyword of the meta data -> value, and -> number of its line.
-    comments, data_comments: comments of the meta data and of the data.
-    The following are set by `begin`.
-    kind: attitude type, under its name in version 2.
-    scale: time scale in lower case.
-    axes, body: the external axes, and the name of the body's.
-    method, degree: interpolation.
-    rows: the records; None before `begin`.
-    """
-
-    kind: str
-    scale: str
-    axes: Axes
-    body: str
-    how: Convention
-    usable: list[Instant | None]
-    method: str | None
-    degree: int | None
-
-    def __init__(self, message: Message, fault: Fault):
-        self.message: Message = message
-        self.fault: Fault = fault
-        self.values: dict[str, str] = {}
-        self.lines: dict[str, int] = {}
-        self.comments: list[str] = []
-        self.data_comments: list[str] = []
-        self.rows: Rows | None = None
-
-    def add(self, keyword: str, value: str, line: int) -> None:
-        """Add a keyword of the meta data; AttitudeError if it is unknown or repeated."""
-        allowed = META[self.message.version]
-        if keyword not in allowed and self.message.options.lenient:
-            self.assume(f"{cut(keyword, '')} is not known: left out")
-            return
-        if keyword not in allowed:
-            others = [v for v in META if keyword in META[v]]
-            hint = f" (it belongs to version {others[0]})" if others else ""
-            raise self.fault(
-                f"{cut(keyword, '')} is not known among the meta data of version "
-                f"{self.message.version}{hint}; known are {', '.join(allowed)}.",
-                line,
-            )
-        if keyword in self.values:
-            raise self.fault(
-                f"{keyword} was given before, in line {self.lines[keyword]}; give it once.", line
-            )
-        self.values[keyword], self.lines[keyword] = value, line
-
-    def begin(self, line: int) -> None:
-        """Check the complete meta data and prepare for the rows."""
-        version, values = self.message.version, self.values
-        if self.message.options.lenient:
-            fill(self)
-        for keyword in _NEEDED:
-            loose = self.message.options.lenient or self.message.options.cic
-            known = loose and keyword in ("START_TIME", "STOP_TIME")
-            if not values.get(keyword) and not known:
-                raise self.fault(
-                    f"the meta data end without {keyword}, which they must have.", line
-                )
-        self.kind = self._checked("ATTITUDE_TYPE", _attitude_types.known_type, version)
-        self.scale = self._checked("TIME_SYSTEM", ccsds_epochs.known)
-        self.axes, self.body, body_is_a = self._frames()
-        self.how = _attitude_types.Convention(
-            to_body=self._to_body(body_is_a),
-            rates_over_body=self._rates_over_body(body_is_a),
-            rates_follow=version != "1.0",
-            scalar_first=self._scalar_first(),
-            sequence=self._sequence(),
-            rates_of_angles=self._old_rates() == "euler",
-        )
-        self.usable = [self._epoch(f"USEABLE_{end}_TIME") for end in ("START", "STOP")]
-        self._limits = self._epoch("START_TIME"), self._epoch("STOP_TIME")
-        if None not in self._limits and self._limits[1].since(self._limits[0]) < 0.0:
-            raise self.fault("STOP_TIME is before START_TIME.", self.lines["STOP_TIME"])
-        self.method, self.degree = self._interpolation()
-        self.rows = Rows(self.scale, len(_attitude_types.COLUMNS[self.kind]))
-
-    def assume(self, what: str) -> None:
-        """Note what is assumed of the segment, once."""
-        if what not in self.message.assumed:
-            self.message.assumed.append(what)
-
-    def take_columns_of_mms(self) -> None:
-        """Read the rows as those of MMS: quaternions, scalar last, and rates over body axes."""
-        self.assume("21 columns are those of MMS: Q1, Q2, Q3, QC and rates in deg/s over the body")
-        self.kind = "QUATERNION/ANGVEL"
-        self.how = replace(self.how, rates_over_body=True, scalar_first=False)
-        self.rows = Rows(self.scale, len(_attitude_types.COLUMNS[self.kind]))
-
-    def finish(self, line: int) -> None:
-        """Append the AttitudeTable of the complete rows to `message.tables`."""
-        if self.rows is None or not self.rows.count:
-            raise self.fault("the segment has no attitudes.", line)
-        self.warn_of_rates()
-        self.rows.refuse_outside(*self._limits, self.fault)
-        values, options = self.values, self.message.options
-        meta: dict[str, Any] = {
-            "format": self.message.title or f"AEM {self.message.version}",
-            "header": dict(self.message.header),
-            "comments": tuple(self.message.comments),
-            "keywords": dict(values),
-            "meta_comments": tuple(self.comments),
-            "data_comments": tuple(self.data_comments),
-            "object_name": values["OBJECT_NAME"],
-            "object_id": values["OBJECT_ID"],
-            "center": values.get("CENTER_NAME"),
-            "frame": self.axes.name,
-            "body_frame": self.body,
-            "time_system": values["TIME_SYSTEM"].upper(),
-            **({"assumed": tuple(self.message.assumed)} if options.lenient else {}),
-        }
-        try:
-            table = self.rows.table(
-                self.kind,
-                self.how,
-                self.axes,
-                self.fault,
-                tolerance=options.tolerance,
-                orbit=options.orbit,
-                method=self.method,
-                degree=self.degree,
-                usable=self.usable,
-                meta=meta,
-            )
-        except AttitudeError as err:
-            if str(err).startswith(self.message.path):
-                raise
-            raise self.fault(str(err), line) from err
-        self.message.tables.append(table)
-
-    def _checked(self, keyword, check, *more):
-        try:
-            return check(self.values[keyword], *more)
-        except AttitudeError as err:
-            raise self.fault(str(err), self.lines[keyword]) from err
-
-    def _frames(self):
-        """The external axes, the name of the body's axes, and whether the body is A."""
-        a, b = self.values["REF_FRAME_A"], self.values["REF_FRAME_B"]
-        try:
-            return _axes.of_pair(a, b, self.message.options.frame)
-        except AttitudeError as err:
-            raise self.fault(str(err), self.lines["REF_FRAME_B"]) from err
-
-    def _to_body(self, body_is_a):
-        if self.message.version != "1.0":
-            return not body_is_a
-        direction = self._one_of("ATTITUDE_DIR", {"A2B": "A2B", "B2A": "B2A"}, needed=True)
-        return (direction == "A2B") != body_is_a
-
-    def _scalar_first(self):
-        if self.message.version != "1.0":
-            return False
-        needed = self.kind.startswith("QUATERNION")
-        if self.message.options.cic and "QUATERNION_TYPE" not in self.values:
-            return needed
-        return self._one_of("QUATERNION_TYPE", {"FIRST": True, "LAST": False}, needed=needed)
-
-    def _rates_over_body(self, body_is_a):
-        if not self.kind.endswith("/ANGVEL"):
-            return True
-        keyword = "RATE_FRAME" if self.message.version == "1.0" else "ANGVEL_FRAME"
-        a, b = self.values["REF_FRAME_A"].upper(), self.values["REF_FRAME_B"].upper()
-        choices = {"REF_FRAME_A": body_is_a, "REF_FRAME_B": not body_is_a}
-        choices |= {a: body_is_a, b: not body_is_a}
-        return self._one_of(keyword, choices, needed=True)
-
-    def _old_rates(self):
-        """What the rates of version 1 are: "euler" or "body"; None without them."""
-        if self.message.version != "1.0" or not self.kind.endswith("/ANGVEL"):
-            return None
-        return self.message.options.rates or "body"
-
-    def take_derivatives(self) -> None:
-        """Read the rates of version 1 as derivatives of the Euler angles."""
-        if not self.how.rates_of_angles:
-            self.how = replace(self.how, sequence=self._sequence(True), rates_of_angles=True)
-
-    def warn_of_rates(self) -> None:
-        """Warn, once for a message, where the file does not say what its rates of version 1 are."""
-        stated = self.values["ATTITUDE_TYPE"].upper().endswith("/RATE")
-        guessed = stated and self._old_rates() is not None and self.message.options.rates is None
-        if guessed and not self.how.rates_of_angles and not self.message.warned:
-            self.message.warned = True
-            _attitude_types.warn(self.message.path, f"ATTITUDE_TYPE {self.values['ATTITUDE_TYPE']}")
-
-    def _sequence(self, needed=False):
-        needed = needed or self._old_rates() == "euler"
-        if not self.kind.startswith("EULER") and not needed:
-            return None
-        if "EULER_ROT_SEQ" not in self.values:
-            raise self.fault(
-                "Euler angles and their rates need EULER_ROT_SEQ, like 321 or ZYX.", None
-            )
-        return self._checked("EULER_ROT_SEQ", lambda text: quaternion.known_sequence(text.upper()))
-
-    def _one_of(self, keyword, choices, *, needed):
-        value = self.values.get(keyword)
-        if value is None:
-            if needed:
-                raise self.fault(
-                    f"the meta data lack {keyword}, which {self.values['ATTITUDE_TYPE']} needs; it "
-                    f"must be one of {', '.join(cut(each, '') for each in choices)}.",
-                    None,
-                )
-            return False
-        if value.upper() not in choices:
-            raise self.fault(
-                f"{keyword} is {cut(value)}; it must be one of "
-                f"{', '.join(cut(each, '') for each in choices)}.",
-                self.lines[keyword],
-            )
-        return choices[value.upper()]
-
-    def _epoch(self, keyword):
-        value = self.values.get(keyword)
-        if value is None:
-            return None
-        days = value.encode("ascii", "replace").split() if self.message.options.cic else []
-        try:
-            if len(days) == 2:
-                hi, lo = ccsds_epochs.parsed_days(days[:1], days[1:], self.scale)
-                return Instant(float(hi[0]), float(lo[0]))
-            return ccsds_epochs.instant(value, self.scale)
-        except ccsds_epochs.BadEpoch as err:
-            raise self.fault(
-                f"{keyword} is {cut(value)}, no epoch: {err.reason}.", self.lines[keyword]
-            ) from err
-
-    def _interpolation(self):
-        method, degree = (self.values.get(f"INTERPOLATION_{k}") for k in ("METHOD", "DEGREE"))
-        try:
-            degree = None if degree is None else int(degree)
-            if method is None and self.message.options.cic:
-                method, degree = "slerp", 1  # as VTS interpolates
-            _table.settled(method, degree, 2, True)
-        except (ValueError, AttitudeError) as err:
-            keyword = "INTERPOLATION_" + ("DEGREE" if isinstance(degree, str) else "METHOD")
-            reason = str(err) if isinstance(err, AttitudeError) else "give a whole number."
-            raise self.fault(
-                f"{keyword} is {cut(self.values.get(keyword))}: {reason}",
-                self.lines.get(keyword),
-            ) from err
-        return method, degree
-
-
 # ---- A segment of an Attitude Ephemeris Message to be written: its keywords and its rows
 
 
@@ -509,34 +444,32 @@ class WrittenSegment:
     settings: arguments of `aem.write`, by name; `names` are object_name, object_id, center,
         body_frame; `epochs`, if given, the function that writes epochs, as `_ccsds_epochs.texts`.
 
-    kind: attitude type, under its name in version 2.
-    scalar_first, sequence, rates_of_angles: as in `Convention`.
     keywords: keyword of the meta data -> value, in their order.
     comments, data_comments: comments of the meta data and of the data.
     AttitudeError for names of types, axes or time systems that are not known or not in this
         version.
     """
 
-    def __init__(self, part: Records, settings: Mapping[str, Any]):
-        self._part, self._settings = part, settings
+    def __init__(self, records: Records, settings: Mapping[str, Any]):
+        self._records, self._settings = records, settings
         version = settings["version"]
-        self.kind: str = written_kind(settings, part.has_rates)
-        if version == "1.0" and self.kind not in _attitude_types.IN_VERSION_1:
+        self._kind = written_kind(settings, records.has_rates)
+        if version == "1.0" and self._kind not in _attitude_types.IN_VERSION_1:
             raise AttitudeError(
-                f"{self.kind} is no attitude type of AEM 1.0; write version 2.0, or one of "
+                f"{self._kind} is no attitude type of AEM 1.0; write version 2.0, or one of "
                 f"{', '.join(_attitude_types.IN_VERSION_1)}."
             )
-        old = version == "1.0" and self.kind.endswith("/ANGVEL")
+        old = version == "1.0" and self._kind.endswith("/ANGVEL")
         if old and settings["rates"] is None:
             raise AttitudeError(
-                f"{_attitude_types.IN_VERSION_1[self.kind]} of AEM 1.0 is read in two ways; give "
+                f"{_attitude_types.IN_VERSION_1[self._kind]} of AEM 1.0 is read in two ways; give "
                 'rates="body" (components of the angular velocity) or rates="euler" (derivatives '
                 "of the angles), or kind QUATERNION/DERIVATIVE, which all readers understand."
             )
-        name = settings["frame"] or part.meta.get("frame") or "ICRF"
+        name = settings["frame"] or records.meta.get("frame") or "ICRF"
         self._axes = _axes.named(name)
         self._scale = ccsds_epochs.writable(
-            settings["time_system"] or part.meta.get("time_system") or "UTC"
+            settings["time_system"] or records.meta.get("time_system") or "UTC"
         )
         if settings["rates_over"] not in ("body", "frame"):
             raise AttitudeError(f"rates_over is {settings['rates_over']!r}; give body or frame.")
@@ -547,41 +480,74 @@ class WrittenSegment:
             sequence=settings["sequence"],
             rates_of_angles=old and settings["rates"] == "euler",
         )
-        self.scalar_first: bool = self._how.scalar_first
-        self.rates_of_angles: bool = self._how.rates_of_angles
-        self.sequence: str = settings["sequence"]
-        self.comments: Sequence[str] = part.meta.get("meta_comments", ())
-        self.data_comments: Sequence[str] = part.meta.get("data_comments", ())
+        self.comments: Sequence[str] = records.meta.get("meta_comments", ())
+        self.data_comments: Sequence[str] = records.meta.get("data_comments", ())
         self.keywords: dict[str, str] = self._keywords(version)
-        refuse_line_breaks(*self.keywords.values(), *self.comments, *self.data_comments)
+        refuse_line_breaks(*self.data_comments)
 
-    def rows(self) -> Iterator[tuple[list[str], FloatArray]]:
-        """The rows piece by piece: epochs as texts, and columns (N, columns) in deg, deg/s, s."""
-        settings = self._settings
-        for history in self._part.pieces():
+    @property
+    def parts(self) -> messages.Segment:
+        """Keywords, comments and the function that writes the data."""
+        return self.keywords, self.comments, self.write
+
+    def write(self, out: Generator) -> None:
+        """Write comments and records."""
+        out.comments(self.data_comments)
+        columns = _attitude_types.COLUMNS[self._kind]
+        order = list(range(len(columns)))
+        if isinstance(out, XmlGenerator):
+            in_file = _scalar_first(columns) if self._how.scalar_first else list(columns)
+            row, order = self._row_in_xml(out), [in_file.index(n) for n in columns]
+        else:
+            row = out.row("", len(columns))
+        for history in self._records.pieces():
             epochs = self._texts(history.epoch, history.seconds, history.low)
-            columns = columns_of(history, self.kind, self._how, self._axes, settings["orbit"])
-            yield epochs, columns
+            values = columns_of(history, self._kind, self._how, self._axes, self._settings["orbit"])
+            out.table(epochs, values[:, order], row)
+
+    def _row_in_xml(self, out):
+        """The text of a record, with %s for its epoch and %r for each number."""
+        first, *lines, last = out.text_of(self._write_element).splitlines(keepends=True)
+        # All lines inside of a record have the same indentation.
+        inner = lines[0][: -len(lines[0].lstrip())]
+        return "".join([first, *(inner + line.lstrip() for line in lines), last])
+
+    def _write_element(self, out):
+        version, kind, groups = self._settings["version"], self._kind, GROUPS
+        keys = list(_attitude_types.COLUMNS[kind])
+        if version == "1.0":
+            sequence = self._settings["sequence"]
+            rates = sequence if self._how.rates_of_angles else "XYZ"
+            names = {f"ANGLE_{k + 1}": f"{axis}_ANGLE" for k, axis in enumerate(sequence)}
+            names |= {_ANGVEL[k]: f"{axis}_RATE" for k, axis in enumerate(rates)}
+            keys = [names.get(key, key) for key in keys]
+        else:
+            groups = GROUPS | dict.fromkeys(Q_DOT, "quaternionDot")
+            if kind.startswith("QUATERNION"):
+                groups |= dict.fromkeys(_ANGVEL, "angVel")
+        with out.part("attitudeState"), out.part(_ELEMENTS[version][kind]):
+            out.entry("EPOCH", "%s")
+            out.grouped([(key, "%r") for key in keys], groups)
 
     def _texts(self, epoch, seconds, low):
         written = self._settings.get("epochs", ccsds_epochs.texts)
-        found: list[str] = written(epoch, seconds, low, self._scale, self._settings["digits"])
-        return found
+        texts: list[str] = written(epoch, seconds, low, self._scale, self._settings["digits"])
+        return texts
 
     def _keywords(self, version):
-        part, settings, meta = self._part, self._settings, self._part.meta
-        given = zip(
+        records, settings, meta = self._records, self._settings, self._records.meta
+        names = zip(
             settings["names"], ("object_name", "object_id", "center", "body_frame"), strict=True
         )
-        name, number, center, body = (value or meta.get(key) for value, key in given)
+        name, number, center, body = (value or meta.get(key) for value, key in names)
         body = written_body(body, {})
         frame = _axes.WRITTEN.get(self._axes.kind) if self._axes.name.islower() else self._axes.name
-        start, stop = self._texts(part.epoch, *part.first_and_last())
+        start, stop = self._texts(records.epoch, *records.first_and_last())
         method, degree = self._interpolation()
         rate_frame = "REF_FRAME_B" if version == "1.0" else body
         if not self._how.rates_over_body:
             rate_frame = "REF_FRAME_A" if version == "1.0" else frame
-        digits, rated = str.maketrans("XYZ", "123"), self.kind.endswith("/ANGVEL")
+        digits, rated = str.maketrans("XYZ", "123"), self._kind.endswith("/ANGVEL")
         known = {
             "OBJECT_NAME": name or "UNKNOWN",
             "OBJECT_ID": number or "UNKNOWN",
@@ -594,39 +560,43 @@ class WrittenSegment:
             "USEABLE_START_TIME": None,
             "USEABLE_STOP_TIME": None,
             "STOP_TIME": stop,
-            "ATTITUDE_TYPE": _attitude_types.IN_VERSION_1[self.kind]
+            "ATTITUDE_TYPE": _attitude_types.IN_VERSION_1[self._kind]
             if version == "1.0"
-            else self.kind,
+            else self._kind,
             "QUATERNION_TYPE": ("FIRST" if self._how.scalar_first else "LAST")
-            if self.kind.startswith("QUATERNION")
+            if self._kind.startswith("QUATERNION")
             else None,
             "EULER_ROT_SEQ": (
                 self._how.sequence.translate(digits) if version == "1.0" else self._how.sequence
             )
-            if self.kind.startswith("EULER") or (version == "1.0" and rated)
+            if self._kind.startswith("EULER") or (version == "1.0" and rated)
             else None,
             "RATE_FRAME": rate_frame if rated else None,
             "ANGVEL_FRAME": rate_frame if rated else None,
             "INTERPOLATION_METHOD": method,
             "INTERPOLATION_DEGREE": str(degree),
         }
-        if part.table is not None:
-            known.update(self._usable(part.table))
-        return {key: known[key] for key in META[version] if known[key] is not None}
+        if records.table is not None:
+            known.update(self._usable(records.table))
+        return {key: known[key] for key in FORM.meta_of(version) if known[key] is not None}
 
     def _interpolation(self):
         """Recommended interpolation: that of a table, of a degree for which there are records."""
-        method, degree, table = self._settings["method"], self._settings["degree"], self._part.table
+        method, degree, table = (
+            self._settings["method"],
+            self._settings["degree"],
+            self._records.table,
+        )
         if method is None and table is not None:
             method, degree = table.method, degree or table.degree
-        has_rates = _attitude_types.has_rates(self.kind)
-        count = len(self._part)
+        has_rates = _attitude_types.has_rates(self._kind)
+        count = len(self._records)
         method, degree = _table.settled(method, degree, count, has_rates)
         degree = _recipes.degree_of(self._settings["for_"], degree, count)
         return "LINEAR" if method == "slerp" else method.upper(), degree
 
     def _usable(self, table):
-        ends = list(zip(*self._part.first_and_last(), strict=True))
+        ends = list(zip(*self._records.first_and_last(), strict=True))
         limits = max(table._limits[0], ends[0]), min(table._limits[1], ends[1])
         if limits == tuple(ends):
             return {}

@@ -10,6 +10,7 @@ The sign of the products of inertia is that of the book of each version, unless 
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,10 +24,10 @@ from attitude.motions import _axes
 from attitude.motions._body import Body
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
 
     from attitude._support.annotations import FloatArray
-    from attitude._textfiles.messages import Block
+    from attitude._textfiles.messages import Block, Message
     from attitude.epochs._instants import Instant
     from attitude.motions._axes import Axes
 
@@ -36,15 +37,26 @@ VERSIONS: tuple[str, ...] = ("1.0", "2.0")
 HEADER: tuple[str, ...] = ("CREATION_DATE", "ORIGINATOR", "MESSAGE_ID", "CLASSIFICATION")
 INERTIA: tuple[str, ...] = ("IXX", "IYY", "IZZ", "IXY", "IXZ", "IYZ")
 OLD_INERTIA: tuple[str, ...] = ("I11", "I22", "I33", "I12", "I13", "I23")
+Q: tuple[str, ...] = ("Q1", "Q2", "Q3", "QC")
+Q_DOT: tuple[str, ...] = ("Q1_DOT", "Q2_DOT", "Q3_DOT", "QC_DOT")
+OLD_ANGLES: tuple[str, ...] = ("X_ANGLE", "Y_ANGLE", "Z_ANGLE")
+OLD_RATES: tuple[str, ...] = ("X_RATE", "Y_RATE", "Z_RATE")
+# Keyword -> the element of XML that groups it with others.
+GROUPS: dict[str, str | None] = {
+    **dict.fromkeys(Q, "quaternion"),
+    **dict.fromkeys(Q_DOT, "quaternionRate"),
+    **dict.fromkeys(OLD_ANGLES, "rotationAngles"),
+    **dict.fromkeys(OLD_RATES, "rotationRates"),
+}
 # Keyword or column -> units that may stand with it; without one, a number is in the first.
 UNITS: dict[str, tuple[str, ...]] = {
-    **dict.fromkeys(("ANGLE_1", "ANGLE_2", "ANGLE_3", "X_ANGLE", "Y_ANGLE", "Z_ANGLE"), ("deg",)),
+    **dict.fromkeys(("ANGLE_1", "ANGLE_2", "ANGLE_3", *OLD_ANGLES), ("deg",)),
     **dict.fromkeys(("SPIN_ALPHA", "SPIN_DELTA", "SPIN_ANGLE", "SENSOR_NOISE_STDDEV"), ("deg",)),
     **dict.fromkeys(("NUTATION", "NUTATION_PHASE", "MOMENTUM_ALPHA", "MOMENTUM_DELTA"), ("deg",)),
     **dict.fromkeys(("ANGLE_1_DOT", "ANGLE_2_DOT", "ANGLE_3_DOT"), ("deg/s",)),
-    **dict.fromkeys(("ANGVEL_X", "ANGVEL_Y", "ANGVEL_Z", "X_RATE", "Y_RATE", "Z_RATE"), ("deg/s",)),
+    **dict.fromkeys(("ANGVEL_X", "ANGVEL_Y", "ANGVEL_Z", *OLD_RATES), ("deg/s",)),
     **dict.fromkeys(("SPIN_ANGLE_VEL", "NUTATION_VEL"), ("deg/s",)),
-    **dict.fromkeys(("Q1_DOT", "Q2_DOT", "Q3_DOT", "QC_DOT"), ("1/s",)),
+    **dict.fromkeys(Q_DOT, ("1/s",)),
     **dict.fromkeys((*INERTIA, *OLD_INERTIA), ("kg*m**2", "kg*m^2", "kg.m**2")),
     **dict.fromkeys(("WET_MASS", "DRY_MASS"), ("kg",)),
     **dict.fromkeys(("MAN_BEGIN_TIME", "MAN_END_TIME", "MAN_DURATION", "NUTATION_PER"), ("s",)),
@@ -71,8 +83,15 @@ def scale_of(meta: Block) -> str:
 
 def epoch_of(block: Block, keyword: str, scale: str) -> Instant:
     """The Instant of a keyword."""
-    try:
+    with epochs_named(block, keyword):
         return ccsds_epochs.instant(block.needed(keyword), scale)
+
+
+@contextmanager
+def epochs_named(block: Block, keyword: str) -> Iterator[None]:
+    """A BadEpoch inside becomes the AttitudeError for a keyword."""
+    try:
+        yield
     except ccsds_epochs.BadEpoch as err:
         raise block.fault(
             f"{keyword} is {cut(block[keyword])}, no epoch: {err.reason}.", keyword
@@ -125,6 +144,19 @@ def inertia_values(tensor: FloatArray, products: str) -> list[float]:
 
 def _signed(value, products):
     return _SIGNS[products] * value + 0.0  # -0.0 becomes 0.0
+
+
+def said_by(message: Message, meta: Block, title: str, identifier: str) -> dict[str, Any]:
+    """Format, keywords, comments and names of a message, for `meta` of what is read."""
+    return {
+        "format": title,
+        "header": dict(message.header),
+        "comments": tuple(message.header.comments),
+        "keywords": dict(meta),
+        "object_name": meta["OBJECT_NAME"],
+        "object_id": meta.get(identifier),
+        "center": meta.get("CENTER_NAME"),
+    }
 
 
 # ---- Writing

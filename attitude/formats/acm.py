@@ -30,7 +30,7 @@ import numpy as np
 from attitude._support import pairs
 from attitude._textfiles import messages
 from attitude._textfiles.lines import NoNumber, cut, is_number, numbers
-from attitude._textfiles.messages import Form, Generator, refuse_line_breaks
+from attitude._textfiles.messages import Block, Form, Generator, refuse_line_breaks
 from attitude.epochs import _time_scales
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
@@ -38,8 +38,15 @@ from attitude.formats import _attitude_types, _messages, _sampling
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._attitude_types import Convention
 from attitude.formats._format import of_table, refuse_foreign, register_message
-from attitude.formats._messages import INERTIA
-from attitude.formats._records import TOLERANCE, columns_of, known_tolerance, refuse_length, to_icrf
+from attitude.formats._messages import INERTIA, Q_DOT, Q
+from attitude.formats._records import (
+    TOLERANCE,
+    Rows,
+    columns_of,
+    known_tolerance,
+    refuse_length,
+    to_icrf,
+)
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.motions import _axes
@@ -102,6 +109,7 @@ _FORM = Form(
         "NEXT_LEAP_TAIMUTC",
     ),
     blocks=_BLOCKS,
+    needed=("OBJECT_NAME", "TIME_SYSTEM", "EPOCH_TZERO"),
     units=_messages.UNITS,
     # Orekit writes <SENSOR>.
     elements={**{name.lower(): name for name in _BLOCKS}, "SENSOR": "SENSOR"},
@@ -111,12 +119,24 @@ _FORM = Form(
     marks={"metadata": "META"},
 )
 # ATT_TYPE and RATE_TYPE -> columns.
-_ATTITUDES = {"QUATERNION": 4, "EULER_ANGLES": 3, "DCM": 9}
-_RATES = {"NONE": 0, "ANGVEL": 3, "Q_DOT": 4, "EULER_RATE": 3, "GYRO_BIAS": 3}
-# COV_TYPE -> columns, and how many of them are variances of the attitude.
+_ANGLES, _ANGVEL = ("ANGLE_1", "ANGLE_2", "ANGLE_3"), ("ANGVEL_X", "ANGVEL_Y", "ANGVEL_Z")
+_ATTITUDES = {
+    "QUATERNION": Q,
+    "EULER_ANGLES": _ANGLES,
+    "DCM": tuple(f"entry {i} {j}" for i in (1, 2, 3) for j in (1, 2, 3)),
+}
+_RATES = {
+    "NONE": (),
+    "ANGVEL": _ANGVEL,
+    "Q_DOT": Q_DOT,
+    "EULER_RATE": tuple(f"{angle}_DOT" for angle in _ANGLES),
+    "GYRO_BIAS": tuple(f"the bias {k}" for k in "XYZ"),
+}
+# COV_TYPE -> columns, of which those of the attitude stand first.
 _COVARIANCES = {
-    **{"ANGLE": (3, 3), "ANGLE_GYROBIAS": (6, 3), "ANGLE_ANGVEL": (6, 3)},
-    **{"QUATERNION": (4, 4), "QUATERNION_GYROBIAS": (7, 4), "QUATERNION_ANGVEL": (7, 4)},
+    f"{kind}{rates}": (*columns, *more)
+    for kind, columns in (("ANGLE", _ANGLES), ("QUATERNION", Q))
+    for rates, more in (("", ()), ("_GYROBIAS", _RATES["GYRO_BIAS"]), ("_ANGVEL", _ANGVEL))
 }
 
 
@@ -163,20 +183,20 @@ class Maneuver:
                 f"the maneuver {cut(self.purpose)} has no TARGET_MOMENTUM, from which an impulse "
                 "or a torque would follow."
             )
-        found = _axes.known(self.momentum_frame or "")
-        if found is None:
+        axes = _axes.known(self.momentum_frame or "")
+        if axes is None:
             if self.momentum_frame is None:
                 raise AttitudeError(
                     f"the maneuver {cut(self.purpose)} has no TARGET_MOM_FRAME, the axes of its "
                     "TARGET_MOMENTUM; give the impulse yourself."
                 )
             return self.target_momentum, True
-        if found.turning:
+        if axes.turning:
             raise AttitudeError(
-                f"TARGET_MOM_FRAME is {cut(found.name, '')}, axes that turn; they must be fixed, "
+                f"TARGET_MOM_FRAME is {cut(axes.name, '')}, axes that turn; they must be fixed, "
                 "or the body's."
             )
-        turn = found.to_icrf(self.begin, 0.0, None)
+        turn = axes.to_icrf(self.begin, 0.0, None)
         return quaternion.rotate(turn, self.target_momentum), False
 
     def impulse(self) -> Impulse:
@@ -319,7 +339,7 @@ class Comprehensive:
         """The attitudes as one table; AttitudeError for none, or those of several bodies."""
         if not self.tables:
             raise AttitudeError("the message has no attitudes.")
-        frames = list(dict.fromkeys(each.meta["body_frame"].upper() for each in self.tables))
+        frames = list(dict.fromkeys(table.meta["body_frame"].upper() for table in self.tables))
         if len(frames) > 1:
             raise AttitudeError(
                 f"the blocks of attitudes are those of {', '.join(frames)[:120]}; choose one of "
@@ -337,7 +357,7 @@ class Comprehensive:
             Without inertia or angular velocities, for an inertia over other axes, and as
             `Maneuver.impulse`.
         """
-        rated = [each for each in self.tables if each.angular_velocity is not None]
+        rated = [item for item in self.tables if item.angular_velocity is not None]
         if self.body is None or not rated:
             lacking = "inertia" if self.body is None else "attitude with an angular velocity"
             raise AttitudeError(f"the message has no {lacking}, from which a motion would follow.")
@@ -353,10 +373,10 @@ class Comprehensive:
             first.wxyz[0],
             first.angular_velocity[0],
         )
-        later = [each for each in self.maneuvers if each.begin.since(spin.epoch) >= 0.0]
+        later = [item for item in self.maneuvers if item.begin.since(spin.epoch) >= 0.0]
         if not later:
             return FreeRotation(self.body, spin)
-        return Arcs(self.body, spin, [each.impulse() for each in later])
+        return Arcs(self.body, spin, [item.impulse() for item in later])
 
 
 # ---- Rows of attitudes and covariances of an Attitude Comprehensive Message
@@ -398,10 +418,10 @@ class TimeTags:
         carry = np.floor(ticks / 10.0**digits)
         whole, ticks = whole + carry, ticks - carry * 10.0**digits
         both = zip(whole.astype(np.int64).tolist(), ticks.astype(np.int64).tolist(), strict=True)
-        return [f"{n}.{part:0{digits}d}" if digits else f"{n}" for n, part in both]
+        return [f"{n}.{fraction:0{digits}d}" if digits else f"{n}" for n, fraction in both]
 
     def parsed(self, tokens: list[bytes]) -> tuple[FloatArray, FloatArray]:
-        """TDB seconds since J2000 of tags; BadEpoch or NoNumber for those that cannot be read.
+        """TDB seconds since J2000 of tags; BadEpoch for those that cannot be read.
 
         A decimal number is read in two doubles.
         """
@@ -420,7 +440,8 @@ class TimeTags:
             except ccsds_epochs.BadEpoch as err:
                 raise ccsds_epochs.BadEpoch(int(rows[err.index]), err.reason) from err
             except NoNumber as err:
-                raise NoNumber(int(rows[err.line]), 0, some[err.line]) from err
+                reason = "it is neither a date nor a number of seconds"
+                raise ccsds_epochs.BadEpoch(int(rows[err.line]), reason) from err
         return hi, lo
 
 
@@ -430,9 +451,9 @@ def _decimals(tokens):
     low = np.zeros(len(tokens))
     for k, token in enumerate(tokens):
         if _DECIMAL.fullmatch(token):
-            first, _, rest = token.partition(b".")
+            first, _, decimals = token.partition(b".")
             sign = -1.0 if first.startswith(b"-") else 1.0
-            whole[k], low[k] = float(first), sign * float(b"0." + rest)
+            whole[k], low[k] = float(first), sign * float(b"0." + decimals)
     return whole, low
 
 
@@ -440,98 +461,94 @@ def _decimals(tokens):
 _DECIMAL = re.compile(rb"[+-]?\d{1,15}\.\d{1,18}")
 
 
-def _rows(block, tags, width):
-    """Epochs hi and lo (N,), and numbers (N, width), of a block's rows."""
-    if not block.places:
-        raise block.fault(f"the block {block.name} has no rows.")
-    if block.width != width + 1:
-        raise block.row_fault(
-            f"a row has {block.width} entries; {block.name} of this type has a time and {width} "
-            "numbers.",
-            0,
-        )
-    step = width + 1
-    try:
-        values = numbers(block.tokens, step, range(1, step))
-        hi, lo = tags.parsed(block.tokens[::step])
-    except NoNumber as err:
-        raise block.row_fault(f"{err.shown} is no number.", err.line) from err
-    except ccsds_epochs.BadEpoch as err:
-        shown = cut(block.tokens[err.index * step].decode("ascii", "replace"))
-        raise block.row_fault(f"the time {shown} cannot be read: {err.reason}.", err.index) from err
-    finite = np.isfinite(values).all(axis=1) & np.isfinite(hi) & (np.abs(hi) < 1e15)
-    if not np.all(finite):
-        sentence = "it holds a number that is not finite or too large."
-        raise block.row_fault(sentence, int(np.argmin(finite)))
-    steps = np.diff(hi) + np.diff(lo)
-    if np.any(steps <= 0.0):
-        sentence = "its time is not later than that of the row before."
-        raise block.row_fault(sentence, int(np.argmax(steps <= 0.0)) + 1)
-    return hi, lo, values
+class _TimedRows(Rows):
+    """The rows of a block, at dates or at seconds since EPOCH_TZERO."""
+
+    def __init__(self, block: Block, names: Sequence[str]):
+        super().__init__(_messages.scale_of(block.meta), block.message.fault, names)
+        self.holds = f"{block.name} of this type has a time and {len(names)} numbers"
+        self._tags = _tags(block.message)
+
+    def _parsed(self, tokens):
+        return self._tags.parsed(tokens)
 
 
-def _table(block, tags, tolerance, frame, orbit):
-    """The AttitudeTable of a block ATT; the last three as in `read`."""
+def _reader(block, count):
+    """The rows of a block ATT or COV."""
+    if block.name == "COV":
+        return _TimedRows(block, _COVARIANCES[block.one_of("COV_TYPE", _COVARIANCES)])
     kind, rate = block.one_of("ATT_TYPE", _ATTITUDES), block.one_of("RATE_TYPE", _RATES, "NONE")
-    states, width = block.get("NUMBER_STATES"), _ATTITUDES[kind] + _RATES[rate]
-    if states is not None and states != str(width):
+    names, states = (*_ATTITUDES[kind], *_RATES[rate]), block.get("NUMBER_STATES")
+    if states is not None and states != str(len(names)):
         raise block.fault(
-            f"NUMBER_STATES is {cut(states)}; {kind} with the rates {rate} has {width}.",
+            f"NUMBER_STATES is {cut(states)}; {kind} with the rates {rate} has {len(names)}.",
             "NUMBER_STATES",
         )
+    return _TimedRows(block, names)
+
+
+def _rows(block):
+    """The complete rows of a block."""
+    if block.rows is None:
+        raise block.fault(f"the block {block.name} has no rows.")
+    return block.rows.joined()
+
+
+def _table(block, tolerance, frame, orbit):
+    """The AttitudeTable of a block ATT; the last three as in `read`."""
+    hi, lo, values, lines = _rows(block)
+    kind, rate = block.one_of("ATT_TYPE", _ATTITUDES), block.one_of("RATE_TYPE", _RATES, "NONE")
     axes, body, body_is_a = _messages.axes_of(block, frame)
     euler = kind == "EULER_ANGLES" or rate == "EULER_RATE"
     sequence = _messages.sequence_of(block) if euler else None
-    hi, lo, values = _rows(block, tags, width)
-    angles, rates = np.split(values, [_ATTITUDES[kind]], axis=1)
+    angles, rates = np.split(values, [len(_ATTITUDES[kind])], axis=1)
     how = Convention(to_body=not body_is_a, sequence=sequence, rates_over_body=not body_is_a)
-    meta = _names(block.message) | {
+    meta = _said(block.message) | {
         "keywords": dict(block),
         "data_comments": tuple(block.comments),
         "frame": axes.name,
         "body_frame": body,
-        "time_system": block.message.meta["TIME_SYSTEM"].upper(),
+        "time_system": block.meta["TIME_SYSTEM"].upper(),
     }
     if rate == "GYRO_BIAS":
         meta["gyro_bias"] = np.radians(rates)
     epoch = Instant(float(hi[0]), float(lo[0]))
     seconds, low = pairs.add((hi, lo), -epoch.seconds, -epoch.low)
+    fault = block.message.fault
     with block.located():
+        if kind == "DCM":
+            angles = _quaternions(angles, lines, tolerance, fault)
+        elif kind == "QUATERNION":
+            refuse_length(angles, lines, tolerance, fault)
+        else:
+            angles = forms.to_xyzw(quaternion.from_euler(sequence, np.radians(angles)))
         with np.errstate(over="ignore", invalid="ignore"):  # AttitudeTable refuses overflow
-            wxyz, speeds = _decoded(block, (kind, rate), (angles, rates), how, tolerance)
+            wxyz, speeds = _decoded(rate, angles, rates, how)
         wxyz, speeds = to_icrf(quaternion.unit(wxyz), speeds, axes, epoch, seconds, low, orbit)
         return AttitudeTable(epoch, seconds, wxyz, low=low, angular_velocity=speeds, meta=meta)
 
 
-def _decoded(block, kinds, columns, how, tolerance):
-    """Attitudes and rates relative to the external axes, from the columns of both kinds."""
-    (kind, rate), (angles, rates) = kinds, columns
-    if kind == "DCM":
-        angles = _quaternions(block, angles, tolerance)
-    elif kind == "QUATERNION":
-        refuse_length(angles, block.places, tolerance, block.message.fault)
-    else:
-        angles = forms.to_xyzw(quaternion.from_euler(how.sequence, np.radians(angles)))
+def _decoded(rate, quaternions, rates, how):
+    """Attitudes and rates relative to the external axes, from quaternions and a RATE_TYPE."""
     if rate == "EULER_RATE":
         how = Convention(to_body=how.to_body, sequence=how.sequence, rates_of_angles=True)
     names = {"Q_DOT": "QUATERNION/DERIVATIVE"}
     names |= dict.fromkeys(("ANGVEL", "EULER_RATE"), "QUATERNION/ANGVEL")
-    if rate in names:
-        angles = np.concatenate((angles, rates), axis=1)
-    return _attitude_types.decoded(names.get(rate, "QUATERNION"), angles, how)
+    columns = np.concatenate((quaternions, rates), axis=1) if rate in names else quaternions
+    return _attitude_types.decoded(names.get(rate, "QUATERNION"), columns, how)
 
 
-def _quaternions(block, entries, tolerance):
+def _quaternions(entries, lines, tolerance, fault):
     """Quaternions (N, 4), scalar last, of matrices (N, 9) that few digits distort."""
     matrices = entries.reshape(-1, 3, 3)
     off = np.max(np.abs(np.swapaxes(matrices, -1, -2) @ matrices - np.eye(3)), axis=(1, 2))
     bad = ~(off <= 10.0 * tolerance) | ~(np.linalg.det(matrices) > 0.0)
     if np.any(bad):
         k = int(np.argmax(bad))
-        raise block.row_fault(
+        raise fault(
             f"the matrix is no rotation: its product with its transpose is off 1 by {off[k]:.3g} "
             f"(up to {10.0 * tolerance:g} is accepted as rounding), or it is a reflection.",
-            k,
+            int(lines[k]),
         )
     left, _, right = np.linalg.svd(matrices)
     return forms.to_xyzw(
@@ -539,15 +556,15 @@ def _quaternions(block, entries, tolerance):
     )
 
 
-def _covariance(block, tags):
+def _covariance(block):
     """The AttitudeCovariance of a block COV."""
+    hi, lo, variances, lines = _rows(block)
     kind = block.one_of("COV_TYPE", _COVARIANCES)
-    width, of_attitude = _COVARIANCES[kind]
-    hi, lo, variances = _rows(block, tags, width)
     if np.any(variances < 0.0):
         row = int(np.argmax(np.any(variances < 0.0, axis=1)))
-        raise block.row_fault("a variance is negative.", row)
-    variances[:, 0 if kind.startswith("ANGLE") else of_attitude :] *= np.radians(1.0) ** 2
+        raise block.message.fault("a variance is negative.", int(lines[row]))
+    # All but the components of quaternions.
+    variances[:, 0 if kind.startswith("ANGLE") else len(Q) :] *= np.radians(1.0) ** 2
     meta = {"keywords": dict(block), "data_comments": tuple(block.comments)}
     epoch = Instant(float(hi[0]), float(lo[0]))
     seconds, low = pairs.add((hi, lo), -epoch.seconds, -epoch.low)
@@ -565,9 +582,7 @@ def _interpreted(message, tolerance, frame, orbit, products):
     physics = next(iter(message.all("PHYS")), None)
     for block in message.all("AD"):
         _refuse_sensors(block)
-    meta = _names(message) | {
-        "header": dict(message.header),
-        "keywords": dict(message.meta),
+    meta = _said(message) | {
         "meta_comments": tuple(message.meta.comments),
         "inertia_frame": None if physics is None else physics.get("INERTIA_REF_FRAME"),
         "blocks": tuple(
@@ -578,29 +593,21 @@ def _interpreted(message, tolerance, frame, orbit, products):
     body = None if physics is None else _body(physics, products)
     return Comprehensive(
         tags.zero,
-        tuple(_table(b, tags, tolerance, frame, orbit) for b in message.all("ATT")),
-        tuple(_covariance(b, tags) for b in message.all("COV")),
+        tuple(_table(b, tolerance, frame, orbit) for b in message.all("ATT")),
+        tuple(_covariance(b) for b in message.all("COV")),
         body,
         tuple(_maneuver(b, tags) for b in message.all("MAN")),
         meta,
     )
 
 
-def _names(message):
-    """What the meta data of the message and of each table name."""
-    return {
-        "format": "ACM 2.0",
-        "comments": tuple(message.header.comments),
-        "object_name": message.meta["OBJECT_NAME"],
-        "object_id": message.meta.get("INTERNATIONAL_DESIGNATOR"),
-        "center": message.meta.get("CENTER_NAME"),
-    }
+def _said(message):
+    """What the meta data of the message and of each table begin with."""
+    return _messages.said_by(message, message.meta, "ACM 2.0", "INTERNATIONAL_DESIGNATOR")
 
 
 def _tags(message):
     meta = message.meta
-    for keyword in ("OBJECT_NAME", "TIME_SYSTEM", "EPOCH_TZERO"):
-        meta.needed(keyword)
     scale = _messages.scale_of(meta)
     for keyword in ("START_TIME", "STOP_TIME", "NEXT_LEAP_EPOCH"):
         if keyword in meta and not is_number(meta[keyword].encode()):
@@ -715,33 +722,32 @@ class _WrittenBlock:
             out.comments(self.comments)
             out.entries(self.entries)
             for epochs, columns in () if self.rows is None else self.rows():
-                row = "%s" + " %r" * columns.shape[1]
-                texts = (row % entries for entries in zip(epochs, *columns.T.tolist(), strict=True))
-                out.rows(texts, _FORM.rows[self.name])
+                row = out.row(_FORM.rows[self.name], columns.shape[1])
+                out.table(epochs, columns, row)
 
 
-def _attitudes(part, frame, axes, body, texts, orbit):
+def _attitudes(records, frame, axes, body, texts, orbit):
     """The block ATT of a segment: quaternions, with angular velocities if it has them."""
     entries = [("REF_FRAME_A", frame), ("REF_FRAME_B", body)]
-    entries += [("NUMBER_STATES", "7" if part.has_rates else "4"), ("ATT_TYPE", "QUATERNION")]
+    entries += [("NUMBER_STATES", "7" if records.has_rates else "4"), ("ATT_TYPE", "QUATERNION")]
     kind = "QUATERNION"
-    if part.has_rates:
+    if records.has_rates:
         entries.append(("RATE_TYPE", "ANGVEL"))
         kind = "QUATERNION/ANGVEL"
 
     def rows():
-        for history in part.pieces():
+        for history in records.pieces():
             yield texts(history), columns_of(history, kind, Convention(), axes, orbit)
 
-    return _WrittenBlock("ATT", entries, rows, tuple(part.meta.get("data_comments", ())))
+    return _WrittenBlock("ATT", entries, rows, tuple(records.meta.get("data_comments", ())))
 
 
-def _covariances(part, body, texts):
+def _covariances(records, body, texts):
     """The block COV of a segment: variances about the body axes, and of angular velocities."""
     entries = [("COV_BASIS", "PREDICTED"), ("COV_REF_FRAME", body), ("COV_TYPE", "ANGLE_ANGVEL")]
 
     def rows():
-        for history in part.pieces():
+        for history in records.pieces():
             covariance = np.asarray(history.covariance)
             turn = np.swapaxes(history.matrix, -1, -2)
             angles = turn @ covariance[:, :3, :3] @ np.swapaxes(turn, -1, -2)
@@ -805,7 +811,7 @@ def read(
         As `aem.read`.
     """
     known_tolerance(tolerance)
-    return _interpreted(messages.read(path, _FORM), tolerance, frame, orbit, products)
+    return _interpreted(messages.read(path, _FORM, _reader), tolerance, frame, orbit, products)
 
 
 def write(
@@ -875,14 +881,14 @@ def write(
         instant = motion.epoch.after(hi, lo)
         return tags.text(np.array([instant.seconds]), np.array([instant.low]), digits)[0]
 
-    blocks = [_attitudes(part, name, axes, body, texts, orbit) for part in parts]
+    blocks = [_attitudes(records, name, axes, body, texts, orbit) for records in parts]
     has_inertia = motion.body is not None and not motion.body.relative
     if has_inertia:
         blocks.append(_physics(motion.body, body, products))
     if covariance is None:
         covariance = _has_covariance(parts[0])
     if covariance:
-        blocks += [_covariances(part, body, texts) for part in parts]
+        blocks += [_covariances(records, body, texts) for records in parts]
     if has_inertia:
         ends = float(begin[0][0]), float(end[0][1])
         blocks += _maneuvers(motion, seconds, ends, name, axes)
@@ -915,10 +921,10 @@ def write(
     )
 
 
-def _has_covariance(part):
+def _has_covariance(records):
     """Whether the motion of a segment knows its errors."""
     try:
-        part.motion.covariance_at(part.seconds[:1])
+        records.motion.covariance_at(records.seconds[:1])
     except AttitudeError:
         return False
     return True

@@ -17,13 +17,11 @@ with the same bits, epochs within half a picosecond; the motion between records 
 
 from __future__ import annotations
 
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from attitude._textfiles import kvn, messages
-from attitude._textfiles.lines import opened
+from attitude._textfiles import messages
 from attitude.errors import AttitudeError
-from attitude.formats import _aem_notations, _attitude_types, _recipes, _sampling
+from attitude.formats import _aem_message, _attitude_types, _recipes, _sampling
 from attitude.formats._aem_message import Options, WrittenSegment, written_kind
 from attitude.formats._format import (
     Option,
@@ -98,11 +96,7 @@ def read(
         contradict each other where they overlap.
     """
     options = Options(tolerance, frame, orbit, rates, object, segment, lenient)
-    with opened(path) as lines:
-        first = kvn.first(lines)
-        if first is not None:
-            return _aem_notations.read_kvn(lines, first, options)
-    return _aem_notations.read_xml(path, options)
+    return _aem_message.read(path, _aem_message.FORM, options)
 
 
 def write(
@@ -229,15 +223,10 @@ def write(
     comments = list(meta.get("comments", ()) if comments is None else comments)
     messages.refuse_line_breaks(*header.values(), *comments)
 
-    def write_records(target, parts):
-        segments = []
-        for part in parts:
-            segment = WrittenSegment(part, settings)
-            write_data = partial(_aem_notations.write_data, segment, version)
-            segments.append((segment.keywords, segment.comments, write_data))
-        messages.write(
-            target, "the AEM", _aem_notations.FORM, version, header, comments, segments, xml=xml
-        )
+    def write_records(target, segments):
+        written = [WrittenSegment(records, settings).parts for records in segments]
+        form = _aem_message.FORM
+        messages.write(target, "the AEM", form, version, header, comments, written, xml=xml)
 
     if tolerance is None:
         _sampling.refuse_span(start, stop)

@@ -12,20 +12,28 @@ used, and for the rates the first of ANGVEL, derivatives of the quaternion, of t
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from itertools import groupby
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from attitude._textfiles import messages
 from attitude._textfiles.lines import cut
-from attitude._textfiles.messages import Block, Form, Generator, Message
+from attitude._textfiles.messages import Form, Generator
 from attitude.errors import AttitudeError
 from attitude.formats import _attitude_types, _messages
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._attitude_types import Convention
 from attitude.formats._format import OpenedFile, message_labels, refuse_foreign, register_message
-from attitude.formats._messages import INERTIA, OLD_INERTIA, VERSIONS
+from attitude.formats._messages import (
+    GROUPS,
+    INERTIA,
+    OLD_ANGLES,
+    OLD_INERTIA,
+    OLD_RATES,
+    Q_DOT,
+    VERSIONS,
+    Q,
+)
 from attitude.formats._records import TOLERANCE, known_tolerance, refuse_length, to_icrf
 from attitude.formats._sampling import refuse_breaks
 from attitude.frames import quaternion as forms
@@ -48,12 +56,8 @@ __all__ = ["Parameters", "read", "write"]
 
 # ---- The table of keywords; blocks have those of version 2, and some of version 1 that it lacks
 
-_Q = ("Q1", "Q2", "Q3", "QC")
-_Q_DOT = ("Q1_DOT", "Q2_DOT", "Q3_DOT", "QC_DOT")
 _ANGLES = ("ANGLE_1", "ANGLE_2", "ANGLE_3")
 _ANGLES_DOT = ("ANGLE_1_DOT", "ANGLE_2_DOT", "ANGLE_3_DOT")
-_OLD_ANGLES = ("X_ANGLE", "Y_ANGLE", "Z_ANGLE")
-_OLD_RATES = ("X_RATE", "Y_RATE", "Z_RATE")
 _SPIN = ("SPIN_ALPHA", "SPIN_DELTA", "SPIN_ANGLE", "SPIN_ANGLE_VEL")
 _NUTATION = ("NUTATION", "NUTATION_PER", "NUTATION_PHASE")
 _MOMENTUM = ("MOMENTUM_ALPHA", "MOMENTUM_DELTA", "NUTATION_VEL")
@@ -62,9 +66,9 @@ _MANEUVER = ("MAN_EPOCH_START", "MAN_DURATION", "MAN_REF_FRAME")
 _TORQUE = ("MAN_TOR_X", "MAN_TOR_Y", "MAN_TOR_Z")
 
 _OLD: dict[str, tuple[str, str]] = {
-    **{name: ("QUAT", name) for name in (*_Q, *_Q_DOT)},
+    **{name: ("QUAT", name) for name in (*Q, *Q_DOT)},
     **{name: ("EULER", name) for name in ("EULER_ROT_SEQ", "RATE_FRAME")},
-    **{name: ("EULER", name) for name in (*_OLD_ANGLES, *_OLD_RATES)},
+    **{name: ("EULER", name) for name in (*OLD_ANGLES, *OLD_RATES)},
     **{name: ("SPIN", name) for name in (*_SPIN, *_NUTATION)},
     **{name: ("MAN", name) for name in _MANEUVER},
     **{f"MAN_TOR_{k + 1}": ("MAN", name) for k, name in enumerate(_TORQUE)},
@@ -81,13 +85,14 @@ _FORM = Form(
     _messages.HEADER,
     meta=("OBJECT_NAME", "OBJECT_ID", "CENTER_NAME", "TIME_SYSTEM", "EPOCH"),
     blocks={
-        "QUAT": (*_FRAMES, *_Q, *_Q_DOT),
+        "QUAT": (*_FRAMES, *Q, *Q_DOT),
         "EULER": (*_FRAMES, "EULER_ROT_SEQ", *_ANGLES, *_ANGLES_DOT),
         "ANGVEL": (*_FRAMES, "ANGVEL_FRAME", "ANGVEL_X", "ANGVEL_Y", "ANGVEL_Z"),
         "SPIN": (*_FRAMES, *_SPIN, *_NUTATION, *_MOMENTUM),
         "INERTIA": ("INERTIA_REF_FRAME", *INERTIA),
         "MAN": (*_MANEUVER, *_TORQUE, "MAN_DELTA_MASS"),
     },
+    needed=("OBJECT_NAME", "OBJECT_ID", "TIME_SYSTEM", "EPOCH"),
     units=_messages.UNITS,
     elements={
         **dict.fromkeys(("eulerAngleState", "eulerElementsThree"), "EULER"),
@@ -97,263 +102,168 @@ _FORM = Form(
         "angularVelocity": "ANGVEL",
         "maneuverParameters": "MAN",
     },
-    repeated=(*_OLD_ANGLES, *_OLD_RATES),  # for sequences such as 313
+    repeated=(*OLD_ANGLES, *OLD_RATES),  # for sequences such as 313
     old=_OLD,
     groups=("quaternion", "quaternionDot", "quaternionRate", "rotationAngles", "rotationRates"),
     anywhere=("EPOCH",),
 )
 
 
-# ---- Attitude, rates and inertia from the blocks of a message
+# ---- Attitude and rates from the blocks of a message
+
+# Block -> attitude types, and keywords of which one says that it is of this type.
+_KINDS: dict[str, tuple[tuple[str, tuple[str, ...]], ...]] = {
+    "QUAT": (("QUATERNION/DERIVATIVE", Q_DOT), ("QUATERNION", ())),
+    "EULER": (("EULER_ANGLE/DERIVATIVE", _ANGLES_DOT), ("EULER_ANGLE", ())),
+    "SPIN": (
+        ("SPIN/NUTATION", ("NUTATION",)),
+        ("SPIN/NUTATION_MOM", ("MOMENTUM_ALPHA",)),
+        ("SPIN", ()),
+    ),
+}
 
 
-class Interpreted:
-    """The state in the blocks of a message.
+class _State:
+    """The state in the blocks of a message; parameters as in `apm.read`."""
 
-    tolerance, frame, orbit, products, rates: as in `apm.read`.
-
-    epoch: EPOCH of the message; set by `result`.
-    """
-
-    epoch: Instant
-
-    def __init__(
-        self,
-        message: Message,
-        tolerance: float,
-        frame: str | None,
-        orbit: Path | None,
-        products: str | None,
-        rates: str | None = None,
-    ):
-        self._rates = _attitude_types.known_rates(rates)
-        self._message, self._tolerance = message, tolerance
-        self._frame, self._orbit = frame, orbit
-        self._old = message.version == "1.0"
-        self._products = _messages.known_products(products, message.version)
+    def __init__(self, message, epoch, tolerance, frame, orbit, rates):
+        self._message, self._epoch, self._tolerance = message, epoch, tolerance
+        self._frame, self._orbit, self._rates = frame, orbit, rates
+        self._is_old = message.version == "1.0"
         # Block -> name of the body's axes in it.
         self._bodies: dict[str, str] = {}
 
-    def result(
-        self,
-    ) -> tuple[Instant, FloatArray | None, FloatArray | None, Body | None, dict[str, Any]]:
-        """The fields of `Parameters`: epoch, attitude, angular velocity, body, meta."""
-        message = self._message
-        for keyword in ("OBJECT_NAME", "OBJECT_ID", "TIME_SYSTEM", "EPOCH"):
-            message.meta.needed(keyword)
-        scale = _messages.scale_of(message.meta)
-        self.epoch = _messages.epoch_of(message.meta, "EPOCH", scale)
-        wxyz, rates, body_frame = self._state()
-        meta = {
-            "format": f"APM {message.version}",
-            "header": dict(message.header),
-            "comments": tuple(message.header.comments),
-            "keywords": dict(message.meta),
-            "blocks": tuple((b.name, dict(b), tuple(b.comments)) for b in message.blocks),
-            "object_name": message.meta["OBJECT_NAME"],
-            "object_id": message.meta["OBJECT_ID"],
-            "center": message.meta.get("CENTER_NAME"),
-            "body_frame": body_frame,
-            "inertia_frame": self._inertia_frame(body_frame),
-        }
-        return self.epoch, wxyz, rates, self._body(), meta
-
-    def _state(self):
+    def result(self):
         """Attitude and rates, each from the first block that has it; name of the body's axes."""
-        attitude = rates = of_attitude = of_rates = None
-        for name, meaning in (("QUAT", self._quat), ("EULER", self._euler), ("SPIN", self._spin)):
-            for block in self._message.all(name)[:1]:
-                state = self._named(meaning, block)
-                if attitude is None and state[0] is not None:
-                    attitude, of_attitude = state[0], block
-                if rates is None and state[1] is not None:
-                    rates, of_rates = state[1], block
-        if attitude is None and self._message.all("INERTIA") and not self._message.all("ANGVEL"):
+        message, attitude, rates = self._message, None, None
+        of_attitude = of_rates = None
+        for block in [block for name in _KINDS for block in message.all(name)[:1]]:
+            with block.located():
+                wxyz, speeds = self._of_block(block)
+            if attitude is None and wxyz is not None:
+                attitude, of_attitude = wxyz, block
+            if rates is None and speeds is not None:
+                rates, of_rates = speeds, block
+        if attitude is None and message.all("INERTIA") and not message.all("ANGVEL"):
             return None, None, None
         if attitude is None:
-            raise self._message.fault("the message has no attitude.", None)
-        for block in self._message.all("ANGVEL")[:1]:
-            rates, of_rates = self._named(self._angvel, block, attitude), block
+            raise message.fault("the message has no attitude.", None)
+        for block in message.all("ANGVEL")[:1]:
+            with block.located():
+                rates, of_rates = self._angvel(block), block
         body = self._bodies[of_attitude.name]
         if rates is not None and self._bodies[of_rates.name].upper() != body.upper():
-            raise self._message.fault(
+            raise of_rates.fault(
                 f"the block {of_rates.name} has the rates of "
                 f"{cut(self._bodies[of_rates.name], '')}, but the block {of_attitude.name} the "
                 f"attitude of {cut(body, '')}; a message is read for one "
-                "body: delete one of the blocks.",
-                of_rates.line,
+                "body: delete one of the blocks."
             )
-        if callable(rates):
-            rates = self._named(rates, attitude)
-        self._refuse_speed(rates)
+        with message.meta.located():
+            rates = rates(attitude) if callable(rates) else rates
+            refuse_speed(rates)
         return attitude, rates, body
 
-    def _named(self, meaning, block, *more):
-        """What a block means; errors of its axes name the file and the line too."""
-        try:
-            return meaning(block, *more)
-        except AttitudeError as err:
-            if str(err).startswith(self._message.path):
-                raise
-            line = block.line if isinstance(block, Block) else None
-            raise self._message.fault(str(err), line) from err
-
-    def _refuse_speed(self, rates):
-        try:
-            refuse_speed(rates)
-        except AttitudeError as err:
-            raise self._message.fault(str(err), None) from err
+    def _of_block(self, block):
+        """Attitude and rates of a block; rates may be a function of the attitude."""
+        axes, to_body, body_is_a = self._axes(block)
+        sequence = _messages.sequence_of(block) if block.name == "EULER" else None
+        how = Convention(to_body=to_body, sequence=sequence)
+        if block.name == "EULER" and self._is_old:
+            return self._old_euler(block, how, axes, body_is_a)
+        kind = next(
+            kind
+            for kind, words in _KINDS[block.name]
+            if not words or any(w in block for w in words)
+        )
+        row = [block.number(name) for name in _attitude_types.COLUMNS[kind]]
+        if block.name == "QUAT":
+            place = [block.lines["QC"]]
+            refuse_length(np.array([row[:4]]), place, self._tolerance, self._message.fault)
+        return self._relative(kind, row, how, axes)
 
     def _axes(self, block):
-        """The external axes; whether the rotation leads from them to the body; whether A is it.
-
-        The name of the body's axes is noted in `_bodies`.
-        """
-        axes, body, body_is_a = _messages.axes_of(block, self._frame)
-        self._bodies[block.name] = body
+        """The external axes; whether the rotation leads from them to the body; whether A is it."""
+        axes, self._bodies[block.name], body_is_a = _messages.axes_of(block, self._frame)
         to_body = not body_is_a
-        if self._old and block.one_of("DIR", ("A2B", "B2A")) == "B2A":
+        if self._is_old and block.one_of("DIR", ("A2B", "B2A")) == "B2A":
             to_body = not to_body
         return axes, to_body, body_is_a
 
     def _relative(self, kind, row, how, axes):
+        """Attitude (4,) and rates (3,) relative to ICRF from the numbers of an attitude type."""
+        zero = np.zeros(1)
         with np.errstate(over="ignore", invalid="ignore"):  # refuse_speed refuses overflow
             wxyz, rates = _attitude_types.decoded(kind, np.array([row]), how)
-        return self._to_icrf(forms.unit(wxyz), rates, axes)
-
-    def _to_icrf(self, wxyz, rates, axes):
-        zero = np.zeros(1)
-        wxyz, rates = to_icrf(wxyz, rates, axes, self.epoch, zero, zero, self._orbit)
+        wxyz, rates = to_icrf(forms.unit(wxyz), rates, axes, self._epoch, zero, zero, self._orbit)
         return wxyz[0], None if rates is None else rates[0]
-
-    def _quat(self, block):
-        axes, to_body, _ = self._axes(block)
-        row = _numbers(block, _Q)
-        refuse_length(np.array([row]), [block.lines["QC"]], self._tolerance, self._message.fault)
-        kind = "QUATERNION"
-        if any(name in block for name in _Q_DOT):
-            row += _numbers(block, _Q_DOT)
-            kind = "QUATERNION/DERIVATIVE"
-        return self._relative(kind, row, Convention(to_body=to_body), axes)
-
-    def _euler(self, block):
-        axes, to_body, body_is_a = self._axes(block)
-        how = Convention(to_body=to_body, sequence=_messages.sequence_of(block))
-        if self._old:
-            return self._old_euler(block, how, axes, body_is_a)
-        row, kind = _numbers(block, _ANGLES), "EULER_ANGLE"
-        if any(name in block for name in _ANGLES_DOT):
-            row += _numbers(block, _ANGLES_DOT)
-            kind = "EULER_ANGLE/DERIVATIVE"
-        return self._relative(kind, row, how, axes)
 
     def _old_euler(self, block, how, axes, body_is_a):
         """Version 1: angles under the names of their axes, rates over the axes of a frame."""
         letters = [name[0] for name, _, _ in block.order if name.endswith("_RATE")]
-        derivatives = self._rates == "euler" or len(set(letters)) < len(letters)
-        angles = self._by_axis(block, "ANGLE", how.sequence)
-        rates = self._by_axis(block, "RATE", how.sequence if derivatives else None)
+        is_of_angles = self._rates == "euler" or len(set(letters)) < len(letters)
+        angles = _by_axis(block, "ANGLE", how.sequence)
+        rates = _by_axis(block, "RATE", how.sequence if is_of_angles else None)
         wxyz = None
         if angles is not None:
             wxyz = self._relative("EULER_ANGLE", angles, how, axes)[0]
         if rates is None:
             return wxyz, None
-        if derivatives:
-            return wxyz, self._of_derivatives(np.radians(rates), how, axes)
+        if is_of_angles:
+            return wxyz, self._rates_of(np.radians(rates), axes, how=how)
         if self._rates is None:
             _attitude_types.warn(self._message.path, "the block of Euler angles")
         frames = {"EULER_FRAME_A": body_is_a, "EULER_FRAME_B": not body_is_a}
         over_body = frames[block.one_of("RATE_FRAME", frames)]
-        return wxyz, self._body_rates(np.radians(rates), over_body, axes)
+        return wxyz, self._rates_of(np.radians(rates), axes, over_body)
 
-    def _of_derivatives(self, change, how, axes):
-        """A function: attitude -> rates relative to ICRF, from derivatives of Euler angles."""
-        self._refuse_speed(change)
-
-        def of(wxyz):
-            zero = np.zeros(1)
-            outer = axes.to_icrf(self.epoch, zero, zero, self._orbit).reshape(4)
-            inner = forms.multiply(forms.conjugate(outer), wxyz)
-            rates = _attitude_types.of_euler_derivatives(inner[None], change[None], how)[0]
-            turning = axes.angular_velocity(self.epoch, zero, zero, self._orbit)
-            return (
-                rates
-                if turning is None
-                else rates + forms.rotate(forms.conjugate(wxyz), turning[0])
-            )
-
-        return of
-
-    def _body_rates(self, rates, over_body, axes):
-        """A function: attitude -> rates relative to ICRF, over the body axes."""
-
-        self._refuse_speed(rates)
-
-        def of(wxyz):
-            zero = np.zeros(1)
-            outer = axes.to_icrf(self.epoch, zero, zero, self._orbit).reshape(4)
-            body = forms.conjugate(wxyz)
-            over = rates
-            if not over_body:
-                over = forms.rotate(forms.multiply(body, outer), rates)
-            turning = axes.angular_velocity(self.epoch, zero, zero, self._orbit)
-            return over if turning is None else over + forms.rotate(body, turning[0])
-
-        return of
-
-    def _by_axis(self, block, what, sequence):
-        """Values of X_ANGLE, ... in the order of a sequence, or of X, Y, Z; None without any."""
-        items = [item for item in block.order if item[0].endswith(f"_{what}")]
-        if not items:
-            return None
-        needed = [f"{axis}_{what}" for axis in sequence or "XYZ"]
-        names = [name for name, _, _ in items]
-        if sorted(names) != sorted(needed):
-            raise self._message.fault(
-                f"the block EULER has {', '.join(names)}; {sequence or 'rates'} needs "
-                f"{', '.join(needed)}.",
-                items[0][2],
-            )
-        values = []
-        for name in needed:
-            place = next(k for k, item in enumerate(items) if item[0] == name)
-            _, text, line = items.pop(place)
-            block[name], block.lines[name] = text, line
-            values.append(block.number(name))
-        return values
-
-    def _spin(self, block):
-        axes, _, _ = self._axes(block)
-        row, kind = _numbers(block, _SPIN), "SPIN"
-        if "NUTATION" in block:
-            row, kind = row + _numbers(block, _NUTATION), "SPIN/NUTATION"
-        elif "MOMENTUM_ALPHA" in block:
-            row, kind = row + _numbers(block, _MOMENTUM), "SPIN/NUTATION_MOM"
-        return self._relative(kind, row, Convention(), axes)
-
-    def _angvel(self, block, wxyz):
+    def _angvel(self, block):
+        """The rates of a block of version 2, as a function of the attitude."""
         axes, to_body, body_is_a = self._axes(block)
-        values = _numbers(block, ("ANGVEL_X", "ANGVEL_Y", "ANGVEL_Z"))
+        values = [block.number(f"ANGVEL_{axis}") for axis in "XYZ"]
         a, b = block["REF_FRAME_A"].upper(), block["REF_FRAME_B"].upper()
         choices = {a: body_is_a, b: not body_is_a}
         over_body = choices[block.one_of("ANGVEL_FRAME", choices)]
-        rates = np.radians(values) * (1.0 if to_body else -1.0)
-        return self._body_rates(rates, over_body, axes)(wxyz)
+        return self._rates_of(np.radians(values) * (1.0 if to_body else -1.0), axes, over_body)
 
-    def _inertia_frame(self, body_frame):
-        """Name of the axes of the inertia, by default the body's; None without inertia."""
-        for block in self._message.all("INERTIA")[:1]:
-            return block.get("INERTIA_REF_FRAME") or body_frame
+    def _rates_of(self, rates, axes, over_body=True, how=None):
+        """A function: attitude -> rates in ICRF; `how`: from derivatives of the angles."""
+        refuse_speed(rates)
+
+        def of(wxyz):
+            zero, body, relative = np.zeros(1), forms.conjugate(wxyz), rates
+            outer = axes.to_icrf(self._epoch, zero, zero, self._orbit).reshape(4)
+            if how is not None:
+                inner = forms.multiply(forms.conjugate(outer), wxyz)[None]
+                relative = _attitude_types.of_euler_derivatives(inner, rates[None], how)[0]
+            elif not over_body:
+                relative = forms.rotate(forms.multiply(body, outer), rates)
+            turning = axes.angular_velocity(self._epoch, zero, zero, self._orbit)
+            return relative if turning is None else relative + forms.rotate(body, turning[0])
+
+        return of
+
+
+def _by_axis(block, what, sequence):
+    """Values of X_ANGLE, ... in the order of a sequence, or of X, Y, Z; None without any."""
+    items = [item for item in block.order if item[0].endswith(f"_{what}")]
+    if not items:
         return None
-
-    def _body(self):
-        blocks = self._message.all("INERTIA")
-        return _messages.body_of(blocks[0], self._products) if blocks else None
-
-
-def _numbers(block, keywords):
-    """The numbers of some keywords."""
-    return [block.number(keyword) for keyword in keywords]
+    needed = [f"{axis}_{what}" for axis in sequence or "XYZ"]
+    names = [name for name, _, _ in items]
+    if sorted(names) != sorted(needed):
+        raise block.message.fault(
+            f"the block EULER has {', '.join(names)}; {sequence or 'rates'} needs "
+            f"{', '.join(needed)}.",
+            items[0][2],
+        )
+    values = []
+    for name in needed:
+        place = next(k for k, item in enumerate(items) if item[0] == name)
+        _, text, line = items.pop(place)
+        block[name], block.lines[name] = text, line
+        values.append(block.number(name))
+    return values
 
 
 # ---- Writing
@@ -372,13 +282,6 @@ _ELEMENTS = {
         **{"SPIN": "spin", "INERTIA": "inertia"},
     },
 }
-# Keyword -> the element that groups it with others.
-_GROUPS = {
-    **dict.fromkeys(_Q, "quaternion"),
-    **dict.fromkeys(_Q_DOT, "quaternionRate"),
-    **dict.fromkeys(_OLD_ANGLES, "rotationAngles"),
-    **dict.fromkeys(_OLD_RATES, "rotationRates"),
-}
 
 
 def _blocks(
@@ -390,11 +293,11 @@ def _blocks(
     meaning: str | None,
 ) -> list[WrittenBlock]:
     """The blocks of attitude (4,) and rates (3,)."""
-    quaternions = [*zip(_Q, np.roll(wxyz, -1).tolist(), strict=True)]
+    quaternions = [*zip(Q, np.roll(wxyz, -1).tolist(), strict=True)]
     if version == "1.0":
         dots = np.roll(frames_representations.quaternion_rate(wxyz, rates), -1).tolist()
         first = [("Q_FRAME_A", frame), ("Q_FRAME_B", body), ("Q_DIR", "A2B")]
-        blocks = [("QUAT", [*first, *quaternions, *zip(_Q_DOT, dots, strict=True)])]
+        blocks = [("QUAT", [*first, *quaternions, *zip(Q_DOT, dots, strict=True)])]
         if meaning is not None:
             blocks.append(("EULER", _euler(frame, body, wxyz, rates, meaning)))
         return blocks
@@ -419,8 +322,8 @@ def _euler(frame, body, wxyz, rates, meaning):
         ("EULER_DIR", "A2B"),
         ("EULER_ROT_SEQ", "321"),
         ("RATE_FRAME", "EULER_FRAME_B"),
-        *zip(_OLD_ANGLES[::-1], np.degrees(angles).tolist(), strict=True),
-        *zip(_OLD_RATES[::-1], speeds.tolist(), strict=True),
+        *zip(OLD_ANGLES[::-1], np.degrees(angles).tolist(), strict=True),
+        *zip(OLD_RATES[::-1], speeds.tolist(), strict=True),
     ]
 
 
@@ -441,16 +344,7 @@ def _write_block(out: Generator, version: str, block: WrittenBlock) -> None:
     """Write a block; quaternions, angles and rates each have an element around them."""
     name, entries = block
     with out.part(_ELEMENTS[version][name], "" if version == "1.0" else name):
-        for group, members in groupby(entries, key=lambda entry: _GROUPS.get(entry[0])):
-            if group is None:
-                for keyword, value in members:
-                    out.entry(keyword, value)
-                continue
-            label = {"rotationAngles": "angle", "rotationRates": "rate"}.get(group)
-            with out.part(group):
-                for k, (keyword, value) in enumerate(members):
-                    tag = f'rotation{k + 1} {label}="{keyword}"' if label else keyword
-                    out.entry(keyword, value, tag)
+        out.grouped(entries, GROUPS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -541,8 +435,21 @@ def read(
         As `aem.read`.
     """
     known_tolerance(tolerance)
+    rates = _attitude_types.known_rates(rates)
     message = messages.read(path, _FORM)
-    return Parameters(*Interpreted(message, tolerance, frame, orbit, products, rates).result())
+    products = _messages.known_products(products, message.version)
+    epoch = _messages.epoch_of(message.meta, "EPOCH", _messages.scale_of(message.meta))
+    wxyz, speeds, body = _State(message, epoch, tolerance, frame, orbit, rates).result()
+    inertia = next(iter(message.all("INERTIA")), None)
+    meta = _messages.said_by(message, message.meta, f"APM {message.version}", "OBJECT_ID") | {
+        "blocks": tuple((b.name, dict(b), tuple(b.comments)) for b in message.blocks),
+        "body_frame": body,
+        "inertia_frame": None,
+    }
+    if inertia is None:
+        return Parameters(epoch, wxyz, speeds, None, meta)
+    meta["inertia_frame"] = inertia.get("INERTIA_REF_FRAME") or body
+    return Parameters(epoch, wxyz, speeds, _messages.body_of(inertia, products), meta)
 
 
 def write(

@@ -22,13 +22,12 @@ B, as Orekit and PATRIUS print them, and as `AttitudeHistory.wxyz` from B to A.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from attitude._textfiles import kvn
-from attitude._textfiles.atomic_write import written_whole
-from attitude._textfiles.lines import opened
+from attitude._textfiles import messages
 from attitude._textfiles.messages import refuse_line_breaks
-from attitude.formats import _aem_notations, _sampling
+from attitude.formats import _aem_message, _sampling
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._aem_message import Options, WrittenSegment
 from attitude.formats._format import Format, message_labels, refuse_foreign, register, table_reader
@@ -46,6 +45,15 @@ if TYPE_CHECKING:
 
 __all__ = ["read", "write"]
 
+_FORM = replace(
+    _aem_message.FORM,
+    family="CIC",
+    meta=_aem_message.FORM.meta_of("1.0"),
+    only={},
+    needed=tuple(word for word in _aem_message.FORM.needed if not word.endswith("_TIME")),
+    marks={"metadata": "META", "data": ""},
+    spaced=True,
+)
 # Keywords of an AEM that written files leave out, as those of VTS and its tools do.
 _LEFT_OUT = (
     *("START_TIME", "STOP_TIME", "USEABLE_START_TIME", "USEABLE_STOP_TIME"),
@@ -78,9 +86,8 @@ def read(
     AttitudeError
         As `aem.read`.
     """
-    options = Options(tolerance, frame, orbit, rates, object, segment, lenient, cic=True)
-    with opened(path) as lines:
-        return _aem_notations.read_kvn(lines, kvn.first(lines) or b"<", options)
+    options = Options(tolerance, frame, orbit, rates, object, segment, lenient)
+    return _aem_message.read(path, _FORM, options)
 
 
 def write(
@@ -141,16 +148,12 @@ def write(
     comments = list(meta.get("comments", ()) if comments is None else comments)
     refuse_line_breaks(*header.values(), *comments)
 
-    def write_records(target: FilePath, parts: Sequence[Any]) -> None:
-        segment = WrittenSegment(parts[0], settings)
-        lines = ["CIC_AEM_VERS = 1.0", *(f"COMMENT {text}" for text in comments)]
-        lines += [f"{key} = {value}" for key, value in header.items()]
-        keywords = [key for key in segment.keywords if key not in _LEFT_OUT]
-        lines += ["", "META_START", *(f"COMMENT {text}" for text in segment.comments)]
-        lines += ["", *(f"{key} = {segment.keywords[key]}" for key in keywords)]
-        with written_whole(target, "the CIC file") as file:
-            file.write("\n".join([*lines, "", "META_STOP", "", ""]))
-            _aem_notations.write_lines(file.write, segment)
+    def write_records(target: FilePath, segments: Sequence[Any]) -> None:
+        segment = WrittenSegment(segments[0], settings)
+        segment.data_comments = ()
+        keywords = {key: text for key, text in segment.keywords.items() if key not in _LEFT_OUT}
+        written = [(keywords, segment.comments, segment.write)]
+        messages.write(target, "the CIC file", _FORM, "1.0", header, comments, written)
 
     if tolerance is None:
         _sampling.refuse_span(start, stop)

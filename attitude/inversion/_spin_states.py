@@ -26,6 +26,7 @@ from attitude.inversion._ellipsoid import SearchState
 from attitude.inversion._problem import CALIBRATED, usable
 from attitude.inversion._settings import DEFAULT, Settings, Tally
 from attitude.inversion._solution import Solution, SpinStates
+from attitude.photometry._samples import is_plain, warn_of_plain
 from attitude.shape._mesh import Mesh
 
 if TYPE_CHECKING:
@@ -192,17 +193,21 @@ def _checked_turns(curve, max_frequency, settings, is_rotation=False):
         raise AttitudeError("max_frequency is missing; give the largest frequency of rotation.")
     most = validation.positive(max_frequency, "max_frequency", unit="1/s")
     turns, limit = most * curve.span, settings.most_turns
+    plain = ""
+    if is_plain(max_frequency):
+        plain = f' of {most:g}, which without a unit is in Hz (with one: "{most:g} /d")'
     if turns < 2.0:
         raise AttitudeError(
-            f"the light curve spans {turns:.2g} turns at max_frequency; give a larger one, at "
-            f"least {2.0 / curve.span:.3g} Hz, or a longer curve."
+            f"the light curve spans {turns:.2g} turns at max_frequency{plain}; give a larger one, "
+            f"at least {2.0 / curve.span:.3g} Hz, or a longer curve."
         )
     if turns > limit and not is_rotation:
         raise AttitudeError(
-            f"the light curve spans {turns:.0f} turns at max_frequency; at most {limit:.0f} "
+            f"the light curve spans {turns:.0f} turns at max_frequency{plain}; at most {limit:.0f} "
             f"are searched for tumbling. Give at most {limit / curve.span * _DAY:.3g} /d, a part "
             'of the curve, or modes=("PA",) for rotation about one axis.'
         )
+    warn_of_plain(max_frequency, "max_frequency", curve.seconds, "Hz")
     return most
 
 

@@ -303,11 +303,11 @@ def test_seventeen_files_of_orekit():
 
 BAD = [
     ("CCSDS_ACM_VERS = 2.0", "CCSDS_ACM_VERS = 3.0", "line 1: it begins with"),
-    ("OBJECT_NAME = SAT\n", "", "the meta data lack OBJECT_NAME"),
+    ("OBJECT_NAME = SAT\n", "", "the meta data end without OBJECT_NAME"),
     ("EPOCH_TZERO = ", "EPOCH_TZERO = x", "EPOCH_TZERO is 'x2016.*, no epoch"),
     ("TIME_SYSTEM = UTC", "TIME_SYSTEM = SCLK", "line 8: TIME_SYSTEM is 'SCLK'"),
     ("ATT_TYPE = QUATERNION", "ATT_TYPE = MRP", "ATT_TYPE of the block ATT is 'MRP'; it must be"),
-    ("ATT_TYPE = QUATERNION\n", "", "ATT_TYPE of the block ATT is missing"),
+    ("ATT_TYPE = QUATERNION\n", "", "the block ATT lacks ATT_TYPE; it must be one of"),
     ("RATE_TYPE = ANGVEL", "RATE_TYPE = EULER_RATE", "their rates need EULER_ROT_SEQ"),
     ("NUMBER_STATES = 7", "NUMBER_STATES = 6", "NUMBER_STATES is '6'; QUATERNION with the rates"),
     ("REF_FRAME_B = SC_BODY_1", "REF_FRAME_B = NSW", "'NSW' is the name of reference axes"),
@@ -316,7 +316,7 @@ BAD = [
     ("IYZ = .*\n", "", "the block PHYS has IXX, .*, but lacks IYZ"),
     ("IXX = 10", "IXX = 1000", "the inertia: .* no body has"),
     (r"IXX = 10.0 \[kg\*m\*\*2\]", "IXX = 10.0 [lb]", "IXX is in 'lb'; it must be in kg"),
-    ("COV_TYPE = ANGLE_ANGVEL", "COV_TYPE = ANGLE", "a row has 7 entries; COV of this type has"),
+    ("COV_TYPE = ANGLE_ANGVEL", "COV_TYPE = ANGLE", "it has 7 entries; COV of this type has"),
     ("ATT_STOP\n", "", "PHYS begins before the end of ATT"),
     ("PHYS_STOP\n", "PHYS_STOP\nPHYS_START\nPHYS_STOP\n", "a second block PHYS"),
     ("ATT_START\n", "ATT_START\nCOLOUR = red\n", "COLOUR is not known in the block ATT"),

@@ -339,12 +339,20 @@ def test_orbit_formats_reads_version_1(tmp_path, kind, scalar_first):
 
 BAD = [
     (r"CCSDS_AEM_VERS = 1\.0", "CCSDS_AEM_VERS = 3.0", "line 1: it begins with"),
-    (r"ORIGINATOR = TESTS\n", "ORIGINATOR = TESTS\nORIGIN = X\n", "line 5: ORIGIN does not belong"),
+    (
+        r"ORIGINATOR = TESTS\n",
+        "ORIGINATOR = TESTS\nORIGIN = X\n",
+        "line 5: ORIGIN is not known in the header",
+    ),
     (r"ORIGINATOR = TESTS\n", "ORIGINATOR TESTS\n", 'line 4: .* is no "KEYWORD = value"'),
     (r"OBJECT_NAME = SPINNER\n", "", "line 21: the meta data end without OBJECT_NAME"),
     (r"OBJECT_NAME", "OBJECT_NOME", "line 8: OBJECT_NOME is not known"),
     (r"RATE_FRAME = REF", "ANGVEL_FRAME = REF", r"belongs to version 2\.0"),
-    (r"CENTER_NAME = EARTH", "OBJECT_NAME = A", "line 10: OBJECT_NAME was given before, in line 8"),
+    (
+        r"CENTER_NAME = EARTH",
+        "OBJECT_NAME = A",
+        "line 10: OBJECT_NAME is given twice, first in line 8",
+    ),
     (r"REF_FRAME_B = ICRF", "REF_FRAME_B = SOMETHING", "none is known"),
     (r"REF_FRAME_A = SC_BODY_1", "REF_FRAME_A = EME2000", "both of them known external axes"),
     (r"ATTITUDE_DIR = A2B", "ATTITUDE_DIR = C2D", "line 13: ATTITUDE_DIR is 'C2D'"),
@@ -359,8 +367,8 @@ BAD = [
     (r"METHOD = LINEAR", "METHOD = SPLINES", "line 20: INTERPOLATION_METHOD is 'SPLINES'"),
     (r"META_STOP\nDATA_START", "META_STOP\nDATA_BEGIN", "line 23: 'DATA_BEGIN' stands where"),
     (r"37 1\.0 0 0 0 0 0 1\.0", "37 1.0 0 0 0 0 0", "line 24: it has 7 entries"),
-    (r"37 1\.0 0 0 0", "37 1.0 0 0 zero", "line 24: QC is 'zero', which is no number"),
-    (r"37 1\.0 0 0 0", "37 1.0 0 0 0_0", "line 24: QC is '0_0', which is no number"),
+    (r"37 1\.0 0 0 0", "37 1.0 0 0 zero", "line 24: Q3 is 'zero', which is no number"),
+    (r"37 1\.0 0 0 0", "37 1.0 0 0 0_0", "line 24: Q3 is '0_0', which is no number"),
     (r"37 1\.0 0 0 0", "37 1.0 0 0 nan", "line 24: it holds a number that is not finite"),
     (r"37 1\.0 0 0 0", "37 1.01 0 0 0", r"line 24: the length of the quaternion is off 1 by 0\.01"),
     (r"37 1\.0 0 0 0", "37 0.0 0 0 0", "line 24: the length of the quaternion is off 1 by 1"),
@@ -370,7 +378,7 @@ BAD = [
     (r"004T00:00:37", "004T23:59:60", "line 24: .*no leap second"),
     (r"004T00:02:07", "004T00:00:07", "line 25: the epoch goes backwards"),
     (r"004T00:02:07", "004T00:00:37.0", "line 25: the epoch is that of the record before"),
-    (r"DATA_STOP\n\nMETA", "META", "line 26: it has 1 entries"),
+    (r"DATA_STOP\n\nMETA", "META", "line 26: META_START stands before DATA_STOP"),
     (r"DATA_STOP\n$", "", "line 43: the file ends before DATA_STOP; is it cut off"),
     (r"META_STOP\nDATA_START\nCOMMENT(.|\n)*", "", "ends before META_STOP"),
     (r"META_START(.|\n)*", "", "ends before META_START"),
@@ -435,7 +443,7 @@ def test_xml_with_entities_is_refused(tmp_path, inside, sentence):
 XML_BAD = [
     ('version="2.0"', 'version="9"', "outermost element"),
     ("<aem ", "<oem ", "outermost element"),
-    ("<ORIGINATOR>", "<ORIGIN></ORIGIN><ORIGINATOR>", "<ORIGIN> does not belong into the header"),
+    ("<ORIGINATOR>", "<ORIGIN></ORIGIN><ORIGINATOR>", "ORIGIN is not known in the header"),
     ("<REF_FRAME_A>ICRF", "<REF_FRAME_A>XYZ", "none is known"),
     ("<QC>", "<QD>", "well-formed"),
     ("<Q1>", "<Q1>a", "Q1 is 'a"),
@@ -443,9 +451,9 @@ XML_BAD = [
     ("</quaternion>", "<Q1>1</Q1></quaternion>", "Q1 does not belong .* or not twice"),
     ("</quaternion>", "<Q9>1</Q9></quaternion>", "Q9 does not belong"),
     ("<EPOCH>2016", "<EPOCH>x", "the epoch 'x"),
-    ('units="deg/s"', 'units="rad/s"', "is given in 'rad/s'"),
+    ('units="deg/s"', 'units="rad/s"', "ANGVEL_X is in 'rad/s'; it must be in deg/s"),
     ("<metadata>", "<metadata><NOVEL>1</NOVEL>", "NOVEL is not known"),
-    ("<attitudeState>", "<other/><attitudeState>", "<other> does not belong into <data>"),
+    ("<attitudeState>", "<other/><attitudeState>", "other is not known in the block DATA"),
     ("</aem>", "", "not well-formed XML"),
     ("<data>", "<data>" + "<a>" * 50, "nested deeper"),
     ("<data>", "<data><COMMENT>" + "y" * 30000 + "</COMMENT>", "longer than"),
@@ -535,10 +543,10 @@ def test_rates_that_no_body_has_are_refused(tmp_path):
 
 def slowly(path, monkeypatch):
     """The same file, every record of it by the parser."""
-    from attitude.formats import _aem_notations
+    from attitude._textfiles import messages
 
     with monkeypatch.context() as patched:
-        patched.setattr(_aem_notations, "_MOST_PATTERNS", 0)
+        patched.setattr(messages, "_MOST_PATTERNS", 0)
         return read(path)
 
 
@@ -616,8 +624,12 @@ def test_records_inside_of_comments_and_character_data_are_none(tmp_path):
         (r"<Q2>[^<]*", "<Q2>0.9", "off 1 by"),
         (r"<Q2>[^<]*", "<Q2>", "Q2 is '', which is no number"),
         (r"<EPOCH>[^<]*", "<EPOCH>2017-02-30T00:00:00", "the epoch '2017-02-30"),
-        (r'X units="deg/s"', 'X units="deg"', "ANGVEL_X is given in 'deg'; it must be in deg/s"),
-        (r"<EPOCH>", "<EPOCH>2016-12-31T00:00:00</EPOCH><EPOCH>", "two epochs"),
+        (r'X units="deg/s"', 'X units="deg"', "ANGVEL_X is in 'deg'; it must be in deg/s"),
+        (
+            r"<EPOCH>",
+            "<EPOCH>2016-12-31T00:00:00</EPOCH><EPOCH>",
+            "EPOCH does not belong into a row, or not twice",
+        ),
         (r"<Q2>[^<]*</Q2>", "", "lacks Q2"),
         (r"</QC>", "</Q>", "mismatched tag"),
     ],

@@ -140,8 +140,8 @@ def test_marks_around_the_meta_data_are_accepted(tmp_path):
 
 BAD = [
     (r"CCSDS_APM_VERS = 1\.0", "CCSDS_APM_VERS = 5", "line 1: it begins with"),
-    (r"OBJECT_NAME = S.*\n", "", "lack OBJECT_NAME"),
-    (r"EPOCH = .*\n", "", "lack EPOCH"),
+    (r"OBJECT_NAME = S.*\n", "", "the meta data end without OBJECT_NAME"),
+    (r"EPOCH = .*\n", "", "the meta data end without EPOCH"),
     (r"EPOCH = 2026", "EPOCH = 20x6", "line 9: EPOCH is"),
     (r"TIME_SYSTEM = UTC", "TIME_SYSTEM = MET", "line 8: TIME_SYSTEM is 'MET'"),
     (r"Q_DIR = A2B", "Q_DIR = UP", "line 12: DIR of the block QUAT is 'UP'"),
@@ -159,7 +159,7 @@ BAD = [
     (r"90 \[deg\]", "90 [rad]", "line 23: Z_ANGLE is in 'rad'"),
     (r"EULER_ROT_SEQ = 312", "EULER_ROT_SEQ = 311", "line 21: EULER_ROT_SEQ"),
     (r"Y_ANGLE = 0 ", "X_ANGLE = 0 ", "needs Z_ANGLE, X_ANGLE, Y_ANGLE"),
-    (r"RATE_FRAME = E.*\n", "", "RATE_FRAME of the block EULER is missing"),
+    (r"RATE_FRAME = E.*\n", "", "the block EULER lacks RATE_FRAME; it must be one of"),
     (r"I33 = 26\.0", "I33 = 260", "line 30: the inertia: .* no body has"),
     (r"I33 = 26\.0", "I33 = 1e308", r"line 30: the inertia: tensor holds 1e\+308"),
     (r"I33 = 26\.0", "I34 = 260", "line 32: I34 is not known"),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from attitude._textfiles import kvn, lines, toml, xml
+from attitude._textfiles import lines, messages, toml, xml
 from attitude.errors import AttitudeError
 
 
@@ -71,14 +71,14 @@ def test_data_of_the_package_is_text():
 def test_keywords_values_and_comments():
     text = "a_1 = b = c\nCOMMENT\nCOMMENT x = y\nCOMMENT=z\nCOMMENTS\nU-1 x = 3 [km]\n"
     found = lines.of_text(text, "it")
-    assert [kvn.pair(found, line) for line in found] == [
+    assert [messages.pair(found, line) for line in found] == [
         *(("A_1", "b = c"), ("COMMENT", ""), ("COMMENT", "x = y"), ("COMMENT", "z")),
         *(("COMMENT", "S"), ("U-1 X", "3 [km]")),
     ]
-    assert kvn.values(lines.of_text(text + "\n \nA_1 = 2", "it")) == {"A_1": "2", "U-1 X": "3"}
+    assert messages.values(lines.of_text(text + "\n \nA_1 = 2", "it")) == {"A_1": "2", "U-1 X": "3"}
     for bad in ("no equals sign", "= 3", "  =  "):
         with pytest.raises(AttitudeError, match=r'it, line 1: .* is no "KEYWORD = value"'):
-            kvn.values(lines.of_text(bad, "it"))
+            messages.values(lines.of_text(bad, "it"))
 
 
 def test_records_of_xml_are_the_leaves_of_elements():
