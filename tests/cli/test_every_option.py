@@ -255,7 +255,7 @@ def code_of(page):
     return found
 
 
-def _known(node, names):
+def known(node, names):
     """The object of the package that a node names (`paths.oem`, `Spin.from_periods`), or None."""
     if isinstance(node, ast.Name):
         return names.get(node.id)
