@@ -291,9 +291,11 @@ def _with_offsets_if_needed(one: _search.Search, prepared: Prepared) -> _search.
         return one
     if may_be_constant:
         one.constant = _as_constant(own.problem, one.solutions)
-    if one.constant or not asked[-1]:
+    if one.constant or not (asked and asked[-1]):  # never asked: the budget ended before a round
         return one
     own.follow(one)
+    if not own.solutions:
+        return one
     if SearchState.of(own.solutions[0].refined.state).is_axial or not own.is_decided:
         _run(own)
     offsets = _offsets_of(own.solutions[0])
