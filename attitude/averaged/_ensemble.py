@@ -203,7 +203,7 @@ class AveragedEnsemble(Immutable):
                     shared[key] = MeanTorques(
                         body, self.torques, motion.spin.epoch, settings.degree
                     )
-                found.append(AveragedMotion.of_shared(shared[key], motion.spin, settings, k))
+                found.append(AveragedMotion._of_shared(shared[key], motion.spin, settings, k))
             except AttitudeError as err:
                 if on_error == "raise":
                     raise AttitudeError(f"{self.label(k)}: {err}") from err
@@ -286,7 +286,7 @@ class AveragedEnsemble(Immutable):
             states = np.full((len(some), len(seconds), 4), np.nan)
             regions = np.zeros((len(some), len(seconds)), dtype=np.int64)
             for n, k in enumerate(index):
-                states[n], regions[n] = self[k].known(seconds)
+                states[n], regions[n] = self[k]._known(seconds)
             packing = self[index[0]].packing
             spread = np.broadcast_to(seconds, regions.shape)
             history = AveragedHistory(packing, spread, states, regions)
@@ -321,7 +321,7 @@ class AveragedEnsemble(Immutable):
                 (
                     "" if event is None else event.kind,
                     last,
-                    member.count_passages(last),
+                    member._count_passages(last),
                     REGIONS[int(states.region)],
                     *map(float, (states.size, states.theta, states.P_psi, states.P_phi)),
                     *states.pole.tolist(),

@@ -116,8 +116,16 @@ class MeanTorques:
         for k, (kind, period) in enumerate(zip(kinds, self.periods, strict=True)):
             turn, ripple = period, self.ripples[k]
             change = self._rate_of(k, size, y, region) if kind == "auto" else 0.0
+            first, last = self.torques[k].span(self.instant)
+            if kind == "averaged" and np.isfinite(turn) and turn > last - first:
+                raise AttitudeError(
+                    f"the path of {type(self.torques[k]).__name__} is known for "
+                    f"{last - first:.4g} s, and a turn of it takes {turn:.4g} s; give a longer "
+                    'path, or orbit="followed".'
+                )
             averaged = bool(np.isfinite(turn)) and kind != "followed" and change * turn < _SMALL
-            smooth = np.isfinite(ripple) and kind != "followed"
+            averaged = averaged and turn <= last - first
+            smooth = np.isfinite(ripple) and kind != "followed" and ripple <= last - first
             smooth = smooth and change * ripple < _SMALL_IN_RIPPLE
             chosen.append((averaged, ripple if smooth else math.inf))
         key = tuple(chosen)

@@ -234,7 +234,7 @@ class AveragedMotion(Immutable):
         self._begin(MeanTorques(body, acting, spin.epoch, settings.degree), spin, settings)
 
     @classmethod
-    def of_shared(
+    def _of_shared(
         cls, shared: MeanTorques, spin: Spin, settings: Settings, number: int = 0
     ) -> Self:
         """A motion under means that others have too; its number decides its draws."""
@@ -384,7 +384,7 @@ class AveragedMotion(Immutable):
         ended = self._extended(seconds).ended
         return None if ended is None or abs(ended.seconds) > abs(seconds) else ended
 
-    def known(self, seconds: FloatArray) -> tuple[FloatArray, IntArray]:
+    def _known(self, seconds: FloatArray) -> tuple[FloatArray, IntArray]:
         """States (T, 4), NaN beyond the end, and regions (T,) at seconds that are integrated."""
         states = np.full((len(seconds), 4), np.nan)
         regions = np.zeros(len(seconds), dtype=np.int64)
@@ -396,7 +396,7 @@ class AveragedMotion(Immutable):
                 states[chosen], regions[chosen] = track.states(seconds[chosen])
         return states, regions
 
-    def count_passages(self, until: float) -> int:
+    def _count_passages(self, until: float) -> int:
         """Passages of the separatrix up to seconds that are integrated."""
         track = self._tracks[0 if until >= 0.0 else 1]
         return sum(event.kind == "passage" for event in track.happened(until))

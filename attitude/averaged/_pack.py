@@ -29,8 +29,8 @@ _RIPPLE, _RIPPLES = 48, 20.0
 # Least count of samples of a turn of a path that is followed, and most; the share of the largest
 # number by which their splines may err.
 _FEWEST, _MOST, _CLOSE = 32, 2048, 1e-6
-# Intervals of a window of time.
-_INTERVALS = 1024
+# Intervals of a window of time, and of one whose numbers are all averaged over turns.
+_INTERVALS, _FEW_INTERVALS = 1024, 64
 # Turns after which a path that repeats itself is back to this share of its numbers.
 _TURNS, _REPEATS = (1, 3, 10, 31, 100, 316, 1000), 1e-9
 
@@ -316,8 +316,11 @@ class Packed:
     @property
     def length(self) -> float:
         """Seconds of a window; infinite where nothing changes."""
-        intervals = [s.interval for s, _ in self.means if np.isfinite(s.interval)]
-        return _INTERVALS * min(intervals) if intervals else float("inf")
+        changing = [s for s, _ in self.means if np.isfinite(s.interval)]
+        if not changing:
+            return float("inf")
+        slow = all(s.is_averaged or np.isfinite(s.ripple) for s in changing)
+        return (_FEW_INTERVALS if slow else _INTERVALS) * min(s.interval for s in changing)
 
 
 def _spread(values: FloatArray) -> float:

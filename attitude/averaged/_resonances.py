@@ -20,6 +20,7 @@ from attitude.averaged import _rates as layout
 from attitude.averaged._history import AveragedHistory
 from attitude.averaged._polhode import LAM_PLUS, REGIONS, Axes, shares
 from attitude.averaged._tracks import AveragedEvent, Track, _states
+from attitude.torques._torque import ConstantTorque, InternalDissipation, LinearDamping
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -176,6 +177,8 @@ def _resonant(
     for torque, period, is_averaged in zip(
         torques.torques, torques.periods, packing.averaged, strict=True
     ):
+        if isinstance(torque, (ConstantTorque, InternalDissipation, LinearDamping)):
+            continue  # the same at all phases of the precession
         times = [time]
         if is_averaged:
             first, last = torques.span

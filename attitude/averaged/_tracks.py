@@ -191,7 +191,8 @@ class Track:
         def slow(t: FloatArray) -> BoolArray:
             states = _states(rows, t, self.sign)
             size = np.sqrt(np.sum(states[:, :3] ** 2, axis=1))
-            return SLOWEST * slowest_turns(axes, size, states[:, 3], self.region) > fastest
+            turns = slowest_turns(axes, size, states[:, 3], self.region)
+            return np.asarray(SLOWEST * turns > fastest)
 
         ends = np.flatnonzero(slow(rows[:, layout.ROW_END]))
         if not len(ends):

@@ -50,7 +50,7 @@ AEM, C-kernels and other formats are written by "attitude convert".
     "evolve": """\
 example:
   attitude evolve data/mission/goes-like.toml --until 2040-01-01 --output spin.csv --figure spin.png
-  attitude evolve data/mission/envisat-torques.toml --until 2015-01-01 --passages all
+  attitude evolve data/mission/goes-like.toml --until "2 yr" --passages all
 
 The file is a mission file with a spin and sections [[torque]]; observer, columns and times are not
 needed. Torques are averaged over nutation and precession (docs/averaged.md): attitudes are not
