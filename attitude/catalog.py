@@ -30,7 +30,7 @@ from attitude._support import markup, validation
 from attitude._support.quoting import quoted
 from attitude._support.synonyms import of_module
 from attitude._textfiles import toml
-from attitude._textfiles.lines import packaged
+from attitude._textfiles.lines import packaged, path_of_packaged
 from attitude.errors import AttitudeError
 from attitude.motions import _motion as motions
 from attitude.motions._body import Body
@@ -188,6 +188,8 @@ class Entry:
     printed : dict of str to Value
         Further values of the paper, for comparison.
     note : str
+    scene : str or None
+        A mission file of the package with the Sun, the observer and a shape of a real date.
     """
 
     name: str
@@ -198,6 +200,7 @@ class Entry:
     given: dict[str, Value]
     printed: dict[str, Value]
     note: str
+    scene: str | None = None
 
     @property
     def missing(self) -> tuple[str, ...]:
@@ -426,6 +429,7 @@ def _entry(name: str, table: Mapping[str, Any], sources: Mapping[str, str]) -> E
         given=values(table.get("given", [])),
         printed=values(table.get("printed", [])),
         note=table.get("note", ""),
+        scene=path_of_packaged(f"data/scenes/{table['scene']}") if "scene" in table else None,
     )
 
 

@@ -51,6 +51,9 @@ sys.dont_write_bytecode = False
 for _name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(_name, "1")
 
+# A test that compares standard error may be the first that compiles.
+os.environ["ATTITUDE_QUIET"] = "1"
+
 # Tables of shadows are computed in each test; those that test the files name a folder.
 os.environ["ATTITUDE_CACHE"] = "off"
 

@@ -162,13 +162,16 @@ def is_compiled(function: object) -> bool:
 
 
 def callback_of(function: Callable[..., Any]) -> Callback:
-    """The C function of a user's compiled function of (t, wxyz, omega), kept as its attribute."""
+    """The C function of a user's compiled function of (t, wxyz, omega), kept as its attribute.
+
+    Its first parameter is added to the time.
+    """
     made: Callback | None = getattr(function, _ATTRIBUTE, None)
     if made is not None:
         return made
 
     def torque(t, wxyz, omega, given, parameters, out):
-        found = function(t, vector(wxyz, 4), vector(omega, 3))
+        found = function(t + vector(parameters, 1)[0], vector(wxyz, 4), vector(omega, 3))
         if len(found) != 3:
             raise AttitudeError(
                 "the function of a CustomTorque did not return three numbers; it must return a "

@@ -20,7 +20,7 @@ from numba.core.compiler_lock import global_compiler_lock
 
 from attitude._compilation import deferral
 
-# ---- A line on a terminal while functions are compiled for longer than a second
+# ---- A line on standard error, once, where functions are compiled for longer than a second
 
 # s of compilation in a process after which the line is written.
 _PATIENCE = 1.0
@@ -53,10 +53,11 @@ def _write_once() -> None:
     if _written or _taken + time.monotonic() - _begin < _PATIENCE:
         return
     _written = True
-    if sys.stderr is not None and sys.stderr.isatty():
+    if sys.stderr is not None and not os.environ.get("ATTITUDE_QUIET"):
         print(
             "attitude: compiling, once on this machine; `attitude warm-up --all` does it ahead ...",
             file=sys.stderr,
+            flush=True,
         )
 
 

@@ -73,9 +73,7 @@ def written_whole(
 
 @contextmanager
 def made_whole(path: str | os.PathLike[str], name: str = "output") -> Iterator[str]:
-    """As `written_whole`, a temporary name for libraries that open files by name; no devices or
-    pipes.
-    """
+    """As `written_whole`, a temporary name for libraries that open files by name; no devices."""
     target = _target(path, name)
     if os.path.exists(target) and not os.path.isfile(target):
         raise AttitudeError(
@@ -133,9 +131,9 @@ def _unwatch(temporary: str) -> None:
 def _end(number: int, frame: FrameType | None) -> None:
     """Delete the temporary files, and end as the signal would have."""
     if _owner == os.getpid():
-        for each in list(_open):
+        for file in list(_open):
             with suppress(OSError):
-                os.unlink(each)
+                os.unlink(file)
     signal.signal(number, signal.SIG_DFL)
     os.kill(os.getpid(), number)
 
@@ -146,12 +144,12 @@ def _delete_remains(folder: str, stem: str, ending: str) -> None:
     if start < _next_search.get(folder, start):
         return
     try:
-        names = [each for each in os.listdir(folder) if each.startswith(stem)]
+        names = [entry for entry in os.listdir(folder) if entry.startswith(stem)]
     except OSError:
         return  # opening the file says why
     for name in names:
-        found = re.fullmatch(r"([1-9][0-9]{0,9})" + re.escape(ending), name[len(stem) :])
-        if found and not _lives(int(found.group(1))):
+        match = re.fullmatch(r"([1-9][0-9]{0,9})" + re.escape(ending), name[len(stem) :])
+        if match and not _lives(int(match.group(1))):
             with suppress(OSError):
                 _delete_unlocked(os.path.join(folder, name))
     end = time.monotonic()

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import io
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, TypeAlias
 
 import numpy as np
@@ -133,6 +134,11 @@ def packaged(name: str) -> str:
     return resources.files("attitude").joinpath(name).read_text("utf-8")
 
 
+def path_of_packaged(name: str) -> str:
+    """The path of a data file of this package, for readers of files that name others."""
+    return str(Path(__file__).resolve().parent.parent / name)
+
+
 def unreadable(path: str | os.PathLike[str], err: OSError) -> AttitudeError:
     """The AttitudeError for a file that the system refuses to read."""
     return AttitudeError(f"{os.fspath(path)!r} cannot be read: {err.strerror or err}.")
@@ -151,6 +157,78 @@ def numbers(tokens: Sequence[bytes], step: int, places: Sequence[int]) -> NDArra
                     raise NoNumber(line, column, tokens[line * step + place]) from None
     # An underscore elsewhere in the line, in an epoch or a name, is allowed.
     return np.array([list(map(float, tokens[place::step])) for place in places]).T
+
+
+# Rows that are converted to numbers at a time.
+BATCH: int = 16384
+
+
+class BulkRows:
+    """Rows of a file, converted to numbers in bulk: base of the classes that collect them.
+
+    fault: makes the error for a sentence and the number of a line.
+    names: the numbers of a row; "" for those without a name.
+    lead: entries before the numbers, such as an epoch, or a day and its seconds.
+    holds: what a row holds, in sentences.
+    others: other count of entries -> the places of those that are read.
+    entries, lines: the entries of the rows that are not yet converted, and the line of each row.
+    order, step: the places of lead and names among the entries of a row, and the count of these.
+    """
+
+    holds: str = ""
+    others: Mapping[int, Sequence[int]] = {}
+
+    def __init__(self, fault: Fault, names: Sequence[str], lead: int = 1):
+        self.fault: Fault = fault
+        self.names: Sequence[str] = names
+        self.lead: int = lead
+        self.entries: list[bytes] = []
+        self.lines: list[int] = []
+        self.order: list[int] = list(range(lead + len(names)))
+        self.step: int = lead + len(names)
+
+    def add(
+        self, leads: Sequence[Sequence[bytes]], values: NDArray[np.float64], lines: Sequence[int]
+    ) -> None:
+        """Add N rows: (lead, N) entries before the numbers, values (N, names), and the lines."""
+        raise NotImplementedError(f"{type(self).__name__} defines no add")
+
+    def known(self, tokens: list[bytes], line: int) -> list[bytes]:
+        """The entries of a row that are read; AttitudeError for another count of entries."""
+        if len(tokens) == self.step:
+            return tokens
+        if len(tokens) not in self.others:
+            raise self.fault(f"it has {len(tokens)} entries; {self.holds}.", line)
+        return [tokens[place] for place in self.others[len(tokens)]]
+
+    def take(self, tokens: Sequence[bytes], line: int) -> None:
+        """Take a row."""
+        self.entries.extend(tokens)
+        self.lines.append(line)
+        if len(self.lines) >= BATCH:
+            self.convert()
+
+    def arrange(self, order: list[int], step: int) -> None:
+        """Change the order of the entries of following rows."""
+        if (order, step) != (self.order, self.step):
+            self.convert()
+            self.order, self.step = order, step
+
+    def convert(self) -> None:
+        """Convert and add the rows that were taken."""
+        step = self.step
+        if not self.lines:
+            return
+        try:
+            values = numbers(self.entries, step, self.order[self.lead :])
+        except NoNumber as err:
+            name = self.names[err.column]
+            sentence = f"{name} is {err.shown}, which" if name else err.shown
+            raise self.fault(f"{sentence} is no number.", self.lines[err.line]) from err
+        leads = [self.entries[place::step] for place in self.order[: self.lead]]
+        self.add(leads, values, self.lines)
+        self.entries.clear()
+        self.lines.clear()
 
 
 # Characters of a value that a sentence quotes.

@@ -1,7 +1,7 @@
 """CCSDS messages as tables of keywords: tokens of KVN or XML, rows in bulk, and one generator.
 
 A `Form` is the table of a kind of message.  Both notations are read into the same `Message`, by
-calls of its `start`, `entry` and `stop` and of `PendingRows.take`, and written by the same calls
+calls of its `start`, `entry` and `stop` and of `MessageRows.take`, and written by the same calls
 of a `Generator`.
 """
 
@@ -17,7 +17,7 @@ from itertools import chain, groupby
 from typing import IO, TYPE_CHECKING, TypeAlias
 
 from attitude._textfiles.atomic_write import written_whole
-from attitude._textfiles.lines import NoNumber, cut, is_number, numbers, opened
+from attitude._textfiles.lines import BATCH, BulkRows, cut, is_number, opened
 from attitude._textfiles.xml import ElementReader, escaped
 from attitude.errors import AttitudeError
 
@@ -79,128 +79,29 @@ class Form:
         return tuple(word for word in self.meta if self.only.get(word, version) == version)
 
 
-# ---- PendingRows, converted to numbers in bulk
-
-# PendingRows that are converted at a time, and the bytes with which one begins.
-_BATCH = 16384
+# The bytes with which a row begins in KVN.
 _NUMERIC = frozenset(b"+-.0123456789")
-
+# The block with the rows of a message that has segments.
+_DATA = "DATA"
 # The element of a number in a row of XML: tag, that of the element around it, and attributes.
 Leaf: TypeAlias = tuple[str, str, Mapping[str, str]]
 
 
-class RowReader:
-    """What the rows of a block mean: base of the classes that collect them.
+class MessageRows(BulkRows):
+    """The rows of a block: base of the classes that collect them.
 
-    names: the numbers of a row.
-    lead: entries before the numbers: an epoch, or a day and its seconds.
-    holds: what a row holds, in sentences.
-    others: other count of entries -> the places of those that are read.
     unread: names of numbers in XML that are not read.
     """
 
-    names: Sequence[str] = ()
-    lead: int = 1
-    holds: str = ""
-    others: Mapping[int, Sequence[int]] = {}
     unread: Sequence[str] = ()
 
     def named(self, leaves: Sequence[Leaf]) -> Sequence[str]:
         """The names of the numbers of a row in XML; "EPOCH" for its epoch."""
         return [tag for tag, _, _ in leaves]
 
-    def add(
-        self,
-        tokens: Sequence[bytes],
-        values: FloatArray,
-        lines: Sequence[int],
-        fault: Fault,
-        of_day: Sequence[bytes] | None = None,
-    ) -> None:
-        """Add N rows: the first `lead` entries of each, the numbers (N, names), and the lines."""
-        raise NotImplementedError(f"{type(self).__name__} defines no add")
 
-
-class PendingRows:
-    """The rows of a block that are not yet converted, and what reads them.
-
-    reader: the `RowReader`.
-    width: the count of entries of a row: lead and names.
-    entries, lines: the entries of these rows, and the line of each.
-    order, step: the places of lead and names among the entries of a row, and the count of these.
-    """
-
-    def __init__(self, reader: RowReader, message: Message):
-        self.reader: RowReader = reader
-        self.width: int = reader.lead + len(reader.names)
-        self.entries: list[bytes] = []
-        self.lines: list[int] = []
-        self.order: list[int] = list(range(self.width))
-        self.step: int = self.width
-        self._message = message
-
-    def known(self, tokens: list[bytes], line: int) -> list[bytes]:
-        """The entries of a row that are read; AttitudeError for another count of entries."""
-        others = self.reader.others
-        if len(tokens) in others:
-            return [tokens[place] for place in others[len(tokens)]]
-        if len(tokens) != self.width:
-            raise self._message.fault(f"it has {len(tokens)} entries; {self.reader.holds}.", line)
-        return tokens
-
-    def take(self, tokens: Sequence[bytes], line: int) -> None:
-        """Add a row."""
-        self.entries.extend(tokens)
-        self.lines.append(line)
-        if len(self.lines) >= _BATCH:
-            self.convert()
-
-    def arrange(self, order: list[int], step: int) -> None:
-        """Change the order of the entries of following rows."""
-        if (order, step) != (self.order, self.step):
-            self.convert()
-            self.order, self.step = order, step
-
-    def convert(self) -> None:
-        """Hand all rows to the reader."""
-        step, reader, fault = self.step, self.reader, self._message.fault
-        if not self.lines:
-            return
-        try:
-            values = numbers(self.entries, step, self.order[reader.lead :])
-        except NoNumber as err:
-            raise fault(
-                f"{reader.names[err.column]} is {err.shown}, which is no number.",
-                self.lines[err.line],
-            ) from err
-        tokens, *of_day = (self.entries[place::step] for place in self.order[: reader.lead])
-        reader.add(tokens, values, self.lines, fault, *of_day)
-        self.entries.clear()
-        self.lines.clear()
-
-    def order_of(self, leaves: Sequence[Leaf]) -> list[int]:
-        """The places of lead and names among the leaves of a row in XML."""
-        reader, message = self.reader, self._message
-        places: dict[str, int] = {}
-        for place, name in enumerate(reader.named(leaves)):
-            known = name in ("EPOCH", *reader.names, *reader.unread)
-            if not known or name in places:
-                raise message.fault(
-                    f"{cut(name, '')} does not belong into a row, or not twice; {reader.holds}.",
-                    None,
-                )
-            message.refuse_unit(name, leaves[place][2].get("units"), None)
-            places[name] = place
-        lacking = [name for name in ("EPOCH", *reader.names) if name not in places]
-        if lacking:
-            raise message.fault(f"the row lacks {', '.join(lacking)}.", None)
-        return [places[name] for name in ("EPOCH", *reader.names)]
-
-
-# Makes what reads the rows of a block, from the count of entries of the first (None in XML).
-BeginRows: TypeAlias = Callable[["Block", "int | None"], RowReader]
-# The block with the rows of a message that has segments.
-_DATA = "DATA"
+# Makes the rows of a block, from the count of entries of the first one (None in XML).
+BeginRows: TypeAlias = Callable[["Block", "int | None"], MessageRows]
 
 
 class Block(dict[str, str]):
@@ -209,7 +110,7 @@ class Block(dict[str, str]):
     name, line: the name, and the number of the line in which the block begins.
     lines: keyword -> number of its line.
     order: list of (keyword, value, line), all keywords in the order of the file, repeated ones too.
-    rows: those that are not yet converted; None before the first.
+    rows: its rows; None before the first.
     message, meta: the message that holds the block, and the meta data before it.
     """
 
@@ -220,7 +121,7 @@ class Block(dict[str, str]):
         self.lines: dict[str, int] = {}
         self.order: list[tuple[str, str, int]] = []
         self.comments: list[str] = []
-        self.rows: PendingRows | None = None
+        self.rows: MessageRows | None = None
         self.inner: list[Block] = []
         self.message: Message = message
         self.meta: Block = self if meta is None else meta
@@ -254,10 +155,10 @@ class Block(dict[str, str]):
         self.order.append((keyword, value, line))
         self[keyword], self.lines[keyword] = value, line
 
-    def begin_rows(self, count: int | None = None) -> PendingRows:
+    def begin_rows(self, count: int | None = None) -> MessageRows:
         """The rows of the block, of which the first has so many entries (None in XML)."""
         if self.rows is None:
-            self.rows = PendingRows(self.message.begin_rows(self, count), self.message)
+            self.rows = self.message.begin_rows(self, count)
         return self.rows
 
     def needed(self, keyword: str) -> str:
@@ -312,8 +213,7 @@ class Message:
     """A message while it is read: header, meta data and blocks.
 
     fault: makes the error for a sentence and the number of a line.
-    begin_rows: makes what reads the rows of a block, before the first row; it is given the count of
-        entries of this row, None in XML.
+    begin_rows: makes the rows of a block before the first row.
 
     meta: the meta data, of several segments those of the last.
     open: those that have begun and not ended.
@@ -333,7 +233,7 @@ class Message:
         self.version: str = version
         self.path: str = path
         self.fault: Fault = fault
-        self.begin_rows: BeginRows = begin_rows or (lambda block, count: RowReader())
+        self.begin_rows: BeginRows = begin_rows or (lambda block, count: MessageRows(fault, ()))
         self.header: Block = Block("header", 0, self)
         self.meta: Block = Block("meta data", 0, self)
         self.blocks: list[Block] = []
@@ -599,7 +499,7 @@ def _take_rows(lines, line, block):
     rows = block.begin_rows(len(line.split()))
     if block.line == lines.number:
         block.message.assume("DATA_START is missing: the data begin with the first epoch")
-    width, entries, places = rows.width, rows.entries, rows.lines
+    width, entries, places = rows.step, rows.entries, rows.lines
     for following in chain((line,), lines):
         tokens = following.split()
         if tokens and tokens[0][0] in _NUMERIC:
@@ -607,7 +507,7 @@ def _take_rows(lines, line, block):
                 tokens = rows.known(tokens, lines.number)
             entries.extend(tokens)
             places.append(lines.number)
-            if len(places) == _BATCH:
+            if len(places) == BATCH:
                 rows.convert()
         elif tokens:
             return following
@@ -788,12 +688,28 @@ class _MessageReader(ElementReader):
     def _end_row(self, rows, text):
         """Add the open row: that of its elements, or of its text without any."""
         if self._leaves:
-            rows.arrange(rows.order_of(self._leaves), len(self._leaves))
+            rows.arrange(self._order(rows), len(self._leaves))
             rows.take(self._texts, self.line)
         else:
             tokens = text.encode("ascii", "replace").split()
             rows.take(rows.known(tokens, self.line), self.line)
         self._leaves, self._ended_at = None, self.place
+
+    def _order(self, rows):
+        """The places of lead and names among the leaves of the open row."""
+        places: dict[str, int] = {}
+        for place, name in enumerate(rows.named(self._leaves)):
+            if name in places or name not in ("EPOCH", *rows.names, *rows.unread):
+                raise self.fault(
+                    f"{cut(name, '')} does not belong into a row, or not twice; {rows.holds}."
+                )
+            self.message.refuse_unit(name, self._leaves[place][2].get("units"), None)
+            places[name] = place
+        names = ("EPOCH", *rows.names)
+        lacking = [name for name in names if name not in places]
+        if lacking:
+            raise self.fault(f"the row lacks {', '.join(lacking)}.")
+        return [places[name] for name in names]
 
     # Runs of rows that differ in their texts only are read by a pattern instead of the parser.  The
     # first row of a run is parsed as XML.  The following rows that have the same tags, attributes,
@@ -847,7 +763,7 @@ class _MessageReader(ElementReader):
             lines.append(line)
             at = texts.end()
         self.skipped += line - self.line
-        if len(lines) >= _BATCH:
+        if len(lines) >= BATCH:
             rows.convert()
         return at
 
@@ -948,7 +864,7 @@ class Generator:
         return "%s" + " %r" * count + "\n"
 
     def table(self, epochs: Sequence[str], columns: FloatArray, row: str) -> None:
-        """PendingRows of N epochs and columns (N, count), each by its text from `row`."""
+        """MessageRows of N epochs and columns (N, count), each by its text from `row`."""
         records = zip(epochs, *columns.T.tolist(), strict=True)
         self._file.write("".join([row % record for record in records]))
 

@@ -30,9 +30,7 @@ def read(path: str | os.PathLike[str], kind: str) -> str:
 
 
 def parsed(text: str, origin: str) -> dict[str, Any]:
-    """The content of a TOML text as dicts and lists; `origin`, as the file's name, begins the
-    error.
-    """
+    """The content of a TOML text as dicts and lists; `origin`, as the file's name, is in errors."""
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as err:
@@ -48,12 +46,12 @@ def refuse_unknown(section: Iterable[str], known: Collection[str], where: str) -
     """AttitudeError for the first unknown key of a section `where`, with the nearest known key."""
     for key in section:
         if key not in known:
-            near = difflib.get_close_matches(key.lower(), known, n=1)
+            similar = difflib.get_close_matches(key.lower(), known, n=1)
             raise AttitudeError(
                 f"{where} has a key {cut(key)} that is not known; "
                 + (
-                    f"did you mean {near[0]!r}?"
-                    if near
+                    f"did you mean {similar[0]!r}?"
+                    if similar
                     else f"allowed are {listed(sorted(set(known)))}."
                 )
             )
@@ -93,10 +91,10 @@ def listed(words: Sequence[str]) -> str:
 
 
 def _syntax_error(message, text, origin):
-    found = re.fullmatch(r"(.*?) \(at (?:line (\d+), column (\d+)|end of document)\)", message)
-    if found is None:
+    match = re.fullmatch(r"(.*?) \(at (?:line (\d+), column (\d+)|end of document)\)", message)
+    if match is None:
         return f"{origin}: is not valid TOML: {message}."
-    what, line, column = found.groups()
+    what, line, column = match.groups()
     line = line or text.rstrip().count("\n") + 1
     where = f"line {line}" + (f", column {column}" if column else " (the end)")
     return f"{origin}, {where}: is not valid TOML: {what[:1].lower() + what[1:]}."
@@ -121,18 +119,18 @@ def within_script(value: Any) -> str:
     U+2028 and U+2029 end lines of JavaScript before ES2019.
     """
     text = written(value)
-    for each in ("<", "\u2028", "\u2029"):  # in JSON these stand within strings only
-        text = text.replace(each, f"\\u{ord(each):04x}")
+    for mark in ("<", "\u2028", "\u2029"):  # in JSON these stand within strings only
+        text = text.replace(mark, f"\\u{ord(mark):04x}")
     return text
 
 
 def _plain(value: Any) -> Any:
     if isinstance(value, dict):
-        return {name: _plain(each) for name, each in value.items()}
+        return {name: _plain(item) for name, item in value.items()}
     if isinstance(value, np.ndarray):
         return _plain(value.tolist())
     if isinstance(value, (list, tuple)):
-        return [_plain(each) for each in value]
+        return [_plain(item) for item in value]
     if isinstance(value, np.generic):
         value = value.item()
     return None if isinstance(value, float) and not math.isfinite(value) else value
@@ -156,9 +154,7 @@ def of_json(text: str, name: str) -> Any:
 
 
 def of_csv(text: str, name: str) -> list[dict[str, Any]]:
-    """The rows of a CSV text as dicts by the entries of the first line; `name` is the file in
-    errors.
-    """
+    """The rows of a CSV text as dicts by the entries of its first line; `name` is in errors."""
     rows = csv.DictReader(io.StringIO(text))
     try:
         return list(rows)
@@ -185,11 +181,11 @@ def of_separated(text: str, name: str) -> list[tuple[int, list[str]]]:
     mark = max(",;\t|", key=kept[0][1].count)
     if mark not in kept[0][1]:
         return [(number, line.split()) for number, line in kept]
-    found = []
+    rows = []
     for number, line in kept:
         try:
             entries = next(csv.reader([line], delimiter=mark))
         except (csv.Error, StopIteration) as err:
             raise AttitudeError(f"{name}, line {number}: it is not valid CSV ({err}).") from err
-        found.append((number, [_GUARD.sub("", each.strip()) for each in entries]))
-    return found
+        rows.append((number, [_GUARD.sub("", entry.strip()) for entry in entries]))
+    return rows

@@ -80,16 +80,16 @@ class ElementReader:
 
     def version(self, tag: str, attributes: dict[str, str], kind: str, known: Sequence[str]) -> str:
         """The version of a message, from its outermost element."""
-        found = attributes.get("version")
-        if tag != kind or found is None or found not in known:
+        number = attributes.get("version")
+        if tag != kind or number is None or number not in known:
             raise self.fault(
-                f"its outermost element is <{tag[:40]}> of version {cut(found)}; an "
+                f"its outermost element is <{tag[:40]}> of version {cut(number)}; an "
                 f'{kind.upper()} is <{kind} id="CCSDS_{kind.upper()}_VERS" '
                 f'version="{" or ".join(known)}">.'
             )
         if self.message is not None:
             raise self.fault("it holds several messages; write each into a file of its own.")
-        return found
+        return number
 
     def run(self) -> None:
         """Parse the file."""

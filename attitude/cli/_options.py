@@ -454,6 +454,11 @@ def _given(arguments: argparse.Namespace) -> dict[str, Any]:
     return given
 
 
+def completes(arguments: argparse.Namespace) -> bool:
+    """Whether options complete or replace values of an entry of the catalogue."""
+    return bool(_completing(arguments))
+
+
 def _completing(arguments: argparse.Namespace) -> list[str]:
     """The options given that complete an entry of the catalogue."""
     options = [*(row[:2] for row in _NUMBERS), *(row[:2] for row in _WORDS)]

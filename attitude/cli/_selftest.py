@@ -10,7 +10,7 @@ from __future__ import annotations
 import platform
 import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from importlib.metadata import PackageNotFoundError, distributions, version
@@ -99,6 +99,78 @@ def check() -> CheckResult:
     rows = [(family, float(pair[0]), float(pair[1])) for family, pair in worst.items()]
     elapsed = time.perf_counter() - start
     return CheckResult(rows, len(states), epochs, ratio, nanoseconds, elapsed)
+
+
+# States of `more`, the largest turn after which they start again, and accepted errors: a state in
+# doubles is off by 1e-16 of its rate, which 20 rad of turn enlarge, most near the separatrix.
+_RANDOM, _TURN, _RESTART_ERROR = 20_000, 20.0, 1e-12
+# Of an integration to 1e-10 rad, and of the brightness of 20,000 facets in place of an ellipsoid.
+_TORQUE_ERROR, _FACETS, _FACETS_ERROR = 1e-10, 20_000, 1e-4
+
+
+def more() -> Iterator[tuple[str, float, float]]:
+    """Further checks: what was compared, the largest difference, and what is accepted."""
+    name = f"restarts of {_RANDOM} random states, rad"
+    yield name, _restarts(np.random.default_rng(7)), _RESTART_ERROR
+    yield "a constant torque about a principal axis, rad", _spin_up(), _TORQUE_ERROR
+    yield (
+        f"brightness of {_FACETS} facets and of their ellipsoid, relative",
+        _facets(np.random.default_rng(8)),
+        _FACETS_ERROR,
+    )
+
+
+def _restarts(random: np.random.Generator) -> float:
+    """Largest angle, rad, between attitudes, and those of a state that starts again on the way."""
+    from attitude.frames import quaternion
+
+    masses = random.uniform(0.05, 1.0, (_RANDOM, 3))
+    moments = masses.sum(axis=1, keepdims=True) - masses
+    wxyz0 = random.normal(size=(_RANDOM, 4))
+    wxyz0 /= np.linalg.norm(wxyz0, axis=1)[:, None]
+    omega0 = random.normal(size=(_RANDOM, 3))
+    rate = np.linalg.norm(omega0, axis=1)[:, None]
+    t = np.sort(random.uniform(0.0, _TURN, (_RANDOM, 2)), axis=1) / rate
+    wxyz, omega = propagate(moments, wxyz0, omega0, t, angular_velocity=True)
+    later = propagate(moments, wxyz[:, 0], omega[:, 0], t[:, 1:] - t[:, :1])[:, 0]
+    off = quaternion.multiply(quaternion.conjugate(wxyz[:, 1]), later)
+    return float(2.0 * np.linalg.norm(off[:, 1:], axis=1).max())
+
+
+def _spin_up() -> float:
+    """Largest angle, rad, by which a torque about a principal axis turns a body too far."""
+    from attitude.motions._body import Body
+    from attitude.motions._spin import Spin
+    from attitude.torques._torque import ConstantTorque
+    from attitude.torques._torqued import TorquedRotation
+
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0.0, 0.0, 0.1))
+    torque = ConstantTorque((0.0, 0.0, 0.26))
+    motion = TorquedRotation(Body(moments=(10, 20, 26)), spin, torque, tolerance=1e-10)
+    t = np.linspace(0.0, 60.0, 200)
+    wxyz, half = motion.at(t).wxyz, 0.5 * (0.1 * t + 0.005 * t**2)
+    off = wxyz[:, 3] * np.cos(half) - wxyz[:, 0] * np.sin(half)
+    return float(2.0 * np.max(np.sqrt(off**2 + wxyz[:, 1] ** 2 + wxyz[:, 2] ** 2)))
+
+
+def _facets(random: np.random.Generator) -> float:
+    """Largest relative difference of the brightness of facets and of an ellipsoid."""
+    from attitude.light_curve import brightness
+    from attitude.shape._ellipsoid import Ellipsoid
+
+    solid = Ellipsoid((3.0, 2.0, 1.0))
+    sun = _units(random.normal(size=(200, 3)))
+    # Phase angles below 45 degrees: thin crescents lose more to the edges of facets.
+    observer = _units(sun + 0.7 * _units(random.normal(size=(200, 3))))
+    exact = brightness(solid, "lommel-seeliger", sun, observer)
+    found = brightness(solid.facets(_FACETS), "lommel-seeliger", sun, observer)
+    return float(np.max(np.abs(found / exact - 1.0)))
+
+
+def _units(vectors: FloatArray) -> FloatArray:
+    """Unit vectors (N, 3)."""
+    units: FloatArray = vectors / np.linalg.norm(vectors, axis=1)[:, None]
+    return units
 
 
 def reference_states() -> list[dict[str, Any]]:

@@ -56,10 +56,26 @@ def opened(arguments: argparse.Namespace) -> ViewSource:
         named = isinstance(spin, str) or (isinstance(spin, dict) and "catalog" in spin)
         if set(content) - _OF_SPIN_FILES or named:
             return _of_mission(arguments, mesh)
+    scene = _scene_of(arguments)
+    if scene is not None:
+        arguments.target = scene
+        return _of_mission(arguments, mesh)
     motion, title, shape, law = _motion(arguments)
     shown = shape if mesh is None else mesh
     source = ViewSource(motion, arguments.start, arguments.stop, shown, title, None, law)
     return _lit(arguments, source)
+
+
+def _scene_of(arguments: argparse.Namespace) -> str | None:
+    """The mission file of an entry of the catalogue that is shown as it stands; else None."""
+    from attitude import catalog
+
+    if _options.is_file(arguments.target) or _options.completes(arguments):
+        return None
+    options = ("shape", "sun", "observer", "start", "stop")
+    if any(getattr(arguments, name) is not None for name in options):
+        return None
+    return catalog.entry(arguments.target).scene
 
 
 def _content(path: str) -> dict[str, Any]:
@@ -82,7 +98,7 @@ def _of_mission(arguments: argparse.Namespace, mesh: Mesh | None) -> ViewSource:
             f"{arguments.target}: has no spin, without which nothing turns; give spin = ..."
         )
     start, stop = _times(found)
-    title = found.name or os.path.basename(arguments.target)
+    title = found.name or _stem(arguments.target)
     magnitude = None
     if found.magnitude is not None:
         label = "magnitude" if found.magnitude.kind == "apparent" else "reduced magnitude"
@@ -113,9 +129,16 @@ def _motion(
         from attitude.formats import detect
 
         found = detect.opened(given, body=arguments.body, kernels=arguments.kernels or ())
-        return found.motion, os.path.basename(given), None, None
+        return found.motion, _stem(given), None, None
     one = _options.opened(arguments)
-    return one.motion, one.name, one.shape, one.law
+    # A spin file without a name shows that of the file, not the path typed.
+    name = _stem(given) if one.name == given else one.name
+    return one.motion, name, one.shape, one.law
+
+
+def _stem(path: str) -> str:
+    """The name of a file without folder and ending."""
+    return os.path.splitext(os.path.basename(path))[0]
 
 
 def _lit(arguments: argparse.Namespace, source: ViewSource) -> ViewSource:
@@ -152,6 +175,8 @@ examples:
   attitude view toutatis --animate toutatis.webp
   attitude view data/mission/envisat-pass.toml --output envisat.czml
 
+Of toutatis it shows December 1992: Sun and Earth where they were, a shape of two ellipsoids, and
+the light curve.
 Of a mission file the page shows what the light shows that is received at its times, with Sun,
 observer and light curve.
 

@@ -413,8 +413,12 @@ class Ensemble(Immutable):
             ``angular_velocity``  or ``omega_x, omega_y, omega_z``: rad/s over the body axes
             ``moments``  or ``moment_x, moment_y, moment_z``: kg m2, about the body axes
             ``tensor``   or ``tensor_xx, tensor_xy, ... tensor_zz``: in place of the moments
+
+            or those of a survey's simulation, of ellipsoids: ``spin_epochMJD_TDB``, ``ObjID``,
+            ``axis_a``, ``pole_lon_deg``, ``period_h`` ...; see `attitude.survey`
         frame, relative : optional
-            By default those of the meta data of the table, else "icrf" and False.
+            By default those of the meta data of the table, else "icrf" and False; of a survey's
+            columns "ecliptic" and True.
         on_error
             As in `Ensemble`.
 
@@ -428,11 +432,17 @@ class Ensemble(Immutable):
         origin = origin or "the table"
         columns, meta = _tables.columns_of(given, origin)
         unknown = bool(meta.get("relative", False)) if relative is None else relative
-        found = _tables.arguments(columns, validation.flag(unknown, "relative"), origin)
+        found = _tables.arguments(columns, validation.flag(unknown, "relative"), origin, on_error)
         axes = str(meta.get("frame", "icrf")) if frame is None else frame
+        for name, value in (("frame", frame), ("relative", relative)):
+            if name in found and value not in (None, found[name]):
+                raise AttitudeError(
+                    f"{origin} has the columns of a survey, whose {name} is {found[name]!r}, not "
+                    f"{value!r}; leave {name} out."
+                )
         low = found.pop("low", None)
         try:
-            made = cls(**found, frame=axes, relative=unknown, on_error=on_error)
+            made = cls(**{"frame": axes, "relative": unknown, **found}, on_error=on_error)
         except AttitudeError as err:
             raise AttitudeError(f"{origin}: {err}") from err
         return made if low is None else made._with_low(low)

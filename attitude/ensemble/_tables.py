@@ -10,6 +10,9 @@ angular_velocity  or ``omega_x, omega_y, omega_z``: rad/s over the body axes
 moments         or ``moment_x, moment_y, moment_z``: kg m2, about the body axes
 tensor          or ``tensor_xx, tensor_xy, ... tensor_zz``: in place of the moments
 
+or, in place of wxyz, angular_velocity, moments and epoch, the columns of a survey's simulation,
+which `attitude.survey` lists: ObjID, axis_a, axis_b, axis_c, pole_lon_deg, period_h ...
+
 The meta data ``frame`` and ``relative`` are those of the ensemble.  Files written here also have
 ``low_w, low_x, low_y, low_z``, the second doubles of attitudes, if there are any.
 """
@@ -26,15 +29,17 @@ import numpy as np
 from attitude import frames
 from attitude._solver import covariance as covariances
 from attitude._solver import evaluation
-from attitude._support import validation
+from attitude._support import pairs, validation
 from attitude.ensemble._members import Seconds
+from attitude.epochs import _time_scales
 from attitude.errors import AttitudeError
 from attitude.formats.tables import meta_of
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
+from attitude.motions import _published
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from attitude._support.annotations import BoolArray, FloatArray
     from attitude.motions._body import Body
@@ -71,8 +76,12 @@ def columns_of(table: Any, origin: str) -> tuple[dict[str, Any], dict[str, Any]]
     )
 
 
-def arguments(columns: Mapping[str, Any], relative: bool, origin: str) -> dict[str, Any]:
+def arguments(
+    columns: Mapping[str, Any], relative: bool, origin: str, on_error: str
+) -> dict[str, Any]:
     """The arguments of `Ensemble` in some columns, with ``low`` if there are second doubles."""
+    if ROTATOR_EPOCH in columns:
+        return _of_rotators(columns, origin, on_error)
     found: dict[str, Any] = {}
     for name, (parts, unit) in _PARTS.items():
         known = None if relative and unit == "kg m2" else unit
@@ -83,7 +92,8 @@ def arguments(columns: Mapping[str, Any], relative: bool, origin: str) -> dict[s
         if name not in found:
             raise AttitudeError(
                 f"{origin}: it has no {name}; give a column {name}, or "
-                f"{', '.join(_PARTS[name][0])}."
+                f"{', '.join(_PARTS[name][0])}, or the columns of a survey ({ROTATOR_EPOCH}, "
+                "period_h, ...)."
             )
     if "tensor" in found:
         found["tensors"] = found.pop("tensor").reshape(-1, 3, 3)
@@ -155,6 +165,128 @@ def origin_of(source: Any) -> str | None:
 
 def _lower(meta: Any) -> dict[str, Any]:
     return {str(key).lower(): value for key, value in dict(meta).items()}
+
+
+# ---- Rotators in the columns of `attitude.survey`: ellipsoids, poles in the ecliptic of J2000
+
+AXES: tuple[str, str, str] = ("axis_a", "axis_b", "axis_c")
+ROTATOR_EPOCH: str = "spin_epochMJD_TDB"
+# Columns of numbers with their default, or None if each object needs them.
+_ROTATOR_NUMBERS: dict[str, float | None] = {
+    **dict.fromkeys(("pole_lon_deg", "pole_lat_deg", "phi0_deg", ROTATOR_EPOCH)),
+    **dict.fromkeys(("period_h", "P_psi_h", "P_phi_h", "psi0_deg"), math.nan),
+}
+_ROTATOR_WORDS = ("mode", "convention", "theta_branch")
+ROTATOR_COLUMNS: frozenset[str] = frozenset({*AXES, "shape", *_ROTATOR_NUMBERS, *_ROTATOR_WORDS})
+# Modified Julian date, TDB, of J2000.
+_MJD_OF_J2000 = 51544.5
+
+
+def rotator_label(k: int, names: Sequence[object] | None) -> str:
+    """How errors name object k of a survey."""
+    return f"Member {k}" if names is None else f"ObjID {str(names[k])!r}"
+
+
+def rotator_numbers(
+    columns: Mapping[str, Any],
+    name: str,
+    default: float | None = None,
+    names: Sequence[object] | None = None,
+) -> FloatArray:
+    """A column as float64; a default for each object if it is absent."""
+    if name in columns:
+        values = np.asarray(columns[name])
+        try:
+            return np.array(values, dtype=np.float64)
+        except (TypeError, ValueError):
+            for k, value in enumerate(values.ravel().tolist()):
+                try:
+                    float(value)
+                except (TypeError, ValueError):
+                    raise AttitudeError(
+                        f"{rotator_label(k, names)}: {name} is {validation.shown(value)}; give a "
+                        "number, or nan where it does not apply."
+                    ) from None
+            raise
+    if default is None:
+        raise AttitudeError(
+            f"the column {name} is missing; give it, or a distribution from which it is drawn."
+        )
+    first = next(each for each in ("phi0_deg", "pole_lon_deg") if each in columns)
+    return np.full(len(columns[first]), default)
+
+
+def rotator_moments(
+    columns: Mapping[str, Any], names: Sequence[object] | None = None
+) -> tuple[FloatArray, FloatArray]:
+    """Semi-axes (N, 3), and relative moments (N, 3) of the homogeneous ellipsoids with them."""
+    axes = np.stack([rotator_numbers(columns, name, None, names) for name in AXES], axis=1)
+    bad = np.flatnonzero(~np.all((axes > 0.0) & (axes < math.inf), axis=1))
+    if len(bad):
+        raise AttitudeError(
+            f"{rotator_label(bad[0], names)} has the semi-axes {axes[bad[0]].tolist()}; give three "
+            "numbers above zero."
+        )
+    squares = axes**2
+    return axes, 0.2 * (squares.sum(axis=1, keepdims=True) - squares)
+
+
+def rotator_states(
+    columns: Mapping[str, Any],
+    moments: FloatArray,
+    principal_axes: FloatArray | None = None,
+    names: Sequence[object] | None = None,
+    on_error: str = "raise",
+) -> tuple[_published.PeriodStates, FloatArray]:
+    """States in the ecliptic of J2000, and their epochs (N,), modified Julian dates in TDB."""
+    numbers = {
+        name: rotator_numbers(columns, name, default, names)
+        for name, default in _ROTATOR_NUMBERS.items()
+    }
+    degree, hour = math.pi / 180.0, 3600.0
+    tumbles = np.isnan(numbers["period_h"])
+    states = _published.states_from_periods(
+        moments,
+        principal_axes=principal_axes,
+        pole=np.stack([numbers["pole_lon_deg"], numbers["pole_lat_deg"]], axis=1) * degree,
+        phi0=numbers["phi0_deg"] * degree,
+        psi0=np.where(tumbles, numbers["psi0_deg"] * degree, math.nan),
+        P_psi=np.where(tumbles, numbers["P_psi_h"] * hour, math.nan),
+        P_phi=np.where(tumbles, numbers["P_phi_h"] * hour, math.nan),
+        P=numbers["period_h"] * hour,
+        on_error="nan",
+        **{name: columns.get(name) for name in _ROTATOR_WORDS},
+    )
+    if on_error == "raise" and states.bad.any():
+        k = int(np.flatnonzero(states.bad)[0])
+        raise AttitudeError(f"{rotator_label(k, names)}: {states.reason(k)}")
+    return states, numbers[ROTATOR_EPOCH]
+
+
+def _of_rotators(columns: Mapping[str, Any], origin: str, on_error: str) -> dict[str, Any]:
+    """The arguments of `Ensemble` in the columns of a survey."""
+    label = next((each for each in ("ObjID", "name") if each in columns), None)
+    names = None if label is None else [str(each) for each in np.asarray(columns[label]).tolist()]
+    try:
+        _, moments = rotator_moments(columns, names)
+        states, mjd = rotator_states(columns, moments, None, names, on_error)
+    except AttitudeError as err:
+        raise AttitudeError(f"{origin}: {err}") from err
+    bad = np.flatnonzero(~np.isfinite(mjd))
+    if len(bad):
+        raise AttitudeError(
+            f"{origin}: {rotator_label(int(bad[0]), names)} has no {ROTATOR_EPOCH}; give the epoch "
+            "of its state."
+        )
+    return {
+        "wxyz": states.wxyz,
+        "angular_velocity": states.angular_velocity,
+        "moments": moments,
+        "epoch": Seconds(*pairs.product(mjd - _MJD_OF_J2000, _time_scales.DAY)),
+        "names": names,
+        "frame": "ecliptic",
+        "relative": True,
+    }
 
 
 # ---- Random states about a motion: draws from a covariance or from distributions, kept physical

@@ -191,9 +191,9 @@ class _Segment(Rows):
             self._kind, self.others = "QUATERNION/ANGVEL", {_MMS: _READ}
             self._how = replace(self._how, rates_over_body=True, scalar_first=False)
         columns = _attitude_types.COLUMNS[self._kind]
-        super().__init__(scale, len(columns))
-        self.names = _scalar_first(columns) if self._how.scalar_first else columns
-        self.lead, epoch = (2, "a day and its seconds") if self._is_cic else (1, "an epoch")
+        names = _scalar_first(columns) if self._how.scalar_first else columns
+        lead, epoch = (2, "a day and its seconds") if self._is_cic else (1, "an epoch")
+        super().__init__(scale, block.message.fault, names, lead)
         self.holds = (
             f"{cut(meta['ATTITUDE_TYPE'], '')} has {epoch} and {len(columns)} numbers: "
             f"{', '.join(columns)}"
@@ -315,18 +315,12 @@ class _Segment(Rows):
     def finished(self) -> AttitudeTable:
         """The AttitudeTable of the complete records."""
         meta, message, options = self.block.meta, self.block.message, self._options
-        self.refuse_outside(*self._limits, message.fault)
+        self.refuse_outside(*self._limits)
         method, degree = self._interpolation
-        said: dict[str, Any] = {
-            "format": f"{'CIC ' * self._is_cic}AEM {message.version}",
-            "header": dict(message.header),
-            "comments": tuple(message.header.comments),
-            "keywords": dict(meta),
+        title = f"{'CIC ' * self._is_cic}AEM {message.version}"
+        said = _messages.said_by(message, meta, title, "OBJECT_ID") | {
             "meta_comments": tuple(meta.comments),
             "data_comments": tuple(self.block.comments),
-            "object_name": meta["OBJECT_NAME"],
-            "object_id": meta["OBJECT_ID"],
-            "center": meta.get("CENTER_NAME"),
             "frame": self._axes.name,
             "body_frame": self._body,
             "time_system": meta["TIME_SYSTEM"].upper(),
@@ -337,7 +331,6 @@ class _Segment(Rows):
                 self._kind,
                 self._how,
                 self._axes,
-                message.fault,
                 tolerance=options.tolerance,
                 orbit=options.orbit,
                 method=method,
@@ -457,10 +450,10 @@ class WrittenSegment:
         version.
     """
 
-    def __init__(self, part: Records, settings: Mapping[str, Any]):
-        self._part, self._settings = part, settings
+    def __init__(self, records: Records, settings: Mapping[str, Any]):
+        self._records, self._settings = records, settings
         version = settings["version"]
-        self._kind = written_kind(settings, part.has_rates)
+        self._kind = written_kind(settings, records.has_rates)
         if version == "1.0" and self._kind not in _attitude_types.IN_VERSION_1:
             raise AttitudeError(
                 f"{self._kind} is no attitude type of AEM 1.0; write version 2.0, or one of "
@@ -473,10 +466,10 @@ class WrittenSegment:
                 'rates="body" (components of the angular velocity) or rates="euler" (derivatives '
                 "of the angles), or kind QUATERNION/DERIVATIVE, which all readers understand."
             )
-        name = settings["frame"] or part.meta.get("frame") or "ICRF"
+        name = settings["frame"] or records.meta.get("frame") or "ICRF"
         self._axes = _axes.named(name)
         self._scale = ccsds_epochs.writable(
-            settings["time_system"] or part.meta.get("time_system") or "UTC"
+            settings["time_system"] or records.meta.get("time_system") or "UTC"
         )
         if settings["rates_over"] not in ("body", "frame"):
             raise AttitudeError(f"rates_over is {settings['rates_over']!r}; give body or frame.")
@@ -487,8 +480,8 @@ class WrittenSegment:
             sequence=settings["sequence"],
             rates_of_angles=old and settings["rates"] == "euler",
         )
-        self.comments: Sequence[str] = part.meta.get("meta_comments", ())
-        self.data_comments: Sequence[str] = part.meta.get("data_comments", ())
+        self.comments: Sequence[str] = records.meta.get("meta_comments", ())
+        self.data_comments: Sequence[str] = records.meta.get("data_comments", ())
         self.keywords: dict[str, str] = self._keywords(version)
         refuse_line_breaks(*self.data_comments)
 
@@ -507,7 +500,7 @@ class WrittenSegment:
             row, order = self._row_in_xml(out), [in_file.index(n) for n in columns]
         else:
             row = out.row("", len(columns))
-        for history in self._part.pieces():
+        for history in self._records.pieces():
             epochs = self._texts(history.epoch, history.seconds, history.low)
             values = columns_of(history, self._kind, self._how, self._axes, self._settings["orbit"])
             out.table(epochs, values[:, order], row)
@@ -542,14 +535,14 @@ class WrittenSegment:
         return texts
 
     def _keywords(self, version):
-        part, settings, meta = self._part, self._settings, self._part.meta
+        records, settings, meta = self._records, self._settings, self._records.meta
         names = zip(
             settings["names"], ("object_name", "object_id", "center", "body_frame"), strict=True
         )
         name, number, center, body = (value or meta.get(key) for value, key in names)
         body = written_body(body, {})
         frame = _axes.WRITTEN.get(self._axes.kind) if self._axes.name.islower() else self._axes.name
-        start, stop = self._texts(part.epoch, *part.first_and_last())
+        start, stop = self._texts(records.epoch, *records.first_and_last())
         method, degree = self._interpolation()
         rate_frame = "REF_FRAME_B" if version == "1.0" else body
         if not self._how.rates_over_body:
@@ -583,23 +576,27 @@ class WrittenSegment:
             "INTERPOLATION_METHOD": method,
             "INTERPOLATION_DEGREE": str(degree),
         }
-        if part.table is not None:
-            known.update(self._usable(part.table))
+        if records.table is not None:
+            known.update(self._usable(records.table))
         return {key: known[key] for key in FORM.meta_of(version) if known[key] is not None}
 
     def _interpolation(self):
         """Recommended interpolation: that of a table, of a degree for which there are records."""
-        method, degree, table = self._settings["method"], self._settings["degree"], self._part.table
+        method, degree, table = (
+            self._settings["method"],
+            self._settings["degree"],
+            self._records.table,
+        )
         if method is None and table is not None:
             method, degree = table.method, degree or table.degree
         has_rates = _attitude_types.has_rates(self._kind)
-        count = len(self._part)
+        count = len(self._records)
         method, degree = _table.settled(method, degree, count, has_rates)
         degree = _recipes.degree_of(self._settings["for_"], degree, count)
         return "LINEAR" if method == "slerp" else method.upper(), degree
 
     def _usable(self, table):
-        ends = list(zip(*self._part.first_and_last(), strict=True))
+        ends = list(zip(*self._records.first_and_last(), strict=True))
         limits = max(table._limits[0], ends[0]), min(table._limits[1], ends[1])
         if limits == tuple(ends):
             return {}

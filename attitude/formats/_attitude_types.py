@@ -131,14 +131,14 @@ class Convention:
 
 def known_type(name: str, version: str) -> str:
     """The name in version 2 of an attitude type of either version."""
-    given = "_".join(name.upper().split())
-    given = OUT_OF_VERSION_1.get(given, given)
-    if given not in COLUMNS:
+    kind = "_".join(name.upper().split())
+    kind = OUT_OF_VERSION_1.get(kind, kind)
+    if kind not in COLUMNS:
         raise AttitudeError(
             f"ATTITUDE_TYPE is {cut(name)}; it must be one of "
             f"{', '.join(IN_VERSION_1.values() if version.startswith('1') else COLUMNS)}."
         )
-    return given
+    return kind
 
 
 def has_rates(kind: str) -> bool:
@@ -147,9 +147,7 @@ def has_rates(kind: str) -> bool:
 
 
 def decoded(kind: str, rows: FloatArray, how: Convention) -> tuple[FloatArray, FloatArray | None]:
-    """Attitudes wxyz (N, 4) and angular velocities (N, 3) from the columns of a file, rows (N,
-    columns).
-    """
+    """Attitudes wxyz (N, 4) and angular velocities (N, 3) from the rows (N, columns) of a file."""
     family = kind.partition("/")[0]
     wxyz, rates = {"QUATERNION": _of_quaternions, "EULER_ANGLE": _of_angles, "SPIN": _of_spin}[
         family
@@ -174,22 +172,20 @@ def encoded(
     acceleration: FloatArray | None,
     how: Convention,
 ) -> FloatArray:
-    """The columns (N, columns) of an attitude type, in deg, deg/s and s, from wxyz (N, 4), rates
-    (N, 3) and acceleration (N, 3); inverse of `decoded`.
-    """
+    """Rows (N, columns) in deg, deg/s and s from wxyz (N, 4), rates and acceleration (N, 3)."""
     family = kind.partition("/")[0]
     if family == "SPIN":
         return _spin_columns(kind, wxyz, rates, acceleration)
-    given = wxyz if how.to_body else frames_quaternion.conjugate(wxyz)
+    of_file = wxyz if how.to_body else frames_quaternion.conjugate(wxyz)
     if family == "QUATERNION":
-        columns = [_ordered(given, how)]
+        columns = [_ordered(of_file, how)]
     else:
         assert how.sequence is not None
-        angles = forms.to_euler(how.sequence, given)
+        angles = forms.to_euler(how.sequence, of_file)
         columns = [np.degrees(angles)]
     if kind == "EULER_ANGLE/DERIVATIVE" or (kind.endswith("/ANGVEL") and how.rates_of_angles):
         assert rates is not None and how.sequence is not None
-        angles = forms.to_euler(how.sequence, given)
+        angles = forms.to_euler(how.sequence, of_file)
         over = rates if how.to_body else -frames_quaternion.rotate(wxyz, rates)
         columns.append(np.degrees(forms.euler_rates(how.sequence, angles, over)))
     elif kind.endswith("/ANGVEL"):
@@ -212,9 +208,9 @@ def _ordered(wxyz, how):
 def _of_quaternions(kind, rows, how):
     parts = [rows[:, :4], rows[:, 4:8]] if kind == "QUATERNION/DERIVATIVE" else [rows[:, :4]]
     if not how.scalar_first:
-        parts = [np.roll(part, 1, axis=1) for part in parts]
+        parts = [np.roll(columns, 1, axis=1) for columns in parts]
     if not how.to_body:
-        parts = [frames_quaternion.conjugate(part) for part in parts]
+        parts = [frames_quaternion.conjugate(columns) for columns in parts]
     if len(parts) == 1:
         return parts[0], None
     square = np.sum(parts[0] * parts[0], axis=1, keepdims=True)
@@ -222,18 +218,16 @@ def _of_quaternions(kind, rows, how):
 
 
 def of_euler_derivatives(wxyz: FloatArray, change: FloatArray, how: Convention) -> FloatArray:
-    """Angular velocities (N, 3), rad/s over the body axes, from wxyz (N, 4) and change (N, 3) of
-    angles.
-    """
+    """Rates (N, 3), rad/s over the body, from wxyz (N, 4) and the change (N, 3) of angles."""
     assert how.sequence is not None
-    given = (
+    of_file = (
         frames_quaternion.unit(wxyz)
         if how.to_body
         else frames_quaternion.conjugate(frames_quaternion.unit(wxyz))
     )
-    angles = forms.to_euler(how.sequence, given)
+    angles = forms.to_euler(how.sequence, of_file)
     rates = forms.angular_velocity_from_euler_rates(how.sequence, angles, change)
-    return rates if how.to_body else -frames_quaternion.rotate(given, rates)
+    return rates if how.to_body else -frames_quaternion.rotate(of_file, rates)
 
 
 def rates_by_axis(letters: str, sequence: str | None) -> list[int] | None:
@@ -251,9 +245,9 @@ def rates_by_axis(letters: str, sequence: str | None) -> list[int] | None:
     left = list(enumerate(letters))
     places = []
     for axis in sequence:
-        found = next(item for item in left if item[1] == axis)
-        left.remove(found)
-        places.append(found[0])
+        item_of_axis = next(item for item in left if item[1] == axis)
+        left.remove(item_of_axis)
+        places.append(item_of_axis[0])
     return places
 
 

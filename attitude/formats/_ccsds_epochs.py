@@ -49,13 +49,13 @@ _YEARDAY = {4: "-", 8: "T", 11: ":", 14: ":"}, 17
 
 def known(time_system: str, name: str = "TIME_SYSTEM") -> str:
     """The time scale, in lower case, of a CCSDS time system; `name` stands in the error message."""
-    given = time_system.strip().upper() if isinstance(time_system, str) else None
-    if given not in TIME_SYSTEMS:
+    system = time_system.strip().upper() if isinstance(time_system, str) else None
+    if system not in TIME_SYSTEMS:
         raise AttitudeError(
             f"{name} is {cut(time_system)}, which cannot be converted; it must be one of "
             f"{', '.join(sorted(TIME_SYSTEMS))}."
         )
-    return TIME_SYSTEMS[given]
+    return TIME_SYSTEMS[system]
 
 
 def writable(time_system: str) -> str:
@@ -82,17 +82,17 @@ def parsed(tokens: Sequence[bytes], scale: str) -> tuple[FloatArray, FloatArray]
     chars = np.array(tokens, dtype=f"S{width}").view(np.uint8).reshape(len(tokens), width)
     ends = chars[np.arange(len(tokens)), np.maximum(lengths, 1) - 1] == ord("Z")
     kind = (lengths - ends) * 2 + (chars[:, 7] == ord("-"))
-    day, second, part = (np.empty(len(tokens)) for _ in range(3))
-    for each in np.unique(kind):
-        rows = np.flatnonzero(kind == each)
-        group = _fields(chars[rows, : each // 2], bool(each % 2))
+    day, second, fraction = (np.empty(len(tokens)) for _ in range(3))
+    for layout in np.unique(kind):
+        rows = np.flatnonzero(kind == layout)
+        group = _fields(chars[rows, : layout // 2], bool(layout % 2))
         if isinstance(group, tuple):
-            day[rows], second[rows], part[rows] = group
+            day[rows], second[rows], fraction[rows] = group
         else:
             raise BadEpoch(int(rows[np.argmax(group)]), "write it like 2026-01-01T00:00:00.000")
-    _refuse_false_leaps(scale, day, second, part)
+    _refuse_false_leaps(scale, day, second, fraction)
     try:
-        hi, lo = _inputs.tdb_of_day(scale, day, second, part, "an epoch")
+        hi, lo = _inputs.tdb_of_day(scale, day, second, fraction, "an epoch")
     except AttitudeError as err:
         raise BadEpoch(0, str(err)) from err
     return np.asarray(hi), np.asarray(lo)
@@ -105,21 +105,25 @@ def parsed_days(
     for k, (day, second) in enumerate(zip(days, seconds, strict=True)):
         if _DAY.fullmatch(day) is None or not is_number(second):
             raise BadEpoch(k, "write a modified Julian date and seconds, like 61041 43200.0")
-    date, given = (np.array(list(map(float, each))) for each in (days, seconds))
+    date, second_of_day = (np.array(list(map(float, column))) for column in (days, seconds))
     length = _time_scales.DAY + (_time_scales.leap_of_day(date) if scale == "utc" else 0.0)
-    outside = ~((given >= 0.0) & (given <= length)) | (date > _LAST_DAY)
+    outside = ~((second_of_day >= 0.0) & (second_of_day <= length)) | (date > _LAST_DAY)
     if np.any(outside):
         reason = "its seconds are not those of a day, or its year is after 9999"
         raise BadEpoch(int(np.argmax(outside)), reason)
-    whole = np.floor(given)
-    part = given - whole
+    whole = np.floor(second_of_day)
+    fraction = second_of_day - whole
     # Of plain decimals the fraction is a double of its own: of 86400 s one double has 1e-11.
-    parts = [each.partition(b".") for each in seconds]
-    plain = np.array([first.isdigit() and (not rest or rest.isdigit()) for first, _, rest in parts])
+    parts = [column.partition(b".") for column in seconds]
+    plain = np.array(
+        [first.isdigit() and (not decimals or decimals.isdigit()) for first, _, decimals in parts]
+    )
     whole[plain] = [float(first) for k, (first, _, _) in enumerate(parts) if plain[k]]
-    part[plain] = [float(b"0." + rest) for k, (_, _, rest) in enumerate(parts) if plain[k]]
+    fraction[plain] = [
+        float(b"0." + decimals) for k, (_, _, decimals) in enumerate(parts) if plain[k]
+    ]
     try:
-        hi, lo = _inputs.tdb_of_day(scale, date, whole, part, "an epoch")
+        hi, lo = _inputs.tdb_of_day(scale, date, whole, fraction, "an epoch")
     except AttitudeError as err:
         raise BadEpoch(0, str(err)) from err
     return np.asarray(hi), np.asarray(lo)
@@ -151,10 +155,7 @@ def texts(
     scale: str,
     digits: int | None = None,
 ) -> list[str]:
-    """Time codes A of N epochs, with so many decimals, by default the `fewest` of these epochs.
-
-    Shapes: seconds, low (N,).
-    """
+    """Time codes A of N epochs, seconds + low (N,), by default with the `fewest` decimals."""
     hi, lo = pairs.add((np.asarray(seconds), 0.0 if low is None else low), epoch.seconds, epoch.low)
     if digits is None:
         digits = fewest(hi, lo, scale)
@@ -180,10 +181,7 @@ def texts(
 
 
 def fewest(hi: FloatArray, lo: FloatArray, scale: str) -> int:
-    """3, 6, 9 or 12 decimals of a second: the fewest that say what epochs (N,) are.
-
-    Seconds since J2000 that differ by less than `_NOISE` are one double today.
-    """
+    """3, 6, 9 or 12 decimals of a second: the fewest that say what epochs (N,) are."""
     ticks = _civil(hi, lo, scale, DIGITS)[2]
     for digits in (3, 6, 9):
         unit = 10 ** (DIGITS - digits)
@@ -206,8 +204,8 @@ def days_and_seconds(
     point = "." if digits else ""
     rows = zip(day.astype(np.int64).tolist(), whole.tolist(), ticks.tolist(), strict=True)
     return [
-        f"{date} {second}{point}{str(part).zfill(digits) if digits else ''}"
-        for date, second, part in rows
+        f"{date} {second}{point}{str(ticks_left).zfill(digits) if digits else ''}"
+        for date, second, ticks_left in rows
     ]
 
 
@@ -247,16 +245,16 @@ def _fields(chars, calendar):
     if np.any(bad):
         return bad
     decimals = min(count - start - 1, _MOST_DECIMALS)
-    part = number(start + 1, start + 1 + decimals) / 10.0**decimals if decimals > 0 else 0.0
+    fraction = number(start + 1, start + 1 + decimals) / 10.0**decimals if decimals > 0 else 0.0
     whole = hour * 3600 + minute * 60 + second
-    return day.astype(float), whole.astype(float), np.broadcast_to(part, whole.shape)
+    return day.astype(float), whole.astype(float), np.broadcast_to(fraction, whole.shape)
 
 
-def _refuse_false_leaps(scale, day, second, part):
+def _refuse_false_leaps(scale, day, second, fraction):
     over = second >= _time_scales.DAY
     if not np.any(over):
         return
-    false = over if scale != "utc" else over & (part >= _time_scales.leap_of_day(day))
+    false = over if scale != "utc" else over & (fraction >= _time_scales.leap_of_day(day))
     if np.any(false):
         raise BadEpoch(int(np.argmax(false)), "there was no leap second then")
 

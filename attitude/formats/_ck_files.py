@@ -40,10 +40,7 @@ _SUMMARIES = {b"DAF/CK": (2, 6), b"DAF/SPK": (2, 6), b"DAF/PCK": (2, 5)}
 
 
 def fault(path: FilePath) -> str | None:
-    """The fault in the head of a kernel, as a sentence; None if there is none.
-
-    Files that are not DAF, or in the byte order of old machines, are not checked.
-    """
+    """The fault in the head of a kernel that is a DAF, as a sentence; None if there is none."""
     with open(path, "rb") as file:
         head = file.read(_RECORD)
     kind, order = head[:8].rstrip(), _ORDERS.get(head[88:96])
@@ -96,9 +93,9 @@ class LoadedKernels:
         self._known = self._variables()
         self._own: set[str] = set()
         self._names: list[str] = []
-        for given in names:
+        for kernel in names:
             # whole, since the folder of the process may be another one when it is unloaded
-            name = os.path.abspath(os.fspath(given))
+            name = os.path.abspath(os.fspath(kernel))
             self._refuse_broken(name)
             try:
                 self._spice.furnsh(name)
@@ -150,11 +147,11 @@ class LoadedKernels:
         names = set()
         for start in range(0, _MOST, _BATCH):
             try:
-                found = self._spice.gnpool("*", start, _BATCH)
+                variables = self._spice.gnpool("*", start, _BATCH)
             except self._spice.exceptions.NotFoundError:
                 break
-            names |= set(found)
-            if len(found) < _BATCH:
+            names |= set(variables)
+            if len(variables) < _BATCH:
                 break
         return names
 
@@ -222,18 +219,18 @@ class Plan:
         self.kind: int = kind
         self.tolerance: float = float(tolerance)
         epoch = self._motion.epoch
-        given = [_inputs.seconds_since(epoch, value) for value in (start, stop)]
-        for name, (hi, _) in zip(("start", "stop"), given, strict=True):
+        ends_of_span = [_inputs.seconds_since(epoch, value) for value in (start, stop)]
+        for name, (hi, _) in zip(("start", "stop"), ends_of_span, strict=True):
             if hi.shape != () or not np.isfinite(hi):
                 raise AttitudeError(
                     f"{name} has shape {hi.shape}; give one epoch."
                     if hi.shape
                     else f"{name} is {hi}; give a finite epoch."
                 )
-        ends = [pairs.add((hi, 0.0), 0.0 if lo is None else lo) for hi, lo in given]
+        ends = [pairs.add((hi, 0.0), 0.0 if lo is None else lo) for hi, lo in ends_of_span]
         # The clock starts at or before the start, at an epoch that is one double of its scale.
-        first, rest = self._of_clock(*ends[0])
-        self.first: float = float(first if rest >= 0.0 else np.nextafter(first, -np.inf))
+        first, low = self._of_clock(*ends[0])
+        self.first: float = float(first if low >= 0.0 else np.nextafter(first, -np.inf))
         begin, end = (pairs.add(self._of_clock(*pair), -self.first)[0] for pair in ends)
         self.begin: float = float(begin)
         self.end: float = float(end)
@@ -267,8 +264,8 @@ class Plan:
         if self._scale == "tdb":
             return np.ones(np.shape(seconds))
         after, before = (self._of_motion(seconds + h) for h in (_BESIDE, -_BESIDE))
-        found: FloatArray = ((after[0] - before[0]) + (after[1] - before[1])) / (2.0 * _BESIDE)
-        return found
+        ratio: FloatArray = ((after[0] - before[0]) + (after[1] - before[1])) / (2.0 * _BESIDE)
+        return ratio
 
     def _divide(self):
         """Set `bounds`, and the first and last epoch of each stretch as the motion counts them."""
@@ -293,7 +290,7 @@ class Plan:
         if stretch is None:
             stretch = np.searchsorted(self.bounds[1:-1], seconds, side="right")
         hi, lo = self._of_motion(np.asarray(seconds))
-        first, last = (np.broadcast_to(each[stretch], (*np.shape(hi), 2)) for each in self._ends)
+        first, last = (np.broadcast_to(pair[stretch], (*np.shape(hi), 2)) for pair in self._ends)
         early = (hi < first[..., 0]) | ((hi == first[..., 0]) & (lo < first[..., 1]))
         late = (hi > last[..., 0]) | ((hi == last[..., 0]) & (lo > last[..., 1]))
         for outside, end in ((early, first), (late, last)):
@@ -447,13 +444,13 @@ def cannot(sentence: str) -> AttitudeError:
 def _write_segment(spice, handle, plan, clock, instrument, number, seconds, start):
     stop = min(start + _PIECE, len(seconds) - 1)
     pad = _PAD if plan.kind == 5 else 0
-    part = slice(max(start - pad, 0), stop + 1 + pad)
-    history = plan.history(seconds[part], number)
-    ticks = clock.ticks(seconds[part])
-    ends = float(ticks[start - part.start]), float(ticks[stop - part.start])
+    window = slice(max(start - pad, 0), stop + 1 + pad)
+    history = plan.history(seconds[window], number)
+    ticks = clock.ticks(seconds[window])
+    ends = float(ticks[start - window.start]), float(ticks[stop - window.start])
     frames = instrument, REFERENCE, True
     if plan.kind == 5:
-        packets = _packets(history, plan.speed(seconds[part])[:, None])
+        packets = _packets(history, plan.speed(seconds[window])[:, None])
         spice.ckw05(
             *(handle, 2, DEGREE, *ends, *frames, "attitude", ticks, packets),
             *(clock.per_tick, 1, ticks[:1]),
@@ -487,11 +484,7 @@ def _packets(history, speed):
 
 
 def measured(path: str, plan: Plan, clock: KernelClock, instrument: int) -> tuple[float, float]:
-    """Largest deviations from the motion, rad and rad/s, of the C-kernel read by SPICE.
-
-    They are measured at 2000 random epochs, and at four beside each jump of the angular velocity,
-    of at most 2000.
-    """
+    """Largest deviations, rad and rad/s, of a C-kernel read by SPICE at random epochs and jumps."""
     random = np.random.default_rng(2006)
     et = plan.first + plan.checks(_CHECKS, random)
     # Doubles of the clock's time scale: on the clock they are exact.
@@ -505,19 +498,15 @@ def measured(path: str, plan: Plan, clock: KernelClock, instrument: int) -> tupl
 def measured_at(
     path: str, ticks: FloatArray, instrument: int, *, rates: bool = True
 ) -> tuple[FloatArray, FloatArray]:
-    """Matrices (N, 3, 3) and angular velocities (N, 3) in J2000 that SPICE reads at clock times.
-
-    The kernel is read by its handle, so that the user's kernels in SPICE's pool are neither used
-    nor changed.  Without rates they are NaN.
-    """
+    """Matrices (N, 3, 3) and angular velocities (N, 3) in J2000 that SPICE reads at clock times."""
     spice = spiceypy()
-    matrices, found = np.empty((len(ticks), 3, 3)), np.full((len(ticks), 3), np.nan)
+    matrices, velocities = np.empty((len(ticks), 3, 3)), np.full((len(ticks), 3), np.nan)
     handle = None
     try:
         handle = spice.cklpf(path)
         for k, tick in enumerate(ticks.tolist()):
             if rates:
-                matrices[k], found[k], _ = spice.ckgpav(instrument, tick, 0.0, REFERENCE)
+                matrices[k], velocities[k], _ = spice.ckgpav(instrument, tick, 0.0, REFERENCE)
             else:
                 matrices[k], _ = spice.ckgp(instrument, tick, 0.0, REFERENCE)
     except (spice.exceptions.SpiceyError, spice.exceptions.NotFoundError) as err:
@@ -528,7 +517,7 @@ def measured_at(
     finally:
         if handle is not None:
             spice.ckupf(handle)
-    return matrices, found
+    return matrices, velocities
 
 
 # Text of the frame kernel, with name, instrument, clock and center to be filled in.
@@ -609,14 +598,14 @@ def of_mission(files: Sequence[FilePath], first: float, span: float) -> Iterator
     spice = spiceypy()
     known = _clocks(spice)
     with LoadedKernels(files):
-        found = sorted(set(_clocks(spice)) - set(known)) or sorted(known)
+        clocks = sorted(set(_clocks(spice)) - set(known)) or sorted(known)
         listed = ", ".join(os.fspath(name) for name in files)
-        if len(found) != 1:
+        if len(clocks) != 1:
             raise AttitudeError(
-                f"the files {listed} define {len(found)} clocks; give the clock kernel (SCLK) of "
+                f"the files {listed} define {len(clocks)} clocks; give the clock kernel (SCLK) of "
                 "one spacecraft."
             )
-        number = -found[0]
+        number = -clocks[0]
 
         def ticks(seconds: FloatArray) -> FloatArray:
             try:
@@ -663,16 +652,16 @@ class TableSegments:
     """
 
     def __init__(self, table: AttitudeTable):
-        self._parts = [part for part in table.segments]
+        self._parts = [segment for segment in table.segments]
         starts = [
             pairs.add((p.seconds[0], p.low[0]), p.epoch.seconds, p.epoch.low) for p in self._parts
         ]
         start = min(float(hi) for hi, _ in starts)
-        steps = [np.max(np.diff(part.seconds), initial=0.0) for part in self._parts]
+        steps = [np.max(np.diff(segment.seconds), initial=0.0) for segment in self._parts]
         # The clock counts from before the records beyond the ends, of which there are at most 11.
         margin = 12.0 * float(max(steps))
         self.first: float = float(np.nextafter(start - margin, -np.inf))
-        self._clock = [self._seconds(part) for part in self._parts]
+        self._clock = [self._seconds(segment) for segment in self._parts]
         ends = [float(seconds[-1]) for seconds in self._clock]
         if any(np.any(np.diff(seconds) <= 0.0) for seconds in self._clock):
             raise AttitudeError("two records of the table fall on one double of time.")
@@ -681,29 +670,29 @@ class TableSegments:
             max(np.max(np.diff(seconds), initial=0.0) for seconds in self._clock)
         )
 
-    def _seconds(self, part):
+    def _seconds(self, segment):
         """Seconds of a segment's records on the clock."""
-        hi, lo = pairs.add((part.seconds, part.low), part.epoch.seconds, part.epoch.low)
+        hi, lo = pairs.add((segment.seconds, segment.low), segment.epoch.seconds, segment.epoch.low)
         return pairs.add((hi, lo), -self.first)[0]
 
     def write(self, path: str, clock: KernelClock, instrument: int) -> None:
         """Write the C-kernel to a new file; AttitudeError for errors of SPICE."""
         with opened(path) as (spice, handle):
-            for part, seconds in zip(self._parts, self._clock, strict=True):
-                _write_part(spice, handle, part, clock.ticks(seconds), clock, instrument)
+            for segment, seconds in zip(self._parts, self._clock, strict=True):
+                _write_part(spice, handle, segment, clock.ticks(seconds), clock, instrument)
 
     def measured(self, path: str, clock: KernelClock, instrument: int) -> tuple[float, float]:
         """Largest deviations, rad and rad/s, of the kernel read by SPICE from the table."""
         random = np.random.default_rng(2006)
         worst = [0.0, 0.0]
-        for part, seconds in zip(self._parts, self._clock, strict=True):
+        for segment, seconds in zip(self._parts, self._clock, strict=True):
             some = np.sort(random.uniform(seconds[0], seconds[-1], _CHECKS // len(self._parts) + 2))
             ticks = clock.ticks(some)
-            has_rates = part.angular_velocity is not None
+            has_rates = segment.angular_velocity is not None
             matrices, rates = measured_at(path, ticks, instrument, rates=has_rates)
             hi, lo = pairs.add((some, 0.0), self.first)
-            own = pairs.add((hi, lo), -part.epoch.seconds, -part.epoch.low)
-            true = part.at(own[0], own[1])
+            since_segment = pairs.add((hi, lo), -segment.epoch.seconds, -segment.epoch.low)
+            true = segment.at(since_segment[0], since_segment[1])
             worst[0] = max(worst[0], apart(forms.from_dcm(matrices), true.wxyz))
             if has_rates:
                 worst[1] = max(worst[1], longest(rates - true.angular_velocity_inertial))
@@ -720,32 +709,32 @@ def _degree(table: AttitudeTable) -> int:
 def _write_part(
     spice: Any,
     handle: int,
-    part: AttitudeTable,
+    segment: AttitudeTable,
     ticks: FloatArray,
     clock: KernelClock,
     instrument: int,
 ) -> None:
-    has_rates = part.angular_velocity is not None
-    quats = np.ascontiguousarray(quaternion.conjugate(part.nodes))
+    has_rates = segment.angular_velocity is not None
+    quats = np.ascontiguousarray(quaternion.conjugate(segment.nodes))
     ends = float(ticks[0]), float(ticks[-1])
     about = (instrument, REFERENCE, has_rates, "attitude")
-    if part.method == "slerp":
+    if segment.method == "slerp":
         rates = np.zeros((len(ticks), 3))
         if has_rates:
-            rates = np.ascontiguousarray(_inertial(part))
+            rates = np.ascontiguousarray(_inertial(segment))
         spice.ckw03(handle, *ends, *about, len(ticks), ticks, quats, rates, 1, ticks[:1])
         return
-    degree = _degree(part)
-    if part.method == "hermite":
-        assert part.angular_velocity is not None
-        change = forms.quaternion_rate(part.nodes, part.angular_velocity)
+    degree = _degree(segment)
+    if segment.method == "hermite":
+        assert segment.angular_velocity is not None
+        change = forms.quaternion_rate(segment.nodes, segment.angular_velocity)
         slopes = quaternion.conjugate(change) * clock.per_tick
         ticks, quats, slopes = _padded(ticks, quats, slopes, (degree + 1) // 2)
         subtype, packets = 0, np.concatenate([quats, slopes / clock.per_tick], axis=1)
     else:
         packets = quats
         if has_rates:
-            packets = np.concatenate([quats, _inertial(part)], axis=1)
+            packets = np.concatenate([quats, _inertial(segment)], axis=1)
         subtype = 3 if has_rates else 1
         ticks, packets, _ = _padded(ticks, packets, None, degree + 1)
     spice.ckw05(
@@ -754,22 +743,19 @@ def _write_part(
     )
 
 
-def _inertial(part: AttitudeTable) -> FloatArray:
+def _inertial(segment: AttitudeTable) -> FloatArray:
     """Angular velocities (N, 3) over ICRF axes."""
-    assert part.angular_velocity is not None
-    return quaternion.rotate(part.nodes, part.angular_velocity)
+    assert segment.angular_velocity is not None
+    return quaternion.rotate(segment.nodes, segment.angular_velocity)
 
 
 def _padded(ticks, values, slopes, width):
-    """Records with some beyond both ends, on the polynomials of the first and the last window.
-
-    `slopes` are the derivatives by ticks of `values`, or None.
-    """
+    """Records with some beyond both ends, on the polynomials of the first and the last window."""
     count = width // 2 - 1
     if count < 1 or len(ticks) < width:
         return ticks, values, slopes
     scale = float(ticks[width - 1] - ticks[0])
-    found = [(ticks, values, slopes)]
+    blocks = [(ticks, values, slopes)]
     for window, end, beyond in (
         (slice(0, width), 0, -np.arange(count, 0, -1)),
         (slice(len(ticks) - width, None), -1, np.arange(1, count + 1)),
@@ -783,7 +769,7 @@ def _padded(ticks, values, slopes, width):
             bends = [np.broadcast_to(v * scale, (count, 4)) for v in slopes[window]]
         p, dp = _table.with_slope(at, rows, bends, x)
         more = ticks[end] + beyond * step, p, None if slopes is None else dp / scale
-        found.insert(0 if end == 0 else 2, more)
+        blocks.insert(0 if end == 0 else 2, more)
     return tuple(
-        None if parts[0] is None else np.concatenate(parts) for parts in zip(*found, strict=True)
+        None if parts[0] is None else np.concatenate(parts) for parts in zip(*blocks, strict=True)
     )

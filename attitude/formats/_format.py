@@ -118,30 +118,27 @@ class Format:
     labels: Callable[[Motion, Mapping[str, Any]], dict[str, Any]] = lambda motion, said: {}
 
 
-def register(made: Format) -> None:
+def register(new: Format) -> None:
     """Add a format; one registered again from the same file replaces the former.
 
     AttitudeError for a name or an ending of another format.
     """
     for other in _by_name.values():
-        if (other.name, other.module) == (made.name, made.module):
+        if (other.name, other.module) == (new.name, new.module):
             continue
-        shared = {other.name} & {made.name} or {*other.endings} & {*made.endings}
+        shared = {other.name} & {new.name} or {*other.endings} & {*new.endings}
         if shared:
             raise AttitudeError(
-                f"the format {made.name!r} of {made.module} and {other.name!r} of {other.module} "
+                f"the format {new.name!r} of {new.module} and {other.name!r} of {other.module} "
                 f"share {min(shared)!r}; give one of them another."
             )
-    _by_name[made.name] = made
+    _by_name[new.name] = new
 
 
 def register_message(
     name: str, title: str, write: Callable[..., Any], options: tuple[Option, ...] = (), **rest: Any
 ) -> None:
-    """Add a CCSDS message as two formats: in KVN, and in XML with `write` under xml=True.
-
-    Messages in XML end in .NAME.xml, but for an AEM, which ends in .xml.
-    """
+    """Add a CCSDS message as two formats: in KVN, and in XML with `write` under xml=True."""
     ending = ".xml" if name == "aem" else f".{name}.xml"
     mark = f"CCSDS_{name.upper()}_VERS".encode()
     kvn: dict[str, Any] = {
@@ -167,16 +164,16 @@ def forget(name: str) -> None:
 
 def formats() -> dict[str, Format]:
     """All registered formats, a dict by name: those of `MODULES` in order, then others."""
-    modules = [f"{__package__}.{each}" for each in MODULES]
-    for each in modules:
-        import_module(each)
-    place = {each: k for k, each in enumerate(modules)}
+    modules = [f"{__package__}.{module}" for module in MODULES]
+    for module in modules:
+        import_module(module)
+    place = {module: k for k, module in enumerate(modules)}
     return dict(sorted(_by_name.items(), key=lambda item: place.get(item[1].module, len(place))))
 
 
 def endings() -> dict[str, Format]:
     """All endings of files with their formats."""
-    return {ending: each for each in formats().values() for ending in each.endings}
+    return {ending: form for form in formats().values() for ending in form.endings}
 
 
 # Endings of files that hold no attitudes, with what writes them.
@@ -192,27 +189,27 @@ def refuse_foreign(path: object, name: str) -> None:
     """Raise the AttitudeError for a file to write in a format whose ending is that of another."""
     if not isinstance(path, (str, os.PathLike)):
         return
-    ending, own = ending_of(path), formats()[name]
+    ending, form = ending_of(path), formats()[name]
     other = endings().get(ending)
     # Messages in XML are often named .xml, whatever they are, and other packages build on writers.
     is_foreign = (
         other is not None
-        and other.module != own.module
+        and other.module != form.module
         and other.module.startswith("attitude.formats.")
         and ending != ".xml"
     )
     if is_foreign or ending in _FOREIGN:
         holds = other.title if other is not None else _FOREIGN[ending]
         raise AttitudeError(
-            f"{os.fspath(path)!r} is to be written as {own.title}, but {ending} is the ending of "
-            f"{holds}; give a name that ends in {own.endings[0]}."
+            f"{os.fspath(path)!r} is to be written as {form.title}, but {ending} is the ending of "
+            f"{holds}; give a name that ends in {form.endings[0]}."
         )
 
 
 def ending_of(path: str | os.PathLike[str]) -> str:
     """The ending of the name of a file, in lower case; of several that are known the longest."""
     name = os.path.basename(os.fspath(path)).lower()
-    longer = (each for each in endings() if each.count(".") > 1 and name.endswith(each))
+    longer = (ending for ending in endings() if ending.count(".") > 1 and name.endswith(ending))
     return next(longer, os.path.splitext(name)[1])
 
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from attitude._support.annotations import FloatArray
-    from attitude._textfiles.messages import Block
+    from attitude._textfiles.messages import Block, Message
     from attitude.epochs._instants import Instant
     from attitude.motions._axes import Axes
 
@@ -144,6 +144,19 @@ def inertia_values(tensor: FloatArray, products: str) -> list[float]:
 
 def _signed(value, products):
     return _SIGNS[products] * value + 0.0  # -0.0 becomes 0.0
+
+
+def said_by(message: Message, meta: Block, title: str, identifier: str) -> dict[str, Any]:
+    """Format, keywords, comments and names of a message, for `meta` of what is read."""
+    return {
+        "format": title,
+        "header": dict(message.header),
+        "comments": tuple(message.header.comments),
+        "keywords": dict(meta),
+        "object_name": meta["OBJECT_NAME"],
+        "object_id": meta.get(identifier),
+        "center": meta.get("CENTER_NAME"),
+    }
 
 
 # ---- Writing

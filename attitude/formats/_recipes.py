@@ -68,20 +68,18 @@ _OF_GMAT = {"QUATERNION": ("slerp", 1), "EULER_ANGLE": ("lagrange", 7)}
 
 
 def of_aem(tool: str | None, given: dict[str, Any], has_rates: bool) -> dict[str, Any]:
-    """The settings of `aem.write` for a tool: those given, and for the others those of its
-    recipe.
-    """
+    """The settings of `aem.write` for a tool: those given, and for the others its recipe's."""
     if tool is None:
         return given
     recipe = AEM.get(tool.lower()) if isinstance(tool, str) else None
     if recipe is None:
         raise AttitudeError(f"for_ is {tool!r}; known tools are {', '.join(AEM)}.")
-    found = dict(given)
+    settings = dict(given)
     for name, value in recipe.settings.items():
-        if found.get(name) is None:
-            found[name] = value
+        if settings.get(name) is None:
+            settings[name] = value
     if not has_rates and given.get("kind") is None:
-        found["kind"] = found["kind"] and found["kind"].partition("/")[0]
+        settings["kind"] = settings["kind"] and settings["kind"].partition("/")[0]
     for name, values in recipe.allowed.items():
         if given.get(name) is not None and given[name] not in values:
             raise AttitudeError(
@@ -89,15 +87,15 @@ def of_aem(tool: str | None, given: dict[str, Any], has_rates: bool) -> dict[str
                 f"{' or '.join(repr(value) for value in values if value is not None)}."
             )
     if recipe.tool == "GMAT":
-        method, most = _OF_GMAT[found["kind"]]
+        method, most = _OF_GMAT[settings["kind"]]
         wrong = given.get("method") not in (None, method)
         if wrong or (given.get("degree") or 0) > max(most, 9 if method == "lagrange" else 1):
             raise AttitudeError(
-                f"GMAT interpolates {found['kind']} by {method} only, to degree 9; leave method "
+                f"GMAT interpolates {settings['kind']} by {method} only, to degree 9; leave method "
                 "and degree out."
             )
-        found["method"], found["degree"] = method, given.get("degree") or most
-    return found
+        settings["method"], settings["degree"] = method, given.get("degree") or most
+    return settings
 
 
 def degree_of(tool: str | None, degree: int, count: int) -> int:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude._support import pairs
-from attitude._textfiles.messages import RowReader
+from attitude._textfiles.messages import MessageRows
 from attitude.errors import AttitudeError
 from attitude.formats import _attitude_types
 from attitude.formats import _ccsds_epochs as ccsds_epochs
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 TOLERANCE: float = 1e-3
 # Seconds since J2000 beyond which no epoch is read: 30 million years.
 _LARGEST = 1e15
-# Rounding of START_TIME and STOP_TIME, s.
+# Rounding of START_TIME and STOP_TIME, s: files write them with fewer digits than epochs.
 _ROUNDED = 1e-3
 
 
@@ -46,18 +46,18 @@ def known_tolerance(tolerance: float) -> float:
     return tolerance
 
 
-class Rows(RowReader):
+class Rows(MessageRows):
     """The records of one segment while they are read: epochs, columns and their lines.
 
     scale: time scale of the epochs in lower case.
-    width: columns beside the epoch.
+    fault, names, lead: as in `BulkRows`.
 
     count: records that were added.
     """
 
-    def __init__(self, scale: str, width: int):
+    def __init__(self, scale: str, fault: Fault, names: Sequence[str], lead: int = 1):
+        super().__init__(fault, names, lead)
         self.scale: str = scale
-        self.width: int = width
         self.count: int = 0
         self._hi: list[FloatArray] = []
         self._lo: list[FloatArray] = []
@@ -66,43 +66,32 @@ class Rows(RowReader):
         self._last: tuple[FloatArray, FloatArray] | None = None
 
     def add(
-        self,
-        tokens: Sequence[bytes],
-        values: FloatArray,
-        lines: Sequence[int],
-        fault: Fault,
-        of_day: Sequence[bytes] | None = None,
+        self, leads: Sequence[Sequence[bytes]], values: FloatArray, lines: Sequence[int]
     ) -> None:
-        """Add N records; values are (N, width)."""
+        """Add N records, whose epochs stand before the numbers; values are (N, names)."""
         try:
-            hi, lo = self._parsed(tokens, of_day)
+            hi, lo = self._parsed(*leads)
         except ccsds_epochs.BadEpoch as err:
-            token = tokens[err.index] + (b" " + of_day[err.index] if of_day is not None else b"")
-            shown = token[:38].decode("ascii", "replace")
-            raise fault(
+            shown = b" ".join(tokens[err.index] for tokens in leads)[:38].decode("ascii", "replace")
+            raise self.fault(
                 f"the epoch {shown!r} cannot be read: {err.reason}.", lines[err.index]
             ) from err
-        self.add_times(hi, lo, values, lines, fault)
+        self.add_times(hi, lo, values, lines)
 
-    def _parsed(self, tokens, of_day):
+    def _parsed(self, tokens, of_day=None):
         """TDB seconds since J2000, hi and lo, of epochs; or of days and their seconds."""
         if of_day is None:
             return ccsds_epochs.parsed(tokens, self.scale)
         return ccsds_epochs.parsed_days(tokens, of_day, self.scale)
 
     def add_times(
-        self,
-        hi: FloatArray,
-        lo: FloatArray,
-        values: FloatArray,
-        lines: Sequence[int],
-        fault: Fault,
+        self, hi: FloatArray, lo: FloatArray, values: FloatArray, lines: Sequence[int]
     ) -> None:
-        """Add N records whose epochs are TDB seconds since J2000, hi + lo; see `add`."""
+        """Add N records whose epochs are TDB seconds since J2000, hi + lo."""
         finite = np.isfinite(values).all(axis=1) & (np.abs(hi) < _LARGEST)
         if not np.all(finite):
             k = int(np.argmin(finite))
-            raise fault("it holds a number that is not finite or too large.", lines[k])
+            raise self.fault("it holds a number that is not finite or too large.", lines[k])
         before = (
             (hi, lo)
             if self._last is None
@@ -112,7 +101,7 @@ class Rows(RowReader):
         if np.any(steps <= 0.0):
             k = int(np.argmax(steps <= 0.0))
             what = "is that of the record before" if steps[k] == 0.0 else "goes backwards"
-            raise fault(
+            raise self.fault(
                 f"the epoch {what}; records must follow each other in time.",
                 lines[k + (self._last is None)],
             )
@@ -124,11 +113,8 @@ class Rows(RowReader):
         self._lines.append(np.asarray(lines))
         self.count += len(hi)
 
-    def refuse_outside(self, start: Instant | None, stop: Instant | None, fault: Fault) -> None:
-        """AttitudeError for a record before START_TIME or after STOP_TIME by more than 1 ms.
-
-        Files write these times with fewer digits than the epochs of records.
-        """
+    def refuse_outside(self, start: Instant | None, stop: Instant | None) -> None:
+        """AttitudeError for a record before START_TIME or after STOP_TIME by more than 1 ms."""
         for hi, lo, lines in zip(self._hi, self._lo, self._lines, strict=True):
             for end, sign, what in ((start, 1.0, "before START"), (stop, -1.0, "after STOP")):
                 if end is None:
@@ -136,7 +122,7 @@ class Rows(RowReader):
                 inside = sign * ((hi - end.seconds) + (lo - end.low))
                 if np.any(inside < -_ROUNDED):
                     k = int(np.argmax(inside < -_ROUNDED))
-                    raise fault(
+                    raise self.fault(
                         f"the record is {-inside[k]:.6g} s {what}_TIME of the meta data.",
                         int(lines[k]),
                     )
@@ -155,7 +141,6 @@ class Rows(RowReader):
         kind: str,
         how: Convention,
         axes: Axes,
-        fault: Fault,
         *,
         tolerance: float = TOLERANCE,
         orbit: Path | None = None,
@@ -168,7 +153,7 @@ class Rows(RowReader):
         epoch = Instant(float(hi[0]), float(lo[0]))
         seconds = pairs.add((hi, lo), -epoch.seconds, -epoch.low)
         if kind.startswith("QUATERNION"):
-            refuse_length(values[:, :4], lines, tolerance, fault)
+            refuse_length(values[:, :4], lines, tolerance, self.fault)
         with np.errstate(over="ignore", invalid="ignore"):  # refuse_speed refuses overflow
             wxyz, rates = _attitude_types.decoded(kind, values, how)
         wxyz = quaternion.unit(wxyz)
@@ -187,18 +172,15 @@ def to_icrf(
     lo: FloatArray,
     orbit: Path | None = None,
 ) -> tuple[FloatArray, FloatArray | None]:
-    """Attitudes and angular velocities relative to ICRF from those relative to other axes.
-
-    Shapes: wxyz (N, 4), rates (N, 3), hi, lo (N,).
-    """
+    """wxyz (N, 4) and rates (N, 3) relative to ICRF from those in other axes, at hi, lo (N,)."""
     if axes.kind in ("icrf", "gcrf"):
         return wxyz, rates
     refuse_speed(rates)
     wxyz = quaternion.multiply(axes.to_icrf(epoch, hi, lo, orbit), wxyz)
     if rates is not None:
-        own = axes.angular_velocity(epoch, hi, lo, orbit)
-        if own is not None:
-            rates = rates + quaternion.rotate(quaternion.conjugate(wxyz), own)
+        turning = axes.angular_velocity(epoch, hi, lo, orbit)
+        if turning is not None:
+            rates = rates + quaternion.rotate(quaternion.conjugate(wxyz), turning)
     return forms.continuous(wxyz) if axes.turning else wxyz, rates
 
 
@@ -221,9 +203,9 @@ def columns_of(
         low = 0.0 if history.low is None else history.low
         outer = axes.to_icrf(history.epoch, history.seconds, low, orbit)
         if rates is not None:
-            own = axes.angular_velocity(history.epoch, history.seconds, low, orbit)
-            if own is not None:
-                rates = rates - quaternion.rotate(quaternion.conjugate(wxyz), own)
+            turning = axes.angular_velocity(history.epoch, history.seconds, low, orbit)
+            if turning is not None:
+                rates = rates - quaternion.rotate(quaternion.conjugate(wxyz), turning)
         wxyz = quaternion.multiply(quaternion.conjugate(outer), wxyz)
     return _attitude_types.encoded(kind, wxyz, rates, acceleration, how)
 

@@ -48,13 +48,10 @@ _APART = 1e-9
 
 
 def only_segment(source: AttitudeSource, t: Epochs | None, holder: str) -> Records:
-    """The one segment of what a writer was given; see `segments`.
-
-    `holder` is the kind of file in the error message.
-    """
+    """The one segment of what a writer was given; `holder` is the kind of file in sentences."""
     parts = segments(source, t)
-    if any(part.after_break for part in parts):
-        listed = ", ".join(f"{part.seconds[0]:.9g}" for part in parts if part.after_break)
+    if any(records.after_break for records in parts):
+        listed = ", ".join(f"{records.seconds[0]:.9g}" for records in parts if records.after_break)
         raise AttitudeError(
             f"the angular velocity of the motion jumps at {listed[:60]} s after "
             f"{parts[0].epoch.utc_iso} UTC, across which readers would interpolate; {holder} holds "
@@ -76,7 +73,7 @@ def known_of(source: AttitudeSource, t: Epochs | None) -> tuple[dict[str, Any], 
     if t is None and not isinstance(source, of_records) and callable(getattr(source, "at", None)):
         return dict(motion_of(cast("HasAttitudes", source), "source").meta), True
     parts = segments(source, t)
-    return dict(parts[0].meta), all(part.has_rates for part in parts)
+    return dict(parts[0].meta), all(records.has_rates for records in parts)
 
 
 def one_motion(source: AttitudeSource) -> Motion:
@@ -109,10 +106,7 @@ def refuse_span(start: object, stop: object) -> None:
 
 
 def refuse_breaks(motion: object, holder: str) -> None:
-    """Raise the AttitudeError for a motion whose angular velocity jumps.
-
-    `holder` is the kind of file in the error message, which holds the state at one epoch.
-    """
+    """AttitudeError for a motion whose angular velocity jumps; `holder` holds one state."""
     if isinstance(motion, Motion) and len(motion.breaks()):
         count = len(motion.breaks())
         raise AttitudeError(
@@ -178,12 +172,12 @@ class Records:
     def pieces(self) -> Iterator[AttitudeHistory]:
         """The records in order, as histories of at most PIECE epochs."""
         for start in range(0, len(self), PIECE):
-            part = slice(start, start + PIECE)
+            piece = slice(start, start + PIECE)
             if self._history is not None:
-                yield self._history[part]
+                yield self._history[piece]
             else:
-                low = None if self.low is None else self.low[part]
-                yield self.motion.at(self.seconds[part], low)
+                low = None if self.low is None else self.low[piece]
+                yield self.motion.at(self.seconds[piece], low)
 
 
 def segments(source: AttitudeSource, t: Epochs | None = None) -> list[Records]:
@@ -193,9 +187,9 @@ def segments(source: AttitudeSource, t: Epochs | None = None) -> list[Records]:
     if t is not None:
         return _cut(_of_motion(source, t))
     if isinstance(source, (list, tuple)):
-        return [each for part in source for each in segments(part)]
+        return [records for item in source for records in segments(item)]
     if isinstance(source, AttitudeTable):
-        return [_of_history(part.history) for part in source.segments]
+        return [_of_history(item.history) for item in source.segments]
     if isinstance(source, AttitudeHistory):
         return _cut(_of_history(source))
     raise AttitudeError(
@@ -251,9 +245,9 @@ def _cut(records: Records) -> list[Records]:
         both = np.array([*ends[0], *zip(seconds[free], low[free], strict=True), *ends[1]])
         # A break at the last record leaves nothing behind it.
         if k < len(inside) or len(both) > 1:
-            part = Records(motion, motion.epoch, both[:, 0].copy(), both[:, 1].copy())
-            part.meta, part.after_break = dict(records.meta), k > 0
-            parts.append(part)
+            segment = Records(motion, motion.epoch, both[:, 0].copy(), both[:, 1].copy())
+            segment.meta, segment.after_break = dict(records.meta), k > 0
+            parts.append(segment)
     return parts
 
 
@@ -358,7 +352,7 @@ def write(
     with made_whole(path, name) as temporary:
         for _ in range(_REPEATED):
             _refuse_many(stretches, step)
-            records = [each.records(step, least) for each in stretches]
+            records = [piece.records(step, least) for piece in stretches]
             write_records(temporary, records)
             error = _measured(stretches, read(temporary), step)
             if error <= tolerance:
@@ -383,7 +377,7 @@ def count_of_stretches(
 
 
 def _longest(records):
-    return float(max(np.max(np.diff(each.seconds), initial=0.0) for each in records))
+    return float(max(np.max(np.diff(segment.seconds), initial=0.0) for segment in records))
 
 
 def _window(method, degree):
@@ -394,7 +388,7 @@ def _window(method, degree):
 
 
 def _refuse_many(stretches, step):
-    count = sum(each.length / step for each in stretches)
+    count = sum(piece.length / step for piece in stretches)
     if count > _MOST_RECORDS:
         raise AttitudeError(
             f"the tolerance needs {count:.3g} records, more than {_MOST_RECORDS}; give a larger "
@@ -441,26 +435,26 @@ def _between_breaks(motion, begin, end):
     # A stretch ends with the state before a jump, and the next begins with that after it.
     until = [(hi, float(np.nextafter(lo, -np.inf))) for hi, lo in inside]
     starts, stops = [begin, *inside], [*until, end]
-    return [_Stretch(motion, *each) for each in zip(starts, stops, strict=True)]
+    return [_Stretch(motion, *ends) for ends in zip(starts, stops, strict=True)]
 
 
 def _first_step(stretches, tolerance, method, degree):
     """A step at which the error of trial tables is a quarter of the tolerance."""
-    total = sum(each.length for each in stretches)
-    longest = max(each.length for each in stretches)
-    probes = [each.motion.at(*each.at(np.linspace(0.0, each.length, 60))) for each in stretches]
+    total = sum(piece.length for piece in stretches)
+    longest = max(piece.length for piece in stretches)
+    probes = [piece.motion.at(*piece.at(np.linspace(0.0, piece.length, 60))) for piece in stretches]
     fastest = max(_speed(probe) for probe in probes)
     most = min(longest, 0.8 / fastest) if fastest > 0.0 else longest
     order = 2.0 if method == "slerp" else degree + 1.0
     step = most
     for _ in range(8):
-        error = max(_trial(each, step, total, method, degree) for each in stretches)
+        error = max(_trial(piece, step, total, method, degree) for piece in stretches)
         factor = (_MARGIN * tolerance / max(error, 1e-300)) ** (1.0 / order)
-        found = min(step * min(factor, 4.0), most)
-        if abs(found - step) <= 0.02 * step:
+        first = min(step * min(factor, 4.0), most)
+        if abs(first - step) <= 0.02 * step:
             break
-        step = found
-    return found
+        step = first
+    return first
 
 
 def _speed(history):
@@ -493,21 +487,21 @@ def _trial(stretch, step, total, method, degree):
 def _measured(stretches: list[_Stretch], table: AttitudeTable, step: float) -> float:
     """Largest angle between a motion and the file read back, at random epochs and beside ends."""
     random = np.random.default_rng(2006)
-    total, worst = sum(each.length for each in stretches), 0.0
+    total, worst = sum(piece.length for piece in stretches), 0.0
     shift = stretches[0].motion.epoch
     parts = table.segments
-    for number, each in enumerate(stretches):
-        count = int(np.ceil(_CHECKS * each.length / total))
-        near = np.minimum(random.uniform(0.0, 2.0, (2, _BESIDE)) * step, each.length)
+    for number, piece in enumerate(stretches):
+        count = int(np.ceil(_CHECKS * piece.length / total))
+        beside = np.minimum(random.uniform(0.0, 2.0, (2, _BESIDE)) * step, piece.length)
         offsets = np.concatenate(
-            [random.uniform(0.0, each.length, count), near[0], each.length - near[1]]
+            [random.uniform(0.0, piece.length, count), beside[0], piece.length - beside[1]]
         )
-        hi, lo = each.at(np.sort(offsets))
-        part: AttitudeTable = parts[number]
-        own = pairs.add((hi, lo), *_from(shift, part.epoch))
-        inside = part._covers(own[0], own[1])
-        found = part.at(own[0][inside], own[1][inside]).wxyz
-        worst = max(worst, _apart(found, each.motion.at(hi[inside], lo[inside]).wxyz))
+        hi, lo = piece.at(np.sort(offsets))
+        segment: AttitudeTable = parts[number]
+        since_segment = pairs.add((hi, lo), *_from(shift, segment.epoch))
+        inside = segment._covers(since_segment[0], since_segment[1])
+        wxyz = segment.at(since_segment[0][inside], since_segment[1][inside]).wxyz
+        worst = max(worst, _apart(wxyz, piece.motion.at(hi[inside], lo[inside]).wxyz))
     return worst
 
 
@@ -525,10 +519,7 @@ def _apart(p: FloatArray, q: FloatArray) -> float:
 def stated(
     method: str | None, degree: int | None, has_rates: bool, table: AttitudeTable | None
 ) -> tuple[str, int]:
-    """Method and degree of the interpolation that a file will state; see `_table.settled`.
-
-    By default those of a table, else Hermite with angular velocities and Lagrange without.
-    """
+    """Method and degree that a file will state, by default a table's; see `_table.settled`."""
     if method is None and table is not None:
         method, degree = table.method, degree or table.degree
     return _table.settled(method, degree, _table.MOST_DEGREE + 1, has_rates)

@@ -79,139 +79,142 @@ class MagnitudeScale:
         NaN where a ground site does not observe it (`View.is_observable`), unless `everywhere`, or
         the scene has site_limits=False.
         """
-        found = self._everywhere(view)
-        return found if everywhere else view.as_observed(found)
+        magnitudes = self._everywhere(view)
+        return magnitudes if everywhere else view.as_observed(magnitudes)
 
     def _everywhere(self, view: View) -> FloatArray:
         if self.kind == "reduced":
             return view.reduced_magnitude
         if self.sun_distance is None and self.observer_distance is None:
             return view.magnitude_everywhere
-        given = self.sun_distance, self.observer_distance
-        sun = view.sun_distance if given[0] is None else given[0]
-        observer = view.observer_distance if given[1] is None else given[1]
-        found = view.reduced_magnitude + _magnitudes.distance_modulus(sun, observer)
-        return found + _magnitudes.dimming(view.lit_fraction) if view.scene.shadow_of else found
+        distances = self.sun_distance, self.observer_distance
+        sun = view.sun_distance if distances[0] is None else distances[0]
+        observer = view.observer_distance if distances[1] is None else distances[1]
+        magnitudes = view.reduced_magnitude + _magnitudes.distance_modulus(sun, observer)
+        return (
+            magnitudes + _magnitudes.dimming(view.lit_fraction)
+            if view.scene.shadow_of
+            else magnitudes
+        )
 
 
 def shape_of(
-    given: Any, body: Body | None, opened: Callable[[Any, str], FilePath]
+    section: Any, body: Body | None, opened: Callable[[Any, str], FilePath]
 ) -> dict[str, Any]:
     """The arguments ``shape`` and, if given, ``shadows`` of a Scene from a section [shape]."""
-    if not isinstance(given, dict):
-        raise AttitudeError(f"shape is {quoted(given)}; give a section that begins [shape].")
-    known = {*_SHAPES, *_ANY_SHAPE, *(key for each in _SHAPES.values() for key in each)}
-    refuse_unknown(given, sorted(known), "[shape]")
-    way = way_of(given, _SHAPES, "[shape]")
-    for key in given:
+    if not isinstance(section, dict):
+        raise AttitudeError(f"shape is {quoted(section)}; give a section that begins [shape].")
+    known = {*_SHAPES, *_ANY_SHAPE, *(key for words in _SHAPES.values() for key in words)}
+    refuse_unknown(section, sorted(known), "[shape]")
+    way = way_of(section, _SHAPES, "[shape]")
+    for key in section:
         if key not in (way, *_ANY_SHAPE, *_SHAPES[way]):
             raise AttitudeError(
                 f"[shape] {quoted(key, mark='')} does not go with {way}; leave it out."
             )
-    found: dict[str, Any] = {}
-    if "shadows" in given:
-        found["shadows"] = validation.one_of(given["shadows"], "[shape] shadows", (True, False))
+    settings: dict[str, Any] = {}
+    if "shadows" in section:
+        settings["shadows"] = validation.one_of(
+            section["shadows"], "[shape] shadows", (True, False)
+        )
     if way == "file":
-        path = opened(given["file"], "[shape] file")
-        options = {key: given[key] for key in ("unit", "format") if key in given}
-        found["shape"] = _files.read(path, **options)
+        path = opened(section["file"], "[shape] file")
+        options = {key: section[key] for key in ("unit", "format") if key in section}
+        settings["shape"] = _files.read(path, **options)
     elif way == "ellipsoid":
-        found["shape"] = _ellipsoid(given, body)
+        settings["shape"] = _ellipsoid(section, body)
     elif way == "box":
-        found["shape"] = _solids.box(number_of(given["box"], "[shape] box", "m"))
+        settings["shape"] = _solids.box(number_of(section["box"], "[shape] box", "m"))
     elif way == "mesh":
-        table = table_of(given[way], "[shape] mesh", _MESH, ("vertices", "facets"))
-        found["shape"] = _mesh.Mesh(**table).require_closed()
+        table = table_of(section[way], "[shape] mesh", _MESH, ("vertices", "facets"))
+        settings["shape"] = _mesh.Mesh(**table).require_closed()
     elif way == "cylinder":
         needed = ("radius", "height")
-        found["shape"] = _solids.cylinder(
-            **table_of(given[way], "[shape] cylinder", _CYLINDER, needed)
+        settings["shape"] = _solids.cylinder(
+            **table_of(section[way], "[shape] cylinder", _CYLINDER, needed)
         )
     else:
         needed = ("body", "wing")
-        found["shape"] = _solids.box_wing(
-            **table_of(given[way], "[shape] box_wing", _BOX_WING, needed)
+        settings["shape"] = _solids.box_wing(
+            **table_of(section[way], "[shape] box_wing", _BOX_WING, needed)
         )
-    if "divided" in given:
+    if "divided" in section:
         if way == "ellipsoid":
             raise AttitudeError("[shape] divided does not go with ellipsoid; give facets.")
-        found["shape"] = found["shape"].divided(given["divided"])
-    return found
+        settings["shape"] = settings["shape"].divided(section["divided"])
+    return settings
 
 
 def facets_for(
-    given: Mapping[str, Any], found: shape_ellipsoid.Ellipsoid | _mesh.Mesh, law: Law
+    section: Mapping[str, Any], shape: shape_ellipsoid.Ellipsoid | _mesh.Mesh, law: Law
 ) -> shape_ellipsoid.Ellipsoid | _mesh.Mesh:
-    """The shape itself, or the facets of an ellipsoid if the law has no closed form for it.
-
-    Facets are also made if the section [shape] `given` has a number of them.
-    """
-    if isinstance(found, shape_ellipsoid.Ellipsoid) and not law.has_ellipsoid_form:
-        return found.facets(given.get("facets", FACETS))
-    if "facets" in given and isinstance(found, shape_ellipsoid.Ellipsoid):
-        return found.facets(given["facets"])
-    return found
+    """The shape, or facets of an ellipsoid if the law has no closed form, or `section` says so."""
+    if isinstance(shape, shape_ellipsoid.Ellipsoid) and not law.has_ellipsoid_form:
+        return shape.facets(section.get("facets", FACETS))
+    if "facets" in section and isinstance(shape, shape_ellipsoid.Ellipsoid):
+        return shape.facets(section["facets"])
+    return shape
 
 
-def law_of(given: Any, found: shape_ellipsoid.Ellipsoid | _mesh.Mesh) -> Law:
+def law_of(section: Any, shape: shape_ellipsoid.Ellipsoid | _mesh.Mesh) -> Law:
     """The law of a section [scattering], for the shape `found`."""
-    if not isinstance(given, dict):
+    if not isinstance(section, dict):
         raise AttitudeError(
-            f"scattering is {quoted(given)}; give a section that begins [scattering]."
+            f"scattering is {quoted(section)}; give a section that begins [scattering]."
         )
-    if "materials" in given:
-        refuse_unknown(given, ("materials",), "[scattering] with materials")
-        return _materials(given["materials"], found)
-    name, known = given.get("law", "lommel-seeliger"), scattering_law.laws()
+    if "materials" in section:
+        refuse_unknown(section, ("materials",), "[scattering] with materials")
+        return _materials(section["materials"], shape)
+    name, known = section.get("law", "lommel-seeliger"), scattering_law.laws()
     if not isinstance(name, str) or name not in known:
         raise AttitudeError(
             f"[scattering] law is {quoted(name)}; give one of {', '.join(map(repr, known))}, or a "
             "table of materials."
         )
-    rest = {key: value for key, value in given.items() if key != "law"}
-    return _law(known[name], rest, "[scattering]")
+    numbers = {key: value for key, value in section.items() if key != "law"}
+    return _law(known[name], numbers, "[scattering]")
 
 
-def scale_of(given: Any) -> dict[str, Any]:
-    """The arguments ``phase_function`` and ``sun_magnitude`` of a Scene from a [magnitude]
-    section.
-    """
-    if not isinstance(given, dict):
+def scale_of(section: Any) -> dict[str, Any]:
+    """The arguments phase_function and sun_magnitude of a Scene from a [magnitude] section."""
+    if not isinstance(section, dict):
         raise AttitudeError(
-            f"magnitude is {quoted(given)}; give a section that begins [magnitude]."
+            f"magnitude is {quoted(section)}; give a section that begins [magnitude]."
         )
     known = ("kind", "sun_magnitude", "h", "g", "g1", "g2", "sun_distance", "observer_distance")
-    refuse_unknown(given, known, "[magnitude]")
-    found: dict[str, Any] = {"phase_function": _phase_function(given)}
-    if "sun_magnitude" in given:
-        band = given["sun_magnitude"]
-        found["sun_magnitude"] = validation.number(band, "[magnitude] sun_magnitude", unit="mag")
-    if found["phase_function"] is not None and "sun_magnitude" in given:
+    refuse_unknown(section, known, "[magnitude]")
+    arguments: dict[str, Any] = {"phase_function": _phase_function(section)}
+    if "sun_magnitude" in section:
+        band = section["sun_magnitude"]
+        arguments["sun_magnitude"] = validation.number(
+            band, "[magnitude] sun_magnitude", unit="mag"
+        )
+    if arguments["phase_function"] is not None and "sun_magnitude" in section:
         raise AttitudeError(
             "[magnitude] has both h and sun_magnitude, but h alone sets the scale of magnitudes; "
             "leave one out."
         )
-    return found
+    return arguments
 
 
-def magnitude_of(given: Mapping[str, Any], scene: Scene) -> MagnitudeScale:
+def magnitude_of(section: Mapping[str, Any], scene: Scene) -> MagnitudeScale:
     """The `MagnitudeScale` of a section [magnitude], for a Scene."""
     distances = {}
     for key, place in (("sun_distance", scene.sun), ("observer_distance", scene.observer)):
-        if key in given:
+        if key in section:
             if not place.is_direction:
                 raise AttitudeError(
                     f"[magnitude] {key} is given, but the {key.partition('_')[0]} is "
                     f"{place.name}, whose distance is known; leave it out."
                 )
-            value = number_of(given[key], f"[magnitude] {key}", "m")
+            value = number_of(section[key], f"[magnitude] {key}", "m")
             distances[key] = validation.positive(value, f"[magnitude] {key}", unit="m")
     far = [
         key
         for key, place in (("sun_distance", scene.sun), ("observer_distance", scene.observer))
         if place.is_direction and key not in distances
     ]
-    kind = given.get("kind", "reduced" if far else "apparent")
+    kind = section.get("kind", "reduced" if far else "apparent")
     validation.one_of(kind, "[magnitude] kind", ("apparent", "reduced"))
     if kind == "apparent" and far:
         raise AttitudeError(
@@ -221,10 +224,10 @@ def magnitude_of(given: Mapping[str, Any], scene: Scene) -> MagnitudeScale:
     return MagnitudeScale(kind, **distances)
 
 
-def _ellipsoid(given: Mapping[str, Any], body: Body | None) -> shape_ellipsoid.Ellipsoid:
-    axes = given["ellipsoid"]
+def _ellipsoid(section: Mapping[str, Any], body: Body | None) -> shape_ellipsoid.Ellipsoid:
+    axes = section["ellipsoid"]
     if axes != "moments":
-        if "diameter" in given:
+        if "diameter" in section:
             raise AttitudeError('[shape] diameter goes with ellipsoid = "moments"; leave it out.')
         return shape_ellipsoid.Ellipsoid(number_of(axes, "[shape] ellipsoid", "m"))
     if body is None:
@@ -237,68 +240,72 @@ def _ellipsoid(given: Mapping[str, Any], body: Body | None) -> shape_ellipsoid.E
             '[shape] ellipsoid is "moments", but the inertia tensor of the body is not diagonal; '
             "give three semi-axes."
         )
-    diameter = number_of(given.get("diameter", 1.0), "[shape] diameter", "m")
+    diameter = number_of(section.get("diameter", 1.0), "[shape] diameter", "m")
     return shape_ellipsoid.Ellipsoid.of_moments(np.diag(body.tensor), diameter=diameter)
 
 
-def _law(made: type[Law], given: Mapping[str, Any], where: str) -> Law:
+def _law(kind: type[Law], section: Mapping[str, Any], where: str) -> Law:
     """A law of a class from a table whose keys are the fields of the class."""
-    parameters = made.parameters()
-    refuse_unknown(given, list(parameters), f"{where} ({made.name})")
+    parameters = kind.parameters()
+    refuse_unknown(section, list(parameters), f"{where} ({kind.name})")
     values = {}
-    for key, value in given.items():
-        each = parameters[key]
-        values[key] = value if each.words else number_of(value, f"{where} {key}", each.unit)
-    for key in made.required():
+    for key, value in section.items():
+        parameter = parameters[key]
+        values[key] = (
+            value if parameter.words else number_of(value, f"{where} {key}", parameter.unit)
+        )
+    for key in kind.required():
         if key not in values:
             raise AttitudeError(f"{where} has no {key}; give {parameters[key]}.")
     try:
-        return made(**values)
+        return kind(**values)
     except AttitudeError as err:
         raise AttitudeError(f"{where} {err}") from err
 
 
 def _materials(
-    given: Any, found: shape_ellipsoid.Ellipsoid | _mesh.Mesh
+    section: Any, shape: shape_ellipsoid.Ellipsoid | _mesh.Mesh
 ) -> scattering_materials.Materials:
-    if not isinstance(given, dict) or not all(isinstance(each, dict) for each in given.values()):
+    if not isinstance(section, dict) or not all(
+        isinstance(material, dict) for material in section.values()
+    ):
         raise AttitudeError(
-            f"[scattering] materials is {validation.shown(given)}; give a table for each group of "
-            "facets, as in [scattering.materials.body]."
+            f"[scattering] materials is {validation.shown(section)}; give a table for each group "
+            "of facets, as in [scattering.materials.body]."
         )
-    if isinstance(found, shape_ellipsoid.Ellipsoid):
+    if isinstance(shape, shape_ellipsoid.Ellipsoid):
         raise AttitudeError(
             "[scattering] has materials, which belong to groups of facets, but an ellipsoid has "
             "none; give a law."
         )
-    carried = sorted(set(found.materials))
-    for name in given:
+    carried = sorted(set(shape.materials))
+    for name in section:
         if name not in carried:
             raise AttitudeError(
                 f"[scattering] materials has {quoted(name)}, which no facet carries; the facets of "
                 f"the shape carry {quoted(', '.join(map(repr, carried)), 120, '')}."
             )
     for name in carried:
-        if name not in given:
+        if name not in section:
             raise AttitudeError(
                 f"[scattering] materials has no {quoted(name)}, which facets of the shape carry; "
                 "give it."
             )
     return scattering_materials.Materials(
-        {key: _material(value, f"[scattering] {key}") for key, value in given.items()}
+        {key: _material(value, f"[scattering] {key}") for key, value in section.items()}
     )
 
 
-def _material(given: Mapping[str, Any], where: str) -> scattering_materials.Material:
-    material = _law(scattering_materials.Material, given, where)
+def _material(section: Mapping[str, Any], where: str) -> scattering_materials.Material:
+    material = _law(scattering_materials.Material, section, where)
     assert isinstance(material, scattering_materials.Material)
     return material
 
 
-def _phase_function(given: Mapping[str, Any]) -> Callable[[FloatArray], FloatArray] | None:
+def _phase_function(section: Mapping[str, Any]) -> Callable[[FloatArray], FloatArray] | None:
     """Reduced magnitude as a function of the phase angle (rad); None without h."""
-    names = [key for key in ("g", "g1", "g2") if key in given]
-    if "h" not in given:
+    names = [key for key in ("g", "g1", "g2") if key in section]
+    if "h" not in section:
         if names:
             raise AttitudeError(
                 f"[magnitude] has {names[0]} but no h; give the absolute magnitude."
@@ -306,43 +313,43 @@ def _phase_function(given: Mapping[str, Any]) -> Callable[[FloatArray], FloatArr
         return None
     numbers = {
         key: validation.number(
-            number_of(given[key], f"[magnitude] {key}", None), f"[magnitude] {key}"
+            number_of(section[key], f"[magnitude] {key}", None), f"[magnitude] {key}"
         )
         for key in ("h", *names)
     }
     if names in ([], ["g"]):
-        made: Callable[..., FloatArray] = _weighted.hg
+        form: Callable[..., FloatArray] = _weighted.hg
     elif names == ["g1", "g2"]:
-        made = _weighted.hg1g2
+        form = _weighted.hg1g2
     else:
         raise AttitudeError(
             f"[magnitude] has h with {' and '.join(names)}; give h and g, or h, g1 and g2."
         )
 
     def function(alpha: FloatArray) -> FloatArray:
-        return made(alpha, **numbers)
+        return form(alpha, **numbers)
 
     function(np.zeros(1))  # raises now for parameters out of range
     return function
 
 
 def table_of(
-    given: Any, where: str, units: Mapping[str, str | None], needed: Sequence[str]
+    section: Any, where: str, units: Mapping[str, str | None], needed: Sequence[str]
 ) -> dict[str, Any]:
     """What makes a shape, from a table, in SI units and radians."""
-    if not isinstance(given, dict):
+    if not isinstance(section, dict):
         keys = ", ".join(units)
-        raise AttitudeError(f"{where} is {quoted(given)}; give a table of {keys}, in braces.")
-    refuse_unknown(given, tuple(units), where)
-    found = {
+        raise AttitudeError(f"{where} is {quoted(section)}; give a table of {keys}, in braces.")
+    refuse_unknown(section, tuple(units), where)
+    columns = {
         key: value if units[key] is None else number_of(value, f"{where} {key}", units[key])
-        for key, value in given.items()
+        for key, value in section.items()
     }
     for key in needed:
-        if key not in found:
+        if key not in columns:
             unit = ", in m" if units[key] == "m" else ""
             raise AttitudeError(f"{where} has no {key}; give it{unit}.")
-    return found
+    return columns
 
 
 def number_of(value: Any, name: str, unit: str | None) -> Any:
@@ -361,8 +368,8 @@ def of_file(path: str) -> tuple[shape_ellipsoid.Ellipsoid | _mesh.Mesh, Law]:
     if isinstance(content["shape"], dict) and content["shape"].get("ellipsoid") == "moments":
         raise AttitudeError(f'{path}: [shape] ellipsoid is "moments"; give three semi-axes here.')
     try:
-        found = shape_of(content["shape"], None, _beside(path))["shape"]
-        return found, law_of(content.get("scattering", {}), found)
+        shape = shape_of(content["shape"], None, _beside(path))["shape"]
+        return shape, law_of(content.get("scattering", {}), shape)
     except AttitudeError as err:
         raise AttitudeError(f"{path}: {err}") from err
 
@@ -383,11 +390,11 @@ def _beside(path: str) -> Callable[[Any, str], FilePath]:
     return partial(beside, folder=os.path.dirname(path))
 
 
-def beside(given: Any, name: str, folder: str) -> str:
+def beside(value: Any, name: str, folder: str) -> str:
     """A file named relative to a folder; AttitudeError for what is not text."""
-    if not isinstance(given, str):
-        raise AttitudeError(f"{name} is {quoted(given)}; give the name of a file.")
-    return os.path.join(folder, os.path.expanduser(given))
+    if not isinstance(value, str):
+        raise AttitudeError(f"{name} is {quoted(value)}; give the name of a file.")
+    return os.path.join(folder, os.path.expanduser(value))
 
 
 # ---- The lines of sections [shape] and [scattering]
@@ -405,16 +412,13 @@ def shape_lines(shape: shape_ellipsoid.Ellipsoid | _mesh.Mesh) -> list[str]:
     lines += [f"    {row!r}," for row in shape.facets.tolist()]
     lines.append("]")
     if set(shape.materials) != {_mesh.SURFACE}:
-        names = ", ".join(toml.quoted(each, "materials") for each in shape.materials)
+        names = ", ".join(toml.quoted(material, "materials") for material in shape.materials)
         lines.append(f"materials = [{names}]")
     return lines
 
 
 def law_lines(law: Law) -> list[str]:
-    """The section [scattering], of which `law_of` makes an equal law.
-
-    AttitudeError for a law without a registered name.
-    """
+    """The section [scattering], of which `law_of` makes an equal law, if its name is registered."""
     if law.by_material:
         lines: list[str] = []
         for name, material in law.by_material.items():

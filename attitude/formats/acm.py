@@ -183,20 +183,20 @@ class Maneuver:
                 f"the maneuver {cut(self.purpose)} has no TARGET_MOMENTUM, from which an impulse "
                 "or a torque would follow."
             )
-        found = _axes.known(self.momentum_frame or "")
-        if found is None:
+        axes = _axes.known(self.momentum_frame or "")
+        if axes is None:
             if self.momentum_frame is None:
                 raise AttitudeError(
                     f"the maneuver {cut(self.purpose)} has no TARGET_MOM_FRAME, the axes of its "
                     "TARGET_MOMENTUM; give the impulse yourself."
                 )
             return self.target_momentum, True
-        if found.turning:
+        if axes.turning:
             raise AttitudeError(
-                f"TARGET_MOM_FRAME is {cut(found.name, '')}, axes that turn; they must be fixed, "
+                f"TARGET_MOM_FRAME is {cut(axes.name, '')}, axes that turn; they must be fixed, "
                 "or the body's."
             )
-        turn = found.to_icrf(self.begin, 0.0, None)
+        turn = axes.to_icrf(self.begin, 0.0, None)
         return quaternion.rotate(turn, self.target_momentum), False
 
     def impulse(self) -> Impulse:
@@ -339,7 +339,7 @@ class Comprehensive:
         """The attitudes as one table; AttitudeError for none, or those of several bodies."""
         if not self.tables:
             raise AttitudeError("the message has no attitudes.")
-        frames = list(dict.fromkeys(each.meta["body_frame"].upper() for each in self.tables))
+        frames = list(dict.fromkeys(table.meta["body_frame"].upper() for table in self.tables))
         if len(frames) > 1:
             raise AttitudeError(
                 f"the blocks of attitudes are those of {', '.join(frames)[:120]}; choose one of "
@@ -357,7 +357,7 @@ class Comprehensive:
             Without inertia or angular velocities, for an inertia over other axes, and as
             `Maneuver.impulse`.
         """
-        rated = [each for each in self.tables if each.angular_velocity is not None]
+        rated = [item for item in self.tables if item.angular_velocity is not None]
         if self.body is None or not rated:
             lacking = "inertia" if self.body is None else "attitude with an angular velocity"
             raise AttitudeError(f"the message has no {lacking}, from which a motion would follow.")
@@ -373,10 +373,10 @@ class Comprehensive:
             first.wxyz[0],
             first.angular_velocity[0],
         )
-        later = [each for each in self.maneuvers if each.begin.since(spin.epoch) >= 0.0]
+        later = [item for item in self.maneuvers if item.begin.since(spin.epoch) >= 0.0]
         if not later:
             return FreeRotation(self.body, spin)
-        return Arcs(self.body, spin, [each.impulse() for each in later])
+        return Arcs(self.body, spin, [item.impulse() for item in later])
 
 
 # ---- Rows of attitudes and covariances of an Attitude Comprehensive Message
@@ -418,7 +418,7 @@ class TimeTags:
         carry = np.floor(ticks / 10.0**digits)
         whole, ticks = whole + carry, ticks - carry * 10.0**digits
         both = zip(whole.astype(np.int64).tolist(), ticks.astype(np.int64).tolist(), strict=True)
-        return [f"{n}.{part:0{digits}d}" if digits else f"{n}" for n, part in both]
+        return [f"{n}.{fraction:0{digits}d}" if digits else f"{n}" for n, fraction in both]
 
     def parsed(self, tokens: list[bytes]) -> tuple[FloatArray, FloatArray]:
         """TDB seconds since J2000 of tags; BadEpoch for those that cannot be read.
@@ -451,9 +451,9 @@ def _decimals(tokens):
     low = np.zeros(len(tokens))
     for k, token in enumerate(tokens):
         if _DECIMAL.fullmatch(token):
-            first, _, rest = token.partition(b".")
+            first, _, decimals = token.partition(b".")
             sign = -1.0 if first.startswith(b"-") else 1.0
-            whole[k], low[k] = float(first), sign * float(b"0." + rest)
+            whole[k], low[k] = float(first), sign * float(b"0." + decimals)
     return whole, low
 
 
@@ -465,12 +465,11 @@ class _TimedRows(Rows):
     """The rows of a block, at dates or at seconds since EPOCH_TZERO."""
 
     def __init__(self, block: Block, names: Sequence[str]):
-        super().__init__(_messages.scale_of(block.meta), len(names))
-        self.names = names
+        super().__init__(_messages.scale_of(block.meta), block.message.fault, names)
         self.holds = f"{block.name} of this type has a time and {len(names)} numbers"
         self._tags = _tags(block.message)
 
-    def _parsed(self, tokens, of_day):
+    def _parsed(self, tokens):
         return self._tags.parsed(tokens)
 
 
@@ -492,7 +491,7 @@ def _rows(block):
     """The complete rows of a block."""
     if block.rows is None:
         raise block.fault(f"the block {block.name} has no rows.")
-    return block.rows.reader.joined()
+    return block.rows.joined()
 
 
 def _table(block, tolerance, frame, orbit):
@@ -504,7 +503,7 @@ def _table(block, tolerance, frame, orbit):
     sequence = _messages.sequence_of(block) if euler else None
     angles, rates = np.split(values, [len(_ATTITUDES[kind])], axis=1)
     how = Convention(to_body=not body_is_a, sequence=sequence, rates_over_body=not body_is_a)
-    meta = _names(block.message) | {
+    meta = _said(block.message) | {
         "keywords": dict(block),
         "data_comments": tuple(block.comments),
         "frame": axes.name,
@@ -583,9 +582,7 @@ def _interpreted(message, tolerance, frame, orbit, products):
     physics = next(iter(message.all("PHYS")), None)
     for block in message.all("AD"):
         _refuse_sensors(block)
-    meta = _names(message) | {
-        "header": dict(message.header),
-        "keywords": dict(message.meta),
+    meta = _said(message) | {
         "meta_comments": tuple(message.meta.comments),
         "inertia_frame": None if physics is None else physics.get("INERTIA_REF_FRAME"),
         "blocks": tuple(
@@ -604,15 +601,9 @@ def _interpreted(message, tolerance, frame, orbit, products):
     )
 
 
-def _names(message):
-    """What the meta data of the message and of each table name."""
-    return {
-        "format": "ACM 2.0",
-        "comments": tuple(message.header.comments),
-        "object_name": message.meta["OBJECT_NAME"],
-        "object_id": message.meta.get("INTERNATIONAL_DESIGNATOR"),
-        "center": message.meta.get("CENTER_NAME"),
-    }
+def _said(message):
+    """What the meta data of the message and of each table begin with."""
+    return _messages.said_by(message, message.meta, "ACM 2.0", "INTERNATIONAL_DESIGNATOR")
 
 
 def _tags(message):
@@ -735,28 +726,28 @@ class _WrittenBlock:
                 out.table(epochs, columns, row)
 
 
-def _attitudes(part, frame, axes, body, texts, orbit):
+def _attitudes(records, frame, axes, body, texts, orbit):
     """The block ATT of a segment: quaternions, with angular velocities if it has them."""
     entries = [("REF_FRAME_A", frame), ("REF_FRAME_B", body)]
-    entries += [("NUMBER_STATES", "7" if part.has_rates else "4"), ("ATT_TYPE", "QUATERNION")]
+    entries += [("NUMBER_STATES", "7" if records.has_rates else "4"), ("ATT_TYPE", "QUATERNION")]
     kind = "QUATERNION"
-    if part.has_rates:
+    if records.has_rates:
         entries.append(("RATE_TYPE", "ANGVEL"))
         kind = "QUATERNION/ANGVEL"
 
     def rows():
-        for history in part.pieces():
+        for history in records.pieces():
             yield texts(history), columns_of(history, kind, Convention(), axes, orbit)
 
-    return _WrittenBlock("ATT", entries, rows, tuple(part.meta.get("data_comments", ())))
+    return _WrittenBlock("ATT", entries, rows, tuple(records.meta.get("data_comments", ())))
 
 
-def _covariances(part, body, texts):
+def _covariances(records, body, texts):
     """The block COV of a segment: variances about the body axes, and of angular velocities."""
     entries = [("COV_BASIS", "PREDICTED"), ("COV_REF_FRAME", body), ("COV_TYPE", "ANGLE_ANGVEL")]
 
     def rows():
-        for history in part.pieces():
+        for history in records.pieces():
             covariance = np.asarray(history.covariance)
             turn = np.swapaxes(history.matrix, -1, -2)
             angles = turn @ covariance[:, :3, :3] @ np.swapaxes(turn, -1, -2)
@@ -890,14 +881,14 @@ def write(
         instant = motion.epoch.after(hi, lo)
         return tags.text(np.array([instant.seconds]), np.array([instant.low]), digits)[0]
 
-    blocks = [_attitudes(part, name, axes, body, texts, orbit) for part in parts]
+    blocks = [_attitudes(records, name, axes, body, texts, orbit) for records in parts]
     has_inertia = motion.body is not None and not motion.body.relative
     if has_inertia:
         blocks.append(_physics(motion.body, body, products))
     if covariance is None:
         covariance = _has_covariance(parts[0])
     if covariance:
-        blocks += [_covariances(part, body, texts) for part in parts]
+        blocks += [_covariances(records, body, texts) for records in parts]
     if has_inertia:
         ends = float(begin[0][0]), float(end[0][1])
         blocks += _maneuvers(motion, seconds, ends, name, axes)
@@ -930,10 +921,10 @@ def write(
     )
 
 
-def _has_covariance(part):
+def _has_covariance(records):
     """Whether the motion of a segment knows its errors."""
     try:
-        part.motion.covariance_at(part.seconds[:1])
+        records.motion.covariance_at(records.seconds[:1])
     except AttitudeError:
         return False
     return True

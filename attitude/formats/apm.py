@@ -227,10 +227,7 @@ class _State:
         return self._rates_of(np.radians(values) * (1.0 if to_body else -1.0), axes, over_body)
 
     def _rates_of(self, rates, axes, over_body=True, how=None):
-        """A function: attitude -> rates relative to ICRF, over the body axes.
-
-        From rates over the body axes or the external ones, or with `how` derivatives of the angles.
-        """
+        """A function: attitude -> rates in ICRF; `how`: from derivatives of the angles."""
         refuse_speed(rates)
 
         def of(wxyz):
@@ -444,15 +441,8 @@ def read(
     epoch = _messages.epoch_of(message.meta, "EPOCH", _messages.scale_of(message.meta))
     wxyz, speeds, body = _State(message, epoch, tolerance, frame, orbit, rates).result()
     inertia = next(iter(message.all("INERTIA")), None)
-    meta = {
-        "format": f"APM {message.version}",
-        "header": dict(message.header),
-        "comments": tuple(message.header.comments),
-        "keywords": dict(message.meta),
+    meta = _messages.said_by(message, message.meta, f"APM {message.version}", "OBJECT_ID") | {
         "blocks": tuple((b.name, dict(b), tuple(b.comments)) for b in message.blocks),
-        "object_name": message.meta["OBJECT_NAME"],
-        "object_id": message.meta["OBJECT_ID"],
-        "center": message.meta.get("CENTER_NAME"),
         "body_frame": body,
         "inertia_frame": None,
     }

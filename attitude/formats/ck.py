@@ -142,26 +142,23 @@ class KernelAttitude(Motion):
     def _read(self, seconds, low):
         """Attitudes, and rates over the body axes, NaN where the kernels have none."""
         hi = np.ravel(seconds)
-        rest = np.zeros(hi.size) if low is None else np.ravel(np.broadcast_to(low, seconds.shape))
+        extra = np.zeros(hi.size) if low is None else np.ravel(np.broadcast_to(low, seconds.shape))
         matrices, rates = np.full((hi.size, 3, 3), np.eye(3)), np.full((hi.size, 3), np.nan)
-        rest = np.array(rest)
+        extra = np.array(extra)
         for k, second in enumerate(hi.tolist()):
             if not math.isnan(second):
                 matrices[k], rates[k], evaluated = self._state_at(second)
-                rest[k] += second - evaluated
+                extra[k] += second - evaluated
         wxyz = forms.continuous(forms.from_dcm(matrices))
         omega = quaternion.rotate(quaternion.conjugate(wxyz), rates)
-        turned = forms.from_rotation_vector(np.where(np.isnan(omega), 0.0, omega) * rest[:, None])
+        turned = forms.from_rotation_vector(np.where(np.isnan(omega), 0.0, omega) * extra[:, None])
         wxyz = quaternion.multiply(wxyz, turned)
         wxyz[np.isnan(hi)] = np.nan
         shape = np.shape(seconds)
         return wxyz.reshape(*shape, 4), omega.reshape(*shape, 3)
 
     def _state_at(self, second):
-        """Direction cosine matrix, angular velocity in J2000, and their epoch, s past J2000.
-
-        The epoch is `second` or, at an end of the kernel, the neighbouring double inside of it.
-        """
+        """Direction cosine matrix and angular velocity in J2000, and their epoch, s past J2000."""
         spice = spiceypy()
         ways = (
             lambda t: spice.xf2rav(spice.sxform(_REFERENCE, self.frame, t)),
@@ -312,13 +309,13 @@ def _instrument_of(frame_kernel, name):
     spice = spiceypy()
     with LoadedKernels([frame_kernel]):
         number = spice.namfrm(name)
-        found = spice.frinfo(number) if number else None
-    if found is None or found[1] != 3:
+        info = spice.frinfo(number) if number else None
+    if info is None or info[1] != 3:
         raise AttitudeError(
             f"{os.fspath(frame_kernel)} defines no frame {name!r} of class 3 (C-kernels); give the "
             "name of one."
         )
-    return int(found[2])
+    return int(info[2])
 
 
 def _written(path, plan, clock, name, instrument, center, frame_kernel, given_clock):
@@ -338,7 +335,7 @@ def _written(path, plan, clock, name, instrument, center, frame_kernel, given_cl
             kernels.append(stem + ".tsc")
         else:
             one = isinstance(given_clock, (str, os.PathLike))
-            kernels += [os.fspath(each) for each in ([given_clock] if one else given_clock)]
+            kernels += [os.fspath(kernel) for kernel in ([given_clock] if one else given_clock)]
         if isinstance(plan, TableSegments):
             plan.write(temporary, clock, instrument)
             error, rate_error = plan.measured(temporary, clock, instrument)

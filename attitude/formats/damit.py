@@ -117,7 +117,7 @@ def read(path: FilePath, *, time_system: str = "TDB") -> RelaxedRotator:
     with opened(path) as lines:
         first = _numbers(lines, 3, "lambda, beta and period")
         second = _numbers(lines, 2, "JD0 and phi0")
-        rest = tuple(lines.text(line).rstrip() for line in lines)
+        further = tuple(lines.text(line).rstrip() for line in lines)
     longitude, latitude, period = first
     if not -90.0 <= latitude <= 90.0:
         raise lines.fault(f"the latitude of the pole is {latitude:g} deg.", 1)
@@ -127,7 +127,7 @@ def read(path: FilePath, *, time_system: str = "TDB") -> RelaxedRotator:
     jd0, phi0 = second
     if not 0.0 <= jd0 <= 5373484.5:
         raise lines.fault(f"JD0 is {jd0:g}; give a Julian date.", 2)
-    return RelaxedRotator(longitude, latitude, period, jd0, phi0, rest, time_system)
+    return RelaxedRotator(longitude, latitude, period, jd0, phi0, further, time_system)
 
 
 def _numbers(lines, count, what):
@@ -136,7 +136,7 @@ def _numbers(lines, count, what):
             continue
         parts = line.split()
         good = len(parts) == count and all(map(is_number, parts))
-        values = [float(part) for part in parts] if good else []
+        values = [float(word) for word in parts] if good else []
         if not good or not np.all(np.isfinite(values)):
             raise lines.fault(f"it must hold {what}: {count} numbers.")
         return values

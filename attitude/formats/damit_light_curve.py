@@ -318,25 +318,25 @@ def write_damit_light_curves(
     elif not isinstance(curves, Iterable):
         raise AttitudeError(f"curves is {curves!r}; give one DamitLightCurve, or a list of them.")
     curves = list(curves)
-    for each in curves:
-        if not isinstance(each, DamitLightCurve):
+    for item in curves:
+        if not isinstance(item, DamitLightCurve):
             raise AttitudeError(
-                f"{type(each).__name__} is given to be written; give DamitLightCurve objects."
+                f"{type(item).__name__} is given to be written; give DamitLightCurve objects."
             )
     if not curves:
         raise AttitudeError("there are no light curves to write; give one or more.")
-    if len({ccsds_epochs.known(each.time_system, "time_system") for each in curves}) > 1:
+    if len({ccsds_epochs.known(item.time_system, "time_system") for item in curves}) > 1:
         raise AttitudeError(
             "the light curves differ in time_system, which the file does not hold; write a file "
             "for each."
         )
-    parts = [(curve, part) for curve in curves for part in _parts(curve)]
+    parts = [(curve, run) for curve in curves for run in _parts(curve)]
     _warn_beyond_limits(parts)
     with written_whole(path) as file:
         file.write(f"{len(parts)}\n")
-        for curve, part in parts:
-            file.write(f"{len(part)} {int(curve.calibrated)}\n")
-            for k in part:
+        for curve, run in parts:
+            file.write(f"{len(run)} {int(curve.calibrated)}\n")
+            for k in run:
                 numbers = (curve.brightness[k], *curve.sun[k], *curve.earth[k])
                 date = _date(curve.jd[k], curve.jd_low[k])
                 file.write(f"{date} {' '.join(repr(float(x)) for x in numbers)}\n")
@@ -352,15 +352,15 @@ def _parts(curve):
 
 
 def _warn_beyond_limits(parts):
-    longest, total = max(len(part) for _, part in parts), sum(len(part) for _, part in parts)
-    for found, limit, what in (
+    longest, total = max(len(run) for _, run in parts), sum(len(run) for _, run in parts)
+    for count, limit, what in (
         (longest, POINTS_OF_A_CURVE, "points in a relative curve"),
         (len(parts), _CURVES, "curves"),
         (total, _POINTS, "points in all"),
     ):
-        if found > limit:
+        if count > limit:
             warnings.warn(
-                f"the file holds {found} {what}, and DAMIT's programs take {limit} unless they are "
+                f"the file holds {count} {what}, and DAMIT's programs take {limit} unless they are "
                 "compiled with larger limits; write fewer, or larger values in their constants.h.",
                 AttitudeWarning,
                 stacklevel=3,

@@ -35,7 +35,10 @@ from attitude.formats._records import TOLERANCE, Rows, columns_of, known_toleran
 from attitude.motions._axes import named
 
 if TYPE_CHECKING:
-    from attitude._support.annotations import EpochOrSeconds, Epochs, FilePath
+    from collections.abc import Sequence
+
+    from attitude._support.annotations import EpochOrSeconds, Epochs, FilePath, FloatArray
+    from attitude.epochs._instants import Instant
     from attitude.formats._sampling import AttitudeSource, SampledFile
     from attitude.motions._table import AttitudeTable
     from attitude.paths._path import Path
@@ -46,7 +49,6 @@ __all__ = ["read", "write"]
 # The columns that a first line may name, and whether the scalar stands first.
 _ORDERS = {"time w x y z": True, "time x y z w": False}
 _DIRECTIONS = ("body-to-reference", "reference-to-body")
-_BATCH = 16384
 
 
 def read(
@@ -78,31 +80,18 @@ def read(
     with opened(path) as lines:
         scalar_first, words = _header(lines)
         how = Convention(scalar_first=scalar_first, to_body=words["direction"] == _DIRECTIONS[0])
-        rows = Rows("utc", 4)
-        tokens: list[bytes] = []
-        places: list[int] = []
+        rows = _Records("utc", lines.fault, ("",) * 4)
+        rows.epoch = words.get("epoch")
         for line in lines:
-            parts = line.split()
-            if not parts or parts[0].startswith(b"#"):
-                continue
-            if len(parts) != 5:
-                raise lines.fault(
-                    f"it has {len(parts)} entries; a record has a time and 4 numbers."
-                )
-            tokens.extend(parts)
-            places.append(lines.number)
-            if len(places) == _BATCH:
-                _take(rows, tokens, places, words.get("epoch"), lines)
-                tokens, places = [], []
-        if places:
-            _take(rows, tokens, places, words.get("epoch"), lines)
+            tokens = line.split()
+            if tokens and not tokens[0].startswith(b"#"):
+                rows.take(rows.known(tokens, lines.number), lines.number)
+        rows.convert()
         if not rows.count:
             raise lines.fault("the file has no attitudes.")
         axes = named(frame or words.get("frame", "ICRF"))
         settings = {"meta": {"format": "quat", "frame": axes.name}}
-        return rows.table(
-            "QUATERNION", how, axes, lines.fault, tolerance=tolerance, orbit=orbit, **settings
-        )
+        return rows.table("QUATERNION", how, axes, tolerance=tolerance, orbit=orbit, **settings)
 
 
 def _header(lines):
@@ -111,7 +100,7 @@ def _header(lines):
     order = " ".join(parts[:5])
     if order not in _ORDERS:
         raise lines.fault(
-            f"it must name the columns: {' or '.join(f'# {each}' for each in _ORDERS)}.", 1
+            f"it must name the columns: {' or '.join(f'# {columns}' for columns in _ORDERS)}.", 1
         )
     words = {"direction": _DIRECTIONS[0]}
     for word in parts[5:]:
@@ -134,24 +123,31 @@ def _header(lines):
     return _ORDERS[order], words
 
 
-def _take(rows, tokens, places, epoch, lines):
-    """Add some records, whose times are seconds if that of the first is a number."""
-    in_seconds = is_number(tokens[0])
-    if in_seconds and epoch is None:
-        raise lines.fault(
-            "its time is in seconds, but the first line has no epoch; add "
-            "epoch=2026-01-01T00:00:00 (UTC) there, or write dates.",
-            places[0],
-        )
-    try:
-        values = numbers(tokens, 5, range(0 if in_seconds else 1, 5))
-    except NoNumber as err:
-        raise lines.fault(f"{err.shown} is no number.", places[err.line]) from err
-    if not in_seconds:
-        rows.add(tokens[::5], values, places, lines.fault)
-        return
-    hi, lo = pairs.add((np.float64(epoch.seconds), np.float64(epoch.low)), values[:, 0])
-    rows.add_times(hi, lo, values[:, 1:], places, lines.fault)
+class _Records(Rows):
+    """The records, at dates or at seconds since the epoch of the first line."""
+
+    holds = "a record has a time and 4 numbers"
+    epoch: Instant | None = None
+
+    def add(
+        self, leads: Sequence[Sequence[bytes]], values: FloatArray, lines: Sequence[int]
+    ) -> None:
+        """Add N records, whose times are seconds if that of the first is a number."""
+        if not is_number(leads[0][0]):
+            super().add(leads, values, lines)
+            return
+        if self.epoch is None:
+            raise self.fault(
+                "its time is in seconds, but the first line has no epoch; add "
+                "epoch=2026-01-01T00:00:00 (UTC) there, or write dates.",
+                lines[0],
+            )
+        try:
+            seconds = numbers(leads[0], 1, [0])[:, 0]
+        except NoNumber as err:
+            raise self.fault(f"{err.shown} is no number.", lines[err.line]) from err
+        start = np.float64(self.epoch.seconds), np.float64(self.epoch.low)
+        self.add_times(*pairs.add(start, seconds), values, lines)
 
 
 def write(

@@ -151,8 +151,8 @@ def with_errors(content: Mapping[str, Any], body: Body, spin: Spin) -> Spin:
         rows = _numbers(section, "errors", "covariance", None, None)
         return spin.with_covariance(covariances.known(rows, "[errors] covariance"))
     units = {**covariances.UNITS, "moments": None if body.relative else "kg m2"}
-    given = {key: _numbers(section, "errors", key, None, units[key]) for key in section}
-    return spin.with_covariance(covariances.known(given, "[errors]"))
+    errors = {key: _numbers(section, "errors", key, None, units[key]) for key in section}
+    return spin.with_covariance(covariances.known(errors, "[errors]"))
 
 
 def _body(section):
@@ -173,7 +173,7 @@ def _body(section):
         tensor = _numbers(section, "body", "tensor", (3, 3), inertia)
         return Body(tensor=tensor, relative=relative, **extra)
     if way == "ellipsoid":
-        axes = _numbers(section, "body", "ellipsoid", (3,), "m" if extra else None)
+        axes = _numbers(section, "body", "ellipsoid", (3,), "m")
         return Body.from_ellipsoid(axes, **extra)
     if way == "A_over_C":
         ratios = (_numbers(section, "body", key, (), None) for key in ("A_over_C", "B_over_C"))
@@ -188,17 +188,17 @@ def _spin(section):
     for key in _SPIN:
         if key not in section:
             raise AttitudeError(_lacking("spin", key))
-    given = {
+    values = {
         "epoch": _epoch(section["epoch"]),
         "angular_velocity": _numbers(section, "spin", "angular_velocity", (3,), "rad/s"),
         "frame": section.get("frame", "icrf"),
     }
     if way == "wxyz":
-        return Spin(wxyz=_numbers(section, "spin", "wxyz", (4,), None), **given)
+        return Spin(wxyz=_numbers(section, "spin", "wxyz", (4,), None), **values)
     if way == "matrix":
-        return Spin.from_matrix(matrix=_numbers(section, "spin", "matrix", (3, 3), None), **given)
+        return Spin.from_matrix(matrix=_numbers(section, "spin", "matrix", (3, 3), None), **values)
     angles = _numbers(section, "spin", "angles", (3,), "rad")
-    return Spin.from_euler(sequence=section["sequence"], angles=angles, **given)
+    return Spin.from_euler(sequence=section["sequence"], angles=angles, **values)
 
 
 def _published(section, body):
@@ -219,11 +219,11 @@ def _published(section, body):
         key: _numbers(section, "spin", key, shapes.get(key, ()), unit)
         for key, unit in _PUBLISHED.items()
     }
-    given = {key: each if key == "pole" else float(each) for key, each in numbers.items()}
+    values = {key: value if key == "pole" else float(value) for key, value in numbers.items()}
     for key in (*_PUBLISHED_WORDS, *_OF_PUBLISHED):
         if key in section:
-            given[key] = section[key]
-    return Spin.from_periods(body, epoch=_epoch(section["epoch"]), **given)
+            values[key] = section[key]
+    return Spin.from_periods(body, epoch=_epoch(section["epoch"]), **values)
 
 
 def _section(content, name):
@@ -237,10 +237,7 @@ def _section(content, name):
 
 
 def _way(section, ways, common, name):
-    """The leading key of the alternative that a section uses.
-
-    AttitudeError for none or several, and for unknown, missing and surplus keys.
-    """
+    """The leading key of the one alternative that a section uses."""
     known = [*common]
     for way, (needed, optional) in ways.items():
         known += [way, *needed, *optional]
@@ -281,9 +278,9 @@ def _epoch(value):
             f"[spin] epoch is {value!s} without quotes; write it as text, like "
             '"2026-01-01T00:00:00".'
         )
-    found = _TWO_DOUBLES.fullmatch(value)
-    if found:
-        return _instants.Instant(float(found.group(1)), float(found.group(2)))
+    match = _TWO_DOUBLES.fullmatch(value)
+    if match:
+        return _instants.Instant(float(match.group(1)), float(match.group(2)))
     return _inputs.instant(value, "[spin] epoch")
 
 
@@ -300,12 +297,12 @@ def _converted(value, name, unit):
     if isinstance(value, str):
         return validation.real(value, name, unit=unit).tolist()
     if isinstance(value, list):
-        kinds = {_kind(each) for each in value}
+        kinds = {_kind(item) for item in value}
         if len(kinds) > 1:
             raise AttitudeError(
                 f"{name} mixes plain numbers, text and lists; give all of its entries in one way."
             )
-        return [_converted(each, name, unit) for each in value]
+        return [_converted(item, name, unit) for item in value]
     if _kind(value) != "number":
         raise AttitudeError(f"{name} is {quoted(value)}; give numbers, or text with a unit.")
     try:
@@ -418,11 +415,11 @@ def _surface(content, body, folder):
     from attitude.formats import _surface as surface
 
     file = partial(surface.beside, folder=folder)
-    found = surface.shape_of(content["shape"], body, file)
-    if "shadows" in found:
+    settings = surface.shape_of(content["shape"], body, file)
+    if "shadows" in settings:
         raise AttitudeError("[shape] shadows belongs to a mission file; leave it out.")
-    law = surface.law_of(content.get("scattering", {}), found["shape"])
-    return surface.facets_for(content["shape"], found["shape"], law), law
+    law = surface.law_of(content.get("scattering", {}), settings["shape"])
+    return surface.facets_for(content["shape"], settings["shape"], law), law
 
 
 def write(
@@ -527,14 +524,14 @@ def _error_lines(covariance):
         return []
     sigma = covariances.components(covariance)
     if sigma is not None:
-        rows = {key: each for key, each in sigma.items() if np.any(each)} or {
+        rows = {key: deviations for key, deviations in sigma.items() if np.any(deviations)} or {
             "attitude": np.zeros(3)
         }
         return ["", "[errors]", *(f"{key} = {_listed(row)}" for key, row in rows.items())]
-    part = covariance[:6, :6]
+    of_state = covariance[:6, :6]
     whole = np.zeros((9, 9))
-    whole[:6, :6] = part
-    kept = part if whole.tobytes() == covariance.tobytes() else covariance
+    whole[:6, :6] = of_state
+    kept = of_state if whole.tobytes() == covariance.tobytes() else covariance
     unit = "rad, axes of the frame; rad/s, body axes" + ("; moments" if len(kept) == 9 else "")
     return [
         "",
@@ -571,18 +568,18 @@ def _listed(row):
 
 
 def _opened(path):
-    found = read(path)
+    file = read(path)
     names = ("name", "source", "note", "shape", "law")
-    return OpenedFile(found.motion, {name: getattr(found, name) for name in names})
+    return OpenedFile(file.motion, {name: getattr(file, name) for name in names})
 
 
 def _labels(motion, said):
     """The labels of a spin file, from the names and comments of the file that was read."""
     name = said.get("name") or said.get("object_name")
     note = said.get("note") or " ".join(said.get("comments", ()))
-    found = {"name": name if name != "UNKNOWN" else None, "source": said.get("source")}
-    found |= {"note": note, "shape": said.get("shape"), "law": said.get("law")}
-    return {key: each for key, each in found.items() if each}
+    labels = {"name": name if name != "UNKNOWN" else None, "source": said.get("source")}
+    labels |= {"note": note, "shape": said.get("shape"), "law": said.get("law")}
+    return {key: text for key, text in labels.items() if text}
 
 
 register(

@@ -76,17 +76,17 @@ def iso(text: str) -> str | None:
     >>> iso('"1 July 1999 00:00:00.00"'), iso("1 Jul 1999 7:30:00"), iso("Today")
     ('1999-07-01T00:00:00.00', '1999-07-01T07:30:00', None)
     """
-    given = " ".join(text.strip().strip("\"'").split())
-    if _ISO.fullmatch(given):
-        return given
-    found = _DATE.fullmatch(given)
-    if found is None:
+    date_text = " ".join(text.strip().strip("\"'").split())
+    if _ISO.fullmatch(date_text):
+        return date_text
+    match = _DATE.fullmatch(date_text)
+    if match is None:
         return None
-    date, month, year, hour, minute, second, part = found.groups()
+    date, month, year, hour, minute, second, fraction = match.groups()
     months = [k for k, name in enumerate(MONTHS) if month.title() in (name, name[:3])]
     if not months:
         return None
-    time = f"{int(hour):02d}:{minute}:{second}{part or ''}".rstrip(".")
+    time = f"{int(hour):02d}:{minute}:{second}{fraction or ''}".rstrip(".")
     return f"{year}-{months[0] + 1:02d}-{int(date):02d}T{time}"
 
 
@@ -98,9 +98,9 @@ def instant(text: str, what: str) -> Instant:
     """
     code = iso(text)
     if code is None:
-        given = repr(text[:40]) if text else "not given"
+        shown = repr(text[:40]) if text else "not given"
         raise AttitudeError(
-            f"{what} is {given}; write a date in UTC like 1 Jan 2026 00:00:00.000, and not the "
+            f"{what} is {shown}; write a date in UTC like 1 Jan 2026 00:00:00.000, and not the "
             "name of a time that STK knows."
         )
     try:
@@ -115,17 +115,14 @@ def tai_of(epoch: Instant) -> tuple[FloatArray, FloatArray]:
     return pairs.add(tt, -_time_scales.TT_MINUS_TAI)
 
 
-def of_rows(words: Sequence[bytes], count: int) -> list[bytes]:
-    """The dates at the start of rows as CCSDS time codes.
-
-    `words` are those of all rows, `count` of each.  A date that STK does not write stays as it is,
-    and is refused by the reader of time codes.
-    """
-    found = []
-    for k in range(0, len(words), count):
-        text = b" ".join(words[k : k + count]).decode("ascii", "replace")
-        found.append((iso(text) or text).encode("ascii", "replace"))
-    return found
+def of_rows(leads: Sequence[Sequence[bytes]]) -> list[bytes]:
+    """The dates of N rows, whose words are (words, N), as CCSDS time codes."""
+    dates = []
+    for words in zip(*leads, strict=True):
+        text = b" ".join(words).decode("ascii", "replace")
+        # A date that STK does not write stays as it is; the reader of time codes refuses it.
+        dates.append((iso(text) or text).encode("ascii", "replace"))
+    return dates
 
 
 # ---- The sections of an STK attitude file: the columns of each, as attitudes
@@ -232,10 +229,10 @@ class Decoder:
             seconds = np.concatenate([[self._before[0]], seconds])
             rates = np.concatenate([self._before[1][None], rates])
         steps = np.diff(seconds)[:, None] * 0.5 * (rates[1:] + rates[:-1])
-        found = angles + np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
-        self._angles, first = found[-1], self._before is not None
+        integrals = angles + np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
+        self._angles, first = integrals[-1], self._before is not None
         self._before = seconds[-1], rates[-1]
-        return found[1:] if first else found
+        return integrals[1:] if first else integrals
 
 
 def pointed(
@@ -282,9 +279,9 @@ _AXES = {"fixed": "ITRF", "vvlh": "LVLH", "inertial": "ICRF"}
 _ICRF_BODIES = ("earth", "sun", "")
 
 
-def named(given: str) -> Axes:
+def named(name: str) -> Axes:
     """The Axes of a name of STK; AttitudeError for another name."""
-    return motions_axes.named(_AXES.get(given.lower(), given))
+    return motions_axes.named(_AXES.get(name.lower(), name))
 
 
 class Header:
@@ -309,10 +306,12 @@ class Header:
         self.method: str
         self.degree: int
         self.method, self.degree = self._interpolation()
-        given = self.keywords.get("TimeFormat", "EpSec").strip("\"'")
-        self.time_format: str = given.lower()
+        time_format = self.keywords.get("TimeFormat", "EpSec").strip("\"'")
+        self.time_format: str = time_format.lower()
         if self.time_format not in (*UNITS, *DATES):
-            raise self.fault("TimeFormat", f"TimeFormat is {given[:40]!r}; known are {FORMATS}.")
+            raise self.fault(
+                "TimeFormat", f"TimeFormat is {time_format[:40]!r}; known are {FORMATS}."
+            )
         # Checked before the records are read.
         self.decoder: Decoder = self._decoder()
 
@@ -323,10 +322,10 @@ class Header:
     def start(self) -> tuple[float, float]:
         """ScenarioEpoch: TAI seconds since J2000 in two doubles."""
         try:
-            found = instant(self.keywords.get("ScenarioEpoch", ""), "ScenarioEpoch")
+            start = instant(self.keywords.get("ScenarioEpoch", ""), "ScenarioEpoch")
         except AttitudeError as err:
             raise self.fault("ScenarioEpoch", str(err)) from err
-        hi, lo = tai_of(found)
+        hi, lo = tai_of(start)
         return float(hi), float(lo)
 
     def axes(self, frame: str | None) -> Axes:
@@ -345,13 +344,13 @@ class Header:
         except AttitudeError as err:
             raise self.fault("CoordinateAxes", str(err)) from err
 
-    def _axes(self, given):
-        words = given.split()
+    def _axes(self, name):
+        words = name.split()
         custom = len(words) > 1 and words[0].lower() in ("custom", "awb")
-        lower = (words[1] if custom else given).lower()
+        lower = (words[1] if custom else name).lower()
         if custom and lower != "vvlh":
             raise AttitudeError(
-                f"CoordinateAxes is {given[:40]!r}, axes that a scenario of STK defines; give "
+                f"CoordinateAxes is {name[:40]!r}, axes that a scenario of STK defines; give "
                 "what they are with frame=."
             )
         if lower == "lvlh":
@@ -369,8 +368,8 @@ class Header:
         kind = motions_axes.OF_EPOCH.get(motions_axes.normal(lower))
         if kind is not None:
             epoch = instant(self.keywords.get("CoordinateAxesEpoch", ""), "CoordinateAxesEpoch")
-            return motions_axes.Axes(given, kind, at=epoch)
-        return motions_axes.named(_AXES.get(lower, lower if custom else given), "CoordinateAxes")
+            return motions_axes.Axes(name, kind, at=epoch)
+        return motions_axes.named(_AXES.get(lower, lower if custom else name), "CoordinateAxes")
 
     def _read_keywords(self):
         """The name of the section; sets `keywords`."""
@@ -380,11 +379,11 @@ class Header:
             if not text or text.startswith("#"):
                 continue
             keyword, value = (*text.split(None, 1), "")[:2]
-            found = _BY_LOWER.get(keyword.lower())
-            if found in REFUSED:
-                raise lines.fault(f"the section {found} is not read: {REFUSED[found]}.")
-            if found is not None and not value:
-                return found
+            known = _BY_LOWER.get(keyword.lower())
+            if known in REFUSED:
+                raise lines.fault(f"the section {known} is not read: {REFUSED[known]}.")
+            if known is not None and not value:
+                return known
             name = _KEYWORD_BY_LOWER.get(keyword.lower())
             if name is None:
                 raise lines.fault(
@@ -412,13 +411,13 @@ class Header:
                 "InterpolationOrder",
                 f"InterpolationOrder is {degree}; it must be 0 to {most}.",
             )
-        given = self.keywords.get("InterpolationMethod", "Lagrange")
-        if given.lower() not in ("lagrange", "hermite"):
+        method = self.keywords.get("InterpolationMethod", "Lagrange")
+        if method.lower() not in ("lagrange", "hermite"):
             raise self.fault(
                 "InterpolationMethod",
-                f"InterpolationMethod is {given[:40]!r}; give Lagrange or Hermite.",
+                f"InterpolationMethod is {method[:40]!r}; give Lagrange or Hermite.",
             )
-        if given.lower() == "hermite" and degree > 1:
+        if method.lower() == "hermite" and degree > 1:
             return "hermite", degree
         return ("slerp", 1) if degree < 2 else ("lagrange", degree)
 
@@ -428,7 +427,7 @@ class Header:
         form = section.form.partition(" ")[0]
         if form not in USUAL:
             return Decoder(section, None)
-        given, initial = self.keywords.get("Sequence", USUAL[form]), None
+        sequence, initial = self.keywords.get("Sequence", USUAL[form]), None
         try:
             if section.initial is not None:
                 keyword = section.initial
@@ -438,25 +437,25 @@ class Header:
                         f"it is {' '.join(words)[:40]!r}; the section has rates alone and needs a "
                         "sequence and three angles in deg."
                     )
-                given, initial = words[0], [float(word) for word in words[1:]]
+                sequence, initial = words[0], [float(word) for word in words[1:]]
                 if not np.all(np.isfinite(initial)):
                     raise AttitudeError("an angle is not finite.")
             if form == "ypr":
-                given = given.upper().translate(str.maketrans("RPY", "XYZ"))
-            return Decoder(section, quaternion.known_sequence(given), initial)
+                sequence = sequence.upper().translate(str.maketrans("RPY", "XYZ"))
+            return Decoder(section, quaternion.known_sequence(sequence), initial)
         except AttitudeError as err:
             raise self.fault(keyword, f"{keyword}: {err}") from err
 
 
 def _read_banner(lines):
-    found = None
+    banner = None
     for line in lines:
         text = lines.text(line).strip()
         if not text or text.startswith("#"):
             continue
-        if found is None:
-            found = re.fullmatch(r"stk\.v\.\d+\.\d+(\.\d+)?", text, re.ASCII | re.IGNORECASE)
-            if found is None:
+        if banner is None:
+            banner = re.fullmatch(r"stk\.v\.\d+\.\d+(\.\d+)?", text, re.ASCII | re.IGNORECASE)
+            if banner is None:
                 raise lines.fault(f"it begins with {text[:40]!r}; an STK file begins with stk.v.")
         elif re.fullmatch(r"BEGIN\s+Attitude", text, re.IGNORECASE):
             return
@@ -475,7 +474,6 @@ _NAMES = {
     **{"icrf": "ICRF", "eme2000": "J2000", "itrf": "Fixed", "teme": "TEMEOfDate", "lvlh": "VVLH"},
     **{"tod": "TrueOfDate", "mod": "MeanOfDate", "b1950": "B1950"},
 }
-_BATCH = 16384
 
 
 def read(
@@ -488,52 +486,28 @@ def read(
     """An STK attitude file as an AttitudeTable; see `aem.read` for parameters and errors."""
     known_tolerance(tolerance)
     with opened(path) as lines:
-        return _StkReader(lines).table(tolerance, frame, orbit)
-
-
-class _StkReader:
-    """Reads the records behind the keywords of a file."""
-
-    def __init__(self, lines):
-        self._lines = lines
-        self._header = Header(lines)
-        self._section = self._header.section
-        self._decoder = self._header.decoder
-        self._start = self._origin = None
-        # Words of a row before its numbers.
-        self._lead = DATES.get(self._header.time_format, 1)
-
-    def table(self, tolerance, frame, orbit):
-        lines, header, section = self._lines, self._header, self._section
-        found = header.axes(frame)
-        if self._header.time_format in UNITS:
-            self._start = header.start()
-        scale = "utc" if self._start is None else "tai"
-        rows = Rows(scale, section.width)
-        if section.form == "vector":
-            motions_axes.known_path(orbit, "the direction to the center")
-        self._vectors = found, orbit
-        ended = self._read_rows(rows)
-        if header.count is not None and rows.count != header.count:
+        header = Header(lines)
+        records = _Records(lines, header, frame, orbit)
+        has_ended = records.read(lines)
+        if header.count is not None and records.count != header.count:
             raise lines.fault(
-                f"the file has {rows.count} records, but NumberOfAttitudePoints is {header.count}"
-                + ("." if ended else "; is it cut off?"),
+                f"the file has {records.count} records, but NumberOfAttitudePoints is "
+                f"{header.count}" + ("." if has_ended else "; is it cut off?"),
             )
-        if not rows.count:
+        if not records.count:
             raise lines.fault("the file has no attitudes.")
-        how = Convention(scalar_first=section.scalar_first, sequence=self._decoder.sequence)
+        how = Convention(scalar_first=header.section.scalar_first, sequence=header.decoder.sequence)
         meta = {
             "format": "STK",
             "keywords": dict(header.keywords),
-            "frame": found.name,
+            "frame": records.axes.name,
             "center": header.keywords.get("CentralBody"),
         }
         try:
-            return rows.table(
-                section.kind,
+            return records.table(
+                header.section.kind,
                 how,
-                found,
-                lines.fault,
+                records.axes,
                 tolerance=tolerance,
                 orbit=orbit,
                 method=header.method,
@@ -545,87 +519,79 @@ class _StkReader:
                 raise
             raise lines.fault(str(err)) from err
 
-    def _read_rows(self, rows):
-        """Add the records up to END Attitude; False if the file ends before it."""
-        lines, tokens, places = self._lines, [], []
-        width = self._section.width + self._lead
+
+class _Records(Rows):
+    """The records behind the keywords of a file; axes are those of the file."""
+
+    def __init__(self, lines, header, frame, orbit):
+        lead, width = DATES.get(header.time_format, 1), header.section.width
+        super().__init__("utc", lines.fault, ("",) * width, lead)
+        words = f" of {lead} words" if lead > 1 else ""
+        self.holds = f"a record has a time{words} and {width} numbers"
+        self.axes = header.axes(frame)
+        self._start = header.start() if header.time_format in UNITS else None
+        self._header, self._orbit, self._origin = header, orbit, None
+        if header.section.form == "vector":
+            motions_axes.known_path(orbit, "the direction to the center")
+
+    def read(self, lines):
+        """Take the records up to END Attitude; False if the file ends before it."""
         for line in lines:
-            parts = line.replace(b'"', b"").split()
-            if len(parts) == width and not line.lstrip().startswith(b"#"):
-                tokens.extend(parts)
-                places.append(lines.number)
-                if len(places) == _BATCH:
-                    self._take(rows, tokens, places)
-                    tokens, places = [], []
-            elif [part.lower() for part in parts] == [b"end", b"attitude"]:
-                self._take(rows, tokens, places)
-                self._refuse_more()
+            tokens = line.replace(b'"', b"").split()
+            if not tokens or tokens[0].startswith(b"#"):
+                continue
+            if len(tokens) != self.step and [word.lower() for word in tokens] == _END:
+                self.convert()
+                for more in lines:
+                    if more.strip() and not more.strip().startswith(b"#"):
+                        raise lines.fault("there is more after END Attitude.")
                 return True
-            elif parts and not parts[0].startswith(b"#"):
-                raise lines.fault(
-                    f"it has {len(parts)} entries; a record has a time"
-                    f"{f' of {self._lead} words' if self._lead > 1 else ''} and "
-                    f"{self._section.width} numbers."
-                )
-        self._take(rows, tokens, places)
+            self.take(self.known(tokens, lines.number), lines.number)
+        self.convert()
         return False
 
-    def _refuse_more(self):
-        for line in self._lines:
-            if line.strip() and not line.strip().startswith(b"#"):
-                raise self._lines.fault("there is more after END Attitude.")
-
-    def _take(self, rows, tokens, places):
-        if not tokens:
-            return
-        lead, step = self._lead, self._section.width + self._lead
-        try:
-            values = numbers(tokens, step, range(lead, step))
-        except NoNumber as err:
-            raise self._lines.fault(f"{err.shown} is no number.", places[err.line]) from err
-        if not np.all(np.isfinite(values)):
-            k = int(np.argmin(np.isfinite(values).all(axis=1)))
-            raise self._lines.fault("it holds a number that is not finite.", places[k])
-        hi, lo = self._epochs(tokens, step, places)
+    def add(self, leads, values, lines):
+        """Add N records, of which the first ones have the lines."""
+        finite = np.isfinite(values).all(axis=1)
+        if not np.all(finite):
+            raise self.fault("it holds a number that is not finite.", lines[int(np.argmin(finite))])
+        hi, lo = self._epochs(leads, lines)
         try:
             with np.errstate(over="ignore", invalid="ignore"):
                 if self._origin is None:
                     self._origin = hi[0], lo[0]
                 seconds = (hi - self._origin[0]) + (lo - self._origin[1])
-                values = self._decoder.columns(seconds, values)
-                if self._section.form == "vector":
-                    found, orbit = self._vectors
-                    values = pointed(values, found, Instant(0.0), hi, lo, orbit)
+                values = self._header.decoder.columns(seconds, values)
+                if self._header.section.form == "vector":
+                    values = pointed(values, self.axes, Instant(0.0), hi, lo, self._orbit)
         except AttitudeError as err:
-            raise self._lines.fault(f"in the records from here on, {err}", places[0]) from err
-        rows.add_times(hi, lo, values, places, self._lines.fault)
+            raise self.fault(f"in the records from here on, {err}", lines[0]) from err
+        self.add_times(hi, lo, values, lines)
 
-    def _epochs(self, tokens, step, places):
+    def _epochs(self, leads, lines):
         """TDB seconds since J2000, hi and lo, of some rows."""
-        lines = self._lines
         if self._start is None:
-            words = [word for k in range(self._lead) for word in tokens[k::step]]
-            count = len(places)
-            rows = [word for k in range(count) for word in words[k::count]]
-            codes = of_rows(rows, self._lead)
+            codes = of_rows(leads)
             try:
                 return ccsds_epochs.parsed(codes, "utc")
             except ccsds_epochs.BadEpoch as err:
                 shown = codes[err.index][:40].decode("ascii", "replace")
-                raise lines.fault(
-                    f"the time {shown!r} cannot be read: {err.reason}.", places[err.index]
+                raise self.fault(
+                    f"the time {shown!r} cannot be read: {err.reason}.", lines[err.index]
                 ) from err
         try:
-            seconds = numbers(tokens, step, range(1))[:, 0]
+            seconds = numbers(leads[0], 1, [0])[:, 0]
         except NoNumber as err:
-            raise lines.fault(f"{err.shown} is no number.", places[err.line]) from err
+            raise self.fault(f"{err.shown} is no number.", lines[err.line]) from err
         if not np.all(np.isfinite(seconds)):
-            k = int(np.argmin(np.isfinite(seconds)))
-            raise lines.fault("its time is not finite.", places[k])
+            raise self.fault("its time is not finite.", lines[int(np.argmin(np.isfinite(seconds)))])
         unit = UNITS[self._header.time_format]
         pair = (seconds, 0.0) if unit == 1.0 else pairs.product(seconds, unit)
         tai = pairs.add((np.float64(self._start[0]), np.float64(self._start[1])), *pair)
         return _time_scales.tdb_from("tai", *tai)
+
+
+_END = [b"end", b"attitude"]
 
 
 # ---- Writing
@@ -687,30 +653,30 @@ def write(
     section = section or ("AttitudeTimeQuatAngVels" if has_rates else "AttitudeTimeQuaternions")
     if section not in WRITTEN:
         raise AttitudeError(f"section is {section!r}; it must be one of {', '.join(WRITTEN)}.")
-    found = named(frame)
+    axes = named(frame)
     sequence = quaternion.known_sequence(sequence).upper()
     if order is not None and not (isinstance(order, int) and 1 <= order <= _table.MOST_DEGREE):
         raise AttitudeError(
             f"order is {order!r}; give a whole number from 1 to {_table.MOST_DEGREE}."
         )
-    head = {"CentralBody": center, "CoordinateAxes": _name_in_stk(found, frame)}
+    head = {"CentralBody": center, "CoordinateAxes": _name_in_stk(axes, frame)}
     if SECTIONS[section].kind == "EULER_ANGLE":
         head["Sequence"] = sequence.translate(str.maketrans("XYZ", "123"))
     how = Convention(scalar_first=SECTIONS[section].scalar_first, sequence=sequence)
-    settings = (section, found, how, head)
+    settings = (section, axes, how, head)
     if tolerance is None:
         _sampling.refuse_span(start, stop)
         parts = _sampling.segments(source, t) if split else []
         if len(parts) < 2:
             parts = [_sampling.only_segment(source, t, "an STK file")]
-        for name, part in zip(_names(path, len(parts)), parts, strict=True):
-            _write(name, part, *settings, order, orbit)
+        for name, records in zip(_names(path, len(parts)), parts, strict=True):
+            _write(name, records, *settings, order, orbit)
         return None
     _sampling.refuse_epochs(t)
     motion = _sampling.one_motion(source)
     degree = order or (motion.degree if isinstance(motion, AttitudeTable) else _table.USUAL_DEGREE)
     count = _sampling.count_of_stretches(motion, start, stop) if split else 1
-    made = [
+    files = [
         _sampling.write(
             *(name, motion, start, stop, tolerance),
             method="slerp" if degree == 1 else "lagrange",
@@ -724,10 +690,10 @@ def write(
         for k, name in enumerate(_names(path, count))
     ]
     return _sampling.SampledFile(
-        sum(each.records for each in made),
-        sum(each.segments for each in made),
-        max(each.step for each in made),
-        max(each.error for each in made),
+        sum(file.records for file in files),
+        sum(file.segments for file in files),
+        max(file.step for file in files),
+        max(file.error for file in files),
     )
 
 
@@ -739,14 +705,14 @@ def _names(path, count):
     return [f"{stem}-{k + 1}{ending}" for k in range(count)]
 
 
-def _write(path, part, section, found, how, head, order, orbit):
+def _write(path, records, section, axes, how, head, order, orbit):
     """Write one segment; `head` are the keywords that do not depend on its records."""
-    start, shift = _whole_second(part)
+    start, shift = _whole_second(records)
     if order is None:
-        order = part.table.degree if part.table is not None else _table.USUAL_DEGREE
-        order = max(min(order, len(part) - 1), 1)
+        order = records.table.degree if records.table is not None else _table.USUAL_DEGREE
+        order = max(min(order, len(records) - 1), 1)
     numbers_of = {
-        "NumberOfAttitudePoints": len(part),
+        "NumberOfAttitudePoints": len(records),
         "BlockingFactor": 20,
         "InterpolationOrder": order,
     }
@@ -755,31 +721,28 @@ def _write(path, part, section, found, how, head, order, orbit):
         for key, value in (*numbers_of.items(), ("ScenarioEpoch", start), *head.items()):
             file.write(f"{key} {value}\n")
         file.write(f"\n{section}\n\n")
-        for history in part.pieces():
-            columns = columns_of(history, SECTIONS[section].kind, how, found, orbit)
+        for history in records.pieces():
+            columns = columns_of(history, SECTIONS[section].kind, how, axes, orbit)
             seconds = shift(history)
             row = "%r" + " %r" * columns.shape[1] + "\n"
             lists = [seconds.tolist(), *columns.T.tolist()]
-            file.write("".join([row % each for each in zip(*lists, strict=True)]))
+            file.write("".join([row % record for record in zip(*lists, strict=True)]))
         file.write("\nEND Attitude\n")
 
 
-def _name_in_stk(found, given):
-    if found.kind not in _NAMES:
+def _name_in_stk(axes, name):
+    if axes.kind not in _NAMES:
         raise AttitudeError(
-            f"frame is {given!r}, which STK attitude files do not know; give one of "
+            f"frame is {name!r}, which STK attitude files do not know; give one of "
             f"{', '.join(_NAMES.values())}."
         )
-    return _NAMES[found.kind]
+    return _NAMES[axes.kind]
 
 
-def _whole_second(part):
-    """ScenarioEpoch as text, and a function: history -> seconds of TAI since ScenarioEpoch.
-
-    ScenarioEpoch is the whole second of UTC at or before the first record.
-    """
-    seconds, low = part.first_and_last()
-    hi, lo = pairs.add((seconds[0], low[0]), part.epoch.seconds, part.epoch.low)
+def _whole_second(records):
+    """ScenarioEpoch (a whole second) as text, and a function: history -> seconds of TAI since."""
+    seconds, low = records.first_and_last()
+    hi, lo = pairs.add((seconds[0], low[0]), records.epoch.seconds, records.epoch.low)
     text = ccsds_epochs.texts(Instant(0.0), np.array([hi]), np.array([lo]), "utc", 12)[0]
     text = text.partition(".")[0]
     whole = ccsds_epochs.instant(text, "utc")
@@ -788,8 +751,8 @@ def _whole_second(part):
     shown = f"{date.day} {MONTHS[date.month - 1][:3]} {date.year:04d} {text[11:]}.000000000"
 
     def shift(history):
-        rest = 0.0 if history.low is None else history.low
-        epochs = pairs.add((history.seconds, rest), history.epoch.seconds, history.epoch.low)
+        history_low = 0.0 if history.low is None else history.low
+        epochs = pairs.add((history.seconds, history_low), history.epoch.seconds, history.epoch.low)
         tai = pairs.add(_time_scales.tt_from_tdb(*epochs), -_time_scales.TT_MINUS_TAI)
         hi, lo = pairs.add(tai, -tai0[0], -tai0[1])
         return hi + lo

@@ -25,7 +25,7 @@ import numpy as np
 from attitude._support import pairs, validation
 from attitude._support.quoting import quoted
 from attitude._textfiles.atomic_write import written_whole
-from attitude._textfiles.lines import NoNumber, numbers, opened, whole
+from attitude._textfiles.lines import opened, whole
 from attitude.epochs import _inputs, _instants, _time_scales
 from attitude.errors import AttitudeError
 from attitude.formats import _ccsds_epochs as ccsds_epochs
@@ -121,8 +121,6 @@ def text(dates: Iterable[str], *columns: Iterable[float]) -> str:
 # ---- CSV files of attitudes
 # The first line names the columns, in any order; readers skip unknown ones.
 
-_BATCH = 16384
-
 
 def write_csv(path: FilePath, part: Records, *, rates: bool, sigma: bool = False) -> None:
     """Write one segment piece by piece."""
@@ -145,30 +143,30 @@ def read_csv(path: FilePath, *, tolerance: float) -> AttitudeTable:
         names = _names(lines)
         kind = "QUATERNION/ANGVEL" if RATES[0] in names else "QUATERNION"
         columns = [*ATTITUDE, *(RATES if kind.endswith("ANGVEL") else ())]
-        places = [names.index(name) for name in columns]
-        where = names.index("utc")
-        rows = Rows("utc", len(columns))
-        batch: list[bytes] = []
-        at: list[int] = []
+        rows = _CsvRows("utc", lines.fault, columns)
+        rows.arrange([names.index(name) for name in ("utc", *columns)], len(names))
         for line in lines:
             if not line.strip():
                 continue
-            parts = line.split(b",")
-            if len(parts) != len(names):
+            entries = line.split(b",")
+            if len(entries) != len(names):
                 raise lines.fault(
-                    f"it has {len(parts)} columns; the first line names {len(names)}."
+                    f"it has {len(entries)} columns; the first line names {len(names)}."
                 )
-            batch.extend(parts)
-            at.append(lines.number)
-            if len(at) == _BATCH:
-                _take(rows, batch, at, where, places, columns, lines)
-                batch, at = [], []
-        _take(rows, batch, at, where, places, columns, lines)
+            rows.take(entries, lines.number)
+        rows.convert()
         if not rows.count:
             raise lines.fault("the file has no rows.")
         how = Convention(scalar_first=True, in_radians=True)
         meta = {"format": "CSV"}
-        return rows.table(kind, how, named("ICRF"), lines.fault, tolerance=tolerance, meta=meta)
+        return rows.table(kind, how, named("ICRF"), tolerance=tolerance, meta=meta)
+
+
+class _CsvRows(Rows):
+    """Rows whose epochs may stand between blanks."""
+
+    def _parsed(self, tokens):
+        return super()._parsed([token.strip() for token in tokens])
 
 
 def _names(lines):
@@ -185,19 +183,6 @@ def _names(lines):
                 )
             return names
     raise lines.fault("the file is empty.")
-
-
-def _take(rows, batch, at, where, places, columns, lines):
-    if not at:
-        return
-    step = len(batch) // len(at)
-    try:
-        values = numbers(batch, step, places)
-    except NoNumber as err:
-        raise lines.fault(
-            f"{columns[err.column]} is {err.shown}, which is no number.", at[err.line]
-        ) from err
-    rows.add([token.strip() for token in batch[where::step]], values, at, lines.fault)
 
 
 # ---- Parquet files of attitudes, by pyarrow

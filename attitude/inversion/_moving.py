@@ -219,7 +219,7 @@ def moving_point(
         )
     if arcs is None and isinstance(start, Arcs):
         arcs = start.changes
-    if torques is None and isinstance(start, TorquedRotation):
+    if torques is None and isinstance(start, (Arcs, TorquedRotation)):
         torques = start.torques
     impulses, loads = _listed(arcs, Impulse, "arcs"), _listed(torques, Torque, "torques")
     if impulses and loads:

@@ -26,6 +26,7 @@ from attitude.inversion import (
 from attitude.inversion._problem import CALIBRATED, usable
 from attitude.inversion._settings import DEFAULT, Settings, Tally
 from attitude.inversion._solution import Solution, SpinStates
+from attitude.photometry._samples import is_plain, warn_of_plain
 from attitude.shape._mesh import Mesh
 
 if TYPE_CHECKING:
@@ -244,20 +245,24 @@ def _checked_turns(curve, max_frequency, settings, is_limited, parts):
         raise AttitudeError("max_frequency is missing; give the largest frequency of rotation.")
     most = validation.positive(max_frequency, "max_frequency", unit="1/s")
     turns, limit = most * curve.span, settings.most_turns
+    plain = ""
+    if is_plain(max_frequency):
+        plain = f' of {most:g}, which without a unit is in Hz (with one: "{most:g} /d")'
     if turns < 2.0:
         raise AttitudeError(
-            f"the light curve spans {turns:.2g} turns at max_frequency; give a larger one, at "
-            f"least {2.0 / curve.span:.3g} Hz, or a longer curve."
+            f"the light curve spans {turns:.2g} turns at max_frequency{plain}; give a larger one, "
+            f"at least {2.0 / curve.span:.3g} Hz, or a longer curve."
         )
     if turns > limit and len(parts) > 1:
         turns = most * max(part.span for part in parts)
     if turns > limit and is_limited:
         one = "an apparition" if len(parts) > 1 else "the light curve"
         raise AttitudeError(
-            f"{one} spans {turns:.0f} turns at max_frequency; at most {limit:.0f} "
+            f"{one} spans {turns:.0f} turns at max_frequency{plain}; at most {limit:.0f} "
             f"are searched for tumbling. Give at most {limit / turns * most * _DAY:.3g} /d, a part "
             'of the curve, or modes=("PA",) for rotation about one axis.'
         )
+    warn_of_plain(max_frequency, "max_frequency", curve.seconds, "Hz")
     return most
 
 

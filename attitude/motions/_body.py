@@ -183,7 +183,8 @@ class Body(Valued):
         Parameters
         ----------
         axes : (3,) array_like
-            Semi-axes along body x, y, z: m, or any unit without a mass.
+            Semi-axes along body x, y, z: m, a Quantity, or text such as "380, 240, 180 m"; plain
+            numbers in any unit without a mass.
         mass : float, optional
             kg.  Without it the moments are relative.
 
@@ -192,7 +193,7 @@ class Body(Valued):
         AttitudeError
             For another shape, and a semi-axis or mass that is not above zero.
         """
-        axes = validation.real(axes, "axes", shape=(3,), unit=None if mass is None else "m")
+        axes = validation.real(axes, "axes", shape=(3,), unit="m")
         if np.any(axes <= 0.0):
             raise AttitudeError(f"axes are {axes.tolist()}; semi-axes must be greater than zero.")
         kilograms = 1.0 if mass is None else validation.positive(mass, "mass", unit="kg")

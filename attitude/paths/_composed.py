@@ -29,7 +29,7 @@ class Composed(Path):
     @property
     def source(self) -> str:  # type: ignore[override]  # computed
         """The sources of the parts, separated by commas."""
-        return ", ".join(dict.fromkeys(part.source for part in self.plus + self.minus))
+        return ", ".join(dict.fromkeys(path.source for path in self.plus + self.minus))
 
     @property
     def span(self) -> tuple[Instant, Instant] | None:  # type: ignore[override]  # computed
@@ -39,27 +39,27 @@ class Composed(Path):
     @property
     def roughness(self) -> float:  # type: ignore[override]  # computed
         """Sum of the roughness of the parts, m; see `Path`."""
-        return sum(part.roughness for part in self.plus + self.minus)
+        return sum(path.roughness for path in self.plus + self.minus)
 
     @property
     def is_slow(self) -> bool:  # type: ignore[override]  # computed
         """Whether a part is; see `Path`."""
-        return any(part.is_slow for part in self.plus + self.minus)
+        return any(path.is_slow for path in self.plus + self.minus)
 
     def _position(self, instant, hi, lo):
         total = np.zeros((3, hi.size))
-        for part in self.plus:
-            total += part._position(instant, hi, lo)
-        for part in self.minus:
-            total -= part._position(instant, hi, lo)
+        for path in self.plus:
+            total += path._position(instant, hi, lo)
+        for path in self.minus:
+            total -= path._position(instant, hi, lo)
         return total
 
     def _state(self, instant, hi, lo):
         total = np.zeros((2, 3, hi.size))
-        for part in self.plus:
-            total += part._state(instant, hi, lo)
-        for part in self.minus:
-            total -= part._state(instant, hi, lo)
+        for path in self.plus:
+            total += path._state(instant, hi, lo)
+        for path in self.minus:
+            total -= path._state(instant, hi, lo)
         return total[0], total[1]
 
 
@@ -222,22 +222,22 @@ class _Chain:
         self.places = [self.start]
         self.parts = []
 
-    def _place(self, given):
+    def _place(self, center):
         """The name of a body, or a path; an ephemeris of a `NamedBody` replaces the chain's."""
-        if isinstance(given, NamedBody):
-            self.ephemeris = self.ephemeris if given.ephemeris is None else given.ephemeris
-            return given.name
-        return given if isinstance(given, Path) else body_name(given)
+        if isinstance(center, NamedBody):
+            self.ephemeris = self.ephemeris if center.ephemeris is None else center.ephemeris
+            return center.name
+        return center if isinstance(center, Path) else body_name(center)
 
     def extend(self):
         """Add the next step, or the parts of a sum; False if the chain ends at the barycentre."""
-        here = self.places[-1]
-        if here == SSB:
+        last = self.places[-1]
+        if last == SSB:
             return False
-        if isinstance(here, Composed):
-            steps = self._opened(here)
+        if isinstance(last, Composed):
+            steps = self._opened(last)
         else:
-            steps = [here if isinstance(here, Path) else self._ephemeris().step(here)]
+            steps = [last if isinstance(last, Path) else self._ephemeris().step(last)]
         for step in steps:
             center = self._place(step.center)
             if center in self.places:
@@ -266,7 +266,7 @@ class _Chain:
     def meeting(self, other):
         """The count of steps of each chain to the first place that both contain, or None."""
         for other_count, place in enumerate(other.places):
-            for count, each in enumerate(self.places):
-                if each is place or (isinstance(each, str) and each == place):
+            for count, center in enumerate(self.places):
+                if center is place or (isinstance(center, str) and center == place):
                     return count, other_count
         return None

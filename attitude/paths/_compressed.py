@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, NoReturn, Protocol, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.polynomial import chebyshev as polynomials
@@ -31,170 +31,111 @@ if TYPE_CHECKING:
 # ---- Chebyshev pieces of a vector of three that paths hold: their spans in time and their records
 
 
-@dataclass(frozen=True, eq=False)
-class EqualPieces(Immutable):
-    """Pieces of one width.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Pieces(Immutable):
+    """Chebyshev polynomials of a vector on pieces of time; kinds place the pieces differently.
 
     start: start of the first piece.
-    width: length of a piece, s.
+    widths: (pieces,), or (1,) if they are equal, lengths of the pieces, s.
     records: (pieces, skip + 3 count), a row for each piece; see `attitude._solver.chebyshev`.
     skip, count: numbers of a row before the coefficients, and coefficients of one component.
     factor: factor of the values.
-    least, most: range of the epochs, in seconds after start.
     """
 
     start: Instant
-    width: float
+    widths: FloatArray
     records: FloatArray
-    skip: int
     count: int
-    factor: float
+    skip: int = 0
+    factor: float = 1.0
+
+    def __post_init__(self) -> None:
+        for array in vars(self).values():
+            if isinstance(array, np.ndarray):
+                frozen(array)
+
+    def _fill(self, hi, lo, base_hi, base_lo, piece, x):
+        """Fill piece and x; -1, or the index of an epoch outside of all pieces."""
+        raise NotImplementedError(f"{type(self).__name__} defines no _fill")
+
+    def place(
+        self, path: Path, instant: Instant, hi: FloatArray, lo: FloatArray
+    ) -> tuple[IntArray, FloatArray]:
+        """Numbers of the pieces (N,), coordinates -1 to 1 in them (N,) of epochs of a path."""
+        piece, x = np.empty(hi.size, dtype=np.int64), np.empty(hi.size)
+        base_hi, base_lo = since(instant, self.start)
+        outside = self._fill(read_only(hi), read_only(lo), base_hi, base_lo, piece, x)
+        if outside >= 0:
+            path.refuse_outside(instant, hi[outside])
+        return piece, x
+
+    def values(self, piece: IntArray, x: FloatArray, skip: int | None = None) -> FloatArray:
+        """The vectors (3, N) at coordinates x (N,) in pieces (N,), with another `skip`."""
+        out = np.empty((3, piece.size))
+        skip = self.skip if skip is None else skip
+        chebyshev.values(self.records, skip, self.count, piece, x, self.factor, out)
+        return out
+
+    def values_and_rates(self, piece: IntArray, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """The vectors and their derivatives by time in s, each (3, N); see `values`."""
+        out, rate = np.empty((3, piece.size)), np.empty((3, piece.size))
+        chebyshev.values_and_rates(
+            self.records, self.skip, self.count, piece, x, self.widths, self.factor, out, rate
+        )
+        return out, rate
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class EqualPieces(Pieces):
+    """Pieces of one width; epochs are from `least` to `most` seconds after start."""
+
     least: float
     most: float
 
-    def place(
-        self, instant: Instant, hi: FloatArray, lo: FloatArray
-    ) -> tuple[IntArray, FloatArray, int]:
-        """Numbers of the pieces (N,), coordinates -1 to 1 in them (N,) at instant + hi + lo; epoch
-        outside or -1.
-        """
-        from attitude._solver import chebyshev
-
-        piece, x = np.empty(hi.size, dtype=np.int64), np.empty(hi.size)
-        base = since(instant, self.start)
-        bounds = self.least, self.most, self.width, len(self.records)
-        at = read_only(hi), read_only(lo)
-        return piece, x, chebyshev.place_equal(*at, *base, *bounds, piece, x)
-
     @property
-    def widths(self) -> FloatArray:
-        """The one length of all pieces (1,), s."""
-        return read_only(np.array([self.width]))
+    def width(self) -> float:
+        """The length of a piece, s."""
+        return float(self.widths[0])
+
+    def _fill(self, hi, lo, base_hi, base_lo, piece, x):
+        count, least, most = len(self.records), self.least, self.most
+        return chebyshev.place_equal(
+            hi, lo, base_hi, base_lo, least, most, self.width, count, piece, x
+        )
 
 
-@dataclass(frozen=True, eq=False)
-class CellPieces(Immutable):
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CellPieces(Pieces):
     """Pieces that each fill one or more equal cells: short where the motion is quick.
 
     width: length of a cell, s.
     cells: (cells,) int32, number of the piece that fills each cell.
-    starts, widths: (pieces,) arrays, starts of the pieces in seconds after start, and their lengths
-        in s.
+    starts: (pieces,), starts of the pieces in seconds after start.
     most: end of the range of the epochs, in seconds after start.
-    start, records, count, skip, factor: see `EqualPieces`.
     """
 
-    start: Instant
     width: float
     cells: NDArray[np.int32]
     starts: FloatArray
-    widths: FloatArray
-    records: FloatArray
-    count: int
     most: float
-    skip: int = 0
-    factor: float = 1.0
 
-    def __post_init__(self) -> None:
-        for array in (self.cells, self.starts, self.widths, self.records):
-            frozen(array)
-
-    def place(
-        self, instant: Instant, hi: FloatArray, lo: FloatArray
-    ) -> tuple[IntArray, FloatArray, int]:
-        """See `EqualPieces.place`."""
-        from attitude._solver import chebyshev
-
-        piece, x = np.empty(hi.size, dtype=np.int64), np.empty(hi.size)
-        bounds = 0.0, self.most, self.width, self.cells, self.starts, self.widths
-        base = since(instant, self.start)
-        at = read_only(hi), read_only(lo)
-        return piece, x, chebyshev.place_cells(*at, *base, *bounds, piece, x)
+    def _fill(self, hi, lo, base_hi, base_lo, piece, x):
+        cells, starts, widths, most = self.cells, self.starts, self.widths, self.most
+        return chebyshev.place_cells(
+            hi, lo, base_hi, base_lo, 0.0, most, self.width, cells, starts, widths, piece, x
+        )
 
 
-@dataclass(frozen=True, eq=False)
-class KnotPieces(Immutable):
-    """Pieces between knots: the epochs of the rows of a table.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class KnotPieces(Pieces):
+    """Pieces between knots (pieces + 1,), seconds after start in two doubles: rows of a table."""
 
-    knots, knots_low: (pieces + 1,) arrays, ends of the pieces in seconds after start, in two
-        doubles.
-    start, records, count, skip, factor: see `EqualPieces`.
-    """
-
-    start: Instant
     knots: FloatArray
     knots_low: FloatArray
-    records: FloatArray
-    count: int
-    skip: int = 0
-    factor: float = 1.0
 
-    def __post_init__(self) -> None:
-        for array in (self.knots, self.knots_low, self.records):
-            frozen(array)
-
-    def place(
-        self, instant: Instant, hi: FloatArray, lo: FloatArray
-    ) -> tuple[IntArray, FloatArray, int]:
-        """See `EqualPieces.place`."""
-        from attitude._solver import chebyshev
-
-        piece, x = np.empty(hi.size, dtype=np.int64), np.empty(hi.size)
-        base = since(instant, self.start)
-        knots = self.knots, self.knots_low
-        at = read_only(hi), read_only(lo)
-        return piece, x, chebyshev.place_knots(*at, *base, *knots, piece, x)
-
-    @property
-    def widths(self) -> FloatArray:
-        """Lengths of the pieces (pieces,), s."""
-        return read_only(np.diff(self.knots) + np.diff(self.knots_low))
-
-
-Pieces: TypeAlias = EqualPieces | CellPieces | KnotPieces
-
-
-class PiecewisePath(Protocol):
-    """A path that holds pieces."""
-
-    @property
-    def pieces(self) -> Pieces:
-        """The pieces of the positions."""
-
-    def refuse_outside(self, instant: Instant, seconds: float) -> NoReturn:
-        """Raise the AttitudeError for an epoch outside of the span."""
-
-
-def placed(
-    path: PiecewisePath, instant: Instant, hi: FloatArray, lo: FloatArray
-) -> tuple[IntArray, FloatArray]:
-    """Numbers of the pieces (N,) of a path, and coordinates in them (N,), of epochs."""
-    piece, x, outside = path.pieces.place(instant, hi, lo)
-    if outside >= 0:
-        path.refuse_outside(instant, hi[outside])
-    return piece, x
-
-
-def values(pieces: Pieces, piece: IntArray, x: FloatArray, skip: int | None = None) -> FloatArray:
-    """The vectors (3, N) at coordinates x (N,) in pieces (N,), with another `skip`."""
-    from attitude._solver import chebyshev
-
-    out = np.empty((3, piece.size))
-    skip = pieces.skip if skip is None else skip
-    chebyshev.values(pieces.records, skip, pieces.count, piece, x, pieces.factor, out)
-    return out
-
-
-def values_and_rates(
-    pieces: Pieces, piece: IntArray, x: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """The vectors and their derivatives by time in s, each (3, N); see `values`."""
-    from attitude._solver import chebyshev
-
-    out, rate = np.empty((3, piece.size)), np.empty((3, piece.size))
-    given = pieces.records, pieces.skip, pieces.count, piece, x, pieces.widths, pieces.factor
-    chebyshev.values_and_rates(*given, out, rate)
-    return out, rate
+    def _fill(self, hi, lo, base_hi, base_lo, piece, x):
+        knots, low = self.knots, self.knots_low
+        return chebyshev.place_knots(hi, lo, base_hi, base_lo, knots, low, piece, x)
 
 
 # Degree 15: the fewest numbers, within 20 %, for orbits of 1e7 to 1e11 m at a tolerance of 1e-3 m;
@@ -250,10 +191,10 @@ class Compressed(Path):
         return frozen(rows.reshape(-1))
 
     def _position(self, instant, hi, lo):
-        return values(self.pieces, *placed(self, instant, hi, lo))
+        return self.pieces.values(*self.pieces.place(self, instant, hi, lo))
 
     def _state(self, instant, hi, lo):
-        return values_and_rates(self.pieces, *placed(self, instant, hi, lo))
+        return self.pieces.values_and_rates(*self.pieces.place(self, instant, hi, lo))
 
     def directions(
         self,
@@ -274,17 +215,31 @@ class Compressed(Path):
         AttitudeError
             For an epoch outside of the span.
         """
-        from attitude._solver import chebyshev
-
         pieces = self.pieces
         # SIMD reads eight successive doubles: a view of every second epoch is copied.
-        hi, lo = np.ascontiguousarray(hi), np.ascontiguousarray(lo)
-        at = read_only(hi), read_only(lo), *since(instant, pieces.start)
-        cells = pieces.most, pieces.width, pieces.cells, pieces.starts, pieces.widths
-        given = *at, *cells, pieces.records, self._rows, pieces.count, sign
+        hi, lo = read_only(np.ascontiguousarray(hi)), read_only(np.ascontiguousarray(lo))
+        base_hi, base_lo = since(instant, pieces.start)
         for begin in range(0, hi.size, _BATCH):
             end = min(begin + _BATCH, hi.size)
-            outside = chebyshev.directions(*given, begin, end, unit, length)
+            outside = chebyshev.directions(
+                hi,
+                lo,
+                base_hi,
+                base_lo,
+                pieces.most,
+                pieces.width,
+                pieces.cells,
+                pieces.starts,
+                pieces.widths,
+                pieces.records,
+                self._rows,
+                pieces.count,
+                sign,
+                begin,
+                end,
+                unit,
+                length,
+            )
             if outside >= 0:
                 self.refuse_outside(instant, hi[outside])
 
@@ -329,8 +284,8 @@ def compress(path: Path, start: Epoch, stop: Epoch, tolerance: Real = 1e-3) -> C
     depth = max(level for level, *_ in fit)
     width = length / 2**depth
     # Pieces in the order of time; their numbers are scaled to count the finest cells.
-    fit.sort(key=lambda each: each[1] << (depth - each[0]))
-    levels = np.array([each[0] for each in fit])
+    fit.sort(key=lambda piece: piece[1] << (depth - piece[0]))
+    levels = np.array([piece[0] for piece in fit])
     spans = 1 << (depth - levels)
     cells = np.repeat(np.arange(len(fit), dtype=np.int32), spans)
     pieces = CellPieces(
@@ -338,16 +293,16 @@ def compress(path: Path, start: Epoch, stop: Epoch, tolerance: Real = 1e-3) -> C
         width=width,
         cells=cells,
         # The same doubles from which the epochs of the samples were computed.
-        starts=np.array([_begin(length, each[0], each[1]) for each in fit]),
+        starts=np.array([_begin(length, piece[0], piece[1]) for piece in fit]),
         widths=length / 2.0**levels,
-        records=np.array([each[2] for each in fit]),
+        records=np.array([piece[2] for piece in fit]),
         count=_COUNT,
         most=length,
     )
     return Compressed(
         pieces=pieces,
-        error=max(each[3] for each in fit),
-        speed_error=max(each[4] for each in fit),
+        error=max(piece[3] for piece in fit),
+        speed_error=max(piece[4] for piece in fit),
         tolerance=limit,
         name=path.name,
         center=path.center,
@@ -363,9 +318,9 @@ def _begin(length, level, number):
 
 def _halved(path, start, length, tolerance):
     """Pieces (level, number, record, error, speed error), each within the tolerance."""
-    found, remaining, level = [], np.zeros(1, dtype=np.int64), 0
+    pieces, remaining, level = [], np.zeros(1, dtype=np.int64), 0
     while remaining.size:
-        if level > _DEEPEST or len(found) + remaining.size > _MOST_PIECES:
+        if level > _DEEPEST or len(pieces) + remaining.size > _MOST_PIECES:
             raise AttitudeError(
                 f"{path.name} still errs by more than {tolerance:g} m in pieces of "
                 f"{length / 2**level:.3g} s; allow a larger tolerance or give a shorter span, or "
@@ -373,9 +328,9 @@ def _halved(path, start, length, tolerance):
             )
         for numbers, *columns in _fit(path, start, level, remaining, length, tolerance):
             needed = np.isin(numbers, remaining)
-            rows, errors, speeds, limits = (each[needed] for each in columns)
+            rows, errors, speeds, limits = (column[needed] for column in columns)
             good = errors <= limits
-            found += [
+            pieces += [
                 (level, int(number), row, float(error), float(speed))
                 for number, row, error, speed in zip(
                     remaining[good], rows[good], errors[good], speeds[good], strict=True
@@ -384,7 +339,7 @@ def _halved(path, start, length, tolerance):
             remaining, level = _halves(remaining[~good]), level + 1
             if not remaining.size:
                 break
-    return found
+    return pieces
 
 
 def _halves(numbers):
@@ -393,11 +348,7 @@ def _halves(numbers):
 
 
 def _fit(path, start, level, numbers, length, tolerance):
-    """Numbers of pieces, and for each its record, error, speed error and allowed error.
-
-    A tuple of these for a level, and for the next ones as far as few samples suffice for all: a
-    call of a path costs as much as hundreds of epochs.
-    """
+    """Numbers of pieces, and for each its record, error, speed error and allowed error."""
     levels = [numbers]
     while not path.is_slow and sum(map(len, levels)) + 2 * len(levels[-1]) <= _TOGETHER:
         levels.append(_halves(levels[-1]))
@@ -409,7 +360,7 @@ def _fit(path, start, level, numbers, length, tolerance):
     # Rounding may put a sample beyond the end of the span, where the path may be undefined.
     hi, lo = np.where(hi + lo > length, length, hi), np.where(hi + lo > length, 0.0, lo)
     sampled = _sampled(path, start, hi.ravel(), lo.ravel())
-    position, velocity = (each.reshape(3, widths.size, x.size) for each in sampled)
+    position, velocity = (array.reshape(3, widths.size, x.size) for array in sampled)
     # Differences from one position of the piece: sums of these round less than sums of distances.
     middle = position[:, :, _COUNT // 2]
     table = chebyshev.coefficients(np.moveaxis(position[:, :, :_COUNT] - middle[..., None], -1, 0))
@@ -418,29 +369,26 @@ def _fit(path, start, level, numbers, length, tolerance):
     rows = np.ascontiguousarray(np.moveaxis(table, 0, -1).transpose(1, 0, 2))
     size = np.sqrt(np.sum(position * position, axis=0)).max(axis=-1)
     limit = np.maximum(max(tolerance, path.roughness), _ROUNDINGS * _EPS * size)
-    ends = np.cumsum([len(each) for each in levels])[:-1]
+    ends = np.cumsum([len(array) for array in levels])[:-1]
     columns = rows.reshape(widths.size, -1), error, speed, limit
-    return zip(levels, *(np.split(each, ends) for each in columns), strict=True)
+    return zip(levels, *(np.split(array, ends) for array in columns), strict=True)
 
 
 def _errors(table, position, velocity, widths):
-    """Largest errors of coefficients (count, 3, pieces), and of their derivatives, between nodes.
-
-    At the extrema of T_16: positions (3, pieces, 17), and velocities at their end.
-    """
+    """Largest errors of coefficients (count, 3, pieces) and their derivatives, between nodes."""
     off = np.tensordot(table, _VALUES, axes=(0, 1)) - position
     slow = np.tensordot(table, _SLOPES, axes=(0, 1)) * (2.0 / widths)[:, None]
     slow -= velocity[:, :, _COUNT:]
-    return (np.sqrt(np.sum(each * each, axis=0)).max(axis=-1) for each in (off, slow))
+    return (np.sqrt(np.sum(gap * gap, axis=0)).max(axis=-1) for gap in (off, slow))
 
 
 def _sampled(path, start, hi, lo):
     """Positions and velocities (3, N) of a path, which must be finite."""
     parts = []
     for first in range(0, hi.size, _BATCH):
-        part = slice(first, first + _BATCH)
-        parts.append(path.state(start, hi[part], lo[part]))
-    position, velocity = (np.concatenate([part[k] for part in parts]).T for k in range(2))
+        piece = slice(first, first + _BATCH)
+        parts.append(path.state(start, hi[piece], lo[piece]))
+    position, velocity = (np.concatenate([piece[k] for piece in parts]).T for k in range(2))
     if not np.isfinite(position).all():
         bad = np.argmax(~np.isfinite(position).all(axis=0))
         raise AttitudeError(

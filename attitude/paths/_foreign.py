@@ -45,16 +45,16 @@ class SkyfieldPath(Path):
         # skyfield's own TDB, a short series, which kernels use, is off by up to 10 microseconds.
         time.tdb_fraction = (jd1 - time.whole) + jd2
         try:
-            found = self.function.at(time)
+            answer = self.function.at(time)
         except EphemerisRangeError as err:
             raise AttitudeError(
                 f"skyfield does not cover every epoch of {self.name}: {err}; leave out the epochs "
                 "outside."
             ) from err
-        position, velocity = found.position.au * AU_M, found.velocity.au_per_d * (AU_M / _DAY)
+        position, velocity = answer.position.au * AU_M, answer.velocity.au_per_d * (AU_M / _DAY)
         # For a decayed satellite skyfield returns a message, and sometimes a finite position
         # inside the Earth.
-        messages = [each for each in np.ravel(getattr(found, "message", None)) if each]
+        messages = [message for message in np.ravel(getattr(answer, "message", None)) if message]
         if messages or not np.isfinite(position).all():
             reason = messages[0] if messages else "it gives NaN"
             raise AttitudeError(
@@ -103,7 +103,7 @@ def from_skyfield(function: Any, *, name: str | None = None) -> SkyfieldPath:
     return SkyfieldPath(function, body_name(int(center)), str(label), "skyfield")
 
 
-def place_of(given: Any, name: str = "place") -> Place | None:
+def place_of(value: Any, name: str = "place") -> Place | None:
     """The Place of an object of astropy or skyfield; None for any other object.
 
     ==============================  ================================================================
@@ -114,35 +114,35 @@ def place_of(given: Any, name: str = "place") -> Place | None:
     other vector functions          `from_skyfield`
     ==============================  ================================================================
     """
-    kinds = [f"{each.__module__}.{each.__qualname__}" for each in type(given).__mro__]
+    kinds = [f"{kind.__module__}.{kind.__qualname__}" for kind in type(value).__mro__]
     if "astropy.coordinates.earth.EarthLocation" in kinds:
-        return _of_location(given, name)
-    if any(each.startswith("astropy.coordinates.") for each in kinds):
-        return _of_coordinates(given, name)
-    if any(each.startswith("skyfield.") for each in kinds):
-        return _of_skyfield(given)
+        return _of_location(value, name)
+    if any(kind.startswith("astropy.coordinates.") for kind in kinds):
+        return _of_coordinates(value, name)
+    if any(kind.startswith("skyfield.") for kind in kinds):
+        return _of_skyfield(value)
     return None
 
 
-def _of_location(given: Any, name: str) -> Site:
-    if given.shape != ():
-        raise AttitudeError(f"{name} holds {given.size} locations; give one of them.")
-    itrs = np.array([getattr(given, each).to_value("m") for each in "xyz"])
-    geodetic = given.to_geodetic("WGS84")
-    longitude, latitude = (getattr(geodetic, each).to_value("rad") for each in ("lon", "lat"))
-    label = str(getattr(given.info, "name", None) or "site")
+def _of_location(value: Any, name: str) -> Site:
+    if value.shape != ():
+        raise AttitudeError(f"{name} holds {value.size} locations; give one of them.")
+    itrs = np.array([getattr(value, axis).to_value("m") for axis in "xyz"])
+    geodetic = value.to_geodetic("WGS84")
+    longitude, latitude = (getattr(geodetic, axis).to_value("rad") for axis in ("lon", "lat"))
+    label = str(getattr(value.info, "name", None) or "site")
     return site_at(itrs, longitude, latitude, label, "astropy EarthLocation, IERS Earth rotation")
 
 
-def _of_coordinates(given: Any, name: str) -> Place:
+def _of_coordinates(value: Any, name: str) -> Place:
     from astropy.coordinates import SkyCoord, UnitSphericalRepresentation
 
     try:
-        coordinates = SkyCoord(given)
+        coordinates = SkyCoord(value)
         icrs = coordinates.icrs
     except Exception as err:  # astropy raises many kinds for frames without a time or a place
         raise AttitudeError(
-            f"{name} is {shown(given)}, whose direction in ICRS does not follow ({err}); give a "
+            f"{name} is {shown(value)}, whose direction in ICRS does not follow ({err}); give a "
             "SkyCoord with obstime and location, or right ascension and declination."
         ) from None
     if icrs.shape != ():
@@ -155,9 +155,9 @@ def _of_coordinates(given: Any, name: str) -> Place:
     return fixed(vector.to_value("m"), name="point of a SkyCoord")
 
 
-def _of_skyfield(given: Any) -> Place:
+def _of_skyfield(value: Any) -> Place:
     # The last part of a sum such as earth + wgs84.latlon(...).
-    parts = getattr(given, "vector_functions", (given,))
+    parts = getattr(value, "vector_functions", (value,))
     last = parts[-1]
     if (
         type(last).__module__ == "skyfield.toposlib"
@@ -171,4 +171,4 @@ def _of_skyfield(given: Any) -> Place:
             label,
             "skyfield geographic position, IERS Earth rotation",
         )
-    return from_skyfield(given)
+    return from_skyfield(value)

@@ -50,10 +50,7 @@ def to_celestial(
     name: str = "the ground site",
     rates: bool = True,
 ) -> tuple[FloatArray, FloatArray | None]:
-    """GCRS components (3, N) and their rates per second of a vector (3,) that rests in ITRS.
-
-    Shapes: hi, lo (N,), vector (3,).
-    """
+    """GCRS components (3, N) and their rates of a vector (3,) in ITRS, at hi, lo (N,)."""
     tt = pairs.add((hi, lo), -_time_scales.difference_at(hi, lo))
     tai = pairs.add(tt, -_time_scales.TT_MINUS_TAI)
     ut1_minus_tai, x_pole, y_pole = _orientation(tai, tt, long_term, name)
@@ -71,12 +68,10 @@ def to_celestial(
 
 
 def rotation_angle(hi: FloatArray, lo: FloatArray) -> FloatArray:
-    """The Earth rotation angle, rad, at UT1 seconds hi + lo past J2000, to 1e-15 of a turn (ERFA's
-    era00).
-    """
+    """The Earth rotation angle, rad, at UT1 seconds past J2000, to 1e-15 turns (ERFA's era00)."""
     whole = np.rint(hi / _time_scales.DAY)
-    part = ((hi - whole * _time_scales.DAY) + lo) / _time_scales.DAY
-    turns = 0.7790572732640 + part + 0.00273781191135448 * (whole + part)
+    fraction = ((hi - whole * _time_scales.DAY) + lo) / _time_scales.DAY
+    turns = 0.7790572732640 + fraction + 0.00273781191135448 * (whole + fraction)
     return 2.0 * np.pi * (turns - np.floor(turns))
 
 
@@ -95,7 +90,7 @@ def _without_polar_motion(vector, x_pole, y_pole, locator):
 def table_span() -> tuple[Instant, Instant]:
     """The first and last epoch of the installed IERS table."""
     tai = _table()[0][[0, -1]]
-    hi, lo = (np.asarray(each) for each in _time_scales.tdb_from("tai", tai, np.zeros(2)))
+    hi, lo = (np.asarray(ends) for ends in _time_scales.tdb_from("tai", tai, np.zeros(2)))
     first, last = (Instant(*pair) for pair in zip(hi.tolist(), lo.tolist(), strict=True))
     return first, last
 
@@ -107,11 +102,11 @@ def _orientation(tai, tt, long_term, name):
     # The ends belong to the table, whatever the rounding of TDB; beyond them by rounding alone,
     # numpy.interp returns the last value.
     outside = (seconds < nodes[0] - 1e-6) | (seconds > nodes[-1] + 1e-6)
-    found = [np.interp(seconds, nodes, values) for values in (ut1, x_pole, y_pole)]
+    values_there = [np.interp(seconds, nodes, values) for values in (ut1, x_pole, y_pole)]
     if not outside.any():
-        return found
+        return values_there
     if not long_term:
-        first, last = (spelled(each) for each in table_span())
+        first, last = (spelled(end) for end in table_span())
         bad = Instant(float(tt[0][np.argmax(outside)]))
         raise AttitudeError(
             f"an epoch for {name} is {spelled(bad)}, but the Earth's rotation is tabulated from "
@@ -120,10 +115,10 @@ def _orientation(tai, tt, long_term, name):
             "metres within years."
         )
     time = timescale().tt_jd(*_time_scales.jd_from_seconds(tt[0][outside], tt[1][outside]))
-    found[0][outside] = _time_scales.TT_MINUS_TAI - time.delta_t
-    for pole in found[1:]:
+    values_there[0][outside] = _time_scales.TT_MINUS_TAI - time.delta_t
+    for pole in values_there[1:]:
         pole[outside] = 0.0
-    return found
+    return values_there
 
 
 @lru_cache(maxsize=1)
@@ -197,8 +192,8 @@ class Site(Immutable, Path):
 
     def _position(self, instant, hi, lo):
         at = pairs.add((hi, np.broadcast_to(lo, hi.shape)), instant.seconds, instant.low)
-        given = {"long_term": self.long_term, "name": self.name, "rates": False}
-        return to_celestial(*at, self.itrs, **given)[0]
+        settings = {"long_term": self.long_term, "name": self.name, "rates": False}
+        return to_celestial(*at, self.itrs, **settings)[0]
 
 
 def site(
@@ -295,8 +290,8 @@ def observatory(code: str, *, long_term: bool = False) -> Site:
             '"568".'
         )
     text = code.strip()
-    found = _observatories().get(text.upper())
-    if found is None:
+    site = _observatories().get(text.upper())
+    if site is None:
         known = named(text)
         if known is None:
             raise AttitudeError(
@@ -305,28 +300,26 @@ def observatory(code: str, *, long_term: bool = False) -> Site:
                 "and latitude by site."
             )
         return replace(known, long_term=bool(long_term))
-    return _site_of(text.upper(), found, long_term)
+    return _site_of(text.upper(), site, long_term)
 
 
 def named(text: str) -> Site | None:
-    """The observatory with a name, or words that no other name has; None for none, AttitudeError
-    for several.
-    """
+    """The observatory with a name, or words that no other has; AttitudeError for several."""
     words = re.findall(r"\w+", text.lower())
     if not words:
         return None
     listed = _observatories()
-    names = {code: re.findall(r"\w+", each.name.lower()) for code, each in listed.items()}
-    found = [code for code, each in names.items() if each == words]
-    found = found or [code for code, each in names.items() if set(words) <= set(each)]
-    if len(found) > 1:
-        some = "; ".join(f"{code} {listed[code].name}" for code in found[:6])
-        more = "; ..." if len(found) > 6 else ""
+    names = {code: re.findall(r"\w+", known.name.lower()) for code, known in listed.items()}
+    codes = [code for code, known in names.items() if known == words]
+    codes = codes or [code for code, known in names.items() if set(words) <= set(known)]
+    if len(codes) > 1:
+        some = "; ".join(f"{code} {listed[code].name}" for code in codes[:6])
+        more = "; ..." if len(codes) > 6 else ""
         raise AttitudeError(
-            f"{validation.shown(text)} is in the names of {len(found)} observatories "
+            f"{validation.shown(text)} is in the names of {len(codes)} observatories "
             f"({some}{more}); give the code of one."
         )
-    return _site_of(found[0], listed[found[0]], False) if found else None
+    return _site_of(codes[0], listed[codes[0]], False) if codes else None
 
 
 class Observatory(NamedTuple):
@@ -360,12 +353,12 @@ _LIST = "data/observatories.txt"
 @lru_cache(maxsize=1)
 def _observatories() -> dict[str, Observatory]:
     """The list of observatories by code."""
-    found = {}
+    by_code = {}
     for line in packaged(_LIST).splitlines()[1:]:
         code, longitude, cosine, sine, name = line.split(" ", 4)
         numbers = None if sine == "-" else (float(longitude), float(cosine), float(sine))
-        found[code] = Observatory(name, numbers)
-    return found
+        by_code[code] = Observatory(name, numbers)
+    return by_code
 
 
 def _date() -> str:

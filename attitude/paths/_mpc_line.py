@@ -96,7 +96,7 @@ def names(line: str) -> set[str]:
     words = {label, packed, packed.lstrip("0")}
     if numbered:
         words |= {*numbered.groups(), f"{numbered[1]} {numbered[2]}"}
-    return {each.lower() for each in words} - {""}
+    return {word.lower() for word in words} - {""}
 
 
 def _minor_planet(line, gm):
@@ -148,17 +148,17 @@ def _shared(value, gm, name):
 
 def _numbers(line, columns):
     """The numbers in the columns of a line, by their names."""
-    found = {}
+    numbers = {}
     for name, (first, last) in columns.items():
         text = line[first:last].strip()
         try:
-            found[name] = float(text)
+            numbers[name] = float(text)
         except ValueError as err:
             raise AttitudeError(
                 f"the orbit line {line[:40]!r}... has {text!r} for the {name} in columns "
                 f"{first + 1}-{last}; it must be a number."
             ) from err
-    return found
+    return numbers
 
 
 def _digit(letter):

@@ -13,7 +13,7 @@ import numpy as np
 
 from attitude import frames
 from attitude._textfiles import messages
-from attitude._textfiles.messages import Form, RowReader
+from attitude._textfiles.messages import Form, MessageRows
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.paths._composed import relative
@@ -61,32 +61,28 @@ _FRAMES = {"ICRF": "icrf", "GCRF": "gcrf", "GCRF1": "gcrf", "EME2000": "eme2000"
 _SYSTEMS = ("UTC", "TAI", "GPS", "TT", "TDB", "TCG", "TCB", "UT1")
 
 
-class _States(RowReader):
+class _States(MessageRows):
     """The states of a segment: epochs, states (N, 6) in km and km/s, and the last line."""
 
-    names = _STATE
     holds = "a state has an epoch and 6 finite numbers (km, km/s), or 9 with accelerations"
     others: Mapping[int, Sequence[int]] = {10: range(7)}
     unread = _ACCELERATION
 
-    def __init__(self) -> None:
+    def __init__(self, fault: Fault):
+        super().__init__(fault, _STATE)
         self.times: list[str] = []
         self.states: list[FloatArray] = []
         self.line: int = 0
 
     def add(
-        self,
-        tokens: Sequence[bytes],
-        values: FloatArray,
-        lines: Sequence[int],
-        fault: Fault,
-        of_day: Sequence[bytes] | None = None,
+        self, leads: Sequence[Sequence[bytes]], values: FloatArray, lines: Sequence[int]
     ) -> None:
         """Add N states."""
         finite = np.isfinite(values).all(axis=1)
         if not np.all(finite):
-            raise fault(f"a number is not finite; {self.holds}.", lines[int(np.argmin(finite))])
-        self.times.extend(token.decode("ascii", "replace") for token in tokens)
+            k = int(np.argmin(finite))
+            raise self.fault(f"a number is not finite; {self.holds}.", lines[k])
+        self.times.extend(token.decode("ascii", "replace") for token in leads[0])
         self.states.append(values)
         self.line = lines[-1]
 
@@ -118,7 +114,7 @@ def oem(file: FilePath, *, ephemeris: EphemerisLike = None, degree: int | None =
         cannot be read; for a frame or a time system that is not supported; for segments of several
         objects.
     """
-    message = messages.read(file, _FORM, lambda block, count: _States())
+    message = messages.read(file, _FORM, lambda block, count: _States(block.message.fault))
     objects = {block.meta["OBJECT_NAME"] for block in message.blocks}
     if len(objects) > 1:
         raise AttitudeError(
@@ -148,12 +144,12 @@ def _path(block, origin, degree):
         )
     if block.rows is None:
         raise AttitudeError(f"{where}: there are no states.")
-    reader = block.rows.reader
+    rows = block.rows
     interpolation, degree = _interpolation(meta, where, degree)
-    states = 1e3 * np.concatenate(reader.states)
+    states = 1e3 * np.concatenate(rows.states)
     try:
         return table(
-            [_dated(time, meta) for time in reader.times],
+            [_dated(time, meta) for time in rows.times],
             states[:, :3],
             states[:, 3:],
             interpolation=interpolation,
@@ -162,10 +158,10 @@ def _path(block, origin, degree):
             frame=frames.known(frame),
             name=meta["OBJECT_NAME"],
             source=os.path.basename(origin),
-            span=_useable(meta, reader.times, where),
+            span=_useable(meta, rows.times, where),
         )
     except AttitudeError as err:
-        raise AttitudeError(f"{where} (states to line {reader.line}): {err}") from err
+        raise AttitudeError(f"{where} (states to line {rows.line}): {err}") from err
 
 
 def _interpolation(meta, where, degree):

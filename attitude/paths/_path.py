@@ -100,12 +100,12 @@ def body_name(body: Any, name: str = "body") -> str:
     ('emb', 'sun', '2099942')
     """
     if isinstance(body, str):
-        given = " ".join(body.lower().replace("_", " ").replace("barycentre", "barycenter").split())
-        given = _OTHER_NAMES.get(given, given)
-        if given in _NUMBERS:
-            return given
-        if given.lstrip("-").isdigit():
-            return _NAMES.get(int(given), str(int(given)))
+        words = " ".join(body.lower().replace("_", " ").replace("barycentre", "barycenter").split())
+        words = _OTHER_NAMES.get(words, words)
+        if words in _NUMBERS:
+            return words
+        if words.lstrip("-").isdigit():
+            return _NAMES.get(int(words), str(int(words)))
     elif (number := naif_index(body)) is not None:
         return _NAMES.get(number, str(number))
     raise AttitudeError(
@@ -186,10 +186,10 @@ class Ephemeris:
         """
         name = body_name(body)
         if name not in self._steps:
-            found = self._step(name)
-            if found is None:
+            path = self._step(name)
+            if path is None:
                 raise AttitudeError(self._lacks(name))
-            self._steps[name] = found
+            self._steps[name] = path
         return self._steps[name]
 
     def _step(self, name: str) -> Path | None:
@@ -381,11 +381,11 @@ class Path(Place):
                 f"an epoch for {self.name} is infinite; give finite seconds, or NaN where there is "
                 "no epoch."
             )
-        found = method(instant, hi[known], np.broadcast_to(lo, hi.shape)[known])
+        results = method(instant, hi[known], np.broadcast_to(lo, hi.shape)[known])
         rows = []
-        for part in found:
+        for result in results:
             row = np.full((3, hi.size), np.nan)
-            row[:, known] = part
+            row[:, known] = result
             rows.append(row)
         return rows
 
@@ -403,7 +403,7 @@ class Path(Place):
         """Raise an AttitudeError if an epoch instant + hi + lo lies outside of the span."""
         if self.span is None or not hi.size:
             return
-        first, last = (since(each, instant) for each in self.span)
+        first, last = (since(end, instant) for end in self.span)
         # Mostly the sums of the extremes lie within, and no other sum is needed.
         least, most = (hi.min(), lo.min()), (hi.max(), lo.max())
         if _later(least, first) > 0.0 and _later(last, most) > 0.0:
@@ -450,8 +450,8 @@ def common_span(paths: Iterable[Any]) -> tuple[Instant, Instant] | None:
     spans = [path.span for path in paths if path.span is not None]
     if not spans:
         return None
-    first = max((span[0] for span in spans), key=lambda each: (each.seconds, each.low))
-    last = min((span[1] for span in spans), key=lambda each: (each.seconds, each.low))
+    first = max((span[0] for span in spans), key=lambda end: (end.seconds, end.low))
+    last = min((span[1] for span in spans), key=lambda end: (end.seconds, end.low))
     return first, last
 
 
@@ -491,10 +491,10 @@ class Uniform(Immutable, Path):
         seconds = (base[0] + hi) + (base[1] + lo)
         # The rounding error of that sum: at 1e9 s, 1e-7 s at a velocity of 30 km/s are 3 mm.
         whole = base[0] + hi
-        part = whole - hi
-        rest = (base[0] - part) + (hi - (whole - part))
-        rest += (whole - seconds) + (base[1] + lo)
-        return self.start[:, None] + (self.speed[:, None] * seconds + self.speed[:, None] * rest)
+        remainder = whole - hi
+        elapsed = (base[0] - remainder) + (hi - (whole - remainder))
+        elapsed += (whole - seconds) + (base[1] + lo)
+        return self.start[:, None] + (self.speed[:, None] * seconds + self.speed[:, None] * elapsed)
 
     def _state(self, instant, hi, lo):
         return self._position(instant, hi, lo), np.repeat(self.speed[:, None], hi.size, axis=1)

@@ -181,9 +181,9 @@ def _of_text(
     if re.search(r"\.[A-Za-z]\w*$|[/\\]", stripped):
         raise AttitudeError(f"{name} is {quoted(text)}, which is not a file; give the name of one.")
     if is_observer:
-        found = _ground.named(stripped)
-        if found is not None:
-            return found
+        code = _ground.named(stripped)
+        if code is not None:
+            return code
     raise AttitudeError(
         f"{name} is {quoted(text)}, which is not the name of a body of the solar system's "
         f"ephemeris; give {_ON_GROUND if is_observer else _MOVING}."
@@ -209,7 +209,7 @@ def _of_code(code: str, name: str) -> Place:
 
 def _of_coordinates(text: str, name: str) -> Place:
     """The place of "-70.7, -30.2", "-70.7, -30.2 deg, 2700 m" or "-70.7 deg, -30.2 deg, 2.7 km"."""
-    parts = [part.strip() for part in text.split(",")]
+    parts = [word.strip() for word in text.split(",")]
     example = '"-70.7, -30.2 deg, 2700 m"'
     if len(parts) not in (2, 3):
         raise AttitudeError(
@@ -225,13 +225,13 @@ def _of_coordinates(text: str, name: str) -> Place:
             )
     angles = parts[:2]
     if not any(map(quantity_text.is_quantity, angles)):
-        numbers = [validation.number(_number(part, name), name) for part in angles]
+        numbers = [validation.number(_number(word, name), name) for word in angles]
         if abs(numbers[0]) <= _TURN and abs(numbers[1]) <= _RIGHT_ANGLE and any(numbers):
             raise AttitudeError(
                 f"{name} is {quoted(text)}, which may be degrees or radians; give the unit, as in "
                 f"{example}."
             )
-        angles = [f"{part} deg" for part in angles]
+        angles = [f"{word} deg" for word in angles]
     elif not quantity_text.is_quantity(angles[0]):  # the unit stands behind the latitude
         unit = quantity_text.numbers_and_unit(angles[1], name)[1]
         angles = [f"{angles[0]} {unit}", angles[1]]
@@ -249,27 +249,27 @@ def _number(text: str, name: str) -> float:
 
 def _of_elements(text: str, name: str) -> Path:
     """The path of elements "a = 2.5 au, e = 0.6, ...", separated by commas, semicolons or lines."""
-    found: dict[str, Any] = {}
-    for part in re.split(r"[,;\n]", text):
-        key, mark, value = (each.strip() for each in part.partition("="))
-        if not part.strip():
+    elements: dict[str, Any] = {}
+    for entry in re.split(r"[,;\n]", text):
+        key, mark, value = (word.strip() for word in entry.partition("="))
+        if not entry.strip():
             continue
         if not mark or key not in _ELEMENTS:
             raise AttitudeError(
-                f"{name} has {quoted(part.strip())}, which is no element; give a (or q), e, i, "
+                f"{name} has {quoted(entry.strip())}, which is no element; give a (or q), e, i, "
                 'node, peri, M and epoch, as in "a = 2.53 au, e = 0.63, ...".'
             )
-        if _ELEMENTS[key] in found:
+        if _ELEMENTS[key] in elements:
             raise AttitudeError(f"{name} has {key} twice; give it once.")
-        found[_ELEMENTS[key]] = value
+        elements[_ELEMENTS[key]] = value
     for key in (*_ANGLES, *_LENGTHS):
-        if key in found and not quantity_text.is_quantity(found[key]):
+        if key in elements and not quantity_text.is_quantity(elements[key]):
             unit = "deg" if key in _ANGLES else "au"
             raise AttitudeError(
-                f"{name} has {key} = {found[key]!r} without a unit; write it like "
-                f'"{found[key]} {unit}".'
+                f"{name} has {key} = {elements[key]!r} without a unit; write it like "
+                f'"{elements[key]} {unit}".'
             )
-    return _of_keywords(found, name)
+    return _of_keywords(elements, name)
 
 
 def _of_keywords(value: Any, name: str) -> Path:
@@ -290,37 +290,37 @@ def _of_keywords(value: Any, name: str) -> Path:
 def _of_table(given: dict[str, Any], name: str, folder: str) -> Place:
     kind = way_of(given, TABLES, name)
     refuse_unknown(given, (kind, *TABLES[kind]), name)
-    rest = {key: given[key] for key in TABLES[kind] if key in given}
+    settings = {key: given[key] for key in TABLES[kind] if key in given}
     value = given[kind]
     if kind == "oem":
-        return _oem_file.oem(file_of(value, folder, f"{name} oem"), **rest)
+        return _oem_file.oem(file_of(value, folder, f"{name} oem"), **settings)
     if kind in ("tle", "omm"):
         read = _satellite.tle if kind == "tle" else _satellite.omm
-        return read(file_of(value, folder, f"{name} {kind}"), **rest)
+        return read(file_of(value, folder, f"{name} {kind}"), **settings)
     if kind == "spk":
-        if "target" not in rest:
+        if "target" not in settings:
             raise AttitudeError(f"{name} spk needs a target, such as target = 20099942.")
-        return _spk.spk(file_of(value, folder, f"{name} spk"), rest["target"])
+        return _spk.spk(file_of(value, folder, f"{name} spk"), settings["target"])
     if kind == "kepler":
         return _of_keywords(value, name)
     if kind == "site":
         longitude, latitude = _pair(value, f"{name} site")
-        return _ground.site(longitude, latitude, **rest)
+        return _ground.site(longitude, latitude, **settings)
     if kind == "mpc_orbit":
         return _mpc_line.mpc_orbit(value)
     if kind == "observatory":
-        return _ground.observatory(value, **rest)
-    return _path.direction(value, **rest)
+        return _ground.observatory(value, **settings)
+    return _path.direction(value, **settings)
 
 
 def _pair(value: Any, name: str) -> list[float]:
     """Longitude and latitude in rad."""
-    found = validation.real(value, name, unit="rad")
-    if found.shape != (2,):
+    angles = validation.real(value, name, unit="rad")
+    if angles.shape != (2,):
         raise AttitudeError(
             f'{name} is {quoted(value)}; give longitude and latitude, as in "15.49, 47.07 deg".'
         )
-    return found.tolist()
+    return angles.tolist()
 
 
 def file_of(value: Any, folder: str, name: str) -> str:

@@ -81,10 +81,10 @@ class Satellite(Path):
         base = since(instant, self.epoch)
         elapsed = (base[0] + hi) + (base[1] + lo)
         # The rounding error of that sum moves a satellite by less than 1e-7 m a year.
-        found = self._teme(elapsed, instant, hi)[:count]
+        vectors = self._teme(elapsed, instant, hi)[:count]
         seconds = pairs.add((hi, np.broadcast_to(lo, hi.shape)), instant.seconds, instant.low)
         pole = pole_of_teme(*seconds)
-        return tuple(to_gcrs(*pole, each) for each in found)
+        return tuple(to_gcrs(*pole, vector) for vector in vectors)
 
     def _teme(self, elapsed, instant, hi):
         """Positions and velocities (3, N) over TEME axes, m and m/s."""
@@ -178,8 +178,8 @@ def tle(
     <path of ENVISAT from earth: TLE of 2013-10-23T03:59:27.596 TDB>
     """
     lines, label = _text_lines(text)
-    found = _pairs(lines, label)
-    title, first, second = _chosen(found, _names_of_lines, name, label)
+    satellites = _pairs(lines, label)
+    title, first, second = _chosen(satellites, _names_of_lines, name, label)
     _check_line(first, "1", label)
     _check_line(second, "2", label)
     if first[2:7] != second[2:7]:
@@ -225,9 +225,9 @@ def omm(
         ("TIME_SYSTEM", ("UTC",)),
         ("CENTER_NAME", ("EARTH",)),
     ):
-        given = fields.get(keyword) or allowed[0]
-        if given.upper() not in allowed:
-            raise AttitudeError(f"{label}: {keyword} is {quoted(given)}; it must be {allowed[0]}.")
+        stated = fields.get(keyword) or allowed[0]
+        if stated.upper() not in allowed:
+            raise AttitudeError(f"{label}: {keyword} is {quoted(stated)}; it must be {allowed[0]}.")
     fields = {**_OMM_DEFAULTS, **{key: value for key, value in fields.items() if value}}
     letter = fields["CLASSIFICATION_TYPE"]
     if len(letter) != 1 or not letter.isascii():
@@ -280,54 +280,56 @@ def _model(lines):
 # ---- Reading
 
 
-def _text_lines(given):
+def _text_lines(source):
     """The lines of a text, list or file, and a label of it for messages."""
-    if isinstance(given, (list, tuple)) and all(isinstance(line, str) for line in given):
-        return [line.rstrip() for line in given if line.strip()], "TLE"
-    text, label = _text(given, "TLE")
+    if isinstance(source, (list, tuple)) and all(isinstance(line, str) for line in source):
+        return [line.rstrip() for line in source if line.strip()], "TLE"
+    text, label = _text(source, "TLE")
     return [line.rstrip() for line in text.splitlines() if line.strip()], label
 
 
-def _text(given, kind):
+def _text(source, kind):
     """A text, or the content of a file, and a label of it for messages."""
-    if isinstance(given, str) and ("\n" in given or given.lstrip().startswith(("<", "{", "["))):
-        return given, kind
-    if not isinstance(given, (str, os.PathLike)):
-        raise AttitudeError(f"the {kind} is {quoted(given)}; give its text, or the path of a file.")
-    text = whole(given, f"give the path of a text file of the {kind}, or its text")
-    return text, os.path.basename(os.fspath(given))
+    if isinstance(source, str) and ("\n" in source or source.lstrip().startswith(("<", "{", "["))):
+        return source, kind
+    if not isinstance(source, (str, os.PathLike)):
+        raise AttitudeError(
+            f"the {kind} is {quoted(source)}; give its text, or the path of a file."
+        )
+    text = whole(source, f"give the path of a text file of the {kind}, or its text")
+    return text, os.path.basename(os.fspath(source))
 
 
 def _pairs(lines, label):
     """All satellites of a text: (name, line 1, line 2)."""
-    found = []
+    satellites = []
     for k, line in enumerate(lines[:-1]):
         if line.startswith("1 ") and lines[k + 1].startswith("2 "):
             before = lines[k - 1] if k and not lines[k - 1].startswith(("1 ", "2 ")) else ""
-            found.append((before.removeprefix("0 ").strip(), line, lines[k + 1]))
-    if not found:
+            satellites.append((before.removeprefix("0 ").strip(), line, lines[k + 1]))
+    if not satellites:
         raise AttitudeError(
             f'{label} has no two lines that start with "1 " and "2 "; give two-line elements.'
         )
-    return found
+    return satellites
 
 
-def _chosen(found, names_of, name, label):
+def _chosen(satellites, names_of, name, label):
     """The only satellite, or the one with a name or number; `names_of(satellite)` has both."""
     if name is not None:
-        given = str(name).strip().lower()
-        found = [each for each in found if given in names_of(each)]
-    if len(found) != 1:
+        wanted = str(name).strip().lower()
+        satellites = [satellite for satellite in satellites if wanted in names_of(satellite)]
+    if len(satellites) != 1:
         raise AttitudeError(
-            f"{label} holds {len(found)} satellites"
+            f"{label} holds {len(satellites)} satellites"
             + ("; give name=..." if name is None else f" called {quoted(name)}; give another name.")
         )
-    return found[0]
+    return satellites[0]
 
 
-def _names_of_lines(found):
+def _names_of_lines(satellite):
     """The name and the catalog number of (name, line 1, line 2)."""
-    title, first, _ = found
+    title, first, _ = satellite
     return title.lower(), first[2:7].strip().lstrip("0").lower()
 
 
@@ -375,16 +377,16 @@ def _satellites(message):
     if head.startswith("<"):
         return xml.records(text, label, "segment"), label
     if head.startswith(("{", "[")):
-        given = toml.of_json(text, label)
-        given = given if isinstance(given, list) else [given]
-        if not all(isinstance(each, dict) for each in given):
+        values = toml.of_json(text, label)
+        values = values if isinstance(values, list) else [values]
+        if not all(isinstance(fields, dict) for fields in values):
             raise AttitudeError(
                 f"{label} holds JSON values that are no objects; give an OMM as an object of its "
                 "fields by name, or a list of them."
             )
-        return [_as_text(each) for each in given], label
+        return [_as_text(fields) for fields in values], label
     if "=" not in text and "," in text:
-        return [_as_text(each) for each in toml.of_csv(text, label)], label
+        return [_as_text(fields) for fields in toml.of_csv(text, label)], label
     return [messages.values(of_text(text, label))], label
 
 

@@ -24,7 +24,7 @@ from attitude._solver import chebyshev
 from attitude._support.arrays import read_only
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
-from attitude.paths._compressed import EqualPieces, placed, values, values_and_rates
+from attitude.paths._compressed import EqualPieces
 from attitude.paths._path import SSB, Ephemeris, Path, julian, since
 
 if TYPE_CHECKING:
@@ -81,15 +81,15 @@ class AstropyBody(Path):
         self.check_span(instant, hi, lo)
         time = Time(*np.broadcast_arrays(*julian(instant, hi, lo)), format="jd", scale="tdb")
         try:
-            found = get_body_barycentric_posvel(self.body, time, ephemeris=self.ephemeris)
+            vectors = get_body_barycentric_posvel(self.body, time, ephemeris=self.ephemeris)
         except (KeyError, OutOfRangeError) as err:
             raise AttitudeError(
                 f"{self.source} does not give {self.body} at every epoch ({err}); leave out epochs "
                 "outside of its range, or give another kernel."
             ) from None
         return tuple(
-            np.ascontiguousarray(each.xyz.to_value(unit))
-            for each, unit in zip(found, ("m", "m/s"), strict=True)
+            np.ascontiguousarray(vector.xyz.to_value(unit))
+            for vector, unit in zip(vectors, ("m", "m/s"), strict=True)
         )
 
 
@@ -118,15 +118,15 @@ def from_astropy(body: str, ephemeris: FilePath = "builtin") -> AstropyBody:
     from astropy.coordinates import solar_system
 
     if ephemeris == "builtin":
-        given, source = "builtin", BUILT_IN_SOURCE
+        source_of_bodies, source = "builtin", BUILT_IN_SOURCE
         known = ("sun", "earth", "moon", *solar_system.PLAN94_BODY_NAME_TO_PLANET_INDEX)
     else:
-        given = os.path.abspath(os.path.expanduser(os.fspath(ephemeris)))
+        source_of_bodies = os.path.abspath(os.path.expanduser(os.fspath(ephemeris)))
         known = tuple(solar_system.BODY_NAME_TO_KERNEL_SPEC)
-        source = f"{os.path.basename(given)} through astropy"
-        if not os.path.isfile(given):
+        source = f"{os.path.basename(source_of_bodies)} through astropy"
+        if not os.path.isfile(source_of_bodies):
             raise AttitudeError(
-                f"the kernel {given!r} is not a file; give the path of an SPK file or "
+                f"the kernel {source_of_bodies!r} is not a file; give the path of an SPK file or "
                 '"builtin": nothing is downloaded.'
             )
     name = body.lower() if isinstance(body, str) else body
@@ -134,7 +134,7 @@ def from_astropy(body: str, ephemeris: FilePath = "builtin") -> AstropyBody:
         raise AttitudeError(
             f"astropy has no body {body!r} in this ephemeris; give one of {', '.join(known)}."
         )
-    return AstropyBody(name, given, name, source)
+    return AstropyBody(name, source_of_bodies, name, source)
 
 
 # ---- A body of the series in astropy, evaluated by polynomials that are fitted on demand
@@ -165,11 +165,9 @@ class SeriesBody(Path):
         self._is_fitted = np.zeros(_PIECES, dtype=bool)
         self.pieces = EqualPieces(
             start=self.span[0],
-            width=length / _PIECES,
+            widths=np.array([length / _PIECES]),
             records=read_only(self._records),
-            skip=0,
             count=_COUNT,
-            factor=1.0,
             least=0.0,
             most=length,
         )
@@ -178,14 +176,14 @@ class SeriesBody(Path):
         return SeriesBody, (self.series,)
 
     def _position(self, instant, hi, lo):
-        return values(self.pieces, *self._placed(instant, hi, lo))
+        return self.pieces.values(*self._placed(instant, hi, lo))
 
     def _state(self, instant, hi, lo):
-        return values_and_rates(self.pieces, *self._placed(instant, hi, lo))
+        return self.pieces.values_and_rates(*self._placed(instant, hi, lo))
 
     def _placed(self, instant, hi, lo):
         """Numbers of the pieces (N,), which are fitted now if need be, and places in them (N,)."""
-        piece, x = placed(self, instant, hi, lo)
+        piece, x = self.pieces.place(self, instant, hi, lo)
         if not self._is_fitted[piece].all():
             # Threads that fit the same piece write the same numbers: no lock is needed.
             numbers = np.unique(piece)
@@ -294,15 +292,15 @@ def ephemeris(kernel: EphemerisLike = None) -> Ephemeris:
     if isinstance(kernel, Ephemeris):
         return kernel
     if kernel is None:
-        return next(found for source in SOURCES.values() if (found := source()) is not None)
+        return next(opened for source in SOURCES.values() if (opened := source()) is not None)
     if isinstance(kernel, str) and kernel in SOURCES:
-        found = SOURCES[kernel]()
-        if found is None:
+        opened = SOURCES[kernel]()
+        if opened is None:
             raise AttitudeError(
                 f"the ephemeris {kernel!r} is not installed; install the Python package of that "
                 "name, or give the path of an SPK file."
             )
-        return found
+        return opened
     if not isinstance(kernel, (str, os.PathLike)):
         raise AttitudeError(
             f"the ephemeris is {kernel!r}; give the path of an SPK file, "

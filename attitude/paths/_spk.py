@@ -22,7 +22,7 @@ from attitude._support import pairs, validation
 from attitude._support.arrays import read_only
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
-from attitude.paths import _compressed
+from attitude.paths._compressed import EqualPieces
 from attitude.paths._path import Ephemeris, Path, body_name, since, spelled
 
 if TYPE_CHECKING:
@@ -88,8 +88,8 @@ class SpiceSegment(Segment):
         import spiceypy
 
         self.check_span(instant, hi, lo)
-        seconds, rest = pairs.add((hi, lo), instant.seconds, instant.low)
-        seconds, rest = np.broadcast_arrays(seconds, rest)
+        seconds, remainder = pairs.add((hi, lo), instant.seconds, instant.low)
+        seconds, remainder = np.broadcast_arrays(seconds, remainder)
         handle, descriptor = _handle(*self._arguments)
         states = np.empty((seconds.size, 6))
         for k, second in enumerate(seconds.tolist()):
@@ -102,7 +102,7 @@ class SpiceSegment(Segment):
                     f"J2000 ({err.short}); check the file with SPICE's brief."
                 ) from err
         position, velocity = 1e3 * states.T[:3], 1e3 * states.T[3:]
-        position += velocity * rest
+        position += velocity * remainder
         return self._in_icrf(position), self._in_icrf(velocity)
 
 
@@ -147,13 +147,15 @@ class Kernel(Ephemeris):
     @property
     def bodies(self) -> tuple[str, ...]:
         """The names of the bodies in the file, and of the centers of their paths."""
-        centers = {segment.center for each in self._segments.values() for _, segment in each}
+        centers = {
+            segment.center for segments in self._segments.values() for _, segment in segments
+        }
         return tuple(body_name(number) for number in sorted(centers | set(self._segments)))
 
     def segment(self, number: int) -> Segment:
         """The path of one segment, by its number in the file from 0."""
         for target, segments in self._segments.items():
-            if any(number == each for each, _ in segments):
+            if any(number == place for place, _ in segments):
                 self.step(target)
                 return self._paths[number]
         raise AttitudeError(
@@ -175,7 +177,7 @@ class Kernel(Ephemeris):
                 "with one center for it."
             )
         parts = [_segment_path(self, name, number, segment) for number, segment in segments]
-        self._paths.update((part.number, part) for part in parts)
+        self._paths.update((path.number, path) for path in parts)
         # Where segments overlap, the last in the file is used, as in SPICE.
         return parts[0] if len(parts) == 1 else Succession(tuple(reversed(parts)), name)
 
@@ -262,9 +264,9 @@ class KernelSegment(Segment):
                 f"{kernel.source} has a damaged segment for {name}: its directory does not fit "
                 "its size; get the file anew."
             )
-        self.pieces = _compressed.EqualPieces(
+        self.pieces = EqualPieces(
             start=Instant(start),
-            width=width,
+            widths=np.array([width]),
             records=read_only(words[:-4].reshape(rows, size)),
             skip=2,
             count=(size - 2) // components,
@@ -274,19 +276,17 @@ class KernelSegment(Segment):
         )
 
     def _position(self, instant, hi, lo):
-        return self._in_icrf(
-            _compressed.values(self.pieces, *_compressed.placed(self, instant, hi, lo))
-        )
+        return self._in_icrf(self.pieces.values(*self.pieces.place(self, instant, hi, lo)))
 
     def _state(self, instant, hi, lo):
-        placed = _compressed.placed(self, instant, hi, lo)
+        pieces = self.pieces
+        piece, x = pieces.place(self, instant, hi, lo)
         if self._has_rates:
             # Type 3 has separate polynomials for the velocity, after those of the position.
-            position = _compressed.values(self.pieces, *placed)
-            skip = self.pieces.skip + 3 * self.pieces.count
-            velocity = _compressed.values(self.pieces, *placed, skip=skip)
+            position = pieces.values(piece, x)
+            velocity = pieces.values(piece, x, pieces.skip + 3 * pieces.count)
         else:
-            position, velocity = _compressed.values_and_rates(self.pieces, *placed)
+            position, velocity = pieces.values_and_rates(piece, x)
         return self._in_icrf(position), self._in_icrf(velocity)
 
 
@@ -310,20 +310,20 @@ class Succession(Path):
     @property
     def source(self) -> str:  # type: ignore[override]  # computed
         """The sources of the parts, separated by commas."""
-        return ", ".join(dict.fromkeys(part.source for part in self.parts))
+        return ", ".join(dict.fromkeys(path.source for path in self.parts))
 
     @property
     def span(self) -> tuple[Instant, Instant]:  # type: ignore[override]  # computed
         """The first and last epoch of all parts; there may be gaps between them."""
-        ends = [part.span for part in self.parts if part.span is not None]
+        ends = [path.span for path in self.parts if path.span is not None]
         return (
-            min((end[0] for end in ends), key=lambda each: (each.seconds, each.low)),
-            max((end[1] for end in ends), key=lambda each: (each.seconds, each.low)),
+            min((end[0] for end in ends), key=lambda instant: (instant.seconds, instant.low)),
+            max((end[1] for end in ends), key=lambda instant: (instant.seconds, instant.low)),
         )
 
     def refuse_outside(self, instant: Instant, seconds: float) -> NoReturn:
         """Raise the AttitudeError for the epoch instant + seconds, which no part covers."""
-        spans = [part.span for part in self.parts if part.span is not None]
+        spans = [path.span for path in self.parts if path.span is not None]
         spans.sort(key=lambda span: span[0].seconds)
         listed = ", ".join(f"{spelled(first)} to {spelled(last)}" for first, last in spans)
         raise AttitudeError(
@@ -334,30 +334,34 @@ class Succession(Path):
 
     def _position(self, instant, hi, lo):
         position = np.empty((3, hi.size))
-        for part, here, at in self._by_part(instant, hi, lo):
-            position[:, here] = part._position(instant, *at)
+        for path, inside, at in self._by_part(instant, hi, lo):
+            position[:, inside] = path._position(instant, *at)
         return position
 
     def _state(self, instant, hi, lo):
         position, velocity = np.empty((2, 3, hi.size))
-        for part, here, at in self._by_part(instant, hi, lo):
-            position[:, here], velocity[:, here] = part._state(instant, *at)
+        for path, inside, at in self._by_part(instant, hi, lo):
+            position[:, inside], velocity[:, inside] = path._state(instant, *at)
         return position, velocity
 
     def _by_part(self, instant, hi, lo):
         """Yield each part that is used, a mask or slice of its epochs, and their hi and lo."""
-        given, lo = lo, np.broadcast_to(lo, hi.shape)
+        low, lo = lo, np.broadcast_to(lo, hi.shape)
         left = np.ones(hi.size, dtype=bool)
-        for part in self.parts:
-            first, last = (since(each, instant) for each in part.span)
-            here = left & ((hi - first[0]) + (lo - first[1]) >= 0.0)
-            here &= (hi - last[0]) + (lo - last[1]) <= 0.0
-            if here.all():
-                yield part, slice(None), (hi, given)
+        for path in self.parts:
+            first, last = (since(end, instant) for end in path.span)
+            inside = left & ((hi - first[0]) + (lo - first[1]) >= 0.0)
+            inside &= (hi - last[0]) + (lo - last[1]) <= 0.0
+            if inside.all():
+                yield path, slice(None), (hi, low)
                 return
-            if here.any():
-                yield part, here, (np.ascontiguousarray(hi[here]), np.ascontiguousarray(lo[here]))
-                left &= ~here
+            if inside.any():
+                yield (
+                    path,
+                    inside,
+                    (np.ascontiguousarray(hi[inside]), np.ascontiguousarray(lo[inside])),
+                )
+                left &= ~inside
         if left.any():
             self.refuse_outside(instant, hi[np.argmax(left)])
 

@@ -12,7 +12,7 @@ from attitude._solver import chebyshev
 from attitude._support import pairs, validation
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
-from attitude.paths._compressed import KnotPieces, placed, values, values_and_rates
+from attitude.paths._compressed import KnotPieces
 from attitude.paths._path import Path, known_center, spelled
 
 if TYPE_CHECKING:
@@ -36,10 +36,7 @@ def interval_polynomials(
     rates: FloatArray | None,
     degree: int,
 ) -> FloatArray:
-    """Chebyshev coefficients of the polynomial of each interval between rows.
-
-    Shapes: knots, knots_low (N,) s, values (N, 3), rates (N, 3).
-    """
+    """Chebyshev coefficients between rows at knots (N,) s, of values and rates (N, 3)."""
     window = rows_needed(degree, rates is not None)
     first = np.arange(len(knots) - 1) - (window - 1) // 2
     first = np.clip(first, 0, len(knots) - window)
@@ -56,10 +53,10 @@ def interval_polynomials(
     slopes = None
     if rates is not None:
         slopes = rates[rows] * width[:, None, None]
-        nodes, known, slopes = (np.repeat(each, 2, axis=1) for each in (nodes, known, slopes))
+        nodes, known, slopes = (np.repeat(array, 2, axis=1) for array in (nodes, known, slopes))
     newton = _divided_differences(nodes, known, slopes)
     x = 0.5 * (chebyshev.nodes(degree + 1) + 1.0)
-    sampled = np.stack([_newton_at(each, nodes, newton) for each in x])
+    sampled = np.stack([_newton_at(array, nodes, newton) for array in x])
     table = chebyshev.coefficients(sampled)
     table[0] += start[:, 0]
     return np.ascontiguousarray(table.transpose(1, 2, 0)).reshape(len(interval), -1)
@@ -121,16 +118,16 @@ class TabulatedPath(Path):
 
     def _placed(self, instant, hi, lo):
         self.check_span(instant, hi, lo)
-        return placed(self, instant, hi, lo)
+        return self.pieces.place(self, instant, hi, lo)
 
     def _position(self, instant, hi, lo):
-        return values(self.pieces, *self._placed(instant, hi, lo))
+        return self.pieces.values(*self._placed(instant, hi, lo))
 
     def _state(self, instant, hi, lo):
-        where = self._placed(instant, hi, lo)
+        piece, x = self._placed(instant, hi, lo)
         if self.rates is None:
-            return values_and_rates(self.pieces, *where)
-        return values(self.pieces, *where), values(self.rates, *where)
+            return self.pieces.values_and_rates(piece, x)
+        return self.pieces.values(piece, x), self.rates.values(piece, x)
 
 
 def table(
@@ -193,7 +190,14 @@ def table(
 
     def polynomials(rows, slopes):
         records = interval_polynomials(knots, low, rows, slopes, degree)
-        return KnotPieces(first, knots, low, records, degree + 1)
+        return KnotPieces(
+            start=first,
+            widths=np.diff(knots) + np.diff(low),
+            records=records,
+            count=degree + 1,
+            knots=knots,
+            knots_low=low,
+        )
 
     separate = method == "lagrange" and v is not None
     return TabulatedPath(

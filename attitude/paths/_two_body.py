@@ -108,12 +108,12 @@ def states(hi, lo, base_hi, base_lo, period, q, e, k, basis, position, velocity)
     across = math.sqrt(k * q * (1.0 + e))
     step = 0 if lo.size == 1 else 1
     for n in range(hi.size):
-        t, rest = two_sum(base_hi, hi[n])
-        rest += base_lo + lo[n * step]
+        t, remainder = two_sum(base_hi, hi[n])
+        remainder += base_lo + lo[n * step]
         if period < math.inf:
-            turns = math.floor((t + rest) / period + 0.5)
+            turns = math.floor((t + remainder) / period + 0.5)
             t = fma(-turns, period, t)
-        t += rest
+        t += remainder
         s = math.copysign(_solve(abs(t), q, e, k, b), t)
         c1, c2, _ = _stumpff(b * s * s)
         x, y = q - k * s * s * c2, across * s * c1

@@ -134,7 +134,7 @@ def fold(
         for each in periods:
             validation.positive(each, "period", unit="s")
     if isinstance(t, LightCurve) or values is not None:
-        _samples.warn_of_plain(period, "period", data)
+        _samples.warn_of_plain(period, "period", data.t)
     number = validation.count(order, "order")
     if len(periods) == 1:
         numbers = np.arange(1, number + 1)[:, None]

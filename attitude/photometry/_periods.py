@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from attitude._support import quantity_text, validation
+from attitude._support import markup, quantity_text, validation
 from attitude._support.arrays import Immutable, frozen
 from attitude._support.blocks import ProgressBar
 from attitude.errors import AttitudeError
@@ -260,6 +260,18 @@ class Periods(Immutable):
         frequencies = np.array(self.peaks[rank].frequencies)
         return _spectrum.fixed(self.samples, frequencies, self._numbers)
 
+    def _repr_html_(self) -> str:
+        """A table of the peaks for notebooks, and the light curve folded with the best."""
+        folded = self.fold()
+        names = " and ".join(quantity_text.of_time(each, 7) for each in self.peaks[0].periods)
+        picture = markup.line_plot(
+            [(folded.phase[0], folded.values[0])],
+            f"folded with {quantity_text.of_time(folded.periods[0], 7)}",
+            is_downward=not self.samples.is_flux,
+            is_dotted=True,
+        )
+        return markup.of_table(f"Periods of order {self.order}: {names}", self.table(), 8, picture)
+
     def __repr__(self) -> str:
         best = self.peaks[0]
         unit = quantity_text.time_unit(best.period)
@@ -357,7 +369,7 @@ def periods(
     for name, bound in (
         ("min_period", min_period), ("max_period", max_period), ("first", first), ("second", second)
     ):  # fmt: skip
-        _samples.warn_of_plain(bound, name, data)
+        _samples.warn_of_plain(bound, name, data.t)
     if count not in (1, 2):
         raise AttitudeError(f"count is {count!r}; give 1 period or 2; keep= is that of the peaks.")
     number = validation.count(order, "order")

@@ -113,24 +113,34 @@ class Samples:
         return found
 
 
-def warn_of_plain(given: Any, name: str, data: Samples) -> None:
-    """Warn of plain numbers, which are periods in seconds, where these are absurd for a curve."""
+def is_plain(given: Any) -> bool:
+    """Whether numbers, or their text, have no unit."""
     if given is None or hasattr(given, "unit"):
-        return
+        return False
     each = [given] if isinstance(given, str) or np.ndim(given) == 0 else list(given)
-    if any(hasattr(one, "unit") or (isinstance(one, str) and _UNIT.search(one)) for one in each):
+    return not any(
+        hasattr(one, "unit") or (isinstance(one, str) and _UNIT.search(one)) for one in each
+    )
+
+
+def warn_of_plain(given: Any, name: str, t: FloatArray, unit: str = "s") -> None:
+    """Warn of plain numbers, periods in s or frequencies in Hz, absurd for epochs t (N,), s."""
+    if not is_plain(given):
         return
-    periods = validation.real(given, name, unit="s")
-    steps = np.diff(np.sort(data.t))
+    numbers = validation.real(given, name, unit="1/s" if unit == "Hz" else unit)
+    periods = 1.0 / numbers if unit == "Hz" else numbers
+    t = np.sort(t)
+    span, steps = float(t[-1] - t[0]), np.diff(t)
     step = float(steps[steps > 0.0].min(initial=np.inf))
-    short = data.span > _TURNS * periods.min() or periods.min() < 0.5 * step
-    if short or periods.max() > _SPANS * data.span:
-        shown = ", ".join(f"{one:.6g}" for one in np.ravel(periods))
-        turns = data.span / float(periods.min())
+    short = span > _TURNS * periods.min() or periods.min() < 0.5 * step
+    if short or periods.max() > _SPANS * span:
+        shown = ", ".join(f"{one:.6g}" for one in np.ravel(numbers))
+        meaning, example = ("Hz", "/d") if unit == "Hz" else ("seconds", "d")
         warnings.warn(
-            f"{name} is {shown} without a unit, which is seconds: {turns:.3g} turns in the "
-            f"{quantity_text.of_time(data.span, 4)} of the light curve, whose closest epochs are "
-            f'{quantity_text.of_time(step, 3)} apart; give a unit, such as "{shown} d".',
+            f"{name} is {shown} without a unit, which is {meaning}: "
+            f"{span / float(periods.min()):.3g} turns in the {quantity_text.of_time(span, 4)} of "
+            f"the light curve, whose closest epochs are {quantity_text.of_time(step, 3)} apart; "
+            f'give a unit, such as "{shown} {example}".',
             AttitudeWarning,
             stacklevel=4,
         )

@@ -9,8 +9,9 @@ from sorcha.lightcurves.base_lightcurve import AbstractLightCurve
 from sorcha.lightcurves.lightcurve_registration import update_lc_subclasses
 
 from attitude._support import validation
+from attitude.ensemble._tables import ROTATOR_COLUMNS
 from attitude.errors import AttitudeError
-from attitude.survey._rotators import AXES, Rotators, drawn, emission
+from attitude.survey._rotators import Rotators, drawn, emission
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -110,9 +111,8 @@ def _shifts(df, options, draws, seed, threads):
     count = len(member)
     first = np.empty(len(names), dtype=np.int64)
     first[member[::-1]] = np.arange(count - 1, -1, -1)  # the last of several assignments holds
-    wanted = {
-        column: df[column].take(first).to_numpy() for column in df.columns if column in _KNOWN
-    }
+    used = [column for column in df.columns if column in ROTATOR_COLUMNS]
+    wanted = {column: df[column].take(first).to_numpy() for column in used}
     rotators = _rotators(wanted, names, options, draws, seed)
     sun, observer = np.empty((2, 3, count))
     for k, (body, seen) in enumerate(zip(_SUN, _OBSERVER, strict=True)):
@@ -124,18 +124,12 @@ def _shifts(df, options, draws, seed, threads):
 
 def _rotators(columns, names, options, draws, seed):
     """The rotators of objects, with columns that are absent drawn."""
-    columns = {name: each for name, each in columns.items() if name in _KNOWN}
+    columns = {name: each for name, each in columns.items() if name in ROTATOR_COLUMNS}
     for column, distribution in draws.items():
         if column not in columns:
             columns[column] = drawn(names, column, seed, distribution)
     return Rotators(columns, names=names, **options)
 
-
-_KNOWN = {
-    *AXES,
-    *("shape", "pole_lon_deg", "pole_lat_deg", "phi0_deg", "spin_epochMJD_TDB", "period_h"),
-    *("P_psi_h", "P_phi_h", "psi0_deg", "mode", "convention", "theta_branch"),
-}
 
 LightCurve = light_curve_class("attitude")
 light_curve_class("attitude-relaxed", draws=RELAXED)

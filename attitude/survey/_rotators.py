@@ -35,12 +35,17 @@ from attitude._support import validation
 from attitude._support.arrays import read_only
 from attitude._support.constants import SPEED_OF_LIGHT_M_S
 from attitude.ensemble._ensemble import Ensemble
+from attitude.ensemble._tables import (
+    rotator_label,
+    rotator_moments,
+    rotator_numbers,
+    rotator_states,
+)
 from attitude.epochs import _time_scales
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
 from attitude.light_curve._magnitudes import mean_brightness
 from attitude.light_curve._sums import intensity
-from attitude.motions import _published
 from attitude.motions._body import Body
 from attitude.scattering._law import law as known_law
 from attitude.shape._ellipsoid import Ellipsoid
@@ -86,13 +91,6 @@ def interpolated(x, first, table, out):
         out[n] = table[k] + (place - k) * (table[k + 1] - table[k])
 
 
-AXES = ("axis_a", "axis_b", "axis_c")
-# Columns of numbers with their default, or None if each object needs them.
-_NUMBERS: dict[str, float | None] = {
-    **dict.fromkeys(("pole_lon_deg", "pole_lat_deg", "phi0_deg", "spin_epochMJD_TDB")),
-    **dict.fromkeys(("period_h", "P_psi_h", "P_phi_h", "psi0_deg"), math.nan),
-}
-_WORDS = ("mode", "convention", "theta_branch")
 # Magnitudes fainter than the mean by which a body counts where none of its lit surface is seen.
 UNSEEN: float = 50.0
 _DAY = _time_scales.DAY
@@ -154,46 +152,42 @@ class Rotators:
             raise AttitudeError(
                 f"law is {law!r}; magnitudes about a mean need Lambert's or Lommel-Seeliger's law."
             )
-        numbers = {name: _numbers(columns, name, default) for name, default in _NUMBERS.items()}
-        words = {name: columns.get(name) for name in _WORDS}
-        self.epochs = numbers["spin_epochMJD_TDB"]
         if shape is None:
-            axes = np.stack([_numbers(columns, name, None) for name in AXES], axis=1)
-            self._of_ellipsoids(axes, numbers, words, names)
+            self._of_ellipsoids(columns, names)
         else:
-            self._of_meshes(columns, shape, numbers, words, names)
+            self._of_meshes(columns, shape, names)
 
     def __len__(self) -> int:
         return len(self.epochs)
 
-    def _of_ellipsoids(self, axes: FloatArray, numbers: Any, words: Any, names: Any) -> None:
-        bad = np.flatnonzero(~np.all((axes > 0.0) & (axes < math.inf), axis=1))
-        if len(bad):
-            name = bad[0] if names is None else repr(names[bad[0]])
-            raise AttitudeError(
-                f"Member {name} has the semi-axes {axes[bad[0]].tolist()}; give three numbers "
-                "above zero."
-            )
-        squares = axes**2
-        moments = 0.2 * (squares.sum(axis=1, keepdims=True) - squares)
+    def _of_ellipsoids(self, columns: Any, names: Any) -> None:
+        axes, moments = rotator_moments(columns, names)
         self._shapes: Any = axes
         self.area = _areas(axes)
-        self.ensemble = _ensemble(moments, None, numbers, words, names)
+        self._of_states(columns, names, moments, None, {"moments": moments, "relative": True})
 
-    def _of_meshes(self, columns: Any, shape: Any, numbers: Any, words: Any, names: Any) -> None:
+    def _of_states(self, columns: Any, names: Any, moments: Any, axes: Any, body: Any) -> None:
+        states, self.epochs = rotator_states(columns, moments, axes, names)
+        self.ensemble = Ensemble(
+            wxyz=states.wxyz, angular_velocity=states.angular_velocity, epoch=Instant(0.0),
+            frame="ecliptic", **body,
+        )  # fmt: skip
+
+    def _of_meshes(self, columns: Any, shape: Any, names: Any) -> None:
         """One shape for all, or one of several for each object, with its own inertia."""
         if isinstance(shape, Mesh):
             shapes: list[Mesh] = [shape]
-            which = np.zeros(len(self), dtype=np.int64)
+            which = np.zeros(len(rotator_numbers(columns, "phi0_deg")), dtype=np.int64)
         else:
             if "shape" not in columns:
                 raise AttitudeError("the column shape is missing, which names one of the shapes.")
             labels, shapes = list(shape), list(shape.values())
             given = np.asarray(columns["shape"], dtype=object)
-            unknown = [each for each in given if each not in shape]
+            unknown = [k for k, each in enumerate(given) if each not in shape]
             if unknown:
                 raise AttitudeError(
-                    f"shape is {unknown[0]!r}; it must be one of {', '.join(map(repr, labels))}."
+                    f"{rotator_label(unknown[0], names)}: shape is {given[unknown[0]]!r}; it must "
+                    f"be one of {', '.join(map(repr, labels))}."
                 )
             which = np.array([labels.index(each) for each in given], dtype=np.int64)
         bodies = [Body.from_shape(each) for each in shapes]
@@ -201,7 +195,8 @@ class Rotators:
         self.area = np.array([each.area for each in shapes])[which]
         moments = np.array([body.moments for body in bodies])[which]
         axes = np.array([body.principal_axes for body in bodies])[which]
-        self.ensemble = _ensemble(moments, axes, numbers, words, names, [bodies[k] for k in which])
+        body = {"body": [bodies[k] for k in which]}
+        self._of_states(columns, names, moments, axes, body)
 
     def shifts(
         self,
@@ -325,52 +320,6 @@ def drawn(
         return np.asarray(distribution(uniform), dtype=np.float64)
     low, high = np.broadcast_to(validation.real(distribution, column), 2)
     return low + (high - low) * uniform
-
-
-def _ensemble(
-    moments: FloatArray,
-    axes: FloatArray | None,
-    numbers: Mapping[str, FloatArray],
-    words: Mapping[str, Any],
-    names: Sequence[object] | None,
-    bodies: list[Body] | None = None,
-) -> Ensemble:
-    """The ensemble of the states of the columns."""
-    degree, hour = math.pi / 180.0, 3600.0
-    pole = np.stack([numbers["pole_lon_deg"], numbers["pole_lat_deg"]], axis=1) * degree
-    tumbles = np.isnan(numbers["period_h"])
-    found = _published.states_from_periods(
-        moments,
-        principal_axes=axes,
-        pole=pole,
-        phi0=numbers["phi0_deg"] * degree,
-        psi0=np.where(tumbles, numbers["psi0_deg"] * degree, math.nan),
-        P_psi=np.where(tumbles, numbers["P_psi_h"] * hour, math.nan),
-        P_phi=np.where(tumbles, numbers["P_phi_h"] * hour, math.nan),
-        P=numbers["period_h"] * hour,
-        names=names,
-        **words,
-    )
-    body: Any = {"moments": moments, "relative": True} if bodies is None else {"body": bodies}
-    return Ensemble(
-        wxyz=found.wxyz, angular_velocity=found.angular_velocity, epoch=Instant(0.0),
-        frame="ecliptic", **body,
-    )  # fmt: skip
-
-
-def _numbers(columns: Mapping[str, Any], name: str, default: float | None) -> FloatArray:
-    """A column as float64; a default for each object if it is absent."""
-    if name in columns:
-        try:
-            return np.array(columns[name], dtype=np.float64)
-        except (TypeError, ValueError) as err:
-            raise AttitudeError(f"the column {name} holds what is no number: {err}.") from err
-    if default is None:
-        raise AttitudeError(
-            f"the column {name} is missing; give it, or a distribution from which it is drawn."
-        )
-    first = next(each for each in ("phi0_deg", "pole_lon_deg") if each in columns)
-    return np.full(len(columns[first]), default)
 
 
 def _phase(sun: FloatArray, observer: FloatArray) -> FloatArray:

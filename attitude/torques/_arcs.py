@@ -1,4 +1,4 @@
-"""Free rotations joined by instantaneous changes, their state at each joint in two doubles.
+"""Rotations joined by instantaneous changes: free ones, or under torques.
 
 >>> import numpy as np
 >>> from attitude import Body, Spin
@@ -40,7 +40,8 @@ from attitude.motions._differentiable import Derivatives, Differentiable
 from attitude.motions._free_rotation import FreeRotation
 from attitude.motions._history import AttitudeHistory
 from attitude.motions._spin import Spin
-from attitude.torques._triggers import Trigger, first
+from attitude.torques._torqued import TorquedRotation
+from attitude.torques._triggers import Trigger, first_crossing
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -52,11 +53,16 @@ if TYPE_CHECKING:
         EpochOrSeconds,
         Epochs,
         FloatArray,
+        IntArray,
+        Real,
         Reals,
     )
     from attitude.epochs._instants import Instant
     from attitude.motions._motion import RateBounds
     from attitude.proof._certificate import Certificate
+    from attitude.torques._schemes import Scheme
+    from attitude.torques._torque import Torque
+    from attitude.torques._torqued import TorqueFunction
 
     MomentumFunction = Callable[[AttitudeHistory], Reals]
     Pair = tuple[float, float]
@@ -291,12 +297,7 @@ class ChainedSensitivity(Derivatives):
         changes: Sequence[Change],
         epoch: Instant,
     ) -> None:
-        for k, change in enumerate(changes):
-            if callable(change.angular_momentum):
-                raise AttitudeError(
-                    f"the momentum of changes[{k}] is a function of the motion, which has no "
-                    "derivative in closed form; give the momentum as three numbers."
-                )
+        self._refuse_functions(changes)
         self._constants, self._starts, self._bodies = constants, starts, bodies
         self._epoch, self._changes = epoch, tuple(changes)
         self._tangents = [
@@ -305,8 +306,21 @@ class ChainedSensitivity(Derivatives):
             )
             for body, start, record in zip(bodies, wxyz, constants, strict=True)
         ]
-        self._maps = [np.eye(9)]
+        self._join()
+
+    @staticmethod
+    def _refuse_functions(changes: Sequence[Change]) -> None:
         for k, change in enumerate(changes):
+            if callable(change.angular_momentum):
+                raise AttitudeError(
+                    f"the momentum of changes[{k}] is a function of the motion, which has no "
+                    "derivative in closed form; give the momentum as three numbers."
+                )
+
+    def _join(self) -> None:
+        """The maps (9, 9) from the first state of the chain to that of each arc."""
+        self._maps = [np.eye(9)]
+        for k, change in enumerate(self._changes):
             self._maps.append(self._over_joint(k, change) @ self._maps[k])
 
     def at(
@@ -347,11 +361,7 @@ class ChainedSensitivity(Derivatives):
         width = maps[0].shape[1]
         attitude = np.full((t.size, 3, width), np.nan)
         omega = np.full((t.size, 3, width), np.nan) if rates else None
-        arcs = np.zeros(t.size, dtype=int)
-        with np.errstate(invalid="ignore"):
-            high, rest = pairs.two_sum(t, rest)
-            for start, more in self._starts[1:]:
-                arcs += (high > start) | ((high == start) & (rest >= more))
+        high, rest, arcs = _numbers_of_arcs(self._starts, t, rest)
         for k in np.unique(arcs):
             on = arcs == k
             one, two = self._on_arc(int(k), high[on], rest[on], rates)
@@ -370,9 +380,7 @@ class ChainedSensitivity(Derivatives):
         self, k: int, high: FloatArray, low: FloatArray, rates: bool
     ) -> tuple[FloatArray, FloatArray | None]:
         """The columns (n, 3, 9) by the first state of an arc."""
-        begin = self._starts[k]
-        with np.errstate(invalid="ignore"):
-            t, rest = pairs.add((high, low), -begin[0], -begin[1])
+        t, rest = _since(self._starts[k], high, low)
         record = self._constants[k : k + 1]
         attitude = np.empty((1, 3, 9, t.size))
         omega = np.empty((1, 3, 9, t.size)) if rates else None
@@ -408,8 +416,8 @@ class ChainedSensitivity(Derivatives):
         product: FloatArray = joint @ whole
         if isinstance(change.at, Trigger):
             later = self._delay(change.at, end, wxyz, before) @ whole[:3]
-            product += np.outer(joint @ _rate(old, matrix, before), later)
-            product -= np.outer(_rate(new, matrix, after), later)
+            product += np.outer(joint @ self._rate(k, matrix, before, end), later)
+            product -= np.outer(self._rate(k + 1, matrix, after, end), later)
         return product
 
     def _delay(
@@ -430,17 +438,32 @@ class ChainedSensitivity(Derivatives):
 
     def _state(self, k: int, end: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Attitude and angular velocity at the end of an arc."""
-        t, rest = pairs.add((end[:1], end[1:]), -self._starts[k][0], -self._starts[k][1])
+        t, rest = _since(self._starts[k], end[:1], end[1:])
         wxyz, omega = np.empty((1, 4, 1)), np.empty((1, 3, 1))
         record = self._constants[k : k + 1]
         evaluation.evaluate(record, t[None], rest[None], wxyz, omega)
         return wxyz[0, :, 0], omega[0, :, 0]
 
+    def _rate(self, k: int, matrix: FloatArray, omega: FloatArray, end: FloatArray) -> FloatArray:
+        """The rate of change (9,) of attitude (inertial axes), angular velocity and moments.
 
-def _rate(body: Body, matrix: FloatArray, omega: FloatArray) -> FloatArray:
-    """The rate of change (9,) of attitude (inertial axes), angular velocity and moments."""
-    torque = np.cross(body.tensor @ omega, omega)
-    return np.concatenate([matrix @ omega, np.linalg.solve(body.tensor, torque), np.zeros(3)])
+        On arc k at an epoch (2,), where the attitude is a matrix and the rate omega.
+        """
+        body = self._bodies[k]
+        torque = np.cross(body.tensor @ omega, omega)
+        return np.concatenate([matrix @ omega, np.linalg.solve(body.tensor, torque), np.zeros(3)])
+
+
+def _numbers_of_arcs(
+    starts: FloatArray, seconds: FloatArray, low: FloatArray
+) -> tuple[FloatArray, FloatArray, IntArray]:
+    """Epochs (S,) in normalised pairs, and the numbers of the arcs that they lie on."""
+    arcs = np.zeros(seconds.size, dtype=np.int64)
+    with np.errstate(invalid="ignore", over="ignore"):
+        high, rest = pairs.two_sum(seconds, low)
+        for start, more in starts[1:]:
+            arcs += (high > start) | ((high == start) & (rest >= more))
+    return high, rest, arcs
 
 
 def _by_state(body: Body, omega: FloatArray) -> FloatArray:
@@ -460,15 +483,55 @@ def _cross_matrix(v: FloatArray) -> FloatArray:
 _NO_LOW = frozen(np.zeros(1))
 
 
-_HINTS = {
-    **dict.fromkeys(("impulses", "impulse", "maneuvers", "events", "arcs"), "give changes="),
-    "torques": "arcs are free of torques; use TorquedRotation(body, spin, torques)",
-}
+class TorquedChain(ChainedSensitivity):
+    """As `ChainedSensitivity`, of arcs (N + 1) that are integrated under torques."""
+
+    def __init__(
+        self,
+        arcs: Sequence[TorquedRotation],
+        starts: FloatArray,
+        bodies: Sequence[Body],
+        changes: Sequence[Change],
+        epoch: Instant,
+    ) -> None:
+        self._refuse_functions(changes)
+        self._arcs, self._starts, self._bodies = arcs, starts, bodies
+        self._epoch, self._changes = epoch, tuple(changes)
+        self._join()
+
+    def by_elements(self) -> FloatArray:
+        """Refused: the elements of a torqued motion change with time."""
+        return self._arcs[0]._sensitivity.by_elements()
+
+    def _on_arc(
+        self, k: int, high: FloatArray, low: FloatArray, rates: bool
+    ) -> tuple[FloatArray, FloatArray | None]:
+        return self._arcs[k]._sensitivity.at(*_since(self._starts[k], high, low), rates)
+
+    def _state(self, k: int, end: FloatArray) -> tuple[FloatArray, FloatArray]:
+        wxyz, omega = self._arcs[k]._evaluate(*_since(self._starts[k], *end), 1)
+        return wxyz, omega
+
+    def _rate(self, k: int, matrix: FloatArray, omega: FloatArray, end: FloatArray) -> FloatArray:
+        acceleration = self._arcs[k]._evaluate(*_since(self._starts[k], *end), 2)[2]
+        return np.concatenate([matrix @ omega, acceleration, np.zeros(3)])
+
+
+def _since(start: FloatArray, high: ArrayLike, low: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Seconds since the start of an arc, in two doubles."""
+    with np.errstate(invalid="ignore"):
+        hi, lo = pairs.add((np.asarray(high), np.asarray(low)), -start[0], -start[1])
+    return hi, lo
+
+
+_HINTS = dict.fromkeys(("impulses", "impulse", "maneuvers", "events", "arcs"), "give changes=")
+# Arguments of `TorquedRotation` that `Arcs` takes for arcs under torques.
+_HOW = ("step", "scheme", "tolerance", "step_tolerance")
 
 
 @dataclass(frozen=True, eq=False, repr=False, init=False)
 class Arcs(Differentiable):
-    """Free rotation between instantaneous changes; exact on every arc, at epochs in any order.
+    """Free rotation between instantaneous changes, exact on every arc; or rotation under torques.
 
     Parameters
     ----------
@@ -478,18 +541,26 @@ class Arcs(Differentiable):
         The state at its epoch; the first arc has no beginning.
     changes : Impulse, InertiaChange, or sequence of them
         In order of time, after the epoch of the spin.
+    torques : Torque, function, or sequence of them, optional
+        As for `TorquedRotation`, on all arcs.  Functions are called with seconds since the epoch
+        of the spin.
+    step, scheme, tolerance, step_tolerance : optional
+        With torques, of each arc, as for `TorquedRotation`.  An error at a joint goes on along the
+        next arc.
 
     Attributes
     ----------
     changes : tuple of Impulse and InertiaChange
+    torques : tuple of Torque
+    step, scheme, tolerance, step_tolerance : as given
     joints : (N,) array
         TDB seconds since the epoch of the spin at which the changes happen, those of events found.
 
     Raises
     ------
     AttitudeError
-        For epochs that are equal or not in order, events that do not happen, and changes that
-        leave no physical state.
+        For epochs that are equal or not in order, events that do not happen, changes that leave no
+        physical state, and as `TorquedRotation`.
 
     Notes
     -----
@@ -499,22 +570,42 @@ class Arcs(Differentiable):
     of any frame.  Errors of the input are not covered: an impulse at a wrong phase changes the
     whole motion after it.  The times of events are rounded to a double.
 
+    Under torques the state at a joint is a double, and an event is searched among attitudes a
+    sixteenth of a radian apart: two crossings between neighbours are missed.
+
     Source: van Zon & Schofield (2006), section 1: dynamics driven by events.
     """
 
     body: Body
     spin: Spin
     changes: tuple[Change, ...]
+    torques: tuple[Torque, ...]
+    step: float | None
+    scheme: str | Scheme | None
+    tolerance: float | None
+    step_tolerance: float | None
 
     smooth = True
 
-    _value = ("body", "spin", "changes")
+    _value = ("body", "spin", "changes", "torques", *_HOW)
 
     @arguments(_HINTS, "Arcs(body, spin, [Impulse(at=60.0, angular_momentum=(0, 0, -13))])")
-    def __init__(self, body: Body, spin: Spin, changes: Change | Iterable[Change]) -> None:
+    def __init__(
+        self,
+        body: Body,
+        spin: Spin,
+        changes: Change | Iterable[Change],
+        torques: Torque | TorqueFunction | Iterable[Torque | TorqueFunction] | None = None,
+        *,
+        step: Real | None = None,
+        scheme: str | Scheme | None = None,
+        tolerance: Real | None = None,
+        step_tolerance: Real | None = None,
+    ) -> None:
         self._bodies: Sequence[Body]
         self._constants: FloatArray
         self._starts: FloatArray
+        self._torqued: tuple[TorquedRotation, ...]
         if not isinstance(body, Body) or not isinstance(spin, Spin):
             raise AttitudeError(
                 "Arcs takes a Body, a Spin and a list of changes; given were "
@@ -535,20 +626,49 @@ class Arcs(Differentiable):
                 raise AttitudeError(
                     f"changes[{k}] is {change!r}; give Impulse or InertiaChange objects."
                 )
-        self._build()
+        how: dict[str, Any] = dict(
+            zip(_HOW, (step, scheme, tolerance, step_tolerance), strict=True)
+        )
+        for name, value in how.items():
+            self._set(name, value)
+            if torques is None and value is not None:
+                raise AttitudeError(
+                    f"{name} is for the integration of torques; give torques=, or leave it out."
+                )
+        self._set("torques", ())
+        self._set("_torqued", ())
+        if torques is None:
+            self._build()
+            return
+        first = TorquedRotation(body, spin, torques, **how)
+        self._set("torques", first.torques)
+        if any(torque.changes_inertia for torque in first.torques):
+            raise AttitudeError(
+                "arcs take no InertiaHistory; give the changes of inertia as InertiaChange, or use "
+                "TorquedRotation."
+            )
+        self._integrate(first)
 
     @cached_property
     def _sensitivity(self) -> ChainedSensitivity:
+        if self._torqued:
+            arcs = self._torqued, self._starts, self._bodies, self.changes, self.epoch
+            return TorquedChain(*arcs)
         later = self.wxyz_at(self._starts[1:, 0], self._starts[1:, 1])
         wxyz = np.concatenate([self.spin.wxyz_icrf[None], later])
         parts = self._constants, self._starts, self._bodies, wxyz, self.changes, self.epoch
         return ChainedSensitivity(*parts)
 
     def _with(self, body: Body, spin: Spin) -> Arcs:
-        return Arcs(body, spin, self.changes)
+        made, (_, _, *others) = self.__reduce__()
+        other: Arcs = made(body, spin, *others)
+        return other
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Arcs, (self.body, self.spin, self.changes)
+        if not self.torques:
+            return Arcs, (self.body, self.spin, self.changes)
+        how = {name: getattr(self, name) for name in _HOW}
+        return partial(Arcs, **how), (self.body, self.spin, self.changes, self.torques)
 
     def _repr_html_(self) -> str:
         """A table for notebooks: begin, mode and periods of each arc."""
@@ -567,7 +687,9 @@ class Arcs(Differentiable):
         return markup.table(f"{len(self)} arcs from {self.spin.epoch.utc_iso} UTC", rows)
 
     def __repr__(self) -> str:
-        return f"<Arcs: {len(self.joints) + 1} from {self.spin.epoch.utc_iso} UTC>"
+        names = ", ".join(type(torque).__name__ for torque in self.torques)
+        under = f" under {names}" if names else ""
+        return f"<Arcs: {len(self.joints) + 1} from {self.spin.epoch.utc_iso} UTC{under}>"
 
     def __len__(self) -> int:
         """The number of arcs."""
@@ -607,6 +729,8 @@ class Arcs(Differentiable):
             rad/s2, body axes.
         """
         seconds, low = _inputs.plain_seconds(seconds, low)
+        if self._torqued:
+            return self._evaluate(seconds, low, 2)[2]
         if angular_velocity is None:
             angular_velocity = self.angular_velocity_at(seconds, low)
         angular_velocity = validation.real(
@@ -634,6 +758,11 @@ class Arcs(Differentiable):
         """
         from attitude.proof._chain import Joint
 
+        if self._torqued:
+            raise AttitudeError(
+                "arcs under torques are integrated, and cannot be certified; give arcs without "
+                "torques=."
+            )
         hi, lo = _inputs.seconds_since(self.epoch, t, low)
         wxyz, *rates = self._evaluate(hi, lo, int(angular_velocity))
         joints = []
@@ -688,8 +817,10 @@ class Arcs(Differentiable):
         """The joints in two doubles of TDB seconds since the epoch, (N, 2)."""
         return self._starts[1:].copy()
 
-    def rate_bounds(self, seconds: float) -> RateBounds:
-        """`RateBounds` that hold on the arc of an epoch, TDB seconds since that of the spin."""
+    def rate_bounds(self, seconds: float) -> RateBounds | None:
+        """`RateBounds` of the free arc of an epoch, TDB seconds since that of the spin."""
+        if self._torqued:
+            return None
         omega = self.angular_velocity_at(validation.number(seconds, "seconds", unit="s"))
         return _free_rotation.of_free_rotation(self.body_at(float(seconds)), omega)
 
@@ -743,7 +874,7 @@ class Arcs(Differentiable):
             if time is None:
                 assert isinstance(change.at, Trigger)
                 end = next((t[0] for t in times[k + 1 :] if t is not None), np.inf)
-                time = first(change.at, self, float(starts[k, 0]), end, name), 0.0
+                time = first_crossing(change.at, self, float(starts[k, 0]), end, name), 0.0
             self._check_reach(time, name)
             added = change.added_momentum(partial(self._before, time), name)
             body = self._join(change, added, body, time, starts[k], records[k], q, w)
@@ -755,6 +886,44 @@ class Arcs(Differentiable):
             starts[k + 1] = time
         self._set("_bodies", tuple(bodies))
         self._set("_constants", frozen(records))
+        self._set("_starts", frozen(starts))
+        self._set("joints", frozen(starts[1:, 0].copy()))
+
+    def _integrate(self, first: TorquedRotation) -> None:
+        """The arcs under torques, from the first one on."""
+        times = given(self.changes, self.spin.epoch)
+        arcs, bodies, starts = [first], [self.body], np.zeros((len(times) + 1, 2))
+        made, (_, _, torques) = first.__reduce__()
+        for k, change in enumerate(self.changes):
+            name = f"changes[{k}]"
+            # Events and functions of the change evaluate the arcs before it.
+            self._set("_torqued", tuple(arcs))
+            self._set("_bodies", tuple(bodies))
+            self._set("_starts", frozen(starts[: k + 1].copy()))
+            time = times[k]
+            if time is None:
+                assert isinstance(change.at, Trigger)
+                end = next((t[0] for t in times[k + 1 :] if t is not None), np.inf)
+                time = first_crossing(change.at, self, float(starts[k, 0]), end, name), 0.0
+            self._check_reach(time, name)
+            added = change.added_momentum(partial(self._before, time), name)
+            wxyz, omega = self._evaluate(np.asarray(time[0]), np.asarray(time[1]), 1)
+            if change.frame != "body":
+                inertial = np.sum(frames.vector_to_icrf(change.frame, added), axis=-1)
+                added = quaternion.rotate(quaternion.conjugate(wxyz), inertial)
+            momentum = bodies[k].tensor @ omega + added
+            body = change.body if isinstance(change, InertiaChange) else bodies[k]
+            start = self.spin.epoch.after(*time)
+            try:
+                rate = np.linalg.solve(body.tensor, momentum)
+                spin = Spin(epoch=start, wxyz=wxyz, angular_velocity=rate)
+                arcs.append(made(body, spin, torques, origin=self.spin.epoch))
+            except AttitudeError as err:
+                raise AttitudeError(f"{name} leaves no state to integrate: {err}") from err
+            bodies.append(body)
+            starts[k + 1] = time
+        self._set("_torqued", tuple(arcs))
+        self._set("_bodies", tuple(bodies))
         self._set("_starts", frozen(starts))
         self._set("joints", frozen(starts[1:, 0].copy()))
 
@@ -802,6 +971,8 @@ class Arcs(Differentiable):
     # ---- Evaluation
 
     def _evaluate(self, seconds: FloatArray, low: ArrayLike | None, order: int) -> list[FloatArray]:
+        if self._torqued:
+            return self._evaluate_torqued(seconds, low, order)
         shape = seconds.shape
         flat = np.ascontiguousarray(seconds).reshape(-1)
         rest = None if low is None else np.ascontiguousarray(low).reshape(-1)
@@ -827,6 +998,20 @@ class Arcs(Differentiable):
         if order > 1:
             found.append(self.angular_acceleration_at(seconds, low, angular_velocity=found[1]))
         return found
+
+    def _evaluate_torqued(
+        self, seconds: FloatArray, low: ArrayLike | None, order: int
+    ) -> list[FloatArray]:
+        flat = np.asarray(seconds).reshape(-1)
+        rest = np.zeros(flat.size) if low is None else np.asarray(low).reshape(-1)
+        high, rest, numbers = _numbers_of_arcs(self._starts, flat, rest)
+        found = [np.empty((flat.size, width)) for width in (4, 3, 3)[: max(order, 1) + 1]]
+        for k in np.unique(numbers):
+            on = numbers == k
+            own = self._torqued[k]._evaluate(*_since(self._starts[k], high[on], rest[on]), order)
+            for out, values in zip(found, own, strict=True):
+                out[on] = values
+        return [each.reshape(*seconds.shape, each.shape[-1]) for each in found]
 
     def _refuse(self, t: float) -> None:
         """Raise the AttitudeError of a free rotation for an epoch beyond its reach."""

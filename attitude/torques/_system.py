@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from attitude._support.annotations import BoolArray, FloatArray, IntArray
+    from attitude.epochs._instants import Instant
     from attitude.motions._body import Body
     from attitude.motions._spin import Spin
     from attitude.torques._schemes import Scheme
@@ -50,6 +51,8 @@ class System:
     spin : Spin
     torques : tuple of Torque
     chosen : Scheme
+    origin : Instant, optional
+        From which the seconds of functions count; by default the epoch of the spin.
 
     Attributes
     ----------
@@ -67,14 +70,28 @@ class System:
         Numbers that the torques sample at each kick.
     """
 
-    def __init__(self, body: Body, spin: Spin, torques: tuple[Torque, ...], chosen: Scheme) -> None:
+    def __init__(
+        self,
+        body: Body,
+        spin: Spin,
+        torques: tuple[Torque, ...],
+        chosen: Scheme,
+        origin: Instant | None = None,
+    ) -> None:
         if np.min(body.moments) <= 0.0:
             raise AttitudeError(
                 "the body is a rod, with a moment of zero, about whose axis any torque would turn "
                 "it infinitely fast; give it a small moment there."
             )
         self.epoch, self.torques, self.scheme = spin.epoch, torques, chosen
-        self.body, self.inertia = body, _inertia_of(torques)
+        self.origin = spin.epoch if origin is None else origin
+        own = self.epoch.seconds, self.epoch.low
+        self.shift = pairs.add(own, -self.origin.seconds, -self.origin.low)
+        self.body, self.spin, self.inertia = body, spin, _inertia_of(torques)
+        if self.inertia is not None and self.shift != (0.0, 0.0):
+            raise AttitudeError(
+                "an InertiaHistory counts seconds from the epoch of the spin; leave out origin=."
+            )
         self.moments, self.axes = ascending(body)
         self.turn = quaternion.from_matrix(self.axes)
         self.start = np.zeros(STATE_ENTRIES)
@@ -87,6 +104,10 @@ class System:
         # The midpoint rule of a slip is of second order in a scheme of any.
         slips = any(torque.kind == SLIP for torque in torques)
         self.order = min(chosen.order, 2) if slips else chosen.order
+
+    def under(self, torques: tuple[Torque, ...]) -> System:
+        """The same system under other torques."""
+        return System(self.body, self.spin, torques, self.scheme, self.origin)
 
     # ---- Packing
 
@@ -118,9 +139,10 @@ class System:
         if np.any(self.scheme.gradients != 0.0):
             slopes = [torque.slope_address() for torque in self.torques]
             self._refuse_without_slope(slopes)
-        # The compiled loops hold addresses only: this list keeps the arrays alive.
+        # The compiled loops hold addresses only: this list keeps the arrays alive.  A function of
+        # the user has no parameters but the last one, which it adds to its time.
         self._parameters = [
-            np.append(np.asarray(torque.parameters(self.body), float), 0.0)
+            np.append(np.asarray(torque.parameters(self.body), float), self.shift[0])
             for torque in self.torques
         ]
         models = np.empty((len(self.torques), layout.MODEL_ENTRIES), dtype=np.int64)
@@ -195,6 +217,7 @@ class System:
             fault, t, rate = loop(*arguments)
         if fault == layout.FINE:
             return
+        t += self.shift[0]
         if fault == layout.TOO_ROUGH:
             raise AttitudeError(
                 f"no step {t:.9g} s after the epoch is short enough for the tolerance; the torque "
@@ -214,7 +237,9 @@ class System:
         """Samples of all torques at epochs (2, ...), pairs: (..., columns), one column or more."""
         shape = times.shape[1:]
         hi, lo = np.ascontiguousarray(times).reshape(2, -1)
-        parts = [torque.sample(self.epoch, hi, lo) for torque in self.torques if torque.columns]
+        if self.shift != (0.0, 0.0):
+            hi, lo = pairs.add((hi, lo), *self.shift)
+        parts = [torque.sample(self.origin, hi, lo) for torque in self.torques if torque.columns]
         parts = parts or [np.zeros((hi.size, 1))]
         joined = parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
         return np.ascontiguousarray(joined).reshape(*shape, joined.shape[1])
@@ -613,7 +638,8 @@ class TorquedSensitivity(Derivatives):
             for k in range(1, 5):
                 change = np.concatenate([np.zeros(6), k * size * column])
                 body, _ = changed(self._body, spin, change)
-                found.append(System(body, spin, self._system.torques, self._system.scheme))
+                given = self._system.torques, self._system.scheme, self._system.origin
+                found.append(System(body, spin, *given))
             systems.append(found)
         return systems
 

@@ -521,7 +521,7 @@ class CustomTorque(Torque):
         def torque(t, wxyz, omega, given, parameters, out):
             # Copies: the function may store its arguments.
             q, w = np.array(wxyz[0:4]), np.array(omega[0:3])
-            out[0], out[1], out[2] = _three(function(t, q, w), name)
+            out[0], out[1], out[2] = _three(function(t + parameters[0], q, w), name)
 
         return torque
 

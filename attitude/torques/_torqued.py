@@ -707,6 +707,9 @@ class TorquedRotation(Differentiable):
     span : pair of epochs, optional
         With `tolerance`: first and last epoch, as ``at`` takes them, for which the steps are
         planned; by default the first epochs asked.  See Notes for others.
+    origin : epoch, optional
+        From which the seconds count that functions (torques, paths, fields) are called with; by
+        default the epoch of the spin.
 
     Attributes
     ----------
@@ -714,6 +717,7 @@ class TorquedRotation(Differentiable):
     scheme : Scheme
     step, tolerance, step_tolerance : float or None
         s, rad, rad; two of them are None.
+    origin : Instant or None
 
     Raises
     ------
@@ -756,12 +760,13 @@ class TorquedRotation(Differentiable):
     scheme: Scheme
     tolerance: float | None
     step_tolerance: float | None
+    origin: Instant | None
 
     smooth = True
 
     _value = (
         *("body", "spin", "torques", "scheme"),
-        *("step", "tolerance", "step_tolerance", "_span_given"),
+        *("step", "tolerance", "step_tolerance", "_span_given", "origin"),
     )
 
     def __init__(
@@ -775,6 +780,7 @@ class TorquedRotation(Differentiable):
         *,
         step_tolerance: Real | None = None,
         span: tuple[Epoch | float, Epoch | float] | None = None,
+        origin: Epoch | None = None,
     ) -> None:
         self._system: System
         self._grids: tuple[_Steps, _Steps]
@@ -798,7 +804,9 @@ class TorquedRotation(Differentiable):
         if scheme is None:
             scheme = "kick-rotate-kick" if tolerance is None else "blanes-moan"
         self._set("scheme", _schemes.scheme(scheme))
-        self._set("_system", System(self.body, self.spin, self.torques, self.scheme))
+        start = None if origin is None else _inputs.instant(origin, "origin")
+        self._set("origin", start)
+        self._set("_system", System(self.body, self.spin, self.torques, self.scheme, start))
         self._set("step", None if step is None else self._checked_step(step))
         for name, given in (("tolerance", tolerance), ("step_tolerance", step_tolerance)):
             self._set(name, None if given is None else _checked_tolerance(given, name))
@@ -845,6 +853,7 @@ class TorquedRotation(Differentiable):
     def __reduce__(self):
         given = {"tolerance": self.tolerance, "step_tolerance": self.step_tolerance}
         how = {"step": self.step, "scheme": self.scheme, "span": self._span_given, **given}
+        how["origin"] = self.origin
         return partial(TorquedRotation, **how), (self.body, self.spin, self.torques)
 
     @cached_property
@@ -869,7 +878,7 @@ class TorquedRotation(Differentiable):
             Whose ``at(seconds, low, rates)`` has a column for each parameter after the nine.
         """
         parameters = [
-            (size, [System(self.body, self.spin, tuple(each), self.scheme) for each in torques])
+            (size, [self._system.under(tuple(each)) for each in torques])
             for size, torques in others
         ]
         given = self._system, self.body, self.spin

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 # Spacing of the knots of a search, in radians of the fastest rotation, and knots in one call.
 _SPACING, _BLOCK = Bounded.spacing, 256
+# Where bounds are unknown: the spacing, and the least rate by that at the start of the search.
+_FINER, _SLOWEST = 1.0 / 16.0, 1e-3
 
 
 class Trigger(Immutable):
@@ -186,12 +188,22 @@ class PointMeetsPlane(Trigger):
         return v @ self.normal + centre, rate @ self.normal + speed
 
 
-def first(event: Trigger, motion: Motion, start: float, end: float, name: str) -> float:
+def first_crossing(event: Trigger, motion: Motion, start: float, end: float, name: str) -> float:
     """Seconds of the first crossing on the last arc of a motion."""
     bounds = motion.rate_bounds(start)
-    assert bounds is not None  # the arc is a free rotation
     away = abs(event.values(motion.at(start))[0]) + event.arm
-    rate = bounds.first + (float(event.drift / away) if event.drift else 0.0)
+
+    def pace(seconds: float) -> float:
+        """Of the arguments of the function, rad/s: a bound of a free arc, else of the rate then."""
+        if bounds is not None:
+            fastest = bounds.first
+        else:
+            fastest = float(np.linalg.norm(motion.angular_velocity_at(seconds)))
+        return fastest + (float(event.drift / away) if event.drift else 0.0)
+
+    rate = pace(start)
+    if bounds is None and not rate > 0.0 and event.within is not None:
+        rate = 2.0 * np.pi / event.within  # a torque will turn it
     if not rate > 0.0:
         raise AttitudeError(
             f"{name}.at is an event of a body that does not move, which never happens; give an "
@@ -202,8 +214,13 @@ def first(event: Trigger, motion: Motion, start: float, end: float, name: str) -
     # An event at the start itself (a bounce off the same plane) is the one that started the arc.
     left = start + TOUCH / rate
     while left < last:
+        if bounds is None:
+            rate = max(pace(left), _SLOWEST * rate)
         # Seconds from here: a single double of them is fine enough for any bracket.
-        knots = np.minimum(_SPACING / rate * np.arange(_BLOCK + 1.0), last - left)
+        knots = np.minimum(
+            (_SPACING if bounds is not None else _FINER) / rate * np.arange(_BLOCK + 1.0),
+            last - left,
+        )
         knots = knots[: np.argmax(knots) + 1]
 
         def evaluate(s: FloatArray, base: float = left) -> FloatArray:
@@ -211,6 +228,14 @@ def first(event: Trigger, motion: Motion, start: float, end: float, name: str) -
 
         values = evaluate(knots)
         noise = 4.0 * np.spacing(event.arm + np.max(np.abs(values)))
+        if bounds is None:  # signs at the knots alone
+            changes = np.flatnonzero((values[:-1] < 0.0) != (values[1:] < 0.0))
+            if changes.size:
+                k = changes[0]
+                pairs = (each[m : m + 1] for each in (knots, values) for m in (k, k + 1))
+                return float(left + refined(evaluate, *pairs)[0])
+            left += float(knots[-1])
+            continue
         bound = event.arm * bounds.second
         brackets = isolated(evaluate, knots, values, np.inf, bound, TOUCH / rate, noise)
         if brackets.size:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from attitude._support.annotations import EpochOrSeconds, FilePath, FloatArray
+    from attitude.motions._history import AttitudeHistory
     from attitude.motions._motion import HasAttitudes
     from attitude.scene._scene import Scene
     from attitude.scene._view import View
@@ -35,7 +36,14 @@ _AMBIENT = 0.12
 _GROUND, _TEXT, _LINE = "#10131a", "#aab2c4", "#ffb454"
 _SURFACE = np.array([0.78, 0.75, 0.70])
 _ROUND = np.array([0.6, 0.3, 0.74])  # towards a light without a Sun, beside the camera
+# Of a body without a shape of its own the half of each sign of x, so that a flip can be seen.
+_HALVES = np.array([[0.55, 0.68, 0.80], [0.85, 0.68, 0.50]])
+# Lines from the centre: length, colour, name.
+_AXES = ((1.3, "#ff6b6b", "x"), (1.3, "#7bd88f", "y"), (1.3, "#6cb6ff", "z"))
+_MOMENTUM = (1.45, "#f5f5f5", "L")
 _PER_INCH = 100.0
+# s, of a span in which the clock has seconds.
+_SHORT = 7200.0
 
 
 def animate(
@@ -53,6 +61,8 @@ def animate(
     progress: Callable[[int, int], object] | None = None,
 ) -> None:
     """Write an animation: the body as the observer sees it, and its light curve as it grows.
+
+    With body axes, momentum (L) and a clock; in the shadow of other bodies it is dark.
 
     Parameters
     ----------
@@ -79,7 +89,8 @@ def animate(
     Notes
     -----
     Facets are shaded by their angle to the Sun; parts of the body cast no shadows on others, as
-    they do on the page of `view`.  At most 4000 facets are drawn.
+    they do on the page of `view`.  At most 4000 facets are drawn.  A body that is not given a shape
+    has a blue half (body x < 0) and a brown one.
     """
     path = os.fspath(output)
     ending = path.rpartition(".")[2].lower()
@@ -101,6 +112,8 @@ class _Picture:
 
     figure: Any
     facets: Any
+    arrows: list[Any]
+    clock: Any
     line: Any
     surface: Surface
     curve: dict[str, Any] | None
@@ -108,6 +121,9 @@ class _Picture:
     wxyz: FloatArray
     toward: FloatArray
     sun: FloatArray
+    momentum: FloatArray
+    utc: list[str]
+    lit: FloatArray
 
     @classmethod
     def of(cls, what: Subject, count: int, size: tuple[int, int]) -> _Picture:
@@ -117,16 +133,25 @@ class _Picture:
         curve = _subject.light_curve(what)
         grid = figure.add_gridspec(2 if curve else 1, 1, height_ratios=(2, 1) if curve else (1,))
         above = figure.add_subplot(grid[0])
-        above.set(xlim=(-1.05, 1.05), ylim=(-1.05, 1.05), aspect="equal", facecolor=_GROUND)
+        above.set(xlim=(-1.5, 1.5), ylim=(-1.5, 1.5), aspect="equal", facecolor=_GROUND)
         above.set_axis_off()
         above.set_title(what.title, color=_TEXT, fontsize=10)
         line = None if curve is None else _axes_of(figure.add_subplot(grid[1]), curve)
         toward = _toward(what, "observer", times)
         sun = _toward(what, "sun", times)
         surface = _subject.surface(what, _FACETS)
+        shade = _subject.shade(what)
+        lit = np.ones(count) if shade is None else np.interp(times, shade.times, shade.lit)
+        history = what.at(times)
+        arrows = [_arrow(above, *each) for each in (*_AXES, _MOMENTUM)]
+        clock = figure.text(0.02, 0.94, "", color=_TEXT, fontsize=8, family="monospace", va="top")
+        short = what.duration < _SHORT
+        utc = [each.replace("T", " ")[: 19 if short else 16] for each in what.utc(times)]
+        facets = _empty(above)
         return cls(
-            figure, _empty(above), line, surface, curve, times, what.at(times).wxyz, toward, sun
-        )
+            figure, facets, arrows, clock, line, surface, curve, times, history.wxyz, toward, sun,
+            _momenta(what, history), utc, lit,
+        )  # fmt: skip
 
     def draw(self, k: int) -> None:
         """Frame k: facets that face the observer, from the farthest to the nearest."""
@@ -137,15 +162,53 @@ class _Picture:
         light = self.sun[k] if np.any(self.sun[k]) else _ROUND @ across
         chosen = np.flatnonzero(normal @ across[2] > 0.0)
         chosen = chosen[np.argsort(corners[chosen].mean(axis=1) @ across[2])]
-        shade = _AMBIENT + (1.0 - _AMBIENT) * np.maximum(normal[chosen] @ light, 0.0)
-        colors = shade[:, None] * _SURFACE
+        falls = self.lit[k] * np.maximum(normal[chosen] @ light, 0.0)
+        colors = (_AMBIENT + (1.0 - _AMBIENT) * falls)[:, None] * self._paint()[chosen]
         self.facets.set_verts(corners[chosen] @ across[:2].T)
         self.facets.set_facecolor(colors)
         self.facets.set_edgecolor(colors)
+        self._draw_arrows(k, across)
+        dark = "" if self.lit[k] == 1.0 else ", in shadow"
+        self.clock.set_text(f"{self.utc[k]} UTC{dark}")
         if self.line is not None and self.curve is not None:
             done = self.curve["times"] <= self.times[k]
             unit = self.curve["unit"]
             self.line.set_data(self.curve["times"][done] / unit, self.curve["magnitudes"][done])
+
+    def _paint(self) -> FloatArray:
+        """Colours (F, 3) of the facets in full light."""
+        if self.surface.kind == "mesh":
+            return np.broadcast_to(_SURFACE, (len(self.surface.facets), 3))
+        x = self.surface.vertices[self.surface.facets].mean(axis=1)[:, 0]
+        return _HALVES[(x >= 0.0).astype(np.int64)]
+
+    def _draw_arrows(self, k: int, across: FloatArray) -> None:
+        """Body axes and momentum; those that point away lie behind the body."""
+        tips = [*quaternion.rotate(self.wxyz[k], np.eye(3)), self.momentum[k]]
+        for (line, label), tip, (length, _, _) in zip(
+            self.arrows, tips, (*_AXES, _MOMENTUM), strict=True
+        ):
+            x, y, depth = across @ (length * tip)
+            shown = bool(np.any(tip))
+            line.set(visible=shown, zorder=3 if depth > 0.0 else 0)
+            line.set_data([0.0, x], [0.0, y])
+            label.set(visible=shown, position=(1.06 * x, 1.06 * y))
+
+
+def _arrow(axes: Any, length: float, color: str, name: str) -> tuple[Any, Any]:
+    """A line from the centre and the label at its end."""
+    line = axes.plot([], [], color=color, linewidth=1.2)[0]
+    return line, axes.text(0, 0, name, color=color, fontsize=8, ha="center", va="center")
+
+
+def _momenta(what: Subject, history: AttitudeHistory) -> FloatArray:
+    """Unit vectors (N, 3) of the momentum, ICRF; zeros where there is none, or no body."""
+    if what.motion.body is None:
+        return np.zeros((*history.wxyz.shape[:1], 3))
+    momentum = quaternion.rotate(history.wxyz, what.motion.momentum_in_body(history))
+    size = np.linalg.norm(momentum, axis=1)[:, None]
+    units: FloatArray = momentum / np.where(size > 0.0, size, 1.0)
+    return units
 
 
 def _empty(axes: Any) -> Any:

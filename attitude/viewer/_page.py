@@ -35,8 +35,8 @@ if TYPE_CHECKING:
 FOLDER: Path = Path(__file__).resolve().parent / "page"
 # The viewer's scripts, in the order in which they are joined: each uses those before it.
 SCRIPTS: tuple[str, ...] = (
-    *("bytes", "poses", "clock", "surface", "labels", "arrows", "poinsot", "stage"),
-    *("quality", "views", "curve", "panel", "keys", "main"),
+    *("bytes", "poses", "shade", "clock", "surface", "labels", "arrows", "poinsot", "stage"),
+    *("quality", "views", "curve", "panel", "keys", "numbers", "share", "main"),
 )
 
 
@@ -105,12 +105,20 @@ def content(
         "poinsot": _poinsot(subject),
         "sun": None,
         "observer": None,
+        "shade": None,
         "curve": None,
         "speed": seconds_a_second(subject, found),
     }
     if subject.scene is not None:
         for which in ("sun", "observer"):
             data[which] = encoded(_subject.directions(subject, which), "<f4")
+        shade = _subject.shade(subject)
+        if shade is not None:
+            data["shade"] = {
+                "times": encoded(shade.times, "<f8"),
+                "lit": encoded(shade.lit, "<f4"),
+                "names": shade.names,
+            }
         curve = _subject.light_curve(subject, progress)
         if curve is not None:
             data["curve"] = {
@@ -179,6 +187,7 @@ def _surface(subject: Subject) -> dict[str, Any]:
         "kind": found.kind,
         "convex": not isinstance(subject.shape, Mesh) or subject.shape.is_convex,
         "closed": found.closed,
+        "smooth": found.smooth,
         "size": found.size,
         "coarse": None,
         **_triangles(found.vertices, found.facets),

@@ -198,6 +198,47 @@ def _points(subject: Subject) -> int:
     return int(np.clip(_HALF_TURN * half_turns, _LEAST, most))
 
 
+# ---- The shadow of other bodies
+
+# Epochs at which it is computed at first, and within each interval in which it changes.
+_SHADE, _FINER = 1025, 33
+
+
+class Shade(NamedTuple):
+    """How much of the Sun's disc other bodies leave free.
+
+    times, lit: (N,) arrays, s from the start, and fractions; lines between them.
+    names: of the bodies, as in "the Earth's".
+    """
+
+    times: FloatArray
+    lit: FloatArray
+    names: str
+
+
+def shade(subject: Subject) -> Shade | None:
+    """The shade of a subject over its span; None without a scene, or in sunlight throughout."""
+    scene = subject.scene
+    if scene is None or not scene.shadow_of:
+        return None
+    times = np.linspace(0.0, subject.duration, _SHADE)
+    lit = np.asarray(subject.view(times).lit_fraction)
+    if np.all(lit == 1.0):
+        return None
+    within = np.linspace(0.0, 1.0, _FINER)
+    changing = np.flatnonzero(np.diff(lit) != 0.0)
+    finer = times[changing, None] + np.diff(times)[changing, None] * within
+    times = np.unique(np.concatenate([times, finer.ravel()]))
+    names = " or ".join(_of_body(name) for name in scene.shadow_of)
+    return Shade(times, np.asarray(subject.view(times).lit_fraction), names)
+
+
+def _of_body(name: str) -> str:
+    """The genitive of a body's name: the Earth's, the Moon's, Mars's."""
+    article = "the " if name in ("earth", "moon") else ""
+    return f"{article}{name.capitalize()}'s"
+
+
 # ---- Poinsot's construction: the ellipsoid of inertia that rolls on the invariable plane
 # The ellipsoid is x . I x = s^2 in body axes, I the inertia tensor, s a scale.  Its point s omega /
 # sqrt(2 E) touches the plane across the angular momentum L at the distance s sqrt(2 E) / L; the
@@ -272,6 +313,8 @@ MOST_FACETS: int = 200_000
 COARSE: int = 10_000
 # Facets of an ellipsoid.
 _FACETS = 5120
+# rad, and the share of corners at which a smooth surface turns by less.
+_CREASE, _SMOOTH_SHARE = np.radians(20.0), 0.98
 # m, of a body without a known shape or inertia.
 _BOX = (1.0, 0.7, 0.45)
 
@@ -284,6 +327,7 @@ class Surface(NamedTuple):
     kind: "mesh", "ellipsoid", "ellipsoid of inertia" or "box".
     size: the unit of the vertices in m; NaN if the size is unknown.
     closed: whether no facet is seen from behind.
+    smooth: whether the facets stand for a curved surface.
     """
 
     vertices: FloatArray
@@ -291,6 +335,7 @@ class Surface(NamedTuple):
     kind: str
     size: float
     closed: bool
+    smooth: bool
 
 
 def surface(subject: Subject, most: int = MOST_FACETS) -> Surface:
@@ -316,7 +361,22 @@ def _scaled(
     vertices, facets = (mesh.vertices, mesh.facets) if isinstance(mesh, Mesh) else mesh
     if size is None:
         size = np.linalg.norm(vertices, axis=1).max()
-    return Surface(vertices / size, facets, kind, float(size), closed=True)
+    smooth = _is_smooth(vertices, facets)
+    return Surface(vertices / size, facets, kind, float(size), closed=True, smooth=smooth)
+
+
+def _is_smooth(vertices: FloatArray, facets: IntArray) -> bool:
+    """Whether nearly all facets turn little from the mean of those about their corners."""
+    a, b, c = (vertices[facets[:, k]] for k in range(3))
+    normals = np.cross(b - a, c - a)
+    around = np.zeros(vertices.shape)
+    for k in range(3):
+        np.add.at(around, facets[:, k], normals)
+    mean = around[facets]
+    lengths = np.linalg.norm(normals, axis=1)[:, None] * np.linalg.norm(mean, axis=2)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        cosines = np.einsum("fk,fjk->fj", normals, mean) / lengths
+    return bool(np.mean(cosines > np.cos(_CREASE)) > _SMOOTH_SHARE)
 
 
 def _drawn(mesh: Mesh, most: int) -> Mesh | tuple[FloatArray, IntArray]:

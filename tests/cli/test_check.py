@@ -21,6 +21,20 @@ def test_this_installation_passes(capsys):
     assert "near_separatrix" in shown
 
 
+def test_the_full_check_compares_more_and_can_fail(monkeypatch, capsys):
+    assert cli.main(["check", "--full"]) == 0
+    shown = capsys.readouterr().out
+    found = re.findall(r"^(restarts|a constant torque|brightness).*: (\S+), at most", shown, re.M)
+    assert [name for name, _ in found] == ["restarts", "a constant torque", "brightness"]
+    errors = [float(error) for _, error in found]
+    # Not zero, as they would be if one side were compared with itself.
+    assert 1e-15 < errors[0] < 1e-12 and 1e-16 < errors[1] < 1e-10 and 1e-7 < errors[2] < 1e-4
+    assert "near_separatrix" in shown and "passed" in shown
+    monkeypatch.setattr(_selftest, "_TORQUE_ERROR", 1e-20)
+    assert cli.main(["check", "--full"]) == 1
+    assert "FAILED" in capsys.readouterr().out
+
+
 def test_another_project_in_the_same_folder_is_named(tmp_path, monkeypatch, capsys):
     """PyPI's Attitude 0.5.0, by its metadata, and by a file where these are lost."""
     assert _selftest.other_project() is None

@@ -111,7 +111,7 @@ CASES = {
         "table.aem OUT.ecsv --object TOUTATIS",
         "table.aem OUT.toml --fit --axes free --rms 0.1",
     ],
-    "check": ["--families", "--prove", "--prove table.aem --spin state.toml"],
+    "check": ["--families", "--full", "--prove", "--prove table.aem --spin state.toml"],
     "warm-up": ["--all"],
 }
 # The same with kernels, which spiceypy reads.

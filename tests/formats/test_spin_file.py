@@ -223,6 +223,8 @@ def test_bodies_of_all_kinds():
     assert ellipsoid.moments == pytest.approx([5e18, 1e19, 1.3e19], rel=1e-15)
     assert not ellipsoid.relative
     assert body(ellipsoid="[3, 2, 1]").relative
+    sized = body(ellipsoid='"380, 240, 180 m"')  # as shape.Ellipsoid takes it
+    assert sized.relative and sized.moments == pytest.approx([18000.0, 35360.0, 40400.0], rel=1e-15)
     points = body(
         masses='"1, 1, 2, 2 kg"', positions="[[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]]"
     )

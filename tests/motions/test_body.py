@@ -50,6 +50,8 @@ def test_an_ellipsoid():
     assert np.allclose(body.moments, [10.0, 20.0, 26.0], rtol=2e-16)
     assert body.mass == 10.0 and not body.relative
     assert Body.from_ellipsoid((3, 2, 1)).relative
+    by_text = Body.from_ellipsoid("3000, 2000, 1000 mm")
+    assert by_text.relative and by_text.moments == pytest.approx([1.0, 2.0, 2.6], rel=1e-15)
 
 
 def test_a_shape_with_and_without_a_density():

@@ -1,5 +1,6 @@
 """Periods from photometry: reduction, one period, two periods, errors, candidates, commands."""
 
+import re
 import signal
 import subprocess
 import sys
@@ -321,6 +322,30 @@ def test_candidates_of_known_lines():
     assert best.mode == "SAM" and best.P_psi == pytest.approx(263 * HOUR, rel=1e-9)
     assert best.P_phi == pytest.approx(27.38 * HOUR, rel=1e-9)
     assert best.P_phi_long == pytest.approx(30.56 * HOUR, rel=1e-3)
+
+
+def test_periods_show_themselves_in_notebooks():
+    """A table of the peaks, and the folded light curve with a dot for each point."""
+    data = photometry.LightCurve.read(PHOTOMETRY)
+    one = photometry.periods(data, min_period="2 d")
+    page = one._repr_html_()
+    assert f"{one.period / DAY:.7g} d" in page and "significant" in page
+    dots = re.search(r'<path d="([^"]*)"', page).group(1)
+    assert dots.count("M") == len(one.samples.t)
+    two = photometry.periods(data, count=2, min_period="2 d")._repr_html_()
+    assert "first [d]" in two and "second [d]" in two
+
+
+def test_plain_frequencies_that_are_absurd_for_the_span_warn():
+    """0.5 is 0.5 Hz, 8e6 turns in 188 days; with a unit, and of a fast body, nothing is doubted."""
+    t = photometry.LightCurve.read(PHOTOMETRY).seconds
+    with pytest.warns(AttitudeWarning, match=r"0.5 without a unit, which is Hz: 8.15e\+06 turns"):
+        _samples.warn_of_plain(0.5, "max_frequency", t, "Hz")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        _samples.warn_of_plain("0.5 /d", "max_frequency", t, "Hz")
+        _samples.warn_of_plain(0.02, "max_frequency", np.linspace(0.0, 600.0, 200), "Hz")
+    assert _samples.is_plain("0.5, 1e-3") and not _samples.is_plain("0.5 mHz")
 
 
 def test_plain_numbers_that_are_absurd_for_the_span_warn():

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from attitude import AttitudeError, Body, FreeRotation, Spin, epochs, paths
+from attitude import AttitudeError, Body, Ensemble, FreeRotation, Spin, epochs, paths
 from attitude.light_curve import brightness, mean_brightness
 from attitude.motions._published import longest_P_phi
 from attitude.shape import Ellipsoid
@@ -118,8 +118,56 @@ def test_meshes_in_place_of_ellipsoids():
     named = {**same, "shape": np.array(["round", "long"] * 3, dtype=object)}
     both = Rotators(named, shape={"long": mesh, "round": mesh})
     np.testing.assert_array_equal(both.shifts(*given), one)
-    with pytest.raises(AttitudeError, match="'flat'; it must be one of 'long'"):
+    with pytest.raises(AttitudeError, match="Member 0: shape is 'flat'; it must be one of 'long'"):
         Rotators({**named, "shape": ["flat"] * 6}, shape={"long": mesh})
+
+
+def test_the_columns_of_a_survey_make_an_ensemble(tmp_path):
+    """Attitudes at dates, of columns and of a CSV file, against `Spin.from_periods` of each row."""
+    table = {**columns(8), "ObjID": [f"S{k}" for k in range(8)]}
+    rows = zip(*table.values(), strict=True)
+    lines = [",".join(table), *(",".join(map(str, row)) for row in rows)]
+    (tmp_path / "rotation.csv").write_text("\n".join(lines) + "\n")
+    date = epochs.instant("2024-03-01T12:00:00")
+    ensemble = Ensemble.from_table(table)
+    assert ensemble.names.tolist() == table["ObjID"] and ensemble.frame == "ecliptic"
+    found = ensemble.at(["2024-03-01T12:00:00"]).wxyz[:, 0]
+    again = Ensemble.from_table(tmp_path / "rotation.csv").at(["2024-03-01T12:00:00"])
+    np.testing.assert_array_equal(again.wxyz[:, 0], found)
+    for k in range(8):
+        body = Body.from_ellipsoid([table[f"axis_{each}"][k] for each in "abc"])
+        pole = np.radians([table["pole_lon_deg"][k], table["pole_lat_deg"][k]])
+        given = {"pole": pole, "phi0": math.radians(table["phi0_deg"][k])}
+        if math.isnan(table["period_h"][k]):
+            given |= {
+                "mode": table["mode"][k], "convention": table["convention"][k],
+                "P_psi": table["P_psi_h"][k] * HOUR, "P_phi": table["P_phi_h"][k] * HOUR,
+                "psi0": math.radians(table["psi0_deg"][k]),
+            }  # fmt: skip
+        else:
+            given["P"] = table["period_h"][k] * HOUR
+        start = epochs.Instant((table["spin_epochMJD_TDB"][k] - 51544.5) * 86400.0)
+        motion = FreeRotation(body, Spin.from_periods(body, epoch=start, frame="ecliptic", **given))
+        # An epoch of 7e8 s in one double has 6e-8 s, of which a turn in 2 h makes 5e-11 rad.
+        exact = motion.at(date).wxyz
+        assert min(abs(found[k] - exact).max(), abs(found[k] + exact).max()) < 1e-10
+
+
+@pytest.mark.parametrize(
+    ("changed", "options", "sentence"),
+    [
+        ({"period_h": [5.0, 0.0]}, {}, "the table: ObjID 'B': P is 0.0"),
+        ({"spin_epochMJD_TDB": [60000.0, math.nan]}, {}, "ObjID 'B' has no spin_epochMJD_TDB"),
+        ({}, {"frame": "icrf"}, "whose frame is 'ecliptic', not 'icrf'; leave frame out"),
+        ({}, {"relative": False}, "whose relative is True, not False; leave relative out"),
+    ],
+)
+def test_bad_columns_of_a_survey_in_an_ensemble(changed, options, sentence):
+    table = {name: each[[0, 2]] for name, each in columns(4).items()} | {"ObjID": ["A", "B"]}
+    with pytest.raises(AttitudeError, match=sentence):
+        Ensemble.from_table({**table, **changed}, **options)
+    kept = Ensemble.from_table({**table, "period_h": [5.0, 0.0]}, on_error="nan")
+    assert np.isnan(kept.at(0.0).wxyz[1]).all() and np.isfinite(kept.at(0.0).wxyz[0]).all()
 
 
 def test_dates_of_emission():
@@ -148,10 +196,10 @@ def test_what_is_drawn_depends_on_the_name_alone():
 @pytest.mark.parametrize(
     ("changed", "sentence"),
     [
-        ({"axis_b": [1.0, -1.0]}, "Member 'b' has the semi-axes .*above zero"),
-        ({"period_h": [5.0, 0.0]}, "Member 'b': P is 0.0"),
+        ({"axis_b": [1.0, -1.0]}, "ObjID .b. has the semi-axes .*above zero"),
+        ({"period_h": [5.0, 0.0]}, "ObjID 'b': P is 0.0"),
         ({"pole_lat_deg": None}, "the column pole_lat_deg is missing"),
-        ({"phi0_deg": ["x", "y"]}, "the column phi0_deg holds what is no number"),
+        ({"phi0_deg": ["x", "y"]}, "ObjID 'a': phi0_deg is 'x'; give a number"),
     ],
 )
 def test_bad_columns(changed, sentence):

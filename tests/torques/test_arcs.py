@@ -11,7 +11,9 @@ from attitude._solver import evaluation
 from attitude._solver.chains import flow
 from attitude._support.arrays import read_only
 from attitude.frames import quaternion
+from attitude.torques import GravityGradient, InertiaHistory, LinearDamping
 from attitude.torques._arcs import Arcs, Impulse, InertiaChange
+from attitude.torques._torqued import TorquedRotation
 from attitude.torques._triggers import AxisCrossesDirection, PointMeetsPlane
 from tests.frames.test_frames import definition
 from tests.support import states
@@ -353,6 +355,142 @@ def test_an_arc_drives_what_a_history_drives():
     assert np.array_equal(history.angular_velocity_inertial, expected)
     assert history[1:].wxyz.shape == (1, 4)
     assert "angular_velocity" in history.table().colnames
+
+
+# Under torques ------------------------------------------------------------------------------------
+
+N, RADIUS, GM = 1.0e-3, 7.2e6, 3.986004418e14  # a circular orbit about the Earth, from ICRF's x
+
+
+def on_circle(seconds):
+    angle = N * np.asarray(seconds)
+    return RADIUS * np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=-1)
+
+
+def thruster(t, wxyz, omega):
+    """Of time and rate, so that a wrong origin of t or a wrong rate shows."""
+    return (0.01 * np.sin(0.05 * t), 0.02 * np.cos(0.03 * t) - 0.01 * omega[1], 0.005 * omega[0])
+
+
+def test_impulses_under_torques_follow_an_integrator():
+    """Gravity gradient, a thruster, an impulse and a docking: DOP853, restarted at the joints."""
+    from scipy.integrate import solve_ivp
+
+    def slope(moments):
+        def value(t, y):
+            q, w = y[:4] / np.linalg.norm(y[:4]), y[4:]
+            r = quaternion.matrix(q).T @ on_circle(t)
+            size = np.linalg.norm(r)
+            torque = 3.0 * GM / size**5 * np.cross(r, moments * r) + thruster(t, q, w)
+            rate = 0.5 * np.array(quaternion.multiply(y[:4], [0.0, *w]))
+            return np.concatenate([rate, (torque - np.cross(w, moments * w)) / moments])
+
+        return value
+
+    def carried(y, moments, t0, t1):
+        given = {"method": "DOP853", "rtol": 3e-14, "atol": 1e-15}
+        return solve_ivp(slope(moments), (t0, t1), y, **given).y[:, -1]
+
+    one, two = np.array([10.0, 20.0, 26.0]), np.array([12.0, 22.0, 30.0])
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=(0.02, 0.3, 0.05))
+    start = np.concatenate([spin.wxyz_icrf, spin.angular_velocity])
+    pulse, docked = np.array([0.0, -2.0, 0.5]), np.array([0.3, 0.0, 0.1])
+    struck = carried(start, one, 0.0, 50.0)
+    struck[4:] += pulse / one
+    larger = carried(struck, one, 50.0, 120.0)
+    turn = quaternion.matrix(larger[:4] / np.linalg.norm(larger[:4]))
+    larger[4:] = (one * larger[4:] + turn.T @ docked) / two
+    exact = {
+        -20.0: carried(start, one, 0.0, -20.0),
+        49.0: carried(start, one, 0.0, 49.0),
+        50.0: struck,
+        80.0: carried(struck, one, 50.0, 80.0),
+        120.0: larger,
+        250.0: carried(larger, two, 120.0, 250.0),
+    }
+    changes = [
+        Impulse(at=50.0, angular_momentum=pulse),
+        InertiaChange(at=120.0, body=Body(two), angular_momentum=docked, frame="icrf"),
+    ]
+    torques = [thruster, GravityGradient(on_circle, "earth")]
+    motion = Arcs(Body(one), spin, changes, torques, tolerance=1e-11)
+    history = motion.at(list(exact))
+    for k, state in enumerate(exact.values()):
+        q = state[:4] / np.linalg.norm(state[:4])
+        turned = quaternion.multiply(quaternion.conjugate(q), history.wxyz[k])
+        # The tolerance of each of three arcs, grown tenfold along the last one.
+        assert 2.0 * np.linalg.norm(turned[1:]) < 3e-11
+        assert np.abs(history.angular_velocity[k] - state[4:]).max() < 3e-12
+    spins = motion.angular_acceleration_at(80.0), slope(one)(80.0, exact[80.0])[4:]
+    assert np.abs(spins[0] - spins[1]).max() < 1e-12
+    assert motion.body_at(119.0).moments[0] == 10.0 and motion.body_at(120.0).moments[0] == 12.0
+    assert "3 from" in repr(motion) and "under CustomTorque, GravityGradient" in repr(motion)
+
+
+def test_compiled_and_plain_functions_have_one_time():
+    import numba
+
+    changes = [Impulse(at=0.7, angular_momentum=(0, -2, 0.5))]
+    plain = Arcs(BODY, SPIN, changes, thruster, step=0.01)
+    fast = Arcs(BODY, SPIN, changes, numba.njit(thruster), step=0.01)
+    assert np.abs(plain.at([0.5, 1.5]).wxyz - fast.at([0.5, 1.5]).wxyz).max() < 1e-15
+
+
+def test_an_impulse_of_nothing_changes_nothing_under_torques():
+    """The joint lies on the grid of steps; its rate, a double, makes 2e-15 rad each second."""
+    torques = [thruster, GravityGradient(on_circle, "earth")]
+    one = Arcs(BODY, SPIN, Impulse(0.5, (0, 0, 0)), torques, step=0.01, scheme="suzuki")
+    two = TorquedRotation(BODY, SPIN, torques, step=0.01, scheme="suzuki")
+    t = [-0.3, 0.2, 0.5, 0.755, 3.0]
+    assert np.abs(one.at(t).wxyz - two.at(t).wxyz).max() < 3e-14
+    assert np.isnan(one.at([np.nan, 1.0]).wxyz[0]).all()
+
+
+def test_events_and_functions_of_the_motion_under_torques():
+    """An event is where it says; a function takes the momentum that is there: the body stops."""
+    crossing = AxisCrossesDirection(axis=(1, 0, 0), direction=(0, 0, 1))
+    stop = Impulse(at=crossing, angular_momentum=lambda h: -h.angular_velocity @ BODY.tensor)
+    brake = LinearDamping(3.0)
+    motion = Arcs(BODY, SPIN, [stop], brake, tolerance=1e-11)
+    at = motion.joints[0]
+    before = TorquedRotation(BODY, SPIN, brake, tolerance=1e-11)
+    heights = before.at(np.linspace(0.0, at, 400)).body_to_inertial([1, 0, 0])[:, 2]
+    assert abs(heights[-1]) < 1e-12
+    assert np.all(heights[:-1] * heights[0] > 0.0)  # the first one
+    assert np.linalg.norm(motion.at(at + 5.0).angular_velocity) < 1e-14
+    assert abs(Arcs(BODY, SPIN, [stop]).joints[0] - at) > 1e-4  # brakes delay it
+    with pytest.raises(AttitudeError, match=r"changes\[0\].at is AxisCrosses.*does not happen"):
+        late = AxisCrossesDirection(axis=(1, 0, 0), direction=(0, 0, 1), within=1e-3)
+        Arcs(BODY, SPIN, [Impulse(late, (1, 0, 0))], brake)
+
+
+@pytest.mark.parametrize(
+    ("how", "message"),
+    [
+        ({"step": 1.0}, "step is for the integration of torques"),
+        ({"torques": []}, "torques is empty"),
+        ({"torques": 3}, "torques is 3; give"),
+        ({"torques": LinearDamping(1.0), "step": 0.1, "tolerance": 1e-3}, "takes one of step"),
+        ({"torques": LinearDamping(1.0), "step": 10.0}, "cannot resolve the motion"),
+        ({"torques": thruster, "scheme": "force-gradient"}, "CustomTorque does not define"),
+        ({"torques": InertiaHistory(lambda t: np.zeros((len(t), 3, 3)))}, "no InertiaHistory"),
+    ],
+)
+def test_bad_torques_are_a_sentence(how, message):
+    with pytest.raises(AttitudeError, match=message):
+        Arcs(BODY, SPIN, kicks(2), **how)
+
+
+def test_arcs_under_torques_are_values_and_are_not_certified():
+    changes, brake = kicks(2), LinearDamping(1.0)
+    motion = Arcs(BODY, SPIN, changes, brake, step=0.01, scheme="suzuki")
+    again = pickle.loads(pickle.dumps(motion))
+    assert motion == Arcs(BODY, SPIN, changes, brake, step=0.01, scheme="suzuki")
+    assert motion not in (Arcs(BODY, SPIN, changes), Arcs(BODY, SPIN, changes, brake, step=0.01))
+    assert np.array_equal(again.at([0.3, 2.0]).wxyz, motion.at([0.3, 2.0]).wxyz)
+    assert motion.rate_bounds(0.0) is None
+    with pytest.raises(AttitudeError, match="cannot be certified"):
+        motion.certificate([1.0])
 
 
 def test_pickle():

@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 from attitude import Arcs, Impulse, Scene, catalog, shape
+from attitude.formats import mission
 from attitude.frames import quaternion
 from attitude.viewer import _subject, view
 from tests.support import browser
+from tests.support.places import ROOT
 
 DAY = 86400.0
 # Errors of drivers without graphics hardware, which tell nothing about the page.
@@ -266,3 +268,128 @@ def test_slow_frames_draw_less_and_a_still_picture_is_whole(chromium, tmp_path):
     # After a pause one level more is tried; frames that take 150 ms lower it by two.
     assert again[0] == 3 and slower[0] == 4
     assert all(each[4] == pytest.approx(still[4], rel=0.02) for each in drawn)
+
+
+PASS = ROOT / "data" / "mission" / "envisat-glints.toml"
+NIGHT = ("2013-10-23T20:40:00", "2013-10-23T21:20:00")
+
+
+@pytest.fixture(scope="module")
+def eclipsed(tmp_path_factory):
+    """The page of Envisat, which leaves the Earth's shadow after 19.4 minutes, and its scene."""
+    scene = mission.read(PASS).scene
+    path = tmp_path_factory.mktemp("umbra") / "envisat.html"
+    view(scene, start=NIGHT[0], stop=NIGHT[1], title="Envisat", output=path)
+    return path, scene
+
+
+def brightest(page):
+    """The largest red of the grey pixels of the picture: arrows and labels are coloured."""
+    return page.evaluate(
+        """() => {
+          const canvas = document.getElementById("picture");
+          const copy = document.createElement("canvas");
+          copy.width = canvas.width; copy.height = canvas.height;
+          const pen = copy.getContext("2d");
+          pen.drawImage(canvas, 0, 0);
+          const data = pen.getImageData(0, 0, copy.width, copy.height).data;
+          let most = 0;
+          for (let k = 0; k < data.length; k += 4) {
+            const spread = Math.max(data[k], data[k + 1], data[k + 2]) -
+              Math.min(data[k], data[k + 1], data[k + 2]);
+            if (spread < 30 && data[k + 2] < data[k]) most = Math.max(most, data[k]);
+          }
+          return most;
+        }"""
+    )
+
+
+def test_a_body_in_the_umbra_is_dark_and_the_page_says_so(chromium, eclipsed):
+    path, _ = eclipsed
+    with browser.opened(chromium, path) as (page, errors):
+        page.evaluate("attitudeViewer.clock.play(false)")
+        for name in ("axes", "momentum", "rate", "sun", "observer"):
+            page.evaluate(f"attitudeViewer.panel.toggle('{name}', false)")
+        seen = {}
+        for seconds in (600.0, 1500.0):
+            page.evaluate(f"attitudeViewer.clock.set({seconds})")
+            page.wait_for_timeout(300)
+            words = page.inner_text("#shade")
+            seen[seconds] = words, brightest(page)
+        assert seen[600.0][0] == "in the Earth's umbra" and seen[1500.0][0] == ""
+        assert seen[600.0][1] < 0.6 * seen[1500.0][1], seen
+        assert known(errors) == []
+
+
+def test_labels_hide_no_other_on_a_small_screen(chromium, eclipsed):
+    """At 390 pixels, where momentum, rate and z point to one side: at 40 times of the span."""
+    with browser.opened(chromium, eclipsed[0], width=390, height=760) as (page, _):
+        page.evaluate("attitudeViewer.clock.play(false)")
+        worst = page.evaluate(
+            """() => {
+              const { drawAt, stage, clock } = attitudeViewer;
+              let worst = 0;
+              for (let k = 0; k <= 40; k++) {
+                drawAt((k / 40) * clock.duration);
+                const boxes = [...document.querySelectorAll("#labels span, #views")]
+                  .filter((each) => !each.hidden).map((each) => each.getBoundingClientRect());
+                for (const a of boxes) for (const b of boxes) if (a !== b) {
+                  const x = Math.min(a.right, b.right) - Math.max(a.left, b.left);
+                  const y = Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top);
+                  if (x > 0) worst = Math.max(worst, y);
+                }
+              }
+              return worst;
+            }"""
+        )
+        assert worst < 3.0  # pixels: lines of text are 16 apart and 17 high
+        box = page.locator("#utc").bounding_box()
+        assert box["x"] >= 0 and box["x"] + box["width"] <= 390
+        assert "2013-10-23" in page.inner_text("#utc")
+
+
+def test_the_picture_is_saved_with_its_title_and_curve(chromium, eclipsed, tmp_path):
+    image = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
+    with browser.opened(chromium, eclipsed[0]) as (page, errors):
+        page.evaluate("attitudeViewer.clock.play(false); attitudeViewer.clock.set(1500)")
+        page.wait_for_timeout(300)
+        with page.expect_download() as download:
+            page.click("#share")
+        name = download.value.suggested_filename
+        assert name.startswith("Envisat-2013-10-23") and name.endswith(".png")
+        download.value.save_as(tmp_path / "picture.png")
+        sizes = page.evaluate(
+            """() => [document.getElementById("stage").clientWidth,
+                      document.getElementById("stage").clientHeight,
+                      document.getElementById("curve").clientHeight]"""
+        )
+        assert known(errors) == []
+    with image.open(tmp_path / "picture.png") as saved:
+        assert saved.size == (2 * sizes[0], 2 * (sizes[1] + sizes[2]))
+        rows = np.asarray(saved.convert("L"), dtype=float)
+    title, curve = rows[: 2 * 36], rows[-2 * sizes[2] :]
+    assert title.max() > 200 and curve.max() > 150  # letters, and the line of the curve
+
+
+def test_without_webgl_there_are_numbers(chromium, eclipsed):
+    path, scene = eclipsed
+    page = chromium.new_page()
+    page.add_init_script(
+        """const get = HTMLCanvasElement.prototype.getContext;
+        HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
+          return kind.startsWith("webgl") ? null : get.call(this, kind, ...more);
+        };"""
+    )
+    errors = []
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.goto(path.as_uri())
+    page.wait_for_selector("#numbers td")
+    assert errors == []
+    assert "draws no WebGL" in page.inner_text("#numbers p")
+    row = page.locator("#numbers tr").nth(13).inner_text().split("\t")
+    date = row[0].replace(" ", "T")
+    assert date == "2013-10-23T21:00:00"
+    shown = np.array(row[1:5], dtype=float)
+    assert angle(shown, scene.at(date).attitude.wxyz) < 0.2
+    assert "Short-axis mode" in page.inner_text("#kind")
+    page.close()

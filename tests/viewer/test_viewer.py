@@ -4,6 +4,7 @@ import base64
 import json
 import re
 import warnings
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ from attitude import (
     shape,
 )
 from attitude.errors import AttitudeError, AttitudeWarning
+from attitude.formats import mission
 from attitude.frames import quaternion
 from attitude.viewer import _page, _subject, view
 from attitude.viewer._subject import subject
@@ -288,3 +290,64 @@ def test_the_library_is_whole_and_named():
     # Joined scripts share one scope: no two files define the same name.
     defined = re.findall(r"^(?:export )?(?:class|function|const|let) (\w+)", sources, re.M)
     assert len(defined) == len(set(defined))
+
+
+def test_the_shade_is_that_of_the_scene():
+    """Envisat leaves the Earth's shadow: at all seconds of 40 minutes, as the View has it."""
+    scene = mission.read(ROOT / "data" / "mission" / "envisat-glints.toml").scene
+    what = _subject.subject(scene, "2013-10-23T20:40:00", "2013-10-23T21:20:00")
+    found = _subject.shade(what)
+    seconds = np.arange(0.0, 2400.0)
+    exact = what.view(seconds).lit_fraction
+    assert exact.min() == 0.0 and exact.max() == 1.0
+    # Lines over steps of 0.07 s: the penumbra takes 9 s.
+    assert np.abs(np.interp(seconds, found.times, found.lit) - exact).max() < 1e-3
+    assert found.names == "the Earth's"
+    sunlit = _subject.subject(scene, "2013-10-23T21:05:00", "2013-10-23T21:06:00")
+    assert _subject.shade(sunlit) is None
+    assert _subject.shade(_subject.subject(scene.motion)) is None
+
+
+def test_fine_meshes_are_smooth_and_boxes_are_not():
+    motion = catalog.entry("toutatis").motion()
+    for what, smooth in (
+        (shape.Ellipsoid((2.0, 1.2, 1.0)).facets(4000), True),
+        (shape.box((2.0, 1.2, 1.0)), False),
+    ):
+        assert _subject.surface(_subject.subject(motion, shape=what)).smooth == smooth
+
+
+def test_the_title_is_no_path(tmp_path, monkeypatch, capsys):
+    """A spin file without a name, in a folder: its name without folder and ending."""
+    folder = tmp_path / "some" / "folder"
+    folder.mkdir(parents=True)
+    lines = ["[body]", "moments = [10, 20, 26]", "[spin]", 'epoch = "2026-01-01"',
+             "wxyz = [1, 0, 0, 0]", "angular_velocity = [0.1, 1.5, 0.1]"]  # fmt: skip
+    (folder / "brick.toml").write_text("\n".join(lines))
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["view", str(folder / "brick.toml")]) == 0
+    assert capsys.readouterr().out == "brick.html\n"
+    assert "<title>brick</title>" in (tmp_path / "brick.html").read_text()
+
+
+def test_toutatis_is_shown_as_in_december_1992(tmp_path, monkeypatch):
+    """Sun and Earth against the phase angles of JPL Horizons in the photometry of that month."""
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["view", "toutatis", "--output", "t.html"]) == 0
+    page = content(SimpleNamespace(html=(tmp_path / "t.html").read_text()))
+    assert page["title"] == "(4179) Toutatis, December 1992"
+    assert page["curve"] is not None and page["surface"]["kind"] == "mesh"
+    assert page["utc"][0].startswith("1992-12-08") and page["duration"] == pytest.approx(
+        22 * DAY, abs=1e-2
+    )
+    scene = mission.read(catalog.entry("toutatis").scene).scene
+    table = ROOT / "data" / "light_curve" / "toutatis-1992-photometry.csv"
+    rows = [line.split(",") for line in table.read_text().splitlines() if "1992-12-" in line[:8]]
+    rows = [row for row in rows if "1992-12-08" <= row[0][:10] < "1992-12-30"]
+    phase = np.degrees(scene.at([row[0] for row in rows]).phase_angle)
+    published = np.array([float(row[11]) for row in rows])
+    assert len(rows) > 100 and published.min() < 25.0 and published.max() > 90.0
+    assert np.abs(phase - published).max() < 0.05  # deg: a Kepler ellipse through these places
+    # With a shape, a span, other directions or values of the state there is no such scene.
+    assert cli.main(["view", "toutatis", "--sun", "1,0,0", "--observer", "0,1,0"]) == 0
+    assert (tmp_path / "4179-toutatis.html").exists()

@@ -16,8 +16,9 @@ export function ticks(low, high, count) {
 }
 
 export class Curve {
-  constructor(canvas, data, clock) {
+  constructor(canvas, data, clock, shade) {
     this.canvas = canvas;
+    this.shade = shade;
     this.clock = clock;
     this.times = float64(data.times);
     this.values = float32(data.values);
@@ -78,6 +79,7 @@ export class Curve {
   drawStill() {
     const pen = this.still.getContext("2d");
     pen.clearRect(0, 0, this.canvas.clientWidth, this.canvas.clientHeight);
+    if (this.shade) this.drawShade(pen);
     this.drawAxes(pen);
     pen.strokeStyle = "#ffb454";
     pen.lineWidth = 1.2;
@@ -94,6 +96,21 @@ export class Curve {
       isGap = false;
     }
     pen.stroke();
+  }
+
+  // Grey where other bodies hide the Sun, in part or wholly.
+  drawShade(pen) {
+    const { times, lit } = this.shade;
+    const height = this.canvas.clientHeight - MARGIN.top - MARGIN.bottom;
+    const darkness = (k) => 1 - 0.5 * (lit[k - 1] + lit[k]);
+    let first = 1; // of the intervals that are equally dark, drawn as one
+    for (let k = 1; k < times.length; k++) {
+      if (k + 1 < times.length && darkness(k + 1) === darkness(k)) continue;
+      const left = this.x(times[first - 1]);
+      pen.fillStyle = `rgba(110, 120, 145, ${(0.4 * darkness(k)).toFixed(3)})`;
+      if (darkness(k) > 0) pen.fillRect(left, MARGIN.top, this.x(times[k]) - left, height);
+      first = k + 1;
+    }
   }
 
   drawAxes(pen) {

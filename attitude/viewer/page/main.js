@@ -2,13 +2,19 @@
 import { Clock } from "./clock.js";
 import { Curve } from "./curve.js";
 import { listenToKeys } from "./keys.js";
+import { drawsWebGL, showNumbers } from "./numbers.js";
 import { Panel } from "./panel.js";
 import { Quality } from "./quality.js";
+import { listenToShare } from "./share.js";
 import { Stage } from "./stage.js";
 import { Views } from "./views.js";
 
 const data = JSON.parse(document.getElementById("data").textContent);
 const clock = new Clock(data.duration, data.utc, data.speed);
+if (!drawsWebGL()) {
+  showNumbers(data, clock);
+  return;
+}
 const stage = new Stage(
   document.getElementById("picture"),
   document.getElementById("labels"),
@@ -17,8 +23,11 @@ const stage = new Stage(
 const quality = new Quality(stage);
 const views = new Views(stage);
 const panel = new Panel(data, stage, views, clock);
-const curve = data.curve ? new Curve(document.getElementById("curve"), data.curve, clock) : null;
+const curve = data.curve
+  ? new Curve(document.getElementById("curve"), data.curve, clock, stage.shade)
+  : null;
 listenToKeys(clock, panel);
+listenToShare({ data, stage, clock, curve });
 
 // Frames, those of them that drew a picture, and milliseconds of script of all frames, without what
 // the graphics processor does later.

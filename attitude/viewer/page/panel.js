@@ -34,6 +34,7 @@ export class Panel {
     this.scrubber = document.getElementById("scrubber");
     this.speed = document.getElementById("speed");
     this.utc = document.getElementById("utc");
+    this.shade = document.getElementById("shade");
     this.listen();
     this.show();
     this.choose(views.current);
@@ -123,5 +124,7 @@ export class Panel {
     this.scrubber.value = String(Math.round((this.clock.time / this.clock.duration) * 1e5));
     this.speed.value = String(this.clock.factor);
     this.utc.textContent = this.clock.utc();
+    const { shade } = this.stage;
+    this.shade.textContent = shade ? shade.words(this.clock.time) : "";
   }
 }

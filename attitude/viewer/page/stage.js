@@ -3,9 +3,11 @@ import { arrowsOf } from "./arrows.js";
 import { Labels } from "./labels.js";
 import { Poinsot } from "./poinsot.js";
 import { Directions, Poses } from "./poses.js";
+import { Shade } from "./shade.js";
 import { bodyMesh, geometryOf } from "./surface.js";
 
 const SHADOWS = 2048; // texels a side
+const SUNLIGHT = 3; // intensity of the light
 // Names of drivers that compute the picture on the processor: four samples a pixel double its time.
 const BY_PROCESSOR = /swiftshader|llvmpipe|softpipe|software|basic render/i;
 
@@ -44,6 +46,7 @@ export class Stage {
 
     this.poses = new Poses(data.poses);
     this.sun = data.sun ? new Directions(data.sun, data.duration) : null;
+    this.shade = data.shade ? new Shade(data.shade) : null;
     this.observer = data.observer ? new Directions(data.observer, data.duration) : null;
     this.mesh = bodyMesh(data.surface);
     this.fine = this.mesh.geometry;
@@ -71,13 +74,13 @@ export class Stage {
   }
 
   addLight() {
-    this.light = new THREE.DirectionalLight(0xffffff, 3);
+    this.light = new THREE.DirectionalLight(0xffffff, SUNLIGHT);
     this.light.castShadow = true;
     this.light.shadow.mapSize.set(SHADOWS, SHADOWS);
     Object.assign(this.light.shadow.camera, {
       left: -1.1, right: 1.1, top: 1.1, bottom: -1.1, near: 1, far: 5,
     });
-    this.light.shadow.normalBias = 0.008;
+    this.light.shadow.normalBias = 0.02;
     this.light.shadow.bias = -0.0005;
     this.world.add(this.light, this.light.target);
     this.scene.add(new THREE.AmbientLight(0xffffff, 0.18));
@@ -124,6 +127,7 @@ export class Stage {
       this.arrows.sun[0].point(this.direction);
       this.light.position.copy(this.direction).multiplyScalar(3);
     }
+    if (this.shade) this.light.intensity = SUNLIGHT * this.shade.at(time);
     if (this.observer) this.arrows.observer[0].point(this.observer.at(time, this.direction));
   }
 

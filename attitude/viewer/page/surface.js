@@ -15,10 +15,9 @@ export function geometryOf(data) {
 }
 
 export function bodyMesh(data) {
-  const isSmooth = data.kind.startsWith("ellipsoid");
   const material = new THREE.MeshLambertMaterial({
     color: 0xb9b3a8,
-    flatShading: !isSmooth,
+    flatShading: !data.smooth,
     ...(data.closed ? {} : { side: THREE.DoubleSide }),
   });
   const mesh = new THREE.Mesh(geometryOf(data), material);
