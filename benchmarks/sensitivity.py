@@ -25,7 +25,7 @@ from attitude._solver import evaluation, sensitivities
 from attitude._support.arrays import new_array
 from benchmarks.doc_tables import Table, markdown
 from tests.solver.test_sensitivity import STATES, WXYZ
-from tests.support.differences import sensitivity
+from tests.support.differences import conditioning, sensitivity
 
 REVOLUTIONS = (1.3, 1e3 + 0.3, 1e6 + 0.7)
 TIMED = {
@@ -33,11 +33,18 @@ TIMED = {
     "hyperbolic form": ((10, 20, 26), (1.0, 15.0, 1.0)),
     "principal axis": ((1, 2, 2.7), (0.0, 0.0, 1.0)),
 }
-MAKES = ("sensitivities",)
+MAKES = ("sensitivities", "conditions")
+CONDITIONED = (
+    *("short-axis mode", "symmetric", "symmetric but for 1e-7", "sphere but for 1e-3"),
+    *("sphere but for 1e-8", "1e-2 from the separatrix", "1e-6 from the separatrix"),
+    *("middle axis, 1e-8", "needle of 1e-2", "needle of 1e-5"),
+)
 
 
 def tables(quick):
-    """The table of docs/sensitivities.md."""
+    """The tables of docs/sensitivities.md."""
+    head = "moments", "angular velocity", "κ, by velocity", "error", "κ, by moments", "error"
+    yield Table("conditions", markdown(head, list(conditions()), range(2, len(head))))
     found = {name: costs_of(*given) for name, given in TIMED.items()}
     rows = [
         (
@@ -65,6 +72,8 @@ def main():
     arguments = parser.parse_args()
     if not arguments.times:
         errors()
+        for row in conditions():
+            print(*row, sep="   ")
     long_arrays()
     set_up()
     samples()
@@ -84,6 +93,19 @@ def errors():
         row = "".join(f"  {each[3:6].max():8.1e}  {each[6:].max():8.1e}" for each in error)
         constants = _constants(moments, omega)[0]
         print(f"{name:30} {constants['mc'][0, 0]:8.0e} {row}")
+
+
+def conditions():
+    """Rows of condition numbers and errors of the columns of the attitude at 1.3 revolutions."""
+    for name in CONDITIONED:
+        moments, omega, _ = STATES[name]
+        times = [REVOLUTIONS[0] * 2.0 * np.pi / max(map(abs, omega))]
+        found = propagate(moments, WXYZ, omega, times, sensitivity=True)[1][0]
+        expected = sensitivity(moments, WXYZ, omega, times)[0][0]
+        error = np.abs(found - expected).max(axis=0) / np.abs(expected).max(axis=0)
+        kappa = conditioning(moments, WXYZ, omega, times)[0][0] / 2.0**-53
+        cells = (f"{of[k].max():.1e}" for k in (slice(3, 6), slice(6, 9)) for of in (kappa, error))
+        yield (", ".join(map(str, moments)), ", ".join(map(str, omega)), *cells)
 
 
 def _constants(moments, omega):

@@ -113,6 +113,10 @@ TANGENTS: np.dtype[np.void] = np.dtype(
         ("by_phase", "f8", 3),
         ("by_nome", "f8", (4, 5)),
         ("offset", "f8", (3, COLUMNS)),
+        # series of `short_times` to either side that serve while the terms above cancel
+        ("spans", "i8"),
+        # turns per second of the precession of a needle, a pair, where it is slow; otherwise 0
+        ("slow", "f8", 2),
         # axes with z along the momentum, in which the solution is written, to inertial axes
         ("invariant", "f8", (3, 3)),
         # series of tangents, and z of the three vectors of the trigonometric form

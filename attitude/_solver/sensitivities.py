@@ -97,26 +97,33 @@ def covariances(
     """Fill out (B, 3, 3, T) with the covariances of B motions at given epochs."""
     short = _short_of(constants, tangents, t, None, out.shape[1] == 6)
     if len(short):
-        short["series"] = np.moveaxis(of.factors, 1, 2)[:, None] @ short["series"]
+        factors = np.moveaxis(of.factors, 1, 2)[short["motion"]]
+        short["series"] = factors[:, None] @ short["series"]
     _in_blocks(constants, of.tangents, short, t, t_low, 2, (out,), None)
 
 
 def _short_of(constants, tangents, t, edges, rates):
     """The series of motions for epochs near that of the state, or none if no epoch needs them."""
+    span = np.empty(len(constants))
+    _short().spans_of(evaluation.writable(constants), span)
+    spans = np.maximum(tangents["spans"], 1)
     reach = np.empty(len(constants))
-    _short().reaches(evaluation.writable(constants), reach)
+    _short().reaches(evaluation.writable(tangents), span * spans, reach)
     far = reach[:, None] if edges is None else np.repeat(reach, np.diff(edges))[None]
-    rows = t if edges is None else t[:, edges[0] : edges[-1]]
+    rows = np.abs(t if edges is None else t[:, edges[0] : edges[-1]])
     with np.errstate(invalid="ignore"):
-        near = np.abs(rows) <= far
+        near = rows <= far
     found = np.any(near)
     if found and not rates:
         found = np.any(near & (rows != 0.0))
     if not found:
         return np.empty(0, _short().SHORT)
-    short = np.zeros(len(constants), _short().SHORT)
+    if edges is None:
+        last = np.where(near, rows, 0.0).max(axis=1)
+        spans = np.clip(np.ceil(last / np.maximum(span, 1e-300)).astype(np.int64), 1, spans)
+    short = np.zeros(len(constants) + 2 * int(np.sum(spans - 1)), _short().SHORT)
     given = evaluation.writable(constants), evaluation.writable(tangents)
-    _short().short_setup(*given, reach, short)
+    _short().short_setup(*given, span, spans, short)
     return short
 
 

@@ -3,7 +3,7 @@
 Given
     constants  (B,) of records.CONSTANTS; those of another form are skipped
     tangents   (B,) of records.TANGENTS
-    short      (B,) of short_times, or (0,) if no epoch is within its reach
+    short      records of short_times, or (0,) if no epoch is within its reach
     t          (1 or B, T) seconds since the epoch of the state
     t_low      a second double of the seconds, in the same shape, or (1, 0) where there is none:
                None would be another type, for which each loop would be compiled anew
@@ -68,7 +68,14 @@ from attitude._solver.records import (
     TURNS,
 )
 from attitude._solver.series import four
-from attitude._solver.short_times import any_near, near_column, near_rate_column
+from attitude._solver.short_times import (
+    MOST_SPANS,
+    any_near,
+    fill_slow,
+    near_column,
+    near_rate_column,
+    span_of,
+)
 from attitude._solver.tangents import (
     fill_hyperbolic,
     fill_rates,
@@ -89,6 +96,8 @@ from attitude._solver.uniform_tangents import (
 )
 
 # ---- Set-up of the sensitivity: one record of `TANGENTS` for each motion
+# Terms so many times as large as their sum leave errors above 4e-15 of it.
+_CANCELS = 4.0
 
 
 @slowly_compiled
@@ -116,6 +125,7 @@ def tumbling_setup(moments, wxyz, principal, constants, tangents, block):
     Filled
         tangents   (B,) of records.TANGENTS, zeros at first
     """
+    epochs = np.zeros(2 * MOST_SPANS - 1)
     for b in range(len(constants)):
         c, d = constants[b], tangents[b]
         if c.fault == codes.FINE and c.form != codes.UNIFORM:
@@ -127,20 +137,41 @@ def tumbling_setup(moments, wxyz, principal, constants, tangents, block):
             _invariant(c.frame, d.invariant)
             _weights(c, d)
             fill_rates(c, d)
-            epoch = block[FOUND : FOUND + 1]
-            epoch[0] = 0.0
+            count = 1
             if c.form == codes.TRIGONOMETRIC:
-                fill_trigonometric(c, d.series, d.upright)
-                trigonometric_block(c, d, epoch, None, block)
+                fill_trigonometric(c, d.series, d.upright, False)
+                fill_slow(c, d)
+                count, span = len(epochs), span_of(c)
+                for k in range(1, MOST_SPANS):
+                    epochs[2 * k - 1], epochs[2 * k] = k * span, -k * span
+                trigonometric_block(c, d, epochs, None, block)
             else:
                 fill_hyperbolic(c, d, d.series, d.upright)
-                hyperbolic_block(c, d, epoch, None, block)
+                hyperbolic_block(c, d, epochs[:1], None, block)
                 d.passed, block[PASSED] = block[PASSED], 0.0
-            x, y, z = found_rows(block, 1)
+            x, y, z = found_rows(block, count)
+            d.spans = 1
             for j in range(COLUMNS):
                 attitude_column(d, j, block, x, y, z)
                 for k in range(3):
                     d.offset[k, j] = (1.0 if j == k else 0.0) - block[FOUND + k * BLOCK]
+                if j >= TURNS and d.slow[0] == 0.0:
+                    d.spans = max(d.spans, _spans(d, j, epochs[:count], block))
+
+
+@subroutine
+def _spans(d, j, epochs, block):
+    """The spans of `short_times` beyond which the terms of a column no longer cancel."""
+    weights, spans = d.weights, 1
+    still = abs(weights[PHASE, j]) + abs(weights[SECOND, j]) + abs(weights[THIRD, j])
+    grows = abs(weights[RATE, j]) + abs(weights[TIME, j])
+    for i in range(1, len(epochs)):
+        x = abs(block[FOUND + i] + d.offset[0, j])
+        y = abs(block[FOUND + BLOCK + i] + d.offset[1, j])
+        z = abs(block[FOUND + 2 * BLOCK + i] + d.offset[2, j])
+        if still + grows * abs(epochs[i]) > _CANCELS * max(x, y, z):
+            spans = 1 + (i + 1) // 2
+    return spans
 
 
 @subroutine
@@ -309,7 +340,7 @@ def _store(d, short, b, near, block, span, attitude):
             continue
         attitude_column(d, j, block, x, y, z)
         if near:
-            near_column(d, short[b], j, block, x, y, z)
+            near_column(d, short, b, j, block, x, y, z)
 
 
 @force_inlined
@@ -351,7 +382,7 @@ def _store_rates(c, d, short, b, near, block, span, omega):
             continue
         rate_column(c, d, j, block, x, y, z)
         if near:
-            near_rate_column(short[b], j, block, x, y, z)
+            near_rate_column(short, b, j, block, x, y, z)
 
 
 @slowly_compiled
@@ -380,10 +411,10 @@ def uniform(constants, tangents, short, t, t_low, block, attitude, omega, edges)
             if near:
                 for j in range(columns):
                     x, y, z = rows_of(attitude, o, j, start, stop)
-                    near_column(d, short[b], j, block, x, y, z)
+                    near_column(d, short, b, j, block, x, y, z)
                     if omega is not None:
                         x, y, z = rows_of(omega, o, j, start, stop)
-                        near_rate_column(short[b], j, block, x, y, z)
+                        near_rate_column(short, b, j, block, x, y, z)
     return -1
 
 
@@ -477,13 +508,13 @@ def _sum(c, d, short, b, near, block, n, rates):
     for j in range(COLUMNS):
         attitude_column(d, j, block, x, y, z)
         if near:
-            near_column(d, short[b], j, block, x, y, z)
+            near_column(d, short, b, j, block, x, y, z)
         add_products(n, block)
         if rates:
             keep_turn(n, block)
             rate_column(c, d, j, block, x, y, z)
             if near:
-                near_rate_column(short[b], j, block, x, y, z)
+                near_rate_column(short, b, j, block, x, y, z)
             add_products_of_rates(n, block)
 
 
@@ -510,13 +541,13 @@ def uniform_covariance(constants, tangents, short, t, t_low, block, out, edges):
             for j in range(COLUMNS):
                 uniform_column(d, j, block, x, y, z)
                 if near:
-                    near_column(d, short[b], j, block, x, y, z)
+                    near_column(d, short, b, j, block, x, y, z)
                 add_products(n, block)
                 if rates:
                     keep_turn(n, block)
                     uniform_rate_column(d, j, block, x, y, z)
                     if near:
-                        near_rate_column(short[b], j, block, x, y, z)
+                        near_rate_column(short, b, j, block, x, y, z)
                     add_products_of_rates(n, block)
             copy_sums(block, o, 0, start, stop, out)
     return -1

@@ -2,7 +2,7 @@
 
 Where the polhode is slow, beside a sphere or the equator of a symmetric body, the elements change
 strongly with the moments, and the columns of columns are small differences of large
-numbers.  Within a quarter of the radius of convergence, K'/wp, or less, the changes are polynomials
+numbers.  Within 0.22 of the radius of convergence, K'/wp, or less, the changes are polynomials
 in t:
 
     w' = c w w,    (dw)' = c (dw w + w dw) + dc w w,    zeta' = n dw,    n = L/|L|
@@ -25,38 +25,75 @@ import numpy as np
 from attitude._compilation.decorators import force_inlined, slowly_compiled, subroutine
 from attitude._compilation.instructions import fma
 from attitude._solver import codes
-from attitude._solver.derivatives import state_of
+from attitude._solver.derivatives import ellipticity, state_of
 from attitude._solver.elliptic import integrals
 from attitude._solver.kernel import turned_by, unit
-from attitude._solver.records import BLOCK, COLUMNS, SECONDS, WXYZ
-from attitude._solver.series import four
+from attitude._solver.records import (
+    ARGUMENTS,
+    BLOCK,
+    COLUMNS,
+    PHASE,
+    RATE,
+    SECOND,
+    SECONDS,
+    THIRD,
+    WXYZ,
+)
+from attitude._solver.series import four, sincos
+from attitude._solver.tangents import fast_vectors, fill_trigonometric, in_inertial
+from attitude._solver.twofloat import pair, scale, sub
 from attitude._solver.uniform_tangents import couplings_of, forced
 
-# Beyond, the terms are below 0.25^28 = 1e-17 of the first.
+# Beyond, the terms, which have poles of third order, are below 28^2 0.22^28 = 3e-16 of the first.
 TERMS = 28
-_SHARE = 0.25
+_SHARE = 0.22
 # K' counts as no more than this: the functions of a symmetric body have no pole, but their products
-# have twice the frequency, and a term of this order below 1e-17 of the largest within 0.9 rad.
+# have twice the frequency, and a term of this order below 1e-17 of the largest within 0.8 rad.
 _FARTHEST = 3.6
+# Series to either side, each about the end of that before, of motions whose terms cancel longest:
+# up to 2.2 K'/wp.
+MOST_SPANS = 10
+# The precession of a needle over the turns about its length, and its ellipticity, below which the
+# precession is slow, and the angle (rad) within which it cancels.
+_SLOW = 0.1
+_FAR = 2.5
 
 # Rows of a series: M x dM (3) and change of the angular velocity (3) over the body axes, zeta, and
 # eta (3) over the inertial axes.
 ROWS_OF_SERIES = 10
 _ZETA, _ETA = 6, 7
 
+# The first B records are those of B motions; those of the spans that follow stand after them, the
+# later ones of a motion first, then the earlier ones.
 SHORT: np.dtype[np.void] = np.dtype(
     [
-        ("reach", "f8"),
+        ("reach", "f8"),  # seconds to either side within which the series of the motion hold
+        ("span", "f8"),  # seconds to either side of its centre within which one series holds
+        ("centre", "f8"),  # seconds
+        ("spans", "i8"),  # series to either side, that of the epoch counted in both
+        ("next", "i8"),  # the record of the span after that of the epoch
+        ("motion", "i8"),
         ("soon", "f8"),  # within so many seconds by the series of eta, in units of them
+        # a needle: series without slow parts and the slow one at the epoch, its x and y; what the
+        # series give at the epoch, and their change with time there
+        ("fast", "f8", (8, 5)),
+        ("lead", "f8", 2),
+        ("first", "f8", (3, 3)),
+        ("drift", "f8", (3, 3)),
         ("wxyz", "f8", 4),  # attitude at the epoch
         ("series", "f8", (ROWS_OF_SERIES, COLUMNS, TERMS)),
     ]
 )
 
+# Rows of a state: angular velocity, its change with each parameter and zeta, and by how much half
+# of its squares have dropped since the epoch; over the principal axes.
+_CHANGES, _DROPS = 1, 1 + COLUMNS
+_ROWS_OF_STATE = 2 + COLUMNS
+
 
 @slowly_compiled
-def reaches(constants, out):
-    """Fill the seconds (B,) to either side of the epoch within which the series hold; -1: never."""
+def spans_of(constants, out):
+    """Fill the seconds (B,) to either side of the epoch within which one series holds; -1: none."""
     for b in range(len(constants)):
         c = constants[b]
         out[b] = -1.0
@@ -68,33 +105,72 @@ def reaches(constants, out):
             if speed > 0.0:
                 out[b] = math.ldexp(1.0 / speed, -c.tempo)
         else:
-            state = state_of(c)
-            speed, (m, mc) = state[6], state[7]
-            quarter = _FARTHEST
-            if m > 1e-9:
-                quarter = min(quarter, integrals(mc, m)[0])
-            out[b] = math.ldexp(_SHARE * quarter / speed, -c.tempo)
+            out[b] = span_of(c)
 
 
 @slowly_compiled
-def short_setup(constants, tangents, reach, out):
-    """Fill the series (B,) of SHORT of those of B motions that are not at rest; reach (B,) of
-    `reaches`.
-    """
-    w, dw = np.zeros((3, TERMS)), np.zeros((3, TERMS))
-    momentum, turn = np.zeros((3, TERMS)), np.zeros((3, 3, TERMS))
-    for b in range(len(constants)):
-        c, d, s = constants[b], tangents[b], out[b]
-        s.reach = reach[b]
-        if reach[b] > 0.0:
-            moments = 1.0 / d.inverse[0], 1.0 / d.inverse[1], 1.0 / d.inverse[2]
-            _start(c, s)
-            _fill(c, d, moments, w, dw, momentum, turn, s)
+def reaches(tangents, by_series, out):
+    """Fill the seconds (B,) within which the series hold, or a needle precesses slowly."""
+    for b in range(len(tangents)):
+        out[b] = max(by_series[b], slow_reach(tangents[b]))
 
 
 @subroutine
-def _start(c, s):
-    """Fill the attitude at the epoch, and within which time it turns by a radian."""
+def span_of(c):
+    """The seconds to either side of an epoch within which a series of a tumbling motion holds."""
+    state = state_of(c)
+    speed, (m, mc) = state[6], state[7]
+    quarter = _FARTHEST
+    if m > 1e-9:
+        quarter = min(quarter, integrals(mc, m)[0])
+    return math.ldexp(_SHARE * quarter / speed, -c.tempo)
+
+
+@slowly_compiled
+def short_setup(constants, tangents, span, spans, out):
+    """Fill the series of SHORT of those of B motions that are not at rest.
+
+    Given
+        span   (B,) of `spans_of`
+        spans  (B,) number of series to either side
+    Filled
+        out    (B + sum of 2 (spans - 1),)
+    """
+    w, dw = np.zeros((3, TERMS)), np.zeros((3, TERMS))
+    momentum, turn = np.zeros((3, TERMS)), np.zeros((3, 3, TERMS))
+    state, ends = np.zeros((_ROWS_OF_STATE, 4)), np.zeros((2, _ROWS_OF_STATE, 4))
+    again = np.zeros((2, _ROWS_OF_STATE, 4))
+    place = len(constants)
+    for b in range(len(constants)):
+        c, d, s = constants[b], tangents[b], out[b]
+        s.span, s.spans, s.next, s.motion = span[b], spans[b], place, b
+        s.reach = max(span[b] * spans[b], slow_reach(d))
+        if span[b] <= 0.0:
+            continue
+        moments = 1.0 / d.inverse[0], 1.0 / d.inverse[1], 1.0 / d.inverse[2]
+        _start(c, d, s, state)
+        if d.slow[0] != 0.0:
+            _fill_fast(c, d, s)
+        _fill(c, d, moments, state, w, dw, momentum, ends, s)
+        _turn(d, w, turn, s)
+        for j in range(COLUMNS):
+            _store_eta(d, turn, dw, j, s)
+        for side in range(2):
+            state[:] = ends[side]
+            for k in range(1, spans[b]):
+                later = out[place]
+                later.span, later.motion = span[b], b
+                later.centre = span[b] * (k if side == 0 else -k)
+                for j in range(COLUMNS):
+                    later.series[_ZETA, j, 1] = s.series[_ZETA, j, 1] if j < 6 else 0.0
+                _fill(c, d, moments, state, w, dw, momentum, again, later)
+                state[:] = again[side]
+                place += 1
+
+
+@subroutine
+def _start(c, d, s, state):
+    """Fill the attitude at the epoch, within which time it turns by a radian, and the state."""
     internal = unit(four(c.internal))
     for k in range(4):
         row = four(c.frame[k])
@@ -102,7 +178,16 @@ def _start(c, s):
         s.wxyz[k] += row[2] * internal[2] + row[3] * internal[3]
         if c.form == codes.UNIFORM:
             s.wxyz[k] = c.frame[0, k]
-    s.soon = min(s.reach, math.ldexp(1.0 / _speed(c), -c.tempo))
+    s.soon = min(s.span, math.ldexp(1.0 / _speed(c), -c.tempo))
+    state[:] = 0.0
+    lx, ly, lz = d.momentum[0], d.momentum[1], d.momentum[2]
+    over = s.span / math.sqrt(lx * lx + ly * ly + lz * lz)
+    for i in range(3):
+        state[0, i] = math.ldexp(c.omega[i, 0], c.tempo)
+        for j in range(3, 6):
+            state[_CHANGES + j, i] = d.principal[j - 3, i]
+            # n dw by the energy, whose change is that of the epoch, I w dw
+            s.series[_ZETA, j, 1] += over * state[0, i] / d.inverse[i] * d.principal[j - 3, i]
 
 
 @subroutine
@@ -113,26 +198,25 @@ def _speed(c):
 
 
 @subroutine
-def _fill(c, d, moments, w, dw, momentum, turn, s):
+def _fill(c, d, moments, state, w, dw, momentum, ends, s):
+    """Fill a series from the state at its centre, and the states at its later and earlier end."""
     pairs = couplings_of(c)
     k = pairs[0][0], pairs[1][0], pairs[2][0]
-    span = s.reach
     for i in range(3):
-        w[i, 0] = math.ldexp(c.omega[i, 0], c.tempo)
+        w[i, 0] = state[0, i]
     for n in range(TERMS - 1):
-        over = span / (n + 1.0)
+        over = s.span / (n + 1.0)
         for i in range(3):
             w[i, n + 1] = over * k[i] * _product(w, w, (i + 1) % 3, (i + 2) % 3, n)
-    _turn(d, w, turn, s)
     size = math.sqrt(d.momentum[0] ** 2 + d.momentum[1] ** 2 + d.momentum[2] ** 2)
-    for j in range(COLUMNS):
-        if j < 3:
-            s.series[_ETA + j, j, 0] = 1.0
-            continue
+    for side in range(2):
         for i in range(3):
-            dw[i, 0] = d.principal[j - 3, i] if j < 6 else 0.0
+            ends[side, 0, i] = _at_end(w, i, side)
+    for j in range(3, COLUMNS):
+        for i in range(3):
+            dw[i, 0] = state[_CHANGES + j, i]
         for n in range(TERMS - 1):
-            over = span / (n + 1.0)
+            over = s.span / (n + 1.0)
             for i in range(3):
                 one, two = (i + 1) % 3, (i + 2) % 3
                 more = _product(dw, w, one, two, n) + _product(w, dw, one, two, n)
@@ -141,8 +225,20 @@ def _fill(c, d, moments, w, dw, momentum, turn, s):
                     change = forced(k, (1.0, 1.0, 1.0), moments, j - 6)
                     more += change[i] * _product(w, w, one, two, n)
                 dw[i, n + 1] = over * more
-        _store(d, moments, w, dw, momentum, j, size, s)
-        _store_eta(dw, turn, j, s)
+        _store(d, moments, w, dw, momentum, j, s)
+        _store_zeta(w, j, size, state, ends, s)
+        for side in range(2):
+            for i in range(3):
+                ends[side, _CHANGES + j, i] = _at_end(dw, i, side)
+
+
+@subroutine
+def _at_end(a, i, side):
+    """The sum of a series at its later (0) or earlier end (1)."""
+    total, x = a[i, TERMS - 1], 1.0 if side == 0 else -1.0
+    for n in range(TERMS - 2, -1, -1):
+        total = total * x + a[i, n]
+    return total
 
 
 @subroutine
@@ -153,7 +249,7 @@ def _turn(d, w, turn, s):
         column = turned_by(start, (d.principal[0, j], d.principal[1, j], d.principal[2, j]))
         for i in range(3):
             turn[i, j, 0] = column[i]
-    share = s.soon / s.reach
+    share = s.soon / s.span
     for n in range(TERMS - 1):
         over = s.soon / (n + 1.0)
         for i in range(3):
@@ -168,17 +264,33 @@ def _turn(d, w, turn, s):
 
 
 @subroutine
-def _store_eta(dw, turn, j, s):
+def _store_eta(d, turn, dw, j, s):
     """Fill the series of eta in t / s.soon: eta' = R dw."""
-    share = s.soon / s.reach
+    if j < 3:
+        s.series[_ETA + j, j, 0] = 1.0
+        return
+    share, power = s.soon / s.span, 1.0
+    for k in range(TERMS):
+        x, y, z = s.series[3, j, k], s.series[4, j, k], s.series[5, j, k]
+        for m in range(3):
+            change = d.principal[0, m] * x + d.principal[1, m] * y + d.principal[2, m] * z
+            dw[m, k] = power * change
+        power *= share
     for n in range(TERMS - 1):
         for i in range(3):
-            total, power = 0.0, 1.0
-            for k in range(n + 1):
-                for m in range(3):
-                    total += power * dw[m, k] * turn[i, m, n - k]
-                power *= share
+            total = 0.0
+            for m in range(3):
+                total += _along(dw[m], turn[i, m], n)
             s.series[_ETA + i, j, n + 1] = s.soon / (n + 1.0) * total
+
+
+@subroutine
+def _along(a, b, n):
+    """Coefficient n of the product of two series of one row."""
+    total = 0.0
+    for k in range(n + 1):
+        total += a[k] * b[n - k]
+    return total
 
 
 @subroutine
@@ -191,7 +303,7 @@ def _product(a, b, i, j, n):
 
 
 @subroutine
-def _store(d, moments, w, dw, momentum, j, size, s):
+def _store(d, moments, w, dw, momentum, j, s):
     """Fill the series of one column from those over the principal axes."""
     for n in range(TERMS):
         for i in range(3):
@@ -204,14 +316,28 @@ def _store(d, moments, w, dw, momentum, j, size, s):
             for k in range(3):
                 s.series[k, j, n] += d.principal[k, i] * across
                 s.series[3 + k, j, n] += d.principal[k, i] * dw[i, n]
-    # n dw by the energy, whose change is constant: I w dw + w^2 dI / 2 is that of the epoch
-    if j < 6:
-        for i in range(3):
-            s.series[_ZETA, j, 1] += s.reach / size * moments[i] * w[i, 0] * dw[i, 0]
-    else:
-        for n in range(1, TERMS - 1):
-            change = -0.5 * _product(w, w, j - 6, j - 6, n)
-            s.series[_ZETA, j, n + 1] = s.reach * change / (size * (n + 1.0))
+
+
+@subroutine
+def _store_zeta(w, j, size, state, ends, s):
+    """Fill the series of zeta of one column: n dw by the energy, whose change is constant.
+
+    For velocities I w dw is that of the epoch, for moments I w dw + w^2/2 is.
+    """
+    s.series[_ZETA, j, 0] = state[_CHANGES + j, 3]
+    if j >= 6:
+        m = j - 6
+        s.series[_ZETA, j, 1] = s.span / size * state[_DROPS, m]
+        for side in range(2):
+            ends[side, _DROPS, m] = state[_DROPS, m]
+        for n in range(1, TERMS):
+            change = -0.5 * _product(w, w, m, m, n)
+            ends[0, _DROPS, m] += change
+            ends[1, _DROPS, m] += change if n % 2 == 0 else -change
+            if n < TERMS - 1:
+                s.series[_ZETA, j, n + 1] = s.span * change / (size * (n + 1.0))
+    for side in range(2):
+        ends[side, _CHANGES + j, 3] = _at_end(s.series[_ZETA], j, side)
 
 
 @subroutine
@@ -231,9 +357,113 @@ def _sum(series, row, j, x):
     return total
 
 
+@subroutine
+def fill_slow(c, d):
+    """Fill the precession of a needle where it is slow beside the turns about its length."""
+    slow = sub(scale(pair(c.precession), 2.0), pair(c.nutation))
+    if abs(slow[0]) < _SLOW * abs(c.nutation[0]) and ellipticity(c)[0] < _SLOW:
+        d.slow[0], d.slow[1] = slow
+
+
+@subroutine
+def slow_reach(d):
+    """The seconds to either side of the epoch within which a needle precesses by `_FAR` at most.
+
+    -1 of other motions.
+    """
+    if d.slow[0] == 0.0:
+        return -1.0
+    return _FAR / (2.0 * math.pi * abs(d.slow[0]))
+
+
+@subroutine
+def _fill_fast(c, d, s):
+    """Fill what `_slow_column` needs."""
+    size = fill_trigonometric(c, s.fast, d.upright, True)
+    sn, cn = sincos(c.nutation0[0], c.nutation0[1])
+    s.lead[0], s.lead[1] = size * cn, -size * sn
+    first, slopes = fast_vectors(s.fast, d.upright, sn, cn)
+    turning, phase = 4.0 * math.pi * c.precession[0], 2.0 * math.pi * c.nutation[0]
+    for k in range(3):
+        v, dv = first[k], slopes[k]
+        change = phase * dv[0] - turning * v[1], phase * dv[1] + turning * v[0], phase * dv[2]
+        v, change = (
+            in_inertial(d.invariant, 0.0, 1.0, v),
+            in_inertial(d.invariant, 0.0, 1.0, change),
+        )
+        for i in range(3):
+            s.first[k, i], s.drift[k, i] = v[i], change[i]
+
+
+@subroutine
+def _slow_column(d, s, j, t, arguments):
+    """The change of attitude of a needle, early in its precession.
+
+    The columns begin with t R0 dw.  So the two elements that grow with time leave what grows, and
+    of each vector B there remains B(t) - B(0) - t B'(0).  That is as small as the column, and is
+    computed as such for the slow part of B.
+    """
+    sn, cn, sine, cosine = arguments
+    rate, start = d.weights[RATE, j] * t, d.weights[PHASE, j]
+    second, third = d.weights[SECOND, j], d.weights[THIRD, j]
+    angle = 2.0 * math.pi * fma(d.slow[0], t, d.slow[1] * t)
+    half = math.sin(0.5 * angle)
+    down, across, beyond = -2.0 * half * half, math.sin(angle), _sine_less_angle(angle)
+    x, y = s.lead[0], s.lead[1]
+    left_x, left_y = x * down - y * beyond, x * beyond + y * down
+    slow = (
+        start * left_x - second * left_y + rate * (x * down - y * across),
+        start * left_y + second * left_x + rate * (x * across + y * down),
+        0.0,
+    )
+    slow = in_inertial(d.invariant, 0.0, 1.0, slow)
+    vectors, _ = fast_vectors(s.fast, d.upright, sn, cn)
+    one = in_inertial(d.invariant, sine, cosine, vectors[0])
+    two = in_inertial(d.invariant, sine, cosine, vectors[1])
+    three = in_inertial(d.invariant, sine, cosine, vectors[2])
+    return (
+        _of_needle(s, j, 0, t, (rate, start, second, third), slow[0], (one[0], two[0], three[0])),
+        _of_needle(s, j, 1, t, (rate, start, second, third), slow[1], (one[1], two[1], three[1])),
+        _of_needle(s, j, 2, t, (rate, start, second, third), slow[2], (one[2], two[2], three[2])),
+    )
+
+
+@subroutine
+def _of_needle(s, j, i, t, weights, slow, fast):
+    """One component of `_slow_column`."""
+    rate, start, second, third = weights
+    change = fast[0] - s.first[0, i]
+    total = slow + rate * change + start * (change - t * s.drift[0, i])
+    total += second * (fast[1] - s.first[1, i] - t * s.drift[1, i])
+    total += third * (fast[2] - s.first[2, i] - t * s.drift[2, i])
+    return total + t / s.soon * s.series[_ETA + i, j, 1] + s.series[_ETA + i, j, 0]
+
+
+@subroutine
+def _sine_less_angle(x):
+    """sin x - x."""
+    if abs(x) > 1.0:
+        return math.sin(x) - x
+    square, total = x * x, 1.0
+    for n in range(9, 1, -1):
+        total = 1.0 - square / (2.0 * n * (2.0 * n + 1.0)) * total
+    return -x * square / 6.0 * total
+
+
+@subroutine
+def _record(short, b, t):
+    """The record of the span that an epoch within reach is in."""
+    s = short[b]
+    if abs(t) <= s.span:
+        return b
+    k = min(int(abs(t) / s.span), s.spans - 1)
+    return s.next + k - 1 + (s.spans - 1 if t < 0.0 else 0)
+
+
 @force_inlined
-def near_column(d, s, j, block, x, y, z):
+def near_column(d, short, b, j, block, x, y, z):
     """Replace the change of attitude at the epochs within reach (columns)."""
+    s = short[b]
     lx, ly, lz = d.momentum[0], d.momentum[1], d.momentum[2]
     squared = lx * lx + ly * ly + lz * lz
     over, length = 1.0 / squared, 1.0 / math.sqrt(squared)
@@ -246,25 +476,31 @@ def near_column(d, s, j, block, x, y, z):
             x[i] = _sum(s.series, _ETA, j, at)
             y[i] = _sum(s.series, _ETA + 1, j, at)
             z[i] = _sum(s.series, _ETA + 2, j, at)
-        elif abs(t) <= s.reach:
-            at = t / s.reach
-            now = _sum(s.series, 0, j, at), _sum(s.series, 1, j, at), _sum(s.series, 2, j, at)
+        elif abs(t) <= s.span * s.spans:
+            span = short[_record(short, b, t)]
+            series, at = span.series, (t - span.centre) / span.span
+            now = _sum(series, 0, j, at), _sum(series, 1, j, at), _sum(series, 2, j, at)
             qw, qx = block[WXYZ + i], block[WXYZ + BLOCK + i]
             qy, qz = block[WXYZ + 2 * BLOCK + i], block[WXYZ + 3 * BLOCK + i]
             now = turned_by((qw, qx, qy, qz), now)
-            zeta = length * _sum(s.series, _ZETA, j, at)
+            zeta = length * _sum(series, _ZETA, j, at)
             x[i] = fma(over, first[0] - now[0], fma(zeta, lx, s.series[_ETA, j, 0]))
             y[i] = fma(over, first[1] - now[1], fma(zeta, ly, s.series[_ETA + 1, j, 0]))
             z[i] = fma(over, first[2] - now[2], fma(zeta, lz, s.series[_ETA + 2, j, 0]))
+        elif abs(t) <= s.reach:
+            sn, cn = block[ARGUMENTS + i], block[ARGUMENTS + BLOCK + i]
+            sine, cosine = block[ARGUMENTS + 2 * BLOCK + i], block[ARGUMENTS + 3 * BLOCK + i]
+            x[i], y[i], z[i] = _slow_column(d, s, j, t, (sn, cn, sine, cosine))
 
 
 @force_inlined
-def near_rate_column(s, j, block, x, y, z):
+def near_rate_column(short, b, j, block, x, y, z):
     """Replace the change of the angular velocity at the epochs within reach."""
     for i in range(len(x)):
         t = block[SECONDS + i]
-        if abs(t) <= s.reach:
-            at = t / s.reach
-            x[i] = _sum(s.series, 3, j, at)
-            y[i] = _sum(s.series, 4, j, at)
-            z[i] = _sum(s.series, 5, j, at)
+        if abs(t) <= short[b].span * short[b].spans:
+            span = short[_record(short, b, t)]
+            at = (t - span.centre) / span.span
+            x[i] = _sum(span.series, 3, j, at)
+            y[i] = _sum(span.series, 4, j, at)
+            z[i] = _sum(span.series, 5, j, at)

@@ -403,14 +403,21 @@ def _store_changes(axes, by_phase, w, change, block, i):
 
 
 @subroutine
-def fill_trigonometric(c, series, upright):
+def fill_trigonometric(c, series, upright, fast):
     """Fill eight series in cos 2v and three factors along the momentum.
+
+    Given
+        fast     whether to leave out a exp(-iv) and i a exp(-iv) of x + i y of the first two
+                 vectors, which turn with the slow precession of a needle
 
     Filled
         series   over theta4(v | q), which is the first: T without its factor sin 2v; then x and y
                  of the vectors by v, ln rho and X, without their factors cos v, sin v of the first
                  and sin v, cos v of the others
         upright  z of the first vector, and what T is multiplied by in the others
+
+    Returned
+        a
     """
     x, one_minus_x, rho, s = ellipticity(c)
     nome, square = s * x * x, rho * rho
@@ -433,7 +440,6 @@ def fill_trigonometric(c, series, upright):
         -0.5 * both / norm,
     )
     # theta4(v | q) and T: term = (-1)^k rho^(2k^2) X^(k^2-1)
-    series[0, 0] = 1.0
     term, step, odd = -square, s * square, x
     for k in range(1, 5):
         for j in range(5):
@@ -444,16 +450,19 @@ def fill_trigonometric(c, series, upright):
         step *= s
     # term = s^(n (n+1) / 2) X^(n^2), lower = term / X
     term, lower, step = 2.0 * rho * at_zero * at_zero * product / norm, 0.0, s
-    even, loss = 1.0, one_minus_x
+    even, loss, slow = 1.0, one_minus_x, -term
     for n in range(5):
         k, odd = 2.0 * n + 1.0, even * x
         less, more = n * lower, (n + 1.0) * term * even
+        both, apart = 1.0 + odd, loss
+        if fast and n == 0:
+            both, apart = odd, -odd
         for j in range(5):
             cosine, sine = COS_ODD[n, j], SIN_ODD[n, j]
-            series[2, j] -= term * (1.0 + odd) * cosine
-            series[3, j] += term * loss * sine
-            series[4, j] -= k * term * (1.0 + odd) * sine
-            series[5, j] -= k * term * loss * cosine
+            series[2, j] -= term * both * cosine
+            series[3, j] += term * apart * sine
+            series[4, j] -= k * term * both * sine
+            series[5, j] -= k * term * apart * cosine
             series[6, j] -= (more + less) * sine
             series[7, j] += (more - less) * cosine
         lower = term * step * even
@@ -461,6 +470,54 @@ def fill_trigonometric(c, series, upright):
         step *= s
         loss += odd * (1.0 + x) * one_minus_x
         even *= x * x
+    for j in range(5):
+        if fast:
+            series[2, j] -= slow * series[0, j]
+            series[3, j] += slow * series[0, j]
+            series[4, j] -= slow * series[0, j]
+            series[5, j] -= slow * series[0, j]
+    series[0, 0] += 1.0
+    return slow
+
+
+@subroutine
+def fast_vectors(series, upright, sn, cn):
+    """The three vectors at a phase from series without slow parts, and their derivatives by it."""
+    x, slope_of_x = fma(-2.0 * sn, sn, 1.0), -4.0 * sn * cn
+    below, less = _with_slope(series[0], x)
+    over = 1.0 / below
+    less *= over * slope_of_x
+    by_sine, by_cosine, by_both = (sn, cn), (cn, -sn), (2.0 * sn * cn, 2.0 * x)
+    z, dz = _quotient(series[1], x, slope_of_x, by_both, over, less)
+    a, da = _quotient(series[2], x, slope_of_x, by_cosine, over, less)
+    b, db = _quotient(series[3], x, slope_of_x, by_sine, over, less)
+    e, de = _quotient(series[4], x, slope_of_x, by_sine, over, less)
+    f, df = _quotient(series[5], x, slope_of_x, by_cosine, over, less)
+    g, dg = _quotient(series[6], x, slope_of_x, by_sine, over, less)
+    h, dh = _quotient(series[7], x, slope_of_x, by_cosine, over, less)
+    values = (a, b, 0.0), (e, f, upright[1] * z), (g, h, upright[2] * z)
+    return values, ((da, db, 0.0), (de, df, upright[1] * dz), (dg, dh, upright[2] * dz))
+
+
+@subroutine
+def _with_slope(c, x):
+    """A quartic and its derivative."""
+    slope = fma(fma(fma(4.0 * c[4], x, 3.0 * c[3]), x, 2.0 * c[2]), x, c[1])
+    return quartic(_five(c), x), slope
+
+
+@subroutine
+def _quotient(c, x, slope_of_x, factor, over, less):
+    """factor times a quartic over theta4, and its derivative by v."""
+    above, slope = _with_slope(c, x)
+    value = factor[0] * above * over
+    return value, over * (factor[1] * above + factor[0] * slope * slope_of_x) - value * less
+
+
+@subroutine
+def in_inertial(invariant, sine, cosine, v):
+    """A vector of the axes that turn by twice the angle of this sine and cosine, inertial axes."""
+    return _applied(_precessed(_matrix(invariant), sine, cosine), v)
 
 
 @subroutine
