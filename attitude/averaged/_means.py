@@ -228,7 +228,7 @@ def dipole(torque: MagneticDipole, body: Body, axes: Axes, degree: int) -> list[
     table = _nutations(axes)
     means = np.zeros((4, len(table[0].p), 8))
     for region, n in enumerate(table):
-        means[region, :, 7] = 2.0 * n.along @ over
+        means[region, :, 7] = n.along @ over
     arcs = np.zeros((4, 8))
     points, seconds, gamma, pq = _on_arcs(axes)
     arcs[:, 5] = np.sum(np.cross(over, points) * points * gamma, axis=2) @ seconds / pq

@@ -4,8 +4,9 @@ The state is L (3,) in N m s over ICRF axes and y (`_polhode`).  Each mean of a 
 `models` with a table in `data` and numbers of the epoch in `forcing`:
 
 HARMONICS   a torque that is a function of one direction u in the body: for each degree l the means
-            of l . N_l, gamma l . N_l / (p (1 - p)), N_l . grad, N_l . (l x grad) over the polhode.
-            The precession multiplies them by P_l(c) and P_l'(c), c = l . s, and nothing else.
+            of l . N_l, gamma l . N_l / (p (1 - p)), N_l . grad, N_l . (l x grad) over the polhode,
+            times `_tables.weights`.  The precession multiplies them by P_l(c) and P_l'(c),
+            c = l . s, and nothing else.
 TENSOR      a torque that is linear in a tensor T over inertial axes: ten numbers, as `TensorMean`.
 TORUS       any torque: evaluated at nodes of the nutation and of the precession.
 
@@ -15,7 +16,7 @@ The factor |L|^exponent is that of all numbers of a table.
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -35,6 +36,9 @@ from attitude.averaged._polhode import (
     jacobi,
     theta_constants,
 )
+
+if TYPE_CHECKING:
+    from attitude._support.annotations import FloatArray
 
 HARMONICS: Final = 0
 TENSOR: Final = 1
@@ -61,7 +65,11 @@ MODEL_ENTRIES: Final = 16
 TABLE_START: Final = AXES_ENTRIES  # entries of data: first x, step, intervals
 TABLE_STEP: Final = AXES_ENTRIES + 1
 TABLE_COUNT: Final = AXES_ENTRIES + 2
-DATA_START: Final = AXES_ENTRIES + 3
+# Of the recursions of P_n and of P_n' with the highest coefficient 1: the factors of the last but
+# one of them, by degree.
+RECURSIONS: Final = AXES_ENTRIES + 3
+MOST: Final = 65
+DATA_START: Final = AXES_ENTRIES + 3 + 2 * MOST
 # Head of a block of `forcing`: first second, step, intervals (0: constant).
 HEAD: Final = 3
 # Scratch: rows of the recursion of Legendre's functions, then the numbers of an epoch.
@@ -82,6 +90,14 @@ ROW_ENTRIES: Final = 25
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
+def recursions() -> FloatArray:
+    """The factors (2 MOST,) of Clenshaw's sums: of P_n for n + 1, and of P_n' for n (DLMF 18.9)."""
+    n = np.arange(float(MOST))
+    legendre = (n + 1.0) ** 2 / (4.0 * (n + 1.0) ** 2 - 1.0)
+    slopes = n * (n + 2.0) / ((2.0 * n + 1.0) * (2.0 * n + 3.0))
+    return np.concatenate([legendre, slopes])
+
+
 @subroutine
 def place(data, y, region):
     """Interval of the tables, and the distance into it."""
@@ -99,11 +115,13 @@ def place(data, y, region):
 def interpolated(data, start, columns, region, interval, d, count, work, first):
     """Fill columns of a table at a place into work[first:]."""
     base = start + ((region * count + interval) * 4) * columns
+    # slices, whose indices need no check for negative ones: the loop is vectorised
+    third, second = data[base : base + columns], data[base + columns : base + 2 * columns]
+    base += 2 * columns
+    one, zero = data[base : base + columns], data[base + columns : base + 2 * columns]
+    out = work[first : first + columns]
     for j in range(columns):
-        k = base + j
-        work[first + j] = (
-            (data[k] * d + data[k + columns]) * d + data[k + 2 * columns]
-        ) * d + data[k + 3 * columns]
+        out[j] = ((third[j] * d + second[j]) * d + one[j]) * d + zero[j]
 
 
 @subroutine
@@ -137,31 +155,25 @@ def power(base, exponent):
 
 
 @subroutine
-def one_direction(work, table, s, degree, l0, l1, l2):
-    """Torque over inertial axes and rate of y from one direction s[0:3] with its weight s[3]."""
+def one_direction(data, work, table, s, degree, l0, l1, l2):
+    """Torque over inertial axes and rate of y from one direction s[0:3] with its weight s[3].
+
+    Clenshaw's sums of P_n and of P_n', each divided by its highest coefficient.
+    """
     x, y, z, w = work[s], work[s + 1], work[s + 2], work[s + 3]
     c = x * l0 + y * l1 + z * l2
-    before, value = 1.0, c
-    slope_before, slope = 0.0, 1.0
-    a, e = work[table], work[table + 1]
-    p = v = 0.0
-    if degree > 0:
-        a += c * work[table + 4]
-        e += c * work[table + 5]
-        p += 0.5 * work[table + 6]
-        v += 0.5 * work[table + 7]
-    k = table + 8
-    for n in range(2, degree + 1):
-        after = ((2 * n - 1) * c * value - (n - 1) * before) * (1.0 / n)
-        slope_after = slope_before + (2 * n - 1) * value
-        f = slope_after * (1.0 / (n * (n + 1.0)))
-        a += after * work[k]
-        e += after * work[k + 1]
-        p += f * work[k + 2]
-        v += f * work[k + 3]
-        k += 4
-        before, value = value, after
-        slope_before, slope = slope, slope_after
+    a = a_after = e = e_after = p = p_after = v = v_after = 0.0
+    k = table + 4 * degree
+    for n in range(degree, 0, -1):
+        back, steep = data[RECURSIONS + n], data[RECURSIONS + MOST + n]
+        a, a_after = c * a + (work[k] - back * a_after), a
+        e, e_after = c * e + (work[k + 1] - back * e_after), e
+        p, p_after = c * p + (work[k + 2] - steep * p_after), p
+        v, v_after = c * v + (work[k + 3] - steep * v_after), v
+        k -= 4
+    back = data[RECURSIONS]
+    a = c * a + (work[table] - back * a_after)
+    e = c * e + (work[table + 1] - back * e_after)
     a -= p * c
     return (
         w * (a * l0 + p * x + v * (l1 * z - l2 * y)),
@@ -173,51 +185,55 @@ def one_direction(work, table, s, degree, l0, l1, l2):
 
 
 @subroutine
-def several_directions(work, table, s, count, degree, l0, l1, l2, legendre):
+def several_directions(data, work, table, s, count, degree, l0, l1, l2, legendre):
     """The same for the sum over directions, whose recursions run side by side."""
-    # rows of work from `legendre`: c, P before, P, P' before, P', sums a, e, p, v
-    r0, r1, r2, r3, r4 = (
-        legendre,
-        legendre + count,
-        legendre + 2 * count,
-        legendre + 3 * count,
-        legendre + 4 * count,
+    # rows of work from `legendre`, as slices: c; P and P' before; P and P'; the sums a, e, p, v
+    cosine, before, slope_before = (
+        work[legendre : legendre + count],
+        work[legendre + count : legendre + 2 * count],
+        work[legendre + 2 * count : legendre + 3 * count],
     )
-    r5, r6, r7, r8 = r4 + count, r4 + 2 * count, r4 + 3 * count, r4 + 4 * count
+    value, slope = (
+        work[legendre + 3 * count : legendre + 4 * count],
+        work[legendre + 4 * count : legendre + 5 * count],
+    )
+    along, energy, radial, across = (
+        work[legendre + 5 * count : legendre + 6 * count],
+        work[legendre + 6 * count : legendre + 7 * count],
+        work[legendre + 7 * count : legendre + 8 * count],
+        work[legendre + 8 * count : legendre + 9 * count],
+    )
     for q in range(count):
         k = s + 4 * q
         c = work[k] * l0 + work[k + 1] * l1 + work[k + 2] * l2
-        work[r0 + q] = c
-        work[r1 + q], work[r2 + q] = 1.0, c
-        work[r3 + q], work[r4 + q] = 0.0, 1.0
-        work[r5 + q] = work[table] + c * work[table + 4]
-        work[r6 + q] = work[table + 1] + c * work[table + 5]
-        work[r7 + q], work[r8 + q] = 0.5 * work[table + 6], 0.5 * work[table + 7]
+        cosine[q], before[q], value[q] = c, 1.0, c
+        slope_before[q], slope[q] = 0.0, 1.0
+        along[q] = work[table] + c * work[table + 4]
+        energy[q] = work[table + 1] + c * work[table + 5]
+        radial[q], across[q] = work[table + 6], work[table + 7]
     for n in range(2, degree + 1):
         k = table + 4 * n
-        up, down, odd = (2 * n - 1.0) / n, (n - 1.0) / n, 2 * n - 1.0
-        inverse = 1.0 / (n * (n + 1.0))
-        t0, t1, t2, t3 = work[k], work[k + 1], work[k + 2] * inverse, work[k + 3] * inverse
+        back, steep = data[RECURSIONS + n - 2], data[RECURSIONS + MOST + n - 2]
+        t0, t1, t2, t3 = work[k], work[k + 1], work[k + 2], work[k + 3]
         for q in range(count):
-            value = work[r2 + q]
-            after = up * work[r0 + q] * value - down * work[r1 + q]
-            slope = work[r3 + q] + odd * value
-            work[r1 + q], work[r2 + q] = value, after
-            work[r3 + q], work[r4 + q] = work[r4 + q], slope
-            work[r5 + q] += after * t0
-            work[r6 + q] += after * t1
-            work[r7 + q] += slope * t2
-            work[r8 + q] += slope * t3
+            after = cosine[q] * value[q] - back * before[q]
+            slope_after = cosine[q] * slope[q] - steep * slope_before[q]
+            before[q], value[q] = value[q], after
+            slope_before[q], slope[q] = slope[q], slope_after
+            along[q] += after * t0
+            energy[q] += after * t1
+            radial[q] += slope_after * t2
+            across[q] += slope_after * t3
     o0 = o1 = o2 = g = total = 0.0
     for q in range(count):
         k = s + 4 * q
         x, y, z, w = work[k], work[k + 1], work[k + 2], work[k + 3]
-        p, v = work[r7 + q], work[r8 + q]
-        a = work[r5 + q] - p * work[r0 + q]
+        p, v = radial[q], across[q]
+        a = along[q] - p * cosine[q]
         o0 += w * (a * l0 + p * x + v * (l1 * z - l2 * y))
         o1 += w * (a * l1 + p * y + v * (l2 * x - l0 * z))
         o2 += w * (a * l2 + p * z + v * (l0 * y - l1 * x))
-        g += w * work[r6 + q]
+        g += w * energy[q]
         total += abs(w)
     return o0, o1, o2, g, total
 
@@ -426,7 +442,7 @@ def rates(t, x, region, data, models, forcing, work, at, out):
             elif nodes == 1 or models[k, DEGREE] < 2:
                 mean = (0.0, 0.0, 0.0, 0.0, 0.0)
                 for q in range(nodes):
-                    more = one_direction(work, table, 4 * q, models[k, DEGREE], l0, l1, l2)
+                    more = one_direction(data, work, table, 4 * q, models[k, DEGREE], l0, l1, l2)
                     mean = (
                         mean[0] + more[0],
                         mean[1] + more[1],
@@ -436,7 +452,7 @@ def rates(t, x, region, data, models, forcing, work, at, out):
                     )
             else:
                 mean = several_directions(
-                    work, table, 0, nodes, models[k, DEGREE], l0, l1, l2, table + columns
+                    data, work, table, 0, nodes, models[k, DEGREE], l0, l1, l2, table + columns
                 )
             factor = power(size, models[k, EXPONENT])
             strength = data[models[k, STRENGTH]]
@@ -490,7 +506,9 @@ def changes_on_arcs(t, x, data, models, forcing, arcs, seconds, work, out):
                     g = of_tensor(work, width, 0, l0, l1, l2)[3]
                 else:
                     for q in range(nodes):
-                        g += one_direction(work, width, 4 * q, models[k, DEGREE], l0, l1, l2)[3]
+                        g += one_direction(data, work, width, 4 * q, models[k, DEGREE], l0, l1, l2)[
+                            3
+                        ]
                 g *= power(size, models[k, EXPONENT])
             # the lap takes 1/L of the seconds at L = 1
             out[arc] += 2.0 * g / (size * size)

@@ -38,7 +38,7 @@ _FIRST: Final = math.log(1e-9)
 _STEP: Final = 0.08
 _TAIL: Final = 21.0
 # To be raised when the numbers of a table change.
-_METHOD: Final = 1
+_METHOD: Final = 2
 _LARGEST: Final = 1 << 30  # bytes of all tables on disk together
 
 
@@ -235,8 +235,22 @@ def field_of(
     return field
 
 
+def weights(degree: int) -> FloatArray:
+    """Factors (degree + 1, 4) of the sums of each degree n: highest coefficients of P_n and P_n'.
+
+    k_n = (2 n - 1)!!/n! of P_n; P_n' has n k_n, and is divided by n (n + 1) in the means.
+    """
+    n = np.arange(1.0, degree + 1.0)
+    highest = np.concatenate([[1.0], np.cumprod((2.0 * n - 1.0) / n)])
+    slopes = highest / np.arange(1.0, degree + 2.0)
+    return np.stack([highest, highest, slopes, slopes], axis=1)
+
+
 def sums_of(coefficients: FloatArray, axes: Axes) -> tuple[FloatArray, FloatArray]:
-    """Means (4 regions, n + 1, C) at `coordinates`, and integrals (4 arcs, C); C = 4 (l + 1)."""
+    """Means (4 regions, n + 1, C) at `coordinates`, and integrals (4 arcs, C), times `weights`.
+
+    C = 4 (l + 1).
+    """
     degree = coefficients.shape[-1] - 1
     steps, h = _steps(degree), distances(coordinates(axes))
     means = np.empty((4, len(h), degree + 1, 4))
@@ -248,6 +262,8 @@ def sums_of(coefficients: FloatArray, axes: Axes) -> tuple[FloatArray, FloatArra
     # gamma 2 is 0 on the separatrix
     gamma = np.array([1.0 / p, 0.0, -1.0 / (1.0 - p)])
     fill_arcs(degree, arcs, seconds, gamma, coefficients, steps, on_arcs)
+    means *= weights(degree)
+    on_arcs *= weights(degree)
     return means.reshape(4, len(h), -1), on_arcs.reshape(4, -1)
 
 

@@ -280,8 +280,9 @@ def field_of(given: MagneticField | FieldFunction) -> MagneticField:
 # Polynomials of 16 coefficients on pieces in which the direction of the path turns by 1/4 rad: the
 # 13th harmonic of the field then has half a wave, and errs by 1e-11 of the field.  A piece whose
 # last two coefficients are larger than this share of its largest (near the pericenter of an
-# eccentric orbit) is halved, at most so often; beyond, the field is differenced.
-_COUNT, _TURN, _TAIL, _HALVINGS = 16, 0.25, 1e-12, 7
+# eccentric orbit) is halved, at most so often and while these fall to this share at each halving;
+# beyond, the field is differenced.
+_COUNT, _TURN, _TAIL, _HALVINGS, _SHRINKS = 16, 0.25, 1e-12, 7, 0.125
 # Pieces that are kept, and the step (s) of differences where nothing is fitted.
 _MOST_PIECES = 100_000
 _STEP = 0.5
@@ -363,7 +364,7 @@ class FieldOnPath:
     def _fit(self, instant, numbers, width):
         """Coefficients (parts, 3 count) by number of the piece; no part where nothing fits."""
         x = chebyshev.nodes(_COUNT)
-        tables = {}
+        tables, before = {}, np.full(len(numbers), np.inf)
         for halving in range(_HALVINGS + 1):
             parts = 1 << halving
             starts = numbers[:, None] + np.arange(parts) / parts
@@ -371,10 +372,15 @@ class FieldOnPath:
             field = self.direct(instant, at.ravel(), np.zeros(at.size)).reshape(*at.shape, 3)
             table = np.moveaxis(chebyshev.coefficients(np.moveaxis(field, 2, 0)), 0, -1)
             size = np.abs(table).max(axis=(2, 3))
-            fits = np.all(np.abs(table[..., -2:]).max(axis=(2, 3)) <= _TAIL * size, axis=1)
+            tail = np.max(np.abs(table[..., -2:]).max(axis=(2, 3)) / size, axis=1)
+            fits = tail <= _TAIL
             for k, rows in zip(numbers[fits], table[fits], strict=True):
                 tables[int(k)] = np.ascontiguousarray(rows).reshape(parts, -1)
-            numbers = numbers[~fits]
+            # a kink, or rounding of the path, is not resolved by halving
+            rough = ~fits & (tail > _SHRINKS * before)
+            tables |= {int(k): _NOTHING for k in numbers[rough]}
+            kept = ~fits & ~rough
+            numbers, before = numbers[kept], tail[kept]
             if not numbers.size:
                 break
         return tables | {int(k): _NOTHING for k in numbers}

@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from attitude import AttitudeError, Body, FreeRotation, Spin
+from attitude.frames import quaternion
 from attitude.splitting import TorquedRotation
 from attitude.torques import InternalDissipation, Maxwell, QualityFactor, Rheology, _rheology
 from tests.torques.test_torques import torque_at_start
@@ -163,6 +165,39 @@ def test_tilts_damp_at_the_rate_of_the_mean_power():
     pace = 2.0 * rheology.power(body, momentum, p[0]) / (momentum**2 * whole * p[0])
     # the tilt is small: the pace is constant to p
     np.testing.assert_allclose(np.log(p / p[0]), -pace * t, rtol=2e-2, atol=1e-3)
+
+
+def test_a_rheology_against_dop853():
+    """The slip with the strength of the spline, over turned axes, at fixed momentum."""
+    low, middle, high = ellipsoid().moments
+    turn, _ = np.linalg.qr(np.array([[1.0, 0.2, 0.3], [0.1, 1.0, -0.4], [0.3, 0.2, 1.0]]))
+    turn *= np.linalg.det(turn)
+    tensor = turn @ np.diag([low, middle, high]) @ turn.T
+    body, spin = Body(tensor=tensor), Spin("2026-01-01", (1, 2, 3, 4), turn @ (0.05, 0.02, 0.06))
+    torque = InternalDissipation(Rheology(AXES, DENSITY, QualityFactor(30.0, 3.0)))
+    momentum = tensor @ spin.angular_velocity
+    size = np.linalg.norm(momentum)
+    nodes = np.linspace(0.0, 1.0, 20001)[1:-1]
+    strengths = torque.strength_at(body, size, nodes)
+
+    def slope(t, y):
+        wxyz, along = y[:4] / np.linalg.norm(y[:4]), y[4:]
+        omega = np.linalg.solve(tensor, along)
+        p = (omega @ along / size**2 - 1.0 / high) / (1.0 / low - 1.0 / high)
+        strength = float(np.interp(p, nodes, strengths))
+        rate = omega + strength * np.cross(along / size, omega)
+        turning = 0.5 * quaternion.multiply(wxyz, np.append(0.0, rate))
+        return np.concatenate([turning, np.cross(along, rate)])
+
+    start = np.concatenate([spin.wxyz, momentum])
+    end = solve_ivp(slope, (0.0, 300.0), start, method="DOP853", rtol=1e-8, atol=1e-10).y[:, -1]
+    found = TorquedRotation(body, spin, torque, step=0.05).at(300.0)
+    before, after = spin.angular_velocity, np.linalg.solve(tensor, end[4:])
+    assert after @ tensor @ after < 0.99 * (before @ tensor @ before)
+    # two interpolations of the strength
+    np.testing.assert_allclose(found.angular_velocity, after, atol=2e-6)
+    miss = quaternion.multiply(quaternion.conjugate(end[:4]), found.wxyz)
+    assert 2.0 * np.linalg.norm(miss[1:]) < 2e-4
 
 
 @pytest.mark.parametrize("axes", [(1.0, 1.0, 0.6), (1.0, 0.6, 0.6)])

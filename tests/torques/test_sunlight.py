@@ -4,12 +4,14 @@ import ctypes
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
-from attitude import AttitudeError, Body, Spin, paths
+from attitude import AttitudeError, Body, FreeRotation, Spin, paths
 from attitude._compilation.pointers import C_FUNCTION
 from attitude.frames import quaternion
 from attitude.light_curve import Visibility
 from attitude.shape import Mesh, box
+from attitude.splitting import TorquedRotation
 from attitude.torques import SolarRadiation
 from tests.torques.test_torques import torque_at_start
 
@@ -157,3 +159,98 @@ def test_shadows_need_the_mesh_of_the_table():
 
     with pytest.raises(AttitudeError, match="shape is Facets"):
         SolarRadiation(Facets(), far, shadows=True)
+
+
+# ---- Motions in shadows and through a penumbra, by another integrator
+
+STRONG = 3e8  # W/m2: light turns the body within the span
+RADIUS = 6.378e6
+SHADE = paths.fixed((AU, 0.0, 0.0), center="sun", name="shade")
+SPIN = Spin("2026-01-01", (1.0, 2.0, 3.0, 4.0), (0.05, 0.12, -0.08))
+
+
+def through_penumbra(seconds):
+    """From the edge of the umbra into the light, 32 km wide, in 60 s."""
+    seconds = np.asarray(seconds)
+    height = RADIUS - 2.5e4 + 900.0 * seconds
+    return np.stack([np.full_like(height, AU + 7e6), height, 0.0 * height], axis=-1)
+
+
+def free_share(place):
+    """The free share of the Sun's disc behind a sphere, by two circles on the sky."""
+    other = np.array([AU, 0.0, 0.0]) - place
+    distance, apart = np.linalg.norm(place), np.linalg.norm(other)
+    a, b = np.arcsin(6.957e8 / distance), np.arcsin(RADIUS / apart)
+    c = np.arccos(np.clip(-place @ other / distance / apart, -1.0, 1.0))
+    if c >= a + b:
+        return 1.0
+    if c <= b - a:
+        return 0.0
+    x = (c * c + a * a - b * b) / (2.0 * c)
+    y = np.sqrt(a * a - x * x)
+    covered = a * a * np.arccos(x / a) + b * b * np.arccos((c - x) / b) - c * y
+    return 1.0 - covered / (np.pi * a * a)
+
+
+@pytest.fixture(scope="module")
+def lit_torques():
+    """Light on two boxes: in the penumbra of a sphere, and far from it."""
+    mesh = two_boxes(0)
+    table = Visibility.of(mesh, resolution=16, keep=False)
+    shade = {SHADE: RADIUS}
+    return (
+        SolarRadiation(mesh, through_penumbra, 0.6, 0.1, STRONG, shadows=table, shadow_of=shade),
+        SolarRadiation(mesh, far, 0.6, 0.1, STRONG, shadows=table),
+    )
+
+
+def test_shadows_and_a_penumbra_against_dop853(lit_torques):
+    """The torque of one attitude has tests of its own: its function, and eclipses of another."""
+    shaded, torque = lit_torques
+    parameters, pointer = torque.parameters(BODY), ctypes.POINTER(ctypes.c_double)
+    function, moments = C_FUNCTION(torque.address()), BODY.moments
+
+    def slope(t, y):
+        wxyz, place = y[:4] / np.linalg.norm(y[:4]), through_penumbra(t)
+        arrays = wxyz, np.zeros(3), place, parameters, np.zeros(3)
+        function(t, *(np.ascontiguousarray(x).ctypes.data_as(pointer) for x in arrays[:4]),
+                 arrays[4].ctypes.data_as(pointer))  # fmt: skip
+        moment = arrays[4] * free_share(place) - np.cross(y[4:], moments * y[4:])
+        turn = 0.5 * quaternion.multiply(y[:4], np.append(0.0, y[4:]))
+        return np.concatenate([turn, moment / moments])
+
+    start = np.concatenate([SPIN.wxyz, SPIN.angular_velocity])
+    end = solve_ivp(slope, (0.0, 60.0), start, method="DOP853", rtol=1e-8, atol=1e-10).y[:, -1]
+    found = TorquedRotation(BODY, SPIN, shaded, step=0.02).at(60.0)
+    free = FreeRotation(BODY, SPIN).at(60.0)
+    turns = [
+        2.0 * np.linalg.norm(quaternion.multiply(quaternion.conjugate(end[:4]), other.wxyz)[1:])
+        for other in (found, free)
+    ]
+    assert turns[1] > 0.3
+    # two circles on a plane have a share that differs by 1.5e-4
+    assert turns[0] < 4e-4 * turns[1]
+    assert np.max(np.abs(found.angular_velocity - end[4:])) < 6e-4
+
+
+def test_derivatives_and_covariance_in_shadows(lit_torques):
+    """Against differences of whole motions; the torque has kinks, so that both err by 1e-2."""
+    spin = SPIN.with_covariance({"attitude": 1e-3, "angular_velocity": 1e-5})
+    torque = lit_torques[0]
+    motion = TorquedRotation(BODY, spin, torque, step=0.2)
+    t, h = 30.0, 2e-4
+    attitude = motion.sensitivity_at(t)
+    free = FreeRotation(BODY, SPIN).sensitivity_at(t)
+    scale = np.abs(attitude[:, 3:6]).max()
+    for k in range(3):
+        ends = []
+        for sign in (-1, 1):
+            omega = np.array(SPIN.angular_velocity)
+            omega[k] += sign * h
+            other = Spin(SPIN.epoch, SPIN.wxyz, omega)
+            ends.append(TorquedRotation(BODY, other, torque, step=0.2).at(t).wxyz)
+        turn = quaternion.multiply(ends[1], quaternion.conjugate(ends[0]))
+        by_difference = 2.0 * turn[1:] * np.sign(turn[0]) / (2.0 * h)
+        np.testing.assert_allclose(attitude[:, 3 + k], by_difference, atol=1e-2 * scale)
+    assert np.abs(attitude[:, 3:6] - free[:, 3:6]).max() > 0.05 * scale
+    assert np.all(np.linalg.eigvalsh(motion.at(t).covariance) > -1e-12)

@@ -1,0 +1,747 @@
+"""How far are mean rotations from the full motion, and what do they cost?
+
+python benchmarks/averaged.py [--quick]
+"""
+
+import argparse
+import contextlib
+import math
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from attitude import AttitudeError, Body, Spin, quaternion
+from attitude.averaged import AveragedMotion, _tables
+from attitude.averaged import _mean_state as mean_state
+from attitude.averaged import _rates as rates
+from attitude.averaged._means import means_of
+from attitude.averaged._pack import Packed, Sampling
+from attitude.averaged._polhode import LAM_PLUS, Axes, Nutations
+from attitude.epochs import instant
+from attitude.shape import Ellipsoid, Mesh
+from attitude.splitting import TorquedRotation
+from attitude.torques import (
+    ConstantTorque,
+    DipoleField,
+    EddyCurrent,
+    GravityGradient,
+    InternalDissipation,
+    SolarRadiation,
+)
+from benchmarks.doc_tables import Table, markdown
+
+MAKES = ("averaged", "averaged odds", "averaged leaves", "averaged costs")
+EPOCH = "2026-01-01"
+DAY, YEAR, AU = 86400.0, 365.25 * 86400.0, 149597870700.0
+EARTH, SUN, RADIUS = 3.986004418e14, 1.32712440018e20, 6.3712e6
+
+
+# ---- Orbits, shapes, states
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """A Keplerian orbit."""
+
+    axis: float  # m
+    eccentricity: float
+    mu: float
+    inclination: float = 0.0
+    node: float = 0.0
+    argument: float = 0.3
+
+    @property
+    def period(self):
+        return 2.0 * math.pi * math.sqrt(self.axis**3 / self.mu)
+
+    @property
+    def frame(self):
+        """Rows: towards the pericentre, along the motion there, the normal."""
+        i, o = self.inclination, self.node
+        normal = np.array([math.sin(i) * math.sin(o), -math.sin(i) * math.cos(o), math.cos(i)])
+        ascending = np.array([math.cos(o), math.sin(o), 0.0])
+        across = np.cross(normal, ascending)
+        c, s = math.cos(self.argument), math.sin(self.argument)
+        return np.array([c * ascending + s * across, -s * ascending + c * across, normal])
+
+    def __call__(self, t):
+        """Positions (..., 3), m."""
+        e = self.eccentricity
+        mean = 2.0 * math.pi * np.asarray(t, dtype=float) / self.period
+        anomaly = mean + e * np.sin(mean)
+        for _ in range(40):
+            step = (anomaly - e * np.sin(anomaly) - mean) / (1.0 - e * np.cos(anomaly))
+            anomaly = anomaly - step
+            if np.all(np.abs(step) < 1e-14 * np.maximum(1.0, np.abs(mean))):
+                break
+        along = self.axis * (np.cos(anomaly) - e)
+        across = self.axis * math.sqrt(1.0 - e * e) * np.sin(anomaly)
+        return along[..., None] * self.frame[0] + across[..., None] * self.frame[1]
+
+
+def spin_of(moments, omega, pole, phase=0.7):
+    """The Spin of rates (3,) over the principal axes whose momentum points to a pole."""
+    momentum = np.asarray(moments) * omega
+    start, end = momentum / np.linalg.norm(momentum), np.asarray(pole) / np.linalg.norm(pole)
+    half = (start + end) / np.linalg.norm(start + end)
+    turn = np.array([math.cos(0.5 * phase), *(math.sin(0.5 * phase) * end)])
+    return Spin(
+        epoch=EPOCH,
+        wxyz=quaternion.multiply(turn, np.array([0.0, *half])),
+        angular_velocity=np.asarray(omega, dtype=float),
+    )
+
+
+@dataclass(frozen=True)
+class Facets:
+    """Facets over the principal axes of a body, the least moment first."""
+
+    areas: Any
+    normals: Any
+    centroids: Any
+    moments: Any
+    diffuse: Any = 1.0
+    mirrored: Any = 0.0
+
+    def sunlight(self, path):
+        return SolarRadiation(self, path, diffuse=self.diffuse, mirrored=self.mirrored)
+
+
+def over_principal_axes(shape, tensor, center, diffuse, mirrored):
+    """Facets of areas, normals and centroids over the principal axes."""
+    areas, normals, centroids = shape
+    moments, axes = np.linalg.eigh(tensor)
+    if np.linalg.det(axes) < 0.0:
+        axes[:, 1] *= -1.0
+    return Facets(areas, normals @ axes, (centroids - center) @ axes, moments, diffuse, mirrored)
+
+
+def mesh(facets=320, is_concave=False):
+    """A lumpy body of 150 m, m; the hull of its points, or with a hollow."""
+    from scipy.spatial import ConvexHull
+
+    ellipsoid = Ellipsoid(0.5 * np.array([150.0, 128.0, 93.0])).facets(facets)
+    points = ellipsoid.vertices
+    x, y, z = points.T / np.sqrt(np.sum(points**2, axis=-1))
+    bumps = 0.3 * x * z * (x - 0.5 * y) + 0.3 * x * y * z - 0.2 * x * y**2
+    if is_concave:
+        hollow = (x - 0.2) ** 2 + (y - 0.3) ** 2 + (z - 0.93) ** 2
+        bumps = bumps - 0.45 * np.exp(-hollow / 0.25)
+        return Mesh(points * (1.0 + bumps)[:, None], ellipsoid.facets)
+    hull = ConvexHull(points * (1.0 + bumps)[:, None])
+    corners = hull.points[hull.simplices]
+    outwards = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    flip = np.sum(outwards * hull.equations[:, :3], axis=-1) < 0
+    return Mesh(hull.points, np.where(flip[:, None], hull.simplices[:, ::-1], hull.simplices))
+
+
+def asteroid():
+    """The facets of the convex mesh."""
+    shape = mesh()
+    body = Body.from_shape(shape, density=2500.0)
+    sides = shape.areas, shape.normals, shape.centroids
+    return over_principal_axes(sides, body.tensor, body.center_of_mass, 1.0, 0.0)
+
+
+def _box():
+    """Sides of a bus of 2.0 x 2.0 x 2.3 m: centre, normal, area, diffuse, mirrored."""
+    size = np.array([2.0, 2.0, 2.3])
+    for k in range(3):
+        for sign in (1.0, -1.0):
+            normal = sign * np.eye(3)[k]
+            yield 0.5 * normal * size, normal, np.prod(np.delete(size, k)), 0.1, 0.45
+
+
+def _wing_and_sail():
+    """One canted wing with its trim tab, and a cone on a boom on the other side."""
+    cant, tab = math.radians(17.0), math.radians(42.0)
+    for angle, y, area, diffuse, mirrored in (
+        (cant, -3.5, 4.8 * 2.7, 0.05, 0.2),
+        (tab, -6.3, 1.5, 0.05, 0.6),
+    ):
+        normal = np.array([math.cos(angle), 0.0, math.sin(angle)])
+        for sign in (1.0, -1.0):
+            yield np.array([0.0, y, 0.1]), sign * normal, area, diffuse, mirrored
+    for k in range(8):
+        angle = 2.0 * math.pi * (k + 0.5) / 8.0
+        normal = np.array([0.97 * math.cos(angle), 0.22, 0.97 * math.sin(angle)])
+        center = np.array([0.3 * math.cos(angle), 14.5, 0.3 * math.sin(angle)])
+        yield center, normal / np.linalg.norm(normal), 0.75, 0.1, 0.7
+
+
+def satellite():
+    """A satellite like GOES 8: a bus, one wing, and a sail; the geometry is invented."""
+    rows = [*_box(), *_wing_and_sail()]
+    centers, normals, areas, diffuse, mirrored = (np.array(x) for x in zip(*rows, strict=True))
+    tensor = np.array([[3432.1, 12.0, 5.0], [12.0, 980.5, 30.0], [5.0, 30.0, 3570.0]])
+    center = np.array([0.02, -0.15, 0.03])
+    return over_principal_axes((areas, normals, centers), tensor, center, diffuse, mirrored)
+
+
+# ---- Accuracy: the mean state of the full motion at the end, and the averaged motion's
+
+
+@dataclass(frozen=True)
+class Case:
+    """A motion, its span, and how both are integrated."""
+
+    name: str
+    moments: Any
+    omega: Any
+    torques: Any
+    seconds: float
+    turn: float  # rad of the body in a step of the full motion
+    scheme: str = "suzuki"
+    orbit: Any = "followed"
+    pole: Any = (0.5, 0.3, 0.6)
+    phase: float = 0.7
+
+
+def compared(case, **settings):
+    """Errors and changes of |L|, energy and pole, eps, turns, and seconds of processor of both."""
+    body, spin = (
+        Body(moments=case.moments),
+        spin_of(case.moments, case.omega, case.pole, case.phase),
+    )
+    rate = float(np.linalg.norm(case.omega))
+    full = TorquedRotation(body, spin, case.torques, step=case.turn / rate, scheme=case.scheme)
+    begin = time.process_time()
+    history = full.at(case.seconds)
+    costs = [time.process_time() - begin]
+    settings = {"tolerance": 1e-9, "least_tilt": 1e-8, **settings}
+    motion = AveragedMotion(body, spin, case.torques, orbit=case.orbit, **settings)
+    motion.at(case.seconds)  # loads machine code
+    motion = AveragedMotion(body, spin, case.torques, orbit=case.orbit, **settings)
+    begin = time.process_time()
+    mean = motion.at(case.seconds)
+    costs.append(time.process_time() - begin)
+    truth = mean_of(motion, history, case.seconds)
+    start = motion.at(0.0)
+    found = {"turns": case.seconds * rate / (2.0 * math.pi), "eps": float(start.weakness)}
+    found["full"], found["averaged"] = costs
+    size = float(start.size)
+    found["size change"] = (float(truth[0]) - size) / size
+    found["size"] = (float(mean.size) - float(truth[0])) / size
+    energy = float(start.energy)
+    found["energy change"] = (truth[3] - energy) / energy
+    found["energy"] = (float(mean.energy) - truth[3]) / energy
+    found["pole change"] = angle(truth[2], start.pole)
+    found["pole"] = angle(truth[2], mean.pole)
+    found["y"] = float(mean.y) - truth[1]
+    found["y change"] = truth[1] - float(start.y)
+    found["regions"] = [int(start.region), int(mean.region), truth[4]]
+    return found
+
+
+def mean_of(motion, history, seconds):
+    """|L|, y, pole, energy and region of the mean state of one epoch of a full motion."""
+    spin = Spin(
+        epoch=motion.epoch.after(seconds),
+        wxyz=history.wxyz,
+        angular_velocity=history.angular_velocity,
+        frame="icrf",
+    )
+    _, y, region = motion.axes.state(spin.angular_velocity)
+    shift, bend = mean_state.corrections(
+        motion.axes, motion.body, spin, motion.torques, motion.epoch, seconds
+    )
+    momentum = quaternion.rotate(spin.wxyz_icrf, spin.angular_velocity @ motion.body.tensor) - shift
+    size = float(np.linalg.norm(momentum))
+    energy = float(motion.axes.energy(np.array(size), np.array(y - bend)))
+    return size, y - bend, momentum / size, energy, region
+
+
+def angle(one, two):
+    """rad between unit vectors."""
+    return float(np.arctan2(np.linalg.norm(np.cross(one, two)), one @ two))
+
+
+ENVISAT = np.array([17023.0, 124826.0, 129112.0])
+
+
+def gravity_cases(quick):
+    """Point mass, followed along the orbit; at four times the rate the torque is weak."""
+    for eccentricity in (0.0, 0.4):
+        orbit = Orbit(12e6, eccentricity, EARTH, 1.2, 0.5)
+        for mode, omega in (("SAM", (0.03, 0.004, 0.02)), ("LAM", (0.1, 0.006, 0.006))):
+            for rate in (1.3, 5.2):
+                yield Case(
+                    f"gravity, e = {eccentricity}, {mode}",
+                    ENVISAT,
+                    rate * np.array(omega),
+                    GravityGradient(orbit, EARTH),
+                    orbit.period * (5 if quick else 30),
+                    0.35,
+                    "blanes-moan",
+                )
+
+
+def eddy_cases(quick):
+    """An anisotropic tensor on a polar orbit, averaged over the orbit."""
+    orbit = Orbit(RADIUS + 770e3, 0.0, EARTH, math.radians(98.5), 0.4)
+    tensor = np.diag([1.0e6, 2.2e6, 3.0e6])
+    tensor += np.array([[0, 0.1e6, 0], [0.1e6, 0, 0.2e6], [0, 0.2e6, 0]])
+    torque = EddyCurrent(tensor, DipoleField((0.0, 0.0, -3e-5 * RADIUS**3 * 1e7)), orbit)
+    days = 4 if quick else 100
+    for mode, omega in (("SAM", (0.01, 0.01, 0.045)), ("LAM", (0.05, 0.004, 0.01))):
+        yield Case(
+            f"eddy currents, {days} d, {mode}",
+            ENVISAT,
+            omega,
+            torque,
+            orbit.period * int(days * DAY / orbit.period),
+            0.3,
+            "suzuki",
+            "averaged",
+        )
+
+
+def friction_cases(quick):
+    """Moments of Toutatis; the second passes the separatrix."""
+    moments = np.array([1.0, 3.0836, 3.235])
+    for mode, omega, span in (
+        ("SAM", (5.0, 30.0, 60.0), 5e4),
+        ("LAM", (98.709, 14.51, 33.529), 2e4),
+    ):
+        yield Case(
+            f"friction, {mode}",
+            moments,
+            np.radians(np.array(omega)) / DAY,
+            InternalDissipation(1e-4),
+            span * DAY * (0.1 if quick else 1.0),
+            0.03,
+            "kick-rotate-kick",
+        )
+
+
+def light_cases(quick):
+    """Steps that resolve kinks: those of 0.25 rad err by 5e-3 of the change of |L|."""
+    facets = asteroid()
+    orbit = Orbit(1.006 * AU, 0.23, SUN)
+    rate = 2.0 * math.pi / (12.17 * 60.0)
+    scale = 1.0 / 50.0  # to a body of 3 m
+    small = Facets(
+        facets.areas * scale**2,
+        facets.normals,
+        facets.centroids * scale,
+        facets.moments * scale**5,
+    )
+    for mode, omega in (("SAM", (0.25, 0.1, 0.95)), ("LAM", (0.8, 0.05, 0.15))):
+        yield Case(
+            f"sunlight, 3 m, {mode}",
+            small.moments,
+            rate * np.array(omega),
+            small.sunlight(orbit),
+            orbit.period * (0.02 if quick else 1.0),
+            0.04,
+            "kick-rotate-kick",
+        )
+    box = satellite()
+    orbit = Orbit(AU, 0.0167, SUN, math.radians(23.44))
+    for mode, period, omega in (
+        ("SAM", 200.0, (0.15, 0.1, 0.95)),
+        ("SAM", 600.0, (0.15, 0.1, 0.95)),
+        ("LAM", 200.0, (1.6, 0.1, 0.3)),
+        ("LAM", 600.0, (1.6, 0.1, 0.3)),
+    ):
+        yield Case(
+            f"box and wing, {period:.0f} s, {mode}",
+            box.moments,
+            2.0 * math.pi / period * np.array(omega),
+            box.sunlight(orbit),
+            DAY * (4.0 if quick else 60.0),
+            0.03,
+            "kick-rotate-kick",
+        )
+
+
+def all_cases(quick):
+    for group in (gravity_cases, eddy_cases, friction_cases, light_cases):
+        yield from group(quick)
+
+
+# ---- Envisat, whose momentum was seen to precess in 4.8 d (2013) and 3.4 d (2015)
+
+
+def envisat():
+    """Days of a turn of the momentum about the orbit's normal in 2013.5 and 2015.5."""
+    still = Orbit(RADIUS + 767e3, 0.0, EARTH, math.radians(98.4))
+
+    def turned(v, t):
+        angle = 2.0 * math.pi / YEAR * np.asarray(t)  # the node follows the Sun
+        c, s = np.cos(angle), np.sin(angle)
+        return np.stack(
+            [c * v[..., 0] - s * v[..., 1], s * v[..., 0] + c * v[..., 1], v[..., 2]], -1
+        )
+
+    def path(t):
+        return turned(still(t), t)
+
+    normal = still.frame[2]
+    across = np.cross(normal, [0.0, 0.0, 1.0])
+    across /= np.linalg.norm(across)
+    tilt = math.radians(8.53)
+    axes = Axes(Body(moments=ENVISAT))
+    unit = axes.nodes(2.0 * math.log(math.tan(math.radians(1.0))), 0, 16)[3]
+    omega = ENVISAT[2] * 2.0 * math.pi / 120.674 * unit / axes.moments
+    spin = spin_of(ENVISAT, omega, math.sin(tilt) * across - math.cos(tilt) * normal)
+    field = DipoleField((0.0, 0.0, -3e-5 * RADIUS**3 * 1e7))
+    torques = [EddyCurrent(588280.57, field, path), GravityGradient(path, EARTH)]
+    motion = AveragedMotion(Body(moments=ENVISAT), spin, torques, orbit="averaged")
+    found = []
+    for years in (0.5, 2.5):
+        t = years * YEAR + np.linspace(0.0, 12.0 * DAY, 600)
+        poles, normals = motion.at(t).pole, turned(np.broadcast_to(normal, (600, 3)), t)
+        one = np.cross(normals, [0.0, 0.0, 1.0])
+        two = np.cross(normals, one)
+        phase = np.unwrap(np.arctan2(np.sum(poles * two, 1), np.sum(poles * one, 1)))
+        found.append(2.0 * math.pi / abs(np.polyfit(t, phase, 1)[0]) / DAY)
+    return found
+
+
+# ---- Odds at the separatrix, by full motions of random phases
+
+
+def state_of(motion, history):
+    """Mode and end of a state of a full motion: 0 to 3."""
+    return motion.axes.state(history.angular_velocity)[2]
+
+
+def coin_cases():
+    """Friction and a constant torque about the short axis, from the long-axis mode."""
+    body = Body(moments=(1.0, 2.0, 2.6))
+    strength = 3e-4
+    # the torque, for L = 1 N m s, with which one of both arcs leads nowhere
+    axes = Axes(body)
+    arcs, seconds = axes.arcs
+    p = 1.0 / (1.0 + math.exp(-axes.separatrix))
+    gamma = np.array([1.0 - p, 0.0, -p])
+    lost = axes.spread * np.sum((arcs[0] * gamma) ** 2, axis=-1) @ seconds
+    limit = strength * lost / abs((arcs[0] * gamma)[:, 2] @ seconds)
+    for share in (0.0, 0.5, -0.8, 1.5):
+        push = limit * share
+        yield (
+            f"friction, {share:+.1f}",
+            body,
+            [
+                InternalDissipation(strength),
+                ConstantTorque((0.0, 0.0, push)),
+            ],
+        )
+
+
+def coin(body, torques, count, seed=5):
+    """Predicted odds of SAM+, the share of full motions that reach it, and their number."""
+    rng = np.random.default_rng(seed)
+    axes = Axes(body)
+    reached, predicted = [], []
+    for _ in range(count):
+        # ahead of the separatrix by three laps and a random part of one
+        y = axes.separatrix + 6e-3 * (3.0 + rng.random())
+        nodes = axes.nodes(y, LAM_PLUS, 997)
+        unit = nodes[rng.integers(997)]
+        omega = unit / axes.moments
+        spin = spin_of(axes.moments, omega, (0.0, 0.0, 1.0), 0.0)
+        full = TorquedRotation(body, spin, torques, step=0.15 / np.linalg.norm(omega), scheme="hoa")
+        period = Nutations.of(axes, LAM_PLUS, np.array([y - axes.separatrix])).period[0]
+        end = full.at(14.0 * period)
+        reached.append(axes.state(end.angular_velocity)[2])
+        if len(predicted) < 8:
+            motion = AveragedMotion(body, spin, torques)
+            motion.at(14.0 * period)
+            event = next(e for e in motion.events if e.kind == "passage")
+            predicted.append(event.odds["SAM+"])
+    return float(np.mean(predicted)), np.array(reached)
+
+
+def sun_of_geo(ahead=0.0):
+    """Positions from the Sun of a body at the Earth, on a circle, `ahead` s later."""
+
+    def path(t):
+        angle = 2.0 * math.pi * (np.asarray(t, dtype=float) + ahead) / 31557600.0
+        over = np.stack([np.cos(angle), 0.91748 * np.sin(angle), 0.39779 * np.sin(angle)], axis=-1)
+        return -AU * over
+
+    return path
+
+
+def geo_spin(axes, phase, turn):
+    """A spin of 60 s about the short axis, with a tilt of 2 deg."""
+    y = 2.0 * math.log(math.tan(math.radians(2.0)))
+    unit = axes.nodes(y, 0, 8)[phase]
+    omega = axes.moments[2] * 2.0 * math.pi / 60.0 * unit / axes.moments
+    return spin_of(axes.moments, omega, (0.3, 0.2, 0.9), turn)
+
+
+def geo_coin(count, seed=3):
+    """Odds at the first passage of a satellite like GOES 8, and regions of full motions."""
+    box = satellite()
+    body = Body(moments=box.moments)
+    light = box.sunlight(sun_of_geo())
+    motion = AveragedMotion(body, geo_spin(Axes(body), 0, 0.1), light, orbit="followed")
+    motion.at(0.4 * YEAR)
+    passage = next(e for e in motion.events if e.kind == "passage")
+    begin = passage.seconds - 0.004 * YEAR
+    start, rng = motion.at(begin), np.random.default_rng(seed)
+    later, reached = box.sunlight(sun_of_geo(begin)), []
+    for _ in range(count):
+        free = start.free_rotation(phases=tuple(rng.random(2)))
+        rate = free.spin.angular_velocity
+        spin = Spin(EPOCH, free.spin.wxyz_icrf, rate, frame="icrf")
+        step = 0.16 / np.linalg.norm(rate)
+        full = TorquedRotation(body, spin, later, step=step, scheme="kick-rotate-kick")
+        reached.append(state_of(motion, full.at(2.0 * (passage.seconds - begin))))
+    return passage.odds["LAM+"], np.array(reached)
+
+
+def geo_member(phase, years=1.6):
+    """|L| each 0.2 years of a full motion like GOES 8, and of the nearest leaf of its tree."""
+    box = satellite()
+    body = Body(moments=box.moments)
+    light = box.sunlight(sun_of_geo())
+    spin = geo_spin(Axes(body), phase, 2.4 * phase + 0.1)
+    t = np.arange(0.0, years + 1e-9, 0.2) * YEAR
+    # the rate grows by a factor of four
+    step = 0.04 / np.linalg.norm(spin.angular_velocity)
+    full = TorquedRotation(body, spin, light, step=step, scheme="kick-rotate-kick")
+    begin = time.process_time()
+    history = full.at(t)
+    cost = time.process_time() - begin
+    motion = AveragedMotion(body, spin, light, orbit="followed", tolerance=1e-8)
+    truth = np.array([mean_of(motion, history[k], t[k])[0] for k in range(len(t))])
+    leaves = motion.branches(float(t[-1]))
+    errors = [float(np.max(np.abs(leaf.at(t).size / truth - 1.0))) for leaf in leaves]
+    best = int(np.argmin(errors))
+    return errors[best], leaves[best], cost
+
+
+# ---- Costs
+
+
+def rate_cost(motion, repeat=20000):
+    """Seconds of processor of one call of the compiled right-hand side."""
+    packed, out = motion.packed, np.empty(4)
+    forcing, _ = motion.window(0.0, 1.0)
+    given = 0.0, motion.start.copy(), motion.start_region, packed.data, packed.models
+    rates.rates_at(*given, forcing, packed.work, out, 10)
+    found = []
+    for _ in range(5):
+        begin = time.process_time()
+        rates.rates_at(*given, forcing, packed.work, out, repeat)
+        found.append((time.process_time() - begin) / repeat)
+    return min(found)
+
+
+def costs():
+    """Rows of the costs: what is measured, and seconds of processor."""
+    box = satellite()
+    body, light = Body(moments=box.moments), box.sunlight(sun_of_geo())
+    spin = geo_spin(Axes(body), 0, 0.1)
+    motion = AveragedMotion(body, spin, light, orbit="followed")
+    yield "right-hand side: sunlight of one direction, degree 32", rate_cost(motion)
+    averaged = AveragedMotion(body, spin, light, orbit="averaged")
+    yield "32 directions of an orbit, degree 32", rate_cost(averaged, 2000)
+    friction = AveragedMotion(body, spin, InternalDissipation(1e-5))
+    yield "friction, in closed form", rate_cost(friction)
+    gravity = GravityGradient(Orbit(12e6, 0.0, EARTH, 1.2, 0.5), EARTH)
+    tensor = AveragedMotion(body, spin, gravity, orbit="averaged")
+    yield "gravity gradient, in closed form", rate_cost(tensor)
+    spans = []
+    for seed in range(6):
+        motion = AveragedMotion(body, spin, light, orbit="followed", passages=seed)
+        motion.at(YEAR)
+        begin = time.process_time()
+        motion.at(30.0 * YEAR)
+        spans.append(time.process_time() - begin)
+    yield "30 years of a satellite like GOES 8, median of 6 draws", float(np.median(spans))
+    yield "1 million years of sunlight and friction, 150 m, median of 12", *million_years()
+    yield "table of a mesh of 316 facets, degree 32, not on disk", table_cost()
+
+
+def million_years(count=12):
+    """Median and largest seconds of processor, of random states of a turn in 1 h."""
+    facets, orbit = asteroid(), Orbit(1.006 * AU, 0.23, SUN)
+    body = Body(moments=facets.moments)
+    axes, rng, spans = Axes(body), np.random.default_rng(1), []
+    for _ in range(count):
+        y = axes.separatrix + 2.0 * rng.normal()
+        unit = axes.nodes(y, 0 if y < axes.separatrix else 2, 16)[3]
+        omega = axes.moments[2] * 2.0 * math.pi / 3600.0 * unit / axes.moments
+        spin = spin_of(axes.moments, omega, rng.normal(size=3))
+        torques = [facets.sunlight(orbit), InternalDissipation(1e-9)]
+        motion = AveragedMotion(body, spin, torques, orbit="averaged", passages=1)
+        motion.at(YEAR)
+        begin = time.process_time()
+        with contextlib.suppress(AttitudeError):  # "no longer weak" ends some of them
+            motion.at(1e6 * YEAR)
+        spans.append(time.process_time() - begin)
+    return float(np.median(spans)), max(spans)
+
+
+def table_cost():
+    """Seconds of processor for harmonics and sums of the convex mesh."""
+    shape = mesh()
+    body = Body.from_shape(shape, density=2500.0)
+    torque, axes = SolarRadiation(shape, sun_of_geo()), Axes(body)
+    parameters = torque.parameters(body)
+    field = _tables.field_of(torque.address(), parameters, axes, torque.columns)
+    _tables.sums_of(_tables.harmonics(field, 2), axes)
+    begin = time.process_time()
+    _tables.sums_of(_tables.harmonics(field, 32), axes)
+    return time.process_time() - begin
+
+
+# ---- Error of the mean torque of a mesh by degree, against nodes of both phases
+
+
+def mesh_errors(is_concave, shadows, degree, count=201):
+    """Errors of the mean torque of four states, in units of its root mean square."""
+    shape = mesh(is_concave=is_concave)
+    body = Body.from_shape(shape, density=2500.0)
+    axes = Axes(body)
+    sun = -AU * np.array([0.6, -0.3, 0.5]) / np.linalg.norm([0.6, -0.3, 0.5])
+
+    def path(t):
+        return np.broadcast_to(sun, (len(t), 3)).copy()
+
+    torque = SolarRadiation(shape, path, shadows=shadows)
+    still = Sampling(torque, math.inf, False, math.inf)
+    means = [(still, mean) for mean in means_of(torque, body, axes, degree)]
+    packed = Packed(axes, body, means, instant(EPOCH))
+    forcing, errors = packed.window(0, math.inf, (0.0, 0.0)), []
+    for region, h, pole in (
+        (0, 1.5, (0.3, 0.2, 0.9)),
+        (2, 2.0, (0.8, 0.3, -0.3)),
+        (1, 0.3, (0.9, 0.1, 0.3)),
+        (3, 0.5, (-0.2, 0.5, 0.4)),
+    ):
+        y = axes.separatrix + (h if region >= LAM_PLUS else -h)
+        state, out = np.append(1e6 * np.array(pole), y), np.empty(4)
+        rates.rates_at(0.0, state, region, packed.data, packed.models, forcing, packed.work, out, 1)
+        truth, size = over_nodes(axes, body, torque, state, region, count)
+        errors.append(float(np.linalg.norm(out[:3] - truth) / size))
+    return errors
+
+
+def over_nodes(axes, body, torque, state, region, count):
+    """The mean torque (3,) over nodes of both phases, and the root mean square of the torque."""
+    momentum = state[:3]
+    size = np.linalg.norm(momentum)
+    points, unit = axes.nodes(state[3], region, count), momentum / size
+    halves = (unit + points) / np.linalg.norm(unit + points, axis=1)[:, None]
+    first = np.concatenate([np.zeros((count, 1)), halves], axis=1)
+    angles = math.pi * (np.arange(count) + 0.37) / count
+    turns = np.concatenate([np.cos(angles)[:, None], np.sin(angles)[:, None] * unit], axis=1)
+    back = quaternion.conjugate(quaternion.from_matrix(axes.matrix))
+    wxyz = quaternion.multiply(quaternion.multiply(turns, first[:, None]), back).reshape(-1, 4)
+    given = torque.sample(instant(EPOCH), np.zeros(1), np.zeros(1))
+    given = np.ascontiguousarray(np.broadcast_to(given, (len(wxyz), given.shape[1])))
+    parameters = np.append(np.asarray(torque.parameters(body), dtype=float), 0.0)
+    found, zero = np.empty((len(wxyz), 3)), np.zeros((len(wxyz), 3))
+    rates.torques_at(
+        torque.address(), parameters.ctypes.data, zero[:, 0].copy(), wxyz, zero, given, found
+    )
+    inertial = quaternion.rotate(wxyz, found)
+    return inertial.mean(axis=0), float(np.sqrt(np.mean(np.sum(found**2, axis=1))))
+
+
+# ---- Tables
+
+
+def _share(found, key):
+    """Error over change; the error itself in brackets where the mean is constant."""
+    change = found[f"{key} change"]
+    if abs(change) < 10.0 * abs(found[key]):
+        return f"({abs(found[key]):.0e})"
+    return f"{abs(found[key] / change):.1e}"
+
+
+def accuracy(quick):
+    """The table of errors over changes."""
+    rows = []
+    for case in all_cases(quick):
+        found = compared(case)
+        names = "size", "energy", "pole"
+        shares = [_share(found, name) for name in names]
+        times = f"{found['full']:.2g}", f"{found['averaged']:.2g}"
+        turns = f"{found['turns']:,.0f}"
+        rows.append([case.name, turns, f"{found['eps']:.0e}", *shares, *times])
+    days = envisat()
+    rows.append(["Envisat, 2013.5: 4.8 d observed", "", "", "", "", f"{days[0]:.2f} d", "", ""])
+    rows.append(["Envisat, 2015.5: 3.4 d observed", "", "", "", "", f"{days[1]:.2f} d", "", ""])
+    heads = "motion", "turns", "eps", "L", "energy", "pole", "full, s", "averaged, s"
+    return Table("averaged", markdown(heads, rows))
+
+
+def odds(quick):
+    """The table of odds at the separatrix, and of members of a tree."""
+    count = 40 if quick else 300
+    rows = []
+    for name, body, torques in coin_cases():
+        predicted, reached = coin(body, torques, count)
+        rows.append([name, "SAM+", f"{predicted:.3f}", _frequency(reached == 0, predicted)])
+    if not quick:
+        predicted, reached = geo_coin(count)
+        rows.append(
+            ["like GOES 8", "LAM+", f"{predicted:.3f}", _frequency(reached == 2, predicted)]
+        )
+    return Table("averaged odds", markdown(("motion", "region", "odds", "full motions"), rows))
+
+
+def _frequency(hits, odds):
+    """The share of full motions, and its distance from the odds in standard deviations."""
+    deviation = math.sqrt(max(odds * (1.0 - odds), 1e-12) / len(hits))
+    return f"{np.mean(hits):.3f} of {len(hits)} ({(np.mean(hits) - odds) / deviation:+.1f} sigma)"
+
+
+def leaves():
+    """The table of full motions and the leaves next to them: 40 s of processor each."""
+    rows = []
+    for phase in range(8):
+        error, leaf, _ = geo_member(phase)
+        rows.append([phase, *passed(leaf, 1.6 * YEAR), f"{error:.1e}"])
+    return Table("averaged leaves", markdown(("phase", "regions", "odds", "error of L"), rows))
+
+
+def passed(leaf, until):
+    """The regions of a branch up to a time, s, and the product of the odds of its passages."""
+    events = [e for e in leaf.events if e.kind == "passage" and e.seconds <= until]
+    odds = math.prod(event.odds[event.after] for event in events)
+    return " ".join([leaf.regions[0], *(event.after for event in events)]), f"{odds:.3f}"
+
+
+def tables(quick):
+    """The tables of docs/averaged.md."""
+    yield accuracy(quick)
+    yield odds(quick)
+    if not quick:
+        yield leaves()
+    rows = [[name, *(f"{1e6 * t:.2f} us" if t < 1e-4 else f"{t:.3f} s" for t in times)]
+            for name, *times in costs()]  # fmt: skip
+    rows = [[name, ", at most ".join(times)] for name, *times in rows]
+    for label, settings in (
+        ("convex mesh", (False, False)),
+        ("concave mesh", (True, False)),
+        ("concave mesh, shadows", (True, True)),
+    ):
+        worst = [max(mesh_errors(*settings, degree)) for degree in (16, 32)]
+        text = f"{worst[0]:.0e} at degree 16, {worst[1]:.0e} at 32, of the torque"
+        rows.append([f"error of the mean torque: {label}", text])
+    yield Table("averaged costs", markdown(("what", "processor"), rows))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="short spans, fewer motions")
+    for table in tables(parser.parse_args().quick):
+        print(table.text, flush=True)
+
+
+if __name__ == "__main__":
+    main()
