@@ -188,7 +188,7 @@ def case(seed: int, style: dict) -> Case:
     q = rng.normal(size=4)
     start = np.r_[q / np.linalg.norm(q), w]
     span = style["span"]
-    body, earth = encounter(rng, span)
+    body, earth = style.get("orbits") or encounter(rng, span)
     jd, session = _epochs(rng, style)
     t = jd - 2460000.5
     light = np.zeros_like(t)
@@ -251,6 +251,8 @@ def is_decidable(made: Case) -> bool:
 
 
 def _epochs(rng, style):
+    if "apparitions" in style:
+        return _epochs_of_apparitions(rng, style)
     nights = np.sort(rng.choice(int(style["span"]), style["nights"], replace=False))
     begin = rng.uniform(0.6, 0.9)
     t, session = [], []
@@ -266,3 +268,15 @@ def _epochs(rng, style):
     t = np.concatenate(t) - 0.5 * style["span"]
     order = np.argsort(t)
     return 2460000.5 + t[order], np.concatenate(session)[order]
+
+
+def _epochs_of_apparitions(rng, style):
+    """Julian dates and sessions of nights within apparitions: first and last date, and how many."""
+    jd, session = [], []
+    for first, last, count in style["apparitions"]:
+        part = {**style, "span": last - first, "nights": count}
+        del part["apparitions"]
+        own, number = _epochs(rng, part)
+        jd.append(own - 2460000.5 + 0.5 * (first + last))
+        session.append(number + sum(len(np.unique(each)) for each in session))
+    return np.concatenate(jd), np.concatenate(session)

@@ -280,20 +280,25 @@ class Solid:
             _HAPKE if hapke else np.zeros(0),
         )  # fmt: skip
 
-    def flux(self, sun: np.ndarray, observer: np.ndarray, moon=None, radius: float = 0.0):
-        """Flux (N,) towards unit vectors (N, 3) over body axes, with a moon at (N, 3)."""
+    def flux(
+        self, sun: np.ndarray, observer: np.ndarray, moon=None, radius: float = 0.0,
+        is_apart: bool = False,
+    ):  # fmt: skip
+        """Flux (N,) towards unit vectors (N, 3) over body axes, with a moon at (N, 3).
+
+        is_apart: as if neither hid or shaded the other one.
+        """
         vectors = np.ascontiguousarray(sun), np.ascontiguousarray(observer)
         places = np.zeros_like(vectors[0]) if moon is None else np.ascontiguousarray(moon)
         own = self.normals, self.areas, self.centres, *self.triangles, *self.in_front, self.hapke
-        flux = _light(*vectors, *own, places, radius)
+        flux = _light(*vectors, *own, places, 0.0 if is_apart else radius)
         if radius > 0.0:
             sphere, facets = icosphere(_MOON_LEVEL)
             normals = sphere[facets].mean(axis=1)
             normals /= np.linalg.norm(normals, axis=1)[:, None]
             area = 4.0 * math.pi * radius**2 / len(facets)
-            flux += _light_of_moon(
-                *vectors, places, radius, normals, area, *self.triangles, self.hapke
-            )
+            hides = [each[:0] for each in self.triangles] if is_apart else self.triangles
+            flux += _light_of_moon(*vectors, places, radius, normals, area, *hides, self.hapke)
         return flux
 
 
@@ -397,21 +402,12 @@ def case(seed: int, style: dict, meshes: list[Path] | None = None) -> Case:
         place = _kepler(orbits[0], t - light)
         light = np.linalg.norm(place - _kepler(orbits[1], t), axis=1) / LIGHT_DAY_AU
     to_sun, to_observer = -place, _kepler(orbits[1], t) - place
-    moon = None
-    pole = _pole(moments, start)
+    moon, pole = None, _pole(moments, start)
+    scene = t - light, to_sun, to_observer
     if style.get("moon"):
-        # seen near the plane of its orbit, as those moons are that are known by their eclipses
-        middle = len(t) // 2
-        bisector = to_sun[middle] / np.linalg.norm(to_sun[middle])
-        bisector = bisector + to_observer[middle] / np.linalg.norm(to_observer[middle])
-        across = np.cross(bisector, _unit(rng))
-        across /= np.linalg.norm(across)
-        axes = np.stack([np.cross(across, bisector), bisector, across], axis=-1)
-        axes /= np.linalg.norm(axes, axis=0)
-        start[:4] = _quaternion(axes)
-        pole = across
-        moon = _moon(rng, style, pole)
-    exact = _magnitudes(body, moments, start, t - light, to_sun, to_observer, moon, style)
+        start, pole, moon, exact = _with_moon(rng, body, moments, start, scene, style)
+    else:
+        exact = _magnitudes(body, moments, start, *scene, None, style)
     sigma = style["noise"] * rng.uniform(0.7, 1.3, t.size)
     magnitude = exact + sigma * rng.normal(size=t.size)
     if "zero" in style:
@@ -437,6 +433,29 @@ def case(seed: int, style: dict, meshes: list[Path] | None = None) -> Case:
     )  # fmt: skip
 
 
+def _with_moon(rng, body, moments, start, scene, style):
+    """State, pole, moon and magnitudes of a body whose moon eclipses it, or is eclipsed.
+
+    Seen near the plane of its orbit, as those moons are that are known by their eclipses: drawn
+    until 3 % of the points are fainter by 0.05 mag than both bodies apart.
+    """
+    _, to_sun, to_observer = scene
+    middle = len(to_sun) // 2
+    bisector = to_sun[middle] / np.linalg.norm(to_sun[middle])
+    bisector = bisector + to_observer[middle] / np.linalg.norm(to_observer[middle])
+    while True:
+        across = np.cross(bisector, _unit(rng))
+        across /= np.linalg.norm(across)
+        axes = np.stack([np.cross(across, bisector), bisector, across], axis=-1)
+        axes /= np.linalg.norm(axes, axis=0)
+        here = np.r_[_quaternion(axes), start[4:]]
+        moon = _moon(rng, style, across)
+        given = body, moments, here, *scene, moon, style
+        exact = _magnitudes(*given)
+        if np.mean(exact - _magnitudes(*given, is_apart=True) > 0.05) > 0.03:
+            return here, across, moon, exact
+
+
 def _pole(moments, start):
     """The direction of the angular momentum."""
     momentum = _matrices(start[None, :4])[0] @ (moments * start[4:])
@@ -459,7 +478,7 @@ def _quaternion(matrix):
     return vectors[:, np.argmax(values)]
 
 
-def _magnitudes(body, moments, start, left, to_sun, to_observer, moon, style):
+def _magnitudes(body, moments, start, left, to_sun, to_observer, moon, style, is_apart=False):
     """Apparent magnitudes (N,) without errors, means over the exposures."""
     r, d = np.linalg.norm(to_sun, axis=1), np.linalg.norm(to_observer, axis=1)
     nodes = 7 if style.get("exposure") else 1
@@ -478,7 +497,7 @@ def _magnitudes(body, moments, start, left, to_sun, to_observer, moon, style):
         angle = 2.0 * math.pi * epochs / period + phase
         orbit = np.cos(angle)[:, None] * first + np.sin(angle)[:, None] * second
         places = np.einsum("tji,tj->ti", turn, distance * orbit)
-    flux = body.flux(sun, observer, places, radius).reshape(-1, nodes).mean(axis=1)
+    flux = body.flux(sun, observer, places, radius, is_apart).reshape(-1, nodes).mean(axis=1)
     magnitude = 18.0 - 2.5 * np.log10(flux) + 5.0 * np.log10(r * d)
     if not len(body.hapke):
         alpha = np.degrees(np.arccos(np.clip(np.sum(to_sun * to_observer, 1) / r / d, -1.0, 1.0)))

@@ -38,7 +38,8 @@ def _of_doubles(function: Callable[..., float]) -> Callable[..., np.float64]:
 sqrt, hypot = _of_doubles(math.sqrt), _of_doubles(math.hypot)
 exp, expm1, pow = _of_doubles(math.exp), _of_doubles(math.expm1), _of_doubles(math.pow)
 sin, cos, tan = _of_doubles(math.sin), _of_doubles(math.cos), _of_doubles(math.tan)
-atan, atan2, asinh = _of_doubles(math.atan), _of_doubles(math.atan2), _of_doubles(math.asinh)
+asin, atan, atan2 = _of_doubles(math.asin), _of_doubles(math.atan), _of_doubles(math.atan2)
+asinh = _of_doubles(math.asinh)
 sinh, copysign = _of_doubles(math.sinh), _of_doubles(math.copysign)
 
 

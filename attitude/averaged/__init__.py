@@ -6,17 +6,31 @@ _tables       spherical harmonics of a torque and their sums over polhodes, kept
 _pack         means and paths as the compiled loops take them
 _rates        compiled: mean rates, their integration, the odds at the separatrix
 _mean_state   from a state to its mean state
-_motion       `AveragedMotion`, `AveragedHistory`, events, branches
+_mean_torques the torques of one body, packed for all of its states; windows of their paths
+_tracks       the integration in one direction of time, events
+_resonances   resonances of nutation and precession: where, scatter, strength
+_history      `AveragedHistory`, mean states at epochs
+_motion       `AveragedMotion`, branches
+_ensemble     `AveragedEnsemble`, many states that share tables
+_plots        figures
 """
 
+from attitude.averaged._ensemble import AveragedEnsemble, AveragedEnsembleHistory
+from attitude.averaged._history import AveragedHistory
 from attitude.averaged._means import Mean, over_torus, register
-from attitude.averaged._motion import AveragedEvent, AveragedHistory, AveragedMotion, Branch
+from attitude.averaged._motion import AveragedMotion, Branch, Branches
+from attitude.averaged._resonances import HIGHEST
+from attitude.averaged._tracks import AveragedEvent
 
 __all__ = [
+    "HIGHEST",
+    "AveragedEnsemble",
+    "AveragedEnsembleHistory",
     "AveragedEvent",
     "AveragedHistory",
     "AveragedMotion",
     "Branch",
+    "Branches",
     "Mean",
     "over_torus",
     "register",

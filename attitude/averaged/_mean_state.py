@@ -21,6 +21,8 @@ from attitude.torques._torque import SLIP
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from numpy.typing import NDArray
+
     from attitude._support.annotations import FloatArray
     from attitude.averaged._polhode import Axes
     from attitude.epochs._instants import Instant
@@ -40,10 +42,35 @@ def corrections(
     seconds: float = 0.0,
 ) -> tuple[FloatArray, float]:
     """What to subtract from L (3,), ICRF axes, and from y of a state at instant + seconds."""
+    found = series(axes, body, spin, torques, instant, seconds)
+    if found is None:
+        return np.zeros(3), 0.0
+    terms, frequency, nutation = found
+    terms[0, 0], frequency[0, 0] = 0.0, 1.0
+    # a resonance of high order has no mean state nearby; its term is left out
+    terms[np.abs(frequency) < 1e-3 * nutation] = 0.0
+    frequency[frequency == 0.0] = 1.0
+    total = np.sum(terms / (1j * frequency)[..., None], axis=(0, 1)).real
+    return total[:3], float(total[3])
+
+
+def series(
+    axes: Axes,
+    body: Body,
+    spin: Spin,
+    torques: Sequence[Torque],
+    instant: Instant,
+    seconds: float = 0.0,
+) -> tuple[NDArray[np.complex128], FloatArray, float] | None:
+    """The Fourier series (J, K, 4) of dL/dt and dy/dt over both phases, from those of the state.
+
+    With the frequencies (J, K) of its terms and that of the nutation, rad/s; None on the
+    separatrix.
+    """
     free = FreeRotation(body, spin)
     period = float(free.regime.P_psi)
     if not np.isfinite(period):
-        return np.zeros(3), 0.0
+        return None
     t = period * np.arange(_NODES + 1) / _NODES
     history = free.at(t)
     momentum = history.body_to_inertial(history.angular_velocity @ body.tensor)[0]
@@ -60,16 +87,11 @@ def corrections(
     total = np.zeros((_NODES * _NODES, 4))
     for torque in torques:
         total += _rates_of(torque, axes, body, (instant, seconds), wxyz, omega, size)
-    series = np.fft.fft2(total.reshape(_NODES, _NODES, 4), axes=(0, 1)) / _NODES**2
+    terms = np.fft.fft2(total.reshape(_NODES, _NODES, 4), axes=(0, 1)) / _NODES**2
+    terms[_NODES // 2] = terms[:, _NODES // 2] = 0.0
+    nutation = 2.0 * math.pi / period
     number = np.fft.fftfreq(_NODES, 1.0 / _NODES)
-    frequency = number[:, None] * (2.0 * math.pi / period) + number * pace
-    series[0, 0] = series[_NODES // 2] = series[:, _NODES // 2] = 0.0
-    frequency[0, 0] = 1.0
-    # a resonance of high order has no mean state nearby; its term is left out
-    series[np.abs(frequency) < 1e-3 * 2.0 * math.pi / period] = 0.0
-    frequency[frequency == 0.0] = 1.0
-    found = np.sum(series / (1j * frequency)[..., None], axis=(0, 1)).real
-    return found[:3], float(found[3])
+    return terms, number[:, None] * nutation + number * pace, nutation
 
 
 def _turns(axis: FloatArray, angle: FloatArray) -> FloatArray:

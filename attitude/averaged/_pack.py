@@ -12,6 +12,7 @@ from attitude.averaged import _rates as layout
 from attitude.averaged import _tables
 from attitude.averaged._means import Mean, slips
 from attitude.errors import AttitudeError
+from attitude.paths._composed import Composed
 from attitude.torques._torque import Torque, positions, span_of
 
 if TYPE_CHECKING:
@@ -19,14 +20,17 @@ if TYPE_CHECKING:
     from attitude.averaged._polhode import Axes
     from attitude.epochs._instants import Instant
     from attitude.motions._body import Body
+    from attitude.paths._path import Path
 
 # Epochs of one turn of a path over which means are taken.
 ORBIT = 32
+# Epochs of a turn about a planet, and least ratio of the year of the planet to it.
+_RIPPLE, _RIPPLES = 48, 20.0
 # Least count of samples of a turn of a path that is followed, and most; the share of the largest
 # number by which their splines may err.
 _FEWEST, _MOST, _CLOSE = 32, 2048, 1e-6
-# Intervals of a window of time.
-_INTERVALS = 1024
+# Intervals of a window of time, and of one whose numbers are all averaged over turns.
+_INTERVALS, _FEW_INTERVALS = 1024, 64
 # Turns after which a path that repeats itself is back to this share of its numbers.
 _TURNS, _REPEATS = (1, 3, 10, 31, 100, 316, 1000), 1e-9
 
@@ -44,12 +48,15 @@ class Sampling:
         Over the turn.
     interval : float
         s between samples; infinite for numbers that do not change.
+    ripple : float
+        s, of the turn about a planet over which direction and weight are averaged; else infinite.
     """
 
     torque: Torque
     period: float
     is_averaged: bool
     interval: float
+    ripple: float = float("inf")
 
 
 def turn_period(torque: Torque, instant: Instant) -> float:
@@ -57,6 +64,19 @@ def turn_period(torque: Torque, instant: Instant) -> float:
     path = getattr(torque, "path", None)
     if not torque.columns or path is None:
         return float("inf")
+    return _turn_of(path, instant)
+
+
+def ripple_period(torque: Torque, instant: Instant) -> float:
+    """Seconds of the turn of a satellite about its planet, where its path is that from the Sun."""
+    path = getattr(torque, "path", None)
+    if not isinstance(path, Composed) or not torque.columns:
+        return float("inf")
+    turn = _turn_of(path.plus[0], instant)
+    return turn if _RIPPLES * turn < _turn_of(path, instant) else float("inf")
+
+
+def _turn_of(path: Path, instant: Instant) -> float:
     first, last = span_of(path, instant)
     begin = min(max(0.0, first), last)
 
@@ -170,11 +190,11 @@ class Packed:
         offsets = np.zeros(1)
         if sampling.is_averaged:
             offsets = sampling.period * ((np.arange(ORBIT) + 0.5) / ORBIT - 0.5)
+        if np.isfinite(sampling.ripple) and mean.kind == layout.HARMONICS:
+            return self._rippled(sampling, mean, t, offsets)
         times = t[:, None] + offsets
         if sampling.is_averaged:
-            first, last = sampling.torque.span(self._instant)
-            half = 0.5 * sampling.period
-            times = np.clip(t, first + half, last - half)[:, None] + offsets
+            times = self._within(sampling, t, 0.5 * sampling.period)[:, None] + offsets
         flat = np.ascontiguousarray(times.reshape(-1))
         given = sampling.torque.sample(self._instant, flat, np.zeros(len(flat)))
         if mean.kind == layout.TORUS:
@@ -191,6 +211,28 @@ class Packed:
         if mean.kind == layout.HARMONICS:
             found[..., 3] /= ORBIT
         return found.reshape(count, -1)
+
+    def _within(self, sampling: Sampling, t: FloatArray, half: float) -> FloatArray:
+        """Seconds (T,), moved so that a path is known for a time on both sides."""
+        first, last = sampling.torque.span(self._instant)
+        return np.clip(t, first + half, last - half)
+
+    def _rippled(
+        self, sampling: Sampling, mean: Mean, t: FloatArray, offsets: FloatArray
+    ) -> FloatArray:
+        """Direction and weight, averaged over the turn about a planet: without its eclipses."""
+        shares = (np.arange(_RIPPLE) + 0.5) / _RIPPLE - 0.5
+        half = 0.5 * (sampling.period if sampling.is_averaged else 0.0) + 0.5 * sampling.ripple
+        middle = self._within(sampling, t, half)[:, None] + offsets
+        times = middle[..., None] + sampling.ripple * shares
+        given = sampling.torque.sample(self._instant, times.reshape(-1), np.zeros(times.size))
+        found = mean.numbers(given).reshape(*times.shape, 4)
+        weight = found[..., 3]
+        total = np.maximum(np.mean(weight, axis=-1), 1e-200)
+        vector = np.mean(found[..., :3] * np.maximum(weight, 1e-200)[..., None], axis=-2)
+        unit = vector / np.sqrt(np.sum(vector**2, axis=-1))[..., None]
+        row = np.concatenate([unit, total[..., None] / len(offsets)], axis=-1)
+        return row.reshape(len(t), -1)
 
     def interval(self, sampling: Sampling, mean: Mean) -> float:
         """Seconds between samples that splines join to 1e-6 of the largest number."""
@@ -213,7 +255,10 @@ class Packed:
             if _spread(self.sampled(sampling, mean, t)) <= _REPEATS:
                 return float("inf")
             period = 86400.0
-        return self._fine(sampling, mean, first, last, period / _FEWEST, period / _MOST)
+        least = period / _MOST
+        if np.isfinite(sampling.ripple):
+            least = max(least, sampling.ripple)
+        return self._fine(sampling, mean, first, last, period / _FEWEST, least)
 
     def _slow(self, sampling, mean, first, last):
         """For means over turns of a path that drifts: as many turns as splines can join."""
@@ -271,8 +316,11 @@ class Packed:
     @property
     def length(self) -> float:
         """Seconds of a window; infinite where nothing changes."""
-        intervals = [s.interval for s, _ in self.means if np.isfinite(s.interval)]
-        return _INTERVALS * min(intervals) if intervals else float("inf")
+        changing = [s for s, _ in self.means if np.isfinite(s.interval)]
+        if not changing:
+            return float("inf")
+        slow = all(s.is_averaged or np.isfinite(s.ripple) for s in changing)
+        return (_FEW_INTERVALS if slow else _INTERVALS) * min(s.interval for s in changing)
 
 
 def _spread(values: FloatArray) -> float:

@@ -31,6 +31,7 @@ from attitude.errors import AttitudeError, AttitudeWarning
 
 COMMANDS: tuple[str, ...] = (
     "propagate",
+    "evolve",
     "describe",
     "catalog",
     "geometry",
@@ -49,6 +50,7 @@ COMMANDS: tuple[str, ...] = (
 )
 # Commands that share a module with another one.
 _MODULES = {
+    "evolve": "propagate",
     "catalog": "describe",
     "glints": "passes",
     "warm-up": "installation",

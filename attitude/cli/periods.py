@@ -35,7 +35,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--max", metavar="P", help='longest period, such as "40 h" (the span)')
     parser.add_argument("--order", type=int, default=2, help="harmonics of the series (2)")
     parser.add_argument(
-        "--method", default="fourier", help="fourier (series) or pdm (phase dispersion)"
+        "--method",
+        default="fourier",
+        help="fourier (series), pdm (phase dispersion) or additive (with --two: a series in each)",
     )
     parser.add_argument(
         "--two", action="store_true", help="two periods: Fourier series in two frequencies"

@@ -1,15 +1,30 @@
-"""``attitude propagate NAME|FILE.toml``: attitudes at equally spaced epochs as a table."""
+"""``attitude propagate``, ``attitude evolve``: attitudes at epochs, mean rotations over years."""
 
 from __future__ import annotations
 
 import argparse
+import warnings
+from contextlib import ExitStack
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from attitude._support import validation
 from attitude._support.blocks import ProgressBar
 from attitude.cli import _options, _output
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, AttitudeWarning
+from attitude.formats import _ccsds_epochs as ccsds_epochs
 
-HELP: str = "write a table of attitudes at equally spaced epochs"
-EPILOG: str = """\
+if TYPE_CHECKING:
+    from attitude.averaged import AveragedHistory, AveragedMotion
+    from attitude.cli._options import Grid
+
+HELP: dict[str, str] = {
+    "propagate": "write a table of attitudes at equally spaced epochs",
+    "evolve": "write and draw the mean rotation under torques over months and years",
+}
+EPILOG: dict[str, str] = {
+    "propagate": """\
 example:
   attitude propagate toutatis.toml --start 1992-12-01 --stop 1992-12-20 --step "1 h" \\
       --output toutatis.csv
@@ -31,13 +46,46 @@ A date may end in the name of a time scale ("2026-01-01T00:00:00 TDB"). Steps, a
 epoch, are seconds of UTC, of TDB if the start is a date in TDB.
 
 AEM, C-kernels and other formats are written by "attitude convert".
-"""
+""",
+    "evolve": """\
+example:
+  attitude evolve data/mission/goes-like.toml --until 2040-01-01 --output spin.csv --figure spin.png
+  attitude evolve data/mission/goes-like.toml --until "2 yr" --passages all
+
+The file is a mission file with a spin and sections [[torque]]; observer, columns and times are not
+needed. Torques are averaged over nutation and precession (docs/averaged.md): attitudes are not
+known, momentum and mode are.
+
+columns:
+  utc, tdb_seconds  ISO date; TDB seconds since the epoch of the spin
+  branch, odds      with --passages all: number of the branch, and its odds
+  mode, end         SAM or LAM; + or -, the end of the circulated axis that the momentum is near
+  momentum_x _y _z  angular momentum over the axes of ICRF, N m s
+  theta             angle between momentum and short axis where the middle axis is across, rad
+  energy            kinetic energy, J
+  P_psi, P_phi      periods of nutation and of the long axis about the momentum, s
+  weakness          |N| P / (2 pi |L|); means err by about this share of what changes
+
+With --output FILE passages of the separatrix, uniform rotation reached and left, and resonances are
+listed on standard output. A mean motion ends where the torques are no longer weak, or where the
+body turns too slowly for its path; the table then ends there, with a warning.
+""",
+}
 # Rows computed and written in one block: the memory does not grow with the table.
 _BLOCK = 16384
+# Seconds of the steps of a table without --step, and the rows that it has at most.
+_STEPS = (
+    *(1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 1200, 1800, 3600, 7200, 10800, 21600, 43200),
+    *(86400 * each * 10**power for power in range(7) for each in (1, 2, 5)),
+)
+_ROWS, _MOST_ROWS = 1000, 1_000_000
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the command."""
+def add_arguments(parser: argparse.ArgumentParser, command: str) -> None:
+    """Add the options of one of both commands."""
+    if command == "evolve":
+        _add_arguments_of_evolve(parser)
+        return
     _options.add_target_arguments(parser)
     parser.add_argument(
         "--start",
@@ -60,16 +108,56 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     _output.add_argument(parser)
 
 
-def run(arguments: argparse.Namespace) -> None:
-    """Write the table."""
-    from attitude.cli import _output
-    from attitude.cli._options import grid
+def _add_arguments_of_evolve(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("file", metavar="MISSION.toml", help="mission file with [[torque]]")
+    parser.add_argument(
+        "--until",
+        required=True,
+        metavar="TIME",
+        help='last epoch: a date (UTC), or a time such as "20 yr" after the epoch of the spin',
+    )
+    parser.add_argument(
+        "--step", metavar="TIME", help='time between rows, such as "10 d" (default: 1000 rows)'
+    )
+    parser.add_argument(
+        "--passages",
+        default="likeliest",
+        metavar="WORD",
+        help="at the separatrix: likeliest (the default), all (every branch, with its odds), or a "
+        "whole number, the seed of a draw",
+    )
+    parser.add_argument(
+        "--least-tilt",
+        default="0.01 deg",
+        metavar="ANGLE",
+        help="the tilt from an axis to which damping may lead (0.01 deg)",
+    )
+    parser.add_argument(
+        "--paths",
+        default="auto",
+        choices=("auto", "averaged", "followed"),
+        help="average torques over the turn of their path, or follow it (auto: as they are weak)",
+    )
+    kinds = ", ".join(_output.PICTURES)
+    parser.add_argument("--figure", metavar="FILE", help=f"figure: {kinds}")
+    parser.add_argument(
+        "--output",
+        metavar="FILE",
+        help="x.csv or x.ecsv (default: CSV to standard output, none with --figure alone); appears "
+        "whole or not at all",
+    )
 
+
+def run(arguments: argparse.Namespace, command: str) -> None:
+    """Write the table."""
+    if command == "evolve":
+        _evolve(arguments)
+        return
     kind = _output.kind_of(
         arguments.output, hint="`attitude convert` writes AEM, C-kernels and other formats."
     )
     motion = _options.motion_of(arguments)
-    epochs = grid(motion.spin.epoch, arguments.start, arguments.stop, arguments.step)
+    epochs = _options.grid(motion.spin.epoch, arguments.start, arguments.stop, arguments.step)
     if arguments.sigma and motion.spin.covariance is None:
         raise AttitudeError(
             f"{arguments.target} has no section [errors], from which --sigma follows; give it, for "
@@ -84,3 +172,157 @@ def run(arguments: argparse.Namespace) -> None:
         for first in range(0, epochs.count, _BLOCK):
             file.write(_output.rows(epochs, motion, first, _BLOCK, **columns))
             progress(min(first + _BLOCK, epochs.count), epochs.count)
+
+
+# ---- The mean rotation
+
+
+def _evolve(arguments: argparse.Namespace) -> None:
+    """Compute the mean rotation of a mission file, then write table and figure together."""
+    from attitude._textfiles.atomic_write import written_whole
+
+    kind = _output.kind_of(arguments.output)
+    picture = None
+    if arguments.figure is not None:
+        picture = _output.kind_of(arguments.figure, _output.PICTURES, "--figure")
+    motion = _averaged(arguments)
+    epochs = _epochs(motion, arguments)
+    hi, low = epochs.block(0, epochs.count)
+    last = _last(motion, float(hi[-1] + low[-1]))
+    count = int(np.count_nonzero(np.abs(hi + low) <= abs(last)))
+    states = motion.at(hi[:count] + low[:count])
+    text = figure = None
+    if arguments.output is not None or picture is None:
+        text = _text_of(states, epochs, kind)
+    if picture is not None:
+        figure = motion.plot(until=last, title=arguments.file)
+    with ExitStack() as files:
+        if text is not None:
+            files.enter_context(_output.opened(arguments.output)).write(text)
+        if figure is not None:
+            file = files.enter_context(written_whole(arguments.figure, "--figure", binary=True))
+            figure.savefig(file, format=picture, dpi=130)
+    if arguments.output is not None:
+        _print_events(motion, last)
+
+
+def _averaged(arguments: argparse.Namespace) -> AveragedMotion:
+    """The mean rotation of a mission file under its torques."""
+    from attitude.averaged import AveragedMotion
+    from attitude.formats import mission
+    from attitude.torques._torqued import TorquedRotation
+
+    passages: Any = arguments.passages
+    if passages.isascii() and passages.isdigit():
+        passages = int(passages)
+    elif passages not in ("likeliest", "all"):
+        raise AttitudeError(
+            f"--passages is {passages!r}; give likeliest, all, or a whole number, the seed of a "
+            "draw."
+        )
+    full = mission.read_motion(arguments.file)
+    if not isinstance(full, TorquedRotation):
+        raise AttitudeError(
+            f"{arguments.file} has no sections [[torque]], without which nothing evolves; give "
+            'them, as in [[torque]] kind = "gravity_gradient".'
+        )
+    return AveragedMotion(
+        full.body,
+        full.spin,
+        full.torques,
+        orbit=arguments.paths,
+        passages=passages,
+        least_tilt=validation.number(arguments.least_tilt, "--least-tilt", unit="rad"),
+    )
+
+
+def _epochs(motion: AveragedMotion, arguments: argparse.Namespace) -> Grid:
+    """The epochs of the rows, from the epoch of the spin."""
+    start, until, step = motion.epoch, arguments.until, arguments.step
+    if step is None:
+        end = _options.one(start, until, "--until")
+        span = (end.seconds - start.seconds) + (end.low - start.low)
+        if span == 0.0:
+            raise AttitudeError("--until is the epoch of the spin; give another epoch.")
+        least = abs(span) / _ROWS
+        length = next((each for each in _STEPS if each >= least), _STEPS[-1])
+        step = f"{'-' if span < 0.0 else ''}{length} s"
+    found = _options.grid(start, "0", until, step, last_name="--until")
+    if found.count > _MOST_ROWS:
+        raise AttitudeError(
+            f"--step {step} makes {found.count} rows, more than {_MOST_ROWS}; take a longer step."
+        )
+    return found
+
+
+def _last(motion: AveragedMotion, until: float) -> float:
+    """Seconds up to which the motion goes, with a warning where it ends before `until`."""
+    if motion.passages == "all":
+        return until
+    last = motion.reaches(until)
+    if last != until:
+        end = motion.events[-1 if until > 0.0 else 0]
+        date = motion.epoch.after(last).utc_iso[:19]
+        warnings.warn(
+            f"the mean motion ends at {date} UTC, {end.kind}; the table and the figure end there.",
+            AttitudeWarning,
+            stacklevel=2,
+        )
+    return last
+
+
+def _columns(states: AveragedHistory) -> dict[str, tuple[Any, str]]:
+    """Columns of rows (N,), or of branches and rows (B N,), each with its unit."""
+    ends = np.array(["+", "-", "+", "-"])
+    found: dict[str, tuple[Any, str]] = {}
+    if states.seconds.ndim == 2:
+        number = np.broadcast_to(np.arange(1, len(states) + 1)[:, None], states.seconds.shape)
+        found["branch"] = number, ""
+        found["odds"] = np.broadcast_to(states.odds[:, None], states.seconds.shape), ""
+    found["mode"] = states.mode, ""
+    found["end"] = ends[states.region], ""
+    for k, name in enumerate(("momentum_x", "momentum_y", "momentum_z")):
+        found[name] = states.momentum[..., k], "N m s"
+    found["theta"] = states.theta, "rad"
+    found["energy"] = states.energy, "J"
+    found["P_psi"], found["P_phi"] = (states.P_psi, "s"), (states.P_phi, "s")
+    found["weakness"] = states.weakness, ""
+    return {name: (np.ravel(values), unit) for name, (values, unit) in found.items()}
+
+
+def _text_of(states: AveragedHistory, epochs: Grid, kind: str) -> str:
+    """The table as CSV or ECSV; numbers are read back as the same doubles."""
+    import io
+
+    hi, low = epochs.block(0, states.seconds.shape[-1])
+    dates = ccsds_epochs.texts(epochs.epoch, hi, low, "utc", epochs.digits)
+    repeated = states.seconds.size // len(hi)
+    columns = _columns(states)
+    if kind == "csv":
+        rows = [[*dates] * repeated, np.tile(hi, repeated).tolist()]
+        rows += [values.tolist() for values, _ in columns.values()]
+        head = ",".join(["utc", "tdb_seconds", *columns])
+        lines = [",".join(map(str, row)) for row in zip(*rows, strict=True)]
+        return "\n".join([head, *lines, ""])
+    from astropy.table import QTable
+    from astropy.time import Time
+    from astropy.units import Quantity
+
+    table = QTable({"utc": Time([*dates] * repeated, format="isot", scale="utc", precision=9)})
+    table["tdb_seconds"] = Quantity(np.tile(hi, repeated), "s")
+    for name, (values, unit) in columns.items():
+        table[name] = Quantity(values, unit) if unit else values
+    table.meta = {"frame": "ICRF", "epoch": f"{epochs.epoch.utc_iso} UTC"}
+    text = io.StringIO()
+    table.write(text, format="ascii.ecsv", delimiter=",")
+    return text.getvalue()
+
+
+def _print_events(motion: AveragedMotion, last: float) -> None:
+    """A line for each event, or for each branch."""
+    if motion.passages == "all":
+        for number, branch in enumerate(motion.branches(last), start=1):
+            print(f"branch {number}, odds {branch.odds:.4g}: {' '.join(branch.regions)}")
+        return
+    for event in motion.events:
+        print(f"{motion.epoch.after(event.seconds).utc_iso[:19]} {event}")

@@ -17,6 +17,7 @@ from attitude._support import markup, validation
 from attitude._support.arrays import Immutable, frozen, read_only
 from attitude._support.blocks import ProgressBar, in_blocks
 from attitude._support.pairs import Seconds
+from attitude.averaged._ensemble import AveragedEnsemble
 from attitude.ensemble import _evaluation, _light, _members, _quantities, _tables
 from attitude.ensemble._arcs import ArcsEnsemble
 from attitude.ensemble._evaluation import EnsembleHistory, MemberDerivatives, MemberGrid, MemberRows
@@ -1299,6 +1300,29 @@ class Ensemble(Immutable):
     ) -> TorquedEnsemble:
         """The same states under torques, with one scheme and one step: a `TorquedEnsemble`."""
         return TorquedEnsemble(self, torques, step, scheme)
+
+    def averaged(self, torques: Any, **settings: Any) -> AveragedEnsemble:
+        """The mean rotations of the same states under weak torques: an `AveragedEnsemble`.
+
+        Parameters
+        ----------
+        torques, settings
+            orbit=, passages=, least_tilt=, tolerance=, degree= and on_error= of
+            `attitude.averaged.AveragedEnsemble`.
+
+        Raises
+        ------
+        AttitudeError
+            For members with epochs of their own or that are not physical, and as
+            `AveragedEnsemble`.
+        """
+        if not self.is_physical.all():
+            raise AttitudeError(
+                "some members are not physical; leave them out: ensemble[ensemble.is_physical]."
+            )
+        names = None if self.names is None else self.names.tolist()
+        motions = [self[k] for k in range(len(self))]
+        return AveragedEnsemble(motions, torques, names=names, **settings)
 
     # ---- Tables
 

@@ -448,19 +448,39 @@ def _write_segment(spice, handle, plan, clock, instrument, number, seconds, star
     history = plan.history(seconds[window], number)
     ticks = clock.ticks(seconds[window])
     ends = float(ticks[start - window.start]), float(ticks[stop - window.start])
-    frames = instrument, REFERENCE, True
     if plan.kind == 5:
         packets = _packets(history, plan.speed(seconds[window])[:, None])
         spice.ckw05(
-            *(handle, 2, DEGREE, *ends, *frames, "attitude", ticks, packets),
-            *(clock.per_tick, 1, ticks[:1]),
+            handle,
+            2,
+            DEGREE,
+            *ends,
+            instrument,
+            REFERENCE,
+            True,
+            "attitude",
+            ticks,
+            packets,
+            clock.per_tick,
+            1,
+            ticks[:1],
         )
     else:
         quats = np.ascontiguousarray(quaternion.conjugate(history.wxyz))
         rates = np.ascontiguousarray(history.angular_velocity_inertial)
         spice.ckw03(
-            *(handle, *ends, *frames, "attitude", len(ticks), ticks, quats, rates),
-            *(1, ticks[:1]),
+            handle,
+            *ends,
+            instrument,
+            REFERENCE,
+            True,
+            "attitude",
+            len(ticks),
+            ticks,
+            quats,
+            rates,
+            1,
+            ticks[:1],
         )
 
 
@@ -738,8 +758,16 @@ def _write_part(
         subtype = 3 if has_rates else 1
         ticks, packets, _ = _padded(ticks, packets, None, degree + 1)
     spice.ckw05(
-        *(handle, subtype, degree, *ends, *about, ticks, np.ascontiguousarray(packets)),
-        *(clock.per_tick, 1, ticks[:1]),
+        handle,
+        subtype,
+        degree,
+        *ends,
+        *about,
+        ticks,
+        np.ascontiguousarray(packets),
+        clock.per_tick,
+        1,
+        ticks[:1],
     )
 
 

@@ -241,7 +241,11 @@ def write(
     )
     settings |= {"method": used, "degree": most}
     return _sampling.write(
-        *(path, motion, start, stop, tolerance),
+        path,
+        motion,
+        start,
+        stop,
+        tolerance,
         method=used,
         degree=most,
         name="the AEM",

@@ -161,7 +161,11 @@ def write(
         return None
     _sampling.refuse_epochs(t)
     return _sampling.write(
-        *(path, _sampling.one_motion(source), start, stop, tolerance),
+        path,
+        _sampling.one_motion(source),
+        start,
+        stop,
+        tolerance,
         method="slerp",
         degree=1,
         name="a CIC file",

@@ -200,7 +200,11 @@ def write(
     _sampling.refuse_epochs(t)
     method, degree = _sampling.stated(None, None, False, None)
     return _sampling.write(
-        *(path, _sampling.one_motion(source), start, stop, tolerance),
+        path,
+        _sampling.one_motion(source),
+        start,
+        stop,
+        tolerance,
         method=method,
         degree=degree,
         name="the table of quaternions",

@@ -19,6 +19,7 @@ from __future__ import annotations
 import datetime
 import os
 import re
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -663,14 +664,14 @@ def write(
     if SECTIONS[section].kind == "EULER_ANGLE":
         head["Sequence"] = sequence.translate(str.maketrans("XYZ", "123"))
     how = Convention(scalar_first=SECTIONS[section].scalar_first, sequence=sequence)
-    settings = (section, axes, how, head)
+    write_file = partial(_write, section=section, axes=axes, how=how, head=head, orbit=orbit)
     if tolerance is None:
         _sampling.refuse_span(start, stop)
         parts = _sampling.segments(source, t) if split else []
         if len(parts) < 2:
             parts = [_sampling.only_segment(source, t, "an STK file")]
         for name, records in zip(_names(path, len(parts)), parts, strict=True):
-            _write(name, records, *settings, order, orbit)
+            write_file(name, records, order=order)
         return None
     _sampling.refuse_epochs(t)
     motion = _sampling.one_motion(source)
@@ -678,11 +679,15 @@ def write(
     count = _sampling.count_of_stretches(motion, start, stop) if split else 1
     files = [
         _sampling.write(
-            *(name, motion, start, stop, tolerance),
+            name,
+            motion,
+            start,
+            stop,
+            tolerance,
             method="slerp" if degree == 1 else "lagrange",
             degree=degree,
             name="an STK file",
-            write_records=lambda target, parts: _write(target, parts[0], *settings, degree, orbit),
+            write_records=lambda target, parts: write_file(target, parts[0], order=degree),
             read=lambda target: read(target, orbit=orbit),
             one_segment=True,
             stretch=k if count > 1 else None,
@@ -705,7 +710,7 @@ def _names(path, count):
     return [f"{stem}-{k + 1}{ending}" for k in range(count)]
 
 
-def _write(path, records, section, axes, how, head, order, orbit):
+def _write(path, records, *, section, axes, how, head, order, orbit):
     """Write one segment; `head` are the keywords that do not depend on its records."""
     start, shift = _whole_second(records)
     if order is None:

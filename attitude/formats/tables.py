@@ -441,7 +441,11 @@ def write(
     table = motion if isinstance(motion, AttitudeTable) and kind != "csv" else None
     method, degree = _sampling.stated(None, None, has_rates, table)
     return _sampling.write(
-        *(path, motion, start, stop, tolerance),
+        path,
+        motion,
+        start,
+        stop,
+        tolerance,
         method=method,
         degree=degree,
         name="CSV" if kind == "csv" else "the table",

@@ -12,10 +12,11 @@ _evidence      Student's errors, and what solutions are ranked by
 _settings      the thresholds of a search, and the work that it counts
 _motions       attitudes and moments of inertia from the five elements, compiled
 _moving        motions with parameters, and their least squares with a shape
+_apparitions   rotations about one axis over many years; _joined, tumbling over several apparitions
 _known         the search for states of a body of known shape
 _pole_map      poles of a rotation about one axis
-_states        motion and covariance from the parameters of a search
-_errors        covariances that contain the error of the model; _posterior, samples
+_states        motion and covariance from the parameters of a search, posterior samples
+_errors        covariances that contain the error of the model
 _verdicts      relations between solutions in words; what a curve decides
 """
 

@@ -407,7 +407,7 @@ class RotatorSearch(Search):
 
     window: tuple[float, float] = (0.7, math.inf)
 
-    def run(self, is_ended: Callable[[], bool] = never) -> None:
+    def run(self, is_ended: Callable[[bool], bool] = never) -> None:
         """Search all rates of the window about poles all over the sky."""
         low, high = self.window[0], min(self.window[1], self.most)
         self.tie = replace(self.tie, is_wide=self._has_several)

@@ -627,13 +627,22 @@ def around(
     screens: int = 8,
     iterations: int = 8,
     tie: Held = _FREELY,
+    poles: FloatArray | None = None,
 ) -> Pool:
     """Minima from `count` random starts for each pair of rates, in the order of the rates.
 
-    Each start is the best of `screens` random ones.
+    Each start is the best of `screens` random ones; of every two starts one has one of the poles
+    (R, P, 3) of its rates in turn, if there are any.
     """
     each = np.repeat(np.array(rates), count * screens, axis=0)
     given = starts(generator, each[:, 0], each[:, 1])
+    if poles is not None:
+        frames = given[:, 5:14].reshape(len(rates), count, screens, 9)
+        number = np.arange(count // 2) % poles.shape[1]
+        known = np.repeat(poles[:, number, None], screens, axis=2)
+        made = frames_of(generator, known.reshape(-1, 3))
+        frames[:, 1::2] = made.reshape(len(rates), -1, screens, 9)
+        given[:, 5:14] = frames.reshape(-1, 9)
     chosen = screened(problem, given, len(rates) * count)
     return minimised(problem, chosen, iterations, tie=tie)
 
@@ -645,14 +654,16 @@ def narrowed(
     count: int,
     *,
     tie: Held = _FREELY,
+    poles: FloatArray | None = None,
 ) -> Pool:
     """The best minimum of each pair of rates: of many starts a few steps, of the best more.
 
     `count` starts, each the best of some random ones, take four steps; a quarter of them six more,
-    and the best of these ten more.
+    and the best of these ten more.  poles (R, P, 3) as in `around`.
     """
     groups = len(rates)
-    pool = around(problem, generator, rates, count, screens=4, iterations=4, tie=tie)
+    given = problem, generator, rates, count
+    pool = around(*given, screens=4, iterations=4, tie=tie, poles=poles)
     for kept, steps in ((max(count // 4, 1), 6), (1, 10)):
         size = len(pool.cost) // groups
         order = np.argsort(pool.cost.reshape(groups, size), axis=1, kind="stable")[:, :kept]

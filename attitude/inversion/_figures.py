@@ -204,20 +204,50 @@ def of_states(found: SpinStates, path: FilePath | None = None) -> Any:
         behind = each.evidence - first
         colour = _MODEL if behind < 16.0 else _OTHER
         phi, psi = np.array(SearchState.of(each.state).rates) / each.curve.span * _DAY
-        axes[0, 2].plot(phi, psi, "o" if each.mode == "LAM" else "s", mfc="none", color=colour)
+        mark = "o" if each.mode == "LAM" else "s"
+        axes[0, 2].plot(phi, psi, mark, mfc="none", mew=1.8, color=colour)
         longitude, latitude = np.degrees(each.pole)
-        axes[1, 2].plot(longitude, latitude, "o", color=colour)
-        axes[1, 2].annotate(
-            str(each.rank), (longitude, latitude), (4, 4), textcoords="offset points", fontsize=8
-        )
+        axes[1, 2].plot(longitude, latitude, "o", color=colour, ms=4)
     axes[0, 2].set_xlabel("1/P_phi of the long axis, 1/d")
     axes[0, 2].set_ylabel("1/P_psi, 1/d")
     axes[1, 2].set_xlabel("ecliptic longitude of the momentum, deg")
     axes[1, 2].set_ylabel("latitude, deg")
     axes[1, 2].set_xlim(0.0, 360.0)
     axes[1, 2].set_ylim(-90.0, 90.0)
+    places = free_places([tuple(np.degrees(each.pole).tolist()) for each in found])
+    for each, place in zip(found, places, strict=True):
+        if place is not None:
+            axes[1, 2].text(*place, str(each.rank), fontsize=8, ha="center", va="center")
+    for mode, mark in (("LAM", "o"), ("SAM or PA", "s")):
+        axes[0, 2].plot([], [], mark, mfc="none", color=_MODEL, label=mode)
+    axes[0, 2].legend(fontsize=7)
     figure.suptitle(f"{found.verdict}: {repr(best)[1:-1]}", fontsize=9)
     return _saved(figure, path)
+
+
+# Half the width and height of a number on the map of poles, deg, and of a mark.
+_NUMBER, _MARK = np.array([9.0, 6.0]), np.array([4.0, 3.0])
+
+
+def free_places(poles: Sequence[tuple[float, float]]) -> list[tuple[float, float] | None]:
+    """Where the number of each pole (longitude, latitude, deg) hides no other one; None: nowhere.
+
+    Those of better ranks come first.
+    """
+    taken = [(np.array(each), _MARK) for each in poles]
+    found: list[tuple[float, float] | None] = []
+    for pole in poles:
+        for across, up in ((1, 1), (-1, 1), (1, -1), (-1, -1), (0, 1.6), (0, -1.6)):
+            place = np.array(pole) + (_NUMBER + 0.7 * _MARK) * np.array([across, up])
+            inside = 9.0 < place[0] < 351.0 and abs(place[1]) < 84.0
+            free = all(np.any(np.abs(place - at) > _NUMBER + size) for at, size in taken)
+            if inside and free:
+                taken.append((place, _NUMBER))
+                found.append((float(place[0]), float(place[1])))
+                break
+        else:
+            found.append(None)
+    return found
 
 
 def _map(axes: Any, best: Solution) -> None:

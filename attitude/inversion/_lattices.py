@@ -53,8 +53,9 @@ def lattice_pairs(
     least = max(2, int(LEAST * OVERSAMPLING))
     end = least + max(count - least, 3)
     made = tables(problem, 4 * order * end + 2)
-    found = _spectrum.best(made, (least, end), (least, end), order, RIDGE, keep)
-    unknown = 2 * len(_spectrum.harmonics(order)) - 1
+    lines = _spectrum.harmonics(order)
+    found = _spectrum.best(made, (least, end), (least, end), lines, RIDGE, keep)
+    unknown = 2 * len(lines) - 1
     fitted = min(found.tried, _spectrum.MOST)
     problem.tally.add(fitted, problem.settings.pair_cost * (unknown / _UNKNOWN) ** 3)
     both = np.stack([found.first, found.second], axis=-1) / OVERSAMPLING

@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 _SCANNED, ORDERS = (4, 6), (6, 16)
 # Frequencies of the orbit per 1/span: its sixth harmonic is resolved.
 _FINE = 12
-# Strong lines whose orbits are scanned, and pairs that are fitted for each that is returned; the
-# best of them also with twice and half the period of the orbit.
-_ROTATIONS, _MORE = 12, 4
+# Strong lines whose orbits are scanned, orbits of each, and pairs that are fitted; the best of them
+# also with twice and half the period of the orbit.
+_ROTATIONS, _ORBITS, _FITTED = 12, 12, 80
 # Ratios of two numbers up to this are those of one comb, whose lines are a shape's.
 _COMB = 4
 # Steps of the fit of both frequencies, and the longest one, turns per span.
@@ -81,7 +81,8 @@ def beside(problem: CurveProblem, frequency: float) -> CurveProblem:
 def additive_pairs(problem: CurveProblem, most: float, keep: int = 4) -> list[AdditivePair]:
     """Pairs of frequencies whose series, added, fit a curve best, the best first.
 
-    The frequency of the orbit is the lower one.  `most`: of the rotation, turns per span.
+    The frequency of the orbit is the lower one, and its series consists of dips.  `most`: of the
+    rotation, turns per span.
     """
     strong = _lattices.lines(problem, most, _ROTATIONS)
     rotations = np.unique(np.concatenate([strong, 0.5 * strong]))
@@ -98,7 +99,7 @@ def additive_pairs(problem: CurveProblem, most: float, keep: int = 4) -> list[Ad
     )
     scanned: list[tuple[float, float, float]] = []
     for rotation in rotations:
-        orbits = np.arange(int(_lattices.LEAST * _FINE), int(rotation * _FINE))
+        orbits = np.arange(int(_LEAST_ORBITS * _FINE), int(rotation * _FINE))
         orbits = orbits[~_is_comb(orbits / _FINE, rotation)]
         if not len(orbits):
             continue
@@ -107,13 +108,13 @@ def additive_pairs(problem: CurveProblem, most: float, keep: int = 4) -> list[Ad
         _spectrum.decreases(*made[:4], first, orbits, lines, _spectrum.RIDGE, gain)
         problem.tally.add(len(orbits), problem.settings.pair_cost)
         chosen: list[float] = []
-        for k in np.argsort(-gain, kind="stable")[: 8 * _MORE]:
+        for k in np.argsort(-gain, kind="stable")[: 8 * _ORBITS]:
             orbit = float(orbits[k]) / _FINE
-            if all(abs(orbit - other) > 0.5 for other in chosen) and len(chosen) < _MORE:
+            if all(abs(orbit - other) > 0.5 for other in chosen) and len(chosen) < _ORBITS:
                 chosen.append(orbit)
                 scanned.append((-float(gain[k]), float(rotation), orbit))
-    best = sorted(scanned)[: keep * _MORE]
-    found = sorted((_fitted(problem, *pair[1:]) for pair in best), key=lambda each: each.left)
+    fits = [_fitted(problem, *pair[1:]) for pair in sorted(scanned)[:_FITTED]]
+    found = sorted((each for each in fits if each.are_dips), key=lambda each: each.left)
     found += [
         _fitted(problem, pair.rotation, factor * pair.orbit)
         for pair in found[:keep]
@@ -123,7 +124,8 @@ def additive_pairs(problem: CurveProblem, most: float, keep: int = 4) -> list[Ad
     distinct: list[AdditivePair] = []
     for pair in sorted(found, key=lambda each: each.left):
         near = [max(abs(pair[0] - one[0]), abs(pair[1] - one[1])) < 0.5 for one in distinct]
-        if not any(near) and not _is_comb(np.array([pair.orbit]), pair.rotation)[0]:
+        is_comb = bool(_is_comb(np.array([pair.orbit]), pair.rotation)[0])
+        if pair.are_dips and not any(near) and not is_comb:
             distinct.append(pair)
     return distinct[:keep]
 
@@ -144,10 +146,13 @@ def _fitted(problem: CurveProblem, rotation: float, orbit: float) -> AdditivePai
     best = AdditivePair(rotation, orbit, math.inf)
     orbit_series = series(1.0, ORDERS[1], np.arange(_PHASES) / _PHASES)
     multiples = [np.arange(1, order + 1) for order in ORDERS]
+    # without it a series reaches many magnitudes where no points are
+    held = np.full(2 * sum(ORDERS), _spectrum.RIDGE)
+    held[2 * ORDERS[0] :] = _AMPLITUDE**-2.0
     for _ in range(_STEPS):
         bases = [series(f, order, problem.t) for f, order in zip(pair, ORDERS, strict=True)]
         joint = _projected(problem, np.concatenate(bases, axis=1))
-        inner = joint @ joint.T + _spectrum.RIDGE * np.eye(len(joint))
+        inner = joint @ joint.T + np.diag(held)
         amplitudes = np.linalg.solve(inner, joint @ y)
         residual = y - joint.T @ amplitudes
         left = 1.0 - float(amplitudes @ (joint @ y)) / total
@@ -164,7 +169,7 @@ def _fitted(problem: CurveProblem, rotation: float, orbit: float) -> AdditivePai
             start += 2 * order
         whole = np.concatenate([_projected(problem, np.stack(slopes, axis=1)), joint])
         inner = whole @ whole.T
-        inner[2:, 2:] += _spectrum.RIDGE * np.eye(len(joint))
+        inner[2:, 2:] += np.diag(held)
         step = np.linalg.lstsq(inner, whole @ residual, rcond=1e-12)[0][:2]
         pair = pair + np.clip(step, -_LONGEST, _LONGEST)
     return best

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from attitude.inversion._shapes import Tie
 
 
-def never() -> bool:
+def never(_: bool) -> bool:
     """False: a search goes on."""
     return False
 
@@ -72,6 +72,8 @@ class Search:
         In words, how a constant brightness with zero points of the sessions competes.
     is_complete : bool
         Whether the first round came to its end.
+    length : float
+        Spans from one apparition to another one that is joined with it; 0 of one search.
     """
 
     problem: CurveProblem
@@ -90,6 +92,7 @@ class Search:
     constant: str = ""
     _mapped_rates: list[FloatArray] = field(default_factory=list)
     is_ellipsoid: bool = False
+    length: float = 0.0
     notes: list[str] = field(default_factory=list)
 
     @property
@@ -117,16 +120,22 @@ class Search:
         self.finish()
 
     def follow(self, other: Search) -> None:
-        """Make `solutions` from all bodies of a search of the same curve, with these terms."""
-        self.begin([each.state for each in other.convex])
+        """Make `solutions` from the best bodies of a search of the same curve, with these terms."""
+        self.begin([each.state for each in other.convex[: self.settings.convex]])
         self.is_complete = other.is_complete
 
-    def run(self, is_ended: Callable[[], bool] = never) -> None:
-        """Search until the verdict is met, the budget is spent, or `is_ended` after a round."""
+    def run(self, is_ended: Callable[[bool], bool] = never) -> None:
+        """Search until the verdict is met, the budget is spent, or `is_ended`.
+
+        That is asked after each round, and in the first one before poles are mapped, and early,
+        after the first bodies: its argument says so.
+        """
         self._axial()
         for number in range(self.settings.rounds):
             for pool in self._pools(number):
                 self._refine(pool)
+                if number == 0 and self._ends(is_ended, is_early=True):
+                    return
             if self.shifts and not self.is_over:
                 rates = self._displaced()
                 pool = _ellipsoid.around(
@@ -139,6 +148,9 @@ class Search:
                 )
                 self._refine(_ellipsoid.in_order(_ellipsoid.best_of_each(pool, len(rates))))
             if number == 0:
+                # zero points decide what fits: the maps of poles are those of the right ones
+                if self._ends(is_ended, is_early=False):
+                    return
                 self._axial_poles()
                 self.is_complete = not self.is_over
             self.finish()
@@ -146,9 +158,16 @@ class Search:
                 self.finish()
             if number == 0:
                 self._compare_with_satellite()
-            if is_ended() or self.is_over or self.is_decided:
+            if self.is_over or self.is_decided or is_ended(False):
                 break
             self.problem = self._clipped()
+
+    def _ends(self, is_ended: Callable[[bool], bool], *, is_early: bool) -> bool:
+        """Whether a search that can be ended is, by its solutions so far."""
+        if is_ended is never or self.is_over:
+            return False
+        self.finish()
+        return is_ended(is_early)
 
     @property
     def _held(self) -> _ellipsoid.Held:
@@ -187,7 +206,7 @@ class Search:
         left = _evidence.share_left(best, self.problem)
         rivals = []
         for pair in pairs:
-            if not pair.are_dips or pair.left > self.settings.orbit_worse**2 * left:
+            if pair.left > self.settings.orbit_worse**2 * left:
                 continue
             rival = replace(
                 self,
@@ -224,15 +243,20 @@ class Search:
         found, _ = _lattices.lattice_pairs(self.problem, self.most, self.settings.pairs * more)
         rates = _lattices.candidates(found, self.most, self.modes, self.shifts)
         starts = self.settings.quick_starts * more
-        yield self._ellipsoids(rates, starts, more, "periods of the lines")
+        yield self._ellipsoids(rates, None, starts, more, "periods of the lines")
         self.convex.sort(key=lambda each: each.cost)
         starts = self.settings.scan_starts * more
-        yield self._ellipsoids(self._scan(), starts, more, "periods of psi")
+        yield self._ellipsoids(*self._scan(), starts, more, "periods of psi")
 
     def _ellipsoids(
-        self, rates: list[_lattices.Candidate], starts: int, more: int, name: str
+        self,
+        rates: list[_lattices.Candidate],
+        poles: FloatArray | None,
+        starts: int,
+        more: int,
+        name: str,
     ) -> Pool:
-        """Ellipsoids of rates, with more starts for the best.
+        """Ellipsoids of rates, from poles (R, P, 3) too if given, with more starts for the best.
 
         A few starts of few steps miss one body in ten: each pair of rates has many, of which the
         best go on.
@@ -241,15 +265,9 @@ class Search:
         parts = []
         for start in range(0, len(rates), self.settings.block):
             part = rates[start : start + self.settings.block]
-            parts.append(
-                _ellipsoid.narrowed(
-                    problem,
-                    self.generator,
-                    part,
-                    starts,
-                    tie=self._held,
-                )
-            )
+            own = None if poles is None else poles[start : start + len(part)]
+            given = problem, self.generator, part, starts
+            parts.append(_ellipsoid.narrowed(*given, tie=self._held, poles=own))
             self.progress(f"ellipsoids: {start + len(part)} of {len(rates)} {name}")
             if self.is_over:
                 break
@@ -270,10 +288,16 @@ class Search:
             )
         return _ellipsoid.in_order(*deep)
 
-    def _scan(self) -> list[_lattices.Candidate]:
-        """Rates with the precession of the long axis of the best solutions, and every nutation."""
-        rates = []
+    def _scan(self) -> tuple[list[_lattices.Candidate], FloatArray]:
+        """Rates with the precession of the long axis of the best solutions, and every nutation.
+
+        And the pole (R, 2, 3) of each of these, with its mirror image: of a body that is far from
+        an ellipsoid few starts find the nutation and the pole at once.
+        """
+        rates: list[_lattices.Candidate] = []
+        poles: list[FloatArray] = []
         used: list[float] = []
+        normal = _pole_map.plane_of(self.problem)
         for each in self.convex:
             state = each.state
             here = 2.0 * float(state[0])
@@ -287,9 +311,12 @@ class Search:
                 rates += [_lattices.Candidate(0.5 * (here + f), f) for f in steps]
             if "SAM" in self.modes:
                 rates += [_lattices.Candidate(0.5 * here, -f) for f in steps if f < 1.4 * here]
+            pole = SearchState.of(state).pole
+            both = np.stack([pole, _pole_map.mirrored(pole, normal)])
+            poles += [both] * (len(rates) - len(poles))
             if len(used) == self.settings.scanned:
                 break
-        return rates
+        return rates, np.array(poles).reshape(-1, 2, 3)
 
     def _displaced(self) -> list[_lattices.Candidate]:
         """Rates of the best solutions with lines displaced by the windows of the epochs.
@@ -347,6 +374,8 @@ class Search:
                 if len(rates) > self.settings.axial_others:
                     break
         rates.sort(key=lambda each: each.evidence)
+        if self._is_far_behind(rates[0], problem):
+            return
         fixed = self._fixed(rates[0].refined.state)
         for one in rates:
             if one.evidence < rates[0].evidence + self.settings.axial_mapped:
@@ -357,6 +386,16 @@ class Search:
         for minimum in self.axial[: self.settings.axial_others]:
             self.convex.append(self._fit(minimum.state))
         self.convex.sort(key=lambda each: each.cost)
+
+    def _is_far_behind(self, rotator: Weighted, problem: CurveProblem) -> bool:
+        """Whether a tumbling body that has other lines explains the curve far better."""
+        best = self.convex[0]
+        if SearchState.of(best.state).is_axial:
+            return False
+        one = self._robust(problem, best)
+        behind = rotator.evidence - one.evidence
+        is_comb = _evidence.counts_as(one, rotator, problem)
+        return behind > self.settings.axial_tumbling and not is_comb
 
     def _refine(self, pool: Pool, keep: int | None = None) -> None:
         """Add the convex bodies of the best distinct ellipsoids.
@@ -374,8 +413,23 @@ class Search:
                 chosen.append(state)
                 if len(chosen) >= most:
                     break
-        self._add(chosen)
+        self._add(self._worthy(chosen))
         self.progress(f"{len(self.convex)} convex bodies")
+
+    def _worthy(self, states: list[FloatArray]) -> list[FloatArray]:
+        """States after a few convex steps, the best first, without those that stay far behind."""
+        fits: list[Refined] = []
+        for state in states:
+            if self.is_over and fits:
+                break
+            fits.append(self._fit(state, self.settings.short_steps))
+        fits.sort(key=lambda each: each.cost)
+        most = self.settings.short_worse * min(each.cost for each in (*fits[:1], *self.convex[:1]))
+        return [
+            each.state
+            for number, each in enumerate(fits)
+            if number < self.settings.short_least or each.cost < most
+        ]
 
     def _by_short_fits(self, pool: Pool) -> list[FloatArray]:
         """The states of a pool in the order of short convex fits of the best of each rates."""
@@ -392,7 +446,9 @@ class Search:
         for members in classes:
             if self.is_over:
                 return list(pool.states)
-            costs.append(self._fit(members[0], self.settings.short_steps).cost)
+            fit = self._fit(members[0], self.settings.short_steps)
+            members[0] = fit.state
+            costs.append(fit.cost)
         first: list[FloatArray] = []
         for k in np.argsort(costs, kind="stable"):
             first += classes[k][: self.settings.short_members]

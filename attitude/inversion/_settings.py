@@ -79,6 +79,9 @@ class Settings:
     short_states: int = 2000
     short_steps: int = 6
     short_members: int = 2
+    # Cost after these steps, over the least, of bodies that take more; of the best so many do.
+    short_worse: float = 1.6
+    short_least: int = 8
     # Bodies fitted with robust errors: all that may compete, at 0.2 s each.
     finals: int = 14
     # Poles of one pair of rates among them.
@@ -119,6 +122,9 @@ class Settings:
     axial_behind: float = 25.0
     # Poles are mapped where chi-squared of the best rotation is at most this times the best's.
     axial_worse: float = 2.0
+    # Difference of evidence by which a tumbling body with other lines may be ahead: blind rotators
+    # gain up to some hundred by their map.
+    axial_tumbling: float = 200.0
     # Other rates that are mapped lie at most so far behind in evidence.
     axial_mapped: float = 60.0
     # Rates, turns per span, that one map of poles comprises.
@@ -129,8 +135,19 @@ class Settings:
     # ---- Moons
     # Pairs of rotation and orbit that become bodies, and the rms of their series, over that of the
     # best solution, above which none does: for binaries 0.9 to 1.3, for tumbling bodies 1.4 to 11.
-    orbits: int = 3
+    orbits: int = 4
     orbit_worse: float = 2.0
+
+    # ---- Several apparitions of a tumbling body
+    # Solutions of each apparition that are joined with those of another, and by how much their
+    # errors are larger than those of the curvature: by 2 to 3 where the model errs.
+    joined_solutions: int = 8
+    joined_wider: float = 3.0
+    # Pairs of numbers of turns: chi-squared, with those errors, above the least of two solutions;
+    # pairs that are fitted in a few steps; pairs that are listed.
+    joined_within: float = 25.0
+    joined_trials: int = 400
+    joined: int = 40
 
     # ---- Evidence
     # Tumbling bodies among all: the odds before the curve is seen.

@@ -39,9 +39,9 @@ if TYPE_CHECKING:
     from attitude._support.tables import FlatTable
     from attitude.inversion._errors import GroupErrors, Modelled
     from attitude.inversion._evidence import Weighted
-    from attitude.inversion._posterior import Posterior
     from attitude.inversion._problem import CurveProblem
     from attitude.inversion._shapes import Tie
+    from attitude.inversion._states import Posterior
     from attitude.motions._published import Published
     from attitude.paths._path import Path
     from attitude.scattering._law import Law
@@ -274,7 +274,10 @@ def _terms(
     names = solution.curve.filters
     if filter is not None:
         validation.one_of(filter, "filter", names)
-    terms[:, count + (0 if filter is None else names.index(filter))] = 1.0
+    number = 0 if filter is None else names.index(filter)
+    terms[:, count + number] = 1.0
+    if count and _problem.has_own_slopes(solution.curve):
+        terms[:, count + len(names) + number] = _problem.by_phase(alpha)
     if own.orbit:
         series = _satellites.series(own.orbit, _satellites.ORDERS[1], emission / own.span)
         terms[:, -series.shape[1] :] = series
@@ -547,9 +550,7 @@ class Solution(CurveFit):
         AttitudeError
             If emcee is not installed, and for rotation about one axis.
         """
-        from attitude.inversion import _posterior
-
-        return _posterior.sampled(self._rivals, method, walkers, steps, seed)
+        return _states.sampled(self._rivals, method, walkers, steps, seed)
 
     def _model(self, problem: CurveProblem) -> _refinement.ShapeModel:
         """Magnitudes and their derivatives at the epochs of a problem."""

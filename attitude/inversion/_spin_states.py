@@ -14,6 +14,7 @@ from attitude.inversion import (
     _apparitions,
     _ellipsoid,
     _evidence,
+    _joined,
     _known,
     _lattices,
     _problem,
@@ -22,7 +23,6 @@ from attitude.inversion import (
     _states,
     _verdicts,
 )
-from attitude.inversion._ellipsoid import SearchState
 from attitude.inversion._problem import CALIBRATED, usable
 from attitude.inversion._settings import DEFAULT, Settings, Tally
 from attitude.inversion._solution import Solution, SpinStates
@@ -41,6 +41,8 @@ if TYPE_CHECKING:
 
     ZeroPoints = str | float | tuple[str, ...]
     Prepared = Callable[[ZeroPoints], _search.Search]
+    PreparedOf = Callable[[LightCurve, type[_search.Search]], Prepared]
+    Window = tuple[float, float]
 
 
 _MODES, _ROTATION = ("LAM", "SAM"), ("PA",)
@@ -119,7 +121,7 @@ def spin_states(
     """
     curve = usable(curve)
     if isinstance(shape, Mesh):
-        most = _checked_turns(curve, max_frequency, settings)
+        most = _checked_turns(curve, max_frequency, settings, True, [curve])
         seconds = validation.positive(budget, "budget", unit="s")
         number = validation.count(threads, "threads")
         with _refinement.limited(number), timed(_LABEL, seconds, progress) as report:
@@ -132,18 +134,68 @@ def spin_states(
     seconds = validation.positive(budget, "budget", unit="s")
     validation.count(threads, "threads")
     _compile(curve, most)
-    tally = Tally(seconds)
     with _refinement.limited(threads), timed(_LABEL, seconds, progress) as report:
 
-        def prepared(zero_points: ZeroPoints) -> _search.Search:
-            given = curve, most, zero_points, modes, shape, tie, seed, settings, tally, report
-            made = _prepared(*given)
-            if isinstance(made, _apparitions.RotatorSearch):
-                made.window = window[0] * curve.span, most * curve.span
-            return made
+        def prepared_of(part: LightCurve, kind: type[_search.Search]) -> Prepared:
+            tally = Tally(seconds)
 
-        found = _searched(curve, prepared)
+            def prepared(zero_points: ZeroPoints) -> _search.Search:
+                given = part, most, zero_points, modes, tie, seed, settings, tally, report
+                return _prepared(*given, kind=kind, is_ellipsoid=shape == "ellipsoid")
+
+            return prepared
+
+        if tuple(modes) == _ROTATION:
+            found = _rotator(curve, prepared_of(curve, _apparitions.RotatorSearch), window)
+        elif most * curve.span > settings.most_turns:
+            found = _joined_search(curve, prepared_of, settings)
+        else:
+            found = _searched(curve, prepared_of(curve, _search.Search))
     return _results(curve, found)
+
+
+def _rotator(curve: LightCurve, prepared: Prepared, window: Window) -> _search.Search:
+    """A search for rotations about one axis in a window of frequencies, Hz."""
+
+    def within(zero_points: ZeroPoints) -> _search.Search:
+        made = prepared(zero_points)
+        assert isinstance(made, _apparitions.RotatorSearch)
+        made.window = window[0] * curve.span, window[1] * curve.span
+        return made
+
+    return _searched(curve, within)
+
+
+def _joined_search(
+    curve: LightCurve, prepared_of: PreparedOf, settings: Settings
+) -> _search.Search:
+    """A search for motions that all apparitions have in common; each is solved first."""
+    known: list[_joined.Apparition] = []
+    words: list[str] = []
+
+    def alone() -> list[_joined.Apparition]:
+        for number, part in enumerate(() if known else _joined.apparitions(curve), 1):
+            one = _searched(part, prepared_of(part, _search.Search))
+            known.append(_joined.alone(curve, part, one, settings))
+            weighted = one.solutions, one.problem, one.is_complete, one.most
+            verdict = _verdicts.verdict(*weighted)[0] if one.solutions else _verdicts.OPEN
+            words.append(
+                f"Apparition {number} ({part.span / _DAY:.0f} d, {len(part)} points): {verdict}, "
+                f"{len(known[-1].solutions)} tumbling states go on."
+            )
+        return known
+
+    prepared = prepared_of(curve, _joined.JoinedSearch)
+
+    def joined(zero_points: ZeroPoints) -> _search.Search:
+        made = prepared(zero_points)
+        assert isinstance(made, _joined.JoinedSearch)
+        made.alone = alone
+        return made
+
+    found = _searched(curve, joined)
+    found.notes += words
+    return found
 
 
 def _compile(curve: LightCurve, most: float) -> None:
@@ -187,8 +239,8 @@ def _window(curve, max_frequency, period, modes):
     return _ROTATION, (least, most)
 
 
-def _checked_turns(curve, max_frequency, settings, is_rotation=False):
-    """The largest frequency, Hz."""
+def _checked_turns(curve, max_frequency, settings, is_limited, parts):
+    """The largest frequency, Hz; `is_limited`: few enough turns in each of the parts."""
     if max_frequency is None:
         raise AttitudeError("max_frequency is missing; give the largest frequency of rotation.")
     most = validation.positive(max_frequency, "max_frequency", unit="1/s")
@@ -201,10 +253,13 @@ def _checked_turns(curve, max_frequency, settings, is_rotation=False):
             f"the light curve spans {turns:.2g} turns at max_frequency{plain}; give a larger one, "
             f"at least {2.0 / curve.span:.3g} Hz, or a longer curve."
         )
-    if turns > limit and not is_rotation:
+    if turns > limit and len(parts) > 1:
+        turns = most * max(part.span for part in parts)
+    if turns > limit and is_limited:
+        one = "an apparition" if len(parts) > 1 else "the light curve"
         raise AttitudeError(
-            f"the light curve spans {turns:.0f} turns at max_frequency{plain}; at most {limit:.0f} "
-            f"are searched for tumbling. Give at most {limit / curve.span * _DAY:.3g} /d, a part "
+            f"{one} spans {turns:.0f} turns at max_frequency{plain}; at most {limit:.0f} "
+            f"are searched for tumbling. Give at most {limit / turns * most * _DAY:.3g} /d, a part "
             'of the curve, or modes=("PA",) for rotation about one axis.'
         )
     warn_of_plain(max_frequency, "max_frequency", curve.seconds, "Hz")
@@ -222,16 +277,18 @@ def _checked(curve, max_frequency, modes, shape, moments, settings):
             'tumbling: leave "PA" out, or give it alone.'
         )
     is_rotation = tuple(modes) == _ROTATION
-    most = _checked_turns(curve, max_frequency, settings, is_rotation)
+    parts = _joined.apparitions(curve)
+    most = _checked_turns(curve, max_frequency, settings, not is_rotation, parts)
     validation.one_of(shape, "shape", ("convex", "ellipsoid"))
     return most, _states.of(moments)
 
 
-def _prepared(curve, most, zero_points, modes, shape, tie, seed, settings, tally, progress):
+def _prepared(
+    curve, most, zero_points, modes, tie, seed, settings, tally, progress, *, kind, is_ellipsoid
+):
     given = curve, most, settings.ellipsoid_error, zero_points
     problem, bins = _problem.problem(*given, settings=settings, tally=tally)
     problem, outliers = _problem.without_outliers(problem, most * curve.span)
-    kind = _apparitions.RotatorSearch if tuple(modes) == _ROTATION else _search.Search
     made = kind(
         problem,
         most * curve.span,
@@ -240,7 +297,7 @@ def _prepared(curve, most, zero_points, modes, shape, tie, seed, settings, tally
         _shifts(curve, settings.one_site),
         validation.generator(seed),
         progress,
-        is_ellipsoid=shape == "ellipsoid",
+        is_ellipsoid=is_ellipsoid,
     )
     made.notes = list(curve.notes)
     if outliers:
@@ -283,20 +340,24 @@ def _with_offsets_if_needed(one: _search.Search, prepared: Prepared) -> _search.
     may_be_constant = is_constant(own.problem)
     asked = []
 
-    def asks() -> bool:
-        asked.append(_asks_for_offsets(one, own))
+    def asks(is_early: bool) -> bool:
+        settings = one.settings
+        needed = settings.alone if is_early else settings.competing
+        asked.append(_asks_for_offsets(one, own, needed))
         return asked[-1] and not may_be_constant
 
     if not _run(one, asks):
         return one
     if may_be_constant:
         one.constant = _as_constant(own.problem, one.solutions)
-    if one.constant or not (asked and asked[-1]):  # never asked: the budget ended before a round
+    # a budget that ended in between has not asked
+    if one.constant or not (asked[-1] if asked else asks(False)):
         return one
+    # what one zero point made of the lines may hide the true motion: all is tried again
     own.follow(one)
     if not own.solutions:
         return one
-    if SearchState.of(own.solutions[0].refined.state).is_axial or not own.is_decided:
+    if not _problem.are_free(_offsets_of(own.solutions[0])):
         _run(own)
     offsets = _offsets_of(own.solutions[0])
     if _problem.are_free(offsets):
@@ -307,7 +368,7 @@ def _with_offsets_if_needed(one: _search.Search, prepared: Prepared) -> _search.
     return own
 
 
-def _run(made: _search.Search, is_ended: Callable[[], bool] = _search.never) -> bool:
+def _run(made: _search.Search, is_ended: Callable[[bool], bool] = _search.never) -> bool:
     """Run a search; False if it was interrupted."""
     try:
         made.run(is_ended)
@@ -319,13 +380,13 @@ def _run(made: _search.Search, is_ended: Callable[[], bool] = _search.never) -> 
     return True
 
 
-def _asks_for_offsets(one: _search.Search, own: _search.Search) -> bool:
+def _asks_for_offsets(one: _search.Search, own: _search.Search, needed: float) -> bool:
     """Whether evidence prefers zero points of the sessions, with the best motions found so far."""
     if not one.solutions:
         return False
     own.begin([each.refined.state for each in one.solutions[: one.settings.compared]])
     better = _with_volume(one.solutions[0]) - _with_volume(own.solutions[0])
-    return better > one.settings.competing
+    return better > needed
 
 
 def _with_volume(found: Weighted) -> float:
@@ -395,7 +456,8 @@ def _results(curve, found):
     ]
     for k, each in enumerate(solutions):
         each.rank = k
-        each.relation = _verdicts.relation(each.state, solutions[0].state, each._problem)
+        best = solutions[0].state
+        each.relation = _verdicts.relation(each.state, best, each._problem, found.length)
         each._rivals = [each] + [
             other
             for other in solutions

@@ -30,8 +30,13 @@ _NEAR, _RATE = math.radians(25.0), 0.5
 _SIDEREAL_DAY, _DAY = 86164.0905, 86400.0
 
 
-def relation(state: FloatArray, best: FloatArray, problem: CurveProblem) -> str:
+def relation(
+    state: FloatArray, best: FloatArray, problem: CurveProblem, length: float = 0.0
+) -> str:
     """The relation of a state to the best one: of modes, periods and poles.
+
+    `length`, spans, from one apparition to another one with which it was joined; numbers of turns
+    between them are named then.
 
     Shapes: state, best (WIDTH,).
     """
@@ -39,7 +44,8 @@ def relation(state: FloatArray, best: FloatArray, problem: CurveProblem) -> str:
     if SearchState.of(state).is_axial != SearchState.of(best).is_axial:
         words.append("rotation about one axis" if SearchState.of(state).is_axial else "tumbling")
     elif not (_has_rates(state, best, problem) or _sees_one_turn(state, best, problem)):
-        words.append(_of_rates(state, best, problem.span))
+        turns = _of_turns(state, best, length)
+        words.append(turns or _of_rates(state, best, problem.span))
     if state is best:
         return "best"
     words.append(
@@ -52,6 +58,15 @@ def relation(state: FloatArray, best: FloatArray, problem: CurveProblem) -> str:
 
 def _sees_one_turn(state: FloatArray, best: FloatArray, problem: CurveProblem) -> bool:
     return SearchState.of(best).is_axial and _pole_map.has_turn(problem, state, best)
+
+
+def _of_turns(state: FloatArray, best: FloatArray, length: float) -> str:
+    """By how many turns the states differ between two apparitions; "" without any, or modes."""
+    if not length or (state[1] > 0.0) != (best[1] > 0.0):
+        return ""
+    pairs = zip(SearchState.of(state).rates, SearchState.of(best).rates, strict=True)
+    phi, psi = (0.5 * round(2.0 * length * (a - b)) for a, b in pairs)
+    return f"{phi:+g} turns of phi, {psi:+g} of psi between the apparitions"
 
 
 def _of_rates(state: FloatArray, best: FloatArray, span: float) -> str:

@@ -115,9 +115,9 @@ def steps(motion: FreeRotation) -> PaperSteps:
     (0.99671188, 0.31263489)
     """
     axes, moments, rates = _jacobi_order(motion)
-    i1, i2, i3 = moments.tolist()
-    square, twice = float(np.sum((moments * rates) ** 2)), float(np.sum(moments * rates**2))
-    momentum = np.sqrt(square)
+    i1, i2, i3 = moments  # doubles of numpy, which may be divided by zero
+    square, twice = np.sum((moments * rates) ** 2), np.sum(moments * rates**2)
+    momentum = float(np.sqrt(square))
     one, three = square - twice * i3, square - twice * i1
     with np.errstate(all="ignore"):
         a1 = np.copysign(np.sqrt(one / (i1 * (i1 - i3))), rates[0])
@@ -131,6 +131,7 @@ def steps(motion: FreeRotation) -> PaperSteps:
             "the formulas of the paper divide by zero for this motion (a principal axis, equal "
             "moments, the separatrix or rest); give a tumbling one, or use FreeRotation.at."
         )
+    m = float(m)
     quarter, other = float(K(m)), float(K(1.0 - m, mc=m))
     epsilon = float(F(np.arctan2(rates[1] / a2, rates[0] / a1), m))
     q = float(nome(m))

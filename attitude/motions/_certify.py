@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -100,21 +100,24 @@ def _check_inertia(body: Body, spin: Spin) -> None:
         )
 
 
-def chain_of(
-    body: Body, spin: Spin, joints: Sequence[Joint] = (), order: Sequence[int] | None = None
-) -> Chain:
-    """The exact motion from the doubles of a body and a spin; `order` is that of the moments,
-    ascending.
+def chain_of(body: Body, spin: Spin, joints: Sequence[Joint] = (), record: Any = None) -> Chain:
+    """The exact motion from the doubles of a body and a spin.
+
+    Where equal moments leave the order of two axes open, or a rate of zero the sense of one, they
+    are those of a record of the motion that tumbles (records.CONSTANTS).
     """
     from attitude.proof._chain import Chain
 
+    order, axes = None, None if body.has_given_axes else body.principal_axes
+    if record is not None:
+        order = record["order"].tolist()
+        if axes is not None:
+            first, second, reverse1, reverse3 = record["jacobi"].tolist()
+            senses = np.ones(3)
+            senses[first], senses[3 - first - second] = 1 - 2 * reverse1, 1 - 2 * reverse3
+            axes = axes * senses
     return Chain(
-        inertia_of(body),
-        spin.wxyz_icrf_as_pairs,
-        spin.angular_velocity,
-        joints,
-        order,
-        None if body.has_given_axes else body.principal_axes,
+        inertia_of(body), spin.wxyz_icrf_as_pairs, spin.angular_velocity, joints, order, axes
     )
 
 

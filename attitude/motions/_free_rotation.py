@@ -308,8 +308,9 @@ class FreeRotation(Differentiable):
         from attitude.proof._error_bound import error_bound_of
 
         record = self._constants[0]
-        order = None if record["form"] == codes.UNIFORM else record["order"].tolist()
-        return error_bound_of(record, chain_of(self.body, self.spin, order=order).solution)
+        tumbles = record["form"] != codes.UNIFORM
+        chain = chain_of(self.body, self.spin, record=record if tumbles else None)
+        return error_bound_of(record, chain.solution)
 
     def angular_acceleration_at(
         self,

@@ -115,7 +115,7 @@ class Periods(Immutable):
     samples : Samples
         The numbers that were searched.
     method : str
-        "fourier" or "pdm".
+        "fourier", "pdm" or "additive".
     frequency, power : (K,) arrays or None
         Of one period: Hz, and the share of the variance explained; of phase dispersion 1 - theta.
     window : Window or None
@@ -252,9 +252,13 @@ class Periods(Immutable):
 
         return _figures.of_periods(self, path)
 
+    @property
+    def _numbers(self) -> Any:
+        return _numbers(self.order, self.count, self.method == "additive")
+
     def _series(self, rank: int) -> _spectrum.RefinedSeries:
         frequencies = np.array(self.peaks[rank].frequencies)
-        return _spectrum.fixed(self.samples, frequencies, _numbers(self.order, self.count))
+        return _spectrum.fixed(self.samples, frequencies, self._numbers)
 
     def _repr_html_(self) -> str:
         """A table of the peaks for notebooks, and the light curve folded with the best."""
@@ -319,10 +323,12 @@ def periods(
     first, second : pair of float, Quantity or text, optional
         With count=2: bounds of either period in place of both.
     order : int
-        Harmonics, of pairs 1 to 4; a light curve with two maxima a turn needs 2.
-    method : "fourier" or "pdm"
-        Of one period: Fourier series by least squares, or phase dispersion minimisation
-        (Stellingwerf 1978); `bins` of phase, each covered twice.
+        Harmonics, of pairs 1 to 4, of additive pairs 1 to 8; a light curve with two maxima a turn
+        needs 2, dips of eclipses 6.
+    method : "fourier", "pdm" or "additive"
+        Fourier series by least squares; of one period also phase dispersion minimisation
+        (Stellingwerf 1978), with `bins` of phase, each covered twice; of two also the sum of a
+        series in each, without lines at sums and differences: a rotation and a moon's orbit.
     keep : int, optional
         Peaks that are returned at most: 10, or 20 pairs.
     engine : "auto", "astropy" or "nifty-ls"
@@ -367,12 +373,15 @@ def periods(
     if count not in (1, 2):
         raise AttitudeError(f"count is {count!r}; give 1 period or 2; keep= is that of the peaks.")
     number = validation.count(order, "order")
-    validation.one_of(method, "method", ("fourier", "pdm"))
+    validation.one_of(method, "method", ("fourier", "pdm", "additive"))
     kept = validation.count((10, 20)[count - 1] if keep is None else keep, "keep")
-    if count == 2 and number > 4:
-        raise AttitudeError(f"order is {number}; give 1 to 4.")
-    if count == 2 and method != "fourier":
+    is_additive, most = method == "additive", 8 if method == "additive" else 4
+    if count == 2 and number > most:
+        raise AttitudeError(f"order is {number}; give 1 to {most}.")
+    if count == 2 and method == "pdm":
         raise AttitudeError('method is "pdm", which knows one period; give "fourier" or count=1.')
+    if count == 1 and is_additive:
+        raise AttitudeError('method is "additive", the sum of two series; give count=2.')
     if count == 1 and not (first is None and second is None):
         raise AttitudeError("first and second are bounds of two periods; give count=2.")
 
@@ -381,7 +390,7 @@ def periods(
             bounds = min_period, max_period
             return _one(own, bounds, number, method, bins, engine, kept, seed)
         pairs = _bounds(own, min_period, max_period, first, second, number)
-        return _two(own, *pairs, number, kept, seed, progress)
+        return _two(own, *pairs, number, is_additive, kept, seed, progress)
 
     return _samples.settled(data, found, _significant)
 
@@ -453,11 +462,12 @@ def _two(
     low: tuple[int, int],
     high: tuple[int, int],
     number: int,
+    is_additive: bool,
     kept: int,
     seed: int,
     progress: Callable[[int, int], None] | None,
 ) -> Periods:
-    numbers = _numbers(number, 2)
+    numbers = _numbers(number, 2, is_additive)
     if len(data.t) <= data.linear + 2 * len(numbers) + 2:
         raise AttitudeError(
             f"{len(data.t)} values are given for {data.linear} zero points and {len(numbers)} "
@@ -472,9 +482,12 @@ def _two(
     made = _spectrum.tables(unit, weights, y / scale, 1.0 / OVERSAMPLING, 4 * number * end + 2)
     bar = ProgressBar("pairs of periods") if progress is None else progress
     most = max(_PEAKS, 2 * kept)
-    scan = _spectrum.best(made, low, high, number, _spectrum.RIDGE, most, bar)
+    lines = _spectrum.harmonics(number)
+    if is_additive:
+        lines = np.concatenate([lines[:1], numbers])
+    scan = _spectrum.best(made, low, high, lines, _spectrum.RIDGE, most, bar)
     pairs = _refined(data, scan, numbers, kept, (low, high))
-    chance = _spectrum.share_of_chance(unit, weights, y / scale, end / OVERSAMPLING, number, seed)
+    chance = _spectrum.share_of_chance(unit, weights, y / scale, end / OVERSAMPLING, lines, seed)
     size = OVERSAMPLING * data.span
     return Periods(
         pairs,
@@ -482,15 +495,19 @@ def _two(
         chance,
         scan.tried,
         data,
+        method="additive" if is_additive else "fourier",
         map=frozen(scan.map),
         edges=(scan.edges[0] / size, scan.edges[1] / size),
     )
 
 
-def _numbers(order: int, count: int) -> Any:
+def _numbers(order: int, count: int, is_additive: bool = False) -> Any:
     """Lines of one frequency, or (j of the first, i of the second frequency)."""
+    own = np.arange(1, order + 1)
     if count == 1:
-        return np.arange(1, order + 1)[:, None]
+        return own[:, None]
+    if is_additive:
+        return np.concatenate([np.outer(own, [1, 0]), np.outer(own, [0, 1])])
     return np.array(line_numbers((order, order)))[:, ::-1]
 
 

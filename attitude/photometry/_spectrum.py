@@ -248,16 +248,15 @@ def best(
     made: Tables,
     first: tuple[int, int],
     second: tuple[int, int],
-    order: int,
+    lines: IntArray,
     ridge: float,
     keep: int,
     progress: Callable[[int, int], None] | None = None,
 ) -> BestPairs:
     """The best pairs a < b, a number of either range each, no two of them neighbours.
 
-    Shapes: first, second (int, int).
+    Shapes: first, second (int, int), lines (L, 2) as in `harmonics`.
     """
-    lines = harmonics(order)
     blocks, tried = _blocks(first, second)
     least = _threshold(made, blocks, lines, tried)
     edges = tuple(
@@ -564,6 +563,8 @@ def _joint(samples, f, numbers, start, weights, matrix, solution, unit):
 
 # Pairs that a permutation of the values is fitted with, and permutations.
 _PERMUTED, _TIMES = 20_000, 10
+# Lines from which fewer pairs are fitted: those of two frequencies of order 3 are 25.
+_MANY = 20
 # Periods, s, of the Sun and of the stars, at which the observations of one site recur.
 DAYS: tuple[float, float] = (86400.0, 86164.1)
 _EULER = 0.5772
@@ -595,24 +596,24 @@ def alias_of(first: float, second: float, better: Sequence[PairLike], near: floa
 
 
 def share_of_chance(
-    t: FloatArray, weights: FloatArray, y: FloatArray, turns: float, order: int, seed: int
+    t: FloatArray, weights: FloatArray, y: FloatArray, turns: float, lines: IntArray, seed: int
 ) -> float:
     """The share of chi-squared left that 1 of 100 light curves of permuted values reaches.
 
-    Shapes: t, weights, y (N,).
+    Shapes: t, weights, y (N,), lines (L, 2) as in `harmonics`.
 
     From Gumbel's distribution of the largest decrease among some pairs, extended to all.
     """
     generator = validation.generator(seed)
     count = int(turns * OVERSAMPLING) + 1
     all_pairs = max(count * (count - 1) // 2, 1)
-    tried = min(all_pairs, _PERMUTED if order < 3 else _PERMUTED // 10)
+    tried = min(all_pairs, _PERMUTED if len(lines) < _MANY else _PERMUTED // 10)
     pair = generator.integers(2, count, (2, tried))
-    lines = harmonics(order)
+    size = 2 * int(np.abs(lines).sum(axis=1).max()) * (count + 1) + 2
     best = []
     for _ in range(_TIMES):
         mixed = y[generator.permutation(len(y))]
-        made = tables(t, weights, mixed, 1.0 / OVERSAMPLING, 4 * order * (count + 1) + 2)
+        made = tables(t, weights, mixed, 1.0 / OVERSAMPLING, size)
         gain = np.empty(tried)
         decreases(*made[:4], pair[0], pair[1], lines, RIDGE, gain)
         best.append(float(gain.max() / made.total))

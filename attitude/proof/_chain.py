@@ -57,7 +57,8 @@ class Chain:
     order : three indices, optional
         Of the moments of the first arc, where equal ones leave it open.
     axes : (3, 3) array, optional
-        Principal axes of the first tensor as columns, where two equal moments leave them open.
+        Principal axes of the first tensor as columns, where two equal moments leave them open, or
+        a rate of zero the sense of one.
     """
 
     def __init__(

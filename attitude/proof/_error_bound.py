@@ -31,8 +31,10 @@ LOOPS: dict[int, float] = {
 TURNS: float = 1e15
 # The theorem holds for coefficients of the series within this of those of some body.
 SLACK: float = 4e-15
-# Largest rotation angle, rad, per rad of v (trigonometric form), and per half turn of y times T.
-_PER_V, _PER_Y = 2.54, 2.0
+# Largest rotation angle, rad, of the internal pair per rad of v (trigonometric form) and per unit
+# of y (hyperbolic form; 2 on the exact separatrix), and its largest turn on S3 through Q'/E and
+# Q' E per unit of the nome Q': proved over all bodies by tests/proof/test_theorem.py.
+PER_RADIAN, PER_Y, PER_NOME = 2.41, 2.65, 1.07
 _TWO_PI = 2.0 * math.pi
 _BITS = 256
 _ASSUMED = (*ASSUMED, "fused multiply-adds round once, and the compiler keeps what is written")
@@ -132,7 +134,8 @@ def _uniform(record, solution):
     axis = solution.axis
     at_rest = not any(x != 0 for x in solution.given_rates)
     exact = solution.start, (rows[1] if at_rest else product(solution.start, [arb(0), *axis]))
-    squares = sum(((rows[j][k] - exact[j][k]) ** 2 for j in (0, 1) for k in range(4)), arb(0))
+    off = [rows[j][k] - exact[j][k] for j in (0, 1) for k in range(4)]
+    squares = sum((x * x for x in off), arb(0))
     precession = _pair(record["precession"])
     parts = {
         "loop": LOOPS[codes.UNIFORM],
@@ -183,8 +186,8 @@ def _trigonometric(record, solution):
     if solution.form == "separatrix":
         raise _refused("the record is that of another form than the exact motion")
     frequency = _pair(record["nutation"])
-    drift = _PER_V * upper(two_pi * (frequency - solution.rate / 2))
-    start = _PER_V * upper(two_pi * _modulo(_pair(record["nutation0"]) - solution.x / 2))
+    drift = PER_RADIAN * upper(two_pi * (frequency - solution.rate / 2))
+    start = PER_RADIAN * upper(two_pi * _modulo(_pair(record["nutation0"]) - solution.x / 2))
     exact, outer, nome = _exact_series(solution)
     series = dict(zip("abcd", (*record["alpha"], *record["beta"]), strict=True))
     if any(
@@ -195,7 +198,7 @@ def _trigonometric(record, solution):
         raise _refused("a coefficient of its series is off by more than 4e-15")
     tail = 8 * upper(outer) ** 4 * upper(nome) ** 12 + 1e-25  # of the terms that are left out
     parts = {"start": start, "series": _series_part(series, exact) + 4 * tail}
-    return parts, drift, _PER_V * _TWO_PI * upper(frequency)
+    return parts, drift, PER_RADIAN * _TWO_PI * upper(frequency)
 
 
 def _exact_series(solution):
@@ -290,8 +293,8 @@ def _hyperbolic(record, solution):
         nome, d = (-arb.pi() / stretch).exp(), solution.shift.imag * arb.pi() / stretch
         off_rate, off_start = frequency - solution.rate, _modulo(start - solution.x, 2)
         decay, tilt = 2 * arb.pi() / (stretch * arb(2).log()), d / arb.pi()
-        # |dq/dy| <= 1.3, and the tilt of the precession, at most 1/2
-        per_phase = 2.0 * upper(arb.pi() / stretch) * _PER_Y
+        # of the pair, and of the tilt of the precession; y is pi / T times half turns
+        per_phase = PER_Y * upper(arb.pi() / stretch) + 2.0 * _TWO_PI * upper(tilt)
     else:
         raise _refused("the record is that of another form than the exact motion")
     if bool(record["winds"]) != (solution.form == "theta"):
@@ -358,7 +361,8 @@ def _hyperbolic_part(record, exact, ratio, nome, relative):
     through_nome = 0.0  # through f and g, whose coefficients contain the nome
     if nome > 0:
         off_nome = upper(arb(float(record["nome"])) - nome)
-        through_nome = 10.0 * (off_nome + relative * upper(nome * nome.log()))
+        # E is not below the nome, so that ln(1/E) is at most ln(1/Q')
+        through_nome = PER_NOME * (off_nome + relative * upper(nome * nome.log()))
     return 2.0 * float(np.max(turn.total() + through_nome)) * (1.0 + 1e-9)
 
 

@@ -168,24 +168,15 @@ def _over_principal(moments, rates, order):
 def _of_tensor(tensor, rates, near_axes):
     """Decide a motion of a full tensor without diagonalising it.
 
-    Moments are roots of the characteristic polynomial, isolated with their multiplicity; axes are
-    vector products of two rows of J - I; a rate about an axis vanishes if w, J w, J^2 w lie in a
-    plane, and the separatrix is a root of the polynomial at L^2 / 2 E.
+    Moments are roots of the characteristic polynomial, whose discriminant says in fractions which
+    of them are equal; axes are vector products of two rows of J - I; a rate about an axis vanishes
+    if w, J w, J^2 w lie in a plane, and the separatrix is a root of the polynomial at L^2 / 2 E.
     """
     module = flint()
     momentum = [dot(row, rates) for row in tensor]
     if all(sign(x) == 0 for x in cross(momentum, rates)):
         return _Decided(None, rates, None)
-    minors = sum(
-        tensor[i][i] * tensor[k][k] - tensor[i][k] ** 2 for i in range(3) for k in range(i)
-    )
-    trace = tensor[0][0] + tensor[1][1] + tensor[2][2]
-    determinant = dot(tensor[0], cross(tensor[1], tensor[2]))
-    polynomial = module.fmpq_poly([-determinant, minors, -trace, 1])
-    roots = module.fmpz_poly(polynomial.numer()).complex_roots()
-    roots = sorted(((root.real, count) for root, count in roots), key=lambda r: float(r[0].mid()))
-    moments = [root for root, count in roots for _ in range(count)]
-    single = None if len(roots) == 3 else 0 if roots[0][1] == 1 else 2
+    moments, single = _roots(tensor)
     axes = _axes(tensor, moments, single, near_axes)
     decided = _Decided(moments, [dot(axis, [ball(x) for x in rates]) for axis in axes], [0, 1, 2])
     decided.is_uniform = False
@@ -194,7 +185,8 @@ def _of_tensor(tensor, rates, near_axes):
     square, double_energy = dot(momentum, momentum), dot(rates, momentum)
     d2 = ball(square) - ball(double_energy) * moments[1]
     is_rational = isinstance(square, module.fmpq)
-    if is_rational and not (d2 > 0 or d2 < 0) and polynomial(square / double_energy) == 0:
+    at_root = is_rational and not (d2 > 0 or d2 < 0)
+    if at_root and _determinant(tensor, square / double_energy) == 0:
         decided.form, decided.side, decided.d2 = "separatrix", 1, module.arb(0)
     else:
         decided.side = sign(d2)
@@ -204,10 +196,39 @@ def _of_tensor(tensor, rates, near_axes):
     in_plane = dot(rates, cross(momentum, [dot(row, momentum) for row in tensor]))
     vanishes = single is not None or (is_rational and in_plane == 0)
     for k, rate in enumerate(decided.rates):
-        if vanishes and not (rate > 0 or rate < 0):
-            continue  # either sign will do
-        decided.signs[k] = sign(rate)
+        if not vanishes or rate > 0 or rate < 0:
+            decided.signs[k] = sign(rate)
+        elif near_axes is not None:  # either sense will do
+            along = dot(axes[k], [ball(x) for x in near_axes[k]])
+            decided.signs[k] = -1 if along < 0 else 1
     return decided
+
+
+def _determinant(tensor, x=0):
+    """The determinant of J - x."""
+    (a, b, c), (d, e, f), (g, h, i) = tensor
+    return dot([a - x, b, c], cross([d, e - x, f], [g, h, i - x]))
+
+
+def _roots(tensor):
+    """The moments, ascending balls, and the place of one beside two equal ones, or None.
+
+    With A = J - tr J / 3, p = tr A^2 / 6 and r = det A / 2, they are tr J / 3 + 2 sqrt(p) cos of
+    (phi + 2 pi k) / 3 for cos phi = r / p^(3/2); two are equal if p^3 = r^2.  All of these are
+    fractions.
+    """
+    pi = flint().arb.pi()
+    mean = (tensor[0][0] + tensor[1][1] + tensor[2][2]) / 3
+    p = sum((tensor[i][i] - mean) ** 2 for i in range(3)) / 6
+    p += (tensor[0][1] ** 2 + tensor[0][2] ** 2 + tensor[1][2] ** 2) / 3
+    r = _determinant(tensor, mean) / 2
+    square = p**3 - r**2
+    if square == 0:  # the root of p is r / p; p > 0, since the rotation is not uniform
+        lone, both = ball(mean + 2 * r / p), ball(mean - r / p)
+        return ([both, both, lone], 2) if r > 0 else ([lone, both, both], 0)
+    phi = flint().arb.atan2(ball(square).sqrt(), ball(r)) / 3
+    size = 2 * ball(p).sqrt()
+    return [mean + size * (phi + 2 * pi * k / 3).cos() for k in (1, 2, 0)], None
 
 
 def _axes(tensor, moments, single, near_axes):
@@ -218,7 +239,8 @@ def _axes(tensor, moments, single, near_axes):
             [ball(tensor[i][k]) - (moment if i == k else 0) for k in range(3)] for i in range(3)
         ]
         normals = [cross(rows[i], rows[k]) for i, k in ((0, 1), (1, 2), (2, 0))]
-        return unit(max(normals, key=lambda v: float(dot(v, v).mid())))
+        # not as doubles, whose least is 5e-324
+        return unit(max(normals, key=lambda v: dot(v, v).mid()))
 
     if single is None:
         first, third = axis(moments[0]), axis(moments[2])
@@ -253,7 +275,8 @@ class Solution:
     order : three indices, optional
         Of the moments, ascending, where equal ones leave it open.
     axes : three vectors, optional
-        Near the principal axes of a tensor: where two equal moments leave them open, those nearest.
+        Near the principal axes of a tensor, or near the reverse of them: where two equal moments
+        leave them open, those nearest; where a rate is zero, the sense of its axis.
 
     Attributes
     ----------
@@ -325,7 +348,8 @@ class Solution:
         d12, d23, d13 = abs(i1 - i2), abs(i2 - i3), abs(i1 - i3)
         d1 = i2 * d12 * w2 * w2 + i3 * d13 * w3 * w3
         d3 = i1 * d13 * w1 * w1 + i2 * d23 * w2 * w2
-        square = (i1 * w1) ** 2 + (i2 * w2) ** 2 + (i3 * w3) ** 2
+        # a ball around zero has no power, but products
+        square = (i1 * w1) * (i1 * w1) + (i2 * w2) * (i2 * w2) + (i3 * w3) * (i3 * w3)
         m, mc = ball(d3 * d12 / (d1 * d23)), ball(decided.d2 * d13 / (d1 * d23))
         wp = (1 if decided.side < 0 else -1) * ball(d1 * d23 / (i1 * i2 * i3)).sqrt()
         l = ball(i3 * d1 / (d13 * square)).sqrt()

@@ -24,6 +24,7 @@ from tests.house.test_docs import PAGES, ROOT
 DATA = ROOT / "data"
 OEM, TLE = DATA / "paths" / "apophis-2012-2013.oem", DATA / "paths" / "envisat-2013.tle"
 MISSION = DATA / "mission" / "apophis-2012.toml"
+TORQUES = DATA / "mission" / "goes-like.toml"
 PASS, GLINTS = (DATA / "mission" / f"envisat-{name}.toml" for name in ("pass", "glints"))
 # Toutatis of the catalogue, whose epoch is 1992-12-11; the file is written below.
 STATE = catalog.entry("toutatis").motion()
@@ -42,6 +43,10 @@ CASES = {
     "propagate": [
         *(f'{each} --stop "1 d" --step "1 d"' for each in _VALUES),
         'state.toml --start 0 --stop "2 d" --step "1 d" --rates --sigma --output OUT.csv',
+    ],
+    "evolve": [
+        f'{TORQUES} --until "1 d" --step "12 h" --passages 3 --least-tilt "0.1 deg" '
+        "--paths averaged --output OUT.csv --figure OUT.png",
     ],
     "describe": list(_VALUES),
     "catalog": ["", "apophis"],

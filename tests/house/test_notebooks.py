@@ -15,8 +15,12 @@ CLAIMS = {
     "asteroid_photometry": (r"best pair: ([\d.]+) and", 5.33, 5.43),  # published 5.38 +- 0.03 d
     "debris_pass": (r"([-\d.]+) mag at", -3.5, -2.0),
     "detumbling": (r"after (\d+) min", 80, 92),
+    "impulse": (r"of the push alone: ([\d.]+) deg", 7.0, 16.0),
+    "inversion": (r"P_psi ([\d.]+) d", 5.33, 5.43),  # published 5.38 +- 0.03 d
     "fit": (r"predicted sigma: ([\d.]+)", 0.7, 1.4),  # 20 fits: 1 +- 0.16
     "paper": (r"package differ by (\S+)", 0.0, 1e-12),
+    # The tilt grows and falls with w sqrt((C - B) (B - A) / (A C)) = 12.01 / s: 2 ln(10) / 12.01 s.
+    "t_handle": (r"a tenth of the tilt: ([\d.]+) s", 0.3830, 0.3840),
     "survey": (r"LONG_AXIS +(\d+)", 0.45e4, 0.5e4),
 }
 

@@ -2,15 +2,28 @@
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, Spin, inversion
 from attitude.frames import matrix_to_icrf, quaternion
-from attitude.inversion import _apparitions, _moving, _pole_map, _problem, _shapes
+from attitude.inversion import (
+    _apparitions,
+    _ellipsoid,
+    _joined,
+    _moving,
+    _pole_map,
+    _problem,
+    _refinement,
+    _shapes,
+    _verdicts,
+)
 from attitude.inversion._ellipsoid import SearchState
+from attitude.inversion._problem import CurveProblem
 from attitude.torques import ConstantTorque
+from benchmarks import inversion as inversion_benchmark
 from benchmarks import inversion_apparitions
 
 
@@ -130,3 +143,112 @@ def test_arguments_that_no_search_has(known, given, words):
     with pytest.raises(AttitudeError) as caught:
         inversion.spin_states(known[0], **given)
     assert words in str(caught.value)
+
+
+# ---- Tumbling over two apparitions
+
+
+@pytest.fixture(scope="module")
+def tumbling():
+    """A problem of two apparitions, with the state that made it, at the middle of the span."""
+    rng = np.random.default_rng(7)
+    t = np.sort(np.concatenate([rng.uniform(-0.5, -0.46, 140), rng.uniform(0.44, 0.5, 160)]))
+    angle = 9.0 * t
+    sun = np.stack([np.cos(angle), np.sin(angle), 0.1 * np.sin(3.0 * angle)])
+    observer = np.stack([np.cos(angle + 0.6), np.sin(angle + 0.6), 0.3 * np.cos(2.0 * angle)])
+    sun, observer = sun / np.linalg.norm(sun, axis=0), observer / np.linalg.norm(observer, axis=0)
+    state = np.zeros(_refinement.WIDTH)
+    state[:5] = 1280.137, -251.718, 0.2, math.log(0.3), 0.4
+    state[5:14] = _ellipsoid.rotations(rng, 1)[0]
+    state[14:16] = 1.3, 0.7
+    state[16:] = rng.normal(0.0, 0.1, _refinement.WIDTH - 16)
+    terms = np.ones((len(t), 1)), np.full(1, np.inf)
+    given = t, 2.6e8, sun, observer
+    sigma = np.full(len(t), 0.02)
+    blank = CurveProblem.of(*given, np.zeros(len(t)), sigma, *terms, 0.0)
+    exact = _refinement.model(blank, state).magnitude
+    noisy = exact + sigma * rng.normal(size=len(t))
+    return CurveProblem.of(*given, noisy, sigma, *terms, 0.01), state
+
+
+def _alone(problem, state, inside):
+    """An apparition whose one solution is a fit to its points alone."""
+    part = problem.part(inside)
+    middle = 0.5 * float(part.t.min() + part.t.max())
+    about = CurveProblem.of(
+        part.t - middle, part.span, part.sun, part.observer, part.magnitude, part.sigma,
+        part.terms, part.prior, part.model_error,
+    )  # fmt: skip
+    fit = _refinement.refine(about, _joined.at_middle(state, -middle), tie=_shapes.Tie(math.inf))
+    found = _joined.Alone(fit.state, 4.0 * _refinement.inverse(fit.normal)[:8, :8], 0.0, middle)
+    return _joined.Apparition(float(part.t.min()), float(part.t.max()), [found])
+
+
+def test_a_state_is_carried_to_the_middle_and_back(tumbling):
+    problem, state = tumbling
+    there = _joined.at_middle(state, 0.37)
+    back = _joined.at_middle(there, -0.37)
+    a, b = (_refinement.model(problem, each).magnitude for each in (state, back))
+    assert a == pytest.approx(b, abs=1e-8)
+    # what is at 0.37 of there is at 0 of the state: epochs moved by that
+    moved = replace(problem, t=problem.t + 0.37)
+    assert _refinement.model(problem, there).magnitude != pytest.approx(a, abs=1e-3)
+    assert _refinement.model(moved, there).magnitude == pytest.approx(a, abs=1e-8)
+
+
+def test_the_true_numbers_of_turns_are_listed_and_best(tumbling):
+    problem, state = tumbling
+    early, late = (_alone(problem, state, side) for side in (problem.t < 0.0, problem.t > 0.0))
+    # four errors of what one apparition says of the rates leave a turn open
+    between = late.solutions[0].middle - early.solutions[0].middle
+    errors = [np.sqrt(np.diag(one.solutions[0].covariance))[[3, 4]] for one in (early, late)]
+    assert 4.0 * max(each.max() for each in errors) * between > 1.0
+    listed = list(_joined.counts(early.solutions[0], late.solutions[0], 25.0))
+    numbers = {
+        (round(one.state[0] * between, 1), round(one.state[1] * between, 1)) for one in listed
+    }
+    assert len(numbers) == len(listed) > 2
+    made = _joined.JoinedSearch(
+        problem, 4000.0, ("LAM", "SAM"), _shapes.Tie(math.inf), (), np.random.default_rng(0),
+        lambda _: None, alone=lambda: [early, late],
+    )  # fmt: skip
+    made.run()
+    best = made.solutions[0].refined.state
+    assert best[:2] == pytest.approx(state[:2], abs=0.05)
+    assert len(made.solutions) > 2
+    assert made.solutions[1].evidence > made.solutions[0].evidence
+    word = _verdicts.relation(made.solutions[1].refined.state, best, problem, made.length)
+    assert "turns of phi" in word and "between the apparitions" in word
+
+
+def test_the_body_turned_about_its_axis_is_the_same(tumbling):
+    """A turn of half a turn about the momentum and about the axis, and the shape with it."""
+    problem, state = tumbling
+    late = _alone(problem, state, problem.t > 0.0).solutions[0]
+    early = _alone(problem, state, problem.t < 0.0).solutions[0]
+    half = early.state.copy()
+    half[2] += 0.5
+    half[5:14] = (half[5:14].reshape(3, 3) @ np.diag([-1.0, -1.0, 1.0])).ravel()
+    signs = np.array([-1.0, -1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0])
+    other = early._replace(state=half, covariance=early.covariance * np.outer(signs, signs))
+    pairs = [
+        min(_joined.counts(each, late, 25.0), key=lambda one: one.chi_squared)
+        for each in (early, other)
+    ]
+    assert pairs[0].chi_squared == pytest.approx(pairs[1].chi_squared, rel=1e-6)
+    assert pairs[0].state[:2] == pytest.approx(pairs[1].state[:2], abs=1e-8)
+
+
+def test_modes_are_not_joined(tumbling):
+    problem, state = tumbling
+    late = _alone(problem, state, problem.t > 0.0).solutions[0]
+    other = late.state.copy()
+    other[1] = -other[1]
+    assert not list(_joined.counts(late._replace(state=other), late, 25.0))
+
+
+def test_too_many_turns_of_one_apparition_are_refused():
+    case = inversion_apparitions.tumbler(3, "SAM")
+    curve = inversion_benchmark.curve_of(case, "shared")
+    with pytest.raises(AttitudeError, match="an apparition spans 5"):
+        inversion.spin_states(curve, "300 /d")

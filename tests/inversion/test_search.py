@@ -11,6 +11,7 @@ from attitude import Body, inversion
 from attitude.inversion import (
     _ellipsoid,
     _evidence,
+    _figures,
     _known,
     _pole_map,
     _problem,
@@ -146,8 +147,9 @@ def test_additive_pairs_of_rotation_and_dips():
     assert best.orbit == pytest.approx(orbit, abs=0.05) and best.left < 0.03
     assert best.are_dips and best.range == pytest.approx(0.2, abs=0.12)
     product = 0.3 * np.cos(2.0 * math.pi * 61.37 * t) * np.cos(2.0 * math.pi * 13.21 * t)
-    none = _satellites.additive_pairs(_given(turned * (1.0 + 3.0 * product) + product, t), 90.0)
-    assert none[0].left > 0.1 and not any(pair.are_dips for pair in none)
+    tumbling = _given(turned * (1.0 + 3.0 * product) + product, t)
+    assert all(pair.left > 0.1 for pair in _satellites.additive_pairs(tumbling, 90.0))
+    assert _satellites._fitted(tumbling, rotation, orbit).left > 0.1
 
 
 def test_a_body_with_an_orbit_predicts_its_dips():
@@ -267,3 +269,16 @@ def test_a_known_sum_over_facets_with_shadows():
     sphere = own.flux(up, up) * (4.0 * math.pi * 1.2**2 / own.areas.sum())
     assert both[0] == pytest.approx(sphere[0], rel=0.01)
     assert both[1] == pytest.approx(sphere[1] + alone[1], rel=0.01)
+
+
+def test_numbers_of_poles_do_not_hide_each_other():
+    rng = np.random.default_rng(0)
+    poles = [tuple(each) for each in rng.uniform((0.0, -90.0), (360.0, 90.0), (40, 2)).tolist()]
+    poles += [(100.0, 10.0), (101.0, 11.0), (100.5, 10.0), (100.0, 9.0)]
+    places = _figures.free_places(poles)
+    shown = [each for each in places if each is not None]
+    assert places[0] is not None and 15 < len(shown) < len(poles)
+    for k, one in enumerate(shown):
+        assert 0.0 < one[0] < 360.0 and abs(one[1]) < 90.0
+        for other in shown[:k]:
+            assert abs(one[0] - other[0]) > 18.0 or abs(one[1] - other[1]) > 12.0

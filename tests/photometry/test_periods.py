@@ -547,3 +547,28 @@ def test_parts_of_the_grid_of_nifty_ls_join():
     run = subprocess.run([sys.executable, "-c", _PARTS], capture_output=True, text=True, cwd=ROOT)
     assert run.returncode == 0, run.stderr
     assert float(run.stdout) < 1e-7
+
+
+def test_two_periods_whose_series_add():
+    """A rotation and dips at the orbit of a moon: no line lies at a sum or a difference."""
+    rng = np.random.default_rng(3)
+    t = np.sort(rng.uniform(0.0, 8.0, 300))
+    rotation, orbit = 0.1633, 0.9137
+    magnitude = 0.21 * np.cos(4.0 * np.pi * t / rotation) + 0.05 * np.cos(
+        2.0 * np.pi * t / rotation
+    )
+    for place, depth in ((0.3, 0.12), (0.8, 0.08)):
+        off = np.mod(t / orbit - place + 0.5, 1.0) - 0.5
+        magnitude += depth * np.exp(-0.5 * (off / 0.04) ** 2)
+    magnitude += 0.01 * rng.normal(size=t.size)
+    given = {"count": 2, "min_period": "3 h", "max_period": "1.5 d", "order": 6}
+    found = photometry.periods(t * 86400.0, magnitude, method="additive", **given)
+    assert found.method == "additive"
+    assert np.array(found[0].periods) / 86400.0 == pytest.approx([orbit, rotation], rel=2e-3)
+    assert found[0].left < min(0.02, found.false_alarm)
+    lines = found.fold(0)
+    assert lines is not None
+    with pytest.raises(AttitudeError, match="give count=2"):
+        photometry.periods(t * 86400.0, magnitude, method="additive")
+    with pytest.raises(AttitudeError, match="give 1 to 8"):
+        photometry.periods(t * 86400.0, magnitude, method="additive", count=2, order=9)

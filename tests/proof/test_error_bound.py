@@ -84,7 +84,7 @@ def test_a_fault_of_a_constant_shows(form, field, place, by):
     motion._set("_constants", faulty)
     after = motion.certificate(t).error
     assert np.any(after != before)
-    chain = chain_of(motion.body, motion.spin, order=faulty[0]["order"].tolist())
+    chain = chain_of(motion.body, motion.spin, record=faulty[0])
     try:
         worse = error_bound_of(faulty[0], chain.solution)
     except AttitudeError as err:
@@ -92,3 +92,20 @@ def test_a_fault_of_a_constant_shows(form, field, place, by):
         return
     assert worse.constant > constant or worse.rate > rate
     assert np.all(after <= worse.constant + worse.rate * np.abs(t))
+
+
+@pytest.mark.parametrize(
+    ("tensor", "rates"),
+    [
+        ([[138, 0, -6], [0, 132, -6], [-6, -6, 135]], (10, -34, -7)),
+        ([[124, 2, 8], [2, 133, 10], [8, 10, 130]], (3, -6, 0)),
+        ([[98, 4, 10], [4, 110, 14], [10, 14, 107]], (0, 24, -24)),
+    ],
+)
+def test_tensors_with_a_rate_that_is_exactly_zero(tensor, rates):
+    """The sense of that axis is open: it is the one of the record."""
+    motion = FreeRotation(Body(tensor=tensor), Spin("2026-01-01", (1, 2, 0, 1), rates))
+    t = np.array([0.0, 1.0, -1e5, 1e9])
+    constant, rate = motion.error_bound()
+    assert np.all(motion.certificate(t).error <= constant + rate * np.abs(t))
+    assert constant < 6e-15

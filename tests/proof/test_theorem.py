@@ -50,6 +50,52 @@ def test_the_package_uses_these_bounds():
     assert stated == _error_bound.LOOPS
 
 
+def test_how_fast_the_pairs_turn():
+    """Constants of `error_bound`: for all bodies and phases, and not much too large."""
+    assert 2.2 < loop_bounds.turn_per_radian() <= _error_bound.PER_RADIAN
+    assert 2.0 < loop_bounds.turn_per_y() <= _error_bound.PER_Y
+    assert 1.0 < loop_bounds.turn_per_nome() <= _error_bound.PER_NOME
+
+
+def test_how_fast_the_pairs_of_the_package_turn():
+    """Differences of its own pairs at random bodies and phases: near the proved constants."""
+    random = np.random.default_rng(7)
+    found = {"radian": 0.0, "y": 0.0, "nome": 0.0}
+    rho, shrunk = random.uniform(0.5, 1.0, 1500), random.uniform(0.0, 0.6, 1500)
+    inside = rho**4 * shrunk**2 <= math.exp(-math.pi)
+    for rows in loop_bounds.coefficients_of(rho[inside], shrunk[inside]):
+        v = random.uniform(0.0, 1.6) * random.choice((0.0, 1.0))
+        pairs = [
+            series.trigonometric_pair(*rows, math.sin(v + h), math.cos(v + h)) for h in (0.0, 1e-6)
+        ]
+        found["radian"] = max(found["radian"], 2e6 * _between(*pairs))
+    for _ in range(1500):
+        nome, d = math.exp(-math.pi) * random.uniform(), random.uniform(0.0, math.pi / 4)
+        y = -0.5 * math.log(nome) * random.choice((0.0, random.uniform(), 1.0))
+        alpha = [
+            [nome ** (n * n) * f((2 * n + 1) * d) for n in range(4)] for f in (math.cos, math.sin)
+        ]
+        one, two, three = (
+            series.hyperbolic_pair(alpha, 1.0, 1.0, 0.0, (e, q / e, q * e))
+            for e, q in (
+                (math.exp(-2 * y), nome),
+                (math.exp(-2 * y - 2e-6), nome),
+                (math.exp(-2 * y), nome * (1.0 + 1e-6)),
+            )
+        )
+        found["y"] = max(found["y"], 2e6 * _between(one, two))
+        found["nome"] = max(found["nome"], 1e6 * _between(one, three) / nome)
+    assert 2.0 < found["radian"] <= _error_bound.PER_RADIAN
+    assert 1.9 < found["y"] <= _error_bound.PER_Y
+    assert 0.9 < found["nome"] <= _error_bound.PER_NOME
+
+
+def _between(p, q):
+    """The angle on S3 between two small-angle neighbours of any length."""
+    p, q = (np.array(x) / np.linalg.norm(x) for x in (p, q))
+    return float(np.linalg.norm(p - q * (p @ q)))
+
+
 @pytest.mark.slow
 def test_finer_boxes_lower_the_bounds():
     coarse = loop_bounds.trigonometric(16, 16, 32), loop_bounds.hyperbolic(24, 49, 24)

@@ -10,7 +10,7 @@ import numpy as np
 
 from attitude._solver import kernel, series
 from attitude.proof._error_bound import COS_EVEN, COS_ODD, SIN_EVEN, SIN_ODD, SLACK
-from attitude.proof._intervals import UNIT_ROUNDOFF, Intervals, of
+from attitude.proof._intervals import UNIT_ROUNDOFF, Intervals, Turn, of
 from tests.support import rounding_bounds, traced
 
 U = UNIT_ROUNDOFF
@@ -103,6 +103,14 @@ def _coefficients(rho, shrunk):
         for row, columns in rows.items()
         for k, x in enumerate(columns)
     }
+
+
+def coefficients_of(rho, shrunk):
+    """Those of bodies (N,), each a pair: two rows of alpha, two rows of beta."""
+    found = {key: x.lo + SLACK + 0.0 * rho for key, x in _coefficients(of(rho), of(shrunk)).items()}
+    for k in range(len(rho)):
+        rows = [[float(found[f"{row}{n}"][k]) for n in range(4)] for row in "abcd"]
+        yield rows[:2], rows[2:]
 
 
 def turn_of_trigonometric_pair(rho=32, shrunk=32, phases=64, omitted=()):
@@ -212,11 +220,14 @@ def turn_of_hyperbolic_pair(shifts=48, decays=97, quotients=48, omitted=()):
     return float(np.max(rounding_bounds.turn(trace.nodes, places, inputs, more, omitted)))
 
 
-def _of_angle(function, low, high):
-    """A sine or cosine over intervals of angles in [0, 6], widened by `SLACK` and libm's error."""
+def _of_angle(function, low, high, quarters=3):
+    """A sine or cosine over intervals of angles, widened by `SLACK` and libm's error.
+
+    The angles are from 0 to somewhat above so many quarters of a turn.
+    """
     first, last = function(low), function(high)
     least, most = np.minimum(first, last), np.maximum(first, last)
-    for m in range(4):  # extrema at multiples of pi/2
+    for m in range(quarters + 2):  # extrema at multiples of pi/2
         extremum = m * math.pi / 2
         inside = (low <= extremum) & (high >= extremum)
         value = round(float(function(extremum)))
@@ -318,3 +329,127 @@ def _record(trace, name):
         rates, axes = Matrix("rates"), Matrix("axes")
 
     return Record
+
+
+# ---- How fast the pairs turn with their phases, and with the nome: constants of `error_bound`
+
+
+def _grid(*counts):
+    """Indices of all boxes of a grid, flat arrays."""
+    return [x.ravel() for x in np.meshgrid(*(np.arange(n) for n in counts), indexing="ij")]
+
+
+def turn_per_radian(rho=40, shrunk=40, phases=120):
+    """The largest rotation angle of the trigonometric pair per rad of v.
+
+    v in [0, pi/2]; beyond, only signs change.  Terms from n = 4 on are below 1e-15.
+    """
+    ends = [np.linspace(0.0, 1.0, n + 1) for n in (rho, shrunk)]
+    v_ends = np.linspace(0.0, math.pi / 2 * (1 + 1e-15), phases + 1)
+    a, b, c = _grid(rho, shrunk, phases)
+    inside = ends[0][a] ** 4 * ends[1][b] ** 2 <= _LARGEST_NOME * 1.0001
+    a, b, c = a[inside], b[inside], c[inside]
+    rho, shrunk = (Intervals(x[k], x[k + 1]) for x, k in zip(ends, (a, b), strict=True))
+    nome = (rho.square().square() * shrunk.square()).within(0.0, _LARGEST_NOME)
+    outer = (rho.square().square() * shrunk).within(0.0, _LARGEST_OUTER)
+    value, slope = [of(0.0)] * 4, [of(0.0)] * 4
+    for n in range(4):
+        sign = (-1.0) ** n
+        first = outer.power(n) * nome.power(n * (n - 1)) * sign if n else of(1.0)
+        second = rho * (outer.power(n) * nome.power(n * n) * sign if n else of(1.0))
+        sizes = (
+            first * (shrunk.power(2 * n) + 1.0) if n else of(1.0),
+            -(first * (1.0 - shrunk.power(2 * n))) if n else of(0.0),
+            -(second * (shrunk.power(2 * n + 1) + 1.0)),
+            -(second * (1.0 - shrunk.power(2 * n + 1))),
+        )
+        for k, (size, times, wave) in enumerate(
+            zip(sizes, (2 * n, 2 * n, 2 * n + 1, 2 * n + 1), "cssc", strict=True)
+        ):
+            sine, cosine = (
+                _of_angle(f, times * v_ends[c], times * v_ends[c + 1], 2 * n + 1)
+                for f in (np.sin, np.cos)
+            )
+            value[k] = value[k] + size * (cosine if wave == "c" else sine)
+            slope[k] = slope[k] + size * float(times) * (-sine if wave == "c" else cosine)
+    turn = Turn(value)
+    turn.add(1.0, slope)
+    return 2.0 * float(np.max(turn.total())) + 1e-12
+
+
+def _hyperbolic_terms(shifts, decays, quotients):
+    """Boxes of d, E, F and the nome, and sums over n of Q'^(n^2) cos or sin (2 n + 1) d times
+    weights: a function of (weight of F^n, weight of G^n).
+    """
+    d = np.linspace(0.0, math.pi / 4 * (1 + 1e-15), shifts + 1)
+    e_ends = np.concatenate([[0.0], 10.0 ** np.linspace(-6.0, 0.0, decays)])
+    e_ends[-1] = 1.0
+    f_ends = np.linspace(0.0, 1.0, quotients + 1)
+    a, b, c = _grid(shifts, decays, quotients)
+    inside = e_ends[b] * f_ends[c] <= _LARGEST_NOME * 1.0001
+    a, b, c = a[inside], b[inside], c[inside]
+    e, f = Intervals(e_ends[b], e_ends[b + 1]), Intervals(f_ends[c], f_ends[c + 1])
+    nome = (e * f).within(0.0, _LARGEST_NOME)
+    angles = [((2 * n + 1) * d[a], (2 * n + 1) * d[a + 1]) for n in range(4)]
+    waves = [[_of_angle(function, *x) for x in angles] for function in (np.cos, np.sin)]
+    return e, f, nome, waves
+
+
+def _hyperbolic_sums(weights, waves):
+    """The four components for weights (n, sign) -> what multiplies cos or sin of (2 n + 1) d.
+
+    The pair is sum over n of Q'^(n^2) times (F^n + E G^n) cos, (F^n - E G^n) sin, and with
+    alternating signs of F^n and G^n -(F^n - E G^n) cos, -(F^n + E G^n) sin.
+    """
+    rows = []
+    for alternates, sign, wave in ((1, 1, 0), (1, -1, 1), (-1, -1, 0), (-1, 1, 1)):
+        total = of(0.0)
+        for n in range(4):
+            total = total + weights(n, sign) * waves[wave][n] * float(alternates ** (n + 1))
+        rows.append(total)
+    return rows
+
+
+def turn_per_y(shifts=32, decays=97, quotients=48):
+    """The largest rotation angle of the hyperbolic pair per unit of y.
+
+    d/dy of E, F = Q'/E and G = Q' E is -2 E, 2 F and -2 G.
+    """
+    e, f, nome, waves = _hyperbolic_terms(shifts, decays, quotients)
+
+    def value(n, sign):
+        return nome.power(n * n) * (f.power(n) + e * (nome * e).power(n) * float(sign))
+
+    def slope(n, sign):
+        falling = e * (nome * e).power(n) * float(-sign * (2 * n + 2))
+        return nome.power(n * n) * (f.power(n) * float(2 * n) + falling)
+
+    turn = Turn(_hyperbolic_sums(value, waves))
+    turn.add(1.0, _hyperbolic_sums(slope, waves))
+    return 2.0 * float(np.max(turn.total())) + 1e-12
+
+
+def turn_per_nome(shifts=32, decays=97, quotients=48):
+    """The largest turn on S3 by errors of F and G alone, per unit of the nome.
+
+    An error of the nome changes both alike, one of E in opposite senses; F^n Q'^(n^2) has the
+    derivative n F^n Q'^(n^2 - 1) by the nome, and G^n likewise.
+    """
+    e, f, nome, waves = _hyperbolic_terms(shifts, decays, quotients)
+
+    def value(n, sign):
+        return nome.power(n * n) * (f.power(n) + e * (nome * e).power(n) * float(sign))
+
+    worst = 0.0
+    for sense in (1, -1):
+
+        def slope(n, sign, sense=sense):
+            if n == 0:
+                return of(0.0)
+            both = f.power(n) + e * (nome * e).power(n) * float(sign * sense)
+            return nome.power(n * n - 1) * both * float(n)
+
+        turn = Turn(_hyperbolic_sums(value, waves))
+        turn.add(1.0, _hyperbolic_sums(slope, waves))
+        worst = max(worst, float(np.max(turn.total())) + 1e-12)
+    return worst

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from attitude import Body, FreeRotation, Spin, propagate
+from attitude import Body, FreeRotation, Spin, certify, propagate
 from tests.support.oracle import Oracle, rate_error, rotation_error
 from tests.support.states import State
 
@@ -43,6 +43,22 @@ def errors(state, seconds, evaluate=by_propagate):
     return [
         Error(error_of(q, right[0]), rate_error(w, right[1]), t, state)
         for q, w, t, right in zip(wxyz, omega, seconds, map(exact.at, seconds), strict=True)
+    ]
+
+
+def certified(state, seconds):
+    """As `errors`, for many states: by certificates (attitude.proof), which contain the error and
+    exceed it by 1e-18 at most.
+    """
+    motion = motion_of(state)
+    wxyz, omega = by_propagate(state, seconds)
+    low = np.zeros(len(seconds))  # seconds, not what looks like a Julian date
+    found = certify(motion.body, motion.spin, seconds, wxyz, low=low, angular_velocity=omega)
+    turned = np.where(found.same_sign, found.error, 2.0 * np.pi - found.error)
+    size = np.maximum(np.abs(omega).max(axis=1), 1e-300)
+    return [
+        Error(float(angle), float(rate), t, state)
+        for angle, rate, t in zip(turned, found.rate_error / size, seconds, strict=True)
     ]
 
 

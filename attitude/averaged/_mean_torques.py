@@ -1,0 +1,293 @@
+"""Torques on one body, packed once for all states that are integrated under them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from attitude._compilation.callbacks import raising_callback_errors
+from attitude._support import validation
+from attitude.averaged import _rates as layout
+from attitude.averaged._means import Mean, means_of
+from attitude.averaged._pack import Packed, Sampling, ripple_period, turn_period
+from attitude.averaged._polhode import LAM_PLUS, SPREAD, Axes
+from attitude.errors import AttitudeError
+
+if TYPE_CHECKING:
+    from attitude._support.annotations import FloatArray, IntArray
+    from attitude.epochs._instants import Instant
+    from attitude.motions._body import Body
+    from attitude.torques._torque import Torque
+
+# Turns and nutations of the body in one turn of a path, at least.
+SLOWEST = 10.0
+# Change of L, rad, in one turn of a path below which "auto" averages over the turn.
+_SMALL = 1e-3 * 2.0 * math.pi
+# The same for the turn about a planet of a path from the Sun: its direction turns by 1e-3 at most,
+# and an eclipse leaves out a small part.
+_SMALL_IN_RIPPLE = 0.1
+# Bytes of the windows of paths that are kept.
+_LARGEST = 1 << 28
+
+
+@dataclass(frozen=True, eq=False)
+class Window:
+    """Numbers of the paths in a window of time, as the compiled loops take them.
+
+    Attributes
+    ----------
+    forcing : array
+    models : array
+        Of `Packed`, with the places of blocks in `forcing`.
+    begin, end : float
+        TDB seconds since the epoch; infinite where nothing changes.
+    """
+
+    forcing: FloatArray
+    models: IntArray
+    begin: float
+    end: float
+
+
+class MeanTorques:
+    """The means of torques on one body, for any of its states at one epoch.
+
+    Parameters
+    ----------
+    body : Body
+    torques : tuple of Torque
+    instant : Instant
+        Epoch from which seconds count.
+    degree : int
+        Largest degree of the harmonics of torques of one direction.
+    """
+
+    def __init__(
+        self, body: Body, torques: tuple[Torque, ...], instant: Instant, degree: int
+    ) -> None:
+        self.body, self.torques, self.instant, self.degree = body, torques, instant, degree
+        self.axes = Axes(body)
+        self._packings: dict[tuple[tuple[bool, float], ...], Packing] = {}
+        # filled by `_resonances.listed`
+        self.resonances: list[tuple[int, int, bool, float]] | None = None
+
+    @cached_property
+    def periods(self) -> list[float]:
+        """s, of one turn of the path of each torque; infinite without one."""
+        return [turn_period(torque, self.instant) for torque in self.torques]
+
+    @cached_property
+    def ripples(self) -> list[float]:
+        """s, of the turn about a planet in the path from the Sun of each torque; else infinite."""
+        return [ripple_period(torque, self.instant) for torque in self.torques]
+
+    @cached_property
+    def means(self) -> list[list[Mean]]:
+        """Of each torque."""
+        return [
+            list(means_of(torque, self.body, self.axes, self.degree)) for torque in self.torques
+        ]
+
+    @cached_property
+    def span(self) -> tuple[float, float]:
+        """First and last TDB seconds since the epoch that the paths of the torques cover."""
+        spans = [torque.span(self.instant) for torque in self.torques]
+        return max(a for a, _ in spans), min(b for _, b in spans)
+
+    @cached_property
+    def _single(self) -> list[list[Packed]]:
+        """Each mean alone, with the numbers of its path at an epoch."""
+        pairs = zip(self.torques, self.periods, self.means, strict=True)
+        return [
+            [Packed(self.axes, self.body, [(Sampling(torque, period, False, math.inf), mean)],
+                    self.instant) for mean in means]
+            for torque, period, means in pairs
+        ]  # fmt: skip
+
+    def packing(self, kinds: list[str], size: float, y: float, region: int) -> Packing:
+        """The packed means for "averaged", "followed" or "auto" of each torque, for a state."""
+        self._refuse_fast_paths(size, y, region)
+        chosen = []
+        for k, (kind, period) in enumerate(zip(kinds, self.periods, strict=True)):
+            turn, ripple = period, self.ripples[k]
+            change = self._rate_of(k, size, y, region) if kind == "auto" else 0.0
+            first, last = self.torques[k].span(self.instant)
+            if kind == "averaged" and np.isfinite(turn) and turn > last - first:
+                raise AttitudeError(
+                    f"the path of {type(self.torques[k]).__name__} is known for "
+                    f"{last - first:.4g} s, and a turn of it takes {turn:.4g} s; give a longer "
+                    'path, or orbit="followed".'
+                )
+            averaged = bool(np.isfinite(turn)) and kind != "followed" and change * turn < _SMALL
+            averaged = averaged and turn <= last - first
+            smooth = np.isfinite(ripple) and kind != "followed" and ripple <= last - first
+            smooth = smooth and change * ripple < _SMALL_IN_RIPPLE
+            chosen.append((averaged, ripple if smooth else math.inf))
+        key = tuple(chosen)
+        if key not in self._packings:
+            self._packings[key] = Packing(self, key)
+        return self._packings[key]
+
+    def slowest(self, size: float, y: float, region: int) -> float:
+        """s, the longer one of a turn and a nutation of small amplitude.
+
+        Without the growth of the period at the separatrix, which a motion passes in a few turns.
+        """
+        return float(slowest_turns(self.axes, np.array([size]), np.array([y]), region)[0])
+
+    def _refuse_fast_paths(self, size: float, y: float, region: int) -> None:
+        slowest = self.slowest(size, y, region)
+        for torque, period in zip(self.torques, self.periods, strict=True):
+            if period < SLOWEST * slowest:
+                raise AttitudeError(
+                    f"the path of {type(torque).__name__} turns once in {period:.4g} s, and the "
+                    f"body turns or nutates once in {slowest:.4g} s; means over the nutation need "
+                    "a path that is ten times slower. Integrate by TorquedRotation."
+                )
+
+    def _rate_of(self, number: int, size: float, y: float, region: int) -> float:
+        """rad/s, an upper bound or root mean square, by which a torque turns the momentum."""
+        x, out, total = np.array([0.6 * size, 0.0, 0.8 * size, y]), np.empty(4), 0.0
+        for packed in self._single[number]:
+            forcing = packed.window(0, math.inf, (0.0, 0.0))
+            arguments = packed.data, packed.models, forcing, packed.work, out, 1
+            with raising_callback_errors():
+                eps = layout.rates_at(0.0, x, region, *arguments)
+            total = max(total, eps * size / float(self.axes.moments[2]))
+        return total
+
+
+class Packing:
+    """The means of torques, packed, with windows of the numbers of their paths.
+
+    Parameters
+    ----------
+    torques : MeanTorques
+    averaged : tuple of (bool, float)
+        Of each torque: whether it is averaged over the turn of its path, and the s of the turn
+        about a planet over which it is averaged, or infinity.
+
+    Attributes
+    ----------
+    averaged : tuple of bool
+    turn : float
+        s, of the turns over which torques are averaged: the mean by their sizes; 0 for none.
+    """
+
+    def __init__(self, torques: MeanTorques, averaged: tuple[tuple[bool, float], ...]) -> None:
+        self.torques, self.axes = torques, torques.axes
+        self.averaged = tuple(turn for turn, _ in averaged)
+        means = []
+        rows = zip(torques.torques, torques.periods, averaged, torques.means, strict=True)
+        for k, (torque, period, (turn, ripple), several) in enumerate(rows):
+            for mean, single in zip(several, torques._single[k], strict=True):
+                bare = Sampling(torque, period, turn, math.inf, ripple)
+                interval = single.interval(bare, mean)
+                means.append((replace(bare, interval=interval), mean))
+        self.packed = Packed(self.axes, torques.body, means, torques.instant)
+        self.turn = self._mean_turn()
+        self._windows: dict[int, Window] = {}
+
+    def _mean_turn(self) -> float:
+        """s, of the turns over which torques are averaged, by their shares of all torques."""
+        torques, some = self.torques, np.array(self.averaged)
+        if not np.any(some):
+            return 0.0
+        y = self.axes.separatrix - 1.0
+        size = float(self.axes.moments[2])
+        rates = np.array([torques._rate_of(k, size, y, 0) for k in range(len(some))])
+        periods = np.where(some, torques.periods, 0.0)
+        return float(rates @ periods / max(float(np.sum(rates)), 1e-300))
+
+    def window(self, t: float, sign: float) -> Window:
+        """The window of a time, towards later (1) or earlier (-1) times."""
+        length, span = self.packed.length, self.torques.span
+        number = 0
+        if np.isfinite(length):
+            # a step that ends a window does so to rounding
+            place = t / length + 1e-6 * sign
+            number = math.floor(place) if sign > 0.0 else math.ceil(place) - 1
+        found = self._windows.get(number)
+        if found is None:
+            forcing = self.packed.window(number, length, span)
+            begin, end = -math.inf, math.inf
+            if np.isfinite(length):
+                begin = max(number * length, span[0])
+                end = min((number + 1) * length, span[1])
+            found = Window(forcing, self.packed.models.copy(), begin, end)
+            kept = sum(each.forcing.nbytes for each in self._windows.values())
+            if kept + forcing.nbytes > _LARGEST:
+                self._windows.clear()
+            self._windows[number] = found
+        return found
+
+    def weakness_of(self, t: float, x: FloatArray, region: int) -> float:
+        """|N| P/(2 pi |L|) of a state (4,): L, y."""
+        return self.rates_of(t, x, region)[1]
+
+    def rates_of(self, t: float, x: FloatArray, region: int) -> tuple[FloatArray, float]:
+        """dL/dt and dy/dt (4,) of a state (4,), and |N| P/(2 pi |L|)."""
+        window = self.window(t, 1.0 if t < self.torques.span[1] else -1.0)
+        out, work = np.empty(4), np.empty_like(self.packed.work)
+        arguments = self.packed.data, window.models, window.forcing, work, out, 1
+        with raising_callback_errors():
+            eps = layout.rates_at(t, np.array(x), region, *arguments)
+        return out, float(eps)
+
+    def odds_of(
+        self, t: float, x: FloatArray, region: int, sign: float
+    ) -> tuple[dict[int, float], bool]:
+        """Odds of the two regions beyond the separatrix, and whether the rule is proved.
+
+        From the changes of y on the four arcs in one lap: those that lead away, in proportion.
+        """
+        window, out = self.window(t, sign), np.empty(4)
+        arcs, seconds = self.axes.arcs
+        state = np.array(x)
+        state[3] = self.axes.separatrix
+        work = np.empty_like(self.packed.work)
+        arguments = self.packed.data, window.models, window.forcing, arcs, seconds, work, out
+        with raising_callback_errors():
+            layout.changes_on_arcs(t, state, *arguments)
+        change = sign * out.reshape(2, 2)  # by sA and by sC
+        if region >= LAM_PLUS:
+            pair, goals = -change[region - LAM_PLUS], (0, 1)
+        else:
+            pair, goals = change[:, region], (2, 3)
+        share = np.maximum(pair, 0.0)
+        total = float(np.sum(share))
+        if not total > 0.0:
+            return {goals[0]: 0.5, goals[1]: 0.5}, False
+        odds = {goal: float(s) / total for goal, s in zip(goals, share, strict=True)}
+        return odds, bool(np.all(pair > 0.0))
+
+
+def slowest_turns(axes: Axes, size: FloatArray, y: FloatArray, region: int) -> FloatArray:
+    """s (N,), the longer one of a turn and a nutation without its growth at the separatrix."""
+    half = 0.5 * np.clip(y, -700.0, 700.0)
+    share, gap = (
+        (-half, axes.numbers[SPREAD + 2]) if region < LAM_PLUS else (half, axes.numbers[SPREAD + 1])
+    )
+    # cos theta or sin theta
+    side = 1.0 / np.sqrt(1.0 + np.exp(-2.0 * share))
+    pace = side * math.sqrt(axes.spread * gap)
+    with np.errstate(divide="ignore"):
+        return 2.0 * np.pi / size * np.maximum(axes.moments[2], 1.0 / pace)
+
+
+def checked_orbits(given: Any, count: int) -> list[str]:
+    """The word of each torque."""
+    several = [given] * count if isinstance(given, str) else given
+    if not isinstance(several, Iterable):
+        raise AttitudeError('orbit is not text; give "auto", "averaged" or "followed".')
+    listed = list(several)
+    if len(listed) != count:
+        raise AttitudeError(
+            f"orbit has {len(listed)} entries for {count} torques; give one for all, or one each."
+        )
+    return [validation.one_of(each, "orbit", ("auto", "averaged", "followed")) for each in listed]

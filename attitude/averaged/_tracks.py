@@ -1,0 +1,302 @@
+"""The integration of a mean rotation in one direction of time, and its events."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+
+from attitude._compilation.callbacks import raising_callback_errors
+from attitude.averaged import _rates as layout
+from attitude.averaged._mean_torques import SLOWEST, Packing, slowest_turns
+from attitude.averaged._polhode import LAM_PLUS, REGIONS
+from attitude.errors import AttitudeError
+
+if TYPE_CHECKING:
+    from attitude._support.annotations import BoolArray, FloatArray, IntArray
+
+    # Of a track and the odds of the regions beyond the separatrix: the one to continue in.
+    Choice: TypeAlias = Callable[["Track", dict[int, float]], int]
+
+# |N| P/(2 pi |L|) beyond which means of first order are refused.
+WEAK = 0.05
+# Rows of the trajectory that one call fills.
+_ROWS = 512
+# Turns of the first stretch of a trajectory, and the ratio of the ends of two stretches: steps end
+# there and at the ends of windows, never at an epoch that is asked.
+_FIRST, _RATIO = 1e4, 1.25
+# Passages without progress after which a rotation stays at the separatrix.
+_MOST_PASSAGES = 100
+
+
+@dataclass(frozen=True)
+class AveragedEvent:
+    """Something that happens to a mean rotation.
+
+    Attributes
+    ----------
+    kind : str
+        "passage" of the separatrix; "uniform rotation reached" or "left": the tilt from an axis
+        falls to the least tilt, or grows again; "resonance" of nutation and precession crossed.
+        Three end the motion: "no longer weak"; "too slow for its path", which turns in less than
+        ten turns or nutations of the body; "stays at the separatrix".
+    seconds : float
+        TDB seconds since the epoch of the spin.
+    before, after : str
+        Regions: "SAM+", "SAM-", "LAM+", "LAM-", the mode and the end of the circulated axis that
+        the momentum is near.
+    odds : dict of str to float
+        Of a passage: the odds of the regions that may follow.
+    is_proved : bool
+        Of a passage: False where y rises on one arc of a lap and falls on the other, so that the
+        rule for the odds is not proved.
+    ratio : (int, int)
+        Of a resonance: P_psi/P_phi, phi the angle of the long axis about the momentum.
+    scatter : float
+        Of a resonance: the root mean square, over the phase, by which the crossing changes
+        y = 2 ln tan theta against the mean motion.
+    strength : float
+        Of a resonance: the largest rate of y from the resonant terms in units of the mean rate.
+        Above 1 (`may_capture`) the motion may stay in the resonance, which means cannot follow.
+    """
+
+    kind: str
+    seconds: float
+    before: str
+    after: str
+    odds: dict[str, float] = field(default_factory=dict)
+    is_proved: bool = True
+    ratio: tuple[int, int] = (0, 0)
+    scatter: float = 0.0
+    strength: float = 0.0
+
+    @property
+    def may_capture(self) -> bool:
+        """Whether a resonance is strong enough to hold the motion."""
+        return self.strength > 1.0
+
+    def __str__(self) -> str:
+        if self.kind == "passage":
+            odds = ", ".join(f"{name} {share:.3g}" for name, share in self.odds.items())
+            doubt = "" if self.is_proved else "; the rule for the odds is not proved here"
+            return f"passage from {self.before} to {self.after} (odds: {odds}{doubt})"
+        if self.kind == "resonance":
+            held = "; it may capture the motion" if self.may_capture else ""
+            j, k = self.ratio
+            return (
+                f"resonance P_psi/P_phi = {j}/{k} crossed in {self.before} (scatter of y "
+                f"{self.scatter:.2g}, strength {self.strength:.2g}{held})"
+            )
+        return f"{self.kind} ({self.before})"
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """What all tracks of a motion share.
+
+    Attributes
+    ----------
+    packing : Packing
+    least : float
+        Least y; the greatest is its negative.
+    tolerance : float
+    pace : float
+        s, a turn of the body at the epoch.
+    """
+
+    packing: Packing
+    least: float
+    tolerance: float
+    pace: float
+
+
+class Track:
+    """One trajectory in one direction of time, extended on demand."""
+
+    def __init__(self, course: Course, x: FloatArray, region: int, sign: float) -> None:
+        self.course, self.x, self.region, self.sign = course, x.copy(), region, sign
+        self.clock = np.array([0.0, sign * self._first_step(), 0.0])
+        self.blocks: list[FloatArray] = []
+        self.events: list[AveragedEvent] = []
+        self.ended: AveragedEvent | None = None
+        self.resonances: dict[tuple[float, int], AveragedEvent] = {}
+        self.odds, self._idle = 1.0, 0
+        self._goal = _FIRST * course.pace
+        self._work = np.empty_like(course.packing.packed.work)
+        if abs(x[3]) >= -course.least:
+            self.x[3] = min(max(x[3], course.least), -course.least)
+            self.clock[2] = -1.0 if x[3] < 0.0 else 1.0
+
+    def branched(self) -> Track:
+        """A copy that shares what has been."""
+        other = Track.__new__(Track)
+        other.__dict__.update(self.__dict__)
+        other.x, other.clock = self.x.copy(), self.clock.copy()
+        other.blocks, other.events = list(self.blocks), list(self.events)
+        other.resonances = dict(self.resonances)
+        return other
+
+    def _first_step(self) -> float:
+        """Seconds: a hundred turns of the body."""
+        size = float(np.sqrt(self.x[:3] @ self.x[:3]))
+        return 100.0 * 2.0 * math.pi * float(self.course.packing.axes.moments[2]) / size
+
+    def reaches(self, until: float) -> bool:
+        """Whether states up to seconds `until` are known."""
+        return (until - self.clock[0]) * self.sign <= 0.0
+
+    def extend(self, until: float, choose: Choice) -> None:
+        """Integrate at least up to seconds `until`, or to the end."""
+        packing, course = self.course.packing, self.course
+        limits = np.array([course.least, -course.least, WEAK, self.sign])
+        while self.ended is None and not self.reaches(until):
+            window = packing.window(float(self.clock[0]), self.sign)
+            while self._goal <= abs(self.clock[0]):
+                self._goal *= _RATIO
+            end = window.end if self.sign > 0.0 else window.begin
+            target = self.sign * min(self._goal, end * self.sign)
+            rows = np.empty((_ROWS, layout.ROW_ENTRIES))
+            arguments = packing.packed.data, window.models, window.forcing, self._work, rows
+            with raising_callback_errors():
+                status, count = layout.advance(
+                    self.clock, self.x, self.region, target, course.tolerance, limits, *arguments
+                )
+            if status == layout.BAD:
+                raise AttitudeError(
+                    f"the mean torque is not finite {self.clock[0]:.9g} s after the epoch; check "
+                    "the torques, or give earlier epochs only."
+                )
+            if count:
+                self.blocks.append(rows[:count].copy())
+                self._idle = 0 if count > 3 else self._idle
+                if self._ends_slowly():
+                    return
+            if status in (layout.PASSAGE, layout.CLAMPED, layout.RELEASED, layout.STRONG):
+                self._happens(status, choose)
+
+    def _end(self, kind: str, t: float) -> None:
+        self.ended = AveragedEvent(kind, t, REGIONS[self.region], REGIONS[self.region])
+        self.events.append(self.ended)
+
+    def _ends_slowly(self) -> bool:
+        """End where the body turns slower than a tenth of a path; whether it does."""
+        fastest = min(self.course.packing.torques.periods, default=math.inf)
+        if not np.isfinite(fastest):
+            return False
+        rows, axes = self.blocks[-1], self.course.packing.axes
+
+        def slow(t: FloatArray) -> BoolArray:
+            states = _states(rows, t, self.sign)
+            size = np.sqrt(np.sum(states[:, :3] ** 2, axis=1))
+            turns = slowest_turns(axes, size, states[:, 3], self.region)
+            return np.asarray(SLOWEST * turns > fastest)
+
+        ends = np.flatnonzero(slow(rows[:, layout.ROW_END]))
+        if not len(ends):
+            return False
+        row = rows[ends[0]]
+        low, high = row[layout.ROW_START], row[layout.ROW_END]
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (low, middle) if slow(np.array([middle]))[0] else (middle, high)
+        self.blocks[-1] = rows[: ends[0] + 1].copy()
+        self.blocks[-1][-1, layout.ROW_END] = low
+        self.clock[0] = low
+        self._end("too slow for its path", float(low))
+        return True
+
+    def _happens(self, status: int, choose: Choice) -> None:
+        """Note an event and set the state behind it."""
+        t, name = float(self.clock[0]), REGIONS[self.region]
+        if status == layout.STRONG:
+            self._end("no longer weak", t)
+        elif status == layout.CLAMPED:
+            self.clock[2] = -1.0 if self.region < LAM_PLUS else 1.0
+            self.events.append(AveragedEvent("uniform rotation reached", t, name, name))
+        elif status == layout.RELEASED:
+            self.clock[2] = 0.0
+            self.events.append(AveragedEvent("uniform rotation left", t, name, name))
+        else:
+            self._idle += 1
+            if self._idle > _MOST_PASSAGES:
+                self._end("stays at the separatrix", t)
+                return
+            odds, proved = self.course.packing.odds_of(t, self.x, self.region, self.sign)
+            self.pass_to(choose(self, odds), odds, proved)
+
+    def pass_to(self, region: int, odds: dict[int, float], proved: bool = True) -> None:
+        """Continue on the other side of the separatrix."""
+        before = REGIONS[self.region]
+        side = 1.0 if region >= LAM_PLUS else -1.0
+        named = {REGIONS[k]: v for k, v in odds.items()}
+        t = float(self.clock[0])
+        self.events.append(AveragedEvent("passage", t, before, REGIONS[region], named, proved))
+        self.region = region
+        self.x[3] = self.course.packing.axes.separatrix + side * layout.BEYOND
+        self.clock[1] = self.sign * self._first_step()
+
+    @property
+    def rows(self) -> FloatArray:
+        """The steps (N, ROW_ENTRIES) of `_rates` so far."""
+        if not self.blocks:
+            return np.empty((0, layout.ROW_ENTRIES))
+        if len(self.blocks) > 1:
+            self.blocks = [np.concatenate(self.blocks)]
+        return self.blocks[0]
+
+    def states(self, t: FloatArray) -> tuple[FloatArray, IntArray]:
+        """States (T, 4) and regions (T,) at seconds (T,) up to the end of what is integrated."""
+        rows = self.rows
+        if not len(rows):
+            return np.tile(self.x, (len(t), 1)), np.full(len(t), self.region)
+        region = rows[_places(rows, t, self.sign), layout.ROW_REGION]
+        return _states(rows, t, self.sign), region.astype(np.int64)
+
+    def happened(self, until: float) -> list[AveragedEvent]:
+        """The events up to seconds `until`."""
+        return [each for each in self.events if (each.seconds - until) * self.sign <= 0.0]
+
+    def error_to(self, t: FloatArray) -> FloatArray:
+        """The estimate (T,) of `AveragedMotion.error_estimate` at seconds (T,)."""
+        rows, packing = self.rows, self.course.packing
+        if not len(rows):
+            return np.zeros(len(t))
+        ends = rows[:, layout.ROW_END]
+        at_ends = _states(rows, ends, self.sign, np.arange(len(rows)))
+        starts = rows[:, layout.ROW_TERMS : layout.ROW_TERMS + 4]
+        size = np.sqrt(np.sum(starts[:, :3] ** 2, axis=1))
+        change = np.sqrt(np.sum((at_ends - starts)[:, :3] ** 2, axis=1)) / size
+        eps = np.array(
+            [
+                packing.weakness_of(float(row[layout.ROW_START]), x, int(row[layout.ROW_REGION]))
+                for row, x in zip(rows, starts, strict=True)
+            ]
+        )
+        # |N| T/(2 pi |L|) for the turns T over which torques are averaged
+        of_turns = eps * size / float(packing.axes.moments[2]) * packing.turn / (2.0 * math.pi)
+        total = np.concatenate([[0.0], np.cumsum(change * (eps + of_turns))])
+        times = np.concatenate([[0.0], ends]) * self.sign
+        offset = np.concatenate([of_turns[:1], of_turns])
+        return np.interp(t * self.sign, times, total) + np.interp(t * self.sign, times, offset)
+
+
+def _places(rows: FloatArray, t: FloatArray, sign: float) -> IntArray:
+    """The steps in which seconds (T,) lie."""
+    place = np.searchsorted(sign * rows[:, layout.ROW_START], sign * t, side="right") - 1
+    return np.clip(place, 0, len(rows) - 1)
+
+
+def _states(
+    rows: FloatArray, t: FloatArray, sign: float, place: IntArray | None = None
+) -> FloatArray:
+    """States (T, 4) at seconds (T,), in the steps that hold them or in given ones (T,)."""
+    row = rows[_places(rows, t, sign) if place is None else place]
+    share = ((t - row[:, layout.ROW_START]) / row[:, layout.ROW_STEP])[:, None]
+    rest = 1.0 - share
+    terms = row[:, layout.ROW_TERMS : layout.ROW_END].reshape(-1, 5, 4)
+    inner = terms[:, 2] + share * (terms[:, 3] + rest * terms[:, 4])
+    found: FloatArray = terms[:, 0] + share * (terms[:, 1] + rest * inner)
+    return found

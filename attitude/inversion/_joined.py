@@ -1,0 +1,254 @@
+"""Tumbling over several apparitions: each is solved alone, then the turns between are counted.
+
+1. Every apparition gives spin states with errors: orientation, phase and rates at its middle.
+2. A common motion carries those of one apparition to another one.  What is not known is how often
+   the long axis turned about the momentum (n_phi) and the body about its axis (n_psi) in between:
+   a lattice of pairs of whole numbers, and that lattice moved by half a turn of both, which is the
+   body turned about its axis.  For each pair of numbers the residuals of the common motion are
+   linear in it (`counts`), so that all pairs within the errors are listed at once.
+3. From each of them a convex body is fitted to all apparitions together, and these are ranked by
+   their evidence.
+
+Source: by hand, Pravec et al., Icarus 233, 48 (2014); Lee et al., A&A 661, L3 (2022), of (99942)
+Apophis.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from attitude.inversion import _ellipsoid, _problem, _refinement
+from attitude.inversion._ellipsoid import SearchState
+from attitude.inversion._search import Search, never
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from attitude._support.annotations import FloatArray
+    from attitude.inversion._problem import CurveProblem
+    from attitude.inversion._refinement import Refined
+    from attitude.inversion._settings import Settings
+    from attitude.photometry._curve import LightCurve
+
+
+# Gap, s, between two apparitions.
+_GAP = 60.0 * 86400.0
+# Parameters of a motion, and among them: the turn about the momentum, precession, nutation, phase.
+_SIZE, _AZIMUTH, _PRECESSION, _NUTATION, _PHASE = 8, 2, 3, 4, 5
+_TURN = 2.0 * math.pi
+# Standard errors by which numbers of turns are tried to either side, and the most of one side.
+_SIDE, _MOST = 4.0, 400
+
+
+def apparitions(curve: LightCurve) -> list[LightCurve]:
+    """The parts of a curve that long gaps divide, each with enough points for a search."""
+    order = np.argsort(curve.emission, kind="stable")
+    ends = np.flatnonzero(np.diff(curve.emission[order]) > _GAP) + 1
+    parts = [np.sort(each) for each in np.split(order, ends)]
+    return [curve[each] for each in parts if len(each) >= _problem.LEAST_POINTS]
+
+
+class Alone(NamedTuple):
+    """A spin state of one apparition, or of several that are joined.
+
+    state (WIDTH,) has its rates in turns per span of the whole curve, and its orientation and phase
+    at `middle`, spans from the middle of the whole curve; covariance (8, 8) is that of the turn
+    (rad, axes along the momentum), precession, nutation, phase, ln rho and X; evidence is that
+    behind the best.
+    """
+
+    state: FloatArray
+    covariance: FloatArray
+    evidence: float
+    middle: float
+
+
+class Apparition(NamedTuple):
+    """First and last epoch, spans from the middle of the whole curve, and what was found."""
+
+    first: float
+    last: float
+    solutions: list[Alone]
+
+
+def alone(curve: LightCurve, part: LightCurve, found: Search, settings: Settings) -> Apparition:
+    """The tumbling solutions of an apparition that compete, the best first."""
+    ratio = curve.span / part.span
+    middle = (part.epoch.seconds - curve.epoch.seconds) / curve.span
+    scale = np.ones(_SIZE)
+    scale[[_PRECESSION, _NUTATION]] = ratio
+    made: list[Alone] = []
+    for one in found.solutions:
+        behind = one.evidence - found.solutions[0].evidence
+        if behind > settings.mapped_behind or len(made) == settings.joined_solutions:
+            break
+        state = one.refined.state.copy()
+        if not SearchState.of(state).is_axial:
+            state[:2] *= ratio
+            formal = _formal(one.refined) * np.outer(scale, scale)
+            made.append(Alone(state, settings.joined_wider**2 * formal, behind, middle))
+    ends = part.emission / curve.span + middle
+    return Apparition(float(ends.min()), float(ends.max()), made)
+
+
+def _formal(found: Refined) -> FloatArray:
+    """The covariance (8, 8) of a motion that the curvature gives."""
+    return _refinement.inverse(found.normal)[:_SIZE, :_SIZE]
+
+
+def at_middle(state: FloatArray, middle: float) -> FloatArray:
+    """A state whose orientation and phase are those of an epoch, carried to that of the curve."""
+    own = SearchState.of(state)
+    back = -4.0 * math.pi * own.precession * middle
+    turn = np.array(
+        [
+            [math.cos(back), -math.sin(back), 0.0],
+            [math.sin(back), math.cos(back), 0.0],
+            [0.0, 0.0, 1.0],
+        ]
+    )
+    phase = math.remainder(own.phase - own.nutation * middle, 1.0)
+    return own._replace(frame=own.frame @ turn, phase=phase).vector
+
+
+class Count(NamedTuple):
+    """A pair of numbers of turns: chi-squared of the common motion, and its state at the curve's
+    middle.
+    """
+
+    chi_squared: float
+    state: FloatArray
+
+
+def counts(first: Alone, second: Alone, within: float) -> Iterator[Count]:
+    """Common motions of two solutions for all numbers of turns within the errors.
+
+    `within`: chi-squared above the least one.
+    """
+    if (first.state[1] > 0.0) != (second.state[1] > 0.0):
+        return
+    length = second.middle - first.middle
+    one, two = SearchState.of(first.state), SearchState.of(second.state)
+    between = one.frame.T @ two.frame
+    angle = math.atan2(between[1, 0] - between[0, 1], between[0, 0] + between[1, 1])
+    # the parameters of the second solution, as those of the first one give them
+    carried = np.eye(_SIZE)
+    cosine, sine = math.cos(angle), math.sin(angle)
+    carried[:2, :2] = [[cosine, sine], [-sine, cosine]]
+    carried[_AZIMUTH, _PRECESSION] = 4.0 * math.pi * length
+    carried[_PHASE, _NUTATION] = length
+    tilt = np.array([-between[1, 2], between[0, 2]])
+    off = np.zeros(_SIZE)
+    off[:2] = -carried[:2, :2] @ tilt
+    off[_AZIMUTH] = 4.0 * math.pi * one.precession * length - angle
+    off[[_PRECESSION, _NUTATION]] = one.precession - two.precession, one.nutation - two.nutation
+    off[_PHASE] = one.phase + one.nutation * length - two.phase
+    off[6:] = one.log_rho - two.log_rho, one.x - two.x
+    total = carried @ first.covariance @ carried.T + second.covariance
+    weight = np.linalg.inv(total)
+    numbers = _numbers(off, total)
+    left = np.repeat(off[None], len(numbers), axis=0)
+    left[:, _AZIMUTH] -= _TURN * numbers[:, 0]
+    left[:, _PHASE] -= numbers[:, 1]
+    square = np.einsum("ni,ij,nj->n", left, weight, left)
+    steps = -left @ weight @ carried @ first.covariance
+    for k in np.flatnonzero(square < square.min() + within):
+        step = np.concatenate([steps[k], np.zeros(2)])
+        moved = _ellipsoid.moved(first.state, step)
+        yield Count(float(square[k]), at_middle(moved, first.middle))
+
+
+def _numbers(off: FloatArray, total: FloatArray) -> FloatArray:
+    """Numbers of turns (K, 2) within the errors, whole ones and those of the body turned about."""
+    middles = off[_AZIMUTH] / _TURN, off[_PHASE]
+    widths = math.sqrt(total[_AZIMUTH, _AZIMUTH]) / _TURN, math.sqrt(total[_PHASE, _PHASE])
+    found = []
+    for part in (0.0, 0.5):
+        axes = []
+        for middle, width in zip(middles, widths, strict=True):
+            side = min(_SIDE * width + 1.0, float(_MOST))
+            low, high = math.ceil(middle - side - part), math.floor(middle + side - part)
+            axes.append(np.arange(low, high + 1) + part)
+        found.append(np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2))
+    return np.concatenate(found)
+
+
+@dataclass(eq=False)
+class JoinedSearch(Search):
+    """A search for motions that several apparitions have in common.
+
+    Attributes
+    ----------
+    alone : callable
+        Gives the apparitions with their solutions.
+    """
+
+    alone: Callable[[], Sequence[Apparition]] = tuple
+
+    def run(self, is_ended: Callable[[bool], bool] = never) -> None:
+        """Fit the common motions of all numbers of turns, of two apparitions, then of more."""
+        ordered = self.alone()
+        inside = np.zeros(len(self.problem), bool)
+        known: list[Alone] = []
+        fits: list[Refined] = []
+        self.is_complete = len(ordered) > 1
+        for number, each in enumerate(ordered):
+            inside |= (self.problem.t >= each.first) & (self.problem.t <= each.last)
+            if number == 0:
+                known = each.solutions
+                continue
+            trials = self._trials(known, each.solutions)
+            self.length = 0.5 * (each.first + each.last - ordered[0].first - ordered[0].last)
+            problem = self.problem if number == len(ordered) - 1 else self.problem.part(inside)
+            fits = self._fits(problem, trials)
+            self.progress(f"{len(fits)} of {len(trials)} pairs of numbers of turns")
+            self.is_complete &= bool(fits) and not self.is_over
+            known = _joined(fits, self.settings)
+        self.convex = fits
+        settings = replace(self.settings, finals=self.settings.joined, poles=2)
+        self.problem = replace(self.problem, settings=settings)
+        self.finish()
+
+    def _trials(self, first: Sequence[Alone], second: Sequence[Alone]) -> list[Count]:
+        """Common motions of two apparitions' solutions, the most probable first."""
+        found = [
+            one._replace(chi_squared=one.chi_squared + a.evidence + b.evidence)
+            for a in first
+            for b in second
+            for one in counts(a, b, self.settings.joined_within)
+        ]
+        found.sort(key=lambda each: each.chi_squared)
+        return found[: self.settings.joined_trials]
+
+    def _fits(self, problem: CurveProblem, trials: Sequence[Count]) -> list[Refined]:
+        """Convex bodies of common motions: of all in a few steps, of the best in more."""
+        found: list[Refined] = []
+        states = [each.state for each in trials]
+        for keep, steps in ((len(states), self.settings.short_steps), (self.settings.joined, 20)):
+            found = []
+            for state in states[:keep]:
+                if self.is_over and found:
+                    break
+                found.append(
+                    _refinement.refine(problem, state, iterations=steps, tie=self.tie, gain=1e-3)
+                )
+            found.sort(key=lambda each: each.cost)
+            states = [each.state for each in found]
+        return found
+
+
+def _joined(found: Sequence[Refined], settings: Settings) -> list[Alone]:
+    """Fits of several apparitions as the solutions of one, at the middle of the curve."""
+    return [
+        Alone(
+            each.state,
+            settings.joined_wider**2 * _formal(each),
+            each.cost - found[0].cost,
+            0.0,
+        )
+        for each in found[: settings.joined_solutions]
+    ]

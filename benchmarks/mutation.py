@@ -1,0 +1,444 @@
+"""Would the tests notice a wrong constant or operator in the code of the solution?
+
+python benchmarks/mutation.py                     all modules of MODULES
+python benchmarks/mutation.py twofloat elliptic   some of them
+python benchmarks/mutation.py --list series       the changes, without running them
+python benchmarks/mutation.py --table             the table of docs/accuracy.md
+
+Constants and operators are changed one by one.  Each change is imported in a process of its own,
+not compiled, and runs the checks of `tests/support/battery.py` until one fails: then the change
+is killed.  `tests/data/equivalent_changes.toml` has the reason why each of the others changes
+nothing that can be observed.
+"""
+
+from __future__ import annotations
+
+import ast
+import copy
+import importlib.util
+import json
+import os
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import tomllib
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+from benchmarks.doc_tables import Table, markdown
+
+MAKES = ("mutation",)
+EQUIVALENT = ROOT / "tests" / "data" / "equivalent_changes.toml"
+
+# The chain from a state to its attitudes, pairs of doubles, quaternions and elliptic functions.
+MODULES = {
+    "twofloat": "attitude._solver.twofloat",
+    "pairs": "attitude._support.pairs",
+    "series": "attitude._solver.series",
+    "kernel": "attitude._solver.kernel",
+    "constants": "attitude._solver.constants",
+    "elliptic": "attitude._solver.elliptic",
+    "quaternion": "attitude.frames.quaternion",
+    "jacobi": "attitude.jacobi._jacobi",
+    "steps": "attitude.jacobi._steps",
+}
+# Seconds of processor after which a change counts as killed: a loop without end.
+PATIENCE = 15
+
+_OPERATORS = {
+    ast.Add: (ast.Sub,),
+    ast.Sub: (ast.Add,),
+    ast.Mult: (ast.Div,),
+    ast.Div: (ast.Mult,),
+    ast.FloorDiv: (ast.Mult,),
+    ast.Mod: (ast.FloorDiv,),
+    ast.Pow: (ast.Mult,),
+    ast.BitAnd: (ast.BitOr,),
+    ast.BitOr: (ast.BitAnd,),
+    ast.BitXor: (ast.BitAnd,),
+    ast.LShift: (ast.RShift,),
+    ast.RShift: (ast.LShift,),
+    ast.MatMult: (ast.Add,),
+}
+# Each comparison with the other boundary, and the other way round.
+_COMPARISONS = {
+    ast.Lt: (ast.LtE, ast.GtE),
+    ast.LtE: (ast.Lt, ast.Gt),
+    ast.Gt: (ast.GtE, ast.LtE),
+    ast.GtE: (ast.Gt, ast.Lt),
+    ast.Eq: (ast.NotEq,),
+    ast.NotEq: (ast.Eq,),
+    ast.In: (ast.NotIn,),
+    ast.NotIn: (ast.In,),
+    ast.Is: (ast.IsNot,),
+    ast.IsNot: (ast.Is,),
+}
+
+
+@dataclass
+class Change:
+    """One change of a module: its name, without lines; the tree, the node and what is done."""
+
+    module: str
+    name: str
+    tree: ast.Module = field(repr=False)
+    node: ast.AST = field(repr=False)
+    change: tuple = ()
+
+
+class _Sites(ast.NodeVisitor):
+    """Every node that can be changed, with its function and statement."""
+
+    def __init__(self):
+        self.found, self._where, self._statement = [], [], None
+
+    def visit(self, node):
+        if isinstance(node, ast.stmt):
+            before, self._statement = self._statement, node
+            super().visit(node)
+            self._statement = before
+        else:
+            super().visit(node)
+
+    def visit_FunctionDef(self, node):
+        self._where.append(node.name)
+        for child in [*node.args.defaults, *node.args.kw_defaults, *node.body]:
+            if child is not None:
+                self.visit(child)
+        self._where.pop()
+
+    def visit_ClassDef(self, node):
+        self._where.append(node.name)
+        for child in node.body:
+            self.visit(child)
+        self._where.pop()
+
+    def visit_AnnAssign(self, node):
+        if node.value is not None:
+            self.visit(node.value)
+
+    def visit_If(self, node):
+        is_typing = isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING"
+        if not is_typing:
+            self.generic_visit(node)
+
+    def visit_Raise(self, node):
+        """Sentences of errors are left as they are."""
+
+    def visit_Import(self, node):
+        pass
+
+    visit_ImportFrom = visit_Import
+
+    def _add(self, node, changes):
+        where = ".".join(self._where)
+        self.found += [(node, change, where, self._statement) for change in changes]
+
+    def visit_BinOp(self, node):
+        self._add(node, [("op", kind()) for kind in _OPERATORS.get(type(node.op), ())])
+        self.generic_visit(node)
+
+    def visit_AugAssign(self, node):
+        self._add(node, [("op", kind()) for kind in _OPERATORS.get(type(node.op), ())])
+        self.generic_visit(node)
+
+    def visit_Compare(self, node):
+        for k, operator in enumerate(node.ops):
+            self._add(node, [("ops", k, kind()) for kind in _COMPARISONS[type(operator)]])
+        self.generic_visit(node)
+
+    def visit_BoolOp(self, node):
+        other = ast.Or() if isinstance(node.op, ast.And) else ast.And()
+        self._add(node, [("op", other)])
+        self.generic_visit(node)
+
+    def visit_UnaryOp(self, node):
+        self._add(node, [("bare",)])
+        self.generic_visit(node)
+
+    def visit_Constant(self, node):
+        self._add(node, [("value", value) for value in _other_values(node.value)])
+
+    def visit_JoinedStr(self, node):
+        pass
+
+    def visit_Break(self, node):
+        self._add(node, [("pass",)])
+
+    visit_Continue = visit_Break
+
+
+def _other_values(value):
+    """What a constant is changed to."""
+    if isinstance(value, bool):
+        return [not value]
+    if isinstance(value, int):
+        return [value + 1]
+    if isinstance(value, float):
+        # beyond 2^53 a double and the next whole number are the same
+        values = [value + 1.0 if value + 1.0 != value else 2.0 * value]
+        digits = repr(value).replace(".", "").replace("-", "").split("e")[0].strip("0")
+        if len(digits) >= 12:
+            values.append(value * (1.0 + 1e-12))
+        return values
+    return []
+
+
+class _Replaced(ast.NodeTransformer):
+    """Change the one node that has a mark."""
+
+    def __init__(self, change):
+        self._change = change
+
+    def visit(self, node):
+        if not hasattr(node, "is_changed"):
+            return self.generic_visit(node)
+        kind, *rest = self._change
+        if kind == "bare":
+            return node.operand
+        if kind == "pass":
+            return ast.copy_location(ast.Pass(), node)
+        if kind == "op":
+            node.op = rest[0]
+        elif kind == "ops":
+            node.ops[rest[0]] = rest[1]
+        else:
+            node.value = rest[0]
+        return node
+
+
+def _header(statement):
+    """The text of a statement without what it contains."""
+    return ast.unparse(statement).splitlines()[0]
+
+
+def _named(statement, change):
+    """The text of a statement with [before|after] where a marked node is changed."""
+    before = _header(statement)
+    after = _header(_Replaced(change).visit(copy.deepcopy(statement)))
+    first = next(
+        (k for k, (x, y) in enumerate(zip(before, after, strict=False)) if x != y),
+        min(len(before), len(after)),
+    )
+    most = min(len(before), len(after)) - first
+    last = next((k for k in range(most) if before[-1 - k] != after[-1 - k]), most)
+    ends = len(before) - last, len(after) - last
+    left, right = before[:first], before[ends[0] :]
+    left = left if len(left) <= 44 else "..." + left[-40:]
+    right = right if len(right) <= 34 else right[:30] + "..."
+    return f"{left}[{before[first : ends[0]]}|{after[first : ends[1]]}]{right}"
+
+
+def changes_of(module):
+    """All changes of a module, in the order of its source."""
+    path = ROOT / (MODULES[module].replace(".", "/") + ".py")
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    sites = _Sites()
+    sites.visit(tree)
+    changes, names = [], Counter()
+    for node, change, where, statement in sites.found:
+        node.is_changed = True
+        name = f"{module}.{where or 'constants'}: {_named(statement, change)}"
+        del node.is_changed
+        names[name] += 1
+        if names[name] > 1:
+            name += f" ({names[name]})"
+        changes.append(Change(module, name, tree, node, change))
+    return changes
+
+
+# ---- Running a change
+
+
+class _Finder:
+    """Imports one module from a changed tree."""
+
+    def __init__(self, name, tree):
+        self._name, self._tree = name, tree
+
+    def find_spec(self, name, path=None, target=None):
+        if name != self._name:
+            return None
+        file = ROOT / (name.replace(".", "/") + ".py")
+        return importlib.util.spec_from_loader(name, self, origin=str(file))
+
+    def create_module(self, spec):
+        return None
+
+    def exec_module(self, module):
+        file = str(ROOT / (self._name.replace(".", "/") + ".py"))
+        module.__file__ = file
+        exec(compile(self._tree, file, "exec"), module.__dict__)
+
+
+# Checks that look first at each module, by what they kill in the shortest time.
+_FIRST = {
+    "twofloat": ("pairs", "expansions"),
+    "pairs": ("pairs_of_arrays", "epochs"),
+    "series": ("sines", "phases", "coefficients"),
+    "kernel": ("quaternions", "attitudes"),
+    "constants": ("attitudes", "records", "limits"),
+    "elliptic": ("integrals",),
+    "quaternion": ("quaternions", "units", "forms_of_attitudes"),
+    "jacobi": ("jacobi",),
+    "steps": ("steps",),
+}
+
+
+def _run(change, truths, out):
+    """In a process of its own: import the change, run the checks; write what kills it."""
+    limit = int(time.process_time()) + PATIENCE
+    resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 1))
+    signal.alarm(20 * PATIENCE)
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
+    check = "import"
+    try:
+        change.node.is_changed = True
+        tree = ast.fix_missing_locations(_Replaced(change.change).visit(change.tree))
+        sys.meta_path.insert(0, _Finder(MODULES[change.module], tree))
+        from tests.support import battery
+
+        first = _FIRST[change.module]
+        for check in [*first, *(name for name in battery.CHECKS if name not in first)]:
+            battery.CHECKS[check](truths)
+    except BaseException as err:
+        os.write(out, f"{check}: {type(err).__name__}".encode())
+        os._exit(1)
+    os._exit(0)
+
+
+def _outcome(change, truths):
+    """What killed a change, or "" if it survived."""
+    source, target = os.pipe()
+    child = os.fork()
+    if child == 0:
+        os.close(source)
+        _run(change, truths, target)
+    os.close(target)
+    with os.fdopen(source) as stream:
+        text = stream.read()
+    code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    return "" if code == 0 else text or "no end"
+
+
+def _forget():
+    """Let the package and the checks be imported anew."""
+    for name in [name for name in sys.modules if name.split(".")[0] in ("attitude", "tests")]:
+        del sys.modules[name]
+
+
+def outcomes(changes, workers=2):
+    """Name -> what killed it, or "" for what survived; in processes that fork for each change."""
+    os.environ["ATTITUDE_COMPILE"] = "never"  # before the package is imported
+    from tests.support import battery
+
+    truths = battery.truths()
+    for check in battery.CHECKS.values():
+        check(truths)  # unchanged, all pass
+    _forget()
+    folder = Path(tempfile.mkdtemp())
+    for worker in range(workers):
+        if os.fork() == 0:
+            with (folder / str(worker)).open("w") as stream:
+                for change in changes[worker::workers]:
+                    print(json.dumps([change.name, _outcome(change, truths)]), file=stream)
+                    stream.flush()
+            os._exit(0)
+    for _ in range(workers):
+        os.wait()
+    lines = [line for file in folder.iterdir() for line in file.read_text().splitlines()]
+    shutil.rmtree(folder)
+    found = dict(json.loads(line) for line in lines)
+    assert found.keys() == {change.name for change in changes}
+    return found
+
+
+def equivalent():
+    """Name -> the reason why a change changes nothing that can be observed."""
+    table = tomllib.loads(EQUIVALENT.read_text(encoding="utf-8"))
+    return {name: reason for reason, names in table.items() for name in names}
+
+
+def summary(found):
+    """Module -> (changes, killed, equivalent, survivors without a reason)."""
+    reasons = equivalent()
+    rows = {}
+    for name, killer in found.items():
+        row = rows.setdefault(name.split(".")[0], [0, 0, 0, []])
+        row[0] += 1
+        if killer:
+            row[1] += 1
+        elif name in reasons:
+            row[2] += 1
+        else:
+            row[3].append(name)
+    return rows
+
+
+def shares(rows):
+    """Per cent of all changes that were killed, and of those that are not equivalent."""
+    count, killed, same = (sum(row[k] for row in rows.values()) for k in range(3))
+    return 100.0 * killed / count, 100.0 * killed / (count - same)
+
+
+def tables(quick):
+    """The table of docs/accuracy.md; from a process of its own, which compiles nothing."""
+    if not quick:
+        command = [sys.executable, __file__, "--table"]
+        yield Table("mutation", subprocess.run(command, capture_output=True, text=True).stdout)
+
+
+def _table(rows):
+    """Changes of each module in Markdown."""
+    cells = [
+        (f"`{MODULES[name]}`", count, killed, same, len(left))
+        for name, (count, killed, same, left) in rows.items()
+    ]
+    cells.append(("in all", *(sum(row[k] for row in cells) for k in range(1, 5))))
+    header = ("module", "changes", "killed", "equivalent", "others left")
+    of_all, of_others = shares(rows)
+    killed = f"{of_all:.1f} % of all changes, {of_others:.1f} % of those that are not equivalent"
+    rows = [tuple(map(str, row)) for row in cells]
+    return f"{markdown(header, rows)}\n\nKilled are {killed}.\n"
+
+
+def main(arguments):
+    """Print what survives; the exit code is 1 below 98 % of those that are not equivalent, for
+    survivors without a reason, and for reasons of what is killed.
+    """
+    names = [x for x in arguments if not x.startswith("-")] or list(MODULES)
+    changes = [change for name in names for change in changes_of(name)]
+    if "--list" in arguments:
+        print(*(change.name for change in changes), sep="\n")
+        return 0
+    start = time.perf_counter()
+    found = outcomes(changes)
+    rows = summary(found)
+    if "--table" in arguments:
+        print(_table(rows), end="")
+        return 0
+    for module, (count, killed, same, left) in rows.items():
+        print(f"{module}: {count} changes, {killed} killed, {same} equivalent, {len(left)} left")
+        print(*(f"    {name}" for name in left), sep="\n")
+    of_all, of_others = shares(rows)
+    killed = sum(row[1] for row in rows.values())
+    print(
+        f"{killed} of {len(found)} changes killed, {of_all:.1f} %; {of_others:.1f} % of those that "
+        f"are not equivalent; {time.perf_counter() - start:.0f} s"
+    )
+    print("by", dict(Counter(x.split(":")[0] for x in found.values() if x).most_common()))
+    stale = [name for name in equivalent() if found.get(name)]
+    print(*(f"named equivalent, but killed: {name}" for name in stale), sep="\n")
+    return int(of_others < 98.0 or any(row[3] for row in rows.values()) or bool(stale))
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,45 @@
+"""The checks of `tests/support/battery.py`, and whether wrong constants and operators fail them."""
+
+import os
+import re
+import subprocess
+import sys
+
+import pytest
+
+from tests.support import battery
+from tests.support.places import ROOT
+
+pytest.importorskip("flint", reason="python-flint is not installed")
+
+
+@pytest.fixture(scope="module")
+def truths():
+    return battery.truths()
+
+
+@pytest.mark.parametrize("name", battery.CHECKS)
+def test_the_package_passes(name, truths):
+    battery.CHECKS[name](truths)
+
+
+def _mutation(*modules):
+    """The report of benchmarks/mutation.py, which ends with 1 if fewer than 98 % of the changes
+    that are not equivalent are killed, and for survivors without a reason.
+    """
+    command = [sys.executable, str(ROOT / "benchmarks" / "mutation.py"), *modules]
+    result = subprocess.run(command, capture_output=True, text=True, env=dict(os.environ))
+    assert result.returncode == 0, result.stdout + result.stderr
+    return result.stdout
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="changes are imported in forked processes")
+def test_changes_of_the_pairs_are_killed():
+    report = _mutation("pairs")
+    assert re.search(r"^\d+ of \d+ changes killed, \d+\.\d %", report, re.MULTILINE)
+
+
+@pytest.mark.slow
+def test_changes_of_all_modules_are_killed():
+    """2,600 changes in ten minutes."""
+    _mutation()
