@@ -399,7 +399,7 @@ def tables(quick):
 def _table(rows):
     """Changes of each module in Markdown."""
     cells = [
-        (f"`{MODULES[name]}`", count, killed, same, len(left))
+        (f"`{MODULES[name].replace('.', '/')}.py`", count, killed, same, len(left))
         for name, (count, killed, same, left) in rows.items()
     ]
     cells.append(("in all", *(sum(row[k] for row in cells) for k in range(1, 5))))
