@@ -526,9 +526,10 @@ def geo_member(phase, years=1.6):
 
 def rate_cost(motion, repeat=20000):
     """Seconds of processor of one call of the compiled right-hand side."""
-    packed, out = motion.packed, np.empty(4)
-    forcing, _ = motion.window(0.0, 1.0)
-    given = 0.0, motion.start.copy(), motion.start_region, packed.data, packed.models
+    packed, out = motion.packing.packed, np.empty(4)
+    window = motion.packing.window(0.0, 1.0)
+    forcing = window.forcing
+    given = 0.0, motion.start.copy(), motion.start_region, packed.data, window.models
     rates.rates_at(*given, forcing, packed.work, out, 10)
     found = []
     for _ in range(5):
