@@ -357,10 +357,10 @@ def _with_offsets_if_needed(one: _search.Search, prepared: Prepared) -> _search.
     own.follow(one)
     if not own.solutions:
         return one
-    if not _problem.are_free(_offsets_of(own.solutions[0])):
+    if not (own.is_over or _problem.are_free(_offsets_of(own.solutions[0]))):
         _run(own)
     offsets = _offsets_of(own.solutions[0])
-    if _problem.are_free(offsets):
+    if _problem.are_free(offsets) and not own.is_over:
         free = prepared("free")
         _run(free)
         own = free if free.solutions else own

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from attitude import AttitudeError, Body, Spin, quaternion, shape
-from attitude.averaged import AveragedMotion, over_torus
+from attitude.averaged import AveragedMotion, _tables, over_torus
 from attitude.averaged import _means as means
 from attitude.averaged import _polhode as polhode
 from attitude.averaged import _rates as rates
@@ -269,3 +269,45 @@ def test_the_key_of_a_shaded_table_has_no_address():
 
 def _at_earth(seconds):
     return np.broadcast_to([1.496e11, 0.0, 0.0], (len(seconds), 3))
+
+
+@pytest.mark.parametrize("degree", [1, 2, 7, 32, 64])
+@pytest.mark.parametrize("is_averaged", [False, True])
+def test_sums_over_degrees_are_those_of_legendre(degree, is_averaged):
+    """One direction by Clenshaw's sums, 32 directions by recursions: 1e-12 of the terms."""
+    rng = np.random.default_rng(degree)
+    sums = rng.normal(size=(degree + 1, 4)) / (1.0 + np.arange(degree + 1.0))[:, None] ** 2
+    sums[0, 2:] = 0.0
+    nodes = len(_tables.coordinates(AXES))
+    table = np.broadcast_to((sums * _tables.weights(degree)).reshape(-1), (4, nodes, sums.size))
+
+    def numbers(given):
+        unit = given / np.linalg.norm(given, axis=1)[:, None]
+        return np.concatenate([unit, np.full((len(given), 1), 0.7)], axis=1)
+
+    torque = GravityGradient(orbit(), 3.986e14)
+    mean = means.Mean(rates.HARMONICS, numbers, table, table[:, 0], 0, 1.0)
+    period = 2.0 * math.pi / math.sqrt(3.986004418e14 / 12e6**3)
+    sampling = Sampling(torque, period, is_averaged, math.inf)
+    packed = Packed(AXES, BODY, [(sampling, mean)], instant(EPOCH))
+    forcing = packed.window(0, math.inf, (0.0, 0.0))
+    momentum, out = np.array([2.0, -3.0, 5.0]), np.empty(4)
+    state = np.append(momentum, AXES.separatrix + 0.7)
+    rates.rates_at(0.0, state, 2, packed.data, packed.models, forcing, packed.work, out, 1)
+    unit, expected = momentum / np.linalg.norm(momentum), np.zeros(4)
+    directions = forcing[rates.HEAD :].reshape(-1, 4)
+    assert len(directions) == (32 if is_averaged else 1)
+    slopes = np.maximum(np.arange(degree + 1.0) * (np.arange(degree + 1.0) + 1.0), 1.0)
+    for *s, weight in directions:
+        c = unit @ s
+        basis = np.eye(degree + 1)
+        values = np.polynomial.legendre.legval(c, basis)
+        steep = np.array(
+            [np.polynomial.legendre.legval(c, np.polynomial.legendre.legder(row)) for row in basis]
+        )
+        along, energy = values @ sums[:, 0], values @ sums[:, 1]
+        radial, across = (steep / slopes) @ sums[:, 2], (steep / slopes) @ sums[:, 3]
+        expected[:3] += weight * (along * unit + radial * (s - c * unit))
+        expected[:3] += weight * across * np.cross(unit, s)
+        expected[3] += weight * 2.0 * energy / np.linalg.norm(momentum)
+    assert np.allclose(out, expected, rtol=0.0, atol=1e-12 * np.max(np.abs(sums)))
