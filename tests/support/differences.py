@@ -105,7 +105,7 @@ def tensor_sensitivity(tensor, omega, times):
     return exact.astype(float)
 
 
-def conditioning(moments, wxyz, omega, times):
+def conditioning(moments, wxyz, omega, times, impulses=()):
     """By how much the last bits of the inputs can change each column, over its largest entry.
 
     Returns
@@ -115,14 +115,14 @@ def conditioning(moments, wxyz, omega, times):
     """
     with workdps(90):
         given = [[mpf(x) for x in each] for each in (moments, omega, times)]
-        middle = exact_sensitivity(given[0], wxyz, given[1], given[2])
+        middle = exact_sensitivity(given[0], wxyz, given[1], given[2], impulses)
         most = [np.zeros((len(times), 9)) for _ in middle]
         places = [(0, k) for k in range(3)] + [(1, k) for k in range(3) if omega[k] != 0.0]
         for part, k in [*places, (2, None)]:
             moved = [list(each) for each in given]
             for place in range(len(times)) if k is None else (k,):
                 moved[part][place] *= 1 + _SHIFT
-            found = exact_sensitivity(moved[0], wxyz, moved[1], moved[2])
+            found = exact_sensitivity(moved[0], wxyz, moved[1], moved[2], impulses)
             for one, other, total in zip(found, middle, most, strict=True):
                 change = np.abs((one - other) / _SHIFT).max(axis=1)
                 size = np.abs(other).max(axis=1)
