@@ -450,6 +450,8 @@ def scenes():
     """Columns and magnitudes of the missions in data/."""
     for file in sorted((DATA / "mission").glob("*.toml")):
         found = mission.read(file)
+        if "start" not in found.times:  # a motion without a scene
+            continue
         start = epochs.instant(found.times["start"])
         length = 5.0 * DAY if "apophis" in file.stem else 800.0
         view = found.scene.since(start, np.linspace(0.0, length, 150))
