@@ -137,18 +137,19 @@ def tumbling_setup(moments, wxyz, principal, constants, tangents, block):
             _invariant(c.frame, d.invariant)
             _weights(c, d)
             fill_rates(c, d)
-            count = 1
+            count, span = len(epochs), span_of(c)
+            for k in range(1, MOST_SPANS):
+                epochs[2 * k - 1], epochs[2 * k] = k * span, -k * span
             if c.form == codes.TRIGONOMETRIC:
                 fill_trigonometric(c, d.series, d.upright, False)
                 fill_slow(c, d)
-                count, span = len(epochs), span_of(c)
-                for k in range(1, MOST_SPANS):
-                    epochs[2 * k - 1], epochs[2 * k] = k * span, -k * span
                 trigonometric_block(c, d, epochs, None, block)
             else:
                 fill_hyperbolic(c, d, d.series, d.upright)
-                hyperbolic_block(c, d, epochs[:1], None, block)
-                d.passed, block[PASSED] = block[PASSED], 0.0
+                hyperbolic_block(c, d, epochs, None, block)
+                d.passed = block[PASSED]
+                for i in range(count):
+                    block[PASSED + i] -= d.passed
             x, y, z = found_rows(block, count)
             d.spans = 1
             for j in range(COLUMNS):
