@@ -60,7 +60,7 @@ _MODULES = {
 _DESCRIPTION = "Exact attitude of freely tumbling spacecraft and asteroids at any epoch."
 _EPILOG = """\
 example:
-  attitude propagate toutatis.toml --stop "30 d" --step "6 h" --output toutatis.csv
+  attitude propagate toutatis.toml --stop "30 d" --step "6 h" --output attitudes.csv
 
 A spin file holds a body and its state of rotation at an epoch. For the options of a command, see
 "attitude COMMAND --help".

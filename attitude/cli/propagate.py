@@ -27,7 +27,7 @@ EPILOG: dict[str, str] = {
     "propagate": """\
 example:
   attitude propagate toutatis.toml --start 1992-12-01 --stop 1992-12-20 --step "1 h" \\
-      --output toutatis.csv
+      --output attitudes.csv
   attitude propagate "4179 Toutatis" --stop "30 d" --step "6 h"
 
 columns:

@@ -146,7 +146,8 @@ def spin_states(
             return prepared
 
         if tuple(modes) == _ROTATION:
-            found = _rotator(curve, prepared_of(curve, _apparitions.RotatorSearch), window)
+            prepared = prepared_of(curve, _apparitions.RotatorSearch)
+            found = _rotator(curve, prepared, (window[0], most))
         elif most * curve.span > settings.most_turns:
             found = _joined_search(curve, prepared_of, settings)
         else:

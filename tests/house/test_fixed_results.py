@@ -11,7 +11,8 @@ are public, so that a file that moves needs no change here.  What is stored of a
 * `sha256` of its bytes, and `places`: the value at 24 places of it;
 * `anywhere`: it has the same bits with every processor that `--processors` imitates, and with the
   versions of the other PYTHON.  Its sha256 is compared everywhere.  Others are compared by sha256
-  where processor and versions are those of `made_with`, elsewhere at the 24 places, with ROOM;
+  where processor and versions are those of `made_with` of their part, elsewhere at the 24 places,
+  with ROOM;
 * numbers with a tolerance of their own (inversions and fits, which iterate), compared everywhere.
 
 Random numbers are those of `random.Random`, the same in all versions of Python.
@@ -449,6 +450,8 @@ LIGHT = ("brightness", "magnitude", "reduced_magnitude")
 def scenes():
     """Columns and magnitudes of the missions in data/."""
     for file in sorted((DATA / "mission").glob("*.toml")):
+        if "[times]" not in file.read_text("utf-8"):  # a motion without a scene
+            continue
         found = mission.read(file)
         start = epochs.instant(found.times["start"])
         length = 5.0 * DAY if "apophis" in file.stem else 800.0
@@ -1061,7 +1064,7 @@ def test_results_stay(name):
 
 def compared(stored, found):
     """Sentences: results that changed, that are gone, that are new."""
-    same_machine = machine() == KEPT["made_with"]
+    this = machine()
     sentences = []
     for key in {**stored, **found}:
         if key not in found:
@@ -1070,7 +1073,11 @@ def compared(stored, found):
                 sentences.append(f"{key} is gone")
         elif key not in stored:
             sentences.append(f"{key} is new")
-        elif said := changed(stored[key], found[key], same_machine=same_machine):
+        elif said := changed(
+            stored[key],
+            found[key],
+            same_machine=this == KEPT["made_with"].get(key.partition("/")[0]),
+        ):
             sentences.append(f"{key}: {said}")
     return sentences
 
@@ -1158,7 +1165,9 @@ def write(parts, found):
     order = list(PARTS)
     keys = sorted(kept, key=lambda key: (order.index(key.partition("/")[0]), key))
     lines = ",\n".join(f"  {json.dumps(key)}: {json.dumps(kept[key])}" for key in keys)
-    head = json.dumps({"made_by": COMMAND, "made_with": machine()}, indent=1)[:-2]
+    machines = json.loads(STORED.read_text("utf-8"))["made_with"] if STORED.is_file() else {}
+    made_with = {name: machines.get(name) for name in order} | dict.fromkeys(parts, machine())
+    head = json.dumps({"made_by": COMMAND, "made_with": made_with}, indent=1)[:-2]
     STORED.write_text(f'{head},\n "results": {{\n{lines}\n }}\n}}\n', "utf-8")
 
 
