@@ -26,7 +26,7 @@ WEAK = 0.05
 # Rows of the trajectory that one call fills.
 _ROWS = 512
 # Turns of the first stretch of a trajectory, and the ratio of the ends of two stretches: steps end
-# there and at the ends of windows, never at an epoch that is asked.
+# there and at the ends of windows, never at an epoch of a caller.
 _FIRST, _RATIO = 1e4, 1.25
 # Passages without progress after which a rotation stays at the separatrix.
 _MOST_PASSAGES = 100

@@ -31,22 +31,12 @@ if TYPE_CHECKING:
 _DATES = "ISO dates in UTC, an astropy or skyfield Time, datetimes or datetime64"
 
 
-class Seconds(NamedTuple):
-    """Epochs of members that are seconds already.
-
-    high, low: (1 or N,) arrays, TDB seconds past J2000: high + low.
-    """
-
-    high: FloatArray
-    low: FloatArray
-
-
 def of_members(given: Any) -> FloatArray:
     """The epochs of members as TDB seconds past J2000 in two doubles, (2, 1) or (2, N)."""
     if isinstance(given, _instants.Instant):
         return np.array([[given.seconds], [given.low]])
-    if isinstance(given, Seconds):
-        return np.stack(support_pairs.two_sum(*given))
+    if isinstance(given, support_pairs.Seconds):
+        return np.stack(support_pairs.two_sum(given.hi, given.low))
     if given is None:
         raise AttitudeError(f"epoch is missing; give one epoch, or one for each member: {_DATES}.")
     kind, _, _ = _inputs.entries(given, "epoch", _DATES)

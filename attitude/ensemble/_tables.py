@@ -30,7 +30,6 @@ from attitude import frames
 from attitude._solver import covariance as covariances
 from attitude._solver import evaluation
 from attitude._support import pairs, validation
-from attitude.ensemble._members import Seconds
 from attitude.epochs import _time_scales
 from attitude.errors import AttitudeError
 from attitude.formats.tables import meta_of
@@ -116,7 +115,7 @@ def _epochs(columns: Mapping[str, Any], origin: str) -> Any:
         if not np.all(np.isfinite(given)):
             row = int(np.argmin(np.isfinite(given).all(axis=0)))
             raise AttitudeError(f"{origin}: the epoch of row {row} is missing.")
-        return Seconds(*(given[:, :1] if np.all(given == given[:, :1]) else given))
+        return pairs.Seconds(*(given[:, :1] if np.all(given == given[:, :1]) else given))
     if "epoch" not in columns:
         raise AttitudeError(
             f"{origin}: it has no epochs; give a column epoch of dates, or epoch_seconds."
@@ -282,7 +281,7 @@ def _of_rotators(columns: Mapping[str, Any], origin: str, on_error: str) -> dict
         "wxyz": states.wxyz,
         "angular_velocity": states.angular_velocity,
         "moments": moments,
-        "epoch": Seconds(*pairs.product(mjd - _MJD_OF_J2000, _time_scales.DAY)),
+        "epoch": pairs.Seconds(*pairs.product(mjd - _MJD_OF_J2000, _time_scales.DAY)),
         "names": names,
         "frame": "ecliptic",
         "relative": True,

@@ -127,8 +127,8 @@ class Search:
     def run(self, is_ended: Callable[[bool], bool] = never) -> None:
         """Search until the verdict is met, the budget is spent, or `is_ended`.
 
-        That is asked after each round, and in the first one before poles are mapped, and early,
-        after the first bodies: its argument says so.
+        `is_ended` is called after each round, and in the first round also before poles are mapped
+        (with False) and after the first bodies (with True: it is early).
         """
         self._axial()
         for number in range(self.settings.rounds):
