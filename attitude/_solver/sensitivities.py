@@ -118,10 +118,12 @@ def _short_of(constants, tangents, t, edges, rates):
         found = np.any(near & (rows != 0.0))
     if not found:
         return np.empty(0, _short().SHORT)
-    if edges is None:
-        last = np.where(near, rows, 0.0).max(axis=1)
-        spans = np.clip(np.ceil(last / np.maximum(span, 1e-300)).astype(np.int64), 1, spans)
-    short = np.zeros(len(constants) + 2 * int(np.sum(spans - 1)), _short().SHORT)
+    spans = np.stack([spans, spans], axis=1)
+    if edges is None:  # series reach as far as the epochs on each side
+        sides = [np.where(near & (sign * t > 0.0), rows, 0.0).max(axis=1) for sign in (1, -1)]
+        steps = np.ceil(np.stack(sides, axis=1) / np.maximum(span, 1e-300)[:, None])
+        spans = np.clip(steps.astype(np.int64), 1, spans)
+    short = np.zeros(len(constants) + int(np.sum(spans - 1)), _short().SHORT)
     given = evaluation.writable(constants), evaluation.writable(tangents)
     _short().short_setup(*given, span, spans, short)
     return short

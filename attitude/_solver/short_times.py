@@ -70,7 +70,7 @@ SHORT: np.dtype[np.void] = np.dtype(
         ("reach", "f8"),  # seconds to either side within which the series of the motion hold
         ("span", "f8"),  # seconds to either side of its centre within which one series holds
         ("centre", "f8"),  # seconds
-        ("spans", "i8"),  # series to either side, that of the epoch counted in both
+        ("spans", "i8", 2),  # series later and earlier, that of the epoch counted in both
         ("next", "i8"),  # the record of the span after that of the epoch
         ("motion", "i8"),
         ("soon", "f8"),  # within so many seconds by the series of eta, in units of them
@@ -132,9 +132,9 @@ def short_setup(constants, tangents, span, spans, out):
 
     Given
         span   (B,) of `spans_of`
-        spans  (B,) number of series to either side
+        spans  (B, 2) number of series to later and to earlier epochs
     Filled
-        out    (B + sum of 2 (spans - 1),)
+        out    (B + sum of (spans - 1),)
     """
     w, dw = np.zeros((3, TERMS)), np.zeros((3, TERMS))
     momentum, turn = np.zeros((3, TERMS)), np.zeros((3, 3, TERMS))
@@ -143,8 +143,9 @@ def short_setup(constants, tangents, span, spans, out):
     place = len(constants)
     for b in range(len(constants)):
         c, d, s = constants[b], tangents[b], out[b]
-        s.span, s.spans, s.next, s.motion = span[b], spans[b], place, b
-        s.reach = max(span[b] * spans[b], slow_reach(d))
+        s.span, s.next, s.motion = span[b], place, b
+        s.spans[0], s.spans[1] = spans[b, 0], spans[b, 1]
+        s.reach = max(span[b] * max(spans[b, 0], spans[b, 1]), slow_reach(d))
         if span[b] <= 0.0:
             continue
         moments = 1.0 / d.inverse[0], 1.0 / d.inverse[1], 1.0 / d.inverse[2]
@@ -156,16 +157,24 @@ def short_setup(constants, tangents, span, spans, out):
         for j in range(COLUMNS):
             _store_eta(d, turn, dw, j, s)
         for side in range(2):
-            state[:] = ends[side]
-            for k in range(1, spans[b]):
+            _copy(ends[side], state)
+            for k in range(1, spans[b, side]):
                 later = out[place]
                 later.span, later.motion = span[b], b
                 later.centre = span[b] * (k if side == 0 else -k)
                 for j in range(COLUMNS):
                     later.series[_ZETA, j, 1] = s.series[_ZETA, j, 1] if j < 6 else 0.0
                 _fill(c, d, moments, state, w, dw, momentum, again, later)
-                state[:] = again[side]
+                _copy(again[side], state)
                 place += 1
+
+
+@subroutine
+def _copy(source, target):
+    """Copy a state; an assignment of arrays would compile the sentence of an error, for seconds."""
+    for k in range(_ROWS_OF_STATE):
+        for i in range(4):
+            target[k, i] = source[k, i]
 
 
 @subroutine
@@ -302,9 +311,19 @@ def _product(a, b, i, j, n):
     return total
 
 
+@_product.for_python
+def _product_of_lists(a, b, i, j, n):
+    """As `_product`: elements of lists are read five times as fast as those of arrays."""
+    total = 0.0
+    for x, y in zip(a[i, : n + 1].tolist(), b[j, n::-1].tolist(), strict=True):
+        total += x * y
+    return total
+
+
 @subroutine
 def _store(d, moments, w, dw, momentum, j, s):
     """Fill the series of one column from those over the principal axes."""
+    series, axes = s.series, d.principal
     for n in range(TERMS):
         for i in range(3):
             momentum[i, n] = moments[i] * dw[i, n] + (w[i, n] if j - 6 == i else 0.0)
@@ -314,8 +333,8 @@ def _store(d, moments, w, dw, momentum, j, s):
             across = moments[one] * _product(w, momentum, one, two, n)
             across -= moments[two] * _product(w, momentum, two, one, n)
             for k in range(3):
-                s.series[k, j, n] += d.principal[k, i] * across
-                s.series[3 + k, j, n] += d.principal[k, i] * dw[i, n]
+                series[k, j, n] += axes[k, i] * across
+                series[3 + k, j, n] += axes[k, i] * dw[i, n]
 
 
 @subroutine
@@ -456,8 +475,15 @@ def _record(short, b, t):
     s = short[b]
     if abs(t) <= s.span:
         return b
-    k = min(int(abs(t) / s.span), s.spans - 1)
-    return s.next + k - 1 + (s.spans - 1 if t < 0.0 else 0)
+    side = 1 if t < 0.0 else 0
+    k = min(int(abs(t) / s.span), s.spans[side] - 1)
+    return s.next + k - 1 + side * (s.spans[0] - 1)
+
+
+@subroutine
+def _is_in_series(s, t):
+    """Whether a series holds at an epoch."""
+    return abs(t) <= s.span * s.spans[1 if t < 0.0 else 0]
 
 
 @force_inlined
@@ -476,7 +502,7 @@ def near_column(d, short, b, j, block, x, y, z):
             x[i] = _sum(s.series, _ETA, j, at)
             y[i] = _sum(s.series, _ETA + 1, j, at)
             z[i] = _sum(s.series, _ETA + 2, j, at)
-        elif abs(t) <= s.span * s.spans:
+        elif _is_in_series(s, t):
             span = short[_record(short, b, t)]
             series, at = span.series, (t - span.centre) / span.span
             now = _sum(series, 0, j, at), _sum(series, 1, j, at), _sum(series, 2, j, at)
@@ -498,7 +524,7 @@ def near_rate_column(short, b, j, block, x, y, z):
     """Replace the change of the angular velocity at the epochs within reach."""
     for i in range(len(x)):
         t = block[SECONDS + i]
-        if abs(t) <= short[b].span * short[b].spans:
+        if _is_in_series(short[b], t):
             span = short[_record(short, b, t)]
             at = (t - span.centre) / span.span
             x[i] = _sum(span.series, 3, j, at)
