@@ -308,7 +308,7 @@ def _converted(value, name, unit):
     try:
         return float(value)
     except OverflowError as err:
-        raise AttitudeError(f"{name} is {str(value)[:20]}..., too large a number.") from err
+        raise AttitudeError(f"{name} is {cut(value)}, too large a number.") from err
 
 
 def _kind(value):

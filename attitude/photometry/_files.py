@@ -792,7 +792,8 @@ def _decoded(name: str, encoding: str | None) -> tuple[str, list[str]]:
 def _kind(text: str, name: str) -> str:
     """The format of a text by its first lines."""
     start = text.lstrip("\ufeff \t\r\n")
-    rows = [row for row in start.splitlines()[:200] if row.strip()]
+    # Records of the MPC begin with blanks, which are columns.
+    rows = [row for row in text.lstrip("\ufeff\r\n").splitlines()[:200] if row.strip()]
     if start.startswith("# %ECSV"):
         return "ecsv"
     if start.startswith("<"):

@@ -287,6 +287,7 @@ BAD = [
     (toml(body={"moments": '"1; 2; 3 kg m2"'}), "a unit that astropy knows|write numbers"),
     (toml(body={"moments": f"[1, 2, 1{'0' * 400}]"}), "too large a number"),
     (toml(body={"moments": f"[1, 2, {'9' * 4300}]"}), "too large a number"),
+    (toml(body={"moments": f"[1, 2, 0x{'f' * 5000}]"}), "too large a number"),
     (toml(body={"moments": f"[1, 2, {'9' * 5000}]"}), "a number has more digits than Python reads"),
     (toml(body={"moments": f"{'[' * 9999}"}), "or lists are nested too deeply"),
     (toml(body={"moments": '"1, 2, 2.5 (m, kg)"'}), r"is in '\(m, kg\)', which is not a unit"),

@@ -280,6 +280,14 @@ def test_a_wrong_date_of_mpc_is_a_bad_row(tmp_path, date):
     assert [each.line for each in found.bad] == [4] and found.value.tolist() == [12.4]
 
 
+def test_a_wrong_year_beside_one_record_of_mpc(tmp_path):
+    """The first record begins with blanks, which are columns: two records are half of the MPC."""
+    record = "     K19A01A  C2019 01 02.12345 01 23 45.67 -12 34 56.7          17.2 Vr     703\n"
+    with pytest.warns(AttitudeWarning, match="line 2: its date is '2O19"):
+        found = read(tmp_path, record + record.replace("2019", "2O19"))
+    assert found.value.tolist() == [17.2] and found.sites == ("703",)
+
+
 def test_damit(tmp_path):
     found = read(tmp_path, DAMIT)
     assert found.is_flux and found.time_of == "emission" and found.unit_distances

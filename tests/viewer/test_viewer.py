@@ -270,6 +270,38 @@ def test_text_of_a_title_ends_no_script(title):
     assert not set(data) & {"<", "\u2028", "\u2029"}  # as text of JavaScript too
 
 
+_PIECES = (
+    *("<", "</", "<!--", "-->", "--!>", "<!", "<?", "]]>", "<![CDATA[", ">", "/", " ", "\n", "\r"),
+    *("script", "SCRIPT", "ſcript", "style", "title", "textarea", "noscript", "svg", "plaintext"),
+    *("&", "&lt;", "&amp", "&#60;", "&#x3c", '"', "'", "\\", "\\u003c", "\\n", "${", "`", "{{"),
+    *("data", "}}", "{{data}}", "{{script}}", "\u2028", "\u2029", "\x0b", "\x1b", "\x7f", "\t"),
+    *("\ufeff", "\u202e", "é", "漢", "🛰", "\\1", "\\g<0>", "%s", "id=", "onload=", "src", "x", "1"),
+)
+
+
+@pytest.mark.parametrize(
+    "seed, count", [(35, 300), *(pytest.param(k, 5000, marks=pytest.mark.slow) for k in range(4))]
+)
+def test_hunt_of_titles(seed, count, monkeypatch):
+    """Titles of one to twelve pieces: the page has the elements of a plain one, and the title."""
+    import html5lib
+
+    whole = _page._text  # the library and the style take most of the time of the parser
+    short = {name: whole(name) for name in ("viewer.html", "three/LICENSE", "three/VERSION")}
+    monkeypatch.setattr(_page, "_text", lambda name: short.get(name, "let one = 1;"))
+    plain = html5lib.parse(_page.page({"title": "plain"}), namespaceHTMLElements=False)
+    tags = [each.tag for each in plain.iter()]
+    random = np.random.default_rng(seed)
+    for _ in range(count):
+        title = "".join(random.choice(_PIECES, random.integers(1, 13)))
+        made = html5lib.parse(_page.page({"title": title}), namespaceHTMLElements=False)
+        assert [each.tag for each in made.iter()] == tags, title
+        # The standard makes one line feed of both ends of a line.
+        as_text = title.replace("\r\n", "\n").replace("\r", "\n")
+        assert (made.find("head/title").text or "") == as_text, title
+        assert json.loads(made.find(".//script[@id='data']").text) == {"title": title}, title
+
+
 def test_a_page_in_a_notebook_is_a_frame():
     assert "srcdoc" in view(toutatis())._repr_html_()
 
