@@ -30,7 +30,7 @@ ROOT = Path(__file__).parent.parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 EXTRA = "test"
 SHOWN = ("numpy", "scipy", "astropy", "skyfield", "numba", "matplotlib")
-COUNTS = ("passed", "failed", "skipped")
+COUNTS = ("passed", "failed", "skipped", "minutes")
 _ASK = """
 import json, platform, sys, sysconfig
 free = "t" if sysconfig.get_config_var("Py_GIL_DISABLED") else ""
@@ -151,10 +151,14 @@ def environment(interpreter, lowest, folder):
 
 
 def counts_of(output):
-    """Passed, failed (with errors) and skipped tests by the last line that pytest printed."""
+    """Passed, failed (with errors) and skipped tests by the last line that pytest printed, and
+    minutes.
+    """
     lines = output.strip().splitlines() or [""]
     found = {word: int(number) for number, word in re.findall(r"(\d+) (\w+)", lines[-1])}
     found["failed"] = found.get("failed", 0) + found.get("error", 0) + found.get("errors", 0)
+    took = re.search(r" in ([\d.]+)s", lines[-1])
+    found["minutes"] = round(float(took[1]) / 60.0) if took else 0
     return {name: found.get(name, 0) for name in COUNTS}
 
 

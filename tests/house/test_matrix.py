@@ -95,6 +95,7 @@ def test_a_failed_test_is_the_exit_code(body, code, counts, tmp_path, monkeypatc
 
 def test_an_error_of_collection_counts_as_failed():
     assert matrix.counts_of("...\n1 passed, 2 errors in 0.10s\n")["failed"] == 2
+    assert matrix.counts_of("== 1 passed in 469.27s (0:07:49) ==")["minutes"] == 8
     assert matrix.counts_of("")["passed"] == 0
 
 
