@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, Spin, propagate
+from attitude._solver import short_times
 from attitude.frames import representations as forms
 from attitude.frames.quaternion import conjugate, matrix, multiply
 from tests.support.differences import excess, sensitivity, tensor_sensitivity
@@ -147,6 +148,24 @@ def test_while_terms_cancel(moments, omega, span):
     """Until the terms of a column no longer cancel, series follow one another."""
     times = [span * share for share in (-2.9, -2.1, -1.52, -0.99, 0.9, 1.1, 1.7, 3.3, 5.1, 7.3)]
     assert excess(moments, WXYZ, omega, times) <= 1.0
+
+
+@pytest.mark.parametrize("times", [[0.3, 0.9], [-0.2, -1.0], [-1.0, 0.02], [-0.02, 0.9]])
+def test_series_on_the_side_of_the_epochs(times):
+    """As many series as the epochs need on each side: the same bits as with all."""
+    given = (10, 20, 26), WXYZ, (1, 15, 1)
+    every = propagate(*given, [*times, -1.0, 1.0], angular_velocity=True, sensitivity=True)
+    some = propagate(*given, times, angular_velocity=True, sensitivity=True)
+    for one, other in zip(every, some, strict=True):
+        assert one[: len(times)].tobytes() == other.tobytes()
+
+
+def test_a_product_of_series_in_python():
+    random = np.random.default_rng(35)
+    a, b = random.normal(size=(2, 3, short_times.TERMS))
+    for n in range(short_times.TERMS):
+        given = a, b, n % 3, (n + 1) % 3, n
+        assert short_times._product(*given) == short_times._product.py_func(*given)
 
 
 def test_errors_of_a_flip():
