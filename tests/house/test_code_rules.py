@@ -164,6 +164,21 @@ def test_public_names_are_annotated(name):
             _check_annotated(label, node, result=True)
 
 
+@of_modules()
+def test_compiled_functions_copy_arrays_in_loops(name):
+    """numba compiles the sentence of a shape error with `a[:] = b`: 4 s of a function's 10."""
+    for node in nodes_of(name):
+        decorators = {
+            re.split(r"[.(]", ast.unparse(each))[-1] for each in getattr(node, "decorator_list", ())
+        }
+        if not isinstance(node, FUNCTIONS) or not decorators & COMPILED:
+            continue
+        for line in ast.walk(node):
+            if isinstance(line, ast.Assign) and not isinstance(line.value, ast.Constant):
+                slices = [each for each in ast.walk(line.targets[0]) if isinstance(each, ast.Slice)]
+                assert not slices, f"{node.name}, line {line.lineno}: {ast.unparse(line)}"
+
+
 def _check_annotated(label, node, *, result):
     given = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
     if "." in label and given and given[0].arg in ("self", "cls"):
