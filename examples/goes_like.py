@@ -53,13 +53,15 @@ def draw(tree: Branches) -> None:
 
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
+    from matplotlib import colormaps
 
+    colors = colormaps["viridis"]
     t = np.linspace(0.0, YEARS * YEAR, 1501)
     states = tree.at(t)
     figure, (above, below) = plt.subplots(2, 1, figsize=(9, 7), sharex=True, layout="constrained")
     for k in np.argsort(states.odds):
         share = states.odds[k] / np.max(states.odds)
-        style = {"color": plt.cm.viridis(1.0 - share), "lw": 0.6 + 1.4 * share}
+        style = {"color": colors(1.0 - share), "lw": 0.6 + 1.4 * share}
         above.plot(t / YEAR, states.size[k], **style)
         below.plot(t / YEAR, np.degrees(states.theta[k]), **style)
     edge = np.degrees(np.arctan(np.exp(0.5 * states.separatrix)))

@@ -220,7 +220,7 @@ def of_states(found: SpinStates, path: FilePath | None = None) -> Any:
             axes[1, 2].text(*place, str(each.rank), fontsize=8, ha="center", va="center")
     for mode, mark in (("LAM", "o"), ("SAM or PA", "s")):
         axes[0, 2].plot([], [], mark, mfc="none", color=_MODEL, label=mode)
-    axes[0, 2].legend(fontsize=7)
+    axes[0, 2].legend(fontsize=7, loc="upper right")
     figure.suptitle(f"{found.verdict}: {repr(best)[1:-1]}", fontsize=9)
     return _saved(figure, path)
 
@@ -282,7 +282,7 @@ def _fit(above: Any, below: Any, solution: Solution | Refinement) -> None:
     above.plot(days, shown - solution.residuals, "x", color=_MODEL, label="computed", ms=4)
     above.invert_yaxis()
     above.set_ylabel("reduced magnitude")
-    above.legend(fontsize=8)
+    above.legend(fontsize=8, loc="upper right")
     averaged = len(solution.curve) != len(days)
     session = np.zeros(len(days), np.int64) if averaged else solution.curve.session
     for number in np.unique(session):

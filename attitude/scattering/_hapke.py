@@ -156,7 +156,9 @@ class Hapke(Law):
     g: NumberField = parameter(-0.47, low=-0.99, high=0.99)
     b0: NumberField = parameter(2.5, low=0.0, high=10.0)
     h: NumberField = parameter(0.025, low=1e-6, high=10.0)
-    roughness: NumberField = parameter(np.radians(20.0), low=0.0, high=np.radians(60.0), unit="rad")
+    roughness: NumberField = parameter(
+        math.radians(20.0), low=0.0, high=math.radians(60.0), unit="rad"
+    )
 
     def row(self) -> FloatArray:
         """The fields in order, tan(theta-bar), and gamma = sqrt(1 - w)."""

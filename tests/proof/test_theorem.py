@@ -269,7 +269,8 @@ def _ir(name, low, rates):
     return dispatcher.inspect_llvm(dispatcher.signatures[0])
 
 
-_CALL = re.compile(r"call [^\n]*?(<\d+ x double>|double) @llvm\.(fma|rint|sqrt|fabs)")
+# numba 0.60 calls sqrt by its name in C.
+_CALL = re.compile(r"call [^\n]*?(<\d+ x double>|double) @(?:llvm\.)?(fma|rint|sqrt|fabs)")
 _OPERATION = re.compile(r"= f(add|sub|mul|div|neg) (<\d+ x double>|double) ")
 _FLAGGED = re.compile(r"= f\w+ (?:fast|nnan|ninf|nsz|arcp|contract|afn|reassoc)|call (?:fast|nnan)")
 _NAMES = {"add": "sum", "sub": "sum"}

@@ -253,7 +253,7 @@ def _of_integrals(kept):
             for tangent in _TANGENTS:
                 cosine = mpf(0) if tangent == "inf" else mpf("0.37") / max(1, mpf(tangent))
                 sine = mpf(3) if tangent == "inf" else cosine * mpf(tangent)
-                c, s = (mpf(sum(map(Fraction, _pair(x)))) for x in (cosine, sine))
+                c, s = (sum(map(mpf, _pair(x))) for x in (cosine, sine))
                 value = s * mp.elliprf(c**2, c**2 + mc * s**2, c**2 + s**2) / (4 * quarter)
                 kept.phases.append((kc, _pair(cosine), _pair(sine), _doubles(value)))
                 c, s = mpf(float(cosine)), mpf(float(sine))
