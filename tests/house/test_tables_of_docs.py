@@ -110,8 +110,7 @@ def test_a_table_that_no_page_shows_is_an_error(monkeypatch):
 # Pages show pictures at most 720 px wide: letters of N points in a figure N inches wide are 10 px.
 _WIDEST = 9.0  # inches
 _SMALLEST = 9.0  # points
-# Thumbnails without letters; one example is 10 inches wide until its picture is drawn again.
-_LEFT_OUT = {"make_first_screen.py", "envisat_glints.py"}
+_LEFT_OUT = {"make_first_screen.py"}  # thumbnails without letters, shown pixel by pixel
 
 
 def _drawn_sizes(file):
