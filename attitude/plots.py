@@ -53,7 +53,7 @@ def overview(
     title: str | None = None,
 ) -> Figure:
     """A figure of four plots: polhode, sky, angular velocity, Euler angles."""
-    figure = new_figure((11.0, 8.5))
+    figure = new_figure((9.0, 7.8))
     seconds = np.linspace(0.0, time_span(motion, span), _POINTS)
     _warn_of_coarse(motion, seconds)
     with warnings.catch_warnings():
@@ -174,7 +174,7 @@ def polhode(axes: Any, motion: FreeRotation | None = None) -> Figure:
         end = np.zeros((3, 2))
         end[k] = 0.0, 1.25 * semi[k]
         axes.plot(*end, color=_COLORS[0], linewidth=0.8)
-        axes.text(*(end[:, 1] * 1.05), name, color=_COLORS[0], fontsize=8)
+        axes.text(*(end[:, 1] * 1.05), name, color=_COLORS[0], fontsize=9)
     axes.set_box_aspect(semi, zoom=1.5)
     axes.set_axis_off()
     axes.set_title(f"polhode, {motion.mode.name.lower().replace('_', ' ')}", fontsize=10)
@@ -223,7 +223,8 @@ def sky(axes: Axes, motion: FreeRotation, seconds: ArrayLike, *, frame: str = "e
     if np.any(motion.momentum):
         axes.plot(*_map((motion.momentum @ turn)[None]), "k*", markersize=9, label="momentum")
     axes.grid(True, linewidth=0.3)
-    axes.tick_params(labelsize=6)
+    axes.set_xticks(np.radians([-120.0, -60.0, 0.0, 60.0, 120.0]))
+    axes.tick_params(labelsize=9)
     _legend(axes, -0.05)
     axes.set_title(f"body axes on the sky ({frames.known(frame)})", fontsize=10)
 
@@ -268,7 +269,7 @@ def angles(
 def _legend(axes: Axes, height: float) -> None:
     """Draw the legend below the plot."""
     axes.legend(
-        fontsize=7, ncols=3, loc="upper center", bbox_to_anchor=(0.5, height), frameon=False
+        fontsize=9, ncols=3, loc="upper center", bbox_to_anchor=(0.5, height), frameon=False
     )
 
 

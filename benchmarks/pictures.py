@@ -35,6 +35,12 @@ COMMANDS = (
         False,
         (),
     ),
+    (
+        ["benchmarks/brick.py"],
+        ["brick.png", "brick.json"],
+        False,
+        ("heyoka", "orekit_jpype", "Basilisk", "spiceypy"),
+    ),
     (["benchmarks/proof.py", "figure"], ["proof.png"], True, ("flint",)),
     (["docs/make_figures.py"], ["labellings.png", "angles.png", "toutatis.png"], True, ()),
     *(

@@ -314,7 +314,7 @@ def figure():
     import matplotlib.pyplot as plt
 
     drawn, axes = plt.subplots(
-        2, 3, figsize=(11, 6.4), sharex=True, sharey=True, layout="constrained"
+        2, 3, figsize=(9, 6.6), sharex=True, sharey=True, layout="constrained"
     )
     for axis, name in zip(axes.flat, _BODIES, strict=True):
         moved = motion(name)
@@ -342,7 +342,7 @@ def figure():
     for axis in axes[:, 0]:
         axis.set_ylabel("rotation angle / rad")
     axes[0, 0].set_ylim(1e-17, 1e-13)
-    axes[0, 0].legend(loc="upper left", fontsize=8)
+    axes[0, 0].legend(loc="upper left", fontsize=9)
     drawn.savefig(FIGURES / "proof.png", dpi=110)
 
 

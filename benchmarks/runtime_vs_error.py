@@ -251,9 +251,15 @@ def _figure(rows, spans, path):
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
-    figure, axes = plt.subplots(1, len(spans), figsize=(4.2 * len(spans), 5.2), sharey=True)
+    columns = min(2, len(spans))
+    lines = -(-len(spans) // columns)
+    figure, axes = plt.subplots(
+        lines, columns, figsize=(9.0, 4.0 * lines + 1.4), sharex=True, sharey=True,
+        layout="constrained", squeeze=False,
+    )  # fmt: skip
+    panels = axes.flat[: len(spans)]
     names = list(dict.fromkeys(row["method"] for row in rows))
-    for axis, span in zip(np.atleast_1d(axes), spans, strict=True):
+    for axis, span in zip(panels, spans, strict=True):
         for k, name in enumerate(names):
             here = [r for r in rows if r["method"] == name and r["span"] == span and "ns" in r]
             most = {}
@@ -281,23 +287,24 @@ def _figure(rows, spans, path):
             axis.plot(*medians, color=colour, alpha=0.6, lw=1)
             lost = [r for r in most.values() if r["error"] != r["error"]]
             axis.scatter([r["ns"] for r in lost], [5.0] * len(lost), color=colour, marker="x", s=30)
-        axis.set(xscale="log", yscale="log", xlabel="cost of an epoch, set-up included (ns)")
+        axis.set(xscale="log", yscale="log")
         axis.set_title(f"{span:.0e} revolutions".replace("e+0", "e"))
         axis.axhline(4e-15, color="0.7", lw=0.8, ls="--")
         axis.grid(alpha=0.25)
-    first = np.atleast_1d(axes)[0]
-    first.set_ylabel("attitude error (rad)\n× at the top: NaN")
-    first.set_ylim(1e-17, 10.0)
+    for axis in axes[-1]:
+        axis.set_xlabel("cost of an epoch, set-up included (ns)")
+    for axis in axes[:, 0]:
+        axis.set_ylabel("attitude error (rad)\n× at the top: NaN")
+    panels[0].set_ylim(1e-17, 10.0)
     handles, labels = [], []
-    for axis in np.atleast_1d(axes):
+    for axis in panels:
         for handle, label in zip(*axis.get_legend_handles_labels(), strict=True):
             if label not in labels:
                 handles.append(handle)
                 labels.append(label)
-    figure.legend(handles, labels, loc="lower center", ncols=len(labels), frameon=False)
+    figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False)
     states = len({row["case"] for row in rows})
-    figure.suptitle(f"Run time against error: {states} states, a point each", y=0.98)
-    figure.tight_layout(rect=(0, 0.07, 1, 0.98))
+    figure.suptitle(f"Run time against error: {states} states, a point each")
     figure.savefig(path, dpi=130)
     plt.close(figure)
 

@@ -25,16 +25,17 @@ from benchmarks.doc_tables import Table, printed
 from benchmarks.record import processor
 
 MOMENTS, WXYZ = np.array([10.0, 20.0, 26.0]), np.array([1.0, 0.0, 0.0, 0.0])
-STARTS = (
-    "a process that imports numpy",
-    "import attitude, beyond that",
-    "from attitude import FreeRotation",
-    "first two attitudes, uncompiled",
-    "first 2e5 attitudes, cold disk cache",
-    "first 2e5 attitudes, warm disk cache",
-)
-# s, of the least time of seven processes.
-_NOISE = 0.01
+_PROPAGATE = "attitude.propagate((10, 20, 26), (1, 0, 0, 0), (1, 15, 1), {})"
+_FIRST, _LARGE = (_PROPAGATE.format(each) for each in ("[0.0, 1.0]", "numpy.arange(2e5)"))
+# What a new process does before, and what is measured; whether it begins without machine code.
+STARTS = {
+    "import numpy": ("pass", "import numpy", False),
+    "import attitude": ("import numpy", "import attitude", False),
+    "attitude.FreeRotation": ("import numpy, attitude", "attitude.FreeRotation", False),
+    "first two attitudes, uncompiled": ("import numpy, attitude", _FIRST, False),
+    "first 2e5 attitudes, cold disk cache": ("import numpy, attitude", _LARGE, True),
+    "first 2e5 attitudes, warm disk cache": ("import numpy, attitude", _LARGE, False),
+}
 CASES = {
     "the paper's example": np.array([1.0, 15.0, 1.0]),
     "long-axis mode": np.array([9.0, 2.0, 1.0]),
@@ -43,7 +44,7 @@ CASES = {
 }
 
 
-MAKES = ("speed", "cost of an epoch", "cost of a body")
+MAKES = ("speed", "start-up", "cost of an epoch", "cost of a body")
 
 
 def tables(quick):
@@ -52,13 +53,13 @@ def tables(quick):
 
     def parts():
         versions()
-        for part in (long_arrays, bodies, single, dates, start_up):
+        for part in (long_arrays, bodies, single, dates):
             found.update(part())
 
     text = printed(parts)
-    # Starts of a process vary with what else the machine does: they are in the text alone.
-    costs = {name: cost for name, cost in found.items() if name not in STARTS}
-    yield Table("speed", text, costs=costs)
+    yield Table("speed", text, costs=found)
+    # Starts of a process vary with the disk: they are in the text alone.
+    yield Table("start-up", printed(start_up))
     epoch, sine = found["into a given array"], found["numpy.sin into a given array"]
     yield Table("cost of an epoch", f"{epoch:.1f} ns = {epoch / sine:.2f} × `numpy.sin`")
     yield Table("cost of a body", f"{found['a body'] / 1e3:.2f} µs a body")
@@ -183,47 +184,34 @@ def dates():
 
 
 def start_up():
-    numpy = "import numpy; "
-    attitude = numpy + "import attitude; "
-    first, large = (
-        f"{attitude}attitude.propagate((10, 20, 26), (1, 0, 0, 0), (1, 15, 1), {epochs})"
-        for epochs in ("[0.0, 1.0]", "numpy.arange(2e5)")
-    )
-    cold = []
-    for _ in range(3):
-        with tempfile.TemporaryDirectory() as cache:
-            cold.append(process(large, cache, 1))
-            bare = process("pass", cache)
-            base = process(numpy, cache)
-            light = process(attitude, cache)
-            small, warm = process(first, cache), process(large, cache)
-            classes = process(attitude + "attitude.FreeRotation", cache)
-    found = dict(
-        zip(
-            STARTS,
-            (
-                *(base - bare, light - base, classes - base, small - light),
-                *(min(cold) - light, warm - light),
-            ),
-            strict=True,
-        )
-    )
-    for name, seconds in found.items():
-        # Less than nothing is the noise of the two processes that are compared.
-        shown = f"{seconds:7.3f}" if seconds >= _NOISE else f"{'< ' + str(_NOISE):>7}"
-        print(f"{name:<43} {shown} s" + " beyond Python's own" * (name == STARTS[0]))
-    return found
+    """Processor time within new processes, the least of seven; of three without machine code."""
+    print(f"{processor()}, Python {platform.python_version()}: s of processor, in a new process")
+    with tempfile.TemporaryDirectory() as cache:
+        process("import numpy, attitude", _LARGE, cache, 1)
+        for name, (before, statement, is_cold) in STARTS.items():
+            if is_cold:
+                seconds = []
+                for _ in range(3):
+                    with tempfile.TemporaryDirectory() as empty:
+                        seconds.append(process(before, statement, empty, 1))
+                least = min(seconds)
+            else:
+                least = process(before, statement, cache)
+            print(f"{name:<43} {least:7.4f} s")
 
 
-def process(code, cache, repetitions=7):
-    """Least wall time of a new process, s."""
+def process(before, statement, cache, repetitions=7):
+    """Least processor time of a statement in a new process, s."""
     environment = {**os.environ, "NUMBA_CACHE_DIR": cache, "ATTITUDE_COMPILE": "automatic"}
-    times = []
-    for _ in range(repetitions):
-        start = time.perf_counter()
-        subprocess.run([sys.executable, "-c", code], env=environment, check=True)
-        times.append(time.perf_counter() - start)
-    return min(times)
+    code = (
+        f"import time; {before}; start = time.process_time(); {statement}; "
+        "print(time.process_time() - start)"
+    )
+    command = [sys.executable, "-c", code]
+    return min(
+        float(subprocess.run(command, env=environment, check=True, stdout=-1).stdout)
+        for _ in range(repetitions)
+    )
 
 
 def best(call, repetitions=30, loop=1):

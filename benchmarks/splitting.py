@@ -685,7 +685,7 @@ def new_figure():
 
 def save(figure, axes, output, name):
     axes.grid(alpha=0.3)
-    axes.legend(fontsize="small", loc="best")
+    axes.legend(fontsize=9, loc="best")
     figure.savefig(output / name, dpi=110)
     print(f"  drawn: {output / name}")
 

@@ -130,10 +130,10 @@ def _one(state, methods, maps, broke, place):
             continue
         if np.all(np.isfinite(row)):
             maps[label][place] = oracle.rotation_error(row, exact.at(float(t[0]))[0])
-    maps["conditioning"][place] = _conditioning(*state, near)
+    maps["conditioning"][place] = conditioning(*state, near)
 
 
-def _conditioning(moments, wxyz0, omega0, t):
+def conditioning(moments, wxyz0, omega0, t):
     """Largest rotation of the answer, in rad, when one moment or rate changes by one ulp."""
     inputs = np.array([*moments, *omega0])
     moved = np.repeat(inputs[None], 12, axis=0)
@@ -186,7 +186,7 @@ def _figure(maps, labels, powers, path):
     figure, axes = plt.subplots(
         len(shown),
         3,
-        figsize=(11.0, 1.75 * len(shown) + 0.8),
+        figsize=(9.0, 1.9 * len(shown) + 1.0),
         sharex=True,
         sharey=True,
         layout="constrained",
@@ -203,14 +203,14 @@ def _figure(maps, labels, powers, path):
             picture = axis.imshow(
                 _log(maps[name][p]), cmap=colours, vmin=-16, vmax=0, aspect="auto", origin="upper"
             )
-            axis.set_xticks(ticks, names, fontsize=7)
+            axis.set_xticks(ticks, names, fontsize=9)
             rows = range(0, len(powers), max(1, len(powers) // 4))
-            axis.set_yticks(list(rows), [f"1e-{powers[i]}" for i in rows], fontsize=7)
+            axis.set_yticks(list(rows), [f"1e-{powers[i]}" for i in rows], fontsize=9)
             if row == 0:
                 axis.set_title(f"distance to the {PLANES[p]}", fontsize=10)
         axes[row, 0].set_ylabel(name.replace(", ", ",\n"), fontsize=9)
     for axis in axes[-1]:
-        axis.set_xlabel("← I2 - I1     middle moment     I3 - I2 →", fontsize=8)
+        axis.set_xlabel("I2 - 1     |     1.7 - I2", fontsize=9)
     bar = figure.colorbar(picture, ax=axes, shrink=0.5, pad=0.015)
     bar.set_label("log10 of the attitude error, rad (red: NaN or exception)")
     figure.suptitle("Attitude error after 10 revolutions; moments (1, I2, 1.7)")

@@ -25,6 +25,8 @@ exclude_patterns = ["_build", "figures"]
 html_show_copyright = False
 html_theme = "furo"
 html_title = "attitude"
+html_static_path = ["static"]
+html_css_files = ["attitude.css"]
 # Pages link to headings of other pages, as on the forge.
 myst_heading_anchors = 4
 myst_fence_as_directive = ["math"]
@@ -49,6 +51,8 @@ default_role = "py:obj"
 
 def _readable(app, what, name, obj, options, lines):
     """Docstrings as reStructuredText: maps of modules as they stand, |x| as absolute values."""
+    if what == "module":
+        lines[:] = _public(lines)
     found, in_map = [], False
     has_table = any(line.startswith("====") for line in lines)
     for line in lines:
@@ -65,6 +69,16 @@ def _readable(app, what, name, obj, options, lines):
         else:
             found.append(re.sub(r"\|(?=\S)", r"\\|", line))
     lines[:] = found
+
+
+def _public(lines):
+    """The docstring of a folder without the map of its private files."""
+    kept, private = [], False
+    for line in lines:
+        private = re.match(r"_\w+(, _\w+)*\s{2,}", line) or (private and line.startswith(" "))
+        if not private:
+            kept.append(line)
+    return kept
 
 
 def setup(app):

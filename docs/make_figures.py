@@ -25,7 +25,7 @@ def main():
 
 def labellings():
     """An elongated body, its momentum, and the angles of either convention."""
-    figure = plots.new_figure((10.0, 5.0))
+    figure = plots.new_figure((9.0, 5.0))
     body = Body(moments=(0.4, 0.85, 1.0), relative=True)
     lengths = np.sqrt(2.5 * (body.moments.sum() - 2.0 * body.moments))
     for k, convention in enumerate("LS"):
@@ -81,7 +81,7 @@ def angles_in_both():
     """The angles of one SAM and one LAM motion in both conventions."""
     apophis = catalog.entry("99942 Apophis (2014)").motion(phi0=0.0, psi0=0.0, epoch="2012-12-23")
     toutatis = catalog.entry("4179 Toutatis").motion()
-    figure = plots.new_figure((10.0, 7.0))
+    figure = plots.new_figure((9.0, 7.0))
     grid = figure.subplots(2, 2)
     for row, (motion, name) in enumerate(((apophis, "Apophis, SAM"), (toutatis, "Toutatis, LAM"))):
         seconds = np.linspace(0.0, 1.5 * motion.period_psi, 2001)

@@ -31,9 +31,9 @@ from attitude.viewer import animate
 FIGURES = Path(__file__).resolve().parent / "figures"
 FOLDER = FIGURES / "first_screen"
 DATA = FIGURES.parent.parent / "data"
-# Pixels of a thumbnail; letters of 9 points at 100 pixels an inch are 12 pixels high.
-WIDTH, HEIGHT, PER_INCH = 210, 150, 100
-BLUE, ORANGE, GREY = "#1f77b4", "#d9730d", "#555555"
+# Pixels of a thumbnail, without letters: the table of README says below what it shows.
+WIDTH, HEIGHT, PER_INCH = 320, 130, 100
+BLUE, ORANGE = "#1f77b4", "#d9730d"
 
 
 def asteroids(axes):
@@ -42,7 +42,6 @@ def asteroids(axes):
     shown = curve.seconds > epochs.instant("1992-12-20").since(curve.epoch)
     days, magnitudes = curve.seconds[shown] / 86400.0, curve.reduced_magnitude[shown]
     axes.plot(days, magnitudes, ".", color=BLUE, markersize=3)
-    axes.set(title="Toutatis, 1992-93")
     axes.invert_yaxis()
 
 
@@ -52,7 +51,6 @@ def debris(axes):
     seconds = np.arange(0.0, 240.0, 0.25)
     view = found.scene.since(epochs.instant("2013-10-23T19:17:00"), seconds)
     axes.plot(seconds, found.magnitude.of(view), color=ORANGE, linewidth=1.0)
-    axes.set(title="glints of a pass")
     axes.invert_yaxis()
 
 
@@ -67,7 +65,7 @@ def missions(axes):
     t = np.linspace(0.0, 660.0, 1200)
     rate = np.degrees(np.linalg.norm(Arcs(body, spin, pulses).at(t).angular_velocity, axis=1))
     axes.plot(t, rate, color=BLUE, linewidth=1.5)
-    axes.set(ylim=(0.0, None), title="despin by pulses")
+    axes.set(ylim=(0.0, None))
 
 
 def mechanics(axes):
@@ -79,7 +77,7 @@ def mechanics(axes):
     pole = motion.momentum / np.linalg.norm(motion.momentum)
     cosine = np.clip(motion.at(t).body_to_inertial([0, 1, 0]) @ pole, -1.0, 1.0)
     axes.plot(t, np.degrees(np.arccos(cosine)), color=ORANGE, linewidth=1.5)
-    axes.set(yticks=(0, 90, 180), title="the body flips")
+    axes.set(ylim=(-10.0, 190.0))
 
 
 def body():
@@ -101,13 +99,12 @@ def main():
         frames=150, rate=18.0, size=(520, 440), title="(4179) Toutatis, December 1992",
     )  # fmt: skip
     motion = catalog.entry("toutatis").motion()
-    plots.overview(motion, title="4179 Toutatis").savefig(FOLDER / "overview.png", dpi=60)
+    plots.overview(motion, title="4179 Toutatis").savefig(FOLDER / "overview.png", dpi=80)
     for draw in (asteroids, debris, missions, mechanics):
         figure = plots.new_figure((WIDTH / PER_INCH, HEIGHT / PER_INCH))
         figure.set_layout_engine("none")
-        axes = figure.add_axes((0.04, 0.05, 0.92, 0.78))
+        axes = figure.add_axes((0.02, 0.03, 0.96, 0.94))
         draw(axes)
-        axes.title.set(fontsize=9, color=GREY)
         axes.set(xticks=(), yticks=())
         for side in axes.spines.values():
             side.set_color("#cccccc")

@@ -110,7 +110,7 @@ def draw(
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
-    figure, (whole, part, lines) = plt.subplots(3, 1, figsize=(10, 11), layout="constrained")
+    figure, (whole, part, lines) = plt.subplots(3, 1, figsize=(9, 11), layout="constrained")
     whole.plot(days, magnitude, color="#0072b2", lw=0.7)
     whole.set(
         title="(99942) Apophis, an ellipsoid of the published moments, from the Earth",
@@ -142,7 +142,7 @@ def draw(
         lines.annotate(
             f"({line.i}, {line.j})  {line.period / HOUR:.2f} h",
             (line.frequency * HOUR, strength),
-            textcoords="offset points", xytext=(0, 6), fontsize=8, rotation=90,
+            textcoords="offset points", xytext=(0, 6), fontsize=9, rotation=90,
             ha="center", va="bottom",
         )  # fmt: skip
     lines.plot([], [], "o", color="#d55e00", ms=4, label="lines (i, j) at |i/P_phi + j/P_psi|")

@@ -156,7 +156,7 @@ def draw(
     bright = [glint for _, glint in sorted(visible)[:2]]
     shown = sorted({each.number for each in bright})
     figure, panels = plt.subplots(
-        len(shown) + 1, 1, figsize=(10, 3.6 * (len(shown) + 1)), layout="constrained"
+        len(shown) + 1, 1, figsize=(9, 3.6 * (len(shown) + 1)), layout="constrained"
     )
     for panel, number in zip(panels, shown, strict=False):
         curve(panel, scene, scale, spans[number])

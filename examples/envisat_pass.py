@@ -93,7 +93,7 @@ def draw(view: View, seconds: NDArray[np.float64], start: epochs.Instant) -> Non
     middle.plot(minutes, np.degrees(view.aspect_angle), "k--", lw=1, label="angular momentum")
     middle.plot(minutes, np.degrees(view.phase_angle), "k:", lw=1.5, label="Sun (phase angle)")
     middle.set(ylabel="angle from the line of sight (deg)", ylim=(0, 225), yticks=range(0, 181, 30))
-    middle.legend(ncols=3, loc="upper center", fontsize=8, framealpha=0.9)
+    middle.legend(ncols=3, loc="upper center", fontsize=9, framealpha=0.9)
 
     # Do not draw steps of 360 deg across north.
     angle = np.degrees(view.long_axis_position_angle)

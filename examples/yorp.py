@@ -206,7 +206,7 @@ def draw(degrees: Array, curve: Array, found: Array, years: Array, ahead: list[A
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
-    figure, axes = plt.subplots(2, 2, figsize=(10, 7), layout="constrained")
+    figure, axes = plt.subplots(2, 2, figsize=(9, 7), layout="constrained")
     names = ("spin rate (1e-4 deg/day2)", "obliquity (deg in 1e5 years)")
     for k, name in enumerate(names):
         axes[0, k].plot(degrees, curve[:, k], label="torque averaged by quadrature")

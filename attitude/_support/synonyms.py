@@ -66,10 +66,16 @@ ATTRIBUTES: dict[str, dict[str, str]] = {
         **_each(
             "use momentum / |momentum|, the direction of the angular momentum in ICRF, or "
             "published('L').pole",
-            *("pole", "spin_axis", "spin_pole", "rotation_axis", "axis"),
+            *("pole", "spin_axis", "spin_pole", "rotation_axis", "axis", "momentum_direction"),
         ),
         **_each("use momentum, kg m2/s in ICRF", "angular_momentum", "L", "H", "h"),
         **_each("use energy, J", "kinetic_energy", "E", "T"),
+        **_each(
+            "use angles(t), phi, theta and psi about the momentum, rad: theta is the nutation",
+            *("nutation", "nutation_angle", "theta"),
+        ),
+        **_each("use mode, a Mode such as SHORT_AXIS", "is_tumbling", "tumbles", "is_lam"),
+        **_each("print the motion: str(motion) describes it", "describe", "summary", "info"),
         **_each("use body.moments, kg m2", "moments", "inertia", "principal_moments"),
         **_each("use body.tensor, kg m2", "tensor", "inertia_tensor"),
         **_each("use at(t).covariance, or at(t).sigma in rad", "covariance", "sigma", "errors"),
@@ -79,11 +85,21 @@ ATTRIBUTES: dict[str, dict[str, str]] = {
         **_each("use wxyz, scalar first, or xyzw, scalar last", "quaternion", "quaternions"),
         **_each("use wxyz, scalar first, or xyzw, scalar last", "quat", "q", "as_quat"),
         **_each(_ROTATION, "rotation", "rotations", "as_matrix", "rotation_matrix", "matrices"),
+        **_each(_ROTATION, "R", "A", "C"),
         **_each('use euler("ZXZ"), rad', "euler_angles", "as_euler", "angles"),
         **_each(_RATES, "omega", "rates", "rate", "w", "angular_rate", "omegas"),
         **_each("use time, an astropy Time, or seconds since epoch", "times", "t", "epochs"),
         **_each(_TABLE, "write", "save", "to_csv", "to_ecsv", "to_file", "export"),
-        **_each("use table(), an astropy QTable, or to_pandas()", "to_table", "to_frame"),
+        **_each(
+            "use table(), an astropy QTable, or to_pandas()",
+            *("to_table", "to_frame", "to_dataframe", "dataframe", "df"),
+        ),
+        **_each('use euler("zyx"), rad', "rpy", "ypr", "roll_pitch_yaw", "roll", "pitch", "yaw"),
+        **_each(
+            "use the motion's .at(t): every epoch costs the same, and AttitudeTable.from_history "
+            "interpolates",
+            *("interpolate", "resample", "interp"),
+        ),
         **_each("use motion.plot(), or attitude.plots", "plot", "show"),
         **_each("use body_to_inertial(v)", "apply", "rotate", "to_inertial"),
         **_each("use inertial_to_body(v)", "to_body", "apply_inverse"),
@@ -94,6 +110,11 @@ ATTRIBUTES: dict[str, dict[str, str]] = {
         **_each("use moments, kg m2", "principal_moments", "Ixx", "Iyy", "Izz", "A", "B", "C"),
         **_each("use principal_axes, the columns are unit vectors", "axes", "principal_frame"),
         **_each("use center_of_mass, m", "com", "centre_of_mass", "center"),
+        **_each(
+            "a Body has its inertia alone: give the shape to Scene(shape=), or make the body by "
+            "Body.from_shape(mesh, density=)",
+            *("shape", "mesh", "facets"),
+        ),
     },
     "Spin": {
         **_each("use wxyz, scalar first", "quaternion", "q", "quat", "attitude", "orientation"),
@@ -113,6 +134,7 @@ ATTRIBUTES: dict[str, dict[str, str]] = {
     },
     "Scene": {
         **_each("use at(times).magnitude", "magnitude", "magnitudes", "light_curve", "lightcurve"),
+        **_each("use at(times).magnitude", "magnitude_at", "mag", "mags"),
         **_each("use at(times).brightness", "brightness", "flux"),
         **_each("use at(times).phase_angle, rad", "phase_angle", "phase"),
         **_each("use at(times)", "observe", "evaluate", "propagate", "geometry"),
@@ -165,6 +187,11 @@ ATTRIBUTES: dict[str, dict[str, str]] = {
         **_each("use vertices, m", "points", "verts"),
         **_each("use write(file)", "save", "export", "to_obj"),
         **_each("use attitude.shape.read(file)", "read", "load", "from_file"),
+        **_each("use scaled(factor)", "scale", "resize"),
+        **_each("use moved(offset)", "move", "translate", "shift"),
+        **_each(
+            "give it to a scene, Scene(motion, ..., shape=mesh).view(output=file)", "plot", "show"
+        ),
     },
 }
 
@@ -172,6 +199,7 @@ ATTRIBUTES: dict[str, dict[str, str]] = {
 MODULES: dict[str, dict[str, str]] = {
     "attitude": {
         **_each("use attitude.formats.detect.read(file)", "read", "open", "read_aem", "load_file"),
+        **_each("use attitude.formats.detect.read(file)", "from_file", "read_file"),
         **_each("use attitude.catalog.load(name)", "load", "get", "toutatis"),
         **_each("use attitude.plots.overview(motion), or motion.plot()", "plot", "draw"),
         **_each("use attitude.viewer.view(motion, output=file), or motion.view()", "view", "show"),
@@ -196,6 +224,7 @@ MODULES: dict[str, dict[str, str]] = {
     "attitude.catalog": {
         **_each("use catalog.names()", "list", "all", "keys", "search", "bodies", "objects"),
         **_each("use catalog.load(name) or catalog.entry(name)", "get", "read", "body", "spin"),
+        **_each("use catalog.entry(name)", "toutatis", "apophis", "oumuamua", "envisat", "halley"),
     },
     "attitude.formats": {
         **_each("use attitude.formats.detect.read(file)", "read", "load", "open"),
@@ -233,6 +262,26 @@ MODULES: dict[str, dict[str, str]] = {
     "attitude.shape": {
         **_each("use shape.read(file)", "load", "read_obj", "from_file"),
         **_each("use shape.Ellipsoid((a, b, c))", "ellipsoid", "Sphere", "sphere"),
+        **_each("use shape.box((a, b, c))", "cube", "Box", "Cuboid", "cuboid", "brick"),
+    },
+    "attitude.events": {
+        **_each("use events.glints(scene, ...)", "find_glints", "flashes"),
+        **_each("use events.passes(scene, ...)", "find_passes", "rise_set"),
+        **_each("use events.find_maxima or find_minima", "extrema", "find_extrema", "find_peaks"),
+    },
+    "attitude.scattering": {
+        **_each("use scattering.Lambert()", "lambert", "Lambertian"),
+        **_each("use scattering.Hapke(...)", "hapke"),
+        **_each("use scattering.LommelSeeliger()", "lommel_seeliger", "LS", "lunar"),
+    },
+    "attitude.torques": {
+        **_each("use torques.SolarRadiation(mesh, path)", "SolarPressure", "SRP", "YORP"),
+        **_each("use torques.AerodynamicTorque", "Drag", "Aerodynamic", "AirDrag"),
+        **_each(
+            "use torques.ConstantTorque, or attitude.arcs.Impulse for a pulse",
+            *("ThrusterTorque", "Thruster", "ControlTorque"),
+        ),
+        **_each("use torques.InternalDissipation or torques.Rheology", "Dissipation", "Friction"),
     },
 }
 

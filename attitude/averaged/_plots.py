@@ -61,7 +61,7 @@ def of_history(
             f"the history has shape {states.seconds.shape}; a figure needs epochs (T,), two at "
             "least, or those of branches, (B, T)."
         )
-    figure = plots.new_figure((10.0, 11.0))
+    figure = plots.new_figure((9.0, 11.0))
     panels = figure.subplots(4, 1, sharex=True, height_ratios=(1.0, 1.3, 1.0, 1.2))
     span = float(np.ptp(states.seconds)) / 86400.0
     _, days, unit = next(each for each in _UNITS if span >= each[0])
@@ -118,7 +118,7 @@ def _tilt(axes: Any, time: FloatArray, states: AveragedHistory) -> None:
     axes.axhline(edge, color="0.3", linewidth=0.8, linestyle="--", label="separatrix")
     axes.set(ylabel="theta, momentum to short axis (deg)", ylim=(-2.0, 92.0))
     axes.set_yticks(range(0, 91, 15))
-    axes.legend(fontsize=8, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, frameon=False)
+    axes.legend(fontsize=9, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, frameon=False)
 
 
 def _pole(axes: Any, time: FloatArray, states: AveragedHistory) -> None:
@@ -151,7 +151,7 @@ def _periods(axes: Any, time: FloatArray, states: AveragedHistory) -> None:
     # a period grows without bound at the separatrix, and less so in the sampled epochs
     highest = min(float(np.max(shown)), _LONGEST * float(np.percentile(shown, 95.0)))
     axes.set(ylabel=f"period ({name})", yscale="log", ylim=(0.8 * float(np.min(shown)), highest))
-    axes.legend(fontsize=8, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, frameon=False)
+    axes.legend(fontsize=9, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, frameon=False)
 
 
 def _mark(panels: Any, events: Iterable[AveragedEvent], scale: float) -> None:
@@ -167,6 +167,6 @@ def _mark(panels: Any, events: Iterable[AveragedEvent], scale: float) -> None:
             )
     if lines:
         panels[0].legend(
-            lines.values(), lines.keys(), fontsize=8, loc="lower center",
+            lines.values(), lines.keys(), fontsize=9, loc="lower center",
             bbox_to_anchor=(0.5, 1.0), ncols=len(lines), frameon=False,
         )  # fmt: skip

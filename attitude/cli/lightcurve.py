@@ -53,7 +53,7 @@ def of(
 
     Shapes: seconds, magnitude, phase_angle (N,) rad, lit_fraction, elevation, sun_elevation (N,).
     """
-    figure = plots.new_figure((10.0, 6.0))
+    figure = plots.new_figure((9.0, 6.0))
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
     span = np.ptp(seconds)
     _, scale, unit = next(each for each in _UNITS if span >= each[0])
@@ -214,7 +214,7 @@ def _draw(days: Any, given: FloatArray, residual: FloatArray, session: Any, figu
     from attitude._textfiles.atomic_write import written_whole
 
     kind = _output.kind_of(figure, _output.PICTURES, "--figure")
-    drawn = plots.new_figure((10.0, 7.0))
+    drawn = plots.new_figure((9.0, 7.0))
     above, below = drawn.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     for name in dict.fromkeys(session.tolist()):
         here = session == name

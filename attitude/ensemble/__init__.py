@@ -1,5 +1,12 @@
 """Many freely rotating bodies as one object: attitudes, periods and brightness as arrays.
 
+How to use it::
+
+    from attitude import Ensemble
+
+    bodies = Ensemble(moments=moments, wxyz=wxyz, angular_velocity=rates, epoch="2026-01-01")
+    bodies.at([0.0, 3600.0]).wxyz  # arrays of N rows in, (N, 2, 4) out
+
 _ensemble      `Ensemble`: the states of N members, and what they answer
 _evaluation    the epochs of a call (grid or rows), blocks and threads; `EnsembleHistory`
 _quantities    `AngleTo` and other quantities, for percentiles, histograms and coverage

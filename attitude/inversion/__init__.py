@@ -1,5 +1,22 @@
 """From brightness to the spin state: light curves of tumbling bodies inverted.
 
+How to use it::
+
+    from attitude import inversion, paths
+
+    orbit = paths.mpc_orbit(line)  # or an OEM file, an SPK, elements ...
+    curve = inversion.LightCurve.read("curve.csv", path=orbit, site="568")
+    found = inversion.spin_states(curve, max_frequency="3 /d")
+    print(found)  # a verdict, and the states that the curve allows, the best first
+    best = found[0]
+    best.motion, best.shape  # a FreeRotation with the errors of its state; a convex mesh
+    best.published("L")  # periods, pole and angles as papers print them
+    best.predict(["2026-03-01T20:00", "2026-03-01T21:00"])  # magnitudes of another night
+    best.write("solution.toml")
+    inversion.refine(curve, best)  # from a start; arcs= and torques= change the motion
+
+`docs/inversion.md` says what a light curve can and cannot tell, and how the search works.
+
 _spin_states   `spin_states`: the blind search, its options and its result
 _refine        `refine`: from a start, with impulses or torques, and its `Refinement`
 _solution      `Solution` and `SpinStates`, predicted magnitudes; _figures, their figures

@@ -30,7 +30,7 @@ _DATA, _MODEL, _OTHER = "#0072b2", "#d55e00", "0.6"
 
 
 # Nights of a figure at most, columns of panels, and points a night from which nights have panels.
-_NIGHTS, _COLUMNS, _FEW = 20, 4, 3
+_NIGHTS, _COLUMNS, _FEW = 20, 3, 3
 # Points of a line of the model.
 _FINE = 200
 
@@ -140,7 +140,7 @@ def _panels(nights: Sequence[_Night], name: str, title: str) -> Any:
 
     columns = min(_COLUMNS, len(nights))
     rows = -(-len(nights) // columns)
-    figure = plots.new_figure((max(3.1 * columns + 0.6, 7.0), 2.9 * rows + 0.7))
+    figure = plots.new_figure((max(2.8 * columns + 0.6, 7.0), 2.9 * rows + 0.7))
     cells: Any = figure.subfigures(rows, columns, squeeze=False, wspace=0.01, hspace=0.01)
     height = 1.15 * max(float(np.ptp(np.append(each.value, each.line[1]))) for each in nights)
     off = [float(np.abs(each.residual).max()) for each in nights if len(each.residual)]
@@ -162,18 +162,18 @@ def _panels(nights: Sequence[_Night], name: str, title: str) -> Any:
             below.axhline(0.0, color=_OTHER, lw=0.8)
         middle = float(np.mean([model.min(), model.max()]))
         above.set_ylim(middle + 0.5 * height, middle - 0.5 * height)
-        above.set_title(night.title, fontsize=8)
+        above.set_title(night.title, fontsize=9)
         for each, count in ((above, 5), (below, 3)):
             if each is not None:
-                each.tick_params(labelsize=7)
+                each.tick_params(labelsize=9)
                 each.yaxis.set_major_locator(MaxNLocator(count))
                 each.xaxis.set_major_locator(MaxNLocator(5))
         if column == 0:
-            above.set_ylabel(name, fontsize=8)
+            above.set_ylabel(name, fontsize=9)
             if below is not None:
-                below.set_ylabel("residual", fontsize=8)
+                below.set_ylabel("residual", fontsize=9)
         if k + columns >= len(nights):
-            (above if below is None else below).set_xlabel("hours from the date", fontsize=8)
+            (above if below is None else below).set_xlabel("hours from the date", fontsize=9)
         cells[row, column].align_ylabels()
     for k in range(len(nights), rows * columns):
         cells[divmod(k, columns)].set_visible(False)
@@ -192,8 +192,8 @@ def of_fit(found: Solution | Refinement, path: FilePath | None = None) -> Any:
 
 def of_states(found: SpinStates, path: FilePath | None = None) -> Any:
     """The best fit, residuals by session, both folds, a map of chi-squared, periods and poles."""
-    figure = plots.new_figure((12.0, 8.0))
-    axes = figure.subplots(2, 3)
+    figure = plots.new_figure((9.0, 10.5))
+    axes = figure.subplots(3, 2).T
     best = found[0]
     _fit(axes[0, 0], axes[1, 0], best)
     _folded(axes[0, 1], best, 0)
@@ -217,10 +217,10 @@ def of_states(found: SpinStates, path: FilePath | None = None) -> Any:
     places = free_places([tuple(np.degrees(each.pole).tolist()) for each in found])
     for each, place in zip(found, places, strict=True):
         if place is not None:
-            axes[1, 2].text(*place, str(each.rank), fontsize=8, ha="center", va="center")
+            axes[1, 2].text(*place, str(each.rank), fontsize=9, ha="center", va="center")
     for mode, mark in (("LAM", "o"), ("SAM or PA", "s")):
         axes[0, 2].plot([], [], mark, mfc="none", color=_MODEL, label=mode)
-    axes[0, 2].legend(fontsize=7, loc="upper right")
+    axes[0, 2].legend(fontsize=9, loc="upper right")
     figure.suptitle(f"{found.verdict}: {repr(best)[1:-1]}", fontsize=9)
     return _saved(figure, path)
 
@@ -282,7 +282,7 @@ def _fit(above: Any, below: Any, solution: Solution | Refinement) -> None:
     above.plot(days, shown - solution.residuals, "x", color=_MODEL, label="computed", ms=4)
     above.invert_yaxis()
     above.set_ylabel("reduced magnitude")
-    above.legend(fontsize=8, loc="upper right")
+    above.legend(fontsize=9, loc="upper right")
     averaged = len(solution.curve) != len(days)
     session = np.zeros(len(days), np.int64) if averaged else solution.curve.session
     for number in np.unique(session):

@@ -237,8 +237,8 @@ class Posterior:
         """A corner figure of the first solution's parameters; saved if a path is given."""
         from attitude import plots
 
-        figure = plots.new_figure((12.0, 12.0))
-        axes = figure.subplots(8, 8)
+        figure = plots.new_figure((9.0, 9.0))
+        axes = figure.subplots(8, 8, sharex="col")
         own = self.offsets[self.solution == 0]
         for row in range(8):
             for column in range(8):
@@ -250,8 +250,10 @@ class Posterior:
                 else:
                     here.plot(own[:, column], own[:, row], ",", color="#0072b2")
                 if row == 7:
-                    here.set_xlabel(NAMES[column], fontsize=8)
-                here.tick_params(labelsize=5)
+                    here.set_xlabel(NAMES[column], fontsize=9)
+                here.locator_params(nbins=2)
+                here.tick_params(labelsize=9, labelleft=column == 0 < row)
+                here.tick_params("x", rotation=60)
         if path is not None:
             figure.savefig(path, dpi=130)
         return figure

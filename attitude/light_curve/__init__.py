@@ -1,5 +1,7 @@
 """Brightness of a body from the directions of the Sun and the observer in its own axes.
 
+A `Scene` with a shape and a law calls it: ``Scene(..., shape=..., law=...).at(times).magnitude``.
+
 Functions take and return arrays; motion, ephemerides and time belong to `scene`.  Brightness is in
 m2/sr, the intensity that the body sends to the observer over the Sun's irradiance on it; a flat
 white Lambert disc of radius R, face on, has R^2.

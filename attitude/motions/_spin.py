@@ -182,6 +182,11 @@ class Spin(Valued):
         return cls(epoch, quaternion.from_matrix(matrix), angular_velocity, frame)
 
     @classmethod
+    @arguments(
+        dict.fromkeys(("euler", "euler_angles"), "give angles="),
+        'Spin.from_euler(epoch="2026-01-01", sequence="ZXZ", angles=(0.1, 0.2, 0.3), '
+        "angular_velocity=(0.1, 1.5, 0.1))",
+    )
     def from_euler(
         cls,
         *,

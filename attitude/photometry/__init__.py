@@ -1,5 +1,14 @@
 """Photometry of a tumbling body: files, reduction, periods.
 
+How to use it::
+
+    from attitude import paths, photometry
+
+    curve = photometry.LightCurve.read("curve.csv")  # or ALCDEF, ADES, MPC, DAMIT, ECSV
+    curve = curve.reduced(paths.mpc_orbit(line), g=0.15)  # light time, distances, phase function
+    found = photometry.periods(curve, count=2, min_period="2 h", max_period="40 h")
+    photometry.fold(curve, found[0].periods, order=2).plot("folded.png")
+
 _curve         `LightCurve`: brightness at epochs with errors, sessions, sites and geometry; the
                reduction to 1 au; CSV with named columns
 _files         photometry in files of any known format; `BadRow`

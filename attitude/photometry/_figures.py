@@ -26,7 +26,7 @@ _POINTS = 20_000
 
 def of_light_curve(data: LightCurve, path: FilePath | None = None) -> Any:
     """Brightness against time, a colour a filter."""
-    figure = plots.new_figure((10.0, 5.0))
+    figure = plots.new_figure((9.0, 5.0))
     axes = figure.subplots()
     days = data.seconds / _DAY
     for number, name in enumerate(data.filters):
@@ -40,7 +40,7 @@ def of_light_curve(data: LightCurve, path: FilePath | None = None) -> Any:
     axes.set_xlabel(f"days from {data.epoch.utc_iso[:19]} UTC")
     axes.set_ylabel(_brightness(data.is_flux, data.unit_distances))
     if any(data.filters):
-        axes.legend(title="filter", fontsize=8)
+        axes.legend(title="filter", fontsize=9)
     axes.set_title(repr(data)[1:-1], fontsize=9)
     return _saved(figure, path)
 
@@ -52,7 +52,7 @@ def of_periods(found: Periods, path: FilePath | None = None) -> Any:
 
 def _of_one(found: Periods, path: FilePath | None = None) -> Any:
     """Power with its peaks, the spectral window, and the curve folded with the best period."""
-    figure = plots.new_figure((11.0, 8.0))
+    figure = plots.new_figure((9.0, 8.0))
     parts: Any = figure.subfigures(2, 1, height_ratios=(3, 2))
     above, below = parts
     axes = above.subplots()
@@ -72,7 +72,7 @@ def _of_one(found: Periods, path: FilePath | None = None) -> Any:
     axes.set_xlabel("frequency, 1/d")
     name = "1 - theta" if found.method == "pdm" else f"share of variance, order {found.order}"
     axes.set_ylabel(name)
-    axes.legend(fontsize=8, loc="upper right")
+    axes.legend(fontsize=9, loc="upper right")
     left, right = below.subplots(1, 2)
     _window(left, found)
     folded = found.fold()
@@ -83,12 +83,12 @@ def _of_one(found: Periods, path: FilePath | None = None) -> Any:
 def of_folded(folded: Folded, path: FilePath | None = None) -> Any:
     """Folded points with the series, and residuals against time."""
     count = len(folded.periods)
-    figure = plots.new_figure((10.0, 4.0 * count + 2.5))
+    figure = plots.new_figure((9.0, 4.0 * count + 2.5))
     axes = figure.subplots(count + 1, 1, height_ratios=[2.0] * count + [1.0], squeeze=False)[:, 0]
     for k in range(count):
         _folded(axes[k], folded, k)
     if folded.samples.curves <= _COLOURS and len(folded.samples.names) > 1:
-        axes[0].legend(fontsize=7, loc="upper right")
+        axes[0].legend(fontsize=9, loc="upper right")
     days = (folded.samples.t - folded.samples.t.min()) / _DAY
     axes[-1].plot(days, folded.residuals, ".", color=_DATA, ms=3)
     axes[-1].axhline(0.0, color=_OTHER, lw=0.8)
@@ -101,7 +101,7 @@ def of_folded(folded: Folded, path: FilePath | None = None) -> Any:
 
 def _of_two(found: Periods, path: FilePath | None = None) -> Any:
     """Chi-squared over both frequencies, the lines of the best pair, and both folded curves."""
-    figure = plots.new_figure((12.0, 9.0))
+    figure = plots.new_figure((9.0, 8.5))
     axes = figure.subplots(2, 2)
     plane, spectrum = axes[0]
     assert found.edges is not None and found.map is not None
@@ -122,7 +122,7 @@ def _of_two(found: Periods, path: FilePath | None = None) -> Any:
         x = line.frequency * _DAY
         spectrum.plot([x, x], [0.0, amplitude], color=_DATA)
         if amplitude > 0.15 * lines[0][1]:
-            spectrum.annotate(f"{line.i},{line.j}", (x, amplitude), fontsize=8, ha="center")
+            spectrum.annotate(f"{line.i},{line.j}", (x, amplitude), fontsize=9, ha="center")
     spectrum.set_ylim(0.0, None)
     spectrum.set_xlabel("frequency of the line i f2 + j f1, 1/d")
     spectrum.set_ylabel("amplitude")
@@ -138,7 +138,7 @@ def _window(axes: Any, found: Periods) -> None:
     axes.plot(found.window.frequency * _DAY, found.window.power, color=_OTHER, lw=0.7)
     for line in found.window.lines:
         axes.annotate(
-            f"{line.frequency * _DAY:.4g}", (line.frequency * _DAY, line.power), fontsize=7
+            f"{line.frequency * _DAY:.4g}", (line.frequency * _DAY, line.power), fontsize=9
         )
     axes.set_xlabel("frequency, 1/d")
     axes.set_ylabel("spectral window")

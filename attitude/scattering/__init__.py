@@ -14,8 +14,10 @@ _materials   a diffuse part and a glossy lobe, for all facets or by name
 
 from importlib import import_module
 from pkgutil import iter_modules
+from typing import TYPE_CHECKING
 
 from attitude._compilation.decorators import reduction_subroutine
+from attitude._support.synonyms import of_module
 from attitude.scattering._hapke import Hapke
 from attitude.scattering._law import Law, NumberField, forget, law, laws, parameter
 from attitude.scattering._materials import Material, Materials
@@ -42,3 +44,7 @@ __all__ = [
 # Defining a law registers its name: every module is imported, that of a new law too.
 for _each in iter_modules(__path__, f"{__name__}."):
     import_module(_each.name)
+
+if not TYPE_CHECKING:
+    # Hidden from type checkers: a module with __getattr__ has every name, misspelt ones too.
+    __getattr__ = of_module(__name__)

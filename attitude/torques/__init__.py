@@ -1,5 +1,15 @@
 """Torques on a body, and motions with torques or instantaneous changes.
 
+How to use it::
+
+    from attitude import paths
+    from attitude.splitting import TorquedRotation
+    from attitude.torques import GravityGradient
+
+    tides = GravityGradient(paths.oem("encounter.oem"), "earth")
+    motion = TorquedRotation(free.body, free.spin, tides, step=60.0)
+    motion.at("2029-04-14")
+
 _torque             `Torque`, the contract; `ConstantTorque`, `LinearDamping`, `CustomTorque`,
                     `InternalDissipation`, `InertiaHistory`
 _gravity_gradient   `GravityGradient`

@@ -160,6 +160,14 @@ class Impulse(Change):
     angular_momentum: FloatArray | MomentumFunction
     frame: str = "body"
 
+    @arguments(
+        dict.fromkeys(("t", "time", "epoch"), "use at=")
+        | dict.fromkeys(
+            ("torque", "delta_h", "momentum", "impulse"),
+            "use angular_momentum=, kg m2/s: torque times duration",
+        ),
+        "Impulse(at=60.0, angular_momentum=(0, 0, -13))",
+    )
     def __init__(
         self,
         at: EpochOrSeconds | Trigger,

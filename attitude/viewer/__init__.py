@@ -1,5 +1,14 @@
 """Motions as pictures that move: a page with three.js, animations, and files for other viewers.
 
+How to use it::
+
+    from attitude import catalog
+    from attitude.viewer import animate, view
+
+    motion = catalog.entry("toutatis").motion()
+    view(motion, output="toutatis.html")  # a page without a network, to turn by hand
+    animate(motion, "toutatis.webp")
+
 _page           `view`, `Viewer`: one HTML file without a network; its scripts are in page/
 _animation      `animate`: MP4, GIF, WebP
 _czml           `write_czml`: Cesium

@@ -135,7 +135,7 @@ class _Picture:
         above = figure.add_subplot(grid[0])
         above.set(xlim=(-1.5, 1.5), ylim=(-1.5, 1.5), aspect="equal", facecolor=_GROUND)
         above.set_axis_off()
-        above.set_title(what.title, color=_TEXT, fontsize=10)
+        above.set_title(what.title, color=_TEXT, fontsize=11)
         line = None if curve is None else _axes_of(figure.add_subplot(grid[1]), curve)
         toward = _toward(what, "observer", times)
         sun = _toward(what, "sun", times)
@@ -144,7 +144,7 @@ class _Picture:
         lit = np.ones(count) if shade is None else np.interp(times, shade.times, shade.lit)
         history = what.at(times)
         arrows = [_arrow(above, *each) for each in (*_AXES, _MOMENTUM)]
-        clock = figure.text(0.02, 0.94, "", color=_TEXT, fontsize=8, family="monospace", va="top")
+        clock = figure.text(0.02, 0.94, "", color=_TEXT, fontsize=10, family="monospace", va="top")
         short = what.duration < _SHORT
         utc = [each.replace("T", " ")[: 19 if short else 16] for each in what.utc(times)]
         facets = _empty(above)
@@ -198,7 +198,7 @@ class _Picture:
 def _arrow(axes: Any, length: float, color: str, name: str) -> tuple[Any, Any]:
     """A line from the centre and the label at its end."""
     line = axes.plot([], [], color=color, linewidth=1.2)[0]
-    return line, axes.text(0, 0, name, color=color, fontsize=8, ha="center", va="center")
+    return line, axes.text(0, 0, name, color=color, fontsize=10, ha="center", va="center")
 
 
 def _momenta(what: Subject, history: AttitudeHistory) -> FloatArray:
@@ -228,9 +228,9 @@ def _axes_of(axes: Any, curve: dict[str, Any]) -> Any:
     edge = 0.05 * (high - low) + 1e-3
     axes.set(xlim=(0.0, curve["times"][-1] / unit), ylim=(high + edge, low - edge))
     axes.set_facecolor(_GROUND)
-    axes.tick_params(colors=_TEXT, labelsize=7)
-    axes.set_xlabel(name, color=_TEXT, fontsize=8)
-    axes.set_ylabel(curve["label"], color=_TEXT, fontsize=8)
+    axes.tick_params(colors=_TEXT, labelsize=10)
+    axes.set_xlabel(name, color=_TEXT, fontsize=10)
+    axes.set_ylabel(curve["label"], color=_TEXT, fontsize=10)
     for side in axes.spines.values():
         side.set_color("#2b3140")
     return axes.plot([], [], color=_LINE, linewidth=1.2)[0]

@@ -16,7 +16,7 @@ import pytest
 import attitude
 from attitude import Body, FreeRotation, Spin, cli, epochs
 from attitude.cli import _options, _output
-from attitude.formats import _ccsds_epochs, spin_file
+from attitude.formats import _ccsds_epochs, detect, spin_file
 from attitude.motions import _description
 from tests.support.places import ROOT
 
@@ -535,3 +535,43 @@ def test_describe_says_which_numbers_were_given(attitude_command):
     assert code == 0
     first = out.splitlines()[0]
     assert first == "99942 Apophis (2022), with --P-psi, --phi0, --psi0, --epoch as given here"
+
+
+# dates of files -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("density", [("--step", "20 min"), ("--tolerance", "1e-5")])
+@pytest.mark.parametrize("start", ["2026-03-01T00:00:00", "2026-03-01T00:00:00.25"])
+def test_a_file_starts_and_stops_at_the_dates_given(density, start, tmp_path, attitude_command):
+    """Steps are seconds of UTC, the scale of the start: no 00.000000000005, no 46.999999306408."""
+    file = tmp_path / "a.aem"
+    stop = start.replace("T00", "T01")
+    words = "convert", PAPER, file, "--start", start, "--stop", stop, *density
+    assert attitude_command(*words)[0] == 0
+    text = file.read_text()
+    for name, date in (("START_TIME", start), ("STOP_TIME", stop)):
+        written = re.search(rf"^{name} = (\S+)$", text, re.M).group(1)
+        assert re.fullmatch(re.escape(date) + r"(\.?0*)", written), written
+    rows = re.findall(r"^(\d{4}-\d\d-\d\dT\S+) [-\d]", text, re.M)
+    assert rows[0].startswith(start) and rows[-1].startswith(stop)
+
+
+@pytest.mark.parametrize("scale", ["TDB", ""])
+def test_dates_of_a_file_return_the_same_doubles(scale, tmp_path, attitude_command):
+    """Equal steps in the scale of the start, to 1e-11 s through text and back."""
+    file = tmp_path / "a.aem"
+    first, last = (f"2026-03-01T0{hour}:00:00 {scale}".strip() for hour in (0, 1))
+    words = "convert", PAPER, file, "--start", first, "--stop", last, "--step", "7.3 s"
+    assert attitude_command(*words)[0] == 0
+    table = detect.read(file)
+    begin = epochs.instant(first)
+    offset = (begin.seconds - table.epoch.seconds) + (begin.low - table.epoch.low)
+    seconds = (table.seconds - offset) + table.low
+    assert len(seconds) == 494
+    # A day of TDB differs from one of UTC by 3e-5 s at most: 4e-10 of a span.
+    expected = 7.3 * np.arange(494)
+    bound = 2e-12 if scale == "TDB" else 5e-10 * 3600.0
+    assert np.max(np.abs(seconds - expected)) < bound
+    if scale == "":
+        dates = re.findall(r"^(\d{4}-\d\d-\d\dT\S+) [-\d]", file.read_text(), re.M)
+        assert dates[1].startswith("2026-03-01T00:00:07.3") and dates[1].endswith(("7.3", "00"))

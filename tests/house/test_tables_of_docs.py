@@ -105,3 +105,42 @@ def test_a_table_that_no_page_shows_is_an_error(monkeypatch):
     monkeypatch.setattr(tables.importlib, "import_module", lambda name: Script)
     with pytest.raises(ValueError, match="two"):
         tables.run_here("script", quick=True)
+
+
+# Pages show pictures at most 720 px wide: letters of N points in a figure N inches wide are 10 px.
+_WIDEST = 9.0  # inches
+_SMALLEST = 9.0  # points
+_LEFT_OUT = {"make_first_screen.py"}  # thumbnails without letters, shown pixel by pixel
+
+
+def _drawn_sizes(file):
+    """(line, "width" or "letters", value) of the sizes that a source gives as numbers."""
+    for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+        if not isinstance(node, ast.Call):
+            continue
+        named = {each.arg: each.value for each in node.keywords}
+        first = node.args[0] if node.args else None
+        called = getattr(node.func, "attr", getattr(node.func, "id", ""))
+        size = named.get("figsize", first if called == "new_figure" else None)
+        if isinstance(size, ast.Tuple) and isinstance(size.elts[0], ast.Constant):
+            yield node.lineno, "width", size.elts[0].value
+        for name in ("fontsize", "labelsize"):
+            if name in named:
+                value = named[name]
+                yield node.lineno, "letters", getattr(value, "value", "not a number")
+
+
+def test_letters_of_pictures_can_be_read_where_they_are_shown():
+    folders = ("attitude", "examples", "benchmarks", "docs")
+    files = [file for name in folders for file in sorted((ROOT / name).rglob("*.py"))]
+    wrong, count = [], 0
+    for file in files:
+        if "_build" in file.parts or file.name in _LEFT_OUT:
+            continue
+        for line, what, value in _drawn_sizes(file):
+            count += 1
+            readable = value <= _WIDEST if what == "width" else value >= _SMALLEST
+            if not readable:
+                wrong.append(f"{file.relative_to(ROOT)}:{line}: {what} {value}")
+    assert count > 50
+    assert not wrong, wrong

@@ -40,6 +40,15 @@ def measured(moments, omega, turns=20):
     return Fraction(last - first, turns * _UNIT), _turn(moments, before, after)
 
 
+def state(moments, omega, t):
+    """Quaternion, 1 at the start, and rates after t > 0 seconds: seven Fractions."""
+    wanted = int(Fraction(t) * _UNIT)
+    for start, length, w, q in _steps(moments, omega):
+        if wanted <= start + length:
+            return [Fraction(_value(each, wanted - start), _UNIT) for each in (*q, *w)]
+    raise AssertionError("steps go on for ever")
+
+
 def _steps(moments, omega):
     """For ever: start, length, series of three rates and four components of the quaternion."""
     i = [Fraction(each) for each in moments]

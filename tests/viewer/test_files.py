@@ -212,3 +212,15 @@ def test_the_command_writes_them(tmp_path):
         out = tmp_path / "t.glb"
         assert cli.main(["view", "toutatis", "--output", str(out), "--stop", "2 d"]) == 0
         assert out.read_bytes()[:4] == b"glTF"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ending", ["webp", "gif", "mp4"])
+def test_an_animation_of_the_default_size_is_below_two_megabytes(ending, tmp_path):
+    """Toutatis with axes, momentum, clock and light curve, as `attitude view` draws it."""
+    if ending == "mp4" and shutil.which("ffmpeg") is None:
+        pytest.skip("ffmpeg is not installed")
+    pytest.importorskip("PIL.Image", reason="Pillow is not installed")
+    path = tmp_path / f"t.{ending}"
+    assert cli.main(["view", "toutatis", "--animate", str(path)]) == 0
+    assert 50_000 < path.stat().st_size < 2_000_000
