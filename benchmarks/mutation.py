@@ -4,22 +4,25 @@ python benchmarks/mutation.py                     all modules of MODULES
 python benchmarks/mutation.py twofloat elliptic   some of them
 python benchmarks/mutation.py --list series       the changes, without running them
 python benchmarks/mutation.py --table             the table of docs/accuracy.md
+python benchmarks/mutation.py --log FILE          append each result to FILE; what it has is not
+                                                  run again: a run that was stopped goes on
+python benchmarks/mutation.py --workers 4         processes; 2 if not said
 
 Constants and operators are changed one by one.  Each change is imported in a process of its own,
 not compiled, and runs the checks of `tests/support/battery.py` until one fails: then the change
 is killed.  `tests/data/equivalent_changes.toml` has the reason why each of the others changes
-nothing that can be observed.
+nothing that can be observed.  Of the modules of derivatives a random sample is run.
 """
 
 from __future__ import annotations
 
 import ast
 import copy
+import hashlib
 import importlib.util
 import json
 import os
 import resource
-import shutil
 import signal
 import subprocess
 import sys
@@ -29,6 +32,7 @@ import tomllib
 from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
+from random import Random
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
@@ -38,7 +42,8 @@ from benchmarks.doc_tables import Table, markdown
 MAKES = ("mutation",)
 EQUIVALENT = ROOT / "tests" / "data" / "equivalent_changes.toml"
 
-# The chain from a state to its attitudes, pairs of doubles, quaternions and elliptic functions.
+# The chain from a state to its attitudes, pairs of doubles, quaternions and elliptic functions,
+# axes of tensors, and periods.
 MODULES = {
     "twofloat": "attitude._solver.twofloat",
     "pairs": "attitude._support.pairs",
@@ -49,9 +54,23 @@ MODULES = {
     "quaternion": "attitude.frames.quaternion",
     "jacobi": "attitude.jacobi._jacobi",
     "steps": "attitude.jacobi._steps",
+    "principal_axes": "attitude._solver.principal_axes",
+    "regimes": "attitude._solver.regimes",
+    "regime": "attitude._solver.regime",
 }
-# Seconds of processor after which a change counts as killed: a loop without end.
-PATIENCE = 15
+# Derivatives of attitudes.  Their checks take ten seconds where they pass: of all changes of these
+# modules together SAMPLE are run, drawn by `random.Random(SEED)`.
+SAMPLED = {
+    name: f"attitude._solver.{name}"
+    for name in (
+        *("derivatives", "tangents", "uniform_tangents", "short_times", "columns"),
+        *("sensitivity", "sensitivities"),
+    )
+}
+SAMPLE, SEED = 400, 38
+# Seconds of processor after which a change counts as killed: a loop without end.  The checks of
+# derivatives take a fourth of theirs where they pass.
+PATIENCE, PATIENCE_OF_DERIVATIVES = 15, 60
 
 _OPERATORS = {
     ast.Add: (ast.Sub,),
@@ -237,9 +256,17 @@ def _named(statement, change):
     return f"{left}[{before[first : ends[0]]}|{after[first : ends[1]]}]{right}"
 
 
+def _name_of(module):
+    return {**MODULES, **SAMPLED}[module]
+
+
+def _file_of(module):
+    return _name_of(module).replace(".", "/")
+
+
 def changes_of(module):
     """All changes of a module, in the order of its source."""
-    path = ROOT / (MODULES[module].replace(".", "/") + ".py")
+    path = ROOT / f"{_file_of(module)}.py"
     tree = ast.parse(path.read_text(encoding="utf-8"))
     sites = _Sites()
     sites.visit(tree)
@@ -253,6 +280,14 @@ def changes_of(module):
             name += f" ({names[name]})"
         changes.append(Change(module, name, tree, node, change))
     return changes
+
+
+def chosen_changes(modules):
+    """All changes of modules, and of those of SAMPLED the ones that are drawn."""
+    chosen = [change for name in modules if name in MODULES for change in changes_of(name)]
+    pool = [change for name in SAMPLED for change in changes_of(name)]
+    drawn = {change.name for change in Random(SEED).sample(pool, SAMPLE)}
+    return chosen + [x for x in pool if x.name in drawn and x.module in modules]
 
 
 # ---- Running a change
@@ -290,24 +325,37 @@ _FIRST = {
     "quaternion": ("quaternions", "units", "forms_of_attitudes"),
     "jacobi": ("jacobi",),
     "steps": ("steps",),
+    "principal_axes": ("wide_numbers", "principal_axes", "diagonal_tensors"),
+    "regimes": ("cycles", "uniform_regimes", "periods"),
+    "regime": ("blocks_of_regimes", "uniform_regimes", "periods"),
 }
+
+
+def _checks_for(module, names):
+    """The names of the checks of a change, in order: those of derivatives, or all others."""
+    from tests.support.battery import OF_DERIVATIVES
+
+    if module in SAMPLED:
+        return OF_DERIVATIVES
+    first = _FIRST[module]
+    return [*first, *(x for x in names if x not in first and x not in OF_DERIVATIVES)]
 
 
 def _run(change, truths, out):
     """In a process of its own: import the change, run the checks; write what kills it."""
-    limit = int(time.process_time()) + PATIENCE
+    patience = PATIENCE_OF_DERIVATIVES if change.module in SAMPLED else PATIENCE
+    limit = int(time.process_time()) + patience
     resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 1))
-    signal.alarm(20 * PATIENCE)
+    signal.alarm(20 * patience)
     os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
     check = "import"
     try:
         change.node.is_changed = True
         tree = ast.fix_missing_locations(_Replaced(change.change).visit(change.tree))
-        sys.meta_path.insert(0, _Finder(MODULES[change.module], tree))
+        sys.meta_path.insert(0, _Finder(_name_of(change.module), tree))
         from tests.support import battery
 
-        first = _FIRST[change.module]
-        for check in [*first, *(name for name in battery.CHECKS if name not in first)]:
+        for check in _checks_for(change.module, battery.CHECKS):
             battery.CHECKS[check](truths)
     except BaseException as err:
         os.write(out, f"{check}: {type(err).__name__}".encode())
@@ -326,6 +374,8 @@ def _outcome(change, truths):
     with os.fdopen(source) as stream:
         text = stream.read()
     code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    if code in (-signal.SIGTERM, -signal.SIGINT, -signal.SIGHUP):
+        os._exit(1)  # the run is stopped: that says nothing of the change
     return "" if code == 0 else text or "no end"
 
 
@@ -335,30 +385,59 @@ def _forget():
         del sys.modules[name]
 
 
-def outcomes(changes, workers=2):
-    """Name -> what killed it, or "" for what survived; in processes that fork for each change."""
+def _digest():
+    """A number of the sources of the package and of its checks."""
+    files = [*(ROOT / "attitude").rglob("*.py"), *(ROOT / "tests" / "support").glob("*.py")]
+    return hashlib.sha256(b"".join(file.read_bytes() for file in sorted(files))).hexdigest()
+
+
+def _logged(log):
+    """The results of a file, which begins with the number of the sources; made if it is not."""
+    digest = _digest()
+    lines = log.read_text().splitlines() if log.exists() else []
+    if not lines:
+        log.write_text(f"{digest}\n")
+    elif lines[0] != digest:
+        sys.exit(f"{log} is of other sources of the package or of its checks; name another file.")
+    # the last line of a run that was stopped may be half a line
+    whole = [line for line in lines[1:] if line.endswith("]")]
+    if len(whole) < len(lines) - 1:
+        log.write_text("\n".join([digest, *whole]) + "\n")
+    return dict(map(json.loads, whole))
+
+
+def outcomes(changes, log, workers=2):
+    """Name -> what killed it, or "" for what survived; in processes that fork for each change.
+
+    Each result is appended to the file `log`; what it has already is not run again.
+    """
+    found = _logged(log)
+    left = [change for change in changes if change.name not in found]
+    if left:
+        _run_all(left, log, workers, bool(found))
+    found = _logged(log)
+    return {change.name: found[change.name] for change in changes}
+
+
+def _run_all(changes, log, workers, goes_on):
     os.environ["ATTITUDE_COMPILE"] = "never"  # before the package is imported
     from tests.support import battery
 
     truths = battery.truths()
-    for check in battery.CHECKS.values():
-        check(truths)  # unchanged, all pass
+    if not goes_on:
+        for check in battery.CHECKS.values():
+            check(truths)  # unchanged, all pass
     _forget()
-    folder = Path(tempfile.mkdtemp())
     for worker in range(workers):
         if os.fork() == 0:
-            with (folder / str(worker)).open("w") as stream:
+            with log.open("a") as stream:
                 for change in changes[worker::workers]:
-                    print(json.dumps([change.name, _outcome(change, truths)]), file=stream)
+                    line = json.dumps([change.name, _outcome(change, truths)])
+                    stream.write(f"{line}\n")  # in one piece
                     stream.flush()
             os._exit(0)
     for _ in range(workers):
         os.wait()
-    lines = [line for file in folder.iterdir() for line in file.read_text().splitlines()]
-    shutil.rmtree(folder)
-    found = dict(json.loads(line) for line in lines)
-    assert found.keys() == {change.name for change in changes}
-    return found
 
 
 def equivalent():
@@ -399,28 +478,44 @@ def tables(quick):
 def _table(rows):
     """Changes of each module in Markdown."""
     cells = [
-        (f"`{MODULES[name].replace('.', '/')}.py`", count, killed, same, len(left))
+        (f"`{_file_of(name)}.py`", count, killed, same, len(left))
         for name, (count, killed, same, left) in rows.items()
     ]
     cells.append(("in all", *(sum(row[k] for row in cells) for k in range(1, 5))))
-    header = ("module", "changes", "killed", "equivalent", "others left")
+    cells = [(*row, f"{100.0 * row[2] / (row[1] - row[3]):.1f} %") for row in cells]
+    pools = {_file_of(name): len(changes_of(name)) for name in rows if name in SAMPLED}
+    cells = [
+        (name, f"{count} of {pools[name[1:-4]]}" if name[1:-4] in pools else count, *others)
+        for name, count, *others in cells
+    ]
+    header = ("module", "changes", "killed", "equivalent", "others left", "killed of the others")
     of_all, of_others = shares(rows)
     killed = f"{of_all:.1f} % of all changes, {of_others:.1f} % of those that are not equivalent"
     rows = [tuple(map(str, row)) for row in cells]
-    return f"{markdown(header, rows)}\n\nKilled are {killed}.\n"
+    sample = f"of the modules of derivatives, {SAMPLE} changes drawn with the seed {SEED}"
+    day = time.strftime("%Y-%m-%d")
+    return f"{markdown(header, rows)}\n\nKilled are {killed}; {sample}; run of {day}.\n"
 
 
 def main(arguments):
     """Print what survives; the exit code is 1 below 98 % of those that are not equivalent, for
     survivors without a reason, and for reasons of what is killed.
     """
-    names = [x for x in arguments if not x.startswith("-")] or list(MODULES)
-    changes = [change for name in names for change in changes_of(name)]
+    arguments, log = list(arguments), Path(tempfile.mkdtemp()) / "log"
+    workers = 2
+    if "--log" in arguments:
+        place = arguments.index("--log")
+        _, log = arguments.pop(place), Path(arguments.pop(place))
+    if "--workers" in arguments:
+        place = arguments.index("--workers")
+        _, workers = arguments.pop(place), int(arguments.pop(place))
+    names = [x for x in arguments if not x.startswith("-")] or [*MODULES, *SAMPLED]
+    changes = chosen_changes(names)
     if "--list" in arguments:
         print(*(change.name for change in changes), sep="\n")
         return 0
     start = time.perf_counter()
-    found = outcomes(changes)
+    found = outcomes(changes, log, workers)
     rows = summary(found)
     if "--table" in arguments:
         print(_table(rows), end="")

@@ -472,15 +472,16 @@ def _over_axes_all(words, omega, rates, differences):
     for n in range(len(omega)):
         w = words[n if len(words) > 1 else 0]
         x, y, z = omega[n, 0], omega[n, 1], omega[n, 2]
-        largest = largest_of(x, y, z)
+        # each by itself: the largest of 1 and NaN is 1
+        finite = abs(x) < math.inf and abs(y) < math.inf and abs(z) < math.inf
         given = length_of(load(w, COLUMNS)) + length_of(load(w, COLUMNS + 1)) == 0
         given = given and length_of(load(w, COLUMNS + 2)) == 0
-        if given or not largest < math.inf:
+        if given or not finite:
             for k in range(3):
                 rates[n, k, 0], rates[n, k, 1] = omega[n, k], 0.0
                 differences[n, k, 0] = differences[n, k, 1] = math.nan
         else:
-            exponent = math.frexp(largest)[1]
+            exponent = math.frexp(largest_of(x, y, z))[1]
             p, q, r = (
                 integer_of(x, exponent),
                 integer_of(y, exponent),

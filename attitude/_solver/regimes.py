@@ -17,7 +17,7 @@ from attitude._compilation.decorators import sized_entry_point, subroutine
 from attitude._solver import codes
 from attitude._solver.constants import jacobi
 from attitude._solver.elliptic import complete_and_phase
-from attitude._solver.twofloat import HALF_PI, ONE, ZERO, absolute, less, pair, sqrt, sub
+from attitude._solver.twofloat import HALF_PI, ONE, ZERO, absolute, less, pair, sqrt, sub, two_sum
 
 # Rates are in turns per second, angles in rad, speeds in rad/s, times in s.
 REGIME: np.dtype[np.void] = np.dtype(
@@ -193,7 +193,7 @@ def _tumbling(c, o):
     momentum = math.ldexp(momentum, c.tempo)
     rate1, rate2, rate3 = momentum / i1, momentum / i2, momentum / i3
     # Both ends of the other extreme axis come as near; on the separatrix it stops halfway.
-    low = 0.5 * math.pi - least
+    low = math.atan2(math.sqrt(i3 * d1), math.sqrt(i1 * d3))
     high = 0.5 * math.pi if separatrix else 0.5 * math.pi + least
     if long_axis:
         o.phi_rate_long, o.phi_rate_short = circulating, other
@@ -246,7 +246,7 @@ def mean_speeds(regimes, out):
         size = max(s0, s1)
         p, q = (s0 / size) ** 2, (s1 / size) ** 2
         count = int((2.0 * _TAIL - 0.5 * math.log(mc)) / _STEP)
-        total = weights = 0.0
+        total = weights = lost = lost_weights = 0.0
         for k in range(count + 1):
             x = -_TAIL + k * _STEP
             if x < 0.0:
@@ -259,9 +259,12 @@ def mean_speeds(regimes, out):
                 square = t * t
                 weight = t / (math.sqrt(1.0 + square) * math.sqrt(square + mc))
                 value = (p * square + q) / (1.0 + square)
-            total += weight * math.sqrt(value)
-            weights += weight
-        out[b] = size * total / weights
+            # hundreds of terms of one size: what their sums lose is added in the end
+            total, error = two_sum(total, weight * math.sqrt(value))
+            lost += error
+            weights, error = two_sum(weights, weight)
+            lost_weights += error
+        out[b] = size * (total + lost) / (weights + lost_weights)
 
 
 # ---- The dynamic inertia D = L^2/2E of given periods, between the separatrix and an axis
@@ -296,8 +299,7 @@ def cycle(a, b, c, long_axis, y, rest):
     where R_J/3 = cel(kc, 1+nu, 0, 1).
     """
     if long_axis:
-        bd = (b - a) * y
-        d, da, cd = b - bd, (b - a) * rest, (c - b) + bd
+        d, cd = a + (b - a) * rest, (c - b) + (b - a) * y
         mc = (c - a) * y / cd
         slope = ((b - a) / a) * (cd / b) / (c * d)
         nu = (a / c) * ((c - b) / (b - a))

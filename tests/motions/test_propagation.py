@@ -341,3 +341,20 @@ def test_threads_and_blocks_change_no_bit():
 def test_tensors_and_threads_that_are_refused(given, sentence):
     with pytest.raises(AttitudeError, match=sentence):
         propagate(given.pop("moments"), (1, 0, 0, 0), (1, 2, 3), [0.0, 1.0], **given)
+
+
+@pytest.mark.parametrize("place", range(3))
+@pytest.mark.parametrize("bad", [math.nan, math.inf])
+def test_rates_of_a_tensor_that_are_no_numbers_are_refused(place, bad):
+    """Each component by itself, in Python and in machine code."""
+    from attitude._solver.principal_axes import PrincipalAxes
+
+    tensor = np.array([[2.0, 0.1, 0.2], [0.1, 2.5, 0.5], [0.2, 0.5, 2.9]])
+    omega = [1.0, 2.0, 3.0]
+    omega[place] = bad
+    with pytest.raises(AttitudeError, match=f"the angular velocity is .*{bad}"):
+        propagate(None, (1, 0, 0, 0), omega, [0.0], tensors=tensor)
+    many = np.tile(omega, (40, 1))  # enough for machine code
+    rates, differences = PrincipalAxes.of(tensor[None]).over_axes(many)
+    np.testing.assert_array_equal(rates[..., 0], many)
+    assert np.isnan(differences).all()

@@ -1,6 +1,7 @@
 """Checks of the solution, pairs, quaternions and elliptic functions that need no compilation.
 
-They run in a second: `benchmarks/mutation.py` runs them for each of its changes of the source, and
+They run in two seconds, those of derivatives (`battery_derivatives`) in ten:
+`benchmarks/mutation.py` runs them for each of its changes of the source, and
 `tests/solver/test_battery.py` with the other tests.  A check is a function of `Truths`, which are
 computed before by balls (`attitude.proof`) and mpmath, and are plain numbers.
 """
@@ -14,7 +15,7 @@ from types import SimpleNamespace
 import numpy as np
 from mpmath import mp, mpf
 
-from tests.support import states
+from tests.support import battery_axes, battery_derivatives, battery_periods, states
 
 U = 2.0**-53
 EPS = 2.0**-52
@@ -127,6 +128,9 @@ def truths():
     kept.rounded = [(case, t, _attitudes_of(case, t)) for case, t in _rounded()]
     _of_series(kept)
     _of_integrals(kept)
+    battery_axes.truths_of_axes(kept)
+    battery_periods.truths_of_periods(kept)
+    battery_derivatives.truths_of_derivatives(kept)
     return kept
 
 
@@ -1218,6 +1222,9 @@ def check_steps(truths):
 
 CHECKS = {
     name.removeprefix("check_"): value
-    for name, value in list(globals().items())
+    for module in (globals(), *map(vars, (battery_axes, battery_periods, battery_derivatives)))
+    for name, value in list(module.items())
     if name.startswith("check_")
 }
+# Those that see changes of derivatives only, the slow ones last.
+OF_DERIVATIVES = ("derivatives", "covariances", "many_derivatives", "streams")

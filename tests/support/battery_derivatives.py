@@ -1,0 +1,168 @@
+"""Checks of derivatives and covariances for `battery`: against differences of the oracle."""
+
+import numpy as np
+
+from tests.support.differences import PROMISE, relative, sensitivity
+
+_WXYZ = (1.0, 0.3, 0.2, -0.1)
+# Moments and rates of one motion of each kind; of those that tumble, the quick ones first.
+_STATES = (
+    ((2.0, 2.00000002, 2.00000003), (0.3, 0.5, 1.0)),
+    ((1.0, 2.0, 2.6), (1e-8, -1.0, -2e-8)),
+    ((10.0, 20.0, 26.0), (1.0, 15.0, 1.0)),
+    ((3.0, 1.0, 2.5), (-0.3, 2.0, 0.4)),
+    ((1.0, 2.0, 2.7), (0.0, 0.0, 1.0)),
+    ((1.0, 2.0, 2.7), (0.7, 0.0, 0.0)),
+    ((2.0, 2.0, 2.0), (0.3, 0.5, 1.0)),
+    ((1.0, 2.0, 2.7), (0.0, 0.0, 0.0)),
+    ((1.0, 1.005, 1e-2), (0.0, 0.0, 1.0)),
+    ((1.0, 2.0, 2.7), (0.0, 1.0, 0.0)),
+    ((2.0, 3.0, 3.0), (1.3, 0.4, 0.9)),
+    ((1.0, 2.0, 2.7), (1e-10, 2e-10, 1.0)),
+    ((1e-5, 1.0, 1.000004), (0.3, 0.5, -0.9)),
+)
+# Revolutions after the epoch; of the middle axis, whose derivatives grow by e, few.
+_REVOLUTIONS = (-0.02, 0.0, 0.1, 0.4, 1.3, -3.7, 1e6 + 0.7)
+
+
+def _epochs_of(moments, omega):
+    speed = max(map(abs, omega)) or 1.0
+    count = 5 if moments == (1.0, 2.0, 2.7) and omega[1] == 1.0 else len(_REVOLUTIONS)
+    return np.array(_REVOLUTIONS[:count]) * (2.0 * np.pi / speed)
+
+
+def truths_of_derivatives(kept):
+    """States, epochs, and exact derivatives (T, 3, 9) of attitudes and angular velocities."""
+    kept.derivatives = []
+    for moments, omega in _STATES:
+        times = _epochs_of(moments, omega)
+        kept.derivatives.append((moments, omega, times, sensitivity(moments, _WXYZ, omega, times)))
+
+
+def check_derivatives(truths):
+    """Derivatives by attitude, angular velocity and moments, in every form."""
+    from attitude import propagate
+
+    for moments, omega, times, (attitude, rates) in truths.derivatives:
+        given = moments, _WXYZ, omega, times
+        found = propagate(*given, angular_velocity=True, sensitivity=True)
+        for one, other in ((found[2], attitude), (found[3], rates)):
+            off = relative(one, other)
+            assert np.all(off <= PROMISE), (moments, omega, off)
+
+
+def _factor():
+    """W of a covariance W W^T of the nine parameters."""
+    random = np.random.default_rng(7)
+    return 1e-15 * (np.eye(9) + 0.3 * random.standard_normal((9, 9)))
+
+
+def check_covariances(truths):
+    """Covariances of attitude and angular velocity: sums of products of exact columns."""
+    from attitude import Body, FreeRotation, Spin
+
+    factor = _factor()
+    for k in (2, 10, 6, 8):
+        moments, omega, times, (attitude, rates) = truths.derivatives[k]
+        both = np.concatenate([attitude, rates], axis=1) @ factor
+        exact = both @ np.swapaxes(both, 1, 2)
+        size = np.sqrt(np.diagonal(exact, axis1=1, axis2=2))
+        size = np.repeat([size[:, :3].max(axis=1), size[:, 3:].max(axis=1)], 3, axis=0).T
+        spin = Spin("2026-01-01", _WXYZ, omega, covariance=factor @ factor.T)
+        motion = FreeRotation(Body(moments=moments, relative=True), spin)
+        for count, with_rates in ((7, True), (7, False), (3, False)):
+            found = motion.covariance_at(times[-count:], rates=with_rates)
+            n = 6 if with_rates else 3
+            off = np.abs(found - exact[-count:, :n, :n])
+            off /= size[-count:, :n, None] * size[-count:, None, :n]
+            assert off.max() <= 8e-15, (moments, omega, with_rates, off.max(axis=(1, 2)))
+            assert np.array_equal(found, np.swapaxes(found, 1, 2))
+
+
+def check_streams(truths):
+    """Derivatives of many epochs, stored past the caches, are those of few."""
+    from attitude import propagate
+    from attitude._solver import columns
+
+    limit = columns.STREAMED
+    moments, omega = _STATES[2]
+    times = np.arange(1, 1012) * 0.37
+    columns.STREAMED = 1
+    try:
+        many = propagate(moments, _WXYZ, omega, times, angular_velocity=True, sensitivity=True)
+    finally:
+        columns.STREAMED = limit
+    for first in (0, 236, 482, 1000):
+        some = slice(first, first + 11)
+        few = propagate(moments, _WXYZ, omega, times[some], angular_velocity=True, sensitivity=True)
+        for one, other in zip(few, many, strict=True):
+            assert np.array_equal(one, other[some]), first
+
+
+def check_many_derivatives(truths):
+    """Derivatives and covariances of several motions are those of each alone."""
+    from attitude._solver import evaluation, sensitivities
+
+    chosen = [_STATES[k] for k in (0, 2, 4, 6)]
+    count = len(chosen)
+    pairs = np.zeros((2, count, 3, 2))
+    pairs[0, ..., 0], pairs[1, ..., 0] = zip(*chosen, strict=True)
+    turns = np.array([_WXYZ, (0.5, -0.1, 0.3, 0.2)])
+    wxyz, principal = turns[np.arange(count) % 2], turns[np.arange(1, count + 1) % 2].copy()
+    principal /= np.linalg.norm(principal, axis=1, keepdims=True)
+    given = evaluation.constants_of(pairs[0], wxyz, pairs[1], principal)
+    tangents = sensitivities.tangents_of(pairs[0], wxyz, principal, given)
+    for k in (0, 2, 3):  # set up alone
+        one = slice(k, k + 1)
+        alone = sensitivities.tangents_of(pairs[0][one], wxyz[one], principal[one], given[one])
+        assert alone[0].tobytes() == tangents[k].tobytes()
+    factors = np.stack([_factor() * (k + 1.0) for k in range(count)])
+    of = sensitivities.factored(given, tangents, factors)
+    t = np.array([0.1, 1.7, -40.0])[:, None] * (1.0 + np.arange(count) % 3)
+    t = np.ascontiguousarray(t.T)
+    low = 1e-17 * t
+
+    def results(part, times, lows):
+        found = [np.full((len(given[part]), 3, 9, 3), np.nan) for _ in range(2)]
+        sensitivities.evaluate(given[part], tangents[part], times, lows, *found)
+        factors_of = sensitivities.Factored(of.factors[part], of.tangents[part])
+        found.append(np.full((len(given[part]), 6, 6, 3), np.nan))
+        sensitivities.covariances(given[part], tangents[part], factors_of, times, lows, found[2])
+        return found
+
+    together = results(slice(0, count), t, low)
+    for k in (0, 1, 3):
+        alone = results(slice(k, k + 1), t[k : k + 1], low[k : k + 1])
+        for one, many in zip(alone, together, strict=True):
+            assert np.array_equal(one[0], many[k]), chosen[k]
+    _check_runs(given, tangents, together, t)
+
+
+def _check_runs(given, tangents, together, t):
+    """Epochs of several motions in one row, and epochs beyond all doubles."""
+    from attitude import AttitudeError
+    from attitude._solver import sensitivities
+
+    count, size = len(given), t.shape[1]
+    found = [np.full((1, 3, 9, count * size), np.nan) for _ in range(2)]
+    times = t.reshape(1, -1).copy()
+    edges = size * np.arange(count + 1)
+    sensitivities.evaluate(given, tangents, times, 1e-17 * times, *found, edges=edges)
+    for one, many in zip(found, together, strict=False):
+        rows = one[0].reshape(3, 9, count, size).transpose(2, 0, 1, 3)
+        assert np.array_equal(rows, many)
+    # a NaN is one among others; an epoch beyond the reach of its motion is refused
+    times[0, 1] = np.nan
+    again = [np.full((1, 3, 9, count * size), np.nan) for _ in range(2)]
+    sensitivities.evaluate(given, tangents, times, None, *again, edges=edges)
+    for one in again:
+        assert np.isnan(one[..., 1]).all() and np.isfinite(np.delete(one, 1, axis=-1)).all()
+    for k in (0, 1, 2, 3):
+        times = t.reshape(1, -1).copy()
+        times[0, k * size] = 1e300
+        try:
+            sensitivities.evaluate(given, tangents, times, None, *again, edges=edges)
+        except AttitudeError as err:
+            assert "1e+300" in str(err) or "epoch" in str(err), err
+        else:
+            raise AssertionError(k)
