@@ -292,6 +292,16 @@ def _with_fields(argument: Any) -> Any:
     return argument
 
 
+def named(loop: Callable[..., Any], name: str) -> Callable[..., Any]:
+    """A function made within another, under the name that its module gives it.
+
+    One source then serves several loops that differ in the functions they call; pickles and the
+    cache on disk find each by its name.
+    """
+    loop.__name__ = loop.__qualname__ = name
+    return loop
+
+
 def entry_point(function: Callable[..., Any]) -> EntryPoint:
     """Compile a function at its first call from Python, and keep the machine code on disk."""
     return EntryPoint(function, _EXACT)

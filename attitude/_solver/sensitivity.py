@@ -25,7 +25,7 @@ import math
 
 import numpy as np
 
-from attitude._compilation.decorators import force_inlined, slowly_compiled, subroutine
+from attitude._compilation.decorators import force_inlined, named, slowly_compiled, subroutine
 from attitude._compilation.simd import LINE, finish_stores
 from attitude._solver import codes
 from attitude._solver.columns import (
@@ -260,74 +260,62 @@ def _lows(t_low, zeros, k, first, end):
     return zeros[: end - first]
 
 
-@slowly_compiled
-def trigonometric(constants, tangents, short, t, t_low, block, attitude, omega, edges):
-    """Fill the columns of motions of the trigonometric form; see the module docstring."""
-    fill_still_rows(block)
-    zeros = np.zeros(BLOCK)
-    for b in range(len(constants)):
-        c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
-        first, end = edges[b, 0], edges[b, 1]
-        if c.form != codes.TRIGONOMETRIC:
-            continue
-        if _is_beyond(c, t, t_low, k, first, end):
-            return b
-        again = epochs_again(attitude, end - first)
-        for start in range(first, end, BLOCK - again):
-            stop = min(start + BLOCK - again, end)
-            head = max(start - again, first)
-            times, low = t[k, head:stop], _lows(t_low, zeros, k, head, stop)
-            trigonometric_block(c, d, times, low, block)
-            near = len(short) > 0 and any_near(times, short[b].reach)
-            if near or omega is not None:
-                trigonometric_attitudes_block(c, stop - head, block)
-            if omega is not None:
-                trigonometric_rates_block(c, d, stop - head, block)
-            if again and not near and not any_missing(stop - head, block):
-                _stream(d, b, block, (first, start, stop, end), attitude)
+def _columns_of(name, form, fill_block, fill_attitudes, fill_rates):
+    """The loop of the columns of a form of motions that tumble; see the module docstring.
+
+    The functions fill a block with the changes of attitude, the attitudes, and the changes of the
+    angular velocity.
+    """
+
+    def loop(constants, tangents, short, t, t_low, block, attitude, omega, edges):
+        fill_still_rows(block)
+        zeros = np.zeros(BLOCK)
+        for b in range(len(constants)):
+            c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
+            first, end = edges[b, 0], edges[b, 1]
+            if c.form != form:
+                continue
+            if _is_beyond(c, t, t_low, k, first, end):
+                return b
+            again = epochs_again(attitude, end - first)
+            for start in range(first, end, BLOCK - again):
+                stop = min(start + BLOCK - again, end)
+                head = max(start - again, first)
+                times, low = t[k, head:stop], _lows(t_low, zeros, k, head, stop)
+                fill_block(c, d, times, low, block)
+                near = len(short) > 0 and any_near(times, short[b].reach)
+                if near or omega is not None:
+                    fill_attitudes(c, stop - head, block)
                 if omega is not None:
-                    _stream_rates(c, d, b, block, (first, start, stop, end), omega)
-            else:
-                _store(d, short, b, near, block, (head, stop), attitude)
-                if omega is not None:
-                    _store_rates(c, d, short, b, near, block, (head, stop), omega)
-    finish_stores()
-    return -1
+                    fill_rates(c, d, stop - head, block)
+                if again and not near and not any_missing(stop - head, block):
+                    _stream(d, b, block, (first, start, stop, end), attitude)
+                    if omega is not None:
+                        _stream_rates(c, d, b, block, (first, start, stop, end), omega)
+                else:
+                    _store(d, short, b, near, block, (head, stop), attitude)
+                    if omega is not None:
+                        _store_rates(c, d, short, b, near, block, (head, stop), omega)
+        finish_stores()
+        return -1
+
+    return slowly_compiled(named(loop, name))
 
 
-@slowly_compiled
-def hyperbolic(constants, tangents, short, t, t_low, block, attitude, omega, edges):
-    """Fill the columns of motions of the hyperbolic form; see the module docstring."""
-    fill_still_rows(block)
-    zeros = np.zeros(BLOCK)
-    for b in range(len(constants)):
-        c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
-        first, end = edges[b, 0], edges[b, 1]
-        if c.form != codes.HYPERBOLIC:
-            continue
-        if _is_beyond(c, t, t_low, k, first, end):
-            return b
-        again = epochs_again(attitude, end - first)
-        for start in range(first, end, BLOCK - again):
-            stop = min(start + BLOCK - again, end)
-            head = max(start - again, first)
-            times, low = t[k, head:stop], _lows(t_low, zeros, k, head, stop)
-            hyperbolic_block(c, d, times, low, block)
-            near = len(short) > 0 and any_near(times, short[b].reach)
-            if near or omega is not None:
-                hyperbolic_attitudes_block(c, stop - head, block)
-            if omega is not None:
-                hyperbolic_rates_block(c, d, stop - head, block)
-            if again and not near and not any_missing(stop - head, block):
-                _stream(d, b, block, (first, start, stop, end), attitude)
-                if omega is not None:
-                    _stream_rates(c, d, b, block, (first, start, stop, end), omega)
-            else:
-                _store(d, short, b, near, block, (head, stop), attitude)
-                if omega is not None:
-                    _store_rates(c, d, short, b, near, block, (head, stop), omega)
-    finish_stores()
-    return -1
+trigonometric = _columns_of(
+    "trigonometric",
+    codes.TRIGONOMETRIC,
+    trigonometric_block,
+    trigonometric_attitudes_block,
+    trigonometric_rates_block,
+)
+hyperbolic = _columns_of(
+    "hyperbolic",
+    codes.HYPERBOLIC,
+    hyperbolic_block,
+    hyperbolic_attitudes_block,
+    hyperbolic_rates_block,
+)
 
 
 @force_inlined
@@ -419,60 +407,53 @@ def uniform(constants, tangents, short, t, t_low, block, attitude, omega, edges)
     return -1
 
 
-@slowly_compiled
-def trigonometric_covariance(constants, tangents, short, t, t_low, block, out, edges):
-    """Fill the covariances of motions of the trigonometric form; see the module docstring."""
-    rates, zeros = out.shape[1] == 6, np.zeros(BLOCK)
-    for b in range(len(constants)):
-        c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
-        first, end = edges[b, 0], edges[b, 1]
-        if c.form != codes.TRIGONOMETRIC:
-            continue
-        if _is_beyond(c, t, t_low, k, first, end):
-            return b
-        again = epochs_again(out, end - first) if rates else 0
-        for start in range(first, end, BLOCK - again):
-            stop = min(start + BLOCK - again, end)
-            head = max(start - again, first)
-            n = stop - head
-            times, low = t[k, head:stop], _lows(t_low, zeros, k, head, stop)
-            trigonometric_block(c, d, times, low, block)
-            near = len(short) > 0 and any_near(times, short[b].reach)
-            if near or rates:
-                trigonometric_attitudes_block(c, n, block)
-            if rates:
-                trigonometric_rates_block(c, d, n, block)
-            _store_covariances(c, d, short, b, near, block, (first, start, stop, end), again, out)
-    finish_stores()
-    return -1
+def _covariances_of(name, form, fill_block, fill_attitudes, fill_rates):
+    """The loop of the covariances of a form of motions that tumble, as `_columns_of`."""
+
+    def loop(constants, tangents, short, t, t_low, block, out, edges):
+        rates, zeros = out.shape[1] == 6, np.zeros(BLOCK)
+        for b in range(len(constants)):
+            c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
+            first, end = edges[b, 0], edges[b, 1]
+            if c.form != form:
+                continue
+            if _is_beyond(c, t, t_low, k, first, end):
+                return b
+            again = epochs_again(out, end - first) if rates else 0
+            for start in range(first, end, BLOCK - again):
+                stop = min(start + BLOCK - again, end)
+                head = max(start - again, first)
+                n = stop - head
+                times, low = t[k, head:stop], _lows(t_low, zeros, k, head, stop)
+                fill_block(c, d, times, low, block)
+                near = len(short) > 0 and any_near(times, short[b].reach)
+                if near or rates:
+                    fill_attitudes(c, n, block)
+                if rates:
+                    fill_rates(c, d, n, block)
+                _store_covariances(
+                    c, d, short, b, near, block, (first, start, stop, end), again, out
+                )
+        finish_stores()
+        return -1
+
+    return slowly_compiled(named(loop, name))
 
 
-@slowly_compiled
-def hyperbolic_covariance(constants, tangents, short, t, t_low, block, out, edges):
-    """Fill the covariances of motions of the hyperbolic form; see the module docstring."""
-    rates, zeros = out.shape[1] == 6, np.zeros(BLOCK)
-    for b in range(len(constants)):
-        c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
-        first, end = edges[b, 0], edges[b, 1]
-        if c.form != codes.HYPERBOLIC:
-            continue
-        if _is_beyond(c, t, t_low, k, first, end):
-            return b
-        again = epochs_again(out, end - first) if rates else 0
-        for start in range(first, end, BLOCK - again):
-            stop = min(start + BLOCK - again, end)
-            head = max(start - again, first)
-            n = stop - head
-            times, low = t[k, head:stop], _lows(t_low, zeros, k, head, stop)
-            hyperbolic_block(c, d, times, low, block)
-            near = len(short) > 0 and any_near(times, short[b].reach)
-            if near or rates:
-                hyperbolic_attitudes_block(c, n, block)
-            if rates:
-                hyperbolic_rates_block(c, d, n, block)
-            _store_covariances(c, d, short, b, near, block, (first, start, stop, end), again, out)
-    finish_stores()
-    return -1
+trigonometric_covariance = _covariances_of(
+    "trigonometric_covariance",
+    codes.TRIGONOMETRIC,
+    trigonometric_block,
+    trigonometric_attitudes_block,
+    trigonometric_rates_block,
+)
+hyperbolic_covariance = _covariances_of(
+    "hyperbolic_covariance",
+    codes.HYPERBOLIC,
+    hyperbolic_block,
+    hyperbolic_attitudes_block,
+    hyperbolic_rates_block,
+)
 
 
 @force_inlined

@@ -8,10 +8,11 @@ Source: Dekker, Numer. Math. 18, 224 (1971); Knuth, The Art of Computer Programm
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
+
+from attitude._support.arrays import frozen
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -22,14 +23,28 @@ if TYPE_CHECKING:
     Pair: TypeAlias = tuple[Any, Any]
 
 
-@dataclass(frozen=True, slots=True)
-class Seconds:
+class HasSeconds(Protocol):
+    """What has epochs in two doubles: a history, a view, records to be written."""
+
+    @property
+    def seconds(self) -> FloatArray: ...
+
+    @property
+    def low(self) -> FloatArray | None: ...
+
+
+class Seconds(NamedTuple):
     """Epochs hi + lo, s, arrays of one shape; lo is None if it is zero, which halves the work."""
 
     hi: FloatArray
     lo: FloatArray | None = None
 
-    def __getitem__(self, index: Any) -> Seconds:
+    @classmethod
+    def of(cls, owner: HasSeconds) -> Seconds:
+        """Those of a history, a view or records."""
+        return cls(owner.seconds, owner.low)
+
+    def taken(self, index: Any) -> Seconds:
         """Some of the epochs."""
         return self.mapped(lambda array: array[index])
 
@@ -37,10 +52,20 @@ class Seconds:
         """The epochs after a change of shape or memory of either array."""
         return Seconds(function(self.hi), None if self.lo is None else function(self.lo))
 
+    def plus(self, seconds: Doubles, low: Doubles = 0.0) -> tuple[FloatArray, FloatArray]:
+        """The epochs later by seconds + low, both doubles of each."""
+        hi, lo = add((self.hi, 0.0 if self.lo is None else self.lo), seconds, low)
+        return hi, lo
+
     @property
-    def pair(self) -> tuple[FloatArray, FloatArray | None]:
-        """As arguments of compiled loops."""
-        return self.hi, self.lo
+    def row(self) -> tuple[FloatArray, FloatArray | None]:
+        """As read-only views (1, N), which compiled loops take."""
+        return _row(self.hi), None if self.lo is None else _row(self.lo)
+
+    @property
+    def flat(self) -> tuple[FloatArray, FloatArray]:
+        """Contiguous arrays (N,) of both doubles, zeros if there are no second ones."""
+        return np.ascontiguousarray(self.hi).reshape(-1), np.ascontiguousarray(self.low).reshape(-1)
 
     @property
     def low(self) -> FloatArray:
@@ -51,6 +76,10 @@ class Seconds:
     def rounded(self) -> FloatArray:
         """hi + lo in one double."""
         return self.hi if self.lo is None else self.hi + self.lo
+
+
+def _row(array):
+    return frozen(np.ascontiguousarray(array).reshape(1, -1))
 
 
 def two_sum(a: Doubles, b: Doubles) -> Pair:

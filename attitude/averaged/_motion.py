@@ -602,8 +602,7 @@ class Settings:
 
 def seconds_of(epoch: Instant, t: Epochs) -> FloatArray:
     """Epochs as TDB seconds since that of the spin."""
-    hi, lo = _inputs.seconds_since(epoch, t)
-    found = np.asarray(hi if lo is None else hi + lo, dtype=np.float64)
+    found = np.asarray(_inputs.seconds_since(epoch, t).rounded)
     if not np.all(np.isfinite(found)):
         raise AttitudeError("an epoch is not finite; give finite epochs.")
     return found

@@ -101,12 +101,11 @@ def views(
 
 def dates(view: View, digits: int) -> tuple[list[str], list[float]]:
     """The first two columns of a view: texts of UTC with `digits` decimals, and TDB seconds."""
-    import numpy as np
 
     from attitude.formats import _ccsds_epochs as ccsds_epochs
 
-    hi, lo = view.seconds, np.zeros(view.shape) if view.low is None else view.low
-    return ccsds_epochs.texts(view.epoch, hi, lo, "utc", digits), hi.tolist()
+    dates = ccsds_epochs.texts(view.epoch, view.seconds, view.low, "utc", digits)
+    return dates, view.seconds.tolist()
 
 
 def _grid(mission: Mission, times: dict[str, Any], given: set[str]) -> Grid:

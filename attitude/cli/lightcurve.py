@@ -396,9 +396,10 @@ class _Curve:
         if self._kind == "txt":
             import numpy as np
 
+            from attitude._support.pairs import Seconds
             from attitude.light_curve._magnitudes import dimming
 
-            hi, lo = view.emission
+            left = Seconds(*view.emission)
             reduced = replace(self._magnitude, kind="reduced").of(view)
             if view.scene.shadow_of:  # reduced magnitudes are those in full sunlight
                 reduced = reduced + dimming(view.lit_fraction)
@@ -409,10 +410,9 @@ class _Curve:
                     (view.observer_direction_icrf, view.observer_distance),
                 )
             )
-            zero = np.zeros(len(hi)) if lo is None else lo
             kept |= {
                 "epoch": view.epoch,
-                **dict(zip(_DAMIT, (reduced, hi, zero, *vectors), strict=True)),
+                **dict(zip(_DAMIT, (reduced, left.hi, left.low, *vectors), strict=True)),
             }
         self._parts.append(kept)
 

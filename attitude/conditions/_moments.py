@@ -97,10 +97,8 @@ def values_at(
     low: ArrayLike | None = None,
 ) -> NDArray[Any]:
     """The values of a function of a Moment at epochs t of any shape and type."""
-    hi, lo = _inputs.seconds_since(source.epoch, t, low)
-    flat = np.ascontiguousarray(hi).reshape(-1)
-    rest = np.zeros(flat.size) if lo is None else np.ascontiguousarray(lo).reshape(-1)
-    return value(source.at(flat, rest)).reshape(hi.shape)
+    times = _inputs.seconds_since(source.epoch, t, low)
+    return value(source.at(*times.flat)).reshape(times.hi.shape)
 
 
 class Moment:

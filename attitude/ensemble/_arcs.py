@@ -252,7 +252,7 @@ class ArcsEnsemble(Immutable):
         member = np.broadcast_to(np.arange(count)[:, None], shape)
         spread = Seconds(hi.copy(), lo).mapped(lambda array: np.broadcast_to(array, shape))
         history = EnsembleHistory(
-            self.ensemble, member, *spread.pair, read_only(np.moveaxis(wxyz, 1, 2))
+            self.ensemble, member, *spread, read_only(np.moveaxis(wxyz, 1, 2))
         )
         history.__dict__["angular_velocity"] = read_only(np.moveaxis(rates, 1, 2))
         return history

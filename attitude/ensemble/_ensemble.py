@@ -1001,7 +1001,7 @@ class Ensemble(Immutable):
         memory = [found.memory(*each) for each in outs]
         self._fill_rows(found, memory[0], memory[1] if len(memory) > 1 else None, threads)
         views = [read_only(found.shaped(a, b[0])) for a, b in zip(memory, outs, strict=True)]
-        history = EnsembleHistory(self, found.member, *found.seconds.pair, views[0])
+        history = EnsembleHistory(self, found.member, *found.seconds, views[0])
         if len(views) > 1:
             history.__dict__["angular_velocity"] = views[1]
         return history
@@ -1275,7 +1275,7 @@ class Ensemble(Immutable):
     ) -> FloatArray:
         """What a quantity measures of some members at some epochs."""
         own = which if len(grid.t.hi) > 1 else slice(None)
-        t = grid.t[own, epochs].mapped(np.ascontiguousarray)
+        t = grid.t.taken((own, epochs)).mapped(np.ascontiguousarray)
         count, length = which.stop - which.start, epochs.stop - epochs.start
         wxyz = np.empty((count, 4, length))
         members = source.taken(which)
@@ -1285,7 +1285,7 @@ class Ensemble(Immutable):
         )  # fmt: skip
         numbers = np.broadcast_to(np.arange(which.start, which.stop)[:, None], (count, length))
         seconds = t.mapped(lambda array: np.broadcast_to(array, (count, length)))
-        history = EnsembleHistory(self, numbers, *seconds.pair, np.moveaxis(wxyz, 1, 2))
+        history = EnsembleHistory(self, numbers, *seconds, np.moveaxis(wxyz, 1, 2))
         found: FloatArray = known.measured(history, epochs)
         return found
 

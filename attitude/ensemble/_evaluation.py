@@ -62,16 +62,16 @@ def grid(
 
     def work(part: slice, epochs: tuple[int, int]) -> None:
         constants, _ = members.prepared(part, rates=rates is not None)
-        times = t[part] if len(t.hi) > 1 else t
+        times = t.taken(part) if len(t.hi) > 1 else t
         out = wxyz[part], None if rates is None else rates[part]
-        failed = evaluation.evaluated(constants, *times.pair, *out, *epochs)
+        failed = evaluation.evaluated(constants, *times, *out, *epochs)
         if failed < 0:
             return
         if raises:
             few = failed if len(t.hi) > 1 else 0, slice(*epochs)
-            refuse(constants[failed], times[few], label(part.start + failed))
+            refuse(constants[failed], times.taken(few), label(part.start + failed))
         near = within(times, reaches(constants)[:, None])
-        evaluation.evaluated(constants, *near.pair, *out, *epochs)
+        evaluation.evaluated(constants, *near, *out, *epochs)
 
     most = evaluation.EPOCHS
     bar = ProgressBar("attitudes")
@@ -103,7 +103,7 @@ def ragged(
         given = [each for each in (first, second) if each is not None]
         found = [np.empty((*each.shape[:-1], len(some))) for each in given]
         both = found[0], None if second is None else found[1]
-        runs(member[some], 0, len(some), t[some], *both)
+        runs(member[some], 0, len(some), t.taken(some), *both)
         for whole, part in zip(given, found, strict=True):
             np.moveaxis(whole, -1, 0)[some] = np.moveaxis(part, -1, 0)
 
@@ -135,14 +135,14 @@ class Runs:
         Shapes: member, t (R,), wxyz (4, R), rates (3, R).
         """
         who, starts = self.runs(member, begin, end)
-        times = t.mapped(read_only)[None]
+        times = t.mapped(read_only).taken(None)
         out = wxyz[None], None if rates is None else rates[None]
         for first in range(0, len(who), BLOCK):
             some = who[first : first + BLOCK]
             constants, _ = self._members.prepared(consecutive(some), rates=rates is not None)
             edges = starts[first : first + len(some) + 1]
             records = read_only(constants)
-            failed = self._rows.evaluate_runs(records, edges, *times.pair, *out)
+            failed = self._rows.evaluate_runs(records, edges, *times, *out)
             if failed >= 0:
                 near = self.nearer(constants, edges, t, failed, some)
                 self._rows.evaluate_runs(records, edges, near[None], times.lo, *out)
@@ -158,10 +158,10 @@ class Runs:
         """The epochs t (R,) with NaN beyond the reach of the runs `who` of rows between `edges`."""
         if self._raises:
             here = slice(edges[failed], edges[failed + 1])
-            refuse(constants[failed], t[here], self._label(int(who[failed])))
+            refuse(constants[failed], t.taken(here), self._label(int(who[failed])))
         near, rows = t.hi.copy(), slice(edges[0], edges[-1])
         reach = np.repeat(reaches(constants), np.diff(edges))
-        near[rows] = within(t[rows], reach).hi
+        near[rows] = within(t.taken(rows), reach).hi
         return read_only(near)
 
     def runs(self, member: IntArray, begin: int, end: int) -> tuple[IntArray, IntArray]:
@@ -225,7 +225,7 @@ def within(t: Seconds, reach: FloatArray) -> Seconds:
 def refuse(constants: NDArray[Any], t: Seconds, label: str) -> None:
     """Raise the AttitudeError of a member for epochs of which one is beyond its reach."""
     try:
-        evaluation.refuse_epoch(constants, *t.pair)
+        evaluation.refuse_epoch(constants, *t)
     except AttitudeError as err:
         raise AttitudeError(f"{label}: {err}") from None
 
@@ -321,7 +321,7 @@ class MemberGrid:
             own = (members if len(self.t.hi) > 1 else slice(None)), epochs
             count = members.stop - members.start
             place = members if self.scalar else (members, epochs)
-            yield place, MemberGrid(count, self.t[own], self.scalar, members.start)
+            yield place, MemberGrid(count, self.t.taken(own), self.scalar, members.start)
 
     def memory(self, out: FloatArray | None, name: str, *width: int) -> FloatArray:
         """Component-major memory (N, *W, T) for an answer; that of `out` where possible."""
@@ -363,7 +363,7 @@ class MemberRows:
     def piece(self, part: slice | IntArray) -> Piece:
         """The rows of one of the `pieces`."""
         member, t = self.flat()
-        return Piece(part, member[part], t[part])
+        return Piece(part, member[part], t.taken(part))
 
     def vectors(self, given: FloatArray, part: slice | IntArray) -> FloatArray:
         """The rows (K, 3) of vectors (S, 3) in one of the `pieces`."""
@@ -391,7 +391,7 @@ class MemberRows:
         member, seconds = self.flat()
         for first in range(0, self.size, most):
             place = slice(first, first + most)
-            yield place, MemberRows(self.count, member[place], seconds[place])
+            yield place, MemberRows(self.count, member[place], seconds.taken(place))
 
     def memory(self, out: FloatArray | None, name: str, *width: int) -> FloatArray:
         """Memory (*W, R) for an answer; that of `out` where possible."""
@@ -496,7 +496,7 @@ class EnsembleHistory(AttitudeHistory):
         if self.ensemble.epoch is not None:
             return _instants.times(self.epoch, self.seconds, self.low)
         start = self.ensemble.epochs_of(self.member)
-        times = Seconds(self.seconds, self.low)
+        times = Seconds.of(self)
         return _instants.times(self.epoch, *pairs.add(start, times.hi, times.low))
 
     def table(self, *, rates: bool = True, sigma: bool = False) -> QTable:
@@ -519,9 +519,9 @@ class EnsembleHistory(AttitudeHistory):
         return found
 
     def _flattened(self) -> EnsembleHistory:
-        times = Seconds(self.seconds, self.low).mapped(np.ravel)
+        times = Seconds.of(self).mapped(np.ravel)
         wxyz = self.wxyz.reshape(-1, 4)
-        return EnsembleHistory(self.ensemble, np.ravel(self.member), *times.pair, wxyz)
+        return EnsembleHistory(self.ensemble, np.ravel(self.member), *times, wxyz)
 
 
 # ---- Derivatives of the attitudes of members of an ensemble at epochs
@@ -560,7 +560,7 @@ class MemberDerivatives:
             some = who[first : first + BLOCK]
             edges = starts[first : first + len(some) + 1]
             out = attitude[None], None if omega is None else omega[None]
-            self._fill(some, t[None], *out, edges)
+            self._fill(some, t.taken(None), *out, edges)
 
     def grid(
         self,
@@ -575,7 +575,7 @@ class MemberDerivatives:
         """
 
         def work(part: slice, epochs: tuple[int, int]) -> None:
-            times = t[part] if len(t.hi) > 1 else t
+            times = t.taken(part) if len(t.hi) > 1 else t
             out = attitude[part], None if omega is None else omega[part]
             self._fill(np.arange(part.start, part.stop), times, *out, None)
 
@@ -609,7 +609,7 @@ class MemberDerivatives:
                 for name in ("weights", "offset", "amplitudes", "uniform", "uniform_rates"):
                     tangents[name][unknown] = np.nan
                 t = _near(constants, tangents, t, edges)
-            sensitivities.evaluate(constants, tangents, *t.pair, attitude, omega, edges=edges)
+            sensitivities.evaluate(constants, tangents, *t, attitude, omega, edges=edges)
         except AttitudeError:
             self._refuse(who, constants, states, t, edges)
             raise
@@ -627,11 +627,11 @@ class MemberDerivatives:
             own = [each[k : k + 1] if len(each) > 1 else each for each in (constants, *states)]
             rows = slice(None) if edges is None else slice(edges[k], edges[k + 1])
             line = slice(k, k + 1) if len(t.hi) > 1 else slice(None)
-            times = t[line, rows].mapped(np.ascontiguousarray).mapped(read_only)
+            times = t.taken((line, rows)).mapped(np.ascontiguousarray).mapped(read_only)
             try:
                 tangents = sensitivities.tangents_of(own[1], own[2], own[3], own[0])
                 unused = np.empty((1, 3, sensitivities.PARAMETERS, times.hi.shape[1]))
-                sensitivities.evaluate(own[0], tangents, *times.pair, unused)
+                sensitivities.evaluate(own[0], tangents, *times, unused)
             except AttitudeError as err:
                 raise AttitudeError(f"{self._label(number)}: {err}") from None
 
@@ -646,7 +646,7 @@ def _near(
     reach = np.fmin(reaches(constants), sensitivities.reaches(tangents))
     rows = slice(None) if edges is None else slice(edges[0], edges[-1])
     far = reach[:, None] if edges is None else np.repeat(reach, np.diff(edges))[None]
-    near = within(t[:, rows], far)
+    near = within(t.taken((slice(None), rows)), far)
     if edges is None:
         return near
     whole = t.hi.copy()

@@ -218,14 +218,14 @@ class Light:
         who, starts = self._runs.runs(piece.member, 0, len(piece.member))
         work = np.empty((1, 10, self._piece))
         vectors, factor = (*_memory(sun), *_memory(observer)), self._law.weights[0]
-        t = piece.t.mapped(read_only)[None]
+        t = piece.t.mapped(read_only).taken(None)
         for first in range(0, len(who), BLOCK):
             some = who[first : first + BLOCK]
             constants, _ = self._members.prepared(_evaluation.consecutive(some), rates=False)
             edges = starts[first : first + len(some) + 1]
             axes = self._shapes if len(self._shapes) == 1 else self._shapes[some]
             records, rest = read_only(constants), (*vectors, axes, factor, work, out)
-            failed = self._loop(records, edges, *t.pair, *rest)
+            failed = self._loop(records, edges, *t, *rest)
             if failed >= 0:
                 near = self._runs.nearer(constants, edges, piece.t, failed, some)
                 self._loop(records, edges, near[None], t.lo, *rest)

@@ -44,9 +44,9 @@ class MemberView(View):
         self._base: View
         self._epochs: slice
         self._history: EnsembleHistory
-        times = pairs.Seconds(base.seconds, base.low)[epochs]
+        times = pairs.Seconds.of(base).taken(epochs)
         spread = times.mapped(lambda array: np.array(self._tiled(array, history.shape)))
-        super().__init__(base.scene, base.epoch, *spread.pair)
+        super().__init__(base.scene, base.epoch, *spread)
         self._set("_base", base)
         self._set("_epochs", epochs)
         self._set("_history", history)
@@ -85,10 +85,9 @@ class MemberView(View):
     @kept
     def emission(self) -> tuple[FloatArray, FloatArray | None]:
         """TDB seconds from `epoch` at which the light leaves the body, hi + lo, flat."""
-        hi, lo = self._base.emission
         count = self.shape[0]
-        low = None if lo is None else frozen(np.tile(lo[self._epochs], count))
-        return frozen(np.tile(hi[self._epochs], count)), low
+        times = pairs.Seconds(*self._base.emission)
+        return times.mapped(lambda array: frozen(np.tile(array[self._epochs], count)))
 
     @quantity()
     def lit_fraction(self) -> FloatArray:
@@ -129,10 +128,10 @@ def bound(
     shared = ensemble.epoch
     start = ensemble.start_of_seconds
     base = free.since(start, seconds, low)
-    times = pairs.Seconds(*base.emission)[None]
+    times = pairs.Seconds(*base.emission).taken(None)
     if shared is None:
         own = ensemble.epochs_of(np.arange(len(ensemble)))
-        past = pairs.add((times.hi, times.low), start.seconds, start.low)
+        past = times.plus(start.seconds, start.low)
         times = pairs.Seconds(*pairs.add(past, -own[0][:, None], -own[1][:, None]))
     return base, MemberGrid(len(ensemble), times, False)
 

@@ -12,7 +12,6 @@ from attitude._solver.march_layout import OMEGA, STATE_ENTRIES, WXYZ
 from attitude._support import validation
 from attitude._support.arrays import Immutable, frozen
 from attitude._support.blocks import ProgressBar, in_blocks
-from attitude._support.pairs import Seconds
 from attitude.ensemble._evaluation import EnsembleHistory
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
@@ -144,10 +143,11 @@ class TorquedEnsemble(Immutable):
 
         Shapes: t (T,).
         """
-        hi, lo = _inputs.seconds_since(self.ensemble.start_of_seconds, t, low)
+        times = _inputs.seconds_since(self.ensemble.start_of_seconds, t, low).mapped(np.array)
+        hi = times.hi
         if hi.ndim != 1 or np.isinf(hi).any():
             raise AttitudeError(f"t is {validation.shown(t)}; give a row (T,) of finite epochs.")
-        seconds, rest = hi.copy(), np.zeros(len(hi)) if lo is None else np.array(lo)
+        seconds, rest = hi, times.low
         out = np.full((len(self), len(seconds), 7), np.nan)
         total = seconds + rest
         for sign, here in ((1.0, total >= 0.0), (-1.0, total < 0.0)):
@@ -160,9 +160,8 @@ class TorquedEnsemble(Immutable):
                 states[:, 4:] = system.turning(seconds, rest, states[:, 4:])
         shape = len(self), len(seconds)
         member = np.broadcast_to(np.arange(len(self))[:, None], shape)
-        times = Seconds(seconds, None if lo is None else rest)
         spread = times.mapped(lambda array: np.broadcast_to(array, shape))
-        history = TorquedHistory(self.ensemble, member, *spread.pair, out[..., :4])
+        history = TorquedHistory(self.ensemble, member, *spread, out[..., :4])
         history.__dict__["angular_velocity"] = frozen(out[..., 4:])
         return history
 

@@ -506,7 +506,7 @@ def instant(value: Epoch, name: str = "epoch") -> Instant:
 
 def seconds_since(
     start: Instant, t: Epochs, low: ArrayLike | None = None, name: str = "t"
-) -> tuple[FloatArray, FloatArray | None]:
+) -> support_pairs.Seconds:
     """TDB seconds from an instant to other epochs, in two doubles.
 
     Parameters
@@ -551,28 +551,44 @@ def seconds_since(
     if type(t) is np.ndarray and t.dtype == np.float64:
         if low is None and t.size and _FIRST_PLAIN_JD <= t.flat[0] <= _LAST_PLAIN_JD:
             _warn_of_julian_dates(t, name)
-        return t, _low(low, t.shape, name)
+        return support_pairs.Seconds(t, _low(low, t.shape, name))
     if low is None and type(t) is float and _FIRST_PLAIN_JD <= t <= _LAST_PLAIN_JD:
         _warn_of_julian_dates(np.array(t), name)
     if type(t) is float or (type(t) is int and abs(t) < 2**53):
-        return np.array(t, dtype=np.float64), _low(low, (), name)
+        return support_pairs.Seconds(np.array(t, dtype=np.float64), _low(low, (), name))
     kind, leaves, shape = entries(t, name, _DATES_OR_SECONDS)
     if kind == "number":
         hi, _ = read(kind, leaves, shape, name)
         if low is None and hi.size and _FIRST_PLAIN_JD <= hi.flat[0] <= _LAST_PLAIN_JD:
             _warn_of_julian_dates(hi, name)
-        return hi, _low(low, hi.shape, name)
+        return support_pairs.Seconds(hi, _low(low, hi.shape, name))
     if low is not None:
         raise AttitudeError(
             f"low is given, but {name} is {validation.shown(t)}; leave out low, the second double "
             "of plain seconds: dates and durations do not need it."
         )
     if kind in LENGTHS:
-        return read(kind, leaves, shape, name, start)
+        return support_pairs.Seconds(*read(kind, leaves, shape, name, start))
     dates, rest = read(kind, leaves, shape, name)
     assert rest is not None  # a date has both doubles
     hi, lo = support_pairs.add((dates, rest), -start.seconds, -start.low)
-    return np.asarray(hi), np.asarray(lo)
+    return support_pairs.Seconds(np.asarray(hi), np.asarray(lo))
+
+
+def one_since(start: Instant, t: Epochs, name: str = "t") -> tuple[float, float]:
+    """TDB seconds, hi and lo, from an instant to one epoch, as `seconds_since`.
+
+    Raises
+    ------
+    AttitudeError
+        For several epochs, and for one that is not finite.
+    """
+    hi, lo = seconds_since(start, t, name=name)
+    if hi.ndim:
+        raise AttitudeError(f"{name} holds {hi.size} epochs; give one finite epoch.")
+    if not math.isfinite(hi):
+        raise AttitudeError(f"{name} is {validation.shown(t)}; give one finite epoch.")
+    return float(hi), 0.0 if lo is None else float(lo)
 
 
 def _warn_of_julian_dates(t: FloatArray, name: str) -> None:
@@ -609,7 +625,7 @@ def past_j2000(t: Epochs, name: str = "t") -> tuple[FloatArray, FloatArray]:
 
 def plain_seconds(
     seconds: ArrayLike, low: ArrayLike | None = None, name: str = "seconds"
-) -> tuple[FloatArray, FloatArray | None]:
+) -> support_pairs.Seconds:
     """Seconds and their second double as float64 arrays of one shape; `low` may be None.
 
     Raises
@@ -618,16 +634,16 @@ def plain_seconds(
         For dates, durations and other types, ragged lists, and `low` of another shape.
     """
     if isinstance(seconds, np.ndarray) and seconds.dtype == np.float64:
-        return seconds, _low(low, seconds.shape, name)
+        return support_pairs.Seconds(seconds, _low(low, seconds.shape, name))
     if type(seconds) is float:
-        return np.array(seconds), _low(low, (), name)
+        return support_pairs.Seconds(np.array(seconds), _low(low, (), name))
     kind, leaves, shape = entries(seconds, name, "plain seconds")
     if kind != "number":
         raise AttitudeError(
             f"{name} is {validation.shown(seconds)}; give plain seconds (at(t) reads dates too)."
         )
     hi, _ = read(kind, leaves, shape, name)
-    return hi, _low(low, hi.shape, name)
+    return support_pairs.Seconds(hi, _low(low, hi.shape, name))
 
 
 def _low(low: Any, shape: tuple[int, ...], name: str) -> FloatArray | None:

@@ -650,13 +650,8 @@ def span(
     epoch: _instants.Instant, start: EpochOrSeconds, stop: EpochOrSeconds
 ) -> tuple[Pair, Pair]:
     """Start and stop as pairs of TDB seconds since an epoch."""
-    ends = []
-    for value, name in ((start, "start"), (stop, "stop")):
-        hi, lo = _inputs.seconds_since(epoch, value, name=name)
-        if hi.shape != () or not np.isfinite(hi):
-            raise AttitudeError(f"{name} is {value!r}; give one finite epoch.")
-        ends.append((float(hi), 0.0 if lo is None else float(lo)))
-    begin, end = ends
+    begin = _inputs.one_since(epoch, start, "start")
+    end = _inputs.one_since(epoch, stop, "stop")
     if difference(begin, end) < 0.0:
         raise AttitudeError(f"stop is {-difference(begin, end):.9g} s before start; exchange them.")
     return begin, end

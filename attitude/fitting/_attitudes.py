@@ -9,6 +9,7 @@ import numpy as np
 
 from attitude import frames
 from attitude._support import validation
+from attitude._support.pairs import Seconds
 from attitude.errors import AttitudeError
 from attitude.fitting import _minimum
 from attitude.fitting._minimum import Problem, result
@@ -336,8 +337,7 @@ def _observed(
     count = len(history)
     if not count:
         raise AttitudeError(_too_few(0))
-    low = np.zeros(count) if history.low is None else np.asarray(history.low)
-    seconds = np.asarray(history.seconds)
+    seconds, low = Seconds.of(history).flat
     attitudes = Attitudes(np.asarray(history.wxyz), weights(sigma, count, "sigma", "rad"))
     kinds: tuple[Measured, ...] = (attitudes,)
     given = table.angular_velocity

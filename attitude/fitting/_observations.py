@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from attitude._support import validation
+from attitude._support.pairs import Seconds
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
@@ -197,7 +198,7 @@ def epochs_of(
     hi, lo = _inputs.seconds_since(origin, t)
     if hi.ndim != 1 or not len(hi):
         raise AttitudeError(f"t has shape {hi.shape}; give one row of epochs, (N,).")
-    low = np.zeros(len(hi)) if lo is None else lo
+    low = Seconds(hi, lo).low
     since = (hi - hi[0]) + (low - low[0])
     step = np.diff(since)
     if not np.all(np.isfinite(since)) or np.any(step < 0.0 if repeated else step <= 0.0):

@@ -156,7 +156,7 @@ def texts(
     digits: int | None = None,
 ) -> list[str]:
     """Time codes A of N epochs, seconds + low (N,), by default with the `fewest` decimals."""
-    hi, lo = pairs.add((np.asarray(seconds), 0.0 if low is None else low), epoch.seconds, epoch.low)
+    hi, lo = pairs.Seconds(np.asarray(seconds), low).plus(epoch.seconds, epoch.low)
     if digits is None:
         digits = fewest(hi, lo, scale)
     day, whole, ticks = _civil(hi, lo, scale, digits)
@@ -199,7 +199,7 @@ def days_and_seconds(
     digits: int = DIGITS,
 ) -> list[str]:
     """Modified Julian date and seconds of the day of N epochs; parameters as in `texts`."""
-    hi, lo = pairs.add((np.asarray(seconds), 0.0 if low is None else low), epoch.seconds, epoch.low)
+    hi, lo = pairs.Seconds(np.asarray(seconds), low).plus(epoch.seconds, epoch.low)
     day, whole, ticks = _civil(hi, lo, scale, digits)
     point = "." if digits else ""
     rows = zip(day.astype(np.int64).tolist(), whole.tolist(), ticks.tolist(), strict=True)

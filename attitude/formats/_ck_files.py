@@ -219,15 +219,7 @@ class Plan:
         self.kind: int = kind
         self.tolerance: float = float(tolerance)
         epoch = self._motion.epoch
-        ends_of_span = [_inputs.seconds_since(epoch, value) for value in (start, stop)]
-        for name, (hi, _) in zip(("start", "stop"), ends_of_span, strict=True):
-            if hi.shape != () or not np.isfinite(hi):
-                raise AttitudeError(
-                    f"{name} has shape {hi.shape}; give one epoch."
-                    if hi.shape
-                    else f"{name} is {hi}; give a finite epoch."
-                )
-        ends = [pairs.add((hi, 0.0), 0.0 if lo is None else lo) for hi, lo in ends_of_span]
+        ends = _inputs.one_since(epoch, start, "start"), _inputs.one_since(epoch, stop, "stop")
         # The clock starts at or before the start, at an epoch that is one double of its scale.
         first, low = self._of_clock(*ends[0])
         self.first: float = float(first if low >= 0.0 else np.nextafter(first, -np.inf))

@@ -200,10 +200,9 @@ def columns_of(
             raise AttitudeError(f"{kind} can be written in axes that do not turn, not {axes.name}.")
         acceleration = np.asarray(history.angular_acceleration)
     if axes.kind not in ("icrf", "gcrf"):
-        low = 0.0 if history.low is None else history.low
-        outer = axes.to_icrf(history.epoch, history.seconds, low, orbit)
+        outer = axes.to_icrf(history.epoch, history.seconds, history.low, orbit)
         if rates is not None:
-            turning = axes.angular_velocity(history.epoch, history.seconds, low, orbit)
+            turning = axes.angular_velocity(history.epoch, history.seconds, history.low, orbit)
             if turning is not None:
                 rates = rates - quaternion.rotate(quaternion.conjugate(wxyz), turning)
         wxyz = quaternion.multiply(quaternion.conjugate(outer), wxyz)

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast
 import numpy as np
 
 from attitude._support import pairs
+from attitude._support.pairs import Seconds
 from attitude._textfiles.atomic_write import made_whole
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
@@ -152,22 +153,21 @@ class Records:
             raise AttitudeError("there are no epochs to write; give one or more.")
         if not np.all(np.isfinite(seconds)):
             raise AttitudeError("some epochs are NaN, which files cannot hold; leave them out.")
-        steps = np.diff(seconds) if low is None else np.diff(seconds) + np.diff(low)
+        steps = np.diff(seconds) + (0.0 if low is None else np.diff(low))
         if np.any(steps <= 0.0):
             k = int(np.flatnonzero(steps <= 0.0)[0])
             raise AttitudeError(
                 f"epoch {k + 1} is not later than the one before it; files of attitudes hold "
                 "increasing epochs, each once."
             )
-        self.has_rates: bool = motion.has_rates_at(seconds[:1], None if low is None else low[:1])
+        self.has_rates: bool = motion.has_rates_at(*Seconds(seconds, low).taken(slice(1)))
 
     def __len__(self) -> int:
         return len(self.seconds)
 
     def first_and_last(self) -> tuple[FloatArray, FloatArray]:
         """`seconds` and `low` of the first and the last record, as arrays (2,)."""
-        low = np.zeros(len(self.seconds)) if self.low is None else self.low
-        return self.seconds[[0, -1]], low[[0, -1]]
+        return self.seconds[[0, -1]], Seconds.of(self).low[[0, -1]]
 
     def pieces(self) -> Iterator[AttitudeHistory]:
         """The records in order, as histories of at most PIECE epochs."""
@@ -176,8 +176,7 @@ class Records:
             if self._history is not None:
                 yield self._history[piece]
             else:
-                low = None if self.low is None else self.low[piece]
-                yield self.motion.at(self.seconds[piece], low)
+                yield self.motion.at(*Seconds.of(self).taken(piece))
 
 
 def segments(source: AttitudeSource, t: Epochs | None = None) -> list[Records]:
@@ -223,8 +222,7 @@ def _cut(records: Records) -> list[Records]:
     if not len(breaks):
         return [records]
     shift = epoch.seconds - motion.epoch.seconds, epoch.low - motion.epoch.low
-    low = np.zeros(len(records)) if records.low is None else records.low
-    seconds, low = pairs.add((records.seconds, low), *shift)
+    seconds, low = Seconds.of(records).plus(*shift)
     first = (breaks[:, 0] - seconds[0]) + (breaks[:, 1] - low[0])
     last = (seconds[-1] - breaks[:, 0]) + (low[-1] - breaks[:, 1])
     inside = breaks[(first > 0.0) & (last >= 0.0)]
@@ -410,10 +408,7 @@ def _stretches(
                 f"{which} is not given; a motion is written to a tolerance from start= to stop=, "
                 "one epoch each."
             )
-        hi, lo = _inputs.seconds_since(motion.epoch, value)
-        if hi.shape != () or not np.isfinite(hi):
-            raise AttitudeError(f"{which} is {value!r}; give one finite epoch.")
-        ends.append(pairs.add((hi, 0.0), 0.0 if lo is None else lo))
+        ends.append(_inputs.one_since(motion.epoch, value, which))
     if isinstance(motion, AttitudeTable):
         found = [
             _Stretch(part, max(ends[0], part._limits[0]), min(ends[1], part._limits[1]))

@@ -196,7 +196,7 @@ class Maneuver:
                 f"TARGET_MOM_FRAME is {cut(axes.name, '')}, axes that turn; they must be fixed, "
                 "or the body's."
             )
-        turn = axes.to_icrf(self.begin, 0.0, None)
+        turn = axes.to_icrf(self.begin, np.zeros(()), None)
         return quaternion.rotate(turn, self.target_momentum), False
 
     def impulse(self) -> Impulse:
@@ -873,9 +873,8 @@ def write(
     tags = TimeTags(scale, ccsds_epochs.instant(start, scale))
 
     def texts(history: AttitudeHistory) -> list[str]:
-        low = 0.0 if history.low is None else history.low
         epoch = history.epoch
-        return tags.text(*pairs.add((history.seconds, low), epoch.seconds, epoch.low), digits)
+        return tags.text(*pairs.Seconds.of(history).plus(epoch.seconds, epoch.low), digits)
 
     def seconds(hi: float, lo: float) -> str:
         instant = motion.epoch.after(hi, lo)

@@ -516,7 +516,7 @@ def write(
         raise AttitudeError(f"an APM is written in axes that do not turn, not {axes.name}.")
     wxyz = spin.wxyz
     if axes.kind != spin.frame:
-        outer = forms.conjugate(axes.to_icrf(spin.epoch, 0.0, None))
+        outer = forms.conjugate(axes.to_icrf(spin.epoch, np.zeros(()), None))
         wxyz = forms.multiply(outer, spin.wxyz_icrf)
     scale = ccsds_epochs.writable(time_system)
     epoch = ccsds_epochs.texts(spin.epoch, np.zeros(1), None, scale, digits)[0]

@@ -756,8 +756,8 @@ def _whole_second(records):
     shown = f"{date.day} {MONTHS[date.month - 1][:3]} {date.year:04d} {text[11:]}.000000000"
 
     def shift(history):
-        history_low = 0.0 if history.low is None else history.low
-        epochs = pairs.add((history.seconds, history_low), history.epoch.seconds, history.epoch.low)
+        epoch = history.epoch
+        epochs = pairs.Seconds.of(history).plus(epoch.seconds, epoch.low)
         tai = pairs.add(_time_scales.tt_from_tdb(*epochs), -_time_scales.TT_MINUS_TAI)
         hi, lo = pairs.add(tai, -tai0[0], -tai0[1])
         return hi + lo

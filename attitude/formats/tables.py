@@ -129,8 +129,7 @@ def write_csv(path: FilePath, part: Records, *, rates: bool, sigma: bool = False
         file.write(",".join(names(rates=rates, sigma=sigma)) + "\n")
         for history in part.pieces():
             dates = ccsds_epochs.texts(history.epoch, history.seconds, history.low, "utc")
-            low = 0.0 if history.low is None else history.low
-            since = (history.seconds - ends[0]) + (low - rest[0])
+            since = (history.seconds - ends[0]) + (pairs.Seconds.of(history).low - rest[0])
             file.write(of_history(dates, since, history, rates=rates, sigma=sigma))
 
 
@@ -215,8 +214,8 @@ def write_parquet(
     ):
         for part in parts:
             for history in part.pieces():
-                low = 0.0 if history.low is None else history.low
-                time = pairs.add((history.seconds, low), history.epoch.seconds, history.epoch.low)
+                epoch = history.epoch
+                time = pairs.Seconds.of(history).plus(epoch.seconds, epoch.low)
                 found = columns_of_numbers(history, rates=rates, sigma=sigma)
                 columns = [*_time_scales.jd_from_seconds(*time), *found]
                 arrays = [pyarrow.array(np.ascontiguousarray(column)) for column in columns]

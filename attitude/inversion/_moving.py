@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
@@ -247,8 +246,7 @@ def moving_point(
 
 def seconds_of(point: MovingPoint, epoch: Instant, seconds: FloatArray) -> FloatArray:
     """Seconds since the epoch of a point's spin, of seconds (N,) since another epoch."""
-    hi, lo = _inputs.seconds_since(point.spin.epoch, epoch)
-    return seconds + (float(hi) + (0.0 if lo is None else float(lo)))
+    return seconds + epoch.since(point.spin.epoch)
 
 
 def _listed(given: Any, kind: type, name: str) -> tuple[Any, ...]:

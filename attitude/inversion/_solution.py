@@ -213,15 +213,13 @@ def _geometry(
     if times is None:
         return curve.seconds, curve.emission, *curve.vectors
     if path is not None:
-        hi, lo = _inputs.seconds_since(curve.epoch, times)
-        t = np.atleast_1d(np.asarray(hi + (0.0 if lo is None else lo), dtype=float))
+        t = np.atleast_1d(_inputs.seconds_since(curve.epoch, times).rounded)
         given: dict[str, Any] = {} if site is None else {"site": site}
         times = LightCurve(t, np.zeros(len(t)), epoch=curve.epoch, path=path, **given)
     if isinstance(times, LightCurve):
         shift = times.epoch.seconds - curve.epoch.seconds
         return times.seconds + shift, times.emission + shift, *times.vectors
-    hi, lo = _inputs.seconds_since(curve.epoch, times)
-    t = np.atleast_1d(np.asarray(hi + (0.0 if lo is None else lo), dtype=float))
+    t = np.atleast_1d(_inputs.seconds_since(curve.epoch, times).rounded)
     if curve.scenes:
         scene = _scene(curve, site)
         sun, observer = vectors_of(scene, curve.epoch, t)

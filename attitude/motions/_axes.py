@@ -248,8 +248,8 @@ class Axes:
     def to_icrf(
         self,
         epoch: _instants.Instant,
-        hi: FloatArray | float,
-        lo: FloatArray | float | None,
+        hi: FloatArray,
+        lo: FloatArray | None,
         orbit: Path | None = None,
     ) -> FloatArray:
         """Quaternions from these axes to ICRF, scalar first.
@@ -263,14 +263,14 @@ class Axes:
             return _earth.b1950()
         if not self.turning:
             return frames.wxyz_to_icrf(self.kind)
-        hi, lo = pairs.add((hi, 0.0 if lo is None else lo), epoch.seconds, epoch.low)
+        hi, lo = pairs.Seconds(hi, lo).plus(epoch.seconds, epoch.low)
         return _turned(self.kind, hi, lo, orbit, self.name)
 
     def angular_velocity(
         self,
         epoch: _instants.Instant,
         hi: FloatArray,
-        lo: FloatArray | float | None,
+        lo: FloatArray | None,
         orbit: Path | None = None,
     ) -> FloatArray | None:
         """Angular velocity (N, 3), rad/s in ICRF; None for fixed axes, and rates relative to
@@ -278,7 +278,7 @@ class Axes:
         """
         if not self.turning or self._inertial:
             return None
-        hi, lo = pairs.add((hi, 0.0 if lo is None else lo), epoch.seconds, epoch.low)
+        hi, lo = pairs.Seconds(hi, lo).plus(epoch.seconds, epoch.low)
         side = np.zeros(hi.shape)
         if self.kind in OF_ORBIT:
             side = _sides(hi, lo, known_path(orbit, self.name))
@@ -416,9 +416,7 @@ class FramedHistory(Immutable):
         self._set("wxyz", frozen(wxyz.reshape(*history.seconds.shape, 4)))
 
     def _flat_epochs(self) -> tuple[FloatArray, FloatArray]:
-        seconds = self.history.seconds.reshape(-1)
-        low = self.history.low
-        return seconds, np.zeros(seconds.size) if low is None else low.reshape(-1)
+        return pairs.Seconds.of(self.history).flat
 
     @property
     def seconds(self) -> FloatArray:

@@ -14,7 +14,7 @@ from attitude._compilation.simd import LINE
 from attitude._solver import covariance as covariances
 from attitude._solver import sensitivities
 from attitude._solver.elements import inputs_by_elements
-from attitude._support import validation
+from attitude._support import pairs, validation
 from attitude._support.arrays import new_array
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError, CovarianceWarning
@@ -86,7 +86,7 @@ class Sensitivity(Derivatives):
         self, seconds: FloatArray, low: FloatArray | None, rates: bool
     ) -> tuple[FloatArray, FloatArray | None]:
         """Changes of attitude (S, 3, 9), ICRF axes, and of the angular velocity, body axes."""
-        t, t_low = _row(seconds), None if low is None else _row(low)
+        t, t_low = pairs.Seconds(seconds, low).row
         attitude = new_array(1, 3, 9, t.size)
         omega = new_array(1, 3, 9, t.size) if rates else None
         sensitivities.evaluate(self._constants, self._tangents, t, t_low, attitude, omega)
@@ -102,7 +102,7 @@ class Sensitivity(Derivatives):
         self, given: FloatArray, seconds: FloatArray, low: FloatArray | None, rates: bool
     ) -> FloatArray:
         """As `Derivatives.covariance_at`, in one loop over the epochs."""
-        t, t_low = _row(seconds), None if low is None else _row(low)
+        t, t_low = pairs.Seconds(seconds, low).row
         size = 6 if rates else 3
         # Rows of whole lines of the cache are stored faster.
         out = new_array(1, size, size, -(-t.size // LINE) * LINE)
@@ -147,10 +147,6 @@ def changed(body: Body, spin: Spin, changes: FloatArray) -> tuple[Body, Spin]:
     axes = body.principal_axes
     tensor = (axes * moments) @ axes.T
     return Body(tensor=0.5 * (tensor + tensor.T), **more), moved
-
-
-def _row(array):
-    return np.ascontiguousarray(array, dtype=np.float64).reshape(1, -1)
 
 
 # Squares of turns, rad2, that are rounding errors of attitudes.

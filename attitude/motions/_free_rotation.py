@@ -13,7 +13,7 @@ from attitude import frames
 from attitude._solver import codes, evaluation
 from attitude._solver.elements import Elements, elements_of, state_of
 from attitude._solver.regime import Mode, regime_of, regimes
-from attitude._support import markup, validation
+from attitude._support import markup, pairs, validation
 from attitude._support.arrays import frozen, new_array
 from attitude._support.synonyms import arguments, checks_arguments
 from attitude.epochs import _inputs
@@ -45,11 +45,9 @@ if TYPE_CHECKING:
 
 def spin_of(motion: Any, epoch: EpochOrSeconds) -> Spin:
     """The Spin at one epoch of a motion, in the frame of its spin, or ICRF without one."""
-    hi, lo = _inputs.seconds_since(motion.epoch, epoch, name="epoch")
-    if hi.shape != () or not np.isfinite(hi):
-        raise AttitudeError(f"epoch is {epoch!r}; give one finite epoch.")
-    history = motion.at(hi, low=np.zeros(()) if lo is None else lo)
-    at: Instant = motion.epoch.after(float(hi), 0.0 if lo is None else float(lo))
+    hi, lo = _inputs.one_since(motion.epoch, epoch, "epoch")
+    history = motion.at(hi, low=lo)
+    at: Instant = motion.epoch.after(hi, lo)
     spin = getattr(motion, "spin", None)
     frame = "icrf" if spin is None else spin.frame
     back = quaternion.conjugate(frames.wxyz_to_icrf(frame))
@@ -60,7 +58,7 @@ def spin_of(motion: Any, epoch: EpochOrSeconds) -> Spin:
     return found.with_covariance(_covariance(motion, hi, lo, frame))
 
 
-def _covariance(motion: Any, hi: FloatArray, lo: FloatArray | None, frame: str) -> FloatArray:
+def _covariance(motion: Any, hi: float, lo: float, frame: str) -> FloatArray:
     """The covariance (9, 9) there, with the attitude over the axes of a frame."""
     attitude, rates = motion.sensitivity_at(hi, lo, angular_velocity=True)
     changes = np.eye(9)
@@ -350,10 +348,7 @@ class FreeRotation(Differentiable):
     def _evaluate(
         self, seconds: FloatArray, low: FloatArray | None, order: int
     ) -> list[FloatArray]:
-        shape = seconds.shape
-        # frozen: a new view each, also of the caller's array
-        t = frozen(np.ascontiguousarray(seconds).reshape(1, -1))
-        t_low = None if low is None else frozen(np.ascontiguousarray(low).reshape(1, -1))
+        shape, (t, t_low) = seconds.shape, pairs.Seconds(seconds, low).row
         wxyz = new_array(1, 4, t.size)
         omega = new_array(1, 3, t.size) if order else None
         evaluation.evaluate(self._constants, t, t_low, wxyz, omega)
@@ -542,10 +537,9 @@ class FreeRotation(Differentiable):
         """
         from attitude.motions._axes import obliquity
 
-        hi, lo = _inputs.seconds_since(self.epoch, self.epoch if at is None else at)
-        low = np.zeros(hi.shape) if lo is None else lo
+        hi, lo = _inputs.one_since(self.epoch, self.epoch if at is None else at, "at")
         assert self.momentum is not None  # that of a free rotation is constant
-        return float(obliquity(self.momentum, orbit, self.epoch, hi, low))
+        return float(obliquity(self.momentum, orbit, self.epoch, np.array(hi), np.array(lo)))
 
     def polhode(self, points: int = 361) -> FloatArray:
         """The path (points, 3) of the angular velocity in body axes, rad/s, over one P_psi.

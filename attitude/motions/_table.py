@@ -305,10 +305,11 @@ class AttitudeTable(Motion):
         meta: Mapping[str, Any] | None = None,
     ) -> None:
         start = _inputs.instant(epoch)
-        hi, lo = _inputs.seconds_since(start, t, low)
+        times = _inputs.seconds_since(start, t, low)
+        hi = times.hi
         if hi.ndim != 1 or not len(hi):
             raise AttitudeError(f"t has shape {hi.shape}; a table takes one row of epochs, (N,).")
-        hi, lo = pairs.two_sum(hi, np.zeros(len(hi)) if lo is None else lo)
+        hi, lo = pairs.two_sum(hi, times.low)
         _refuse_disorder(hi, lo)
         attitudes = validation.real(wxyz, "wxyz", shape=(len(hi), 4))
         attitudes = quaternion.unit(attitudes, tolerance=1e-3)
@@ -436,8 +437,7 @@ class AttitudeTable(Motion):
     def _evaluate(
         self, seconds: FloatArray, low: FloatArray | None, order: int
     ) -> list[FloatArray]:
-        hi = np.ravel(seconds)
-        lo = np.zeros(hi.size) if low is None else np.ravel(low)
+        hi, lo = pairs.Seconds(seconds, low).flat
         out = [np.full((hi.size, width), np.nan) for width in (4, 3, 3)[: order + 1]]
         left = ~np.isnan(hi + lo)
         for part in self.segments:
@@ -516,11 +516,10 @@ class AttitudeTable(Motion):
         limits = [(float(self.seconds[k]), float(self.low[k])) for k in (0, -1)]
         for k, end in enumerate(usable or ()):
             if end is not None:
-                hi, lo = _inputs.seconds_since(self.epoch, _inputs.instant(end, "usable"))
-                assert lo is not None  # an Instant has both doubles
+                hi, lo = _inputs.one_since(self.epoch, _inputs.instant(end, "usable"))
                 beyond = (hi - limits[k][0]) + (lo - limits[k][1])
                 if (beyond > 0.0) == (k == 0):  # inside of the records, not beyond them
-                    limits[k] = float(hi), float(lo)
+                    limits[k] = hi, lo
         return limits[0], limits[1]
 
     def _counted_from(self, epoch: Instant) -> AttitudeTable:

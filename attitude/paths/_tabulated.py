@@ -217,9 +217,8 @@ def _knots(times, start, count):
     if start is None:
         start = _first_epoch(times)
     start = _inputs.instant(start, "start")
-    hi, lo = _inputs.seconds_since(start, times, name="times")
-    hi = np.array(hi)
-    lo = np.zeros_like(hi) if lo is None else np.array(lo)
+    seconds = _inputs.seconds_since(start, times, name="times").mapped(np.array)
+    hi, lo = seconds.hi, seconds.low
     if hi.shape != (count,):
         raise AttitudeError(f"times have shape {hi.shape}, but there are {count} positions.")
     if not np.isfinite(hi + lo).all():

@@ -562,14 +562,15 @@ class LightCurve(Immutable):
 def _seconds(times: Any, epoch: Any) -> tuple[Instant, FloatArray]:
     """The middle of epochs, and seconds (N,) from it."""
     start = _J2000 if epoch is None else _inputs.instant(epoch)
-    hi, lo = _inputs.seconds_since(start, times, name="times")
+    seconds = _inputs.seconds_since(start, times, name="times")
+    hi = seconds.hi
     if hi.ndim != 1 or not hi.size or not np.all(np.isfinite(hi)):
         raise AttitudeError(
             f"times has shape {hi.shape} and {np.count_nonzero(~np.isfinite(hi))} entries that "
             "are not epochs; give a list of N epochs."
         )
     middle = float(np.round(0.5 * (hi.min() + hi.max())))
-    return start.after(middle), (hi - middle) + (0.0 if lo is None else lo)
+    return start.after(middle), (hi - middle) + seconds.low
 
 
 def _brightness(magnitude: Any, flux: Any, sigma: Any, count: int) -> tuple[FloatArray, FloatArray]:

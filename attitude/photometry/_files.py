@@ -720,8 +720,7 @@ def _of_sky(
     times: Any, ra: FloatArray, dec: FloatArray, delta: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Vectors from the body, m, ICRF, from its place in the sky of the Earth's centre."""
-    hi, lo = _inputs.seconds_since(_J2000, times)
-    t = np.asarray(hi + (0.0 if lo is None else lo))
+    t = _inputs.seconds_since(_J2000, times).rounded
     a, d = np.radians(ra), np.radians(dec)
     unit = np.stack([np.cos(d) * np.cos(a), np.cos(d) * np.sin(a), np.sin(d)], axis=-1)
     distance = delta * ASTRONOMICAL_UNIT_M

@@ -186,5 +186,5 @@ def _zero(data: Samples, epoch: Any) -> float:
         return float(data.t.min())
     if data.epoch is None:
         return validation.number(epoch, "epoch", unit="s")
-    hi, lo = _inputs.seconds_since(data.epoch, epoch, name="epoch")
-    return float(hi + (0.0 if lo is None else lo))
+    hi, lo = _inputs.one_since(data.epoch, epoch, "epoch")
+    return hi + lo

@@ -79,8 +79,7 @@ class SeriesFit(Immutable):
 
     def __call__(self, t: Epochs, curve: ArrayLike = 0) -> FloatArray:
         """The model at epochs t, with the constant term of a curve (a number, or one per t)."""
-        from_epoch, low = _inputs.seconds_since(self.epoch or Instant(0.0), t)
-        seconds = np.asarray(from_epoch + (0.0 if low is None else low))
+        seconds = _inputs.seconds_since(self.epoch or Instant(0.0), t).rounded
         curves = np.asarray(curve)
         if not (
             curves.dtype.kind in "iu"

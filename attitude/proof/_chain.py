@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from attitude._support import pairs
 from attitude._support.arrays import frozen
 from attitude.errors import AttitudeError
 from attitude.proof import _certificate, _exact
@@ -115,7 +116,7 @@ class Chain:
             For epochs that are not finite, and as `certified`.
         """
         shape = seconds.shape
-        lows = np.zeros(shape) if low is None else np.broadcast_to(low, shape)
+        lows = np.broadcast_to(pairs.Seconds(seconds, low).low, shape)
         if not np.all(np.isfinite(seconds)) or not np.all(np.isfinite(lows)):
             raise AttitudeError("an epoch is not finite; it has no attitude to be certified.")
         flat = seconds.ravel().tolist(), lows.ravel().tolist()

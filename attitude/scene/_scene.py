@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude._support import markup, pairs, validation
-from attitude._support.arrays import Immutable, new_array
+from attitude._support.arrays import Immutable, copied
 from attitude._support.synonyms import arguments, named
 from attitude.catalog import motion_of
 from attitude.conditions._conditions import Observable
@@ -524,23 +524,18 @@ class Scene(Immutable):
             raise AttitudeError(
                 f"start is {validation.shown(start)}; give an Instant, made by epochs.instant(...)."
             )
-        seconds, low = _inputs.plain_seconds(seconds, low)
         # Copies, since the arrays of a view are read-only.
-        hi = new_array(*seconds.shape)
-        hi[...] = seconds
-        lo = None if low is None else np.array(low)
-        if np.isinf(hi).any():
+        times = _inputs.plain_seconds(seconds, low).mapped(copied)
+        if np.isinf(times.hi).any():
             raise AttitudeError(
                 "times holds an infinite epoch; give finite epochs, or NaN for a missing one."
             )
         own = self.epoch
         if own is not None and start != own:
-            past_j2000 = pairs.add(
-                (hi, np.zeros(hi.shape) if lo is None else lo), start.seconds, start.low
-            )
-            hi, lo = pairs.add(past_j2000, -own.seconds, -own.low)
+            past_j2000 = times.plus(start.seconds, start.low)
+            times = pairs.Seconds(*pairs.add(past_j2000, -own.seconds, -own.low))
             start = own
-        return View(self, start, hi, lo)
+        return View(self, start, *times)
 
     def quantity(
         self,

@@ -19,6 +19,7 @@ from attitude._support.arrays import (
     read_only,
 )
 from attitude._support.constants import SPEED_OF_LIGHT_M_S
+from attitude._support.pairs import Seconds
 from attitude.epochs import _instants
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
@@ -286,9 +287,8 @@ class View(Immutable):
     @kept
     def emission_time(self) -> Time:
         """The epochs at which the light left the body as an astropy Time (S) in TDB."""
-        hi, lo = self.emission
-        rest = None if lo is None else lo.reshape(self.shape)
-        return _instants.times(self.epoch, hi.reshape(self.shape), rest)
+        left = Seconds(*self.emission).mapped(self._shaped)
+        return _instants.times(self.epoch, *left)
 
     # ---- Lines of sight
 
@@ -338,6 +338,10 @@ class View(Immutable):
         if scene.sun.is_direction:
             return _light_time.fixed(scene.sun)
         return self._sight(scene.sun, scene.observer)
+
+    def _shaped(self, flat: FloatArray) -> FloatArray:
+        """Numbers (N,) in the shape S of the epochs."""
+        return flat.reshape(self.shape)
 
     def _reception(self) -> tuple[FloatArray, FloatArray]:
         lo = _NO_LOW if self.low is None else self.low.reshape(-1)
@@ -510,9 +514,7 @@ class View(Immutable):
     @kept
     def attitude(self) -> AttitudeHistory:
         """The AttitudeHistory (S) of the body at the epochs of emission."""
-        hi, lo = self.emission
-        low = None if lo is None else lo.reshape(self.shape)
-        return self._motion().at_seconds(hi.reshape(self.shape), low)
+        return self._motion().at_seconds(*Seconds(*self.emission).mapped(self._shaped))
 
     def _motion(self) -> Motion:
         if self.scene.motion is None:

@@ -239,13 +239,7 @@ def given(changes: Sequence[Change], epoch: Instant) -> list[Pair | None]:
 def _seconds(at: Any, epoch: Instant, name: str) -> Pair | None:
     if isinstance(at, Trigger):
         return None
-    seconds, low = _inputs.seconds_since(epoch, at, name=name)
-    if np.ndim(seconds):
-        raise AttitudeError(f"{name} holds {np.size(seconds)} epochs; give one.")
-    pair = float(seconds), 0.0 if low is None else float(low)
-    if not np.isfinite(sum(pair)):
-        raise AttitudeError(f"{name} is {pair[0]}; give a finite epoch.")
-    return pair
+    return _inputs.one_since(epoch, at, name)
 
 
 def _check_order(times: list[Pair | None]) -> None:
@@ -364,8 +358,7 @@ class ChainedSensitivity(Derivatives):
         rates: bool,
     ) -> tuple[FloatArray, FloatArray | None]:
         """Changes (S, 3, P) of attitude and rates from those (9, P) of each arc's first state."""
-        t = np.asarray(seconds, dtype=np.float64).reshape(-1)
-        rest = np.zeros(t.size) if low is None else np.asarray(low, dtype=np.float64).reshape(-1)
+        t, rest = pairs.Seconds(seconds, low).flat
         width = maps[0].shape[1]
         attitude = np.full((t.size, 3, width), np.nan)
         omega = np.full((t.size, 3, width), np.nan) if rates else None
@@ -736,19 +729,19 @@ class Arcs(Differentiable):
         (..., 3) array
             rad/s2, body axes.
         """
-        seconds, low = _inputs.plain_seconds(seconds, low)
+        times = _inputs.plain_seconds(seconds, low)
         if self._torqued:
-            return self._evaluate(seconds, low, 2)[2]
+            return self._evaluate(*times, 2)[2]
         if angular_velocity is None:
-            angular_velocity = self.angular_velocity_at(seconds, low)
+            angular_velocity = self.angular_velocity_at(*times)
         angular_velocity = validation.real(
-            angular_velocity, "angular_velocity", shape=(*seconds.shape, 3), finite=False
+            angular_velocity, "angular_velocity", shape=(*times.hi.shape, 3), finite=False
         )
         out = np.empty(angular_velocity.shape)
-        for body, on in self._bodies_on(seconds, low):
+        for body, on in self._bodies_on(times):
             motion = FreeRotation(body, self.spin)
             out[on] = motion.angular_acceleration_from(angular_velocity[on])
-        out[np.isnan(seconds)] = np.nan
+        out[np.isnan(times.hi)] = np.nan
         return out
 
     def certificate(
@@ -771,16 +764,14 @@ class Arcs(Differentiable):
                 "arcs under torques are integrated, and cannot be certified; give arcs without "
                 "torques=."
             )
-        hi, lo = _inputs.seconds_since(self.epoch, t, low)
-        wxyz, *rates = self._evaluate(hi, lo, int(angular_velocity))
+        times = _inputs.seconds_since(self.epoch, t, low)
+        wxyz, *rates = self._evaluate(*times, int(angular_velocity))
         joints = []
         for k, change in enumerate(self.changes):
             start = self._starts[k + 1]
             if isinstance(change.at, Trigger) or callable(change.angular_momentum):
-                later = (hi > start[0]) | (
-                    (hi == start[0]) & ((0.0 if lo is None else lo) >= start[1])
-                )
-                if np.any(later):
+                hi, low_part = times.hi, times.low
+                if np.any((hi > start[0]) | ((hi == start[0]) & (low_part >= start[1]))):
                     raise AttitudeError(
                         f"changes[{k}] happens at an event, or its momentum is a function: both "
                         "are rounded, and epochs behind it cannot be certified."
@@ -792,7 +783,7 @@ class Arcs(Differentiable):
                 added = frames.vector_to_icrf(change.frame, added[:, 0])
             body = self._bodies[k + 1]
             joints.append(Joint(start, added, change.frame == "body", inertia_of(body)))
-        return chain_of(self.body, self.spin, joints).certificate(hi, lo, wxyz, *rates)
+        return chain_of(self.body, self.spin, joints).certificate(*times, wxyz, *rates)
 
     def constant_body(self, what: str) -> Body:
         """The Body of all arcs.
@@ -817,7 +808,7 @@ class Arcs(Differentiable):
     def momentum_in_body(self, history: AttitudeHistory) -> FloatArray:
         """Angular momentum (S, 3), kg m2/s over the body axes, with the body of each epoch."""
         out = np.full(history.angular_velocity.shape, np.nan)
-        for body, on in self._bodies_on(history.seconds, history.low):
+        for body, on in self._bodies_on(pairs.Seconds.of(history)):
             out[on] = history.angular_velocity[on] @ body.tensor
         return out
 
@@ -834,15 +825,11 @@ class Arcs(Differentiable):
 
     def body_at(self, t: EpochOrSeconds) -> Body:
         """The Body at one epoch, of any kind that `at` takes."""
-        seconds, low = _inputs.seconds_since(self.spin.epoch, t)
-        if np.ndim(seconds):
-            raise AttitudeError(f"t holds {np.size(seconds)} epochs; give one.")
-        return self._bodies[self._arc(float(seconds), 0.0 if low is None else float(low))]
+        return self._bodies[self._arc(*_inputs.one_since(self.spin.epoch, t))]
 
-    def _bodies_on(self, seconds: ArrayLike, low: ArrayLike | None) -> list[tuple[Body, BoolArray]]:
+    def _bodies_on(self, times: pairs.Seconds) -> list[tuple[Body, BoolArray]]:
         """Each Body, and at which epochs (S,) the motion has it; the first at NaN."""
-        seconds = np.asarray(seconds)
-        rest = np.float64(0.0) if low is None else np.asarray(low)
+        seconds, rest = times.hi, times.low
         starts = [
             (body, *start)
             for k, (body, start) in enumerate(zip(self._bodies, self._starts, strict=True))
@@ -978,7 +965,9 @@ class Arcs(Differentiable):
 
     # ---- Evaluation
 
-    def _evaluate(self, seconds: FloatArray, low: ArrayLike | None, order: int) -> list[FloatArray]:
+    def _evaluate(
+        self, seconds: FloatArray, low: FloatArray | None, order: int
+    ) -> list[FloatArray]:
         if self._torqued:
             return self._evaluate_torqued(seconds, low, order)
         shape = seconds.shape
@@ -1008,12 +997,10 @@ class Arcs(Differentiable):
         return found
 
     def _evaluate_torqued(
-        self, seconds: FloatArray, low: ArrayLike | None, order: int
+        self, seconds: FloatArray, low: FloatArray | None, order: int
     ) -> list[FloatArray]:
-        flat = np.asarray(seconds).reshape(-1)
-        rest = np.zeros(flat.size) if low is None else np.asarray(low).reshape(-1)
-        high, rest, numbers = _numbers_of_arcs(self._starts, flat, rest)
-        found = [np.empty((flat.size, width)) for width in (4, 3, 3)[: max(order, 1) + 1]]
+        high, rest, numbers = _numbers_of_arcs(self._starts, *pairs.Seconds(seconds, low).flat)
+        found = [np.empty((high.size, width)) for width in (4, 3, 3)[: max(order, 1) + 1]]
         for k in np.unique(numbers):
             on = numbers == k
             own = self._torqued[k]._evaluate(*_since(self._starts[k], high[on], rest[on]), order)

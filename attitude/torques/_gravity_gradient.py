@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from attitude._support import validation
+from attitude._support.pairs import Seconds
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.paths import _two_body
@@ -110,9 +111,7 @@ class GravityGradient(Torque):
 
         GM/(2 r^3) (3 u . I u - tr I), without the part -GM m/r, which no attitude changes.
         """
-        seconds = history.seconds.reshape(-1)
-        low = np.zeros(seconds.size) if history.low is None else history.low.reshape(-1)
-        r = self.sample(history.epoch, seconds, low).reshape(*history.shape, 3)
+        r = self.sample(history.epoch, *Seconds.of(history).flat).reshape(*history.shape, 3)
         distance = np.sqrt(np.sum(r * r, axis=-1))
         u = quaternion.rotate(quaternion.conjugate(history.wxyz), r / distance[..., None])
         form = np.sum(u * (u @ body.tensor), axis=-1)

@@ -474,8 +474,7 @@ class TorquedSensitivity(Derivatives):
         self, seconds: FloatArray, low: FloatArray | None, rates: bool
     ) -> tuple[FloatArray, FloatArray | None]:
         """Changes of attitude (S, 3, 9 + P), ICRF axes, and of the angular velocity, body axes."""
-        t = np.asarray(seconds, dtype=np.float64).reshape(-1)
-        rest = np.zeros(t.size) if low is None else np.asarray(low, dtype=np.float64).reshape(-1)
+        t, rest = pairs.Seconds(seconds, low).flat
         found = np.full((t.size, self._width, self._width), np.nan)
         with np.errstate(invalid="ignore"):
             sides = t + rest >= 0.0, t + rest < 0.0

@@ -834,8 +834,7 @@ class TorquedRotation(Differentiable):
                 "span is for tolerance=, the error over a span; leave it out with step= and "
                 "step_tolerance=."
             )
-        hi, lo = _inputs.seconds_since(self.epoch, span, name="span")
-        ends = hi if lo is None else hi + lo
+        ends = _inputs.seconds_since(self.epoch, span, name="span").rounded
         if ends.shape != (2,) or not np.all(np.isfinite(ends)) or ends[0] > ends[1]:
             raise AttitudeError(f"span is {span!r}; give two epochs, the earlier one first.")
         return max(float(ends[1]), 0.0), max(-float(ends[0]), 0.0)
@@ -945,10 +944,8 @@ class TorquedRotation(Differentiable):
         """The Body at one epoch, of any kind that `at` takes."""
         if self._system.inertia is None:
             return self.body
-        hi, lo = _inputs.seconds_since(self.spin.epoch, t)
-        if np.ndim(hi):
-            raise AttitudeError(f"t holds {np.size(hi)} epochs; give one.")
-        change = self._system.inertia.tensors(np.array([hi if lo is None else hi + lo]))[0]
+        hi, lo = _inputs.one_since(self.spin.epoch, t)
+        change = self._system.inertia.tensors(np.array([hi + lo]))[0]
         body = self.body
         return Body(
             tensor=body.tensor + change,
@@ -960,8 +957,7 @@ class TorquedRotation(Differentiable):
         """Angular momentum (S, 3), kg m2/s over the body axes, with the tensor of each epoch."""
         tensors = self.body.tensor
         if self._system.inertia is not None:
-            low = 0.0 if history.low is None else history.low
-            seconds = np.asarray(history.seconds + low).reshape(-1)
+            seconds = pairs.Seconds.of(history).rounded.reshape(-1)
             change = self._system.inertia.tensors(seconds)
             tensors = tensors + change.reshape(*np.shape(history.seconds), 3, 3)
         found: FloatArray = np.sum(tensors * history.angular_velocity[..., None, :], axis=-1)
@@ -972,8 +968,7 @@ class TorquedRotation(Differentiable):
     ) -> list[FloatArray]:
         # Attitudes and angular velocities are integrated together, in blocks of epochs: Ctrl-C is
         # heard between them, and the memory beside the result is bounded.
-        flat = seconds.reshape(-1)
-        rest = np.zeros(flat.size) if low is None else np.asarray(low).reshape(-1)
+        flat, rest = pairs.Seconds(seconds, low).flat
         found = [np.empty((flat.size, width)) for width in (4, 3, 3)[: max(order, 1) + 1]]
         for begin in range(0, flat.size, _EPOCHS_AT_ONCE):
             here = slice(begin, begin + _EPOCHS_AT_ONCE)

@@ -15,6 +15,7 @@ import numpy as np
 
 from attitude._support import validation
 from attitude._support.arrays import Immutable, frozen
+from attitude._support.pairs import Seconds
 from attitude._support.validation import unit_vector
 from attitude.conditions._search import TOUCH, Bounded, isolated, refined, shifted
 from attitude.errors import AttitudeError
@@ -183,8 +184,8 @@ class PointMeetsPlane(Trigger):
         """Height of the point over the plane, m, and its rate, m/s: (S,) each."""
         v, rate = _point(history, self.point)
         speed = self.velocity @ self.normal
-        low = 0.0 if history.low is None else history.low
-        centre = (self.start @ self.normal - self.offset) + (history.seconds + low) * speed
+        seconds = Seconds.of(history).rounded
+        centre = (self.start @ self.normal - self.offset) + seconds * speed
         return v @ self.normal + centre, rate @ self.normal + speed
 
 

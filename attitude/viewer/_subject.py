@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from attitude import plots
-from attitude._support import pairs, validation
+from attitude._support import pairs
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.frames import quaternion
@@ -472,8 +472,8 @@ class Subject:
         found = (joints[:, 0] - hi) + (joints[:, 1] - lo)
         if self.scene is not None and len(found):
             # Light arrives later than it leaves: the delay at the start serves the whole span.
-            left, low = self.view(np.zeros(1)).emission
-            found = found + (hi - left[0]) + (lo - (0.0 if low is None else low[0]))
+            left = pairs.Seconds(*self.view(np.zeros(1)).emission)
+            found = found + (hi - left.hi[0]) + (lo - left.low[0])
         return np.sort(found[(found > 0.0) & (found < self.duration)])
 
     def utc(self, times: FloatArray) -> list[str]:
@@ -548,12 +548,7 @@ def _span(motion: Motion, start: Any, stop: Any) -> tuple[_instants.Instant, _in
 
 
 def _instant(motion: Motion, value: Any, name: str) -> _instants.Instant:
-    hi, lo = _inputs.seconds_since(motion.epoch, value, None, name)
-    if np.ndim(hi):
-        raise AttitudeError(f"{name} holds {np.size(hi)} epochs; give one.")
-    if not np.isfinite(hi):
-        raise AttitudeError(f"{name} is {validation.shown(value)}; give a finite epoch.")
-    return motion.epoch.after(float(hi), 0.0 if lo is None else float(lo))
+    return motion.epoch.after(*_inputs.one_since(motion.epoch, value, name))
 
 
 def _typical(motion: Motion) -> float:

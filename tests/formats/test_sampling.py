@@ -172,7 +172,10 @@ BAD = [
     ({"tolerance": 1e-9, "t": [0.0, 1.0]}, "t and tolerance are given"),
     ({"t": [0.0, 1.0], "stop": 1.0}, "start or stop is given without tolerance="),
     ({"tolerance": 1e-9, "stop": 1.0}, "start is not given"),
-    ({"tolerance": 1e-9, "start": 0.0, "stop": [1.0, 2.0]}, "stop is .* give one finite epoch"),
+    (
+        {"tolerance": 1e-9, "start": 0.0, "stop": [1.0, 2.0]},
+        "stop holds 2 epochs; give one finite epoch",
+    ),
     ({"tolerance": 1e-9, "start": 1.0, "stop": 1.0}, "stop is not after start"),
 ]
 

@@ -211,7 +211,7 @@ def test_impulses_make_pieces():
     ("settings", "sentence"),
     [
         ({"stop": 1e9 * 7 * DAY}, "needs .* attitudes"),
-        ({"stop": np.nan}, "stop is nan; give a finite epoch"),
+        ({"stop": np.nan}, "stop is nan; give one finite epoch"),
         ({"start": [0.0, np.nan]}, "start holds 2 epochs"),
         ({"start": 5.0, "stop": 5.0}, "give a stop after the start"),
         ({"shape": "toutatis.obj"}, "shape is str"),
