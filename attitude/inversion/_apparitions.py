@@ -127,11 +127,14 @@ class Combs:
         """
         most = max(1, int(columns[0].turns.max()))
         width = 2.0 * _PHASE / (math.pi * most * max(self.width, 1e-9))
+        settings = self.problem.settings
+        cost = settings.comb_cost + len(self.centre) * settings.cell_cost
         begin = 0
         while begin < len(rates):
             end = int(np.searchsorted(rates, rates[begin] + width, "right"))
             end = min(max(end, begin + 1), begin + _SIDE)
             part = slice(begin, end)
+            self.problem.tally.add((end - begin) * len(columns), cost)
             yield part, *self._block(columns, rates[part])
             begin = end
 
@@ -241,6 +244,8 @@ def apparitions(problem: CurveProblem, gap: float = _GAP) -> list[NDArray[np.boo
 _HARMONICS, _AMPLITUDES = np.arange(1, 5), np.array([_OTHER, _TWO, _OTHER, _OTHER])
 # Least points of an apparition with a series; windows of rates that are tried.
 _LEAST_POINTS, _WINDOWS = 20, 6
+# Rates between looks at the budget, and how many of all, the best, stay.
+_BLOCK, _KEPT = 10_000, 5_000
 # Turns in the span up to which every rate is tried about all poles, some 10 s.
 _WHOLE = 800.0
 # Half the width of a window beside the turn of the scene, turns in the longest apparition; what a
@@ -254,18 +259,28 @@ def windows(problem: CurveProblem, low: float, high: float) -> list[tuple[float,
     length = max((float(np.ptp(problem.t[each])) for each in spans), default=0.0)
     if length == 0.0 or high - low < _WHOLE:
         return [(low, high)]
-    rates = np.arange(low, high, 1.0 / (_STEPS * length))
-    gain, total = np.zeros(len(rates)), 0.0
-    for chosen in spans:
-        part = problem.part(chosen)
-        count = len(part)
-        columns = Columns(np.ones((len(_HARMONICS), count), complex), _HARMONICS, _AMPLITUDES)
-        combs = Combs(part)
-        total += combs.total
-        for at, here, _ in combs.gains([columns], rates):
-            gain[at] += here[0]
+    combs = [Combs(problem.part(chosen)) for chosen in spans]
+    columns = [
+        Columns(np.ones((len(_HARMONICS), len(each.problem)), complex), _HARMONICS, _AMPLITUDES)
+        for each in combs
+    ]
+    total = sum(each.total for each in combs)
+    step = 1.0 / (_STEPS * length)
+    rates, left = np.empty(0), np.empty(0)
+    # millions of rates do not fit the memory: the best of each block stay
+    for begin in range(0, math.ceil((high - low) / step), _BLOCK):
+        block = np.arange(low + begin * step, min(low + (begin + _BLOCK) * step, high), step)
+        gain = np.zeros(len(block))
+        for each, own in zip(combs, columns, strict=True):
+            for at, explained, _ in each.gains([own], block):
+                gain[at] += explained[0]
+        rates, left = np.append(rates, block), np.append(left, total - gain)
+        kept = np.argsort(left, kind="stable")[:_KEPT]
+        rates, left = rates[kept], left[kept]
+        if problem.tally.is_over:
+            break
     half = _HALF / length + _fastest(problem, spans)
-    peaks = _peaks(rates, total - gain, low, half)
+    peaks = _peaks(rates, left, low, half)
     return [(max(low, each - half), min(high, each + half)) for each in peaks]
 
 
@@ -346,6 +361,8 @@ def scan(
     combs: Combs, poles: FloatArray, low: float, high: float, is_over: Callable[[], bool]
 ) -> list[Trial]:
     """The best rates of each pole (P, 3)."""
+    if is_over():
+        return []
     rates = np.arange(low, high + 0.5 / _STEPS, 1.0 / _STEPS)
     columns = [harmonics_about(combs.problem, pole) for pole in poles]
     found: list[Trial] = []
@@ -511,4 +528,5 @@ class RotatorSearch(Search):
         return (
             f"Only rotations about one axis were searched, over {count} "
             f"apparition{'s' if count > 1 else ''}: periods of {named}."
+            + (" The budget ended before all periods were tried." if self.is_over else "")
         )

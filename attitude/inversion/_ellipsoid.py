@@ -345,6 +345,18 @@ class SearchState(NamedTuple):
         return alike and abs(self.nutation - other.nutation) < width
 
 
+def have_rates(states: FloatArray, state: FloatArray, width: float) -> BoolArray:
+    """Which of the states (S, 16 or more) have the mode and the rates of one (16 or more,).
+
+    As `SearchState.has_rates`, for many.
+    """
+    alike = 2.0 * np.abs(states[:, 0] - state[0]) < width
+    axial = states[:, 3] == AXIAL
+    if state[3] == AXIAL:
+        return np.asarray(alike & axial)
+    return np.asarray(alike & ~axial & (np.abs(states[:, 1] - state[1]) < width))
+
+
 class Priors(NamedTuple):
     """What is known of shape and motion beside the curve.
 

@@ -252,6 +252,8 @@ _OFF, _CLOSE = 6.0, 0.2
 # Triples of neighbours from which noise is estimated at least, and that of a median of absolute
 # deviations of a normal distribution.
 _TRIPLES, _NORMAL = 20, 1.4826
+# Relative error of a night's noise times the root of its triples, which share points, thrice.
+_BY_CHANCE = 4.5
 
 
 def off_neighbours(
@@ -300,13 +302,26 @@ def without_outliers(problem: CurveProblem, turns: float) -> tuple[CurveProblem,
     return (problem.with_errors(sigma) if count else problem), count
 
 
-def noise(problem: CurveProblem, residual: FloatArray, turns: float) -> float:
-    """By what factor neighbouring residuals (N,) differ more than the errors say; at least 1."""
+def noise(problem: CurveProblem, residual: FloatArray, turns: float) -> FloatArray:
+    """By what factors (N,) neighbouring residuals (N,) differ more than the errors say; at least 1.
+
+    That of all points, and of a night where its own is larger by more than chance.
+    """
     off, error = off_neighbours(problem, residual, turns)
-    known = np.isfinite(off)
+    scaled = np.abs(off / error)
+    known = np.isfinite(scaled)
+    factors = np.ones(len(problem))
     if np.count_nonzero(known) < _TRIPLES:
-        return 1.0
-    return max(1.0, _NORMAL * float(np.median(np.abs(off[known] / error[known]))))
+        return factors
+    whole = max(1.0, _NORMAL * float(np.median(scaled[known])))
+    factors[:] = whole
+    for night in nights_of(problem.t * problem.span):
+        own = scaled[night][known[night]]
+        if len(own) >= _TRIPLES:
+            factor = _NORMAL * float(np.median(own))
+            if factor > whole * (1.0 + _BY_CHANCE / np.sqrt(len(own))):
+                factors[night] = factor
+    return factors
 
 
 # ---- Nights

@@ -27,9 +27,11 @@ if TYPE_CHECKING:
 _SCANNED, ORDERS = (4, 6), (6, 16)
 # Frequencies of the orbit per 1/span: its sixth harmonic is resolved.
 _FINE = 12
-# Strong lines whose orbits are scanned, orbits of each, and pairs that are fitted; the best of them
-# also with twice and half the period of the orbit.
-_ROTATIONS, _ORBITS, _FITTED = 12, 12, 80
+# Strong lines whose orbits are scanned, orbits of each, pairs that are fitted in two steps and in
+# more; the best of them also with twice and half the period of the orbit.
+_ROTATIONS, _ORBITS, _FITTED, _FREE = 12, 12, 80, 24
+# Orbits beside whose series the rotation is looked for once more: deep dips drown its lines.
+_BESIDE = 4
 # Ratios of two numbers up to this are those of one comb, whose lines are a shape's.
 _COMB = 4
 # Steps of the fit of both frequencies, and the longest one, turns per span.
@@ -39,6 +41,8 @@ _STEPS, _LONGEST = 4, 0.1
 _LEAST_SKEWNESS, _LEAST_ORBITS, _DEEPEST = 0.6, 4.0, 1.2
 # Epochs of an orbit at which its series is evaluated.
 _PHASES = 360
+# Depth of the second dip, over the range, from which it is one; an orbit is not always a circle.
+_SECOND, _OFF_HALF = 0.15, 0.06
 # Standard deviation, mag, of the amplitudes of a series beside a body before the curve is seen.
 _AMPLITUDE = 0.1
 
@@ -46,7 +50,8 @@ _AMPLITUDE = 0.1
 class AdditivePair(NamedTuple):
     """Frequencies of rotation and orbit, turns per span, and the share of chi-squared left.
 
-    range, mag, and skewness are those of the series in the orbit.
+    range, mag, and skewness are those of the series in the orbit; second, mag: the depth of the dip
+    half a period after the deepest one.
     """
 
     rotation: float
@@ -54,6 +59,7 @@ class AdditivePair(NamedTuple):
     left: float
     range: float = 0.0
     skewness: float = 0.0
+    second: float = 0.0
 
     @property
     def are_dips(self) -> bool:
@@ -84,9 +90,48 @@ def additive_pairs(problem: CurveProblem, most: float, keep: int = 4) -> list[Ad
     The frequency of the orbit is the lower one, and its series consists of dips.  `most`: of the
     rotation, turns per span.
     """
-    strong = _lattices.lines(problem, most, _ROTATIONS)
+    found = _scanned(problem, _rotations(problem, most))
+    orbits: list[float] = []
+    for pair in found:
+        if all(abs(pair.orbit - other) > 0.5 for other in orbits) and len(orbits) < _BESIDE:
+            orbits.append(pair.orbit)
+    for orbit in orbits:
+        terms = series(orbit, ORDERS[1], problem.t)
+        without = problem.with_terms(terms, np.full(terms.shape[1], _AMPLITUDE), orbit)
+        # the first ones are near pairs that were scanned
+        rotations = _rotations(without, most, _ROTATIONS // 2)
+        found += [_fitted(problem, rate, orbit) for rate in rotations[rotations > orbit]]
+    found = _distinct(found)
+    found += [
+        _fitted(problem, pair.rotation, factor * pair.orbit)
+        for pair in found[:keep]
+        for factor in (0.5, 2.0)
+        if _lattices.LEAST < factor * pair.orbit < pair.rotation
+    ]
+    return _distinct(found)[:keep]
+
+
+def _distinct(found: list[AdditivePair]) -> list[AdditivePair]:
+    """Pairs with dips whose frequencies form no comb, each once, the best first."""
+    out: list[AdditivePair] = []
+    for pair in sorted(found, key=lambda each: each.left):
+        near = [max(abs(pair[0] - one[0]), abs(pair[1] - one[1])) < 0.5 for one in out]
+        is_comb = bool(_is_comb(np.array([pair.orbit]), pair.rotation)[0])
+        if pair.are_dips and not any(near) and not is_comb:
+            out.append(pair)
+    return out
+
+
+def _rotations(problem: CurveProblem, most: float, count: int = _ROTATIONS) -> FloatArray:
+    """Rates (R,), turns per span, of strong lines and half of them."""
+    strong = _lattices.lines(problem, most, count)
     rotations = np.unique(np.concatenate([strong, 0.5 * strong]))
-    rotations = rotations[rotations > 2.0 * _lattices.LEAST]
+    found: FloatArray = rotations[rotations > 2.0 * _lattices.LEAST]
+    return found
+
+
+def _scanned(problem: CurveProblem, rotations: FloatArray) -> list[AdditivePair]:
+    """The best pairs of rates (R,) and slower orbits."""
     if not len(rotations):
         return []
     # sums and differences of any two lines
@@ -113,21 +158,51 @@ def additive_pairs(problem: CurveProblem, most: float, keep: int = 4) -> list[Ad
             if all(abs(orbit - other) > 0.5 for other in chosen) and len(chosen) < _ORBITS:
                 chosen.append(orbit)
                 scanned.append((-float(gain[k]), float(rotation), orbit))
-    fits = [_fitted(problem, *pair[1:]) for pair in sorted(scanned)[:_FITTED]]
-    found = sorted((each for each in fits if each.are_dips), key=lambda each: each.left)
-    found += [
-        _fitted(problem, pair.rotation, factor * pair.orbit)
-        for pair in found[:keep]
-        for factor in (0.5, 2.0)
-        if _lattices.LEAST < factor * pair.orbit < pair.rotation
-    ]
-    distinct: list[AdditivePair] = []
-    for pair in sorted(found, key=lambda each: each.left):
-        near = [max(abs(pair[0] - one[0]), abs(pair[1] - one[1])) < 0.5 for one in distinct]
-        is_comb = bool(_is_comb(np.array([pair.orbit]), pair.rotation)[0])
-        if pair.are_dips and not any(near) and not is_comb:
-            distinct.append(pair)
-    return distinct[:keep]
+    fits = [_fitted(problem, *pair[1:], steps=2) for pair in sorted(scanned)[:_FITTED]]
+    fits.sort(key=lambda each: each.left)
+    return [_fitted(problem, each.rotation, each.orbit) for each in fits[:_FREE]]
+
+
+def rivals(problem: CurveProblem, most: float, keep: int) -> list[AdditivePair]:
+    """The best pairs, as `additive_pairs`, each with the period of its orbit and that once."""
+    found: list[AdditivePair] = []
+    for pair in additive_pairs(problem, most, keep):
+        one = with_orbit(problem, pair)
+        same = [abs(one.orbit - other.orbit) < 0.5 and _is_multiple(one, other) for other in found]
+        if not any(same):
+            found.append(one)
+    return found
+
+
+def _is_multiple(one: AdditivePair, other: AdditivePair) -> bool:
+    """Whether the rotation of a pair is that of another one, half of it or twice."""
+    ratios = [abs(one.rotation - ratio * other.rotation) for ratio in (0.5, 1.0, 2.0)]
+    return min(ratios) < 1.0
+
+
+def with_orbit(problem: CurveProblem, pair: AdditivePair) -> AdditivePair:
+    """The pair whose series in the orbit has the period of the orbit.
+
+    A series of half of it, or of twice that, often fits as well.  A moon eclipses and is eclipsed:
+    two dips an orbit, half a period apart.  So of the periods that fit as well as the best one the
+    shortest counts, or twice that where it has one dip.  The rotation has the shortest of its
+    periods.
+    """
+    rotations = [_fitted(problem, factor * pair.rotation, pair.orbit) for factor in (1.0, 2.0, 3.0)]
+    rotation = _shortest(rotations, problem).rotation
+    orbits = [_fitted(problem, rotation, factor * pair.orbit) for factor in (0.5, 1.0, 2.0, 4.0)]
+    shortest = _shortest(orbits, problem)
+    if shortest.second > _SECOND * shortest.range:
+        return shortest
+    return _fitted(problem, shortest.rotation, 0.5 * shortest.orbit)
+
+
+def _shortest(fits: list[AdditivePair], problem: CurveProblem) -> AdditivePair:
+    """The pair of the shortest periods among those that fit as well as the best one."""
+    most = min(each.left for each in fits) * (1.0 + problem.settings.competing / len(problem))
+    return max(
+        (each for each in fits if each.left < most), key=lambda each: each.rotation * each.orbit
+    )
 
 
 def _is_comb(orbits: FloatArray, rotation: float) -> BoolArray:
@@ -137,42 +212,60 @@ def _is_comb(orbits: FloatArray, rotation: float) -> BoolArray:
     return np.asarray(np.any(on, axis=0))
 
 
-def _fitted(problem: CurveProblem, rotation: float, orbit: float) -> AdditivePair:
+def _fitted(
+    problem: CurveProblem, rotation: float, orbit: float, *, steps: int = _STEPS
+) -> AdditivePair:
     """The pair near two frequencies whose series fit best, linear terms projected out exactly."""
     y = problem.y * problem.root
     y = y - problem.u.T @ (problem.u @ y)
     total = float(y @ y)
     pair = np.array([rotation, orbit])
     best = AdditivePair(rotation, orbit, math.inf)
-    orbit_series = series(1.0, ORDERS[1], np.arange(_PHASES) / _PHASES)
     multiples = [np.arange(1, order + 1) for order in ORDERS]
     # without it a series reaches many magnitudes where no points are
     held = np.full(2 * sum(ORDERS), _spectrum.RIDGE)
     held[2 * ORDERS[0] :] = _AMPLITUDE**-2.0
-    for _ in range(_STEPS):
+    problem.tally.add(steps * len(problem), problem.settings.body_cost)
+    for step in range(steps):
         bases = [series(f, order, problem.t) for f, order in zip(pair, ORDERS, strict=True)]
         joint = _projected(problem, np.concatenate(bases, axis=1))
         inner = joint @ joint.T + np.diag(held)
-        amplitudes = np.linalg.solve(inner, joint @ y)
-        residual = y - joint.T @ amplitudes
-        left = 1.0 - float(amplitudes @ (joint @ y)) / total
+        along = joint @ y
+        amplitudes = np.linalg.solve(inner, along)
+        left = 1.0 - float(amplitudes @ along) / total
         if left < best.left:
-            dips = orbit_series @ amplitudes[2 * ORDERS[0] :]
-            off = dips - dips.mean()
-            skewness = float(np.mean(off**3) / max(float(np.mean(off**2)) ** 1.5, 1e-30))
-            best = AdditivePair(float(pair[0]), float(pair[1]), left, float(np.ptp(dips)), skewness)
+            shape = _dips(amplitudes[2 * ORDERS[0] :])
+            best = AdditivePair(float(pair[0]), float(pair[1]), left, *shape)
+        if step == steps - 1:
+            break
         slopes, start = [], 0
         for base, order, numbers in zip(bases, ORDERS, multiples, strict=True):
             cosine, sine = amplitudes[start : start + order], amplitudes[start + order :][:order]
             rate = base[:, :order] @ (sine * numbers) - base[:, order:] @ (cosine * numbers)
             slopes.append(2.0 * math.pi * problem.t * rate)
             start += 2 * order
-        whole = np.concatenate([_projected(problem, np.stack(slopes, axis=1)), joint])
-        inner = whole @ whole.T
-        inner[2:, 2:] += np.diag(held)
-        step = np.linalg.lstsq(inner, whole @ residual, rcond=1e-12)[0][:2]
-        pair = pair + np.clip(step, -_LONGEST, _LONGEST)
+        residual = y - joint.T @ amplitudes
+        both = _projected(problem, np.stack(slopes, axis=1))
+        # amplitudes follow: they are eliminated
+        across = np.linalg.solve(inner, joint @ both.T)
+        normal = both @ both.T - (both @ joint.T) @ across
+        side = both @ residual - across.T @ (joint @ residual)
+        move = np.linalg.lstsq(normal, side, rcond=1e-12)[0]
+        pair = pair + np.clip(move, -_LONGEST, _LONGEST)
     return best
+
+
+def _dips(amplitudes: FloatArray) -> tuple[float, float, float]:
+    """Range and skewness of a series in the orbit, and the depth of its second dip, mag."""
+    dips = series(1.0, ORDERS[1], np.arange(_PHASES) / _PHASES) @ amplitudes
+    off = dips - dips.mean()
+    skewness = float(np.mean(off**3) / max(float(np.mean(off**2)) ** 1.5, 1e-30))
+    from_deepest = np.roll(dips, -int(np.argmax(dips)))
+    phase = np.arange(_PHASES) / _PHASES
+    near = np.abs(phase - 0.5) < _OFF_HALF
+    between = np.abs(np.abs(phase - 0.5) - 0.25) < _OFF_HALF
+    second = float(from_deepest[near].max() - np.median(from_deepest[between]))
+    return float(np.ptp(dips)), skewness, second
 
 
 def _projected(problem: CurveProblem, terms: FloatArray) -> FloatArray:

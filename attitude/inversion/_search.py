@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar, cast
 
 import numpy as np
 
@@ -35,9 +35,27 @@ if TYPE_CHECKING:
     from attitude.inversion._shapes import Tie
 
 
+Fit = TypeVar("Fit")
+
+
 def never(_: bool) -> bool:
     """False: a search goes on."""
     return False
+
+
+class _KnownFits:
+    """Robust fits that were made, for solutions are ranked anew whenever bodies were added."""
+
+    def __init__(self) -> None:
+        self._fits: dict[tuple[int, ...], tuple[object, ...]] = {}
+
+    def of(self, make: Callable[[], Fit], *given: object) -> Fit:
+        """The fit of given objects, from `make` where it is not known."""
+        key = tuple(id(each) for each in given)
+        if key not in self._fits:
+            # what identifies the fit is kept, so that no other object gets its identity
+            self._fits[key] = *given, make()
+        return cast("Fit", self._fits[key][-1])
 
 
 @dataclass(eq=False)
@@ -91,6 +109,7 @@ class Search:
     rival: Search | None = None
     constant: str = ""
     _mapped_rates: list[FloatArray] = field(default_factory=list)
+    _known_fits: _KnownFits = field(default_factory=_KnownFits, init=False)
     is_ellipsoid: bool = False
     length: float = 0.0
     notes: list[str] = field(default_factory=list)
@@ -112,6 +131,10 @@ class Search:
     def has_rates(self, a: FloatArray, b: FloatArray) -> bool:
         """Whether two states have one mode and the same rates."""
         return SearchState.of(a).has_rates(SearchState.of(b), self.settings.same_rate)
+
+    def _with_rates(self, states: FloatArray, state: FloatArray) -> BoolArray:
+        """Which of the states (S, 16 or more) have the mode and the rates of one."""
+        return _ellipsoid.have_rates(states, state, self.settings.same_rate)
 
     def begin(self, states: Iterable[FloatArray]) -> None:
         """Make `solutions` from states alone, such as those that another search has found."""
@@ -166,7 +189,7 @@ class Search:
         """Whether a search that can be ended is, by its solutions so far."""
         if is_ended is never or self.is_over:
             return False
-        self.finish()
+        self.finish(self.settings.compared)
         return is_ended(is_early)
 
     @property
@@ -202,7 +225,7 @@ class Search:
         if self.is_over or self.problem.orbit or not self.solutions:
             return
         best = self.solutions[0]
-        pairs = _satellites.additive_pairs(self.problem, self.most, self.settings.orbits)
+        pairs = _satellites.rivals(self.problem, self.most, self.settings.orbits)
         left = _evidence.share_left(best, self.problem)
         rivals = []
         for pair in pairs:
@@ -405,12 +428,14 @@ class Search:
         """
         most = self.settings.convex if keep is None else keep
         chosen: list[FloatArray] = []
+        motions = np.empty((0, _ellipsoid.WIDTH))
         for state in self._by_short_fits(pool):
-            alike = [other for other in chosen if self.has_rates(state, other)]
+            alike = motions[self._with_rates(motions, state)]
             if len(alike) < self.settings.poles and not any(
-                self.is_same(state, other) for other in alike
+                _has_pole(state, other, self.settings.same_pole) for other in alike
             ):
                 chosen.append(state)
+                motions = np.concatenate([motions, state[None, : _ellipsoid.WIDTH]])
                 if len(chosen) >= most:
                     break
         self._add(self._worthy(chosen))
@@ -434,14 +459,14 @@ class Search:
     def _by_short_fits(self, pool: Pool) -> list[FloatArray]:
         """The states of a pool in the order of short convex fits of the best of each rates."""
         classes: list[list[FloatArray]] = []
+        firsts = np.empty((0, _ellipsoid.WIDTH))
         for state in pool.states[: self.settings.short_states]:
-            for members in classes:
-                if self.has_rates(state, members[0]):
-                    members.append(state)
-                    break
-            else:
-                if len(classes) < self.settings.short_classes:
-                    classes.append([state])
+            at = np.flatnonzero(self._with_rates(firsts, state))
+            if at.size:
+                classes[at[0]].append(state)
+            elif len(classes) < self.settings.short_classes:
+                classes.append([state])
+                firsts = np.concatenate([firsts, state[None]])
         costs = []
         for members in classes:
             if self.is_over:
@@ -501,10 +526,11 @@ class Search:
         self.progress(f"{len(self.convex) - before} bodies at other poles")
         return len(self.convex) > before
 
-    def finish(self) -> None:
-        """Make `solutions` of the best convex bodies, with robust errors."""
+    def finish(self, most: int | None = None) -> None:
+        """Make `solutions` of the best convex bodies, `most` of them, with robust errors."""
         if not self.convex:
             return
+        most = self.settings.finals if most is None else most
         chosen: list[Refined] = []
         for each in self.convex:
             alike = [other for other in chosen if self.has_rates(each.state, other.state)]
@@ -512,7 +538,7 @@ class Search:
                 self.is_same(each.state, o.state) for o in alike
             ):
                 chosen.append(each)
-                if len(chosen) >= self.settings.finals:
+                if len(chosen) >= most:
                     break
         problem = self._with_own_error(chosen[0])
         if self._takes_noise(problem, chosen[0]):
@@ -538,22 +564,30 @@ class Search:
         if _evidence.share_left(one, problem) > self.settings.left:
             return False
         rates = SearchState.of(one.refined.state).rates
-        factor = _problem.noise(problem, one.residual, sum(rates))
-        if factor < self.settings.noisier:
+        factors = _problem.noise(problem, one.residual, sum(rates))
+        factors = np.where(factors < self.settings.noisier, 1.0, factors)
+        low, high = float(factors.min()), float(factors.max())
+        if high == 1.0:
             return False
-        self.problem = self.problem.with_errors(factor * self.problem.sigma)
+        self.problem = self.problem.with_errors(factors * self.problem.sigma)
+        size, by = (f"{high:.1f}", "this factor")
+        if low < high:
+            size, by = (f"up to {high:.1f}", "the factor of each night")
         self.notes.append(
-            f"neighbouring residuals differ {factor:.1f} times as much as the errors say; errors "
-            "are taken to be larger by this factor."
+            f"neighbouring residuals differ {size} times as much as the errors say; errors are "
+            f"taken to be larger by {by}."
         )
         return True
 
     def _with_own_error(self, best: Refined) -> CurveProblem:
         """The problem with the model error that the residuals of a body show."""
+        return self._known_fits.of(lambda: self._with_error_of(best), self.problem, best)
+
+    def _with_error_of(self, best: Refined) -> CurveProblem:
         residual, _ = _evidence.residuals(self.problem, best.magnitude)
         error = _evidence.model_error(self.problem, residual)
         for _ in range(2):
-            fitted = self._robust(self.problem.with_model_error(error), best)
+            fitted = self._weighted(self.problem.with_model_error(error), best, is_wide=False)
             error = _evidence.model_error(self.problem, fitted.residual)
         return self.problem.with_model_error(error)
 
@@ -588,6 +622,12 @@ class Search:
         return self._robust(problem, given, is_wide=True)
 
     def _robust(self, problem: CurveProblem, given: Refined, *, is_wide: bool = False) -> Weighted:
+        """The body of largest posterior density near a body."""
+        return self._known_fits.of(
+            lambda: self._weighted(problem, given, is_wide=is_wide), problem, given, is_wide
+        )
+
+    def _weighted(self, problem: CurveProblem, given: Refined, *, is_wide: bool) -> Weighted:
         # the more frequencies of nutation were tried, the better one fits by chance
         trials = 1.0 if SearchState.of(given.state).is_axial else self.most / self.settings.tumblers
         return _evidence.refined(

@@ -50,6 +50,9 @@ class Settings:
     # what does not depend on the points, its priors and the solution.
     body_cost: float = 3.0e-6
     step_cost: float = 6.0e-4
+    # A linear fit of functions that turn with a body, at one rate, and its part of each night.
+    comb_cost: float = 5.0e-6
+    cell_cost: float = 1.5e-7
     # A state of a known shape, a point and a facet.
     facet_cost: float = 1.5e-9
 

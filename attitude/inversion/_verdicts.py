@@ -119,10 +119,28 @@ _STEPS = 40
 
 
 def needed(best: Weighted, problem: CurveProblem) -> float:
-    """By how much other periods have to lie behind a solution in evidence."""
+    """By how much other periods have to lie behind a solution in evidence, at least."""
     settings = problem.settings
     is_at_floor = _evidence.floor_ratio(best, problem) < settings.floor
     return settings.competing if is_at_floor else settings.alone
+
+
+def _nearest(
+    others: Sequence[Weighted], best: Weighted, problem: CurveProblem
+) -> tuple[float, float]:
+    """How far other periods lie behind the best solution, and how far they have to.
+
+    Of those with the least margin.  A difference that few nights make is no evidence: it has to be
+    so many of its standard errors between nights, but no more than where the model errs.
+    """
+    settings, least = problem.settings, needed(best, problem)
+    margins = []
+    for each in others:
+        wide = settings.pole_errors * _evidence.standard_error(best, each, problem)
+        behind = max(least, min(wide, settings.alone))
+        gap = each.evidence - best.evidence
+        margins.append((gap - behind, gap, behind))
+    return min(margins)[1:] if margins else (math.inf, least)
 
 
 def verdict(
@@ -144,18 +162,17 @@ def verdict(
     floor = _evidence.floor_ratio(best, problem)
     left = _evidence.share_left(best, problem)
     others = [each for each in found[1:] if not _is_motion_of(each.refined.state, state, problem)]
-    gap = min((each.evidence - best.evidence for each in others), default=math.inf)
+    gap, behind = _nearest(others, best, problem)
     poles = [
         each
         for each in found[1:]
         if _has_periods(each.refined.state, state, problem) and _competes(each, best, problem)
     ]
-    behind = needed(best, problem)
     words = (
         f"chi2/N is {floor:.2f} with errors of sigma and {settings.floor_error:g} mag (floor "
         f"{settings.floor:g}); {100.0 * left:.1f} % of the variance is left; the next periods "
         "are "
-        f"{gap:.1f} behind in -2 ln(evidence) ({behind:g} needed)"
+        f"{gap:.1f} behind in -2 ln(evidence) ({behind:.3g} needed)"
     )
     accepted = (floor < settings.floor or left < settings.left) and gap > behind
     turns = abs(float(state[0]))
@@ -172,8 +189,9 @@ def verdict(
             if not SearchState.of(each.refined.state).is_axial
             and not _evidence.counts_as(each, best, problem)
         ]
-        close = sum(each.evidence - best.evidence < behind for each in tumbling)
-        better = _better_by_nutation([best, *tumbling], problem, behind, most)
+        least = needed(best, problem)
+        close = sum(each.evidence - best.evidence < least for each in tumbling)
+        better = _better_by_nutation([best, *tumbling], problem, least, most)
         if better:
             return OPEN, f"{words}; {better}."
         if close:

@@ -82,6 +82,15 @@ def test_period_and_pole_of_25_years(known):
     assert found[0].rms < 0.035
 
 
+def test_a_budget_ends_a_search_of_millions_of_turns(known):
+    """25 years at a turn in two seconds: 400 million turns."""
+    curve = known[0]
+    found = inversion.spin_states(curve, "0.5 Hz", modes=("PA",), budget=0.1)
+    assert len(found) == 0 and found.verdict == "not solved"
+    assert "budget of 0.1 s ended the search" in found.criterion
+    assert "before all periods were tried" in found.notes[-1]
+
+
 def test_refine_keeps_a_rotation_about_one_axis(known):
     """Of one apparition, from the truth with a wrong shape: rates across the axis stay zero."""
     curve, period, pole = known

@@ -9,6 +9,7 @@ import pytest
 
 from attitude import Body, inversion
 from attitude.inversion import (
+    _apparitions,
     _ellipsoid,
     _evidence,
     _figures,
@@ -61,6 +62,42 @@ def test_work_is_counted_by_steps_and_points():
     assert given.tally.spent == pytest.approx(30 * COUNT * given.settings.screen_cost + more)
     given.tally.budget = 0.5 * given.tally.spent
     assert given.tally.is_over
+
+
+def test_millions_of_rates_keep_the_budget():
+    """Two turns a second for half a year: 250 million rates, of which one block is over it."""
+    t = np.linspace(-0.5, 0.5, COUNT)
+    given = _given(0.1 * np.sin(90.0 * t), t, span=188.0 * 86400.0)
+    given.tally.budget = 0.02
+    found = _apparitions.windows(given, 1.0, 32e6)
+    cells = len(_apparitions.Combs(given).centre)
+    block = given.settings.comb_cost + cells * given.settings.cell_cost
+    assert 0.02 < given.tally.spent <= _apparitions._BLOCK * block * (1.0 + 1e-9)
+    assert found and all(high < 2.0 * _apparitions._BLOCK for _, high in found)
+
+
+def test_windows_of_rates_do_not_depend_on_blocks(monkeypatch):
+    generator = np.random.default_rng(7)
+    t = np.sort(generator.uniform(-0.5, 0.5, COUNT))
+    y = 0.2 * np.cos(4.0 * math.pi * 1234.5 * t) + 0.02 * generator.normal(size=COUNT)
+    given = _given(y, t)
+    found = []
+    for block in (300, 10**6):
+        monkeypatch.setattr(_apparitions, "_BLOCK", block)
+        found.append(_apparitions.windows(given, 1.0, 3000.0))
+    assert found[0][0] == pytest.approx(found[1][0])
+    assert any(low < 1234.5 < high for low, high in found[0])
+
+
+def test_many_states_are_compared_as_one():
+    generator = np.random.default_rng(1)
+    rates = generator.uniform(10.0, 11.0, 60), generator.choice([-1.0, 1.0], 60)
+    states = _ellipsoid.starts(generator, *rates)
+    states[40:, 3] = _ellipsoid.AXIAL
+    named = [_ellipsoid.SearchState.of(each) for each in states]
+    for one, state in zip(named, states, strict=True):
+        alike = [other.has_rates(one, 0.35) for other in named]
+        assert np.array_equal(_ellipsoid.have_rates(states, state, 0.35), alike)
 
 
 def test_a_verdict_says_that_the_budget_ended_the_search():
@@ -152,6 +189,40 @@ def test_additive_pairs_of_rotation_and_dips():
     assert _satellites._fitted(tumbling, rotation, orbit).left > 0.1
 
 
+def _eclipses(generator, rotation, orbit, depths, size=0.2):
+    """Magnitudes of a rotation and of two dips of given depths an orbit, 700 points."""
+    t = np.sort(generator.uniform(-0.5, 0.5, 700))
+    turned = size * np.cos(4.0 * math.pi * rotation * t) + 0.1 * size * np.sin(
+        2.0 * math.pi * rotation * t
+    )
+    phase = np.mod(orbit * t, 1.0)
+    dips = sum(
+        depth * np.exp(-(((phase - at) / 0.03) ** 2))
+        for at, depth in zip((0.2, 0.7), depths, strict=True)
+    )
+    return _given(turned + dips + 0.01 * generator.normal(size=700), t)
+
+
+def test_rotation_is_found_beside_deep_dips():
+    """Eclipses of 0.6 mag hide the lines of a rotation of 0.03 mag."""
+    given = _eclipses(np.random.default_rng(6), 71.3, 9.7, (0.6, 0.3), size=0.03)
+    lines = _satellites._rotations(given, 100.0)
+    assert min(np.abs(lines - ratio * 71.3).min() for ratio in (0.5, 1.0, 2.0)) > 1.0
+    best = _satellites.rivals(given, 100.0, 4)[0]
+    # the bodies that follow have this rate, half of it, and twice
+    assert min(abs(best.rotation - ratio * 71.3) for ratio in (0.5, 1.0, 2.0)) < 0.1
+    assert best.orbit == pytest.approx(9.7, abs=0.05)
+
+
+@pytest.mark.parametrize("depths", [(0.3, 0.3), (0.3, 0.12)])
+@pytest.mark.parametrize("factor", [0.5, 1.0, 2.0])
+def test_an_orbit_has_two_eclipses(depths, factor):
+    """Whichever multiple of the frequency the series was found at."""
+    given = _eclipses(np.random.default_rng(5), 61.37, 13.21, depths)
+    pair = _satellites._fitted(given, 61.37, factor * 13.21)
+    assert _satellites.with_orbit(given, pair).orbit == pytest.approx(13.21, abs=0.05)
+
+
 def test_a_body_with_an_orbit_predicts_its_dips():
     t = np.linspace(-0.5, 0.5, COUNT)
     given = _satellites.beside(_given(np.zeros(COUNT), t), 7.0)
@@ -183,8 +254,20 @@ def test_noise_from_neighbouring_residuals(factor):
     residual = 0.03 * np.cos(2.0 * math.pi * 40.0 * t)
     residual += factor * 0.02 * generator.normal(size=2000)
     found = _problem.noise(_given(residual, t), residual, 40.0)
-    assert found == pytest.approx(factor, rel=0.08)
-    assert _problem.noise(_given(residual, t), residual, 40000.0) == 1.0
+    assert found == pytest.approx(np.full(2000, factor), rel=0.08)
+    assert np.all(_problem.noise(_given(residual, t), residual, 40000.0) == 1.0)
+
+
+def test_each_night_has_its_own_noise():
+    """Ten nights of 60 points, of which the seventh is three times as noisy as its errors say."""
+    generator = np.random.default_rng(9)
+    night = np.repeat(np.arange(10), 60)
+    t = (night + np.tile(np.linspace(0.0, 0.2, 60), 10)) / 10.0 - 0.5
+    residual = 0.02 * np.where(night == 6, 3.0, 1.0) * generator.normal(size=600)
+    found = _problem.noise(_given(residual, t, span=10.0 * 86400.0), residual, 20.0)
+    assert found[night == 6] == pytest.approx(np.full(60, 3.0), rel=0.5)
+    assert np.all(found[night == 6] == found[night == 6][0])
+    assert found[night != 6].max() < 1.3
 
 
 def _weighted(nutation, evidence, chi_squared, residual=None):

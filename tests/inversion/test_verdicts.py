@@ -1,5 +1,6 @@
 """Evidence and verdicts: what competes with the best solution."""
 
+import dataclasses
 import subprocess
 import sys
 from types import SimpleNamespace
@@ -45,6 +46,22 @@ def _solution(nutation, evidence, residual, pole=0):
 def test_rotation_about_one_axis_beside_a_tumbling_state(residual, behind, expected):
     found = [_solution(0.0, 0.0, residual), _solution(-7.0, behind, residual)]
     assert _verdicts.verdict(found, _problem(0.02))[0] == expected
+
+
+@pytest.mark.parametrize(("nights", "expected"), [(1, "not solved"), (25, "solved")])
+def test_a_difference_that_one_night_makes_is_no_evidence(nights, expected):
+    """Other periods lie 30 behind: in one of 25 nights, or in all of them alike."""
+    problem = dataclasses.replace(
+        _problem(0.02), t=np.repeat(np.arange(25.0), 4) + np.tile(0.01 * np.arange(4), 25),
+        span=86400.0,
+    )  # fmt: skip
+    found = [_solution(-7.0, 0.0, 0.01), _solution(-9.0, 30.0, 0.01)]
+    points = slice(0, 4 * nights)
+    least = 0.01**2 / (0.02**2 * 5.0)
+    # as many times larger as makes 30 of all these points
+    rise = np.expm1(30.0 / (6.0 * 4 * nights)) * (1.0 + least) / least + 1.0
+    found[1].residual[points] *= np.sqrt(rise)
+    assert _verdicts.verdict(found, problem)[0] == expected
 
 
 @pytest.mark.parametrize(
