@@ -32,7 +32,17 @@ if TYPE_CHECKING:
     from attitude.epochs._instants import Instant
     from attitude.motions._free_rotation import FreeRotation
 
-__all__ = ["angles", "new_figure", "overview", "polhode", "rates", "sky", "time_span", "time_unit"]
+__all__ = [
+    "angles",
+    "new_figure",
+    "overview",
+    "polhode",
+    "rates",
+    "sky",
+    "stacked",
+    "time_span",
+    "time_unit",
+]
 
 
 _COLORS = ("#0072b2", "#d55e00", "#009e73")
@@ -91,6 +101,29 @@ def _warn_of_coarse(motion: FreeRotation, seconds: ArrayLike) -> None:
 def new_figure(size: tuple[float, float]) -> Figure:
     """An empty figure without a window, of a width and height in inches."""
     return _figure_class()(figsize=size, layout="constrained")
+
+
+def stacked(size: tuple[float, float], count: int, **options: Any) -> tuple[Figure, list[Axes]]:
+    """An empty figure of plots one above the other, with grids and one horizontal axis.
+
+    Parameters
+    ----------
+    size : (float, float)
+        Width and height, inches.
+    count : int
+        Of the plots.
+    **options
+        Of `matplotlib.figure.Figure.subplots`, such as height_ratios.
+
+    Returns
+    -------
+    figure, plots
+    """
+    figure = new_figure(size)
+    panels = list(np.ravel(figure.subplots(count, 1, sharex=True, **options)))
+    for panel in panels:
+        panel.grid(alpha=0.3)
+    return figure, panels
 
 
 @cache

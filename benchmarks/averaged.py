@@ -17,12 +17,13 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from attitude import AttitudeError, Body, Spin, quaternion
-from attitude.averaged import AveragedMotion, _tables
+from attitude.averaged import AveragedHistory, AveragedMotion, _tables
 from attitude.averaged import _mean_state as mean_state
 from attitude.averaged import _rates as rates
 from attitude.averaged._means import means_of
 from attitude.averaged._pack import Packed, Sampling
-from attitude.averaged._polhode import LAM_PLUS, Axes, Nutations
+from attitude.averaged._polhode import LAM_PLUS, REGIONS, Axes, Nutations
+from attitude.averaged._tracks import Track
 from attitude.epochs import instant
 from attitude.shape import Ellipsoid, Mesh
 from attitude.splitting import TorquedRotation
@@ -36,7 +37,13 @@ from attitude.torques import (
 )
 from benchmarks.doc_tables import Table, markdown
 
-MAKES = ("averaged", "averaged odds", "averaged leaves", "averaged costs")
+MAKES = (
+    "averaged",
+    "averaged odds",
+    "averaged passages",
+    "averaged leaves",
+    "averaged costs",
+)
 EPOCH = "2026-01-01"
 DAY, YEAR, AU = 86400.0, 365.25 * 86400.0, 149597870700.0
 EARTH, SUN, RADIUS = 3.986004418e14, 1.32712440018e20, 6.3712e6
@@ -518,7 +525,68 @@ def geo_member(phase, years=1.6):
     leaves = motion.branches(float(t[-1]))
     errors = [float(np.max(np.abs(leaf.at(t).size / truth - 1.0))) for leaf in leaves]
     best = int(np.argmin(errors))
-    return errors[best], leaves[best], cost
+    return errors[best], leaves[best], cost, scatter_of(motion, leaves[best], t)
+
+
+def scatter_of(motion, leaf, t):
+    """The largest root mean square of the error of |L| that delays at the passages of a leaf give.
+
+    Each delay is a shift of y behind its passage, followed by the mean motion along the leaf.
+    """
+    course, packing = motion._course, motion.packing
+    passages = [event for event in leaf.events if event.kind == "passage"]
+    square = np.zeros(len(t))
+    for number, event in enumerate(passages):
+        # as soon as the body is a few laps from the separatrix
+        begin = event.seconds + 20.0 * event.delay
+        states = leaf.at(begin)
+        x, region = np.append(states.momentum, states.y), int(states.region)
+        x[3] += packing.rates_of(begin, x, region)[0][3] * event.delay
+        track = Track(course, x, region, 1.0)
+        track.clock[0] = begin
+        onward = [REGIONS.index(name) for name in leaf.regions[number + 2 :]]
+        later = t > begin
+        track.extend(float(t[-1]), lambda _, crossing, ahead=onward: ahead.pop(0) if ahead else
+                     max(crossing.odds, key=crossing.odds.get))  # fmt: skip
+        shifted = track.states(t[later])[0][:, :3]
+        square[later] += (np.linalg.norm(shifted, axis=1) / leaf.at(t[later]).size - 1.0) ** 2
+    return float(np.sqrt(np.max(square)))
+
+
+def late(body, torques, count, seed=2):
+    """Predicted and measured deviation of the time at which SAM+ is entered, s, and the mean."""
+    axes, rng, times = Axes(body), np.random.default_rng(seed), []
+    spin = spin_of(axes.moments, axes.nodes(axes.separatrix + 0.3, 2, 16)[3] / axes.moments,
+                   (0.0, 0.0, 1.0))  # fmt: skip
+    packing, span = AveragedMotion(body, spin, torques).packing, 4000.0
+    predicted = math.nan
+    for _ in range(count):
+        # random within many laps, so that each place of the last one is as likely
+        x = np.array([0.0, 0.0, 1.0, axes.separatrix + 0.3 + 0.05 * rng.random()])
+        start = AveragedHistory(packing, np.array(0.0), x, np.array(2))
+        free = start.free_rotation(phases=tuple(rng.random(2)))
+        motion = AveragedMotion(body, free.spin, torques, passages="all", tolerance=1e-9)
+        step = 0.3 / np.linalg.norm(free.spin.angular_velocity)
+        history = TorquedRotation(body, free.spin, torques, step=step).at(span)
+        _, y, _, _, region = mean_of(motion, history, span)
+        (leaf,) = [x for x in motion.branches(span) if REGIONS.index(x.regions[-1]) == region]
+        if region == 0:
+            states = leaf.at(span)
+            rate = packing.rates_of(span, np.append(states.momentum, states.y), region)[0][3]
+            times.append((y - float(states.y)) / rate)
+            predicted = next(e.delay for e in leaf.events if e.kind == "passage")
+    return predicted, np.array(times)
+
+
+def passages(quick):
+    """The table of the times by which full motions pass the separatrix early or late."""
+    rows = []
+    for name, body, torques in list(coin_cases())[:3]:
+        predicted, times = late(body, torques, 60 if quick else 400)
+        rows.append([name, len(times), f"{predicted:.2f}", f"{np.std(times):.2f}",
+                     f"{np.mean(times):+.2f}"])  # fmt: skip
+    heads = "motion", "full motions", "predicted, s", "deviation, s", "mean, s"
+    return Table("averaged passages", markdown(heads, rows))
 
 
 # ---- Costs
@@ -705,9 +773,10 @@ def leaves():
     """The table of full motions and the leaves next to them: 40 s of processor each."""
     rows = []
     for phase in range(8):
-        error, leaf, _ = geo_member(phase)
-        rows.append([phase, *passed(leaf, 1.6 * YEAR), f"{error:.1e}"])
-    return Table("averaged leaves", markdown(("phase", "regions", "odds", "error of L"), rows))
+        error, leaf, _, scatter = geo_member(phase)
+        rows.append([phase, *passed(leaf, 1.6 * YEAR), f"{error:.1e}", f"{scatter:.1e}"])
+    heads = "phase", "regions", "odds", "error of L", "scatter by passages"
+    return Table("averaged leaves", markdown(heads, rows))
 
 
 def passed(leaf, until):
@@ -721,6 +790,7 @@ def tables(quick):
     """The tables of docs/averaged.md."""
     yield accuracy(quick)
     yield odds(quick)
+    yield passages(quick)
     if not quick:
         yield leaves()
     rows = [[name, *(f"{1e6 * t:.2f} us" if t < 1e-4 else f"{t:.3f} s" for t in times)]

@@ -90,14 +90,14 @@ class AveragedEnsembleHistory(Immutable):
     @cached_property
     def region(self) -> IntArray:
         """0 to 3 (N, T): SAM+, SAM-, LAM+, LAM-; -1 beyond the end of a member."""
-        found: IntArray = np.where(np.isfinite(self.y), self._gathered("region"), -1)
-        return found
+        known: IntArray = np.where(np.isfinite(self.y), self._gathered("region"), -1)
+        return known
 
     @cached_property
     def is_known(self) -> BoolArray:
         """(N, T), False beyond the end of a member."""
-        found: BoolArray = np.isfinite(self.y)
-        return found
+        flags: BoolArray = np.isfinite(self.y)
+        return flags
 
     @cached_property
     def mode(self) -> Any:
@@ -161,16 +161,16 @@ class AveragedEnsemble(Immutable):
         names: Sequence[str] | None = None,
     ) -> None:
         self._members: tuple[AveragedMotion | None, ...]
-        given = list(motions)
-        for motion in given:
+        states = list(motions)
+        for motion in states:
             if not isinstance(motion, FreeRotation):
                 raise AttitudeError(
                     f"motions holds {validation.shown(motion)}; give FreeRotations of one epoch."
                 )
-        if not given:
+        if not states:
             raise AttitudeError("motions is empty; give at least one FreeRotation.")
-        start = given[0].spin.epoch
-        if any(motion.spin.epoch != start for motion in given):
+        start = states[0].spin.epoch
+        if any(motion.spin.epoch != start for motion in states):
             raise AttitudeError(
                 "the members have epochs of their own; give states at one epoch for all members."
             )
@@ -179,22 +179,22 @@ class AveragedEnsemble(Immutable):
                 'passages is "all", which follows a tree for each member; give "likeliest" or the '
                 "seed of a draw, or take ensemble[k].branches(until)."
             )
-        if names is not None and len(names) != len(given):
-            raise AttitudeError(f"names has {len(names)} entries for {len(given)} members.")
+        if names is not None and len(names) != len(states):
+            raise AttitudeError(f"names has {len(names)} entries for {len(states)} members.")
         self._set("names", None if names is None else tuple(map(str, names)))
         self._set("torques", _torques(torques))
         settings = Settings.checked(
             orbit, passages, least_tilt, tolerance, degree, len(self.torques)
         )
         validation.one_of(on_error, "on_error", ("raise", "nan"))
-        self._set("_members", self._made(given, settings, on_error))
+        self._set("_members", self._made(states, settings, on_error))
 
     def _made(
         self, motions: Sequence[FreeRotation], settings: Settings, on_error: str
     ) -> tuple[AveragedMotion | None, ...]:
         """The members; None for one that is refused."""
         shared: dict[bytes, MeanTorques] = {}
-        found: list[AveragedMotion | None] = []
+        members: list[AveragedMotion | None] = []
         for k, motion in enumerate(motions):
             body = motion.body
             key = np.append(body.tensor, body.center_of_mass).tobytes() + bytes([body.relative])
@@ -203,21 +203,21 @@ class AveragedEnsemble(Immutable):
                     shared[key] = MeanTorques(
                         body, self.torques, motion.spin.epoch, settings.degree
                     )
-                found.append(AveragedMotion._of_shared(shared[key], motion.spin, settings, k))
+                members.append(AveragedMotion._of_shared(shared[key], motion.spin, settings, k))
             except AttitudeError as err:
                 if on_error == "raise":
                     raise AttitudeError(f"{self.label(k)}: {err}") from err
-                found.append(None)
-        if all(member is None for member in found):
+                members.append(None)
+        if all(member is None for member in members):
             raise AttitudeError(
                 'every member is refused as a mean motion; give on_error="raise" to see why.'
             )
-        return tuple(found)
+        return tuple(members)
 
     @property
     def epoch(self) -> Instant:
         """Instant from which seconds count, that of all members."""
-        return next(each for each in self._members if each is not None).epoch
+        return next(member for member in self._members if member is not None).epoch
 
     def label(self, k: int) -> str:
         """The name of a member, or its number."""
@@ -328,12 +328,12 @@ class AveragedEnsemble(Immutable):
                 )
             )
         columns = list(zip(*rows, strict=True))
-        found = QTable({"name": [self.label(k) for k in range(len(self))]})
-        found["end"] = list(columns[0])
-        found["tdb_seconds"] = Quantity(columns[1], "s")
-        found["passages"], found["region"] = list(columns[2]), list(columns[3])
+        table = QTable({"name": [self.label(k) for k in range(len(self))]})
+        table["end"] = list(columns[0])
+        table["tdb_seconds"] = Quantity(columns[1], "s")
+        table["passages"], table["region"] = list(columns[2]), list(columns[3])
         units = ("N m s", "rad", "s", "s", "", "", "")
         names = ("size", "theta", "P_psi", "P_phi", "pole_x", "pole_y", "pole_z")
         for name, unit, values in zip(names, units, columns[4:], strict=True):
-            found[name] = Quantity(values, unit) if unit else np.array(values)
-        return found
+            table[name] = Quantity(values, unit) if unit else np.array(values)
+        return table

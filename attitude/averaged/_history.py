@@ -145,9 +145,9 @@ class AveragedHistory(Immutable):
     def P_phi(self) -> FloatArray:
         """Mean periods (S,) in s of the long axis about the momentum."""
         axes = self._packing.axes
-        p, rest = shares(self.y)
+        p, complement = shares(self.y)
         zero = np.zeros_like(p)
-        unit = np.stack([np.sqrt(p), zero, np.sqrt(rest)], axis=-1)
+        unit = np.stack([np.sqrt(p), zero, np.sqrt(complement)], axis=-1)
         omega = (self.size[..., None] * unit / axes.moments).reshape(-1, 3)
         known = np.isfinite(omega[:, 0])
         out = np.full(len(omega), np.nan)
@@ -160,11 +160,11 @@ class AveragedHistory(Immutable):
         """|N| P/(2 pi |L|) (S,), the share of the momentum that torques change in a radian."""
         states = np.concatenate([self.momentum, self.y[..., None]], axis=-1).reshape(-1, 4)
         flat = zip(self.seconds.reshape(-1), states, self.region.reshape(-1), strict=True)
-        found = [
+        values = [
             self._packing.weakness_of(float(t), x, int(k)) if np.isfinite(x[3]) else np.nan
             for t, x, k in flat
         ]
-        return frozen(np.array(found).reshape(self.y.shape))
+        return frozen(np.array(values).reshape(self.y.shape))
 
     def free_rotation(self, phases: tuple[Real, Real] | None = None, seed: int = 0) -> FreeRotation:
         """The exact free rotation with the mean momentum and energy of one epoch.
@@ -190,7 +190,7 @@ class AveragedHistory(Immutable):
         if phases is None:
             one, two = validation.generator(seed).random(2)
         else:
-            one, two = (validation.number(each, "phases") for each in phases)
+            one, two = (validation.number(phase, "phases") for phase in phases)
         axes = self._packing.axes
         count = 4096
         nodes = axes.nodes(float(self.y), int(self.region), count)
@@ -246,13 +246,13 @@ class AveragedHistory(Immutable):
         from astropy.units import Quantity
 
         t = np.atleast_1d(self.seconds)
-        found = QTable({"time": _instants.times(self.epoch, t)})
-        found["tdb_seconds"] = Quantity(t, "s")
+        table = QTable({"time": _instants.times(self.epoch, t)})
+        table["tdb_seconds"] = Quantity(t, "s")
         for name, unit in (("size", "N m s"), ("theta", "rad"), ("energy", "J")):
-            found[name] = Quantity(np.atleast_1d(getattr(self, name)), unit)
+            table[name] = Quantity(np.atleast_1d(getattr(self, name)), unit)
         for k, name in enumerate(("pole_x", "pole_y", "pole_z")):
-            found[name] = np.atleast_2d(self.pole)[:, k]
-        found["region"] = [REGIONS[k] for k in np.atleast_1d(self.region)]
+            table[name] = np.atleast_2d(self.pole)[:, k]
+        table["region"] = [REGIONS[k] for k in np.atleast_1d(self.region)]
         for name in ("P_psi", "P_phi"):
-            found[name] = Quantity(np.atleast_1d(getattr(self, name)), "s")
-        return found
+            table[name] = Quantity(np.atleast_1d(getattr(self, name)), "s")
+        return table

@@ -42,10 +42,10 @@ def corrections(
     seconds: float = 0.0,
 ) -> tuple[FloatArray, float]:
     """What to subtract from L (3,), ICRF axes, and from y of a state at instant + seconds."""
-    found = series(axes, body, spin, torques, instant, seconds)
-    if found is None:
+    fourier = series(axes, body, spin, torques, instant, seconds)
+    if fourier is None:
         return np.zeros(3), 0.0
-    terms, frequency, nutation = found
+    terms, frequency, nutation = fourier
     terms[0, 0], frequency[0, 0] = 0.0, 1.0
     # a resonance of high order has no mean state nearby; its term is left out
     terms[np.abs(frequency) < 1e-3 * nutation] = 0.0
@@ -103,26 +103,26 @@ def _turns(axis: FloatArray, angle: FloatArray) -> FloatArray:
 
 def _rates_of(torque, axes, body, epoch, wxyz, omega, size):
     """dL/dt over ICRF axes and dy/dt (N, 4) of a torque at states of the torus."""
-    given = np.zeros((1, 1))
+    samples = np.zeros((1, 1))
     if torque.columns:
-        given = torque.sample(epoch[0], np.array([epoch[1]]), np.zeros(1))
-    given = np.ascontiguousarray(np.broadcast_to(given, (len(wxyz), given.shape[1])))
+        samples = torque.sample(epoch[0], np.array([epoch[1]]), np.zeros(1))
+    samples = np.ascontiguousarray(np.broadcast_to(samples, (len(wxyz), samples.shape[1])))
     parameters = np.append(np.asarray(torque.parameters(body), dtype=np.float64), 0.0)
-    found = np.empty((len(wxyz), 3))
+    moments = np.empty((len(wxyz), 3))
     times = np.full(len(wxyz), epoch[1])
     states = np.ascontiguousarray(wxyz), np.ascontiguousarray(omega)
-    torques_at(torque.address(), parameters.ctypes.data, times, *states, given, found)
-    inertial = np.zeros_like(found)
+    torques_at(torque.address(), parameters.ctypes.data, times, *states, samples, moments)
+    inertial = np.zeros_like(moments)
     momentum = omega @ body.tensor
     if torque.kind == SLIP:
-        found = np.cross(momentum, found)
+        moments = np.cross(momentum, moments)
     else:
-        inertial = quaternion.rotate(wxyz, found)
+        inertial = quaternion.rotate(wxyz, moments)
     unit = momentum / size
     across = omega - np.sum(omega * unit, axis=1)[:, None] * unit
     y = np.log(_odds(axes, omega))
-    p, rest = shares(y)
-    rate = 2.0 * np.sum(across * found, axis=1) / (size * size * axes.spread * p * rest)
+    p, complement = shares(y)
+    rate = 2.0 * np.sum(across * moments, axis=1) / (size * size * axes.spread * p * complement)
     return np.concatenate([inertial, rate[:, None]], axis=1)
 
 

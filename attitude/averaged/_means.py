@@ -6,6 +6,7 @@ is averaged over nodes of the torus of both phases: slow, and always correct.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
@@ -33,8 +34,8 @@ if TYPE_CHECKING:
 
     Numbers: TypeAlias = Callable[[FloatArray], FloatArray]
 
-# Nodes of the torus: of the nutation at least (more near the separatrix), and of the precession.
-_TORUS = 16
+# Nodes of ln(|L|/C), rad/s, of the friction of a rheology: the first, their spacing and count.
+_SIZES = math.log(1e-11), 0.5, 61
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +45,7 @@ class Mean:
     Attributes
     ----------
     kind : int
-        HARMONICS, TENSOR or TORUS of `_rates`.
+        HARMONICS, TENSOR, FRICTION or TORUS of `_rates`.
     numbers : callable
         Of samples (K, columns) of the torque: numbers (K, F) of the mean; F is 4 for a direction
         and its weight, 9 for a tensor by rows.
@@ -60,6 +61,8 @@ class Mean:
         Whether the numbers themselves may be averaged over an orbit.
     torque : Torque or None
         For the torus.
+    sizes : (float, float)
+        Of FRICTION: the first node of ln |L|, and their spacing.
     """
 
     kind: int
@@ -70,6 +73,7 @@ class Mean:
     strength: float = 0.0
     is_linear: bool = False
     torque: Torque | None = None
+    sizes: tuple[float, float] = (0.0, 0.0)
 
     @property
     def degree(self) -> int:
@@ -145,10 +149,7 @@ def _of_rates(
 def friction(torque: InternalDissipation, body: Body, axes: Axes, degree: int) -> list[Mean]:
     """dy/dt = -2 strength L D (sum gamma_i^2 <l_i^2>) / (p (1 - p)); L is fixed."""
     if not isinstance(torque.strength, float):
-        raise AttitudeError(
-            "the strength of InternalDissipation is a Rheology, whose friction depends on the "
-            "rate; give AveragedMotion a number, such as torque.strength_at(body, L, p)."
-        )
+        return [_of_rheology(torque, body, axes)]
     factor = -torque.strength * axes.spread
     table = _nutations(axes)
     energy = [factor * np.sum(n.gamma**2 * n.squares, axis=1) / (n.p * n.rest) for n in table]
@@ -156,6 +157,29 @@ def friction(torque: InternalDissipation, body: Body, axes: Axes, degree: int) -
     on_arcs = factor * np.sum((arcs * gamma) ** 2, axis=2) @ seconds / pq
     nothing = [np.zeros(len(n.p)) for n in table]
     return [_of_rates(nothing, energy, on_arcs, 2, -0.5 * factor)]
+
+
+def _of_rheology(torque: InternalDissipation, body: Body, axes: Axes) -> Mean:
+    """The same with a strength that depends on |L| and y: its logarithm at nodes of ln |L|."""
+    first, spacing, count = _SIZES
+    logarithms = first + math.log(float(np.max(body.moments))) + spacing * np.arange(count)
+    sizes, lowest = np.exp(logarithms), np.exp(-690.0)
+
+    def kept(strength: FloatArray, factor: FloatArray) -> FloatArray:
+        return np.asarray(np.log(np.maximum(strength * factor, lowest)))
+
+    means = []
+    for n in _nutations(axes):
+        strength = torque.strength_at(body, sizes, n.p[:, None])
+        shape = axes.spread * np.sum(n.gamma**2 * n.squares, axis=1) / (n.p * n.rest)
+        means.append(kept(strength, shape[:, None] * sizes**2))
+    points, seconds, gamma, pq = _on_arcs(axes)
+    on_arcs = axes.spread * np.sum((points * gamma) ** 2, axis=2) @ seconds / pq
+    p = 1.0 / (1.0 + math.exp(-axes.separatrix))
+    strength = torque.strength_at(body, sizes, np.full(1, p))
+    arcs = kept(strength, on_arcs[:, None] * sizes**2)
+    return Mean(_rates.FRICTION, _alone, np.array(means), arcs, 0, 1.0, True,
+                sizes=(float(logarithms[0]), spacing))  # fmt: skip
 
 
 @register(InertiaHistory)
@@ -196,11 +220,11 @@ def constant(torque: ConstantTorque, body: Body, axes: Axes, degree: int) -> lis
 def gravity(torque: GravityGradient, body: Body, axes: Axes, degree: int) -> list[Mean]:
     """dL/dt = -(3 sum I_i <l_i^2> - tr I)/2 l x (T l), T = 3 GM s s'/r^3; y is constant."""
 
-    def numbers(given: FloatArray) -> FloatArray:
-        r = np.sqrt(np.sum(given * given, axis=1))
-        tensor = 3.0 * torque.mu * given[:, :, None] * given[:, None, :]
-        found: FloatArray = (tensor / r[:, None, None] ** 5).reshape(-1, 9)
-        return found
+    def numbers(places: FloatArray) -> FloatArray:
+        r = np.sqrt(np.sum(places * places, axis=1))
+        tensor = 3.0 * torque.mu * places[:, :, None] * places[:, None, :]
+        tensors: FloatArray = (tensor / r[:, None, None] ** 5).reshape(-1, 9)
+        return tensors
 
     table = _nutations(axes)
     means = np.zeros((4, len(table[0].p), 10))
@@ -253,7 +277,7 @@ def tensor_numbers(x: FloatArray, points: FloatArray, gamma: FloatArray) -> Floa
     skew = np.einsum("ijk,njm,pmk,np->ni", _LEVI, x, _LEVI, points)
     out = np.empty((len(points), 10))
     for first, arm in ((0, points), (3, points * gamma)):
-        one, two, three = (np.sum(arm * each, axis=1) for each in (straight, doubled, skew))
+        one, two, three = (np.sum(arm * vectors, axis=1) for vectors in (straight, doubled, skew))
         out[:, first] = 0.5 * (one - two)
         out[:, first + 1] = 1.5 * two - 0.5 * one
         out[:, first + 2] = -0.5 * three

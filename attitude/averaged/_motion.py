@@ -24,13 +24,14 @@ from attitude._support import validation
 from attitude._support.arrays import Immutable, frozen
 from attitude.averaged import _mean_state, _resonances
 from attitude.averaged._history import AveragedHistory
-from attitude.averaged._mean_torques import MeanTorques, Packing, checked_orbits
+from attitude.averaged._mean_torques import Crossing, MeanTorques, Packing, checked_orbits
 from attitude.averaged._polhode import LAM_PLUS, REGIONS, Axes
 from attitude.averaged._tracks import WEAK, AveragedEvent, Course, Track
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.motions._body import Body
+from attitude.motions._free_rotation import FreeRotation
 from attitude.motions._spin import Spin
 from attitude.torques._torqued import TorquedRotation, _torques
 
@@ -43,6 +44,11 @@ if TYPE_CHECKING:
 
 # Default largest degree of the harmonics of a torque of one direction.
 DEGREE = 32
+# Of `check`: turn of the body in the longest step of the full motion, rad; how often steps are
+# halved, and the share of the difference from the means below which their error is small.
+_COARSEST, _HALVINGS, _CLOSE, _ROUNDING = 0.15, 4, 0.1, 1e-10
+# Turn of the body in a step of the full motion through a resonance, rad.
+_FINE = 0.05
 # Branches of a tree, and the least odds of one.
 _MOST_BRANCHES, _LEAST_ODDS = 256, 1e-3
 
@@ -161,11 +167,11 @@ class Branches(Sequence[Branch]):
         """A QTable with a row for each branch: odds, regions, seconds of the passages."""
         from astropy.table import QTable
 
-        found = QTable({"odds": np.array(self.odds)})
-        found["regions"] = [" ".join(leaf.regions) for leaf in self._leaves]
+        table = QTable({"odds": np.array(self.odds)})
+        table["regions"] = [" ".join(leaf.regions) for leaf in self._leaves]
         passages = [[e for e in leaf.events if e.kind == "passage"] for leaf in self._leaves]
-        found["tdb_seconds"] = [" ".join(f"{e.seconds:.9g}" for e in row) for row in passages]
-        return found
+        table["tdb_seconds"] = [" ".join(f"{e.seconds:.9g}" for e in row) for row in passages]
+        return table
 
 
 # ---- The motion
@@ -238,9 +244,9 @@ class AveragedMotion(Immutable):
         cls, shared: MeanTorques, spin: Spin, settings: Settings, number: int = 0
     ) -> Self:
         """A motion under means that others have too; its number decides its draws."""
-        made = cls.__new__(cls)
-        made._begin(shared, spin, settings, number)
-        return made
+        motion = cls.__new__(cls)
+        motion._begin(shared, spin, settings, number)
+        return motion
 
     def _begin(self, shared: MeanTorques, spin: Spin, settings: Settings, number: int = 0) -> None:
         """Set the attributes, and find the mean state."""
@@ -309,7 +315,8 @@ class AveragedMotion(Immutable):
         """Of each torque, whether it is averaged over the turn of its path."""
         return self.packing.averaged
 
-    def _choose(self, track: Track, odds: dict[int, float]) -> int:
+    def _choose(self, track: Track, crossing: Crossing) -> int:
+        odds = crossing.odds
         if isinstance(self.passages, int):
             first, second = odds
             draw = self._draws[0 if track.sign > 0.0 else 1].random()
@@ -408,15 +415,15 @@ class AveragedMotion(Immutable):
         Passages of the separatrix, uniform rotation reached and left, resonances up to the order of
         `attitude.averaged.HIGHEST`, the end.
         """
-        found: list[AveragedEvent] = []
+        events: list[AveragedEvent] = []
         for track, farthest in zip(self._tracks, self._farthest, strict=True):
             if farthest == 0.0:
                 continue
             until = farthest * track.sign
             self._extended(until)
-            found += track.happened(until)
-            found += _resonances.crossed(track, until)
-        return tuple(sorted(found, key=lambda event: event.seconds))
+            events += track.happened(until)
+            events += _resonances.crossed(track, until)
+        return tuple(sorted(events, key=lambda event: event.seconds))
 
     def branches(self, until: Epochs | None = None) -> Branches:
         """All branches of the motion up to an epoch, the likeliest first.
@@ -446,7 +453,8 @@ class AveragedMotion(Immutable):
         growing = [Track(self._course, self.start, self.start_region, sign)]
         ended: list[Track] = []
 
-        def choose(one: Track, odds: dict[int, float]) -> int:
+        def choose(one: Track, crossing: Crossing) -> int:
+            odds = crossing.odds
             chosen, other = sorted(odds, key=lambda region: -odds[region])
             if abs(one.clock[0]) > abs(end):
                 return chosen
@@ -454,7 +462,7 @@ class AveragedMotion(Immutable):
             if one.odds * odds[other] >= _LEAST_ODDS and count < _MOST_BRANCHES:
                 copy = one.branched()
                 copy.odds *= odds[other]
-                copy.pass_to(other, odds)
+                copy.pass_to(other, crossing)
                 growing.append(copy)
             one.odds *= odds[chosen]
             return chosen
@@ -513,20 +521,140 @@ class AveragedMotion(Immutable):
 
         return _plots.of_motion(self, until, path, title)
 
+    def through(
+        self, event: AveragedEvent, phases: tuple[Real, Real] | None = None, seed: int = 0
+    ) -> AveragedMotion:
+        """The mean motion behind a resonance, through which `TorquedRotation` takes the full one.
+
+        Parameters
+        ----------
+        event : AveragedEvent
+            A resonance of `events`.
+        phases : (float, float), optional
+            Of nutation and precession before it, in turns; drawn without them.
+        seed : int
+            Of the draw.
+
+        Returns
+        -------
+        AveragedMotion
+            Its epoch lies behind the resonance.
+
+        Raises
+        ------
+        AttitudeError
+            For another event, one that begins before the epoch, torques by functions of seconds
+            since the epoch of the spin, and where the motion is still held after four times the
+            time in which means cross the resonance.
+        """
+        if event.kind != "resonance" or not event.lasts > 0.0:
+            raise AttitudeError(
+                f"event is {event}; give one of the resonances of events, which has terms that "
+                "do not average out."
+            )
+        sign = 1.0 if event.seconds >= 0.0 else -1.0
+        begin = event.seconds - sign * event.lasts
+        if begin * sign < 0.0:
+            raise AttitudeError(
+                f"the resonance begins {begin:.6g} s after the epoch of the spin, on its other "
+                "side; integrate by TorquedRotation from the epoch."
+            )
+        if any(torque.is_of_seconds for torque in self.torques):
+            raise AttitudeError(
+                "a torque is a function of seconds since the epoch of the spin, and the motion "
+                "behind the resonance has an epoch of its own; give a path in place of a function."
+            )
+        before = self.at(begin)
+        if before.seconds.shape:
+            raise AttitudeError('passages is "all"; choose one branch, or passages="likeliest".')
+        free, place = self._osculating(before, phases, seed), float(self.at(event.seconds).y)
+        step = _FINE / float(np.linalg.norm(free.spin.angular_velocity))
+        full = TorquedRotation(self.body, free.spin, self.torques, step=step)
+        for count in range(2, 6):
+            history = full.at(sign * count * event.lasts)
+            epoch = self.epoch.after(begin + sign * count * event.lasts)
+            spin = Spin(epoch, history.wxyz, history.angular_velocity, frame="icrf")
+            if abs(self.axes.state(spin.angular_velocity)[1] - place) > event.width:
+                return self._from(spin)
+        raise AttitudeError(
+            f"the resonance has held the motion for {4.0 * event.lasts:.6g} s, and means cannot "
+            "follow it there; integrate by TorquedRotation, or try other phases."
+        )
+
+    def _osculating(
+        self, mean: AveragedHistory, phases: tuple[Real, Real] | None, seed: int
+    ) -> FreeRotation:
+        """The free rotation of a state that has a mean state, to first order."""
+        if phases is None:
+            one, two = validation.generator(seed).random(2)
+            phases = float(one), float(two)
+        shift, bend = _mean_state.corrections(
+            self.axes,
+            self.body,
+            mean.free_rotation(phases).spin,
+            self.torques,
+            self.epoch,
+            float(mean.seconds),
+        )
+        state = np.append(mean.momentum + shift, mean.y + bend)
+        return AveragedHistory(self.packing, mean.seconds, state, mean.region).free_rotation(phases)
+
+    def _from(self, spin: Spin) -> AveragedMotion:
+        """A mean motion from another state, with the settings of this one."""
+        return AveragedMotion(
+            self.body,
+            spin,
+            self.torques,
+            orbit=["averaged" if averaged else "followed" for averaged in self.is_averaged],
+            passages=self.passages,
+            least_tilt=math.atan(math.exp(0.5 * self.least_y)),
+            tolerance=self.tolerance,
+            degree=self.packing.torques.degree,
+        )
+
     def check(self, turns: Real = 1e3) -> dict[str, float]:
         """Compare with `TorquedRotation` over the first turns of the body.
+
+        The steps of the full motion are halved until that changes its state by a tenth of the
+        difference that is found, or four times: light on facets needs the most.
 
         Returns
         -------
         dict
             "seconds" of the comparison; "size", "energy" and "pole": differences of |L| and energy
             as shares of themselves and of the pole in rad; "size change", "energy change", "pole
-            change": what they changed by; "odds" of the branch that comes nearest, which is
-            the one compared.
+            change": what they changed by; "size error", "energy error", "pole error": what the last
+            halving changed, a bound of the errors of the full motion; "step" of it in s; "odds"
+            of the branch that comes nearest, which is the one compared.
         """
-        seconds = validation.positive(turns, "turns") * self._course.pace
-        rate = float(np.sqrt(self.spin.angular_velocity @ self.spin.angular_velocity))
-        full = TorquedRotation(self.body, self.spin, self.torques, step=0.15 / rate)
+        seconds = float(validation.positive(turns, "turns") * self._course.pace)
+        step = _COARSEST / float(np.linalg.norm(self.spin.angular_velocity))
+        tree = self._tree(seconds)
+        truth = self._of_full_motion(seconds, step)
+        for _ in range(_HALVINGS):
+            step, coarser = 0.5 * step, truth
+            truth = self._of_full_motion(seconds, step)
+            errors = _differences(truth, coarser)
+            gaps = tree.at(seconds).momentum - truth.momentum
+            nearest = tree[int(np.nanargmin(np.sum(gaps**2, axis=-1)))]
+            differences = _differences(truth, nearest.at(seconds))
+            if all(
+                abs(errors[name]) <= max(_CLOSE * abs(differences[name]), _ROUNDING)
+                for name in errors
+            ):
+                break
+        start = AveragedHistory(
+            self.packing, np.array(0.0), self.start, np.array(self.start_region)
+        )
+        result = {"seconds": seconds, "step": step, "odds": nearest.odds, **differences}
+        for name, change in _differences(truth, start).items():
+            result[f"{name} change"] = change
+            result[f"{name} error"] = abs(errors[name])
+        return result
+
+    def _of_full_motion(self, seconds: float, step: float) -> AveragedHistory:
+        """The mean state at seconds of a `TorquedRotation` with steps of so many seconds."""
+        full = TorquedRotation(self.body, self.spin, self.torques, step=step)
         history = full.at(seconds)
         spin = Spin(
             epoch=self.epoch.after(seconds),
@@ -539,22 +667,18 @@ class AveragedMotion(Immutable):
             self.axes, self.body, spin, self.torques, self.epoch, seconds
         )
         momentum = quaternion.rotate(spin.wxyz_icrf, spin.angular_velocity @ self.body.tensor)
-        states = np.append(momentum - shift, y - bend)
-        truth = AveragedHistory(self.packing, np.array(seconds), states, np.array(region))
-        start = AveragedHistory(
-            self.packing, np.array(0.0), self.start, np.array(self.start_region)
-        )
-        tree = self._tree(seconds)
-        gaps = tree.at(seconds).momentum - truth.momentum
-        nearest = tree[int(np.nanargmin(np.sum(gaps**2, axis=-1)))]
-        mean = nearest.at(seconds)
-        found = {"seconds": float(seconds), "odds": nearest.odds}
-        for name, other in (("", mean), (" change", start)):
-            found["size" + name] = float(other.size / truth.size - 1.0)
-            found["energy" + name] = float(other.energy / truth.energy - 1.0)
-            across = np.cross(other.pole, truth.pole)
-            found["pole" + name] = float(np.sqrt(across @ across))
-        return found
+        state = np.append(momentum - shift, y - bend)
+        return AveragedHistory(self.packing, np.array(seconds), state, np.array(region))
+
+
+def _differences(truth: AveragedHistory, other: AveragedHistory) -> dict[str, float]:
+    """Of another state: |L| and energy less those of the truth, as shares, and the pole in rad."""
+    across = np.cross(other.pole, truth.pole)
+    return {
+        "size": float(other.size / truth.size - 1.0),
+        "energy": float(other.energy / truth.energy - 1.0),
+        "pole": float(np.sqrt(across @ across)),
+    }
 
 
 @dataclass(frozen=True)
@@ -602,7 +726,7 @@ class Settings:
 
 def seconds_of(epoch: Instant, t: Epochs) -> FloatArray:
     """Epochs as TDB seconds since that of the spin."""
-    found = np.asarray(_inputs.seconds_since(epoch, t).rounded)
-    if not np.all(np.isfinite(found)):
+    seconds = np.asarray(_inputs.seconds_since(epoch, t).rounded)
+    if not np.all(np.isfinite(seconds)):
         raise AttitudeError("an epoch is not finite; give finite epochs.")
-    return found
+    return seconds

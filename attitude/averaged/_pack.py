@@ -13,6 +13,7 @@ from attitude.averaged import _tables
 from attitude.averaged._means import Mean, slips
 from attitude.errors import AttitudeError
 from attitude.paths._composed import Composed
+from attitude.torques._magnetic import EddyCurrent, MagneticDipole
 from attitude.torques._torque import Torque, positions, span_of
 
 if TYPE_CHECKING:
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
 
 # Epochs of one turn of a path over which means are taken.
 ORBIT = 32
+# Turns of a field under the weights that average over them, and epochs of one turn of the path.
+_FIELD_TURNS, _FIELD_ORBIT = 3, 16
 # Epochs of a turn about a planet, and least ratio of the year of the planet to it.
 _RIPPLE, _RIPPLES = 48, 20.0
 # Least count of samples of a turn of a path that is followed, and most; the share of the largest
@@ -50,6 +53,9 @@ class Sampling:
         s between samples; infinite for numbers that do not change.
     ripple : float
         s, of the turn about a planet over which direction and weight are averaged; else infinite.
+    smooth : float
+        s, of the smooth weights under which linear numbers are averaged in place of one turn: days
+        of a field that turns with its planet; 0 for one turn.
     """
 
     torque: Torque
@@ -57,6 +63,7 @@ class Sampling:
     is_averaged: bool
     interval: float
     ripple: float = float("inf")
+    smooth: float = 0.0
 
 
 def turn_period(torque: Torque, instant: Instant) -> float:
@@ -76,14 +83,29 @@ def ripple_period(torque: Torque, instant: Instant) -> float:
     return turn if _RIPPLES * turn < _turn_of(path, instant) else float("inf")
 
 
+def smooth_span(torque: Torque, instant: Instant, period: float) -> float:
+    """Seconds of the weights that average a field over its own turns and those of the path, or 0.
+
+    Of the field the means over one turn of the path change within a day, with the longitude.
+    """
+    if not isinstance(torque, EddyCurrent | MagneticDipole):
+        return 0.0
+    span = _FIELD_TURNS * torque.field.turn
+    first, last = torque.span(instant)
+    # paths that are slower than the field average it within their turn
+    if not np.isfinite(span) or span < _FIELD_TURNS * period or last - first < span:
+        return 0.0
+    return span
+
+
 def _turn_of(path: Path, instant: Instant) -> float:
     first, last = span_of(path, instant)
     begin = min(max(0.0, first), last)
 
     def unit(t: float) -> FloatArray:
         r = positions(path, instant, np.array([t]), np.zeros(1), "path")[0]
-        found: FloatArray = r / np.sqrt(r @ r)
-        return found
+        direction: FloatArray = r / np.sqrt(r @ r)
+        return direction
 
     now, step, turned, t = unit(begin), 1.0, 0.0, begin
     for _ in range(4000):
@@ -176,8 +198,8 @@ class Packed:
                 table = [_tables.spline(x, values).reshape(-1) for values in mean.means]
                 row[layout.TABLE], row[layout.ARCS] = size, size + sum(map(len, table))
                 row[layout.STRENGTH] = row[layout.ARCS] + mean.arcs.size
-                parts += [*table, mean.arcs.reshape(-1), np.array([mean.strength])]
-                size = int(row[layout.STRENGTH]) + 1
+                parts += [*table, mean.arcs.reshape(-1), np.array([mean.strength, *mean.sizes])]
+                size = int(row[layout.STRENGTH]) + 3
             work = max(work, int(row[layout.WIDTH]) + columns + 9 * nodes + 16)
         self.data: FloatArray = np.concatenate(parts)
         self.work: FloatArray = np.zeros(work)
@@ -192,30 +214,51 @@ class Packed:
             offsets = sampling.period * ((np.arange(ORBIT) + 0.5) / ORBIT - 0.5)
         if np.isfinite(sampling.ripple) and mean.kind == layout.HARMONICS:
             return self._rippled(sampling, mean, t, offsets)
+        if sampling.is_averaged and mean.is_linear and sampling.smooth > 0.0:
+            return self._smoothed(sampling, mean, t)
         times = t[:, None] + offsets
         if sampling.is_averaged:
             times = self._within(sampling, t, 0.5 * sampling.period)[:, None] + offsets
         flat = np.ascontiguousarray(times.reshape(-1))
-        given = sampling.torque.sample(self._instant, flat, np.zeros(len(flat)))
+        sample = sampling.torque.sample_apart if sampling.is_averaged else sampling.torque.sample
+        samples = sample(self._instant, flat, np.zeros(len(flat)))
         if mean.kind == layout.TORUS:
             shift = np.broadcast_to(offsets, times.shape).reshape(-1, 1)
-            found = np.concatenate([shift, given], axis=1)
+            numbers = np.concatenate([shift, samples], axis=1)
         else:
-            found = mean.numbers(given)
-        found = found.reshape(count, len(offsets), -1)
+            numbers = mean.numbers(samples)
+        numbers = numbers.reshape(count, len(offsets), -1)
         if not sampling.is_averaged:
-            return found[:, 0]
+            return numbers[:, 0]
         if mean.is_linear:
-            averaged: FloatArray = np.mean(found, axis=1)
+            averaged: FloatArray = np.mean(numbers, axis=1)
             return averaged
         if mean.kind == layout.HARMONICS:
-            found[..., 3] /= ORBIT
-        return found.reshape(count, -1)
+            numbers[..., 3] /= ORBIT
+        return numbers.reshape(count, -1)
 
     def _within(self, sampling: Sampling, t: FloatArray, half: float) -> FloatArray:
         """Seconds (T,), moved so that a path is known for a time on both sides."""
         first, last = sampling.torque.span(self._instant)
         return np.clip(t, first + half, last - half)
+
+    def _smoothed(self, sampling: Sampling, mean: Mean, t: FloatArray) -> FloatArray:
+        """Numbers (T, F) under weights that fall to zero at both ends of `smooth`.
+
+        Squares of Hann's weights pass nothing of the harmonics of the span but the first two, so
+        that turns of the field, every third one, and of the path average out.
+        """
+        count = int(np.ceil(_FIELD_ORBIT * sampling.smooth / sampling.period))
+        shares = (np.arange(count) + 0.5) / count
+        weights = np.sin(np.pi * shares) ** 4
+        weights /= np.sum(weights)
+        middle = self._within(sampling, t, 0.5 * sampling.smooth)
+        numbers = np.empty((len(t), 9 if mean.kind == layout.TENSOR else 4))
+        for row, when in zip(numbers, middle, strict=True):
+            times = when + sampling.smooth * (shares - 0.5)
+            samples = sampling.torque.sample_apart(self._instant, times, np.zeros(count))
+            row[:] = weights @ mean.numbers(samples)
+        return numbers
 
     def _rippled(
         self, sampling: Sampling, mean: Mean, t: FloatArray, offsets: FloatArray
@@ -225,11 +268,11 @@ class Packed:
         half = 0.5 * (sampling.period if sampling.is_averaged else 0.0) + 0.5 * sampling.ripple
         middle = self._within(sampling, t, half)[:, None] + offsets
         times = middle[..., None] + sampling.ripple * shares
-        given = sampling.torque.sample(self._instant, times.reshape(-1), np.zeros(times.size))
-        found = mean.numbers(given).reshape(*times.shape, 4)
-        weight = found[..., 3]
+        samples = sampling.torque.sample(self._instant, times.reshape(-1), np.zeros(times.size))
+        numbers = mean.numbers(samples).reshape(*times.shape, 4)
+        weight = numbers[..., 3]
         total = np.maximum(np.mean(weight, axis=-1), 1e-200)
-        vector = np.mean(found[..., :3] * np.maximum(weight, 1e-200)[..., None], axis=-2)
+        vector = np.mean(numbers[..., :3] * np.maximum(weight, 1e-200)[..., None], axis=-2)
         unit = vector / np.sqrt(np.sum(vector**2, axis=-1))[..., None]
         row = np.concatenate([unit, total[..., None] / len(offsets)], axis=-1)
         return row.reshape(len(t), -1)
@@ -263,9 +306,10 @@ class Packed:
     def _slow(self, sampling, mean, first, last):
         """For means over turns of a path that drifts: as many turns as splines can join."""
         longest = 4096.0 * sampling.period
+        shortest = max(sampling.period, 0.25 * sampling.smooth)
         if np.isfinite(first) and np.isfinite(last):
             longest = min(longest, (last - first) / 8.0)
-        return self._fine(sampling, mean, first, last, longest, sampling.period, 1e-3)
+        return self._fine(sampling, mean, first, last, longest, shortest, 1e-3)
 
     def _fine(self, sampling, mean, first, last, width, least, close=_CLOSE):
         """The widest interval, of halves of one, at whose middles a spline errs by little."""

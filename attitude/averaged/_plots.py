@@ -61,10 +61,9 @@ def of_history(
             f"the history has shape {states.seconds.shape}; a figure needs epochs (T,), two at "
             "least, or those of branches, (B, T)."
         )
-    figure = plots.new_figure((9.0, 11.0))
-    panels = figure.subplots(4, 1, sharex=True, height_ratios=(1.0, 1.3, 1.0, 1.2))
+    figure, panels = plots.stacked((9.0, 11.0), 4, height_ratios=(1.0, 1.3, 1.0, 1.2))
     span = float(np.ptp(states.seconds)) / 86400.0
-    _, days, unit = next(each for each in _UNITS if span >= each[0])
+    _, days, unit = next(row for row in _UNITS if span >= row[0])
     time = np.atleast_2d(states.seconds) / (86400.0 * days)
     _momentum(panels[0], time, states)
     _tilt(panels[1], time, states)
@@ -73,7 +72,6 @@ def of_history(
     _mark(panels, events, 86400.0 * days)
     panels[-1].set_xlabel(f"{unit} since {states.epoch.utc_iso[:19].replace('T', ' ')} UTC")
     for axes in panels:
-        axes.grid(alpha=0.25)
         axes.margins(x=0.01)
     if title:
         figure.suptitle(title)

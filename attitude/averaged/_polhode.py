@@ -134,13 +134,13 @@ class Axes(Immutable):
     def end(self, region: int) -> FloatArray:
         """Unit vector (3,) over the body axes: the end of the axis near which the momentum is."""
         axis = self.matrix[:, 2 if region < LAM_PLUS else 0]
-        found: FloatArray = axis if region in (SAM_PLUS, LAM_PLUS) else -axis
-        return found
+        vector: FloatArray = axis if region in (SAM_PLUS, LAM_PLUS) else -axis
+        return vector
 
     def energy(self, size: FloatArray, y: FloatArray) -> FloatArray:
         """Kinetic energy in J for |L| in N m s and y."""
-        p, rest = shares(y)
-        return 0.5 * size**2 * (p / self.moments[0] + rest / self.moments[2])
+        p, complement = shares(y)
+        return 0.5 * size**2 * (p / self.moments[0] + complement / self.moments[2])
 
     def nodes(self, y: float, region: int, count: int) -> FloatArray:
         """Directions (count, 3) of the momentum over principal axes, uniform in time."""
@@ -157,8 +157,8 @@ class Axes(Immutable):
         rounding.
         """
         v = np.arange(-200, 201) * 0.2
-        p, rest = shares(np.array(self.separatrix))
-        sine, cosine = np.sqrt(p), np.sqrt(rest)
+        p, complement = shares(np.array(self.separatrix))
+        sine, cosine = np.sqrt(p), np.sqrt(complement)
         arcs = [
             np.stack(
                 [sa * sine / np.cosh(v), sa * sc * np.tanh(v), sc * cosine / np.cosh(v)], axis=-1
@@ -166,9 +166,15 @@ class Axes(Immutable):
             for sa in (1.0, -1.0)
             for sc in (1.0, -1.0)
         ]
-        pace = sine * np.sqrt(self.spread * self.numbers[SPREAD + 1])
-        other = cosine * np.sqrt(self.spread * self.numbers[SPREAD + 2])
-        return np.array(arcs), np.full(len(v), 0.2 / max(pace, other))
+        return np.array(arcs), np.full(len(v), 0.2 / self.separatrix_pace)
+
+    @property
+    def separatrix_pace(self) -> float:
+        """Rate, 1/s at L = 1, at which a motion on the separatrix nears the middle axis."""
+        p, complement = shares(np.array(self.separatrix))
+        pace = np.sqrt(p * self.spread * self.numbers[SPREAD + 1])
+        other = np.sqrt(complement * self.spread * self.numbers[SPREAD + 2])
+        return float(max(pace, other))
 
 
 def _above_least(a: float, b: float, c: float, w: FloatArray) -> float:

@@ -8,6 +8,7 @@ HARMONICS   a torque that is a function of one direction u in the body: for each
             times `_tables.weights`.  The precession multiplies them by P_l(c) and P_l'(c),
             c = l . s, and nothing else.
 TENSOR      a torque that is linear in a tensor T over inertial axes: ten numbers, as `TensorMean`.
+FRICTION    of a rheology: logarithms of -dy/dt |L|/2 at nodes of ln |L|.
 TORUS       any torque: evaluated at nodes of the nutation and of the precession.
 
 The factor |L|^exponent is that of all numbers of a table.
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
 HARMONICS: Final = 0
 TENSOR: Final = 1
 TORUS: Final = 2
+FRICTION: Final = 3
 # Entries of a row of `models`.
 KIND: Final = 0
 TABLE: Final = 1  # where in `data`
@@ -53,7 +55,7 @@ FORCING: Final = 5  # where in `forcing`
 WIDTH: Final = 6  # numbers of an epoch
 ARCS: Final = 7  # where in `data`
 EXPONENT: Final = 8
-STRENGTH: Final = 9  # where in `data`
+STRENGTH: Final = 9  # where in `data`; behind it, of FRICTION, the first node and their spacing
 FUNCTION: Final = 10  # addresses
 PARAMETERS: Final = 11
 SAMPLED: Final = 12  # numbers that the torque samples
@@ -277,6 +279,20 @@ def of_tensor(work, table, s, l0, l1, l2):
 
 
 @subroutine
+def at_size(values, table, columns, size, data, first):
+    """exp of logarithms at nodes of ln |L| (values[table:]), by the cubic through four of them."""
+    place = (math.log(size) - data[first]) / data[first + 1]
+    at = min(max(place, 0.0), columns - 1.0)
+    begin = min(max(int(at) - 1, 0), columns - 4)
+    d = at - begin
+    total = -values[table + begin] * (d - 1.0) * (d - 2.0) * (d - 3.0) / 6.0
+    total += values[table + begin + 1] * d * (d - 2.0) * (d - 3.0) / 2.0
+    total -= values[table + begin + 2] * d * (d - 1.0) * (d - 3.0) / 2.0
+    total += values[table + begin + 3] * d * (d - 1.0) * (d - 2.0) / 6.0
+    return math.exp(total)
+
+
+@subroutine
 def turned_to(x, l0, l1, l2):
     """A quaternion that turns the unit vector x to l."""
     w = 1.0 + x[0] * l0 + x[1] * l1 + x[2] * l2
@@ -439,6 +455,9 @@ def rates(t, x, region, data, models, forcing, work, at, out):
             interpolated(data, models[k, TABLE], columns, region, interval, d, count, work, table)
             if kind == TENSOR:
                 mean = of_tensor(work, table, 0, l0, l1, l2)
+            elif kind == FRICTION:
+                lost = at_size(work, table, columns, size, data, models[k, STRENGTH] + 1)
+                mean = (0.0, 0.0, 0.0, -lost, lost)
             elif nodes == 1 or models[k, DEGREE] < 2:
                 mean = (0.0, 0.0, 0.0, 0.0, 0.0)
                 for q in range(nodes):
@@ -504,6 +523,8 @@ def changes_on_arcs(t, x, data, models, forcing, arcs, seconds, work, out):
                     work[width + j] = data[base + j]
                 if kind == TENSOR:
                     g = of_tensor(work, width, 0, l0, l1, l2)[3]
+                elif kind == FRICTION:
+                    g = -at_size(work, width, columns, size, data, models[k, STRENGTH] + 1)
                 else:
                     for q in range(nodes):
                         g += one_direction(data, work, width, 4 * q, models[k, DEGREE], l0, l1, l2)[

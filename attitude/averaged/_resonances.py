@@ -2,17 +2,22 @@
 
 The ratio P_psi/P_phi of a body depends on its energy alone, so each resonance j w_psi = k w_phi
 stands at one y in SAM and one in LAM.  There the terms F of dy/dt along the line of (j, -k) do not
-average out.  A crossing changes y by a root mean square of sqrt(2) |F| sqrt(2 pi/|d(j w_psi -
-k w_phi)/dt|) over the phase, and the motion may stay where the resonant terms are larger than the
-mean rate (Neishtadt, Celest. Mech. Dyn. Astron. 65, 1 (1997), on passage and capture).
+average out.  Where torques are averaged over the turn of a path, j w_psi - k w_phi = n w_path is a
+resonance too, whose place depends on |L|; its term is the one of order n over the turn.
+
+A crossing changes y by a root mean square of sqrt(2) |F| sqrt(2 pi/|d(j w_psi - k w_phi)/dt|) over
+the phase, and the motion may stay where the resonant terms are larger than the mean rate
+(Neishtadt, Celest. Mech. Dyn. Astron. 65, 1 (1997), on passage and capture).
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from attitude._solver import regime as solver_regime
 from attitude.averaged import _mean_state
@@ -37,15 +42,21 @@ _NEAR, _FAR, _GRID = 1e-4, 60.0, 2000
 # Scatter of y that is rounding: the torque has no term there.
 _NOTHING = 1e-10
 # Epochs of the turn of a path over which resonant terms are averaged.
-_ORBIT = 8
+_ORBIT = 16
+# Largest j and k, and largest n, of resonances with the turn of a path that are listed.
+_LOW, _SIDES = 3, 4
+# Torques that are the same at all phases of the precession.
+_WITHOUT_PHASE = ConstantTorque, InternalDissipation, LinearDamping
+# Nodes of the table of frequencies in which they are sought.
+_NODES = 1500
 
 
 def frequencies(axes: Axes, y: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Those of nutation and of the long axis about the momentum (N,), rad/s at L = 1."""
-    p, rest = shares(y)
-    unit = np.stack([np.sqrt(p), np.zeros_like(p), np.sqrt(rest)], axis=-1)
-    found = solver_regime.regimes(axes.moments, unit / axes.moments)
-    return 2.0 * np.pi / np.asarray(found.P_psi), 2.0 * np.pi / np.asarray(found.P_phi_L)
+    p, complement = shares(y)
+    unit = np.stack([np.sqrt(p), np.zeros_like(p), np.sqrt(complement)], axis=-1)
+    regimes = solver_regime.regimes(axes.moments, unit / axes.moments)
+    return 2.0 * np.pi / np.asarray(regimes.P_psi), 2.0 * np.pi / np.asarray(regimes.P_phi_L)
 
 
 def places(axes: Axes) -> list[tuple[int, int, bool, float]]:
@@ -53,7 +64,7 @@ def places(axes: Axes) -> list[tuple[int, int, bool, float]]:
     pairs = [
         (j, k) for j in range(1, HIGHEST + 1) for k in range(1, HIGHEST + 1) if math.gcd(j, k) == 1
     ]
-    found, low, high = [], [], []
+    orders, low, high = [], [], []
     for is_long in (False, True):
         h = np.geomspace(_NEAR, _FAR, _GRID)
         y = axes.separatrix + (h if is_long else -h)
@@ -61,12 +72,12 @@ def places(axes: Axes) -> list[tuple[int, int, bool, float]]:
         for j, k in pairs:
             gap = j * w[0] - k * w[1]
             for n in np.flatnonzero(gap[:-1] * gap[1:] < 0.0):
-                found.append((j, k, is_long))
+                orders.append((j, k, is_long))
                 low.append(y[n])
                 high.append(y[n + 1])
-    if not found:
+    if not orders:
         return []
-    j, k, _ = np.array(found).T
+    j, k, _ = np.array(orders).T
     below, above = np.array(low), np.array(high)
     one, two = frequencies(axes, below)
     begin = j * one - k * two
@@ -76,7 +87,7 @@ def places(axes: Axes) -> list[tuple[int, int, bool, float]]:
         same = (j * one - k * two) * begin > 0.0
         below, above = np.where(same, middle, below), np.where(same, above, middle)
     middles = 0.5 * (below + above)
-    return [(*each, float(y)) for each, y in zip(found, middles, strict=True)]
+    return [(*order, float(y)) for order, y in zip(orders, middles, strict=True)]
 
 
 def listed(torques: MeanTorques) -> list[tuple[int, int, bool, float]]:
@@ -89,10 +100,12 @@ def listed(torques: MeanTorques) -> list[tuple[int, int, bool, float]]:
 def crossed(track: Track, until: float) -> list[AveragedEvent]:
     """The resonances that a track crosses up to seconds `until`; at most 2000."""
     known = track.resonances
-    for time, number in _times(track, until):
-        key = (round(time, 3), number)
+    crossings = [(time, (j, k, 0), y) for time, j, k, y in _times(track, until)]
+    crossings += _with_orbits(track, until)
+    for time, order, y in sorted(crossings):
+        key = (round(time, 3), order)
         if key not in known and len(known) < _MOST:
-            known[key] = _event(track, time, number)
+            known[key] = _event(track, time, order, y)
     return [
         event
         for event in known.values()
@@ -100,19 +113,75 @@ def crossed(track: Track, until: float) -> list[AveragedEvent]:
     ]
 
 
-def _times(track: Track, until: float) -> list[tuple[float, int]]:
-    """Seconds at which y crosses those of resonances, and the numbers of these."""
+def _places_within(track: Track) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Seconds (N, K) within the steps of a track, |L| and y there."""
     rows = track.rows
-    if not len(rows):
-        return []
     start = rows[:, layout.ROW_START]
     length = rows[:, layout.ROW_END] - start
     t = start[:, None] + length[:, None] * np.linspace(0.0, 1.0, _WITHIN + 1)
     row = np.repeat(rows, _WITHIN + 1, axis=0)
-    y = _states(row, t.reshape(-1), track.sign, np.arange(len(row)))[:, 3].reshape(t.shape)
+    states = _states(row, t.reshape(-1), track.sign, np.arange(len(row)))
+    size = np.sqrt(np.sum(states[:, :3] ** 2, axis=1))
+    return t, size.reshape(t.shape), states[:, 3].reshape(t.shape)
+
+
+def _with_orbits(track: Track, until: float) -> list[tuple[float, tuple[int, int, int], float]]:
+    """Seconds, (j, k, n) and y of crossings of resonances with the turns of averaged paths."""
+    packing, rows = track.course.packing, track.rows
+    torques = packing.torques
+    several = {
+        period
+        for torque, period, averaged in zip(
+            torques.torques, torques.periods, packing.averaged, strict=True
+        )
+        if averaged and not isinstance(torque, _WITHOUT_PHASE)
+    }
+    if not several or not len(rows):
+        return []
+    t, size, y = _places_within(track)
     is_long = rows[:, layout.ROW_REGION] >= LAM_PLUS
-    found = []
-    for number, (_, _, of_long, place) in enumerate(listed(track.course.packing.torques)):
+    one, two = np.empty_like(y), np.empty_like(y)
+    for flags in (is_long, ~is_long):
+        if np.any(flags):
+            one[flags], two[flags] = _tabulated(packing.axes, y[flags], bool(is_long[flags][0]))
+    crossings = []
+    for period in several:
+        for j, k in itertools.product(range(1, _LOW + 1), repeat=2):
+            beat = size * (j * one - k * two) * period / (2.0 * np.pi)
+            # neighbours of a beat that changes faster are crossed as one resonance
+            slow = np.abs(np.diff(beat, axis=1)) * period < np.abs(np.diff(t, axis=1))
+            for n in (*range(-_SIDES, 0), *range(1, _SIDES + 1)):
+                if math.gcd(j, k, n) != 1:
+                    continue
+                gap = beat - n
+                for row, m in np.argwhere((gap[:, :-1] * gap[:, 1:] < 0.0) & slow):
+                    share = gap[row, m] / (gap[row, m] - gap[row, m + 1])
+                    when = float(t[row, m] + share * (t[row, m + 1] - t[row, m]))
+                    place = float(y[row, m] + share * (y[row, m + 1] - y[row, m]))
+                    if (when - until) * track.sign <= 0.0:
+                        crossings.append((when, (j, k, n), place))
+    return crossings
+
+
+def _tabulated(axes: Axes, y: FloatArray, is_long: bool) -> tuple[FloatArray, FloatArray]:
+    """`frequencies` at y of any shape of one mode, by interpolation."""
+    h = np.geomspace(_NEAR, _FAR, _NODES)
+    nodes = axes.separatrix + (h if is_long else -h)
+    at = np.log(np.clip(np.abs(y - axes.separatrix), _NEAR, _FAR))
+    values = frequencies(axes, nodes)
+    first, second = (CubicSpline(np.log(h), value)(at) for value in values)
+    return first, second
+
+
+def _times(track: Track, until: float) -> list[tuple[float, int, int, float]]:
+    """Seconds, j, k and y of crossings of the resonances of nutation and precession."""
+    rows = track.rows
+    if not len(rows):
+        return []
+    t, _, y = _places_within(track)
+    is_long = rows[:, layout.ROW_REGION] >= LAM_PLUS
+    crossings = []
+    for j, k, of_long, place in listed(track.course.packing.torques):
         gap = y - place
         changes = (gap[:, :-1] * gap[:, 1:] <= 0.0) & (gap[:, :-1] != 0.0)
         changes &= (is_long == of_long)[:, None]
@@ -120,8 +189,9 @@ def _times(track: Track, until: float) -> list[tuple[float, int]]:
             low, high = t[n, m], t[n, m + 1]
             if (low - until) * track.sign > 0.0:
                 continue
-            found.append((_bisected(rows[n : n + 1], low, high, place, track.sign), number))
-    return [(time, k) for time, k in sorted(found) if (time - until) * track.sign <= 0.0]
+            time = _bisected(rows[n : n + 1], low, high, place, track.sign)
+            crossings.append((time, j, k, place))
+    return [crossing for crossing in sorted(crossings) if (crossing[0] - until) * track.sign <= 0.0]
 
 
 def _bisected(row: FloatArray, low: float, high: float, place: float, sign: float) -> float:
@@ -134,68 +204,93 @@ def _bisected(row: FloatArray, low: float, high: float, place: float, sign: floa
     return 0.5 * (low + high)
 
 
-def _event(track: Track, time: float, number: int) -> AveragedEvent:
-    """The crossing of one resonance."""
+def _event(track: Track, time: float, order: tuple[int, int, int], place: float) -> AveragedEvent:
+    """The crossing of one resonance (j, k, n) at a y."""
     packing = track.course.packing
-    j, k, _, place = listed(packing.torques)[number]
+    j, k, n = order
     states, regions = track.states(np.array([time]))
     state, region = states[0].copy(), int(regions[0])
     state[3] = place
-    rate = float(packing.rates_of(time, state, region)[0][3])
-    terms = _resonant(packing, time, state, region)
+    rates = packing.rates_of(time, state, region)[0]
+    rate = float(rates[3])
+    terms = _resonant(packing, time, state, region, order)
     size = float(np.sqrt(state[:3] @ state[:3]))
     step = 1e-5
-    one, two = frequencies(packing.axes, np.array([place - step, place + step]))
-    slope = float(np.diff(j * one - k * two)[0]) / (2.0 * step)
-    drift = abs(size * slope * rate)
-    order = np.arange(1, len(terms) + 1)
+    one, two = frequencies(packing.axes, np.array([place - step, place, place + step]))
+    beats = j * one - k * two
+    slope = size * float(beats[2] - beats[0]) / (2.0 * step)
+    # of a resonance with a path, the beat also changes with |L|
+    drift = abs(slope * rate + float(beats[1]) * float(state[:3] @ rates[:3]) / size)
+    numbers = np.arange(1, len(terms) + 1)
     phase = 2.0 * np.pi * np.arange(256) / 256
-    largest = np.max(np.abs(2.0 * np.real(np.exp(1j * np.outer(phase, order)) @ terms)))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        square = np.sum(2.0 * np.abs(terms) ** 2 * 2.0 * np.pi / (order * drift))
-        strength = largest / abs(rate)
-    name = REGIONS[region]
+    largest = np.max(
+        np.abs(2.0 * np.real(np.exp(1j * np.outer(phase, numbers)) @ terms)), initial=0.0
+    )
+    if not largest > 0.0 or not drift > 0.0:
+        return AveragedEvent("resonance", time, REGIONS[region], REGIONS[region], ratio=(j, k))
+    square = float(np.sum(2.0 * np.abs(terms) ** 2 * 2.0 * np.pi / (numbers * drift)))
+    # the mean rate of y against the resonance, and the time in which it crosses the width
+    against = drift / max(abs(slope), 1e-300)
+    width = 2.0 * math.sqrt(largest / max(abs(slope), 1e-300))
     return AveragedEvent(
         "resonance",
         time,
-        name,
-        name,
+        REGIONS[region],
+        REGIONS[region],
         ratio=(j, k),
-        scatter=float(np.sqrt(square)) if largest > 0.0 else 0.0,
-        strength=float(strength) if largest > 0.0 else 0.0,
+        turns=n,
+        scatter=math.sqrt(square),
+        strength=float(largest / against),
+        width=width,
+        lasts=max(2.0 * math.sqrt(2.0 * math.pi / drift), 2.0 * width / against),
     )
 
 
 def _resonant(
-    packing: Packing, time: float, state: FloatArray, region: int
+    packing: Packing, time: float, state: FloatArray, region: int, order: tuple[int, int, int]
 ) -> NDArray[np.complex128]:
     """The complex terms (N,) of dy/dt whose frequencies are 0, by their order."""
     torques = packing.torques
     total = np.zeros(0, dtype=complex)
     at = np.array(time), state, np.array(region)
     spin = AveragedHistory(packing, *at).free_rotation(phases=(0.0, 0.0)).spin
+    _, k, n = order
     for torque, period, is_averaged in zip(
         torques.torques, torques.periods, packing.averaged, strict=True
     ):
-        if isinstance(torque, (ConstantTorque, InternalDissipation, LinearDamping)):
-            continue  # the same at all phases of the precession
-        times = [time]
+        if isinstance(torque, _WITHOUT_PHASE) or (n != 0 and not is_averaged):
+            continue
+        times, waves = [time], [1.0 + 0.0j]
         if is_averaged:
             first, last = torques.span
             begin = min(max(time - 0.5 * period, first), last - period)
-            times = [begin + period * (n + 0.5) / _ORBIT for n in range(_ORBIT)]
-        for when in times:
-            found = _mean_state.series(
+            shares = (np.arange(_ORBIT) + 0.5) / _ORBIT
+            times = [begin + period * float(share) for share in shares]
+            waves = list(np.exp(-2j * np.pi * n * shares))
+        for when, wave in zip(times, waves, strict=True):
+            fourier = _mean_state.series(
                 packing.axes, torques.body, spin, [torque], torques.instant, when
             )
-            if found is None:
+            if fourier is None:
                 continue
-            some = _on_line(*found)
+            path_rate = 2.0 * np.pi * n / period
+            some = wave * (_on_line(*fourier) if n == 0 else _beside(*fourier, k, path_rate))
             longer = np.zeros(max(len(some), len(total)), dtype=complex)
             longer[: len(total)] += total
             longer[: len(some)] += some / len(times)
             total = longer
     return total
+
+
+def _beside(
+    terms: NDArray[np.complex128], frequency: FloatArray, nutation: float, k: int, path_rate: float
+) -> NDArray[np.complex128]:
+    """The term (1,) of y of order k in the precession whose frequency is that of the path."""
+    row = int(np.argmin(np.abs(frequency[:, k] + path_rate)))
+    if abs(frequency[row, k] + path_rate) > 0.2 * abs(path_rate):
+        return np.zeros(1, dtype=complex)
+    one: NDArray[np.complex128] = terms[row, k, 3:4]
+    return one
 
 
 def _on_line(

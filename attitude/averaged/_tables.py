@@ -52,8 +52,8 @@ def coordinates(axes: Axes) -> FloatArray:
 
 def distances(x: FloatArray) -> FloatArray:
     """h at nodes of the tables."""
-    found: FloatArray = np.logaddexp(0.0, x).astype(np.float64)
-    return found
+    h: FloatArray = np.logaddexp(0.0, x).astype(np.float64)
+    return h
 
 
 def spline(x: FloatArray, values: FloatArray) -> FloatArray:
@@ -223,13 +223,13 @@ def field_of(
     """A torque as a function of the direction of its sampled vector, over the principal axes."""
 
     def field(u: FloatArray) -> FloatArray:
-        given = np.zeros((len(u), columns))
-        given[:, :3] = u @ axes.matrix.T
+        samples = np.zeros((len(u), columns))
+        samples[:, :3] = u @ axes.matrix.T
         wxyz = np.zeros((len(u), 4))
         wxyz[:, 0] = 1.0
         out = np.empty((len(u), 3))
         zero = np.zeros((len(u), 3))
-        torques_at(address, parameters.ctypes.data, zero[:, 0].copy(), wxyz, zero, given, out)
+        torques_at(address, parameters.ctypes.data, zero[:, 0].copy(), wxyz, zero, samples, out)
         return out @ axes.matrix
 
     return field
@@ -297,9 +297,9 @@ def kept(
             return arrays_on_disk
     except (OSError, ValueError, KeyError, EOFError, BadZipFile):
         pass
-    made = make()
-    _write(file, made)
-    return made
+    computed = make()
+    _write(file, computed)
+    return computed
 
 
 def _write(file: Path, arrays: dict[str, FloatArray]) -> None:
@@ -311,10 +311,10 @@ def _write(file: Path, arrays: dict[str, FloatArray]) -> None:
         file.parent.mkdir(parents=True, exist_ok=True)
         with written_whole(file, "table of a torque", binary=True) as stream:
             np.savez(stream, **arrays)  # type: ignore[arg-type]
-        others = [(each.stat(), each) for each in file.parent.glob("torque-*.npz")]
+        others = [(table.stat(), table) for table in file.parent.glob("torque-*.npz")]
         total = sum(status.st_size for status, _ in others)
-        for status, each in sorted(others, key=lambda pair: pair[0].st_mtime):
+        for status, table in sorted(others, key=lambda pair: pair[0].st_mtime):
             if total <= _LARGEST:
                 return
-            each.unlink(missing_ok=True)
+            table.unlink(missing_ok=True)
             total -= status.st_size

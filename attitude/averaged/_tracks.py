@@ -11,15 +11,15 @@ import numpy as np
 
 from attitude._compilation.callbacks import raising_callback_errors
 from attitude.averaged import _rates as layout
-from attitude.averaged._mean_torques import SLOWEST, Packing, slowest_turns
+from attitude.averaged._mean_torques import SLOWEST, Crossing, Packing, delay, slowest_turns
 from attitude.averaged._polhode import LAM_PLUS, REGIONS
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
     from attitude._support.annotations import BoolArray, FloatArray, IntArray
 
-    # Of a track and the odds of the regions beyond the separatrix: the one to continue in.
-    Choice: TypeAlias = Callable[["Track", dict[int, float]], int]
+    # Of a track and what may follow beyond the separatrix: the region to continue in.
+    Choice: TypeAlias = Callable[["Track", Crossing], int]
 
 # |N| P/(2 pi |L|) beyond which means of first order are refused.
 WEAK = 0.05
@@ -53,14 +53,25 @@ class AveragedEvent:
     is_proved : bool
         Of a passage: False where y rises on one arc of a lap and falls on the other, so that the
         rule for the odds is not proved.
+    laps : tuple
+        Of a passage: the changes of y on the arc that crosses, on the other arc before and on the
+        next one, and the pace, 1/s, at which the body nears the middle axis; else empty.
     ratio : (int, int)
-        Of a resonance: P_psi/P_phi, phi the angle of the long axis about the momentum.
+        Of a resonance: j and k of j w_psi = k w_phi, P_psi/P_phi = j/k, phi the angle of the long
+        axis about the momentum.
+    turns : int
+        Of a resonance with the turn of a path: n of j w_psi - k w_phi = n w_path; else 0.
     scatter : float
         Of a resonance: the root mean square, over the phase, by which the crossing changes
         y = 2 ln tan theta against the mean motion.
     strength : float
         Of a resonance: the largest rate of y from the resonant terms in units of the mean rate.
-        Above 1 (`may_capture`) the motion may stay in the resonance, which means cannot follow.
+        Above 1 (`may_capture`) the motion may stay in the resonance, which means cannot follow:
+        `AveragedMotion.through` takes the full motion through it.
+    width : float
+        Of a resonance: the distance in y from its middle within which a motion may be held.
+    lasts : float
+        Of a resonance: s in which the mean motion crosses it.
     """
 
     kind: str
@@ -69,9 +80,21 @@ class AveragedEvent:
     after: str
     odds: dict[str, float] = field(default_factory=dict)
     is_proved: bool = True
+    laps: tuple[float, ...] = ()
     ratio: tuple[int, int] = (0, 0)
     scatter: float = 0.0
     strength: float = 0.0
+    turns: int = 0
+    width: float = 0.0
+    lasts: float = 0.0
+
+    @property
+    def delay(self) -> float:
+        """Of a passage: root mean square of the time in s by which it comes early or late, or 0.
+
+        Over the phase that means lose; unknown, and 0, where `is_proved` is False.
+        """
+        return delay(*self.laps) if self.laps else 0.0
 
     @property
     def may_capture(self) -> bool:
@@ -86,8 +109,11 @@ class AveragedEvent:
         if self.kind == "resonance":
             held = "; it may capture the motion" if self.may_capture else ""
             j, k = self.ratio
+            name = f"P_psi/P_phi = {j}/{k}"
+            if self.turns:
+                name = f"{j} w_psi - {k} w_phi = {self.turns} w_path"
             return (
-                f"resonance P_psi/P_phi = {j}/{k} crossed in {self.before} (scatter of y "
+                f"resonance {name} crossed in {self.before} (scatter of y "
                 f"{self.scatter:.2g}, strength {self.strength:.2g}{held})"
             )
         return f"{self.kind} ({self.before})"
@@ -122,7 +148,7 @@ class Track:
         self.blocks: list[FloatArray] = []
         self.events: list[AveragedEvent] = []
         self.ended: AveragedEvent | None = None
-        self.resonances: dict[tuple[float, int], AveragedEvent] = {}
+        self.resonances: dict[tuple[float, tuple[int, int, int]], AveragedEvent] = {}
         self.odds, self._idle = 1.0, 0
         self._goal = _FIRST * course.pace
         self._work = np.empty_like(course.packing.packed.work)
@@ -224,16 +250,23 @@ class Track:
             if self._idle > _MOST_PASSAGES:
                 self._end("stays at the separatrix", t)
                 return
-            odds, proved = self.course.packing.odds_of(t, self.x, self.region, self.sign)
-            self.pass_to(choose(self, odds), odds, proved)
+            crossing = self.course.packing.crossing(t, self.x, self.region, self.sign)
+            self.pass_to(choose(self, crossing), crossing)
 
-    def pass_to(self, region: int, odds: dict[int, float], proved: bool = True) -> None:
+    def pass_to(self, region: int, crossing: Crossing) -> None:
         """Continue on the other side of the separatrix."""
-        before = REGIONS[self.region]
         side = 1.0 if region >= LAM_PLUS else -1.0
-        named = {REGIONS[k]: v for k, v in odds.items()}
-        t = float(self.clock[0])
-        self.events.append(AveragedEvent("passage", t, before, REGIONS[region], named, proved))
+        self.events.append(
+            AveragedEvent(
+                "passage",
+                float(self.clock[0]),
+                REGIONS[self.region],
+                REGIONS[region],
+                odds={REGIONS[k]: share for k, share in crossing.odds.items()},
+                is_proved=crossing.is_proved,
+                laps=crossing.laps.get(region, ()),
+            )
+        )
         self.region = region
         self.x[3] = self.course.packing.axes.separatrix + side * layout.BEYOND
         self.clock[1] = self.sign * self._first_step()
@@ -257,7 +290,7 @@ class Track:
 
     def happened(self, until: float) -> list[AveragedEvent]:
         """The events up to seconds `until`."""
-        return [each for each in self.events if (each.seconds - until) * self.sign <= 0.0]
+        return [event for event in self.events if (event.seconds - until) * self.sign <= 0.0]
 
     def error_to(self, t: FloatArray) -> FloatArray:
         """The estimate (T,) of `AveragedMotion.error_estimate` at seconds (T,)."""
@@ -295,8 +328,8 @@ def _states(
     """States (T, 4) at seconds (T,), in the steps that hold them or in given ones (T,)."""
     row = rows[_places(rows, t, sign) if place is None else place]
     share = ((t - row[:, layout.ROW_START]) / row[:, layout.ROW_STEP])[:, None]
-    rest = 1.0 - share
+    remaining = 1.0 - share
     terms = row[:, layout.ROW_TERMS : layout.ROW_END].reshape(-1, 5, 4)
-    inner = terms[:, 2] + share * (terms[:, 3] + rest * terms[:, 4])
-    found: FloatArray = terms[:, 0] + share * (terms[:, 1] + rest * inner)
-    return found
+    inner = terms[:, 2] + share * (terms[:, 3] + remaining * terms[:, 4])
+    states: FloatArray = terms[:, 0] + share * (terms[:, 1] + remaining * inner)
+    return states

@@ -64,7 +64,7 @@ class Chains:
     """
 
     def __init__(self, ensemble: Ensemble, changes: Sequence[Change]) -> None:
-        times = _arcs.given(changes, ensemble.start_of_seconds)
+        times = _arcs.times_of(changes, ensemble.start_of_seconds)
         found = [time for time in times if time is not None]
         self._starts = frozen(np.array([(0.0, 0.0), *found]))
         self._records = np.empty((len(ensemble), len(self._starts)), dtype=CONSTANTS)

@@ -231,7 +231,7 @@ def _fitted(
         joint = _projected(problem, np.concatenate(bases, axis=1))
         inner = joint @ joint.T + np.diag(held)
         along = joint @ y
-        amplitudes = np.linalg.solve(inner, along)
+        amplitudes: FloatArray = np.asarray(np.linalg.solve(inner, along), np.float64)
         left = 1.0 - float(amplitudes @ along) / total
         if left < best.left:
             shape = _dips(amplitudes[2 * ORDERS[0] :])

@@ -51,6 +51,43 @@ def to_celestial(
     rates: bool = True,
 ) -> tuple[FloatArray, FloatArray | None]:
     """GCRS components (3, N) and their rates of a vector (3,) in ITRS, at hi, lo (N,)."""
+    earth = _earth_at(hi, lo, long_term, name)
+    position, intermediate = earth(vector)
+    if not rates:
+        return position, None
+    turning = RATE * np.stack([-intermediate[1], intermediate[0], np.zeros(hi.size)])
+    return position, earth.to_gcrs(turning)
+
+
+def axes_to_celestial(hi: FloatArray, lo: FloatArray) -> FloatArray:
+    """GCRS components of the axes of ITRS, (axis, component, N), at hi, lo (N,) of any year."""
+    earth = _earth_at(hi, lo, True, "the Earth")
+    return np.array([earth(axis)[0] for axis in np.eye(3)])
+
+
+@dataclass(frozen=True)
+class _Earth:
+    """The Earth's orientation at N epochs: pole of date, angle of rotation, polar motion, rad."""
+
+    x: FloatArray
+    y: FloatArray
+    angle: FloatArray
+    x_pole: FloatArray
+    y_pole: FloatArray
+    locator: FloatArray
+
+    def __call__(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """A vector (3,) of ITRS over GCRS (3, N), and over the terrestrial intermediate frame."""
+        fixed = _without_polar_motion(vector, self.x_pole, self.y_pole, self.locator)
+        return self.to_gcrs(fixed), fixed
+
+    def to_gcrs(self, intermediate: FloatArray) -> FloatArray:
+        """Vectors (3, N) of the terrestrial intermediate frame over GCRS."""
+        vectors: FloatArray = to_gcrs(self.x, self.y, self.angle, intermediate)
+        return vectors
+
+
+def _earth_at(hi: FloatArray, lo: FloatArray, long_term: bool, name: str) -> _Earth:
     tt = pairs.add((hi, lo), -_time_scales.difference_at(hi, lo))
     tai = pairs.add(tt, -_time_scales.TT_MINUS_TAI)
     ut1_minus_tai, x_pole, y_pole = _orientation(tai, tt, long_term, name)
@@ -58,13 +95,8 @@ def to_celestial(
     x, y, s = pole_of_date(hi, lo)
     # Polar motion with the locator s': IERS Conventions (2010), eq. 5.3 and 5.13.
     centuries = tt[0] / (36525.0 * _time_scales.DAY)
-    intermediate = _without_polar_motion(vector, x_pole, y_pole, -47e-6 * _ARCSEC * centuries)
-    angle = rotation_angle(*ut1)
-    position = to_gcrs(x, y, angle - s, intermediate)
-    if not rates:
-        return position, None
-    turning = RATE * np.stack([-intermediate[1], intermediate[0], np.zeros(hi.size)])
-    return position, to_gcrs(x, y, angle - s, turning)
+    locator = -47e-6 * _ARCSEC * centuries
+    return _Earth(x, y, rotation_angle(*ut1) - s, x_pole, y_pole, locator)
 
 
 def rotation_angle(hi: FloatArray, lo: FloatArray) -> FloatArray:

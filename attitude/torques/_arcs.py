@@ -229,7 +229,7 @@ class InertiaChange(Change):
 # ---- The times of changes, as far as they are given, in two doubles and in order
 
 
-def given(changes: Sequence[Change], epoch: Instant) -> list[Pair | None]:
+def times_of(changes: Sequence[Change], epoch: Instant) -> list[Pair | None]:
     """Seconds (high, low) since an epoch of each change; None for one at an event."""
     times = [_seconds(change.at, epoch, f"changes[{k}].at") for k, change in enumerate(changes)]
     _check_order(times)
@@ -358,14 +358,14 @@ class ChainedSensitivity(Derivatives):
         rates: bool,
     ) -> tuple[FloatArray, FloatArray | None]:
         """Changes (S, 3, P) of attitude and rates from those (9, P) of each arc's first state."""
-        t, rest = pairs.Seconds(seconds, low).flat
+        t, t_low = pairs.Seconds(seconds, low).flat
         width = maps[0].shape[1]
         attitude = np.full((t.size, 3, width), np.nan)
         omega = np.full((t.size, 3, width), np.nan) if rates else None
-        high, rest, arcs = _numbers_of_arcs(self._starts, t, rest)
+        high, t_low, arcs = _numbers_of_arcs(self._starts, t, t_low)
         for k in np.unique(arcs):
             on = arcs == k
-            one, two = self._on_arc(int(k), high[on], rest[on], rates)
+            one, two = self._on_arc(int(k), high[on], t_low[on], rates)
             attitude[on] = one @ maps[k]
             if omega is not None:
                 assert two is not None
@@ -381,13 +381,13 @@ class ChainedSensitivity(Derivatives):
         self, k: int, high: FloatArray, low: FloatArray, rates: bool
     ) -> tuple[FloatArray, FloatArray | None]:
         """The columns (n, 3, 9) by the first state of an arc."""
-        t, rest = _since(self._starts[k], high, low)
+        t, t_low = _since(self._starts[k], high, low)
         record = self._constants[k : k + 1]
         attitude = np.empty((1, 3, 9, t.size))
         omega = np.empty((1, 3, 9, t.size)) if rates else None
-        sensitivities.evaluate(record, self._tangents[k], t[None], rest[None], attitude, omega)
-        found = np.moveaxis(attitude[0], -1, 0)
-        return found, None if omega is None else np.moveaxis(omega[0], -1, 0)
+        sensitivities.evaluate(record, self._tangents[k], t[None], t_low[None], attitude, omega)
+        turns = np.moveaxis(attitude[0], -1, 0)
+        return turns, None if omega is None else np.moveaxis(omega[0], -1, 0)
 
     def _over_joint(self, k: int, change: Change) -> FloatArray:
         """The map (9, 9) from the first state of an arc to that of the next."""
@@ -432,17 +432,17 @@ class ChainedSensitivity(Derivatives):
             history = AttitudeHistory(None, self._epoch, *time, turned)
             history.__dict__["angular_velocity"] = omega
             values.append(event.values(history))
-        gradient = np.array([float(each[0]) for each in values[1:]])
+        gradient = np.array([float(value[0]) for value in values[1:]])
         slopes = (gradient[:3] - gradient[3:]) / (2.0 * _STEP)
-        found: FloatArray = -slopes / float(values[0][1])
-        return found
+        delay: FloatArray = -slopes / float(values[0][1])
+        return delay
 
     def _state(self, k: int, end: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Attitude and angular velocity at the end of an arc."""
-        t, rest = _since(self._starts[k], end[:1], end[1:])
+        t, t_low = _since(self._starts[k], end[:1], end[1:])
         wxyz, omega = np.empty((1, 4, 1)), np.empty((1, 3, 1))
         record = self._constants[k : k + 1]
-        evaluation.evaluate(record, t[None], rest[None], wxyz, omega)
+        evaluation.evaluate(record, t[None], t_low[None], wxyz, omega)
         return wxyz[0, :, 0], omega[0, :, 0]
 
     def _rate(self, k: int, matrix: FloatArray, omega: FloatArray, end: FloatArray) -> FloatArray:
@@ -461,19 +461,19 @@ def _numbers_of_arcs(
     """Epochs (S,) in normalised pairs, and the numbers of the arcs that they lie on."""
     arcs = np.zeros(seconds.size, dtype=np.int64)
     with np.errstate(invalid="ignore", over="ignore"):
-        high, rest = pairs.two_sum(seconds, low)
+        high, remainder = pairs.two_sum(seconds, low)
         for start, more in starts[1:]:
-            arcs += (high > start) | ((high == start) & (rest >= more))
-    return high, rest, arcs
+            arcs += (high > start) | ((high == start) & (remainder >= more))
+    return high, remainder, arcs
 
 
 def _by_state(body: Body, omega: FloatArray) -> FloatArray:
     """The change (3, 9) of the momentum over the body axes with that of the state."""
     axes = body.principal_axes
-    found = np.zeros((3, 9))
-    found[:, 3:6] = body.tensor
-    found[:, 6:] = axes * (axes.T @ omega)
-    return found
+    change = np.zeros((3, 9))
+    change[:, 3:6] = body.tensor
+    change[:, 6:] = axes * (axes.T @ omega)
+    return change
 
 
 def _cross_matrix(v: FloatArray) -> FloatArray:
@@ -661,8 +661,8 @@ class Arcs(Differentiable):
         return ChainedSensitivity(*parts)
 
     def _with(self, body: Body, spin: Spin) -> Arcs:
-        made, (_, _, *others) = self.__reduce__()
-        other: Arcs = made(body, spin, *others)
+        constructor, (_, _, *others) = self.__reduce__()
+        other: Arcs = constructor(body, spin, *others)
         return other
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -676,14 +676,14 @@ class Arcs(Differentiable):
         rows: list[tuple[str, ...]] = [
             ("begins, s", "change", "mode", "period psi, s", "period phi, s")
         ]
-        changes = ["-", *(type(each).__name__ for each in self.changes)]
+        changes = ["-", *(type(item).__name__ for item in self.changes)]
         for change, begin in zip(changes, [0.0, *self.joints.tolist()], strict=True):
             body, spin = self._bodies[0], self.spin
             if change != "-":
                 body, state = self.body_at(begin), self.at(begin)
                 spin = Spin(self.epoch.after(begin), state.wxyz, state.angular_velocity)
             arc = FreeRotation(body, spin)
-            periods = (f"{each:.9g}" for each in (arc.period_psi, arc.period_phi))
+            periods = (f"{item:.9g}" for item in (arc.period_psi, arc.period_phi))
             rows.append(("-" if change == "-" else f"{begin:.9g}", change, arc.mode.name, *periods))
         return markup.table(f"{len(self)} arcs from {self.spin.epoch.utc_iso} UTC", rows)
 
@@ -829,7 +829,7 @@ class Arcs(Differentiable):
 
     def _bodies_on(self, times: pairs.Seconds) -> list[tuple[Body, BoolArray]]:
         """Each Body, and at which epochs (S,) the motion has it; the first at NaN."""
-        seconds, rest = times.hi, times.low
+        seconds, seconds_low = times.hi, times.low
         starts = [
             (body, *start)
             for k, (body, start) in enumerate(zip(self._bodies, self._starts, strict=True))
@@ -838,19 +838,19 @@ class Arcs(Differentiable):
         since = [
             np.ones(np.shape(seconds), dtype=bool)
             if not k
-            else (seconds > high) | ((seconds == high) & (rest >= more))
+            else (seconds > high) | ((seconds == high) & (seconds_low >= more))
             for k, (_, high, more) in enumerate(starts)
         ]
-        until = [~each for each in since[1:]] + [np.ones(np.shape(seconds), dtype=bool)]
+        until = [~begun for begun in since[1:]] + [np.ones(np.shape(seconds), dtype=bool)]
         return [
-            (body, here & before)
-            for (body, *_), here, before in zip(starts, since, until, strict=True)
+            (body, started & before)
+            for (body, *_), started, before in zip(starts, since, until, strict=True)
         ]
 
     # ---- How the arcs are joined
 
     def _build(self) -> None:
-        times = given(self.changes, self.spin.epoch)
+        times = times_of(self.changes, self.spin.epoch)
         body, spin = self.body, self.spin
         q = spin.wxyz_icrf_as_pairs.copy()
         w = body.rates_about_principal_axes(spin.angular_velocity)
@@ -886,9 +886,9 @@ class Arcs(Differentiable):
 
     def _integrate(self, first: TorquedRotation) -> None:
         """The arcs under torques, from the first one on."""
-        times = given(self.changes, self.spin.epoch)
+        times = times_of(self.changes, self.spin.epoch)
         arcs, bodies, starts = [first], [self.body], np.zeros((len(times) + 1, 2))
-        made, (_, _, torques) = first.__reduce__()
+        constructor, (_, _, torques) = first.__reduce__()
         for k, change in enumerate(self.changes):
             name = f"changes[{k}]"
             # Events and functions of the change evaluate the arcs before it.
@@ -912,7 +912,7 @@ class Arcs(Differentiable):
             try:
                 rate = np.linalg.solve(body.tensor, momentum)
                 spin = Spin(epoch=start, wxyz=wxyz, angular_velocity=rate)
-                arcs.append(made(body, spin, torques, origin=self.spin.epoch))
+                arcs.append(constructor(body, spin, torques, origin=self.spin.epoch))
             except AttitudeError as err:
                 raise AttitudeError(f"{name} leaves no state to integrate: {err}") from err
             bodies.append(body)
@@ -972,41 +972,44 @@ class Arcs(Differentiable):
             return self._evaluate_torqued(seconds, low, order)
         shape = seconds.shape
         flat = np.ascontiguousarray(seconds).reshape(-1)
-        rest = None if low is None else np.ascontiguousarray(low).reshape(-1)
+        seconds_low = None if low is None else np.ascontiguousarray(low).reshape(-1)
         wxyz = np.empty((1, 4, flat.size))
         omega = np.empty((1, 3, flat.size)) if order else None
         for begin in range(0, flat.size, EPOCHS):  # Python acts on Ctrl-C between the calls
             # Read-only views: one type of array, one compilation.
             t = read_only(flat[begin : begin + EPOCHS])
-            if rest is None:
+            if seconds_low is None:
                 t_low = _NO_LOW if t.size == 1 else frozen(np.zeros(t.size))
             else:
                 # The low part decides between equal high parts: the pair is normalised.
                 with np.errstate(invalid="ignore", over="ignore"):
-                    pair = pairs.two_sum(t, rest[begin : begin + EPOCHS])
+                    pair = pairs.two_sum(t, seconds_low[begin : begin + EPOCHS])
                 t, t_low = frozen(pair[0]), frozen(pair[1])
             beyond = _compiled()(self._constants, self._starts, t, t_low, wxyz, omega, begin)
             if beyond >= 0:
                 self._refuse(float(t[beyond]))
-        found = [wxyz[0].T.reshape(*shape, 4)]
+        answers = [wxyz[0].T.reshape(*shape, 4)]
         if order:
             assert omega is not None
-            found.append(omega[0].T.reshape(*shape, 3))
+            answers.append(omega[0].T.reshape(*shape, 3))
         if order > 1:
-            found.append(self.angular_acceleration_at(seconds, low, angular_velocity=found[1]))
-        return found
+            answers.append(self.angular_acceleration_at(seconds, low, angular_velocity=answers[1]))
+        return answers
 
     def _evaluate_torqued(
         self, seconds: FloatArray, low: FloatArray | None, order: int
     ) -> list[FloatArray]:
-        high, rest, numbers = _numbers_of_arcs(self._starts, *pairs.Seconds(seconds, low).flat)
-        found = [np.empty((high.size, width)) for width in (4, 3, 3)[: max(order, 1) + 1]]
+        times = pairs.Seconds(seconds, low).flat
+        high, remainder, numbers = _numbers_of_arcs(self._starts, *times)
+        answers = [np.empty((high.size, width)) for width in (4, 3, 3)[: max(order, 1) + 1]]
         for k in np.unique(numbers):
             on = numbers == k
-            own = self._torqued[k]._evaluate(*_since(self._starts[k], high[on], rest[on]), order)
-            for out, values in zip(found, own, strict=True):
+            of_arc = self._torqued[k]._evaluate(
+                *_since(self._starts[k], high[on], remainder[on]), order
+            )
+            for out, values in zip(answers, of_arc, strict=True):
                 out[on] = values
-        return [each.reshape(*seconds.shape, each.shape[-1]) for each in found]
+        return [array.reshape(*seconds.shape, array.shape[-1]) for array in answers]
 
     def _refuse(self, t: float) -> None:
         """Raise the AttitudeError of a free rotation for an epoch beyond its reach."""
@@ -1016,7 +1019,7 @@ class Arcs(Differentiable):
 
     def _arc(self, t: float, low: float = 0.0) -> int:
         """The number of the arc of one epoch."""
-        return max(sum((high, rest) <= (t, low) for high, rest in self._starts.tolist()) - 1, 0)
+        return max(sum((high, more) <= (t, low) for high, more in self._starts.tolist()) - 1, 0)
 
 
 @cache
@@ -1028,6 +1031,6 @@ def _compiled():
 
 def _constants(body, q, w, differences=None, low=None):
     """The record of the free motion from a state in pairs."""
-    given = body.moments_as_pairs[None], q[None, :, 0].copy(), w[None].copy()
+    states = body.moments_as_pairs[None], q[None, :, 0].copy(), w[None].copy()
     more = {"differences": differences, "wxyz_low": low}
-    return evaluation.constants_of(*given, body.principal_wxyz[None], **more)[0]
+    return evaluation.constants_of(*states, body.principal_wxyz[None], **more)[0]

@@ -6,6 +6,7 @@ which eddy currents feel too: without it the pole of a satellite moves wrongly b
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -44,10 +45,12 @@ class MagneticField(Immutable):
     """The base of magnetic fields.
 
     A new kind defines `at`.  `is_smooth` says that a field varies with the path alone and can be
-    fitted by polynomials along it; others are differenced.
+    fitted by polynomials along it; others are differenced.  `turn` is the time in s in which it
+    turns over inertial axes; infinite for one that does not.
     """
 
     is_smooth: bool = False
+    turn: float = math.inf
 
     def at(
         self, instant: Instant, seconds: FloatArray, low: FloatArray, position: FloatArray
@@ -63,6 +66,10 @@ class MagneticField(Immutable):
             m from the centre of the Earth, ICRF axes.
         """
         raise NotImplementedError(f"{type(self).__name__} defines no at")
+
+    def span(self, instant: Instant) -> tuple[float, float]:
+        """First and last TDB seconds since an instant that the field covers."""
+        return -math.inf, math.inf
 
 
 class _FunctionField(MagneticField):
@@ -146,6 +153,7 @@ class IGRF(MagneticField):
     degree: int
     epoch: Instant | None
     is_smooth = True
+    turn = 2.0 * math.pi / _ground.RATE
 
     def __init__(self, degree: int = 13, epoch: Epoch | None = None) -> None:
         degree = validation.count(degree, "degree")
@@ -166,15 +174,19 @@ class IGRF(MagneticField):
         else:
             numbers = _coefficients_in(_years(self.epoch, np.zeros(1), np.zeros(1)))
         # Earth-fixed axes over ICRF: (axis, component, K)
-        axes = np.array(
-            [
-                _ground.to_celestial(hi, lo, axis, long_term=True, rates=False)[0]
-                for axis in np.eye(3)
-            ]
-        )
+        axes = _ground.axes_to_celestial(hi, lo)
         fixed = np.einsum("ack,kc->ka", axes, position)
         found: FloatArray = np.einsum("ack,ka->kc", axes, _gradient(fixed, numbers, self.degree))
         return found
+
+    def span(self, instant: Instant) -> tuple[float, float]:
+        """First and last TDB seconds since an instant that the coefficients cover."""
+        if self.epoch is not None:
+            return -math.inf, math.inf
+        known, _ = _coefficients()
+        days = (known[[0, -1]] - 2000.0) * 365.25 - 0.5
+        first, last = days * _time_scales.DAY - (instant.seconds + instant.low)
+        return float(first), float(last)
 
 
 def _years(instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
@@ -285,6 +297,8 @@ def field_of(given: MagneticField | FieldFunction) -> MagneticField:
 _COUNT, _TURN, _TAIL, _HALVINGS, _SHRINKS = 16, 0.25, 1e-12, 7, 0.125
 # Pieces that are kept, and the step (s) of differences where nothing is fitted.
 _MOST_PIECES = 100_000
+# Answers at epochs far apart that are kept.
+_MOST_ANSWERS = 256
 _STEP = 0.5
 
 
@@ -302,6 +316,8 @@ class FieldOnPath:
         self._field, self._path = field, path
         # Instant -> width of a piece, and the pieces by number
         self._pieces: dict[tuple[float, float], tuple[float, dict[int, FloatArray]]] = {}
+        # Instant, epochs -> answer of `apart`
+        self._apart: dict[tuple[float, float, bytes, bytes], FloatArray] = {}
 
     def direct(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
         """The field (K, 3) in T, ICRF axes."""
@@ -315,6 +331,18 @@ class FieldOnPath:
         if self._field.is_smooth and len(seconds):
             return self._fitted(instant, seconds, low)
         return self._differenced(instant, seconds, low)
+
+    def apart(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
+        """As `at`, for epochs that share no pieces: five evaluations each, and no fit of 16.
+
+        The last answers are kept: the two means of eddy currents ask for the same epochs.
+        """
+        key = instant.seconds, instant.low, seconds.tobytes(), low.tobytes()
+        if key not in self._apart:
+            if len(self._apart) >= _MOST_ANSWERS:
+                self._apart.clear()
+            self._apart[key] = self._differenced(instant, seconds, low)
+        return self._apart[key]
 
     def _differenced(self, instant, seconds, low):
         """The rate by differences of fourth order; inwards at the ends of the path's span."""
@@ -463,6 +491,11 @@ class EddyCurrent(Torque):
         self._set("tensor", frozen(0.5 * (matrix + matrix.T)))
         _set_field(self, field, path)
 
+    @property
+    def is_of_seconds(self) -> bool:
+        """Whether path or field is a function of seconds since the epoch of the spin."""
+        return super().is_of_seconds or isinstance(self.field, _FunctionField)
+
     def address(self) -> int:
         """Address of `_compiled.eddy_current`."""
         from attitude.torques._compiled import eddy_current
@@ -475,13 +508,17 @@ class EddyCurrent(Torque):
         return self.tensor[np.triu_indices(3)]
 
     def span(self, instant: Instant) -> tuple[float, float]:
-        """First and last TDB seconds since an instant that the path covers."""
-        return span_of(self.path, instant)
+        """First and last TDB seconds since an instant that path and field cover."""
+        return _span(self.field, self.path, instant)
 
     def sample(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
         """The field in T and its rate of change in T/s along the path, ICRF axes: (K, 6)."""
         found: FloatArray = self._on_path.at(instant, seconds, low)
         return found
+
+    def sample_apart(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
+        """As `sample`, the rate by differences."""
+        return self._on_path.apart(instant, seconds, low)
 
     @cached_property
     def _on_path(self) -> FieldOnPath:
@@ -523,6 +560,11 @@ class MagneticDipole(Torque):
         self._set("moment", frozen(validation.real(moment, "moment", shape=(3,), unit="A m2")))
         _set_field(self, field, path)
 
+    @property
+    def is_of_seconds(self) -> bool:
+        """Whether path or field is a function of seconds since the epoch of the spin."""
+        return super().is_of_seconds or isinstance(self.field, _FunctionField)
+
     def address(self) -> int:
         """Address of `_compiled.magnetic_dipole`."""
         from attitude.torques._compiled import magnetic_dipole
@@ -541,17 +583,30 @@ class MagneticDipole(Torque):
         return np.array(self.moment)
 
     def span(self, instant: Instant) -> tuple[float, float]:
-        """First and last TDB seconds since an instant that the path covers."""
-        return span_of(self.path, instant)
+        """First and last TDB seconds since an instant that path and field cover."""
+        return _span(self.field, self.path, instant)
 
     def sample(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
         """The field (K, 3) in T along the path, ICRF axes."""
         found: FloatArray = np.ascontiguousarray(self._on_path.at(instant, seconds, low)[:, :3])
         return found
 
+    def sample_apart(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
+        """As `sample`, without a fit along the path."""
+        return self._on_path.direct(instant, seconds, low)
+
     @cached_property
     def _on_path(self) -> FieldOnPath:
         return FieldOnPath(self.field, self.path)
+
+
+def _span(field: MagneticField, path: Path, instant: Instant) -> tuple[float, float]:
+    """What both cover; what the path covers at an instant that the field lacks, which says so."""
+    first, last = span_of(path, instant)
+    begin, end = field.span(instant)
+    if begin > 0.0 or end < 0.0:
+        return first, last
+    return max(first, begin), min(last, end)
 
 
 def _set_field(torque: Any, field: Any, path: Any) -> None:

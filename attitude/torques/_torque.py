@@ -59,6 +59,11 @@ class Torque(Immutable):
     is_users: bool = False
     changes_inertia: bool = False
 
+    @property
+    def is_of_seconds(self) -> bool:
+        """Whether it depends on a function of seconds since the epoch of the spin."""
+        return isinstance(getattr(self, "path", None), FunctionPath)
+
     def address(self) -> int:
         """Address of the compiled function of the torque; see `attitude._solver.torqued_step`."""
         raise NotImplementedError(f"{type(self).__name__} defines no address")
@@ -91,6 +96,10 @@ class Torque(Immutable):
             The epochs are instant + seconds + low, TDB.
         """
         return np.zeros((len(seconds), 0))
+
+    def sample_apart(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
+        """As `sample`, at epochs that lie so far apart that no fit between them pays."""
+        return self.sample(instant, seconds, low)
 
     def span(self, instant: Instant) -> tuple[float, float]:
         """First and last TDB seconds since an instant at which `sample` is defined."""
@@ -367,6 +376,7 @@ class InertiaHistory(Torque):
     kind = SLIP
     columns = 6
     changes_inertia = True
+    is_of_seconds = True
 
     def __init__(self, change: Callable[[FloatArray], FloatArray]) -> None:
         validation.refuse_class(change, "change")
@@ -470,6 +480,7 @@ class CustomTorque(Torque):
     slope: TorqueFunction | None = None
     _callbacks: dict[str, Any] = field(init=False, repr=False)
     is_users = True
+    is_of_seconds = True
 
     def __post_init__(self) -> None:
         self._set("kind", BY_RATE if self.depends_on_rate else BY_ATTITUDE)

@@ -6,7 +6,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from attitude import AttitudeError, Body, Spin, quaternion, shape
+from attitude import AttitudeError, Body, quaternion, shape
 from attitude.averaged import AveragedMotion, _tables, over_torus
 from attitude.averaged import _means as means
 from attitude.averaged import _polhode as polhode
@@ -23,8 +23,9 @@ from attitude.torques import (
     MagneticDipole,
     SolarRadiation,
 )
+from tests.support.mean_motions import ENVISAT, EPOCH, GM, circle, spinning
 
-EPOCH = "2026-01-01"
+SLOPE = math.asin(0.954)  # of the orbits
 RNG = np.random.default_rng(1)
 TILTED = np.linalg.qr(RNG.normal(size=(3, 3)))[0]
 BODY = Body(tensor=TILTED @ np.diag([10.0, 26.0, 20.0]) @ TILTED.T)
@@ -146,27 +147,10 @@ def test_means_are_those_of_the_trapezoid(name, how):
             assert np.max(np.abs(out - expected)) < (1e-7 if how == "table" else 1e-12) * scale
 
 
-def spinning(omega=(0.039, 0.0052, 0.026)):
-    return Spin(epoch=EPOCH, wxyz=(0.8, 0.2, 0.4, 0.4), angular_velocity=omega)
-
-
-ENVISAT = Body(moments=(17023.0, 124826.0, 129112.0))
-
-
-def orbit(radius=12e6):
-    pace = math.sqrt(3.986004418e14 / radius**3)
-
-    def path(t):
-        angle = pace * np.asarray(t)
-        return radius * np.stack([np.cos(angle), 0.3 * np.sin(angle), 0.954 * np.sin(angle)], -1)
-
-    return path
-
-
 @pytest.mark.parametrize("omega", [(0.039, 0.0052, 0.026), (0.13, 0.0078, 0.0078)])
 def test_gravity_gradient_agrees_with_the_full_motion(omega):
     """Pole within 2e-3 of its change; |L| and energy are constant to 5e-5, the order of eps."""
-    torque = GravityGradient(orbit(), 3.986004418e14)
+    torque = GravityGradient(circle(12e6, slope=SLOPE), GM)
     found = AveragedMotion(ENVISAT, spinning(omega), torque).check(1000)
     assert found["pole change"] > 0.05
     assert found["pole"] < 2e-3 * found["pole change"]
@@ -176,7 +160,9 @@ def test_gravity_gradient_agrees_with_the_full_motion(omega):
 
 def test_eddy_currents_agree_with_the_full_motion():
     """To 1e-3 of the changes of |L| and energy; 2e-3 of that of the pole."""
-    torque = EddyCurrent(np.diag([1e6, 2.2e6, 3e6]), DipoleField((0, 0, -7.8e22)), orbit(7.141e6))
+    torque = EddyCurrent(
+        np.diag([1e6, 2.2e6, 3e6]), DipoleField((0, 0, -7.8e22)), circle(7.141e6, slope=SLOPE)
+    )
     found = AveragedMotion(ENVISAT, spinning((0.13, 0.0078, 0.0078)), torque).check(2000)
     assert abs(found["size"]) < 1e-3 * abs(found["size change"])
     assert abs(found["energy"]) < 1e-3 * abs(found["energy change"])
@@ -230,7 +216,7 @@ def test_answers_do_not_depend_on_earlier_questions():
     ("torques", "settings", "words"),
     [
         (ConstantTorque((500.0, 0.0, 0.0)), {}, "not weak"),
-        (GravityGradient(orbit(1e5), 3.986004418e14), {}, "ten times slower"),
+        (GravityGradient(circle(1e5), GM), {}, "ten times slower"),
         (ConstantTorque((0.01, 0, 0)), {"orbit": "fixed"}, "orbit"),
         (ConstantTorque((0.01, 0, 0)), {"orbit": ["auto", "auto"]}, "2 entries for 1"),
         (ConstantTorque((0.01, 0, 0)), {"passages": "coin"}, "passages"),
@@ -285,7 +271,7 @@ def test_sums_over_degrees_are_those_of_legendre(degree, is_averaged):
         unit = given / np.linalg.norm(given, axis=1)[:, None]
         return np.concatenate([unit, np.full((len(given), 1), 0.7)], axis=1)
 
-    torque = GravityGradient(orbit(), 3.986e14)
+    torque = GravityGradient(circle(12e6, slope=SLOPE), GM)
     mean = means.Mean(rates.HARMONICS, numbers, table, table[:, 0], 0, 1.0)
     period = 2.0 * math.pi / math.sqrt(3.986004418e14 / 12e6**3)
     sampling = Sampling(torque, period, is_averaged, math.inf)

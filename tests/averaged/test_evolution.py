@@ -1,15 +1,24 @@
 """Years of mean rotation: windows of paths, trees, ends, resonances, ensembles, figures."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from attitude import AttitudeError, Body, Ensemble, FreeRotation, Spin, paths, shape
-from attitude.averaged import AveragedHistory, AveragedMotion, _mean_state, _resonances
+from attitude.averaged import (
+    AveragedEvent,
+    AveragedHistory,
+    AveragedMotion,
+    _mean_state,
+    _resonances,
+)
 from attitude.averaged._pack import ripple_period
+from attitude.averaged._polhode import Axes
 from attitude.splitting import TorquedRotation
 from attitude.torques import (
+    IGRF,
     ConstantTorque,
     DipoleField,
     EddyCurrent,
@@ -17,34 +26,17 @@ from attitude.torques import (
     InternalDissipation,
     LinearDamping,
     MagneticDipole,
+    Maxwell,
+    QualityFactor,
+    Rheology,
     SolarRadiation,
 )
+from tests.support.mean_motions import AU, DAY, ENVISAT, EPOCH, GM, circle, spinning
 
-EPOCH = "2026-01-01"
-ENVISAT = Body(moments=(17023.0, 124826.0, 129112.0))
+RADIUS = 6.3712e6
 GOES = Body(moments=(3432.1, 980.5, 3570.0))
 WING = shape.box_wing((2, 2, 2.3), (3.6, 2.7), gap=1.4, wings=1, wing_angle="17 deg")
-AU, GM, DAY = 149597870700.0, 3.986004418e14, 86400.0
 EARTH = paths.relative("earth", "sun")
-
-
-def spinning(omega=(0.039, 0.0052, 0.026), wxyz=(0.8, 0.2, 0.4, 0.4)):
-    return Spin(epoch=EPOCH, wxyz=wxyz, angular_velocity=omega)
-
-
-def circle(radius, first=-1e9, last=1e9):
-    """A circular orbit that is known for a span."""
-
-    class Circle(paths.Path):
-        name, center, source = "satellite", "earth", "a circle"
-        span = tuple(spinning().epoch.after(t) for t in (first, last))
-
-        def position(self, instant, seconds, low=None):
-            t = np.asarray(seconds) + (instant.seconds - spinning().epoch.seconds)
-            angle = math.sqrt(GM / radius**3) * t
-            return radius * np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=-1)
-
-    return Circle()
 
 
 def sunlit(path=EARTH):
@@ -221,12 +213,14 @@ def test_the_estimate_bounds_the_error_of_first_order(scale):
 # ---- Resonances
 
 
+RESONANT_PLACE = AU * np.array([-0.717137, 0.358569, -0.597614])
+
+
 def before_a_resonance(ratio, span):
     """Sunlight of one direction, and the mean state half a span before a resonance in LAM."""
-    place = AU * np.array([-0.717137, 0.358569, -0.597614])
 
     def sun(t):
-        return np.broadcast_to(place, (*np.shape(t), 3)).copy()
+        return np.broadcast_to(RESONANT_PLACE, (*np.shape(t), 3)).copy()
 
     light, rate = sunlit(sun), 2.0 * math.pi / 600.0
     first = AveragedMotion(
@@ -272,10 +266,172 @@ def test_a_strong_resonance_is_named():
     assert "may capture" in str(event)
 
 
+class Still(paths.Path):
+    """The place of `before_a_resonance`, as a path that has no epoch."""
+
+    name, center, source = "body", "sun", "a fixed place"
+
+    def position(self, instant, seconds, low=None):
+        return np.broadcast_to(RESONANT_PLACE, (*np.shape(seconds), 3)).copy()
+
+
+@pytest.mark.parametrize(("ratio", "span"), [((1, 1), 80.0 * DAY), ((5, 6), 20.0 * DAY)])
+def test_a_resonance_is_integrated_through(ratio, span):
+    """To behind its width; the change of y there is that of the mean motion and its scatter."""
+    _, states = before_a_resonance(ratio, span)
+    spin = states.free_rotation(phases=(0.3, 0.6)).spin
+    motion = AveragedMotion(GOES, spin, sunlit(Still()), degree=16)
+    motion.at(0.9 * span)
+    (event,) = [event for event in motion.events if event.ratio == ratio]
+    place = float(motion.at(event.seconds).y)
+    behind = motion.through(event, phases=(0.1, 0.4))
+    seconds = float(behind.epoch.seconds - motion.epoch.seconds)
+    assert seconds >= event.seconds + 0.999 * event.lasts
+    mean = motion.at(seconds)
+    before = float(motion.at(event.seconds - event.lasts).y)
+    assert (float(behind.start[3]) - place) * (before - place) < 0.0
+    assert abs(float(behind.start[3]) - place) > 0.9 * event.width
+    if not event.may_capture:
+        assert abs(float(behind.start[3] - mean.y)) < 3.0 * event.scatter
+    assert float(behind.at(0.0).size) == pytest.approx(float(mean.size), rel=1e-2)
+
+
+def test_what_is_no_resonance_is_not_integrated_through():
+    light, states = before_a_resonance((5, 6), 6.0 * DAY)
+    motion = AveragedMotion(GOES, states.free_rotation(phases=(0.3, 0.6)).spin, light, degree=16)
+    motion.at(6.0 * DAY)
+    (event,) = [event for event in motion.events if event.ratio == (5, 6)]
+    with pytest.raises(AttitudeError, match="a function of seconds"):
+        motion.through(event)
+    with pytest.raises(AttitudeError, match="give one of the resonances"):
+        motion.through(AveragedEvent("passage", 1.0, "SAM+", "LAM+"))
+    with pytest.raises(AttitudeError, match="on its other side"):
+        motion.through(replace(event, seconds=0.1 * event.lasts))
+
+
+def test_resonances_with_an_orbit_are_listed():
+    """w_phi - 2 w_psi = 4 n of eddy currents, whose kick is seen in full motions: 2.5e-4 in y.
+
+    docs/averaged.md has the full motion, of 100 d; kicks of the two ways of the phases differ.
+    """
+    path = circle(RADIUS + 770e3, slope=math.radians(98.5))
+    tensor = 1e6 * np.array([[1.0, 0.1, 0.0], [0.1, 2.2, 0.2], [0.0, 0.2, 3.0]])
+    torque = EddyCurrent(tensor, DipoleField((0.0, 0.0, -7.76e22)), path)
+    omega = np.array([0.01, 0.01, 0.045])
+    start, pole = ENVISAT.moments * omega, np.array([0.5, 0.3, 0.6])
+    half = start / np.linalg.norm(start) + pole / np.linalg.norm(pole)
+    spin = spinning(omega, np.append(0.0, half / np.linalg.norm(half)))
+    motion = AveragedMotion(ENVISAT, spin, torque, orbit="averaged")
+    motion.at(40.0 * DAY)
+    listed = [event for event in motion.events if event.turns and event.scatter > 3e-5]
+    assert [(event.ratio, abs(event.turns)) for event in listed] == [((2, 1), 4)]
+    (event,) = listed
+    assert 1e-4 < event.scatter < 4e-4
+    assert not event.may_capture
+    assert "w_path" in str(event)
+    assert 20.0 * DAY < event.seconds < 28.0 * DAY
+
+
 def test_friction_has_no_resonances():
     motion = AveragedMotion(ENVISAT, spinning((0.13, 0.0078, 0.0078)), InternalDissipation(1e-3))
     motion.at(1e5)
     assert {event.kind for event in motion.events} <= {"passage", "uniform rotation reached"}
+
+
+# ---- The separatrix
+
+
+@pytest.mark.parametrize(("push", "count"), [(0.0, 80), (0.5, 80)])
+def test_a_passage_is_early_or_late_as_in_full_motions(push, count):
+    """Friction and a torque about the short axis: full motions of random phases.
+
+    The deviation of some 60 such times within 35 %, three of its errors: they have long tails.
+    """
+    body = Body(moments=(1.0, 2.0, 2.6))
+    axes, rng, late = Axes(body), np.random.default_rng(2), []
+    torques = [InternalDissipation(3e-4), ConstantTorque((0.0, 0.0, 1.3e-4 * push))]
+    spin = spinning(axes.nodes(axes.separatrix + 0.3, 2, 16)[3] / axes.moments)
+    packing = AveragedMotion(body, spin, torques).packing
+    for _ in range(count):
+        # random within many laps, so that each place of the last one is as likely
+        x = np.array([0.0, 0.0, 1.0, axes.separatrix + 0.3 + 0.05 * rng.random()])
+        start = AveragedHistory(packing, np.array(0.0), x, np.array(2))
+        free = start.free_rotation(phases=tuple(rng.random(2)))
+        motion = AveragedMotion(body, free.spin, torques, passages="all", tolerance=1e-9)
+        step = 0.3 / np.linalg.norm(free.spin.angular_velocity)
+        history = TorquedRotation(body, free.spin, torques, step=step).at(4000.0)
+        end = Spin(motion.epoch.after(4000.0), history.wxyz, history.angular_velocity, frame="icrf")
+        _, y, region = axes.state(end.angular_velocity)
+        bend = _mean_state.corrections(axes, body, end, motion.torques, motion.epoch, 4000.0)[1]
+        name = ("SAM+", "SAM-", "LAM+", "LAM-")[region]
+        (leaf,) = [leaf for leaf in motion.branches(4000.0) if leaf.regions[-1] == name]
+        if name == "SAM+":
+            state = leaf.at(4000.0)
+            vector = np.append(state.momentum, state.y)
+            rate = motion.packing.rates_of(4000.0, vector, region)[0][3]
+            late.append(float(y - bend - float(state.y)) / rate)
+            (passage,) = [event for event in leaf.events if event.kind == "passage"]
+    assert passage.is_proved
+    assert np.std(late) == pytest.approx(passage.delay, rel=0.35)
+
+
+# ---- Friction of a material, and the error of a comparison
+
+
+@pytest.mark.parametrize(
+    "law", [QualityFactor(2e5, 5.0), Maxwell(2e5, 3e5), lambda f: (1.0 - 0.2j * np.sqrt(f)) / 2e5]
+)
+@pytest.mark.parametrize("omega", [(0.02, 0.03, 0.3), (0.4, 0.02, 0.05)])
+def test_a_rheology_damps_as_the_full_motion(law, omega):
+    """y to 3e-4 of its change, the order of the weakness; Maxwell's body passes the separatrix."""
+    axes = np.array([1.0, 0.8, 0.5])
+    mass = 4.0 / 3.0 * np.pi * 2000.0 * np.prod(axes)
+    body = Body(moments=mass / 5.0 * (axes @ axes - axes**2))
+    friction = InternalDissipation(Rheology(axes, 2000.0, law))
+    motion = AveragedMotion(body, spinning(omega), friction)
+    states = motion.at([0.0, 6e4])
+    step = 0.1 / np.linalg.norm(omega)
+    history = TorquedRotation(body, spinning(omega), friction, step=step).at(6e4)
+    truth = motion.axes.state(history.angular_velocity)[1]
+    assert abs(states.y[1] - truth) < 3e-4 * abs(states.y[1] - states.y[0])
+    assert float(states.size[1]) == pytest.approx(float(states.size[0]), rel=1e-12)
+    assert 1e-6 < states.weakness[0] < 0.05
+
+
+def test_a_comparison_knows_its_own_error():
+    """Light on facets needs steps of 0.04 rad; the error is that of twice the steps."""
+    spin = spinning(np.radians((0.1, 0.3, 4.8)), (0.71, 0.35, -0.42, 0.45))
+    motion = AveragedMotion(GOES, spin, sunlit(), degree=12)
+    result = motion.check(300)
+    assert result["step"] <= 0.075 / np.linalg.norm(spin.angular_velocity)
+    for name in ("size", "energy", "pole"):
+        full = motion._of_full_motion(result["seconds"], 0.25 * result["step"])
+        coarse = motion._of_full_motion(result["seconds"], result["step"])
+        if name == "pole":
+            gap = np.linalg.norm(np.cross(full.pole, coarse.pole))
+        else:
+            gap = abs(float(getattr(coarse, name) / getattr(full, name)) - 1.0)
+        assert gap <= max(2.0 * result[f"{name} error"], 1e-10)
+
+
+# ---- Fields that turn with the Earth
+
+
+def test_a_field_is_averaged_over_days():
+    """Means under weights of three days: those of 20 days of turns, one by one, to 2e-4."""
+    path = circle(7.144e6, slope=math.radians(98.4))
+    torque = EddyCurrent(1e6, IGRF(8), path)
+    motion = AveragedMotion(ENVISAT, spinning((0.0, 0.001, 0.05)), torque, orbit="averaged")
+    sampling, mean = motion.packing.packed.means[0]
+    assert sampling.smooth == pytest.approx(3.0 * 86164.1, rel=1e-6)
+    middle = 15.0 * DAY
+    weighed = motion.packing.packed.sampled(sampling, mean, np.array([middle]))[0]
+    count = 288
+    turns = middle + sampling.period * (np.arange(count) - 0.5 * (count - 1))
+    single = motion.packing.packed.sampled(replace(sampling, smooth=0.0), mean, turns)
+    assert np.max(np.ptp(single, axis=0)) > 2e-2 * np.max(np.abs(weighed))  # within a day
+    assert np.max(np.abs(np.mean(single, axis=0) - weighed)) < 2e-3 * np.max(np.abs(weighed))
+    assert sampling.interval > 3.0 * DAY
 
 
 # ---- Ensembles

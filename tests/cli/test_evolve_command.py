@@ -63,6 +63,19 @@ def test_the_table_is_the_motion(file, capsys):
     assert printed[0].startswith("2026-01-04T")
 
 
+def test_the_friction_of_a_material(file):
+    """Of a mu Q so low that a year ends it: the command takes what the motion takes."""
+    rubble = 'axes = [3, 1.5, 1.2]\ndensity = 2000\nrigidity = "1e4 Pa"\nquality = 10'
+    Path(file).write_text(FRICTION.replace("strength = 1e-4", rubble))
+    assert run(file, "--until", "60 d", "--output", "x.csv", "--step", "20 d") == 0
+    rows = [line.split(",") for line in Path("x.csv").read_text().splitlines()]
+    full = mission.read_motion(file)
+    states = AveragedMotion(full.body, full.spin, full.torques).at(np.arange(4) * 20.0 * 86400.0)
+    theta = rows[0].index("theta")
+    assert [float(row[theta]) for row in rows[1:]] == states.theta.tolist()
+    assert states.theta[3] < 0.8 * states.theta[0]
+
+
 def test_ecsv_has_units_and_branches_have_odds(file, capsys):
     words = ("--until", "30 d", "--passages", "all", "--least-tilt", "1 deg")
     assert run(file, *words, "--output", "x.ecsv", "--figure", "x.svg") == 0

@@ -9,10 +9,10 @@ import pytest
 from tests.support.places import ROOT
 
 
-def run(name, folder, **environment):
+def run(name, folder, *arguments, **environment):
     pytest.importorskip("matplotlib", reason="matplotlib, which draws them, is not installed")
     return subprocess.run(
-        [sys.executable, "-W", "error", ROOT / "examples" / name],
+        [sys.executable, "-W", "error", ROOT / "examples" / name, *arguments],
         cwd=folder,
         env={**os.environ, "PYTHONPATH": str(ROOT), **environment},
         capture_output=True,

@@ -15,8 +15,8 @@ def numbers(line):
     return [float(x) for x in re.findall(r"[-+]?\d+\.?\d*(?:e[-+]?\d+)?", line)]
 
 
-def lines(name, folder):
-    found = run(name, folder)
+def lines(name, folder, *arguments):
+    found = run(name, folder, *arguments)
     assert found.stderr == ""
     picture = name.replace(".py", ".png")
     assert is_picture(folder / picture)

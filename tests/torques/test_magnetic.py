@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from attitude import AttitudeError, Body, FreeRotation, Spin, epochs, paths
 from attitude._textfiles.lines import packaged
@@ -18,6 +17,7 @@ from attitude.torques import (
     MagneticField,
     _magnetic,
 )
+from tests.support.torqued import angle, dop853, turns_by_rates
 from tests.torques.test_torques import torque_at_start
 
 TENSOR = np.array([[20.0, 1.0, 0.5], [1.0, 24.0, 2.0], [0.5, 2.0, 30.0]])
@@ -274,29 +274,18 @@ def test_no_air_no_torque():
 # ---- Motions
 
 
-def _solved(torque, spin, span):
-    def slope(t, y):
-        wxyz = y[:4] / np.sqrt(y[:4] @ y[:4])
-        momentum = TENSOR @ y[4:]
-        rate = np.linalg.solve(TENSOR, torque(t, wxyz, y[4:]) - np.cross(y[4:], momentum))
-        return np.concatenate([0.5 * quaternion.multiply(wxyz, np.append(0.0, y[4:])), rate])
-
-    start = np.concatenate([spin.wxyz, spin.angular_velocity])
-    return solve_ivp(slope, (0.0, span), start, method="DOP853", rtol=1e-12, atol=1e-14).y[:, -1]
-
-
-def _angle(p, q):
-    return 2.0 * np.linalg.norm(quaternion.multiply(quaternion.conjugate(p), q)[1:])
-
-
 def test_eddy_currents_against_dop853():
     torque = EddyCurrent(CURRENTS, EARTH, orbit)
     motion = TorquedRotation(BODY, SPIN, torque, step=0.25, scheme="suzuki")
-    end = _solved(lambda t, q, w: eddy(q, w, dipole(orbit(t)), dipole_rate(t)), SPIN, 600.0)
+
+    def formula(t, wxyz, omega):
+        return eddy(wxyz, omega, dipole(orbit(t)), dipole_rate(t))
+
+    wxyz, omega = dop853(formula, BODY, SPIN, 600.0)
     history = motion.at(600.0)
     # the scheme is of fourth order: 2.6e-8 with steps twice as long
-    assert _angle(history.wxyz, end[:4] / np.linalg.norm(end[:4])) < 4e-9
-    assert np.abs(history.angular_velocity - end[4:]).max() < 1e-9
+    assert angle(history.wxyz, wxyz) < 4e-9
+    assert np.abs(history.angular_velocity - omega).max() < 1e-9
 
 
 def test_a_dipole_against_dop853_by_a_scheme_with_slopes():
@@ -308,8 +297,8 @@ def test_a_dipole_against_dop853_by_a_scheme_with_slopes():
     motion = TorquedRotation(
         BODY, SPIN, MagneticDipole(moment, EARTH, orbit), step=0.2, scheme="force-gradient"
     )
-    end = _solved(torque, SPIN, 300.0)
-    assert _angle(motion.at(300.0).wxyz, end[:4] / np.linalg.norm(end[:4])) < 1e-9
+    wxyz, _ = dop853(torque, BODY, SPIN, 300.0)
+    assert angle(motion.at(300.0).wxyz, wxyz) < 1e-9
 
 
 def test_currents_brake_and_turn_the_momentum():
@@ -344,10 +333,10 @@ def test_air_against_dop853():
     motion = TorquedRotation(
         body, SPIN, AerodynamicTorque(shape, orbit, density), tolerance=1e-9, span=(0, 300)
     )
-    end = _solved(torque, SPIN, 300.0)
+    wxyz, _ = dop853(torque, BODY, SPIN, 300.0)
     history = motion.at(300.0)
-    turn = _angle(history.wxyz, end[:4] / np.linalg.norm(end[:4]))
-    by_air = _angle(history.wxyz, FreeRotation(body, SPIN).at(300.0).wxyz)
+    turn = angle(history.wxyz, wxyz)
+    by_air = angle(history.wxyz, FreeRotation(body, SPIN).at(300.0).wxyz)
     assert turn < 2e-7 * by_air < 1.0  # 4e-8 of the speed, by the torque's differences of 0.5 s
 
 
@@ -361,19 +350,13 @@ def test_derivatives_and_covariance(kind):
     }[kind]
     spin = SPIN.with_covariance({"attitude": 1e-3, "angular_velocity": 1e-5})
     motion = TorquedRotation(body, spin, torque, step=0.1)
-    t, h = 5.0, 1e-4
+    t = 5.0
     attitude = motion.sensitivity_at(t)
-    for k in range(3):
-        ends = []
-        for sign in (-1, 1):
-            omega = np.array(SPIN.angular_velocity)
-            omega[k] += sign * h
-            other = Spin(SPIN.epoch, SPIN.wxyz, omega)
-            ends.append(TorquedRotation(body, other, torque, step=0.1).at(t).wxyz)
-        turn = quaternion.multiply(ends[1], quaternion.conjugate(ends[0]))
-        by_difference = 2.0 * turn[1:] * np.sign(turn[0]) / (2.0 * h)
-        scale = np.abs(attitude).max()
-        np.testing.assert_allclose(attitude[:, 3 + k], by_difference, atol=1e-6 * scale)
+    expected = turns_by_rates(
+        lambda other: TorquedRotation(body, other, torque, step=0.1), SPIN, t, 1e-4
+    )
+    scale = np.abs(attitude).max()
+    np.testing.assert_allclose(attitude[:, 3:6], expected, atol=1e-6 * scale)
     assert np.all(np.linalg.eigvalsh(motion.at(t).covariance) > -1e-12)
 
 

@@ -4,7 +4,7 @@ import ctypes
 
 import numpy as np
 import pytest
-from scipy.integrate import quad, solve_ivp
+from scipy.integrate import quad
 from scipy.interpolate import CubicSpline
 
 from attitude import AttitudeError, Body, FreeRotation, Spin, paths
@@ -14,6 +14,7 @@ from attitude.light_curve import Visibility
 from attitude.shape import Mesh, box
 from attitude.splitting import TorquedRotation
 from attitude.torques import SolarRadiation
+from tests.support.torqued import angle, dop853, turns_by_rates
 from tests.torques.test_torques import torque_at_start
 
 AU = 149597870700.0
@@ -213,32 +214,25 @@ def test_shadows_and_a_penumbra_against_dop853(lit_torques):
     """The torque of one attitude has tests of its own: its function, and eclipses of another."""
     shaded, torque = lit_torques
     parameters, pointer = torque.parameters(BODY), ctypes.POINTER(ctypes.c_double)
-    function, moments = C_FUNCTION(torque.address()), BODY.moments
+    function = C_FUNCTION(torque.address())
     times = np.linspace(0.0, 60.0, 241)
     # differs from the function by 1e-8 at most
     share = CubicSpline(times, [free_share(place) for place in through_penumbra(times)])
 
-    def slope(t, y):
-        wxyz, place = y[:4] / np.linalg.norm(y[:4]), through_penumbra(t)
-        arrays = wxyz, np.zeros(3), place, parameters, np.zeros(3)
+    def formula(t, wxyz, omega):
+        arrays = wxyz, np.zeros(3), through_penumbra(t), parameters, np.zeros(3)
         function(t, *(np.ascontiguousarray(x).ctypes.data_as(pointer) for x in arrays[:4]),
                  arrays[4].ctypes.data_as(pointer))  # fmt: skip
-        moment = arrays[4] * share(t) - np.cross(y[4:], moments * y[4:])
-        turn = 0.5 * quaternion.multiply(y[:4], np.append(0.0, y[4:]))
-        return np.concatenate([turn, moment / moments])
+        return arrays[4] * share(t)
 
-    start = np.concatenate([SPIN.wxyz, SPIN.angular_velocity])
-    end = solve_ivp(slope, (0.0, 60.0), start, method="DOP853", rtol=1e-8, atol=1e-10).y[:, -1]
+    wxyz, omega = dop853(formula, BODY, SPIN, 60.0, rtol=1e-8, atol=1e-10)
     found = TorquedRotation(BODY, SPIN, shaded, step=0.02).at(60.0)
     free = FreeRotation(BODY, SPIN).at(60.0)
-    turns = [
-        2.0 * np.linalg.norm(quaternion.multiply(quaternion.conjugate(end[:4]), other.wxyz)[1:])
-        for other in (found, free)
-    ]
+    turns = [angle(wxyz, other.wxyz) for other in (found, free)]
     assert turns[1] > 0.3
     # kinks of the facets: 7e-6 rad at this step, a quarter of that at half of it
     assert turns[0] < 2e-5
-    assert np.max(np.abs(found.angular_velocity - end[4:])) < 1e-5
+    assert np.max(np.abs(found.angular_velocity - omega)) < 1e-5
 
 
 def test_derivatives_and_covariance_in_shadows(lit_torques):
@@ -246,19 +240,13 @@ def test_derivatives_and_covariance_in_shadows(lit_torques):
     spin = SPIN.with_covariance({"attitude": 1e-3, "angular_velocity": 1e-5})
     torque = lit_torques[0]
     motion = TorquedRotation(BODY, spin, torque, step=0.2)
-    t, h = 30.0, 2e-4
+    t = 30.0
     attitude = motion.sensitivity_at(t)
     free = FreeRotation(BODY, SPIN).sensitivity_at(t)
     scale = np.abs(attitude[:, 3:6]).max()
-    for k in range(3):
-        ends = []
-        for sign in (-1, 1):
-            omega = np.array(SPIN.angular_velocity)
-            omega[k] += sign * h
-            other = Spin(SPIN.epoch, SPIN.wxyz, omega)
-            ends.append(TorquedRotation(BODY, other, torque, step=0.2).at(t).wxyz)
-        turn = quaternion.multiply(ends[1], quaternion.conjugate(ends[0]))
-        by_difference = 2.0 * turn[1:] * np.sign(turn[0]) / (2.0 * h)
-        np.testing.assert_allclose(attitude[:, 3 + k], by_difference, atol=1e-2 * scale)
+    expected = turns_by_rates(
+        lambda other: TorquedRotation(BODY, other, torque, step=0.2), SPIN, t, 2e-4
+    )
+    np.testing.assert_allclose(attitude[:, 3:6], expected, atol=1e-2 * scale)
     assert np.abs(attitude[:, 3:6] - free[:, 3:6]).max() > 0.05 * scale
     assert np.all(np.linalg.eigvalsh(motion.at(t).covariance) > -1e-12)

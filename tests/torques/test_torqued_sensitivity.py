@@ -114,10 +114,11 @@ def test_a_flat_body_has_derivatives():
     assert np.max(np.abs(one - two)) <= 1e-6 * np.max(np.abs(two))
 
 
-def test_covariances_are_those_of_samples():
+@pytest.mark.parametrize("name", ["constant", "rheology"])
+def test_covariances_are_those_of_samples(name):
     errors = {"attitude": 1e-3, "angular_velocity": 1e-3, "moments": 1e-2}
     spin = SPIN.with_covariance(errors)
-    motion = TorquedRotation(BODY, spin, ConstantTorque((0, 0.5, 0.26)), step=0.1)
+    motion = TorquedRotation(BODY, spin, MOTIONS[name][2], step=0.1)
     history = motion.at(10.0)
     turns = []
     for each in motion.sample(400, seed=1):
