@@ -303,7 +303,7 @@ def delay(leading: float, other: float, onward: float, pace: float) -> float:
     means an integral; their difference is one of gamma functions of the distance at the crossing
     (Cary, Escande & Tennyson, Phys. Rev. A 34, 4256 (1986), of equal steps; Neishtadt 1986).
     """
-    place: FloatArray = (np.arange(1000) + 0.5) / 1000.0 * leading
+    place = np.asarray((np.arange(1000) + 0.5) / 1000.0 * leading, np.float64)
 
     def side(distance: FloatArray, step: float) -> FloatArray:
         lap, x = leading + step, distance / (leading + step)
