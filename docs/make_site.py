@@ -74,7 +74,8 @@ def read_modules():
         try:
             loaded = importlib.import_module(module)
         except ImportError:  # jax, torch
-            file = DOCS.parent.joinpath(*module.split(".")).with_suffix(".py")
+            root = Path(attitude.__file__).parents[1]
+            file = root.joinpath(*module.split(".")).with_suffix(".py")
             sentences[module] = f"{make_map.first_line(file)}."
             continue
         sentences[module] = sentence_of(loaded)

@@ -143,7 +143,9 @@ def _source(name: str) -> _Source:
 
 def _imported(text: str) -> Iterator[str]:
     """The modules of the package that a text imports, or imports names from."""
-    for module, names, whole in _IMPORT.findall(text):
+    # examples in the docstring of the module are no imports
+    code = text.split('"""', 2)[-1] if text.startswith('"""') else text
+    for module, names, whole in _IMPORT.findall(code):
         if whole:
             yield whole
         for each in _COMMENT.sub("", names).strip("()").split(","):

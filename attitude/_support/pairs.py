@@ -27,10 +27,12 @@ class HasSeconds(Protocol):
     """What has epochs in two doubles: a history, a view, records to be written."""
 
     @property
-    def seconds(self) -> FloatArray: ...
+    def seconds(self) -> FloatArray:
+        """The first doubles."""
 
     @property
-    def low(self) -> FloatArray | None: ...
+    def low(self) -> FloatArray | None:
+        """The second doubles; None for zeros."""
 
 
 class Seconds(NamedTuple):

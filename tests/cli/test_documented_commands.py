@@ -56,9 +56,10 @@ LINES = documented()
 
 def write_files(folder):
     """The files that the command lines name, each of its format."""
-    (folder / "data").symlink_to(ROOT / "data") if hasattr(os, "symlink") else None
+    # copies: commands also write beside what they read
+    shutil.copytree(ROOT / "data", folder / "data")
     for kind in ("spin", "paths"):
-        (folder.parent / kind).symlink_to(ROOT / "data" / kind)
+        shutil.copytree(ROOT / "data" / kind, folder.parent / kind, dirs_exist_ok=True)
     for file in (ROOT / "data" / "mission").glob("*.toml"):
         shutil.copy(file, folder)
     shutil.copy(ROOT / "data" / "spin" / "toutatis.toml", folder)

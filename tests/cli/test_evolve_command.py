@@ -72,7 +72,9 @@ def test_the_friction_of_a_material(file):
     full = mission.read_motion(file)
     states = AveragedMotion(full.body, full.spin, full.torques).at(np.arange(4) * 20.0 * 86400.0)
     theta = rows[0].index("theta")
-    assert [float(row[theta]) for row in rows[1:]] == states.theta.tolist()
+    # the command integrates to the end that it is given, the motion to the last epoch: other steps
+    found = [float(row[theta]) for row in rows[1:]]
+    np.testing.assert_allclose(found, states.theta, rtol=1e-7)
     assert states.theta[3] < 0.8 * states.theta[0]
 
 

@@ -463,11 +463,21 @@ def check_epochs(truths):
 
     hi, lo = np.array([1.0, 2.0, 3.0]), np.array([1e-3, -1e-17, 0.0])
     plain, both = pairs.Seconds(hi), pairs.Seconds(hi, lo)
-    assert plain.lo is None and plain.pair == (hi, None)
+    assert plain.lo is None
     assert plain.low.tolist() == [0.0] * 3 and both.low is lo
     assert plain.rounded is hi and both.rounded.tolist() == [1.001, 2.0, 3.0]
-    assert plain[1:].hi.tolist() == [2.0, 3.0] and plain[1:].lo is None
-    assert both[1:].hi.tolist() == [2.0, 3.0] and both[1:].lo.tolist() == [-1e-17, 0.0]
+    some = slice(1, None)
+    assert plain.taken(some).hi.tolist() == [2.0, 3.0] and plain.taken(some).lo is None
+    assert [part.tolist() for part in both.taken(some)] == [[2.0, 3.0], [-1e-17, 0.0]]
+    assert [part.tolist() for part in plain.flat] == [hi.tolist(), [0.0] * 3]
+    assert [part.tolist() for part in both.flat] == [hi.tolist(), lo.tolist()]
+    assert plain.row[0].shape == (1, 3) and plain.row[1] is None
+    assert both.row[1].tolist() == [lo.tolist()] and not both.row[1].flags.writeable
+    assert [part.tolist() for part in plain.plus(1.0)] == [[2.0, 3.0, 4.0], [0.0] * 3]
+    for high, rest, x, y in zip(*both.plus(-2.0, 1e-20), hi, lo, strict=True):
+        exact = Fraction(x) + Fraction(y) - 2 + Fraction(1e-20)
+        assert abs(_value((high, rest)) - exact) <= 4 * Fraction(U) ** 2 * 3
+        assert abs(rest) <= 0.5 * math.ulp(high)
 
 
 # ---- Series

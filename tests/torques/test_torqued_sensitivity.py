@@ -114,7 +114,8 @@ def test_a_flat_body_has_derivatives():
     assert np.max(np.abs(one - two)) <= 1e-6 * np.max(np.abs(two))
 
 
-@pytest.mark.parametrize("name", ["constant", "rheology"])
+# the strength of a rheology is tabulated anew for each of the 400 bodies: 145 s
+@pytest.mark.parametrize("name", ["constant", pytest.param("rheology", marks=pytest.mark.slow)])
 def test_covariances_are_those_of_samples(name):
     errors = {"attitude": 1e-3, "angular_velocity": 1e-3, "moments": 1e-2}
     spin = SPIN.with_covariance(errors)
