@@ -67,7 +67,7 @@ class Seconds(NamedTuple):
     @property
     def flat(self) -> tuple[FloatArray, FloatArray]:
         """Contiguous arrays (N,) of both doubles, zeros if there are no second ones."""
-        return np.ascontiguousarray(self.hi).reshape(-1), np.ascontiguousarray(self.low).reshape(-1)
+        return np.ravel(np.ascontiguousarray(self.hi)), np.ravel(np.ascontiguousarray(self.low))
 
     @property
     def low(self) -> FloatArray:
