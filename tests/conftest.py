@@ -100,28 +100,6 @@ def pytest_collection():
         return (yield)
 
 
-# Tests of 10 to 55 seconds of processor whose subject shorter tests cover too: run with the soaks.
-_LONG = (
-    "test_notebooks.py::test_the_cells_of_a_notebook_run[inversion]",
-    "test_known.py::test_two_passes_are_one_curve",
-    "test_refine.py::test_two_spin_states_and_one_shape",
-    "test_inversion.py::test_offsets_that_the_data_ask_for_are_fitted",
-    "test_torqued_sensitivity.py::test_derivatives_are_those_of_the_motion[rheology]",
-    "test_examples.py::test_envisat_momentum",
-    "test_examples.py::test_toutatis_damping",
-    "test_every_option.py::test_every_option_runs[invert]",
-    "test_battery.py::test_changes_of_the_pairs_are_killed",
-)
-
-
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items):
-    """Mark what takes long as slow."""
-    for item in items:
-        if item.nodeid.endswith(_LONG) or "test_a_documented_line_runs[line36]" in item.nodeid:
-            item.add_marker(pytest.mark.slow)
-
-
 def pytest_collection_finish():
     """Leave what stays for all tests out of every later search for garbage."""
     gc.collect()

@@ -178,8 +178,8 @@ def _of_rheology(torque: InternalDissipation, body: Body, axes: Axes) -> Mean:
     p = 1.0 / (1.0 + math.exp(-axes.separatrix))
     strength = torque.strength_at(body, sizes, np.full(1, p))
     arcs = kept(strength, on_arcs[:, None] * sizes**2)
-    return Mean(_rates.FRICTION, _alone, np.array(means), arcs, 0, 1.0, True,
-                sizes=(float(logarithms[0]), spacing))  # fmt: skip
+    nodes = float(logarithms[0]), spacing
+    return Mean(_rates.FRICTION, _alone, np.array(means), arcs, 0, 1.0, True, sizes=nodes)
 
 
 @register(InertiaHistory)

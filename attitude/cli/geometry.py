@@ -101,11 +101,10 @@ def views(
 
 def dates(view: View, digits: int) -> tuple[list[str], list[float]]:
     """The first two columns of a view: texts of UTC with `digits` decimals, and TDB seconds."""
-
     from attitude.formats import _ccsds_epochs as ccsds_epochs
 
-    dates = ccsds_epochs.texts(view.epoch, view.seconds, view.low, "utc", digits)
-    return dates, view.seconds.tolist()
+    texts = ccsds_epochs.texts(view.epoch, view.seconds, view.low, "utc", digits)
+    return texts, view.seconds.tolist()
 
 
 def _grid(mission: Mission, times: dict[str, Any], given: set[str]) -> Grid:

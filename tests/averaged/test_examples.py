@@ -31,6 +31,7 @@ def test_envisat_momentum(tmp_path):
     assert any("too slow for its path" in line for line in printed)
 
 
+@pytest.mark.slow
 def test_toutatis_damping(tmp_path):
     printed = lines("toutatis_damping.py", tmp_path)
     table = [line for line in printed if line.count("Gyr") == 2 and "to " not in line[24:]]

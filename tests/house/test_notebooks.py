@@ -37,7 +37,14 @@ def _shown(text, names):
     return eval(compile(ast.Expression(last.value), "cell", "eval"), names) if last else None
 
 
-@pytest.mark.parametrize("path", BOOKS, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path",
+    [
+        # its search, 50 s, is that of the tests of `attitude invert`
+        pytest.param(path, marks=[pytest.mark.slow] * (path.stem == "inversion"), id=path.stem)
+        for path in BOOKS
+    ],
+)
 def test_the_cells_of_a_notebook_run(path, monkeypatch, capsys):
     """In this process, with 1e4 in place of 1e6 bodies."""
     pytest.importorskip("matplotlib", reason="matplotlib is not installed")

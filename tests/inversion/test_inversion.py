@@ -412,6 +412,7 @@ def test_offsets_of_sessions_about_a_constant_brightness(small_search):
         assert explained in words
 
 
+@pytest.mark.slow
 def test_offsets_that_the_data_ask_for_are_fitted(small_search):
     """Sessions of a fast tumbler whose zero points differ by 0.1 mag."""
     case = inversion_cases.case(31, {**figures.STYLES[6], "per_hour": 9, "zero": 0.1})

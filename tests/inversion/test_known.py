@@ -77,6 +77,7 @@ def test_rates_and_attitude_of_a_satellite():
     assert again.shape.vertices == pytest.approx(MESH.vertices)
 
 
+@pytest.mark.slow
 def test_two_passes_are_one_curve():
     """A gap of 40 turns: first spans lie within a pass, and the next one follows from it."""
     curve = _pass(MOTION, 60, starts=(0.0, 5000.0))

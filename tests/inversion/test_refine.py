@@ -74,6 +74,7 @@ def test_free_motion_from_a_start():
     assert found.shape.is_convex
 
 
+@pytest.mark.slow
 def test_two_spin_states_and_one_shape():
     momentum = 0.1 * MOMENTUM * np.array([0.5, -0.6, 0.6])
     truth = Arcs(BODY, SPIN, [Impulse(0.5 * DAY, momentum)])

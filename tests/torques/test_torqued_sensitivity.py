@@ -67,7 +67,10 @@ MOTIONS = {
 }
 
 
-@pytest.mark.parametrize("name", MOTIONS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.slow] * (name == "rheology")) for name in MOTIONS],
+)
 def test_derivatives_are_those_of_the_motion(name):
     body, spin, torque, how = MOTIONS[name]
     motion = TorquedRotation(body, spin, torque, **how)
