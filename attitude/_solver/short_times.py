@@ -12,8 +12,8 @@ column does, and R the attitude,
 
     eta = eta(0) + (R0 (M x dM)(0) - R M x dM) / L^2 + zeta n.
 
-Within a radian of the rotation the difference is small itself, and eta a polynomial: eta' = R dw.
-Uniform rotations have their own columns beyond that radian (solution.uniform_tangents).
+Within two radians of the rotation the difference is small itself, and eta a polynomial:
+eta' = R dw.  Uniform rotations have their own columns beyond a radian (solution.uniform_tangents).
 """
 
 from __future__ import annotations
@@ -50,6 +50,9 @@ _SHARE = 0.22
 # K' counts as no more than this: the functions of a symmetric body have no pole, but their products
 # have twice the frequency, and a term of this order below 1e-17 of the largest within 0.8 rad.
 _FARTHEST = 3.6
+# Radians within which eta is a polynomial: 2^28/28! is 1e-21.  From one to two the difference was
+# 4.5e-15 off.
+_SOON = 2.0
 # Series to either side, each about the end of that before, of motions whose terms cancel longest:
 # up to 2.2 K'/wp.
 MOST_SPANS = 10
@@ -179,7 +182,7 @@ def _copy(source, target):
 
 @subroutine
 def _start(c, d, s, state):
-    """Fill the attitude at the epoch, within which time it turns by a radian, and the state."""
+    """Fill the attitude at the epoch, within which time it turns by two radians, and the state."""
     internal = unit(four(c.internal))
     for k in range(4):
         row = four(c.frame[k])
@@ -187,7 +190,7 @@ def _start(c, d, s, state):
         s.wxyz[k] += row[2] * internal[2] + row[3] * internal[3]
         if c.form == codes.UNIFORM:
             s.wxyz[k] = c.frame[0, k]
-    s.soon = min(s.span, math.ldexp(1.0 / _speed(c), -c.tempo))
+    s.soon = min(s.span, math.ldexp(_SOON / _speed(c), -c.tempo))
     state[:] = 0.0
     lx, ly, lz = d.momentum[0], d.momentum[1], d.momentum[2]
     over = s.span / math.sqrt(lx * lx + ly * ly + lz * lz)

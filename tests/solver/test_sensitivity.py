@@ -168,6 +168,14 @@ def test_a_product_of_series_in_python():
         assert short_times._product(*given) == short_times._product.py_func(*given)
 
 
+def test_between_one_and_two_radians():
+    """Where the difference of momenta is a hundredth of them: 4.5e-15 before, 4e-16 by series."""
+    moments = 1.3753889136410982, 0.7811148035819698, 1.3828242079491377
+    omega = -0.35161713, -2.31258158, -0.1888972
+    times = np.linspace(0.4, 0.85, 10).tolist()
+    assert excess(moments, WXYZ, omega, times) <= 0.5
+
+
 def test_errors_of_a_flip():
     """Errors of the middle moment alone: right from the first second to the first turning over."""
     spin = Spin("2026-01-01", (1, 0, 0, 0), (math.sin(math.pi), 1, 0),
