@@ -2,7 +2,7 @@
 
 Where the polhode is slow, beside a sphere or the equator of a symmetric body, the elements change
 strongly with the moments, and the columns of columns are small differences of large
-numbers.  Within 0.22 of the radius of convergence, K'/wp, or less, the changes are polynomials
+numbers.  Within a fifth of the radius of convergence, K'/wp, or less, the changes are polynomials
 in t:
 
     w' = c w w,    (dw)' = c (dw w + w dw) + dc w w,    zeta' = n dw,    n = L/|L|
@@ -12,8 +12,9 @@ column does, and R the attitude,
 
     eta = eta(0) + (R0 (M x dM)(0) - R M x dM) / L^2 + zeta n.
 
-Within two radians of the rotation the difference is small itself, and eta a polynomial:
-eta' = R dw.  Uniform rotations have their own columns beyond a radian (solution.uniform_tangents).
+Within two radians of the rotation the difference is small itself, and eta one polynomial after the
+other: eta' = R dw.  Uniform rotations have their own columns beyond a radian
+(solution.uniform_tangents).
 """
 
 from __future__ import annotations
@@ -44,18 +45,19 @@ from attitude._solver.tangents import fast_vectors, fill_trigonometric, in_inert
 from attitude._solver.twofloat import pair, scale, sub
 from attitude._solver.uniform_tangents import couplings_of, forced
 
-# Beyond, the terms, which have poles of third order, are below 28^2 0.22^28 = 3e-16 of the first.
+# Beyond, the terms, which have poles of third order, are below 28^2 0.2^28 = 2e-17 of the first; those
+# of eta, which is integrated from products with the rotation, below 4e-16.
 TERMS = 28
-_SHARE = 0.22
+_SHARE = 0.2
 # K' counts as no more than this: the functions of a symmetric body have no pole, but their products
 # have twice the frequency, and a term of this order below 1e-17 of the largest within 0.8 rad.
 _FARTHEST = 3.6
-# Radians within which eta is a polynomial: 2^28/28! is 1e-21.  From one to two the difference was
-# 4.5e-15 off.
+# Radians within which eta is by polynomials: 2^28/28! is 1e-21.  The difference would be 6.7e-15
+# off after 0.8 of them, 2e-15 after two.
 _SOON = 2.0
 # Series to either side, each about the end of that before, of motions whose terms cancel longest:
 # up to 2.2 K'/wp.
-MOST_SPANS = 10
+MOST_SPANS = 11
 # The precession of a needle over the turns about its length, and its ellipticity, below which the
 # precession is slow, and the angle (rad) within which it cancels.
 _SLOW = 0.1
@@ -76,7 +78,8 @@ SHORT: np.dtype[np.void] = np.dtype(
         ("spans", "i8", 2),  # series later and earlier, that of the epoch counted in both
         ("next", "i8"),  # the record of the span after that of the epoch
         ("motion", "i8"),
-        ("soon", "f8"),  # within so many seconds by the series of eta, in units of them
+        ("soon", "f8"),  # seconds to either side of the epoch within which eta is by its series
+        ("unit", "f8"),  # of the time in the series of eta, s
         # a needle: series without slow parts and the slow one at the epoch, its x and y; what the
         # series give at the epoch, and their change with time there
         ("fast", "f8", (8, 5)),
@@ -140,7 +143,7 @@ def short_setup(constants, tangents, span, spans, out):
         out    (B + sum of (spans - 1),)
     """
     w, dw = np.zeros((3, TERMS)), np.zeros((3, TERMS))
-    momentum, turn = np.zeros((3, TERMS)), np.zeros((3, 3, TERMS))
+    momentum, turn, axes = np.zeros((3, TERMS)), np.zeros((3, 3, TERMS)), np.zeros((2, 3, 3))
     state, ends = np.zeros((_ROWS_OF_STATE, 4)), np.zeros((2, _ROWS_OF_STATE, 4))
     again = np.zeros((2, _ROWS_OF_STATE, 4))
     place = len(constants)
@@ -152,23 +155,32 @@ def short_setup(constants, tangents, span, spans, out):
         if span[b] <= 0.0:
             continue
         moments = 1.0 / d.inverse[0], 1.0 / d.inverse[1], 1.0 / d.inverse[2]
-        _start(c, d, s, state)
+        _start(c, d, s, state, axes[0])
         if d.slow[0] != 0.0:
             _fill_fast(c, d, s)
         _fill(c, d, moments, state, w, dw, momentum, ends, s)
-        _turn(d, w, turn, s)
-        for j in range(COLUMNS):
-            _store_eta(d, turn, dw, j, s)
+        _turn(w, axes[0], turn, s)
+        _store_eta(d, turn, dw, s)
+        for side in range(2):
+            _ends_of(turn, side, axes[side])
         for side in range(2):
             _copy(ends[side], state)
             for k in range(1, spans[b, side]):
-                later = out[place]
-                later.span, later.motion = span[b], b
+                before, later = out[b if k == 1 else place - 1], out[place]
+                later.span, later.motion, later.unit = span[b], b, span[b]
                 later.centre = span[b] * (k if side == 0 else -k)
                 for j in range(COLUMNS):
                     later.series[_ZETA, j, 1] = s.series[_ZETA, j, 1] if j < 6 else 0.0
                 _fill(c, d, moments, state, w, dw, momentum, again, later)
                 _copy(again[side], state)
+                if k * span[b] < s.soon:
+                    for j in range(COLUMNS):
+                        for i in range(3):
+                            end = _at_end(before.series[_ETA + i], j, side)
+                            later.series[_ETA + i, j, 0] = end
+                    _turn(w, axes[side], turn, later)
+                    _store_eta(d, turn, dw, later)
+                    _ends_of(turn, side, axes[side])
                 place += 1
 
 
@@ -181,8 +193,11 @@ def _copy(source, target):
 
 
 @subroutine
-def _start(c, d, s, state):
-    """Fill the attitude at the epoch, within which time it turns by two radians, and the state."""
+def _start(c, d, s, state, axes):
+    """Fill what a motion has at its epoch, and within which time it turns by two radians.
+
+    `axes` (3, 3) turns principal to inertial axes.
+    """
     internal = unit(four(c.internal))
     for k in range(4):
         row = four(c.frame[k])
@@ -190,7 +205,14 @@ def _start(c, d, s, state):
         s.wxyz[k] += row[2] * internal[2] + row[3] * internal[3]
         if c.form == codes.UNIFORM:
             s.wxyz[k] = c.frame[0, k]
-    s.soon = min(s.span, math.ldexp(_SOON / _speed(c), -c.tempo))
+    start = four(s.wxyz)
+    for j in range(3):
+        column = turned_by(start, (d.principal[0, j], d.principal[1, j], d.principal[2, j]))
+        for i in range(3):
+            axes[i, j] = column[i]
+        s.series[_ETA + j, j, 0] = 1.0
+    s.soon = math.ldexp((1.0 if c.form == codes.UNIFORM else _SOON) / _speed(c), -c.tempo)
+    s.unit = min(s.span, s.soon)
     state[:] = 0.0
     lx, ly, lz = d.momentum[0], d.momentum[1], d.momentum[2]
     over = s.span / math.sqrt(lx * lx + ly * ly + lz * lz)
@@ -254,16 +276,14 @@ def _at_end(a, i, side):
 
 
 @subroutine
-def _turn(d, w, turn, s):
-    """The rotation from principal to inertial axes, in t / s.soon: R' = R w x."""
-    start = four(s.wxyz)
-    for j in range(3):
-        column = turned_by(start, (d.principal[0, j], d.principal[1, j], d.principal[2, j]))
-        for i in range(3):
-            turn[i, j, 0] = column[i]
-    share = s.soon / s.span
+def _turn(w, axes, turn, s):
+    """The rotation from principal to inertial axes, in t / s.unit, from that at 0: R' = R w x."""
+    for i in range(3):
+        for j in range(3):
+            turn[i, j, 0] = axes[i, j]
+    share = s.unit / s.span
     for n in range(TERMS - 1):
-        over = s.soon / (n + 1.0)
+        over = s.unit / (n + 1.0)
         for i in range(3):
             for j in range(3):
                 one, two = (j + 1) % 3, (j + 2) % 3
@@ -276,24 +296,30 @@ def _turn(d, w, turn, s):
 
 
 @subroutine
-def _store_eta(d, turn, dw, j, s):
-    """Fill the series of eta in t / s.soon: eta' = R dw."""
-    if j < 3:
-        s.series[_ETA + j, j, 0] = 1.0
-        return
-    share, power = s.soon / s.span, 1.0
-    for k in range(TERMS):
-        x, y, z = s.series[3, j, k], s.series[4, j, k], s.series[5, j, k]
-        for m in range(3):
-            change = d.principal[0, m] * x + d.principal[1, m] * y + d.principal[2, m] * z
-            dw[m, k] = power * change
-        power *= share
-    for n in range(TERMS - 1):
-        for i in range(3):
-            total = 0.0
+def _ends_of(turn, side, axes):
+    """Fill the rotation (3, 3) at the later (0) or earlier end (1) of a series."""
+    for i in range(3):
+        for j in range(3):
+            axes[i, j] = _at_end(turn[i], j, side)
+
+
+@subroutine
+def _store_eta(d, turn, dw, s):
+    """Fill the series of eta in t / s.unit, from those at 0: eta' = R dw."""
+    for j in range(3, COLUMNS):
+        share, power = s.unit / s.span, 1.0
+        for k in range(TERMS):
+            x, y, z = s.series[3, j, k], s.series[4, j, k], s.series[5, j, k]
             for m in range(3):
-                total += _along(dw[m], turn[i, m], n)
-            s.series[_ETA + i, j, n + 1] = s.soon / (n + 1.0) * total
+                change = d.principal[0, m] * x + d.principal[1, m] * y + d.principal[2, m] * z
+                dw[m, k] = power * change
+            power *= share
+        for n in range(TERMS - 1):
+            for i in range(3):
+                total = 0.0
+                for m in range(3):
+                    total += _along(dw[m], turn[i, m], n)
+                s.series[_ETA + i, j, n + 1] = s.unit / (n + 1.0) * total
 
 
 @subroutine
@@ -458,7 +484,7 @@ def _of_needle(s, j, i, t, weights, slow, fast):
     total = slow + rate * change + start * (change - t * s.drift[0, i])
     total += second * (fast[1] - s.first[1, i] - t * s.drift[1, i])
     total += third * (fast[2] - s.first[2, i] - t * s.drift[2, i])
-    return total + t / s.soon * s.series[_ETA + i, j, 1] + s.series[_ETA + i, j, 0]
+    return total + t / s.unit * s.series[_ETA + i, j, 1] + s.series[_ETA + i, j, 0]
 
 
 @subroutine
@@ -500,11 +526,12 @@ def near_column(d, short, b, j, block, x, y, z):
     first = turned_by(four(s.wxyz), first)
     for i in range(len(x)):
         t = block[SECONDS + i]
-        if abs(t) <= s.soon:
-            at = t / s.soon
-            x[i] = _sum(s.series, _ETA, j, at)
-            y[i] = _sum(s.series, _ETA + 1, j, at)
-            z[i] = _sum(s.series, _ETA + 2, j, at)
+        if abs(t) <= s.soon and _is_in_series(s, t):
+            span = short[_record(short, b, t)]
+            at = (t - span.centre) / span.unit
+            x[i] = _sum(span.series, _ETA, j, at)
+            y[i] = _sum(span.series, _ETA + 1, j, at)
+            z[i] = _sum(span.series, _ETA + 2, j, at)
         elif _is_in_series(s, t):
             span = short[_record(short, b, t)]
             series, at = span.series, (t - span.centre) / span.span

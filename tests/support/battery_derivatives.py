@@ -20,14 +20,30 @@ _STATES = (
     ((2.0, 3.0, 3.0), (1.3, 0.4, 0.9)),
     ((1.0, 2.0, 2.7), (1e-10, 2e-10, 1.0)),
     ((1e-5, 1.0, 1.000004), (0.3, 0.5, -0.9)),
+    # symmetric bodies about an equatorial axis that is not principal, and about their own
+    ((2.0, 2.0, 3.0), (0.6, -0.8, 0.0)),
+    ((2.0, 2.0, 3.0), (0.0, 0.0, -1.0)),
+    # the largest nomes of both forms, and of ellipticities; needles that precess less slowly
+    ((0.347, 1.336, 1.597), (-0.19, -1.25, 0.25)),
+    ((0.045, 1.0, 1.0226), (-0.1, 0.728, 0.053)),
+    ((10.0, 20.0, 26.0), (1.22979, 0.3, 1.0)),
+    ((20.0, 26.0, 10.0), (0.2, 0.78848, 1.0)),
+    ((0.04, 1.0, 1.03), (5.0, 0.3, -0.2)),
+    ((1.0, 1.03, 0.04), (0.03, -0.02, -5.0)),
+    # on the separatrix exactly, before and after the passage of the middle axis
+    ((2.0, 5.0, 6.0), (1.0, 0.3, 1.0)),
+    ((6.0, 5.0, 2.0), (1.0, -3.0, -1.0)),
 )
-# Revolutions after the epoch; of the middle axis, whose derivatives grow by e, few.
+# Motions that approach the middle axis or turn about it, whose derivatives grow by e.
+_GROWING = {(1.0, 2.0, 2.7): (0.0, 1.0, 0.0), (2.0, 5.0, 6.0): (1.0, 0.3, 1.0),
+            (6.0, 5.0, 2.0): (1.0, -3.0, -1.0)}  # fmt: skip
+# Revolutions after the epoch; of those that grow, few.
 _REVOLUTIONS = (-0.02, 0.0, 0.1, 0.4, 1.3, -3.7, 1e6 + 0.7)
 
 
 def _epochs_of(moments, omega):
     speed = max(map(abs, omega)) or 1.0
-    count = 5 if moments == (1.0, 2.0, 2.7) and omega[1] == 1.0 else len(_REVOLUTIONS)
+    count = 5 if _GROWING.get(moments) == omega else len(_REVOLUTIONS)
     return np.array(_REVOLUTIONS[:count]) * (2.0 * np.pi / speed)
 
 
@@ -42,7 +58,11 @@ def truths_of_derivatives(kept):
 def check_derivatives(truths):
     """Derivatives by attitude, angular velocity and moments, in every form."""
     from attitude import propagate
+    from attitude._solver import derivatives
 
+    nodes, weights = np.polynomial.legendre.leggauss(len(derivatives._NODES))
+    assert np.allclose(derivatives._NODES, 0.5 + 0.5 * nodes, rtol=0.0, atol=1e-15)
+    assert np.allclose(derivatives._WEIGHTS, 0.5 * weights, rtol=0.0, atol=1e-15)
     for moments, omega, times, (attitude, rates) in truths.derivatives:
         given = moments, _WXYZ, omega, times
         found = propagate(*given, angular_velocity=True, sensitivity=True)
