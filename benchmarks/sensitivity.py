@@ -103,7 +103,7 @@ def conditions():
         found = propagate(moments, WXYZ, omega, times, sensitivity=True)[1][0]
         expected = sensitivity(moments, WXYZ, omega, times)[0][0]
         error = np.abs(found - expected).max(axis=0) / np.abs(expected).max(axis=0)
-        kappa = conditioning(moments, WXYZ, omega, times)[0][0] / 2.0**-53
+        kappa = conditioning(moments, WXYZ, omega, times)[0][0] / 2.0**-52
         cells = (f"{of[k].max():.1e}" for k in (slice(3, 6), slice(6, 9)) for of in (kappa, error))
         yield (", ".join(map(str, moments)), ", ".join(map(str, omega)), *cells)
 

@@ -16,7 +16,7 @@ PROMISE = 4e-15
 _STEP = mpf(10) ** -28
 # Beside the doubles that are given, a relative change at which the derivatives are taken again.
 _SHIFT = mpf(10) ** -20
-_LAST_BIT = 2.0**-53
+_LAST_BIT = 2.0**-52
 
 
 def _product(p, q):
@@ -110,7 +110,7 @@ def conditioning(moments, wxyz, omega, times, impulses=()):
 
     Returns
     -------
-    (T, 9) arrays of the attitude and of the angular velocity, 2^-53 kappa with the condition number
+    (T, 9) arrays of the attitude and of the angular velocity, 2^-52 kappa with the condition number
     kappa, the sum of |x d column / dx| over the inputs x: moments, angular velocity, time.
     """
     with workdps(90):
