@@ -1237,4 +1237,4 @@ CHECKS = {
     if name.startswith("check_")
 }
 # Those that see changes of derivatives only, the slow ones last.
-OF_DERIVATIVES = ("derivatives", "covariances", "many_derivatives", "streams")
+OF_DERIVATIVES = ("thin_needles", "derivatives", "covariances", "many_derivatives", "streams")
