@@ -336,7 +336,6 @@ def _solve(c):
             sqrt(mc), p, ZERO if long_axis else ONE, cosine, sine
         )
         put(c.quarter, quarter)
-        c.root = math.sqrt(p[0])
         periodic = div(mul(l, HALF_PI), mul(quarter, sqrt(p)))
         if long_axis:
             # Rearranged so that all terms are positive, also for a needle
@@ -451,10 +450,8 @@ def _trigonometric_series(c, alpha, beta):
         one_minus_x = -math.expm1(-double_delta)
         nome = math.exp(-math.pi * c.stretch)
         p = math.exp(double_delta - math.pi * c.stretch)
-    else:  # m = 0: tanh delta = 1 / sqrt(1 - n)
-        one_minus_x = 2.0 / (c.root + 1.0)
-        x = (c.root - 1.0) / (c.root + 1.0)
-        nome = p = 0.0
+    else:  # symmetric
+        x, one_minus_x, nome, p = 0.0, 1.0, 0.0, 0.0
     c.nome = nome
     # Term by term: P^n Q^(n(n-1)), P^n Q^(n^2), X^(2n), and 1 - X^(2n), 1 - X^(2n+1) without the
     # cancellation at small delta (a needle's).

@@ -307,7 +307,7 @@ def ellipticity(c):
         x, one_minus_x = math.exp(-double_delta), -math.expm1(-double_delta)
         p = math.exp(double_delta - math.pi * c.stretch)  # s X
     else:
-        x, one_minus_x, p = (c.root - 1.0) / (c.root + 1.0), 2.0 / (c.root + 1.0), 0.0
+        x, one_minus_x, p = 0.0, 1.0, 0.0
     # rho by tan of half the nutation at v = 0, which keeps its digits where X is tiny
     # sums of (-1)^n s^(n^2) X^(2n^2-n) (1 + X^(2n)) and (-1)^n s^(n^2+n) X^(2n^2+n) (1 - X^(2n+1))
     x2, x3, p2, p3 = x * x, x * x * x, p * p, p * p * p

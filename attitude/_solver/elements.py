@@ -76,7 +76,7 @@ def elements_of(c: Any) -> Elements:
         x = math.exp(-2.0 * delta)
         rho = math.exp(delta - 0.25 * math.pi * float(c["stretch"]))
     else:
-        x, rho = float((c["root"] - 1.0) / (c["root"] + 1.0)), 0.0
+        x, rho = 0.0, 0.0
     if c["form"] == codes.TRIGONOMETRIC and rho < 0.5:
         # From the tilt, which keeps its digits where the nome underflows or is 0
         top, low = _sums(rho**4, x, -1.0)

@@ -29,10 +29,9 @@ CONSTANTS: np.dtype[np.void] = np.dtype(
         ("nutation", "f8", 2),
         ("nutation0", "f8", 2),
         ("winds", "f8"),  # 1 if whole half turns are removed from 2 x, 0 on the exact separatrix
-        # parameters of the series: T = 2 K'/K, eta / K', sqrt(1 - n), sqrt((1 - l) / (1 + l))
+        # parameters of the series: T = 2 K'/K, eta / K', sqrt((1 - l) / (1 + l))
         ("stretch", "f8"),
         ("fraction", "f8"),
-        ("root", "f8"),
         ("wobble", "f8"),
         ("internal", "f8", 4),  # q_int(0), not normalised
         # internal pair (alpha, beta) to the attitude of the given axes; columns w, x, y, z

@@ -45,8 +45,8 @@ from attitude._solver.tangents import fast_vectors, fill_trigonometric, in_inert
 from attitude._solver.twofloat import pair, scale, sub
 from attitude._solver.uniform_tangents import couplings_of, forced
 
-# Beyond, the terms, which have poles of third order, are below 28^2 0.2^28 = 2e-17 of the first; those
-# of eta, which is integrated from products with the rotation, below 4e-16.
+# Beyond, the terms, which have poles of third order, are below 28^2 0.2^28 = 2e-17 of the first;
+# those of eta, which is integrated from products with the rotation, below 4e-16.
 TERMS = 28
 _SHARE = 0.2
 # K' counts as no more than this: the functions of a symmetric body have no pole, but their products
