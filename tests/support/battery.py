@@ -1237,4 +1237,7 @@ CHECKS = {
     if name.startswith("check_")
 }
 # Those that see changes of derivatives only, the slow ones last.
-OF_DERIVATIVES = ("thin_needles", "derivatives", "covariances", "many_derivatives", "streams")
+OF_DERIVATIVES = (
+    *("products", "thin_needles", "derivatives", "covariances"),
+    *("many_derivatives", "streams"),
+)
