@@ -47,7 +47,8 @@ def real(
     else:
         array = _floats(value, name, unit)
     if shape is not None and array.shape != shape and not _fits(array.shape, shape):
-        raise AttitudeError(f"{name} has shape {array.shape}; give {_spelled(shape)}.")
+        size = f"has shape {array.shape}" if array.shape else "is one number"
+        raise AttitudeError(f"{name} {size}; give {_spelled(shape)}.")
     if finite and not is_finite(array):
         bad = array[~np.isfinite(array)].flat[0]
         raise AttitudeError(f"{name} holds {bad}; every number in it must be finite.")

@@ -13,6 +13,7 @@ from attitude._solver.evaluation import writable
 from attitude._solver.principal_axes import ASYMMETRY, PrincipalAxes
 from attitude._support import markup, validation
 from attitude._support.arrays import Valued, frozen
+from attitude._support.synonyms import arguments
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
@@ -137,6 +138,7 @@ class Body(Valued):
             frozen(array)
 
     @classmethod
+    @arguments({}, "Body.from_points([1, 2, 3], [(0, 0, 0), (1, 0, 0), (0, 2, 0)])")
     def from_points(cls, masses: Reals, positions: Reals, *, relative: bool = False) -> Body:
         """A rigid set of point masses.
 
@@ -177,6 +179,10 @@ class Body(Valued):
         return cls(tensor=tensor, mass=mass, relative=relative, center_of_mass=center)
 
     @classmethod
+    @arguments(
+        dict.fromkeys(("a", "b", "c", "semi_axes"), "give axes="),
+        "Body.from_ellipsoid((380, 240, 180), mass=5e10)",
+    )
     def from_ellipsoid(cls, axes: Reals, *, mass: Real | None = None) -> Body:
         """A homogeneous ellipsoid.
 
@@ -204,6 +210,10 @@ class Body(Valued):
         return cls(moments=moments, mass=mass, relative=mass is None)
 
     @classmethod
+    @arguments(
+        {"mass": "give density=, or multiply: Body(tensor=mass / volume * tensor)"},
+        "Body.from_shape(mesh, density=2000)",
+    )
     def from_shape(cls, shape: Mesh | Ellipsoid, *, density: Real | None = None) -> Body:
         """A homogeneous solid of a shape.
 

@@ -501,6 +501,13 @@ class Mesh(Immutable):
     may_be_open: bool
     rounding: float
 
+    @synonyms.arguments(
+        {
+            **dict.fromkeys(("faces", "triangles"), "give facets="),
+            **dict.fromkeys(("points", "verts"), "give vertices="),
+        },
+        "Mesh(vertices, facets)",
+    )
     def __init__(
         self,
         vertices: Reals,
