@@ -31,7 +31,6 @@ _ORIGIN = frozen(np.zeros(3))
 # Principal axes equal to the body axes, as pairs of doubles.
 _GIVEN_AXES = np.stack([np.eye(3), np.zeros((3, 3))], axis=-1)
 
-_ARGUMENTS = ("moments", "tensor", "mass", "relative", "center_of_mass")
 _HINTS = {
     **dict.fromkeys(("inertia", "I", "inertia_tensor"), "give moments or tensor"),
     **dict.fromkeys(("Ixx", "Iyy", "Izz", "I1", "I2", "I3", "A", "B", "C"), "give moments"),
@@ -92,23 +91,7 @@ class Body(Valued):
 
     _value = ("moments", "tensor", "mass", "relative", "center_of_mass")
 
-    def __new__(cls, *given: Any, **named: Any) -> Body:
-        """A sentence for the calls that others expect: Body(10, 20, 26), inertia=."""
-        if given and isinstance(given[0], (int, float)):
-            raise AttitudeError(
-                f"Body takes its moments together: Body(moments=({_three_numbers(given)})), or a "
-                "tensor: Body(tensor=(3 x 3))."
-            )
-        validation.check_call(
-            "Body",
-            given,
-            named,
-            allowed=_ARGUMENTS,
-            hints=_HINTS,
-            example="Body(moments=(10, 20, 26)) or Body(tensor=(3 x 3))",
-        )
-        return object.__new__(cls)
-
+    @arguments(_HINTS, "Body(moments=(10, 20, 26)) or Body(tensor=(3 x 3))")
     def __init__(
         self,
         moments: Reals | None = None,
@@ -120,6 +103,12 @@ class Body(Valued):
         self._moments: FloatArray
         self._axes: FloatArray
         self._found: PrincipalAxes | None
+        if isinstance(moments, (int, float)):
+            raise AttitudeError(
+                "Body takes its moments together: "
+                f"Body(moments=({_three_numbers((moments, tensor, mass))})), or a tensor: "
+                "Body(tensor=(3 x 3))."
+            )
         relative = validation.flag(relative, "relative")
         unit = None if relative else "kg m2"
         if (moments is None) == (tensor is None):
@@ -339,10 +328,6 @@ class Body(Valued):
     def moments_as_pairs(self) -> FloatArray:
         """The principal moments to 31 digits, kg m2: (3, 2), each the sum of its two doubles."""
         return self._moments
-
-
-# __new__, which takes anything, would hide the arguments from help and shift-tab.
-validation.show_arguments(Body)
 
 
 def _check(moments: FloatArray, name: str) -> None:

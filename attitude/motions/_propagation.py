@@ -17,6 +17,14 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray, Reals
 
 
+_HINTS = {
+    "body": "give body.moments first, or use FreeRotation(body, spin).at(t)",
+    "spin": "give spin.wxyz and spin.angular_velocity, or use FreeRotation(body, spin).at(t)",
+    **dict.fromkeys(("q0", "wxyz", "quaternion"), "give wxyz0="),
+    **dict.fromkeys(("w0", "omega"), "give omega0="),
+}
+
+
 @overload
 def propagate(
     moments: Reals | None,
@@ -84,12 +92,7 @@ def propagate(
 
 
 @arguments(
-    {
-        "body": "give body.moments first, or use FreeRotation(body, spin).at(t)",
-        "spin": "give spin.wxyz and spin.angular_velocity, or use FreeRotation(body, spin).at(t)",
-        **dict.fromkeys(("q0", "wxyz", "quaternion"), "give wxyz0="),
-        **dict.fromkeys(("w0", "omega"), "give omega0="),
-    },
+    _HINTS,
     "propagate(moments, wxyz0, omega0, t); of a body and a spin, FreeRotation(body, spin).at(t)",
 )
 def propagate(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from attitude.motions._body import Body
 
 
-_ARGUMENTS = ("epoch", "wxyz", "angular_velocity", "frame", "covariance", "dcm")
 _FIRST = "give wxyz=(w, x, y, z), the scalar first"
 _RATES = "give angular_velocity=(3 numbers), rad/s over the body axes"
 _HINTS = {
@@ -108,20 +107,6 @@ class Spin(Valued):
 
     _value = ("epoch", "frame", "wxyz_as_pairs", "angular_velocity", "covariance")
 
-    def __new__(cls, *given: Any, **named: Any) -> Spin:
-        """A sentence for the names that others use, such as xyzw=."""
-        validation.check_call(
-            "Spin",
-            given,
-            named,
-            allowed=_ARGUMENTS,
-            hints=_HINTS,
-            example=_EXAMPLE,
-        )
-        if not given and "epoch" not in named:
-            raise AttitudeError(f"Spin is given no epoch; give epoch=, as in {_EXAMPLE}.")
-        return object.__new__(cls)
-
     @overload
     def __init__(
         self,
@@ -143,6 +128,7 @@ class Spin(Valued):
         covariance: Reals | Mapping[str, Reals] | None = ...,
     ) -> None: ...
 
+    @arguments(_HINTS, _EXAMPLE)
     def __init__(
         self,
         epoch: Epoch,
@@ -444,10 +430,6 @@ class Spin(Valued):
             rows.append(("sigma of attitude", f"{np.degrees(sigma[:3]).max():.3g} deg"))
             rows.append(("sigma of rates", f"{sigma[3:6].max():.3g} rad/s"))
         return markup.table("Spin", rows)
-
-
-# __new__, which takes anything, would hide the arguments from help and shift-tab.
-validation.show_arguments(Spin)
 
 
 def _refuse_rate(value: Reals, rate: FloatArray) -> None:

@@ -229,12 +229,15 @@ class Site(Immutable, Path):
         return to_celestial(*at, self.itrs, **settings)[0]
 
 
+_HINTS = {
+    **dict.fromkeys(("lat", "phi"), "give latitude="),
+    **dict.fromkeys(("lon", "long", "lam"), "give longitude="),
+    **dict.fromkeys(("alt", "altitude", "elevation", "h"), "give height=, m"),
+}
+
+
 @arguments(
-    {
-        **dict.fromkeys(("lat", "phi"), "give latitude="),
-        **dict.fromkeys(("lon", "long", "lam"), "give longitude="),
-        **dict.fromkeys(("alt", "altitude", "elevation", "h"), "give height=, m"),
-    },
+    _HINTS,
     'site("-70.7 deg", "-30.2 deg", 2700)',
 )
 def site(

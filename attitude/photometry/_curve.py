@@ -60,6 +60,15 @@ _CENTERS: Final = {"barycenter": None, "heliocenter": "sun"}
 WAYS: Final = "sun= and observer= (vectors from the body), scene=, or path= with site="
 
 
+_HINTS = {
+    **dict.fromkeys(("jd", "mjd", "t", "time"), "give times=, such as an astropy Time"),
+    **dict.fromkeys(("mag", "mags", "magnitudes", "values", "y"), "give magnitude="),
+    **dict.fromkeys(("err", "error", "errors", "uncertainty"), "give sigma="),
+    **dict.fromkeys(("band", "filters"), "give filter="),
+    "orbit": "give path=",
+}
+
+
 @dataclass(frozen=True, eq=False, init=False)
 class LightCurve(Immutable):
     """The brightness of a body at epochs, in time order, with the geometry if it is known.
@@ -173,13 +182,7 @@ class LightCurve(Immutable):
     notes: tuple[str, ...]
 
     @arguments(
-        {
-            **dict.fromkeys(("jd", "mjd", "t", "time"), "give times=, such as an astropy Time"),
-            **dict.fromkeys(("mag", "mags", "magnitudes", "values", "y"), "give magnitude="),
-            **dict.fromkeys(("err", "error", "errors", "uncertainty"), "give sigma="),
-            **dict.fromkeys(("band", "filters"), "give filter="),
-            "orbit": "give path=",
-        },
+        _HINTS,
         "LightCurve(times, magnitude, sigma, path=orbit, site=site)",
     )
     def __init__(

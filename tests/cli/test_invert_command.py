@@ -1,5 +1,6 @@
 """``attitude invert`` on the photometry of Toutatis, and ``attitude lightcurve --observed``."""
 
+import inspect
 import re
 
 import numpy as np
@@ -17,7 +18,8 @@ PHOTOMETRY = DATA / "light_curve" / "toutatis-1992-photometry.csv"
 def _smaller(monkeypatch, **counts):
     """Pairs of frequencies, starts and solutions of a search, and samples of its errors."""
     smaller = inversion.Settings(**counts, short_classes=2 * counts["classes"], rounds=1)
-    monkeypatch.setitem(inversion.spin_states.__kwdefaults__, "settings", smaller)
+    defaults = inspect.unwrap(inversion.spin_states).__kwdefaults__
+    monkeypatch.setitem(defaults, "settings", smaller)
     monkeypatch.setattr(_errors, "_REFITS", 1)
     monkeypatch.setattr(_errors, "_SAMPLES", 100)
 

@@ -125,7 +125,7 @@ SECOND = {
 # A third look: constructors and arguments by the names of other packages.
 THIRD = {
     "Spin(epoch='2026-01-01', wxyz=(1, 0, 0, 0), angular_velocity='10 rpm')": '"0, 0, 10 rpm"',
-    "Spin(wxyz=(1, 0, 0, 0), angular_velocity=(0, 0, 1))": "give epoch=",
+    "Spin(wxyz=(1, 0, 0, 0), angular_velocity=(0, 0, 1))": 'as in Spin(epoch="2026-01-01",',
     "Spin(epoch='2026-01-01', wxyz=(1, 0, 0, 0))": "give angular_velocity=",
     "Spin(epoch='2026-01-01', period='5 h')": "Spin.from_periods",
     "Spin.from_quaternion((1, 0, 0, 0))": "Spin(epoch=, wxyz=",
