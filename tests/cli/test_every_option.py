@@ -190,8 +190,15 @@ def _small(monkeypatch):
     monkeypatch.setitem(defaults, "settings", smaller)
     monkeypatch.setattr(_errors, "_REFITS", 1)
     monkeypatch.setattr(_errors, "_SAMPLES", 20)
-    for name, count in {"_ATTEMPTS": 1, "_FEWEST": 200, "_MOST": 200, "_REFINED": 20}.items():
-        monkeypatch.setattr(_known, name, count)
+    few = dict.fromkeys(("_KEPT", "_LEFT", "_LAST", "_ITERATIONS", "_SAMPLED", "_FITTED"), 2)
+    for name, value in {
+        "_ATTEMPTS": 1,
+        "_FEWEST": 200,
+        "_MOST": 200,
+        "_REFINED": 20,
+        **few,
+    }.items():
+        monkeypatch.setattr(_known, name, value)
 
 
 def _run(command, cases, capsys, folder):

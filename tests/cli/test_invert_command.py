@@ -29,7 +29,7 @@ def test_toutatis_from_its_photometry(tmp_path, capsys, monkeypatch):
 
     With a part of the pairs of frequencies, and fewer fits for errors.
     """
-    _smaller(monkeypatch, pairs=100, deep_starts=40, classes=20, convex=30, finals=14)
+    _smaller(monkeypatch, pairs=50, deep_starts=20, classes=10, convex=12, finals=6)
     found, drawn = tmp_path / "toutatis.toml", tmp_path / "fit.png"
     given = ["invert", PHOTOMETRY, "--max-frequency", "0.75 /d", "--budget", "600 s"]
     assert cli.main([*map(str, given), "--output", str(found), "--figure", str(drawn)]) == 0
