@@ -238,5 +238,6 @@ def test_documented_lines_run_with_a_cold_and_a_warm_cache(command, folder, tmp_
         )  # fmt: skip
         assert run.returncode == 0, f"{line}: {run.stderr}"
         assert run.stderr.count("compiling, once") <= 1 and "Traceback" not in run.stderr
-        answer = re.sub(r"[\d.]+ s\b", "", run.stdout)
+        # durations; rounding errors, which differ between Python and machine code
+        answer = re.sub(r"[\d.]+ s\b|[\d.]+e-1[2-9]\b", "", run.stdout)
         assert answers.setdefault(line, answer) == answer, line
