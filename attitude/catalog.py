@@ -28,7 +28,7 @@ import numpy as np
 
 from attitude._support import markup, validation
 from attitude._support.quoting import quoted
-from attitude._support.synonyms import of_module
+from attitude._support.synonyms import Answering, of_module
 from attitude._textfiles import toml
 from attitude._textfiles.lines import packaged, path_of_packaged
 from attitude.errors import AttitudeError
@@ -170,7 +170,7 @@ class Loaded(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Entry:
+class Entry(Answering):
     """One published spin state.
 
     Attributes

@@ -81,6 +81,25 @@ def _public(lines):
     return kept
 
 
+def _back_links(app, exception):
+    """Links of pages of sources back to the API: viewcode knows one public module for each file.
+
+    The names of a file may be on the pages of several: each is on its own page by the page's name.
+    """
+    if exception or app.builder.name != "html":
+        return
+    for file in Path(app.outdir, "_modules").rglob("*.html"):
+        text = file.read_text("utf-8")
+        mended = re.sub(
+            r'(href="[./]*/api/)([\w.]+)(\.html#)[\w.]+?\.((?:[A-Z]\w*\.)?\w+")',
+            r"\1\2\3\2.\4",
+            text,
+        )
+        if mended != text:
+            file.write_text(mended, "utf-8")
+
+
 def setup(app):
-    """Connect the change of docstrings."""
+    """Connect the changes of docstrings and of links."""
     app.connect("autodoc-process-docstring", _readable, priority=900)
+    app.connect("build-finished", _back_links)

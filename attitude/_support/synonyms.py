@@ -7,6 +7,7 @@ search has failed, so that the table costs nothing where a name exists.
 
 from __future__ import annotations
 
+from abc import ABCMeta
 from collections.abc import Callable, Mapping
 from functools import wraps
 from importlib import import_module
@@ -51,8 +52,13 @@ ATTRIBUTES: dict[str, dict[str, str]] = {
         ),
         **_each(_AT, "propagate", "evaluate", "attitude", "attitude_at", "state", "states"),
         **_each(_AT, "history", "integrate", "solve", "interpolate", "orientation"),
+        **_each(_AT, "get_attitude", "get_state", "state_at", "predict"),
         **_each(_FILE, "to_aem", "to_file", "to_toml", "to_csv", "to_ck", "to_apm", "to_acm"),
-        **_each(_FILE, "save", "export", "dump", "to_stk"),
+        **_each(_FILE, "save", "export", "dump", "to_stk", "to_spice", "to_bc", "to_dict"),
+        **_each(
+            "use attitude.Scene(motion, ..., shape=mesh).at(times).magnitude",
+            *("lightcurve", "light_curve", "brightness", "magnitude"),
+        ),
         **_each(
             'use attitude.viewer.animate(motion, "m.mp4"), or view(output="m.html")',
             *("animate", "animation", "movie"),
@@ -63,6 +69,11 @@ ATTRIBUTES: dict[str, dict[str, str]] = {
     "FreeRotation": {
         **_each(_PERIODS, "period", "periods", "P_psi", "P_phi", "rotation_period", "P"),
         **_each(_PERIODS, "precession_period", "nutation_period", "spin_period"),
+        **_each(_PERIODS, "frequency", "frequencies", "precession_rate"),
+        **_each(
+            "use at(t).angular_velocity; str(motion) has its least, greatest and mean length",
+            *("spin_rate", "rpm", "angular_speed", "mean_rate"),
+        ),
         **_each(
             "use momentum / |momentum|, the direction of the angular momentum in ICRF, or "
             "published('L').pole",
@@ -72,10 +83,18 @@ ATTRIBUTES: dict[str, dict[str, str]] = {
         **_each("use energy, J", "kinetic_energy", "E", "T"),
         **_each(
             "use angles(t), phi, theta and psi about the momentum, rad: theta is the nutation",
-            *("nutation", "nutation_angle", "theta"),
+            *("nutation", "nutation_angle", "theta", "wobble", "wobble_angle"),
         ),
-        **_each("use mode, a Mode such as SHORT_AXIS", "is_tumbling", "tumbles", "is_lam"),
+        **_each(
+            "use mode, a Mode such as SHORT_AXIS", *("is_tumbling", "tumbles", "is_lam", "is_sam")
+        ),
+        **_each("use mode, a Mode such as SHORT_AXIS", "lam", "sam"),
         **_each("print the motion: str(motion) describes it", "describe", "summary", "info"),
+        **_each("use separatrix_distance or mode", "separatrix", "is_near_separatrix"),
+        **_each(
+            "use period_psi / 2, the time between flips, regime.flip_time and regime.dwell_time",
+            *("flips", "flip_times", "flip_period"),
+        ),
         **_each("use body.moments, kg m2", "moments", "inertia", "principal_moments"),
         **_each("use body.tensor, kg m2", "tensor", "inertia_tensor"),
         **_each("use at(t).covariance, or at(t).sigma in rad", "covariance", "sigma", "errors"),
@@ -110,6 +129,16 @@ ATTRIBUTES: dict[str, dict[str, str]] = {
         **_each("use moments, kg m2", "principal_moments", "Ixx", "Iyy", "Izz", "A", "B", "C"),
         **_each("use principal_axes, the columns are unit vectors", "axes", "principal_frame"),
         **_each("use center_of_mass, m", "com", "centre_of_mass", "center"),
+        **_each("use Body(moments=(3 numbers))", "from_moments", "from_principal_moments"),
+        **_each("use Body(tensor=(3 x 3))", "from_tensor", "from_inertia", "from_matrix"),
+        **_each(
+            "use Body.from_shape(mesh, density=), where mesh is attitude.shape.read(file) or "
+            "attitude.shape.box((a, b, c))",
+            *("from_mesh", "from_obj", "from_file", "from_box", "from_cuboid", "box", "cuboid"),
+        ),
+        **_each("use Body.from_ellipsoid((a, b, c), mass=)", "sphere", "ellipsoid", "from_sphere"),
+        **_each("use Body.from_points(masses, positions)", "from_masses", "from_particles"),
+        **_each("use attitude.catalog.load(name).body", "from_catalog", "from_name"),
         **_each(
             "a Body has its inertia alone: give the shape to Scene(shape=), or make the body by "
             "Body.from_shape(mesh, density=)",
@@ -131,6 +160,18 @@ ATTRIBUTES: dict[str, dict[str, str]] = {
         ),
         **_each("use Spin(epoch=, wxyz=, angular_velocity=)", "from_quaternion", "from_quat"),
         **_each("use Spin(epoch=, dcm=, angular_velocity=)", "from_dcm"),
+        **_each(
+            "use Spin.from_rotation with scipy's Rotation.from_rotvec(axis * angle)",
+            *("from_rotvec", "from_axis_angle", "from_axis", "from_mrp"),
+        ),
+        **_each(
+            'use Spin.from_periods(body, P="6 s", pole=...), or angular_velocity="0, 0, 10 rpm"',
+            *("from_rpm", "from_rate", "from_spin_rate", "about_axis"),
+        ),
+        **_each(
+            "use attitude.catalog.load(name).spin, or attitude.formats.detect.read(file)",
+            *("from_catalog", "from_name", "from_file", "read"),
+        ),
     },
     "Scene": {
         **_each("use at(times).magnitude", "magnitude", "magnitudes", "light_curve", "lightcurve"),
@@ -141,6 +182,7 @@ ATTRIBUTES: dict[str, dict[str, str]] = {
         **_each("use view(output=file)", "plot", "show", "render"),
         **_each("use attitude.viewer.animate(scene, file)", "animate"),
         **_each("use attitude.events.passes(scene, ...) or glints", "passes", "glints", "events"),
+        **_each("use at(times).elevation, .in_umbra or .lit_fraction", "visible", "is_visible"),
     },
     "View": {
         **_each("use magnitude or reduced_magnitude", "mag", "magnitudes", "mags", "V"),
@@ -181,6 +223,16 @@ ATTRIBUTES: dict[str, dict[str, str]] = {
         **_each(_WXYZ, "quaternion", "quaternions", "q"),
         **_each("use period_psi and period_phi, s", "period", "periods", "P_psi", "P_phi"),
         **_each("use len(ensemble)", "size", "count", "n"),
+        **_each("use Ensemble.of(motions)", "from_motions", "from_list"),
+        **_each(
+            "use Ensemble.sample(motion, ...), of errors, or Ensemble.from_periods",
+            *("random", "from_samples", "monte_carlo", "from_covariance"),
+        ),
+    },
+    "Entry": {
+        **_each("use body and motion(), whose spin is motion().spin", "spin", "state"),
+        **_each("use motion().published('L') and .published('S')", "period", "periods", "pole"),
+        **_each("use sources, the publication of each number", "source", "reference"),
     },
     "Mesh": {
         **_each("use facets", "faces", "triangles"),
@@ -189,6 +241,12 @@ ATTRIBUTES: dict[str, dict[str, str]] = {
         **_each("use attitude.shape.read(file)", "read", "load", "from_file"),
         **_each("use scaled(factor)", "scale", "resize"),
         **_each("use moved(offset)", "move", "translate", "shift"),
+        **_each("use turned(matrix)", "rotate", "rotated", "turn", "apply_transform"),
+        **_each(
+            "use mass_properties(density=), with mass, center_of_mass and inertia, or "
+            "Body.from_shape(mesh)",
+            *("inertia", "moments", "moment_inertia", "centroid", "center_of_mass", "mass"),
+        ),
         **_each(
             "give it to a scene, Scene(motion, ..., shape=mesh).view(output=file)", "plot", "show"
         ),
@@ -217,9 +275,24 @@ MODULES: dict[str, dict[str, str]] = {
         **_each("use attitude.paths.site(longitude, latitude)", "Site", "Observer", "Location"),
         **_each("use attitude.torques.GravityGradient", "GravityGradient"),
         **_each("use attitude.torques, such as torques.ConstantTorque", "Torque"),
-        **_each("use Body(moments=) with FreeRotation(body, spin)", "RigidBody", "Asteroid"),
+        **_each(
+            "use Body(moments=) with FreeRotation(body, spin)", "RigidBody", "Asteroid", "Satellite"
+        ),
         **_each("use FreeRotation(body, spin)", "Rotation", "FreeMotion", "Tumbler", "Rotator"),
+        **_each("use FreeRotation(body, spin).at(t)", "Trajectory", "rotation", "dcm", "euler"),
         **_each("use plain arrays (..., 4), attitude.frames.quaternion", "Quaternion"),
+        **_each(
+            "use FreeRotation(body, spin).at(t)", "integrate", "simulate", "solve", "Simulation"
+        ),
+        **_each("use Spin(epoch=, wxyz=, angular_velocity=)", "State", "Attitude", "SpinState"),
+        **_each("use Arcs with Impulse", "Maneuver", "Manoeuvre", "Burn", "Thruster"),
+        **_each("use attitude.events.glints(scene, ...)", "glints", "Glint", "find_glints"),
+        **_each("use attitude.events.passes(scene, ...)", "passes", "Pass", "find_passes"),
+        **_each("use attitude.paths.kepler(...), .tle(file) or .oem(file)", "Orbit", "Kepler"),
+        **_each("use attitude.photometry.read(file)", "read_photometry", "Photometry"),
+        **_each("use attitude.__version__", "version", "VERSION"),
+        **_each("use motion.write(file), whose format follows from the ending", "write", "save"),
+        **_each('use text such as "2026-01-01", or attitude.epochs', "Time", "Epoch", "Instant"),
     },
     "attitude.catalog": {
         **_each("use catalog.names()", "list", "all", "keys", "search", "bodies", "objects"),
@@ -236,9 +309,13 @@ MODULES: dict[str, dict[str, str]] = {
         **_each(
             "use paths.mpc_orbit(line), or paths.spk(file) of Horizons", "horizons", "asteroid"
         ),
-        **_each("use paths.tle(file)", "satellite", "sgp4"),
+        **_each("use paths.tle(file)", "satellite", "sgp4", "from_tle", "TLE"),
+        **_each("use paths.spk(file, target)", "from_spk", "SPK", "kernel"),
         **_each(
-            "use paths.site(longitude, latitude) or paths.observatory(code)", "ground", "topos"
+            "use paths.site(longitude, latitude) or paths.observatory(code)",
+            "ground",
+            "topos",
+            "Site",
         ),
     },
     "attitude.plots": {
@@ -268,6 +345,12 @@ MODULES: dict[str, dict[str, str]] = {
         **_each("use events.glints(scene, ...)", "find_glints", "flashes"),
         **_each("use events.passes(scene, ...)", "find_passes", "rise_set"),
         **_each("use events.find_maxima or find_minima", "extrema", "find_extrema", "find_peaks"),
+    },
+    "attitude.light_curve": {
+        **_each(
+            "use Scene(motion, ..., shape=mesh).at(times).magnitude, or light_curve.brightness",
+            *("magnitude", "magnitudes", "light_curve", "lightcurve", "flux", "compute"),
+        ),
     },
     "attitude.scattering": {
         **_each("use scattering.Lambert()", "lambert", "Lambertian"),
@@ -304,23 +387,38 @@ def of_module(owner: str) -> Callable[[str], Any]:
     return __getattr__
 
 
-class Answering:
+class _AnsweringClass(ABCMeta):
+    """The class of such classes: constructors that do not exist (`Spin.from_quaternion`)."""
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(cls, name: str) -> Any:
+            raise _absent_attribute(cls, name, cls)
+
+
+class Answering(metaclass=_AnsweringClass):
     """Base of classes whose absent attributes are answered with a hint of `ATTRIBUTES`."""
 
     if not TYPE_CHECKING:
         # Hidden from type checkers: a class with __getattr__ has every name, misspelt ones too.
         def __getattr__(self, name: str) -> Any:
             cls = type(self)
-            if not name.startswith("_"):
-                if hasattr(cls, name):  # a property that raised: its own error
-                    return object.__getattribute__(self, name)
-                for base in cls.__mro__:
-                    hint = ATTRIBUTES.get(base.__name__, {}).get(name)
-                    if hint is not None:
-                        sentence = f"{cls.__name__} has no attribute {name!r}; {hint}."
-                        raise AttributeError(sentence, name=name, obj=self)
-            sentence = f"{cls.__name__!r} object has no attribute {name!r}"
-            raise AttributeError(sentence, name=name, obj=self)
+            if not name.startswith("_") and hasattr(cls, name):  # a property raised: its own error
+                return object.__getattribute__(self, name)
+            raise _absent_attribute(cls, name, self)
+
+
+def _absent_attribute(cls: type, name: str, obj: Any) -> AttributeError:
+    """The AttributeError for a name that a class does not have, with the hint of `ATTRIBUTES`."""
+    hints = (ATTRIBUTES.get(base.__name__, {}).get(name) for base in cls.__mro__)
+    hint = next((text for text in hints if text is not None), None)
+    if hint is None and obj is cls:
+        sentence = f"type object {cls.__name__!r} has no attribute {name!r}"
+    elif hint is None:
+        sentence = f"{cls.__name__!r} object has no attribute {name!r}"
+    else:
+        sentence = f"{cls.__name__} has no attribute {name!r}; {hint}."
+    return AttributeError(sentence, name=name, obj=obj)
 
 
 # ---- Calls with arguments that do not exist

@@ -6,7 +6,6 @@ except by converting it to the unit of the result.
 
 from __future__ import annotations
 
-import inspect
 import math
 import numbers
 from collections.abc import Collection, Sequence
@@ -20,7 +19,7 @@ from attitude._support.quoting import quoted
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from attitude._support.annotations import BoolArray, FloatArray, Real, Reals
 
@@ -47,7 +46,8 @@ def real(
     else:
         array = _floats(value, name, unit)
     if shape is not None and array.shape != shape and not _fits(array.shape, shape):
-        raise AttitudeError(f"{name} has shape {array.shape}; give {_spelled(shape)}.")
+        size = f"has shape {array.shape}" if array.shape else "is one number"
+        raise AttitudeError(f"{name} {size}; give {_spelled(shape)}.")
     if finite and not is_finite(array):
         bad = array[~np.isfinite(array)].flat[0]
         raise AttitudeError(f"{name} holds {bad}; every number in it must be finite.")
@@ -304,7 +304,7 @@ def shown(value: object) -> str:
     return quoted(value)
 
 
-# ---- Calls that fail: of arguments that do not exist, and of packages that are not installed
+# ---- Calls that fail, of packages that are not installed
 
 # What pip installs, and where: no package index has the package before its release.  From then on
 # "attitude-propagation" and "" (CONTRIBUTING.md); a test compares README and docs.
@@ -319,34 +319,3 @@ def installing(extra: str) -> str:
     'pip install ".[jax]", in a checkout of this project'
     """
     return f'pip install "{SOURCE}[{extra}]"{WHERE}'
-
-
-def check_call(
-    name: str,
-    given: Sequence[Any],
-    named: Mapping[str, Any],
-    *,
-    allowed: Sequence[str],
-    hints: Mapping[str, str],
-    example: str,
-) -> None:
-    """AttitudeError for too many arguments, and for names that the call does not have."""
-    if len(given) <= len(allowed) and (not named or named.keys() <= set(allowed)):
-        return
-    if len(given) > len(allowed):
-        raise AttitudeError(
-            f"{name} is called with {len(given)} arguments; it takes {', '.join(allowed)}, as in "
-            f"{example}."
-        )
-    wrong = next(each for each in named if each not in allowed)
-    advice = hints.get(wrong, f"it takes {', '.join(allowed)}")
-    raise AttitudeError(f"{name} has no argument {wrong}; {advice}, as in {example}.")
-
-
-def show_arguments(cls: type) -> None:
-    """Let `inspect.signature` find the arguments of ``__init__`` where ``__new__`` takes any."""
-    known = inspect.signature(vars(cls)["__init__"])
-    arguments = list(known.parameters.values())[1:]
-    cls.__signature__ = known.replace(  # type: ignore[attr-defined]
-        parameters=arguments, return_annotation=inspect.Signature.empty
-    )

@@ -390,7 +390,7 @@ def is_file(text: str) -> bool:
 
 def motion_of(arguments: argparse.Namespace) -> FreeRotation | TorquedRotation:
     """The motion of parsed arguments; that of a mission file with sections [[torque]] too."""
-    if is_file(arguments.target) and _has_torques(arguments.target):
+    if is_file(arguments.target) and _mission(arguments.target):
         from attitude.formats import mission
 
         return mission.read_motion(arguments.target)
@@ -422,13 +422,16 @@ def incomplete(arguments: argparse.Namespace) -> Entry | None:
     return entry if entry.missing else None
 
 
-def _has_torques(path: str) -> bool:
-    """Whether a file is TOML with sections [[torque]]."""
+def _mission(path: str) -> dict[str, Any]:
+    """The content of a file that is a mission file; empty if it is none."""
     from attitude._textfiles import toml
+    from attitude.formats.spin_file import OF_MISSIONS
 
     if not path.lower().endswith(".toml"):
-        return False
-    return "torque" in toml.parsed(toml.read(path, "spin file"), path)
+        return {}
+    content = toml.parsed(toml.read(path, "spin file"), path)
+    is_mission = bool(OF_MISSIONS & content.keys()) or isinstance(content.get("spin"), str)
+    return content if is_mission else {}
 
 
 def _from_file(arguments: argparse.Namespace) -> Target:
@@ -440,9 +443,27 @@ def _from_file(arguments: argparse.Namespace) -> Target:
             f"{', '.join(useless)} complete an entry of the catalogue; write such values into the "
             "spin file."
         )
+    content = _mission(arguments.target)
+    if content:
+        return _of_mission(arguments.target, content)
     found = detect.read_state(arguments.target)
     labels = found.name or arguments.target, found.source, found.note
     return Target(found.motion, *labels, shape=found.shape, law=found.law)
+
+
+def _of_mission(path: str, content: dict[str, Any]) -> Target:
+    """The free rotation in a mission file."""
+    from attitude.formats import mission
+    from attitude.motions._free_rotation import FreeRotation
+
+    motion = mission.read_motion(path)
+    if not isinstance(motion, FreeRotation):
+        raise AttitudeError(
+            f"{path}: the body moves under torques; give it to attitude propagate or evolve, or a "
+            "file without [[torque]] for its free rotation."
+        )
+    name, source, note = (content.get(key) for key in ("name", "source", "note"))
+    return Target(motion, name or path, source, note)
 
 
 def _given(arguments: argparse.Namespace) -> dict[str, Any]:

@@ -228,7 +228,10 @@ class Ensemble(Immutable):
         self._bad: IntArray
         if wxyz is None or angular_velocity is None:
             missing = "wxyz" if wxyz is None else "angular_velocity"
-            raise AttitudeError(f"{missing} is missing; give one row, or one for each member.")
+            raise AttitudeError(
+                f"{missing} is missing; give one row, or one for each member; of motions use "
+                "Ensemble.of([FreeRotation(body, spin), ...])."
+            )
         relative = validation.flag(relative, "relative")
         rates = _members.rows(angular_velocity, "angular_velocity", 3, "rad/s")
         attitudes = _members.rows(wxyz, "wxyz", 4, None)

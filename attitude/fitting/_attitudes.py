@@ -10,6 +10,7 @@ import numpy as np
 from attitude import frames
 from attitude._support import validation
 from attitude._support.pairs import Seconds
+from attitude._support.synonyms import arguments
 from attitude.errors import AttitudeError
 from attitude.fitting import _minimum
 from attitude.fitting._minimum import Problem, result
@@ -216,6 +217,13 @@ def _basis(axes: str) -> FloatArray:
 FEWEST, FEWEST_ROBUST = 6, 30
 
 
+@arguments(
+    dict.fromkeys(
+        ("t", "times", "wxyz", "quaternions", "attitudes"),
+        "give an AttitudeTable: fit(AttitudeTable(t, wxyz))",
+    ),
+    "fit(table)",
+)
 def fit(
     table: AttitudeTable | AttitudeHistory,
     body: Body | None = None,
@@ -357,6 +365,10 @@ def _observed(
 _IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
 
 
+@arguments(
+    dict.fromkeys(("omega", "rates"), "give angular_velocity="),
+    'fit_rates(t, angular_velocity, epoch="2026-01-01")',
+)
 def fit_rates(
     t: Epochs,
     angular_velocity: Reals,
@@ -551,6 +563,7 @@ def _davenport(sums: FloatArray) -> FloatArray:
 _FEWEST = 12
 
 
+@arguments({}, 'fit_directions(t, body_directions, inertial_directions, epoch="2026-01-01")')
 def fit_directions(
     t: Epochs,
     body_directions: Reals,

@@ -237,6 +237,11 @@ def parse(text: str, origin: str = "text", *, folder: str = ".") -> Mission:
         refuse_unknown(content, _KEYS, "the file")
         labels = {key: text_of(content, key) for key in _TEXTS}
         state = _with_errors(_state(content, folder), content)
+        if not content.keys() & {"center", "observer"}:
+            raise AttitudeError(
+                "the file has no center, which a body seen from the Earth needs; give one, as in "
+                'center = "mars" or center = { oem = "orbit.oem" }, or an observer.'
+            )
         scene = Scene(
             _motion(content, state, folder),
             _place(content["center"], "center", folder) if "center" in content else None,

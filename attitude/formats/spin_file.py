@@ -318,6 +318,10 @@ def _kind(value):
 
 
 _KEYS = ("name", "source", "note", "body", "spin", "errors", "shape", "scattering")
+# Keys that mission files have and spin files have not.
+OF_MISSIONS: frozenset[str] = frozenset(
+    ("center", "observer", "sun", "columns", "times", "magnitude", "torque")
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -387,6 +391,13 @@ def parse(text: str, origin: str = "text", *, folder: str = ".") -> SpinFile:
     '''
     content = toml.parsed(text, origin)
     try:
+        of_mission = OF_MISSIONS & content.keys()
+        if of_mission:
+            raise AttitudeError(
+                f"the file has a key {min(of_mission)!r}, which mission files have: "
+                "attitude.formats.mission reads it (read_motion its motion); a spin file has the "
+                "sections [body], [spin], [errors] and [shape]."
+            )
         toml.refuse_unknown(content, _KEYS, "the file")
         labels = {key: toml.text_of(content, key) for key in ("name", "source", "note")}
         return of_sections(content, folder, **labels)

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from attitude.inversion._solution import Prediction, Solution, SpinStates
 
 
-_DAY = 86400.0
 # Grid frequencies of the map to either side.
 _SIDE = 60
 _DATA, _MODEL, _OTHER = "#0072b2", "#d55e00", "0.6"
@@ -200,16 +199,18 @@ def of_states(found: SpinStates, path: FilePath | None = None) -> Any:
     _folded(axes[1, 1], best, 1)
     first = best.evidence
     _map(axes[0, 2], best)
+    unit = time_unit(best.P_phi)
     for each in found:
         behind = each.evidence - first
         colour = _MODEL if behind < 16.0 else _OTHER
-        phi, psi = np.array(SearchState.of(each.state).rates) / each.curve.span * _DAY
+        rates = np.array(SearchState.of(each.state).rates)
+        phi, psi = rates / each.curve.span * TIME_UNITS[unit]
         mark = "o" if each.mode == "LAM" else "s"
         axes[0, 2].plot(phi, psi, mark, mfc="none", mew=1.8, color=colour)
         longitude, latitude = np.degrees(each.pole)
         axes[1, 2].plot(longitude, latitude, "o", color=colour, ms=4)
-    axes[0, 2].set_xlabel("1/P_phi of the long axis, 1/d")
-    axes[0, 2].set_ylabel("1/P_psi, 1/d")
+    axes[0, 2].set_xlabel(f"1/P_phi of the long axis, 1/{unit}")
+    axes[0, 2].set_ylabel(f"1/P_psi, 1/{unit}")
     axes[1, 2].set_xlabel("ecliptic longitude of the momentum, deg")
     axes[1, 2].set_ylabel("latitude, deg")
     axes[1, 2].set_xlim(0.0, 360.0)
@@ -266,8 +267,8 @@ def _map(axes: Any, best: Solution) -> None:
     gain = np.empty(len(one))
     _spectrum.decreases(*made[:4], one, two, _spectrum.harmonics(2), 1.0, gain)
     left = (1.0 - gain / made.total).reshape(len(sides[0]), len(sides[1]))
-    unit = step / best.curve.span * _DAY
-    x, y = sides[0] * unit, 0.5 * sides[1] * unit
+    width = step / best.curve.span * TIME_UNITS[time_unit(best.P_phi)]
+    x, y = sides[0] * width, 0.5 * sides[1] * width
     shown = axes.pcolormesh(x, y, left.T, shading="nearest", cmap="viridis", vmin=0.0, vmax=1.0)
     axes.figure.colorbar(shown, ax=axes, label="chi-squared left")
     axes.set_xlim(x[0], x[-1])
@@ -276,21 +277,24 @@ def _map(axes: Any, best: Solution) -> None:
 
 def _fit(above: Any, below: Any, solution: Solution | Refinement) -> None:
     problem = solution.weighted.problem
-    days = problem.t * problem.span / _DAY
+    seconds = problem.t * problem.span
+    unit = time_unit(float(np.ptp(seconds)))
+    t = seconds / TIME_UNITS[unit]
     shown = problem.magnitude
-    above.plot(days, shown, ".", color=_DATA, label="observed")
-    above.plot(days, shown - solution.residuals, "x", color=_MODEL, label="computed", ms=4)
+    above.plot(t, shown, ".", color=_DATA, label="observed")
+    above.plot(t, shown - solution.residuals, "x", color=_MODEL, label="computed", ms=4)
     above.invert_yaxis()
     above.set_ylabel("reduced magnitude")
     above.legend(fontsize=9, loc="upper right")
-    averaged = len(solution.curve) != len(days)
-    session = np.zeros(len(days), np.int64) if averaged else solution.curve.session
+    averaged = len(solution.curve) != len(t)
+    session = np.zeros(len(t), np.int64) if averaged else solution.curve.session
     for number in np.unique(session):
         own = session == number
-        below.plot(days[own], solution.residuals[own], ".", color=f"C{number % 10}")
+        below.plot(t[own], solution.residuals[own], ".", color=f"C{number % 10}")
     below.axhline(0.0, color=_OTHER)
     below.invert_yaxis()
-    below.set_xlabel("days from the epoch")
+    epoch = solution.curve.epoch.utc_iso[:19].replace("T", " ")
+    below.set_xlabel(f"{unit} from {epoch} UTC")
     below.set_ylabel("residual, mag")
 
 

@@ -363,7 +363,9 @@ def usable(curve: Any) -> LightCurve:
     Notes say what errors were assumed, and that points may be saturated.
     """
     if not isinstance(curve, LightCurve):
-        raise AttitudeError(f"curve is {validation.shown(curve)}; give a LightCurve.")
+        raise AttitudeError(
+            f"curve is {validation.shown(curve)}; give a LightCurve, such as LightCurve.read(file)."
+        )
     if not curve.has_geometry:
         raise AttitudeError(
             "the light curve has no geometry, which an inversion needs: the directions of Sun and "

@@ -192,9 +192,6 @@ class Refinement(CurveFit):
 
         return _figures.of_nights(self, path)
 
-    def __repr__(self) -> str:
-        return f"<Refinement: {self.point.motion!r}, rms {self.rms:.3f} mag>"
-
 
 def refine(
     curve: LightCurve,

@@ -341,6 +341,15 @@ class CurveFit(Answering, ABC):
         """Mean square of the residuals over the given errors alone."""
         return float(np.mean((self.residuals / self._problem.sigma) ** 2))
 
+    def __repr__(self) -> str:
+        longitude, latitude = np.degrees(self.pole)
+        psi, phi = quantity_text.of_time(self.P_psi), quantity_text.of_time(self.P_phi)
+        periods = f"P {phi}" if self.mode == "PA" else f"P_phi(L) {phi}, P_psi {psi}"
+        return (
+            f"<{type(self).__name__} {self.rank}: {self.mode}, {periods}, pole {longitude:.1f} "
+            f"{latitude:+.1f} deg, rms {self.rms:.3f} mag>"
+        )
+
     @abstractmethod
     def _model(self, problem: CurveProblem) -> Modelled:
         """Magnitudes and their derivatives at the epochs of a problem."""
@@ -589,15 +598,6 @@ class Solution(CurveFit):
                 is_dotted=True,
             )
         ]
-
-    def __repr__(self) -> str:
-        longitude, latitude = np.degrees(self.pole)
-        psi, phi = quantity_text.of_time(self.P_psi), quantity_text.of_time(self.P_phi)
-        periods = f"P {phi}" if self.is_axial else f"P_phi(L) {phi}, P_psi {psi}"
-        return (
-            f"<Solution {self.rank}: {self.mode}, {periods}, pole {longitude:.1f} "
-            f"{latitude:+.1f} deg, rms {self.rms:.3f} mag>"
-        )
 
 
 def _with_error(seconds: float, sigma: float) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 
 from attitude._support import validation
 from attitude._support.blocks import timed
+from attitude._support.synonyms import arguments
 from attitude.errors import AttitudeError
 from attitude.inversion import (
     _apparitions,
@@ -53,6 +54,14 @@ _LABEL = "spin states"
 _IS_CONSTANT = "the brightness is constant within the errors"
 
 
+@arguments(
+    {
+        "periods": "give period=, one or several",
+        "body": "give moments=",
+        "path": "give it to the curve: LightCurve(..., path=)",
+    },
+    'spin_states(LightCurve.read("curve.csv"), "3 /d")',
+)
 def spin_states(
     curve: LightCurve,
     max_frequency: Real | None = None,

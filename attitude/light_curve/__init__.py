@@ -13,6 +13,9 @@ _raycast      `brightness_by_rays`: the same shadows by casting rays
 _sums         the compiled sums over facets, and the closed form of an ellipsoid
 """
 
+from typing import TYPE_CHECKING
+
+from attitude._support.synonyms import of_module
 from attitude.light_curve._brightness import brightness, stream
 from attitude.light_curve._magnitudes import (
     apparent_magnitude,
@@ -33,3 +36,7 @@ __all__ = [
     "reduced_magnitude",
     "stream",
 ]
+
+if not TYPE_CHECKING:
+    # Hidden from type checkers: a module with __getattr__ has every name, misspelt ones too.
+    __getattr__ = of_module(__name__)

@@ -13,6 +13,7 @@ from attitude._solver.evaluation import writable
 from attitude._solver.principal_axes import ASYMMETRY, PrincipalAxes
 from attitude._support import markup, validation
 from attitude._support.arrays import Valued, frozen
+from attitude._support.synonyms import arguments
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
@@ -30,7 +31,6 @@ _ORIGIN = frozen(np.zeros(3))
 # Principal axes equal to the body axes, as pairs of doubles.
 _GIVEN_AXES = np.stack([np.eye(3), np.zeros((3, 3))], axis=-1)
 
-_ARGUMENTS = ("moments", "tensor", "mass", "relative", "center_of_mass")
 _HINTS = {
     **dict.fromkeys(("inertia", "I", "inertia_tensor"), "give moments or tensor"),
     **dict.fromkeys(("Ixx", "Iyy", "Izz", "I1", "I2", "I3", "A", "B", "C"), "give moments"),
@@ -91,23 +91,7 @@ class Body(Valued):
 
     _value = ("moments", "tensor", "mass", "relative", "center_of_mass")
 
-    def __new__(cls, *given: Any, **named: Any) -> Body:
-        """A sentence for the calls that others expect: Body(10, 20, 26), inertia=."""
-        if given and isinstance(given[0], (int, float)):
-            raise AttitudeError(
-                f"Body takes its moments together: Body(moments=({_three_numbers(given)})), or a "
-                "tensor: Body(tensor=(3 x 3))."
-            )
-        validation.check_call(
-            "Body",
-            given,
-            named,
-            allowed=_ARGUMENTS,
-            hints=_HINTS,
-            example="Body(moments=(10, 20, 26)) or Body(tensor=(3 x 3))",
-        )
-        return object.__new__(cls)
-
+    @arguments(_HINTS, "Body(moments=(10, 20, 26)) or Body(tensor=(3 x 3))")
     def __init__(
         self,
         moments: Reals | None = None,
@@ -119,6 +103,12 @@ class Body(Valued):
         self._moments: FloatArray
         self._axes: FloatArray
         self._found: PrincipalAxes | None
+        if isinstance(moments, (int, float)):
+            raise AttitudeError(
+                "Body takes its moments together: "
+                f"Body(moments=({_three_numbers((moments, tensor, mass))})), or a tensor: "
+                "Body(tensor=(3 x 3))."
+            )
         relative = validation.flag(relative, "relative")
         unit = None if relative else "kg m2"
         if (moments is None) == (tensor is None):
@@ -137,6 +127,7 @@ class Body(Valued):
             frozen(array)
 
     @classmethod
+    @arguments({}, "Body.from_points([1, 2, 3], [(0, 0, 0), (1, 0, 0), (0, 2, 0)])")
     def from_points(cls, masses: Reals, positions: Reals, *, relative: bool = False) -> Body:
         """A rigid set of point masses.
 
@@ -177,6 +168,10 @@ class Body(Valued):
         return cls(tensor=tensor, mass=mass, relative=relative, center_of_mass=center)
 
     @classmethod
+    @arguments(
+        dict.fromkeys(("a", "b", "c", "semi_axes"), "give axes="),
+        "Body.from_ellipsoid((380, 240, 180), mass=5e10)",
+    )
     def from_ellipsoid(cls, axes: Reals, *, mass: Real | None = None) -> Body:
         """A homogeneous ellipsoid.
 
@@ -204,6 +199,10 @@ class Body(Valued):
         return cls(moments=moments, mass=mass, relative=mass is None)
 
     @classmethod
+    @arguments(
+        {"mass": "give density=, or multiply: Body(tensor=mass / volume * tensor)"},
+        "Body.from_shape(mesh, density=2000)",
+    )
     def from_shape(cls, shape: Mesh | Ellipsoid, *, density: Real | None = None) -> Body:
         """A homogeneous solid of a shape.
 
@@ -329,10 +328,6 @@ class Body(Valued):
     def moments_as_pairs(self) -> FloatArray:
         """The principal moments to 31 digits, kg m2: (3, 2), each the sum of its two doubles."""
         return self._moments
-
-
-# __new__, which takes anything, would hide the arguments from help and shift-tab.
-validation.show_arguments(Body)
 
 
 def _check(moments: FloatArray, name: str) -> None:

@@ -152,6 +152,10 @@ class Motion(Valued):
     ) -> list[FloatArray]:
         raise NotImplementedError(f"{type(self).__name__} defines no _evaluate")
 
+    @synonyms.arguments(
+        dict.fromkeys(("times", "time", "epoch", "epochs", "date", "dates"), "give t="),
+        'motion.at(["2026-01-01", "2026-01-02"]) or motion.at(60.0), seconds since the epoch',
+    )
     def at(self, t: Epochs, low: ArrayLike | None = None) -> AttitudeHistory:
         """The attitudes at some epochs.
 

@@ -10,10 +10,19 @@ import numpy as np
 from attitude._solver.batches import Batch
 from attitude._support import validation
 from attitude._support.arrays import frozen, new_array, put
+from attitude._support.synonyms import arguments
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray, Reals
+
+
+_HINTS = {
+    "body": "give body.moments first, or use FreeRotation(body, spin).at(t)",
+    "spin": "give spin.wxyz and spin.angular_velocity, or use FreeRotation(body, spin).at(t)",
+    **dict.fromkeys(("q0", "wxyz", "quaternion"), "give wxyz0="),
+    **dict.fromkeys(("w0", "omega"), "give omega0="),
+}
 
 
 @overload
@@ -82,6 +91,10 @@ def propagate(
 ) -> FloatArray | tuple[FloatArray, FloatArray]: ...
 
 
+@arguments(
+    _HINTS,
+    "propagate(moments, wxyz0, omega0, t); of a body and a spin, FreeRotation(body, spin).at(t)",
+)
 def propagate(
     moments: Reals | None,
     wxyz0: Reals,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, cast, overload
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from attitude.motions._body import Body
 
 
-_ARGUMENTS = ("epoch", "wxyz", "angular_velocity", "frame", "covariance", "dcm")
 _FIRST = "give wxyz=(w, x, y, z), the scalar first"
 _RATES = "give angular_velocity=(3 numbers), rad/s over the body axes"
 _HINTS = {
@@ -41,7 +40,16 @@ _HINTS = {
     "rotation": "use Spin.from_rotation",
     "matrix": "use Spin.from_matrix (body to frame), or give dcm= (frame to body)",
     **dict.fromkeys(("euler", "angles"), "use Spin.from_euler or Spin.from_angles"),
-    **dict.fromkeys(("P_psi", "P_phi", "pole", "P"), "use Spin.from_periods"),
+    **dict.fromkeys(("P_psi", "P_phi", "pole", "P", "period", "rpm"), "use Spin.from_periods"),
+}
+_EXAMPLE = 'Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0.1, 1.5, 0.1))'
+_PUBLISHED = {
+    **dict.fromkeys(("period", "periods"), "give P_psi= and P_phi=, or P="),
+    **dict.fromkeys(("date", "time", "t0"), "give epoch="),
+    **dict.fromkeys(
+        ("spin_axis", "axis", "beta", "lam", "ra", "dec", "longitude", "latitude"),
+        'give pole=, longitude and latitude as in "250, -75 deg", and frame=',
+    ),
 }
 
 
@@ -99,18 +107,6 @@ class Spin(Valued):
 
     _value = ("epoch", "frame", "wxyz_as_pairs", "angular_velocity", "covariance")
 
-    def __new__(cls, *given: Any, **named: Any) -> Spin:
-        """A sentence for the names that others use, such as xyzw=."""
-        validation.check_call(
-            "Spin",
-            given,
-            named,
-            allowed=_ARGUMENTS,
-            hints=_HINTS,
-            example='Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0.1, 1.5, 0.1))',
-        )
-        return object.__new__(cls)
-
     @overload
     def __init__(
         self,
@@ -132,6 +128,7 @@ class Spin(Valued):
         covariance: Reals | Mapping[str, Reals] | None = ...,
     ) -> None: ...
 
+    @arguments(_HINTS, _EXAMPLE)
     def __init__(
         self,
         epoch: Epoch,
@@ -143,9 +140,11 @@ class Spin(Valued):
     ) -> None:
         known_epoch, known_frame = _inputs.instant(epoch, "epoch"), frames.known(frame)
         in_pairs = quaternion.unit_in_pairs(_attitude(wxyz, dcm))
-        rate = validation.real(
-            cast("Reals", angular_velocity), "angular_velocity", shape=(3,), unit="rad/s"
-        )
+        if angular_velocity is None:
+            raise AttitudeError(f"Spin is given no rates; {_RATES}, as in {_EXAMPLE}.")
+        rate = validation.real(angular_velocity, "angular_velocity", unit="rad/s")
+        if rate.shape != (3,):
+            _refuse_rate(angular_velocity, rate)
         errors = None if covariance is None else frozen(covariances.known(covariance))
         self._set_all(
             epoch=known_epoch,
@@ -157,6 +156,11 @@ class Spin(Valued):
         )
 
     @classmethod
+    @arguments(
+        {},
+        'Spin.from_rotation(epoch="2026-01-01", rotation=Rotation.identity(), '
+        "angular_velocity=(0.1, 1.5, 0.1))",
+    )
     def from_rotation(
         cls, *, epoch: Epoch, rotation: Rotation, angular_velocity: Reals, frame: str = "icrf"
     ) -> Spin:
@@ -171,6 +175,10 @@ class Spin(Valued):
         return cls(epoch, wxyz, angular_velocity, frame)
 
     @classmethod
+    @arguments(
+        {"dcm": "use Spin(dcm=)"},
+        'Spin.from_matrix(epoch="2026-01-01", matrix=np.eye(3), angular_velocity=(0.1, 1.5, 0.1))',
+    )
     def from_matrix(
         cls, *, epoch: Epoch, matrix: Reals, angular_velocity: Reals, frame: str = "icrf"
     ) -> Spin:
@@ -203,11 +211,7 @@ class Spin(Valued):
 
     @classmethod
     @arguments(
-        {
-            **dict.fromkeys(("period", "periods"), "give P_psi= and P_phi=, or P="),
-            **dict.fromkeys(("date", "time", "t0"), "give epoch="),
-            **dict.fromkeys(("spin_axis", "axis", "beta", "lam"), "give pole="),
-        },
+        _PUBLISHED,
         'Spin.from_periods(body, mode="LAM", convention="L", P_psi="5.37 d", P_phi="7.4 d", '
         'pole="180, -52 deg", phi0=0.0, psi0=0.0, epoch="2026-01-01")',
     )
@@ -278,6 +282,11 @@ class Spin(Valued):
         return cls(epoch, *state, frame)
 
     @classmethod
+    @arguments(
+        _PUBLISHED,
+        'Spin.from_energy(body, energy_ratio=1.9, convention="L", P_psi="5.37 d", '
+        'pole="180, -52 deg", phi0=0.0, psi0=0.0, epoch="2026-01-01")',
+    )
     def from_energy(
         cls,
         body: Body,
@@ -306,6 +315,12 @@ class Spin(Valued):
         return cls(epoch, *state, frame)
 
     @classmethod
+    @arguments(
+        _PUBLISHED,
+        'Spin.from_pole(body, convention="L", pole="180, -52 deg", phi0=0.0, '
+        'angular_velocity=(0.1, 1.5, 0.1), epoch="2026-01-01"); a body that does not tumble has '
+        'Spin.from_periods(body, P="5 h", pole="180, -52 deg", phi0=0.0, epoch="2026-01-01")',
+    )
     def from_pole(
         cls,
         body: Body,
@@ -333,6 +348,11 @@ class Spin(Valued):
         return cls(epoch, *state, frame)
 
     @classmethod
+    @arguments(
+        dict.fromkeys(("euler", "phi", "theta", "psi"), "give angles=(phi, theta, psi)"),
+        'Spin.from_angles(body, convention="L", angles=(0.1, 0.2, 0.3), '
+        'angular_velocity=(0.1, 1.5, 0.1), epoch="2026-01-01")',
+    )
     def from_angles(
         cls,
         body: Body,
@@ -412,8 +432,15 @@ class Spin(Valued):
         return markup.table("Spin", rows)
 
 
-# __new__, which takes anything, would hide the arguments from help and shift-tab.
-validation.show_arguments(Spin)
+def _refuse_rate(value: Reals, rate: FloatArray) -> None:
+    """AttitudeError for an angular velocity that is not three numbers."""
+    if rate.shape == ():
+        raise AttitudeError(
+            f"angular_velocity is one number, {validation.shown(value)}, which has no axis; give "
+            'its components over the body axes, such as "0, 0, 10 rpm", or use '
+            'Spin.from_periods(body, P="6 s", pole="180, -52 deg", phi0=0.0, epoch=...).'
+        )
+    raise AttitudeError(f"angular_velocity has shape {rate.shape}; give (3).")
 
 
 def _attitude(wxyz: Reals | None, dcm: Reals | None) -> Reals:

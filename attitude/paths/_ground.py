@@ -13,6 +13,7 @@ import numpy as np
 from attitude._support import pairs, validation
 from attitude._support.arrays import Immutable
 from attitude._support.constants import EARTH_FLATTENING, EARTH_RADIUS_M
+from attitude._support.synonyms import arguments
 from attitude._textfiles.lines import packaged
 from attitude.epochs import _time_scales
 from attitude.epochs._instants import Instant
@@ -228,6 +229,17 @@ class Site(Immutable, Path):
         return to_celestial(*at, self.itrs, **settings)[0]
 
 
+_HINTS = {
+    **dict.fromkeys(("lat", "phi"), "give latitude="),
+    **dict.fromkeys(("lon", "long", "lam"), "give longitude="),
+    **dict.fromkeys(("alt", "altitude", "elevation", "h"), "give height=, m"),
+}
+
+
+@arguments(
+    _HINTS,
+    'site("-70.7 deg", "-30.2 deg", 2700)',
+)
 def site(
     longitude: Real,
     latitude: Real,

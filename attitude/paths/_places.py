@@ -276,12 +276,7 @@ def _of_keywords(value: Any, name: str) -> Path:
     """The path of the keywords of `kepler`."""
     if not isinstance(value, dict):
         raise AttitudeError(f"{name} kepler is {quoted(value)}; give a table of elements.")
-    try:
-        return _two_body.kepler(**value)
-    except TypeError as err:
-        raise AttitudeError(
-            f"{name} kepler does not fit paths.kepler: {str(err).partition('() ')[2]}."
-        ) from err
+    return _two_body.kepler(**value)
 
 
 # ---- Tables of mission files

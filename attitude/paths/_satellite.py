@@ -20,6 +20,7 @@ import numpy as np
 
 from attitude._support import pairs, validation
 from attitude._support.quoting import quoted
+from attitude._support.synonyms import arguments
 from attitude._textfiles import messages, toml, xml
 from attitude._textfiles.lines import of_text, whole
 from attitude.epochs import _time_scales
@@ -139,6 +140,10 @@ def _elapsed_tai(epoch, elapsed):
     return elapsed - (_time_scales.difference_at(start[0] + elapsed, start[1]) - first)
 
 
+@arguments(
+    dict.fromkeys(("line1", "line2", "lines"), "give both lines: tle([line1, line2])"),
+    'tle("satellite.tle")',
+)
 def tle(
     text: FilePath | Sequence[str], *, name: str | int | None = None, any_epoch: bool = False
 ) -> Satellite:

@@ -14,6 +14,7 @@ from attitude._compilation.instructions import fma
 from attitude._solver.twofloat import two_sum
 from attitude._support import validation
 from attitude._support.arrays import Immutable, frozen, read_only
+from attitude._support.synonyms import arguments
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.paths._path import Path, known_center, since
@@ -186,6 +187,23 @@ class Kepler(Immutable, Path):
         return position, velocity
 
 
+_HINTS = {
+    **dict.fromkeys(("a", "sma"), 'give semi_major_axis=, m or text such as "1.2 au"'),
+    **dict.fromkeys(("e", "ecc"), "give eccentricity="),
+    **dict.fromkeys(("i", "inc"), 'give inclination=, rad or text such as "12 deg"'),
+    **dict.fromkeys(("raan", "Omega", "ascending_node", "longitude_of_node"), "give node="),
+    **dict.fromkeys(("w", "argp", "omega", "argument_of_pericenter"), "give pericenter_argument="),
+    **dict.fromkeys(("M", "M0", "ma", "nu", "true_anomaly"), "give mean_anomaly="),
+    **dict.fromkeys(("q", "perihelion"), "give pericenter_distance="),
+    **dict.fromkeys(("mu", "GM"), "give gm=, m3/s2"),
+}
+
+
+@arguments(
+    _HINTS,
+    'kepler(epoch="2026-01-01", semi_major_axis="0.92 au", eccentricity=0.19, '
+    'inclination="3.3 deg", node="204 deg", pericenter_argument="126 deg", mean_anomaly=0.0)',
+)
 def kepler(
     *,
     eccentricity: Real,

@@ -15,6 +15,7 @@ from attitude._support import markup, validation
 from attitude._support.arrays import Immutable, frozen
 from attitude._support.constants import ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S
 from attitude._support.quoting import quoted
+from attitude._support.synonyms import arguments
 from attitude._textfiles.atomic_write import written_whole
 from attitude.epochs import _inputs, _instants
 from attitude.epochs._instants import Instant
@@ -57,6 +58,15 @@ _ON_ECLIPTIC = 0.1
 _ROUNDS = 4
 _CENTERS: Final = {"barycenter": None, "heliocenter": "sun"}
 WAYS: Final = "sun= and observer= (vectors from the body), scene=, or path= with site="
+
+
+_HINTS = {
+    **dict.fromkeys(("jd", "mjd", "t", "time"), "give times=, such as an astropy Time"),
+    **dict.fromkeys(("mag", "mags", "magnitudes", "values", "y"), "give magnitude="),
+    **dict.fromkeys(("err", "error", "errors", "uncertainty"), "give sigma="),
+    **dict.fromkeys(("band", "filters"), "give filter="),
+    "orbit": "give path=",
+}
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -171,6 +181,10 @@ class LightCurve(Immutable):
     bad: tuple[BadRow, ...]
     notes: tuple[str, ...]
 
+    @arguments(
+        _HINTS,
+        "LightCurve(times, magnitude, sigma, path=orbit, site=site)",
+    )
     def __init__(
         self,
         times: Epochs,

@@ -100,7 +100,8 @@ def known_shape(shape: Any) -> Ellipsoid | Mesh | None:
 
     if not isinstance(shape, (Ellipsoid, Mesh)):
         raise AttitudeError(
-            f"shape is {type(shape).__name__}; give an Ellipsoid or Mesh of attitude.shape."
+            f"shape is {type(shape).__name__}; give an Ellipsoid or Mesh of attitude.shape, "
+            "such as attitude.shape.read(file)."
         )
     return shape
 

@@ -455,6 +455,12 @@ _DRAWN = 2000
 _FLAT = 1e-12 + 32.0 * np.finfo(float).eps
 
 
+_HINTS = {
+    **dict.fromkeys(("faces", "triangles"), "give facets="),
+    **dict.fromkeys(("points", "verts"), "give vertices="),
+}
+
+
 @dataclass(frozen=True, eq=False, repr=False, init=False)
 class Mesh(Immutable):
     """A surface of flat triangles in body axes.
@@ -501,6 +507,7 @@ class Mesh(Immutable):
     may_be_open: bool
     rounding: float
 
+    @synonyms.arguments(_HINTS, "Mesh(vertices, facets)")
     def __init__(
         self,
         vertices: Reals,

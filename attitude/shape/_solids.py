@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from attitude._support import validation
 from attitude._support.quoting import quoted
+from attitude._support.synonyms import arguments
 from attitude.errors import AttitudeError
 from attitude.shape._mesh import SURFACE, Mesh
 
@@ -20,9 +21,10 @@ if TYPE_CHECKING:
 _AXES = {"x": 0, "y": 1, "z": 2}
 
 
+@arguments({}, "box((1, 2, 3))")
 def box(
     size: Reals,
-    *,
+    *others: Real,
     material: str | Iterable[str] = SURFACE,
     center: Reals = (0.0, 0.0, 0.0),
 ) -> Mesh:
@@ -31,7 +33,7 @@ def box(
     Parameters
     ----------
     size : (3,) array_like
-        Edges along x, y, z: m.
+        Edges along x, y, z: m.  Three numbers may also be three arguments.
     material : str or sequence of 12 str
     center : (3,) array_like
         m.
@@ -41,6 +43,8 @@ def box(
     AttitudeError
         For edges that are not greater than zero.
     """
+    if others:
+        size = cast("Reals", [size, *others])
     edges = validation.real(size, "size", shape=(3,), unit="m")
     middle = validation.real(center, "center", shape=(3,), unit="m")
     if not np.all(edges > 0.0):

@@ -51,12 +51,24 @@ def light_curve_class(
 ) -> type[AbstractLightCurve]:
     """A light-curve class of sorcha, registered under a name: ``lc_model`` of its configuration.
 
-    name: of lower case; a second class of one name is refused.
-    shape, law: as in `attitude.survey.Rotators`.
-    draws: distributions of columns that the parameter file does not have, by the name of the
-        column: see `attitude.survey._rotators.drawn`; `RELAXED` is one.
-    seed: of the draws.
-    AttitudeError if a class of that name is registered already.
+    Parameters
+    ----------
+    name : str
+        Of lower case.
+    shape, law
+        As in `attitude.survey.Rotators`.
+    draws : dict, optional
+        Distributions of columns that the parameter file does not have, by the name of the column;
+        `RELAXED` is one.
+    seed : int
+        Of the draws.
+    threads : int
+        For the magnitudes of one call.
+
+    Raises
+    ------
+    AttitudeError
+        If a class of that name is registered already.
     """
     taken = {each.name_id() for each in AbstractLightCurve.__subclasses__()}
     if name in taken:

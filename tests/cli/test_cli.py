@@ -575,3 +575,24 @@ def test_dates_of_a_file_return_the_same_doubles(scale, tmp_path, attitude_comma
     if scale == "":
         dates = re.findall(r"^(\d{4}-\d\d-\d\dT\S+) [-\d]", file.read_text(), re.M)
         assert dates[1].startswith("2026-03-01T00:00:07.3") and dates[1].endswith(("7.3", "00"))
+
+
+def test_a_mission_file_names_a_motion_for_every_command(capsys, tmp_path):
+    """Its free rotation; under torques, and without a place, a sentence says what to do."""
+    missions = ROOT / "data" / "mission"
+    assert cli.main(["describe", str(missions / "apophis-2012.toml")]) == 0
+    assert "Short-axis mode" in capsys.readouterr().out
+    picture = tmp_path / "apophis.png"
+    assert cli.main(["plot", str(missions / "apophis-2012.toml"), "--output", str(picture)]) == 0
+    assert picture.stat().st_size > 10_000
+    capsys.readouterr()
+    for words, sentence in (
+        (("describe", missions / "goes-like.toml"), "attitude propagate or evolve"),
+        (("lightcurve", ROOT / "data" / "spin" / "toutatis.toml"), "the file has no center"),
+        (
+            ("convert", missions / "envisat-pass.toml", tmp_path / "a.aem"),
+            "a key 'center', which mission files have",
+        ),
+    ):
+        assert cli.main([*map(str, words)]) == 2
+        assert sentence in capsys.readouterr().err

@@ -18,7 +18,7 @@ import pytest
 import attitude
 from attitude import FreeRotation, catalog, cli, inversion, paths
 from attitude.formats import spin_file
-from attitude.inversion import _errors
+from attitude.inversion import _errors, _known
 from tests.house.test_docs import PAGES, ROOT
 
 DATA = ROOT / "data"
@@ -186,9 +186,19 @@ def _small(monkeypatch):
     """A search of few pairs and starts: options are what is tested."""
     counts = dict.fromkeys(("pairs", "deep_starts", "classes", "convex", "finals"), 2)
     smaller = inversion.Settings(**counts, short_classes=4, rounds=1)
-    monkeypatch.setitem(inversion.spin_states.__kwdefaults__, "settings", smaller)
+    defaults = inspect.unwrap(inversion.spin_states).__kwdefaults__
+    monkeypatch.setitem(defaults, "settings", smaller)
     monkeypatch.setattr(_errors, "_REFITS", 1)
     monkeypatch.setattr(_errors, "_SAMPLES", 20)
+    few = dict.fromkeys(("_KEPT", "_LEFT", "_LAST", "_ITERATIONS", "_SAMPLED", "_FITTED"), 2)
+    for name, value in {
+        "_ATTEMPTS": 1,
+        "_FEWEST": 200,
+        "_MOST": 200,
+        "_REFINED": 20,
+        **few,
+    }.items():
+        monkeypatch.setattr(_known, name, value)
 
 
 def _run(command, cases, capsys, folder):

@@ -1,5 +1,6 @@
 """``attitude invert`` on the photometry of Toutatis, and ``attitude lightcurve --observed``."""
 
+import inspect
 import re
 
 import numpy as np
@@ -17,7 +18,8 @@ PHOTOMETRY = DATA / "light_curve" / "toutatis-1992-photometry.csv"
 def _smaller(monkeypatch, **counts):
     """Pairs of frequencies, starts and solutions of a search, and samples of its errors."""
     smaller = inversion.Settings(**counts, short_classes=2 * counts["classes"], rounds=1)
-    monkeypatch.setitem(inversion.spin_states.__kwdefaults__, "settings", smaller)
+    defaults = inspect.unwrap(inversion.spin_states).__kwdefaults__
+    monkeypatch.setitem(defaults, "settings", smaller)
     monkeypatch.setattr(_errors, "_REFITS", 1)
     monkeypatch.setattr(_errors, "_SAMPLES", 100)
 
@@ -27,7 +29,7 @@ def test_toutatis_from_its_photometry(tmp_path, capsys, monkeypatch):
 
     With a part of the pairs of frequencies, and fewer fits for errors.
     """
-    _smaller(monkeypatch, pairs=100, deep_starts=40, classes=20, convex=30, finals=14)
+    _smaller(monkeypatch, pairs=50, deep_starts=20, classes=10, convex=12, finals=6)
     found, drawn = tmp_path / "toutatis.toml", tmp_path / "fit.png"
     given = ["invert", PHOTOMETRY, "--max-frequency", "0.75 /d", "--budget", "600 s"]
     assert cli.main([*map(str, given), "--output", str(found), "--figure", str(drawn)]) == 0

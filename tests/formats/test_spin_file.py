@@ -528,7 +528,7 @@ def test_a_published_state_is_a_spin():
             'wxyz = [1, 0, 0, 0]\nphi0 = "152 deg"',
             "does not go",
         ),
-        ('"250, -75 deg"', '"250 deg"', r"\[spin\] pole has shape"),
+        ('"250, -75 deg"', '"250 deg"', r"\[spin\] pole is one number"),
         ('"SAM"', '"PAM"', "mode"),
         ('"263 h"', '"263 kg"', "give it in s"),
         ("psi0 =", "psi_0 =", "did you mean 'psi0'"),

@@ -48,7 +48,7 @@ def _shown(text, names):
 def test_the_cells_of_a_notebook_run(path, monkeypatch, capsys):
     """In this process, with 1e4 in place of 1e6 bodies."""
     pytest.importorskip("matplotlib", reason="matplotlib is not installed")
-    monkeypatch.chdir(ROOT)
+    monkeypatch.chdir(path.parent)  # where Jupyter and the site run it
     names, figures = {"__name__": "notebook"}, []
     for cell in json.loads(path.read_text())["cells"]:
         if cell["cell_type"] == "code":
@@ -71,6 +71,8 @@ def test_a_notebook_runs_in_a_kernel(path, monkeypatch):
     nbclient = pytest.importorskip("nbclient", reason="nbclient is not installed")
     monkeypatch.setenv("PYTHONPATH", str(ROOT))
     book = nbformat.read(path, as_version=4)
-    nbclient.NotebookClient(book, timeout=300, resources={"metadata": {"path": ROOT}}).execute()
+    nbclient.NotebookClient(
+        book, timeout=300, resources={"metadata": {"path": path.parent}}
+    ).execute()
     outputs = [out for cell in book.cells for out in cell.get("outputs", ())]
     assert any("image/png" in out.get("data", {}) for out in outputs)

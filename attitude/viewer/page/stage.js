@@ -57,7 +57,7 @@ export class Stage {
       for (const arrow of group) (name === "axes" ? this.body : this.world).add(arrow.object);
     }
     this.addPoinsot(data);
-    this.addLight();
+    this.addLight(data);
     this.pose = new THREE.Quaternion();
     this.rate = new THREE.Vector3();
     this.direction = new THREE.Vector3();
@@ -73,14 +73,15 @@ export class Stage {
     this.world.add(this.poinsot.inSpace);
   }
 
-  addLight() {
+  addLight(data) {
     this.light = new THREE.DirectionalLight(0xffffff, SUNLIGHT);
     this.light.castShadow = true;
     this.light.shadow.mapSize.set(SHADOWS, SHADOWS);
     Object.assign(this.light.shadow.camera, {
       left: -1.1, right: 1.1, top: 1.1, bottom: -1.1, near: 1, far: 5,
     });
-    this.light.shadow.normalBias = 0.02;
+    // Of a closed body the sides away from the Sun are in the map, and lit ones need no bias.
+    this.light.shadow.normalBias = data.surface.closed ? 0 : 0.02;
     this.light.shadow.bias = -0.0005;
     this.world.add(this.light, this.light.target);
     this.scene.add(new THREE.AmbientLight(0xffffff, 0.18));
