@@ -50,7 +50,8 @@ class Failed(Exception):
 def are_alike(changes: Sequence[Change]) -> bool:
     """Whether changes have given times and momenta, so that those of all members are the same."""
     return all(
-        not callable(each.angular_momentum) and not isinstance(each.at, Trigger) for each in changes
+        not callable(change.angular_momentum) and not isinstance(change.at, Trigger)
+        for change in changes
     )
 
 
@@ -65,13 +66,13 @@ class Chains:
 
     def __init__(self, ensemble: Ensemble, changes: Sequence[Change]) -> None:
         times = _arcs.times_of(changes, ensemble.start_of_seconds)
-        found = [time for time in times if time is not None]
-        self._starts = frozen(np.array([(0.0, 0.0), *found]))
+        known_times = [time for time in times if time is not None]
+        self._starts = frozen(np.array([(0.0, 0.0), *known_times]))
         self._records = np.empty((len(ensemble), len(self._starts)), dtype=CONSTANTS)
         for first in range(0, len(ensemble), BLOCK):
-            part = slice(first, min(first + BLOCK, len(ensemble)))
+            block = slice(first, min(first + BLOCK, len(ensemble)))
             try:
-                self._records[part] = _records(ensemble, part, changes, self._starts)
+                self._records[block] = _records(ensemble, block, changes, self._starts)
             except Failed as err:
                 raise Failed(first + err.member) from None
 
@@ -85,13 +86,13 @@ class Chains:
         """Fill attitudes (N, 4, T) and rates (N, 3, T) at epochs (T,)."""
         with np.errstate(invalid="ignore", over="ignore"):
             sums = pairs.two_sum(t.hi, t.low)
-        high, rest = (read_only(np.ascontiguousarray(each)) for each in sums)
+        high, lows = (read_only(np.ascontiguousarray(total)) for total in sums)
 
         def work(part: slice, epochs: tuple[int, int]) -> None:
-            here = slice(*epochs)
+            columns = slice(*epochs)
             out = wxyz[part], rates[part], epochs[0]
             failed = _compiled().evaluate_members(
-                read_only(self._records[part]), self._starts, high[here], rest[here], *out
+                read_only(self._records[part]), self._starts, high[columns], lows[columns], *out
             )
             if failed >= 0:
                 raise Failed(part.start + failed)
@@ -113,10 +114,10 @@ def _records(
     if members.low is not None:
         q[..., 1] = members.low
     w = w.copy()
-    found = [_sound(*members.prepared(slice(None)))]
+    records = [_sound(*members.prepared(slice(None)))]
     for change, start, end in zip(changes, starts[:-1], starts[1:], strict=True):
         length = np.array(pairs.add((end[0], end[1]), -start[0], -start[1]))
-        beyond = np.abs(length[0]) > _evaluation.reaches(found[-1])
+        beyond = np.abs(length[0]) > _evaluation.reaches(records[-1])
         if beyond.any():
             raise Failed(int(np.argmax(beyond)))
         in_body, in_space = np.zeros(3), np.zeros((3, 2))
@@ -125,18 +126,18 @@ def _records(
             in_body[:] = added
         else:
             in_space[:] = frames.vector_to_icrf(change.frame, added)
-        given = read_only(moments), read_only(axes), read_only(principal)
-        _compiled().join_members(found[-1], *given, length, q, w, in_body, in_space)
+        arrays = read_only(moments), read_only(axes), read_only(principal)
+        _compiled().join_members(records[-1], *arrays, length, q, w, in_body, in_space)
         if isinstance(change, InertiaChange):
             body = change.body
             new = body.moments_as_pairs, body._axes
-            _compiled().exchange_members(given[0], given[1], *new, w)
+            _compiled().exchange_members(arrays[0], arrays[1], *new, w)
             moments = np.repeat(new[0][None], len(w), axis=0)
             axes, principal = new[1][None], np.array(body.principal_wxyz)[None]
         state = moments, q[..., 0].copy(), w.copy(), principal
         constants, faults = evaluation.prepared(*state)
-        found.append(_sound(constants, np.flatnonzero(constants["fault"]) if faults else ()))
-    return np.stack(found, axis=1)
+        records.append(_sound(constants, np.flatnonzero(constants["fault"]) if faults else ()))
+    return np.stack(records, axis=1)
 
 
 def _sound(constants: NDArray[Any], bad: Any) -> NDArray[Any]:
@@ -154,7 +155,7 @@ def _axes(ensemble: Ensemble, part: slice) -> FloatArray:
         return axes
     which = part if len(inertia) > 1 else slice(0, 1)
     if inertia.bodies is not None:
-        return np.stack([each._axes for each in inertia.bodies[which]])
+        return np.stack([body._axes for body in inertia.bodies[which]])
     return PrincipalAxes.of(symmetric_tensors(inertia.given[which])).axes
 
 
@@ -188,21 +189,21 @@ class ArcsEnsemble(Immutable):
             raise AttitudeError(
                 "the members have epochs of their own; changes need one epoch for all members."
             )
-        given = tuple(changes) if isinstance(changes, (list, tuple)) else (changes,)
+        changes_given = tuple(changes) if isinstance(changes, (list, tuple)) else (changes,)
         self._set("ensemble", ensemble)
-        self._set("changes", given)
-        for k, change in enumerate(given):
+        self._set("changes", changes_given)
+        for k, change in enumerate(changes_given):
             if not isinstance(change, Change):
                 raise AttitudeError(
                     f"changes[{k}] is {change!r}; give Impulse or InertiaChange objects."
                 )
         self._set("_chains", None)
-        if len(ensemble) and not are_alike(given):
+        if len(ensemble) and not are_alike(changes_given):
             self._set("_singles", tuple(self._single(k) for k in range(len(ensemble))))
             return
         self._set("_singles", None)
         with self._named():
-            self._set("_chains", Chains(ensemble, given))
+            self._set("_chains", Chains(ensemble, changes_given))
 
     def _single(self, k: int) -> Arcs:
         """The motion of member k; its errors have the name of the member."""

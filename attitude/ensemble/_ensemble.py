@@ -93,8 +93,8 @@ def _percentiles(values: FloatArray, percentages: FloatArray, finished: Any) -> 
     ranks = np.concatenate([below, np.minimum(below + 1, values.shape[1] - 1)])
     # the numbers of two members, of which a quantity may be known by another that grows with it
     lower, upper = np.split(finished(_of_ranks(values, ranks)), 2, axis=1)
-    found: FloatArray = lower + (upper - lower) * (place - below)
-    return found.T
+    values_there: FloatArray = lower + (upper - lower) * (place - below)
+    return values_there.T
 
 
 def _of_ranks(values: FloatArray, ranks: IntArray) -> FloatArray:
@@ -103,10 +103,10 @@ def _of_ranks(values: FloatArray, ranks: IntArray) -> FloatArray:
 
     out = np.empty((len(values), len(ranks)))
     memory = np.empty(BINS, dtype=np.int64), np.empty(BINS, dtype=np.int64)
-    found, places = np.empty(values.shape[1] + 1), np.empty(len(ranks), dtype=np.int64)
+    ranked, places = np.empty(values.shape[1] + 1), np.empty(len(ranks), dtype=np.int64)
     for k, row in enumerate(values):
-        count = candidates(row, ranks, *memory, found, places)
-        out[k] = np.sort(found[:count])[places]
+        count = candidates(row, ranks, *memory, ranked, places)
+        out[k] = np.sort(ranked[:count])[places]
     return out
 
 
@@ -138,7 +138,7 @@ def _periods(rates: FloatArray) -> FloatArray:
 
 
 def _listed_names(names: Any) -> list[str] | None:
-    return None if names is None else [str(each) for each in np.asarray(names).ravel().tolist()]
+    return None if names is None else [str(name) for name in np.asarray(names).ravel().tolist()]
 
 
 class Ensemble(Immutable):
@@ -236,22 +236,23 @@ class Ensemble(Immutable):
         rates = _members.rows(angular_velocity, "angular_velocity", 3, "rad/s")
         attitudes = _members.rows(wxyz, "wxyz", 4, None)
         start = _members.of_members(epoch)
-        given = [each for each in (body, moments, tensors) if each is not None]
-        if len(given) != 1:
+        inertias = [argument for argument in (body, moments, tensors) if argument is not None]
+        if len(inertias) != 1:
             raise AttitudeError(
                 "an Ensemble takes one of body=, moments= (N, 3) and tensors= (N, 3, 3)."
             )
         if moments is not None:
-            found = _members.of_moments(moments, relative)
+            inertia = _members.of_moments(moments, relative)
         elif body is not None:
-            found = _members.of_bodies(
+            inertia = _members.of_bodies(
                 [body] if isinstance(body, Body) else list(_members.listed(body))
             )
         else:
             assert tensors is not None
-            found = _members.of_tensors(tensors, relative)
+            inertia = _members.of_tensors(tensors, relative)
+        argument = {2: "moments", 3: "tensors"}[inertia.array.ndim] if body is None else "body"
         sizes = {
-            {2: "moments", 3: "tensors"}[found.array.ndim] if body is None else "body": found.size,
+            argument: inertia.size,
             "wxyz": len(attitudes),
             "angular_velocity": len(rates),
             "epoch": start.shape[1],
@@ -259,7 +260,7 @@ class Ensemble(Immutable):
         count = _members.count(sizes, names)
         rates = np.broadcast_to(rates, (count, 3))
         attitudes = np.broadcast_to(attitudes, (count, 4))
-        self._fill(found, attitudes, None, rates, start, frame, names, on_error)
+        self._fill(inertia, attitudes, None, rates, start, frame, names, on_error)
 
     def _fill(
         self,
@@ -279,9 +280,9 @@ class Ensemble(Immutable):
         self._set("_low", low)
         self._set("names", _members.known_names(names, len(wxyz)))
         attitude = _members.to_icrf(self.frame, wxyz, low)
-        found, resolved = given.resolved(rates, on_error == "raise")
-        self._set("_inertia", found)
-        self._set("_members", Members(found.moments, found.principal, *resolved, *attitude))
+        inertia, resolved = given.resolved(rates, on_error == "raise")
+        self._set("_inertia", inertia)
+        self._set("_members", Members(inertia.moments, inertia.principal, *resolved, *attitude))
         self._set("wxyz", frozen(np.ascontiguousarray(wxyz)))
         self._set("angular_velocity", frozen(np.ascontiguousarray(rates)))
         self._check()
@@ -313,17 +314,17 @@ class Ensemble(Immutable):
         AttitudeError
             For other objects, and for no motions.
         """
-        given = list(_members.listed(motions))
-        for k, motion in enumerate(given):
+        all_motions = list(_members.listed(motions))
+        for k, motion in enumerate(all_motions):
             if not isinstance(motion, FreeRotation):
                 raise AttitudeError(
                     f"motion {k} is {validation.shown(motion)}; give FreeRotations."
                 )
-        if not given:
+        if not all_motions:
             raise AttitudeError("no motions are given; give at least one FreeRotation.")
-        bodies = [motion.body for motion in given]
-        found = _members.of_bodies(bodies[:1] if all(b is bodies[0] for b in bodies) else bodies)
-        spins = [motion.spin for motion in given]
+        bodies = [motion.body for motion in all_motions]
+        inertia = _members.of_bodies(bodies[:1] if all(b is bodies[0] for b in bodies) else bodies)
+        spins = [motion.spin for motion in all_motions]
         frame = spins[0].frame if len({spin.frame for spin in spins}) == 1 else "icrf"
         turned = any(spin.frame != frame for spin in spins)
         wxyz = np.array([spin.wxyz_icrf if turned else spin.wxyz for spin in spins])
@@ -333,10 +334,10 @@ class Ensemble(Immutable):
         start = np.array([[s.epoch.seconds, s.epoch.low] for s in spins]).T.copy()
         if np.all(start == start[:, :1]):
             start = start[:, :1].copy()
-        made = cls.__new__(cls)
+        ensemble = cls.__new__(cls)
         second = low if low.any() else None
-        made._fill(found, wxyz, second, rates, start, frame, names, "raise")
-        return made
+        ensemble._fill(inertia, wxyz, second, rates, start, frame, names, "raise")
+        return ensemble
 
     @classmethod
     def from_periods(
@@ -432,24 +433,26 @@ class Ensemble(Immutable):
             For columns that are missing or cannot be read, and as `Ensemble`.
         """
         origin = _tables.origin_of(table)
-        given = table if origin is None else tables.columns_of(origin)
+        data = table if origin is None else tables.columns_of(origin)
         origin = origin or "the table"
-        columns, meta = _tables.columns_of(given, origin)
+        columns, meta = _tables.columns_of(data, origin)
         unknown = bool(meta.get("relative", False)) if relative is None else relative
-        found = _tables.arguments(columns, validation.flag(unknown, "relative"), origin, on_error)
+        arguments = _tables.arguments(
+            columns, validation.flag(unknown, "relative"), origin, on_error
+        )
         axes = str(meta.get("frame", "icrf")) if frame is None else frame
         for name, value in (("frame", frame), ("relative", relative)):
-            if name in found and value not in (None, found[name]):
+            if name in arguments and value not in (None, arguments[name]):
                 raise AttitudeError(
-                    f"{origin} has the columns of a survey, whose {name} is {found[name]!r}, not "
-                    f"{value!r}; leave {name} out."
+                    f"{origin} has the columns of a survey, whose {name} is {arguments[name]!r}, "
+                    f"not {value!r}; leave {name} out."
                 )
-        low = found.pop("low", None)
+        low = arguments.pop("low", None)
         try:
-            made = cls(**{"frame": axes, "relative": unknown, **found}, on_error=on_error)
+            ensemble = cls(**{"frame": axes, "relative": unknown, **arguments}, on_error=on_error)
         except AttitudeError as err:
             raise AttitudeError(f"{origin}: {err}") from err
-        return made if low is None else made._with_low(low)
+        return ensemble if low is None else ensemble._with_low(low)
 
     @classmethod
     def sample(
@@ -523,48 +526,48 @@ class Ensemble(Immutable):
             relative moments beside moments in kg m2.
         """
         parts = list(_members.listed(ensembles))
-        for part in parts:
-            if not isinstance(part, Ensemble):
-                raise AttitudeError(f"{validation.shown(part)} is no Ensemble; give ensembles.")
+        for other in parts:
+            if not isinstance(other, Ensemble):
+                raise AttitudeError(f"{validation.shown(other)} is no Ensemble; give ensembles.")
         if not parts:
             raise AttitudeError("no ensembles are given; give at least one.")
-        if len({part.frame for part in parts}) > 1:
-            named = ", ".join(sorted({part.frame for part in parts}))
+        if len({other.frame for other in parts}) > 1:
+            named = ", ".join(sorted({other.frame for other in parts}))
             raise AttitudeError(f"the ensembles have the frames {named}; give ensembles of one.")
-        if len({part.names is None for part in parts}) > 1:
+        if len({other.names is None for other in parts}) > 1:
             raise AttitudeError("only some of the ensembles have names; give names to all or none.")
-        counts = [len(part) for part in parts]
+        counts = [len(other) for other in parts]
         first = np.cumsum([0, *counts[:-1]])
-        wrong = np.concatenate([part._bad + at for part, at in zip(parts, first, strict=True)])
-        names = None if parts[0].names is None else np.concatenate([part.names for part in parts])
+        wrong = np.concatenate([other._bad + at for other, at in zip(parts, first, strict=True)])
+        names = None if parts[0].names is None else np.concatenate([other.names for other in parts])
         return cls._of(
-            wxyz=np.concatenate([part.wxyz for part in parts]),
-            angular_velocity=np.concatenate([part.angular_velocity for part in parts]),
+            wxyz=np.concatenate([other.wxyz for other in parts]),
+            angular_velocity=np.concatenate([other.angular_velocity for other in parts]),
             frame=parts[0].frame,
             names=_members.known_names(names, sum(counts)),
-            on_error="nan" if any(part.on_error == "nan" for part in parts) else "raise",
-            _inertia=_members.joined_inertia([part._inertia for part in parts], counts),
-            _members=_members.joined([part._members for part in parts]),
-            _low=_members.joined_rows([(part._low, part.wxyz) for part in parts]),
-            _start=_members.joined_epochs([part._start for part in parts], counts),
+            on_error="nan" if any(other.on_error == "nan" for other in parts) else "raise",
+            _inertia=_members.joined_inertia([other._inertia for other in parts], counts),
+            _members=_members.joined([other._members for other in parts]),
+            _low=_members.joined_rows([(other._low, other.wxyz) for other in parts]),
+            _start=_members.joined_epochs([other._start for other in parts], counts),
             _bad=wrong,
         )
 
     @classmethod
     def _of(cls, **values: Any) -> Self:
         """An ensemble with given attributes, which are those of checked members."""
-        made = cls.__new__(cls)
-        made.__setstate__(values)
-        return made
+        ensemble = cls.__new__(cls)
+        ensemble.__setstate__(values)
+        return ensemble
 
     def _with_low(self, low: FloatArray) -> Self:
         """The same members, whose attitudes of unit length have second doubles (N, 4)."""
         if not low.any():
             return self
-        made, attitude = self[:], _members.to_icrf(self.frame, self.wxyz, low)
-        made._set("_low", frozen(low))
-        made._set("_members", replace(self._members, wxyz=attitude[0], low=attitude[1]))
-        return made
+        copy, attitude = self[:], _members.to_icrf(self.frame, self.wxyz, low)
+        copy._set("_low", frozen(low))
+        copy._set("_members", replace(self._members, wxyz=attitude[0], low=attitude[1]))
+        return copy
 
     # ---- Members
 
@@ -598,7 +601,7 @@ class Ensemble(Immutable):
         if array.size == 0:
             array = array.astype(np.int64)
         if array.dtype.kind == "U":
-            return np.array([self.number(each) for each in array.ravel()], dtype=np.int64)
+            return np.array([self.number(label) for label in array.ravel()], dtype=np.int64)
         if array.ndim != 1 or array.dtype.kind not in "biu":
             raise AttitudeError(
                 f"members are chosen by {validation.shown(index)}; give a number or name, a slice, "
@@ -620,14 +623,14 @@ class Ensemble(Immutable):
                 f"member {array.ravel()[bad[0]]} (entry {bad[0]}) is out of range: the ensemble "
                 f"has {len(self)} members, 0 to {len(self) - 1}."
             )
-        found: IntArray = np.where(array < 0, array + len(self), array).astype(np.int64)
-        return found
+        numbers: IntArray = np.where(array < 0, array + len(self), array).astype(np.int64)
+        return numbers
 
     def _member(self, k: int) -> FreeRotation:
         if k in self._bad:
             raise AttitudeError(f"{self.label(k)}: {self._members.fault(k)}")
-        given = self.epoch_of(k), self.wxyz[k], self.angular_velocity[k], self.frame
-        spin = Spin(*given)
+        state = self.epoch_of(k), self.wxyz[k], self.angular_velocity[k], self.frame
+        spin = Spin(*state)
         if self._low is not None:
             spin._set("wxyz_as_pairs", frozen(np.stack([self.wxyz[k], self._low[k]], axis=-1)))
             spin._set("wxyz", frozen(self.wxyz[k].copy()))
@@ -642,13 +645,13 @@ class Ensemble(Immutable):
             For a number out of range, and a name that no member has.
         """
         if isinstance(member, str):
-            found = -1 if self.names is None else self._numbers.get(member, -1)
-            if found < 0:
+            number = -1 if self.names is None else self._numbers.get(member, -1)
+            if number < 0:
                 raise AttitudeError(
                     f"no member is called {member!r}"
                     + ("; the ensemble has no names." if self.names is None else ".")
                 )
-            return found
+            return number
         if not isinstance(member, (int, np.integer)) or isinstance(member, bool):
             raise AttitudeError(f"member is {validation.shown(member)}; give a number or a name.")
         if not -len(self) <= member < len(self):
@@ -663,8 +666,8 @@ class Ensemble(Immutable):
         if "_by_name" not in self.__dict__:
             assert self.names is not None
             self._set("_by_name", {name: k for k, name in enumerate(self.names.tolist())})
-        found: dict[str, int] = self.__dict__["_by_name"]
-        return found
+        numbers: dict[str, int] = self.__dict__["_by_name"]
+        return numbers
 
     def label(self, k: int) -> str:
         """The name of member k in error messages."""
@@ -688,7 +691,7 @@ class Ensemble(Immutable):
         few = self[:8]
         rows: list[tuple[str, ...]] = [("member", "mode", "period psi, s", "period phi, s")]
         for k, mode in enumerate(few.mode.tolist()):
-            periods = (f"{each[k]:.9g}" for each in (few.period_psi, few.period_phi))
+            periods = (f"{period[k]:.9g}" for period in (few.period_psi, few.period_phi))
             name = str(k) if self.names is None else str(self.names[k])
             rows.append((name, Mode(mode).name, *periods))
         if len(self) > len(few):
@@ -721,9 +724,9 @@ class Ensemble(Immutable):
     @property
     def is_physical(self) -> NDArray[np.bool_]:
         """(N,) whether each member has a state that a body can have."""
-        found = np.ones(len(self), dtype=bool)
-        found[self._bad] = False
-        return found
+        physical = np.ones(len(self), dtype=bool)
+        physical[self._bad] = False
+        return physical
 
     @property
     def wxyz_icrf(self) -> FloatArray:
@@ -770,8 +773,8 @@ class Ensemble(Immutable):
     @property
     def mode(self) -> NDArray[np.int64]:
         """(N,) codes of `Mode`; -1 for a member that is not physical."""
-        found: NDArray[np.int64] = self.regime.mode
-        return found
+        modes: NDArray[np.int64] = self.regime.mode
+        return modes
 
     @cached_property
     def period_psi(self) -> FloatArray:
@@ -786,8 +789,8 @@ class Ensemble(Immutable):
     @property
     def energy_ratio(self) -> FloatArray:
         """(N,) E/E0 = 2 E C / L^2: 1 for rotation about the short axis, NaN at rest."""
-        found: FloatArray = self.regime.energy_ratio
-        return found
+        ratios: FloatArray = self.regime.energy_ratio
+        return ratios
 
     def nutation(self, convention: str) -> FloatArray:
         """Ranges (N, 2), rad, of the angle of the long ("L") or short axis to the momentum."""
@@ -798,14 +801,14 @@ class Ensemble(Immutable):
         """Rows (N,) of the regimes, and turns per second (2, N) of psi and phi."""
         rows, rates = None, np.empty((2, len(self)))
         for first in range(0, max(len(self), 1), BLOCK):
-            part = slice(first, min(first + BLOCK, len(self)))
-            constants, bad = self._members.prepared(part)
-            rates[:, part] = constants["psi_rate"], constants["phi_rate"]
-            found = solver_regime.rows_of(self._members.states(part)[0], constants)
+            block = slice(first, min(first + BLOCK, len(self)))
+            constants, bad = self._members.prepared(block)
+            rates[:, block] = constants["psi_rate"], constants["phi_rate"]
+            found = solver_regime.rows_of(self._members.states(block)[0], constants)
             for name in found.dtype.names or ():
                 found[name][bad] = NO_MODE if found.dtype[name].kind == "i" else np.nan
             rows = np.empty(len(self), found.dtype) if rows is None else rows
-            rows[part] = found
+            rows[block] = found
         assert rows is not None
         return rows, rates
 
@@ -853,10 +856,10 @@ class Ensemble(Immutable):
             For epochs that cannot be read or lie more than 5e16 turns away, shapes that do not fit,
             members out of range.
         """
-        found = self._epochs(t, low, member)
+        epochs = self._epochs(t, low, member)
         both = validation.flag(angular_velocity, "angular_velocity") or rates_out is not None
         outs = [(out, "out", 4), (rates_out, "rates_out", 3)][: 1 + both]
-        return self._history(found, outs, threads)
+        return self._history(epochs, outs, threads)
 
     def blocks(
         self,
@@ -888,11 +891,11 @@ class Ensemble(Immutable):
         AttitudeError
             As `at`.
         """
-        found = self._epochs(t, low, member)
+        epochs = self._epochs(t, low, member)
         both = validation.flag(angular_velocity, "angular_velocity")
         outs = [(None, "out", 4), (None, "rates_out", 3)][: 1 + both]
-        parts = found.parts(validation.count(rows, "rows"))
-        return ((place, self._history(part, outs, threads)) for place, part in parts)
+        parts = epochs.parts(validation.count(rows, "rows"))
+        return ((place, self._history(block, outs, threads)) for place, block in parts)
 
     def sensitivity_at(
         self,
@@ -934,34 +937,34 @@ class Ensemble(Immutable):
         -----
         The bits and the accuracy of `FreeRotation.sensitivity_at`.
         """
-        found = self._epochs(t, low, member)
+        epochs = self._epochs(t, low, member)
         both = validation.flag(angular_velocity, "angular_velocity") or rates_out is not None
         outs = [(out, "out"), (rates_out, "rates_out")][: 1 + both]
-        memory = [found.memory(*each, 3, sensitivities.PARAMETERS) for each in outs]
+        memory = [epochs.memory(*array, 3, sensitivities.PARAMETERS) for array in outs]
         filled = memory[0], memory[1] if both else None
         changes = MemberDerivatives(self._members, self.label, self.on_error == "raise")
-        if isinstance(found, MemberGrid):
-            changes.grid(found.t, *filled, threads)
+        if isinstance(epochs, MemberGrid):
+            changes.grid(epochs.t, *filled, threads)
         else:
-            _evaluation.ragged(changes, *found.flat(), found.order, *filled, threads)
-        views = [found.shaped(a, b[0]) for a, b in zip(memory, outs, strict=True)]
+            _evaluation.ragged(changes, *epochs.flat(), epochs.order, *filled, threads)
+        views = [epochs.shaped(a, b[0]) for a, b in zip(memory, outs, strict=True)]
         return (views[0], views[1]) if both else views[0]
 
     def evaluated(
         self, member: IntArray, seconds: FloatArray, low: FloatArray | None
     ) -> FloatArray:
         """Angular velocities (S, 3), rad/s in body axes, of members (S) at seconds + low (S)."""
-        found = MemberRows(len(self), member, Seconds(seconds, low))
-        wxyz, rates = (np.empty((width, found.size)) for width in (4, 3))
-        self._fill_rows(found, wxyz, rates, 1)
-        return found.shaped(rates, None)
+        epochs = MemberRows(len(self), member, Seconds(seconds, low))
+        wxyz, rates = (np.empty((width, epochs.size)) for width in (4, 3))
+        self._fill_rows(epochs, wxyz, rates, 1)
+        return epochs.shaped(rates, None)
 
     def grid_of(self, t: Epochs, low: ArrayLike | None = None) -> MemberGrid:
         """The epochs of all members, given as for `at`; AttitudeError for a single epoch."""
-        found = self._epochs(t, low, None)
-        if not isinstance(found, MemberGrid) or found.scalar:
+        epochs = self._epochs(t, low, None)
+        if not isinstance(epochs, MemberGrid) or epochs.scalar:
             raise AttitudeError("t is one epoch; give (T,) or (N, T).")
-        return found
+        return epochs
 
     def _epochs(self, t: Any, low: Any, member: ArrayLike | None) -> MemberGrid | MemberRows:
         """The epochs of all members, or of the rows of given ones."""
@@ -980,7 +983,7 @@ class Ensemble(Immutable):
         except ValueError as err:
             raise AttitudeError("member is ragged; give one number or name for each row.") from err
         if array.dtype.kind == "U" or (array.dtype == object and array.size):
-            names = [self.number(each) for each in array.ravel().tolist()]
+            names = [self.number(label) for label in array.ravel().tolist()]
             array = np.array(names, dtype=np.int64).reshape(array.shape)
         if array.size == 0:
             return np.zeros(array.shape, dtype=np.int64), True
@@ -988,20 +991,20 @@ class Ensemble(Immutable):
             raise AttitudeError(
                 f"member is {validation.shown(member)}; give whole numbers or names of members."
             )
-        found: IntArray = np.asarray(array, dtype=np.int64, order="C")
-        least, greatest, in_runs = _evaluation.survey(found.reshape(-1))
+        numbers: IntArray = np.asarray(array, dtype=np.int64, order="C")
+        least, greatest, in_runs = _evaluation.survey(numbers.reshape(-1))
         if least < 0 or greatest >= len(self):
-            flat = found.reshape(-1)
+            flat = numbers.reshape(-1)
             row = int(np.argmax((flat < 0) | (flat >= len(self))))
             raise AttitudeError(
                 f"member {flat[row]} of row {row} is out of range: the ensemble has {len(self)} "
                 f"members, 0 to {len(self) - 1}."
             )
-        return found, in_runs
+        return numbers, in_runs
 
     def _history(self, found: MemberGrid | MemberRows, outs: Any, threads: int) -> EnsembleHistory:
         """The history of some epochs, in the output arrays (out, name, width) if they are given."""
-        memory = [found.memory(*each) for each in outs]
+        memory = [found.memory(*array) for array in outs]
         self._fill_rows(found, memory[0], memory[1] if len(memory) > 1 else None, threads)
         views = [read_only(found.shaped(a, b[0])) for a, b in zip(memory, outs, strict=True)]
         history = EnsembleHistory(self, found.member, *found.seconds, views[0])
@@ -1072,16 +1075,16 @@ class Ensemble(Immutable):
         AttitudeError
             As `at` and `light_curve.brightness`; for a shape that is missing.
         """
-        found = self._epochs(t, low, member)
-        to_sun = _light.known_vectors(sun, "sun", found.shape)
-        to_observer = _light.known_vectors(observer, "observer", found.shape)
+        epochs = self._epochs(t, low, member)
+        to_sun = _light.known_vectors(sun, "sun", epochs.shape)
+        to_observer = _light.known_vectors(observer, "observer", epochs.shape)
         shapes = _light.known_shapes(shape, len(self), self.label)
         raises = self.on_error == "raise"
         source = _light.Light(self._members, self.label, shapes, law, shadows, raises)
-        result = _light.output(out, found.shape)
+        result = _light.output(out, epochs.shape)
         flat = result.reshape(-1)
         # Of the methods below: the Sun at 1 au, and whether at the lengths of the vectors.
-        source.fill(found, to_sun, to_observer, flat, threads, *(_magnitudes or (None, False)))
+        source.fill(epochs, to_sun, to_observer, flat, threads, *(_magnitudes or (None, False)))
         return result
 
     def reduced_magnitude(
@@ -1277,8 +1280,8 @@ class Ensemble(Immutable):
         self, known: Any, grid: MemberGrid, source: Any, which: slice, epochs: slice
     ) -> FloatArray:
         """What a quantity measures of some members at some epochs."""
-        own = which if len(grid.t.hi) > 1 else slice(None)
-        t = grid.t.taken((own, epochs)).mapped(np.ascontiguousarray)
+        rows = which if len(grid.t.hi) > 1 else slice(None)
+        t = grid.t.taken((rows, epochs)).mapped(np.ascontiguousarray)
         count, length = which.stop - which.start, epochs.stop - epochs.start
         wxyz = np.empty((count, 4, length))
         members = source.taken(which)
@@ -1289,8 +1292,8 @@ class Ensemble(Immutable):
         numbers = np.broadcast_to(np.arange(which.start, which.stop)[:, None], (count, length))
         seconds = t.mapped(lambda array: np.broadcast_to(array, (count, length)))
         history = EnsembleHistory(self, numbers, *seconds, np.moveaxis(wxyz, 1, 2))
-        found: FloatArray = known.measured(history, epochs)
-        return found
+        values: FloatArray = known.measured(history, epochs)
+        return values
 
     # ---- Impulses and torques
 
@@ -1336,15 +1339,15 @@ class Ensemble(Immutable):
         arrays = {"wxyz": self.wxyz, "angular_velocity": self.angular_velocity}
         if self._low is not None:
             arrays["low"] = self._low
-        given = self._inertia.given
-        arrays["tensor" if given.ndim == 3 else "moments"] = np.broadcast_to(
-            given, (len(self), *given.shape[1:])
+        inertia = self._inertia.given
+        arrays["tensor" if inertia.ndim == 3 else "moments"] = np.broadcast_to(
+            inertia, (len(self), *inertia.shape[1:])
         )
         columns: dict[str, Any] = {} if self.names is None else {"name": np.array(self.names)}
         start = np.broadcast_to(self._start, (2, len(self)))
         columns |= {"epoch_seconds": start[0], "epoch_low": start[1], **_tables.of_arrays(arrays)}
         meta = {"frame": self.frame, "relative": self._inertia.relative}
-        return QTable({name: np.array(each) for name, each in columns.items()}, meta=meta)
+        return QTable({name: np.array(column) for name, column in columns.items()}, meta=meta)
 
     def write(self, path: FilePath) -> None:
         """Write a file that `from_table` reads back bit for bit: .parquet, .ecsv or .fits.

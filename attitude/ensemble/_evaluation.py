@@ -70,8 +70,8 @@ def grid(
         if raises:
             few = failed if len(t.hi) > 1 else 0, slice(*epochs)
             refuse(constants[failed], times.taken(few), label(part.start + failed))
-        near = within(times, reaches(constants)[:, None])
-        evaluation.evaluated(constants, *near, *out, *epochs)
+        reachable = within(times, reaches(constants)[:, None])
+        evaluation.evaluated(constants, *reachable, *out, *epochs)
 
     most = evaluation.EPOCHS
     bar = ProgressBar("attitudes")
@@ -100,12 +100,12 @@ def ragged(
     def gathered(begin: int, end: int) -> None:
         assert order is not None
         some = order[begin:end]
-        given = [each for each in (first, second) if each is not None]
-        found = [np.empty((*each.shape[:-1], len(some))) for each in given]
-        both = found[0], None if second is None else found[1]
+        arrays = [array for array in (first, second) if array is not None]
+        copies = [np.empty((*array.shape[:-1], len(some))) for array in arrays]
+        both = copies[0], None if second is None else copies[1]
         runs(member[some], 0, len(some), t.taken(some), *both)
-        for whole, part in zip(given, found, strict=True):
-            np.moveaxis(whole, -1, 0)[some] = np.moveaxis(part, -1, 0)
+        for whole, copy in zip(arrays, copies, strict=True):
+            np.moveaxis(whole, -1, 0)[some] = np.moveaxis(copy, -1, 0)
 
     bar = ProgressBar("rows")
     in_blocks(direct if order is None else gathered, len(member), ROWS, threads, bar)
@@ -144,8 +144,8 @@ class Runs:
             records = read_only(constants)
             failed = self._rows.evaluate_runs(records, edges, *times, *out)
             if failed >= 0:
-                near = self.nearer(constants, edges, t, failed, some)
-                self._rows.evaluate_runs(records, edges, near[None], times.lo, *out)
+                reachable = self.nearer(constants, edges, t, failed, some)
+                self._rows.evaluate_runs(records, edges, reachable[None], times.lo, *out)
 
     def nearer(
         self,
@@ -157,12 +157,12 @@ class Runs:
     ) -> FloatArray:
         """The epochs t (R,) with NaN beyond the reach of the runs `who` of rows between `edges`."""
         if self._raises:
-            here = slice(edges[failed], edges[failed + 1])
-            refuse(constants[failed], t.taken(here), self._label(int(who[failed])))
-        near, rows = t.hi.copy(), slice(edges[0], edges[-1])
+            epochs_of_member = slice(edges[failed], edges[failed + 1])
+            refuse(constants[failed], t.taken(epochs_of_member), self._label(int(who[failed])))
+        reachable, rows = t.hi.copy(), slice(edges[0], edges[-1])
         reach = np.repeat(reaches(constants), np.diff(edges))
-        near[rows] = within(t.taken(rows), reach).hi
-        return read_only(near)
+        reachable[rows] = within(t.taken(rows), reach).hi
+        return read_only(reachable)
 
     def runs(self, member: IntArray, begin: int, end: int) -> tuple[IntArray, IntArray]:
         """The member (K,) of each run of rows, and their first rows and the end (K + 1,)."""
@@ -175,28 +175,28 @@ class Runs:
 def survey(member: IntArray) -> tuple[int, int, bool]:
     """Least and greatest of R >= 1 numbers, and whether equal ones stand in long runs already."""
     parts = _surveyed(member)
-    found = np.array([compiled().surveyed(each) for each in parts])
-    ascends = not found[:, 3].any() and all(a[-1] <= b[0] for a, b in pairwise(parts))
-    in_runs = ascends or len(member) >= _LONG_RUN * int(found[:, 2].sum())
-    return int(found[:, 0].min()), int(found[:, 1].max()), in_runs
+    runs = np.array([compiled().surveyed(block) for block in parts])
+    ascends = not runs[:, 3].any() and all(a[-1] <= b[0] for a, b in pairwise(parts))
+    in_runs = ascends or len(member) >= _LONG_RUN * int(runs[:, 2].sum())
+    return int(runs[:, 0].min()), int(runs[:, 1].max()), in_runs
 
 
 def order_of(member: IntArray, count: int) -> IntArray:
     """The order in which rows (R,) stand by member."""
     places = np.zeros(count + 1, dtype=np.int64)
-    for part in _surveyed(member):
-        compiled().counted(part, places[1:])
+    for block in _surveyed(member):
+        compiled().counted(block, places[1:])
     np.cumsum(places, out=places)
     order = np.empty(len(member), dtype=np.int64)
-    for k, part in enumerate(_surveyed(member)):
-        compiled().placed(part, k * _SURVEYED, places, order)
+    for k, block in enumerate(_surveyed(member)):
+        compiled().placed(block, k * _SURVEYED, places, order)
     return order
 
 
 def _surveyed(member: IntArray) -> list[IntArray]:
     """Parts so short that Ctrl-C is heard between them."""
-    given = read_only(member)
-    return [given[k : k + _SURVEYED] for k in range(0, len(given), _SURVEYED)]
+    numbers = read_only(member)
+    return [numbers[k : k + _SURVEYED] for k in range(0, len(numbers), _SURVEYED)]
 
 
 def consecutive(who: IntArray) -> slice | IntArray:
@@ -217,9 +217,9 @@ def reaches(constants: NDArray[Any]) -> FloatArray:
 def within(t: Seconds, reach: FloatArray) -> Seconds:
     """The epochs with NaN in place of those beyond reach, in the shape that t and reach have."""
     with np.errstate(invalid="ignore"):
-        near = np.where(np.abs(t.rounded) > reach, np.nan, t.hi)
-    lows = t.mapped(lambda array: np.array(np.broadcast_to(array, near.shape), order="C")).lo
-    return Seconds(near, lows).mapped(read_only)
+        reachable = np.where(np.abs(t.rounded) > reach, np.nan, t.hi)
+    lows = t.mapped(lambda array: np.array(np.broadcast_to(array, reachable.shape), order="C")).lo
+    return Seconds(reachable, lows).mapped(read_only)
 
 
 def refuse(constants: NDArray[Any], t: Seconds, label: str) -> None:
@@ -304,8 +304,8 @@ class MemberGrid:
         shape = members.stop - members.start, epochs.stop - epochs.start
 
         def rows(array: FloatArray) -> FloatArray:
-            here = array[members if len(array) > 1 else slice(None), epochs]
-            return np.ascontiguousarray(np.broadcast_to(here, shape)).reshape(-1)
+            values = array[members if len(array) > 1 else slice(None), epochs]
+            return np.ascontiguousarray(np.broadcast_to(values, shape)).reshape(-1)
 
         return Piece(place, who, self.t.mapped(rows))
 
@@ -318,10 +318,10 @@ class MemberGrid:
     def parts(self, most: int) -> Iterator[tuple[Any, MemberGrid]]:
         """Grids of at most `most` attitudes, each after its place among the answers."""
         for members, epochs in self.pieces(most):
-            own = (members if len(self.t.hi) > 1 else slice(None)), epochs
+            rows_of_block = (members if len(self.t.hi) > 1 else slice(None)), epochs
             count = members.stop - members.start
             place = members if self.scalar else (members, epochs)
-            yield place, MemberGrid(count, self.t.taken(own), self.scalar, members.start)
+            yield place, MemberGrid(count, self.t.taken(rows_of_block), self.scalar, members.start)
 
     def memory(self, out: FloatArray | None, name: str, *width: int) -> FloatArray:
         """Component-major memory (N, *W, T) for an answer; that of `out` where possible."""
@@ -358,7 +358,7 @@ class MemberRows:
         """The places of parts of `most` rows, of which those of one member stand together."""
         size, order = self.size, self.order
         parts = [slice(k, min(k + most, size)) for k in range(0, size, most)]
-        return [*parts] if order is None else [order[part] for part in parts]
+        return [*parts] if order is None else [order[block] for block in parts]
 
     def piece(self, part: slice | IntArray) -> Piece:
         """The rows of one of the `pieces`."""
@@ -454,12 +454,12 @@ class EnsembleHistory(AttitudeHistory):
 
     def __getitem__(self, index: Any) -> EnsembleHistory:
         """Some of the attitudes: history[3], history[:, 10:20], history[mask]."""
-        part = super().__getitem__(index)
+        history = super().__getitem__(index)
         member = np.asarray(self.member[index])
-        found = EnsembleHistory(self.ensemble, member, part.seconds, part.low, part.wxyz)
-        if "angular_velocity" in part.__dict__:
-            found.__dict__["angular_velocity"] = part.angular_velocity
-        return found
+        chosen = EnsembleHistory(self.ensemble, member, history.seconds, history.low, history.wxyz)
+        if "angular_velocity" in history.__dict__:
+            chosen.__dict__["angular_velocity"] = history.angular_velocity
+        return chosen
 
     def __repr__(self) -> str:
         size, members = self.seconds.size, len(self.ensemble)
@@ -473,21 +473,21 @@ class EnsembleHistory(AttitudeHistory):
     @cached_property
     def sensitivity(self) -> FloatArray:
         """(S, 3, 9) derivatives of the attitudes; see `Ensemble.sensitivity_at`."""
-        found = self.ensemble.sensitivity_at(self.seconds, self.member, low=self.low)
-        return frozen(cast("FloatArray", found))
+        columns = self.ensemble.sensitivity_at(self.seconds, self.member, low=self.low)
+        return frozen(cast("FloatArray", columns))
 
     @cached_property
     def angular_acceleration(self) -> FloatArray:
         """(S, 3) rad/s2 over the body axes, by Euler's equations of the bodies at the epoch."""
         moments, axes = self.ensemble.principal_moments, self.ensemble.principal_axes
         which = self.member if len(moments) > 1 else np.zeros_like(self.member)
-        given, turn = moments[which], axes[which]
+        differences, turn = moments[which], axes[which]
         w = np.einsum("...ij,...i->...j", turn, self.angular_velocity)
         rate = np.zeros(w.shape)
         for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-            torque = (given[..., j] - given[..., k]) * w[..., j] * w[..., k]
-            heavy = given[..., i] > 0.0
-            rate[..., i] = np.where(heavy, torque / np.where(heavy, given[..., i], 1.0), 0.0)
+            torque = (differences[..., j] - differences[..., k]) * w[..., j] * w[..., k]
+            heavy = differences[..., i] > 0.0
+            rate[..., i] = np.where(heavy, torque / np.where(heavy, differences[..., i], 1.0), 0.0)
         return frozen(np.einsum("...ij,...j->...i", turn, rate))
 
     @cached_property
@@ -510,13 +510,13 @@ class EnsembleHistory(AttitudeHistory):
         if sigma:
             raise AttitudeError("an ensemble has no standard deviations; leave out sigma=True.")
         flat = self if len(self.shape) == 1 else self._flattened()
-        found = super(EnsembleHistory, flat).table(rates=rates)
-        found.add_column(np.array(flat.member), index=0, name="member")
+        columns = super(EnsembleHistory, flat).table(rates=rates)
+        columns.add_column(np.array(flat.member), index=0, name="member")
         if self.ensemble.names is not None:
-            found.add_column(self.ensemble.names[flat.member], index=1, name="name")
+            columns.add_column(self.ensemble.names[flat.member], index=1, name="name")
         if self.ensemble.epoch is None:
-            del found.meta["epoch"]
-        return found
+            del columns.meta["epoch"]
+        return columns
 
     def _flattened(self) -> EnsembleHistory:
         times = Seconds.of(self).mapped(np.ravel)
@@ -624,14 +624,16 @@ class MemberDerivatives:
     ) -> None:
         """Raise the AttitudeError of the first member that has one, with its name."""
         for k, number in enumerate(who.tolist()):
-            own = [each[k : k + 1] if len(each) > 1 else each for each in (constants, *states)]
+            arrays = [
+                array[k : k + 1] if len(array) > 1 else array for array in (constants, *states)
+            ]
             rows = slice(None) if edges is None else slice(edges[k], edges[k + 1])
             line = slice(k, k + 1) if len(t.hi) > 1 else slice(None)
             times = t.taken((line, rows)).mapped(np.ascontiguousarray).mapped(read_only)
             try:
-                tangents = sensitivities.tangents_of(own[1], own[2], own[3], own[0])
+                tangents = sensitivities.tangents_of(arrays[1], arrays[2], arrays[3], arrays[0])
                 unused = np.empty((1, 3, sensitivities.PARAMETERS, times.hi.shape[1]))
-                sensitivities.evaluate(own[0], tangents, *times, unused)
+                sensitivities.evaluate(arrays[0], tangents, *times, unused)
             except AttitudeError as err:
                 raise AttitudeError(f"{self._label(number)}: {err}") from None
 
@@ -646,9 +648,9 @@ def _near(
     reach = np.fmin(reaches(constants), sensitivities.reaches(tangents))
     rows = slice(None) if edges is None else slice(edges[0], edges[-1])
     far = reach[:, None] if edges is None else np.repeat(reach, np.diff(edges))[None]
-    near = within(t.taken((slice(None), rows)), far)
+    reachable = within(t.taken((slice(None), rows)), far)
     if edges is None:
-        return near
+        return reachable
     whole = t.hi.copy()
-    whole[:, rows] = near.hi
+    whole[:, rows] = reachable.hi
     return Seconds(read_only(whole), t.lo)

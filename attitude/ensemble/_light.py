@@ -81,22 +81,22 @@ def ellipsoid_runs(
 @force_inlined
 def _take(memory, steps, first, end, to, work):
     """Vectors of the rows from `first` to `end`, as unit vectors, into three rows of `work`."""
-    row, part = steps
-    if row == 3 and part == 1:
+    row, component = steps
+    if row == 3 and component == 1:
         # LLVM vectorises a loop only with steps that are constant.
-        near = memory[3 * first : 3 * end]
+        directions = memory[3 * first : 3 * end]
         for k in range(end - first):
-            _put(near[3 * k], near[3 * k + 1], near[3 * k + 2], to, k, work)
+            _put(directions[3 * k], directions[3 * k + 1], directions[3 * k + 2], to, k, work)
     elif row == 1:
         one = memory[first:end]
-        two = memory[part + first : part + end]
-        three = memory[2 * part + first : 2 * part + end]
+        two = memory[component + first : component + end]
+        three = memory[2 * component + first : 2 * component + end]
         for k in range(end - first):
             _put(one[k], two[k], three[k], to, k, work)
     else:
         for k in range(end - first):
             i = (first + k) * row
-            _put(memory[i], memory[i + part], memory[i + 2 * part], to, k, work)
+            _put(memory[i], memory[i + component], memory[i + 2 * component], to, k, work)
 
 
 @reduction_inlined
@@ -185,18 +185,18 @@ class Light:
             self._make_kernels(rows.member, threads)
 
         def work(begin: int, end: int) -> None:
-            for part in parts[begin:end]:
-                piece = rows.piece(part)
-                both = rows.vectors(sun, part), rows.vectors(observer, part)
+            for block in parts[begin:end]:
+                piece = rows.piece(block)
+                both = rows.vectors(sun, block), rows.vectors(observer, block)
                 in_place = isinstance(piece.place, slice)
-                found = out[piece.place] if in_place else np.empty(len(piece.member))
-                self._fill(piece, *both, found)
+                values = out[piece.place] if in_place else np.empty(len(piece.member))
+                self._fill(piece, *both, values)
                 if band is not None:
-                    found[:] = of_brightness(found, band)
+                    values[:] = of_brightness(values, band)
                 if apparent:
-                    found += _modulus(*both)
+                    values += _modulus(*both)
                 if not in_place:
-                    out[piece.place] = found
+                    out[piece.place] = values
 
         in_blocks(work, len(parts), 1, threads, ProgressBar("light curves"))
 
@@ -206,7 +206,7 @@ class Light:
         if self._law.has_phase:
             from attitude._solver.vectors import separation
 
-            units = (read_only(part) for v in (sun, observer) for part in _unit(v))
+            units = (read_only(component) for v in (sun, observer) for component in _unit(v))
             found *= self._law.phase(np.nan_to_num(separation(*units)))
         if np.isnan(found).any():
             self._explain(piece, sun, observer)
@@ -224,11 +224,11 @@ class Light:
             constants, _ = self._members.prepared(_evaluation.consecutive(some), rates=False)
             edges = starts[first : first + len(some) + 1]
             axes = self._shapes if len(self._shapes) == 1 else self._shapes[some]
-            records, rest = read_only(constants), (*vectors, axes, factor, work, out)
-            failed = self._loop(records, edges, *t, *rest)
+            records, others = read_only(constants), (*vectors, axes, factor, work, out)
+            failed = self._loop(records, edges, *t, *others)
             if failed >= 0:
-                near = self._runs.nearer(constants, edges, piece.t, failed, some)
-                self._loop(records, edges, near[None], t.lo, *rest)
+                reachable = self._runs.nearer(constants, edges, piece.t, failed, some)
+                self._loop(records, edges, reachable[None], t.lo, *others)
 
     def _make_kernels(self, member: IntArray, threads: int) -> None:
         """The functions that sum over the facets of each shape that occurs."""
@@ -247,32 +247,35 @@ class Light:
         count = len(piece.member)
         wxyz, turned = np.empty((4, count)), np.empty((2, 3, count))
         self._runs(piece.member, 0, count, piece.t, wxyz, None)
-        for given, into in zip((sun, observer), turned, strict=True):
-            solver_vectors.to_body(read_only(wxyz), read_only(_unit(given)), into)
-        parts = [read_only(each) for both in turned for each in both]
+        for vectors, into in zip((sun, observer), turned, strict=True):
+            solver_vectors.to_body(read_only(wxyz), read_only(_unit(vectors)), into)
+        parts = [read_only(component) for both in turned for component in both]
         # Directions that are not known have no place among the facets.
         known = np.isfinite(turned).all(axis=(0, 1))
         if not known.all():
-            parts = [read_only(np.where(known, each, k % 3 == 2)) for k, each in enumerate(parts)]
+            parts = [
+                read_only(np.where(known, component, k % 3 == 2))
+                for k, component in enumerate(parts)
+            ]
         if len(self._shapes) == 1:
             self._kernels[id(self._shapes[0])](*parts, out)
         else:
             who, starts = self._runs.runs(piece.member, 0, count)
             for k, first, end in zip(who.tolist(), starts, starts[1:], strict=False):
-                some = [each[first:end] for each in parts]
+                some = [component[first:end] for component in parts]
                 self._kernels[id(self._shapes[k])](*some, out[first:end])
         out[~known] = np.nan
 
     def _explain(self, piece: Piece, sun: FloatArray, observer: FloatArray) -> None:
         """AttitudeError for vectors that have no direction; NaN vectors are missing ones."""
-        for name, given in (("sun", sun), ("observer", observer)):
+        for name, vectors in (("sun", sun), ("observer", observer)):
             with np.errstate(over="ignore"):
-                squares = np.sum(given * given, axis=1)
+                squares = np.sum(vectors * vectors, axis=1)
             bad = np.flatnonzero((squares == 0.0) | np.isinf(squares))
             if len(bad):
                 k = int(bad[0])
                 raise AttitudeError(
-                    f"{name} of {self._label(int(piece.member[k]))} is {given[k].tolist()}; give "
+                    f"{name} of {self._label(int(piece.member[k]))} is {vectors[k].tolist()}; give "
                     "vectors from the body of finite length above zero, or NaN where there is none."
                 )
 
@@ -291,7 +294,7 @@ def known_shapes(
     if isinstance(shape, (Ellipsoid, Mesh)):
         shapes = [shape]
     elif isinstance(shape, (list, tuple)) and any(
-        each is None or isinstance(each, (Ellipsoid, Mesh)) for each in shape
+        one is None or isinstance(one, (Ellipsoid, Mesh)) for one in shape
     ):
         shapes = list(shape)
     else:
@@ -300,16 +303,16 @@ def known_shapes(
         raise AttitudeError(
             f"{len(shapes)} shapes are given for {count} members; give one, or one for each."
         )
-    for k, each in enumerate(shapes):
-        if each is None:
+    for k, one in enumerate(shapes):
+        if one is None:
             raise AttitudeError(f"{label(k)}: its shape is missing; give an Ellipsoid or a Mesh.")
-        if not isinstance(each, (Ellipsoid, Mesh)):
+        if not isinstance(one, (Ellipsoid, Mesh)):
             raise AttitudeError(
-                f"{label(k)}: its shape is {validation.shown(each)}; give an Ellipsoid or a Mesh."
+                f"{label(k)}: its shape is {validation.shown(one)}; give an Ellipsoid or a Mesh."
             )
-    ellipsoids = [each for each in shapes if isinstance(each, Ellipsoid)]
+    ellipsoids = [one for one in shapes if isinstance(one, Ellipsoid)]
     if len(ellipsoids) == len(shapes):
-        return np.array([each.semi_axes for each in ellipsoids]).reshape(-1, 3)
+        return np.array([one.semi_axes for one in ellipsoids]).reshape(-1, 3)
     return shapes
 
 
@@ -355,29 +358,29 @@ def output(out: Any, shape: tuple[int, ...]) -> FloatArray:
         raise AttitudeError(
             f"out is {validation.shown(out)}; give a writable float64 array {shape} in C order."
         )
-    found: FloatArray = out
-    return found
+    values: FloatArray = out
+    return values
 
 
 def _modulus(sun: FloatArray, observer: FloatArray) -> FloatArray:
     """5 log10 of the product of the lengths (K,), in au, of two vectors (K, 3) in m."""
-    lengths = (np.sqrt(np.einsum("kj,kj->k", each, each)) for each in (sun, observer))
+    lengths = (np.sqrt(np.einsum("kj,kj->k", vectors, vectors)) for vectors in (sun, observer))
     one, other = (length / ASTRONOMICAL_UNIT_M for length in lengths)
     return 5.0 * np.log10(one * other)
 
 
 def _unit(vectors: FloatArray) -> FloatArray:
     """Vectors (K, 3) as unit vectors by component, (3, K)."""
-    found = np.ascontiguousarray(vectors.T)
+    rows = np.ascontiguousarray(vectors.T)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        return found / np.sqrt(np.sum(found * found, axis=0))
+        return rows / np.sqrt(np.sum(rows * rows, axis=0))
 
 
 def _memory(vectors: FloatArray) -> tuple[FloatArray, tuple[int, int]]:
     """The memory of vectors (K, 3) as one row of numbers, and the steps of its two axes in it."""
-    row, part = (step // 8 for step in vectors.strides)
-    if row < 0 or part < 0 or any(step % 8 for step in vectors.strides):
+    row, component = (step // 8 for step in vectors.strides)
+    if row < 0 or component < 0 or any(step % 8 for step in vectors.strides):
         return read_only(np.ascontiguousarray(vectors).reshape(-1)), (3, 1)
-    size = (len(vectors) - 1) * row + 2 * part + 1 if len(vectors) else 0
+    size = (len(vectors) - 1) * row + 2 * component + 1 if len(vectors) else 0
     flat = np.lib.stride_tricks.as_strided(vectors, (size,), (8,), writeable=False)
-    return flat, (row, part)
+    return flat, (row, component)

@@ -48,14 +48,14 @@ def of_members(given: Any) -> FloatArray:
     hi, lo = _inputs.past_j2000(given, "epoch")
     if hi.ndim > 1:
         raise AttitudeError(f"epoch has shape {hi.shape}; give one epoch, or one for each member.")
-    found = np.stack(support_pairs.two_sum(hi, lo)).reshape(2, -1)
-    bad = np.flatnonzero(~np.isfinite(found[0]))
+    sums = np.stack(support_pairs.two_sum(hi, lo)).reshape(2, -1)
+    bad = np.flatnonzero(~np.isfinite(sums[0]))
     if len(bad):
         raise AttitudeError(
-            f"epoch {bad[0]} of {found.shape[1]} is missing (NaT, NaN or masked); give a date for "
+            f"epoch {bad[0]} of {sums.shape[1]} is missing (NaT, NaN or masked); give a date for "
             "each member."
         )
-    return found
+    return sums
 
 
 def shared(
@@ -180,13 +180,17 @@ class Given(NamedTuple):
         axes, principal = np.empty((count, 3, 3)), np.empty((count, 4))
         rates, differences = np.empty((2, len(omega), 3, 2))
         for first in range(0, len(omega), _BLOCK):
-            part = slice(first, first + _BLOCK)
+            block = slice(first, first + _BLOCK)
             if count > 1 or first == 0:
-                of = part if count > 1 else slice(0, 1)
+                of = block if count > 1 else slice(0, 1)
                 some = symmetric_tensors(self.array[of], first, count, raises=raises)
-                found = PrincipalAxes.of(some)
-                moments[of], axes[of], principal[of] = found.moments, found.axes[..., 0], found.wxyz
-            rates[part], differences[part] = found.over_axes(omega[part].copy())
+                axes_of_block = PrincipalAxes.of(some)
+                moments[of], axes[of], principal[of] = (
+                    axes_of_block.moments,
+                    axes_of_block.axes[..., 0],
+                    axes_of_block.wxyz,
+                )
+            rates[block], differences[block] = axes_of_block.over_axes(omega[block].copy())
         inertia = Inertia(*self, moments, axes, principal)
         if np.isnan(differences[:, 0, 0]).all() and not rates[..., 1].any():
             return inertia, Resolved(np.ascontiguousarray(rates[..., 0]), None)
@@ -229,8 +233,8 @@ class Inertia:
         """The Body of member k."""
         k = k if len(self) > 1 else 0
         if self.bodies is not None:
-            found: Body = self.bodies[k]
-            return found
+            body: Body = self.bodies[k]
+            return body
         kind = "moments" if self.given.ndim == 2 else "tensor"
         return Body(**{kind: self.given[k]}, relative=self.relative)
 
@@ -239,7 +243,7 @@ class Inertia:
         if len(self) == 1:
             return self
         bodies = None if self.bodies is None else self.bodies[index]
-        arrays = (each[index] for each in (self.moments, self.axes, self.principal))
+        arrays = (array[index] for array in (self.moments, self.axes, self.principal))
         return Inertia(self.given[index], self.relative, bodies, *arrays)
 
     @property
@@ -255,25 +259,25 @@ class Inertia:
 def of_moments(moments: Reals, relative: bool) -> Given:
     """Principal moments (3,) or (N, 3) about the body axes."""
     unit = None if relative else "kg m2"
-    given = validation.real(moments, "moments", unit=unit, finite=False)
-    return Given(_leading(given, "moments", (3,)), relative, None)
+    array = validation.real(moments, "moments", unit=unit, finite=False)
+    return Given(_leading(array, "moments", (3,)), relative, None)
 
 
 def of_tensors(tensors: Reals, relative: bool) -> Given:
     """Tensors (3, 3) or (N, 3, 3) in body axes."""
     unit = None if relative else "kg m2"
-    given = validation.real(tensors, "tensors", unit=unit, finite=False)
-    return Given(_leading(given, "tensors", (3, 3)), relative, None)
+    array = validation.real(tensors, "tensors", unit=unit, finite=False)
+    return Given(_leading(array, "tensors", (3, 3)), relative, None)
 
 
 def of_bodies(bodies: Sequence[Body]) -> Given:
     """Body objects, one for all members or one each."""
-    for k, each in enumerate(bodies):
-        if not isinstance(each, Body):
+    for k, body in enumerate(bodies):
+        if not isinstance(body, Body):
             raise AttitudeError(
-                f"body {k} is {validation.shown(each)}; give one Body, or one for each member."
+                f"body {k} is {validation.shown(body)}; give one Body, or one for each member."
             )
-    relative = {each.relative for each in bodies}
+    relative = {body.relative for body in bodies}
     if len(relative) > 1:
         raise AttitudeError(
             "some bodies have relative moments and others have moments in kg m2; give members of "
@@ -281,35 +285,35 @@ def of_bodies(bodies: Sequence[Body]) -> Given:
         )
     objects = np.empty(len(bodies), dtype=object)
     objects[:] = bodies
-    plain = all(each.has_given_axes for each in bodies)
-    given = np.array([each.moments if plain else each.tensor for each in bodies])
+    plain = all(body.has_given_axes for body in bodies)
+    array = np.array([body.moments if plain else body.tensor for body in bodies])
     return Given(
-        given.reshape(len(bodies), *((3,) if plain else (3, 3))), True in relative, objects
+        array.reshape(len(bodies), *((3,) if plain else (3, 3))), True in relative, objects
     )
 
 
 def joined_inertia(parts: Sequence[Inertia], counts: Sequence[int]) -> Inertia:
     """The inertia of ensembles of `counts` members, one after the other."""
     first = parts[0]
-    if len({each.relative for each in parts}) > 1:
+    if len({inertia.relative for inertia in parts}) > 1:
         raise AttitudeError(
             "one ensemble has relative moments and another has moments in kg m2; they stay apart."
         )
-    if all(each is first and len(each) == 1 for each in parts):
+    if all(inertia is first and len(inertia) == 1 for inertia in parts):
         return first
-    tensors = any(each.has_tensors for each in parts)
+    tensors = any(inertia.has_tensors for inertia in parts)
 
     def rows(arrays: Sequence[Any]) -> Any:
         pairs = zip(arrays, counts, strict=True)
         return np.concatenate([np.broadcast_to(a, (n, *a.shape[1:])) for a, n in pairs])
 
-    given = rows([each.tensors() if tensors else each.given for each in parts])
+    array = rows([inertia.tensors() if tensors else inertia.given for inertia in parts])
     bodies = None
-    if all(each.bodies is not None for each in parts):
-        bodies = rows([each.bodies for each in parts])
+    if all(inertia.bodies is not None for inertia in parts):
+        bodies = rows([inertia.bodies for inertia in parts])
     names = "moments", "axes", "principal"
-    arrays = (rows([getattr(each, name) for each in parts]) for name in names)
-    return Inertia(given, first.relative, bodies, *arrays)
+    arrays = (rows([getattr(inertia, name) for inertia in parts]) for name in names)
+    return Inertia(array, first.relative, bodies, *arrays)
 
 
 def _leading(array: FloatArray, name: str, last: tuple[int, ...]) -> FloatArray:
@@ -403,13 +407,13 @@ class Members:
 
     def faults(self) -> IntArray:
         """Numbers (K,) of the members that are not physical."""
-        found = [_NONE]
+        bad_members = [_NONE]
         for first in range(0, len(self), BLOCK):
             moments, wxyz, rates = self.states(slice(first, first + BLOCK))
             bad = evaluation.faults_of(moments, wxyz, rates)
             if len(bad):
-                found.append(bad + first)
-        return np.concatenate(found)
+                bad_members.append(bad + first)
+        return np.concatenate(bad_members)
 
     def fault(self, k: int) -> str:
         """The sentence on member k, which is not physical."""
@@ -436,7 +440,7 @@ class Kept:
         self._members, self._first = members, first
         if constants is None and len(members) <= _MOST_KEPT:
             parts = [members.prepared(slice(k, k + BLOCK)) for k in range(0, len(members), BLOCK)]
-            constants = [found for found, _ in parts]
+            constants = [records for records, _ in parts]
             constants = np.concatenate(constants) if constants else members.prepared(slice(0))[0]
         self._constants = constants
 
@@ -448,20 +452,20 @@ class Kept:
 
     def prepared(self, which: slice, *, rates: bool = True) -> tuple[NDArray[Any], IntArray]:
         """As `Members.prepared`, without the numbers of those that are not physical."""
-        part = slice(self._first + which.start, self._first + which.stop)
-        return self._constants[part], _NONE
+        block = slice(self._first + which.start, self._first + which.stop)
+        return self._constants[block], _NONE
 
 
 def joined(parts: Sequence[Members]) -> Members:
     """The members of several parts, one after the other."""
-    counts = [len(part) for part in parts]
+    counts = [len(members) for members in parts]
 
     def rows(arrays: Sequence[FloatArray]) -> FloatArray:
         first = arrays[0]
-        if len(first) == 1 and all(each is first for each in arrays):
+        if len(first) == 1 and all(array is first for array in arrays):
             return first
-        given = zip(arrays, counts, strict=True)
-        return np.concatenate([np.broadcast_to(a, (n, *a.shape[1:])) for a, n in given])
+        pairs_of = zip(arrays, counts, strict=True)
+        return np.concatenate([np.broadcast_to(a, (n, *a.shape[1:])) for a, n in pairs_of])
 
     rates = [part.rates for part in parts]
     if len({each.ndim for each in rates}) > 1:

@@ -74,10 +74,10 @@ class PartitionedEnsemble(Immutable):
                 f"frame is {validation.shown(frame)}; give a dask dataframe, for example by "
                 "dask.dataframe.read_parquet."
             )
-        parts = [dask.delayed(_of_table)(part, options) for part in frame.to_delayed()]
+        parts = [dask.delayed(_of_table)(partition, options) for partition in frame.to_delayed()]
         lengths = [math.nan] * len(parts)
         if validation.flag(count, "count"):
-            lengths = list(dask.compute(*[dask.delayed(len)(each) for each in parts]))
+            lengths = list(dask.compute(*[dask.delayed(len)(partition) for partition in parts]))
         return cls(parts, lengths)
 
     @classmethod
@@ -91,14 +91,14 @@ class PartitionedEnsemble(Immutable):
                 "partitions of the members."
             )
         chunks = wxyz.chunks[0]
-        common = {name: each for name, each in arrays.items() if not _is_lazy(each)}
+        common = {name: value for name, value in arrays.items() if not _is_lazy(value)}
         blocks = {
-            name: _blocks(each, name, chunks, _ROWS)
-            for name, each in arrays.items()
-            if _is_lazy(each)
+            name: _blocks(value, name, chunks, _ROWS)
+            for name, value in arrays.items()
+            if _is_lazy(value)
         }
         parts = [
-            dask.delayed(_of_arrays)({name: each[k] for name, each in blocks.items()}, common)
+            dask.delayed(_of_arrays)({name: rows[k] for name, rows in blocks.items()}, common)
             for k in range(len(chunks))
         ]
         return cls(parts, chunks)
@@ -117,9 +117,9 @@ class PartitionedEnsemble(Immutable):
         """
         both = validation.flag(angular_velocity, "angular_velocity")
         times, length = self._epochs(t)
-        found = self._mapped(_attitudes, [(each, both) for each in times])
-        parts = self._arrays(found, 0, (length, 4))
-        return (parts, self._arrays(found, 1, (length, 3))) if both else parts
+        tasks = self._mapped(_attitudes, [(time, both) for time in times])
+        parts = self._arrays(tasks, 0, (length, 4))
+        return (parts, self._arrays(tasks, 1, (length, 3))) if both else parts
 
     def brightness(self, t: Epochs, sun: Reals, observer: Reals, **options: Any) -> Any:
         """Brightness (N, T), m2/sr, a dask array with a chunk for each partition.
@@ -127,14 +127,14 @@ class PartitionedEnsemble(Immutable):
         Shapes: sun, observer (3,).
         """
         times, length = self._epochs(t)
-        given = {"sun": sun, "observer": observer, **options}
-        each = [{"t": time} for time in times]
-        for name, value in given.items():
-            split = self._split(value, name) if _is_lazy(value) else [value] * len(each)
-            for options_of_part, part in zip(each, split, strict=True):
-                options_of_part[name] = part
-        found = self._mapped(_brightness, [(options_of_part,) for options_of_part in each])
-        return self._arrays(found, None, (length,))
+        keywords = {"sun": sun, "observer": observer, **options}
+        options_of_parts = [{"t": time} for time in times]
+        for name, value in keywords.items():
+            split = self._split(value, name) if _is_lazy(value) else [value] * len(options_of_parts)
+            for options_of_part, piece in zip(options_of_parts, split, strict=True):
+                options_of_part[name] = piece
+        tasks = self._mapped(_brightness, [(options,) for options in options_of_parts])
+        return self._arrays(tasks, None, (length,))
 
     def rows(
         self,
@@ -158,8 +158,8 @@ class PartitionedEnsemble(Immutable):
             raise AttitudeError(f"frame has no column {missing[0]!r}.")
         both = validation.flag(angular_velocity, "angular_velocity")
         added = dict.fromkeys(_ATTITUDE + _RATE * both, "f8")
-        found = self._mapped(_rows, [(each, member, seconds, both) for each in rows])
-        return dataframe.from_delayed(found, meta=frame._meta.assign(**_empty(added)))
+        tasks = self._mapped(_rows, [(row, member, seconds, both) for row in rows])
+        return dataframe.from_delayed(tasks, meta=frame._meta.assign(**_empty(added)))
 
     def map(self, function: Callable[..., Any], *others: Sequence[Any]) -> list[Any]:
         """Delayed ``function(ensemble, *values)`` of each partition.
@@ -179,12 +179,12 @@ class PartitionedEnsemble(Immutable):
         both = validation.flag(angular_velocity, "angular_velocity")
         times, _ = self._epochs(t)
         files = [os.path.join(folder, f"part-{k:05d}.parquet") for k in range(len(times))]
-        return self._mapped(_written, [(*each, both) for each in zip(times, files, strict=True)])
+        return self._mapped(_written, [(*row, both) for row in zip(times, files, strict=True)])
 
     def _mapped(self, function: Callable[..., Any], given: Sequence[tuple[Any, ...]]) -> list[Any]:
         task = _dask().delayed(function, pure=True)
         pairs = zip(self.parts, given, strict=True)
-        return [task(part, *values) for part, values in pairs]
+        return [task(partition, *values) for partition, values in pairs]
 
     def _epochs(self, t: Any) -> tuple[list[Any], float]:
         """The epochs of each partition, and how many they are."""
@@ -202,8 +202,8 @@ class PartitionedEnsemble(Immutable):
         from dask import array
 
         parts = [
-            array.from_delayed(each if k is None else each[k], (length, *row), dtype=np.float64)
-            for each, length in zip(found, self.lengths, strict=True)
+            array.from_delayed(task if k is None else task[k], (length, *row), dtype=np.float64)
+            for task, length in zip(found, self.lengths, strict=True)
         ]
         return array.concatenate(parts, allow_unknown_chunksizes=True)
 
@@ -213,8 +213,8 @@ def _of_table(table: Any, options: Mapping[str, Any]) -> Ensemble:
 
 
 def _of_arrays(rows: Mapping[str, Any], common: Mapping[str, Any]) -> Ensemble:
-    given: dict[str, Any] = {name: np.array(each) for name, each in rows.items()}
-    return Ensemble(**given, **common)
+    arrays: dict[str, Any] = {name: np.array(values) for name, values in rows.items()}
+    return Ensemble(**arrays, **common)
 
 
 def _attitudes(ensemble: Ensemble, t: Any, rates: bool) -> tuple[Any, ...]:
@@ -229,10 +229,10 @@ def _brightness(ensemble: Ensemble, options: Mapping[str, Any]) -> Any:
 def _rows(ensemble: Ensemble, rows: Any, member: str, seconds: str, rates: bool) -> Any:
     t = np.array(rows[seconds], dtype=np.float64)
     history = ensemble.at(t, member=rows[member].to_numpy(), angular_velocity=rates)
-    found = rows.assign(**dict(zip(_ATTITUDE, history.wxyz.T, strict=True)))
+    table = rows.assign(**dict(zip(_ATTITUDE, history.wxyz.T, strict=True)))
     if rates:
-        found = found.assign(**dict(zip(_RATE, history.angular_velocity.T, strict=True)))
-    return found
+        table = table.assign(**dict(zip(_RATE, history.angular_velocity.T, strict=True)))
+    return table
 
 
 def _written(ensemble: Ensemble, t: Any, file: str, rates: bool) -> str:
@@ -255,7 +255,7 @@ def _blocks(array: Any, name: str, chunks: Sequence[float], rows: Mapping[str, A
     """The delayed blocks of a dask array, one for each partition of the members."""
     if name in rows and array.shape[1:] != rows[name]:
         raise AttitudeError(f"{name} has shape {array.shape}; give (N, {rows[name]}).")
-    if any(math.isnan(each) for each in chunks):
+    if any(math.isnan(length) for length in chunks):
         raise AttitudeError("the members are not counted; make the ensemble with count=True.")
     if array.shape[0] != sum(chunks):
         raise AttitudeError(

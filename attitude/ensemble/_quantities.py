@@ -58,14 +58,14 @@ class MemberView(View):
 
     def _line(self, name: str) -> LineOfSight:
         """A line of sight of the base, repeated for each member."""
-        found: LineOfSight = getattr(self._base, name)
+        line: LineOfSight = getattr(self._base, name)
         count = self.shape[0]
-        unit, distance = found.unit, found.distance
+        unit, distance = line.unit, line.distance
         if unit.shape[1] > 1:
             unit = np.tile(unit[:, self._epochs], count)
         if distance is not None:
             distance = np.tile(distance[self._epochs], count)
-        return LineOfSight(unit.copy(), distance, found.source, found.error)
+        return LineOfSight(unit.copy(), distance, line.source, line.error)
 
     @kept
     def observer_line(self) -> LineOfSight:
@@ -112,8 +112,8 @@ class MemberView(View):
         inertia = self._history.ensemble._inertia
         if len(inertia) > 1:
             raise AttitudeError(f"{what} differs between the members, which have bodies each.")
-        found: Body = inertia.body(0)
-        return found
+        body: Body = inertia.body(0)
+        return body
 
 
 def bound(
@@ -130,9 +130,9 @@ def bound(
     base = free.since(start, seconds, low)
     times = pairs.Seconds(*base.emission).taken(None)
     if shared is None:
-        own = ensemble.epochs_of(np.arange(len(ensemble)))
+        starts = ensemble.epochs_of(np.arange(len(ensemble)))
         past = times.plus(start.seconds, start.low)
-        times = pairs.Seconds(*pairs.add(past, -own[0][:, None], -own[1][:, None]))
+        times = pairs.Seconds(*pairs.add(past, -starts[0][:, None], -starts[1][:, None]))
     return base, MemberGrid(len(ensemble), times, False)
 
 
@@ -163,9 +163,9 @@ def squared_tangents(wxyz, axis, x, y, z, out):
             u = a + p * d + (r * f - s * e)
             v = b + p * e + (s * d - q * f)
             w = c + p * f + (q * e - r * d)
-            near = (u - x[k]) * (u - x[k]) + (v - y[k]) * (v - y[k]) + (w - z[k]) * (w - z[k])
+            apart = (u - x[k]) * (u - x[k]) + (v - y[k]) * (v - y[k]) + (w - z[k]) * (w - z[k])
             far = (u + x[k]) * (u + x[k]) + (v + y[k]) * (v + y[k]) + (w + z[k]) * (w + z[k])
-            out[n, k] = near / far
+            out[n, k] = apart / far
 
 
 @entry_point
@@ -242,14 +242,14 @@ class AngleTo(Immutable):
         self._axis: FloatArray
         self._target: FloatArray
         self._set("_axis", frozen(validation.unit_vector(axis, "axis")))
-        given = validation.real(target, "target")
-        if given.ndim not in (1, 2) or given.shape[-1] != 3:
-            raise AttitudeError(f"target has shape {given.shape}; give (3,) or (T, 3).")
-        largest = np.max(np.abs(given), axis=-1, keepdims=True)
+        vectors = validation.real(target, "target")
+        if vectors.ndim not in (1, 2) or vectors.shape[-1] != 3:
+            raise AttitudeError(f"target has shape {vectors.shape}; give (3,) or (T, 3).")
+        largest = np.max(np.abs(vectors), axis=-1, keepdims=True)
         if np.any(largest == 0.0):
             raise AttitudeError("target holds a zero vector, which has no direction.")
-        given = given / largest
-        self._set("_target", frozen(given / np.linalg.norm(given, axis=-1, keepdims=True)))
+        vectors = vectors / largest
+        self._set("_target", frozen(vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)))
 
     def measured(self, history: EnsembleHistory, epochs: slice) -> FloatArray:
         """Numbers (N, T) that grow with the angle, of a history at some epochs of all."""
@@ -287,13 +287,13 @@ class Computed:
 
     def measured(self, history: EnsembleHistory, epochs: slice) -> FloatArray:
         """The numbers (N, T)."""
-        found = np.asarray(self._function(history), dtype=np.float64)
-        if found.shape != history.shape:
+        values = np.asarray(self._function(history), dtype=np.float64)
+        if values.shape != history.shape:
             raise AttitudeError(
-                f"the quantity has shape {found.shape} for a history of shape {history.shape}; "
+                f"the quantity has shape {values.shape} for a history of shape {history.shape}; "
                 "return one number for each attitude."
             )
-        return found
+        return values
 
     def finished(self, measured: FloatArray) -> FloatArray:
         """The same numbers."""
@@ -331,14 +331,14 @@ def known(
             )
         columns = View.columns()
         if quantity not in columns or columns[quantity].parts:
-            names = ", ".join(name for name, each in columns.items() if not each.parts)
+            names = ", ".join(name for name, column in columns.items() if not column.parts)
             raise AttitudeError(f"{quantity!r} is not a number of a view; give one of {names}.")
         seconds, lows = _members.received(ensemble.start_of_seconds, ensemble.epoch, t, low)
         base, grid = bound(scene, ensemble, seconds, lows)
         return Seen(quantity, base), grid
     if isinstance(quantity, AngleTo) or (callable(quantity) and not isinstance(quantity, type)):
-        given = quantity if isinstance(quantity, AngleTo) else Computed(quantity)
-        return given, ensemble.grid_of(t, low)
+        known_quantity = quantity if isinstance(quantity, AngleTo) else Computed(quantity)
+        return known_quantity, ensemble.grid_of(t, low)
     raise AttitudeError(
         f"quantity is {validation.shown(quantity)}; give the name of a quantity of a scene, an "
         "AngleTo(axis, target), or a function of an EnsembleHistory."

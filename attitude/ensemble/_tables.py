@@ -62,11 +62,11 @@ def columns_of(table: Any, origin: str) -> tuple[dict[str, Any], dict[str, Any]]
         return {name: table[name] for name in table.colnames}, _lower(table.meta)
     if hasattr(table, "column_names") and hasattr(table, "schema"):  # pyarrow
         meta = meta_of(table)
-        found = {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
-        return found, _lower(meta)
+        columns = {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
+        return columns, _lower(meta)
     if hasattr(table, "columns") and hasattr(table, "to_numpy"):  # pandas
-        found = {str(name): table[name].to_numpy() for name in table.columns}
-        return found, _lower(getattr(table, "attrs", {}))
+        columns = {str(name): table[name].to_numpy() for name in table.columns}
+        return columns, _lower(getattr(table, "attrs", {}))
     if isinstance(table, Mapping):
         return dict(table), {}
     raise AttitudeError(
@@ -81,48 +81,48 @@ def arguments(
     """The arguments of `Ensemble` in some columns, with ``low`` if there are second doubles."""
     if ROTATOR_EPOCH in columns:
         return _of_rotators(columns, origin, on_error)
-    found: dict[str, Any] = {}
+    keywords: dict[str, Any] = {}
     for name, (parts, unit) in _PARTS.items():
         known = None if relative and unit == "kg m2" else unit
         values = _numbers(columns, name, parts, known, origin)
         if values is not None:
-            found[name] = values
+            keywords[name] = values
     for name in ("wxyz", "angular_velocity"):
-        if name not in found:
+        if name not in keywords:
             raise AttitudeError(
                 f"{origin}: it has no {name}; give a column {name}, or "
                 f"{', '.join(_PARTS[name][0])}, or the columns of a survey ({ROTATOR_EPOCH}, "
                 "period_h, ...)."
             )
-    if "tensor" in found:
-        found["tensors"] = found.pop("tensor").reshape(-1, 3, 3)
-        found.pop("moments", None)
-    elif "moments" not in found:
+    if "tensor" in keywords:
+        keywords["tensors"] = keywords.pop("tensor").reshape(-1, 3, 3)
+        keywords.pop("moments", None)
+    elif "moments" not in keywords:
         raise AttitudeError(f"{origin}: it has neither moments nor tensor; give one of them.")
-    found["epoch"] = _epochs(columns, origin)
+    keywords["epoch"] = _epochs(columns, origin)
     if "name" in columns:
         names = np.asarray(columns["name"])
         names = np.char.decode(names, "utf-8") if names.dtype.kind == "S" else names  # FITS
-        found["names"] = [str(each) for each in names.tolist()]
-    return found
+        keywords["names"] = [str(each) for each in names.tolist()]
+    return keywords
 
 
 def _epochs(columns: Mapping[str, Any], origin: str) -> Any:
     """What `Ensemble` takes as epochs: dates, or Seconds."""
     if "epoch_seconds" in columns:
         low = columns.get("epoch_low", np.zeros(len(columns["epoch_seconds"])))
-        given = np.array([columns["epoch_seconds"], low], dtype=np.float64)
-        if not np.all(np.isfinite(given)):
-            row = int(np.argmin(np.isfinite(given).all(axis=0)))
+        seconds = np.array([columns["epoch_seconds"], low], dtype=np.float64)
+        if not np.all(np.isfinite(seconds)):
+            row = int(np.argmin(np.isfinite(seconds).all(axis=0)))
             raise AttitudeError(f"{origin}: the epoch of row {row} is missing.")
-        return pairs.Seconds(*(given[:, :1] if np.all(given == given[:, :1]) else given))
+        return pairs.Seconds(*(seconds[:, :1] if np.all(seconds == seconds[:, :1]) else seconds))
     if "epoch" not in columns:
         raise AttitudeError(
             f"{origin}: it has no epochs; give a column epoch of dates, or epoch_seconds."
         )
-    given = columns["epoch"]
-    kind = getattr(getattr(given, "dtype", None), "kind", "")
-    return np.asarray(given).tolist() if kind in "OSU" and kind else given
+    seconds = columns["epoch"]
+    kind = getattr(getattr(seconds, "dtype", None), "kind", "")
+    return np.asarray(seconds).tolist() if kind in "OSU" and kind else seconds
 
 
 def _numbers(
@@ -131,17 +131,17 @@ def _numbers(
     """A column (N, W), from one of rows or from W columns; None where there is neither."""
     try:
         if name in columns:
-            given = columns[name]
-            if getattr(getattr(given, "dtype", None), "kind", "") == "O":
-                given = np.stack([np.asarray(each) for each in given])
-            array = validation.real(given, name, unit=unit, finite=False)
+            column = columns[name]
+            if getattr(getattr(column, "dtype", None), "kind", "") == "O":
+                column = np.stack([np.asarray(row) for row in column])
+            array = validation.real(column, name, unit=unit, finite=False)
             if array.ndim == 3:
                 array = array.reshape(len(array), math.prod(array.shape[1:]))
             return array
         if not set(parts) <= set(columns):
             return None
-        each = [validation.real(columns[k], k, unit=unit, finite=False) for k in parts]
-        return np.stack(each, axis=-1)
+        components = [validation.real(columns[k], k, unit=unit, finite=False) for k in parts]
+        return np.stack(components, axis=-1)
     except AttitudeError as err:
         raise AttitudeError(f"{origin}: {err}") from err
     except (ValueError, TypeError) as err:
@@ -153,7 +153,7 @@ def of_arrays(arrays: Mapping[str, FloatArray]) -> dict[str, Any]:
     columns: dict[str, Any] = {}
     for name, array in arrays.items():
         flat = array.reshape(len(array), math.prod(array.shape[1:]))
-        columns.update({part: flat[:, k] for k, part in enumerate(_PARTS[name][0])})
+        columns.update({component: flat[:, k] for k, component in enumerate(_PARTS[name][0])})
     return columns
 
 
@@ -211,7 +211,7 @@ def rotator_numbers(
         raise AttitudeError(
             f"the column {name} is missing; give it, or a distribution from which it is drawn."
         )
-    first = next(each for each in ("phi0_deg", "pole_lon_deg") if each in columns)
+    first = next(column for column in ("phi0_deg", "pole_lon_deg") if column in columns)
     return np.full(len(columns[first]), default)
 
 
@@ -264,8 +264,8 @@ def rotator_states(
 
 def _of_rotators(columns: Mapping[str, Any], origin: str, on_error: str) -> dict[str, Any]:
     """The arguments of `Ensemble` in the columns of a survey."""
-    label = next((each for each in ("ObjID", "name") if each in columns), None)
-    names = None if label is None else [str(each) for each in np.asarray(columns[label]).tolist()]
+    label = next((column for column in ("ObjID", "name") if column in columns), None)
+    names = None if label is None else [str(name) for name in np.asarray(columns[label]).tolist()]
     try:
         _, moments = rotator_moments(columns, names)
         states, mjd = rotator_states(columns, moments, None, names, on_error)
@@ -322,12 +322,12 @@ def drawn(
     else:
         draw = _of_distributions(motion, distributions, generator)
     parts: list[Drawn] = []
-    found, tried, most = 0, 0, 10 * count + 100
-    while found < count or not parts:
-        number = min(count - found, most - tried)
+    accepted, tried, most = 0, 0, 10 * count + 100
+    while accepted < count or not parts:
+        number = min(count - accepted, most - tried)
         if number == 0 and count:
             raise AttitudeError(
-                f"{tried} draws gave {found} motions whose moments are those of a body; give "
+                f"{tried} draws gave {accepted} motions whose moments are those of a body; give "
                 "smaller errors of the moments."
             )
         some = draw(number)
@@ -335,7 +335,7 @@ def drawn(
             kept = _physical(some.moments)
             some = Drawn(some.wxyz[kept], some.rates[kept], some.moments[kept])
         parts.append(some)
-        found, tried = found + len(some.wxyz), tried + number
+        accepted, tried = accepted + len(some.wxyz), tried + number
     moments = None
     if parts[0].moments is not None:
         moments = np.concatenate([each.moments for each in parts if each.moments is not None])
@@ -347,8 +347,8 @@ def drawn(
 def tensors(body: Body, moments: FloatArray) -> FloatArray:
     """Inertia tensors (N, 3, 3) of moments (N, 3) about the principal axes of a body."""
     axes = body.principal_axes
-    found: FloatArray = (axes * moments[:, None, :]) @ axes.T
-    return 0.5 * (found + np.swapaxes(found, 1, 2))
+    products: FloatArray = (axes * moments[:, None, :]) @ axes.T
+    return 0.5 * (products + np.swapaxes(products, 1, 2))
 
 
 def _of_covariance(
@@ -390,10 +390,10 @@ def _of_distributions(
         source = distributions[name]
         if hasattr(source, "rvs"):
             size = count if np.ndim(source.rvs(random_state=0)) else (count, _WIDTHS[name])
-            given = source.rvs(size=size, random_state=generator)
+            draws = source.rvs(size=size, random_state=generator)
         else:
-            given = source(generator, count)
-        return validation.real(given, f"the draw of {name}", shape=(count, _WIDTHS[name]))
+            draws = source(generator, count)
+        return validation.real(draws, f"the draw of {name}", shape=(count, _WIDTHS[name]))
 
     def draw(count: int) -> Drawn:
         wxyz = np.broadcast_to(spin.wxyz_icrf, (count, 4))
@@ -412,11 +412,11 @@ def _of_distributions(
 
 def _physical(moments: FloatArray) -> BoolArray:
     """Whether a body has each of some principal moments (N, 3)."""
-    found = np.ones(len(moments), dtype=bool)
+    physical = np.ones(len(moments), dtype=bool)
     for first in range(0, len(moments), _BLOCK):
-        part = moments[first : first + _BLOCK]
-        pairs = np.zeros((2, len(part), 3, 2))
-        pairs[0, ..., 0] = part
-        wxyz = np.ones((len(part), 4))
-        found[first + evaluation.faults_of(pairs[0], wxyz, pairs[1])] = False
-    return found
+        block = moments[first : first + _BLOCK]
+        pairs = np.zeros((2, len(block), 3, 2))
+        pairs[0, ..., 0] = block
+        wxyz = np.ones((len(block), 4))
+        physical[first + evaluation.faults_of(pairs[0], wxyz, pairs[1])] = False
+    return physical

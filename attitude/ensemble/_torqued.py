@@ -84,13 +84,13 @@ class TorquedEnsemble(Immutable):
         self._set("ensemble", ensemble)
         self._set("step", validation.positive(step, "step", unit="s"))
         self._set("scheme", _schemes.scheme(scheme))
-        given = torques if isinstance(torques, Iterable) else (torques,)
+        acting = torques if isinstance(torques, Iterable) else (torques,)
         self._set("torques", ())
         self._set("_systems", [])
         self._set("_states", np.zeros((0, STATE_ENTRIES)))
         if len(ensemble):
             first = TorquedRotation(
-                ensemble[0].body, ensemble[0].spin, tuple(given), step=None, scheme=self.scheme,
+                ensemble[0].body, ensemble[0].spin, tuple(acting), step=None, scheme=self.scheme,
                 step_tolerance=1e-2,
             )  # fmt: skip
             self._set("torques", first.torques)
@@ -101,7 +101,7 @@ class TorquedEnsemble(Immutable):
         ensemble = self.ensemble
         shared = len(ensemble.principal_moments) == 1
         kept = [ensemble[k] for k in range(1 if shared else len(ensemble))]
-        systems = [System(each.body, each.spin, self.torques, self.scheme) for each in kept]
+        systems = [System(member.body, member.spin, self.torques, self.scheme) for member in kept]
         states = np.zeros((len(ensemble), STATE_ENTRIES))
         states[:, WXYZ] = self._over(systems, ensemble.wxyz_icrf)
         # By the products of single vectors, so that the bits are those of a TorquedRotation.
@@ -150,9 +150,9 @@ class TorquedEnsemble(Immutable):
         seconds, rest = hi, times.low
         out = np.full((len(self), len(seconds), 7), np.nan)
         total = seconds + rest
-        for sign, here in ((1.0, total >= 0.0), (-1.0, total < 0.0)):
-            if here.any() and len(self):
-                self._integrate(sign * self.step, seconds, rest, np.flatnonzero(here), out, threads)
+        for sign, side in ((1.0, total >= 0.0), (-1.0, total < 0.0)):
+            if side.any() and len(self):
+                self._integrate(sign * self.step, seconds, rest, np.flatnonzero(side), out, threads)
         if any(system.inertia is not None for system in self._systems):
             shared = len(self._systems) == 1
             for k, states in enumerate(out):
@@ -186,13 +186,13 @@ class TorquedEnsemble(Immutable):
             steps = min(_STEPS, int(number[-1]) - start)
             final = start + _STEPS > number[-1]
             a, b = np.searchsorted(number, [start, start + steps + final])
-            here = number[a:b] - start, np.ascontiguousarray(parts[a:b])
-            samples = first.samples_of(start, h, steps, *here)
+            places = number[a:b] - start, np.ascontiguousarray(parts[a:b])
+            samples = first.samples_of(start, h, steps, *places)
 
             def work(begin: int, end: int) -> None:
                 some = states[begin:end]
                 place = np.ix_(np.arange(begin, end), which[a:b])  # noqa: B023
-                out[place] = self._marched(begin, some, start, h, here, samples)  # noqa: B023
+                out[place] = self._marched(begin, some, start, h, places, samples)  # noqa: B023
 
             in_blocks(work, len(self), size, threads)
             bar(start + steps + 1, int(number[-1]) + 1)
@@ -209,9 +209,9 @@ class TorquedEnsemble(Immutable):
             self._systems if shared else self._systems[first : first + len(states)]
         )
         setup = (
-            np.array([each.setup[0] for each in systems]),
+            np.array([system.setup[0] for system in systems]),
             systems[0].setup[1],
-            np.array([each.setup[2] for each in systems]),
+            np.array([system.setup[2] for system in systems]),
         )
         number, parts = here
         found = systems[0].march_members(

@@ -311,12 +311,12 @@ class Mirrored(Channel):
 
     def _chord_squared(self, moment: Moment) -> FloatArray:
         """|r - s|^2 (N,)."""
-        sun, observer = (moment.body(each) for each in self.directions)
+        sun, observer = (moment.body(direction) for direction in self.directions)
         twice = 2.0 * dot(observer, self._normal)
         square = np.zeros(moment.hi.shape)
         for k in range(3):
-            part = twice * self._normal[k] - observer[..., k] - sun[..., k]
-            square = square + part * part
+            along = twice * self._normal[k] - observer[..., k] - sun[..., k]
+            square = square + along * along
         return square
 
     def _one_minus_cosine(self, moment: Moment) -> FloatArray | float:

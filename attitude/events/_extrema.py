@@ -65,22 +65,22 @@ def peaks(
         s = np.arange(first, last + 1) * step
 
         def value(s, base=base):
-            found = sign * np.asarray(f(*shifted(base, s)), dtype=np.float64)
-            if found.shape != s.shape:
+            values = sign * np.asarray(f(*shifted(base, s)), dtype=np.float64)
+            if values.shape != s.shape:
                 raise AttitudeError(
-                    f"the function returns shape {found.shape} for {s.size} epochs; it must return "
-                    "a number for each."
+                    f"the function returns shape {values.shape} for {s.size} epochs; it must "
+                    "return a number for each."
                 )
-            return found
+            return values
 
         y = value(s)
         left, right = _tops(y)
         # Neighbouring blocks share three samples: a peak belongs to the block that holds the
         # last of its samples, unless that is the first sample of the block.
-        own = (right + first >= 2) & (right + first <= size + 1)
-        found = _refined(value, s[left[own]], s[right[own]], step)
-        if len(found):
-            yield *shifted(base, found), sign * value(found)
+        inside = (right + first >= 2) & (right + first <= size + 1)
+        peaks_found = _refined(value, s[left[inside]], s[right[inside]], step)
+        if len(peaks_found):
+            yield *shifted(base, peaks_found), sign * value(peaks_found)
         base = pairs.add(base, size * step)
         done += size
         advance.reached(base)

@@ -76,16 +76,16 @@ def changes(
     advance: Advance,
 ) -> Changes:
     """All sign changes of levels in a span, in order of time."""
-    found = []
+    blocks = []
     for spacing in sorted(set(spacing_of)):
         # Levels of one spacing are sampled together: a view computes each quantity once.
-        some = [k for k, each in enumerate(spacing_of) if each == spacing]
+        some = [k for k, spacing_there in enumerate(spacing_of) if spacing_there == spacing]
         parts = _blocks(source, [levels[k] for k in some], start, stop, spacing, advance)
-        found += [(hi, lo, np.asarray(some)[k], up) for hi, lo, k, up in parts]
+        blocks += [(hi, lo, np.asarray(some)[k], up) for hi, lo, k, up in parts]
         advance.next_round()
-    if not found:
+    if not blocks:
         return np.zeros(0), np.zeros(0), np.zeros(0, int), np.zeros(0, bool)
-    hi, lo, number, rising = (np.concatenate(column) for column in zip(*found, strict=True))
+    hi, lo, number, rising = (np.concatenate(column) for column in zip(*blocks, strict=True))
     order = np.lexsort((lo, hi))
     return hi[order], lo[order], number[order], rising[order]
 
@@ -130,18 +130,18 @@ def _in_block(
     if not (observable.is_smooth or observable.rate) or not np.all(np.isfinite(values)):
         return _sectioned(lambda s: level.sign(source.at(*shifted(base, s))), knots, signs)
     if observable.rate:
-        first, second, part = observable.rate, np.inf, _RATED_PART
+        first, second, step_share = observable.rate, np.inf, _RATED_PART
     else:
         slopes = np.diff(values) / step
         first = _MARGINS[0] * float(np.max(np.abs(slopes)))
         second = _MARGINS[1] * float(np.max(np.abs(np.diff(slopes)))) / step
-        part = _SMOOTH_PART
+        step_share = _SMOOTH_PART
 
     def evaluate(s: FloatArray) -> FloatArray:
         return level.value(source.at(*shifted(base, s)))
 
     noise = 1e-9 * (abs(level.threshold) + float(np.max(np.abs(values))))
-    brackets = isolated(evaluate, knots, values, first, second, part * step, noise)
+    brackets = isolated(evaluate, knots, values, first, second, step_share * step, noise)
     s = refined(evaluate, *brackets)
     above = level.comparison.startswith(">")
     return s, (brackets[2] < 0.0) == above
@@ -179,8 +179,8 @@ def _sectioned(
 
 def one_source(conditions: Sequence[Condition]) -> Source:
     """The source that all conditions share."""
-    for each in conditions:
-        if not same_source(each.source, conditions[0].source):
+    for condition in conditions:
+        if not same_source(condition.source, conditions[0].source):
             raise AttitudeError(
                 "the conditions are of different motions or scenes; search each separately."
             )
@@ -189,7 +189,7 @@ def one_source(conditions: Sequence[Condition]) -> Source:
 
 def channels_of(conditions: Sequence[Condition]) -> list[Channel]:
     """The different channels of conditions."""
-    return list(dict.fromkeys(each for one in conditions for each in one.channels))
+    return list(dict.fromkeys(channel for one in conditions for channel in one.channels))
 
 
 def sign_changes(
@@ -201,8 +201,8 @@ def sign_changes(
     change is one to True (N,).
     """
     source = conditions[0].source
-    slow = {k: each for k, each in enumerate(channels) if isinstance(each, Level)}
-    fast = [k for k, each in enumerate(channels) if not isinstance(each, Level)]
+    slow = {k: channel for k, channel in enumerate(channels) if isinstance(channel, Level)}
+    fast = [k for k, channel in enumerate(channels) if not isinstance(channel, Level)]
     if not slow:
         yield from crossings(source, channels, start, stop)
         return
@@ -224,8 +224,8 @@ def sign_changes(
 
 def _part(found: Changes, first: int, last: int) -> Changes:
     hi, lo, number, rising = found
-    part = slice(first, last)
-    return hi[part], lo[part], number[part], rising[part]
+    chosen = slice(first, last)
+    return hi[chosen], lo[chosen], number[chosen], rising[chosen]
 
 
 def _open_parts(
@@ -252,10 +252,10 @@ def _open_parts(
             known = np.concatenate([channel.sign(moment), rising])
             signs[k] = known[last]
     need = np.zeros((len(channels), len(hi) + 1), dtype=bool)
-    for each in conditions:
-        own = [channels.index(channel) for channel in each.channels]
-        is_open = undecided(each.logic, [signs[k] for k in own])
-        for k in own:
+    for condition in conditions:
+        places_of = [channels.index(channel) for channel in condition.channels]
+        is_open = undecided(condition.logic, [signs[k] for k in places_of])
+        for k in places_of:
             need[k] |= is_open & (k in fast)
     ends = [start, *zip(hi.tolist(), lo.tolist(), strict=True), stop]
     edges = (np.flatnonzero(np.any(need[:, 1:] != need[:, :-1], axis=0)) + 1).tolist()
@@ -279,11 +279,11 @@ def _merged(
     for hi, lo, number, rising in crossings(source, some, begin, end, advance):
         upto = int(np.searchsorted(levelled[0], hi[-1]))
         more = _part(levelled, first, upto)
-        t, rest = np.concatenate([hi, more[0]]), np.concatenate([lo, more[1]])
+        t, lows = np.concatenate([hi, more[0]]), np.concatenate([lo, more[1]])
         which = np.concatenate([needed[number], more[2]])
         up = np.concatenate([rising, more[3]])
-        order = np.lexsort((rest, t))
-        yield t[order], rest[order], which[order], up[order]
+        order = np.lexsort((lows, t))
+        yield t[order], lows[order], which[order], up[order]
         first = upto
     yield _part(levelled, first, len(levelled[0]))
 
@@ -300,26 +300,26 @@ def changed(
     Changes of several channels at one epoch are one change.
     """
     places = {channel: k for k, channel in enumerate(condition.channels)}
-    own = np.array([places.get(channel, -1) for channel in channels])[number]
-    kept, states = np.zeros(len(own), bool), np.zeros(len(own), bool)
-    some = np.flatnonzero(own >= 0)
+    numbers_of = np.array([places.get(channel, -1) for channel in channels])[number]
+    kept, states = np.zeros(len(numbers_of), bool), np.zeros(len(numbers_of), bool)
+    some = np.flatnonzero(numbers_of >= 0)
     if not len(some):
         return kept, states
     if len(condition.channels) == 1:
         after = condition.states([rising])
-        return (own == 0) & (condition.states([~rising]) != after), after
+        return (numbers_of == 0) & (condition.states([~rising]) != after), after
     at = moment.source.at(moment.hi[some], moment.lo[some])
-    own, up, every = own[some], rising[some], np.arange(len(some))
+    numbers_of, up, every = numbers_of[some], rising[some], np.arange(len(some))
     before = np.array(condition.signs(at))
     after = before.copy()
-    before[own, every], after[own, every] = ~up, up
+    before[numbers_of, every], after[numbers_of, every] = ~up, up
     new = (at.hi[1:] != at.hi[:-1]) | (at.lo[1:] != at.lo[:-1])
     together = np.concatenate([[0], np.cumsum(new)])
     for k in np.flatnonzero(np.bincount(together) > 1):
         # Each of these epochs, which are one, takes the signs of all channels that change there.
         group = np.flatnonzero(together == k)
         for j in group:
-            before[own[j], group], after[own[j], group] = ~up[j], up[j]
+            before[numbers_of[j], group], after[numbers_of[j], group] = ~up[j], up[j]
     states[some] = condition.states(list(after))
     is_last = np.concatenate([new, [True]])
     kept[some] = (condition.states(list(before)) != states[some]) & is_last
@@ -476,11 +476,11 @@ class Events(Immutable):
 
         time = self.time.utc
         time.format = "isot"
-        found = FlatTable({"time": time}, meta={"times": "UTC"})
-        found["value"] = self.values * Unit(self.unit) if self.unit else np.array(self.values)
+        events = FlatTable({"time": time}, meta={"times": "UTC"})
+        events["value"] = self.values * Unit(self.unit) if self.unit else np.array(self.values)
         if np.any(self.which):
-            found["which"] = np.array(self.which)
-        return found
+            events["which"] = np.array(self.which)
+        return events
 
     def to_pandas(self) -> Any:
         """A pandas DataFrame of `table`; AttitudeError if pandas is not installed."""
@@ -576,10 +576,10 @@ def stream(
             f"f is {f!r}; give a Condition, such as events.in_cone(...), a list of them, or a "
             "function of seconds."
         )
-    given = [f] if isinstance(f, Joinable) else list(f)
-    if not given:
+    functions = [f] if isinstance(f, Joinable) else list(f)
+    if not functions:
         raise AttitudeError("the list of conditions is empty; give one or more.")
-    conditions = [condition_of(each, "the list of conditions") for each in given]
+    conditions = [condition_of(condition, "the list of conditions") for condition in functions]
     source = one_source(conditions)
     begin, end = span(source.epoch, start, stop)
     channels = channels_of(conditions)
@@ -587,12 +587,14 @@ def stream(
         if not len(hi):
             continue
         moment = source.at(hi, lo)
-        found = [changed(each, channels, moment, number, rising) for each in conditions]
-        which, row = np.nonzero([kept for kept, _ in found])
+        changes_of = [
+            changed(condition, channels, moment, number, rising) for condition in conditions
+        ]
+        which, row = np.nonzero([kept for kept, _ in changes_of])
         if len(row):
             order = np.lexsort((which, row))
             which, row = which[order], row[order]
-            values = np.array([after for _, after in found])[which, row]
+            values = np.array([after for _, after in changes_of])[which, row]
             yield Events(source.epoch, hi[row], lo[row], values, which)
 
 
@@ -672,20 +674,20 @@ def _of_function(start, stop, f, step, epoch, tolerance):
     tolerance = (
         1e-9 * step if tolerance is None else validation.positive(tolerance, "tolerance", unit="s")
     )
-    own = f.epoch if isinstance(f, ShadowState) else None
-    if own is not None and epoch is not None:
+    epoch_of_f = f.epoch if isinstance(f, ShadowState) else None
+    if epoch_of_f is not None and epoch is not None:
         raise AttitudeError("the function has the epoch of its scene; leave epoch= out.")
-    begin, end, epoch = plain_span(start, stop, own if epoch is None else epoch)
-    found, left, advance = [], begin, Advance((begin, 0.0), (end, 0.0))
+    begin, end, epoch = plain_span(start, stop, epoch_of_f if epoch is None else epoch)
+    brackets, left, advance = [], begin, Advance((begin, 0.0), (end, 0.0))
     while left < end:
         right = min(end, left + _BLOCK * step)
         t = np.linspace(left, right, max(2, 1 + int(np.ceil((right - left) / step))))
-        found.append(_bisected(f, t, _states(f, t), tolerance))
+        brackets.append(_bisected(f, t, _states(f, t), tolerance))
         left = right
         advance.reached((left, 0.0))
-    if not found:
-        found.append((np.zeros(0), _states(f, np.array([begin]))[:0]))
-    seconds, values = (np.concatenate(part) for part in zip(*found, strict=True))
+    if not brackets:
+        brackets.append((np.zeros(0), _states(f, np.array([begin]))[:0]))
+    seconds, values = (np.concatenate(arrays) for arrays in zip(*brackets, strict=True))
     return Events(epoch, seconds, np.zeros(len(seconds)), values)
 
 

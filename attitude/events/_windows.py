@@ -100,11 +100,11 @@ class Timetable(Immutable):
         """Some of the rows: found[:3], found[found.elevation > 1]."""
         rows = np.atleast_1d(np.arange(len(self))[index])
         columns = {
-            name: each._replace(
-                values=each.values[rows],
-                low=each.low[rows] if isinstance(each.low, np.ndarray) else each.low,
+            name: column._replace(
+                values=column.values[rows],
+                low=column.low[rows] if isinstance(column.low, np.ndarray) else column.low,
             )
-            for name, each in self.columns.items()
+            for name, column in self.columns.items()
         }
         return self._with(columns)
 
@@ -123,10 +123,10 @@ class Timetable(Immutable):
         if name not in times:
             raise AttitudeError(f"{name!r} is no column of times; give one of {', '.join(times)}.")
         column = self.columns[name]
-        rest = np.broadcast_to(np.asarray(column.low, dtype=float), column.values.shape)
-        found = _instants.times(self.epoch, column.values, rest).utc
-        found.format = "isot"
-        return found
+        low = np.broadcast_to(np.asarray(column.low, dtype=float), column.values.shape)
+        times_utc = _instants.times(self.epoch, column.values, low).utc
+        times_utc.format = "isot"
+        return times_utc
 
     def table(self) -> FlatTable:
         """An astropy QTable: times in UTC, numbers with units; ``.write("x.ecsv")`` keeps both."""
@@ -134,16 +134,16 @@ class Timetable(Immutable):
 
         from attitude._support.tables import FlatTable
 
-        found = FlatTable(meta={"epoch": f"{self.epoch.utc_iso} UTC", "times": "UTC"})
+        rows = FlatTable(meta={"epoch": f"{self.epoch.utc_iso} UTC", "times": "UTC"})
         for name, column in self.columns.items():
             if column.unit == "time":
-                found[name] = self.time(name)
+                rows[name] = self.time(name)
             elif column.unit:
                 values = np.array(column.values) * Unit(column.unit)
-                found[name] = values.to(column.shown or column.unit)
+                rows[name] = values.to(column.shown or column.unit)
             else:
-                found[name] = np.array(column.values)
-        return found
+                rows[name] = np.array(column.values)
+        return rows
 
     def to_pandas(self) -> Any:
         """A pandas DataFrame of `table`; AttitudeError if pandas is not installed."""
@@ -186,8 +186,8 @@ def highest(
     every = np.arange(len(begin))
     for _ in range(_ROUNDS):
         places = a + (b - a) * (np.arange(_SAMPLES) / (_SAMPLES - 1))[:, None]
-        found = value(places.reshape(-1)).reshape(places.shape)
-        top = np.argmax(np.where(np.isnan(found), -np.inf, found), axis=0)
+        heights = value(places.reshape(-1)).reshape(places.shape)
+        top = np.argmax(np.where(np.isnan(heights), -np.inf, heights), axis=0)
         a = places[np.maximum(top - 1, 0), every]
         b = places[np.minimum(top + 1, _SAMPLES - 1), every]
     return places[top, every]
@@ -243,7 +243,7 @@ class Windows(Timetable):
         """The intervals of the search in which the condition does not hold."""
         begin, end = self.columns["begin"], self.columns["end"]
         edges = [_edge(self.start), _edges(end)], [_edges(begin), _edge(self.stop)]
-        first, last = (np.concatenate(each, axis=1) for each in edges)
+        first, last = (np.concatenate(pair, axis=1) for pair in edges)
         length = (last[0] - first[0]) + (last[1] - first[1])
         return _of_edges(self.epoch, first[:, length > 0.0], last[:, length > 0.0], *self._ends())
 
@@ -286,23 +286,23 @@ def windows(
 def windows_of(conditions: Sequence[Condition], start: Pair, stop: Pair) -> list[Windows]:
     """The windows of each of several conditions of one source, searched together."""
     source = conditions[0].source
-    first_epoch, last_epoch = (source.epoch.after(*each) for each in (start, stop))
+    first_epoch, last_epoch = (source.epoch.after(*instant) for instant in (start, stop))
     blocks = list(stream(first_epoch, last_epoch, list(conditions)))
     first = source.at(np.array([start[0]]), np.array([start[1]]))
-    found = []
+    windows = []
     for k, condition in enumerate(conditions):
-        own = [part[part.which == k] for part in blocks]
+        blocks_of = [block[block.which == k] for block in blocks]
         begins = [_edge(start)] if condition.states(condition.signs(first))[0] else []
         ends = []
-        for part in own:
-            pairs_of = np.stack([part.seconds, part.low])
-            begins.append(pairs_of[:, part.values.astype(bool)])
-            ends.append(pairs_of[:, ~part.values.astype(bool)])
+        for block in blocks_of:
+            pairs_of = np.stack([block.seconds, block.low])
+            begins.append(pairs_of[:, block.values.astype(bool)])
+            ends.append(pairs_of[:, ~block.values.astype(bool)])
         edges = [np.concatenate([np.zeros((2, 0)), *each], axis=1) for each in (begins, ends)]
         if edges[0].shape[1] > edges[1].shape[1]:
             edges[1] = np.concatenate([edges[1], _edge(stop)], axis=1)
-        found.append(_of_edges(source.epoch, edges[0], edges[1], start, stop))
-    return found
+        windows.append(_of_edges(source.epoch, edges[0], edges[1], start, stop))
+    return windows
 
 
 def span_of(
@@ -312,7 +312,7 @@ def span_of(
     if start is not None and stop is not None:
         return span(source.epoch, start, stop)
     center = None if source.scene is None else source.scene.center
-    limited = [each for each in (source.motion, center) if each is not None and each.span]
+    limited = [limit for limit in (source.motion, center) if limit is not None and limit.span]
     known = common_span(limited)
     if known is None:
         missing = "start" if start is None else "stop"
@@ -320,8 +320,8 @@ def span_of(
             f"{missing} is not given, and neither motion nor path has an end from which it "
             'follows; give start and stop, such as "2026-01-01" and "2026-01-02".'
         )
-    given = (known[0] if start is None else start), (known[1] if stop is None else stop)
-    return span(source.epoch, *given)
+    ends = (known[0] if start is None else start), (known[1] if stop is None else stop)
+    return span(source.epoch, *ends)
 
 
 def _edge(pair: Pair) -> FloatArray:
@@ -428,8 +428,8 @@ def passes(
     if night is not None:
         more.append(scene.quantity("sun_elevation") < night)
     visible = above
-    for each in more:
-        visible = visible & each
+    for condition in more:
+        visible = visible & condition
     ends = span_of(above.source, start, stop)
     up, seen = windows_of([above, visible], *ends)
     owner = np.asarray(np.searchsorted(up.begin, seen.begin, side="right") - 1, dtype=np.int64)
@@ -570,12 +570,12 @@ def glints(
     for side, width in chosen:
         reach = min(width + SUN_RADIUS, _WIDEST)
         one = glint(scene, side.normal, sun_radius=reach, velocity=velocity)
-        for each in more:
-            one = one & each
+        for condition in more:
+            one = one & condition
         conditions.append(one)
     ends = span_of(conditions[0].source, start, stop)
-    found = windows_of(conditions, *ends)
-    return _rows(scene, [side for side, _ in chosen], conditions, found)
+    windows = windows_of(conditions, *ends)
+    return _rows(scene, [side for side, _ in chosen], conditions, windows)
 
 
 def _sides(
@@ -588,7 +588,7 @@ def _sides(
             "glints are those of the flat sides of a mesh; give a Scene with shape=, a Mesh such "
             "as attitude.shape.box_wing(...)."
         )
-    found = []
+    sides = []
     for side in flat_sides(scene.shape):
         material = scene.law.of_material(side.material)
         if material is None:
@@ -597,21 +597,21 @@ def _sides(
                 "law=, a scattering.Material or Materials with a specular part."
             )
         if material.specular > 0.0:
-            found.append((side, material.lobe_half_width(fraction)))
+            sides.append((side, material.lobe_half_width(fraction)))
     if names is not None:
-        listed = [side.name for side, _ in found]
+        listed = [side.name for side, _ in sides]
         for name in names:
             if name not in listed:
                 raise AttitudeError(
                     f"sides holds {name!r}; the sides with a lobe are {', '.join(listed)}."
                 )
-        found = [each for each in found if each[0].name in names]
-    if not found:
+        sides = [each for each in sides if each[0].name in names]
+    if not sides:
         raise AttitudeError(
             "no flat side has a material with a specular part, so that nothing glints; give one in "
             "the law of the scene."
         )
-    return found
+    return sides
 
 
 def _visible(scene: Scene) -> list[Condition]:
@@ -630,10 +630,10 @@ def _rows(
     """The rows of all sides in order of time."""
     source = conditions[0].source
     tops, off = [], []
-    for condition, each in zip(conditions, found, strict=True):
+    for condition, one in zip(conditions, found, strict=True):
         mirrored = condition.channels[0]
         assert isinstance(mirrored, Mirrored)
-        begin, end = each.begin, each.end
+        begin, end = one.begin, one.end
 
         def nearness(seconds: FloatArray, channel: Any = mirrored) -> FloatArray:
             value: FloatArray = channel.value(source.at(seconds, np.zeros(seconds.size)))
@@ -642,10 +642,10 @@ def _rows(
         top = highest(nearness, begin, end)
         tops.append(top)
         off.append(mirrored.off_mirror(source.at(top, np.zeros(top.size))) if len(top) else top)
-    side = np.repeat([each.name for each in sides], [len(each) for each in found])
+    side = np.repeat([one.name for one in sides], [len(one) for one in found])
     peak, off_mirror = np.concatenate(tops), np.concatenate(off)
     begin, begin_low, end, end_low, duration = (
-        np.concatenate(column) for column in zip(*(_edges_of(each) for each in found), strict=True)
+        np.concatenate(column) for column in zip(*(_edges_of(one) for one in found), strict=True)
     )
     order = np.argsort(begin, kind="stable")
     view = source.at(peak[order], np.zeros(len(peak))).view
@@ -668,7 +668,7 @@ def _rows(
 def _edges_of(found: Windows) -> tuple[FloatArray, ...]:
     begin, end = found.columns["begin"], found.columns["end"]
     low = [
-        np.broadcast_to(np.asarray(each.low, dtype=float), (len(found),)) for each in (begin, end)
+        np.broadcast_to(np.asarray(edge.low, dtype=float), (len(found),)) for edge in (begin, end)
     ]
     return begin.values, low[0], end.values, low[1], found.duration
 

@@ -94,15 +94,15 @@ def inertia_of_rates(t: FloatArray, omega: FloatArray, axes: str, *, robust: boo
             "records, the body, or a motion near the truth, start=FreeRotation(...)."
         )
     vectors = np.empty((len(t), 3, len(basis)))
-    for k, each in enumerate(basis):
-        product = np.cross(omega, omega @ each)
+    for k, matrix in enumerate(basis):
+        product = np.cross(omega, omega @ matrix)
         area = 0.5 * (product[1:] + product[:-1]) * step[:, None]
         if len(t) > 2:
             # The trapezium rule with slopes at the ends, of fourth order.
             slope = np.gradient(product, t, axis=0)
             area += (slope[:-1] - slope[1:]) * (step**2 / 12.0)[:, None]
         area[~joined] = 0.0
-        vectors[:, :, k] = omega @ each
+        vectors[:, :, k] = omega @ matrix
         vectors[1:, :, k] += np.cumsum(area, axis=0)
     group = np.concatenate([[0], np.cumsum(~joined)])
     return _least_varying(vectors, group, omega, basis, robust)
@@ -177,21 +177,21 @@ def _least_varying(
     robust: bool,
 ) -> FloatArray:
     """The tensor of unit trace whose vectors (K, 3, B) vary least within groups (K,) of records."""
-    sphere = np.array([np.trace(each) / np.sum(each**2) for each in basis])
+    sphere = np.array([np.trace(matrix) / np.sum(matrix**2) for matrix in basis])
     floor = _SPHERE * np.sum(omega**2) * np.eye(len(basis))
     weight = np.ones(len(vectors))
-    found = sphere
+    candidate = sphere
     for _ in range(_REWEIGHTED if robust else 1):
         total = np.bincount(group, weight)
         centred = vectors - _sums(vectors, group, weight)[group] / total[group, None, None]
         flat = centred.reshape(-1, len(basis))
         normal = flat.T @ (flat * np.repeat(weight, 3)[:, None])
-        found = np.linalg.solve(normal + floor, sphere)
-        found = found / np.tensordot(found, basis, axes=1).trace()
-        size = np.linalg.norm(centred @ found, axis=1)
+        candidate = np.linalg.solve(normal + floor, sphere)
+        candidate = candidate / np.tensordot(candidate, basis, axes=1).trace()
+        size = np.linalg.norm(centred @ candidate, axis=1)
         weight = 1.0 / np.maximum(size, 0.1 * np.median(size) + 1e-300)
         weight /= weight.max()
-    tensor: FloatArray = np.tensordot(found, basis, axes=1)
+    tensor: FloatArray = np.tensordot(candidate, basis, axes=1)
     return tensor
 
 
@@ -204,13 +204,13 @@ def _sums(vectors: FloatArray, group: IntArray, weight: FloatArray) -> FloatArra
 
 def _basis(axes: str) -> FloatArray:
     """A basis (B, 3, 3) of the diagonal matrices, or of the symmetric ones for free axes."""
-    found = [np.diag(row) for row in np.eye(3)]
+    matrices = [np.diag(row) for row in np.eye(3)]
     if axes == "free":
         for i, j in ((0, 1), (0, 2), (1, 2)):
             matrix = np.zeros((3, 3))
             matrix[i, j] = matrix[j, i] = 1.0
-            found.append(matrix)
-    return np.array(found)
+            matrices.append(matrix)
+    return np.array(matrices)
 
 
 # Records of the first stage, at least; more where some of them are outliers.
@@ -288,13 +288,13 @@ def fit(
     how = _minimum.known(loss, f_scale, sigma)
     if len(observed) < (3 if model.count > 6 else 2):
         raise AttitudeError(_too_few(len(observed)))
-    given = velocities_observed(observed)
-    speed = float(np.mean(np.linalg.norm(given[2], axis=1)))
+    velocities = velocities_observed(observed)
+    speed = float(np.mean(np.linalg.norm(velocities[2], axis=1)))
     first = first_stage(observed.t, speed, FEWEST_ROBUST if how.robust else FEWEST)
     if start is not None:
         point = point_of(model, observed, start)
     else:
-        point = guess(_minimum.Problem(model, observed.at(slice(first)), how), given)
+        point = guess(_minimum.Problem(model, observed.at(slice(first)), how), velocities)
     return result(model, observed, _minimum.found(model, observed, how, point, first))
 
 
@@ -498,35 +498,38 @@ def spans(observed: Observations, loss: Loss) -> tuple[FloatArray, FloatArray, F
             "more, or a motion near the truth, start=FreeRotation(...)."
         )
     sphere = Model(Body(moments=(1.0, 1.0, 1.0)), "principal")
-    found: list[tuple[float, Point]] = []
+    guesses: list[tuple[float, Point]] = []
     begin, size, stride = 0, min(_FIRST, len(observed)), 1
-    while begin + size <= len(observed) and len(found) < _SPANS:
-        part, middle = _centred(observed, begin, size)
-        problem = Problem(sphere, part, loss)
-        if found:
-            before, point = found[-1]
+    while begin + size <= len(observed) and len(guesses) < _SPANS:
+        records_of_span, middle = _centred(observed, begin, size)
+        problem = Problem(sphere, records_of_span, loss)
+        if guesses:
+            before, point = guesses[-1]
             turn = forms.from_rotation_vector(point.omega * (middle - before))
             wxyz = quaternion.multiply(point.wxyz, turn)
             best = problem.minimum(Point(wxyz, point.omega, point.shape))
         else:
-            best = min((problem.minimum(each) for each in _nodes(part)), key=lambda each: each.cost)
+            best = min(
+                (problem.minimum(node) for node in _nodes(records_of_span)),
+                key=lambda each: each.cost,
+            )
             step = float(observed.t[-1] - observed.t[0]) / (len(observed) - 1)
             angle = max(float(np.linalg.norm(best.point.omega)) * step, 1e-300)
             size = int(np.clip(_SPAN / angle, _LEAST, _LARGEST))
             stride = int(np.clip(_STRIDE / angle, 1, _LARGEST))
             begin = max(begin, (_FIRST - size) // 2)
-        found.append((middle, best.point))
+        guesses.append((middle, best.point))
         begin += stride
-    states = zip(*((middle, point.wxyz, point.omega) for middle, point in found), strict=True)
-    times, wxyz, omega = (np.array(each) for each in states)
+    states = zip(*((middle, point.wxyz, point.omega) for middle, point in guesses), strict=True)
+    times, wxyz, omega = (np.array(values) for values in states)
     return times, wxyz, omega
 
 
 def _centred(observed: Observations, begin: int, size: int) -> tuple[Observations, float]:
     """Records begin .. begin + size - 1, their seconds since the middle, and the middle."""
-    part = observed.at(slice(begin, begin + size))
-    middle = 0.5 * float(part.t[0] + part.t[-1])
-    return replace(part, t=part.t - middle), middle
+    records_of_span = observed.at(slice(begin, begin + size))
+    middle = 0.5 * float(records_of_span.t[0] + records_of_span.t[-1])
+    return replace(records_of_span, t=records_of_span.t - middle), middle
 
 
 def _nodes(part: Observations) -> list[Point]:
@@ -548,13 +551,13 @@ def _nodes(part: Observations) -> list[Point]:
 
 def _davenport(sums: FloatArray) -> FloatArray:
     """Davenport's matrices (..., 4, 4) of sums (..., 3, 3) of inertial times body components."""
-    found = np.empty((*sums.shape[:-2], 4, 4))
+    matrix = np.empty((*sums.shape[:-2], 4, 4))
     trace = np.trace(sums, axis1=-2, axis2=-1)
-    found[..., 0, 0] = trace
+    matrix[..., 0, 0] = trace
     for k, (i, j) in enumerate(((2, 1), (0, 2), (1, 0)), start=1):
-        found[..., 0, k] = found[..., k, 0] = sums[..., i, j] - sums[..., j, i]
-    found[..., 1:, 1:] = sums + np.swapaxes(sums, -1, -2) - trace[..., None, None] * np.eye(3)
-    return found
+        matrix[..., 0, k] = matrix[..., k, 0] = sums[..., i, j] - sums[..., j, i]
+    matrix[..., 1:, 1:] = sums + np.swapaxes(sums, -1, -2) - trace[..., None, None] * np.eye(3)
+    return matrix
 
 
 # ---- The free rotation through measured directions (stars, the Sun), by least squares
@@ -686,18 +689,18 @@ def _guess(
     chosen = slice(None, CANDIDATES)
     states = times[chosen], wxyz[chosen], omega[chosen]
     points = [point for shape in shapes for point in states_at_first(model, shape, states)]
-    found = (problem.minimum(point, last=False) for point in points)
-    return min(found, key=lambda each: each.cost).point
+    minima = (problem.minimum(point, last=False) for point in points)
+    return min(minima, key=lambda each: each.cost).point
 
 
 def _unit(value: Reals, name: str, count: int) -> FloatArray:
     """Unit vectors (count, 3) along a value (count, 3) or (3,)."""
-    given = validation.real(value, name)
-    if given.shape not in ((count, 3), (3,)):
-        raise AttitudeError(f"{name} has shape {given.shape}; give ({count}, 3), one a record.")
-    size = np.max(np.abs(given), axis=-1, keepdims=True)
+    vectors = validation.real(value, name)
+    if vectors.shape not in ((count, 3), (3,)):
+        raise AttitudeError(f"{name} has shape {vectors.shape}; give ({count}, 3), one a record.")
+    size = np.max(np.abs(vectors), axis=-1, keepdims=True)
     if np.any(size == 0.0):
         raise AttitudeError(f"{name} holds a vector of length zero, which has no direction.")
-    scaled = given / size
+    scaled = vectors / size
     unit = scaled / np.linalg.norm(scaled, axis=-1, keepdims=True)
     return np.broadcast_to(unit, (count, 3))

@@ -218,10 +218,10 @@ def found(model: Model, observed: Observations, loss: Loss, point: Point, first:
     """
     total, count = len(observed), min(first, len(observed))
     while True:
-        part = observed.at(thinned(count))
-        if len(part) == total:
+        stage_records = observed.at(thinned(count))
+        if len(stage_records) == total:
             return Problem(model, observed, loss).minimum(point)
-        stage = Problem(model, part, loss).minimum(point, last=False)
+        stage = Problem(model, stage_records, loss).minimum(point, last=False)
         point = stage.point
         if count == total:
             return Problem(model, observed, loss).minimum(point)
@@ -288,15 +288,15 @@ def _thinned(first: int, end: int, most: int) -> IntArray:
 def _reach(model: Model, observed: Observations, stage: Linearised, count: int) -> int:
     """The number of first records that are predicted to `_REACH`."""
     ahead = _thinned(count, len(observed), _PREDICTED)
-    part = observed.at(ahead)
+    records_ahead = observed.at(ahead)
     try:
-        predicted = model.predict(stage.point, part.t, rates=part.with_rates)
+        predicted = model.predict(stage.point, records_ahead.t, rates=records_ahead.with_rates)
     except AttitudeError:
         return count
     speed = float(np.linalg.norm(stage.point.omega)) or 1.0
     factor = bounded_factor(stage.normal, stage.variance, speed)
     square = np.zeros(len(ahead))
-    for kind in part.kinds:
+    for kind in records_ahead.kinds:
         errors = factor.T @ (kind.compare(predicted)[1] / kind.scale())
         square = np.maximum(square, np.sum(errors**2, axis=(0, 1)))
     beyond = np.flatnonzero(square > _REACH**2)

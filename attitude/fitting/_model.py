@@ -143,12 +143,12 @@ class Model:
         to_body = None if axes is _BODY_AXES else quaternion.from_matrix(axes)
         start = point.wxyz if to_body is None else quaternion.multiply(point.wxyz, to_body)
         state = start, point.omega @ axes, t
-        found = _propagation.propagate(
+        attitudes = _propagation.propagate(
             self._moments_of(apart), *state, angular_velocity=rates, sensitivity=True
         )
-        wxyz, omega = found[0], found[1] if rates else None
-        columns = chain.state.T @ found[1 + rates].transpose(1, 2, 0)
-        rate_columns = chain.state.T @ found[3].transpose(1, 2, 0) if rates else None
+        wxyz, omega = attitudes[0], attitudes[1] if rates else None
+        columns = chain.state.T @ attitudes[1 + rates].transpose(1, 2, 0)
+        rate_columns = chain.state.T @ attitudes[3].transpose(1, 2, 0) if rates else None
         if np.any(chain.turns):
             # The attitude of the body is that of the principal axes, turned back by their turn.
             matrix = np.ascontiguousarray(quaternion.matrix(wxyz).transpose(1, 2, 0))
@@ -228,12 +228,12 @@ def _logarithm(shape: FloatArray) -> FloatArray:
 
 def _directions(count: int) -> FloatArray:
     """The derivatives (count, 3, 3) of the logarithm of the second moments by the shape."""
-    found = np.zeros((count, 3, 3))
+    matrices = np.zeros((count, 3, 3))
     for k in range(min(count, 2)):
-        found[k, k, k], found[k, 2, 2] = 1.0, -1.0
+        matrices[k, k, k], matrices[k, 2, 2] = 1.0, -1.0
     for k, (i, j) in zip(range(2, count), _PAIRS, strict=False):
-        found[k, i, j] = found[k, j, i] = 1.0
-    return found
+        matrices[k, i, j] = matrices[k, j, i] = 1.0
+    return matrices
 
 
 def _apart(values: FloatArray) -> FloatArray:

@@ -211,9 +211,9 @@ def epochs_of(
 
 def _first(t: Epochs) -> Instant:
     """The first of epochs; AttitudeError for plain seconds."""
-    given: Any = t
+    times: Any = t
     try:
-        return _inputs.instant(given[0], "t")
+        return _inputs.instant(times[0], "t")
     except (AttitudeError, TypeError, IndexError, KeyError) as err:
         raise AttitudeError(
             f"t is {validation.shown(t)}; give one row of epochs, (N,), or plain seconds since an "
@@ -225,13 +225,13 @@ def weights(sigma: Reals | None, count: int, name: str, unit: str) -> FloatArray
     """1 / standard errors (N,); ones if they are None."""
     if sigma is None:
         return np.ones(count)
-    given = validation.real(sigma, name, unit=unit, finite=False)
-    if given.shape not in ((), (count,)) or not np.all(given > 0.0):
+    errors = validation.real(sigma, name, unit=unit, finite=False)
+    if errors.shape not in ((), (count,)) or not np.all(errors > 0.0):
         raise AttitudeError(
             f"{name} is {validation.shown(sigma)}; give one number greater than zero, or one "
             "for each record."
         )
-    return np.broadcast_to(1.0 / given, (count,))
+    return np.broadcast_to(1.0 / errors, (count,))
 
 
 def floor(observed: Observations, speed: float) -> float:
