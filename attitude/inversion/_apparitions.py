@@ -133,9 +133,9 @@ class Combs:
         while begin < len(rates):
             end = int(np.searchsorted(rates, rates[begin] + width, "right"))
             end = min(max(end, begin + 1), begin + _SIDE)
-            part = slice(begin, end)
+            block_of_rates = slice(begin, end)
             self.problem.tally.add((end - begin) * len(columns), cost)
-            yield part, *self._block(columns, rates[part])
+            yield block_of_rates, *self._block(columns, rates[block_of_rates])
             begin = end
 
     def _block(
@@ -149,14 +149,14 @@ class Combs:
             powers.append(powers[-1] * powers[1])
         widths = np.concatenate([columns[0].widths, columns[0].widths[turns > 0]])
         gain = np.empty((len(columns), len(rates)))
-        found = np.empty((len(columns), len(rates), len(widths)))
-        for number, each in enumerate(columns):
-            normal, side = self._normal(self._sums(each, middle), turns, powers)
+        solved = np.empty((len(columns), len(rates), len(widths)))
+        for number, columns_of in enumerate(columns):
+            normal, side = self._normal(self._sums(columns_of, middle), turns, powers)
             at = np.arange(len(widths))
             normal[:, at, at] += widths**-2.0
-            found[number] = np.linalg.solve(normal, side[:, :, None])[:, :, 0]
-            gain[number] = np.sum(found[number] * side, axis=1)
-        return gain, found
+            solved[number] = np.linalg.solve(normal, side[:, :, None])[:, :, 0]
+            gain[number] = np.sum(solved[number] * side, axis=1)
+        return gain, solved
 
     def _normal(
         self, sums: _Sums, turns: IntArray, powers: list[ComplexArray]
@@ -202,8 +202,8 @@ class Combs:
             [(left * y[:, None])[:, :, None], z[:, :, None] * self._whole[:, None, :]], axis=2
         )
         straight, crossed, terms = (
-            np.add.reduceat(each, self._first, axis=0)
-            for each in (
+            np.add.reduceat(products, self._first, axis=0)
+            for products in (
                 left[:, :, None] * z[:, None, :],
                 left[:, :, None] * z.conj()[:, None, :],
                 along,
@@ -224,9 +224,9 @@ def _first_of_cells(t: FloatArray, width: float) -> NDArray[np.bool_]:
     """Which of ascending epochs (N,) begin a cell: none is wider than `width`."""
     new = np.zeros(len(t), bool)
     start = -math.inf
-    for k, here in enumerate(t):
-        if here - start > width:
-            new[k], start = True, here
+    for k, epoch in enumerate(t):
+        if epoch - start > width:
+            new[k], start = True, epoch
     return new
 
 
@@ -255,24 +255,24 @@ _HALF, _LEFT, _BESIDE = 0.6, 2.0, 30.0
 
 def windows(problem: CurveProblem, low: float, high: float) -> list[tuple[float, float]]:
     """Windows of rates, turns per span, from `low` to `high`, the most probable first."""
-    spans = [each for each in apparitions(problem) if np.count_nonzero(each) >= _LEAST_POINTS]
-    length = max((float(np.ptp(problem.t[each])) for each in spans), default=0.0)
+    spans = [inside for inside in apparitions(problem) if np.count_nonzero(inside) >= _LEAST_POINTS]
+    length = max((float(np.ptp(problem.t[inside])) for inside in spans), default=0.0)
     if length == 0.0 or high - low < _WHOLE:
         return [(low, high)]
     combs = [Combs(problem.part(chosen)) for chosen in spans]
     columns = [
-        Columns(np.ones((len(_HARMONICS), len(each.problem)), complex), _HARMONICS, _AMPLITUDES)
-        for each in combs
+        Columns(np.ones((len(_HARMONICS), len(comb.problem)), complex), _HARMONICS, _AMPLITUDES)
+        for comb in combs
     ]
-    total = sum(each.total for each in combs)
+    total = sum(comb.total for comb in combs)
     step = 1.0 / (_STEPS * length)
     rates, left = np.empty(0), np.empty(0)
     # millions of rates do not fit the memory: the best of each block stay
     for begin in range(0, math.ceil((high - low) / step), _BLOCK):
         block = np.arange(low + begin * step, min(low + (begin + _BLOCK) * step, high), step)
         gain = np.zeros(len(block))
-        for each, own in zip(combs, columns, strict=True):
-            for at, explained, _ in each.gains([own], block):
+        for comb, columns_of in zip(combs, columns, strict=True):
+            for at, explained, _ in comb.gains([columns_of], block):
                 gain[at] += explained[0]
         rates, left = np.append(rates, block), np.append(left, total - gain)
         kept = np.argsort(left, kind="stable")[:_KEPT]
@@ -281,33 +281,35 @@ def windows(problem: CurveProblem, low: float, high: float) -> list[tuple[float,
             break
     half = _HALF / length + _fastest(problem, spans)
     peaks = _peaks(rates, left, low, half)
-    return [(max(low, each - half), min(high, each + half)) for each in peaks]
+    return [(max(low, peak - half), min(high, peak + half)) for peak in peaks]
 
 
 def _peaks(rates: FloatArray, left: FloatArray, low: float, half: float) -> list[float]:
     """The best rates and half of each, a window apart."""
-    found: list[float] = []
+    peaks: list[float] = []
     most = _LEFT * max(float(left.min()), 0.0) + _BESIDE
     for k in np.argsort(left, kind="stable"):
-        if left[k] > most or len(found) >= _WINDOWS:
+        if left[k] > most or len(peaks) >= _WINDOWS:
             break
         for rate in (float(rates[k]), 0.5 * float(rates[k])):
-            if rate >= low and all(abs(rate - other) > 2.0 * half for other in found):
-                found.append(rate)
-    return found
+            if rate >= low and all(abs(rate - other) > 2.0 * half for other in peaks):
+                peaks.append(rate)
+    return peaks
 
 
 def _fastest(problem: CurveProblem, spans: Sequence[NDArray[np.bool_]]) -> float:
     """How much the scene may change the rate that is seen, turns per span."""
-    found = 0.0
+    fastest = 0.0
     for chosen in spans:
         length = float(np.ptp(problem.t[chosen]))
         both = (problem.sun + problem.observer)[:, chosen]
         both = both / np.linalg.norm(both, axis=0)
         angle = math.acos(max(-1.0, float((both.T @ both).min())))
         # less than a full turn about a pole close by
-        found = max(found, min(angle / math.pi, 0.5) / max(length, 1e-9)) if length > 0.0 else found
-    return min(found, 2.0 * problem.span / (365.25 * _DAY))
+        fastest = (
+            max(fastest, min(angle / math.pi, 0.5) / max(length, 1e-9)) if length > 0.0 else fastest
+        )
+    return min(fastest, 2.0 * problem.span / (365.25 * _DAY))
 
 
 # ---- Every rate about every pole
@@ -365,7 +367,7 @@ def scan(
         return []
     rates = np.arange(low, high + 0.5 / _STEPS, 1.0 / _STEPS)
     columns = [harmonics_about(combs.problem, pole) for pole in poles]
-    found: list[Trial] = []
+    trials: list[Trial] = []
     for at, gain, coefficients in combs.gains(columns, rates):
         if is_over():
             break
@@ -379,8 +381,8 @@ def scan(
                 a, b = coefficients[number, k, [_COSINE, _SINE]]
                 phase = 0.5 * math.atan2(b, a)
                 values = float(gain[number, k]), float(rates[at][k]), pole, phase
-                found.append(Trial(*values, math.hypot(a, b)))
-    return sorted(found, key=lambda each: -each.gain)
+                trials.append(Trial(*values, math.hypot(a, b)))
+    return sorted(trials, key=lambda each: -each.gain)
 
 
 _OF_A_POLE = 8
@@ -462,57 +464,57 @@ class RotatorSearch(Search):
         """Rotations about one axis with the errors of a problem, the most probable first."""
         if not self.tie.is_wide:
             return super()._axial_solutions(problem)
-        found = [self._robust(problem, each) for each in self.axial or self.convex[:_OTHERS]]
-        found, self.beside = _pole_map.listed(found, _BEHIND)
-        rates = np.array([each.refined.state[0] for each in found])
+        rotators = [self._robust(problem, start) for start in self.axial or self.convex[:_OTHERS]]
+        rotators, self.beside = _pole_map.listed(rotators, _BEHIND)
+        rates = np.array([rotator.refined.state[0] for rotator in rotators])
         # the next number of turns decides whether this one is accepted, however far behind
         others = [
-            each
-            for each in self.convex
-            if 2.0 * np.abs(rates - each.state[0]).min() > self.settings.same_rate
+            rotator
+            for rotator in self.convex
+            if 2.0 * np.abs(rates - rotator.state[0]).min() > self.settings.same_rate
         ]
-        return found + [self._robust(problem, each) for each in others[:_OTHERS]]
+        return rotators + [self._robust(problem, rotator) for rotator in others[:_OTHERS]]
 
     def _trials(self, chosen: list[tuple[float, float]]) -> list[Trial]:
         """The best trials of all windows, the best first."""
         combs, poles = Combs(self.problem), _pole_map.sphere(POLES)
-        found: list[Trial] = []
+        trials: list[Trial] = []
         for low, high in chosen:
-            found += scan(combs, poles, low, high, lambda: self.is_over)
+            trials += scan(combs, poles, low, high, lambda: self.is_over)
             self.progress(f"rates of {len(poles)} poles, {high - low:.0f} turns a span")
-        return sorted(found, key=lambda each: -each.gain)[:_TRIALS]
+        return sorted(trials, key=lambda each: -each.gain)[:_TRIALS]
 
     def _from_trials(self, trials: list[Trial]) -> list[FloatArray]:
         """Distinct ellipsoids, the best first."""
         if not trials:
             return []
-        starts = np.array([ellipsoid_of(each) for each in trials])
+        starts = np.array([ellipsoid_of(trial) for trial in trials])
         fixed = _ellipsoid.AXIAL_FIXED
         pool = _ellipsoid.minimised(self.problem, starts, _ITERATIONS, fixed=fixed)
         ordered = _ellipsoid.in_order(pool)
         self.progress(f"{len(starts)} ellipsoids")
-        found: list[FloatArray] = []
+        states: list[FloatArray] = []
         for cost, state in zip(ordered.cost, ordered.states, strict=True):
-            if cost > _WORSE * ordered.cost[0] + _BESIDE or len(found) >= _CONVEX:
+            if cost > _WORSE * ordered.cost[0] + _BESIDE or len(states) >= _CONVEX:
                 break
-            if not any(self.is_same(state, other) for other in found):
-                found.append(state)
-        return found
+            if not any(self.is_same(state, other) for other in states):
+                states.append(state)
+        return states
 
     def _at_poles(self) -> None:
         """Convex bodies with the errors that the best one shows."""
         if not self.convex or self.is_over:
             return
         problem = self._with_own_error(self.convex[0])
-        for each in self.convex:
+        for candidate in self.convex:
             if self.is_over:
                 break
             self.axial.append(
                 _refinement.refine(
                     problem,
-                    each.state,
+                    candidate.state,
                     tie=self.tie,
-                    fixed=self._fixed(each.state),
+                    fixed=self._fixed(candidate.state),
                     iterations=_STEPS_FREE,
                     gain=_GAIN,
                 )

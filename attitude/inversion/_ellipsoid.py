@@ -83,31 +83,31 @@ class EllipsoidCurve:
         costs = self._settings.screen_cost, self._settings.ellipsoid_cost
         self._tally.add(len(states) * self._t.size, costs[with_slopes])
         for start in range(0, len(states), size):
-            part = slice(start, start + size)
+            block = slice(start, start + size)
             some = rows[: len(states) - start]
-            _motions.attitudes(elements[part], k[part], self._t, turns, tangents)
-            residuals(states[part], *epochs, turns, tangents, some.reshape(-1))
-            yield part, some
+            _motions.attitudes(elements[block], k[block], self._t, turns, tangents)
+            residuals(states[block], *epochs, turns, tangents, some.reshape(-1))
+            yield block, some
 
     def costs(self, states: FloatArray) -> FloatArray:
         """The sums of squares (S,) of weighted residuals, least over the linear terms."""
-        found = np.empty(len(states))
-        for part, rows in self.rows(states, False):
+        all_costs = np.empty(len(states))
+        for block, rows in self.rows(states, False):
             along = rows[:, 0] @ self._u.T
-            found[part] = np.sum(rows[:, 0] ** 2, axis=1) - np.sum(along**2, axis=1)
-        return found
+            all_costs[block] = np.sum(rows[:, 0] ** 2, axis=1) - np.sum(along**2, axis=1)
+        return all_costs
 
     def products(self, states: FloatArray) -> FloatArray:
         """Products (S, 11, 11) of the weighted residuals and the rows of their Jacobian.
 
         The residual is y - magnitude, the Jacobian that of the magnitude.
         """
-        found = np.empty((len(states), _ROWS, _ROWS + len(self._u)))
-        for part, _ in self.rows(states, True):
-            _products(self._memory.reshape(-1), found[part], self._size)
-        own, along = found[:, :-1, : _ROWS - 1], found[:, :-1, _ROWS:]
-        own -= along @ along.swapaxes(1, 2)
-        return own
+        all_products = np.empty((len(states), _ROWS, _ROWS + len(self._u)))
+        for block, _ in self.rows(states, True):
+            _products(self._memory.reshape(-1), all_products[block], self._size)
+        by_parameters, along = all_products[:, :-1, : _ROWS - 1], all_products[:, :-1, _ROWS:]
+        by_parameters -= along @ along.swapaxes(1, 2)
+        return by_parameters
 
 
 @reduction_within
@@ -156,14 +156,14 @@ def residuals(states, t, sun, observer, y, weight, r, g, rows):
     are unit vectors by components, t, y, weight (N,); N is a multiple of eight.
     """
     n = t.size
-    for each in range(states.shape[0]):
-        c0, c1, c2 = states[each, 5], states[each, 6], states[each, 7]
-        c3, c4, c5 = states[each, 8], states[each, 9], states[each, 10]
-        c6, c7, c8 = states[each, 11], states[each, 12], states[each, 13]
-        fa, fb = math.exp(states[each, 14]), math.exp(states[each, 15])
-        turn, here = each * 9 * n, each * n
+    for number in range(states.shape[0]):
+        c0, c1, c2 = states[number, 5], states[number, 6], states[number, 7]
+        c3, c4, c5 = states[number, 8], states[number, 9], states[number, 10]
+        c6, c7, c8 = states[number, 11], states[number, 12], states[number, 13]
+        fa, fb = math.exp(states[number, 14]), math.exp(states[number, 15])
+        turn, place = number * 9 * n, number * n
         if g.size > 0:
-            here = each * 12 * n
+            place = number * 12 * n
         for i in range(0, n, 8):
             j = turn + i
             r0, r1, r2 = three(r, j, n)
@@ -185,7 +185,7 @@ def residuals(states, t, sun, observer, y, weight, r, g, rows):
             u = (pp + qq + 2.0 * pq) * over * over
             value, slope = _dimming(u, at_least(1.0 - u, 1e-15))
             w = eight(weight, i)
-            k = here + i
+            k = place + i
             put_eight(rows, k, (eight(y, i) - _OF_TWO * binary_logarithm(m * over * value)) * w)
             if g.size == 0:
                 continue
@@ -249,23 +249,23 @@ def _products(rows, found, size):
     rows (12 size N + L N,): those of `size` >= S states, then those of all; into found
     (S, 12, 12 + L); L is a multiple of four, N of eight.
     """
-    states, own, columns = found.shape
-    n = rows.size // (size * own + columns - own)
-    for each in range(states):
-        first = each * own * n
-        for row in range(0, own, 2):
+    states, size_of_one, columns = found.shape
+    n = rows.size // (size * size_of_one + columns - size_of_one)
+    for number in range(states):
+        first = number * size_of_one * n
+        for row in range(0, size_of_one, 2):
             for column in range(0, columns, 4):
-                is_own = column < own
+                is_own = column < size_of_one
                 if is_own and column > row + 1:
                     continue
-                b = first + column * n if is_own else ((size - 1) * own + column) * n
-                made = _two_by_four(rows, first + row * n, b, n)
+                b = first + column * n if is_own else ((size - 1) * size_of_one + column) * n
+                sums = _two_by_four(rows, first + row * n, b, n)
                 for k in range(4):
-                    found[each, row, column + k] = made[k]
-                    found[each, row + 1, column + k] = made[4 + k]
+                    found[number, row, column + k] = sums[k]
+                    found[number, row + 1, column + k] = sums[4 + k]
                     if is_own:
-                        found[each, column + k, row] = made[k]
-                        found[each, column + k, row + 1] = made[4 + k]
+                        found[number, column + k, row] = sums[k]
+                        found[number, column + k, row + 1] = sums[4 + k]
 
 
 # ---- Levenberg and Marquardt's iteration from many starts, for the ellipsoid
@@ -380,11 +380,13 @@ class _Near(NamedTuple):
 
 def are_allowed(states: FloatArray, is_axial: bool) -> BoolArray:
     """Which of the states (..., 16 or more) are within the bounds."""
-    found = np.all(np.abs(states[..., 14:16]) < MOST_RATIO, axis=-1)
+    allowed_states = np.all(np.abs(states[..., 14:16]) < MOST_RATIO, axis=-1)
     if not is_axial:
         log_rho, x = states[..., 3], states[..., 4]
-        found &= (x > LEAST_X) & (x < MOST_X) & (log_rho > LEAST_RHO) & (log_rho < MOST_RHO)
-    return np.asarray(found)
+        allowed_states &= (
+            (x > LEAST_X) & (x < MOST_X) & (log_rho > LEAST_RHO) & (log_rho < MOST_RHO)
+        )
+    return np.asarray(allowed_states)
 
 
 def moved(states: FloatArray, steps: FloatArray) -> FloatArray:
@@ -453,11 +455,11 @@ def _tied(states: FloatArray, priors: Priors) -> tuple[FloatArray, FloatArray]:
 
 def _cost(curve: EllipsoidCurve, states: FloatArray, priors: Priors) -> FloatArray:
     """The sums of squares (S,) of states, with those of the priors."""
-    found = curve.costs(states) + _bend(priors) * np.sum(states[:, 14:16] ** 2, axis=1)
+    values = curve.costs(states) + _bend(priors) * np.sum(states[:, 14:16] ** 2, axis=1)
     if priors.tie < math.inf:
         ratios = moments(states[:, OF_MOMENTS].T).log_ratios
-        found += np.sum((ratios - _wanted(states, priors)) ** 2, axis=0) / priors.tie**2
-    return found
+        values += np.sum((ratios - _wanted(states, priors)) ** 2, axis=0) / priors.tie**2
+    return values
 
 
 def _bend(priors: Priors) -> float:
@@ -507,14 +509,14 @@ def minimise(
             better = cost < best[on]
             best[on[better]], states[on[better]] = cost[better], new[better]
             break
-        near = _linearised(curve, new[allowed], priors)
-        cost[allowed] = near.cost
+        trial = _linearised(curve, new[allowed], priors)
+        cost[allowed] = trial.cost
         better = cost < best[on]
         with np.errstate(invalid="ignore"):
             gain = best[on] - cost
         won, kept = on[better], better[allowed]
         best[won], states[won] = cost[better], new[better]
-        normal[won], gradient[won] = near.normal[kept], near.gradient[kept]
+        normal[won], gradient[won] = trial.normal[kept], trial.gradient[kept]
         damping[on] *= 4.0
         damping[won] = np.maximum(0.075 * damping[won], 1e-9)
         ended = better & (iteration > 3) & (gain < tolerance * best[on])
@@ -522,8 +524,8 @@ def minimise(
         on = on[~ended]
         if not on.size:
             break
-        here = _Near(best[on], normal[on], gradient[on])
-        new = moved(states[on], _steps(here, fixed, damping[on]))
+        active = _Near(best[on], normal[on], gradient[on])
+        new = moved(states[on], _steps(active, fixed, damping[on]))
     return best, states
 
 
@@ -646,16 +648,16 @@ def around(
     Each start is the best of `screens` random ones; of every two starts one has one of the poles
     (R, P, 3) of its rates in turn, if there are any.
     """
-    each = np.repeat(np.array(rates), count * screens, axis=0)
-    given = starts(generator, each[:, 0], each[:, 1])
+    pairs_of_rates = np.repeat(np.array(rates), count * screens, axis=0)
+    first_states = starts(generator, pairs_of_rates[:, 0], pairs_of_rates[:, 1])
     if poles is not None:
-        frames = given[:, 5:14].reshape(len(rates), count, screens, 9)
+        frames = first_states[:, 5:14].reshape(len(rates), count, screens, 9)
         number = np.arange(count // 2) % poles.shape[1]
         known = np.repeat(poles[:, number, None], screens, axis=2)
-        made = frames_of(generator, known.reshape(-1, 3))
-        frames[:, 1::2] = made.reshape(len(rates), -1, screens, 9)
-        given[:, 5:14] = frames.reshape(-1, 9)
-    chosen = screened(problem, given, len(rates) * count)
+        directions = frames_of(generator, known.reshape(-1, 3))
+        frames[:, 1::2] = directions.reshape(len(rates), -1, screens, 9)
+        first_states[:, 5:14] = frames.reshape(-1, 9)
+    chosen = screened(problem, first_states, len(rates) * count)
     return minimised(problem, chosen, iterations, tie=tie)
 
 
@@ -674,8 +676,8 @@ def narrowed(
     and the best of these ten more.  poles (R, P, 3) as in `around`.
     """
     groups = len(rates)
-    given = problem, generator, rates, count
-    pool = around(*given, screens=4, iterations=4, tie=tie, poles=poles)
+    arguments = problem, generator, rates, count
+    pool = around(*arguments, screens=4, iterations=4, tie=tie, poles=poles)
     for kept, steps in ((max(count // 4, 1), 6), (1, 10)):
         size = len(pool.cost) // groups
         order = np.argsort(pool.cost.reshape(groups, size), axis=1, kind="stable")[:, :kept]
@@ -696,8 +698,8 @@ def best_of_each(pool: Pool, groups: int) -> Pool:
 
 def in_order(*pools: Pool) -> Pool:
     """All states of pools, the best first."""
-    cost = np.concatenate([each.cost for each in pools])
-    states = np.concatenate([each.states for each in pools])
+    cost = np.concatenate([pool.cost for pool in pools])
+    states = np.concatenate([pool.states for pool in pools])
     order = np.argsort(cost, kind="stable")
     order = order[np.isfinite(cost[order])]
     return Pool(cost[order], states[order])
@@ -707,10 +709,10 @@ def axial(
     problem: CurveProblem, generator: np.random.Generator, rates: FloatArray, count: int
 ) -> Pool:
     """Rotations about one axis at rates (turns per span), from `count` starts for each."""
-    each = np.repeat(rates, count * 8)
-    given = starts(generator, 0.5 * each, -np.ones(len(each)))
-    given[:, 2], given[:, 3], given[:, 4] = 0.0, AXIAL, 0.0
-    chosen = screened(problem, given, len(rates) * count)
+    rate_of_start = np.repeat(rates, count * 8)
+    first_states = starts(generator, 0.5 * rate_of_start, -np.ones(len(rate_of_start)))
+    first_states[:, 2], first_states[:, 3], first_states[:, 4] = 0.0, AXIAL, 0.0
+    chosen = screened(problem, first_states, len(rates) * count)
     return minimised(problem, chosen, 30, fixed=AXIAL_FIXED)
 
 
@@ -726,11 +728,11 @@ def axial_at_poles(
     `keep` for each, the best of some starts, in the order of the poles.
     """
     count, size = len(poles), _AROUND * _SCREENS
-    each = np.repeat(0.5 * rates, size)
-    given = starts(generator, each, -np.ones(len(each)))
-    given[:, 2], given[:, 3], given[:, 4] = 0.0, AXIAL, 0.0
-    given[:, 5:14] = frames_of(generator, np.repeat(poles, size, axis=0))
-    chosen = screened(problem, given, count * _AROUND)
+    rate_of_start = np.repeat(0.5 * rates, size)
+    first_states = starts(generator, rate_of_start, -np.ones(len(rate_of_start)))
+    first_states[:, 2], first_states[:, 3], first_states[:, 4] = 0.0, AXIAL, 0.0
+    first_states[:, 5:14] = frames_of(generator, np.repeat(poles, size, axis=0))
+    chosen = screened(problem, first_states, count * _AROUND)
     fixed = AXIAL_FIXED.copy()
     fixed[:2] = True
     pool = minimised(problem, chosen, 20, fixed=fixed)
@@ -749,13 +751,13 @@ def rates_of(pool: Pool, keep: int) -> list[Candidate]:
     """The rates of the best states, without repetition."""
     rates: list[Candidate] = []
     for state in pool.states:
-        here = Candidate(float(state[0]), float(state[1]))
+        candidate = Candidate(float(state[0]), float(state[1]))
         if not any(
-            2.0 * abs(here.precession - each.precession) < 0.4
-            and abs(here.nutation - each.nutation) < 0.4
-            for each in rates
+            2.0 * abs(candidate.precession - other.precession) < 0.4
+            and abs(candidate.nutation - other.nutation) < 0.4
+            for other in rates
         ):
-            rates.append(here)
+            rates.append(candidate)
             if len(rates) >= keep:
                 break
     return rates

@@ -98,8 +98,8 @@ def errors(
         changes = []
         for number in range(total):
             on = group == number
-            part = jacobian[:, on]
-            change = np.linalg.solve(scaled - part @ part.T, -part @ r[on]) / scale
+            columns = jacobian[:, on]
+            change = np.linalg.solve(scaled - columns @ columns.T, -columns @ r[on]) / scale
             changes.append(np.linalg.solve(factor, change[:count][free]))
         _refit(changes, group, refitted, factor, free)
         spread = np.array(changes)
@@ -139,23 +139,23 @@ def _larger(inflation: FloatArray, inner: FloatArray, groups: int) -> FloatArray
     values, vectors = np.linalg.eigh(back @ inner @ back.T)
     edge = (1.0 + math.sqrt(len(values) / groups)) ** 2
     values = np.where(values > edge, values, 1.0)
-    found: FloatArray = root @ (vectors * values) @ vectors.T @ root.T
-    return found
+    enlarged: FloatArray = root @ (vectors * values) @ vectors.T @ root.T
+    return enlarged
 
 
 def _root(matrix: FloatArray) -> FloatArray:
     """The symmetric root of a symmetric matrix."""
     values, vectors = np.linalg.eigh(0.5 * (matrix + matrix.T))
-    found: FloatArray = (vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T
-    return found
+    square_root: FloatArray = (vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T
+    return square_root
 
 
 def _regular(covariance: FloatArray) -> FloatArray:
     """A covariance whose factor exists."""
     size = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     scaled = covariance / np.outer(size, size) + 1e-10 * np.eye(len(size))
-    found: FloatArray = scaled * np.outer(size, size)
-    return found
+    regular: FloatArray = scaled * np.outer(size, size)
+    return regular
 
 
 def groupings(t: FloatArray, span: float, session: IntArray | None) -> tuple[IntArray, ...]:
@@ -164,10 +164,10 @@ def groupings(t: FloatArray, span: float, session: IntArray | None) -> tuple[Int
     Shapes: t (N,), session (N,).
     """
     parts = np.floor((t - t.min()) * (_PARTS * 0.999999 / max(float(np.ptp(t)), 1e-12)))
-    found = [_nights(t * span), _dense(parts)]
+    sessions_of = [_nights(t * span), _dense(parts)]
     if session is not None and len(session) == len(t):
-        found.append(_dense(session))
-    return tuple(found)
+        sessions_of.append(_dense(session))
+    return tuple(sessions_of)
 
 
 def _dense(numbers: FloatArray | IntArray) -> IntArray:
@@ -202,11 +202,11 @@ def second_moments(
     log_density: Callable[[FloatArray], FloatArray], size: int, generator: np.random.Generator
 ) -> FloatArray:
     """Second moments (D, D) about 0 of a density whose curvature at 0 is about 1."""
-    found = np.eye(size)
+    matrix = np.eye(size)
     points, logs = [], []
     mixture: list[FloatArray] = []
     for _ in range(_ROUNDS):
-        factor: FloatArray = _WIDER * np.asarray(np.linalg.cholesky(found), dtype=np.float64)
+        factor: FloatArray = _WIDER * np.asarray(np.linalg.cholesky(matrix), dtype=np.float64)
         mixture.append(factor)
         chi = generator.chisquare(_FREEDOM, _SAMPLES) / _FREEDOM
         z = generator.standard_normal((_SAMPLES, size)) / np.sqrt(chi)[:, None]
@@ -215,19 +215,21 @@ def second_moments(
         logs.append(log_density(new))
         every, log = np.concatenate(points), np.concatenate(logs)
         # the density of all rounds together, as a mixture
-        drawn = np.logaddexp.reduce([_log_student(every, each) for each in mixture], axis=0)
+        drawn = np.logaddexp.reduce(
+            [_log_student(every, component) for component in mixture], axis=0
+        )
         ratio = log - drawn
         weights = np.exp(ratio - ratio.max())
         weights = np.minimum(weights, weights.mean() * math.sqrt(len(weights)))
         weights /= weights.sum()
-        found = (every * weights[:, None]).T @ every + 1e-6 * np.eye(size)
-    return found
+        matrix = (every * weights[:, None]).T @ every + 1e-6 * np.eye(size)
+    return matrix
 
 
 def conditioned(covariance: FloatArray) -> FloatArray:
     """A covariance whose factor exists."""
-    found: FloatArray = covariance + 1e-12 * np.diag(np.diag(covariance))
-    return found
+    conditioned_matrix: FloatArray = covariance + 1e-12 * np.diag(np.diag(covariance))
+    return conditioned_matrix
 
 
 def _log_student(points: FloatArray, factor: FloatArray) -> FloatArray:
@@ -235,8 +237,8 @@ def _log_student(points: FloatArray, factor: FloatArray) -> FloatArray:
     size = points.shape[1]
     scaled = np.linalg.solve(factor, points.T)
     squares = np.sum(scaled**2, axis=0)
-    found: FloatArray = -0.5 * (_FREEDOM + size) * np.log1p(squares / _FREEDOM)
-    return found - float(np.sum(np.log(np.abs(np.diag(factor)))))
+    logarithm: FloatArray = -0.5 * (_FREEDOM + size) * np.log1p(squares / _FREEDOM)
+    return logarithm - float(np.sum(np.log(np.abs(np.diag(factor)))))
 
 
 # ---- The posterior density of the parameters of a motion, with the shape that fits each best
@@ -257,7 +259,7 @@ def covariance_of_motion(found: Weighted, tie: Tie) -> FloatArray:
     density = log_density(found, tie, factor)
 
     def densities(points: FloatArray) -> FloatArray:
-        return np.array([density(each) for each in points])
+        return np.array([density(point) for point in points])
 
     wide = second_moments(densities, len(factor), np.random.default_rng(_SEED))
     moments = np.zeros((SIZE, SIZE))
@@ -415,5 +417,5 @@ def spread(covariance: FloatArray, rivals: Iterable[tuple[FloatArray, float]]) -
             offsets.append(offset)
             weights.append(math.exp(-0.5 * behind))
     every, share = np.array(offsets), np.array(weights) / sum(weights)
-    found: FloatArray = (every * share[:, None]).T @ every
-    return found
+    outer: FloatArray = (every * share[:, None]).T @ every
+    return outer

@@ -138,8 +138,8 @@ def refined(
         )
 
     free = 8 if fixed is None else int(np.count_nonzero(~fixed[:8]))
-    found = student(problem, start, fit, free, trials)
-    return replace(found, evidence=found.evidence + occam(found.refined.normal, len(problem)))
+    robust = student(problem, start, fit, free, trials)
+    return replace(robust, evidence=robust.evidence + occam(robust.refined.normal, len(problem)))
 
 
 def occam(normal: FloatArray, points: int) -> float:
@@ -175,8 +175,8 @@ def widened(found: Weighted) -> float:
 
 def weights(square: FloatArray) -> FloatArray:
     """Weights (N,) of Student's distribution for squares of residuals over their errors."""
-    found: FloatArray = (FREEDOM + 1.0) / (FREEDOM + square)
-    return found
+    of_points: FloatArray = (FREEDOM + 1.0) / (FREEDOM + square)
+    return of_points
 
 
 def student(
@@ -187,21 +187,21 @@ def student(
     trials: float = 1.0,
 ) -> Weighted:
     """The state of largest posterior density near a start, with Student's errors."""
-    state, own = start, problem
+    state, reweighted = start, problem
     size = np.hypot(problem.sigma, problem.model_error)
     for turn in range(_ROUNDS + 1):
-        found = fit(own, state)
-        state = found.state
-        residual, coefficients = residuals(own, found.magnitude)
+        fitted = fit(reweighted, state)
+        state = fitted.state
+        residual, coefficients = residuals(reweighted, fitted.magnitude)
         square = (residual / size) ** 2
         if turn < _ROUNDS:
-            own = problem.with_sigma(size / np.sqrt(weights(square)))
+            reweighted = problem.with_sigma(size / np.sqrt(weights(square)))
     evidence = (FREEDOM + 1.0) * float(np.sum(np.log1p(square / FREEDOM)))
     evidence += 2.0 * float(np.sum(np.log(size)))
     evidence += float(np.sum((coefficients / problem.prior) ** 2))
-    evidence += found.cost - found.chi_squared
+    evidence += fitted.cost - fitted.chi_squared
     evidence += free * float(np.log(len(problem))) + 2.0 * float(np.log(trials))
-    return Weighted(found, own, evidence, residual, float(np.mean(square)))
+    return Weighted(fitted, reweighted, evidence, residual, float(np.mean(square)))
 
 
 class Constant(NamedTuple):
@@ -270,7 +270,7 @@ def standard_error(solution: Weighted, other: Weighted, problem: CurveProblem) -
     points as one.  Source: Vuong, Econometrica 57, 307 (1989), with nights as samples.
     """
     size = problem.sigma**2 + problem.model_error**2
-    logs = [np.log1p(each.residual**2 / size / FREEDOM) for each in (solution, other)]
+    logs = [np.log1p(one.residual**2 / size / FREEDOM) for one in (solution, other)]
     gains = (FREEDOM + 1.0) * (logs[1] - logs[0])
     nights = np.concatenate([[0], np.cumsum(np.diff(problem.t) * problem.span > _NIGHT)])
     parts = np.bincount(nights, gains)
@@ -313,7 +313,7 @@ def _is_comb(state: SearchState, rotation: float, width: float) -> bool:
     """Whether the lines of a tumbling state are multiples of a rotation or of half of it."""
     base = 0.5 * rotation
     numbers = [rate / base for rate in state.rates]
-    whole = [round(each) for each in numbers]
+    whole = [round(number) for number in numbers]
     off = [abs(a - b) * base for a, b in zip(numbers, whole, strict=True)]
     return max(off) < width and min(whole) >= 1 and max(whole) <= _COMB
 
@@ -327,5 +327,5 @@ def gain(solution: Weighted, other: Weighted, problem: CurveProblem) -> float:
     size = max(1.0, floor_ratio(solution, problem)) * (
         problem.sigma**2 + problem.settings.floor_error**2
     )
-    logs = [np.log1p(each.residual**2 / size / FREEDOM) for each in (solution, other)]
+    logs = [np.log1p(one.residual**2 / size / FREEDOM) for one in (solution, other)]
     return (FREEDOM + 1.0) * float(np.sum(logs[1] - logs[0]))

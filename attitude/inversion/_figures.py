@@ -53,7 +53,7 @@ def of_nights(solution: Solution | Refinement, path: FilePath | None = None) -> 
     problem, curve = solution.weighted.problem, solution.curve
     seconds = problem.t * problem.span
     groups = _problem.nights_of(seconds)
-    if np.median([len(each) for each in groups]) < _FEW:
+    if np.median([len(group) for group in groups]) < _FEW:
         return of_fit(solution, path)
     chosen = sorted(groups, key=lambda each: -len(each))[:_NIGHTS]
     nights = []
@@ -162,11 +162,11 @@ def _panels(nights: Sequence[_Night], name: str, title: str) -> Any:
         middle = float(np.mean([model.min(), model.max()]))
         above.set_ylim(middle + 0.5 * height, middle - 0.5 * height)
         above.set_title(night.title, fontsize=9)
-        for each, count in ((above, 5), (below, 3)):
-            if each is not None:
-                each.tick_params(labelsize=9)
-                each.yaxis.set_major_locator(MaxNLocator(count))
-                each.xaxis.set_major_locator(MaxNLocator(5))
+        for panel, count in ((above, 5), (below, 3)):
+            if panel is not None:
+                panel.tick_params(labelsize=9)
+                panel.yaxis.set_major_locator(MaxNLocator(count))
+                panel.xaxis.set_major_locator(MaxNLocator(5))
         if column == 0:
             above.set_ylabel(name, fontsize=9)
             if below is not None:
@@ -200,14 +200,14 @@ def of_states(found: SpinStates, path: FilePath | None = None) -> Any:
     first = best.evidence
     _map(axes[0, 2], best)
     unit = time_unit(best.P_phi)
-    for each in found:
-        behind = each.evidence - first
+    for state in found:
+        behind = state.evidence - first
         colour = _MODEL if behind < 16.0 else _OTHER
-        rates = np.array(SearchState.of(each.state).rates)
-        phi, psi = rates / each.curve.span * TIME_UNITS[unit]
-        mark = "o" if each.mode == "LAM" else "s"
+        rates = np.array(SearchState.of(state.state).rates)
+        phi, psi = rates / state.curve.span * TIME_UNITS[unit]
+        mark = "o" if state.mode == "LAM" else "s"
         axes[0, 2].plot(phi, psi, mark, mfc="none", mew=1.8, color=colour)
-        longitude, latitude = np.degrees(each.pole)
+        longitude, latitude = np.degrees(state.pole)
         axes[1, 2].plot(longitude, latitude, "o", color=colour, ms=4)
     axes[0, 2].set_xlabel(f"1/P_phi of the long axis, 1/{unit}")
     axes[0, 2].set_ylabel(f"1/P_psi, 1/{unit}")
@@ -215,10 +215,10 @@ def of_states(found: SpinStates, path: FilePath | None = None) -> Any:
     axes[1, 2].set_ylabel("latitude, deg")
     axes[1, 2].set_xlim(0.0, 360.0)
     axes[1, 2].set_ylim(-90.0, 90.0)
-    places = free_places([tuple(np.degrees(each.pole).tolist()) for each in found])
-    for each, place in zip(found, places, strict=True):
+    places = free_places([tuple(np.degrees(state.pole).tolist()) for state in found])
+    for state, place in zip(found, places, strict=True):
         if place is not None:
-            axes[1, 2].text(*place, str(each.rank), fontsize=9, ha="center", va="center")
+            axes[1, 2].text(*place, str(state.rank), fontsize=9, ha="center", va="center")
     for mode, mark in (("LAM", "o"), ("SAM or PA", "s")):
         axes[0, 2].plot([], [], mark, mfc="none", color=_MODEL, label=mode)
     axes[0, 2].legend(fontsize=9, loc="upper right")
@@ -236,7 +236,7 @@ def free_places(poles: Sequence[tuple[float, float]]) -> list[tuple[float, float
     Those of better ranks come first.
     """
     taken = [(np.array(each), _MARK) for each in poles]
-    found: list[tuple[float, float] | None] = []
+    places: list[tuple[float, float] | None] = []
     for pole in poles:
         for across, up in ((1, 1), (-1, 1), (1, -1), (-1, -1), (0, 1.6), (0, -1.6)):
             place = np.array(pole) + (_NUMBER + 0.7 * _MARK) * np.array([across, up])
@@ -244,11 +244,11 @@ def free_places(poles: Sequence[tuple[float, float]]) -> list[tuple[float, float
             free = all(np.any(np.abs(place - at) > _NUMBER + size) for at, size in taken)
             if inside and free:
                 taken.append((place, _NUMBER))
-                found.append((float(place[0]), float(place[1])))
+                places.append((float(place[0]), float(place[1])))
                 break
         else:
-            found.append(None)
-    return found
+            places.append(None)
+    return places
 
 
 def _map(axes: Any, best: Solution) -> None:
@@ -262,11 +262,11 @@ def _map(axes: Any, best: Solution) -> None:
     for centre in (phi, 2.0 * psi):
         least = max(2, round(centre / step) - _SIDE)
         sides.append(np.arange(least, least + 2 * _SIDE + 1))
-    made = _lattices.tables(problem, 8 * int(max(each[-1] for each in sides)) + 8)
-    one, two = (each.ravel() for each in np.meshgrid(*sides, indexing="ij"))
+    sums = _lattices.tables(problem, 8 * int(max(side[-1] for side in sides)) + 8)
+    one, two = (axis.ravel() for axis in np.meshgrid(*sides, indexing="ij"))
     gain = np.empty(len(one))
-    _spectrum.decreases(*made[:4], one, two, _spectrum.harmonics(2), 1.0, gain)
-    left = (1.0 - gain / made.total).reshape(len(sides[0]), len(sides[1]))
+    _spectrum.decreases(*sums[:4], one, two, _spectrum.harmonics(2), 1.0, gain)
+    left = (1.0 - gain / sums.total).reshape(len(sides[0]), len(sides[1]))
     width = step / best.curve.span * TIME_UNITS[time_unit(best.P_phi)]
     x, y = sides[0] * width, 0.5 * sides[1] * width
     shown = axes.pcolormesh(x, y, left.T, shading="nearest", cmap="viridis", vmin=0.0, vmax=1.0)
@@ -289,8 +289,8 @@ def _fit(above: Any, below: Any, solution: Solution | Refinement) -> None:
     averaged = len(solution.curve) != len(t)
     session = np.zeros(len(t), np.int64) if averaged else solution.curve.session
     for number in np.unique(session):
-        own = session == number
-        below.plot(t[own], solution.residuals[own], ".", color=f"C{number % 10}")
+        chosen = session == number
+        below.plot(t[chosen], solution.residuals[chosen], ".", color=f"C{number % 10}")
     below.axhline(0.0, color=_OTHER)
     below.invert_yaxis()
     epoch = solution.curve.epoch.utc_iso[:19].replace("T", " ")

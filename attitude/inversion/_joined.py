@@ -48,8 +48,8 @@ def apparitions(curve: LightCurve) -> list[LightCurve]:
     """The parts of a curve that long gaps divide, each with enough points for a search."""
     order = np.argsort(curve.emission, kind="stable")
     ends = np.flatnonzero(np.diff(curve.emission[order]) > _GAP) + 1
-    parts = [np.sort(each) for each in np.split(order, ends)]
-    return [curve[each] for each in parts if len(each) >= _problem.LEAST_POINTS]
+    parts = [np.sort(indices) for indices in np.split(order, ends)]
+    return [curve[indices] for indices in parts if len(indices) >= _problem.LEAST_POINTS]
 
 
 class Alone(NamedTuple):
@@ -81,18 +81,18 @@ def alone(curve: LightCurve, part: LightCurve, found: Search, settings: Settings
     middle = (part.epoch.seconds - curve.epoch.seconds) / curve.span
     scale = np.ones(_SIZE)
     scale[[_PRECESSION, _NUTATION]] = ratio
-    made: list[Alone] = []
+    solutions: list[Alone] = []
     for one in found.solutions:
         behind = one.evidence - found.solutions[0].evidence
-        if behind > settings.mapped_behind or len(made) == settings.joined_solutions:
+        if behind > settings.mapped_behind or len(solutions) == settings.joined_solutions:
             break
         state = one.refined.state.copy()
         if not SearchState.of(state).is_axial:
             state[:2] *= ratio
             formal = _formal(one.refined) * np.outer(scale, scale)
-            made.append(Alone(state, settings.joined_wider**2 * formal, behind, middle))
+            solutions.append(Alone(state, settings.joined_wider**2 * formal, behind, middle))
     ends = part.emission / curve.span + middle
-    return Apparition(float(ends.min()), float(ends.max()), made)
+    return Apparition(float(ends.min()), float(ends.max()), solutions)
 
 
 def _formal(found: Refined) -> FloatArray:
@@ -102,8 +102,8 @@ def _formal(found: Refined) -> FloatArray:
 
 def at_middle(state: FloatArray, middle: float) -> FloatArray:
     """A state whose orientation and phase are those of an epoch, carried to that of the curve."""
-    own = SearchState.of(state)
-    back = -4.0 * math.pi * own.precession * middle
+    fields = SearchState.of(state)
+    back = -4.0 * math.pi * fields.precession * middle
     turn = np.array(
         [
             [math.cos(back), -math.sin(back), 0.0],
@@ -111,8 +111,8 @@ def at_middle(state: FloatArray, middle: float) -> FloatArray:
             [0.0, 0.0, 1.0],
         ]
     )
-    phase = math.remainder(own.phase - own.nutation * middle, 1.0)
-    return own._replace(frame=own.frame @ turn, phase=phase).vector
+    phase = math.remainder(fields.phase - fields.nutation * middle, 1.0)
+    return fields._replace(frame=fields.frame @ turn, phase=phase).vector
 
 
 class Count(NamedTuple):
@@ -166,15 +166,15 @@ def _numbers(off: FloatArray, total: FloatArray) -> FloatArray:
     """Numbers of turns (K, 2) within the errors, whole ones and those of the body turned about."""
     middles = off[_AZIMUTH] / _TURN, off[_PHASE]
     widths = math.sqrt(total[_AZIMUTH, _AZIMUTH]) / _TURN, math.sqrt(total[_PHASE, _PHASE])
-    found = []
-    for part in (0.0, 0.5):
+    pairs_of_numbers = []
+    for fraction in (0.0, 0.5):
         axes = []
         for middle, width in zip(middles, widths, strict=True):
             side = min(_SIDE * width + 1.0, float(_MOST))
-            low, high = math.ceil(middle - side - part), math.floor(middle + side - part)
-            axes.append(np.arange(low, high + 1) + part)
-        found.append(np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2))
-    return np.concatenate(found)
+            low, high = math.ceil(middle - side - fraction), math.floor(middle + side - fraction)
+            axes.append(np.arange(low, high + 1) + fraction)
+        pairs_of_numbers.append(np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2))
+    return np.concatenate(pairs_of_numbers)
 
 
 @dataclass(eq=False)
@@ -196,13 +196,15 @@ class JoinedSearch(Search):
         known: list[Alone] = []
         fits: list[Refined] = []
         self.is_complete = len(ordered) > 1
-        for number, each in enumerate(ordered):
-            inside |= (self.problem.t >= each.first) & (self.problem.t <= each.last)
+        for number, apparition in enumerate(ordered):
+            inside |= (self.problem.t >= apparition.first) & (self.problem.t <= apparition.last)
             if number == 0:
-                known = each.solutions
+                known = apparition.solutions
                 continue
-            trials = self._trials(known, each.solutions)
-            self.length = 0.5 * (each.first + each.last - ordered[0].first - ordered[0].last)
+            trials = self._trials(known, apparition.solutions)
+            self.length = 0.5 * (
+                apparition.first + apparition.last - ordered[0].first - ordered[0].last
+            )
             problem = self.problem if number == len(ordered) - 1 else self.problem.part(inside)
             fits = self._fits(problem, trials)
             self.progress(f"{len(fits)} of {len(trials)} pairs of numbers of turns")
@@ -215,40 +217,40 @@ class JoinedSearch(Search):
 
     def _trials(self, first: Sequence[Alone], second: Sequence[Alone]) -> list[Count]:
         """Common motions of two apparitions' solutions, the most probable first."""
-        found = [
+        trials = [
             one._replace(chi_squared=one.chi_squared + a.evidence + b.evidence)
             for a in first
             for b in second
             for one in counts(a, b, self.settings.joined_within)
         ]
-        found.sort(key=lambda each: each.chi_squared)
-        return found[: self.settings.joined_trials]
+        trials.sort(key=lambda each: each.chi_squared)
+        return trials[: self.settings.joined_trials]
 
     def _fits(self, problem: CurveProblem, trials: Sequence[Count]) -> list[Refined]:
         """Convex bodies of common motions: of all in a few steps, of the best in more."""
-        found: list[Refined] = []
-        states = [each.state for each in trials]
+        fits: list[Refined] = []
+        states = [trial.state for trial in trials]
         for keep, steps in ((len(states), self.settings.short_steps), (self.settings.joined, 20)):
-            found = []
+            fits = []
             for state in states[:keep]:
-                if self.is_over and found:
+                if self.is_over and fits:
                     break
-                found.append(
+                fits.append(
                     _refinement.refine(problem, state, iterations=steps, tie=self.tie, gain=1e-3)
                 )
-            found.sort(key=lambda each: each.cost)
-            states = [each.state for each in found]
-        return found
+            fits.sort(key=lambda each: each.cost)
+            states = [fit.state for fit in fits]
+        return fits
 
 
 def _joined(found: Sequence[Refined], settings: Settings) -> list[Alone]:
     """Fits of several apparitions as the solutions of one, at the middle of the curve."""
     return [
         Alone(
-            each.state,
-            settings.joined_wider**2 * _formal(each),
-            each.cost - found[0].cost,
+            fit.state,
+            settings.joined_wider**2 * _formal(fit),
+            fit.cost - found[0].cost,
             0.0,
         )
-        for each in found[: settings.joined_solutions]
+        for fit in found[: settings.joined_solutions]
     ]

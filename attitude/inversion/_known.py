@@ -133,7 +133,7 @@ class PassSearch:
             if best is None or costs[-1] < best.cost[0]:
                 best, origin = self.found, self.origin
                 is_rough = self._mean_square() < _POOR
-            agreeing = sum(each < _MARGIN * min(costs) for each in costs)
+            agreeing = sum(cost < _MARGIN * min(costs) for cost in costs)
             fits = min(costs) < len(problem) / _EXPECTED
             if fits or (is_rough and agreeing >= _AGREEING) or self.problem.tally.is_over:
                 break
@@ -143,8 +143,8 @@ class PassSearch:
     def _mean_square(self) -> float:
         """That of the residuals of the best state over their errors, without the worst of them."""
         problem = self.problem.with_model_error(_ERRORS[1])
-        here = self._costs(problem, self.found.wxyz[:1], self.found.omega[:1])
-        squares = np.sort((here.residual - here.along @ problem.u)[0] ** 2)
+        nearby = self._costs(problem, self.found.wxyz[:1], self.found.omega[:1])
+        squares = np.sort((nearby.residual - nearby.along @ problem.u)[0] ** 2)
         return float(np.mean(squares[: math.ceil((1.0 - _WORST) * len(squares))]))
 
     def _from(self, middle: float, span: float) -> None:
@@ -152,9 +152,9 @@ class PassSearch:
         problem = self.problem
         self.origin = middle
         away = np.abs(problem.t * problem.span - middle)
-        own = problem.part(away <= span).with_model_error(_ERRORS[0])
-        self.found = self._screened(own, span)
-        self.found = self._refined(own, self.found, _ITERATIONS)
+        early = problem.part(away <= span).with_model_error(_ERRORS[0])
+        self.found = self._screened(early, span)
+        self.found = self._refined(early, self.found, _ITERATIONS)
         self._keep(_KEPT)
         whole = float(away.max())
         first = span
@@ -165,14 +165,14 @@ class PassSearch:
             count = max(int(len(self.found.cost) / 1.35), _LEFT)
             share = math.log(span / first) / math.log(whole / first)
             error = _ERRORS[0] * (_ERRORS[1] / _ERRORS[0]) ** share
-            own = problem.part(away <= span).with_model_error(error)
-            self.found = self._refined(own, self._branched(own, self.found), _ITERATIONS)
+            early = problem.part(away <= span).with_model_error(error)
+            self.found = self._refined(early, self._branched(early, self.found), _ITERATIONS)
             self._keep(count)
             self.progress(f"span {2.0 * span:.0f} s: {len(self.found.cost)} states")
             if self.problem.tally.is_over:
                 break
-        own = problem.with_model_error(_ERRORS[1])
-        self.found = self._refined(own, self._branched(own, self.found), _LAST)
+        early = problem.with_model_error(_ERRORS[1])
+        self.found = self._refined(early, self._branched(early, self.found), _LAST)
         self._keep(_LEFT)
 
     def _screened(self, problem: CurveProblem, span: float) -> States:
@@ -209,9 +209,9 @@ class PassSearch:
         parts = []
         block = max(_errors.BLOCK // len(problem), 1)
         for begin in range(0, len(wxyz), block):
-            here = slice(begin, begin + block)
-            parts.append(self._near_block(problem, wxyz[here], omega[here]))
-        return NearMany(*(np.concatenate(each) for each in zip(*parts, strict=True)))
+            block_of_states = slice(begin, begin + block)
+            parts.append(self._near_block(problem, wxyz[block_of_states], omega[block_of_states]))
+        return NearMany(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
     def _near_block(self, problem: CurveProblem, wxyz: FloatArray, omega: FloatArray) -> NearMany:
         t = problem.t * problem.span - self.origin
@@ -235,12 +235,12 @@ class PassSearch:
         damping = np.full(len(wxyz), 1e-2)
         active = np.arange(len(wxyz))
         for _ in range(iterations):
-            part = NearMany(*(each[active] for each in best))
-            step = self._step(part, damping[active], omega[active])
+            searched = NearMany(*(column[active] for column in best))
+            step = self._step(searched, damping[active], omega[active])
             q = quaternion.multiply(forms.from_rotation_vector(step[:, :3]), wxyz[active])
             w = omega[active] + step[:, 3:]
             trial = self._near(problem, q, w)
-            won = part.cost - trial.cost
+            won = searched.cost - trial.cost
             better = won > 0.0
             on = active[better]
             wxyz[on], omega[on] = q[better], w[better]
@@ -248,7 +248,7 @@ class PassSearch:
                 old[on] = new[better]
             damping[active] = np.where(better, 0.3 * damping[active], 5.0 * damping[active])
             damping = np.maximum(damping, 1e-6)
-            busy = ~better | (won > 1e-4 * part.cost)
+            busy = ~better | (won > 1e-4 * searched.cost)
             active = active[busy & (damping[active] < 1e4)]
             if not len(active):
                 break
@@ -262,17 +262,17 @@ class PassSearch:
         step = np.linalg.solve(scaled, (near.gradient / scale)[..., None])[..., 0] / scale
         turn = np.linalg.norm(step[:, :3], axis=1) / 0.4
         rate = np.linalg.norm(step[:, 3:], axis=1) / (0.15 * self.most)
-        found: FloatArray = step / np.maximum(np.maximum(turn, rate), 1.0)[:, None]
-        return found
+        limited: FloatArray = step / np.maximum(np.maximum(turn, rate), 1.0)[:, None]
+        return limited
 
     def _branched(self, problem: CurveProblem, states: States) -> States:
         """The states, with samples of the errors of the best of them."""
         best = states.rows(np.arange(min(_SAMPLED, len(states.cost))))
-        near = self._near(problem, best.wxyz, best.omega)
+        fits = self._near(problem, best.wxyz, best.omega)
         parts = [states]
         for k in range(len(best.cost)):
-            scale = np.sqrt(np.maximum(np.diag(near.normal[k]), 1e-12))
-            values, vectors = np.linalg.eigh(near.normal[k] / np.outer(scale, scale))
+            scale = np.sqrt(np.maximum(np.diag(fits.normal[k]), 1e-12))
+            values, vectors = np.linalg.eigh(fits.normal[k] / np.outer(scale, scale))
             spread = 2.0 / np.sqrt(np.maximum(values, 1e-6))
             step = (self.generator.standard_normal((_SAMPLES, 6)) * spread) @ vectors.T / scale
             longest = np.maximum(np.linalg.norm(step[:, :3], axis=1) / 0.5, 1.0)
@@ -283,21 +283,21 @@ class PassSearch:
 
     def _keep(self, count: int) -> None:
         """Keep the best distinct states."""
-        found = self.found
-        order = np.argsort(found.cost, kind="stable")
-        order = order[np.linalg.norm(found.omega[order], axis=1) < 1.2 * self.most]
+        states = self.found
+        order = np.argsort(states.cost, kind="stable")
+        order = order[np.linalg.norm(states.omega[order], axis=1) < 1.2 * self.most]
         chosen: list[int] = []
         span = self.problem.span
         for k in order:
             if chosen:
-                rates = np.linalg.norm(found.omega[chosen] - found.omega[k], axis=1)
-                same = np.abs(found.wxyz[chosen] @ found.wxyz[k]) > math.cos(0.5 * _SAME)
+                rates = np.linalg.norm(states.omega[chosen] - states.omega[k], axis=1)
+                same = np.abs(states.wxyz[chosen] @ states.wxyz[k]) > math.cos(0.5 * _SAME)
                 if np.any(same & (rates * span < 5.0 * _SAME)):
                     continue
             chosen.append(int(k))
             if len(chosen) == count:
                 break
-        self.found = found.rows(np.array(chosen))
+        self.found = states.rows(np.array(chosen))
 
 
 def _first_span(seconds: FloatArray, most: float, attempt: int) -> tuple[float, float]:
@@ -318,13 +318,13 @@ def _passes(ordered: FloatArray, most: float) -> list[FloatArray]:
     """The epochs of each pass, of those that have enough for a first span."""
     steps = np.diff(ordered)
     longest = max(_GAP_TURNS * 2.0 * math.pi / most, _GAP_STEPS * float(np.median(steps)))
-    found = np.split(ordered, np.flatnonzero(steps > longest) + 1)
-    enough = [each for each in found if len(each) >= _FIRST_POINTS]
+    passes = np.split(ordered, np.flatnonzero(steps > longest) + 1)
+    enough = [one for one in passes if len(one) >= _FIRST_POINTS]
     return enough or [ordered]
 
 
 def _joined(*given: States) -> States:
-    return States(*(np.concatenate(each) for each in zip(*given, strict=True)))
+    return States(*(np.concatenate(columns) for columns in zip(*given, strict=True)))
 
 
 # ---- Ranked spin states of a body of known shape: a search, and least squares from its best states
@@ -381,7 +381,7 @@ def found(
     notes = list(curve.notes)
     if bins is not None:
         notes.append(f"{len(curve)} points were averaged to {len(problem)}.")
-    made = PassSearch(
+    search = PassSearch(
         problem,
         known,
         body.moments,
@@ -389,24 +389,24 @@ def found(
         validation.generator(seed),
         progress,
     )
-    made.run()
+    search.run()
     solutions = [
-        _fitted(curve, problem, known, body, made, k)
-        for k in range(len(made.found.cost))
-        if k < _FITTED and made.found.cost[k] < made.found.cost[0] + _BEHIND
+        _fitted(curve, problem, known, body, search, k)
+        for k in range(len(search.found.cost))
+        if k < _FITTED and search.found.cost[k] < search.found.cost[0] + _BEHIND
     ]
     solutions.sort(key=lambda each: each.evidence)
     symmetry = symmetry_of(known, body.moments, float(np.median(problem.sigma)))
     kept: list[Refinement] = []
     turned = 0
-    for each in solutions:
-        if any(_looks_same(each, other, symmetry) for other in kept):
-            turned += not any(_is_same(each, other) for other in kept)
-        elif not any(_is_same(each, other) for other in kept):
-            each.rank = len(kept)
-            each.relation = _relation(each, kept[0]) if kept else "best"
-            each.rivals = _rivals(each, solutions)
-            kept.append(each)
+    for solution in solutions:
+        if any(_looks_same(solution, other, symmetry) for other in kept):
+            turned += not any(_is_same(solution, other) for other in kept)
+        elif not any(_is_same(solution, other) for other in kept):
+            solution.rank = len(kept)
+            solution.relation = _relation(solution, kept[0]) if kept else "best"
+            solution.rivals = _rivals(solution, solutions)
+            kept.append(solution)
     verdict, criterion = _verdict(kept)
     if turned:
         criterion += (
@@ -420,9 +420,9 @@ def _fitted(curve, problem, known, body, made, k):
     """The least squares from a state of the search."""
     epoch = curve.epoch.after(made.origin)
     spin = Spin(epoch, made.found.wxyz[k], made.found.omega[k])
-    own = Body(moments=body.moments, relative=body.relative, mass=body.mass)
+    body_alone = Body(moments=body.moments, relative=body.relative, mass=body.mass)
     ends = float(curve.emission[0]), float(curve.emission[-1])
-    point = _moving.moving_point(FreeRotation(own, spin), curve.epoch, ends, None, None)
+    point = _moving.moving_point(FreeRotation(body_alone, spin), curve.epoch, ends, None, None)
     fit = _moving.moving_fit(curve.epoch, problem, point, known, Tie())
     weighted = fit.weighted(problem, _moving.MovingState(point, np.zeros(0)))
     return Refinement(curve, weighted, problem, fit, body)
@@ -466,12 +466,12 @@ def symmetry_of(known: KnownShape, moments: FloatArray, sigma: float) -> Symmetr
     sun /= np.linalg.norm(sun, axis=1)[:, None]
     observer /= np.linalg.norm(observer, axis=1)[:, None]
     least = known.floor(sun, observer)
-    given = known.magnitudes(sun, observer, least)
+    computed = known.magnitudes(sun, observer, least)
 
     def is_alike(turn: FloatArray) -> bool:
         seen = known.magnitudes(sun @ turn.T, observer @ turn.T, least)
         # a median: where little of a body is lit, its facets show
-        return bool(np.median(np.abs(seen - given)) < _UNSEEN * sigma)
+        return bool(np.median(np.abs(seen - computed)) < _UNSEEN * sigma)
 
     for axis in range(3):
         one, two = (axis + 1) % 3, (axis + 2) % 3
@@ -495,10 +495,13 @@ def _looks_same(one: Refinement, other: Refinement, symmetry: Symmetry) -> bool:
         return False
     (a, _), (b, _) = _vectors(one), _vectors(other)
     size = float(np.linalg.norm(a))
-    axes = [quaternion.matrix(each.point.spin.wxyz_icrf)[:, symmetry.axis] for each in (one, other)]
+    axes = [
+        quaternion.matrix(one_of_both.point.spin.wxyz_icrf)[:, symmetry.axis]
+        for one_of_both in (one, other)
+    ]
     cosine = float(axes[0] @ axes[1])
-    near = abs(cosine) if symmetry.can_turn_over else cosine
-    return bool(np.linalg.norm(a - b) < _SAME_ROUND * size and near > math.cos(_SAME_AXIS))
+    agreement = abs(cosine) if symmetry.can_turn_over else cosine
+    return bool(np.linalg.norm(a - b) < _SAME_ROUND * size and agreement > math.cos(_SAME_AXIS))
 
 
 def _rivals(
@@ -506,21 +509,21 @@ def _rivals(
 ) -> tuple[tuple[FloatArray, float], ...]:
     """Offsets of the other minima in the lobe of one, and how far their evidence is behind."""
     rate = float(np.linalg.norm(each.point.spin.angular_velocity))
-    found = []
+    rivals = []
     for other in solutions:
         offset = other.point.difference(each.point)
-        near = np.linalg.norm(offset[:3]) < _LOBE_TURN
-        if other is not each and near and np.linalg.norm(offset[3:6]) < _LOBE_RATE * rate:
-            found.append((offset, other.evidence - each.evidence))
-    return tuple(found)
+        is_close = np.linalg.norm(offset[:3]) < _LOBE_TURN
+        if other is not each and is_close and np.linalg.norm(offset[3:6]) < _LOBE_RATE * rate:
+            rivals.append((offset, other.evidence - each.evidence))
+    return tuple(rivals)
 
 
 def _has_rates(one: Refinement, other: Refinement) -> bool:
     """Whether two states have the same momentum in space, and the same sizes of the rates."""
     (a, v), (b, w) = _vectors(one), _vectors(other)
     size = float(np.linalg.norm(w))
-    near = np.linalg.norm(np.abs(v) - np.abs(w)) < 0.05 * size
-    return bool(near and np.linalg.norm(a - b) < 0.05 * size)
+    is_close = np.linalg.norm(np.abs(v) - np.abs(w)) < 0.05 * size
+    return bool(is_close and np.linalg.norm(a - b) < 0.05 * size)
 
 
 def _relation(each: Refinement, best: Refinement) -> str:

@@ -52,14 +52,14 @@ def lattice_pairs(
     count = int(most * OVERSAMPLING) + 1
     least = max(2, int(LEAST * OVERSAMPLING))
     end = least + max(count - least, 3)
-    made = tables(problem, 4 * order * end + 2)
+    sums = tables(problem, 4 * order * end + 2)
     lines = _spectrum.harmonics(order)
-    found = _spectrum.best(made, (least, end), (least, end), lines, RIDGE, keep)
+    best_pairs = _spectrum.best(sums, (least, end), (least, end), lines, RIDGE, keep)
     unknown = 2 * len(lines) - 1
-    fitted = min(found.tried, _spectrum.MOST)
+    fitted = min(best_pairs.tried, _spectrum.MOST)
     problem.tally.add(fitted, problem.settings.pair_cost * (unknown / _UNKNOWN) ** 3)
-    both = np.stack([found.first, found.second], axis=-1) / OVERSAMPLING
-    return both, found.left
+    both = np.stack([best_pairs.first, best_pairs.second], axis=-1) / OVERSAMPLING
+    return both, best_pairs.left
 
 
 def exactly(problem: CurveProblem, found: FloatArray, order: int) -> tuple[FloatArray, FloatArray]:
@@ -122,15 +122,15 @@ def _rates(g, f, most, modes):
 def lines(problem: CurveProblem, most: float, keep: int) -> FloatArray:
     """Frequencies (P,), turns per span, of the best series of one period with four harmonics."""
     grid = np.arange(max(1, int(LEAST * OVERSAMPLING)), int(most * OVERSAMPLING) + 1)
-    made = tables(problem, 8 * int(grid[-1] + 1))
+    sums = tables(problem, 8 * int(grid[-1] + 1))
     harmonics = np.array([(i, 0) for i in range(5)])
     gain = np.empty(len(grid))
-    _spectrum.decreases(*made[:4], grid, grid, harmonics, RIDGE, gain)
-    found: list[float] = []
+    _spectrum.decreases(*sums[:4], grid, grid, harmonics, RIDGE, gain)
+    frequencies: list[float] = []
     for k in np.argsort(-gain, kind="stable"):
-        here = float(grid[k]) / OVERSAMPLING
-        if all(abs(here - other) > 0.8 for other in found):
-            found.append(here)
-            if len(found) >= keep:
+        frequency = float(grid[k]) / OVERSAMPLING
+        if all(abs(frequency - other) > 0.8 for other in frequencies):
+            frequencies.append(frequency)
+            if len(frequencies) >= keep:
                 break
-    return np.array(found)
+    return np.array(frequencies)

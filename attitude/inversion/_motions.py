@@ -60,14 +60,17 @@ def coefficients(states: FloatArray) -> FloatArray:
     power = np.cumprod(np.cumprod(power, axis=1), axis=1)
     slope[:, 0], slope[:, 1:2] = 0.0, 1.0
     slope[:, 2:] = np.cumprod(np.cumprod(np.repeat(x, 7, axis=1), axis=1)[:, 1:], axis=1)
-    found = np.empty((len(states), 4, 4, 2))
-    for k, each in enumerate((power, slope * _TRIANGLE)):
-        up, down = c * each[:, ::2], c * np.concatenate([each[:, :1], each[:, 1:-1:2]], axis=1)
-        found[:, 0, :, k], found[:, 1, :, k] = up + down, up - down
-        up, down = -d * each[:, 1::2], d * each[:, ::2]
-        found[:, 2, :, k], found[:, 3, :, k] = down + up, up - down
-    found[:, 0, 0, 0] = 1.0
-    return found
+    series = np.empty((len(states), 4, 4, 2))
+    for k, factors in enumerate((power, slope * _TRIANGLE)):
+        up, down = (
+            c * factors[:, ::2],
+            c * np.concatenate([factors[:, :1], factors[:, 1:-1:2]], axis=1),
+        )
+        series[:, 0, :, k], series[:, 1, :, k] = up + down, up - down
+        up, down = -d * factors[:, 1::2], d * factors[:, ::2]
+        series[:, 2, :, k], series[:, 3, :, k] = down + up, up - down
+    series[:, 0, 0, 0] = 1.0
+    return series
 
 
 def at_epochs(state: FloatArray, t: FloatArray) -> SeriesAttitudes:
@@ -132,17 +135,37 @@ def attitudes(elements, k, t, r, g):
     `LANES` divides N.
     """
     n = t.size
-    for each in range(elements.shape[0]):
-        precession, nutation, phase = elements[each, 0], elements[each, 1], elements[each, 2]
-        a1, a2, a3 = k[each, 0, 1, 0], k[each, 0, 2, 0], k[each, 0, 3, 0]
-        d1, d2, d3 = k[each, 1, 1, 0], k[each, 1, 2, 0], k[each, 1, 3, 0]
-        b0, b1, b2, b3 = k[each, 2, 0, 0], k[each, 2, 1, 0], k[each, 2, 2, 0], k[each, 2, 3, 0]
-        e0, e1, e2, e3 = k[each, 3, 0, 0], k[each, 3, 1, 0], k[each, 3, 2, 0], k[each, 3, 3, 0]
-        x1, x2, x3 = k[each, 0, 1, 1], k[each, 0, 2, 1], k[each, 0, 3, 1]
-        y1, y2, y3 = k[each, 1, 1, 1], k[each, 1, 2, 1], k[each, 1, 3, 1]
-        u0, u1, u2, u3 = k[each, 2, 0, 1], k[each, 2, 1, 1], k[each, 2, 2, 1], k[each, 2, 3, 1]
-        v0, v1, v2, v3 = k[each, 3, 0, 1], k[each, 3, 1, 1], k[each, 3, 2, 1], k[each, 3, 3, 1]
-        first = each * 9 * n
+    for number in range(elements.shape[0]):
+        precession, nutation, phase = elements[number, 0], elements[number, 1], elements[number, 2]
+        a1, a2, a3 = k[number, 0, 1, 0], k[number, 0, 2, 0], k[number, 0, 3, 0]
+        d1, d2, d3 = k[number, 1, 1, 0], k[number, 1, 2, 0], k[number, 1, 3, 0]
+        b0, b1, b2, b3 = (
+            k[number, 2, 0, 0],
+            k[number, 2, 1, 0],
+            k[number, 2, 2, 0],
+            k[number, 2, 3, 0],
+        )
+        e0, e1, e2, e3 = (
+            k[number, 3, 0, 0],
+            k[number, 3, 1, 0],
+            k[number, 3, 2, 0],
+            k[number, 3, 3, 0],
+        )
+        x1, x2, x3 = k[number, 0, 1, 1], k[number, 0, 2, 1], k[number, 0, 3, 1]
+        y1, y2, y3 = k[number, 1, 1, 1], k[number, 1, 2, 1], k[number, 1, 3, 1]
+        u0, u1, u2, u3 = (
+            k[number, 2, 0, 1],
+            k[number, 2, 1, 1],
+            k[number, 2, 2, 1],
+            k[number, 2, 3, 1],
+        )
+        v0, v1, v2, v3 = (
+            k[number, 3, 0, 1],
+            k[number, 3, 1, 1],
+            k[number, 3, 2, 1],
+            k[number, 3, 3, 1],
+        )
+        first = number * 9 * n
         for i in range(0, n, 8):
             at = eight(t, i)
             c1, s1 = cosine_and_sine(nutation * at + phase)
@@ -156,11 +179,11 @@ def attitudes(elements, k, t, r, g):
             size = root(over)
             w, z = (ax * cy - ay * sy) * size, (ax * sy + ay * cy) * size
             p, q = (bx * cy - by * sy) * size, (bx * sy + by * cy) * size
-            here = first + i
+            place = first + i
             x, y, z = _rows(w, p, q, z)
-            put_three(r, here, n, *x)
-            put_three(r, here + 3 * n, n, *y)
-            put_three(r, here + 6 * n, n, *z)
+            put_three(r, place, n, *x)
+            put_three(r, place + 3 * n, n, *y)
+            put_three(r, place + 6 * n, n, *z)
             if g.size == 0:
                 continue
             # twice the angle of the precession
@@ -171,21 +194,21 @@ def attitudes(elements, k, t, r, g):
             qx = e0 * c1 + 3.0 * e1 * c3 + 5.0 * e2 * c5 + 7.0 * e3 * c7
             qy = b0 * s1 + 3.0 * b1 * s3 + 5.0 * b2 * s5 + 7.0 * b3 * s7
             turned = _turning(ax, ay, bx, by, px, py, qx, qy, cy, sy, over)
-            put_three(g, here, n, *turned)
+            put_three(g, place, n, *turned)
             # by ln rho
             px = 4.0 * a1 * c2 + 16.0 * a2 * c4 + 36.0 * a3 * c6
             py = 4.0 * d1 * s2 + 16.0 * d2 * s4 + 36.0 * d3 * s6
             qx = e0 * s1 + 9.0 * e1 * s3 + 25.0 * e2 * s5 + 49.0 * e3 * s7
             qy = 0.0 - (b0 * c1 + 9.0 * b1 * c3 + 25.0 * b2 * c5 + 49.0 * b3 * c7)
             turned = _turning(ax, ay, bx, by, px, py, qx, qy, cy, sy, over)
-            put_three(g, here + 3 * n, n, *turned)
+            put_three(g, place + 3 * n, n, *turned)
             # by X
             px = x1 * c2 + x2 * c4 + x3 * c6
             py = y1 * s2 + y2 * s4 + y3 * s6
             qx = v0 * s1 + v1 * s3 + v2 * s5 + v3 * s7
             qy = 0.0 - (u0 * c1 + u1 * c3 + u2 * c5 + u3 * c7)
             turned = _turning(ax, ay, bx, by, px, py, qx, qy, cy, sy, over)
-            put_three(g, here + 6 * n, n, *turned)
+            put_three(g, place + 6 * n, n, *turned)
 
 
 # ---- Ratios of the moments of inertia of a body from the elements of its motion, in closed form
@@ -275,12 +298,16 @@ def _of_one(precession, nutation, log_rho, x):
     q = 2.0 * cosine * 2.0 * math.pi * precession / (rate * root)
     if nutation > 0.0:
         q += c
-        near = max(q, 1.0 + _EDGE)
-        log_r = math.log((near - 1.0) / near) + (q - near) / (near * (near - 1.0))
+        beyond_one = max(q, 1.0 + _EDGE)
+        log_r = math.log((beyond_one - 1.0) / beyond_one) + (q - beyond_one) / (
+            beyond_one * (beyond_one - 1.0)
+        )
     else:
         q -= c
-        near = max(q, _EDGE)
-        log_r = math.log((near + 1.0) / near) - (q - near) / (near * (near + 1.0))
+        beyond_one = max(q, _EDGE)
+        log_r = math.log((beyond_one + 1.0) / beyond_one) - (q - beyond_one) / (
+            beyond_one * (beyond_one + 1.0)
+        )
     log_r = min(max(log_r, -30.0), 30.0)
     r = math.exp(log_r)
     first, second = -log_r, math.log((1.0 + nu) / (r + nu))
@@ -309,9 +336,9 @@ def moments(elements: FloatArray) -> ElementMoments:
 
     Precession and nutation are in turns per unit of time (lambda / 2 pi, f).
     """
-    found = np.empty(elements.shape)
-    _of_many(np.ascontiguousarray(elements.reshape(4, -1)), found.reshape(4, -1))
-    return ElementMoments(found[:2], found[2] > 0.0, found[3])
+    all_moments = np.empty(elements.shape)
+    _of_many(np.ascontiguousarray(elements.reshape(4, -1)), all_moments.reshape(4, -1))
+    return ElementMoments(all_moments[:2], all_moments[2] > 0.0, all_moments[3])
 
 
 def with_slopes(elements: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -322,6 +349,6 @@ def with_slopes(elements: FloatArray) -> tuple[FloatArray, FloatArray]:
     which = range(4)
     shifted[which, [1, 2, 3, 4]] += h
     shifted[which, [5, 6, 7, 8]] -= h
-    found = moments(shifted).log_ratios
-    slopes = 0.5 * np.swapaxes(found[:, 1:5] - found[:, 5:], 0, 1) / h[:, None]
-    return found[:, 0], slopes
+    shifted_ratios = moments(shifted).log_ratios
+    slopes = 0.5 * np.swapaxes(shifted_ratios[:, 1:5] - shifted_ratios[:, 5:], 0, 1) / h[:, None]
+    return shifted_ratios[:, 0], slopes

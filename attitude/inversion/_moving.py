@@ -74,7 +74,7 @@ class MovingPoint:
     @property
     def size(self) -> int:
         """The number of parameters."""
-        return STATE + 3 * len(self.impulses) + sum(_numbers(each) for each in self.torques)
+        return STATE + 3 * len(self.impulses) + sum(_numbers(torque) for torque in self.torques)
 
     @property
     def axis(self) -> int | None:
@@ -102,19 +102,19 @@ class MovingPoint:
     @property
     def log_ratios(self) -> FloatArray:
         """ln I1/I3 and ln I2/I3 (2,)."""
-        found: FloatArray = np.log(self.body.moments[:2] / self.body.moments[2])
-        return found
+        ratios: FloatArray = np.log(self.body.moments[:2] / self.body.moments[2])
+        return ratios
 
     @property
     def values(self) -> FloatArray:
         """The numbers of the changes: momenta, torques (3 each), flux of sunlight in W/m2."""
-        found = [np.asarray(each.angular_momentum, float) for each in self.impulses]
+        numbers = [np.asarray(impulse.angular_momentum, float) for impulse in self.impulses]
         for torque in self.torques:
             if isinstance(torque, ConstantTorque):
-                found.append(np.asarray(torque.torque, float))
+                numbers.append(np.asarray(torque.torque, float))
             elif isinstance(torque, SolarRadiation):
-                found.append(np.array([torque.flux]))
-        return np.concatenate(found) if found else np.zeros(0)
+                numbers.append(np.array([torque.flux]))
+        return np.concatenate(numbers) if numbers else np.zeros(0)
 
     def attitudes(self, seconds: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Rotation matrices (N, 3, 3) to ICRF and rotation vectors (N, 3, P) by the parameters."""
@@ -122,14 +122,14 @@ class MovingPoint:
         matrix = motion.at(seconds).matrix
         if self.torques:
             assert isinstance(motion, TorquedRotation)
-            made = motion.sensitivity_with_torques(self._others())
-            found = made.at(seconds, None, False)[0]
+            sensitivities = motion.sensitivity_with_torques(self._others())
+            columns = sensitivities.at(seconds, None, False)[0]
         else:
-            found = motion._sensitivity.at(seconds, None, False)[0]
+            columns = motion._sensitivity.at(seconds, None, False)[0]
             if isinstance(motion, Arcs):
                 more = motion._sensitivity.by_momenta(seconds, None)[0]
-                found = np.concatenate([found, more], axis=-1)
-        slopes = np.delete(found, 8, axis=-1)
+                columns = np.concatenate([columns, more], axis=-1)
+        slopes = np.delete(columns, 8, axis=-1)
         slopes[..., 6:8] *= self.body.moments[:2]
         return matrix, slopes
 
@@ -143,10 +143,10 @@ class MovingPoint:
 
     def by_state(self) -> FloatArray:
         """Changes (9, P) of the state of `Spin.covariance` for unit changes of the parameters."""
-        found = np.zeros((9, self.size))
-        found[range(6), range(6)] = 1.0
-        found[6, 6], found[7, 7] = self.body.moments[:2]
-        return found
+        jacobian = np.zeros((9, self.size))
+        jacobian[range(6), range(6)] = 1.0
+        jacobian[6, 6], jacobian[7, 7] = self.body.moments[:2]
+        return jacobian
 
     def moved(self, step: FloatArray) -> MovingPoint | None:
         """The point after a step of limited length; None if that is no body's."""
@@ -168,8 +168,8 @@ class MovingPoint:
         """The changes with other numbers."""
         count = len(self.impulses)
         impulses = tuple(
-            Impulse(each.at, values[3 * k : 3 * k + 3], each.frame)
-            for k, each in enumerate(self.impulses)
+            Impulse(impulse.at, values[3 * k : 3 * k + 3], impulse.frame)
+            for k, impulse in enumerate(self.impulses)
         )
         torques, at = [], 3 * count
         for torque in self.torques:
@@ -182,7 +182,7 @@ class MovingPoint:
         values = self.values
         length = max(self.reach[1] - self.reach[0], 1e-9)
         momentum = float(np.linalg.norm(self.body.tensor @ self.spin.angular_velocity))
-        found = []
+        pairs_of = []
         for k, value in enumerate(values):
             is_flux = _numbers(self._owner(k)) == 1
             size = _SHARE * (max(abs(float(value)), 1e-9) if is_flux else momentum / length)
@@ -191,8 +191,8 @@ class MovingPoint:
                 other = values.copy()
                 other[k] += node * size
                 many.append(self._changed(other)[1])
-            found.append((size, many))
-        return found
+            pairs_of.append((size, many))
+        return pairs_of
 
     def _owner(self, number: int) -> Torque:
         """The torque to which a number belongs."""
@@ -232,7 +232,7 @@ def moving_point(
     axes = body.principal_wxyz
     wxyz = quaternion.multiply(spin.wxyz_icrf, axes)
     omega = spin.angular_velocity @ body.principal_axes
-    own = Body(moments=body.moments, relative=body.relative, mass=body.mass)
+    body_alone = Body(moments=body.moments, relative=body.relative, mass=body.mass)
     moved = any(each.frame == "body" for each in impulses) or bool(loads)
     if moved and not np.allclose(body.principal_axes, np.eye(3)):
         raise AttitudeError(
@@ -241,7 +241,7 @@ def moving_point(
         )
     shift = epoch.seconds - spin.epoch.seconds
     ends = reach[0] + shift, reach[1] + shift
-    return MovingPoint(own, Spin(spin.epoch, wxyz, omega), impulses, loads, ends)
+    return MovingPoint(body_alone, Spin(spin.epoch, wxyz, omega), impulses, loads, ends)
 
 
 def seconds_of(point: MovingPoint, epoch: Instant, seconds: FloatArray) -> FloatArray:
@@ -257,11 +257,11 @@ def _listed(given: Any, kind: type, name: str) -> tuple[Any, ...]:
         given = (given,)
     if not isinstance(given, Iterable):
         raise AttitudeError(f"{name} is {given!r}; give a list of {kind.__name__} objects.")
-    found = tuple(given)
-    for k, each in enumerate(found):
-        if not isinstance(each, kind):
-            raise AttitudeError(f"{name}[{k}] is {each!r}; give {kind.__name__} objects.")
-    return found
+    items = tuple(given)
+    for k, item in enumerate(items):
+        if not isinstance(item, kind):
+            raise AttitudeError(f"{name}[{k}] is {item!r}; give {kind.__name__} objects.")
+    return items
 
 
 def _numbers(torque: Torque) -> int:
@@ -273,9 +273,9 @@ def _with_numbers(torque: Torque, values: FloatArray) -> Torque:
     if isinstance(torque, ConstantTorque):
         return ConstantTorque(values)
     if isinstance(torque, SolarRadiation):
-        made = SolarRadiation(torque.shape, torque.path, torque.diffuse, torque.mirrored)
-        made._set("flux", float(values[0]))  # a fit may make the strength negative
-        return made
+        radiation = SolarRadiation(torque.shape, torque.path, torque.diffuse, torque.mirrored)
+        radiation._set("flux", float(values[0]))  # a fit may make the strength negative
+        return radiation
     return torque
 
 
@@ -367,10 +367,12 @@ class MovingFit:
 
     def near(self, problem: CurveProblem, state: MovingState) -> MovingFound:
         """The cost near a state."""
-        here = self.model(problem, state)
-        priors = self._priors(state, here)
-        made = _refinement.linearised(problem, here.magnitude, here.jacobian, priors, self.fixed)
-        return MovingFound(state, *made, here.areas, here.magnitude)
+        computed = self.model(problem, state)
+        priors = self._priors(state, computed)
+        linear = _refinement.linearised(
+            problem, computed.magnitude, computed.jacobian, priors, self.fixed
+        )
+        return MovingFound(state, *linear, computed.areas, computed.magnitude)
 
     def _priors(
         self, state: MovingState, here: MovingModel
@@ -383,8 +385,8 @@ class MovingFit:
             slopes = np.zeros((2, point.size))
             slopes[0, 6] = slopes[1, 7] = 1.0
             moments = _shapes.MotionMoments(point.log_ratios, slopes, False, False)
-        given = state.shape, here.areas, here.slopes
-        return _shapes.penalties(*given, moments, point.size, self.tie)
+        shape_at = state.shape, here.areas, here.slopes
+        return _shapes.penalties(*shape_at, moments, point.size, self.tie)
 
     def moved(self, best: MovingFound, step: FloatArray) -> MovingState | None:
         """The state after a step; None outside of the bounds."""

@@ -69,7 +69,7 @@ def has_turn(problem: CurveProblem, a: FloatArray, b: FloatArray) -> bool:
     that it keeps best: its turns in the gaps between apparitions need not be known.
     """
     angles = 4.0 * math.pi * (a[0] - b[0]) * problem.t
-    first, second = (_seen_about(problem, each[_ellipsoid.OF_POLE]) for each in (a, b))
+    first, second = (_seen_about(problem, state[_ellipsoid.OF_POLE]) for state in (a, b))
     angles -= first - second
     drifts = np.arange(-2.0 * _SAME_RATE, 2.0 * _SAME_RATE + 1e-9, _SAME_RATE / 8.0)
     turned = np.exp(1j * (angles - 2.0 * math.pi * drifts[:, None] * problem.t))
@@ -81,8 +81,8 @@ def _seen_about(problem: CurveProblem, pole: FloatArray) -> FloatArray:
     """The angle (N,) of the bisector of Sun and observer about a pole (3,), rad."""
     bisector = problem.sun + problem.observer
     first = np.cross(pole, np.eye(3)[np.argmin(np.abs(pole))])
-    found: FloatArray = np.arctan2(np.cross(pole, first) @ bisector, first @ bisector)
-    return found
+    angles: FloatArray = np.arctan2(np.cross(pole, first) @ bisector, first @ bisector)
+    return angles
 
 
 def _has_rates(problem: CurveProblem, a: FloatArray, b: FloatArray) -> bool:
@@ -100,26 +100,26 @@ def spread(
     frame = state[5:14].reshape(3, 3)
     offsets, weights = [np.zeros(8)], [1.0]
     for other, behind in others:
-        here = frame.T @ other[_ellipsoid.OF_POLE]
-        angle = math.acos(max(-1.0, min(1.0, float(here[2]))))
+        momentum = frame.T @ other[_ellipsoid.OF_POLE]
+        angle = math.acos(max(-1.0, min(1.0, float(momentum[2]))))
         if angle < _LOBE:
             offset = np.zeros(8)
-            across = math.hypot(here[0], here[1])
+            across = math.hypot(momentum[0], momentum[1])
             if across > 0.0:
-                offset[:2] = angle / across * np.array([-here[1], here[0]])
+                offset[:2] = angle / across * np.array([-momentum[1], momentum[0]])
             offset[3] = other[0] - state[0]
             offsets.append(offset)
             weights.append(math.exp(-0.5 * (behind - evidence)))
     every, share = np.array(offsets), np.array(weights) / sum(weights)
-    found: FloatArray = (every * share[:, None]).T @ every
-    return found
+    outer: FloatArray = (every * share[:, None]).T @ every
+    return outer
 
 
 def plane_of(problem: CurveProblem) -> FloatArray:
     """The normal (3,) of the plane in which Sun and observer lie, seen from the body."""
     both = np.concatenate([problem.sun, problem.observer], axis=1)
-    found: FloatArray = np.linalg.eigh(both @ both.T)[1][:, 0]
-    return found
+    normal: FloatArray = np.linalg.eigh(both @ both.T)[1][:, 0]
+    return normal
 
 
 def mirrored(pole: FloatArray, normal: FloatArray) -> FloatArray:
@@ -128,8 +128,8 @@ def mirrored(pole: FloatArray, normal: FloatArray) -> FloatArray:
     Directions in that plane see both alike.  Angular momentum is an axial vector: its part along
     the plane changes sign, so that the longitude from the plane's axis changes by half a turn.
     """
-    found: FloatArray = 2.0 * (pole @ normal) * normal - pole
-    return found
+    reflected: FloatArray = 2.0 * (pole @ normal) * normal - pole
+    return reflected
 
 
 def images(problem: CurveProblem, state: FloatArray) -> list[FloatArray]:
@@ -139,13 +139,13 @@ def images(problem: CurveProblem, state: FloatArray) -> list[FloatArray]:
     """
     middle = (problem.sun + problem.observer).sum(axis=1)
     mirror = mirrored_state(problem, state, plane_of(problem))
-    found = [mirror]
-    for each in (state, mirror):
-        normal = np.cross(middle, each[_ellipsoid.OF_POLE])
+    images_of = [mirror]
+    for source_state in (state, mirror):
+        normal = np.cross(middle, source_state[_ellipsoid.OF_POLE])
         size = float(np.linalg.norm(normal))
         if size > 1e-6 * float(np.linalg.norm(middle)):
-            found.append(mirrored_state(problem, each, normal / size))
-    return found
+            images_of.append(mirrored_state(problem, source_state, normal / size))
+    return images_of
 
 
 def mirrored_state(problem: CurveProblem, state: FloatArray, normal: FloatArray) -> FloatArray:
@@ -153,14 +153,14 @@ def mirrored_state(problem: CurveProblem, state: FloatArray, normal: FloatArray)
 
     A reflection of the scene and the inversion of the body are a half turn about the normal.
     """
-    own = _ellipsoid.SearchState.of(state)
+    fields = _ellipsoid.SearchState.of(state)
     half_turn = 2.0 * np.outer(normal, normal) - np.eye(3)
-    frame = half_turn @ own.frame
-    turns = turn_of_scene(problem, np.stack([own.pole, frame[:, 2]]))
-    return own._replace(
+    frame = half_turn @ fields.frame
+    turns = turn_of_scene(problem, np.stack([fields.pole, frame[:, 2]]))
+    return fields._replace(
         frame=frame,
-        precession=own.precession + 0.5 * float(turns[1] - turns[0]),
-        modes=_shapes.inverted(own.modes),
+        precession=fields.precession + 0.5 * float(turns[1] - turns[0]),
+        modes=_shapes.inverted(fields.modes),
     ).vector
 
 
@@ -184,7 +184,11 @@ def of_rates(
     pool = _ellipsoid.minimised(problem, chosen, _STEPS, tie=held, fixed=fixed)
     at_poles = _ellipsoid.in_order(_ellipsoid.best_of_each(pool, len(poles)))
     free = _ellipsoid.minimised(problem, at_poles.states[: len(poles) // 2], 2 * _STEPS, tie=held)
-    return [each for each in _ellipsoid.in_order(free).states if _has_rates(problem, each, state)]
+    return [
+        candidate
+        for candidate in _ellipsoid.in_order(free).states
+        if _has_rates(problem, candidate, state)
+    ]
 
 
 def minima(
@@ -209,7 +213,7 @@ def minima(
     held[:2] = True
     at_poles = _refined(problem, starts.states, tie, held, _HELD, is_over)
     chosen = most_probable(at_poles, problem)[: settings.axial_freed]
-    states = np.array([each.state for each in chosen])
+    states = np.array([fit.state for fit in chosen])
     return most_probable(_refined(problem, states, tie, fixed, _FREE, is_over), problem)
 
 
@@ -233,9 +237,9 @@ def _refined(
 def most_probable(found: Iterable[Refined], problem: CurveProblem) -> list[Refined]:
     """Those of rotations about one axis that compete, the best first."""
     behind, points = problem.settings.axial_pole_behind, len(problem)
-    values = [(each.cost + _evidence.occam(each.normal, points), each) for each in found]
+    values = [(fit.cost + _evidence.occam(fit.normal, points), fit) for fit in found]
     values.sort(key=lambda pair: pair[0])
-    return [each for value, each in values if value < values[0][0] + behind]
+    return [fit for value, fit in values if value < values[0][0] + behind]
 
 
 def listed(found: Sequence[Weighted], behind: float) -> tuple[list[Weighted], list[Weighted]]:
@@ -246,11 +250,11 @@ def listed(found: Sequence[Weighted], behind: float) -> tuple[list[Weighted], li
     """
     entries: list[Weighted] = []
     beside: list[Weighted] = []
-    for each in sorted(found, key=lambda one: one.evidence):
-        if entries and each.evidence > entries[0].evidence + behind:
+    for entry in sorted(found, key=lambda one: one.evidence):
+        if entries and entry.evidence > entries[0].evidence + behind:
             break
-        is_near = any(_is_entry(each.refined.state, other.refined.state) for other in entries)
-        (beside if is_near else entries).append(each)
+        is_near = any(_is_entry(entry.refined.state, other.refined.state) for other in entries)
+        (beside if is_near else entries).append(entry)
     return entries, beside
 
 

@@ -35,8 +35,8 @@ def _inverse_factor(terms: FloatArray, prior: FloatArray) -> FloatArray:
     scale[scale == 0.0] = 1.0
     values, vectors = np.linalg.eigh(inner / np.outer(scale, scale))
     kept = values > _COPY
-    found: FloatArray = vectors[:, kept] / np.sqrt(values[kept]) / scale[:, None]
-    return found
+    factor: FloatArray = vectors[:, kept] / np.sqrt(values[kept]) / scale[:, None]
+    return factor
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,7 +200,7 @@ class CurveProblem:
             return self
         count = len(_NODES)
         t = self.t + 0.5 * _NODES[:, None] * self.exposure
-        sun, observer = (np.tile(each, count) for each in (self.sun, self.observer))
+        sun, observer = (np.tile(directions, count) for directions in (self.sun, self.observer))
         return replace(self, t=t.reshape(-1), sun=sun, observer=observer, exposure=None)
 
     def mean_magnitudes(self, magnitude: FloatArray) -> FloatArray:
@@ -228,14 +228,16 @@ class CurveProblem:
         """Coefficients (L,) of the linear terms for model magnitudes (N,)."""
         b = self.terms * self.root[:, None]
         inverse = _inverse_factor(b, self.prior)
-        found: FloatArray = inverse @ (inverse.T @ (b.T @ ((self.magnitude - model) * self.root)))
-        return found
+        offsets: FloatArray = inverse @ (inverse.T @ (b.T @ ((self.magnitude - model) * self.root)))
+        return offsets
 
     @property
     def detrended(self) -> FloatArray:
         """Magnitudes (N,) without the linear terms that fit them best."""
-        found: FloatArray = self.magnitude - self.terms @ self.coefficients(np.zeros(len(self)))
-        return found
+        without_offsets: FloatArray = self.magnitude - self.terms @ self.coefficients(
+            np.zeros(len(self))
+        )
+        return without_offsets
 
     def chi_squared(self, model: FloatArray) -> float:
         """Sum of squares of weighted residuals, least over the coefficients."""
@@ -316,10 +318,10 @@ def noise(problem: CurveProblem, residual: FloatArray, turns: float) -> FloatArr
     whole = max(1.0, _NORMAL * float(np.median(scaled[known])))
     factors[:] = whole
     for night in nights_of(problem.t * problem.span):
-        own = scaled[night][known[night]]
-        if len(own) >= _TRIPLES:
-            factor = _NORMAL * float(np.median(own))
-            if factor > whole * (1.0 + _BY_CHANCE / np.sqrt(len(own))):
+        values_of_night = scaled[night][known[night]]
+        if len(values_of_night) >= _TRIPLES:
+            factor = _NORMAL * float(np.median(values_of_night))
+            if factor > whole * (1.0 + _BY_CHANCE / np.sqrt(len(values_of_night))):
                 factors[night] = factor
     return factors
 
@@ -425,13 +427,13 @@ def problem(
     terms += filters
     prior += [np.inf] * len(filters)
     if has_own_slopes(curve) and not is_known:
-        terms += [by_phase(alpha) * each for each in filters]
+        terms += [by_phase(alpha) * in_filter for in_filter in filters]
         prior += [_REDDENING] * len(filters)
     for k, width in enumerate(session_widths(curve, zero_points)):
         if width > 0.0:
             terms.append((values["session"] == k).astype(float))
             prior.append(width)
-    found = CurveProblem.of(
+    whole_problem = CurveProblem.of(
         t,
         span,
         values["sun"].T,
@@ -445,7 +447,7 @@ def problem(
         tally=tally,
         exposure=values["exposure"] / span if np.any(values["exposure"]) else None,
     )
-    return found, bins
+    return whole_problem, bins
 
 
 def are_free(offsets: FloatArray) -> bool:
@@ -480,7 +482,7 @@ def session_widths(curve: LightCurve, zero_points: Any) -> FloatArray:
     if zero_points == "auto":
         return np.full(count, CALIBRATED)
     if isinstance(zero_points, tuple):
-        return np.array([np.inf if each in zero_points else 0.0 for each in curve.sessions])
+        return np.array([np.inf if session in zero_points else 0.0 for session in curve.sessions])
     return np.full(count, float(zero_points))
 
 
@@ -492,9 +494,9 @@ def _bins(curve: LightCurve, most_frequency: float) -> IntArray | None:
     while True:
         cell = np.floor((curve.emission - curve.emission.min()) / width).astype(np.int64)
         keys = (cell * len(curve.sessions) + curve.session) * len(curve.filters) + curve.filter
-        found = np.unique(keys, return_inverse=True)[1].reshape(-1)
-        if found.max() < 2 * MOST_POINTS or width > 1.0 / (12.0 * most_frequency):
-            return found.astype(np.int64)
+        numbers = np.unique(keys, return_inverse=True)[1].reshape(-1)
+        if numbers.max() < 2 * MOST_POINTS or width > 1.0 / (12.0 * most_frequency):
+            return numbers.astype(np.int64)
         width *= 1.3
 
 
@@ -527,6 +529,6 @@ def _averaged(curve: LightCurve, bins: IntArray | None) -> dict[str, Any]:
         for name in ("session", "filter", "exposure"):
             values[name] = values[name][first]
         order = np.argsort(values["emission"], kind="stable")
-        values = {name: each[order] for name, each in values.items()}
+        values = {name: column[order] for name, column in values.items()}
     values["alpha"] = angle_between(values["sun"], values["observer"])
     return values

@@ -93,11 +93,11 @@ class Refinement(CurveFit):
         session = None if len(problem) < len(self.curve) else self.curve.session
         groups = _errors.groupings(problem.t, problem.span, session)
         with _refinement.limited():
-            made = _errors.errors(
+            errors_of = _errors.errors(
                 self.weighted, self._model(problem), groups, self.point.size, refitted,
                 self._second_moments(),
             )  # fmt: skip
-        return made.covariance + _errors.spread(made.covariance, self.rivals)
+        return errors_of.covariance + _errors.spread(errors_of.covariance, self.rivals)
 
     def _second_moments(self) -> FloatArray | None:
         """Those of the density of a free rotation of known shape; None for other motions."""
@@ -111,10 +111,13 @@ class Refinement(CurveFit):
     def motion(self) -> Motion:
         """The motion, with the covariance of its state."""
         by = self.point.by_state()
-        found = by @ self.covariance @ by.T
+        by_state = by @ self.covariance @ by.T
         spin = self.point.spin
         with_errors = Spin(
-            spin.epoch, spin.wxyz_icrf, spin.angular_velocity, covariance=0.5 * (found + found.T)
+            spin.epoch,
+            spin.wxyz_icrf,
+            spin.angular_velocity,
+            covariance=0.5 * (by_state + by_state.T),
         )
         return self.point.motion_of(with_errors)
 
@@ -147,12 +150,12 @@ class Refinement(CurveFit):
         """The free rotation of each arc, its spin at the beginning of the arc."""
         motion = self.point.motion
         starts = np.concatenate([[0.0], motion.joints])
-        found = []
+        motions = []
         for begin in starts:
-            here = motion.at(float(begin))
-            spin = Spin(motion.epoch.after(float(begin)), here.wxyz, here.angular_velocity)
-            found.append(FreeRotation(self.point.body, spin))
-        return tuple(found)
+            attitude = motion.at(float(begin))
+            spin = Spin(motion.epoch.after(float(begin)), attitude.wxyz, attitude.angular_velocity)
+            motions.append(FreeRotation(self.point.body, spin))
+        return tuple(motions)
 
     @property
     def changes(self) -> tuple[Impulse | Torque, ...]:
@@ -167,8 +170,8 @@ class Refinement(CurveFit):
     @property
     def values_sigma(self) -> FloatArray:
         """Standard errors of `values`."""
-        found: FloatArray = np.sqrt(np.diag(self.covariance)[_moving.STATE :])
-        return found
+        errors_of: FloatArray = np.sqrt(np.diag(self.covariance)[_moving.STATE :])
+        return errors_of
 
     @cached_property
     def shape(self) -> Mesh:
@@ -241,7 +244,7 @@ def refine(
     points near its epoch are fitted first, then more and more.
     """
     curve = usable(curve)
-    motion, own = _start(start)
+    motion, chosen_shape = _start(start)
     tie = _states.of(moments)
     if isinstance(start, Solution):
         tie = replace(tie, is_wide=start.tie.is_wide)
@@ -255,7 +258,7 @@ def refine(
         params = np.zeros(0)
     else:
         validation.one_of(shape, "shape", ("convex", "ellipsoid"))
-        params = own if own is not None else _ellipsoid(point.body.moments)
+        params = chosen_shape if chosen_shape is not None else _ellipsoid(point.body.moments)
         if shape == "ellipsoid":
             params = np.concatenate([params[:2], np.zeros(MODES)])
     rate = float(np.linalg.norm(point.spin.angular_velocity)) / (2.0 * math.pi)
@@ -267,13 +270,13 @@ def refine(
         )
         fit = _moving.moving_fit(curve.epoch, problem, point, known, tie, shape == "ellipsoid")
         with _refinement.limited():
-            found = fit.weighted(problem, _moving.MovingState(point, params))
-        offsets = _evidence.residuals(problem, found.refined.magnitude)[1]
+            fitted = fit.weighted(problem, _moving.MovingState(point, params))
+        offsets = _evidence.residuals(problem, fitted.refined.magnitude)[1]
         offsets = offsets[problem.prior == CALIBRATED]
         if zero_points != "auto" or not _problem.are_free(offsets):
             break
         zero_points = "free"
-    return Refinement(curve, found, problem, fit, motion.body)
+    return Refinement(curve, fitted, problem, fit, motion.body)
 
 
 def _start(start: Any) -> tuple[Any, FloatArray | None]:
@@ -289,6 +292,6 @@ def _start(start: Any) -> tuple[Any, FloatArray | None]:
 def _ellipsoid(moments: FloatArray) -> FloatArray:
     """The parameters of the homogeneous ellipsoid with given moments."""
     squares = np.maximum(0.5 * moments.sum() - moments, 1e-3 * moments.max())
-    found = np.zeros(_shapes.SIZE)
-    found[:2] = np.log(squares[2] / squares[:2])
-    return found
+    parameters = np.zeros(_shapes.SIZE)
+    parameters[:2] = np.log(squares[2] / squares[:2])
+    return parameters

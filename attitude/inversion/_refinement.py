@@ -67,16 +67,16 @@ def minimum(
     best = at(start)
     damping = 3e-3
     for count in range(1, iterations):
-        found = _next(best, moved, damping)
-        if found is None:
+        step = _next(best, moved, damping)
+        if step is None:
             break
-        trial, damping = found
-        here = at(trial)
-        if here.cost < best.cost:
-            won = best.cost - here.cost
-            best = here
+        trial, damping = step
+        nearby = at(trial)
+        if nearby.cost < best.cost:
+            won = best.cost - nearby.cost
+            best = nearby
             damping = max(0.3 * damping, 1e-7)
-            if count > 2 and won < gain * here.cost:
+            if count > 2 and won < gain * nearby.cost:
                 break
         else:
             damping *= 5.0
@@ -185,10 +185,12 @@ def profiled_cost(
     problem: CurveProblem, state: FloatArray, tie: _shapes.Tie, is_axial: bool
 ) -> float:
     """The cost of a motion after one Gauss-Newton step of its shape."""
-    here = model(problem, state)
-    priors = _penalties(state, here, tie, is_axial)
+    shape_model = model(problem, state)
+    priors = _penalties(state, shape_model, tie, is_axial)
     held = np.arange(SIZE) < _MOTION
-    cost, _, _, normal, gradient = linearised(problem, here.magnitude, here.jacobian, priors, held)
+    cost, _, _, normal, gradient = linearised(
+        problem, shape_model.magnitude, shape_model.jacobian, priors, held
+    )
     return cost - float(gradient @ np.linalg.solve(normal, gradient))
 
 
@@ -223,10 +225,10 @@ def refine(
         held[: len(fixed)] = fixed
 
     def at(trial: FloatArray) -> Refined:
-        here = model(problem, trial)
-        priors = _penalties(trial, here, tie, bool(held[6]))
-        made = linearised(problem, here.magnitude, here.jacobian, priors, held)
-        return Refined(trial, *made, here.areas, here.magnitude)
+        shape_model = model(problem, trial)
+        priors = _penalties(trial, shape_model, tie, bool(held[6]))
+        linear = linearised(problem, shape_model.magnitude, shape_model.jacobian, priors, held)
+        return Refined(trial, *linear, shape_model.areas, shape_model.magnitude)
 
     return minimum(
         at, lambda best, step: _moved(best.state, step, bool(held[6])), state, iterations, gain
@@ -264,8 +266,8 @@ def inverse(normal: FloatArray) -> FloatArray:
     scale = np.sqrt(np.maximum(np.diag(normal), 0.0))
     scale[scale == 0.0] = 1.0
     size = np.outer(scale, scale)
-    found: FloatArray = np.linalg.pinv(normal / size, hermitian=True) / size
-    return found
+    pseudo_inverse: FloatArray = np.linalg.pinv(normal / size, hermitian=True) / size
+    return pseudo_inverse
 
 
 def _moved(state: FloatArray, step: FloatArray, is_axial: bool) -> FloatArray | None:

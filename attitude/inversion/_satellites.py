@@ -90,9 +90,9 @@ def additive_pairs(problem: CurveProblem, most: float, keep: int = 4) -> list[Ad
     The frequency of the orbit is the lower one, and its series consists of dips.  `most`: of the
     rotation, turns per span.
     """
-    found = _scanned(problem, _rotations(problem, most))
+    pairs = _scanned(problem, _rotations(problem, most))
     orbits: list[float] = []
-    for pair in found:
+    for pair in pairs:
         if all(abs(pair.orbit - other) > 0.5 for other in orbits) and len(orbits) < _BESIDE:
             orbits.append(pair.orbit)
     for orbit in orbits:
@@ -100,24 +100,24 @@ def additive_pairs(problem: CurveProblem, most: float, keep: int = 4) -> list[Ad
         without = problem.with_terms(terms, np.full(terms.shape[1], _AMPLITUDE), orbit)
         # the first ones are near pairs that were scanned
         rotations = _rotations(without, most, _ROTATIONS // 2)
-        found += [_fitted(problem, rate, orbit) for rate in rotations[rotations > orbit]]
-    found = _distinct(found)
-    found += [
+        pairs += [_fitted(problem, rate, orbit) for rate in rotations[rotations > orbit]]
+    pairs = _distinct(pairs)
+    pairs += [
         _fitted(problem, pair.rotation, factor * pair.orbit)
-        for pair in found[:keep]
+        for pair in pairs[:keep]
         for factor in (0.5, 2.0)
         if _lattices.LEAST < factor * pair.orbit < pair.rotation
     ]
-    return _distinct(found)[:keep]
+    return _distinct(pairs)[:keep]
 
 
 def _distinct(found: list[AdditivePair]) -> list[AdditivePair]:
     """Pairs with dips whose frequencies form no comb, each once, the best first."""
     out: list[AdditivePair] = []
     for pair in sorted(found, key=lambda each: each.left):
-        near = [max(abs(pair[0] - one[0]), abs(pair[1] - one[1])) < 0.5 for one in out]
+        is_close = [max(abs(pair[0] - one[0]), abs(pair[1] - one[1])) < 0.5 for one in out]
         is_comb = bool(_is_comb(np.array([pair.orbit]), pair.rotation)[0])
-        if pair.are_dips and not any(near) and not is_comb:
+        if pair.are_dips and not any(is_close) and not is_comb:
             out.append(pair)
     return out
 
@@ -126,8 +126,8 @@ def _rotations(problem: CurveProblem, most: float, count: int = _ROTATIONS) -> F
     """Rates (R,), turns per span, of strong lines and half of them."""
     strong = _lattices.lines(problem, most, count)
     rotations = np.unique(np.concatenate([strong, 0.5 * strong]))
-    found: FloatArray = rotations[rotations > 2.0 * _lattices.LEAST]
-    return found
+    long_ones: FloatArray = rotations[rotations > 2.0 * _lattices.LEAST]
+    return long_ones
 
 
 def _scanned(problem: CurveProblem, rotations: FloatArray) -> list[AdditivePair]:
@@ -136,7 +136,7 @@ def _scanned(problem: CurveProblem, rotations: FloatArray) -> list[AdditivePair]
         return []
     # sums and differences of any two lines
     count = int(2.0 * max(_SCANNED) * rotations.max() * _FINE) + 2
-    made = _spectrum.tables(problem.t, problem.root**2, problem.detrended, 1.0 / _FINE, count)
+    sums = _spectrum.tables(problem.t, problem.root**2, problem.detrended, 1.0 / _FINE, count)
     lines = np.array(
         [(0, 0)]
         + [(i, 0) for i in range(1, _SCANNED[0] + 1)]
@@ -150,7 +150,7 @@ def _scanned(problem: CurveProblem, rotations: FloatArray) -> list[AdditivePair]
             continue
         first = np.full(len(orbits), round(rotation * _FINE))
         gain = np.empty(len(orbits))
-        _spectrum.decreases(*made[:4], first, orbits, lines, _spectrum.RIDGE, gain)
+        _spectrum.decreases(*sums[:4], first, orbits, lines, _spectrum.RIDGE, gain)
         problem.tally.add(len(orbits), problem.settings.pair_cost)
         chosen: list[float] = []
         for k in np.argsort(-gain, kind="stable")[: 8 * _ORBITS]:
@@ -165,13 +165,15 @@ def _scanned(problem: CurveProblem, rotations: FloatArray) -> list[AdditivePair]
 
 def rivals(problem: CurveProblem, most: float, keep: int) -> list[AdditivePair]:
     """The best pairs, as `additive_pairs`, each with the period of its orbit and that once."""
-    found: list[AdditivePair] = []
+    distinct: list[AdditivePair] = []
     for pair in additive_pairs(problem, most, keep):
         one = with_orbit(problem, pair)
-        same = [abs(one.orbit - other.orbit) < 0.5 and _is_multiple(one, other) for other in found]
+        same = [
+            abs(one.orbit - other.orbit) < 0.5 and _is_multiple(one, other) for other in distinct
+        ]
         if not any(same):
-            found.append(one)
-    return found
+            distinct.append(one)
+    return distinct
 
 
 def _is_multiple(one: AdditivePair, other: AdditivePair) -> bool:
@@ -199,9 +201,9 @@ def with_orbit(problem: CurveProblem, pair: AdditivePair) -> AdditivePair:
 
 def _shortest(fits: list[AdditivePair], problem: CurveProblem) -> AdditivePair:
     """The pair of the shortest periods among those that fit as well as the best one."""
-    most = min(each.left for each in fits) * (1.0 + problem.settings.competing / len(problem))
+    most = min(fit.left for fit in fits) * (1.0 + problem.settings.competing / len(problem))
     return max(
-        (each for each in fits if each.left < most), key=lambda each: each.rotation * each.orbit
+        (fit for fit in fits if fit.left < most), key=lambda each: each.rotation * each.orbit
     )
 
 
@@ -262,9 +264,9 @@ def _dips(amplitudes: FloatArray) -> tuple[float, float, float]:
     skewness = float(np.mean(off**3) / max(float(np.mean(off**2)) ** 1.5, 1e-30))
     from_deepest = np.roll(dips, -int(np.argmax(dips)))
     phase = np.arange(_PHASES) / _PHASES
-    near = np.abs(phase - 0.5) < _OFF_HALF
+    is_half_away = np.abs(phase - 0.5) < _OFF_HALF
     between = np.abs(np.abs(phase - 0.5) - 0.25) < _OFF_HALF
-    second = float(from_deepest[near].max() - np.median(from_deepest[between]))
+    second = float(from_deepest[is_half_away].max() - np.median(from_deepest[between]))
     return float(np.ptp(dips)), skewness, second
 
 

@@ -51,7 +51,7 @@ class _KnownFits:
 
     def of(self, make: Callable[[], Fit], *given: object) -> Fit:
         """The fit of given objects, from `make` where it is not known."""
-        key = tuple(id(each) for each in given)
+        key = tuple(id(argument) for argument in given)
         if key not in self._fits:
             # what identifies the fit is kept, so that no other object gets its identity
             self._fits[key] = *given, make()
@@ -144,7 +144,7 @@ class Search:
 
     def follow(self, other: Search) -> None:
         """Make `solutions` from the best bodies of a search of the same curve, with these terms."""
-        self.begin([each.state for each in other.convex[: self.settings.convex]])
+        self.begin([fit.state for fit in other.convex[: self.settings.convex]])
         self.is_complete = other.is_complete
 
     def run(self, is_ended: Callable[[bool], bool] = never) -> None:
@@ -205,8 +205,8 @@ class Search:
         """Whether the verdict is met."""
         if self.rival is not None:
             return self.satellite_is_ahead() > self.settings.alone
-        given = self.solutions, self.problem, self.is_complete, self.most
-        return _verdicts.verdict(*given)[0] != _verdicts.OPEN
+        arguments = self.solutions, self.problem, self.is_complete, self.most
+        return _verdicts.verdict(*arguments)[0] != _verdicts.OPEN
 
     def satellite_is_ahead(self) -> float:
         """By how much the evidence of the rival with a moon is better than that of the best."""
@@ -263,8 +263,8 @@ class Search:
     def _pools(self, number: int) -> Iterator[Pool]:
         """Ellipsoids of a round: of the lattices, then of every psi at the best phi."""
         more = 2**number
-        found, _ = _lattices.lattice_pairs(self.problem, self.most, self.settings.pairs * more)
-        rates = _lattices.candidates(found, self.most, self.modes, self.shifts)
+        pairs_of, _ = _lattices.lattice_pairs(self.problem, self.most, self.settings.pairs * more)
+        rates = _lattices.candidates(pairs_of, self.most, self.modes, self.shifts)
         starts = self.settings.quick_starts * more
         yield self._ellipsoids(rates, None, starts, more, "periods of the lines")
         self.convex.sort(key=lambda each: each.cost)
@@ -287,11 +287,11 @@ class Search:
         problem = self.problem
         parts = []
         for start in range(0, len(rates), self.settings.block):
-            part = rates[start : start + self.settings.block]
-            own = None if poles is None else poles[start : start + len(part)]
-            given = problem, self.generator, part, starts
-            parts.append(_ellipsoid.narrowed(*given, tie=self._held, poles=own))
-            self.progress(f"ellipsoids: {start + len(part)} of {len(rates)} {name}")
+            block_of_rates = rates[start : start + self.settings.block]
+            block_of_poles = None if poles is None else poles[start : start + len(block_of_rates)]
+            arguments = problem, self.generator, block_of_rates, starts
+            parts.append(_ellipsoid.narrowed(*arguments, tie=self._held, poles=block_of_poles))
+            self.progress(f"ellipsoids: {start + len(block_of_rates)} of {len(rates)} {name}")
             if self.is_over:
                 break
         pool = _ellipsoid.in_order(*parts)
@@ -321,19 +321,19 @@ class Search:
         poles: list[FloatArray] = []
         used: list[float] = []
         normal = _pole_map.plane_of(self.problem)
-        for each in self.convex:
-            state = each.state
-            here = 2.0 * float(state[0])
+        for fit in self.convex:
+            state = fit.state
+            rate = 2.0 * float(state[0])
             if not SearchState.of(state).is_axial and state[1] > 0.0:
-                here -= float(state[1])
-            if any(abs(here - other) < 0.4 for other in used):
+                rate -= float(state[1])
+            if any(abs(rate - other) < 0.4 for other in used):
                 continue
-            used.append(here)
+            used.append(rate)
             steps = np.arange(_lattices.LEAST, 0.6 * self.most, 0.4)
             if "LAM" in self.modes:
-                rates += [_lattices.Candidate(0.5 * (here + f), f) for f in steps]
+                rates += [_lattices.Candidate(0.5 * (rate + f), f) for f in steps]
             if "SAM" in self.modes:
-                rates += [_lattices.Candidate(0.5 * here, -f) for f in steps if f < 1.4 * here]
+                rates += [_lattices.Candidate(0.5 * rate, -f) for f in steps if f < 1.4 * rate]
             pole = SearchState.of(state).pole
             both = np.stack([pole, _pole_map.mirrored(pole, normal)])
             poles += [both] * (len(rates) - len(poles))
@@ -348,17 +348,20 @@ class Search:
         """
         rates: list[_lattices.Candidate] = []
         states: list[FloatArray] = []
-        for each in self.convex:
-            if SearchState.of(each.state).is_axial or any(
-                self.has_rates(each.state, other) for other in states
+        for fit in self.convex:
+            if SearchState.of(fit.state).is_axial or any(
+                self.has_rates(fit.state, other) for other in states
             ):
                 continue
-            states.append(each.state)
-            nutation = abs(float(each.state[1]))
-            phi = 2.0 * float(each.state[0]) - max(float(each.state[1]), 0.0)
+            states.append(fit.state)
+            nutation = abs(float(fit.state[1]))
+            phi = 2.0 * float(fit.state[0]) - max(float(fit.state[1]), 0.0)
             for shift in (0.0, *self.shifts):
-                for part in (-1.0, -0.5, 0.5, 1.0) if shift else (0.0,):
-                    moved = [(phi + part * shift, nutation), (phi, abs(nutation + part * shift))]
+                for fraction in (-1.0, -0.5, 0.5, 1.0) if shift else (0.0,):
+                    moved = [
+                        (phi + fraction * shift, nutation),
+                        (phi, abs(nutation + fraction * shift)),
+                    ]
                     rates += [
                         _lattices.Candidate(0.5 * rate, f)
                         for a, b in moved
@@ -374,8 +377,8 @@ class Search:
     def _axial(self, rates: FloatArray | None = None) -> None:
         """Rotations about one axis at rates (R,), turns per span, or at those of strong lines."""
         if rates is None:
-            found = _lattices.lines(self.problem, self.most, self.settings.axial_rates)
-            rates = np.unique(np.concatenate([found, 0.5 * found]))
+            lines_found = _lattices.lines(self.problem, self.most, self.settings.axial_rates)
+            rates = np.unique(np.concatenate([lines_found, 0.5 * lines_found]))
         rates = rates[rates > _lattices.LEAST]
         pool = _ellipsoid.axial(self.problem, self.generator, rates, self.settings.axial_starts)
         self._refine(_ellipsoid.in_order(pool), keep=self.settings.convex // 2)
@@ -383,17 +386,17 @@ class Search:
 
     def _axial_poles(self) -> None:
         """Rotations about one axis from poles all over the sky, if one explains the curve."""
-        axial = [each for each in self.convex if SearchState.of(each.state).is_axial]
+        axial = [fit for fit in self.convex if SearchState.of(fit.state).is_axial]
         if not axial or self.is_over:
             return
         if axial[0].chi_squared > self.settings.axial_worse * self.convex[0].chi_squared:
             return
         problem = self._with_own_error(axial[0])
         rates: list[Weighted] = []
-        for each in axial:
-            rate = float(each.state[0])
+        for fit in axial:
+            rate = float(fit.state[0])
             if all(2.0 * abs(rate - o.refined.state[0]) > self.settings.axial_width for o in rates):
-                rates.append(self._robust(problem, each))
+                rates.append(self._robust(problem, fit))
                 if len(rates) > self.settings.axial_others:
                     break
         rates.sort(key=lambda each: each.evidence)
@@ -402,8 +405,8 @@ class Search:
         fixed = self._fixed(rates[0].refined.state)
         for one in rates:
             if one.evidence < rates[0].evidence + self.settings.axial_mapped:
-                given = one.refined.state, self.generator, self.tie, fixed, lambda: self.is_over
-                self.axial += _pole_map.minima(rates[0].problem, self.problem, *given)
+                arguments = one.refined.state, self.generator, self.tie, fixed, lambda: self.is_over
+                self.axial += _pole_map.minima(rates[0].problem, self.problem, *arguments)
                 self.progress(f"{len(self.axial)} poles of rotations about one axis")
         self.axial = _pole_map.most_probable(self.axial, problem)
         for minimum in self.axial[: self.settings.axial_others]:
@@ -449,11 +452,11 @@ class Search:
                 break
             fits.append(self._fit(state, self.settings.short_steps))
         fits.sort(key=lambda each: each.cost)
-        most = self.settings.short_worse * min(each.cost for each in (*fits[:1], *self.convex[:1]))
+        most = self.settings.short_worse * min(fit.cost for fit in (*fits[:1], *self.convex[:1]))
         return [
-            each.state
-            for number, each in enumerate(fits)
-            if number < self.settings.short_least or each.cost < most
+            fit.state
+            for number, fit in enumerate(fits)
+            if number < self.settings.short_least or fit.cost < most
         ]
 
     def _by_short_fits(self, pool: Pool) -> list[FloatArray]:
@@ -517,9 +520,9 @@ class Search:
                 continue
             self._mapped_rates.append(state)
             images = _pole_map.images(self.problem, state)
-            near = _pole_map.of_rates(self.problem, self.generator, state, self._held)
+            with_rates = _pole_map.of_rates(self.problem, self.generator, state, self._held)
             chosen = [state]
-            for other in (*images, *near):
+            for other in (*images, *with_rates):
                 if not any(_has_pole(other, known, self.settings.same_pole) for known in chosen):
                     chosen.append(other)
             self._add(chosen[1 : 1 + self.settings.map_bodies])
@@ -532,27 +535,25 @@ class Search:
             return
         most = self.settings.finals if most is None else most
         chosen: list[Refined] = []
-        for each in self.convex:
-            alike = [other for other in chosen if self.has_rates(each.state, other.state)]
+        for fit in self.convex:
+            alike = [other for other in chosen if self.has_rates(fit.state, other.state)]
             if len(alike) < self.settings.poles and not any(
-                self.is_same(each.state, o.state) for o in alike
+                self.is_same(fit.state, o.state) for o in alike
             ):
-                chosen.append(each)
+                chosen.append(fit)
                 if len(chosen) >= most:
                     break
         problem = self._with_own_error(chosen[0])
         if self._takes_noise(problem, chosen[0]):
             problem = self._with_own_error(chosen[0])
-        found = [
-            self._robust(problem, each)
-            for each in chosen
-            if not SearchState.of(each.state).is_axial
+        solutions = [
+            self._robust(problem, fit) for fit in chosen if not SearchState.of(fit.state).is_axial
         ]
-        found += self._axial_solutions(problem)
-        found = _evidence.as_rotators(found, problem)
-        found.sort(key=lambda each: each.evidence)
+        solutions += self._axial_solutions(problem)
+        solutions = _evidence.as_rotators(solutions, problem)
+        solutions.sort(key=lambda each: each.evidence)
         self.solutions = []
-        for one in found:
+        for one in solutions:
             if not any(self.is_same(one.refined.state, o.refined.state) for o in self.solutions):
                 self.solutions.append(one)
         error = problem.model_error
@@ -593,28 +594,28 @@ class Search:
 
     def _axial_solutions(self, problem: CurveProblem) -> list[Weighted]:
         """Rotations about one axis with the errors of a problem, the most probable poles."""
-        axial = [each for each in self.convex if SearchState.of(each.state).is_axial]
+        axial = [fit for fit in self.convex if SearchState.of(fit.state).is_axial]
         if not self.axial:
-            return [self._compared(problem, each) for each in axial[: self.settings.axial_others]]
-        found: list[Weighted] = []
-        for each in self.axial:
-            if not any(self.is_same(each.state, other.refined.state) for other in found):
-                found.append(self._robust(problem, each))
+            return [self._compared(problem, fit) for fit in axial[: self.settings.axial_others]]
+        listed_ones: list[Weighted] = []
+        for fit in self.axial:
+            if not any(self.is_same(fit.state, other.refined.state) for other in listed_ones):
+                listed_ones.append(self._robust(problem, fit))
         # their own prior ranks poles; with the one of tumbling bodies they are compared with those
-        best = min(found, key=lambda each: each.evidence)
+        best = min(listed_ones, key=lambda each: each.evidence)
         more = self._compared(problem, best.refined).evidence - best.evidence
-        found = [replace(each, evidence=each.evidence + more) for each in found]
-        found, self.beside = _pole_map.listed(found, self.settings.axial_behind)
-        found = found[: self.settings.axial_finals]
+        listed_ones = [replace(one, evidence=one.evidence + more) for one in listed_ones]
+        listed_ones, self.beside = _pole_map.listed(listed_ones, self.settings.axial_behind)
+        listed_ones = listed_ones[: self.settings.axial_finals]
         # the next period decides whether this one is accepted, however far it lies behind
-        rates = np.array([each.refined.state[0] for each in found])
+        rates = np.array([one.refined.state[0] for one in listed_ones])
         others = [
-            each
-            for each in axial
-            if 2.0 * np.abs(rates - each.state[0]).min() > self.settings.axial_width
+            fit
+            for fit in axial
+            if 2.0 * np.abs(rates - fit.state[0]).min() > self.settings.axial_width
         ]
-        return found + [
-            self._compared(problem, each) for each in others[: self.settings.axial_others]
+        return listed_ones + [
+            self._compared(problem, fit) for fit in others[: self.settings.axial_others]
         ]
 
     def _compared(self, problem: CurveProblem, given: Refined) -> Weighted:

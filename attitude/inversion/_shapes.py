@@ -78,8 +78,10 @@ def _inversion() -> FloatArray:
     across = np.exp((-(on.normals.T @ on.normals) - 1.0) / _LENGTH**2)
     # the modes are eigenvectors: K^-1 of their factor is the factor over its eigenvalue
     sizes = np.sum(on.modes**2, axis=0)
-    found: FloatArray = (on.modes / sizes).T @ (across @ (on.modes / sizes)) * _AMPLITUDE**2
-    return found
+    products_of_modes: FloatArray = (
+        (on.modes / sizes).T @ (across @ (on.modes / sizes)) * _AMPLITUDE**2
+    )
+    return products_of_modes
 
 
 def inverted(modes: FloatArray) -> FloatArray:
@@ -160,10 +162,10 @@ def constraints(flat: FloatArray, area: FloatArray, slopes: FloatArray) -> Const
     offset = n @ share
     by_closure = ((n - offset[:, None]) * share) @ slopes
     tensor = (n * share) @ n.T
-    found, by_ratio = equivalent(tensor, flat)
+    ratios_of_shape, by_ratio = equivalent(tensor, flat)
     inner = (n**2 / np.diag(tensor)[:, None]) * share
     by_flat = by_ratio @ ((inner[:2] - inner[2]) @ slopes)
-    a, b = np.exp(-found)
+    a, b = np.exp(-ratios_of_shape)
     ratios = np.array([math.log((b + 1.0) / (a + b)), math.log((a + 1.0) / (a + b))])
     chain = np.array(
         [[a / (a + b), b / (a + b) - b / (b + 1.0)], [a / (a + b) - a / (a + 1.0), b / (a + b)]]
@@ -305,11 +307,11 @@ def magnitudes(sun: FloatArray, observer: FloatArray, shape: FloatArray) -> Body
 
 def _crossed(a: FloatArray, b: FloatArray) -> FloatArray:
     """Cross products of vectors (N, 3); `numpy.cross` takes three times as long."""
-    found = np.empty_like(a)
+    crossed = np.empty_like(a)
     for k in range(3):
         i, j = (k + 1) % 3, (k + 2) % 3
-        found[:, k] = a[:, i] * b[:, j] - a[:, j] * b[:, i]
-    return found
+        crossed[:, k] = a[:, i] * b[:, j] - a[:, j] * b[:, i]
+    return crossed
 
 
 def penalties(
@@ -353,9 +355,9 @@ def penalties(
 def widths(is_axial: bool) -> FloatArray:
     """Standard deviations (SIZE,) of the parameters of a shape before the curve is seen."""
     ratios, modes = (_AXIAL_RATIOS, _AXIAL_MODES) if is_axial else (_RATIOS, _MODES)
-    found = np.full(SIZE, modes)
-    found[:ELLIPSOID] = ratios
-    return found
+    all_widths = np.full(SIZE, modes)
+    all_widths[:ELLIPSOID] = ratios
+    return all_widths
 
 
 def wanted(given: FloatArray, moments: MotionMoments) -> FloatArray:
@@ -401,12 +403,12 @@ class KnownShape:
     def flux(self, sun: FloatArray, observer: FloatArray) -> FloatArray:
         """Brightness (...) seen from unit vectors (..., 3) over the axes of the body, m2/sr."""
         suns, observers, shape = paired(sun, observer)
-        found = np.empty(shape)
-        flat = found.reshape(-1)
+        values = np.empty(shape)
+        flat = values.reshape(-1)
         for begin in range(0, flat.size, BLOCK):
             end = begin + BLOCK
             self._sums(components(suns, observers, begin, end), flat[begin:end])
-        return found
+        return values
 
     @cached_property
     def _sums(self) -> Callable[[Sequence[FloatArray], FloatArray], None]:
@@ -415,8 +417,8 @@ class KnownShape:
 
     def magnitudes(self, sun: FloatArray, observer: FloatArray, least: float) -> FloatArray:
         """Magnitudes (...) of the flux, or of `least` where it is smaller."""
-        found: FloatArray = _MAGNITUDE * np.log(np.maximum(self.flux(sun, observer), least))
-        return found
+        values: FloatArray = _MAGNITUDE * np.log(np.maximum(self.flux(sun, observer), least))
+        return values
 
     def floor(self, sun: FloatArray, observer: FloatArray) -> float:
         """The least flux that counts, from directions (..., 3) over any axes."""
@@ -432,8 +434,8 @@ class KnownShape:
             ]
             across[..., k] = (ends[0] - ends[1]) / (2.0 * _STEP_OF_DIFFERENCES)
         nothing = np.zeros((0, sun.shape[0]))
-        here = self.magnitudes(sun, observer, least)
-        return BodyLight(here, across, nothing, _NOTHING, np.zeros((0, 0)))
+        values = self.magnitudes(sun, observer, least)
+        return BodyLight(values, across, nothing, _NOTHING, np.zeros((0, 0)))
 
 
 def known(mesh: Mesh, law: str | Law | None) -> KnownShape:
@@ -443,9 +445,9 @@ def known(mesh: Mesh, law: str | Law | None) -> KnownShape:
     chosen = LommelSeeligerLambert(c=0.1, a=0.0, k=0.0) if law is None else known_law(law)
     if not isinstance(mesh, Mesh):
         raise AttitudeError(f"shape is {mesh!r}; give a Mesh.")
-    found = KnownShape(mesh, chosen)
-    found.flux(np.array([0.0, 0.0, 1.0]), np.array([0.0, 0.0, 1.0]))
-    return found
+    shape_known = KnownShape(mesh, chosen)
+    shape_known.flux(np.array([0.0, 0.0, 1.0]), np.array([0.0, 0.0, 1.0]))
+    return shape_known
 
 
 def _turned(vectors: FloatArray, axis: int, angle: float) -> FloatArray:
@@ -483,22 +485,22 @@ def mesh(areas: FloatArray, normals: FloatArray) -> Mesh:
     """
     from scipy.optimize import minimize
 
-    given = closed(areas, normals)
-    given = given / given.sum()
-    scale = np.sqrt((normals**2 * given).sum(axis=1))
+    areas_closed = closed(areas, normals)
+    areas_closed = areas_closed / areas_closed.sum()
+    scale = np.sqrt((normals**2 * areas_closed).sum(axis=1))
     start = np.sqrt(np.sum((normals / scale[:, None]) ** 2, axis=0))
 
     def cost(logs: FloatArray) -> tuple[float, FloatArray]:
         heights = np.exp(logs)
-        _, here = _polyhedron(heights, normals)
-        volume, total = heights @ here / 3.0, given @ heights
-        slope = given / total - here / (3.0 * volume)
+        _, areas_there = _polyhedron(heights, normals)
+        volume, total = heights @ areas_there / 3.0, areas_closed @ heights
+        slope = areas_closed / total - areas_there / (3.0 * volume)
         return float(np.log(total) - np.log(volume) / 3.0), slope * heights
 
-    found = minimize(
+    minimum = minimize(
         cost, np.log(start), jac=True, method="L-BFGS-B", options={"maxiter": _ITERATIONS}
     )
-    corners, _ = _polyhedron(np.exp(found.x), normals)
+    corners, _ = _polyhedron(np.exp(minimum.x), normals)
     return _meshed(corners)
 
 
@@ -537,6 +539,6 @@ def _meshed(corners: FloatArray) -> Mesh:
     outward = np.sum(np.cross(b - a, c - a) * (a + b + c - 3.0 * points.mean(axis=0)), axis=1) > 0.0
     facets = np.where(outward[:, None], facets, facets[:, ::-1])
     rough = Mesh(points, facets)
-    found = rough.mass_properties(density=1.0)
-    radius = (3.0 * found.mass / (4.0 * np.pi)) ** (1.0 / 3.0)
-    return Mesh((points - found.center_of_mass) / radius, facets)
+    properties = rough.mass_properties(density=1.0)
+    radius = (3.0 * properties.mass / (4.0 * np.pi)) ** (1.0 / 3.0)
+    return Mesh((points - properties.center_of_mass) / radius, facets)

@@ -143,26 +143,26 @@ def predicted(
     """The magnitudes of a fit at epochs; see `CurveFit.predict`."""
     curve = solution.curve
     seconds, emission, sun, observer = _geometry(curve, times, path, site)
-    own = solution.weighted.problem
+    fitted_problem = solution.weighted.problem
     terms = _terms(solution, emission, angle_between(sun, observer), filter)
-    unit = [(each / np.linalg.norm(each, axis=1)[:, None]).T for each in (sun, observer)]
+    unit = [(vectors / np.linalg.norm(vectors, axis=1)[:, None]).T for vectors in (sun, observer)]
     there = replace(
-        own,
-        t=emission / own.span,
+        fitted_problem,
+        t=emission / fitted_problem.span,
         sun=unit[0].copy(),
         observer=unit[1].copy(),
-        exposure=_exposures(curve, times, len(emission), own.span),
+        exposure=_exposures(curve, times, len(emission), fitted_problem.span),
     )
-    fitted = solution._model(own)
+    fitted = solution._model(fitted_problem)
     model = solution._model(there)
-    magnitude = model.magnitude + terms @ own.coefficients(fitted.magnitude)
+    magnitude = model.magnitude + terms @ fitted_problem.coefficients(fitted.magnitude)
     if not curve.unit_distances:
         magnitude += dimming(sun, observer)
     # the linear terms follow the parameters
-    b = own.terms * own.root[:, None]
-    normal = b.T @ b + np.diag(1.0 / own.prior**2)
+    b = fitted_problem.terms * fitted_problem.root[:, None]
+    normal = b.T @ b + np.diag(1.0 / fitted_problem.prior**2)
     inverse = np.asarray(np.linalg.pinv(normal, hermitian=True), dtype=np.float64)
-    follow = -inverse @ (b.T @ (fitted.jacobian * own.root).T)
+    follow = -inverse @ (b.T @ (fitted.jacobian * fitted_problem.root).T)
     # columns whose outer product is the covariance of the magnitudes
     factor = np.concatenate(
         [
@@ -174,7 +174,7 @@ def predicted(
     )
     mean = np.empty_like(factor)
     groups = _problem.nights_of(emission)
-    if np.median([len(each) for each in groups]) < 3.0:
+    if np.median([len(group) for group in groups]) < 3.0:
         groups = [np.arange(len(emission))]
     for night in groups:
         mean[night] = factor[night].mean(axis=0)
@@ -214,8 +214,8 @@ def _geometry(
         return curve.seconds, curve.emission, *curve.vectors
     if path is not None:
         t = np.atleast_1d(_inputs.seconds_since(curve.epoch, times).rounded)
-        given: dict[str, Any] = {} if site is None else {"site": site}
-        times = LightCurve(t, np.zeros(len(t)), epoch=curve.epoch, path=path, **given)
+        keywords: dict[str, Any] = {} if site is None else {"site": site}
+        times = LightCurve(t, np.zeros(len(t)), epoch=curve.epoch, path=path, **keywords)
     if isinstance(times, LightCurve):
         shift = times.epoch.seconds - curve.epoch.seconds
         return times.seconds + shift, times.emission + shift, *times.vectors
@@ -262,11 +262,11 @@ def _terms(
     solution: CurveFit, emission: FloatArray, alpha: FloatArray, filter: str | None
 ) -> FloatArray:
     """Linear terms (T, L) at other epochs: of a filter, the first, sessions at their mean."""
-    own = solution.weighted.problem
-    terms = np.zeros((len(emission), own.terms.shape[1]))
+    fitted_problem = solution.weighted.problem
+    terms = np.zeros((len(emission), fitted_problem.terms.shape[1]))
     count = 0
     if solution._has_phase_terms:
-        phase = _problem.phase_terms(alpha, emission / own.span)
+        phase = _problem.phase_terms(alpha, emission / fitted_problem.span)
         count = phase.shape[1]
         terms[:, :count] = phase
     names = solution.curve.filters
@@ -276,8 +276,10 @@ def _terms(
     terms[:, count + number] = 1.0
     if count and _problem.has_own_slopes(solution.curve):
         terms[:, count + len(names) + number] = _problem.by_phase(alpha)
-    if own.orbit:
-        series = _satellites.series(own.orbit, _satellites.ORDERS[1], emission / own.span)
+    if fitted_problem.orbit:
+        series = _satellites.series(
+            fitted_problem.orbit, _satellites.ORDERS[1], emission / fitted_problem.span
+        )
         terms[:, -series.shape[1] :] = series
     return terms
 
@@ -466,15 +468,15 @@ class Solution(CurveFit):
     @property
     def moments(self) -> FloatArray:
         """(3,) relative principal moments, ascending."""
-        found: FloatArray = np.sort(_states.physical(self.state).moments)
-        return found
+        sorted_moments: FloatArray = np.sort(_states.physical(self.state).moments)
+        return sorted_moments
 
     @cached_property
     def _covariances(self) -> tuple[FloatArray, GroupErrors]:
         problem = self._problem
         session = None if len(problem) < len(self.curve) else self.curve.session
         groups = _errors.groupings(problem.t, problem.span, session)
-        rivals = [each.weighted for each in self._rivals if each is not self] + self._beside
+        rivals = [rival.weighted for rival in self._rivals if rival is not self] + self._beside
         with _refinement.limited():
             return _states.covariance(self.weighted, groups, self.tie, rivals)
 
@@ -483,8 +485,8 @@ class Solution(CurveFit):
         """(9, 9) of the rotation vector (rad, ICRF axes), rates (rad/s, body axes) and moments."""
         scale = np.ones(9)
         scale[3:6] = 1.0 / self.curve.span
-        found: FloatArray = self._covariances[0] * np.outer(scale, scale)
-        return found
+        scaled: FloatArray = self._covariances[0] * np.outer(scale, scale)
+        return scaled
 
     def published(self, convention: str = "L", frame: str = "ecliptic") -> Published:
         """The state in the form of papers; see `FreeRotation.published`."""
@@ -580,7 +582,7 @@ class Solution(CurveFit):
             ("period" if self.is_axial else "P_phi (long axis)", _with_error(self.P_phi, phi)),
             ("pole, ecliptic", f"{longitude:.2f} {latitude:+.2f} deg"),
             ("error of the pole", f"{np.degrees(self.pole_sigma):.2g} deg"),
-            ("moments", " : ".join(f"{each:.4g}" for each in self.moments / self.moments[0])),
+            ("moments", " : ".join(f"{moment:.4g}" for moment in self.moments / self.moments[0])),
             ("rms", f"{self.rms:.4f} mag"),
         ]
         shape = markup.solid(self.shape.corners, self.shape.normals, "shape, from x, y, z > 0")
@@ -652,23 +654,23 @@ class SpinStates(Answering, Sequence[Any]):
 
         rows = self._solutions
         first = rows[0].evidence if rows else 0.0
-        moments = np.array([each.moments for each in rows]).reshape(-1, 3)
-        poles = np.array([each.pole for each in rows]).reshape(-1, 2)
+        moments = np.array([row.moments for row in rows]).reshape(-1, 3)
+        poles = np.array([row.pole for row in rows]).reshape(-1, 2)
         unit = quantity_text.time_unit(rows[0].P_phi if rows else math.inf)
         size = quantity_text.TIME_UNITS[unit]
         return FlatTable(
             {
                 "rank": np.arange(len(rows)),
-                "mode": [each.mode for each in rows],
-                "P_phi": np.array([each.P_phi for each in rows]) / size * units.Unit(unit),
-                "P_psi": np.array([each.P_psi for each in rows]) / size * units.Unit(unit),
+                "mode": [row.mode for row in rows],
+                "P_phi": np.array([row.P_phi for row in rows]) / size * units.Unit(unit),
+                "P_psi": np.array([row.P_psi for row in rows]) / size * units.Unit(unit),
                 "longitude": np.degrees(poles[:, 0]) * units.deg,
                 "latitude": np.degrees(poles[:, 1]) * units.deg,
                 "A/C": moments[:, 0] / moments[:, 2],
                 "B/C": moments[:, 1] / moments[:, 2],
-                "rms": np.array([each.rms for each in rows]) * units.mag,
-                "evidence": np.array([each.evidence - first for each in rows]),
-                "relation": [each.relation for each in rows],
+                "rms": np.array([row.rms for row in rows]) * units.mag,
+                "evidence": np.array([row.evidence - first for row in rows]),
+                "relation": [row.relation for row in rows],
             }
         )
 
@@ -691,12 +693,12 @@ class SpinStates(Answering, Sequence[Any]):
         lines = [f"{self.verdict}: {self.criterion}", *self.notes]
         unit = quantity_text.time_unit(self._solutions[0].P_phi if self._solutions else math.inf)
         size = quantity_text.TIME_UNITS[unit]
-        for k, each in enumerate(self._solutions[:10]):
-            psi, phi = each.P_psi / size, each.P_phi / size
-            longitude, latitude = np.degrees(each.pole)
+        for k, solution in enumerate(self._solutions[:10]):
+            psi, phi = solution.P_psi / size, solution.P_phi / size
+            longitude, latitude = np.degrees(solution.pole)
             lines.append(
-                f"{k:2d} {each.mode:3s}  P_phi {phi:10.5f} {unit}  P_psi {psi:10.5f} {unit}  pole "
-                f"{longitude:5.1f} {latitude:+5.1f}  rms {each.rms:.3f}  evidence "
-                f"{each.evidence - self._solutions[0].evidence:+8.1f}  {each.relation}"
+                f"{k:2d} {solution.mode:3s}  P_phi {phi:10.5f} {unit}  P_psi {psi:10.5f} {unit}  "
+                f"pole {longitude:5.1f} {latitude:+5.1f}  rms {solution.rms:.3f}  evidence "
+                f"{solution.evidence - self._solutions[0].evidence:+8.1f}  {solution.relation}"
             )
         return "\n".join(lines)

@@ -134,8 +134,8 @@ def spin_states(
         seconds = validation.positive(budget, "budget", unit="s")
         number = validation.count(threads, "threads")
         with _refinement.limited(number), timed(_LABEL, seconds, progress) as report:
-            given = curve, most, shape, law, moments, seconds, seed, settings, report
-            return SpinStates(*_known.found(*given))
+            arguments = curve, most, shape, law, moments, seconds, seed, settings, report
+            return SpinStates(*_known.found(*arguments))
     if law is not None:
         raise AttitudeError("law= is that of a known mesh; give shape=mesh, or leave law out.")
     modes, window = _window(curve, max_frequency, period, modes)
@@ -149,29 +149,29 @@ def spin_states(
             tally = Tally(seconds)
 
             def prepared(zero_points: ZeroPoints) -> _search.Search:
-                given = part, most, zero_points, modes, tie, seed, settings, tally, report
-                return _prepared(*given, kind=kind, is_ellipsoid=shape == "ellipsoid")
+                arguments = part, most, zero_points, modes, tie, seed, settings, tally, report
+                return _prepared(*arguments, kind=kind, is_ellipsoid=shape == "ellipsoid")
 
             return prepared
 
         if tuple(modes) == _ROTATION:
             prepared = prepared_of(curve, _apparitions.RotatorSearch)
-            found = _rotator(curve, prepared, (window[0], most))
+            search = _rotator(curve, prepared, (window[0], most))
         elif most * curve.span > settings.most_turns:
-            found = _joined_search(curve, prepared_of, settings)
+            search = _joined_search(curve, prepared_of, settings)
         else:
-            found = _searched(curve, prepared_of(curve, _search.Search))
-    return _results(curve, found)
+            search = _searched(curve, prepared_of(curve, _search.Search))
+    return _results(curve, search)
 
 
 def _rotator(curve: LightCurve, prepared: Prepared, window: Window) -> _search.Search:
     """A search for rotations about one axis in a window of frequencies, Hz."""
 
     def within(zero_points: ZeroPoints) -> _search.Search:
-        made = prepared(zero_points)
-        assert isinstance(made, _apparitions.RotatorSearch)
-        made.window = window[0] * curve.span, window[1] * curve.span
-        return made
+        search = prepared(zero_points)
+        assert isinstance(search, _apparitions.RotatorSearch)
+        search.window = window[0] * curve.span, window[1] * curve.span
+        return search
 
     return _searched(curve, within)
 
@@ -184,36 +184,36 @@ def _joined_search(
     words: list[str] = []
 
     def alone() -> list[_joined.Apparition]:
-        for number, part in enumerate(() if known else _joined.apparitions(curve), 1):
-            one = _searched(part, prepared_of(part, _search.Search))
-            known.append(_joined.alone(curve, part, one, settings))
+        for number, apparition in enumerate(() if known else _joined.apparitions(curve), 1):
+            one = _searched(apparition, prepared_of(apparition, _search.Search))
+            known.append(_joined.alone(curve, apparition, one, settings))
             weighted = one.solutions, one.problem, one.is_complete, one.most
             verdict = _verdicts.verdict(*weighted)[0] if one.solutions else _verdicts.OPEN
             words.append(
-                f"Apparition {number} ({part.span / _DAY:.0f} d, {len(part)} points): {verdict}, "
-                f"{len(known[-1].solutions)} tumbling states go on."
+                f"Apparition {number} ({apparition.span / _DAY:.0f} d, {len(apparition)} points): "
+                f"{verdict}, {len(known[-1].solutions)} tumbling states go on."
             )
         return known
 
     prepared = prepared_of(curve, _joined.JoinedSearch)
 
     def joined(zero_points: ZeroPoints) -> _search.Search:
-        made = prepared(zero_points)
-        assert isinstance(made, _joined.JoinedSearch)
-        made.alone = alone
-        return made
+        search = prepared(zero_points)
+        assert isinstance(search, _joined.JoinedSearch)
+        search.alone = alone
+        return search
 
-    found = _searched(curve, joined)
-    found.notes += words
-    return found
+    search = _searched(curve, joined)
+    search.notes += words
+    return search
 
 
 def _compile(curve: LightCurve, most: float) -> None:
     """Run every compiled loop once: the time of compilation is not counted."""
     generator = np.random.default_rng(0)
     problem, _ = _problem.problem(curve, most, DEFAULT.ellipsoid_error, "shared")
-    found, _ = _lattices.lattice_pairs(problem, 2.0, 1)
-    rate = _lattices.Candidate(float(found[0, 0]), -1.0)
+    pairs_of, _ = _lattices.lattice_pairs(problem, 2.0, 1)
+    rate = _lattices.Candidate(float(pairs_of[0, 0]), -1.0)
     pool = _ellipsoid.around(problem, generator, [rate], 1, iterations=1, tie=_ellipsoid.Held(1.0))
     _refinement.refine(problem, pool.states[0], iterations=1)
 
@@ -231,7 +231,7 @@ def _window(curve, max_frequency, period, modes):
     if isinstance(period, (list, tuple)):
         if len(period) != 2:
             raise AttitudeError(f"period has {len(period)} entries; give one period, or two.")
-        low, high = (validation.positive(each, "period", unit="s") for each in period)
+        low, high = (validation.positive(bound, "period", unit="s") for bound in period)
     else:
         middle = validation.positive(period, "period", unit="s")
         low, high = middle * (1.0 - _OF_PERIOD), middle * (1.0 + _OF_PERIOD)
@@ -264,7 +264,7 @@ def _checked_turns(curve, max_frequency, settings, is_limited, parts):
             f"at least {2.0 / curve.span:.3g} Hz, or a longer curve."
         )
     if turns > limit and len(parts) > 1:
-        turns = most * max(part.span for part in parts)
+        turns = most * max(apparition.span for apparition in parts)
     if turns > limit and is_limited:
         one = "an apparition" if len(parts) > 1 else "the light curve"
         raise AttitudeError(
@@ -296,10 +296,10 @@ def _checked(curve, max_frequency, modes, shape, moments, settings):
 def _prepared(
     curve, most, zero_points, modes, tie, seed, settings, tally, progress, *, kind, is_ellipsoid
 ):
-    given = curve, most, settings.ellipsoid_error, zero_points
-    problem, bins = _problem.problem(*given, settings=settings, tally=tally)
+    arguments = curve, most, settings.ellipsoid_error, zero_points
+    problem, bins = _problem.problem(*arguments, settings=settings, tally=tally)
     problem, outliers = _problem.without_outliers(problem, most * curve.span)
-    made = kind(
+    search = kind(
         problem,
         most * curve.span,
         tuple(modes),
@@ -309,12 +309,12 @@ def _prepared(
         progress,
         is_ellipsoid=is_ellipsoid,
     )
-    made.notes = list(curve.notes)
+    search.notes = list(curve.notes)
     if outliers:
-        made.notes.append(f"{outliers} points lie far off both neighbours; they hardly count.")
+        search.notes.append(f"{outliers} points lie far off both neighbours; they hardly count.")
     if bins is not None:
-        made.notes.append(f"{len(curve)} points were averaged to {len(problem)}.")
-    return made
+        search.notes.append(f"{len(curve)} points were averaged to {len(problem)}.")
+    return search
 
 
 def _searched(curve, prepared):
@@ -328,16 +328,16 @@ def _searched(curve, prepared):
         one.notes.append(_IS_CONSTANT + ".")
         return one
     if curve.zero_points != "auto":
-        own = prepared(curve.zero_points)
-        if is_constant(own.problem):
-            own.notes.append(
+        searched = prepared(curve.zero_points)
+        if is_constant(searched.problem):
+            searched.notes.append(
                 "the zero points of the sessions alone explain the brightness within the errors; "
                 f"with one zero point chi2/N is {_mean_square(one.problem):.1f}.  "
                 'zero_points="auto" fits them only where a rotation needs them.'
             )
         else:
-            _run(own)
-        return own
+            _run(searched)
+        return searched
     if len(curve.sessions) == 1:
         _run(one)
         return one
@@ -346,36 +346,36 @@ def _searched(curve, prepared):
 
 def _with_offsets_if_needed(one: _search.Search, prepared: Prepared) -> _search.Search:
     """The search with one zero point, or one with offsets, whichever has the better evidence."""
-    own = prepared("auto")
-    may_be_constant = is_constant(own.problem)
+    searched = prepared("auto")
+    may_be_constant = is_constant(searched.problem)
     asked = []
 
     def asks(is_early: bool) -> bool:
         settings = one.settings
         needed = settings.alone if is_early else settings.competing
-        asked.append(_asks_for_offsets(one, own, needed))
+        asked.append(_asks_for_offsets(one, searched, needed))
         return asked[-1] and not may_be_constant
 
     if not _run(one, asks):
         return one
     if may_be_constant:
-        one.constant = _as_constant(own.problem, one.solutions)
+        one.constant = _as_constant(searched.problem, one.solutions)
     # a budget that ended in between has not asked
     if one.constant or not (asked[-1] if asked else asks(False)):
         return one
     # what one zero point made of the lines may hide the true motion: all is tried again
-    own.follow(one)
-    if not own.solutions:
+    searched.follow(one)
+    if not searched.solutions:
         return one
-    if not (own.is_over or _problem.are_free(_offsets_of(own.solutions[0]))):
-        _run(own)
-    offsets = _offsets_of(own.solutions[0])
-    if _problem.are_free(offsets) and not own.is_over:
+    if not (searched.is_over or _problem.are_free(_offsets_of(searched.solutions[0]))):
+        _run(searched)
+    offsets = _offsets_of(searched.solutions[0])
+    if _problem.are_free(offsets) and not searched.is_over:
         free = prepared("free")
         _run(free)
-        own = free if free.solutions else own
-    own.notes.append(f"sessions have zero points of their own, {np.std(offsets):.2f} mag rms.")
-    return own
+        searched = free if free.solutions else searched
+    searched.notes.append(f"sessions have zero points of their own, {np.std(offsets):.2f} mag rms.")
+    return searched
 
 
 def _run(made: _search.Search, is_ended: Callable[[bool], bool] = _search.never) -> bool:
@@ -394,7 +394,7 @@ def _asks_for_offsets(one: _search.Search, own: _search.Search, needed: float) -
     """Whether evidence prefers zero points of the sessions, with the best motions found so far."""
     if not one.solutions:
         return False
-    own.begin([each.refined.state for each in one.solutions[: one.settings.compared]])
+    own.begin([solution.refined.state for solution in one.solutions[: one.settings.compared]])
     better = _with_volume(one.solutions[0]) - _with_volume(own.solutions[0])
     return better > needed
 
@@ -415,17 +415,17 @@ def is_constant(problem: CurveProblem) -> bool:
     Terms with a prior count by it: offsets beyond it are no constant brightness.  Free zero points
     of many nights take degrees of freedom, and most of a slow variation.
     """
-    own, settings = problem.with_model_error(0.0), problem.settings
-    taken = np.linalg.matrix_rank((own.terms * own.root[:, None])[:, np.isinf(own.prior)])
-    free = len(own) - int(taken)
+    blank, settings = problem.with_model_error(0.0), problem.settings
+    taken = np.linalg.matrix_rank((blank.terms * blank.root[:, None])[:, np.isinf(blank.prior)])
+    free = len(blank) - int(taken)
     most = min(settings.constant_at_most, 1.0 + settings.constant * math.sqrt(2.0 / free))
-    return own.chi_squared(np.zeros(len(own))) < most * free
+    return blank.chi_squared(np.zeros(len(blank))) < most * free
 
 
 def _as_constant(problem: CurveProblem, found: Sequence[Weighted]) -> str:
     """How a constant brightness with zero points of the sessions competes; "" if it does not."""
     constant = _evidence.constant(problem)
-    best = min((_with_volume(each) for each in found), default=math.inf)
+    best = min((_with_volume(solution) for solution in found), default=math.inf)
     ahead = best - _with_volume(constant)
     if ahead < -problem.settings.competing:
         return ""
@@ -460,32 +460,35 @@ def _results(curve, found):
     if ahead > 0.0:
         found = found.rival
     solutions = [
-        Solution(curve, each, found.problem, found.tie, k)
-        for k, each in enumerate(found.solutions)
-        if _states.is_admissible(each.refined.state)
+        Solution(curve, solution, found.problem, found.tie, k)
+        for k, solution in enumerate(found.solutions)
+        if _states.is_admissible(solution.refined.state)
     ]
-    for k, each in enumerate(solutions):
-        each.rank = k
+    for k, solution in enumerate(solutions):
+        solution.rank = k
         best = solutions[0].state
-        each.relation = _verdicts.relation(each.state, best, each._problem, found.length)
-        each._rivals = [each] + [
+        solution.relation = _verdicts.relation(
+            solution.state, best, solution._problem, found.length
+        )
+        solution._rivals = [solution] + [
             other
             for other in solutions
-            if other is not each
-            and abs(other.evidence - each.evidence) < found.settings.competing_poles
+            if other is not solution
+            and abs(other.evidence - solution.evidence) < found.settings.competing_poles
         ]
-        each._beside = [
+        solution._beside = [
             one
             for one in found.beside
-            if each.is_axial and abs(one.evidence - each.evidence) < found.settings.competing_poles
+            if solution.is_axial
+            and abs(one.evidence - solution.evidence) < found.settings.competing_poles
         ]
-    weighted = [each.weighted for each in solutions]
-    given = weighted, found.problem, found.is_complete, found.most
-    verdict, criterion = _verdicts.verdict(*given)
+    weighted = [solution.weighted for solution in solutions]
+    arguments = weighted, found.problem, found.is_complete, found.most
+    verdict, criterion = _verdicts.verdict(*arguments)
     if searched.rival is not None:
         period = curve.span / searched.rival.problem.orbit / _DAY
-        given = (verdict, criterion), period, ahead, found.settings.alone
-        verdict, criterion = _verdicts.of_satellite(*given)
+        arguments = (verdict, criterion), period, ahead, found.settings.alone
+        verdict, criterion = _verdicts.of_satellite(*arguments)
     if searched.constant:
         verdict, criterion = _verdicts.OPEN, f"{searched.constant}; {criterion}"
     if verdict == _verdicts.OPEN and found.is_over:

@@ -87,9 +87,9 @@ def physical(state: FloatArray) -> PhysicalState:
         return PhysicalState(
             matrix, np.array([0.0, 0.0, 4.0 * math.pi * state[0]]), ratios / ratios.max()
         )
-    found = _motions.moments(state[_ellipsoid.OF_MOMENTS])
-    ratios = np.exp(np.append(found.log_ratios, 0.0))
-    return PhysicalState(matrix, found.momentum * body[2] / ratios, ratios / ratios.max())
+    moments_of = _motions.moments(state[_ellipsoid.OF_MOMENTS])
+    ratios = np.exp(np.append(moments_of.log_ratios, 0.0))
+    return PhysicalState(matrix, moments_of.momentum * body[2] / ratios, ratios / ratios.max())
 
 
 def is_admissible(state: FloatArray) -> bool:
@@ -103,10 +103,10 @@ def motion(
     state: FloatArray, span: float, epoch: Instant, covariance: FloatArray | None
 ) -> FreeRotation:
     """The free rotation of a state, its covariance as in `Spin`; the moments are relative."""
-    here = physical(state)
-    wxyz = quaternion.from_matrix(here.matrix)
-    spin = Spin(epoch, wxyz, here.rates / span, covariance=covariance)
-    return FreeRotation(Body(moments=here.moments, relative=True), spin)
+    state_of = physical(state)
+    wxyz = quaternion.from_matrix(state_of.matrix)
+    spin = Spin(epoch, wxyz, state_of.rates / span, covariance=covariance)
+    return FreeRotation(Body(moments=state_of.moments, relative=True), spin)
 
 
 def covariance(
@@ -128,21 +128,21 @@ def covariance(
         )
         return _difference(again.state, state)
 
-    here = _refinement.model(problem, state)
+    shape_model = _refinement.model(problem, state)
     formal = _errors.covariance_of_motion(found, tie)
-    made = _errors.errors(found, here, groups, 8, refitted, formal)
+    errors_of = _errors.errors(found, shape_model, groups, 8, refitted, formal)
     if SearchState.of(state).is_axial:
         others = [
-            (each.refined.state, each.evidence)
-            for each in rivals
-            if SearchState.of(each.refined.state).is_axial
-            and _pole_map.has_turn(problem, each.refined.state, state)
+            (rival.refined.state, rival.evidence)
+            for rival in rivals
+            if SearchState.of(rival.refined.state).is_axial
+            and _pole_map.has_turn(problem, rival.refined.state, state)
         ]
-        wider = made.covariance + _pole_map.spread(state, found.evidence, others)
-        made = made._replace(covariance=wider)
+        wider = errors_of.covariance + _pole_map.spread(state, found.evidence, others)
+        errors_of = errors_of._replace(covariance=wider)
     slopes = _slopes(state)
-    total = slopes @ made.covariance @ slopes.T
-    return 0.5 * (total + total.T), made
+    total = slopes @ errors_of.covariance @ slopes.T
+    return 0.5 * (total + total.T), errors_of
 
 
 def _difference(state: FloatArray, origin: FloatArray) -> FloatArray:
@@ -215,23 +215,23 @@ class Posterior:
     @property
     def ratio(self) -> FloatArray:
         """Standard deviations (8,) of the samples of the first solution over the covariance's."""
-        own = self.offsets[self.solution == 0]
+        of_best = self.offsets[self.solution == 0]
         formal = np.sqrt(np.diag(self.covariance))
-        spread = own.std(axis=0)
-        found: FloatArray = np.divide(spread, formal, out=np.ones(8), where=formal > 0.0)
-        return found
+        spread = of_best.std(axis=0)
+        ratios: FloatArray = np.divide(spread, formal, out=np.ones(8), where=formal > 0.0)
+        return ratios
 
     def motions(self, count: int, seed: int = 0) -> list[FreeRotation]:
         """Motions of samples drawn at random, solutions by their weights."""
         number = validation.count(count, "count")
         generator = validation.generator(seed)
-        found = []
+        all_motions = []
         for which in generator.choice(len(self.weights), number, p=self.weights):
             row = generator.choice(np.flatnonzero(self.solution == which))
             origin = self.origins[which]
             state = _errors.moved(origin.state, self.offsets[row])
-            found.append(motion(state, origin.curve.span, origin.curve.epoch, None))
-        return found
+            all_motions.append(motion(state, origin.curve.span, origin.curve.epoch, None))
+        return all_motions
 
     def plot(self, path: FilePath | None = None) -> Any:
         """A corner figure of the first solution's parameters; saved if a path is given."""
@@ -239,21 +239,21 @@ class Posterior:
 
         figure = plots.new_figure((9.0, 9.0))
         axes = figure.subplots(8, 8, sharex="col")
-        own = self.offsets[self.solution == 0]
+        of_best = self.offsets[self.solution == 0]
         for row in range(8):
             for column in range(8):
-                here = axes[row, column]
+                panel = axes[row, column]
                 if column > row:
-                    here.set_visible(False)
+                    panel.set_visible(False)
                 elif column == row:
-                    here.hist(own[:, row], 30, color="#0072b2")
+                    panel.hist(of_best[:, row], 30, color="#0072b2")
                 else:
-                    here.plot(own[:, column], own[:, row], ",", color="#0072b2")
+                    panel.plot(of_best[:, column], of_best[:, row], ",", color="#0072b2")
                 if row == 7:
-                    here.set_xlabel(NAMES[column], fontsize=9)
-                here.locator_params(nbins=2)
-                here.tick_params(labelsize=9, labelleft=column == 0 < row)
-                here.tick_params("x", rotation=60)
+                    panel.set_xlabel(NAMES[column], fontsize=9)
+                panel.locator_params(nbins=2)
+                panel.tick_params(labelsize=9, labelleft=column == 0 < row)
+                panel.tick_params("x", rotation=60)
         if path is not None:
             figure.savefig(path, dpi=130)
         return figure
@@ -278,23 +278,23 @@ def sampled(
             "the solution rotates about one axis, whose nutation has no parameters to sample; take "
             "its covariance."
         )
-    solutions = [each for each in solutions if not each.is_axial]
+    solutions = [solution for solution in solutions if not solution.is_axial]
     generator = validation.generator(seed)
     parts, numbers, logs, accepted = [], [], [], []
-    for number, each in enumerate(solutions):
+    for number, solution in enumerate(solutions):
         factor: FloatArray = np.asarray(
-            np.linalg.cholesky(_errors.conditioned(each._covariances[1].formal)),
+            np.linalg.cholesky(_errors.conditioned(solution._covariances[1].formal)),
             dtype=np.float64,
         )
-        density = _errors.log_density(each.weighted, each.tie, factor)
+        density = _errors.log_density(solution.weighted, solution.tie, factor)
         sampler = emcee.EnsembleSampler(walkers, 8, density)
         sampler.random_state = np.random.RandomState(int(generator.integers(2**32))).get_state()
         with _refinement.limited():
             sampler.run_mcmc(0.5 * generator.standard_normal((walkers, 8)), steps)
         chain = sampler.get_chain(discard=steps // 4, flat=True)
-        parts.append(chain @ factor.T @ each._covariances[1].widening.T)
+        parts.append(chain @ factor.T @ solution._covariances[1].widening.T)
         numbers.append(np.full(len(chain), number))
-        logs.append(-0.5 * each.evidence + float(np.sum(np.log(np.diag(factor)))))
+        logs.append(-0.5 * solution.evidence + float(np.sum(np.log(np.diag(factor)))))
         accepted.append(float(np.mean(sampler.acceptance_fraction)))
     weights = np.exp(np.array(logs) - max(logs))
     return Posterior(

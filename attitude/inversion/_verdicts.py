@@ -97,15 +97,15 @@ def _of_rates(state: FloatArray, best: FloatArray, span: float) -> str:
 
 def _of_poles(pole: FloatArray, best: FloatArray, normal: FloatArray) -> str:
     mirror = _pole_map.mirrored(best, normal)
-    near = math.cos(_NEAR)
-    if pole @ best > near:
+    least_cosine = math.cos(_NEAR)
+    if pole @ best > least_cosine:
         return "same pole"
     for name, other in (
         ("mirror pole", mirror),
         ("antipode", -best),
         ("antipode of the mirror pole", -mirror),
     ):
-        if pole @ other > near:
+        if pole @ other > least_cosine:
             return name
     return "other pole"
 
@@ -135,10 +135,10 @@ def _nearest(
     """
     settings, least = problem.settings, needed(best, problem)
     margins = []
-    for each in others:
-        wide = settings.pole_errors * _evidence.standard_error(best, each, problem)
+    for other in others:
+        wide = settings.pole_errors * _evidence.standard_error(best, other, problem)
         behind = max(least, min(wide, settings.alone))
-        gap = each.evidence - best.evidence
+        gap = other.evidence - best.evidence
         margins.append((gap - behind, gap, behind))
     return min(margins)[1:] if margins else (math.inf, least)
 
@@ -161,12 +161,14 @@ def verdict(
     state = best.refined.state
     floor = _evidence.floor_ratio(best, problem)
     left = _evidence.share_left(best, problem)
-    others = [each for each in found[1:] if not _is_motion_of(each.refined.state, state, problem)]
+    others = [
+        other for other in found[1:] if not _is_motion_of(other.refined.state, state, problem)
+    ]
     gap, behind = _nearest(others, best, problem)
     poles = [
-        each
-        for each in found[1:]
-        if _has_periods(each.refined.state, state, problem) and _competes(each, best, problem)
+        other
+        for other in found[1:]
+        if _has_periods(other.refined.state, state, problem) and _competes(other, best, problem)
     ]
     words = (
         f"chi2/N is {floor:.2f} with errors of sigma and {settings.floor_error:g} mag (floor "
@@ -184,13 +186,13 @@ def verdict(
         return OPEN, words + "."
     if SearchState.of(state).is_axial:
         tumbling = [
-            each
-            for each in found[1:]
-            if not SearchState.of(each.refined.state).is_axial
-            and not _evidence.counts_as(each, best, problem)
+            other
+            for other in found[1:]
+            if not SearchState.of(other.refined.state).is_axial
+            and not _evidence.counts_as(other, best, problem)
         ]
         least = needed(best, problem)
-        close = sum(each.evidence - best.evidence < least for each in tumbling)
+        close = sum(other.evidence - best.evidence < least for other in tumbling)
         better = _better_by_nutation([best, *tumbling], problem, least, most)
         if better:
             return OPEN, f"{words}; {better}."
@@ -258,11 +260,11 @@ def _better_by_nutation(
     settings, best = problem.settings, found[0]
     counted = _NUTATION * math.log(len(problem)) + 2.0 * math.log(most / settings.tumblers)
     gains = [
-        _evidence.gain(each, best, problem)
-        for each in found[1:]
-        if not SearchState.of(each.refined.state).is_axial
-        and each.refined.state[3] > math.log(settings.wide)
-        and each.evidence - best.evidence < behind + counted
+        _evidence.gain(other, best, problem)
+        for other in found[1:]
+        if not SearchState.of(other.refined.state).is_axial
+        and other.refined.state[3] > math.log(settings.wide)
+        and other.evidence - best.evidence < behind + counted
     ]
     chance = exceeded_by_chance(settings.by_chance * min(1.0, settings.same_rate / most))
     if max(gains, default=0.0) < chance:
