@@ -80,7 +80,8 @@ def evolved(diameter: float, count: int, seed: int) -> tuple[Array, Array, NDArr
     rates = (momentum / body.moments) @ body.principal_axes.T
     members = Ensemble(body, rng.normal(size=(count, 4)), rates, "2026-01-01")
     torques = [SolarRadiation(mesh, orbit()), InternalDissipation(friction(diameter))]
-    motions = members.averaged(torques, passages=seed, degree=12, tolerance=1e-5, on_error="nan")
+    settings = {"orbit": "averaged", "degree": 12, "tolerance": 1e-5, "on_error": "nan"}
+    motions = members.averaged(torques, passages=seed, **settings)
     table = motions.table(SPAN * diameter**2)
     size = np.asarray(table["size"].value)
     tumbling = np.where(np.char.startswith(np.array(table["region"], str), "LAM"), 2, 1)

@@ -50,6 +50,7 @@ def test_toutatis_damping(tmp_path):
     assert numbers(harris.split("1994")[1])[0] == pytest.approx(166.0, rel=0.01)
 
 
+@pytest.mark.slow
 def test_asteroid_end_states(tmp_path):
     printed = lines("asteroid_end_states.py", tmp_path, "40")
     counts = np.array([row for row in rows_of(printed, 6)])
