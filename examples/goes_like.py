@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from attitude import plots
 from attitude.averaged import AveragedMotion, Branches
 from attitude.formats import mission
 from attitude.splitting import TorquedRotation
@@ -49,16 +50,12 @@ def main() -> None:
 
 
 def draw(tree: Branches) -> None:
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
     from matplotlib import colormaps
 
     colors = colormaps["viridis"]
     t = np.linspace(0.0, YEARS * YEAR, 1501)
     states = tree.at(t)
-    figure, (above, below) = plt.subplots(2, 1, figsize=(9, 7), sharex=True, layout="constrained")
+    figure, (above, below) = plots.stacked((9, 7), 2)
     for k in np.argsort(states.odds):
         share = states.odds[k] / np.max(states.odds)
         style = {"color": colors(1.0 - share), "lw": 0.6 + 1.4 * share}
@@ -72,10 +69,7 @@ def draw(tree: Branches) -> None:
     )
     below.set(xlabel="years", ylabel="theta, momentum to short axis (deg)")
     below.legend()
-    for panel in (above, below):
-        panel.grid(alpha=0.3)
     figure.savefig(PICTURE, dpi=150)
-    plt.close(figure)
     print(f"\nPicture: {PICTURE}")
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from attitude import FreeRotation, Mode, Spin
+from attitude import FreeRotation, Mode, Spin, plots
 from attitude.formats import spin_file
 from attitude.splitting import TorquedRotation
 from attitude.torques import InternalDissipation
@@ -65,12 +65,7 @@ def main() -> None:
 
 
 def draw(days: Array, energy: Array, separatrix: float, angles: dict[str, Array]) -> None:
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    figure, (above, below) = plt.subplots(2, 1, figsize=(9, 7), sharex=True, layout="constrained")
+    figure, (above, below) = plots.stacked((9, 7), 2)
     above.plot(days, energy)
     above.axhline(separatrix, color="0.5", ls="--", lw=1, label="separatrix")
     above.set(
@@ -82,10 +77,7 @@ def draw(days: Array, energy: Array, separatrix: float, angles: dict[str, Array]
     below.plot(days, angles["short"], label="short axis", lw=0.8)
     below.set(xlabel="days", ylabel="angle to the momentum (deg)", ylim=(0, 90))
     below.legend()
-    for panel in (above, below):
-        panel.grid(alpha=0.3)
     figure.savefig(PICTURE, dpi=150)
-    plt.close(figure)
     print(f"\nPicture: {PICTURE}")
 
 

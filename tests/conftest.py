@@ -138,15 +138,20 @@ def pytest_addoption(parser):
 def pytest_configure(config):
     """Not as hooks of this file, which are asked about the files below its folder only."""
     config.pluginmanager.register(Skips(config), "skips of tests")
+    if config.getoption("--short"):
+        config.pluginmanager.register(Short(), "a short selection")
 
 
-def pytest_ignore_collect(collection_path, config):
-    """With --short, skip files of tests and of the package that are not named."""
-    if not config.getoption("--short") or collection_path.is_dir():
-        return None
-    folder = Path(__file__).parent
-    named = [folder / line for line in (folder / "short.txt").read_text().split()]
-    return None if collection_path in named else True
+class Short:
+    """With --short: no files of tests and of the package but those that tests/short.txt names."""
+
+    def __init__(self):
+        folder = Path(__file__).parent
+        self.named = [folder / line for line in (folder / "short.txt").read_text().split()]
+
+    def pytest_ignore_collect(self, collection_path):
+        """Leave the others out."""
+        return None if collection_path.is_dir() or collection_path in self.named else True
 
 
 # Modules of the package whose import needs a package.  An error in the import of any other fails

@@ -61,17 +61,58 @@ def series(
     torques: Sequence[Torque],
     instant: Instant,
     seconds: float = 0.0,
+    nodes: int = _NODES,
 ) -> tuple[NDArray[np.complex128], FloatArray, float] | None:
     """The Fourier series (J, K, 4) of dL/dt and dy/dt over both phases, from those of the state.
 
     With the frequencies (J, K) of its terms and that of the nutation, rad/s; None on the
-    separatrix.
+    separatrix.  nodes: of each phase, even.
     """
+    torus = _torus(body, spin, nodes)
+    if torus is None:
+        return None
+    wxyz, omega, size, period, pace = torus
+    total = np.zeros((nodes * nodes, 4))
+    for torque in torques:
+        moments = _moments(torque, body, (instant, seconds), wxyz, omega)
+        total += _rates_of(torque, axes, body, moments, wxyz, omega, size)
+    terms = np.fft.fft2(total.reshape(nodes, nodes, 4), axes=(0, 1)) / nodes**2
+    terms[nodes // 2] = terms[:, nodes // 2] = 0.0
+    nutation = 2.0 * math.pi / period
+    number = np.fft.fftfreq(nodes, 1.0 / nodes)
+    return terms, number[:, None] * nutation + number * pace, nutation
+
+
+def divergence(
+    body: Body, spin: Spin, torques: Sequence[Torque], instant: Instant, seconds: float = 0.0
+) -> float:
+    """Mean over both phases of the divergence of torques by L over the body axes, 1/s.
+
+    The rate at which a volume of states grows: 0 of torques that do not depend on the rate.
+    """
+    torus = _torus(body, spin, _NODES)
+    if torus is None:
+        return 0.0
+    wxyz, omega, size, _, _ = torus
+    total, step = 0.0, 1e-5 * size
+    inverse = np.linalg.inv(body.tensor)
+    for torque in torques:
+        for k in range(3):
+            ends = [
+                _moments(torque, body, (instant, seconds), wxyz, omega + sign * step * inverse[k])
+                for sign in (1.0, -1.0)
+            ]
+            total += float(np.mean(ends[0][:, k] - ends[1][:, k])) / (2.0 * step)
+    return total
+
+
+def _torus(body, spin, nodes):
+    """Attitudes (N, 4) and rates (N, 3) at nodes of both phases; |L|, P_psi, rate of precession."""
     free = FreeRotation(body, spin)
     period = float(free.regime.P_psi)
     if not np.isfinite(period):
         return None
-    t = period * np.arange(_NODES + 1) / _NODES
+    t = period * np.arange(nodes + 1) / nodes
     history = free.at(t)
     momentum = history.body_to_inertial(history.angular_velocity @ body.tensor)[0]
     size = float(np.sqrt(momentum @ momentum))
@@ -79,19 +120,12 @@ def series(
     turn = quaternion.multiply(history.wxyz[-1], quaternion.conjugate(history.wxyz[0]))
     pace = 2.0 * math.atan2(float(turn[1:] @ along), float(turn[0])) / period
     back = _turns(along, -pace * t[:-1])
-    phases = _turns(along, 2.0 * math.pi * np.arange(_NODES) / _NODES)
+    phases = _turns(along, 2.0 * math.pi * np.arange(nodes) / nodes)
     wxyz = quaternion.multiply(
         phases[None], quaternion.multiply(back, history.wxyz[:-1])[:, None]
     ).reshape(-1, 4)
-    omega = np.repeat(history.angular_velocity[:-1], _NODES, axis=0)
-    total = np.zeros((_NODES * _NODES, 4))
-    for torque in torques:
-        total += _rates_of(torque, axes, body, (instant, seconds), wxyz, omega, size)
-    terms = np.fft.fft2(total.reshape(_NODES, _NODES, 4), axes=(0, 1)) / _NODES**2
-    terms[_NODES // 2] = terms[:, _NODES // 2] = 0.0
-    nutation = 2.0 * math.pi / period
-    number = np.fft.fftfreq(_NODES, 1.0 / _NODES)
-    return terms, number[:, None] * nutation + number * pace, nutation
+    omega = np.repeat(history.angular_velocity[:-1], nodes, axis=0)
+    return wxyz, omega, size, period, pace
 
 
 def _turns(axis: FloatArray, angle: FloatArray) -> FloatArray:
@@ -101,8 +135,8 @@ def _turns(axis: FloatArray, angle: FloatArray) -> FloatArray:
     )
 
 
-def _rates_of(torque, axes, body, epoch, wxyz, omega, size):
-    """dL/dt over ICRF axes and dy/dt (N, 4) of a torque at states of the torus."""
+def _moments(torque, body, epoch, wxyz, omega):
+    """A torque (N, 3) at states of the torus, over the body axes; that of a slip is L x d."""
     samples = np.zeros((1, 1))
     if torque.columns:
         samples = torque.sample(epoch[0], np.array([epoch[1]]), np.zeros(1))
@@ -112,12 +146,17 @@ def _rates_of(torque, axes, body, epoch, wxyz, omega, size):
     times = np.full(len(wxyz), epoch[1])
     states = np.ascontiguousarray(wxyz), np.ascontiguousarray(omega)
     torques_at(torque.address(), parameters.ctypes.data, times, *states, samples, moments)
-    inertial = np.zeros_like(moments)
-    momentum = omega @ body.tensor
     if torque.kind == SLIP:
-        moments = np.cross(momentum, moments)
-    else:
+        moments = np.cross(omega @ body.tensor, moments)
+    return moments
+
+
+def _rates_of(torque, axes, body, moments, wxyz, omega, size):
+    """dL/dt over ICRF axes and dy/dt (N, 4) from a torque at states of the torus."""
+    inertial = np.zeros_like(moments)
+    if torque.kind != SLIP:
         inertial = quaternion.rotate(wxyz, moments)
+    momentum = omega @ body.tensor
     unit = momentum / size
     across = omega - np.sum(omega * unit, axis=1)[:, None] * unit
     y = np.log(_odds(axes, omega))

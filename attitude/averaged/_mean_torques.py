@@ -194,6 +194,7 @@ class Packing:
         self.packed = Packed(self.axes, torques.body, means, torques.instant)
         self.turn = self._mean_turn()
         self._windows: dict[int, Window] = {}
+        self._kept = 0  # bytes of the windows
 
     def _mean_turn(self) -> float:
         """s, of the turns over which torques are averaged, by their shares of all torques."""
@@ -222,10 +223,11 @@ class Packing:
                 begin = max(number * length, span[0])
                 end = min((number + 1) * length, span[1])
             window = Window(forcing, self.packed.models.copy(), begin, end)
-            kept = sum(other.forcing.nbytes for other in self._windows.values())
-            if kept + forcing.nbytes > _LARGEST:
+            if self._kept + forcing.nbytes > _LARGEST:
                 self._windows.clear()
+                self._kept = 0
             self._windows[number] = window
+            self._kept += forcing.nbytes
         return window
 
     def weakness_of(self, t: float, x: FloatArray, region: int) -> float:

@@ -77,16 +77,9 @@ class Branch:
     until: float
     _track: Track
 
-    def at(self, t: Epochs) -> AveragedHistory:
-        """The mean states of this branch at epochs between that of the spin and `until`.
-
-        Raises
-        ------
-        AttitudeError
-            For epochs outside of that span.
-        """
-        packing = self._track.course.packing
-        seconds = seconds_of(packing.torques.instant, t)
+    def _seconds(self, t: Epochs) -> FloatArray:
+        """Epochs as TDB seconds since that of the spin, within the span of the branch."""
+        seconds = seconds_of(self._track.course.packing.torques.instant, t)
         outside = (seconds * self._track.sign < 0.0) | (
             (seconds - self.until) * self._track.sign > 0.0
         )
@@ -96,9 +89,44 @@ class Branch:
                 f"an epoch lies {wrong:.9g} s after that of the spin, and this branch is known "
                 f"from 0 to {self.until:.9g} s; give epochs between them, or a longer tree."
             )
+        return seconds
+
+    def at(self, t: Epochs) -> AveragedHistory:
+        """The mean states of this branch at epochs between that of the spin and `until`.
+
+        Raises
+        ------
+        AttitudeError
+            For epochs outside of that span.
+        """
+        seconds = self._seconds(t)
         states, regions = self._track.states(seconds.reshape(-1))
         shape = seconds.shape
+        packing = self._track.course.packing
         return AveragedHistory(packing, seconds, states.reshape(*shape, 4), regions.reshape(shape))
+
+    def scatter(self, t: Epochs) -> dict[str, FloatArray]:
+        """How far full motions of this branch lie from its means, at epochs of shape S.
+
+        Each resonance of nutation and precession kicks momentum and energy by its phase, and each
+        passage comes early or late, by phases that means do not know; both are followed to later
+        epochs.  To first order in the kicks, without capture; `error_estimate` has the rest.
+
+        Returns
+        -------
+        dict
+            Root mean squares over the phases: "size" of |L| as a share, "y", and "pole" in rad;
+            NaN where a kicked motion has ended before.
+
+        Raises
+        ------
+        AttitudeError
+            For epochs outside of the span of the branch.
+        """
+        seconds = self._seconds(t)
+        rms = _resonances.scatter(self._track, seconds.reshape(-1))
+        names = "size", "y", "pole"
+        return {name: rms[:, k].reshape(seconds.shape) for k, name in enumerate(names)}
 
 
 class Branches(Sequence[Branch]):

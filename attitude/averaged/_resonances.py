@@ -31,7 +31,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from attitude._support.annotations import FloatArray, IntArray
-    from attitude.averaged._mean_torques import MeanTorques, Packing
+    from attitude.averaged._mean_torques import Crossing, MeanTorques, Packing
+    from attitude.averaged._tracks import Choice
 
 # Largest j and k of the resonances that are listed.
 HIGHEST: int = 8
@@ -41,6 +42,10 @@ _WITHIN, _MOST = 4, 2000
 _NEAR, _FAR, _GRID = 1e-4, 60.0, 2000
 # Scatter of y that is rounding: the torque has no term there.
 _NOTHING = 1e-10
+# Share of the square of a kick that is left out.
+_SMALL_KICK = 1e-3
+# Nodes of each phase and share of L for derivatives of a loop: kinks of facets make noise.
+_FINE_NODES, _STEP = 256, 0.02
 # Epochs of the turn of a path over which resonant terms are averaged.
 _ORBIT = 16
 # Largest j and k, and largest n, of resonances with the turn of a path that are listed.
@@ -99,6 +104,11 @@ def listed(torques: MeanTorques) -> list[tuple[int, int, bool, float]]:
 
 def crossed(track: Track, until: float) -> list[AveragedEvent]:
     """The resonances that a track crosses up to seconds `until`; at most 2000."""
+    return [event for event, _ in _with_kicks(track, until)]
+
+
+def _with_kicks(track: Track, until: float) -> list[tuple[AveragedEvent, FloatArray]]:
+    """The resonances that a track crosses, each with its kicks (K, 4) of L and y."""
     known = track.resonances
     crossings = [(time, (j, k, 0), y) for time, j, k, y in _times(track, until)]
     crossings += _with_orbits(track, until)
@@ -107,10 +117,64 @@ def crossed(track: Track, until: float) -> list[AveragedEvent]:
         if key not in known and len(known) < _MOST:
             known[key] = _event(track, time, order, y)
     return [
-        event
-        for event in known.values()
+        (event, kicks)
+        for event, kicks in known.values()
         if event.scatter > _NOTHING and (event.seconds - until) * track.sign <= 0.0
     ]
+
+
+def scatter(track: Track, t: FloatArray) -> FloatArray:
+    """Root mean squares (T, 3) of |L| (a share), y and pole (rad) over unknown phases, at seconds.
+
+    Each resonance kicks L and y, and each passage delays them; what a kick becomes is that of the
+    mean motion from the state behind it, through the same regions.
+    """
+    if not len(t):
+        return np.zeros((0, 3))
+    until = float(t[np.argmax(np.abs(t))])
+    kicks = [(e.seconds, kick) for e, rows in _with_kicks(track, until) for kick in rows]
+    passages = [event for event in track.happened(until) if event.kind == "passage"]
+    packing = track.course.packing
+    for event in passages:
+        if event.delay > 0.0:
+            # where the body is a few laps from the separatrix
+            behind = event.seconds + track.sign * 20.0 * event.delay
+            states, regions = track.states(np.array([behind]))
+            rate = packing.rates_of(behind, states[0], int(regions[0]))[0][3]
+            # of a shift with this root mean square, as of a kick over its phase
+            kicks.append((behind, np.array([0.0, 0.0, 0.0, math.sqrt(2.0) * rate * event.delay])))
+    base, total = track.states(t)[0], np.zeros((len(t), 3))
+    size = np.sqrt(np.sum(base[:, :3] ** 2, axis=1))
+    for when, kick in kicks:
+        later = (t - when) * track.sign > 0.0
+        if not np.any(later) or abs(when) >= abs(track.clock[0]):
+            continue
+        states, regions = track.states(np.array([when]))
+        other = track.resumed(when, states[0] + kick, int(regions[0]))
+        onward = [REGIONS.index(e.after) for e in passages if (e.seconds - when) * track.sign > 0.0]
+        other.extend(until, along(onward))
+        shifted = other.states(t[later])[0]
+        if other.ended is not None:
+            shifted[(t[later] - other.ended.seconds) * track.sign > 0.0] = np.nan
+        sizes = np.sqrt(np.sum(shifted[:, :3] ** 2, axis=1))
+        turned = shifted[:, :3] / sizes[:, None] - base[later, :3] / size[later, None]
+        total[later, 0] += 0.5 * (sizes / size[later] - 1.0) ** 2
+        total[later, 1] += 0.5 * (shifted[:, 3] - base[later, 3]) ** 2
+        total[later, 2] += 0.5 * np.sum(turned**2, axis=1)
+    rms: FloatArray = np.sqrt(total)
+    return rms
+
+
+def along(regions: list[int]) -> Choice:
+    """The choice of the regions of a track, and of the likeliest behind its last one."""
+
+    def choose(_: Track, crossing: Crossing) -> int:
+        following = regions.pop(0) if regions else None
+        if following in crossing.odds:
+            return following
+        return max(crossing.odds, key=lambda region: crossing.odds[region])
+
+    return choose
 
 
 def _places_within(track: Track) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -204,8 +268,13 @@ def _bisected(row: FloatArray, low: float, high: float, place: float, sign: floa
     return 0.5 * (low + high)
 
 
-def _event(track: Track, time: float, order: tuple[int, int, int], place: float) -> AveragedEvent:
-    """The crossing of one resonance (j, k, n) at a y."""
+def _event(
+    track: Track, time: float, order: tuple[int, int, int], place: float
+) -> tuple[AveragedEvent, FloatArray]:
+    """The crossing of one resonance (j, k, n) at a y, and its kicks (K, 4) of L and y.
+
+    The root mean square over the phase of what a crossing does is that of the kicks over sqrt(2).
+    """
     packing = track.course.packing
     j, k, n = order
     states, regions = track.states(np.array([time]))
@@ -213,45 +282,155 @@ def _event(track: Track, time: float, order: tuple[int, int, int], place: float)
     state[3] = place
     rates = packing.rates_of(time, state, region)[0]
     rate = float(rates[3])
-    terms = _resonant(packing, time, state, region, order)
+    every = _resonant(packing, time, state, region, order)
+    terms = every[:, 3]
     size = float(np.sqrt(state[:3] @ state[:3]))
-    step = 1e-5
-    one, two = frequencies(packing.axes, np.array([place - step, place, place + step]))
-    beats = j * one - k * two
-    slope = size * float(beats[2] - beats[0]) / (2.0 * step)
+    one, two = frequencies(packing.axes, np.array([place]))
+    slope = size * _slope(packing.axes, place, order)
     # of a resonance with a path, the beat also changes with |L|
-    drift = abs(slope * rate + float(beats[1]) * float(state[:3] @ rates[:3]) / size)
+    beat = float(j * one[0] - k * two[0])
+    drift = abs(slope * rate + beat * float(state[:3] @ rates[:3]) / size)
     numbers = np.arange(1, len(terms) + 1)
     phase = 2.0 * np.pi * np.arange(256) / 256
     largest = np.max(
         np.abs(2.0 * np.real(np.exp(1j * np.outer(phase, numbers)) @ terms)), initial=0.0
     )
     if not largest > 0.0 or not drift > 0.0:
-        return AveragedEvent("resonance", time, REGIONS[region], REGIONS[region], ratio=(j, k))
-    square = float(np.sum(2.0 * np.abs(terms) ** 2 * 2.0 * np.pi / (numbers * drift)))
+        event = AveragedEvent("resonance", time, REGIONS[region], REGIONS[region], ratio=(j, k))
+        return event, np.zeros((0, 4))
+    waves = 2.0 * np.sqrt(2.0 * np.pi / (numbers * drift))[:, None] * every
+    kicks = np.concatenate([waves.real, waves.imag])
+    effects = np.sum((kicks / np.array([size, size, size, 1.0])) ** 2, axis=1)
+    kicks = kicks[effects > _SMALL_KICK * np.max(effects)]
     # the mean rate of y against the resonance, and the time in which it crosses the width
     against = drift / max(abs(slope), 1e-300)
     width = 2.0 * math.sqrt(largest / max(abs(slope), 1e-300))
-    return AveragedEvent(
+    event = AveragedEvent(
         "resonance",
         time,
         REGIONS[region],
         REGIONS[region],
         ratio=(j, k),
         turns=n,
-        scatter=math.sqrt(square),
+        scatter=math.sqrt(0.5 * float(np.sum(np.abs(waves[:, 3]) ** 2))),
         strength=float(largest / against),
         width=width,
         lasts=max(2.0 * math.sqrt(2.0 * math.pi / drift), 2.0 * width / against),
+        capture=_odds_of_capture(track, time, state, region, order) if largest > against else 0.0,
     )
+    return event, kicks
+
+
+# ---- Capture
+
+
+def _odds_of_capture(
+    track: Track, time: float, state: FloatArray, region: int, order: tuple[int, int, int]
+) -> float:
+    """The odds that a crossing captures the motion; NaN for a resonance with the turn of a path.
+
+    Near the resonance the beat u = j w_psi - k w_phi and its angle f obey f' = u, u' = G(f), a
+    pendulum under a constant torque a, the mean of G.  In its loop motions are held.  Volumes of
+    states, u/|L| by f by L, grow at the mean divergence of the torques alone; so the states that
+    the loop takes in a second are what it grows by, with the flow of L within, less what the
+    divergence makes, and 2 pi a/|L| cross in that second (Neishtadt, J. Appl. Math. Mech. 39, 594
+    (1975); Henrard, Celest. Mech. 27, 3 (1982)).
+    """
+    packing, sign = track.course.packing, track.sign
+    torques, size = packing.torques, float(np.sqrt(state[:3] @ state[:3]))
+    if order[2] != 0:
+        return math.nan
+    slope = _slope(packing.axes, float(state[3]), order)
+
+    def loop(when: float, momentum: FloatArray) -> tuple[float, FloatArray, float]:
+        x = np.append(momentum, state[3])
+        rates = packing.rates_of(when, x, region)[0]
+        terms = _resonant(packing, when, x, region, order, _FINE_NODES)
+        return _loop(rates, terms, float(np.sqrt(momentum @ momentum)), slope)
+
+    area, _, push = loop(time, state[:3])
+    growth = -area * _divergence(packing, time, state, region)
+    paths = zip(torques.periods, packing.averaged, strict=True)
+    followed = min((period for period, averaged in paths if not averaged), default=math.inf)
+    if np.isfinite(followed):
+        first, last = torques.span
+        later, earlier = min(time + _STEP * followed, last), max(time - _STEP * followed, first)
+        growth += (loop(later, state[:3])[0] - loop(earlier, state[:3])[0]) / (later - earlier)
+    for k in range(3):
+        shift = _STEP * size * np.eye(3)[k]
+        flow = loop(time, state[:3] + shift)[1][k] - loop(time, state[:3] - shift)[1][k]
+        growth += flow / (2.0 * _STEP * size)
+    return float(np.clip(sign * growth / (2.0 * np.pi * push), 0.0, 1.0))
+
+
+def _divergence(packing: Packing, time: float, state: FloatArray, region: int) -> float:
+    """The rate, 1/s, at which a volume of states grows; of averaged torques, over their turns."""
+    torques, total = packing.torques, 0.0
+    spin = (
+        AveragedHistory(packing, np.array(time), state, np.array(region))
+        .free_rotation(phases=(0.0, 0.0))
+        .spin
+    )
+    for torque, period, is_averaged in zip(
+        torques.torques, torques.periods, packing.averaged, strict=True
+    ):
+        times = [time]
+        if is_averaged and not isinstance(torque, _WITHOUT_PHASE):
+            times = _turn(torques, time, period)
+        total += float(np.mean([
+            _mean_state.divergence(torques.body, spin, [torque], torques.instant, when)
+            for when in times
+        ]))  # fmt: skip
+    return total
+
+
+def _turn(torques: MeanTorques, time: float, period: float) -> list[float]:
+    """Seconds at the middles of shares of a turn of a path about a time."""
+    first, last = torques.span
+    begin = min(max(time - 0.5 * period, first), last - period)
+    return [begin + period * (n + 0.5) / _ORBIT for n in range(_ORBIT)]
+
+
+def _slope(axes: Axes, y: float, order: tuple[int, int, int]) -> float:
+    """The derivative of a beat (j, k, n) by y, rad/s at L = 1."""
+    step = 1e-5
+    one, two = frequencies(axes, np.array([y - step, y + step]))
+    beats = order[0] * one - order[1] * two
+    return float(beats[1] - beats[0]) / (2.0 * step)
+
+
+def _loop(
+    rates: FloatArray, terms: NDArray[np.complex128], size: float, slope: float
+) -> tuple[float, FloatArray, float]:
+    """Of the loop over |L|: its area, the flow (3,) of L within; and the mean of G over |L|."""
+    count = 2048
+    f = 2.0 * np.pi * np.arange(2 * count) / count
+    waves = np.exp(1j * np.outer(f, np.arange(1, len(terms) + 1)))
+    changes = rates + 2.0 * np.real(waves @ terms)
+    force = size * slope * changes[:, 3]
+    push = size * slope * float(rates[3])
+    if push < 0.0:
+        # towards smaller angles: the same in the mirror
+        force, changes, push = -force[::-1], changes[::-1], -push
+    height = -np.cumsum(force) * (2.0 * np.pi / count)
+    # held: below a height that the motion would have to climb
+    barrier = np.maximum.accumulate(height[::-1])[::-1]
+    speed = 2.0 * np.sqrt(2.0 * np.maximum(barrier - height, 0.0))[:count] * (2.0 * np.pi / count)
+    flow: FloatArray = speed @ changes[:count, :3] / size
+    return float(np.sum(speed)) / size, flow, push / size
 
 
 def _resonant(
-    packing: Packing, time: float, state: FloatArray, region: int, order: tuple[int, int, int]
+    packing: Packing,
+    time: float,
+    state: FloatArray,
+    region: int,
+    order: tuple[int, int, int],
+    nodes: int = 64,
 ) -> NDArray[np.complex128]:
-    """The complex terms (N,) of dy/dt whose frequencies are 0, by their order."""
+    """The complex terms (N, 4) of dL/dt and dy/dt whose frequencies are 0, by their order."""
     torques = packing.torques
-    total = np.zeros(0, dtype=complex)
+    total = np.zeros((0, 4), dtype=complex)
     at = np.array(time), state, np.array(region)
     spin = AveragedHistory(packing, *at).free_rotation(phases=(0.0, 0.0)).spin
     _, k, n = order
@@ -262,20 +441,17 @@ def _resonant(
             continue
         times, waves = [time], [1.0 + 0.0j]
         if is_averaged:
-            first, last = torques.span
-            begin = min(max(time - 0.5 * period, first), last - period)
-            shares = (np.arange(_ORBIT) + 0.5) / _ORBIT
-            times = [begin + period * float(share) for share in shares]
-            waves = list(np.exp(-2j * np.pi * n * shares))
+            times = _turn(torques, time, period)
+            waves = list(np.exp(-2j * np.pi * n * (np.arange(_ORBIT) + 0.5) / _ORBIT))
         for when, wave in zip(times, waves, strict=True):
             fourier = _mean_state.series(
-                packing.axes, torques.body, spin, [torque], torques.instant, when
+                packing.axes, torques.body, spin, [torque], torques.instant, when, nodes
             )
             if fourier is None:
                 continue
             path_rate = 2.0 * np.pi * n / period
             some = wave * (_on_line(*fourier) if n == 0 else _beside(*fourier, k, path_rate))
-            longer = np.zeros(max(len(some), len(total)), dtype=complex)
+            longer = np.zeros((max(len(some), len(total)), 4), dtype=complex)
             longer[: len(total)] += total
             longer[: len(some)] += some / len(times)
             total = longer
@@ -285,22 +461,20 @@ def _resonant(
 def _beside(
     terms: NDArray[np.complex128], frequency: FloatArray, nutation: float, k: int, path_rate: float
 ) -> NDArray[np.complex128]:
-    """The term (1,) of y of order k in the precession whose frequency is that of the path."""
+    """The term (1, 4) of order k in the precession whose frequency is that of the path."""
     row = int(np.argmin(np.abs(frequency[:, k] + path_rate)))
     if abs(frequency[row, k] + path_rate) > 0.2 * abs(path_rate):
-        return np.zeros(1, dtype=complex)
-    one: NDArray[np.complex128] = terms[row, k, 3:4]
-    return one
+        return np.zeros((1, 4), dtype=complex)
+    return terms[row, k][None]
 
 
 def _on_line(
     terms: NDArray[np.complex128], frequency: FloatArray, nutation: float
 ) -> NDArray[np.complex128]:
-    """The terms of y of frequency 0 but that of order 0, one of each pair of conjugates."""
+    """The terms (N, 4) of frequency 0 but that of order 0, one of each pair of conjugates."""
     half = len(terms) // 2
     j, k = np.nonzero(np.abs(frequency) < 1e-6 * nutation)
     order_j, order_k = (np.where(n >= half, n - 2 * half, n) for n in (j, k))
     chosen = (order_k > 0) | ((order_k == 0) & (order_j > 0))
     rows: IntArray = np.argsort(order_k[chosen], kind="stable")
-    along_y: NDArray[np.complex128] = terms[j[chosen], k[chosen], 3][rows]
-    return along_y
+    return terms[j[chosen], k[chosen]][rows]

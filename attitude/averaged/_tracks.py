@@ -72,6 +72,10 @@ class AveragedEvent:
         Of a resonance: the distance in y from its middle within which a motion may be held.
     lasts : float
         Of a resonance: s in which the mean motion crosses it.
+    capture : float
+        Of a resonance: the odds that it captures the motion, of the adiabatic theory: for a loop
+        that takes many of its oscillations to change.  0 for a strength below 1, NaN for a
+        resonance with the turn of a path.
     """
 
     kind: str
@@ -87,6 +91,7 @@ class AveragedEvent:
     turns: int = 0
     width: float = 0.0
     lasts: float = 0.0
+    capture: float = 0.0
 
     @property
     def delay(self) -> float:
@@ -103,11 +108,12 @@ class AveragedEvent:
 
     def __str__(self) -> str:
         if self.kind == "passage":
-            odds = ", ".join(f"{name} {share:.3g}" for name, share in self.odds.items())
+            shares = ", ".join(f"{name} {share:.3g}" for name, share in self.odds.items())
             doubt = "" if self.is_proved else "; the rule for the odds is not proved here"
-            return f"passage from {self.before} to {self.after} (odds: {odds}{doubt})"
+            return f"passage from {self.before} to {self.after} (odds: {shares}{doubt})"
         if self.kind == "resonance":
-            held = "; it may capture the motion" if self.may_capture else ""
+            odds = "" if math.isnan(self.capture) else f", odds {self.capture:.2g}"
+            held = f"; it may capture the motion{odds}" if self.may_capture else ""
             j, k = self.ratio
             name = f"P_psi/P_phi = {j}/{k}"
             if self.turns:
@@ -148,7 +154,10 @@ class Track:
         self.blocks: list[FloatArray] = []
         self.events: list[AveragedEvent] = []
         self.ended: AveragedEvent | None = None
-        self.resonances: dict[tuple[float, tuple[int, int, int]], AveragedEvent] = {}
+        # filled by `_resonances`: crossings, each with its kicks (K, 4) of L and y
+        self.resonances: dict[
+            tuple[float, tuple[int, int, int]], tuple[AveragedEvent, FloatArray]
+        ] = {}
         self.odds, self._idle = 1.0, 0
         self._goal = _FIRST * course.pace
         self._work = np.empty_like(course.packing.packed.work)
@@ -163,6 +172,12 @@ class Track:
         other.x, other.clock = self.x.copy(), self.clock.copy()
         other.blocks, other.events = list(self.blocks), list(self.events)
         other.resonances = dict(self.resonances)
+        return other
+
+    def resumed(self, seconds: float, x: FloatArray, region: int) -> Track:
+        """A track from another state (4,) at seconds, in the same direction of time."""
+        other = Track(self.course, x, region, self.sign)
+        other.clock[0] = seconds
         return other
 
     def _first_step(self) -> float:

@@ -6,6 +6,10 @@ import pytest
 from tests.solver.test_uses import lines, numbers
 
 
+def rows_of(printed, count):
+    return [numbers(line) for line in printed if len(numbers(line)) == count]
+
+
 @pytest.mark.slow
 def test_goes_like(tmp_path):
     printed = lines("goes_like.py", tmp_path)
@@ -44,3 +48,13 @@ def test_toutatis_damping(tmp_path):
     (harris,) = [line for line in printed if "Harris 1994" in line]
     # (182/17)^3 / 2.7^2 in 10^9 years
     assert numbers(harris.split("1994")[1])[0] == pytest.approx(166.0, rel=0.01)
+
+
+@pytest.mark.slow
+def test_asteroid_end_states(tmp_path):
+    printed = lines("asteroid_end_states.py", tmp_path, "40")
+    counts = np.array([row for row in rows_of(printed, 6)])
+    assert counts.shape == (10, 6)
+    assert np.all(np.sum(counts[:, 2:], axis=1) == 4)
+    # small bodies tumble, large ones relax
+    assert np.sum(counts[5:, 2]) > np.sum(counts[:5, 2])

@@ -28,6 +28,17 @@ def test_numba_has_an_upper_bound():
     assert re.fullmatch(r"numba>=0\.\d+,<0\.\d+", numba)
 
 
+def test_a_short_run_has_the_files_that_it_names_alone(pytestconfig):
+    """Files of the package have doctests, which took most of its time."""
+    conftest = pytestconfig.pluginmanager.get_plugin(str(Path(__file__).parents[1] / "conftest.py"))
+    short = conftest.Short()
+    assert len(short.named) > 10 and all(file.is_file() for file in short.named)
+    assert short.pytest_ignore_collect(short.named[0]) is None
+    root = Path(conftest.__file__).parents[1]
+    for other in ("attitude/averaged/_motion.py", "tests/inversion/test_search.py"):
+        assert short.pytest_ignore_collect(root / other) is True
+
+
 def test_the_lowest_interpreter_is_the_first():
     assert matrix.PROJECT["requires-python"] == f">={matrix.wanted()[0]}"
     assert [name for name in matrix.wanted() if name.endswith("t")] == ["3.13t", "3.14t"]
