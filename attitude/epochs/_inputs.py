@@ -85,12 +85,12 @@ def entries(value: Any, name: str, allowed: str) -> tuple[str, list[Any], tuple[
         raise AttitudeError(
             f"{name} {'is' if shape == () else 'holds'} {validation.shown(wrong)}; give {allowed}."
         )
-    found = sorted(kind for kind in kinds if kind is not None)
-    if len(found) > 1:
+    names = sorted(kind for kind in kinds if kind is not None)
+    if len(names) > 1:
         raise AttitudeError(
-            f"{name} mixes entries of several kinds ({', '.join(found)}); give all in one."
+            f"{name} mixes entries of several kinds ({', '.join(names)}); give all in one."
         )
-    return found[0] if found else "number", leaves, shape
+    return names[0] if names else "number", leaves, shape
 
 
 def _first(values):
@@ -105,7 +105,7 @@ def _first(values):
 def _leaves(value: Any, name: str) -> tuple[list[Any], tuple[int, ...]]:
     """The entries of nested lists or of an array as a flat list, and their shape."""
     if isinstance(value, (list, tuple)):
-        parts = [_leaves(each, name) for each in value]
+        parts = [_leaves(item, name) for item in value]
         shapes = {shape for _, shape in parts}
         if len(shapes) > 1:
             raise AttitudeError(f"{name} is ragged; give an array with rows of equal length.")
@@ -185,10 +185,10 @@ def _scattered(
     A reader takes a list and returns two arrays (or one and None) with its entries along the first
     axis.
     """
-    given = [leaf for leaf in leaves if leaf is not np.ma.masked]
+    values = [leaf for leaf in leaves if leaf is not np.ma.masked]
     results: list[Any] = []
-    for result in reader(given, name):
-        if result is not None and len(given) < len(leaves):
+    for result in reader(values, name):
+        if result is not None and len(values) < len(leaves):
             full = np.full((len(leaves), *result.shape[1:]), np.nan)
             full[[leaf is not np.ma.masked for leaf in leaves]] = result
             result = full
@@ -200,7 +200,7 @@ def _scattered(
 def _stacked(pairs, name):
     """Pairs of arrays of equal shape as one pair with a new first axis."""
     if len(pairs) == 1:
-        return [np.asarray(each)[None] for each in pairs[0]]
+        return [np.asarray(array)[None] for array in pairs[0]]
     shapes = {np.shape(hi) for hi, _ in pairs}
     if len(shapes) > 1:
         raise AttitudeError(f"{name} is ragged; give entries of equal shape.")
@@ -391,10 +391,10 @@ def _datetime64(moments, name):
         _refuse_far_years(np.float64(np.inf), name)
     # numpy rounds down to the coarser unit: the rest is not negative.
     second = moments.astype("M8[s]")
-    rest = (moments - second) / _SECOND
+    fractions = (moments - second) / _SECOND
     day, second = np.divmod(second.astype(np.int64), 86400)
     day = np.where(unknown, np.nan, day + float(_MJD_OF_1970))
-    return tdb_of_day("utc", day, second.astype(np.float64), rest, name)
+    return tdb_of_day("utc", day, second.astype(np.float64), fractions, name)
 
 
 def of_text(date: str, name: str) -> tuple[float, float]:
@@ -406,12 +406,14 @@ def of_text(date: str, name: str) -> tuple[float, float]:
 
 def _texts(leaves, name):
     scales, *parts = zip(*[epochs_instants.parsed(leaf, name) for leaf in leaves], strict=True)
-    day, second, low = (np.array(part, dtype=np.float64) for part in parts)
+    day, second, low = (np.array(column, dtype=np.float64) for column in parts)
     scales = np.array(scales)
     hi, lo = np.empty(len(leaves)), np.empty(len(leaves))
     for scale in sorted(set(scales.tolist())):
-        here = scales == scale
-        hi[here], lo[here] = tdb_of_day(scale, day[here], second[here], low[here], name)
+        in_scale = scales == scale
+        hi[in_scale], lo[in_scale] = tdb_of_day(
+            scale, day[in_scale], second[in_scale], low[in_scale], name
+        )
     return hi, lo
 
 

@@ -36,13 +36,13 @@ TEXT: re.Pattern[str] = re.compile(
 
 def parsed(text: str, name: str) -> tuple[str, int, int, float]:
     """Scale, day (modified Julian date), whole seconds since its midnight, fraction of a second."""
-    found = TEXT.fullmatch(text.strip())
-    if found is None:
+    matched = TEXT.fullmatch(text.strip())
+    if matched is None:
         raise AttitudeError(
             f"{name} is {shown(text)}, which cannot be read as a date; write it like "
             '"2026-01-01T00:00:00", "2026-001T00:00:00" or "2026-01-01T00:00:00 TDB".'
         )
-    year, month, day, yearday, hour, minute, second, fraction, zone, scale = found.groups()
+    year, month, day, yearday, hour, minute, second, fraction, zone, scale = matched.groups()
     scale = _scale(scale, zone, text, name) if scale else "utc"
     try:
         date = _mjd(int(year), month, day, yearday)
@@ -56,11 +56,11 @@ def parsed(text: str, name: str) -> tuple[str, int, int, float]:
         raise AttitudeError(
             f"{name} is {shown(text)}; hours go from 00 to 23, minutes and seconds from 00 to 59."
         )
-    part = float("0." + fraction) if fraction else 0.0
+    share = float("0." + fraction) if fraction else 0.0
     shift, minutes = divmod(hours * 60 + minutes - _offset(zone), 1440)
     if seconds == 60:
-        _refuse_false_leap(scale, date + shift, minutes, part, text, name)
-    return scale, date + shift, minutes * 60 + seconds, part
+        _refuse_false_leap(scale, date + shift, minutes, share, text, name)
+    return scale, date + shift, minutes * 60 + seconds, share
 
 
 def _scale(scale: str, zone: str | None, text: str, name: str) -> str:
@@ -197,9 +197,9 @@ def times(start: Instant, seconds: ArrayLike, low: ArrayLike | None = None) -> T
     from astropy.time import Time
 
     seconds = np.asarray(seconds, dtype=np.float64)
-    rest = np.float64(0.0) if low is None else np.asarray(low, dtype=np.float64)
-    unknown = ~np.isfinite(seconds + rest)
-    hi, lo = pairs.two_sum(np.where(unknown, 0.0, seconds), np.where(unknown, 0.0, rest))
+    low_parts = np.float64(0.0) if low is None else np.asarray(low, dtype=np.float64)
+    unknown = ~np.isfinite(seconds + low_parts)
+    hi, lo = pairs.two_sum(np.where(unknown, 0.0, seconds), np.where(unknown, 0.0, low_parts))
     hi, lo = pairs.add((hi, lo), start.seconds, start.low)
     time = Time(*_time_scales.jd_from_seconds(hi, lo), format="jd", scale="tdb")
     if np.any(unknown):

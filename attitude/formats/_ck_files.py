@@ -350,9 +350,9 @@ class Plan:
         if self.kind == 3:
             turn = quaternion.multiply(quaternion.conjugate(q[0]), q[1])
             share = 0.5 + _OFF_MIDDLE
-            part = forms.from_rotation_vector(share * forms.to_rotation_vector(turn))
+            turned = forms.from_rotation_vector(share * forms.to_rotation_vector(turn))
             rates = w[0] + share * (w[1] - w[0])
-            found = quaternion.multiply(q[0], part), rates
+            interpolated = quaternion.multiply(q[0], turned), rates
         else:
             at = np.broadcast_to(np.arange(width), (len(first), width)).astype(float)
             x = (middle - first) / steps
@@ -360,15 +360,13 @@ class Plan:
             speed = self.speed(first[:, None] + place)[..., None]
             bends = speed * bends
             change = speed * forms.quaternion_rate(nodes.wxyz, nodes.angular_velocity)
-            slopes = [
-                [part[:, k] * steps[:, None] for k in range(width)] for part in (change, bends)
-            ]
-            found = [
+            slopes = [[one[:, k] * steps[:, None] for k in range(width)] for one in (change, bends)]
+            interpolated = [
                 _table.polynomial(at, values, slope, x)
                 for values, slope in zip((q, w), slopes, strict=True)
             ]
-        off = longest(found[1] - true.angular_velocity_inertial)
-        return apart(quaternion.unit(found[0]), true.wxyz), off
+        off = longest(interpolated[1] - true.angular_velocity_inertial)
+        return apart(quaternion.unit(interpolated[0]), true.wxyz), off
 
 
 def apart(p: FloatArray, q: FloatArray) -> float:

@@ -399,8 +399,8 @@ def _stretches(
 ) -> list[_Stretch]:
     """The stretches of a motion from start to stop."""
     ends = []
-    for which, given, k in (("start", start, 0), ("stop", stop, 1)):
-        value = given
+    for which, bound, k in (("start", start, 0), ("stop", stop, 1)):
+        value = bound
         if value is None and motion.span is not None:
             value = motion.span[k]
         if value is None:
@@ -410,16 +410,16 @@ def _stretches(
             )
         ends.append(_inputs.one_since(motion.epoch, value, which))
     if isinstance(motion, AttitudeTable):
-        found = [
-            _Stretch(part, max(ends[0], part._limits[0]), min(ends[1], part._limits[1]))
-            for part in (part._counted_from(motion.epoch) for part in motion.segments)
+        stretches = [
+            _Stretch(segment, max(ends[0], segment._limits[0]), min(ends[1], segment._limits[1]))
+            for segment in (segment._counted_from(motion.epoch) for segment in motion.segments)
         ]
     else:
-        found = _between_breaks(motion, *ends)
-    found = [each for each in found if each.length > 0.0]
-    if not found:
+        stretches = _between_breaks(motion, *ends)
+    stretches = [stretch for stretch in stretches if stretch.length > 0.0]
+    if not stretches:
         raise AttitudeError("stop is not after start; give a span of time.")
-    return found
+    return stretches
 
 
 def _between_breaks(motion, begin, end):

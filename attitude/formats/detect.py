@@ -32,9 +32,9 @@ else:
     def __getattr__(name):
         """What the registry says, read when it is first asked for."""
         if name == "ENDINGS":
-            return {ending: each.name for ending, each in endings().items()}
+            return {ending: one.name for ending, one in endings().items()}
         if name == "OF_MOTIONS":
-            return tuple(each.name for each in formats().values() if each.holds == "motion")
+            return tuple(one.name for one in formats().values() if one.holds == "motion")
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
@@ -59,9 +59,9 @@ def of_file(path: FilePath) -> str:
 def format_of(path: FilePath) -> Format:
     """The `Format` of an existing file, by its content or else by its ending."""
     text = beginning(path)
-    for each in formats().values():
-        if text.startswith(each.marks):
-            return each
+    for one in formats().values():
+        if text.startswith(one.marks):
+            return one
     if text.startswith(b"<"):
         return _of_xml(path, text)
     other = re.match(rb"(CCSDS|CIC)_([A-Z]{2,4})_VERS", text)
@@ -75,9 +75,9 @@ def format_of(path: FilePath) -> Format:
     known = endings()
     if ending_of(path) in known:
         return known[ending_of(path)]
-    for each in formats().values():
-        if each.resembles is not None and each.resembles(text.split(b"\n")[0]):
-            return each
+    for one in formats().values():
+        if one.resembles is not None and one.resembles(text.split(b"\n")[0]):
+            return one
     raise AttitudeError(
         f"{os.fspath(path)!r} is in no format that is known: neither its content nor its ending is "
         f"one of them. Known endings are {', '.join(known)}."
@@ -102,11 +102,11 @@ def format_to_write(path: FilePath) -> Format:
 
 def _of_xml(path, text):
     """The format of a file in XML, by the element of its message."""
-    found = re.search(rb"<(?:[\w.-]+:)?(acm|aem|apm|cdm|ocm|oem|omm|opm|rdm|tdm)[\s>]", text)
-    name = found.group(1).decode() if found else "aem"
-    for each in formats().values():
-        if each.element == name:
-            return each
+    matched = re.search(rb"<(?:[\w.-]+:)?(acm|aem|apm|cdm|ocm|oem|omm|opm|rdm|tdm)[\s>]", text)
+    name = matched.group(1).decode() if matched else "aem"
+    for one in formats().values():
+        if one.element == name:
+            return one
     raise AttitudeError(
         f"{os.fspath(path)!r} is an {name.upper()}, which holds no attitudes; give an AEM, APM "
         "or ACM."
@@ -161,13 +161,15 @@ def opened(
     lenient: bool = False,
 ) -> OpenedFile:
     """The motion in a file of any format, with the names and comments of the file."""
-    given: dict[str, Any]
-    given = {"frame": frame, "orbit": orbit, "body": body, "kernels": kernels, "rates": rates}
-    given |= {"object": object, "segment": segment, "lenient": lenient}
+    keywords: dict[str, Any]
+    keywords = {"frame": frame, "orbit": orbit, "body": body, "kernels": kernels, "rates": rates}
+    keywords |= {"object": object, "segment": segment, "lenient": lenient}
     if tolerance is not None:
-        given["tolerance"] = tolerance
-    found = format_of(path)
-    return found.read(path, **{name: given[name] for name in found.reading if name in given})
+        keywords["tolerance"] = tolerance
+    file_format = format_of(path)
+    return file_format.read(
+        path, **{name: keywords[name] for name in file_format.reading if name in keywords}
+    )
 
 
 def write(
@@ -194,32 +196,32 @@ def write(
     AttitudeError
         For an ending of no format or of a format of motions, and as the writer of the format.
     """
-    found = format_to_write(path)
-    if found.holds != "records":
+    file_format = format_to_write(path)
+    if file_format.holds != "records":
         raise AttitudeError(
             f"{os.fspath(path)!r} would hold a motion, not attitudes at epochs; use write_motion."
         )
-    return found.write(path, source, t=t, **settings)
+    return file_format.write(path, source, t=t, **settings)
 
 
 def write_motion(path: FilePath, motion: FreeRotation, **settings: Any) -> None:
     """Write a free rotation as a spin file (.toml, exact), an APM (.apm) or a DAMIT file
     (.spin).
     """
-    found = format_to_write(path)
-    if found.holds != "motion":
+    file_format = format_to_write(path)
+    if file_format.holds != "motion":
         raise AttitudeError(
             f"{os.fspath(path)!r} would hold attitudes at epochs, not a motion; use write."
         )
-    found.write(path, motion, **settings)
+    file_format.write(path, motion, **settings)
 
 
 def write_any(
     path: FilePath, motion: Motion, *, t: Epochs | None = None, **settings: Any
 ) -> SampledFile | None:
     """Write a motion in the format of the file's ending: `Motion.write`."""
-    name, found = os.fspath(path), format_to_write(path)
-    if found.holds == "motion":
+    name, file_format = os.fspath(path), format_to_write(path)
+    if file_format.holds == "motion":
         if not isinstance(motion, FreeRotation):
             raise AttitudeError(
                 f"{name!r} would hold a free rotation, and the motion is {type(motion).__name__}; "
@@ -227,19 +229,19 @@ def write_any(
             )
         if t is not None:
             raise AttitudeError(f"{name!r} holds a motion, not attitudes at epochs; leave out t.")
-        return found.write(path, motion, **settings)
-    if found.holds == "span":
+        return file_format.write(path, motion, **settings)
+    if file_format.holds == "span":
         if t is not None:
             raise AttitudeError(f"{name!r} holds a span of time; give start= and stop= for t.")
-        ends = [settings.pop(each, None) for each in ("start", "stop")]
-        return found.write(path, motion, *ends, **settings)
+        ends = [settings.pop(bound, None) for bound in ("start", "stop")]
+        return file_format.write(path, motion, *ends, **settings)
     is_table = isinstance(motion, AttitudeTable)
     if t is None and not is_table and not {"start", "stop"} <= set(settings):
         raise AttitudeError(
             f"{name!r} holds attitudes at epochs; give them, as in motion.write({name!r}, t), or "
             "start=, stop= and tolerance= (rad)."
         )
-    return found.write(path, motion, t=t, **settings)
+    return file_format.write(path, motion, t=t, **settings)
 
 
 # ---- A free rotation with its labels, from a file that holds one: spin file, APM, DAMIT spin file
@@ -263,9 +265,9 @@ class State(NamedTuple):
 def read_state(path: FilePath) -> State:
     """The free rotation in a file."""
     if _kind(path) == "spin":
-        found = spin_file.read(path)
-        labels = found.name, found.source, found.note
-        return State(found.motion, *labels, found.shape, found.law)
+        state = spin_file.read(path)
+        labels = state.name, state.source, state.note
+        return State(state.motion, *labels, state.shape, state.law)
     motion, said = opened(path)
     if not isinstance(motion, FreeRotation):
         raise AttitudeError(

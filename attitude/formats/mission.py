@@ -160,12 +160,12 @@ class MissionColumn:
     @property
     def factor(self) -> float:
         """The unit of the view (SI units or radians) in the unit of the output: a pure number."""
-        own = View.columns()[self.name].unit
-        if own == self.unit:
+        unit_of_column = View.columns()[self.name].unit
+        if unit_of_column == self.unit:
             return 1.0
         from astropy.units import Unit
 
-        return float(Unit(own).to(quantity_text.unit_of(self.unit, "columns")))
+        return float(Unit(unit_of_column).to(quantity_text.unit_of(self.unit, "columns")))
 
 
 @dataclass(frozen=True, eq=False)
@@ -265,27 +265,33 @@ def column(text: str) -> MissionColumn:
     known = View.columns()
     if name not in known:
         refuse_unknown({name: None}, tuple(known), "columns")
-    found = MissionColumn(name, unit or known[name].unit)
-    own = known[name].unit
-    if unit and unit != own:
+    mission_column = MissionColumn(name, unit or known[name].unit)
+    unit_of_column = known[name].unit
+    if unit and unit != unit_of_column:
         from astropy import units
 
-        if not own or not units.Unit(own).is_equivalent(quantity_text.unit_of(unit, "columns")):
+        if not unit_of_column or not units.Unit(unit_of_column).is_equivalent(
+            quantity_text.unit_of(unit, "columns")
+        ):
             raise AttitudeError(
                 f"columns holds {quoted(text)}, but {name} is "
-                + (f"in {own}; give a unit that converts to it." if own else "a pure number.")
+                + (
+                    f"in {unit_of_column}; give a unit that converts to it."
+                    if unit_of_column
+                    else "a pure number."
+                )
             )
-    return found
+    return mission_column
 
 
 def _columns(content: dict[str, Any], scene: Scene) -> tuple[MissionColumn, ...]:
-    given = content.get("columns", _BRIGHT if scene.shape is not None else None)
-    if not isinstance(given, list) or not given:
+    names = content.get("columns", _BRIGHT if scene.shape is not None else None)
+    if not isinstance(names, list) or not names:
         raise AttitudeError(
             'columns is missing; give a list of quantities, such as ["phase_angle deg"], from '
             f"{', '.join(View.columns())}."
         )
-    return tuple(column(each) for each in given)
+    return tuple(column(name) for name in names)
 
 
 def _with_errors(found: spin_file.SpinFile | None, content: dict[str, Any]) -> Any:
@@ -328,16 +334,16 @@ def _facets(
     content: dict[str, Any], state: spin_file.SpinFile | None, where: str, folder: str
 ) -> _mesh.Mesh:
     """The facets of the section [shape], or of the shape of a spin file."""
-    given = content.get("shape", {})
+    section = content.get("shape", {})
     if "shape" in content:
         body = None if state is None else state.body
-        shape = _surface.shape_of(given, body, partial(_file, folder=folder))["shape"]
+        shape = _surface.shape_of(section, body, partial(_file, folder=folder))["shape"]
     elif state is not None and state.shape is not None:
         shape = state.shape
     else:
         raise AttitudeError(f"{where} acts on facets; give a section [shape].")
     if isinstance(shape, shape_ellipsoid.Ellipsoid):
-        return shape.facets(given.get("facets", _surface.FACETS))
+        return shape.facets(section.get("facets", _surface.FACETS))
     mesh: _mesh.Mesh = shape
     return mesh
 
@@ -359,41 +365,41 @@ def read_motion(path: FilePath) -> FreeRotation | TorquedRotation:
     try:
         refuse_unknown(content, _KEYS, "the file")
         folder = os.path.dirname(path)
-        found = _motion(content, _with_errors(_state(content, folder), content), folder)
-        if found is None:
+        motion = _motion(content, _with_errors(_state(content, folder), content), folder)
+        if motion is None:
             raise AttitudeError("the file has no spin; give one, or sections [body] and [spin].")
-        return found
+        return motion
     except AttitudeError as err:
         raise AttitudeError(f"{path}: {err}") from err
 
 
 def _state(content: dict[str, Any], folder: str) -> spin_file.SpinFile | None:
     """The state of the keys spin and [body], with the shape of a spin file; None without a spin."""
-    given = content.get("spin")
-    is_state = isinstance(given, dict) and "catalog" not in given
+    section = content.get("spin")
+    is_state = isinstance(section, dict) and "catalog" not in section
     if "body" in content or is_state:
-        if not is_state and given is not None:
+        if not is_state and section is not None:
             raise AttitudeError(
                 "the file has a section [body] and a spin with a body of its own; leave one out."
             )
         return spin_file.of_sections({key: content[key] for key in content if key in _OF_STATE})
-    if given is None:
+    if section is None:
         return None
-    if isinstance(given, str):
-        return _named(given, folder)
-    if isinstance(given, dict) and isinstance(given["catalog"], str):
-        rest = {key: value for key, value in given.items() if key != "catalog"}
-        return _bare(catalog.entry(given["catalog"]).motion(**rest))
+    if isinstance(section, str):
+        return _named(section, folder)
+    if isinstance(section, dict) and isinstance(section["catalog"], str):
+        others = {key: value for key, value in section.items() if key != "catalog"}
+        return _bare(catalog.entry(section["catalog"]).motion(**others))
     ways = 'the name of a spin file, { catalog = "name", ... }, or the sections [body] and [spin]'
-    raise AttitudeError(f"spin is {quoted(given)}; give {ways}.")
+    raise AttitudeError(f"spin is {quoted(section)}; give {ways}.")
 
 
 def _named(given: str, folder: str) -> spin_file.SpinFile:
     """The state of a file, or of an entry of the catalogue if no file has the name."""
     if not os.path.isfile(os.path.join(folder, os.path.expanduser(given))) and catalog.has(given):
         return _bare(catalog.entry(given).motion())
-    found = detect.read_state(_places.file_of(given, folder, "spin"))
-    return replace(_bare(found.motion), shape=found.shape, law=found.law)
+    state = detect.read_state(_places.file_of(given, folder, "spin"))
+    return replace(_bare(state.motion), shape=state.shape, law=state.law)
 
 
 def _bare(motion: FreeRotation) -> spin_file.SpinFile:
@@ -418,13 +424,13 @@ def _place(given: Any, name: str, folder: str) -> Any:
 
 def _options(content: dict[str, Any], folder: str) -> dict[str, Any]:
     """The options, as a Scene takes them."""
-    found = {key: content[key] for key in (*_OPTIONS, *_OF_SITES) if key in content}
-    kernel = found.get("ephemeris")
+    options = {key: content[key] for key in (*_OPTIONS, *_OF_SITES) if key in content}
+    kernel = options.get("ephemeris")
     if kernel not in (None, *SOURCES):
-        found["ephemeris"] = _places.file_of(kernel, folder, "ephemeris")
-    if found.get("tolerance") == "none":
-        found["tolerance"] = None
-    return found
+        options["ephemeris"] = _places.file_of(kernel, folder, "ephemeris")
+    if options.get("tolerance") == "none":
+        options["tolerance"] = None
+    return options
 
 
 def _photometry(
@@ -432,12 +438,12 @@ def _photometry(
 ) -> dict[str, Any]:
     """Shape, law and scale of magnitudes, as a Scene takes them."""
     given, law = content.get("shape"), None
-    found: dict[str, Any]
+    keywords: dict[str, Any]
     if given is not None:
         body = None if state is None else state.body
-        found = _surface.shape_of(given, body, partial(_file, folder=folder))
+        keywords = _surface.shape_of(given, body, partial(_file, folder=folder))
     elif state is not None and state.shape is not None:
-        found, law = {"shape": state.shape}, state.law
+        keywords, law = {"shape": state.shape}, state.law
     else:
         for section in ("scattering", "magnitude"):
             if section in content:
@@ -446,10 +452,10 @@ def _photometry(
                 )
         return {}
     if law is None or "scattering" in content:
-        law = _surface.law_of(content.get("scattering", {}), found["shape"])
+        law = _surface.law_of(content.get("scattering", {}), keywords["shape"])
     scale = _surface.scale_of(content.get("magnitude", {}))
-    shape = _surface.facets_for(given or {}, found["shape"], law)
-    return {**found, **scale, "law": law, "shape": shape}
+    shape = _surface.facets_for(given or {}, keywords["shape"], law)
+    return {**keywords, **scale, "law": law, "shape": shape}
 
 
 def _file(given: Any, name: str, folder: str) -> str:
@@ -465,30 +471,30 @@ def _magnitude(content: dict[str, Any], scene: Scene) -> MagnitudeScale | None:
 
 
 def _times(content: dict[str, Any]) -> dict[str, Any]:
-    given = content.get("times")
+    section = content.get("times")
     example = '[times] start = "2029-04-13", stop = "2029-04-14", step = "10 min"'
-    if not isinstance(given, dict):
+    if not isinstance(section, dict):
         raise AttitudeError(f"the file has no section [times]; give it, as in {example}.")
-    refuse_unknown(given, ("start", "stop", "step", "epochs"), "[times]")
-    if "epochs" in given:
-        if len(given) > 1:
+    refuse_unknown(section, ("start", "stop", "step", "epochs"), "[times]")
+    if "epochs" in section:
+        if len(section) > 1:
             raise AttitudeError(
                 "[times] has epochs and other keys; give epochs alone, or start, stop and step."
             )
-        if not isinstance(given["epochs"], list) or not given["epochs"]:
+        if not isinstance(section["epochs"], list) or not section["epochs"]:
             raise AttitudeError(
                 '[times] epochs is not a list of dates; give one, as in ["2029-04-13"].'
             )
-        return dict(given)
-    found = {}
+        return dict(section)
+    times = {}
     for key in ("start", "stop", "step"):
-        if key not in given:
+        if key not in section:
             raise AttitudeError(f"[times] has no {key}; give it, as in {example}.")
-        value = given[key]
+        value = section[key]
         if isinstance(value, bool) or not isinstance(value, (str, int, float)):
             raise AttitudeError(f"[times] {key} is {value!s} without quotes; write it as text.")
-        found[key] = value if isinstance(value, str) else re.sub(r"\.0$", "", repr(value))
-    return found
+        times[key] = value if isinstance(value, str) else re.sub(r"\.0$", "", repr(value))
+    return times
 
 
 # ---- Sections [[torque]] and [integration]
@@ -530,8 +536,12 @@ def _under_torques(
     content: dict[str, Any], free: FreeRotation | None, around: _Surroundings
 ) -> TorquedRotation:
     """The motion with the torques of the file."""
-    given = content.get("torque")
-    if not isinstance(given, list) or not given or not all(isinstance(x, dict) for x in given):
+    sections = content.get("torque")
+    if (
+        not isinstance(sections, list)
+        or not sections
+        or not all(isinstance(x, dict) for x in sections)
+    ):
         raise AttitudeError(
             "the file has no list of torques; begin each with [[torque]] and a kind, as in "
             '[[torque]] kind = "gravity_gradient".'
@@ -539,7 +549,7 @@ def _under_torques(
     if free is None:
         raise AttitudeError("the file has torques, but no spin on which they act; give a spin.")
     acting = []
-    for k, section in enumerate(given, start=1):
+    for k, section in enumerate(sections, start=1):
         kind = section.get("kind")
         if not isinstance(kind, str) or kind not in _TORQUES:
             raise AttitudeError(
@@ -645,15 +655,15 @@ def _air(
     section: dict[str, Any], where: str, number: Callable[[str, str | None], Any]
 ) -> float | Callable[[FloatArray], FloatArray]:
     """A density in kg/m3, or an exponential one of the height."""
-    given = section.get("density")
-    if not isinstance(given, dict):
+    section_of_density = section.get("density")
+    if not isinstance(section_of_density, dict):
         density: float = number("density", "kg/m3")
         return density
     units: dict[str, str | None] = {"density": "kg/m3", "height": "m", "scale_height": "m"}
-    found = _surface.table_of(given, f"{where} density", units, tuple(units))
+    numbers = _surface.table_of(section_of_density, f"{where} density", units, tuple(units))
     for key in ("density", "scale_height"):
-        validation.positive(found[key], f"{where} density {key}")
-    return partial(_exponential, **found)
+        validation.positive(numbers[key], f"{where} density {key}")
+    return partial(_exponential, **numbers)
 
 
 def _exponential(
@@ -666,21 +676,21 @@ def _exponential(
 
 def _field(section: dict[str, Any], where: str) -> torques.MagneticField:
     """The magnetic field of a section."""
-    given = section.get("field", 13)
-    if isinstance(given, dict):
-        refuse_unknown(given, ("degree", "epoch", "dipole"), f"{where} field")
-        if "dipole" in given and len(given) == 1:
+    section_of_field = section.get("field", 13)
+    if isinstance(section_of_field, dict):
+        refuse_unknown(section_of_field, ("degree", "epoch", "dipole"), f"{where} field")
+        if "dipole" in section_of_field and len(section_of_field) == 1:
             return torques.DipoleField(
-                _surface.number_of(given["dipole"], f"{where} field dipole", "A m2")
+                _surface.number_of(section_of_field["dipole"], f"{where} field dipole", "A m2")
             )
-        if "dipole" in given:
+        if "dipole" in section_of_field:
             raise AttitudeError(f"{where} field has a dipole and a model; give one of them.")
-        return torques.IGRF(given.get("degree", 13), given.get("epoch"))
-    if given == "igrf":
+        return torques.IGRF(section_of_field.get("degree", 13), section_of_field.get("epoch"))
+    if section_of_field == "igrf":
         return torques.IGRF()
-    if isinstance(given, bool) or not isinstance(given, int):
+    if isinstance(section_of_field, bool) or not isinstance(section_of_field, int):
         raise AttitudeError(
-            f"{where} field is {quoted(given)}; give a degree of the IGRF from 1 to 13, "
+            f"{where} field is {quoted(section_of_field)}; give a degree of the IGRF from 1 to 13, "
             '{ degree = 13, epoch = "2025-01-01" }, or { dipole = [x, y, z] }.'
         )
-    return torques.IGRF(given)
+    return torques.IGRF(section_of_field)

@@ -75,10 +75,10 @@ def names(*, rates: bool, sigma: bool = False) -> list[str]:
 
 def names_of_numbers(*, rates: bool, sigma: bool = False) -> list[str]:
     """Names of the columns of `numbers`."""
-    found = [*ATTITUDE, *(RATES if rates else ())]
+    names = [*ATTITUDE, *(RATES if rates else ())]
     if sigma:
-        found += [*SIGMA, *(SIGMA_RATES if rates else ())]
-    return found
+        names += [*SIGMA, *(SIGMA_RATES if rates else ())]
+    return names
 
 
 def columns_of_numbers(
@@ -124,12 +124,12 @@ def text(dates: Iterable[str], *columns: Iterable[float]) -> str:
 
 def write_csv(path: FilePath, part: Records, *, rates: bool, sigma: bool = False) -> None:
     """Write one segment piece by piece."""
-    ends, rest = part.first_and_last()
+    ends, low_ends = part.first_and_last()
     with written_whole(path, "the table") as file:
         file.write(",".join(names(rates=rates, sigma=sigma)) + "\n")
         for history in part.pieces():
             dates = ccsds_epochs.texts(history.epoch, history.seconds, history.low, "utc")
-            since = (history.seconds - ends[0]) + (pairs.Seconds.of(history).low - rest[0])
+            since = (history.seconds - ends[0]) + (pairs.Seconds.of(history).low - low_ends[0])
             file.write(of_history(dates, since, history, rates=rates, sigma=sigma))
 
 
@@ -212,12 +212,12 @@ def write_parquet(
         written_whole(path, "the table", binary=True) as file,
         pyarrow.parquet.ParquetWriter(file, schema) as writer,
     ):
-        for part in parts:
-            for history in part.pieces():
+        for segment in parts:
+            for history in segment.pieces():
                 epoch = history.epoch
                 time = pairs.Seconds.of(history).plus(epoch.seconds, epoch.low)
-                found = columns_of_numbers(history, rates=rates, sigma=sigma)
-                columns = [*_time_scales.jd_from_seconds(*time), *found]
+                columns_of = columns_of_numbers(history, rates=rates, sigma=sigma)
+                columns = [*_time_scales.jd_from_seconds(*time), *columns_of]
                 arrays = [pyarrow.array(np.ascontiguousarray(column)) for column in columns]
                 writer.write_table(pyarrow.Table.from_arrays(arrays, schema=schema))
 
@@ -227,7 +227,7 @@ def write_parquet_columns(
 ) -> None:
     """Write columns (N,) of numbers or text, in groups of rows."""
     pyarrow = _pyarrow()
-    arrays = {name: pyarrow.array(np.ascontiguousarray(each)) for name, each in columns.items()}
+    arrays = {name: pyarrow.array(np.ascontiguousarray(column)) for name, column in columns.items()}
     table = pyarrow.table(arrays).replace_schema_metadata({"attitude": json.dumps(dict(meta))})
     with (
         written_whole(path, "the table", binary=True) as file,
@@ -289,12 +289,12 @@ def qtable(
     from astropy.table import vstack
 
     parts = _sampling.segments(source, t)
-    with_rates = rates and all(part.has_rates for part in parts)
+    with_rates = rates and all(segment.has_rates for segment in parts)
     tables: list[QTable] = []
     first: list[int] = []
-    for part in parts:
+    for segment in parts:
         first.append(sum(map(len, tables)))
-        tables.extend(piece.table(rates=with_rates, sigma=sigma) for piece in part.pieces())
+        tables.extend(piece.table(rates=with_rates, sigma=sigma) for piece in segment.pieces())
     table = tables[0] if len(tables) == 1 else vstack(tables, metadata_conflicts="silent")
     table.meta = {
         "frame": "ICRF",
@@ -456,13 +456,13 @@ def write(
 
 def _write(path, kind, source, t, rates, sigma):
     if kind == "csv":
-        part = _sampling.only_segment(source, t, "CSV")
-        write_csv(path, part, rates=rates and part.has_rates, sigma=sigma)
+        segment = _sampling.only_segment(source, t, "CSV")
+        write_csv(path, segment, rates=rates and segment.has_rates, sigma=sigma)
     elif kind == "parquet":
         parts = _sampling.segments(source, t)
         starts = np.cumsum([0, *map(len, parts)])[:-1].tolist()
         meta = {"frame": "ICRF", "segment": starts, **_interpolation(parts[0])}
-        rates = rates and all(part.has_rates for part in parts)
+        rates = rates and all(piece.has_rates for piece in parts)
         write_parquet(path, parts, rates=rates, meta=meta, sigma=sigma)
     else:
         table = qtable(source, t=t, rates=rates, sigma=sigma)
@@ -520,21 +520,21 @@ def _times(table, origin):
 
     for name in table.colnames:
         if isinstance(table[name], Time):
-            given = table[name]
+            column = table[name]
             break
     else:
         dates = [("tdb_jd1", "tdb_jd2"), ("jd1", "jd2"), ("JD1", "JD2")]
-        found = [pair for pair in dates if set(pair) <= set(table.colnames)]
-        if found:
-            jd1, jd2 = (np.asarray(table[name], dtype=np.float64) for name in found[0])
+        pairs_of_names = [pair for pair in dates if set(pair) <= set(table.colnames)]
+        if pairs_of_names:
+            jd1, jd2 = (np.asarray(table[name], dtype=np.float64) for name in pairs_of_names[0])
             return _time_scales.seconds_from_jd(jd1, jd2)
         if "utc" not in table.colnames:
             raise AttitudeError(
                 f"{origin}: it has no epochs; give a Time column, or jd1 and jd2 (TDB), or utc."
             )
-        given = [str(text) for text in table["utc"]]
+        column = [str(text) for text in table["utc"]]
     try:
-        hi, lo = _inputs.seconds_since(_instants.Instant(0.0), given)
+        hi, lo = _inputs.seconds_since(_instants.Instant(0.0), column)
     except AttitudeError as err:
         raise AttitudeError(f"{origin}: {err}") from err
     return hi, lo
@@ -545,12 +545,12 @@ def _columns(table, name, names, origin, unit):
 
     try:
         if name in table.colnames:
-            given = table[name]
+            column = table[name]
         elif set(names) <= set(table.colnames):
-            given = np.stack([_plain(table[each], unit) for each in names], axis=-1)
+            column = np.stack([_plain(table[one], unit) for one in names], axis=-1)
         else:
             return None
-        return validation.real(given, name, shape=(len(table), len(names)), unit=unit)
+        return validation.real(column, name, shape=(len(table), len(names)), unit=unit)
     except AttitudeError as err:
         raise AttitudeError(f"{origin}: {err}") from err
     except (ValueError, TypeError) as err:  # from astropy, for unknown units

@@ -70,13 +70,13 @@ def components(sun: NDArray[Any], observer: NDArray[Any], begin: int, end: int) 
     parts = []
     for array, name in ((sun, "sun"), (observer, "observer")):
         # read-only everywhere: one compiled version
-        own = [
+        parts_of = [
             read_only(np.ascontiguousarray(array[begin:end, k], dtype=np.float64)) for k in range(3)
         ]
         # The sum of (|v|^2 - 1)^2 exceeds the bound if any single vector does; NaN stays NaN.
-        if not stray(*own) <= _UNIT**2:
-            _refuse_the_first(own, name, begin)
-        parts.extend(own)
+        if not stray(*parts_of) <= _UNIT**2:
+            _refuse_the_first(parts_of, name, begin)
+        parts.extend(parts_of)
     return parts
 
 
@@ -232,11 +232,11 @@ def stream(
     """
     done = 0
     for sun, observer in blocks:
-        part = brightness(shape, law, sun, observer, shadows=shadows, threads=threads)
-        done += np.size(part)
+        block = brightness(shape, law, sun, observer, shadows=shadows, threads=threads)
+        done += np.size(block)
         if progress is not None:
             progress(done)
-        yield part
+        yield block
 
 
 def _described(out: object) -> str:
@@ -335,9 +335,9 @@ def cells_of_directions(resolution: int, directions: Sequence[FloatArray]) -> Fl
         return np.zeros(directions[0].size)
     missing = -directions[0].size % SIZE
     if missing:
-        directions = [np.append(each, np.ones(missing)) for each in directions]
-        for each in directions:
-            each.flags.writeable = False  # as `components` gives them: one compiled version
+        directions = [np.append(one, np.ones(missing)) for one in directions]
+        for one in directions:
+            one.flags.writeable = False  # as `components` gives them: one compiled version
     cells = np.empty(directions[0].size)
     _sums.cells_of(*directions, float(resolution), cells)
     return cells
@@ -361,7 +361,7 @@ def _facet_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..
     if table is not None:
         masks, resolution = table.masks.view(np.uint64), table.resolution
     facets = clusters.blocks, clusters.axes, clusters.sky, clusters.cells
-    found = *facets, _segments(which, len(rows)), which.astype(float), masks
+    records = *facets, _segments(which, len(rows)), which.astype(float), masks
     assert law.of_phase is not None
     if law.elements is not None:
         summed = _sums.by_sixteen(law.of_phase, law.elements)
@@ -379,8 +379,8 @@ def _facet_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..
         half = np.empty((2, out.size))
         _sums.halves(*directions, *half)
         ends = np.empty((min(out.size, size // SIZE), len(rows)), dtype=np.int64)
-        given = *found, *cells, *directions, *np.empty((3, size)), ends
-        summed(rows, given, *half, out)
+        arguments = *records, *cells, *directions, *np.empty((3, size)), ends
+        summed(rows, arguments, *half, out)
 
     return _times(clusters.area, kernel)
 
@@ -412,7 +412,7 @@ def _few_kernel(
 
 def _segments(which: IntArray, rows: int) -> NDArray[np.uint64]:
     """The `segments` of `_sums.gather`, for the row (places,) of each place, -1 if it is empty."""
-    found = []
+    segments = []
     of_clusters = which.reshape(-1, SIZE)
     for row in range(rows):
         holds = np.any(of_clusters == row, axis=1)
@@ -421,8 +421,8 @@ def _segments(which: IntArray, rows: int) -> NDArray[np.uint64]:
         words = np.packbits(padded, bitorder="little").view("<u8")
         # each row has a segment, be it empty
         used = np.flatnonzero(words) if np.any(words) else [0]
-        found += [(word, int(words[word]), row) for word in used]
-    return np.array(found, dtype=np.uint64)
+        segments += [(word, int(words[word]), row) for word in used]
+    return np.array(segments, dtype=np.uint64)
 
 
 def _times(area: float, summed: Callable[..., object]) -> Callable[..., None]:

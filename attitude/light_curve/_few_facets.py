@@ -71,10 +71,10 @@ def packs_of(mesh: Mesh, number: IntArray, rows: int, order: IntArray) -> Packs 
         return None
     first = np.concatenate([[0], np.cumsum(packs)])
     places = np.full(first[-1] * SIZE, -1)
-    near = order[order >= 0]
+    used_facets = order[order >= 0]
     for row in range(rows):
-        own = near[number[near] == row]
-        places[first[row] * SIZE : first[row] * SIZE + len(own)] = own
+        of_row = used_facets[number[used_facets] == row]
+        places[first[row] * SIZE : first[row] * SIZE + len(of_row)] = of_row
     used = places >= 0
     blocks = np.zeros((_ROWS, len(places)))
     blocks[:3, used] = mesh.normals[places[used]].T
@@ -89,13 +89,13 @@ def arranged(
     """The masks of `Visibility`, a column for each facet in `order`, a word a pack; zeros without
     an order.
     """
-    found = np.zeros((len(masks), len(packs.order)), dtype=np.uint8)
+    arranged_masks = np.zeros((len(masks), len(packs.order)), dtype=np.uint8)
     if order is not None:
-        own, column = order >= 0, np.empty(len(order), dtype=np.int64)
-        column[order[own]] = np.flatnonzero(own)
+        is_used, column = order >= 0, np.empty(len(order), dtype=np.int64)
+        column[order[is_used]] = np.flatnonzero(is_used)
         used = packs.order >= 0
-        found[:, used] = masks[:, column[packs.order[used]]]
-    words: NDArray[np.uint64] = found.view(np.uint64)
+        arranged_masks[:, used] = masks[:, column[packs.order[used]]]
+    words: NDArray[np.uint64] = arranged_masks.view(np.uint64)
     words.flags.writeable = False
     return words
 

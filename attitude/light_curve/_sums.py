@@ -137,18 +137,23 @@ def clustered(normals: FloatArray, areas: FloatArray) -> Clusters:
     order = _grouped(normals)
     total = float(np.sum(areas))
     used = order >= 0
-    own = np.where(used[..., None], normals[order], 0.0)
+    normals_there = np.where(used[..., None], normals[order], 0.0)
     # the axis with the largest minimum height, be it the opposite one
-    low = np.min(np.where(used[..., None], own, np.inf), axis=1)
-    high = np.max(np.where(used[..., None], own, -np.inf), axis=1)
+    low = np.min(np.where(used[..., None], normals_there, np.inf), axis=1)
+    high = np.max(np.where(used[..., None], normals_there, -np.inf), axis=1)
     best = np.argmax(np.concatenate([low, -high], axis=1), axis=1)
     axis, opposite = best % 3, best // 3
     following = (axis[:, None] + [1, 2, 3]) % 3
-    own = np.take_along_axis(own, following[:, None, :], axis=2)
-    height = np.abs(own[..., 2])
+    normals_there = np.take_along_axis(normals_there, following[:, None, :], axis=2)
+    height = np.abs(normals_there[..., 2])
     over = np.where(used, height, 1.0)
     blocks = np.stack(
-        [own[..., 0] / over, own[..., 1] / over, height, np.where(used, areas[order] / total, 0.0)],
+        [
+            normals_there[..., 0] / over,
+            normals_there[..., 1] / over,
+            height,
+            np.where(used, areas[order] / total, 0.0),
+        ],
         axis=1,
     )
     axes = np.stack([axis + 1, axis + 5 * opposite], axis=1).astype(np.uint64)
@@ -187,8 +192,11 @@ def _grouped(normals: FloatArray) -> IntArray:
         number = np.repeat(np.arange(len(first)), size)
         begin = np.cumsum(size) - size
         places = np.arange(len(number)) + (first - begin)[number]
-        own = normals[members[places]]
-        low, high = np.minimum.reduceat(own, begin), np.maximum.reduceat(own, begin)
+        normals_there = normals[members[places]]
+        low, high = (
+            np.minimum.reduceat(normals_there, begin),
+            np.maximum.reduceat(normals_there, begin),
+        )
         few = size <= SIZE
         whole = few & (np.max(np.maximum(low, -high), axis=1) >= _LEAST_HEIGHT)
         found.append(np.stack([first, size], axis=1)[whole])
@@ -222,33 +230,33 @@ def _sky(normals: FloatArray, order: IntArray) -> tuple[int, NDArray[np.uint64]]
     centers = np.stack(np.meshgrid(middle, middle, middle, indexing="ij"), axis=-1).reshape(-1, 3)
     nearest = np.linalg.norm(np.maximum(np.abs(centers) - half, 0.0), axis=1)
     farthest = np.linalg.norm(np.abs(centers) + half, axis=1)
-    near = np.flatnonzero((nearest <= 1.0 + _SLACK) & (farthest >= 1.0 - _SLACK))
-    looking = centers[near].astype(np.float32)
-    each = len(order) <= _EXACT
-    own, empty = normals[order], order[..., None] < 0
-    if each:
-        low = high = np.where(empty, 0.0, own).reshape(-1, 3)
+    closest = np.flatnonzero((nearest <= 1.0 + _SLACK) & (farthest >= 1.0 - _SLACK))
+    looking = centers[closest].astype(np.float32)
+    few_left = len(order) <= _EXACT
+    normals_there, empty = normals[order], order[..., None] < 0
+    if few_left:
+        low = high = np.where(empty, 0.0, normals_there).reshape(-1, 3)
     else:
-        low = np.min(np.where(empty, np.inf, own), axis=1)
-        high = np.max(np.where(empty, -np.inf, own), axis=1)
+        low = np.min(np.where(empty, np.inf, normals_there), axis=1)
+        high = np.max(np.where(empty, -np.inf, normals_there), axis=1)
     # The largest cosine of a direction with normals in a box: its middle times the direction, and
     # half its edges times the sizes of the components.  It exceeds that at the middle of the cell
     # by at most `half` for each axis.
     spare = half * np.sum(np.maximum(np.abs(low), np.abs(high)), axis=1) + _SLACK
-    if each:
+    if few_left:
         spare[empty.reshape(-1)] = -9.0
     boxes = np.column_stack([0.5 * (low + high), 0.5 * (high - low), spare]).astype(np.float32)
     ahead = np.column_stack([looking, np.abs(looking), np.ones(len(looking))]).astype(np.float32)
     sky = np.zeros((cells**3, words), dtype=np.uint64)
-    step = WORD * SIZE if each else WORD
+    step = WORD * SIZE if few_left else WORD
     for word in range(words):
         shown = ahead @ boxes[word * step : (word + 1) * step].T > 0.0
-        if each:  # the eight facets of a cluster are the eight bytes of a word
+        if few_left:  # the eight facets of a cluster are the eight bytes of a word
             shown = np.ascontiguousarray(shown).view(np.uint64) != 0
         packed = np.packbits(shown, axis=1, bitorder="little")
-        bits = np.zeros((len(near), WORD // 8), dtype=np.uint8)
+        bits = np.zeros((len(closest), WORD // 8), dtype=np.uint8)
         bits[:, : packed.shape[1]] = packed
-        sky[near, word] = bits.view("<u8")[:, 0]
+        sky[closest, word] = bits.view("<u8")[:, 0]
     return cells, sky
 
 
@@ -315,18 +323,18 @@ def intensity(ia, ib, ic, scale, sx, sy, sz, ox, oy, oz):
     m, below = (both + dot if dot > 0.0 else cross), (1.0 if dot > 0.0 else apart)
     whole = s * s
     shade = max(2.0 * apart, 1e-250 * whole)
-    near = 9.0 * square < whole
+    is_close = 9.0 * square < whole
     # atanh x = k log(2) / 2 + atanh f, since exp(2 atanh x) = (S + d)^2 / (S^2 - d^2).
     top = (s + d) * (s + d)
     k = (as_bits(top) - as_bits(shade) + _ROUNDING) >> 52
     top = from_bits(as_bits(top) - (k << 52))
-    f = (d if near else top - shade) / (s if near else top + shade)
+    f = (d if is_close else top - shade) / (s if is_close else top + shade)
     u = f * f
     r = _cubes(u)
     atanh = (0.5 * _LN2) * float(k) + (f + f * u * r)
     # Near, f is x, and G is 1 - y R without the cancellation of the closed form.
-    a = whole - shade * r if near else d * s - shade * atanh
-    b = whole * s if near else d * square
+    a = whole - shade * r if is_close else d * s - shade * atanh
+    b = whole * s if is_close else d * square
     return scale * 2.0 * m * a / (below * b)
 
 
@@ -462,11 +470,11 @@ def fused(blocks, axes, sky, cells, masks, sun_cells, eye_cells, sx, sy, sz, ox,
             while word != _0:
                 n = lowest_bit(word) + np.uint64(w) * _WORD
                 word &= word - _1
-                i, way, own = n * _BLOCK, axes[n, 0], axes[n, 1]
+                i, way, axis = n * _BLOCK, axes[n, 0], axes[n, 1]
                 x, y = eight(blocks, i), eight(blocks, i + _ROW_1)
                 g, h = eight(blocks, i + _ROW_2), eight(blocks, i + _ROW_3)
-                p = at_least(_cosines(x, y, ways, way, own), tiny)
-                q = at_least(_cosines(x, y, ways, way + _EYE, own + _EYE), zeros)
+                p = at_least(_cosines(x, y, ways, way, axis), tiny)
+                q = at_least(_cosines(x, y, ways, way + _EYE, axis + _EYE), zeros)
                 product = p * q
                 if masks is not None:
                     product = product * bits_set_in_bytes(masks[free_sun, n] & masks[free_eye, n])
@@ -486,11 +494,11 @@ def cells_of(x, y, z, resolution, out):
         a, b, c = eight(x, t), eight(y, t), eight(z, t)
         ax, ay, az = at_least(a, -1.0 * a), at_least(b, -1.0 * b), at_least(c, -1.0 * c)
         # lanes above zero: the largest component is not x; of y and z it is z
-        rest, last = at_least(ay, az) - ax, az - ay
-        w = chosen(rest, chosen(last, c, b), a)
-        u = chosen(rest, chosen(last, a, c), b)
-        v = chosen(rest, chosen(last, b, a), c)
-        face = chosen(rest, chosen(last, every(4.0, a), every(2.0, a)), every(0.0, a))
+        others, last = at_least(ay, az) - ax, az - ay
+        w = chosen(others, chosen(last, c, b), a)
+        u = chosen(others, chosen(last, a, c), b)
+        v = chosen(others, chosen(last, b, a), c)
+        face = chosen(others, chosen(last, every(4.0, a), every(2.0, a)), every(0.0, a))
         face = chosen(-1.0 * w, face + 1.0, face)
         w = 1.0 / at_least(w, -1.0 * w)
         column = at_most(
@@ -567,11 +575,11 @@ def gather(
             while word != _0:
                 n = lowest_bit(word) + w * _WORD
                 word &= word - _1
-                i, way, own = n * _BLOCK, axes[n, 0], axes[n, 1]
+                i, way, axis = n * _BLOCK, axes[n, 0], axes[n, 1]
                 x, y = eight(blocks, i), eight(blocks, i + _ROW_1)
                 height = eight(blocks, i + _ROW_2)
-                p = _cosines(x, y, ways, way, own) * height
-                q = _cosines(x, y, ways, way + _EYE, own + _EYE) * height
+                p = _cosines(x, y, ways, way, axis) * height
+                q = _cosines(x, y, ways, way + _EYE, axis + _EYE) * height
                 weight = eight(blocks, i + _ROW_3)
                 if shaded:
                     free = masks[free_sun, n] & masks[free_eye, n]
@@ -644,11 +652,11 @@ def by_sixteen(of_phase: Compilable, elements: Compilable) -> EntryPoint:
                     first, end = _between(ends, t - begin, m)
                     if first < end:
                         of_phase(row, cosines[t], sines[t], terms)
-                        part = lanes(_SIXTEEN_ZEROS)
+                        total = lanes(_SIXTEEN_ZEROS)
                         for i in range(first, end, _AT_ONCE):
                             p, q = sixteen(incidence, i), sixteen(emission, i)
-                            part = part + sixteen(weights, i) * elements(row, terms, p, q)
-                        out[t] += summed_up(part)
+                            total = total + sixteen(weights, i) * elements(row, terms, p, q)
+                        out[t] += summed_up(total)
             begin = stop
 
     return summed

@@ -96,7 +96,7 @@ def hierarchy_of(corners: FloatArray, normals: FloatArray) -> Hierarchy:
     highest = np.full((leaves * LEAF, 3), -np.inf)
     lowest[: len(order)] = np.min(corners, axis=1)[order]
     highest[: len(order)] = np.max(corners, axis=1)[order]
-    low, high = (each.reshape(leaves, LEAF, 3) for each in (lowest, highest))
+    low, high = (corners_of.reshape(leaves, LEAF, 3) for corners_of in (lowest, highest))
     boxes = np.zeros((2 * leaves, 6))
     level, low, high = leaves, np.min(low, axis=1), np.max(high, axis=1)
     while True:
@@ -160,16 +160,16 @@ def outlines_of(
     place[-1] = leaves * LEAF
     mates = edges_of(facets, int(np.max(facets)) + 1).mates.reshape(-1)
     sides = np.column_stack([np.repeat(place[:-1], 3), place[np.where(mates < 0, -1, mates // 3)]])
-    own, other = sides[:, 0] // LEAF + leaves, sides[:, 1] // LEAF + leaves
+    first_leaf, other = sides[:, 0] // LEAF + leaves, sides[:, 1] // LEAF + leaves
     other[mates < 0] = 0
-    once = np.flatnonzero((own != other) | (np.arange(len(own)) < mates))
-    found, nodes = [once], [own[once] + leaves]
-    while own[0] > 0:
-        outer = np.flatnonzero(own != other)
-        found.append(outer)
-        nodes.append(own[outer])
-        own, other = own >> 1, other >> 1
-    edge, node = np.concatenate(found), np.concatenate(nodes)
+    once = np.flatnonzero((first_leaf != other) | (np.arange(len(first_leaf)) < mates))
+    edges, nodes = [once], [first_leaf[once] + leaves]
+    while first_leaf[0] > 0:
+        outer = np.flatnonzero(first_leaf != other)
+        edges.append(outer)
+        nodes.append(first_leaf[outer])
+        first_leaf, other = first_leaf >> 1, other >> 1
+    edge, node = np.concatenate(edges), np.concatenate(nodes)
     edge = edge[np.argsort(node, kind="stable")]
     facet, corner = edge // 3, edge % 3
     lines = np.concatenate([corners[facet, corner], corners[facet, (corner + 1) % 3]], axis=1)
@@ -180,21 +180,21 @@ def outlines_of(
 def _fronts(tree: Hierarchy, corners: FloatArray, normals: FloatArray) -> FloatArray:
     """The bounds `Outlines.fronts`, level by level."""
     leaves = len(tree.boxes) // 2
-    found = np.zeros((2 * leaves, 8))
-    own, place = normals[tree.order], corners[tree.order, 0]
+    boxes = np.zeros((2 * leaves, 8))
+    normals_there, place = normals[tree.order], corners[tree.order, 0]
     level, group = leaves, LEAF
     while level >= 1:
-        first = np.arange(0, len(own), group)
+        first = np.arange(0, len(normals_there), group)
         rows = slice(level, level + len(first))
         middle = 0.5 * (tree.boxes[rows, :3] + tree.boxes[rows, 3:])
-        from_middle = place - np.repeat(middle, group, axis=0)[: len(own)]
-        heights = np.einsum("fi,fi->f", own, from_middle)
-        found[rows, :3] = np.minimum.reduceat(own, first)
-        found[rows, 3:6] = np.maximum.reduceat(own, first)
-        found[rows, 6] = np.minimum.reduceat(heights, first)
-        found[rows, 7] = np.maximum.reduceat(heights, first)
+        from_middle = place - np.repeat(middle, group, axis=0)[: len(normals_there)]
+        heights = np.einsum("fi,fi->f", normals_there, from_middle)
+        boxes[rows, :3] = np.minimum.reduceat(normals_there, first)
+        boxes[rows, 3:6] = np.maximum.reduceat(normals_there, first)
+        boxes[rows, 6] = np.minimum.reduceat(heights, first)
+        boxes[rows, 7] = np.maximum.reduceat(heights, first)
         level, group = level // 2, 2 * group
-    return found
+    return boxes
 
 
 # ---- The compiled loops by which facets, and groups of them, hide the sky within their outlines
@@ -254,21 +254,21 @@ def faces_met(boxes, node, middle, among):
     The bit of a face is followed, six bits higher, by one that is set if the box may lie in the
     direction in which its rows begin.
     """
-    found = 0
+    count = 0
     for face in range(FACES):
         if not among >> face & 1:
             continue
         w, u, v = axes_of(face)
         sign = 1.0 - 2.0 * (face % 2)
         a, b = sign * (boxes[node, w] - middle[w]), sign * (boxes[node, _3 + w] - middle[w])
-        near, far = (a, b) if a < b else (b, a)
-        near, far = near - middle[_3 + w], far + middle[_3 + w]
+        first_node, far = (a, b) if a < b else (b, a)
+        first_node, far = first_node - middle[_3 + w], far + middle[_3 + w]
         beside, above = _beside(boxes, node, middle, u), _beside(boxes, node, middle, v)
         if far > (beside if beside > above else above):
-            found |= 1 << face
-            if near <= 0.0 and above <= 0.0 and boxes[node, u] < middle[u] + middle[_3 + u]:
-                found |= 1 << (face + FACES)
-    return found
+            count |= 1 << face
+            if first_node <= 0.0 and above <= 0.0 and boxes[node, u] < middle[u] + middle[_3 + u]:
+                count |= 1 << (face + FACES)
+    return count
 
 
 @reduction_inlined
@@ -322,8 +322,8 @@ def draw_groups(
             of_other = _side(other, eight(shown, right * _WIDTH))
             for face in range(FACES):
                 sign = 1.0 - 2.0 * (face % 2)
-                here, there = sign * (own >> face & 1), sign * (other >> face & 1)
-                change = of_own * here - of_other * there
+                first_side, there = sign * (own >> face & 1), sign * (other >> face & 1)
+                change = of_own * first_side - of_other * there
                 if positive_bits(change * change) == 0:
                     continue
                 w, u, v = axes_of(face)
@@ -352,10 +352,10 @@ def draw_groups(
 @reduction_within
 def _side(mark, looked_at):
     """Which side a facet shows to each point, as in `shown`, where each was looked at."""
-    found = looked_at
+    side = looked_at
     if mark & DIVIDED == 0:
-        found = every(1.0 if mark & FRONT != 0 else (-1.0 if mark != 0 else 0.0), looked_at)
-    return found
+        side = every(1.0 if mark & FRONT != 0 else (-1.0 if mark != 0 else 0.0), looked_at)
+    return side
 
 
 @reduction_within
@@ -492,7 +492,7 @@ def frame(normal, resolution, frames):
 
     Four numbers for each face: the first row, the one after the last, and so for columns.
     """
-    found = 0
+    frame_of = 0
     # Points look up to half a cell beyond the edge of a face.
     edge = 1.0 + 2.0 / resolution
     for face in range(FACES):
@@ -503,8 +503,8 @@ def frame(normal, resolution, frames):
         frames[4 * face], frames[4 * face + 1] = first, last
         frames[4 * face + 2], frames[4 * face + 3] = left, right
         if first < last and left < right:
-            found |= 1 << face
-    return found
+            frame_of |= 1 << face
+    return frame_of
 
 
 @reduction_within
@@ -534,8 +534,8 @@ def fill(normal, across, up, resolution, frames, counts, drawn, sky, member, mem
         sign = 1.0 - 2.0 * (face % 2)
         for row in range(drawn[2 * face], drawn[2 * face + 1]):
             level = eight(up, row * _LANES) * normal[v] + sign * normal[w]
-            here = np.uint64((face * resolution + row) * resolution)
-            there = here + np.uint64(face * resolution + row)
+            bit = np.uint64((face * resolution + row) * resolution)
+            there = bit + np.uint64(face * resolution + row)
             total = np.uint64(0)
             last = np.uint64(frames[4 * face + 3])
             for place in range(np.uint64(frames[4 * face + 2]), last):
@@ -549,7 +549,7 @@ def fill(normal, across, up, resolution, frames, counts, drawn, sky, member, mem
                     above = positive_bits(level + eight(across, column * _LANES) * normal[u])
                     hidden = (((total & _LOW_BITS) + _LOW_BITS) | total) & _HIGH_BITS
                     bits = (((hidden >> _TO_LOWEST) * _GATHER) >> _TOP_BYTE) & np.uint64(above)
-                    sky[(here + column) * members + member] &= _ALL - np.uint8(bits)
+                    sky[(bit + column) * members + member] &= _ALL - np.uint8(bits)
             counts[there + last] = np.uint64(0)
         drawn[2 * face], drawn[2 * face + 1] = resolution, 0
 
@@ -573,8 +573,8 @@ def tangents(shift: FloatArray, resolution: int) -> tuple[FloatArray, FloatArray
     """
     places = (np.arange(resolution)[:, None, None] + 0.5 + shift) / (0.5 * resolution) - 1.0
     # the inverse of `_sums.evened`
-    found = np.sign(places) * ((1.0 + np.abs(places)) ** 2 - 1.0) / 3.0
-    return np.ascontiguousarray(found[..., 0]).reshape(-1), found[..., 1].flatten()
+    places_of = np.sign(places) * ((1.0 + np.abs(places)) ** 2 - 1.0) / 3.0
+    return np.ascontiguousarray(places_of[..., 0]).reshape(-1), places_of[..., 1].flatten()
 
 
 def surroundings(points: FloatArray, size: float) -> FloatArray:
@@ -771,12 +771,12 @@ def write(file: Path | None, masks: NDArray[np.uint8]) -> None:
 
 
 def _delete_the_oldest(folder: Path) -> None:
-    found = [(each.stat(), each) for each in folder.glob("shadows-*.npz")]
-    total = sum(status.st_size for status, _ in found)
-    for status, each in sorted(found, key=lambda pair: pair[0].st_mtime):
+    files = [(file.stat(), file) for file in folder.glob("shadows-*.npz")]
+    total = sum(status.st_size for status, _ in files)
+    for status, file in sorted(files, key=lambda pair: pair[0].st_mtime):
         if total <= LARGEST:
             return
-        each.unlink(missing_ok=True)
+        file.unlink(missing_ok=True)
         total -= status.st_size
 
 
@@ -896,8 +896,8 @@ class Visibility:
 
         last = self._last[-1:]
         if not last or not np.array_equal(last[0][0], packs.order):
-            found = _few_facets.arranged(self.masks, packs, self.clusters.order)
-            self._last[:] = last = [(packs.order, found)]
+            arranged_masks = _few_facets.arranged(self.masks, packs, self.clusters.order)
+            self._last[:] = last = [(packs.order, arranged_masks)]
         words: NDArray[np.uint64] = last[0][1]
         return words
 
@@ -907,10 +907,10 @@ class Visibility:
         The comparison needs the corners: two meshes may share all normals and areas, such as boxes
         with wings at different distances.
         """
-        own = clusters_of(mesh)
-        return self.clusters is own or (
+        clusters = clusters_of(mesh)
+        return self.clusters is clusters or (
             np.array_equal(self.corners, mesh.corners)
-            and np.array_equal(self.clusters.order, own.order)
+            and np.array_equal(self.clusters.order, clusters.order)
         )
 
 
@@ -967,7 +967,7 @@ def _painted(
     planes = np.einsum("fi,fi->f", mesh.normals, corners[:, 0])
     tree = hierarchy_of(corners, mesh.normals)
     outlines = outlines_of(tree, mesh.facets, corners, mesh.normals)
-    near = corners[tree.order]
+    ordered_corners = corners[tree.order]
     facing = np.column_stack([mesh.normals[tree.order], planes[tree.order]])
     normals = np.ascontiguousarray(mesh.normals)
     size = float(np.max(np.abs(corners)))
@@ -978,7 +978,7 @@ def _painted(
         members = clusters.order[begin * SIZE : end * SIZE]
         paint(
             *(tree.boxes, outlines.edges, outlines.sides, outlines.first, outlines.fronts),
-            *(near, facing),
+            *(ordered_corners, facing),
             *(normals, flat, middles, size, members, across, up, shifts, resolution, both),
             *memory(len(members), resolution, len(tree.boxes) // 2),
             *(masks, begin * SIZE),

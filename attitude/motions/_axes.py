@@ -113,21 +113,21 @@ def meaning(name: str) -> tuple[str, bool] | None:
     >>> meaning("LVLH_ROTATING"), meaning("ITRF-97"), meaning("SC_BODY_1")
     (('lvlh', False), ('itrf', False), None)
     """
-    given = normal(name)
-    if given in FIXED:
-        return FIXED[given], False
-    inertial = given.endswith("INERTIAL")
-    given = given.removesuffix("INERTIAL").removesuffix("ROTATING")
-    if re.fullmatch(r"ITRF(19|20)?\d\d", given):
-        given = "ITRF"
-    return (TURNING[given], inertial) if given in TURNING else None
+    plain = normal(name)
+    if plain in FIXED:
+        return FIXED[plain], False
+    inertial = plain.endswith("INERTIAL")
+    plain = plain.removesuffix("INERTIAL").removesuffix("ROTATING")
+    if re.fullmatch(r"ITRF(19|20)?\d\d", plain):
+        plain = "ITRF"
+    return (TURNING[plain], inertial) if plain in TURNING else None
 
 
 def named_elsewhere(name: str) -> bool:
     """Whether a standard gives this name to axes that this package does not compute."""
-    given = normal(name)
-    stem = given.removesuffix("INERTIAL").removesuffix("ROTATING")
-    return any(map(_ELSEWHERE.fullmatch, (given, stem)))
+    plain = normal(name)
+    stem = plain.removesuffix("INERTIAL").removesuffix("ROTATING")
+    return any(map(_ELSEWHERE.fullmatch, (plain, stem)))
 
 
 def looks_like(name: str) -> str | None:
@@ -136,17 +136,17 @@ def looks_like(name: str) -> str | None:
     >>> looks_like("LVLHX"), looks_like("EME200"), looks_like("SC_BODY_1"), looks_like("SPACECRAFT")
     ('LVLH', 'EME2000', None, None)
     """
-    given = normal(name).removesuffix("INERTIAL").removesuffix("ROTATING")
-    if _OF_BODIES.fullmatch(given):
+    plain = normal(name).removesuffix("INERTIAL").removesuffix("ROTATING")
+    if _OF_BODIES.fullmatch(plain):
         return None
     # Names of three letters differ by one letter from many.
-    longer = [each for each in (*FIXED, *TURNING) if len(each) > 3]
-    near = difflib.get_close_matches(given, longer, n=1, cutoff=_ALIKE)
-    if not near:
+    longer = [word for word in (*FIXED, *TURNING) if len(word) > 3]
+    alike = difflib.get_close_matches(plain, longer, n=1, cutoff=_ALIKE)
+    if not alike:
         known = "|".join(sorted((*TURNING, *FIXED), key=len, reverse=True))
-        found = re.fullmatch(rf"({known})(ROTATING|INERTIAL)?[A-Z0-9]?", given)
-        near = [found.group(1)] if found and meaning(name) is None else []
-    return near[0] if near else None
+        matched = re.fullmatch(rf"({known})(ROTATING|INERTIAL)?[A-Z0-9]?", plain)
+        alike = [matched.group(1)] if matched and meaning(name) is None else []
+    return alike[0] if alike else None
 
 
 # ---- Axes of an orbit, from the position and velocity of the body about its center
@@ -199,9 +199,9 @@ def known_path(orbit: object, name: str) -> Path:
     """The path itself; AttitudeError for anything else."""
     if isinstance(orbit, Path):
         return orbit
-    given = "" if orbit is None else f", and orbit is {type(orbit).__name__}"
+    hint = "" if orbit is None else f", and orbit is {type(orbit).__name__}"
     raise AttitudeError(
-        f"the attitude refers to {cut(name, '')}, axes of the orbit{given}; give orbit=, the path "
+        f"the attitude refers to {cut(name, '')}, axes of the orbit{hint}; give orbit=, the path "
         "of the body about its center (on the command line --orbit, a file with the path)."
     )
 
@@ -295,8 +295,8 @@ class Axes:
 
 def known(name: str) -> Axes | None:
     """The Axes with a name, or None if the table above does not list it."""
-    found = meaning(name)
-    return None if found is None else Axes(name, found[0], inertial=found[1])
+    axes = meaning(name)
+    return None if axes is None else Axes(name, axes[0], inertial=axes[1])
 
 
 def body_name_fault(name: str) -> str | None:
@@ -305,8 +305,8 @@ def body_name_fault(name: str) -> str | None:
         return "is the name of other axes"
     if named_elsewhere(name):
         return "is the name of reference axes that this package does not compute"
-    near = looks_like(name)
-    return None if near is None else f"looks like a misspelled {near}"
+    alike = looks_like(name)
+    return None if alike is None else f"looks like a misspelled {alike}"
 
 
 def of_pair(a: str, b: str, frame: str | None) -> tuple[Axes, str, bool]:
@@ -339,13 +339,13 @@ def of_pair(a: str, b: str, frame: str | None) -> tuple[Axes, str, bool]:
 
 def named(name: str, keyword: str = "frame") -> Axes:
     """The Axes with a name; `keyword` is of the argument or of the file in the error."""
-    found = known(name) if isinstance(name, str) else None
-    if found is None:
+    axes = known(name) if isinstance(name, str) else None
+    if axes is None:
         raise AttitudeError(
             f"{keyword} is {cut(name)}; known axes are {', '.join(sorted(FIXED))}, "
             f"{', '.join(sorted(TURNING))}."
         )
-    return found
+    return axes
 
 
 def _turned(kind, hi, lo, orbit, name):
@@ -421,8 +421,8 @@ class FramedHistory(Immutable):
     @property
     def seconds(self) -> FloatArray:
         """TDB seconds (S) since the epoch of the history."""
-        found: FloatArray = self.history.seconds
-        return found
+        times: FloatArray = self.history.seconds
+        return times
 
     def __len__(self) -> int:
         return len(self.history)
@@ -435,14 +435,14 @@ class FramedHistory(Immutable):
     @cached_property
     def angular_velocity(self) -> FloatArray:
         """(S, 3) rad/s relative to the frame, over the body axes."""
-        own = self.history.angular_velocity
+        rates = self.history.angular_velocity
         turning = self._axes.angular_velocity(
             self.history.epoch, *self._flat_epochs(), orbit=self._orbit
         )
         if turning is None:
-            return frozen(np.array(own))
+            return frozen(np.array(rates))
         in_icrf = turning.reshape(*self.history.seconds.shape, 3)
-        return frozen(own - self.history.inertial_to_body(in_icrf))
+        return frozen(rates - self.history.inertial_to_body(in_icrf))
 
     @cached_property
     def angular_velocity_in_frame(self) -> FloatArray:
@@ -484,15 +484,15 @@ class FramedHistory(Immutable):
 
         AttitudeError for epochs of any shape other than (N,).
         """
-        found: FlatTable = self.history.table(rates=rates)
-        found["wxyz"] = np.array(self.wxyz)
+        columns: FlatTable = self.history.table(rates=rates)
+        columns["wxyz"] = np.array(self.wxyz)
         if rates:
-            found["angular_velocity"] = (
-                np.array(self.angular_velocity) * found["angular_velocity"].unit
+            columns["angular_velocity"] = (
+                np.array(self.angular_velocity) * columns["angular_velocity"].unit
             )
         name = self.frame.upper()
-        found.meta.update(frame=name, wxyz=f"body to {name}, scalar first")
-        return found
+        columns.meta.update(frame=name, wxyz=f"body to {name}, scalar first")
+        return columns
 
     def to_pandas(self, *, rates: bool = True) -> Any:
         """A pandas DataFrame with an index of UTC: the columns of `table`, a component each."""
@@ -506,12 +506,12 @@ def _orbit_of(orbit: Any, kind: str, frame: str) -> Path | None:
     """The path of an orbit about its focus, if the axes need one."""
     if kind not in OF_ORBIT:
         return None
-    found = place_of(orbit, "orbit")
-    orbit = orbit if found is None else found
+    place = place_of(orbit, "orbit")
+    orbit = orbit if place is None else place
     if not isinstance(orbit, Path):
-        given = "" if orbit is None else f", and orbit is {validation.shown(orbit)}"
+        hint = "" if orbit is None else f", and orbit is {validation.shown(orbit)}"
         raise AttitudeError(
-            f"{frame} are axes of an orbit{given}; give orbit=, the path of the body about its "
+            f"{frame} are axes of an orbit{hint}; give orbit=, the path of the body about its "
             'center: paths.tle("x.tle"), paths.oem("x.oem"), paths.kepler(...).'
         )
     if orbit.center == "ssb":
@@ -529,8 +529,8 @@ def obliquity(
 
     Shapes: pole (3,).
     """
-    found = place_of(orbit, "orbit")
-    known = orbit if found is None else found
+    place = place_of(orbit, "orbit")
+    known = orbit if place is None else place
     if not isinstance(known, Path):
         raise AttitudeError(
             f"orbit is {validation.shown(orbit)}; give the path of the body: paths.mpc_orbit(...), "
@@ -542,13 +542,17 @@ def obliquity(
     hi, lo = np.ravel(hi), np.ravel(np.broadcast_to(lo, shape))
     angles = np.empty(hi.size)
     for begin in range(0, hi.size, _BLOCK):
-        part = slice(begin, begin + _BLOCK)
-        position, velocity = known.state(instant, hi[part], lo[part])
+        block = slice(begin, begin + _BLOCK)
+        position, velocity = known.state(instant, hi[block], lo[block])
         normal = _cross(position.T, velocity.T)
-        own = pole if pole.shape[1] == 1 else pole[:, part]
-        x, y, z = _cross(own, normal)
-        along = own[0] * normal[0] + own[1] * normal[1] + own[2] * normal[2]
-        angles[part] = np.arctan2(np.sqrt(x * x + y * y + z * z), along)
+        pole_of_block = pole if pole.shape[1] == 1 else pole[:, block]
+        x, y, z = _cross(pole_of_block, normal)
+        along = (
+            pole_of_block[0] * normal[0]
+            + pole_of_block[1] * normal[1]
+            + pole_of_block[2] * normal[2]
+        )
+        angles[block] = np.arctan2(np.sqrt(x * x + y * y + z * z), along)
     return angles.reshape(shape)
 
 

@@ -221,12 +221,12 @@ class Body(Valued):
         known = None if density is None else validation.positive(density, "density", unit="kg/m3")
         if not hasattr(shape, "mass_properties"):
             raise AttitudeError(f"shape is {shape!r}; give an attitude.shape Mesh or Ellipsoid.")
-        found = shape.mass_properties(density=1.0 if known is None else known)
+        properties = shape.mass_properties(density=1.0 if known is None else known)
         return cls(
-            tensor=found.inertia,
-            mass=None if known is None else found.mass,
+            tensor=properties.inertia,
+            mass=None if known is None else properties.mass,
             relative=known is None,
-            center_of_mass=found.center_of_mass,
+            center_of_mass=properties.center_of_mass,
         )
 
     def __repr__(self) -> str:
@@ -270,9 +270,9 @@ class Body(Valued):
         if b == c == f == d == g == h == 0.0:
             self._from_moments(np.diag(tensor).copy())
             return
-        found = PrincipalAxes.of(tensor[None])
-        _check(found.moments[0, :, 0], "the principal moments of tensor")
-        self._keep(found.moments[0, :, 0].copy(), tensor, found.moments[0], found)
+        principal = PrincipalAxes.of(tensor[None])
+        _check(principal.moments[0, :, 0], "the principal moments of tensor")
+        self._keep(principal.moments[0, :, 0].copy(), tensor, principal.moments[0], principal)
 
     def _keep(
         self,
@@ -372,5 +372,5 @@ def _listed(row: Iterable[float]) -> str:
 
 def _three_numbers(given: tuple[Any, ...]) -> str:
     """Three moments as text; those of an example if there are not three numbers."""
-    three = len(given) == 3 and all(isinstance(each, (int, float)) for each in given)
+    three = len(given) == 3 and all(isinstance(number, (int, float)) for number in given)
     return ", ".join(map(str, given if three else (10, 20, 26)))

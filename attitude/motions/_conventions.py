@@ -115,9 +115,9 @@ def angles_of(
     theta, psi = np.arctan2(np.hypot(x, y), z), np.arctan2(x, y)
     u, v, w = np.moveaxis(quaternion.rotate(wxyz, direction), -1, 0)
     pole = np.stack([_positive(np.arctan2(v, u)), np.arctan2(w, np.hypot(u, v))], axis=-1)
-    rest = quaternion.multiply(quaternion.conjugate(pole_wxyz(pole)), wxyz)
-    rest = quaternion.multiply(rest, quaternion.conjugate(euler_wxyz(0.0, theta, psi)))
-    phi = 2.0 * np.arctan2(rest[..., 3], rest[..., 0])
+    turned = quaternion.multiply(quaternion.conjugate(pole_wxyz(pole)), wxyz)
+    turned = quaternion.multiply(turned, quaternion.conjugate(euler_wxyz(0.0, theta, psi)))
+    phi = 2.0 * np.arctan2(turned[..., 3], turned[..., 0])
     return pole, _positive(phi), theta, _positive(psi)
 
 

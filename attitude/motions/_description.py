@@ -44,14 +44,14 @@ class _Errors:
     """Errors of one standard deviation as text, by name; empty text without a covariance."""
 
     def __init__(self, motion: FreeRotation) -> None:
-        given = motion.spin.covariance is not None
-        self._found: dict[str, Uncertain] = motion.deviations() if given else {}
+        has_errors = motion.spin.covariance is not None
+        self._found: dict[str, Uncertain] = motion.deviations() if has_errors else {}
 
     def of(self, name: str, factor: float = 1.0) -> str:
         """The error in units of 1 / factor: " +- 0.12", or " +0.1 -0.2" if the two differ."""
         if name not in self._found:
             return ""
-        _, minus, plus = (factor * each for each in self._found[name])
+        _, minus, plus = (factor * distance for distance in self._found[name])
         if not 0.0 < plus + minus < math.inf:
             return ""
         if abs(plus - minus) <= _ASYMMETRY * (plus + minus):
@@ -158,7 +158,7 @@ def _ranges(motion: FreeRotation, errors: _Errors) -> Rows:
     else:
         greatest = f"{high:.6g}{errors.of('nutation_greatest', _DEGREE)}"
         angle = f"{least} to {greatest} deg between {axis} axis and momentum"
-    slow, fast = (float(each) for each in regime.spin_rate_range)
+    slow, fast = (float(bound) for bound in regime.spin_rate_range)
     rates = [
         _rate(math.degrees(rate), errors, f"spin_rate_{name}")
         for rate, name in (
@@ -168,12 +168,12 @@ def _ranges(motion: FreeRotation, errors: _Errors) -> Rows:
         )
     ]
     ratio = f"{float(regime.energy_ratio):.9g}{errors.of('energy_ratio')}"
-    rest = f"{float(regime.one_minus_m):.6g}{errors.of('one_minus_m')}"
+    share = f"{float(regime.one_minus_m):.6g}{errors.of('one_minus_m')}"
     rows = [
         ("nutation", angle),
         ("spin rate", "{} to {}, {} in the mean".format(*rates)),
         ("2 E C / L^2", f"{ratio} (E/E0)"),
-        ("1 - m", f"{rest} (0 on the separatrix)"),
+        ("1 - m", f"{share} (0 on the separatrix)"),
     ]
     if motion.mode is not Mode.SYMMETRIC and float(regime.one_minus_m) < _NEAR_SEPARATRIX:
         flip, dwell = period(float(regime.flip_time)), period(float(regime.dwell_time))
@@ -296,12 +296,12 @@ def deviations(motion: FreeRotation, errors: FloatArray) -> dict[str, Uncertain]
     steps = [sign * column for column in columns if np.any(column) for sign in (1.0, -1.0)]
     start = np.zeros(9)
     ends = [possible_end(start, step, lambda end: _exists(motion, end)) for step in steps]
-    found = np.array([_numbers(motion), *(_numbers(motion.changed(end)) for end in ends)])
+    values = np.array([_numbers(motion), *(_numbers(motion.changed(end)) for end in ends)])
     for name in _TURNING:
         k = _NAMES.index(name)
-        away = found[1:, k] - found[0, k]
-        found[1:, k] = found[0, k] + (away + math.pi) % (2.0 * math.pi) - math.pi
-    return dict(zip(_NAMES, in_quadrature(found), strict=True))
+        away = values[1:, k] - values[0, k]
+        values[1:, k] = values[0, k] + (away + math.pi) % (2.0 * math.pi) - math.pi
+    return dict(zip(_NAMES, in_quadrature(values), strict=True))
 
 
 def _exists(motion: FreeRotation, changes: FloatArray) -> bool:
@@ -322,8 +322,8 @@ def _numbers(motion: FreeRotation) -> list[float]:
     return [
         *(speed, math.inf if speed == 0.0 else 2.0 * math.pi / speed),
         *(motion.period_psi, motion.period_phi, float(regime.P_phi_L), float(regime.P_phi_S)),
-        *(float(each) for each in nutation),
-        *(float(each) for each in regime.spin_rate_range),
+        *(float(angle) for angle in nutation),
+        *(float(rate) for rate in regime.spin_rate_range),
         *(float(regime.mean_spin_rate), float(regime.energy_ratio), float(regime.one_minus_m)),
         *(
             float(np.linalg.norm(momentum)),

@@ -53,8 +53,8 @@ class Derivatives(ABC):
         attitude, omega = self.at(seconds, low, rates)
         both = attitude if omega is None else np.concatenate([attitude, omega], axis=-2)
         factored = both @ covariances.factor(given)
-        found: FloatArray = factored @ np.swapaxes(factored, -1, -2)
-        return found
+        products: FloatArray = factored @ np.swapaxes(factored, -1, -2)
+        return products
 
 
 class Sensitivity(Derivatives):
@@ -91,8 +91,8 @@ class Sensitivity(Derivatives):
         omega = new_array(1, 3, 9, t.size) if rates else None
         sensitivities.evaluate(self._constants, self._tangents, t, t_low, attitude, omega)
         shape = (*seconds.shape, 3, 9)
-        found = np.moveaxis(attitude[0], -1, 0).reshape(shape)
-        return found, None if omega is None else np.moveaxis(omega[0], -1, 0).reshape(shape)
+        changes = np.moveaxis(attitude[0], -1, 0).reshape(shape)
+        return changes, None if omega is None else np.moveaxis(omega[0], -1, 0).reshape(shape)
 
     def by_elements(self) -> FloatArray:
         """Changes (6, 5) of angular velocity and moments with the elements."""
@@ -109,8 +109,8 @@ class Sensitivity(Derivatives):
         sensitivities.covariances(
             self._constants, self._tangents, self._factored(given), t, t_low, out
         )
-        found: FloatArray = np.moveaxis(out[0, ..., : t.size], -1, 0)
-        return found.reshape(*seconds.shape, size, size)
+        covariance: FloatArray = np.moveaxis(out[0, ..., : t.size], -1, 0)
+        return covariance.reshape(*seconds.shape, size, size)
 
 
 def of_momentum(body: Body, spin: Spin) -> FloatArray:
@@ -267,9 +267,9 @@ class Differentiable(Motion):
     ) -> FloatArray:
         """Covariance (S, 6, 6), or (S, 3, 3) without rates; see `Motion.covariance_at`."""
         hi, lo = _inputs.plain_seconds(seconds, low)
-        found = self._linear_covariance_at(hi, lo, rates)
-        self._warn_of_large(found, hi, lo)
-        return found
+        covariance = self._linear_covariance_at(hi, lo, rates)
+        self._warn_of_large(covariance, hi, lo)
+        return covariance
 
     def _linear_covariance_at(
         self, seconds: FloatArray, low: FloatArray | None, rates: bool
@@ -285,11 +285,13 @@ class Differentiable(Motion):
             return
         variances = [covariance[..., k, k] for k in range(3)]
         largest = math.sqrt(
-            np.fmax.reduce([np.fmax.reduce(each, axis=None) for each in variances], initial=0.0)
+            np.fmax.reduce(
+                [np.fmax.reduce(variance, axis=None) for variance in variances], initial=0.0
+            )
         )
         if largest > _LARGEST_SIGMA:
-            found = f"{math.degrees(largest):.3g} deg"
-            self._warn(f"the standard deviation of the attitude reaches {found}")
+            size_words = f"{math.degrees(largest):.3g} deg"
+            self._warn(f"the standard deviation of the attitude reaches {size_words}")
             return
         # The nonlinearity grows with the errors: it is looked at again where they are larger.
         known = self.__dict__.get("_checked_sigma", _CHECKED_SIGMA)
@@ -334,14 +336,16 @@ class Differentiable(Motion):
         plus, minus = np.array(turns[0::2]), np.array(turns[1::2])
         first = np.sum((0.5 * (plus - minus)) ** 2, axis=(0, -1))
         second = np.sum((0.5 * (plus + minus)) ** 2, axis=(0, -1))
-        found = np.sqrt(np.divide(second, first, out=np.zeros_like(first), where=first > _ROUNDING))
+        shares = np.sqrt(
+            np.divide(second, first, out=np.zeros_like(first), where=first > _ROUNDING)
+        )
         # A turn of more than half a revolution is another one's: nothing is linear any more.
         far = np.max(np.sum(plus**2 + minus**2, axis=-1), axis=0) > 0.5 * np.pi**2
-        found = np.where(np.isnan(hi), np.nan, np.where(far, np.maximum(found, 1.0), found))
-        largest = float(np.fmax.reduce(found, axis=None, initial=0.0))
+        shares = np.where(np.isnan(hi), np.nan, np.where(far, np.maximum(shares, 1.0), shares))
+        largest = float(np.fmax.reduce(shares, axis=None, initial=0.0))
         if largest > _LARGEST_NONLINEARITY:
             self._warn(f"the nonlinearity of the errors of the attitude reaches {largest:.2g}")
-        return found
+        return shares
 
     def sigma_points(self) -> list[Self]:
         """Motions one standard deviation to either side along each principal axis of the errors.
@@ -379,26 +383,26 @@ class Differentiable(Motion):
         number = validation.count(count, "count")
         factor = covariances.factor(self._errors())
         generator = validation.generator(seed)
-        found: list[Self] = []
+        drawn: list[Self] = []
         most = 10 * number + 100
         for _ in range(most):
-            if len(found) == number:
-                return found
+            if len(drawn) == number:
+                return drawn
             with suppress(AttitudeError):
-                found.append(self.changed(factor @ generator.standard_normal(9)))
+                drawn.append(self.changed(factor @ generator.standard_normal(9)))
         raise AttitudeError(
-            f"{most} draws gave {len(found)} motions whose moments are those of a body; give "
+            f"{most} draws gave {len(drawn)} motions whose moments are those of a body; give "
             "smaller errors of the moments."
         )
 
     def _errors(self) -> FloatArray:
-        given = self.spin.covariance_icrf
-        if given is None:
+        covariance = self.spin.covariance_icrf
+        if covariance is None:
             raise AttitudeError(
                 "the spin has no covariance; make it with Spin(..., covariance=...), or take "
                 "spin.with_covariance(...)."
             )
-        return given
+        return covariance
 
     def changed(self, changes: ArrayLike) -> Self:
         """The motion after a change (9,) of the parameters of `sensitivity_at` (ICRF axes).
@@ -408,8 +412,8 @@ class Differentiable(Motion):
         AttitudeError
             If the moments are then not those of a body.
         """
-        given = validation.real(changes, "changes", shape=(9,))
-        return self._with(*changed(self.body, self.spin, given))
+        vector = validation.real(changes, "changes", shape=(9,))
+        return self._with(*changed(self.body, self.spin, vector))
 
 
 def _combined(columns: FloatArray, change: FloatArray) -> FloatArray:

@@ -63,8 +63,8 @@ def _covariance(motion: Any, hi: float, lo: float, frame: str) -> FloatArray:
     attitude, rates = motion.sensitivity_at(hi, lo, angular_velocity=True)
     changes = np.eye(9)
     changes[:3], changes[3:6] = frames.matrix_to_icrf(frame).T @ attitude, rates
-    found: FloatArray = changes @ motion.spin.covariance_icrf @ changes.T
-    return 0.5 * (found + found.T)
+    covariance: FloatArray = changes @ motion.spin.covariance_icrf @ changes.T
+    return 0.5 * (covariance + covariance.T)
 
 
 # ---- Upper bounds of the derivatives of a body-fixed direction, to prove intervals free of zeros
@@ -352,12 +352,12 @@ class FreeRotation(Differentiable):
         wxyz = new_array(1, 4, t.size)
         omega = new_array(1, 3, t.size) if order else None
         evaluation.evaluate(self._constants, t, t_low, wxyz, omega)
-        found = [wxyz[0].T.reshape(*shape, 4)]
+        arrays = [wxyz[0].T.reshape(*shape, 4)]
         if omega is not None:
-            found.append(omega[0].T.reshape(*shape, 3))
+            arrays.append(omega[0].T.reshape(*shape, 3))
         if order > 1:
-            found.append(self.angular_acceleration_from(found[1]))
-        return found
+            arrays.append(self.angular_acceleration_from(arrays[1]))
+        return arrays
 
     @cached_property
     def _sensitivity(self) -> Sensitivity:
@@ -377,20 +377,20 @@ class FreeRotation(Differentiable):
         A rotated tensor of a symmetric body is hardly ever exactly symmetric, and a rate converted
         from degrees hardly ever exactly on the separatrix.
         """
-        found = []
+        modes = []
         moments = np.sort(self.body.moments)
         rates = np.abs(self.body.rates_about_principal_axes(self.spin.angular_velocity)[:, 0])
         close = np.diff(moments) <= _ROUNDING * moments[-1]
         if np.all(close):
-            found.append(Mode.SPHERICAL)
+            modes.append(Mode.SPHERICAL)
         elif self.mode is not Mode.AT_REST:
             if np.sum(rates > _ROUNDING * rates.max()) == 1:
-                found.append(Mode.PRINCIPAL_AXIS)
+                modes.append(Mode.PRINCIPAL_AXIS)
             elif not np.any(close) and abs(self.separatrix_distance) <= _ROUNDING:
-                found.append(Mode.SEPARATRIX)
+                modes.append(Mode.SEPARATRIX)
         if np.any(close) and not np.all(close):
-            found.append(Mode.SYMMETRIC)
-        return tuple(mode for mode in found if mode is not self.mode)
+            modes.append(Mode.SYMMETRIC)
+        return tuple(mode for mode in modes if mode is not self.mode)
 
     @property
     def circulates_about(self) -> str | None:

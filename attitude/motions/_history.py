@@ -90,11 +90,11 @@ class AttitudeHistory(Immutable):
         seconds = np.asarray(self.seconds[index])
         low = None if self.low is None else np.asarray(self.low[index])
         wxyz = np.moveaxis(np.moveaxis(self.wxyz, -1, 0)[(slice(None), *_tuple(index))], 0, -1)
-        part = AttitudeHistory(self.motion, self.epoch, seconds, low, wxyz)
+        history = AttitudeHistory(self.motion, self.epoch, seconds, low, wxyz)
         if "angular_velocity" in self.__dict__:
             rates = np.moveaxis(self.angular_velocity, -1, 0)[(slice(None), *_tuple(index))]
-            part.__dict__["angular_velocity"] = frozen(np.moveaxis(rates, 0, -1))
-        return part
+            history.__dict__["angular_velocity"] = frozen(np.moveaxis(rates, 0, -1))
+        return history
 
     def __repr__(self) -> str:
         return f"<AttitudeHistory of {self.seconds.size} epochs from {self.epoch.utc_iso} UTC>"
@@ -171,8 +171,8 @@ class AttitudeHistory(Immutable):
                 f"{type(self.motion).__name__} has no derivatives; standard deviations and "
                 "covariances follow from a FreeRotation whose spin has a covariance."
             ) from err
-        found: FloatArray = covariance_at(self.seconds, self.low, rates=rates)
-        return found
+        covariances: FloatArray = covariance_at(self.seconds, self.low, rates=rates)
+        return covariances
 
     @cached_property
     def nonlinearity(self) -> FloatArray:
@@ -351,10 +351,10 @@ class AttitudeHistory(Immutable):
                 "a Dataset needs xarray, which is not installed; run pip install xarray, or use "
                 ".table()."
             ) from err
-        found = self.table(rates=rates)
-        variables = {"wxyz": (("time", "wxyz_part"), found["wxyz"], {"frame": "body to ICRF"})}
+        columns = self.table(rates=rates)
+        variables = {"wxyz": (("time", "wxyz_part"), columns["wxyz"], {"frame": "body to ICRF"})}
         if rates:
-            values = found["angular_velocity"].value
+            values = columns["angular_velocity"].value
             about = {"units": "rad / s", "axes": "body"}
             variables["angular_velocity"] = (("time", "xyz"), values, about)
         places = {
@@ -396,7 +396,7 @@ def _one_for_many(v: FloatArray, wxyz: FloatArray) -> FloatArray:
 
     out = np.empty((3, len(wxyz)))
     # Read-only, as in all calls of compiled code: to numba a writable array is another type.
-    turns, vector = (frozen(np.ascontiguousarray(each)) for each in (wxyz.T, v[:, None]))
+    turns, vector = (frozen(np.ascontiguousarray(array)) for array in (wxyz.T, v[:, None]))
     solver_vectors.to_body(turns, vector, out)
     return out.T
 

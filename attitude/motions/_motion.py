@@ -184,10 +184,10 @@ class Motion(Valued):
 
     def at_seconds(self, seconds: FloatArray, low: FloatArray | None) -> AttitudeHistory:
         """As `at`, for arrays of TDB seconds, which the history keeps and makes read-only."""
-        found = self._evaluate(seconds, low, 0)
-        history = AttitudeHistory(self, self.epoch, seconds, low, found[0])
-        if len(found) > 1:
-            history.__dict__["angular_velocity"] = frozen(found[1])
+        arrays = self._evaluate(seconds, low, 0)
+        history = AttitudeHistory(self, self.epoch, seconds, low, arrays[0])
+        if len(arrays) > 1:
+            history.__dict__["angular_velocity"] = frozen(arrays[1])
         return history
 
     def angular_velocity_at(self, seconds: ArrayLike, low: ArrayLike | None = None) -> FloatArray:
@@ -309,8 +309,8 @@ class Motion(Valued):
                 "has none; give a motion with a body."
             )
         free = synonyms.named("attitude.motions._free_rotation:FreeRotation")
-        found: Published = free(body, self.spin_at(time)).published(convention, frame)
-        return found
+        record: Published = free(body, self.spin_at(time)).published(convention, frame)
+        return record
 
     def constant_body(self, what: str) -> Body:
         """The Body that the motion has at all epochs.
@@ -483,8 +483,8 @@ class Foreign(Motion):
 
     def at(self, t: Epochs, low: ArrayLike | None = None) -> AttitudeHistory:
         """The attitudes at some epochs; see `Motion.at`."""
-        found: AttitudeHistory = self.given.at(t) if low is None else self.given.at(t, low=low)
-        return found
+        history: AttitudeHistory = self.given.at(t) if low is None else self.given.at(t, low=low)
+        return history
 
     def at_seconds(self, seconds: FloatArray, low: FloatArray | None) -> AttitudeHistory:
         """See `Motion.at_seconds`."""
@@ -494,12 +494,12 @@ class Foreign(Motion):
         self, seconds: FloatArray, low: FloatArray | None, order: int
     ) -> list[FloatArray]:
         history = self.at(seconds, low)
-        found = [history.wxyz]
+        arrays = [history.wxyz]
         if order > 0:
-            found.append(history.angular_velocity)
+            arrays.append(history.angular_velocity)
         if order > 1:
-            found.append(history.angular_acceleration)
-        return found
+            arrays.append(history.angular_acceleration)
+        return arrays
 
 
 def motion_of(given: HasAttitudes, name: str = "motion") -> Motion:

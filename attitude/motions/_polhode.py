@@ -27,10 +27,10 @@ def polhode(constants: Any, principal_axes: FloatArray, points: int = 361) -> Fl
     w1 = a1 cos am, w2 = -a2 sin am, w3 = a3 sqrt(cos^2 am + (1-m) sin^2 am) over the axes in
     Jacobi order: van Zon & Schofield (2006), eqs. 3.36-3.41.
     """
-    given = validation.number(points, "points")
-    if given != int(given) or given < 2:
+    number = validation.number(points, "points")
+    if number != int(number) or number < 2:
         raise AttitudeError(f"points is {points!r}; give a whole number of at least 2.")
-    count = int(given)
+    count = int(number)
     if constants["form"] == codes.UNIFORM:
         w = np.ldexp(constants["omega"][:, 0], int(constants["tempo"]))
         return np.tile(principal_axes @ w, (count, 1))
@@ -73,7 +73,7 @@ def pictures(body: Body, energy: float, curve: Callable[[int], FloatArray]) -> l
     right, up = np.array([[-0.6, 0.8, 0.0], [-0.36, -0.27, 0.89]]) @ axes.T
     return [
         markup.line_plot(
-            [(each @ right, each @ up) for each in (*sections, curve(181))],
+            [(points_of @ right, points_of @ up) for points_of in (*sections, curve(181))],
             "polhode on the ellipsoid of its energy, with the principal sections",
             colors=("#bbbbbb", "#bbbbbb", "#bbbbbb", "#d55e00"),
             is_equal=True,

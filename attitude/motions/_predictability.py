@@ -61,8 +61,8 @@ def predictable_time(
     shifts = shifts[np.any(shifts != 0.0, axis=(1, 2))]
     if len(shifts) == 0:
         return math.inf
-    given = np.stack([moments, omega])[None]
-    states = np.concatenate([given, _shifted(given, shifts)])
+    state_given = np.stack([moments, omega])[None]
+    states = np.concatenate([state_given, _shifted(state_given, shifts)])
     constants = _constants(states, of_moments)
     middle = regime_of(states[:1, 0], constants[:1])
     changed = [regime_of(states[k : k + 1, 0], constants[k : k + 1]) for k in range(1, len(states))]
@@ -77,24 +77,24 @@ def time_of_covariance(motion: Differentiable, tolerance: Real) -> float:
     angle = validation.positive(tolerance, "tolerance", unit="rad")
 
     def largest(seconds: FloatArray) -> FloatArray:
-        found = np.linalg.eigvalsh(motion._linear_covariance_at(seconds, None, False))[..., -1]
-        return np.sqrt(np.maximum(found, 0.0))
+        variances = np.linalg.eigvalsh(motion._linear_covariance_at(seconds, None, False))[..., -1]
+        return np.sqrt(np.maximum(variances, 0.0))
 
     if largest(np.zeros(1))[0] >= angle:
         return 0.0
-    found = _first_time(largest, _time_scale(motion, angle), angle)
-    if math.isfinite(found) and _is_rounding(motion, found, angle):
+    time = _first_time(largest, _time_scale(motion, angle), angle)
+    if math.isfinite(time) and _is_rounding(motion, time, angle):
         return math.inf
-    return min(found, flip_within_errors(motion))
+    return min(time, flip_within_errors(motion))
 
 
 def _time_scale(motion: Differentiable, angle: float) -> float:
     """The period of the errors, s; at rest the time in which a rate error turns by the angle."""
     speed = float(np.linalg.norm(motion.spin.angular_velocity))
     if speed == 0.0:
-        given = motion.spin.covariance
-        assert given is not None  # as the caller has found
-        rate = float(np.sqrt(np.trace(given[3:6, 3:6])))
+        covariance = motion.spin.covariance
+        assert covariance is not None  # as the caller has found
+        rate = float(np.sqrt(np.trace(covariance[3:6, 3:6])))
         return angle / rate if rate > 0.0 else 1.0
     period = motion.regime.P_psi
     return float(period) if np.isfinite(period) else 2.0 * math.pi / speed
@@ -138,9 +138,9 @@ def _crossing(
 
 def _is_rounding(motion: Differentiable, seconds: float, angle: float) -> bool:
     """Whether errors cancel so far that the angle is a rounding error of their sum."""
-    given = motion.spin.covariance_icrf
-    assert given is not None  # as the caller has found
-    sigma = np.sqrt(np.diag(given))
+    covariance = motion.spin.covariance_icrf
+    assert covariance is not None  # as the caller has found
+    sigma = np.sqrt(np.diag(covariance))
     alone = motion.sensitivity_at(seconds) * sigma
     return bool(angle < _CANCELLED * np.linalg.norm(alone))
 
@@ -149,15 +149,15 @@ def flip_within_errors(motion: Differentiable) -> float:
     """The time to the next turn-over if one standard deviation of the spin crosses the separatrix,
     or inf.
     """
-    found = math.inf
-    given = motion.spin.covariance_icrf
-    assert given is not None  # as the caller has found
-    for column in covariances.factor(given).T:
+    time = math.inf
+    covariance = motion.spin.covariance_icrf
+    assert covariance is not None  # as the caller has found
+    for column in covariances.factor(covariance).T:
         for sign in (1.0, -1.0):
             # Moments that are no body's have no turn-over.
             with suppress(AttitudeError):
-                found = min(found, _flip(motion.regime, motion.changed(sign * column).regime))
-    return found
+                time = min(time, _flip(motion.regime, motion.changed(sign * column).regime))
+    return time
 
 
 def _drift_time(constants: Any, regime: Regime, tolerance: float) -> float:
@@ -200,9 +200,9 @@ def _shifted(given, shifts):
     hi, lo = given[..., 0], given[..., 1]
     total = hi + shifts
     back = total - hi
-    rest = (hi - (total - back)) + (shifts - back) + lo
-    high = total + rest
-    return np.stack([high, rest - (high - total)], axis=-1)
+    low_part = (hi - (total - back)) + (shifts - back) + lo
+    high = total + low_part
+    return np.stack([high, low_part - (high - total)], axis=-1)
 
 
 def _constants(states, moments_error):
@@ -222,9 +222,9 @@ def _constants(states, moments_error):
 
 def _error(value: Reals, name: str) -> FloatArray:
     """Relative standard deviations (3,), from one number or three."""
-    given = validation.real(value, name)
-    if given.shape not in ((), (3,)):
-        raise AttitudeError(f"{name} has shape {given.shape}; give one number or three.")
-    if np.any(given < 0.0):
-        raise AttitudeError(f"{name} is {given.tolist()}; standard deviations are not negative.")
-    return np.broadcast_to(given, (3,))
+    sigmas = validation.real(value, name)
+    if sigmas.shape not in ((), (3,)):
+        raise AttitudeError(f"{name} has shape {sigmas.shape}; give one number or three.")
+    if np.any(sigmas < 0.0):
+        raise AttitudeError(f"{name} is {sigmas.tolist()}; standard deviations are not negative.")
+    return np.broadcast_to(sigmas, (3,))

@@ -212,8 +212,8 @@ def propagate(
         flat[-2 if angular_velocity else -1 :] if sensitivity else [],
         threads,
     )
-    found = tuple(result(memory, given, scalar, len(lead)) for memory, given in results)
-    return found if len(found) > 1 else found[0]
+    results_of = tuple(result(memory, array, scalar, len(lead)) for memory, array in results)
+    return results_of if len(results_of) > 1 else results_of[0]
 
 
 def _bodies(memory, leading, count):
@@ -293,9 +293,9 @@ def result_memory(
     if out is not None:
         expected = (*shape[:-1], *width) if scalar else (*shape, *width)
         if not isinstance(out, np.ndarray) or out.dtype != np.float64 or out.shape != expected:
-            given = getattr(out, "shape", None), getattr(out, "dtype", type(out).__name__)
+            of_out = getattr(out, "shape", None), getattr(out, "dtype", type(out).__name__)
             raise AttitudeError(
-                f"{name} is an array of shape and type {given}; it must be float64 {expected}."
+                f"{name} is an array of shape and type {of_out}; it must be float64 {expected}."
             )
         if not out.flags.writeable:
             raise AttitudeError(f"{name} is read-only; give an array that can be filled.")

@@ -57,9 +57,9 @@ _ROUNDING = 1e-14
 
 def known_mode(mode: str | Mode | None) -> str:
     """The mode as "LAM" or "SAM"; AttitudeError for any other mode or text."""
-    given = mode.upper() if isinstance(mode, str) else mode
-    if given in _MODES:
-        return _MODES[given]
+    word = mode.upper() if isinstance(mode, str) else mode
+    if word in _MODES:
+        return _MODES[word]
     raise AttitudeError(
         f'mode is {mode!r}; give "LAM" (long-axis mode) or "SAM" (short-axis mode), or Mode.'
         "LONG_AXIS or Mode.SHORT_AXIS. The mode is required: in the other mode the same two "
@@ -84,14 +84,14 @@ def possible(moments: ArrayLike, P_psi: float, P_phi: float) -> list[tuple[str, 
     >>> possible((0.61, 0.965, 1.0), 263.0, 27.38)
     [('LAM', 'L'), ('LAM', 'S'), ('SAM', 'L'), ('SAM', 'S')]
     """
-    found = []
+    pairs_of = []
     for mode in ("LAM", "SAM"):
         for convention in ("L", "S"):
             if _exists(moments, mode):
                 ratio = P_psi / P_phi - (convention == "S")
                 if not math.isnan(_solved(moments, mode, ratio)[0]):
-                    found.append((mode, convention))
-    return found
+                    pairs_of.append((mode, convention))
+    return pairs_of
 
 
 def longest_P_phi(moments: ArrayLike, mode: str | Mode, convention: str, P_psi: float) -> float:
@@ -131,7 +131,7 @@ def _exists(moments, mode):
 def refuse_missing_mode(moments: FloatArray, mode: str) -> None:
     """AttitudeError if a body with these moments (3,), ascending, has no motion in the mode."""
     if not _exists(moments, mode):
-        listed = ", ".join(f"{each:.9g}" for each in moments)
+        listed = ", ".join(f"{moment:.9g}" for moment in moments)
         why = "the least is zero" if moments[0] == 0.0 else (
             "the least two are equal" if mode == "LAM" else "the greatest two are equal"
         )  # fmt: skip
@@ -156,8 +156,8 @@ def places_of_dynamic_inertia(
 
 def _solved(moments: ArrayLike, mode: str, ratio: float) -> FloatArray:
     """The position (3,) of `places` of one body, in a mode."""
-    given = np.array([moments], dtype=float), np.array([mode == "LAM"])
-    place: FloatArray = places_of_dynamic_inertia(*given, np.array([ratio], dtype=float))[0]
+    arguments = np.array([moments], dtype=float), np.array([mode == "LAM"])
+    place: FloatArray = places_of_dynamic_inertia(*arguments, np.array([ratio], dtype=float))[0]
     return place
 
 
@@ -168,8 +168,8 @@ def cycle(moments: ArrayLike, mode: str, position: Sequence[float]) -> FloatArra
     from attitude._solver.regimes import cycles_all
 
     out = np.empty((1, 2))
-    y, rest = (np.array([each], dtype=float) for each in position)
-    cycles_all(np.array([moments], dtype=float), np.array([mode == "LAM"]), y, rest, out)
+    y, one_minus_y = (np.array([number], dtype=float) for number in position)
+    cycles_all(np.array([moments], dtype=float), np.array([mode == "LAM"]), y, one_minus_y, out)
     return out[0]
 
 
@@ -181,9 +181,9 @@ def dynamic_inertia_from_periods(
     Shapes: moments (3,).
     """
     ratio = P_psi / P_phi - (convention == "S")
-    found = _solved(moments, mode, ratio)
-    if not math.isnan(found[0]):
-        return found
+    place = _solved(moments, mode, ratio)
+    if not math.isnan(place[0]):
+        return place
     longest = longest_P_phi(moments, mode, convention, P_psi)
     if P_phi <= longest:
         raise AttitudeError(
@@ -191,7 +191,7 @@ def dynamic_inertia_from_periods(
             "than double precision resolves. Give rates instead."
         )
     others = possible(moments, P_psi, P_phi)
-    listed = ", ".join(f"{each} with {labels}" for each, labels in others)
+    listed = ", ".join(f"{other_mode} with {labels}" for other_mode, labels in others)
     raise AttitudeError(
         f"P_phi is {P_phi:.9g} s and P_psi is {P_psi:.9g} s; with these moments in {mode}, "
         f'convention "{convention}", P_phi can be {longest:.9g} s at the most for this P_psi. '
@@ -218,20 +218,20 @@ def dynamic_inertia_from_energy(
             f"energy_ratio is {ratio:.9g}; 2 E C / L^2 of this body lies between 1 (rotation about "
             f"the short axis) and {c / a:.9g} (about the long axis)."
         )
-    found = "SAM" if b * ratio < c else "LAM"
-    if mode is not None and known_mode(mode) != found:
+    mode_of_energy = "SAM" if b * ratio < c else "LAM"
+    if mode is not None and known_mode(mode) != mode_of_energy:
         low, high = {"SAM": (1.0, c / b), "LAM": (c / b, c / a)}[known_mode(mode)]
         raise AttitudeError(
-            f"mode is {known_mode(mode)}, but energy_ratio {ratio:.9g} belongs to {found}: with "
-            f"these moments {known_mode(mode)} has {low:.9g} to {high:.9g}."
+            f"mode is {known_mode(mode)}, but energy_ratio {ratio:.9g} belongs to "
+            f"{mode_of_energy}: with these moments {known_mode(mode)} has {low:.9g} to {high:.9g}."
         )
     # C - D = C (ratio - 1) / ratio and so on: no difference is formed by subtracting D.
     if b * ratio < c:
-        rest = c * (ratio - 1.0) / (ratio * (c - b))
-        return "SAM", ((c - b * ratio) / (ratio * (c - b)), rest)
+        share = c * (ratio - 1.0) / (ratio * (c - b))
+        return "SAM", ((c - b * ratio) / (ratio * (c - b)), share)
     if b * ratio > c:
-        rest = max(c - a * ratio, 0.0) / (ratio * (b - a))
-        return "LAM", ((b * ratio - c) / (ratio * (b - a)), rest)
+        share = max(c - a * ratio, 0.0) / (ratio * (b - a))
+        return "LAM", ((b * ratio - c) / (ratio * (b - a)), share)
     raise AttitudeError(
         f"energy_ratio is {ratio:.9g}, exactly C/B: on the separatrix there are no periods. Give "
         "angles and rates instead."
@@ -309,13 +309,13 @@ class Labels(NamedTuple):
     def lost(self, places: FloatArray, rates: FloatArray, P_psi: FloatArray) -> BoolArray:
         """Whether (N,) rates in double precision do not determine P_psi, near the separatrix."""
         lost = np.zeros(len(rates), dtype=bool)
-        near = np.flatnonzero((places[:, 0] < _NEAR) & np.isfinite(rates[:, 0]))
-        if len(near):
-            a, b, c = self.moments[near].T
-            long = self.long_labels[near]
+        closest = np.flatnonzero((places[:, 0] < _NEAR) & np.isfinite(rates[:, 0]))
+        if len(closest):
+            a, b, c = self.moments[closest].T
+            long = self.long_labels[closest]
             labelled = np.where(long, (b, c, a), (a, b, c)).T
-            lost[near] = ~(
-                np.abs(regimes(labelled, rates[near]).P_psi / P_psi[near] - 1.0) <= _LOST
+            lost[closest] = ~(
+                np.abs(regimes(labelled, rates[closest]).P_psi / P_psi[closest] - 1.0) <= _LOST
             )
         return lost
 
@@ -335,7 +335,10 @@ def states_from_two_periods(
 ) -> tuple[FloatArray, FloatArray]:
     """Attitude and angular velocity from two periods, or one; see `Spin.from_periods`."""
     if P is not None:
-        if any(each is not None for each in (mode, convention, P_psi, P_phi, psi0, theta_branch)):
+        if any(
+            argument is not None
+            for argument in (mode, convention, P_psi, P_phi, psi0, theta_branch)
+        ):
             raise AttitudeError(
                 "P is the one period of a relaxed rotator; leave out mode, convention, P_psi, "
                 "P_phi, psi0 and theta_branch, or give P_psi and P_phi."
@@ -350,8 +353,8 @@ def states_from_two_periods(
     P_phi = validation.positive(P_phi, "P_phi", unit="s")
     moments = body.moments[_conventions.order(body)]
     refuse_missing_mode(moments, mode)
-    found = dynamic_inertia_from_periods(moments, mode, convention, P_psi, P_phi)
-    return from_place(body, mode, convention, found, P_psi, pole, phi0, psi0, theta_branch)
+    place = dynamic_inertia_from_periods(moments, mode, convention, P_psi, P_phi)
+    return from_place(body, mode, convention, place, P_psi, pole, phi0, psi0, theta_branch)
 
 
 def from_place(
@@ -398,8 +401,8 @@ def from_labelled(
     rad/s.  Without a body its axes are the labelled ones of "S".
     """
     labels = Labels.of(body, convention)
-    given = np.array([angles], dtype=float), np.array([rates], dtype=float)
-    wxyz, omega = labels.states(*given)
+    arguments = np.array([angles], dtype=float), np.array([rates], dtype=float)
+    wxyz, omega = labels.states(*arguments)
     return wxyz[0], omega[0]
 
 
@@ -442,11 +445,11 @@ def _known_branch(branch: Any, mode: str, convention: str) -> str | None:
 def _beyond(psi: float, mode: str, convention: str, moments: FloatArray, place: FloatArray) -> str:
     """The error text for a psi0 outside of its libration."""
     a, b, c = moments
-    y, rest = place[0], place[1]
+    y, one_minus_y = place[0], place[1]
     if convention == "L":  # in short-axis mode: C - D over D - B
-        largest, center = math.atan2(math.sqrt(rest / c), math.sqrt(y / b)), (0, 180)
+        largest, center = math.atan2(math.sqrt(one_minus_y / c), math.sqrt(y / b)), (0, 180)
     else:  # in long-axis mode: D - A over B - D
-        largest, center = math.atan2(math.sqrt(rest / a), math.sqrt(y / b)), (90, 270)
+        largest, center = math.atan2(math.sqrt(one_minus_y / a), math.sqrt(y / b)), (90, 270)
     return (
         f"psi0 is {math.degrees(psi):.6g} deg; in {mode} with convention "
         f'"{convention}" psi librates within {math.degrees(largest):.6g} deg of {center[0]} or '
@@ -593,8 +596,8 @@ def from_energy(
     convention = known_convention(convention)
     if (P_psi is None) == (P_phi is None):
         raise AttitudeError("give one of P_psi and P_phi; the other follows from the energy.")
-    found, position = dynamic_inertia_from_energy(_ascending(body), energy_ratio, mode)
-    turns, unit_period = cycle(_ascending(body), found, position)
+    mode_of_energy, position = dynamic_inertia_from_energy(_ascending(body), energy_ratio, mode)
+    turns, unit_period = cycle(_ascending(body), mode_of_energy, position)
     if P_psi is not None:
         seconds = validation.positive(P_psi, "P_psi", unit="s")
     else:
@@ -602,7 +605,9 @@ def from_energy(
         turns = turns if convention == "L" else turns + 1.0
         seconds = turns * validation.positive(P_phi, "P_phi", unit="s")
     place = np.array([*position, unit_period])
-    return from_place(body, found, convention, place, seconds, pole, phi0, psi0, theta_branch)
+    return from_place(
+        body, mode_of_energy, convention, place, seconds, pole, phi0, psi0, theta_branch
+    )
 
 
 def from_pole(
@@ -622,7 +627,7 @@ def from_pole(
     phi = _conventions.known_angle(phi0, "phi0")
     moments = _conventions.moments(body, convention)
     if angular_velocity is not None:
-        if not all(each is None for each in (theta0, psi0, P_psi, P_phi)):
+        if not all(argument is None for argument in (theta0, psi0, P_psi, P_phi)):
             raise AttitudeError(
                 "with angular_velocity, theta0, psi0 and the periods follow; leave them out."
             )
@@ -643,15 +648,15 @@ def from_pole(
     if np.any(moments == 0.0):
         raise AttitudeError("one moment is zero; for a rod give angular_velocity.")
     rates = _conventions.momentum_direction(theta, psi) * (moments.max() / moments)
-    found = regimes(moments, rates)
-    name, given, period = "P_psi", P_psi, found.P_psi
+    periods = regimes(moments, rates)
+    name, value, period = "P_psi", P_psi, periods.P_psi
     if P_psi is None:
-        name, given, period = "P_phi", P_phi, found.P_phi(convention)
-    assert given is not None
-    seconds = validation.positive(given, name, unit="s")
+        name, value, period = "P_phi", P_phi, periods.P_phi(convention)
+    assert value is not None
+    seconds = validation.positive(value, name, unit="s")
     if not math.isfinite(period):
         raise AttitudeError(
-            f"with theta0 and psi0 the state is {found.mode.phrase}, where {name} is infinite; "
+            f"with theta0 and psi0 the state is {periods.mode.phrase}, where {name} is infinite; "
             "give the other period."
         )
     angles = (*_conventions.known_pole(pole), phi, theta, psi)
@@ -785,12 +790,12 @@ def states_from_periods(
     ((2, 4), [False, False])
     """
     on_error = validation.one_of(on_error, "on_error", ("raise", "nan"))
-    given = {"phi0": phi0, "psi0": psi0, "P_psi": P_psi, "P_phi": P_phi, "P": P}
+    numbers_given = {"phi0": phi0, "psi0": psi0, "P_psi": P_psi, "P_phi": P_phi, "P": P}
     numbers = {
         name: np.array(math.nan)
         if value is None
         else validation.real(value, name, unit=_NUMBERS[name], finite=False)
-        for name, value in given.items()
+        for name, value in numbers_given.items()
     }
     numbers["moments"], order, axes = _bodies(moments, principal_axes)
     numbers["pole"] = _poles(pole)
@@ -801,24 +806,26 @@ def states_from_periods(
     }
     count = _count({**numbers, **words, "axes": axes})
     rows = {
-        name: np.broadcast_to(each, (count, *each.shape[1:])) if each.ndim else np.full(count, each)
-        for name, each in {**numbers, **words}.items()
+        name: np.broadcast_to(array, (count, *array.shape[1:]))
+        if array.ndim
+        else np.full(count, array)
+        for name, array in {**numbers, **words}.items()
     }
     order = np.broadcast_to(order, (count, 3))
     wxyz, omega = np.empty((count, 4)), np.empty((count, 3))
     bad = np.empty(count, dtype=bool)
     for first in range(0, count, _BLOCK):
-        part = slice(first, min(first + _BLOCK, count))
-        turned = axes[part] if len(axes) > 1 else axes
-        some = {name: each[part] for name, each in rows.items()}
-        wxyz[part], omega[part], bad[part] = _block(some, order[part], turned)
+        block = slice(first, min(first + _BLOCK, count))
+        turned = axes[block] if len(axes) > 1 else axes
+        some = {name: array[block] for name, array in rows.items()}
+        wxyz[block], omega[block], bad[block] = _block(some, order[block], turned)
     shared = {"mode": mode, "convention": convention, "theta_branch": theta_branch}
-    found = PeriodStates(wxyz, omega, bad, _again(moments, rows, shared))
+    states = PeriodStates(wxyz, omega, bad, _again(moments, rows, shared))
     if on_error == "raise" and bad.any():
         k = int(np.flatnonzero(bad)[0])
         name = f"Member {k} of {count}" if names is None else f"Member {names[k]!r}"
-        raise AttitudeError((f"{name}: " if count > 1 else "") + found.reason(k))
-    return found
+        raise AttitudeError((f"{name}: " if count > 1 else "") + states.reason(k))
+    return states
 
 
 def _block(
@@ -852,12 +859,14 @@ def _block(
 def _possible(rows, moments, relaxed):
     """Members (N,) whose periods, mode and moments are those of a tumbling body, as far as seen."""
     a, b, c = moments.T
-    found = ~relaxed & (rows["mode"] >= 0) & (rows["convention"] >= 0) & (rows["theta_branch"] >= 0)
+    allowed = (
+        ~relaxed & (rows["mode"] >= 0) & (rows["convention"] >= 0) & (rows["theta_branch"] >= 0)
+    )
     for name in ("P_psi", "P_phi"):
-        found &= (rows[name] > 0.0) & (rows[name] < math.inf)
+        allowed &= (rows[name] > 0.0) & (rows[name] < math.inf)
     with np.errstate(invalid="ignore"):
-        found &= (a > 0.0) & (c < math.inf) & (c - a - b <= TRIANGLE * c)
-    return found
+        allowed &= (a > 0.0) & (c < math.inf) & (c - a - b <= TRIANGLE * c)
+    return allowed
 
 
 def _relax(relaxed, rows, rates, angles):
@@ -903,10 +912,10 @@ def _bodies(moments: Any, principal_axes: Any) -> tuple[FloatArray, Any, FloatAr
 def _poles(pole: Any) -> FloatArray:
     """Poles (1 or N, 2) in rad; a pair of values may have different units."""
     if isinstance(pole, (list, tuple)) and len(pole) == 2 and np.ndim(pole[0]) == 0:
-        parts = [validation.number(each, "pole", unit="rad") for each in pole]
+        parts = [validation.number(angle, "pole", unit="rad") for angle in pole]
         return np.array([parts])
-    given = validation.real(pole, "pole", shape=(..., 2), unit="rad", finite=False)
-    return given.reshape(1, 2) if given.ndim == 1 else given
+    poles = validation.real(pole, "pole", shape=(..., 2), unit="rad", finite=False)
+    return poles.reshape(1, 2) if poles.ndim == 1 else poles
 
 
 def _codes(given: Any, known: Callable[[Any], str | None], allowed: Sequence[str]) -> Any:
@@ -945,7 +954,9 @@ def _branch_of_row(branch: Any) -> str | None:
 def _count(arrays: dict[str, Any]) -> int:
     """The number of members, to which all arrays broadcast."""
     inner = {"moments": 1, "pole": 1, "axes": 2}
-    lengths = {name: each.shape[: each.ndim - inner.get(name, 0)] for name, each in arrays.items()}
+    lengths = {
+        name: array.shape[: array.ndim - inner.get(name, 0)] for name, array in arrays.items()
+    }
     counts = {shape[0] for shape in lengths.values() if shape != () and shape[0] != 1}
     if len(counts) > 1 or any(len(shape) > 1 for shape in lengths.values()):
         listed = ", ".join(f"{name} {shape}" for name, shape in lengths.items() if shape != ())
@@ -964,14 +975,14 @@ def _again(moments: Any, rows: dict[str, Any], words: dict[str, Any]) -> Callabl
         if body is not None and not isinstance(body, Body):
             body = Body(moments=rows["moments"][k], relative=True)
         numbers = {name: float(rows[name][k]) for name in _NUMBERS}
-        labels = {name: _entry(each, k) for name, each in words.items()}
+        labels = {name: _entry(array, k) for name, array in words.items()}
         if not math.isnan(numbers["P"]):
             labels = {}
-        given: dict[str, Any] = {
+        keywords: dict[str, Any] = {
             name: value for name, value in numbers.items() if not math.isnan(value)
         }
-        given.setdefault("phi0", math.nan)
-        return states_from_two_periods(body, pole=rows["pole"][k], **given, **labels)
+        keywords.setdefault("phi0", math.nan)
+        return states_from_two_periods(body, pole=rows["pole"][k], **keywords, **labels)
 
     return call
 

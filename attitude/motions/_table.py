@@ -82,12 +82,12 @@ def evaluate(
         _evaluate(table, row[k : k + _CHUNK], ahead[k : k + _CHUNK], order)
         for k in range(0, max(len(row), 1), _CHUNK)
     ]
-    return [np.concatenate(each) for each in zip(*parts, strict=True)]
+    return [np.concatenate(arrays) for arrays in zip(*parts, strict=True)]
 
 
 def _evaluate(table, row, ahead, order):
-    found = _along_circles if table.method == "slerp" else _by_polynomial
-    out = found(table, row, ahead, order)
+    interpolated = _along_circles if table.method == "slerp" else _by_polynomial
+    out = interpolated(table, row, ahead, order)
     if order and table.angular_velocity is not None and table.method != "hermite":
         out[1:] = _interpolated_rates(table, row, ahead)[:order]
     return out
@@ -144,8 +144,8 @@ def polynomial(
 
     Shapes: at (T, width), values, slopes (T, ...), x (T,).
     """
-    found: FloatArray = _newton(at, values, slopes, x, 0)[0]
-    return found
+    values_at: FloatArray = _newton(at, values, slopes, x, 0)[0]
+    return values_at
 
 
 def with_slope(
@@ -155,8 +155,8 @@ def with_slope(
     x: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:
     """The polynomials of `polynomial` at x, and their derivatives, both (T, ...)."""
-    found = _newton(at, values, slopes, x, 1)
-    return found[0], found[1]
+    both = _newton(at, values, slopes, x, 1)
+    return both[0], both[1]
 
 
 def _newton(at, values, slopes, x, order):
@@ -199,8 +199,8 @@ def _along_circles(table, row, ahead, order):
     )
     p, q = table.nodes[start], table.nodes[start + 1]
     turn = forms.to_rotation_vector(quaternion.multiply(quaternion.conjugate(p), q))
-    part = forms.from_rotation_vector(turn * (since / step)[:, None])
-    out = [quaternion.multiply(p, part), turn / step[:, None], np.zeros((len(row), 3))]
+    turned = forms.from_rotation_vector(turn * (since / step)[:, None])
+    out = [quaternion.multiply(p, turned), turn / step[:, None], np.zeros((len(row), 3))]
     return out[: order + 1]
 
 
@@ -374,20 +374,20 @@ class AttitudeTable(Motion):
         AttitudeError
             For no table.
         """
-        given = [part for table in tables for part in table.segments]
-        if not given:
+        segments = [segment for table in tables for segment in table.segments]
+        if not segments:
             raise AttitudeError("there are no segments to join; give one table or more.")
-        if len(given) == 1 and meta is None:
-            return given[0]
-        epoch = given[0].epoch
-        parts = tuple(table._counted_from(epoch) for table in given)
+        if len(segments) == 1 and meta is None:
+            return segments[0]
+        epoch = segments[0].epoch
+        parts = tuple(table._counted_from(epoch) for table in segments)
         self = object.__new__(cls)
-        rates = [part.angular_velocity for part in parts]
+        rates = [segment.angular_velocity for segment in parts]
         joined = {
             "epoch": epoch,
-            "seconds": np.concatenate([part.seconds for part in parts]),
-            "low": np.concatenate([part.low for part in parts]),
-            "wxyz": np.concatenate([part.wxyz for part in parts]),
+            "seconds": np.concatenate([segment.seconds for segment in parts]),
+            "low": np.concatenate([segment.low for segment in parts]),
+            "wxyz": np.concatenate([segment.wxyz for segment in parts]),
             "angular_velocity": _concatenated(rates),
             "method": parts[0].method,
             "degree": parts[0].degree,
@@ -418,7 +418,7 @@ class AttitudeTable(Motion):
     @property
     def span(self) -> tuple[Instant, Instant]:
         """First and last epoch of the attitudes, as Instants."""
-        ends = [part._limits for part in self.segments]
+        ends = [segment._limits for segment in self.segments]
         first, last = min(end[0] for end in ends), max(end[1] for end in ends)
         return self.epoch.after(*first), self.epoch.after(*last)
 
@@ -440,11 +440,11 @@ class AttitudeTable(Motion):
         hi, lo = pairs.Seconds(seconds, low).flat
         out = [np.full((hi.size, width), np.nan) for width in (4, 3, 3)[: order + 1]]
         left = ~np.isnan(hi + lo)
-        for part in self.segments:
+        for segment in self.segments:
             inside = np.flatnonzero(left)
-            inside = inside[part._covers(hi[inside], lo[inside])]
+            inside = inside[segment._covers(hi[inside], lo[inside])]
             if len(inside):
-                values = part._interpolated(hi[inside], lo[inside], order)
+                values = segment._interpolated(hi[inside], lo[inside], order)
                 for array, value in zip(out, values, strict=True):
                     array[inside] = value
                 left[inside] = False
@@ -455,13 +455,13 @@ class AttitudeTable(Motion):
     def _refuse_outside(self, seconds: float) -> None:
         """AttitudeError for an epoch, in seconds, outside of all segments."""
         spans = [
-            f"{self.epoch.after(*part._limits[0]).utc_iso} to "
-            f"{self.epoch.after(*part._limits[1]).utc_iso}"
-            for part in self.segments
+            f"{self.epoch.after(*segment._limits[0]).utc_iso} to "
+            f"{self.epoch.after(*segment._limits[1]).utc_iso}"
+            for segment in self.segments
         ]
         listed = ", ".join(spans[:4]) + (", ..." if len(spans) > 4 else "")
-        near = abs(seconds) < _WRITTEN
-        where = f"{self.epoch.after(seconds).utc_iso} UTC" if near else f"{seconds:.9g} s"
+        is_close = abs(seconds) < _WRITTEN
+        where = f"{self.epoch.after(seconds).utc_iso} UTC" if is_close else f"{seconds:.9g} s"
         raise AttitudeError(
             f"the table has no attitude at {where}; its attitudes span {listed} UTC. Give epochs "
             "within, or fit a free rotation to the table, which has no limits."
@@ -542,7 +542,7 @@ class AttitudeTable(Motion):
 
 def _concatenated(rates: list[FloatArray | None]) -> FloatArray | None:
     """The rates of all segments, or None if one has none."""
-    known = [each for each in rates if each is not None]
+    known = [array for array in rates if array is not None]
     return np.concatenate(known) if len(known) == len(rates) else None
 
 

@@ -111,10 +111,10 @@ def spread(
             step = np.zeros(4)
             step[k] = sign * error
             ends.append(possible_end(values, step, exists))
-    found = _results(np.array(ends), known, convention)
-    if np.isnan(found[0]).any():
+    results_at = _results(np.array(ends), known, convention)
+    if np.isnan(results_at[0]).any():
         from_periods(moments, known, convention, *values[2:])  # raises the error with its text
-    return dict(zip(_RESULTS, in_quadrature(found), strict=True))
+    return dict(zip(_RESULTS, in_quadrature(results_at), strict=True))
 
 
 def in_quadrature(found: FloatArray) -> list[Uncertain]:
@@ -158,8 +158,8 @@ def _results(sets, mode, convention):
     fine &= ~np.isnan(positions[:, 0])
     if not np.any(fine):
         return out
-    moments, (y, rest, unit_period) = moments[fine], positions[fine].T
-    rates = _rates(moments, mode, y, rest) * (unit_period / P_psi[fine])[:, None]
+    moments, (y, one_minus_y, unit_period) = moments[fine], positions[fine].T
+    rates = _rates(moments, mode, y, one_minus_y) * (unit_period / P_psi[fine])[:, None]
     regime = regimes(moments, rates)
     theta = regime.nutation(convention)
     out[fine] = np.column_stack(
@@ -192,13 +192,13 @@ def _rates(moments, mode, y, rest):
 
 def _with_errors(value: Reals, name: str, unit: str | None) -> tuple[float, float, float]:
     """A value and its errors downward and upward, both positive."""
-    given = validation.real(value, name, unit=unit)
-    if given.shape == ():
-        return float(given), 0.0, 0.0
-    if given.shape == (2,):
-        return float(given[0]), abs(float(given[1])), abs(float(given[1]))
-    if given.shape == (3,):
-        return float(given[0]), abs(float(given[1])), abs(float(given[2]))
+    sigmas = validation.real(value, name, unit=unit)
+    if sigmas.shape == ():
+        return float(sigmas), 0.0, 0.0
+    if sigmas.shape == (2,):
+        return float(sigmas[0]), abs(float(sigmas[1])), abs(float(sigmas[1]))
+    if sigmas.shape == (3,):
+        return float(sigmas[0]), abs(float(sigmas[1])), abs(float(sigmas[2]))
     raise AttitudeError(
-        f"{name} has shape {given.shape}; give a value, (value, error) or (value, minus, plus)."
+        f"{name} has shape {sigmas.shape}; give a value, (value, error) or (value, minus, plus)."
     )

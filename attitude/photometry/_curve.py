@@ -292,17 +292,17 @@ class LightCurve(Immutable):
             as the class.
         """
         opened = _files.opened(path, format=format, columns=columns, bad=bad, encoding=encoding)
-        keywords = {key: each for key, each in opened.items() if key != "rows"}
+        keywords = {key: value for key, value in opened.items() if key != "rows"}
         if any(key in given for key in ("scene", "path", "sun", "observer")):
             for key in ("sun", "observer", "frame"):
                 keywords.pop(key, None)
         elif "frame" in keywords:  # of the file, whatever the frame of other files
-            given = {key: each for key, each in given.items() if key != "frame"}
+            given = {key: value for key, value in given.items() if key != "frame"}
         if "flux" in given or "magnitude" in given:
             keywords.pop("flux", None)
             keywords.pop("magnitude", None)
         if isinstance(given.get("site"), Mapping) and "site" in keywords:
-            given = {("places" if key == "site" else key): each for key, each in given.items()}
+            given = {("places" if key == "site" else key): value for key, value in given.items()}
         return cls(**keywords | given)
 
     # ---- What it holds
@@ -313,7 +313,7 @@ class LightCurve(Immutable):
     def __repr__(self) -> str:
         what = "fluxes" if self.is_flux else "magnitudes"
         words = [f"{len(self)} {what}"]
-        bands = ", ".join(each for each in self.filters if each)
+        bands = ", ".join(band for band in self.filters if band)
         if bands:
             words.append(f"in {quoted(bands, 60, '')}")
         if len(self.sessions) > 1:
@@ -329,7 +329,7 @@ class LightCurve(Immutable):
         rows = [
             ("points", f"{len(self)}{' fluxes' if self.is_flux else ''}"),
             ("sessions", str(len(self.sessions))),
-            ("filters", ", ".join(each for each in self.filters if each) or "-"),
+            ("filters", ", ".join(band for band in self.filters if band) or "-"),
             ("span", f"{self.span / 86400.0:.6g} d from {self.epoch.utc_iso} UTC"),
             ("errors", f"{np.nanmedian(self.sigma):.3g} (median)" if np.any(self.sigma) else "-"),
             ("geometry", "known" if self.has_geometry else "not known"),
@@ -459,10 +459,10 @@ class LightCurve(Immutable):
                 keywords.pop(key, None)
         if isinstance(self.zero_points, tuple) and "zero_points" not in changes:
             left = set(keywords.get("session", ()) if "session" not in changes else ())
-            keywords["zero_points"] = tuple(each for each in self.zero_points if each in left)
+            keywords["zero_points"] = tuple(label for label in self.zero_points if label in left)
         curve = LightCurve(**keywords | changes)
         if not curve.scenes:
-            kept = {key: each for key, each in self.scenes.items() if key in curve.sites}
+            kept = {key: path for key, path in self.scenes.items() if key in curve.sites}
             curve._set("scenes", kept)
         return curve
 
@@ -590,9 +590,9 @@ def _seconds(times: Any, epoch: Any) -> tuple[Instant, FloatArray]:
 def _brightness(magnitude: Any, flux: Any, sigma: Any, count: int) -> tuple[FloatArray, FloatArray]:
     if (magnitude is None) == (flux is None):
         raise AttitudeError("give either magnitude or flux, of each epoch.")
-    name, given = ("magnitude", magnitude) if flux is None else ("flux", flux)
-    unit = getattr(given, "unit", None) if flux is not None else None
-    values = _plain(given, name, unit, "mag" if flux is None else None, finite=False)
+    name, brightness = ("magnitude", magnitude) if flux is None else ("flux", flux)
+    unit = getattr(brightness, "unit", None) if flux is not None else None
+    values = _plain(brightness, name, unit, "mag" if flux is None else None, finite=False)
     if values.shape != (count,):
         raise AttitudeError(f"{name} has shape {values.shape}; give one for each of {count} times.")
     wrong = np.flatnonzero(~np.isfinite(values))
@@ -640,9 +640,9 @@ def _numbered(given: Any, name: str, count: int) -> tuple[tuple[str, ...], IntAr
 
 def _sites(site: Any, places: Any, session: Any, count: int) -> tuple[Any, dict[str, Any]]:
     """The names of the sites of the points, and the places that are given by name."""
-    known = {} if places is None else {str(key): each for key, each in dict(places).items()}
+    known = {} if places is None else {str(key): place for key, place in dict(places).items()}
     if isinstance(site, Mapping):
-        known |= {str(key): each for key, each in site.items()}
+        known |= {str(key): place for key, place in site.items()}
         if session is None:
             raise AttitudeError(
                 "site is a dict, by the names of sessions, but the light curve has no sessions; "
@@ -680,11 +680,11 @@ def _known_zero_points(given: Any, sessions: tuple[str, ...]) -> str | float | t
     if isinstance(given, str):
         return validation.one_of(given, "zero_points", ("auto", "shared", "free"))
     if isinstance(given, (list, tuple, set)):
-        names = tuple(str(each) for each in given)
-        for each in names:
-            if each not in sessions:
+        names = tuple(str(label) for label in given)
+        for label in names:
+            if label not in sessions:
                 raise AttitudeError(
-                    f"zero_points names the session {quoted(each)}; the curve has "
+                    f"zero_points names the session {quoted(label)}; the curve has "
                     f"{_listed(sessions)}."
                 )
         return names
@@ -750,8 +750,8 @@ def _vectors(
     if sun is None or observer is None:
         raise AttitudeError(f"{'sun' if sun is None else 'observer'} is missing; give {WAYS}.")
     both = []
-    for given, name in ((sun, "sun"), (observer, "observer")):
-        vectors = validation.real(given, name, unit="m")
+    for direction, name in ((sun, "sun"), (observer, "observer")):
+        vectors = validation.real(direction, name, unit="m")
         if vectors.shape not in ((count, 3), (3,)):
             raise AttitudeError(
                 f"{name} has shape {vectors.shape}; give a vector for each of {count} epochs."
@@ -771,12 +771,12 @@ def _doubt_frame(frame: str, to_sun: FloatArray, notes: list[str]) -> None:
     frame stays as it was given.
     """
     unit = to_sun / np.maximum(np.linalg.norm(to_sun, axis=1), 1e-300)[:, None]
-    given = unit @ frames.matrix_to_icrf(frame)
+    directions = unit @ frames.matrix_to_icrf(frame)
     north = frames.matrix_to_icrf("ecliptic")[:, 2]
     latitude = {}
-    for each in dict.fromkeys((frame.lower(), "icrf", "ecliptic")):
-        turned = given @ frames.matrix_to_icrf(each).T
-        latitude[each] = math.degrees(math.asin(min(1.0, np.abs(turned @ north).max())))
+    for other_frame in dict.fromkeys((frame.lower(), "icrf", "ecliptic")):
+        turned = directions @ frames.matrix_to_icrf(other_frame).T
+        latitude[other_frame] = math.degrees(math.asin(min(1.0, np.abs(turned @ north).max())))
     other = min(latitude, key=lambda each: latitude[each])
     if latitude[frame.lower()] > _ON_ECLIPTIC > latitude[other]:
         notes.append(
@@ -949,8 +949,8 @@ def write(path: FilePath, data: LightCurve) -> None:
         ]
     else:
         dates = ccsds_epochs.texts(data.epoch, data.seconds, None, "utc")
-    columns: list[list[str]] = [list(dates), [repr(float(each)) for each in data.value]]
-    columns.append([repr(float(each)) if each > 0.0 else "" for each in data.sigma])
+    columns: list[list[str]] = [list(dates), [repr(float(number)) for number in data.value]]
+    columns.append([repr(float(number)) if number > 0.0 else "" for number in data.sigma])
     for key in ("filter", "site", "session"):
         words = getattr(data, f"{key}s")
         if any(words):
@@ -959,7 +959,7 @@ def write(path: FilePath, data: LightCurve) -> None:
             columns.append([cells[k] for k in getattr(data, key)])
     if np.any(data.exposure):
         names.append("exposure")
-        columns.append([repr(float(each)) if each > 0.0 else "" for each in data.exposure])
+        columns.append([repr(float(number)) if number > 0.0 else "" for number in data.exposure])
     for key in ("sun", "observer"):
         vectors = getattr(data, key)
         if vectors is not None:

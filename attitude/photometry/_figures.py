@@ -30,10 +30,10 @@ def of_light_curve(data: LightCurve, path: FilePath | None = None) -> Any:
     axes = figure.subplots()
     days = data.seconds / _DAY
     for number, name in enumerate(data.filters):
-        here = data.filter == number
-        error = np.where(np.isfinite(data.sigma[here]), data.sigma[here], 0.0)
+        in_filter = data.filter == number
+        error = np.where(np.isfinite(data.sigma[in_filter]), data.sigma[in_filter], 0.0)
         axes.errorbar(
-            days[here], data.value[here], error, fmt=".", ms=4, lw=0.6, label=name or None
+            days[in_filter], data.value[in_filter], error, fmt=".", ms=4, lw=0.6, label=name or None
         )
     if not data.is_flux:
         axes.invert_yaxis()
@@ -105,7 +105,7 @@ def _of_two(found: Periods, path: FilePath | None = None) -> Any:
     axes = figure.subplots(2, 2)
     plane, spectrum = axes[0]
     assert found.edges is not None and found.map is not None
-    edges = [each * _DAY for each in found.edges]
+    edges = [frequencies * _DAY for frequencies in found.edges]
     shown = plane.pcolormesh(edges[0], edges[1], found.map.T, cmap="viridis", rasterized=True)
     figure.colorbar(shown, ax=plane, label="share of chi-squared left")
     for rank, pair in enumerate(found.peaks[:_NAMED], 1):
@@ -115,7 +115,7 @@ def _of_two(found: Periods, path: FilePath | None = None) -> Any:
     plane.set_xlabel("first frequency, 1/d")
     plane.set_ylabel("second frequency, 1/d")
     best = found.peaks[0]
-    first, second = (quantity_text.of_time(each) for each in best.periods)
+    first, second = (quantity_text.of_time(period) for period in best.periods)
     plane.set_title(f"#1: {first} and {second}, {best.left:.3f} left", fontsize=9)
     lines = found.lines()
     for line, amplitude in lines:
@@ -147,11 +147,11 @@ def _window(axes: Any, found: Periods) -> None:
 def _folded(axes: Any, folded: Folded, which: int) -> None:
     data = folded.samples
     for number in range(min(data.curves, _COLOURS + 1)):
-        here = data.curve == number if number < _COLOURS else data.curve >= number
+        in_curve = data.curve == number if number < _COLOURS else data.curve >= number
         colour = f"C{number}" if number < _COLOURS and data.curves > 1 else _DATA
         name = data.names[number] if data.names and number < _COLOURS else None
         axes.plot(
-            folded.phase[which, here], folded.values[which, here], ".", color=colour, ms=4,
+            folded.phase[which, in_curve], folded.values[which, in_curve], ".", color=colour, ms=4,
             label=name or None,
         )  # fmt: skip
     phase = np.linspace(0.0, 1.0, 400)
@@ -169,13 +169,13 @@ def _folded(axes: Any, folded: Folded, which: int) -> None:
 
 def _extremes(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
     """A long curve as the least and the greatest value of each of many parts."""
-    each = len(x) // _POINTS
-    if each < 2:
+    size = len(x) // _POINTS
+    if size < 2:
         return x, y
-    count = len(x) // each * each
-    parts = y[:count].reshape(-1, each)
+    count = len(x) // size * size
+    parts = y[:count].reshape(-1, size)
     both = np.stack([parts.min(axis=1), parts.max(axis=1)], axis=1).reshape(-1)
-    return np.repeat(x[:count:each], 2), both
+    return np.repeat(x[:count:size], 2), both
 
 
 def _brightness(is_flux: bool, unit_distances: bool) -> str:

@@ -225,10 +225,10 @@ def _float(text: str) -> float | None:
 
 
 def _julian_fault(text: str, offset: float) -> str | None:
-    found = _float(text)
-    if found is None:
+    number = _float(text)
+    if number is None:
         return f"the date is {text.strip()[:30]!r}, which is no number"
-    if not _JULIAN[0] < found + offset < _JULIAN[1]:
+    if not _JULIAN[0] < number + offset < _JULIAN[1]:
         return f"the date {text.strip()[:30]} is no Julian date"
     return None
 
@@ -265,31 +265,31 @@ def iso(text: str) -> str:
     >>> iso("2011/09/13 7:46:00")
     '2011-09-13 07:46:00'
     """
-    found = re.fullmatch(
+    matched = re.fullmatch(
         r"\s*(\d{4})[-/. ](\d{1,2})[-/. ](\d{1,2})(?:[T ]+(\d{1,2})(:.*))?\s*", text
     )
-    if found is None:
+    if matched is None:
         return text.strip()
-    year, month, day, hour, rest = found.groups()
+    year, month, day, hour, fraction = matched.groups()
     date = f"{year}-{int(month):02d}-{int(day):02d}"
-    return date if hour is None else f"{date} {int(hour):02d}{rest}"
+    return date if hour is None else f"{date} {int(hour):02d}{fraction}"
 
 
 def julian(days: Sequence[str] | FloatArray, scale: str, offset: float = 0.0) -> Any:
     """Julian dates as a Time: the whole days and the rest are two doubles."""
     from astropy.time import Time
 
-    parts = [str(each).strip().partition(".") for each in days]
+    parts = [str(day).strip().partition(".") for day in days]
     exact = all(re.fullmatch(r"\d+", a) and re.fullmatch(r"\d*", b) for a, _, b in parts)
     if exact:
         whole = np.array([float(a) for a, _, _ in parts])
-        rest = np.array([float(f"0.{b or 0}") for _, _, b in parts])
+        fractions = np.array([float(f"0.{b or 0}") for _, _, b in parts])
     else:
-        given = np.array([float(each) for each in days])
-        whole = np.floor(given)
-        rest = given - whole
+        numbers = np.array([float(day) for day in days])
+        whole = np.floor(numbers)
+        fractions = numbers - whole
     added = np.floor(offset)
-    return Time(whole + added, rest + (offset - added), format="jd", scale=scale)
+    return Time(whole + added, fractions + (offset - added), format="jd", scale=scale)
 
 
 # ---- Photometry in exchange formats: ALCDEF, ADES (PSV and XML), MPC 80 columns, DAMIT
@@ -371,8 +371,8 @@ def _alcdef_row(number: int, parts: list[str], meta: dict[str, str], block: int)
     shift, exposure = _shifted(meta), _exposure(meta)
     try:
         if shift and exposure > 0.0:
-            whole, _, rest = date.partition(".")
-            date = f"{int(whole) + float(f'0.{rest or 0}') + shift * exposure / _SECONDS:.9f}"
+            whole, _, fraction = date.partition(".")
+            date = f"{int(whole) + float(f'0.{fraction or 0}') + shift * exposure / _SECONDS:.9f}"
     except (ValueError, OverflowError):
         pass  # a date that is no number, or too large, is reported with its row
     band = meta.get("FILTER") or meta.get("MAGBAND", "")
@@ -408,7 +408,7 @@ def of_ades_text(text: str, name: str) -> Keywords:
         if not line.strip() or line.startswith(("#", "!")):
             names = [] if line.startswith("#") else names
             continue
-        parts = [each.strip() for each in line.split("|")]
+        parts = [word.strip() for word in line.split("|")]
         if not names or "obsTime" in parts:
             names = parts
             continue
@@ -422,10 +422,10 @@ def of_ades_text(text: str, name: str) -> Keywords:
 
 def of_ades_xml(text: str, name: str) -> Keywords:
     """Keywords of `LightCurve` from ADES in XML, without a document type or entities."""
-    found = xml.records(text, name, "optical")
-    if not found:
+    records = xml.records(text, name, "optical")
+    if not records:
         raise AttitudeError(f"{name}: holds no <optical>, the element of photometry in ADES.")
-    return _of_ades([_ades_row(k, each) for k, each in enumerate(found, 1)], name, [])
+    return _of_ades([_ades_row(k, record) for k, record in enumerate(records, 1)], name, [])
 
 
 def _ades_row(number: int, entries: dict[str, str]) -> RawPoint:
@@ -458,12 +458,12 @@ def is_mpc(line: str) -> bool:
 
 def _mpc_row(number: int, line: str) -> RawPoint:
     date = line[15:32].strip()
-    found = _MPC_DATE.fullmatch(date)
-    if found is not None:
-        year, month, day, rest = found.groups()
+    matched = _MPC_DATE.fullmatch(date)
+    if matched is not None:
+        year, month, day, fraction = matched.groups()
         try:
             midnight = Decimal(np.datetime64(f"{year}-{month}-{day}", "D").astype(int).item())
-            date = str(midnight + _JD_OF_1970 + Decimal(f"0.{rest or 0}"))
+            date = str(midnight + _JD_OF_1970 + Decimal(f"0.{fraction or 0}"))
         except ValueError:
             pass  # no day of that month: reported with its row, as a date in another form
     return RawPoint(number, date, line[65:70].strip(), "", line[70].strip(), line[77:80].strip())
@@ -472,25 +472,27 @@ def _mpc_row(number: int, line: str) -> RawPoint:
 def of_damit(path: FilePath, name: str) -> Keywords:
     """Keywords of `LightCurve` from DAMIT light curves: sessions at unit distances."""
     curves = read_damit_light_curves(path)
-    vectors = [np.concatenate([getattr(each, key) for each in curves]) for key in ("sun", "earth")]
+    vectors = [
+        np.concatenate([getattr(curve, key) for curve in curves]) for key in ("sun", "earth")
+    ]
     keywords: Keywords = {
         "times": _damit_times(curves),
-        "flux": np.concatenate([each.brightness for each in curves]),
+        "flux": np.concatenate([curve.brightness for curve in curves]),
         "sun": vectors[0] * ASTRONOMICAL_UNIT_M,
         "observer": vectors[1] * ASTRONOMICAL_UNIT_M,
         "frame": "ecliptic",
-        "session": [str(k) for k, each in enumerate(curves, 1) for _ in range(len(each))],
+        "session": [str(k) for k, curve in enumerate(curves, 1) for _ in range(len(curve))],
         "time_of": "emission",
         "unit_distances": True,
         "labels": [
-            f"point {n + 1} of light curve {k}, {each.jd[n]:.6f}"
-            for k, each in enumerate(curves, 1)
-            for n in range(len(each))
+            f"point {n + 1} of light curve {k}, {curve.jd[n]:.6f}"
+            for k, curve in enumerate(curves, 1)
+            for n in range(len(curve))
         ],
         "bad": [],
         "notes": [],
     }
-    relative = [str(k) for k, each in enumerate(curves, 1) if not each.calibrated]
+    relative = [str(k) for k, curve in enumerate(curves, 1) if not curve.calibrated]
     if relative:
         keywords["zero_points"] = tuple(relative)
         keywords["notes"].append(
@@ -505,7 +507,9 @@ def of_damit(path: FilePath, name: str) -> Keywords:
 def _damit_times(curves: Any) -> Any:
     from astropy.time import Time
 
-    jd, low = (np.concatenate([getattr(each, key) for each in curves]) for key in ("jd", "jd_low"))
+    jd, low = (
+        np.concatenate([getattr(curve, key) for curve in curves]) for key in ("jd", "jd_low")
+    )
     return Time(jd, low, format="jd", scale="tdb")
 
 
@@ -559,18 +563,18 @@ def of_text(text: str, name: str, columns: Mapping[str, str] | None = None) -> K
     rows = toml.of_separated(text, name)
     if not rows:
         raise AttitudeError(f"{name}: holds no rows; give a table of photometry.")
-    if all(_is_number(each) for each in rows[0][1]):
+    if all(_is_number(word) for word in rows[0][1]):
         return _without_names(rows, name)
     names, body = rows[0][1], rows[1:]
     if not body:
         raise AttitudeError(f"{name}: has a line of names and no rows.")
     bad = [
-        BadRow(line, f"it has {len(each)} entries, and the line of names {len(names)}")
-        for line, each in body
-        if len(each) != len(names)
+        BadRow(line, f"it has {len(entries)} entries, and the line of names {len(names)}")
+        for line, entries in body
+        if len(entries) != len(names)
     ]
     body = [row for row in body if len(row[1]) == len(names)]
-    table = {_plain(key): [each[k] for _, each in body] for k, key in enumerate(names)}
+    table = {_plain(key): [entries[k] for _, entries in body] for k, key in enumerate(names)}
     return of_table(table, [line for line, _ in body], name, columns, bad)
 
 
@@ -582,13 +586,13 @@ def of_table(
     bad: list[BadRow] | None = None,
 ) -> Keywords:
     """Keywords of `LightCurve` from columns of text; lines (N,) of the rows."""
-    for meant, given in (columns or {}).items():
-        if _plain(given) not in table:
+    for meant, column in (columns or {}).items():
+        if _plain(column) not in table:
             raise AttitudeError(
-                f"{name}: has no column {quoted(given)}; it has {_names_of(table) or 'none'}."
+                f"{name}: has no column {quoted(column)}; it has {_names_of(table) or 'none'}."
             )
-        table = {_plain(meant): table[_plain(given)], **{k: v for k, v in table.items()}}
-        table[_plain(meant)] = table[_plain(given)]
+        table = {_plain(meant): table[_plain(column)], **{k: v for k, v in table.items()}}
+        table[_plain(meant)] = table[_plain(column)]
     date, (scale, offset, place) = _dates(table, name)
     brightness = next(
         (kind for kind in ("magnitude", "reduced", "flux") if _column(table, kind)), None
@@ -642,7 +646,7 @@ def _dates(table: Mapping[str, Any], name: str) -> tuple[str, tuple[str | None, 
 
 def _scale_of_numbers(values: Sequence[str], name: str, key: str) -> tuple[str, float]:
     """Numbers under the name of a date: Julian dates in UTC, or modified ones."""
-    first = float(next(each for each in values if each.strip()))
+    first = float(next(value for value in values if value.strip()))
     for low, high, offset in ((2.4e6, 2.5e6, 0.0), (1e4, 1e5, 2400000.5)):
         if low < first < high:
             return "utc", offset
@@ -659,7 +663,7 @@ def _names_of(table: Mapping[str, Any]) -> str:
 
 
 def _column(table: Mapping[str, list[str]], kind: str) -> list[str] | None:
-    return next((table[each] for each in _NAMES[kind] if each in table), None)
+    return next((table[key] for key in _NAMES[kind] if key in table), None)
 
 
 def _is_number(text: str) -> bool:
@@ -679,14 +683,14 @@ def _without_names(rows: list[tuple[int, list[str]]], name: str) -> Keywords:
             "Sun and observer in au."
         )
     bad = [
-        BadRow(line, f"it has {len(each)} entries, and the first row {width}")
-        for line, each in rows
-        if len(each) != width
+        BadRow(line, f"it has {len(entries)} entries, and the first row {width}")
+        for line, entries in rows
+        if len(entries) != width
     ]
     rows = [row for row in rows if len(row[1]) == width]
     names = ["jd_tdb", "mag", "sigma", "session", *_AXES] if width == _WIDTH else []
     names = names or ["time", "mag", "sigma"][:width]
-    table = {key: [each[k] for _, each in rows] for k, key in enumerate(names)}
+    table = {key: [entries[k] for _, entries in rows] for k, key in enumerate(names)}
     return of_table(table, [line for line, _ in rows], name, None, bad)
 
 
@@ -812,8 +816,8 @@ def _is_damit(rows: list[str]) -> bool:
     """A number alone, then two whole numbers, then rows of eight."""
     words = [row.split() for row in rows[:3]]
     return (
-        [len(each) for each in words[:2]] == [1, 2]
-        and all(part.isdigit() for each in words[:2] for part in each)
+        [len(word) for word in words[:2]] == [1, 2]
+        and all(digits.isdigit() for word in words[:2] for digits in word)
         and len(words) > 2
         and len(words[2]) >= 8
     )
@@ -829,16 +833,16 @@ def _of_ecsv(text: str, name: str) -> tuple[dict[str, list[str]], list[int]]:
     except Exception as err:  # astropy raises exceptions of any type for broken files
         reason = " ".join(str(err).split())[:120] or type(err).__name__
         raise AttitudeError(f"{name}: it cannot be read as ECSV: {reason}.") from None
-    found: dict[str, list[str]] = {}
+    columns: dict[str, list[str]] = {}
     for key in table.colnames:
         column = table[key]
         if isinstance(column, Time):
             fine = Time(column.tdb, precision=9, copy=True)
-            found.setdefault("utc", [f"{each} TDB" for each in fine.isot])
+            columns.setdefault("utc", [f"{date} TDB" for date in fine.isot])
             continue
-        found[key.lower()] = [_text(each) for each in _in_units(column)]
+        columns[key.lower()] = [_text(value) for value in _in_units(column)]
     before = sum(1 for line in text.splitlines() if line.startswith("#")) + 2
-    return found, list(range(before, before + len(table)))
+    return columns, list(range(before, before + len(table)))
 
 
 def _in_units(column: Any) -> Any:

@@ -58,27 +58,27 @@ class Folded(Immutable):
     def curve(self, phase: Reals, which: int = 0) -> FloatArray:
         """The series at phases 0 to 1 of a period, of its own lines alone; of phase's shape."""
         at = validation.real(phase, "phase")
-        own = _own_lines(self.series.numbers, which)
+        lines_of_period = _own_lines(self.series.numbers, which)
         t = self.zero + at.reshape(-1) * self.periods[which]
-        return self.series.wave(t, own).reshape(at.shape)
+        return self.series.wave(t, lines_of_period).reshape(at.shape)
 
     def table(self) -> QTable:
         """A row for each point: time, phases, values, residual."""
         from astropy import units
         from astropy.table import QTable
 
-        found = QTable()
+        columns = QTable()
         if self.samples.epoch is not None:
-            found["time"] = _instants.times(self.samples.epoch, self.samples.t).utc
-            found["time"].format = "isot"
+            columns["time"] = _instants.times(self.samples.epoch, self.samples.t).utc
+            columns["time"].format = "isot"
         else:
-            found["time"] = self.samples.t * units.s
+            columns["time"] = self.samples.t * units.s
         for k in range(len(self.periods)):
             suffix = "" if len(self.periods) == 1 else f"_{k + 1}"
-            found[f"phase{suffix}"] = self.phase[k]
-            found[f"value{suffix}"] = self.values[k]
-        found["residual"] = self.residuals
-        return found
+            columns[f"phase{suffix}"] = self.phase[k]
+            columns[f"value{suffix}"] = self.values[k]
+        columns["residual"] = self.residuals
+        return columns
 
     def plot(self, path: FilePath | None = None) -> Any:
         """A figure: folded points, series, residuals; saved if a path is given."""
@@ -87,7 +87,7 @@ class Folded(Immutable):
         return _figures.of_folded(self, path)
 
     def __repr__(self) -> str:
-        periods = " and ".join(quantity_text.of_time(each, 7) for each in self.periods)
+        periods = " and ".join(quantity_text.of_time(period, 7) for period in self.periods)
         return f"<Folded: {len(self.residuals)} points at {periods}, rms {self.rms:.3g}>"
 
 
@@ -160,8 +160,8 @@ def _folded(
     phase = np.mod((data.t - zero) / periods[:, None], 1.0)
     shown = []
     for k in range(len(periods)):
-        own = _own_lines(numbers, k)
-        shown.append(series.residuals + series.wave(data.t, own))
+        lines_of_period = _own_lines(numbers, k)
+        shown.append(series.residuals + series.wave(data.t, lines_of_period))
     return Folded(
         frozen(periods),
         frozen(phase),

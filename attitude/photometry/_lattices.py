@@ -82,12 +82,12 @@ def ranked(
     series: Sequence[tuple[int, float, RefinedSeries]], resolution: float, count: int
 ) -> list[PeriodCandidate]:
     """Candidates of several series, the best first."""
-    found: list[PeriodCandidate] = []
-    for rank, left, each in series:
-        found += _of_series(rank, left, each, resolution)
-    found.sort(key=lambda each: (-each.score, each.mode != "LAM"))
+    candidates: list[PeriodCandidate] = []
+    for rank, left, frequencies in series:
+        candidates += _of_series(rank, left, frequencies, resolution)
+    candidates.sort(key=lambda each: (-each.score, each.mode != "LAM"))
     kept: list[PeriodCandidate] = []
-    for candidate in found:
+    for candidate in candidates:
         if all(not _same(candidate, other, resolution) for other in kept):
             kept.append(candidate)
         if len(kept) == count:
@@ -109,7 +109,7 @@ def _of_series(
     power = series.amplitudes**2
     power = power / power.sum()
     f = series.frequencies
-    found: list[PeriodCandidate] = []
+    candidates: list[PeriodCandidate] = []
     seen: set[tuple[float, ...]] = set()
     for main in np.argsort(-power)[:_TRIED]:
         for a in _HALVES:
@@ -124,8 +124,8 @@ def _of_series(
                         if key in seen or not phi @ f > 0.7 * resolution:
                             continue
                         seen.add(key)
-                        found += _in_modes(series, power, phi, psi, 1.0 - left, rank)
-    return found
+                        candidates += _in_modes(series, power, phi, psi, 1.0 - left, rank)
+    return candidates
 
 
 def _in_modes(
@@ -153,31 +153,31 @@ def _in_modes(
     ]
     words = f"1/P_phi(L) = {_words(phi)}, 1/P_psi = {_words(psi)}"
     short = 1.0 / (circulation + rate)
-    found = []
+    modes = []
     for mode, convention, period in (("LAM", "L", 1.0 / circulation), ("SAM", "S", short)):
         if mode == "SAM" and not rate < _SHORT_AXIS * circulation:
             continue
         score = explained * _likeness(power, places, _POWERS[mode])
-        found.append(
+        modes.append(
             PeriodCandidate(
                 mode, convention, 1.0 / rate, period, 1.0 / circulation, score, rank, words
             )
         )
-    return found
+    return modes
 
 
 def _likeness(
     power: FloatArray, places: list[tuple[int, int] | None], mean: dict[tuple[int, int], float]
 ) -> float:
     """How lines resemble those of the mean body, or of one that has a dominant line."""
-    expected = np.array([0.0 if each is None else mean.get(each, _OTHER) for each in places])
-    found = float(np.sum(np.sqrt(power * expected)))
+    expected = np.array([0.0 if one is None else mean.get(one, _OTHER) for one in places])
+    likeness = float(np.sum(np.sqrt(power * expected)))
     for line, weight in _DOMINANT:
         if mean.get(line, 0.0) > _OTHER:
-            strong = np.array([float(each == line) for each in places])
+            strong = np.array([float(one == line) for one in places])
             mixed = (1.0 - _SHARE) * expected + _SHARE * strong
-            found = max(found, weight * float(np.sum(np.sqrt(power * mixed))))
-    return found
+            likeness = max(likeness, weight * float(np.sum(np.sqrt(power * mixed))))
+    return likeness
 
 
 def _words(numbers: FloatArray) -> str:

@@ -50,15 +50,15 @@ def spectral_window(samples: Samples, most: float) -> Window:
     spacing = 1.0 / (_WINDOW_OVERSAMPLING * max(samples.span, 1e-300))
     count = max(int(most / spacing) + 2, 8)
     weights = samples.weights**2
-    made = _spectrum.sums(samples.t - samples.t.min(), weights[None], spacing, count)[0]
-    power = np.asarray(np.abs(made) ** 2 / np.sum(weights) ** 2, dtype=np.float64)
+    transform = _spectrum.sums(samples.t - samples.t.min(), weights[None], spacing, count)[0]
+    power = np.asarray(np.abs(transform) ** 2 / np.sum(weights) ** 2, dtype=np.float64)
     frequency: FloatArray = spacing * np.arange(count, dtype=np.float64)
     inner = np.arange(1, count - 1)
     is_peak = (power[inner] >= power[inner - 1]) & (power[inner] >= power[inner + 1])
     at = inner[is_peak & (power[inner] > _STRONG) & (frequency[inner] > 2.0 / samples.span)]
     lines: list[WindowLine] = []
     for k in at[np.argsort(-power[at], kind="stable")]:
-        if all(abs(frequency[k] - each.frequency) > 1.5 / samples.span for each in lines):
+        if all(abs(frequency[k] - line.frequency) > 1.5 / samples.span for line in lines):
             lines.append(WindowLine(float(frequency[k]), float(power[k])))
         if len(lines) == _KEPT:
             break
@@ -232,8 +232,8 @@ def _fourier(
     power = np.empty_like(frequency)
 
     def computed(begin: int, end: int, method: str = "fastnifty_chi2") -> None:
-        part = slice(begin, end)
-        power[part] = series.power(frequency[part], method=method, assume_regular_frequency=True)
+        block = slice(begin, end)
+        power[block] = series.power(frequency[block], method=method, assume_regular_frequency=True)
 
     if _has_nifty(engine):
         # finufft swallows an exception that comes while it hands over arguments or deletes a plan.
@@ -276,8 +276,8 @@ def _dispersion(data: Samples, frequency: FloatArray, bins: int, y: FloatArray) 
     values, weights = np.ascontiguousarray(y), data.weights**2
 
     def work(begin: int, end: int) -> None:
-        part = slice(begin, end)
-        dispersions(start, values, weights, frequency[part], bins, 2, theta[part])
+        block = slice(begin, end)
+        dispersions(start, values, weights, frequency[block], bins, 2, theta[block])
 
     blocks.in_blocks(work, len(theta), max(1, _POINTS // len(start)), 1)
     return 1.0 - theta
@@ -324,20 +324,20 @@ def best_peaks(
     They are refined, within the range of frequencies.
     """
     frequency, power = found.frequency, found.power
-    near = 0.7 / (data.span * order)
+    closest = 0.7 / (data.span * order)
     rows: list[tuple[float, float, float]] = []
     taken: list[float] = []
     total = float(np.sum((data.weights * data.detrended) ** 2))
     for k in np.argsort(-power, kind="stable"):
         if len(taken) >= 2 * count:
             break
-        if all(abs(frequency[k] - other) > near for other in taken):
+        if all(abs(frequency[k] - other) > closest for other in taken):
             taken.append(float(frequency[k]))
             best = refined(data, float(frequency[k]), order)
             f = abs(float(best.frequencies[0]))
             if not frequency[0] <= f <= frequency[-1]:
                 continue
-            if all(abs(f - other[0]) > 0.5 * near for other in rows):
+            if all(abs(f - other[0]) > 0.5 * closest for other in rows):
                 rows.append((f, float(best.errors[0]), best.chi_squared / total))
     if not rows:
         # no maximum within the range: the power rises towards an end

@@ -238,12 +238,12 @@ class Periods(Immutable):
         columns: dict[str, Any] = {}
         for k, name in enumerate(names):
             for suffix, key in (("", "periods"), ("_error", "errors")):
-                seconds = np.array([getattr(each, key)[k] for each in self.peaks])
+                seconds = np.array([getattr(peak, key)[k] for peak in self.peaks])
                 columns[name + suffix] = seconds / quantity_text.TIME_UNITS[unit] * units.Unit(unit)
-        columns["power"] = [each.power for each in self.peaks]
-        columns["left"] = [each.left for each in self.peaks]
-        columns["significant"] = [each.left < self.false_alarm for each in self.peaks]
-        columns["relation"] = [each.relation for each in self.peaks]
+        columns["power"] = [peak.power for peak in self.peaks]
+        columns["left"] = [peak.left for peak in self.peaks]
+        columns["significant"] = [peak.left < self.false_alarm for peak in self.peaks]
+        columns["relation"] = [peak.relation for peak in self.peaks]
         return FlatTable(columns)
 
     def plot(self, path: FilePath | None = None) -> Any:
@@ -263,7 +263,7 @@ class Periods(Immutable):
     def _repr_html_(self) -> str:
         """A table of the peaks for notebooks, and the light curve folded with the best."""
         folded = self.fold()
-        names = " and ".join(quantity_text.of_time(each, 7) for each in self.peaks[0].periods)
+        names = " and ".join(quantity_text.of_time(period, 7) for period in self.peaks[0].periods)
         picture = markup.line_plot(
             [(folded.phase[0], folded.values[0])],
             f"folded with {quantity_text.of_time(folded.periods[0], 7)}",
@@ -439,21 +439,21 @@ def _one(
     kept: int,
     seed: int,
 ) -> Periods:
-    found = _periodogram.scan(data, bounds, order, method, bins, engine, seed)
+    scanned = _periodogram.scan(data, bounds, order, method, bins, engine, seed)
     peaks = tuple(
         Peak((f,), (error,), left, words)
-        for f, error, left, words in _periodogram.best_peaks(data, found, order, kept)
+        for f, error, left, words in _periodogram.best_peaks(data, scanned, order, kept)
     )
     return Periods(
         peaks,
         order,
-        1.0 - found.chance,
-        len(found.frequency),
+        1.0 - scanned.chance,
+        len(scanned.frequency),
         data,
         method=method,
-        frequency=frozen(found.frequency),
-        power=frozen(found.power),
-        window=found.window,
+        frequency=frozen(scanned.frequency),
+        power=frozen(scanned.power),
+        window=scanned.window,
     )
 
 
@@ -479,13 +479,13 @@ def _two(
     scale = float(np.std(y)) or 1.0
     weights = data.weights**2 / np.mean(data.weights**2) / _NOISE**2
     unit = (data.t - 0.5 * (data.t.min() + data.t.max())) / data.span
-    made = _spectrum.tables(unit, weights, y / scale, 1.0 / OVERSAMPLING, 4 * number * end + 2)
+    sums = _spectrum.tables(unit, weights, y / scale, 1.0 / OVERSAMPLING, 4 * number * end + 2)
     bar = ProgressBar("pairs of periods") if progress is None else progress
     most = max(_PEAKS, 2 * kept)
     lines = _spectrum.harmonics(number)
     if is_additive:
         lines = np.concatenate([lines[:1], numbers])
-    scan = _spectrum.best(made, low, high, lines, _spectrum.RIDGE, most, bar)
+    scan = _spectrum.best(sums, low, high, lines, _spectrum.RIDGE, most, bar)
     pairs = _refined(data, scan, numbers, kept, (low, high))
     chance = _spectrum.share_of_chance(unit, weights, y / scale, end / OVERSAMPLING, lines, seed)
     size = OVERSAMPLING * data.span
@@ -503,11 +503,11 @@ def _two(
 
 def _numbers(order: int, count: int, is_additive: bool = False) -> Any:
     """Lines of one frequency, or (j of the first, i of the second frequency)."""
-    own = np.arange(1, order + 1)
+    harmonics_of = np.arange(1, order + 1)
     if count == 1:
-        return own[:, None]
+        return harmonics_of[:, None]
     if is_additive:
-        return np.concatenate([np.outer(own, [1, 0]), np.outer(own, [0, 1])])
+        return np.concatenate([np.outer(harmonics_of, [1, 0]), np.outer(harmonics_of, [0, 1])])
     return np.array(line_numbers((order, order)))[:, ::-1]
 
 
@@ -517,12 +517,12 @@ def _bounds(data: Samples, least: Any, most: Any, first: Any, second: Any, order
         raise AttitudeError("all values are of one epoch; give values of two epochs or more.")
     if (first is None) != (second is None):
         raise AttitudeError("first and second are bounds of one period each; give both.")
-    given = (first, second) if first is not None else ((least, most), (least, most))
+    ranges = (first, second) if first is not None else ((least, most), (least, most))
     if first is None and least is None:
         by_default = max(_periodogram.shortest(data, order), _FEWEST * data.span)
-        given = ((by_default, most), (by_default, most))
-    found = []
-    for name, pair in zip(("first", "second"), given, strict=True):
+        ranges = ((by_default, most), (by_default, most))
+    cells = []
+    for name, pair in zip(("first", "second"), ranges, strict=True):
         if first is not None and len(pair) != 2:
             raise AttitudeError(f'{name} is {pair!r}; give two periods, such as ("2 h", "40 h").')
         low, high = pair
@@ -535,8 +535,8 @@ def _bounds(data: Samples, least: Any, most: Any, first: Any, second: Any, order
                 f"between the periods {shortest:.6g} s and {longest:.6g} s lie {end - start} "
                 "frequencies; give a wider range."
             )
-        found.append((start, end))
-    low, high = sorted(found)
+        cells.append((start, end))
+    low, high = sorted(cells)
     return low, high
 
 
@@ -554,7 +554,7 @@ def _refined(
 ) -> tuple[Peak, ...]:
     size = OVERSAMPLING * data.span
     total = float(np.sum((data.weights * data.detrended) ** 2))
-    near = 0.3 / data.span
+    closest = 0.3 / data.span
     # a peak may lie a third of the resolution from the grid, where the scan sees half of it
     rough = [
         _spectrum.refined(data, np.array(pair) / size, numbers, steps=_FIRST_STEPS)
@@ -562,20 +562,21 @@ def _refined(
     ]
     rough.sort(key=lambda each: each.chi_squared)
     rows: list[tuple[str, float, FloatArray, FloatArray]] = []
-    for each in rough[: 2 * count]:
-        best = _spectrum.refined(data, each.frequencies, numbers, steps=_STEPS)
+    for peak in rough[: 2 * count]:
+        best = _spectrum.refined(data, peak.frequencies, numbers, steps=_STEPS)
         f = np.abs(best.frequencies)
         order = np.argsort(f)
         f, errors = f[order], best.errors[order]
         is_inside = all(
-            low - 1 <= each * size <= high for each, (low, high) in zip(f, bounds, strict=True)
+            low - 1 <= frequency * size <= high
+            for frequency, (low, high) in zip(f, bounds, strict=True)
         )
-        if is_inside and f[0] > near and all(np.abs(f - row[2]).max() > near for row in rows):
+        if is_inside and f[0] > closest and all(np.abs(f - row[2]).max() > closest for row in rows):
             rows.append((_slow_line(best, data.span), best.chi_squared / total, f, errors))
     rows.sort(key=lambda row: (row[0] != "", row[1]))
     pairs: list[Peak] = []
     for slow, left, f, errors in rows[:count]:
-        words = slow or _relation(f, pairs, near)
+        words = slow or _relation(f, pairs, closest)
         pairs.append(Peak(tuple(f.tolist()), tuple(errors.tolist()), left, words))
     return tuple(pairs)
 

@@ -96,8 +96,8 @@ class Samples:
     @cached_property
     def columns(self) -> FloatArray:
         """One column (N, linear) for each zero point, 1 or 0, and for each further term."""
-        own = (self.curve[:, None] == np.arange(self.curves)).astype(float)
-        return own if self.terms is None else np.concatenate([own, self.terms], axis=1)
+        constants = (self.curve[:, None] == np.arange(self.curves)).astype(float)
+        return constants if self.terms is None else np.concatenate([constants, self.terms], axis=1)
 
     @cached_property
     def detrended(self) -> FloatArray:
@@ -109,17 +109,17 @@ class Samples:
         weights = self.weights**2
         total = np.bincount(self.curve, weights)
         mean = np.bincount(self.curve, weights * self.values) / total
-        found: FloatArray = self.values - mean[self.curve]
-        return found
+        differences: FloatArray = self.values - mean[self.curve]
+        return differences
 
 
 def is_plain(given: Any) -> bool:
     """Whether numbers, or their text, have no unit."""
     if given is None or hasattr(given, "unit"):
         return False
-    each = [given] if isinstance(given, str) or np.ndim(given) == 0 else list(given)
+    items = [given] if isinstance(given, str) or np.ndim(given) == 0 else list(given)
     return not any(
-        hasattr(one, "unit") or (isinstance(one, str) and _UNIT.search(one)) for one in each
+        hasattr(one, "unit") or (isinstance(one, str) and _UNIT.search(one)) for one in items
     )
 
 
@@ -168,9 +168,9 @@ def settled(
     Zero points of short sessions take up most of a rotation of days.  Of both results the one
     whose series has the lower N ln(chi-squared) + parameters ln N is returned (Schwarz 1978).
     """
-    own = replace(data, joined=None)
+    alone = replace(data, joined=None)
     if data.joined is None or data.joined.max() == data.curve.max():
-        return find(own)
+        return find(alone)
 
     def cost(found: Found) -> float:
         series = fitted(found)
@@ -179,9 +179,9 @@ def settled(
         chi_squared = max(series.chi_squared, 1e-300)
         return float(np.log(chi_squared) + series.parameters * np.log(len(data.t)) / len(data.t))
 
-    one = find(replace(own, curve=data.joined, names=()))
+    one = find(replace(alone, curve=data.joined, names=()))
     try:
-        return min((one, find(own)), key=cost)
+        return min((one, find(alone)), key=cost)
     except AttitudeError:  # fewer values than unknowns with a zero point for each session
         return one
 
@@ -197,10 +197,10 @@ def of_curve(curve: LightCurve) -> Samples:
         factor = 10.0 ** (0.4 * curve.dimming)
         values = values * factor if curve.is_flux else values - curve.dimming
         errors = errors * factor if curve.is_flux else errors
-    own = np.full(len(curve.sessions), curve.zero_points != "shared")
+    has_offset = np.full(len(curve.sessions), curve.zero_points != "shared")
     if isinstance(curve.zero_points, tuple):
-        own = np.isin(curve.sessions, curve.zero_points)
-    session = np.where(own[curve.session], curve.session + 1, 0)
+        has_offset = np.isin(curve.sessions, curve.zero_points)
+    session = np.where(has_offset[curve.session], curve.session + 1, 0)
     keys = session * len(curve.filters) + curve.filter
     _, first, number = np.unique(keys, return_index=True, return_inverse=True)
     words = [
@@ -216,7 +216,7 @@ def of_curve(curve: LightCurve) -> Samples:
         np.asarray(number, np.int64).reshape(-1),
         curve.epoch,
         is_flux=curve.is_flux,
-        names=tuple(" ".join(each for each in both if each) for both in words),
+        names=tuple(" ".join(word for word in both if word) for both in words),
         joined=None if is_settled else np.unique(curve.filter, return_inverse=True)[1].reshape(-1),
         terms=_phase_terms(curve),
     )
@@ -254,12 +254,12 @@ def of(
                 f"t is a {type(t).__name__}, which has its values, errors and curves; leave those "
                 "arguments out."
             )
-        made = of_curve(t)
-        if zero_points == "free" or made.joined is None:
-            return replace(made, joined=None)
+        samples = of_curve(t)
+        if zero_points == "free" or samples.joined is None:
+            return replace(samples, joined=None)
         if zero_points == "shared":
-            return replace(made, curve=made.joined, names=(), joined=None)
-        return made
+            return replace(samples, curve=samples.joined, names=(), joined=None)
+        return samples
     if values is None:
         raise AttitudeError("values is missing; give a value for each epoch, or a LightCurve as t.")
     epoch, seconds = _seconds(t)
@@ -267,10 +267,10 @@ def of(
         raise AttitudeError(f"t has shape {seconds.shape}; give a row of epochs, (N,).")
     shape = seconds.shape
     unit, numbers = _unit(values)
-    found = validation.real(numbers, "values", shape=shape)
+    numbers_of = validation.real(numbers, "values", shape=shape)
     return Samples(
         seconds,
-        found,
+        numbers_of,
         _errors(errors, unit, shape),
         _curves(curve, shape),
         epoch,
@@ -281,12 +281,12 @@ def of(
 def _seconds(t: Any) -> tuple[Instant | None, FloatArray]:
     kind, _, _ = _inputs.entries(t, "t", "epochs")
     if kind in _inputs.LENGTHS:
-        found = np.array(_inputs.seconds_since(Instant(0.0), t)[0], dtype=np.float64)
-        if not np.all(np.isfinite(found)):
+        times = np.array(_inputs.seconds_since(Instant(0.0), t)[0], dtype=np.float64)
+        if not np.all(np.isfinite(times)):
             raise AttitudeError(
-                f"t holds {found[~np.isfinite(found)].flat[0]}; give finite epochs."
+                f"t holds {times[~np.isfinite(times)].flat[0]}; give finite epochs."
             )
-        return None, found
+        return None, times
     hi, lo = _inputs.past_j2000(t, "t")
     if not np.all(np.isfinite(hi)):
         raise AttitudeError("t has entries that are not epochs; leave these points out.")
@@ -306,16 +306,16 @@ def _unit(values: Any) -> tuple[Any, Any]:
 def _errors(errors: Any, unit: Any, shape: tuple[int, ...]) -> FloatArray | None:
     if errors is None:
         return None
-    own, numbers = _unit(errors)
-    if own is not None and unit is not None and own != unit:
+    unit_of_errors, numbers = _unit(errors)
+    if unit_of_errors is not None and unit is not None and unit_of_errors != unit:
         numbers = getattr(errors, "quantity", errors).to_value(unit)
-    given = np.broadcast_to(validation.real(numbers, "errors", shape=None), shape).copy()
-    if not np.all(given > 0.0):
-        bad = given[~(given > 0.0)][0]
+    sigmas = np.broadcast_to(validation.real(numbers, "errors", shape=None), shape).copy()
+    if not np.all(sigmas > 0.0):
+        bad = sigmas[~(sigmas > 0.0)][0]
         raise AttitudeError(
             f"errors holds {bad}; give errors above zero, or leave such values out."
         )
-    return given
+    return sigmas
 
 
 def _curves(curve: Any, shape: tuple[int, ...]) -> IntArray:
@@ -384,18 +384,18 @@ def lines(
     30.56
     """
     psi, phi = _frequencies(motion, convention)
-    found = []
+    all_lines = []
     for i, j in line_numbers(known_orders(order)):
         frequency = abs(i * phi + j * psi)
-        found.append(Line(i, j, frequency, 1.0 / frequency if frequency > 0.0 else np.inf))
-    return sorted(found, key=lambda line: line.frequency)
+        all_lines.append(Line(i, j, frequency, 1.0 / frequency if frequency > 0.0 else np.inf))
+    return sorted(all_lines, key=lambda line: line.frequency)
 
 
 def line_numbers(orders: tuple[int, int]) -> list[tuple[int, int]]:
     """All (i, j) except (0, 0), one of (i, j) and (-i, -j)."""
     of_psi, of_phi = orders
-    found = [(0, j) for j in range(1, of_psi + 1)]
-    return found + [(i, j) for i in range(1, of_phi + 1) for j in range(-of_psi, of_psi + 1)]
+    multiples = [(0, j) for j in range(1, of_psi + 1)]
+    return multiples + [(i, j) for i in range(1, of_phi + 1) for j in range(-of_psi, of_psi + 1)]
 
 
 def known_orders(order: Any) -> tuple[int, int]:
@@ -412,8 +412,8 @@ def known_orders(order: Any) -> tuple[int, int]:
 def _frequencies(motion, convention):
     """1 / P_psi and 1 / P_phi in Hz."""
     if isinstance(motion, Motion):
-        found = motion.regime
-        P_phi = motion.period_phi if convention is None else found.P_phi(convention)
+        regime = motion.regime
+        P_phi = motion.period_phi if convention is None else regime.P_phi(convention)
         return 1.0 / motion.period_psi, 1.0 / P_phi
     if convention is not None:
         raise AttitudeError(

@@ -103,13 +103,13 @@ class SeriesFit(Immutable):
     def strongest(self, count: int | None = None) -> list[tuple[Line, float]]:
         """The `count` strongest lines (all by default) with their amplitudes, in that order."""
         amplitudes = self.amplitudes
-        found = []
+        lines_of = []
         for k in np.argsort(-amplitudes, kind="stable")[:count]:
             i, j = (int(n) for n in self.numbers[k])
             frequency = abs(i / self.P_phi + j / self.P_psi)
             period = 1.0 / frequency if frequency > 0.0 else np.inf
-            found.append((Line(i, j, frequency, period), float(amplitudes[k])))
-        return found
+            lines_of.append((Line(i, j, frequency, period), float(amplitudes[k])))
+        return lines_of
 
     def __repr__(self) -> str:
         return (
@@ -238,16 +238,16 @@ class _Data:
     ) -> tuple[FloatArray, FloatArray, int]:
         """Coefficients, residuals and rank of the least-squares fit; frequencies in Hz."""
         matrix = self._matrix(psi, phi, numbers)
-        found, _, rank, _ = np.linalg.lstsq(
+        least, _, rank, _ = np.linalg.lstsq(
             matrix * self.weights[:, None], self.values * self.weights, rcond=_RANK
         )
-        solution = np.asarray(found, dtype=np.float64)
+        solution = np.asarray(least, dtype=np.float64)
         return solution, self.values - matrix @ solution, int(rank)
 
     def _matrix(self, psi: float, phi: float, numbers: IntArray) -> FloatArray:
         angles = _angles(self.t, self.start, 1.0 / psi, 1.0 / phi, numbers)
-        own = self.curve[:, None] == np.arange(self.curves)
-        return np.concatenate([own, np.cos(angles), np.sin(angles)], axis=1)
+        constants = self.curve[:, None] == np.arange(self.curves)
+        return np.concatenate([constants, np.cos(angles), np.sin(angles)], axis=1)
 
 
 def _angles(

@@ -41,19 +41,19 @@ def sums(t: FloatArray, weights: FloatArray, spacing: float, count: int) -> NDAr
     place = np.mod(t * spacing, 1.0) * size
     grid = np.zeros((len(weights), size))
     _spread(place, np.ascontiguousarray(weights), grid)
-    found: NDArray[np.complex128] = np.fft.rfft(grid)[:, :count].conj()
+    transform: NDArray[np.complex128] = np.fft.rfft(grid)[:, :count].conj()
     nodes, by = np.polynomial.legendre.leggauss(64)
     z = 0.5 * _WIDTH * nodes
     kernel = 0.5 * _WIDTH * by * np.exp(_SHAPE * (np.sqrt(1.0 - nodes**2) - 1.0))
     k = np.arange(count)
-    found /= np.cos(2.0 * math.pi / size * k[:, None] * z) @ kernel
-    return found
+    transform /= np.cos(2.0 * math.pi / size * k[:, None] * z) @ kernel
+    return transform
 
 
 def _smooth(least: int) -> int:
     """The least number from `least` on with factors 2, 3 and 5 alone, whose FFT is fast."""
     odd = (3**b * 5**c for b in range(20) for c in range(14))
-    return min(each << max(0, -(-least // each) - 1).bit_length() for each in odd)
+    return min(factor << max(0, -(-least // factor) - 1).bit_length() for factor in odd)
 
 
 @entry_point
@@ -85,9 +85,9 @@ def harmonics(order: int) -> IntArray:
     """Numbers (i, j) of the lines of a series with |i|, |j| <= order: (0, 0), and one of each
     +-.
     """
-    found = [(0, 0)] + [(0, j) for j in range(1, order + 1)]
-    found += [(i, j) for i in range(1, order + 1) for j in range(-order, order + 1)]
-    return np.array(found)
+    pairs_of = [(0, 0)] + [(0, j) for j in range(1, order + 1)]
+    pairs_of += [(i, j) for i in range(1, order + 1) for j in range(-order, order + 1)]
+    return np.array(pairs_of)
 
 
 def decreases(
@@ -110,8 +110,8 @@ def decreases(
     size = _SIDE * max(1, int(_PRODUCTS / (_SIDE * unknown**3 / 6.0)))
 
     def work(begin: int, end: int) -> None:
-        part = slice(begin, end)
-        _decreases(wr, wi, yr, yi, first[part], second[part], lines, ridge, out[part])
+        block = slice(begin, end)
+        _decreases(wr, wi, yr, yi, first[block], second[block], lines, ridge, out[block])
 
     support_blocks.in_blocks(work, len(first), size, 1)
 
@@ -140,9 +140,9 @@ def _decreases(wr, wi, yr, yi, first, second, lines, ridge, out):
 def _fill(wr, wi, yr, yi, at, lane, ridge, g, b):
     """Normal matrix (lower triangle) and right side of one pair, in column `lane`."""
     for m in range(at.size):
-        here = at[m]
-        size = abs(here)
-        sign = -1.0 if here < 0 else 1.0
+        place = at[m]
+        size = abs(place)
+        sign = -1.0 if place < 0 else 1.0
         if m == 0:
             b[0, lane], g[0, 0, lane] = yr[0], wr[0]
             continue
@@ -150,7 +150,7 @@ def _fill(wr, wi, yr, yi, at, lane, ridge, g, b):
         b[c, lane], b[s, lane] = yr[size], sign * yi[size]
         g[c, 0, lane], g[s, 0, lane] = wr[size], sign * wi[size]
         for other in range(1, m + 1):
-            less, more = here - at[other], here + at[other]
+            less, more = place - at[other], place + at[other]
             d, p = abs(less), abs(more)
             dr, di, pr, pi = wr[d], wi[d], wr[p], wi[p]
             di = -di if less < 0 else di
@@ -240,7 +240,7 @@ def tables(t: FloatArray, weights: FloatArray, y: FloatArray, spacing: float, co
     """
     both = sums(t, np.stack([weights, weights * y]), spacing, count)
     parts = both[0].real, both[0].imag, both[1].real, both[1].imag
-    wr, wi, yr, yi = (np.ascontiguousarray(each) for each in parts)
+    wr, wi, yr, yi = (np.ascontiguousarray(array) for array in parts)
     return Tables(wr, wi, yr, yi, float(weights @ y**2))
 
 
@@ -262,7 +262,7 @@ def best(
     edges = tuple(
         np.linspace(a, b, min(_CELLS, b - a) + 1).astype(float) for a, b in (first, second)
     )
-    cells = np.full([len(each) - 1 for each in edges], -np.inf)
+    cells = np.full([len(edge) - 1 for edge in edges], -np.inf)
     kept: list[tuple[IntArray, IntArray, FloatArray]] = []
     done = 0
     for rows in blocks:
@@ -279,7 +279,7 @@ def best(
             kept.append((a[top], b[top], gain[top]))
         if progress is not None:
             progress(done, tried)
-    a, b, gain = (np.concatenate(each) for each in zip(*kept, strict=True))
+    a, b, gain = (np.concatenate(column) for column in zip(*kept, strict=True))
     chosen = _peaks(a, b, gain, keep)
     shares = np.where(np.isfinite(cells), 1.0 - cells / made.total, np.nan)
     return BestPairs(
@@ -294,7 +294,7 @@ def _blocks(first: tuple[int, int], second: tuple[int, int]) -> tuple[list[IntAr
     rows, widths = rows[widths > 0], widths[widths > 0]
     ends = np.cumsum(widths)
     cuts = np.searchsorted(ends, np.arange(_BLOCK, ends[-1] + _BLOCK, _BLOCK), side="right")
-    return [part for part in np.split(rows, np.unique(cuts)) if part.size], int(ends[-1])
+    return [block for block in np.split(rows, np.unique(cuts)) if block.size], int(ends[-1])
 
 
 def _pairs(rows: IntArray, second: tuple[int, int]) -> tuple[IntArray, IntArray]:
@@ -312,10 +312,10 @@ def _pairs(rows: IntArray, second: tuple[int, int]) -> tuple[IntArray, IntArray]
 def _powers(made: Tables, a: IntArray, b: IntArray, lines: IntArray) -> FloatArray:
     """The sum of the powers of the lines of pairs."""
     power = made.yr**2 + made.yi**2
-    found = np.zeros(a.size)
+    powers = np.zeros(a.size)
     for i, j in lines[1:]:
-        found += power[np.abs(i * a + j * b)]
-    return found
+        powers += power[np.abs(i * a + j * b)]
+    return powers
 
 
 def _threshold(made: Tables, blocks: list[IntArray], lines: IntArray, tried: int) -> float:
@@ -327,16 +327,16 @@ def _threshold(made: Tables, blocks: list[IntArray], lines: IntArray, tried: int
     low = int(blocks[0][0])
     both = np.sort(generator.integers(low, max(top, low + 2), (200_000, 2)), axis=1)
     both = both[both[:, 0] < both[:, 1]]
-    found = _powers(made, both[:, 0], both[:, 1], lines)
-    return float(np.quantile(found, 1.0 - MOST / tried))
+    powers = _powers(made, both[:, 0], both[:, 1], lines)
+    return float(np.quantile(powers, 1.0 - MOST / tried))
 
 
 def _enter(cells, edges, a, b, gain):
     """Enter the greatest gain into each cell of a map."""
     place = []
-    for each, grid in ((a, edges[0]), (b, edges[1])):
+    for frequencies, grid in ((a, edges[0]), (b, edges[1])):
         width = grid[1] - grid[0]
-        place.append(np.clip(((each - grid[0]) / width).astype(np.int64), 0, len(grid) - 2))
+        place.append(np.clip(((frequencies - grid[0]) / width).astype(np.int64), 0, len(grid) - 2))
     np.maximum.at(cells, tuple(place), gain)
 
 
@@ -405,8 +405,8 @@ class RefinedSeries:
     @property
     def errors(self) -> FloatArray:
         """Standard errors (D,) of the frequencies, Hz."""
-        found: FloatArray = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
-        return found
+        deviations: FloatArray = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+        return deviations
 
     @property
     def amplitudes(self) -> FloatArray:
@@ -422,10 +422,10 @@ class RefinedSeries:
         """The sum of the lines (of those chosen by a mask) at seconds t, without zero points."""
         angles = _angles(t, self.start, self.frequencies, self.numbers)
         keep = np.ones(len(self.numbers)) if chosen is None else chosen
-        found: FloatArray = np.cos(angles) @ (self.cosines * keep) + np.sin(angles) @ (
+        sums_of: FloatArray = np.cos(angles) @ (self.cosines * keep) + np.sin(angles) @ (
             self.sines * keep
         )
-        return found
+        return sums_of
 
 
 def refined(
@@ -456,13 +456,13 @@ def refined(
         scale = 1.0
         while scale > 0.05:
             tried = f + scale * step * unit
-            found = _solved(samples, tried, numbers, start, weights)
-            if found[2] @ found[2] <= chi:
+            nearer = _solved(samples, tried, numbers, start, weights)
+            if nearer[2] @ nearer[2] <= chi:
                 break
             scale *= 0.5
         else:
             break
-        f, (matrix, solution, residuals) = tried, found
+        f, (matrix, solution, residuals) = tried, nearer
         chi = float(residuals @ residuals)
         if np.abs(scale * step).max() < _LAST:
             break
@@ -520,8 +520,8 @@ def bootstrap(samples: Samples, found: RefinedSeries, draws: int, seed: int) -> 
 def _angles(t: FloatArray, start: float, frequencies: FloatArray, numbers: IntArray) -> FloatArray:
     """Angles (N, K) of the lines, rad; turns are reduced before they are multiplied by 2 pi."""
     turns = np.multiply.outer(t - start, numbers @ frequencies)
-    found: FloatArray = 2.0 * np.pi * (turns - np.rint(turns))
-    return found
+    radians: FloatArray = 2.0 * np.pi * (turns - np.rint(turns))
+    return radians
 
 
 def _solved(samples, f, numbers, start, weights):
@@ -543,8 +543,8 @@ def _least_squares(matrix, right):
     values, vectors = np.linalg.eigh(scaled.T @ scaled)
     inverse = np.where(values > _RANK * values[-1], 1.0 / np.maximum(values, 1e-300), 0.0)
     solution = vectors @ (inverse * (vectors.T @ (scaled.T @ right)))
-    rest = right - scaled @ solution
-    solution += vectors @ (inverse * (vectors.T @ (scaled.T @ rest)))
+    residual = right - scaled @ solution
+    solution += vectors @ (inverse * (vectors.T @ (scaled.T @ residual)))
     return solution / scale
 
 
@@ -613,10 +613,10 @@ def share_of_chance(
     best = []
     for _ in range(_TIMES):
         mixed = y[generator.permutation(len(y))]
-        made = tables(t, weights, mixed, 1.0 / OVERSAMPLING, size)
+        sums_of = tables(t, weights, mixed, 1.0 / OVERSAMPLING, size)
         gain = np.empty(tried)
-        decreases(*made[:4], pair[0], pair[1], lines, RIDGE, gain)
-        best.append(float(gain.max() / made.total))
+        decreases(*sums_of[:4], pair[0], pair[1], lines, RIDGE, gain)
+        best.append(float(gain.max() / sums_of.total))
     scale = max(np.std(best) * np.sqrt(6.0) / np.pi, 1e-6)
     place = np.mean(best) - _EULER * scale + scale * np.log(all_pairs / tried)
     return float(max(0.0, 1.0 - (place - scale * np.log(-np.log(0.99)))))

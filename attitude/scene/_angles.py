@@ -27,10 +27,10 @@ _BLOCK = 1 << 13
 def between(a: FloatArray, b: FloatArray) -> FloatArray:
     """The angle (N,) between directions (3, N) of any length, 0 to pi rad, exact at both ends."""
     out = new_array(a.shape[1])
-    for part in parts(out.size):
-        (x, y, z), (u, v, w) = a[:, part], b[:, part]
+    for block in parts(out.size):
+        (x, y, z), (u, v, w) = a[:, block], b[:, block]
         p, q, r = y * w - z * v, z * u - x * w, x * v - y * u
-        np.arctan2(np.sqrt(p * p + q * q + r * r), x * u + y * v + z * w, out=out[part])
+        np.arctan2(np.sqrt(p * p + q * q + r * r), x * u + y * v + z * w, out=out[block])
     return out
 
 
@@ -38,7 +38,7 @@ def between_units(a: FloatArray, b: FloatArray) -> FloatArray:
     """The angle (N,) between unit vectors (3, N) or (3, 1), as `between`, in half of the time."""
     from attitude._solver.vectors import separation
 
-    pair = (read_only(np.ascontiguousarray(each)) for each in (a, b))
+    pair = (read_only(np.ascontiguousarray(array)) for array in (a, b))
     return separation(*(row for vectors in pair for row in vectors))
 
 
@@ -53,10 +53,10 @@ def turned_positive(angle: FloatArray) -> FloatArray:
 def longitude_and_latitude(vectors: FloatArray) -> FloatArray:
     """East longitude, 0 to 2 pi, and latitude (2, N) of directions, rad."""
     out = new_array(2, vectors.shape[1])
-    for part in parts(out.shape[1]):
-        x, y, z = vectors[:, part]
-        turned_positive(np.arctan2(y, x, out=out[0, part]))
-        np.arctan2(z, np.sqrt(x * x + y * y), out=out[1, part])
+    for block in parts(out.shape[1]):
+        x, y, z = vectors[:, block]
+        turned_positive(np.arctan2(y, x, out=out[0, block]))
+        np.arctan2(z, np.sqrt(x * x + y * y), out=out[1, block])
     return out
 
 
@@ -71,9 +71,9 @@ def bisector(sun: FloatArray, observer: FloatArray) -> FloatArray:
     """
     turn = -frames.matrix_to_icrf("ecliptic").T
     out = new_array(2, max(sun.shape[1], observer.shape[1]))
-    for part in parts(out.shape[1]):
-        pair = (each if each.shape[1] == 1 else each[:, part] for each in (sun, observer))
-        out[:, part] = longitude_and_latitude(turn @ sum(pair))
+    for block in parts(out.shape[1]):
+        pair = (array if array.shape[1] == 1 else array[:, block] for array in (sun, observer))
+        out[:, block] = longitude_and_latitude(turn @ sum(pair))
     return out
 
 
@@ -82,12 +82,12 @@ def position_angle(axis: FloatArray, line_of_sight: FloatArray) -> FloatArray:
     ICRF.
     """
     out = new_array(line_of_sight.shape[1])
-    for part in parts(out.size):
-        (a, b, c), (x, y, z) = axis[:, part], line_of_sight[:, part]
+    for block in parts(out.size):
+        (a, b, c), (x, y, z) = axis[:, block], line_of_sight[:, block]
         # East is pole x line of sight, north the part of the pole across the line of sight; the
         # length of both is cos(declination).
         north = c - z * (a * x + b * y + c * z)
-        turned_positive(np.arctan2(b * x - a * y, north, out=out[part]))
+        turned_positive(np.arctan2(b * x - a * y, north, out=out[block]))
     return out
 
 

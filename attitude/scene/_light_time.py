@@ -93,7 +93,7 @@ class Sightline(Path):
         self.geometric, self.target, self.viewer = steps.geometric, steps.target, steps.viewer
         self.name, self.center = self.geometric.name, self.geometric.center
         self.source = self.geometric.source
-        self.is_slow = any(each.is_slow for each in steps)
+        self.is_slow = any(step.is_slow for step in steps)
         # The span of the target ends a light time later here; the target itself checks it.
         self.span = None
         self._ends = common_span([self.target])
@@ -117,14 +117,14 @@ class Sightline(Path):
         seen, light = self._solved(instant, hi, lo)
         moved = self.target._state(instant, *_earlier(hi, lo, light))[1]
         towards = seen / np.maximum(_length(seen), np.finfo(np.float64).tiny)
-        own = self.viewer._state(instant, hi, lo)[1]
+        velocity_of_viewer = self.viewer._state(instant, hi, lo)[1]
         # d/dt of target(t - T) - viewer(t), with T' from T = |seen| / c.
         rate = (
-            _dot(towards, moved - own)
+            _dot(towards, moved - velocity_of_viewer)
             / SPEED_OF_LIGHT_M_S
             / (1.0 + _dot(towards, moved) / SPEED_OF_LIGHT_M_S)
         )
-        return seen, moved * (1.0 - rate) - own
+        return seen, moved * (1.0 - rate) - velocity_of_viewer
 
     def _solved(self, instant, hi, lo):
         """The vectors (3, N) from viewer to target in m, and their light times (N,) in s."""
@@ -133,16 +133,16 @@ class Sightline(Path):
         at = self._near if self.is_near else self._far
         vectors_at, size = at(instant, hi, lo)
         seen, epochs = vectors_at(None, (hi, lo)), (read_only(hi), read_only(lo))
-        found, light, before, speed, slope = np.zeros((5, hi.size))
-        largest = _angles.light_times(_whole(seen), SPEED_OF_LIGHT_M_S, found)
+        times, light, before, speed, slope = np.zeros((5, hi.size))
+        largest = _angles.light_times(_whole(seen), SPEED_OF_LIGHT_M_S, times)
         limit = _ROUNDINGS * _EPS * (size + largest)
         least = _NOISE * limit / SPEED_OF_LIGHT_M_S
         for _ in range(_MOST_PASSES):
             emitted = np.empty((2, hi.size))
-            _angles.secant_step(*epochs, found, slope, light, before, *emitted)
+            _angles.secant_step(*epochs, times, slope, light, before, *emitted)
             old, seen = seen, vectors_at(light, emitted)
-            given = _whole(seen), _whole(old), light, before, least, SPEED_OF_LIGHT_M_S
-            if not _angles.secant_slopes(*given, found, speed, slope) > limit:
+            arguments = _whole(seen), _whole(old), light, before, least, SPEED_OF_LIGHT_M_S
+            if not _angles.secant_slopes(*arguments, times, speed, slope) > limit:
                 return seen, light
         raise AttitudeError(
             f"the light time of {self.name} does not converge near "
@@ -154,14 +154,14 @@ class Sightline(Path):
         """A function of light times (N,) or None and epochs of emission (2, N) that returns vectors
         (3, N) from barycentric positions, and the largest number that enters these differences, m.
         """
-        own = self.viewer._position(instant, hi, lo)
+        place_of_viewer = self.viewer._position(instant, hi, lo)
 
         def vectors_at(light, emitted):
             if light is None:
-                return self._guess(instant, hi, lo, self.target) - own
-            return self.target._position(instant, *emitted) - own
+                return self._guess(instant, hi, lo, self.target) - place_of_viewer
+            return self.target._position(instant, *emitted) - place_of_viewer
 
-        return vectors_at, np.abs(own).max(initial=0.0)
+        return vectors_at, np.abs(place_of_viewer).max(initial=0.0)
 
     def _near(self, instant, hi, lo):
         """As `_far`, by the series for near targets."""
@@ -321,9 +321,9 @@ def _evaluated(path, instant, hi, lo, sign):
 
     unit, distance = new_array(3, hi.size), new_array(hi.size)
     for begin in range(0, hi.size, _BLOCK):
-        part = slice(begin, begin + _BLOCK)
-        low = lo if lo.size == 1 and hi.size > 1 else lo[part]
-        vectors = np.ascontiguousarray(path.position(instant, hi[part], low).T)
+        block = slice(begin, begin + _BLOCK)
+        low = lo if lo.size == 1 and hi.size > 1 else lo[block]
+        vectors = np.ascontiguousarray(path.position(instant, hi[block], low).T)
         _angles.normalised(read_only(vectors), sign, begin, unit, distance)
     return _line(path, instant, hi, unit, distance)
 

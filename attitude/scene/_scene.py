@@ -78,7 +78,7 @@ def place(
             "and observer are directions."
         )
     if isinstance(value, (list, tuple)) and any(
-        isinstance(each, Place) or place_of(each, name) is not None for each in value
+        isinstance(item, Place) or place_of(item, name) is not None for item in value
     ):
         raise AttitudeError(f"{name} holds {len(value)} places; give one, and a Scene for each.")
     if isinstance(value, (list, tuple, np.ndarray)) and is_direction_allowed:
@@ -151,8 +151,8 @@ class OfColumn:
 
     def __call__(self, moment: Moment) -> FloatArray:
         """The values (N,)."""
-        found = np.asarray(getattr(moment.view, self.name), dtype=np.float64)
-        return found if self.number is None else found[..., self.number]
+        values = np.asarray(getattr(moment.view, self.name), dtype=np.float64)
+        return values if self.number is None else values[..., self.number]
 
 
 @dataclass(frozen=True)
@@ -163,13 +163,13 @@ class OfFunction:
 
     def __call__(self, moment: Moment) -> FloatArray:
         """The values (N,)."""
-        found = np.asarray(self.function(moment.view), dtype=np.float64)
-        if found.shape != moment.hi.shape:
+        values = np.asarray(self.function(moment.view), dtype=np.float64)
+        if values.shape != moment.hi.shape:
             raise AttitudeError(
-                f"the function of a view returns shape {found.shape} for {moment.hi.size} epochs; "
+                f"the function of a view returns shape {values.shape} for {moment.hi.size} epochs; "
                 "it must return one number for each."
             )
-        return found
+        return values
 
 
 # What to give for arguments that a Scene does not have.
@@ -219,11 +219,11 @@ class OfView(Observable):
         s = np.linspace(0.0, length, _SAMPLES)
         moment = self.source.at(start[0] + s, np.full(s.size, start[1]))
         self.value(moment)
-        found = [length / _FEWEST] if length > 0.0 else [1.0]
+        spacings = [length / _FEWEST] if length > 0.0 else [1.0]
         if "attitude" in moment.view.evaluated:
-            found.append(super().spacing(start, stop))
-        found += _scales(moment.view)
-        return min(found)
+            spacings.append(super().spacing(start, stop))
+        spacings += _scales(moment.view)
+        return min(spacings)
 
     def __repr__(self) -> str:
         return f"<{self.name}{f' in {self.unit}' if self.unit else ''} of a scene>"
@@ -248,29 +248,31 @@ def quantity(
                 'such as "elevation", or a function of a view.'
             )
         return OfView(scene, OfFunction(given), "function", unit=unit, **options)
-    name, _, part = given.partition(".")
+    name, _, component = given.partition(".")
     known = View.columns()
     if name not in known:
         raise AttitudeError(
             f"{given!r} is not a quantity of a view; give one of {', '.join(known)}."
         )
     parts = known[name].parts
-    if parts and part not in parts:
+    if parts and component not in parts:
         raise AttitudeError(
             f'{name} has the parts {", ".join(parts)}; give one of them, as in "{name}.{parts[0]}".'
         )
-    if part and not parts:
+    if component and not parts:
         raise AttitudeError(f"{name} has no parts; give {name!r}.")
-    own = known[name].unit
-    if unit and unit != own:
+    unit_of_column = known[name].unit
+    if unit and unit != unit_of_column:
         raise AttitudeError(
-            f"{name} is in {own or 'no unit'}; leave unit out, and give thresholds with their "
-            'units, as in > "10 deg".'
+            f"{name} is in {unit_of_column or 'no unit'}; leave unit out, and give thresholds with "
+            'their units, as in > "10 deg".'
         )
     is_flag = name in _FLAGS
-    smooth = not (is_flag or name in _ROUGH or part in _JUMPS or name.endswith("_sigma"))
-    value = OfColumn(name, parts.index(part) if part else None)
-    return OfView(scene, value, given, unit=own, is_smooth=smooth, is_flag=is_flag, **options)
+    smooth = not (is_flag or name in _ROUGH or component in _JUMPS or name.endswith("_sigma"))
+    value = OfColumn(name, parts.index(component) if component else None)
+    return OfView(
+        scene, value, given, unit=unit_of_column, is_smooth=smooth, is_flag=is_flag, **options
+    )
 
 
 def _per_second(unit: str) -> str:
@@ -280,21 +282,23 @@ def _per_second(unit: str) -> str:
 def _scales(view: View) -> list[float]:
     """Spacings of samples of what depends on lines of sight, s."""
     scene = view.scene
-    found: list[float] = []
+    scales: list[float] = []
 
     def least(path: Path, part: float) -> None:
         position, velocity = path.state(view.epoch, view.seconds, view.low)
-        size, speed = (np.sqrt(np.sum(each * each, axis=-1)) for each in (position, velocity))
+        size, speed = (
+            np.sqrt(np.sum(vectors * vectors, axis=-1)) for vectors in (position, velocity)
+        )
         moving = (speed > 0.0) & (size > 0.0)
         if np.any(moving):
-            found.append(part * float(np.min(size[moving] / speed[moving])))
+            scales.append(part * float(np.min(size[moving] / speed[moving])))
 
     places = [each for each in (scene.center, scene.observer) if isinstance(each, _path.Path)]
     for place in places:
         least(place, _OF_ORBIT)
     if len(places) == 2:
         least(_composed.relative(places[0], places[1], scene.ephemeris), _OF_RANGE)
-    return found
+    return scales
 
 
 class Scene(Immutable):
@@ -531,11 +535,13 @@ class Scene(Immutable):
             raise AttitudeError(
                 "times holds an infinite epoch; give finite epochs, or NaN for a missing one."
             )
-        own = self.epoch
-        if own is not None and start != own:
+        epoch_of_scene = self.epoch
+        if epoch_of_scene is not None and start != epoch_of_scene:
             past_j2000 = times.plus(start.seconds, start.low)
-            times = pairs.Seconds(*pairs.add(past_j2000, -own.seconds, -own.low))
-            start = own
+            times = pairs.Seconds(
+                *pairs.add(past_j2000, -epoch_of_scene.seconds, -epoch_of_scene.low)
+            )
+            start = epoch_of_scene
         return View(self, start, *times)
 
     def quantity(
@@ -580,14 +586,14 @@ class Scene(Immutable):
     def steps(self, target: Path | str, viewer: Path) -> Steps:
         """The paths that connect two places of the scene, found at the first call and kept."""
         known: dict[Any, Steps] = self.__dict__.setdefault("_steps", {})
-        found = known.get((target, viewer))
-        if found is None:
-            found = known[target, viewer] = Steps.of(target, viewer, self.ephemeris)
-        return found
+        step = known.get((target, viewer))
+        if step is None:
+            step = known[target, viewer] = Steps.of(target, viewer, self.ephemeris)
+        return step
 
     def __getstate__(self) -> dict[str, Any]:
         # What is found anew, such as the steps of an ephemeris, is not pickled.
-        return {name: each for name, each in self.__dict__.items() if name != "_steps"}
+        return {name: value for name, value in self.__dict__.items() if name != "_steps"}
 
     def _require_center(self) -> None:
         for place, name in ((self.observer, "observer"), (self.sun, "sun")):
@@ -602,13 +608,13 @@ class Scene(Immutable):
             about = None if self.center is None else self.center.center
             named = isinstance(about, str) and _shadow.radius_of(about) is not None
             bodies = (about,) if named else ()
-        found = _shadow.occulters(bodies)
-        if found and self.center is None:
+        spheres = _shadow.occulters(bodies)
+        if spheres and self.center is None:
             raise AttitudeError(
                 "shadow_of is given, but center is None, so that no shadow can be found; give "
                 "center, or leave out shadow_of."
             )
-        return found
+        return spheres
 
     def _repr_html_(self) -> str:
         """A table for notebooks, with a light curve where it needs no ephemeris and no mesh."""

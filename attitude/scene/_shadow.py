@@ -54,9 +54,9 @@ def free_share(
     """
     out = np.empty(half_angle.size)
     for begin in range(0, out.size, _BLOCK):
-        part = slice(begin, begin + _BLOCK)
-        outlines = _Outlines(center[:, part], radius, disc[:, part], half_angle[part], stretch)
-        out[part] = 1.0 - outlines.covered()
+        block = slice(begin, begin + _BLOCK)
+        outlines = _Outlines(center[:, block], radius, disc[:, block], half_angle[block], stretch)
+        out[block] = 1.0 - outlines.covered()
     return np.clip(out, 0.0, 1.0)
 
 
@@ -110,8 +110,8 @@ class _Outlines:
         depth = self._depth(rows, phi)
         extremes = []
         for at in (np.argmin(depth, axis=1), np.argmax(depth, axis=1)):
-            before, here, after = (depth[rows, (at + k) % _POINTS] for k in (-1, 0, 1))
-            bend = before - 2.0 * here + after
+            before, middle, after = (depth[rows, (at + k) % _POINTS] for k in (-1, 0, 1))
+            bend = before - 2.0 * middle + after
             with np.errstate(divide="ignore", invalid="ignore"):
                 shift = np.where(bend == 0.0, 0.0, 0.5 * (before - after) / bend)
             extremes.append(step * (at + np.clip(shift, -0.5, 0.5)) % (2.0 * np.pi))
@@ -127,8 +127,8 @@ class _Outlines:
         at = (slice(None), rows, *more)
         sine, cosine = (f(self.half_angle[rows])[(slice(None), *more)] for f in (np.sin, np.cos))
         across = self.right[at] * np.cos(phi) + self.up[at] * np.sin(phi)
-        found: FloatArray = self.disc[at] * cosine + across * sine
-        return found
+        points: FloatArray = self.disc[at] * cosine + across * sine
+        return points
 
     def _depth(self, rows, phi: FloatArray) -> FloatArray:
         """Positive where the outlines of the discs `rows` (R,) are covered, for phi (R, ...)."""
@@ -139,9 +139,9 @@ class _Outlines:
         across = np.cross(seen, center, axis=0)
         # The sine of the angle by which the point is inside of the limb, times the length.
         off = np.sqrt(np.sum(across * across, axis=0))
-        sine, cosine = (each[rows][(slice(None), *more)] for each in (self.sine, self.cosine))
-        found: FloatArray = sine * along - cosine * off
-        return found
+        sine, cosine = (array[rows][(slice(None), *more)] for array in (self.sine, self.cosine))
+        depths: FloatArray = sine * along - cosine * off
+        return depths
 
     def _is_in_disc(self, rows) -> BoolArray:
         """Whether a point of the limb is inside of the discs `rows`."""
@@ -153,7 +153,7 @@ class _Outlines:
         """Unit vectors (3, R, ...) to points of the limb, and their derivatives by theta."""
         more = (None,) * (theta.ndim - 1)
         at = (slice(None), rows, *more)
-        sine, cosine = (each[rows][(slice(None), *more)] for each in (self.sine, self.cosine))
+        sine, cosine = (array[rows][(slice(None), *more)] for array in (self.sine, self.cosine))
         back = 1.0 / self.scale[(slice(None), *(None,) * theta.ndim)]
         right, up = self.limb_right[at], self.limb_up[at]
         point = back * (
@@ -183,8 +183,8 @@ class _Outlines:
         theta = first[:, None] + 0.5 * length[:, None] * (1.0 + _NODES)
         unit, change = self._limb(rows, theta)
         at = (slice(None), rows, None)
-        x, y, z = (np.sum(unit * each[at], axis=0) for each in (self.right, self.up, self.disc))
-        dx, dy = (np.sum(change * each[at], axis=0) for each in (self.right, self.up))
+        x, y, z = (np.sum(unit * axis[at], axis=0) for axis in (self.right, self.up, self.disc))
+        dx, dy = (np.sum(change * axis[at], axis=0) for axis in (self.right, self.up))
         # The factor of the projection is the same for x and y: its change cancels.
         return 0.5 * length * (((x * dy - y * dx) / (1.0 + z)) @ _WEIGHTS)
 
@@ -194,7 +194,7 @@ class _Outlines:
         """Areas (K,) bounded by arcs of the outlines and of the limbs; 0 without crossings."""
         area = np.zeros(len(phi))
         rows, _ = np.nonzero(enters)
-        begins, ends = (self._crossings(phi, depth, each) for each in (enters, leaves))
+        begins, ends = (self._crossings(phi, depth, crossing) for crossing in (enters, leaves))
         # In each row as many arcs begin as end.  The first end may belong to the last beginning.
         first = np.searchsorted(rows, rows)
         count = np.bincount(rows, minlength=len(phi))[rows]
@@ -204,7 +204,7 @@ class _Outlines:
         arc = np.mod(ends - begins, 2.0 * np.pi)
         np.add.at(area, rows, 0.5 * self._disc_radius()[rows] ** 2 * arc)
         following = begins[first + (place + 1) % count]
-        start, stop = (self._theta(rows, each) for each in (ends, following))
+        start, stop = (self._theta(rows, crossing) for crossing in (ends, following))
         np.add.at(area, rows, self._along_limb(rows, start, np.mod(stop - start, 2.0 * np.pi)))
         return area
 
@@ -212,8 +212,8 @@ class _Outlines:
         """The angle on the limb at crossings of the outlines at phi."""
         seen = self._outline(rows, phi) * self.scale[:, None]
         y, x = (np.sum(seen * axis[:, rows], axis=0) for axis in (self.limb_up, self.limb_right))
-        found: FloatArray = np.arctan2(y, x)
-        return found
+        angles: FloatArray = np.arctan2(y, x)
+        return angles
 
     def _crossings(self, phi: FloatArray, depth: FloatArray, where: BoolArray) -> FloatArray:
         """Angles of the crossings between marked samples and the next, by row, ascending."""
@@ -315,23 +315,23 @@ def lit_fraction(
     disc = _angular_radius(SUN_RADIUS_M, sun_distance)
     # The stretch and the velocity change these angles by less.
     margin = 2.0 * flattening * disc + (0.0 if velocity is None else _FASTEST)
-    found = np.where(np.isnan(apart), np.nan, (apart > limb) * 1.0)
-    near = np.abs(apart - limb) < disc + margin
-    if np.any(near):
-        center, seen, far = to_occulter[:, near], sun[:, near], sun_distance[near]
+    shares = np.where(np.isnan(apart), np.nan, (apart > limb) * 1.0)
+    is_near = np.abs(apart - limb) < disc + margin
+    if np.any(is_near):
+        center, seen, far = to_occulter[:, is_near], sun[:, is_near], sun_distance[is_near]
         if velocity is not None:
-            shift = velocity(near) / SPEED_OF_LIGHT_M_S
+            shift = velocity(is_near) / SPEED_OF_LIGHT_M_S
             center = center + shift * np.sqrt(np.sum(center * center, axis=0))
             seen = seen + shift
         size = np.sqrt(np.sum(seen * seen, axis=0))
-        found[near] = free_share(
+        shares[is_near] = free_share(
             center,
             radius,
             seen / size,
             _angular_radius(SUN_RADIUS_M, far * size),
             1.0 / (1.0 - flattening),
         )
-    return found
+    return shares
 
 
 def _limb_and_distance(
@@ -353,8 +353,8 @@ def _limb_and_distance(
 
 def _angular_radius(radius: float, distance: FloatArray) -> FloatArray:
     """The angular radius of a sphere, rad."""
-    found: FloatArray = np.arctan2(radius, np.sqrt((distance - radius) * (distance + radius)))
-    return found
+    angles: FloatArray = np.arctan2(radius, np.sqrt((distance - radius) * (distance + radius)))
+    return angles
 
 
 def flattening_of(body: str, radius: float) -> float:

@@ -151,10 +151,10 @@ def _axis_of(axis: FloatArray, direction: FloatArray) -> FloatArray:
 
     A turn about it changes the angle between them, one about any vector across it does not.
     """
-    found = np.cross(axis, direction)
-    size = np.sqrt(np.sum(found * found, axis=-1, keepdims=True))
+    across = np.cross(axis, direction)
+    size = np.sqrt(np.sum(across * across, axis=-1, keepdims=True))
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(found / size)
+        return np.asarray(across / size)
 
 
 class View(Immutable):
@@ -267,7 +267,7 @@ class View(Immutable):
         for name in names:
             table[name].info.description = known[name].about
             if known[name].parts:
-                flat = tuple(f"{name}_{part}" for part in known[name].parts)
+                flat = tuple(f"{name}_{component}" for component in known[name].parts)
                 FlatTable.flat_names[name] = flat
         return table
 
@@ -298,9 +298,9 @@ class View(Immutable):
         scene = self.scene
         if scene.observer.is_direction:
             return _light_time.fixed(scene.observer)
-        found = self._sight(scene.center, scene.observer, sign=-1.0)
-        self._refuse_inside(found, scene.observer)
-        return found
+        sight = self._sight(scene.center, scene.observer, sign=-1.0)
+        self._refuse_inside(sight, scene.observer)
+        return sight
 
     @kept
     def emission(self) -> tuple[FloatArray, FloatArray | None]:
@@ -322,9 +322,9 @@ class View(Immutable):
         scene = self.scene
         if scene.sun.is_direction:
             return _light_time.fixed(scene.sun)
-        found = self._sight(scene.sun, scene.center, emitted=True)
-        self._refuse_inside(found, scene.sun)
-        return found
+        sight = self._sight(scene.sun, scene.center, emitted=True)
+        self._refuse_inside(sight, scene.sun)
+        return sight
 
     @kept
     def observer_sun_line(self) -> LineOfSight:
@@ -473,14 +473,14 @@ class View(Immutable):
         scene, lit = self.scene, np.ones(self.seconds.size)
         for body, radius in scene.shadow_of.items():
             far = scene.sun.is_direction
-            found = self._sight(body, scene.center, emitted=True, geometric=far)
+            shares = self._sight(body, scene.center, emitted=True, geometric=far)
             flattening = _shadow.flattening_of(body, radius)
             moves = scene.light_time and not far
-            for part in _angles.parts(lit.size):
-                velocity = partial(self._velocity_of, body, part) if moves else None
-                occulter, sun = found.some(part), self.sun_line.some(part)
+            for block in _angles.parts(lit.size):
+                velocity = partial(self._velocity_of, body, block) if moves else None
+                occulter, sun = shares.some(block), self.sun_line.some(block)
                 assert occulter.distance is not None
-                lit[part] -= 1.0 - _shadow.lit_fraction(
+                lit[block] -= 1.0 - _shadow.lit_fraction(
                     occulter.unit * occulter.distance,
                     radius,
                     sun.unit,
@@ -494,7 +494,7 @@ class View(Immutable):
         """Barycentric velocities (3, K) of a body at marked epochs of emission of a part, m/s,
         ICRF.
         """
-        hi, lo = (np.broadcast_to(each, self.seconds.size)[part] for each in self._emission())
+        hi, lo = (np.broadcast_to(array, self.seconds.size)[part] for array in self._emission())
         path = _composed.relative(body, "ssb", self.scene.ephemeris)
         return np.moveaxis(path.velocity(self.epoch, hi[where], lo[where]), -1, 0)
 
@@ -542,11 +542,11 @@ class View(Immutable):
 
         wxyz, column = self._wxyz(), read_only(vector.reshape(3, 1).copy())
         out = new_array(3, self.seconds.size)
-        for part in _angles.parts(out.shape[1]):
+        for block in _angles.parts(out.shape[1]):
             # with -w the inverse rotation
-            inverse, found = wxyz[:, part] * _INVERSE, np.empty((3, out[0, part].size))
-            solver_vectors.to_body(frozen(inverse), column, found)
-            out[:, part] = found
+            inverse, turned = wxyz[:, block] * _INVERSE, np.empty((3, out[0, block].size))
+            solver_vectors.to_body(frozen(inverse), column, turned)
+            out[:, block] = turned
         return out
 
     @quantity("", _XYZ)
@@ -637,10 +637,10 @@ class View(Immutable):
     def _axis_angles(self, direction: FloatArray) -> FloatArray:
         body = self._body("a principal axis")
         order = np.argsort(body.moments, kind="stable")
-        flat, found = self._flat(direction), new_array(3, self.seconds.size)
-        for row, k in zip(found, order, strict=True):
+        flat, rows = self._flat(direction), new_array(3, self.seconds.size)
+        for row, k in zip(rows, order, strict=True):
             row[:] = _angles.between_units(body.principal_axes[:, [k]], flat)
-        return self._rows(found)
+        return self._rows(rows)
 
     def _body(self, what: str) -> Body:
         return self._motion().constant_body(what)
@@ -725,7 +725,7 @@ class View(Immutable):
         pole = self._axis_of_earth(self.scene.observer.pole_path)
         east = np.cross(pole, self.zenith, axis=0)
         north = np.cross(self.zenith, east, axis=0)
-        along = (np.sum(each * direction, axis=0) for each in (east, north))
+        along = (np.sum(axis * direction, axis=0) for axis in (east, north))
         return self._numbers(_angles.turned_positive(np.arctan2(*along)))
 
     # ---- The sky of a ground site
@@ -796,11 +796,11 @@ class View(Immutable):
         is_whole = known.size == self.seconds.size
         if not is_whole:
             sun, observer = np.ascontiguousarray(sun[:, known]), observer[:, known]
-        found = self._brightness_of(sun.T, observer.T)
+        brightness = self._brightness_of(sun.T, observer.T)
         if not is_whole:
-            found, some = np.full(self.seconds.size, np.nan), found
-            found[known] = some
-        return self._numbers(found)
+            brightness, some = np.full(self.seconds.size, np.nan), brightness
+            brightness[known] = some
+        return self._numbers(brightness)
 
     def _brightness_of(self, sun: FloatArray, observer: FloatArray) -> FloatArray:
         """The brightness (K,) of the shape for directions (K, 3) in body axes."""
@@ -824,8 +824,8 @@ class View(Immutable):
             return self._numbers(out)
         if scene.phase_function is None:
             band = scene.sun_magnitude
-            given = {} if band is None else {"sun_magnitude": band}
-            out[known] = _magnitudes.reduced_magnitude(bright[known], **given)
+            keywords = {} if band is None else {"sun_magnitude": band}
+            out[known] = _magnitudes.reduced_magnitude(bright[known], **keywords)
         else:
             assert scene.shape is not None  # `brightness` refuses a scene without one
             angles = np.asarray(self.phase_angle).reshape(-1)[known]
@@ -860,16 +860,16 @@ class View(Immutable):
                     f"the {name} is a direction, infinitely far away, for which an apparent "
                     "magnitude is undefined; use reduced_magnitude, or give a path."
                 )
-        found = np.array(self.reduced_magnitude).reshape(-1)
-        known = ~np.isnan(found)
+        magnitudes = np.array(self.reduced_magnitude).reshape(-1)
+        known = ~np.isnan(magnitudes)
         far = [
-            np.asarray(each).reshape(-1)[known]
-            for each in (self.sun_distance, self.observer_distance)
+            np.asarray(distance).reshape(-1)[known]
+            for distance in (self.sun_distance, self.observer_distance)
         ]
-        found[known] += _magnitudes.distance_modulus(*far)
+        magnitudes[known] += _magnitudes.distance_modulus(*far)
         if self.scene.shadow_of:
-            found += _magnitudes.dimming(self.lit_fraction.reshape(-1))
-        return self._numbers(found)
+            magnitudes += _magnitudes.dimming(self.lit_fraction.reshape(-1))
+        return self._numbers(magnitudes)
 
     # ---- Standard deviations, from the covariance of the motion's spin
     # A quantity changes with a small turn of the body by its gradient times the rotation vector, to
@@ -918,11 +918,11 @@ class View(Immutable):
             by_longitude = np.stack([x * z / across**2, y * z / across**2, -np.ones(x.size)])
             by_latitude = np.stack([-y / across, x / across, np.zeros(x.size)])
         wxyz = self._flat(self.attitude.wxyz).T
-        found = [
+        deviations = [
             turned_deviations(self.turn_covariance, quaternion.rotate(wxyz, gradient.T))
             for gradient in (by_longitude, by_latitude)
         ]
-        return self._rows(np.stack(found))
+        return self._rows(np.stack(deviations))
 
     # ---- Those of angles
 
@@ -961,11 +961,11 @@ class View(Immutable):
     def _axis_deviations(self, unit: FloatArray) -> FloatArray:
         body = self._body("a principal axis")
         direction = self._in_rows(unit)
-        found = []
+        deviations = []
         for k in np.argsort(body.moments, kind="stable"):
             axis = self._in_icrf(body.principal_axes[:, k]).T
-            found.append(turned_deviations(self.turn_covariance, _axis_of(axis, direction)))
-        return self._rows(np.stack(found))
+            deviations.append(turned_deviations(self.turn_covariance, _axis_of(axis, direction)))
+        return self._rows(np.stack(deviations))
 
     @quantity("rad")
     def long_axis_position_angle_sigma(self) -> FloatArray:
@@ -973,10 +973,12 @@ class View(Immutable):
         axis = self._in_icrf(self._long_axis()).T
         sight = self._flat(self.apparent_direction).T
         # The part across the line of sight turns about that line.
-        part = axis - np.sum(axis * sight, axis=-1, keepdims=True) * sight
-        across = np.cross(sight, part)
+        across_sight = axis - np.sum(axis * sight, axis=-1, keepdims=True) * sight
+        across = np.cross(sight, across_sight)
         with np.errstate(divide="ignore", invalid="ignore"):
-            gradient = np.cross(axis, across) / np.sum(part * part, axis=-1, keepdims=True)
+            gradient = np.cross(axis, across) / np.sum(
+                across_sight * across_sight, axis=-1, keepdims=True
+            )
         return self._deviations(gradient)
 
     # ---- Those of brightness

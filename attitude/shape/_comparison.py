@@ -61,7 +61,7 @@ class ShapeComparison(Immutable):
         self._set("turn", math.atan2(float(sine), 0.5 * (float(np.trace(matrix)) - 1.0)))
 
     def __str__(self) -> str:
-        rows = [" : ".join(f"{each:.4g}" for each in row / row[2]) for row in self.axes]
+        rows = [" : ".join(f"{ratio:.4g}" for ratio in row / row[2]) for row in self.axes]
         return (
             f"overlap {self.overlap:.4f} (common volume over that of both together)\n"
             f"  axes of the first   {rows[0]}\n  axes of the second  {rows[1]}\n"
@@ -107,8 +107,8 @@ def compare(
     0.2
     """
     bodies, axes, turns = [], [], []
-    for given, name in ((first, "first"), (second, "second")):
-        body, semi_axes, turn = _normal(given, name)
+    for body_given, name in ((first, "first"), (second, "second")):
+        body, semi_axes, turn = _normal(body_given, name)
         bodies.append(body)
         axes.append(semi_axes)
         turns.append(turn)
@@ -155,15 +155,15 @@ def _best(
     from scipy.spatial.transform import Rotation
 
     def turned(vector: FloatArray) -> FloatArray:
-        found: FloatArray = Rotation.from_rotvec(vector).as_matrix() @ start
-        return found
+        rotated: FloatArray = Rotation.from_rotvec(vector).as_matrix() @ start
+        return rotated
 
     simplex = np.concatenate([np.zeros((1, 3)), size * np.eye(3)])
     options = {"initial_simplex": simplex, "xatol": 1e-4, "fatol": 1e-7, "maxfev": most}
-    found = minimize(
+    minimum = minimize(
         lambda x: -counted(turned(x)), np.zeros(3), method="Nelder-Mead", options=options
     )
-    return turned(found.x)
+    return turned(minimum.x)
 
 
 class _Common:
@@ -175,8 +175,8 @@ class _Common:
     def __init__(self, first: Mesh, second: Mesh) -> None:
         self._points = _points_in(first)
         grid, filled = _filled(second, _CELLS)
-        self._origin = np.array([each[0] for each in grid])
-        self._step = np.array([each[1] - each[0] for each in grid])
+        self._origin = np.array([axis[0] for axis in grid])
+        self._step = np.array([axis[1] - axis[0] for axis in grid])
         self._filled = filled.astype(np.float32)
         self._bodies = first, second
 
@@ -234,15 +234,15 @@ def _points_in(mesh: Mesh) -> FloatArray:
     # Displaced, so that no line along z passes through an edge of a body with symmetries.
     places = (qmc.Sobol(3, scramble=False).random_base2(count) + np.sqrt([0.2, 0.3, 0.5])) % 1.0
     points = low + (high - low) * places
-    found: FloatArray = points[_inside(mesh, points)]
-    return found
+    inside: FloatArray = points[_inside(mesh, points)]
+    return inside
 
 
 def _height(corners: FloatArray, vector: FloatArray, x: FloatArray, y: FloatArray) -> FloatArray:
     """z of the plane of a triangle (3, 3) with a normal (3,) at x, y."""
     rise = vector[0] * (x - corners[0, 0]) + vector[1] * (y - corners[0, 1])
-    found: FloatArray = corners[0, 2] - rise / vector[2]
-    return found
+    height: FloatArray = corners[0, 2] - rise / vector[2]
+    return height
 
 
 def _filled(mesh: Mesh, count: int) -> tuple[list[FloatArray], Any]:
@@ -257,8 +257,8 @@ def _filled(mesh: Mesh, count: int) -> tuple[list[FloatArray], Any]:
     for corners, vector in zip(mesh.corners, mesh.area_vectors, strict=True):
         if vector[2] == 0.0:
             continue
-        first = np.maximum(np.ceil((corners.min(axis=0) - [each[0] for each in grid]) / step), 0)
-        last = np.floor((corners.max(axis=0) - [each[0] for each in grid]) / step)
+        first = np.maximum(np.ceil((corners.min(axis=0) - [axis[0] for axis in grid]) / step), 0)
+        last = np.floor((corners.max(axis=0) - [axis[0] for axis in grid]) / step)
         i, j = (np.arange(int(first[k]), min(int(last[k]), count - 1) + 1) for k in range(2))
         x, y = np.meshgrid(grid[0][i], grid[1][j], indexing="ij")
         z = _height(corners, vector, x, y)

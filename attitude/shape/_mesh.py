@@ -39,16 +39,16 @@ def of_printed(fields: Iterable[str]) -> float:
     """
     most, unit = 0, 0.0
     for field in fields:
-        found = _NUMBER.fullmatch(field)
-        if found is None:
+        matched = _NUMBER.fullmatch(field)
+        if matched is None:
             continue
-        whole, part, power = found[1], found[2] or "", int(found[3] or 0)
-        digits = len((whole + part).lstrip("0"))
-        here = 10.0 ** (power - len(part))
+        whole, decimals, power = matched[1], matched[2] or "", int(matched[3] or 0)
+        digits = len((whole + decimals).lstrip("0"))
+        last_digit = 10.0 ** (power - len(decimals))
         if digits > most:
-            most, unit = digits, here
+            most, unit = digits, last_digit
         elif digits == most > 0:
-            unit = max(unit, here)
+            unit = max(unit, last_digit)
     return 0.5 * unit
 
 
@@ -73,8 +73,8 @@ def height_errors(corners: FloatArray, points: FloatArray, rounding: float) -> F
     share_b = np.sum(np.cross(points - a, c - a) * normal, axis=-1) / square
     share_c = np.sum(np.cross(b - a, points - a) * normal, axis=-1) / square
     factors = 1.0 + np.abs(1.0 - share_b - share_c) + np.abs(share_b) + np.abs(share_c)
-    found: FloatArray = np.sqrt(3.0) * rounding * factors
-    return found
+    errors: FloatArray = np.sqrt(3.0) * rounding * factors
+    return errors
 
 
 # ---- How triangles are joined along their edges, and which facets are at fault
@@ -154,18 +154,18 @@ def inward_facets(vertices: FloatArray, facets: IntArray) -> IntArray:
     A part with negative volume is inside out, unless it lies within another: then it is the wall
     of a cavity.  The facets must be closed.
     """
-    part = parts(facets, len(vertices))
+    pieces = parts(facets, len(vertices))
     corners = vertices[facets]
     # Relative to the first corner of the part, so that parts far from the origin lose no digits.
-    _, first = np.unique(part, return_index=True)
-    mine = corners - corners[first[part], 0][:, None]
+    _, first = np.unique(pieces, return_index=True)
+    mine = corners - corners[first[pieces], 0][:, None]
     six = np.einsum("fi,fi->f", mine[:, 0], np.cross(mine[:, 1], mine[:, 2]))
-    volume, size = np.bincount(part, six), np.bincount(part, np.abs(six))
+    volume, size = np.bincount(pieces, six), np.bincount(pieces, np.abs(six))
     # Two plates back to back have a volume of zero up to rounding, of either sign.
     bad = [
-        np.flatnonzero(part == label)
+        np.flatnonzero(pieces == label)
         for label in np.flatnonzero(volume < -1e-9 * size)
-        if abs(winding_number(corners[first[label], 0], corners[part != label])) < 0.5
+        if abs(winding_number(corners[first[label], 0], corners[pieces != label])) < 0.5
     ]
     return np.sort(np.concatenate(bad)) if bad else np.zeros(0, dtype=np.int64)
 
@@ -258,10 +258,10 @@ def _all_below(
     points = np.unique(corners.reshape(-1, 3), axis=0)
     step = max(1, _BLOCK // len(points))
     for begin in range(0, len(normals), step):
-        part = slice(begin, begin + step)
-        height = normals[part] @ points.T - depth[part, None]
+        block = slice(begin, begin + step)
+        height = normals[block] @ points.T - depth[block, None]
         facet, point = np.nonzero(height > bound)
-        error = height_errors(corners[part][facet], points[point], rounding)
+        error = height_errors(corners[block][facet], points[point], rounding)
         if np.any(height[facet, point] > np.maximum(bound, error)):
             return False
     return True
@@ -429,10 +429,10 @@ def refuse_repeated(facets: IntArray, edges: Edges) -> None:
     """Raise the AttitudeError for edges that facets (F, 3) pass twice in the same direction."""
     if len(edges.repeated) == 0:
         return
-    own = facets[edges.repeated]
-    passed = np.stack([own, own[:, [1, 2, 0]]], axis=-1).reshape(-1, 2)
-    each, times = np.unique(passed, axis=0, return_counts=True)
-    start, end = each[np.argmax(times > 1)]
+    repeated = facets[edges.repeated]
+    passed = np.stack([repeated, repeated[:, [1, 2, 0]]], axis=-1).reshape(-1, 2)
+    directed, times = np.unique(passed, axis=0, return_counts=True)
+    start, end = directed[np.argmax(times > 1)]
     raise AttitudeError(
         f"facets {listed(edges.repeated)} run against a neighbour: an edge is passed twice in the "
         f"same direction (first that from vertex {start} to vertex {end}). Turn the facets the "
@@ -669,11 +669,11 @@ class Mesh(Immutable):
 
     def with_rounding(self, rounding: Real) -> Mesh:
         """The same mesh, each coordinate of which may err by a length, m: see `is_convex`."""
-        given = validation.number(rounding, "rounding", unit="m")
-        if given < 0.0:
-            raise AttitudeError(f"rounding is {given!r} m; give 0 or more.")
+        number = validation.number(rounding, "rounding", unit="m")
+        if number < 0.0:
+            raise AttitudeError(f"rounding is {number!r} m; give 0 or more.")
         other = self._with_vertices(self.vertices)
-        other._set("rounding", given)
+        other._set("rounding", number)
         return other
 
     def reversed(self) -> Mesh:
@@ -730,7 +730,7 @@ class Mesh(Immutable):
         a, b, c = self.facets.T
         ab, bc, ca = number.reshape(-1, 3).T + len(self.vertices)
         corners = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
-        facets = np.stack([np.stack(each, axis=1) for each in corners], axis=1).reshape(-1, 3)
+        facets = np.stack([np.stack(triple, axis=1) for triple in corners], axis=1).reshape(-1, 3)
         names = tuple(name for name in self.materials for _ in range(4))
         finer = Mesh(np.concatenate([self.vertices, middles]), facets, names, open=self.may_be_open)
         return finer.with_rounding(self.rounding).divided(times - 1)
@@ -885,14 +885,14 @@ def flat_sides(mesh: Mesh) -> tuple[FlatSide, ...]:
     groups: dict[tuple[str, int, int, int], list[int]] = {}
     for k, (material, place) in enumerate(zip(mesh.materials, cell.tolist(), strict=True)):
         groups.setdefault(_place(groups, material, place), []).append(k)
-    found = []
+    sides = []
     for (material, *_), members in groups.items():
         facets = frozen(np.array(members))
         vector = np.sum(mesh.area_vectors[facets], axis=0)
         area = float(np.sum(mesh.areas[facets]))
-        found.append((material, frozen(vector / np.linalg.norm(vector)), area, facets))
-    found.sort(key=lambda each: (each[0], -round(each[2], 12), int(each[3][0])))
-    return tuple(_named(found))
+        sides.append((material, frozen(vector / np.linalg.norm(vector)), area, facets))
+    sides.sort(key=lambda each: (each[0], -round(each[2], 12), int(each[3][0])))
+    return tuple(_named(sides))
 
 
 def _place(groups, material, place):
@@ -908,7 +908,7 @@ def _place(groups, material, place):
 def _named(found):
     """The sides with their names."""
     counts: dict[str, int] = {}
-    alone = {material: sum(each[0] == material for each in found) == 1 for material, *_ in found}
+    alone = {material: sum(side[0] == material for side in found) == 1 for material, *_ in found}
     for material, normal, area, facets in found:
         counts[material] = counts.get(material, 0) + 1
         name = material

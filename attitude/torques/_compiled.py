@@ -197,18 +197,18 @@ def rheological_dissipation(t, wxyz, omega, given, p, out):
     if apart >= 0.0:
         table = 0
         share = b * (a * u * u * (c - a) + b * v * v * (c - b))
-        rest = c * apart
+        margin = c * apart
     else:
         table = 1
         share = b * (c * w * w * (c - a) + b * v * v * (b - a))
-        rest = -a * apart
+        margin = -a * apart
     strength = 0.0
     if size > 0.0 and share > 0.0:
-        logarithm = math.log(share / rest) if rest > share * 1e-30 else 100.0
+        logarithm = math.log(share / margin) if margin > share * 1e-30 else 100.0
         rates, shares = int(p[14]), int(p[17])
         i, fast = _place(math.log(size / c), p[12], p[13], p[14])
-        j, near = _place(logarithm, p[15], p[16], p[17])
-        by_rate, by_share = _weights(fast), _weights(near)
+        j, between = _place(logarithm, p[15], p[16], p[17])
+        by_rate, by_share = _weights(fast), _weights(between)
         values = vector(p, 18 + 2 * rates * shares)[18:].reshape(2, rates, shares)
         total = 0.0
         for k in range(4):

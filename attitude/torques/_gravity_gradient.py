@@ -101,10 +101,10 @@ class GravityGradient(Torque):
         AttitudeError
             If one of them is the zero vector, or not finite.
         """
-        found = positions(self.path, instant, seconds, low, "path")
-        if not np.all(np.any(found != 0.0, axis=-1)):
+        places = positions(self.path, instant, seconds, low, "path")
+        if not np.all(np.any(places != 0.0, axis=-1)):
             raise AttitudeError("path passes through the point mass; give a path at a distance.")
-        return found
+        return places
 
     def potential(self, body: Body, history: AttitudeHistory) -> FloatArray:
         """The potential energy (S,) in J of the torque, at the epochs of a history.

@@ -83,13 +83,13 @@ class _FunctionField(MagneticField):
     def at(
         self, instant: Instant, seconds: FloatArray, low: FloatArray, position: FloatArray
     ) -> FloatArray:
-        found = np.asarray(self.function(seconds, position), dtype=np.float64)
-        if found.shape != position.shape or not np.all(np.isfinite(found)):
+        values = np.asarray(self.function(seconds, position), dtype=np.float64)
+        if values.shape != position.shape or not np.all(np.isfinite(values)):
             raise AttitudeError(
-                f"field returned {validation.shown(found)} for {len(seconds)} epochs; it must "
+                f"field returned {validation.shown(values)} for {len(seconds)} epochs; it must "
                 "return finite numbers (..., 3) in T over ICRF axes."
             )
-        return found
+        return values
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -120,8 +120,8 @@ class DipoleField(MagneticField):
         r = np.sqrt(np.sum(position * position, axis=-1, keepdims=True))
         u = position / r
         along = np.sum(u * self.moment, axis=-1, keepdims=True)
-        found: FloatArray = _MU_0_OVER_4_PI / r**3 * (3.0 * along * u - self.moment)
-        return found
+        strength: FloatArray = _MU_0_OVER_4_PI / r**3 * (3.0 * along * u - self.moment)
+        return strength
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -176,8 +176,8 @@ class IGRF(MagneticField):
         # Earth-fixed axes over ICRF: (axis, component, K)
         axes = _ground.axes_to_celestial(hi, lo)
         fixed = np.einsum("ack,kc->ka", axes, position)
-        found: FloatArray = np.einsum("ack,ka->kc", axes, _gradient(fixed, numbers, self.degree))
-        return found
+        turned: FloatArray = np.einsum("ack,ka->kc", axes, _gradient(fixed, numbers, self.degree))
+        return turned
 
     def span(self, instant: Instant) -> tuple[float, float]:
         """First and last TDB seconds since an instant that the coefficients cover."""
@@ -380,9 +380,9 @@ class FieldOnPath:
             records = read_only(np.concatenate(tables))
             begins, count = (np.cumsum(parts) - parts)[piece[rows]], parts[piece[rows]]
             share = ((seconds[rows] - number[rows] * width) + low[rows]) / width * count
-            part = np.clip(np.floor(share), 0, count - 1)
+            whole = np.clip(np.floor(share), 0, count - 1)
             value, rate = np.empty((3, rows.size)), np.empty((3, rows.size))
-            place, x = begins + part.astype(np.int64), 2.0 * (share - part) - 1.0
+            place, x = begins + whole.astype(np.int64), 2.0 * (share - whole) - 1.0
             chebyshev.values_and_rates(
                 records, 0, _COUNT, place, x, np.array([width]), 1.0, value, rate
             )
@@ -513,8 +513,8 @@ class EddyCurrent(Torque):
 
     def sample(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
         """The field in T and its rate of change in T/s along the path, ICRF axes: (K, 6)."""
-        found: FloatArray = self._on_path.at(instant, seconds, low)
-        return found
+        values: FloatArray = self._on_path.at(instant, seconds, low)
+        return values
 
     def sample_apart(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
         """As `sample`, the rate by differences."""
@@ -588,8 +588,8 @@ class MagneticDipole(Torque):
 
     def sample(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
         """The field (K, 3) in T along the path, ICRF axes."""
-        found: FloatArray = np.ascontiguousarray(self._on_path.at(instant, seconds, low)[:, :3])
-        return found
+        values: FloatArray = np.ascontiguousarray(self._on_path.at(instant, seconds, low)[:, :3])
+        return values
 
     def sample_apart(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
         """As `sample`, without a fit along the path."""

@@ -164,8 +164,8 @@ class SolarRadiation(Torque):
             w = np.full(u.shape, -1.0 if face % 2 else 1.0)
             faces.append([(w, u, v), (v, w, u), (u, v, w)][face // 2])
         directions = [np.ravel([face[k] for face in faces]) for k in range(3)]
-        size = np.sqrt(sum(each * each for each in directions))
-        cells = cells_of_directions(n, [frozen(each / size) for each in directions])
+        size = np.sqrt(sum(direction * direction for direction in directions))
+        cells = cells_of_directions(n, [frozen(direction / size) for direction in directions])
         return frozen(shares[cells[: directions[0].size].astype(np.int64)])
 
     def parameters(self, body: Body) -> FloatArray:
@@ -177,10 +177,10 @@ class SolarRadiation(Torque):
             For a body whose moments are relative.
         """
         strength = self.flux / SPEED_OF_LIGHT_M_S * ASTRONOMICAL_UNIT_M**2
-        found = _facet_parameters(self, body, strength, "light pressure is in newtons")
+        numbers = _facet_parameters(self, body, strength, "light pressure is in newtons")
         if self.shadows is None:
-            return found
-        return np.concatenate([[self._lit.ctypes.data, self.shadows.resolution], found])
+            return numbers
+        return np.concatenate([[self._lit.ctypes.data, self.shadows.resolution], numbers])
 
     def contents(self, body: Body) -> tuple[FloatArray, ...]:
         """The numbers of the torque: `parameters`, with shares of light in place of an address."""
@@ -210,8 +210,8 @@ class SolarRadiation(Torque):
                 (other - place).T, radius, -place.T / distance, distance, flattening=flattening
             )
         # the push follows the inverse square of the distance: none at 1e100 times
-        found: FloatArray = place / np.sqrt(np.maximum(lit, 1e-200))[:, None]
-        return found
+        directions: FloatArray = place / np.sqrt(np.maximum(lit, 1e-200))[:, None]
+        return directions
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -310,8 +310,8 @@ class AerodynamicTorque(Torque):
             )
         # without air: a length that leaves no torque above 1e-200 N m
         length = 1.0 / (np.maximum(speed, 1e-9) * np.sqrt(np.maximum(density, 1e-200)))
-        found: FloatArray = flow / np.maximum(speed, 1e-9)[:, None] * length[:, None]
-        return found
+        flows: FloatArray = flow / np.maximum(speed, 1e-9)[:, None] * length[:, None]
+        return flows
 
 
 def _visibility_of(shape: Any, shadows: Any) -> Visibility | None:
@@ -337,7 +337,7 @@ def _occulters(given: Any) -> tuple[tuple[Path, float], ...]:
     if isinstance(given, Path):
         given = (given,)
     pairs_of = given.items() if isinstance(given, Mapping) else ((path, None) for path in given)
-    found = []
+    bodies = []
     for path, radius in pairs_of:
         if not isinstance(path, Path):
             raise AttitudeError(
@@ -351,8 +351,8 @@ def _occulters(given: Any) -> tuple[tuple[Path, float], ...]:
                 f"the radius of {path.name}, in shadow_of, is not known here; give it in m, as in "
                 "shadow_of={path: 1e6}."
             )
-        found.append((path, validation.positive(radius, f"the radius of {path.name}", unit="m")))
-    return tuple(found)
+        bodies.append((path, validation.positive(radius, f"the radius of {path.name}", unit="m")))
+    return tuple(bodies)
 
 
 # s: half of the step over which a path is differenced.
@@ -376,9 +376,9 @@ def _set_facets(torque: Any, shape: FlatFacets, diffuse: Any, mirrored: Any) -> 
     fractions = []
     for name, fraction in (("diffuse", diffuse), ("mirrored", mirrored)):
         number = validation.real(fraction, name)
-        each = validation.broadcast(number, name, (len(areas),), "facet of the shape")
-        torque._set(name, frozen(each.copy()))
-        fractions.append(each)
+        numbers = validation.broadcast(number, name, (len(areas),), "facet of the shape")
+        torque._set(name, frozen(numbers.copy()))
+        fractions.append(numbers)
     total = fractions[0] + fractions[1]
     if min(fractions[0].min(), fractions[1].min()) < 0.0 or total.max() > 1.0:
         raise AttitudeError(

@@ -162,8 +162,8 @@ def displacement(axes: FloatArray, poisson: float) -> FloatArray:
     basis = np.eye(len(load)) if kept else _without_divergence()
     # turns of the whole body are free
     inverse = np.linalg.pinv(basis.T @ stiffness @ basis, rcond=1e-11, hermitian=True)
-    found: FloatArray = basis @ (inverse @ (basis.T @ load))
-    return found
+    displaced: FloatArray = basis @ (inverse @ (basis.T @ load))
+    return displaced
 
 
 # ---- The polhode over one nutation
@@ -302,24 +302,24 @@ class Rheology(Immutable):
         radius = float(np.cbrt(np.prod(self.axes)))
         axes = self.axes / radius
         _, load = _stiffness(axes, 0.0)
-        found: FloatArray = radius**7 * (load.T @ displacement(axes, self.poisson))
-        return found
+        form: FloatArray = radius**7 * (load.T @ displacement(axes, self.poisson))
+        return form
 
     def loss(self, frequency: ArrayLike) -> FloatArray:
         """-Im J (...) in 1/Pa, with self-gravity, at angular frequencies (...) in rad/s."""
         rate = np.asarray(frequency, dtype=np.float64)
-        given = np.asarray(self.compliance(rate), dtype=np.complex128)
+        compliance = np.asarray(self.compliance(rate), dtype=np.complex128)
         radius = float(np.cbrt(np.prod(self.axes)))
         # rho g R of a sphere
         weight = 4.0 * np.pi / 3.0 * _GRAVITATION * (self.density * radius) ** 2
-        found: FloatArray = -np.imag(given / (1.0 + 2.0 / 19.0 * weight * given))
-        if found.shape != rate.shape or not np.all(np.isfinite(found)) or np.any(found < 0.0):
+        losses: FloatArray = -np.imag(compliance / (1.0 + 2.0 / 19.0 * weight * compliance))
+        if losses.shape != rate.shape or not np.all(np.isfinite(losses)) or np.any(losses < 0.0):
             raise AttitudeError(
-                f"compliance returned {validation.shown(given)}; it must return finite complex "
-                "numbers (...) in 1/Pa, whose imaginary part is not positive, for angular "
+                f"compliance returned {validation.shown(compliance)}; it must return finite "
+                "complex numbers (...) in 1/Pa, whose imaginary part is not positive, for angular "
                 "frequencies (...) in rad/s."
             )
-        return found
+        return losses
 
     def power(self, body: Body, momentum: Real, sine_squared: Real) -> float:
         """Mean power, W, that friction takes from a free rotation.
@@ -362,20 +362,20 @@ class Rheology(Immutable):
         momentum, p = np.broadcast_arrays(
             validation.real(momentum, "momentum"), validation.real(sine_squared, "sine_squared")
         )
-        edge, found = _separatrix(moments), np.empty(p.shape)
+        edge, strengths = _separatrix(moments), np.empty(p.shape)
         for long, table in zip((False, True), self.strengths(body), strict=True):
             on = (p > edge) == long
             if not np.any(on) or not np.all(np.isfinite(table)):
-                found[on] = 0.0
+                strengths[on] = 0.0
                 continue
             spline = RectBivariateSpline(np.log(_rates()), _shares(), table)
-            share, rest = (1.0 - p[on], p[on] - edge) if long else (p[on], edge - p[on])
+            share, margin = (1.0 - p[on], p[on] - edge) if long else (p[on], edge - p[on])
             with np.errstate(divide="ignore"):
-                logarithm = np.clip(np.log(share) - np.log(rest), _FIRST, _LAST)
+                logarithm = np.clip(np.log(share) - np.log(margin), _FIRST, _LAST)
             speed = momentum[on] / float(np.max(body.moments))
             rate = np.clip(np.log(speed), *np.log(_rates()[[0, -1]]))
-            found[on] = np.exp(spline.ev(rate, logarithm))
-        return found
+            strengths[on] = np.exp(spline.ev(rate, logarithm))
+        return strengths
 
     def moments(self, body: Body) -> FloatArray:
         """Principal moments (3,) of a body in kg m2, ascending.
@@ -413,7 +413,7 @@ class Rheology(Immutable):
         moments = self.moments(body)
         if moments[2] - moments[0] <= 1e-14 * moments[2]:
             return np.full((2, len(_rates()), len(_shares())), -np.inf)
-        share, rest = 1.0 / (1.0 + np.exp(-_shares())), 1.0 / (1.0 + np.exp(_shares()))
+        share, margin = 1.0 / (1.0 + np.exp(-_shares())), 1.0 / (1.0 + np.exp(_shares()))
         rates = _rates()
         edge, tables = _separatrix(moments), []
         for long in (False, True):
@@ -421,7 +421,7 @@ class Rheology(Immutable):
             if reach <= 0.0:  # a symmetric body has no such motion
                 tables.append(np.full((len(rates), len(share)), -np.inf))
                 continue
-            motion = polhodes(moments, share, rest, long)
+            motion = polhodes(moments, share, margin, long)
             energy, across = self._harmonics(moments, motion)
             momentum = rates * moments[2]
             harmonics = np.arange(1, energy.shape[1] + 1)
@@ -445,8 +445,8 @@ def _separatrix(moments: FloatArray) -> float:
 
 def _shares() -> FloatArray:
     """Nodes of ln(share/rest)."""
-    found: FloatArray = _FIRST + _SPACING * np.arange(round((_LAST - _FIRST) / _SPACING) + 1.0)
-    return found
+    shares: FloatArray = _FIRST + _SPACING * np.arange(round((_LAST - _FIRST) / _SPACING) + 1.0)
+    return shares
 
 
 def _rates() -> FloatArray:
@@ -462,5 +462,5 @@ def parameters(rheology: Rheology, body: Body) -> FloatArray:
     unit = np.sort(np.asarray(body.moments))
     first = [math.log(_SLOWEST), 1.0 / _RATE_SPACING, table.shape[1]]
     second = [_FIRST, 1.0 / _SPACING, table.shape[2]]
-    found: FloatArray = np.concatenate([unit, axes.T.reshape(9), first, second, np.ravel(table)])
-    return found
+    numbers: FloatArray = np.concatenate([unit, axes.T.reshape(9), first, second, np.ravel(table)])
+    return numbers

@@ -84,9 +84,13 @@ class Scheme(Immutable):
     ) -> None:
         self._set("name", name)
         self._set("source", source)
-        for label, given in (("kicks", kicks), ("flights", flights), ("gradients", gradients)):
-            self._set(label, frozen(validation.real(given, f"{label} of a Scheme")))
-        shapes = [each.shape for each in (self.kicks, self.flights, self.gradients)]
+        for label, coefficients in (
+            ("kicks", kicks),
+            ("flights", flights),
+            ("gradients", gradients),
+        ):
+            self._set(label, frozen(validation.real(coefficients, f"{label} of a Scheme")))
+        shapes = [array.shape for array in (self.kicks, self.flights, self.gradients)]
         count = self.flights.size
         if count < 1 or shapes != [(count + 1,), (count,), (count + 1,)]:
             raise AttitudeError(
@@ -163,8 +167,8 @@ def _blanes_moan():
 _XI = 0.1931833275037836
 
 SCHEMES: dict[str, Scheme] = {
-    each.name: each
-    for each in (
+    entry.name: entry
+    for entry in (
         Scheme(
             "kick-rotate-kick",
             2,

@@ -85,8 +85,8 @@ class System:
             )
         self.epoch, self.torques, self.scheme = spin.epoch, torques, chosen
         self.origin = spin.epoch if origin is None else origin
-        own = self.epoch.seconds, self.epoch.low
-        self.shift = pairs.add(own, -self.origin.seconds, -self.origin.low)
+        epoch_pair = self.epoch.seconds, self.epoch.low
+        self.shift = pairs.add(epoch_pair, -self.origin.seconds, -self.origin.low)
         self.body, self.spin, self.inertia = body, spin, _inertia_of(torques)
         if self.inertia is not None and self.shift != (0.0, 0.0):
             raise AttitudeError(
@@ -266,8 +266,8 @@ class System:
         times = self.kick_times(starts, h)
         rows = np.concatenate([times[:, :, :-1].reshape(2, -1), times[:, -1:, -1]], axis=1)
         kept = np.empty((steps // every, STATE_ENTRIES))
-        given = self.sampled(rows)
-        self.run(march, h, *self.setup, state, float(start), h, steps, given, kept, every)
+        samples = self.sampled(rows)
+        self.run(march, h, *self.setup, state, float(start), h, steps, samples, kept, every)
         return kept
 
     def march_members(
@@ -344,14 +344,14 @@ class System:
         rows = np.concatenate(
             [times[:, :, :, :-1].reshape(2, len(states), -1), times[:, :, -1:, -1]], axis=2
         )
-        given = self.sampled(rows if steps.any() else rows[:, :, :1])
+        samples = self.sampled(rows if steps.any() else rows[:, :, :1])
         begin = starts[0, place], starts[1, place]
         last = np.array(pairs.add(begin, *pairs.product(steps.astype(np.float64), h)))
         within = self.sampled(self.kick_times(last, parts))
         out = np.empty((len(place), 7))
         self.run(
             *(revisit, h, *self.setup, states, numbers, h, place, steps, parts),
-            *(given, within, out),
+            *(samples, within, out),
         )
         return out
 
@@ -414,8 +414,8 @@ def _inertia_of(torques: tuple[Torque, ...]) -> InertiaHistory | None:
             "angular velocity or the tensor of the body, which change; give torques that depend on "
             "the attitude alone (a CustomTorque with depends_on_rate=False)."
         )
-    found: InertiaHistory = changing[0]  # type: ignore[assignment]
-    return found
+    history: InertiaHistory = changing[0]  # type: ignore[assignment]
+    return history
 
 
 # ---- Derivatives of a torqued motion by its state and its moments: the chain of those of its steps
@@ -474,18 +474,18 @@ class TorquedSensitivity(Derivatives):
         self, seconds: FloatArray, low: FloatArray | None, rates: bool
     ) -> tuple[FloatArray, FloatArray | None]:
         """Changes of attitude (S, 3, 9 + P), ICRF axes, and of the angular velocity, body axes."""
-        t, rest = pairs.Seconds(seconds, low).flat
-        found = np.full((t.size, self._width, self._width), np.nan)
+        t, low_parts = pairs.Seconds(seconds, low).flat
+        derivatives = np.full((t.size, self._width, self._width), np.nan)
         with np.errstate(invalid="ignore"):
-            sides = t + rest >= 0.0, t + rest < 0.0
-        for side, here in enumerate(sides):
-            if np.any(here):
-                found[here] = self._on_side(side, t[here], rest[here])
+            sides = t + low_parts >= 0.0, t + low_parts < 0.0
+        for side, on_side in enumerate(sides):
+            if np.any(on_side):
+                derivatives[on_side] = self._on_side(side, t[on_side], low_parts[on_side])
         shape = (*np.shape(seconds), 3, self._width)
         if rates and self._system.inertia is not None:
-            self._with_turning(t, rest, found)
-        omega = found[:, 3:6].reshape(shape) if rates else None
-        return found[:, :3].reshape(shape), omega
+            self._with_turning(t, low_parts, derivatives)
+        omega = derivatives[:, 3:6].reshape(shape) if rates else None
+        return derivatives[:, :3].reshape(shape), omega
 
     def by_elements(self) -> FloatArray:
         """Refused: the elements of a torqued motion change with time."""
@@ -513,7 +513,7 @@ class TorquedSensitivity(Derivatives):
         t, low = t[order], low[order]
         mesh = self._meshes(side, float(t[-1] + low[-1]))
         place, parts = mesh.place(t, low)
-        found = np.empty((len(t), self._width, self._width))
+        derivatives = np.empty((len(t), self._width, self._width))
         whole = np.eye(self._width)
         for first in range(0, mesh.count, _BLOCK):
             end = min(first + _BLOCK, mesh.count)
@@ -525,10 +525,10 @@ class TorquedSensitivity(Derivatives):
             for k, step in enumerate(steps):
                 before[k] = whole
                 whole = step @ whole
-            here = place[begin:stop] - first
-            last = self._maps(states[here], starts[:, here], parts[begin:stop], mesh.halves)
-            found[order[begin:stop]] = last @ before[here]
-        return found
+            in_block = place[begin:stop] - first
+            last = self._maps(states[in_block], starts[:, in_block], parts[begin:stop], mesh.halves)
+            derivatives[order[begin:stop]] = last @ before[in_block]
+        return derivatives
 
     def _maps(
         self, states: FloatArray, starts: FloatArray, lengths: FloatArray, halves: int
@@ -549,10 +549,10 @@ class TorquedSensitivity(Derivatives):
         """States after steps of lengths h (N,), and the maps (N, 9 + P, 9 + P)."""
         scheme = self._system.scheme
         whole = np.broadcast_to(np.eye(self._width), (len(h), self._width, self._width))
-        for j, (part, gradient) in enumerate(zip(scheme.kicks, scheme.gradients, strict=True)):
-            if part != 0.0 or gradient != 0.0:
-                given = times[..., j], part * h, gradient * h**3
-                wxyz, omega, change = self._kick(wxyz, omega, *given)
+        for j, (share, gradient) in enumerate(zip(scheme.kicks, scheme.gradients, strict=True)):
+            if share != 0.0 or gradient != 0.0:
+                arguments = times[..., j], share * h, gradient * h**3
+                wxyz, omega, change = self._kick(wxyz, omega, *arguments)
                 whole = change @ whole
             if j < len(scheme.flights) and scheme.flights[j] != 0.0:
                 wxyz, omega, change = self._flight(wxyz, omega, scheme.flights[j] * h)
@@ -572,12 +572,12 @@ class TorquedSensitivity(Derivatives):
         tangents = sensitivities.tangents_of(moments, wxyz, principal, constants)
         after, turning = np.empty((count, 4, 1)), np.empty((count, 3, 1))
         evaluation.evaluate(constants, t[:, None], None, after, turning)
-        found = np.zeros((count, self._width, self._width))
+        changes = np.zeros((count, self._width, self._width))
         attitude, rate = np.empty((count, 3, 9, 1)), np.empty((count, 3, 9, 1))
         sensitivities.evaluate(constants, tangents, t[:, None], None, attitude, rate)
-        found[:, :3, :9], found[:, 3:6, :9] = attitude[..., 0], rate[..., 0]
-        found[:, 6:, 6:] = np.eye(self._width - 6)
-        return after[..., 0], turning[..., 0], found
+        changes[:, :3, :9], changes[:, 3:6, :9] = attitude[..., 0], rate[..., 0]
+        changes[:, 6:, 6:] = np.eye(self._width - 6)
+        return after[..., 0], turning[..., 0], changes
 
     def _kick(
         self,
@@ -589,10 +589,10 @@ class TorquedSensitivity(Derivatives):
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """States after torques for h (N,) seconds, and the maps (N, 9 + P, 9 + P)."""
         count = len(h)
-        given = times, h, cubed, self._system.sampled(times)
-        after, gained = _kicked(self._system, wxyz, omega, given)
+        arguments = times, h, cubed, self._system.sampled(times)
+        after, gained = _kicked(self._system, wxyz, omega, arguments)
         maps = np.broadcast_to(np.eye(self._width), (count, self._width, self._width)).copy()
-        many = times.repeat(4, axis=1), *(np.repeat(each, 4, axis=0) for each in given[1:])
+        many = times.repeat(4, axis=1), *(np.repeat(array, 4, axis=0) for array in arguments[1:])
         pace = _SHARE * np.sqrt(np.sum(omega**2 + gained**2, axis=1))
         pace = np.where(pace > 0.0, pace, 1.0)
         for j in range(6 if self._by_rate or self._slips else 3):
@@ -615,14 +615,14 @@ class TorquedSensitivity(Derivatives):
         longest = _SHARE * float(np.max(self._body.moments))
         for j, others in enumerate(self._others):
             for weight, other in zip(_SIDED[1:], others, strict=True):
-                end, gain = _kicked(other, wxyz, omega, given)
+                end, gain = _kicked(other, wxyz, omega, arguments)
                 if self._slips:
                     by_mass[:, :3, j] += weight / longest * _turns(end, after)
                 by_mass[:, 3:, j] += weight / longest * (gain - gained)
         maps[:, :6, 6:9] = by_mass @ np.linalg.inv(_BY_MASS)
         for j, (step, systems) in enumerate(self._parameters, start=9):
             for weight, other in zip(_WEIGHTS / step, systems, strict=True):
-                end, gain = _kicked(other, wxyz, omega, given)
+                end, gain = _kicked(other, wxyz, omega, arguments)
                 if self._slips:
                     maps[:, :3, j] += weight * _turns(end, after)
                 maps[:, 3:6, j] += weight * (gain - gained)
@@ -637,8 +637,8 @@ class TorquedSensitivity(Derivatives):
             for k in range(1, 5):
                 change = np.concatenate([np.zeros(6), k * size * column])
                 body, _ = changed(self._body, spin, change)
-                given = self._system.torques, self._system.scheme, self._system.origin
-                found.append(System(body, spin, *given))
+                arguments = self._system.torques, self._system.scheme, self._system.origin
+                found.append(System(body, spin, *arguments))
             systems.append(found)
         return systems
 

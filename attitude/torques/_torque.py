@@ -128,26 +128,26 @@ def positions(
     path: Path, instant: Instant, seconds: FloatArray, low: FloatArray, name: str
 ) -> FloatArray:
     """Positions (K, 3) in m along a path, ICRF axes, at instant + seconds + low."""
-    found = path.position(instant, seconds, low)
+    places = path.position(instant, seconds, low)
     try:
-        found = np.asarray(found, dtype=np.float64)
+        places = np.asarray(places, dtype=np.float64)
     except (TypeError, ValueError) as err:
         raise AttitudeError(
             f"{name} did not return an array of numbers ({err}); it must return positions "
             "(..., 3) in m over ICRF axes."
         ) from None
-    if found.shape != (len(seconds), 3):
+    if places.shape != (len(seconds), 3):
         raise AttitudeError(
-            f"{name} returned an array of shape {found.shape} for {len(seconds)} epochs; it must "
+            f"{name} returned an array of shape {places.shape} for {len(seconds)} epochs; it must "
             "return positions (..., 3) in m over ICRF axes for an array of seconds (...)."
         )
-    if not np.all(np.isfinite(found)):
-        bad = float(seconds[np.flatnonzero(~np.all(np.isfinite(found), axis=-1))[0]])
+    if not np.all(np.isfinite(places)):
+        bad = float(seconds[np.flatnonzero(~np.all(np.isfinite(places), axis=-1))[0]])
         raise AttitudeError(
             f"{name} is not finite {bad:.9g} s after the epoch of the spin; give a path that "
             "covers the span."
         )
-    return found
+    return places
 
 
 def span_of(path: Path, instant: Instant) -> tuple[float, float]:
@@ -238,17 +238,17 @@ class LinearDamping(Torque):
     kind = LINEAR
 
     def __init__(self, coefficient: Real | Reals) -> None:
-        given = validation.real(coefficient, "coefficient", unit="N m s")
-        if given.shape == ():
-            given = given * np.eye(3)
-        given = validation.real(given, "coefficient", shape=(3, 3))
-        least = np.linalg.eigvalsh(given + given.T).min()
-        if least < -1e-12 * np.max(np.abs(given)):
+        numbers = validation.real(coefficient, "coefficient", unit="N m s")
+        if numbers.shape == ():
+            numbers = numbers * np.eye(3)
+        numbers = validation.real(numbers, "coefficient", shape=(3, 3))
+        least = np.linalg.eigvalsh(numbers + numbers.T).min()
+        if least < -1e-12 * np.max(np.abs(numbers)):
             raise AttitudeError(
                 "coefficient would add energy: its symmetric part has a negative eigenvalue. "
                 "Give a matrix that is positive semidefinite."
             )
-        self._set("coefficient", frozen(given))
+        self._set("coefficient", frozen(numbers))
 
     def address(self) -> int:
         """Address of `_compiled.linear_damping`."""
@@ -302,10 +302,10 @@ class InternalDissipation(Torque):
         if isinstance(strength, Rheology):
             self._set("strength", strength)
             return
-        given = validation.number(strength, "strength")
-        if given < 0.0:
-            raise AttitudeError(f"strength is {given!r}; friction does not add energy: give >= 0.")
-        self._set("strength", given)
+        number = validation.number(strength, "strength")
+        if number < 0.0:
+            raise AttitudeError(f"strength is {number!r}; friction does not add energy: give >= 0.")
+        self._set("strength", number)
 
     def address(self) -> int:
         """Address of `_compiled.internal_dissipation`, or of `rheological_dissipation`."""
@@ -406,28 +406,28 @@ class InertiaHistory(Torque):
     def sample(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
         """Upper triangles (K, 6) of the change by rows."""
         one, two = np.triu_indices(3)
-        found: FloatArray = self.tensors(seconds + low)[:, one, two]
-        return found
+        products: FloatArray = self.tensors(seconds + low)[:, one, two]
+        return products
 
     def tensors(self, seconds: FloatArray) -> FloatArray:
         """The change (K, 3, 3) at seconds (K,), checked."""
-        found = np.asarray(self.change(np.asarray(seconds)))
-        if found.shape != (len(seconds), 3, 3) or found.dtype.kind not in "fiu":
+        rates = np.asarray(self.change(np.asarray(seconds)))
+        if rates.shape != (len(seconds), 3, 3) or rates.dtype.kind not in "fiu":
             raise AttitudeError(
-                f"change of an InertiaHistory returned {validation.shown(found)} for "
+                f"change of an InertiaHistory returned {validation.shown(rates)} for "
                 f"{len(seconds)} epochs; it must return numbers (K, 3, 3) for seconds (K,)."
             )
-        found = found.astype(np.float64)
-        size = np.max(np.abs(found), initial=0.0)
-        turned = np.swapaxes(found, 1, 2)
-        if not np.all(np.isfinite(found)) or np.max(np.abs(found - turned), initial=0.0) > (
+        rates = rates.astype(np.float64)
+        size = np.max(np.abs(rates), initial=0.0)
+        turned = np.swapaxes(rates, 1, 2)
+        if not np.all(np.isfinite(rates)) or np.max(np.abs(rates - turned), initial=0.0) > (
             1e-9 * size
         ):
             raise AttitudeError(
                 "change of an InertiaHistory returned a matrix that is not finite or not "
                 "symmetric; a tensor of inertia is."
             )
-        return found
+        return rates
 
 
 # ---- A torque by a function of the user, in plain Python or compiled by numba
@@ -518,12 +518,14 @@ class CustomTorque(Torque):
         """The address of a C function, which this object keeps alive."""
         if name not in self._callbacks:
             function = getattr(self, name)
-            made = callback_of(function) if is_compiled(function) else self._plain(function, name)
-            self._callbacks[name] = made
-        made = self._callbacks[name]
-        if isinstance(made, Callback):
-            return made.address
-        return ctypes.cast(made, ctypes.c_void_p).value
+            callback = (
+                callback_of(function) if is_compiled(function) else self._plain(function, name)
+            )
+            self._callbacks[name] = callback
+        callback = self._callbacks[name]
+        if isinstance(callback, Callback):
+            return callback.address
+        return ctypes.cast(callback, ctypes.c_void_p).value
 
     def _plain(self, function, name):
         """A C function that calls the Python one."""

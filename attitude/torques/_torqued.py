@@ -190,12 +190,14 @@ class FixedSteps:
             most = max(1, rows // (self.every * self.system.kicks))
             end = int(np.searchsorted(rank, rank[begin] + most))
             end = min(end, begin + max(1, rows // self.system.kicks))
-            here = order[begin:end]
+            in_segment = order[begin:end]
             with self._rows_at_once.measured():
                 # one call takes as many as it can, but for the last
                 few = min(rows - 1, (end - begin) * self.system.kicks)
                 self._rows_at_once.items = rows if end < len(order) else few
-                out[here] = self._revisited(segment[begin:end], number[here], parts[here])
+                out[in_segment] = self._revisited(
+                    segment[begin:end], number[in_segment], parts[in_segment]
+                )
             begin = end
         return out
 
@@ -239,12 +241,12 @@ class FixedSteps:
                 number // self.every - (self.count - 1),
                 _MOST + 1 - self.count,
             )
-            made = self._following(run)
+            following = self._following(run)
             if self.count + run > len(self.kept):
                 larger = np.empty((max(2 * len(self.kept), self.count + run), STATE_ENTRIES))
                 larger[: self.count] = self.kept[: self.count]
                 self.kept = larger
-            self.kept[self.count : self.count + run] = made
+            self.kept[self.count : self.count + run] = following
             self.count += run
 
     def _following(self, run: int) -> FloatArray:
@@ -371,12 +373,12 @@ class Front:
         # Beyond the end of a path the path itself refuses.
         self.clock[layout.LAST] = max(self.last, abs(until))
         most = self._pace.size
-        given = self._samples(min(most, self._wave))
+        samples = self._samples(min(most, self._wave))
         before, system = self.counts[layout.TAKEN], self.system
         with self._pace.measured():
             system.run(
                 *(adapt, self.clock[layout.LENGTH], *system.setup, self.clock, self.counts),
-                *(self.fine, self.coarse, system.order, most, given, kept, every),
+                *(self.fine, self.coarse, system.order, most, samples, kept, every),
             )
             self._pace.items = int(self.counts[layout.TRIED])
         self._check_progress(until)
@@ -529,33 +531,33 @@ class VaryingSteps:
             segments = max(1, min(size, _STATES) // self.every)
             end = int(np.searchsorted(segment, segment[begin] + segments))
             end = min(end, begin + size)
-            here = order[begin:end]
+            in_block = order[begin:end]
             with self._epochs_at_once.measured():
                 self._epochs_at_once.items = end - begin
                 rows = self._steps_of(segment[begin:end], total[begin:end])
                 times = np.ascontiguousarray(rows[:, layout.KEPT_TIME])
                 place = np.searchsorted(np.abs(times), total[begin:end], side="right") - 1
-                parts = (seconds[here] - times[place]) + low[here]
+                parts = (seconds[in_block] - times[place]) + low[in_block]
                 state = rows[:, layout.KEPT_STATE]
-                out[here] = between(self.system, state, times, place, parts)
+                out[in_block] = between(self.system, state, times, place, parts)
             begin = end
         return out
 
     def _steps_of(self, segment: IntArray, total: FloatArray) -> FloatArray:
         """Rows after each step of some segments, to the last epoch in each; both ascending."""
-        found = []
+        all_states = []
         last = np.flatnonzero(np.append(np.diff(segment) != 0, True))
         for k, until in zip(segment[last], total[last], strict=True):
-            found.append(self.kept[k][None])
+            all_states.append(self.kept[k][None])
             # From a kept state the same steps follow, however they are divided into calls.
             front, most = self._front.from_row(self.kept[k]), self.every
             end = min(until, abs(self.reached) if k + 1 == self.count else abs(self.kept[k + 1, 0]))
             while abs(front.time) < end and most > 0:
                 rows = np.empty((most, KEPT_ENTRIES))
                 filled = front.advance(self.sign * end, rows, 1)
-                found.append(rows[:filled])
+                all_states.append(rows[:filled])
                 most -= filled
-        rows = np.concatenate(found)
+        rows = np.concatenate(all_states)
         # The end of a segment is the start of the next.
         return rows[np.append(np.diff(np.abs(rows[:, 0])) > 0.0, True)]
 
@@ -795,7 +797,7 @@ class TorquedRotation(Differentiable):
         self._set("body", body)
         self._set("spin", spin)
         self._set("torques", _torques(torques))
-        if sum(each is not None for each in (step, tolerance, step_tolerance)) > 1:
+        if sum(one is not None for one in (step, tolerance, step_tolerance)) > 1:
             raise AttitudeError(
                 "a TorquedRotation takes one of step=(s), tolerance=(rad) and step_tolerance=(rad)."
             )
@@ -808,8 +810,8 @@ class TorquedRotation(Differentiable):
         self._set("origin", start)
         self._set("_system", System(self.body, self.spin, self.torques, self.scheme, start))
         self._set("step", None if step is None else self._checked_step(step))
-        for name, given in (("tolerance", tolerance), ("step_tolerance", step_tolerance)):
-            self._set(name, None if given is None else _checked_tolerance(given, name))
+        for name, bound in (("tolerance", tolerance), ("step_tolerance", step_tolerance)):
+            self._set(name, None if bound is None else _checked_tolerance(bound, name))
         self._set("_span_given", span)
         self._set("_horizons", self._planned(span))
         self._forget()
@@ -850,15 +852,15 @@ class TorquedRotation(Differentiable):
         return BoundedSteps(self._system, sign, self.tolerance, self._horizons[side])
 
     def __reduce__(self):
-        given = {"tolerance": self.tolerance, "step_tolerance": self.step_tolerance}
-        how = {"step": self.step, "scheme": self.scheme, "span": self._span_given, **given}
+        limits = {"tolerance": self.tolerance, "step_tolerance": self.step_tolerance}
+        how = {"step": self.step, "scheme": self.scheme, "span": self._span_given, **limits}
         how["origin"] = self.origin
         return partial(TorquedRotation, **how), (self.body, self.spin, self.torques)
 
     @cached_property
     def _sensitivity(self) -> TorquedSensitivity:
-        given = self._system, self.body, self.spin
-        return TorquedSensitivity(*given, self._mesh, self._states)
+        arguments = self._system, self.body, self.spin
+        return TorquedSensitivity(*arguments, self._mesh, self._states)
 
     def sensitivity_with_torques(
         self, others: Iterable[tuple[float, Iterable[Iterable[Torque]]]]
@@ -877,11 +879,11 @@ class TorquedRotation(Differentiable):
             Whose ``at(seconds, low, rates)`` has a column for each parameter after the nine.
         """
         parameters = [
-            (size, [self._system.under(tuple(each)) for each in torques])
+            (size, [self._system.under(tuple(group)) for group in torques])
             for size, torques in others
         ]
-        given = self._system, self.body, self.spin
-        return TorquedSensitivity(*given, self._mesh, self._states, parameters)
+        arguments = self._system, self.body, self.spin
+        return TorquedSensitivity(*arguments, self._mesh, self._states, parameters)
 
     def _mesh(self, side: int, until: float) -> StepMesh:
         """The steps after the epoch (0) or before it (1) that reach `until`, s."""
@@ -889,8 +891,8 @@ class TorquedRotation(Differentiable):
             return self._grids[side].mesh(until)
 
     def _with(self, body: Body, spin: Spin) -> Self:
-        made, (_, _, torques) = self.__reduce__()
-        other: Self = made(body, spin, torques)
+        rebuild, (_, _, torques) = self.__reduce__()
+        other: Self = rebuild(body, spin, torques)
         return other
 
     def __repr__(self) -> str:
@@ -960,24 +962,24 @@ class TorquedRotation(Differentiable):
             seconds = pairs.Seconds.of(history).rounded.reshape(-1)
             change = self._system.inertia.tensors(seconds)
             tensors = tensors + change.reshape(*np.shape(history.seconds), 3, 3)
-        found: FloatArray = np.sum(tensors * history.angular_velocity[..., None, :], axis=-1)
-        return found
+        momentum: FloatArray = np.sum(tensors * history.angular_velocity[..., None, :], axis=-1)
+        return momentum
 
     def _evaluate(
         self, seconds: FloatArray, low: FloatArray | None, order: int
     ) -> list[FloatArray]:
         # Attitudes and angular velocities are integrated together, in blocks of epochs: Ctrl-C is
         # heard between them, and the memory beside the result is bounded.
-        flat, rest = pairs.Seconds(seconds, low).flat
-        found = [np.empty((flat.size, width)) for width in (4, 3, 3)[: max(order, 1) + 1]]
+        flat, low_parts = pairs.Seconds(seconds, low).flat
+        arrays = [np.empty((flat.size, width)) for width in (4, 3, 3)[: max(order, 1) + 1]]
         for begin in range(0, flat.size, _EPOCHS_AT_ONCE):
-            here = slice(begin, begin + _EPOCHS_AT_ONCE)
-            states = self._states(flat[here], rest[here])
-            found[0][here] = states[:, :4]
-            found[1][here] = self._system.turning(flat[here], rest[here], states[:, 4:])
+            block = slice(begin, begin + _EPOCHS_AT_ONCE)
+            states = self._states(flat[block], low_parts[block])
+            arrays[0][block] = states[:, :4]
+            arrays[1][block] = self._system.turning(flat[block], low_parts[block], states[:, 4:])
             if order > 1:
-                found[2][here] = self._system.acceleration(flat[here], rest[here], states)
-        return [part.reshape(*seconds.shape, part.shape[-1]) for part in found]
+                arrays[2][block] = self._system.acceleration(flat[block], low_parts[block], states)
+        return [array.reshape(*seconds.shape, array.shape[-1]) for array in arrays]
 
     def _states(self, seconds: FloatArray, low: FloatArray) -> FloatArray:
         """(N, 7): wxyz body to ICRF, angular velocity over body axes, at seconds + low (N,)."""
@@ -989,9 +991,9 @@ class TorquedRotation(Differentiable):
                 "an epoch is infinite; give finite epochs, or NaN for a missing one."
             )
         with self._lock:
-            for grid, here in zip(self._grids, (total >= 0.0, total < 0.0), strict=True):
-                if np.any(here):
-                    out[here] = grid.states(seconds[here], low[here])
+            for grid, on_side in zip(self._grids, (total >= 0.0, total < 0.0), strict=True):
+                if np.any(on_side):
+                    out[on_side] = grid.states(seconds[on_side], low[on_side])
         return self._system.over_body_axes(out)
 
 
@@ -1029,7 +1031,7 @@ def _torques(given: Any) -> tuple[Torque, ...]:
             f"torques is {validation.shown(given)}; give an object of attitude.torques, a function "
             "of (t, wxyz, omega), or a list of them."
         )
-    found = []
+    torques_of = []
     for k, torque in enumerate(given):
         if not isinstance(torque, Torque):
             validation.refuse_class(torque, f"torques[{k}]")
@@ -1041,7 +1043,7 @@ def _torques(given: Any) -> tuple[Torque, ...]:
             from attitude.torques._torque import CustomTorque
 
             torque = CustomTorque(torque)
-        found.append(torque)
-    if not found:
+        torques_of.append(torque)
+    if not torques_of:
         raise AttitudeError("torques is empty; give a torque, or use FreeRotation.")
-    return tuple(found)
+    return tuple(torques_of)

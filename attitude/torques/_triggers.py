@@ -233,7 +233,7 @@ def first_crossing(event: Trigger, motion: Motion, start: float, end: float, nam
             changes = np.flatnonzero((values[:-1] < 0.0) != (values[1:] < 0.0))
             if changes.size:
                 k = changes[0]
-                pairs = (each[m : m + 1] for each in (knots, values) for m in (k, k + 1))
+                pairs = (array[m : m + 1] for array in (knots, values) for m in (k, k + 1))
                 return float(left + refined(evaluate, *pairs)[0])
             left += float(knots[-1])
             continue
