@@ -12,7 +12,7 @@ _STATES = (
     ((2.0, 2.00000002, 2.00000003), (0.06, 3.0, 0.09)),
     ((1.0, 2.0, 2.6), (1e-8, -1.0, -2e-8)),
     ((10.0, 20.0, 26.0), (1.0, 15.0, 1.0)),
-    ((3.0, 1.0, 2.5), (-0.3, 2.0, 0.4)),
+    ((4.5, 1.5, 3.75), (-0.3, 2.0, 0.4)),
     ((1.0, 2.0, 2.7), (0.0, 0.0, 1.0)),
     ((1.0, 2.0, 2.7), (0.7, 0.0, 0.0)),
     ((2.0, 2.0, 2.0), (0.3, 0.5, 1.0)),
@@ -124,24 +124,36 @@ def check_covariances(truths):
             assert np.array_equal(found, np.swapaxes(found, 1, 2))
 
 
-def check_streams(truths):
-    """Derivatives of many epochs, stored past the caches, are those of few."""
-    from attitude import propagate
+def check_streams(_truths):
+    """Derivatives and covariances of many epochs, stored past the caches, are those of few."""
+    from attitude import Body, FreeRotation, Spin, propagate
     from attitude._solver import columns
 
     limit = columns.STREAMED
     moments, omega = _STATES[2]
-    times = np.arange(1, 1012) * 0.37
-    columns.STREAMED = 1
-    try:
-        many = propagate(moments, _WXYZ, omega, times, angular_velocity=True, sensitivity=True)
-    finally:
-        columns.STREAMED = limit
-    for first in (0, 236, 482, 1000):
-        some = slice(first, first + 11)
-        few = propagate(moments, _WXYZ, omega, times[some], angular_velocity=True, sensitivity=True)
-        for one, other in zip(few, many, strict=True):
-            assert np.array_equal(one, other[some]), first
+    factor = _factor()
+    spin = Spin("2026-01-01", _WXYZ, omega, covariance=factor @ factor.T)
+    motion = FreeRotation(Body(moments=moments, relative=True), spin)
+
+    def results(times):
+        every = propagate(moments, _WXYZ, omega, times, angular_velocity=True, sensitivity=True)
+        if count == 1011:
+            return every
+        return (*every, motion.covariance_at(times), motion.covariance_at(times, rates=True))
+
+    # rows of 1008 epochs begin at lines of the caches, those of 1011 do not; the first epochs are
+    # near the state or not
+    for count, begin in ((1008, 5e3), (1011, 0.0), (1011, 5e3)):
+        times = begin + 0.0037 * np.arange(count)
+        columns.STREAMED = 1
+        try:
+            many = results(times)
+        finally:
+            columns.STREAMED = limit
+        for first in (0, 236, 482, 992):
+            some = slice(first, first + 16)
+            for one, other in zip(results(times[some]), many, strict=True):
+                assert np.array_equal(one, other[some]), first
 
 
 def check_many_derivatives(truths):
@@ -157,10 +169,11 @@ def check_many_derivatives(truths):
     principal /= np.linalg.norm(principal, axis=1, keepdims=True)
     given = evaluation.constants_of(pairs[0], wxyz, pairs[1], principal)
     tangents = sensitivities.tangents_of(pairs[0], wxyz, principal, given)
-    for k in (0, 2, 3):  # set up alone
-        one = slice(k, k + 1)
-        alone = sensitivities.tangents_of(pairs[0][one], wxyz[one], principal[one], given[one])
-        assert alone[0].tobytes() == tangents[k].tobytes()
+    for first, end in ((0, 1), (2, 3), (3, 4), (0, 2), (2, 4)):  # set up alone, and in twos
+        some = slice(first, end)
+        alone = sensitivities.tangents_of(pairs[0][some], wxyz[some], principal[some], given[some])
+        assert alone.tobytes() == tangents[some].tobytes()
+    _check_rods(pairs[0], wxyz, principal, given)
     factors = np.stack([_factor() * (k + 1.0) for k in range(count)])
     of = sensitivities.factored(given, tangents, factors)
     t = np.array([0.1, 1.7, -40.0])[:, None] * (1.0 + np.arange(count) % 3)
@@ -171,8 +184,11 @@ def check_many_derivatives(truths):
         found = [np.full((len(given[part]), 3, 9, 3), np.nan) for _ in range(2)]
         sensitivities.evaluate(given[part], tangents[part], times, lows, *found)
         factors_of = sensitivities.Factored(of.factors[part], of.tangents[part])
-        found.append(np.full((len(given[part]), 6, 6, 3), np.nan))
-        sensitivities.covariances(given[part], tangents[part], factors_of, times, lows, found[2])
+        for size in (6, 3):
+            found.append(np.full((len(given[part]), size, size, 3), np.nan))
+            sensitivities.covariances(
+                given[part], tangents[part], factors_of, times, lows, found[-1]
+            )
         return found
 
     together = results(slice(0, count), t, low)
@@ -181,6 +197,21 @@ def check_many_derivatives(truths):
         for one, many in zip(alone, together, strict=True):
             assert np.array_equal(one[0], many[k]), chosen[k]
     _check_runs(given, tangents, together, t)
+
+
+def _check_rods(moments, wxyz, principal, given):
+    """A moment of zero is refused, and that of the first body which has one is named."""
+    from attitude import AttitudeError
+    from attitude._solver import sensitivities
+
+    moments = moments.copy()
+    moments[1, 1], moments[3] = 0.0, 0.0
+    try:
+        sensitivities.tangents_of(moments, wxyz, principal, given)
+    except AttitudeError as err:
+        assert f"moments are {moments[1, :, 0].tolist()}" in str(err), err
+    else:
+        raise AssertionError("a moment of zero")
 
 
 def _check_runs(given, tangents, together, t):
