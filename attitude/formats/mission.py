@@ -240,7 +240,7 @@ def parse(text: str, origin: str = "text", *, folder: str = ".") -> Mission:
         if not content.keys() & {"center", "observer"}:
             raise AttitudeError(
                 "the file has no center, which a body seen from the Earth needs; give one, as in "
-                'center = "mars" or center = { oem = "orbit.oem" }, or an observer.'
+                'center = "moon" or center = { oem = "orbit.oem" }, or an observer.'
             )
         scene = Scene(
             _motion(content, state, folder),

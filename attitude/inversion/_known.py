@@ -547,10 +547,12 @@ def _verdict(found: Sequence[Refinement]) -> tuple[str, str]:
         (e.evidence - best.evidence for e in found[1:] if not _has_rates(e, best)),
         default=math.inf,
     )
+    others = (
+        f"the next rates are {gap:.1f} behind in -2 ln(evidence) ({settings.competing:g} needed)"
+    )
     words = (
         f"chi2/N is {floor:.2f} with errors of sigma and {settings.floor_error:g} mag (floor "
-        f"{_FLOOR:g}); the next rates are {gap:.1f} behind in -2 ln(evidence) "
-        f"({settings.competing:g} needed)."
+        f"{_FLOOR:g}); {others if math.isfinite(gap) else 'no other rates come near'}."
     )
     if floor < _FLOOR and gap > settings.competing:
         return _verdicts.SOLVED, words

@@ -343,6 +343,26 @@ class CurveFit(Answering, ABC):
         """Mean square of the residuals over the given errors alone."""
         return float(np.mean((self.residuals / self._problem.sigma) ** 2))
 
+    @property
+    @abstractmethod
+    def mode(self) -> str:
+        """ "LAM", "SAM", or "PA" for rotation about one axis."""
+
+    @property
+    @abstractmethod
+    def P_psi(self) -> float:
+        """s; infinite for rotation about one axis."""
+
+    @property
+    @abstractmethod
+    def P_phi(self) -> float:
+        """s, of the long axis about the momentum."""
+
+    @property
+    @abstractmethod
+    def pole(self) -> FloatArray:
+        """Longitude and latitude of the momentum, J2000 ecliptic, rad."""
+
     def __repr__(self) -> str:
         longitude, latitude = np.degrees(self.pole)
         psi, phi = quantity_text.of_time(self.P_psi), quantity_text.of_time(self.P_phi)
