@@ -342,24 +342,26 @@ def test_a_resonance_captures_as_full_motions_are_held():
     light, states = before_a_resonance((1, 1), 2.0)
     place = float(states.y)
     lost = damping_shares(axes, place)
-    damping = LinearDamping(8e-4 * axes.matrix @ np.diag([1.0, 0.0, lost]) @ axes.matrix.T)
+    damping = LinearDamping(3e-4 * axes.matrix @ np.diag([1.0, 0.0, lost]) @ axes.matrix.T)
     torques = [light, damping]
     given = spinning((0.009, 0.0, 0.001), (1, 0, 0, 0))
     packing = AveragedMotion(body, given, torques, degree=16).packing
     state = np.append(states.momentum, place)
-    state = state - 13.0 * DAY * packing.rates_of(0.0, state, 2)[0]
+    state = state - 9.0 * DAY * packing.rates_of(0.0, state, 2)[0]
     start = AveragedHistory(packing, np.array(0.0), state, np.array(2))
     spin = start.free_rotation(phases=(0.1, 0.2)).spin
     motion = AveragedMotion(body, spin, torques, degree=16)
-    motion.at(26.0 * DAY)
+    motion.at(40.0 * DAY)
     (event,) = [event for event in motion.events if event.ratio == (1, 1)]
-    assert 0.15 < event.capture < 0.3
+    assert 0.03 < event.capture < 0.2
     assert f"odds {event.capture:.2g}" in str(event)
     rng, held = np.random.default_rng(5), 0
     for _ in range(count):
         free = start.free_rotation(phases=tuple(rng.random(2)))
         step = 0.1 / np.linalg.norm(free.spin.angular_velocity)
-        end = TorquedRotation(body, free.spin, torques, step=step).at(event.seconds + event.lasts)
+        # at a time that does not look like a Julian date
+        later = event.seconds + 0.8 * event.lasts
+        end = TorquedRotation(body, free.spin, torques, step=step).at(later)
         held += abs(axes.state(end.angular_velocity)[1] - place) < event.width
     sigma = math.sqrt(count * event.capture * (1.0 - event.capture))
     assert held == pytest.approx(count * event.capture, abs=3.0 * sigma)
