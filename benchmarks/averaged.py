@@ -17,7 +17,7 @@ from scipy.integrate import solve_ivp
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from attitude import AttitudeError, Body, Spin, quaternion
+from attitude import AttitudeError, Body, Ensemble, Spin, quaternion
 from attitude.averaged import AveragedHistory, AveragedMotion, _resonances, _tables
 from attitude.averaged import _mean_state as mean_state
 from attitude.averaged import _rates as rates
@@ -703,8 +703,23 @@ def costs():
         motion.at(30.0 * YEAR)
         spans.append(time.process_time() - begin)
     yield "30 years of a satellite like GOES 8, median of 6 draws", float(np.median(spans))
+    yield "the same for 1000 members, after their first year", members(body, light)
     yield "1 million years of sunlight and friction, 150 m, median of 12", *million_years()
     yield "table of a mesh of 316 facets, degree 32, not on disk", table_cost()
+
+
+def members(body, light, count=1000):
+    """Seconds of processor for 30 years of members with random tilts and poles, one thread."""
+    axes, rng = Axes(body), np.random.default_rng(4)
+    tilts = 2.0 * np.log(np.tan(np.radians(rng.uniform(1.0, 6.0, count))))
+    units = np.array([axes.nodes(float(y), 0, 8)[rng.integers(8)] for y in tilts])
+    rates_ = axes.moments[2] * 2.0 * math.pi / 60.0 * units / axes.moments
+    ensemble = Ensemble(body, rng.normal(size=(count, 4)), rates_, EPOCH)
+    means = ensemble.averaged(light, passages=1, orbit="followed", on_error="nan")
+    means.at(YEAR)
+    begin = time.process_time()
+    means.at(30.0 * YEAR)
+    return time.process_time() - begin
 
 
 def million_years(count=12):

@@ -135,7 +135,7 @@ def main() -> None:
 
 def draw(diameters: Array, periods: Array, state: NDArray[np.int64]) -> None:
     figure, (panel,) = plots.stacked((9, 7), 1)
-    spread = np.random.default_rng(0).uniform(0.85, 1.18, len(diameters))
+    spread = np.random.default_rng(len(DIAMETERS)).uniform(0.85, 1.18, len(diameters))
     for k, (name, color) in enumerate(STATES):
         chosen = state == k
         panel.plot(
@@ -146,7 +146,7 @@ def draw(diameters: Array, periods: Array, state: NDArray[np.int64]) -> None:
         # the time grows as the cube of the period
         lines = [(years * YEAR / damping_time(float(d), 1.0)) ** (1.0 / 3.0) for d in ends]
         panel.plot(ends, lines, "k-", lw=0.8)
-        panel.annotate(f"{years / 1e6:g} Myr", (ends[0], lines[0]), fontsize=8, va="bottom")
+        panel.annotate(f"{years / 1e6:g} Myr", (ends[0], lines[0]), fontsize=9, va="bottom")
     harris = 17.0 * ends ** (2.0 / 3.0) * 0.1 ** (1.0 / 3.0)
     panel.plot(ends, harris, "k:", lw=1, label="100 Myr by the rule of Harris (1994)")
     panel.axhline(BARRIER, color="0.4", ls="--", lw=1, label="spin barrier of rubble, 2.2 h")

@@ -74,8 +74,8 @@ class AveragedEvent:
         Of a resonance: s in which the mean motion crosses it.
     capture : float
         Of a resonance: the odds that it captures the motion, of the adiabatic theory: for a loop
-        that takes many of its oscillations to change.  0 for a strength below 1, NaN for a
-        resonance with the turn of a path.
+        that takes many of its oscillations to change, an estimate otherwise.  0 for a strength
+        below 1, NaN for a resonance with the turn of a path.
     """
 
     kind: str

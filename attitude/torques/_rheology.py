@@ -411,6 +411,18 @@ class Rheology(Immutable):
         First axis: from the short, from the long axis.  The others: `_rates`, `_shares`.
         """
         moments = self.moments(body)
+        key = moments.tobytes()
+        if key not in self._tables:
+            self._tables[key] = frozen(self._strengths(moments))
+        return self._tables[key]
+
+    @cached_property
+    def _tables(self) -> dict[bytes, FloatArray]:
+        """`strengths` by the moments of bodies: members of an ensemble share them."""
+        return {}
+
+    def _strengths(self, moments: FloatArray) -> FloatArray:
+        """`strengths` for ascending moments, kg m2."""
         if moments[2] - moments[0] <= 1e-14 * moments[2]:
             return np.full((2, len(_rates()), len(_shares())), -np.inf)
         share, margin = 1.0 / (1.0 + np.exp(-_shares())), 1.0 / (1.0 + np.exp(_shares()))
