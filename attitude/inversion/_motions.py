@@ -62,10 +62,8 @@ def coefficients(states: FloatArray) -> FloatArray:
     slope[:, 2:] = np.cumprod(np.cumprod(np.repeat(x, 7, axis=1), axis=1)[:, 1:], axis=1)
     series = np.empty((len(states), 4, 4, 2))
     for k, factors in enumerate((power, slope * _TRIANGLE)):
-        up, down = (
-            c * factors[:, ::2],
-            c * np.concatenate([factors[:, :1], factors[:, 1:-1:2]], axis=1),
-        )
+        up = c * factors[:, ::2]
+        down = c * np.concatenate([factors[:, :1], factors[:, 1:-1:2]], axis=1)
         series[:, 0, :, k], series[:, 1, :, k] = up + down, up - down
         up, down = -d * factors[:, 1::2], d * factors[:, ::2]
         series[:, 2, :, k], series[:, 3, :, k] = down + up, up - down
@@ -135,37 +133,17 @@ def attitudes(elements, k, t, r, g):
     `LANES` divides N.
     """
     n = t.size
-    for number in range(elements.shape[0]):
-        precession, nutation, phase = elements[number, 0], elements[number, 1], elements[number, 2]
-        a1, a2, a3 = k[number, 0, 1, 0], k[number, 0, 2, 0], k[number, 0, 3, 0]
-        d1, d2, d3 = k[number, 1, 1, 0], k[number, 1, 2, 0], k[number, 1, 3, 0]
-        b0, b1, b2, b3 = (
-            k[number, 2, 0, 0],
-            k[number, 2, 1, 0],
-            k[number, 2, 2, 0],
-            k[number, 2, 3, 0],
-        )
-        e0, e1, e2, e3 = (
-            k[number, 3, 0, 0],
-            k[number, 3, 1, 0],
-            k[number, 3, 2, 0],
-            k[number, 3, 3, 0],
-        )
-        x1, x2, x3 = k[number, 0, 1, 1], k[number, 0, 2, 1], k[number, 0, 3, 1]
-        y1, y2, y3 = k[number, 1, 1, 1], k[number, 1, 2, 1], k[number, 1, 3, 1]
-        u0, u1, u2, u3 = (
-            k[number, 2, 0, 1],
-            k[number, 2, 1, 1],
-            k[number, 2, 2, 1],
-            k[number, 2, 3, 1],
-        )
-        v0, v1, v2, v3 = (
-            k[number, 3, 0, 1],
-            k[number, 3, 1, 1],
-            k[number, 3, 2, 1],
-            k[number, 3, 3, 1],
-        )
-        first = number * 9 * n
+    for row in range(elements.shape[0]):
+        precession, nutation, phase = elements[row, 0], elements[row, 1], elements[row, 2]
+        a1, a2, a3 = k[row, 0, 1, 0], k[row, 0, 2, 0], k[row, 0, 3, 0]
+        d1, d2, d3 = k[row, 1, 1, 0], k[row, 1, 2, 0], k[row, 1, 3, 0]
+        b0, b1, b2, b3 = k[row, 2, 0, 0], k[row, 2, 1, 0], k[row, 2, 2, 0], k[row, 2, 3, 0]
+        e0, e1, e2, e3 = k[row, 3, 0, 0], k[row, 3, 1, 0], k[row, 3, 2, 0], k[row, 3, 3, 0]
+        x1, x2, x3 = k[row, 0, 1, 1], k[row, 0, 2, 1], k[row, 0, 3, 1]
+        y1, y2, y3 = k[row, 1, 1, 1], k[row, 1, 2, 1], k[row, 1, 3, 1]
+        u0, u1, u2, u3 = k[row, 2, 0, 1], k[row, 2, 1, 1], k[row, 2, 2, 1], k[row, 2, 3, 1]
+        v0, v1, v2, v3 = k[row, 3, 0, 1], k[row, 3, 1, 1], k[row, 3, 2, 1], k[row, 3, 3, 1]
+        first = row * 9 * n
         for i in range(0, n, 8):
             at = eight(t, i)
             c1, s1 = cosine_and_sine(nutation * at + phase)
