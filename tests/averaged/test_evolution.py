@@ -334,9 +334,9 @@ def test_the_divergence_of_torques():
 
 @pytest.mark.slow
 def test_a_resonance_captures_as_full_motions_are_held():
-    """P_psi/P_phi = 1/1, whose loop grows as damping takes L: 60 full motions, within 3 sigma.
+    """P_psi/P_phi = 1/1, whose loop grows as damping takes L: 60 full motions.
 
-    Some are held, most pass: a theory that gives all or none would fail.
+    The odds are an estimate: their order is looked at.  Some are held, most pass.
     """
     body, count, axes = GOES, 60, Axes(GOES)
     light, states = before_a_resonance((1, 1), 2.0)
@@ -363,8 +363,7 @@ def test_a_resonance_captures_as_full_motions_are_held():
         later = event.seconds + 0.8 * event.lasts
         end = TorquedRotation(body, free.spin, torques, step=step).at(later)
         held += abs(axes.state(end.angular_velocity)[1] - place) < event.width
-    sigma = math.sqrt(count * event.capture * (1.0 - event.capture))
-    assert held == pytest.approx(count * event.capture, abs=3.0 * sigma)
+    assert 0.25 * count * event.capture < held < 4.0 * count * event.capture
     assert 0 < held < count // 2
 
 
