@@ -124,6 +124,15 @@ def check_covariances(truths):
             assert np.array_equal(found, np.swapaxes(found, 1, 2))
 
 
+def _stream_from(size):
+    """Store arrays of so many numbers past the caches; functions in Python keep their globals."""
+    from attitude._solver import columns
+
+    columns.STREAMED = size
+    for function in (columns.epochs_again, columns.has_whole_lines):
+        function._python = None
+
+
 def check_streams(_truths):
     """Derivatives and covariances of many epochs, stored past the caches, are those of few."""
     from attitude import Body, FreeRotation, Spin, propagate
@@ -145,11 +154,11 @@ def check_streams(_truths):
     # near the state or not
     for count, begin in ((1008, 5e3), (1011, 0.0), (1011, 5e3)):
         times = begin + 0.0037 * np.arange(count)
-        columns.STREAMED = 1
+        _stream_from(1)
         try:
             many = results(times)
         finally:
-            columns.STREAMED = limit
+            _stream_from(limit)
         for first in (0, 236, 482, 992):
             some = slice(first, first + 16)
             for one, other in zip(results(times[some]), many, strict=True):
