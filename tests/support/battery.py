@@ -1238,6 +1238,6 @@ CHECKS = {
 }
 # Those that see changes of derivatives only, the slow ones last.
 OF_DERIVATIVES = (
-    *("products", "thin_needles", "derivatives", "covariances"),
+    *("products", "growth", "thin_needles", "derivatives", "covariances"),
     *("many_derivatives", "streams"),
 )

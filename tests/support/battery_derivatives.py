@@ -85,6 +85,30 @@ def check_thin_needles(_truths):
     assert np.all(relative(*found) <= 4e-16)
 
 
+def check_growth(_truths):
+    """Derivatives about the middle axis grow by e^280 within reach, and are refused beyond."""
+    from attitude import AttitudeError
+    from attitude._solver import evaluation, sensitivities
+
+    moments, rates = np.zeros((1, 3, 2)), np.zeros((1, 3, 2))
+    moments[0, :, 0], rates[0, :, 0] = (1.0, 2.0, 2.7), (0.0, 1.0, 0.0)
+    wxyz, axes = np.array([_WXYZ]), np.array([[1.0, 0.0, 0.0, 0.0]])
+    constants = evaluation.constants_of(moments, wxyz, rates, axes)
+    tangents = sensitivities.tangents_of(moments, wxyz, axes, constants)
+    rate = math.sqrt((2.0 - 1.0) * (2.7 - 2.0) / (1.0 * 2.7))
+    reach = sensitivities.reaches(tangents)
+    assert abs(reach[0] * rate / 280.0 - 1.0) <= 1e-14
+    found = np.full((1, 3, 9, 1), np.nan)
+    sensitivities.evaluate(constants, tangents, 0.999 * reach[:, None], None, found)
+    assert np.isfinite(found).all()
+    try:
+        sensitivities.evaluate(constants, tangents, 1.001 * reach[:, None], None, found)
+    except AttitudeError as err:
+        assert f"within {reach[0]:.3g} s" in str(err), err
+    else:
+        raise AssertionError("an epoch beyond reach")
+
+
 def check_products(_truths):
     """A coefficient of a product of series: of machine code, and of Python."""
     from attitude._solver import short_times
