@@ -9,7 +9,7 @@ from tests.support.differences import PROMISE, relative, sensitivity
 _WXYZ = (1.0, 0.3, 0.2, -0.1)
 # Moments and rates of one motion of each kind; of those that tumble, the quick ones first.
 _STATES = (
-    ((2.0, 2.00000002, 2.00000003), (0.06, 3.0, 0.09)),
+    ((2.0, 2.00000002, 2.00000003), (0.18, 9.0, 0.27)),
     ((1.0, 2.0, 2.6), (1e-8, -1.0, -2e-8)),
     ((10.0, 20.0, 26.0), (1.0, 15.0, 1.0)),
     ((4.5, 1.5, 3.75), (-0.3, 2.0, 0.4)),
