@@ -230,6 +230,31 @@ def check_many_derivatives(truths):
         for one, many in zip(alone, together, strict=True):
             assert np.array_equal(one[0], many[k]), chosen[k]
     _check_runs(given, tangents, together, t)
+    _check_far(given, tangents, of)
+
+
+def _check_far(given, tangents, of):
+    """Covariances of attitudes far from the epoch fill all of out, eight at a time and the rest."""
+    from attitude._solver import columns, sensitivities
+
+    t = np.ascontiguousarray(np.tile(1e3 + 0.7 * np.arange(24), (len(given), 1)))
+    found = []
+    for first, size in ((0, columns.STREAMED), (0, 1), (24 - 9, columns.STREAMED)):
+        limit = columns.STREAMED
+        _stream_from(size)
+        try:
+            shape = len(given), 3, 3, 24 - first
+            memory = np.full(math.prod(shape) + 8, np.nan)
+            line = -(memory.ctypes.data // 8) % 8  # where a line of the caches begins
+            out = memory[line : line + math.prod(shape)].reshape(shape)
+            sensitivities.covariances(given, tangents, of, t[:, first:], None, out)
+        finally:
+            _stream_from(limit)
+        found.append(out)
+    assert np.isfinite(found[0]).all()
+    assert np.array_equal(found[0], np.swapaxes(found[0], 1, 2))
+    assert np.array_equal(found[0], found[1])
+    assert np.array_equal(found[0][..., 15:], found[2])
 
 
 def _check_rods(moments, wxyz, principal, given):
