@@ -58,7 +58,7 @@ MODULES = {
     "regimes": "attitude._solver.regimes",
     "regime": "attitude._solver.regime",
 }
-# Derivatives of attitudes.  Their checks take ten seconds where they pass: of all changes of these
+# Derivatives of attitudes.  Their checks take twenty seconds where they pass: of all changes of these
 # modules together SAMPLE are run, drawn by `random.Random(SEED)`.
 SAMPLED = {
     name: f"attitude._solver.{name}"

@@ -1,6 +1,6 @@
 """Checks of the solution, pairs, quaternions and elliptic functions that need no compilation.
 
-They run in two seconds, those of derivatives (`battery_derivatives`) in ten:
+They run in two seconds, those of derivatives (`battery_derivatives`) in twenty:
 `benchmarks/mutation.py` runs them for each of its changes of the source, and
 `tests/solver/test_battery.py` with the other tests.  A check is a function of `Truths`, which are
 computed before by balls (`attitude.proof`) and mpmath, and are plain numbers.
