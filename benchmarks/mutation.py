@@ -58,8 +58,8 @@ MODULES = {
     "regimes": "attitude._solver.regimes",
     "regime": "attitude._solver.regime",
 }
-# Derivatives of attitudes.  Their checks take twenty seconds where they pass: of all changes of these
-# modules together SAMPLE are run, drawn by `random.Random(SEED)`.
+# Derivatives of attitudes.  Their checks take twenty seconds where they pass: of all changes of
+# these modules together SAMPLE are run, drawn by `random.Random(SEED)`.
 SAMPLED = {
     name: f"attitude._solver.{name}"
     for name in (
@@ -69,7 +69,7 @@ SAMPLED = {
 }
 SAMPLE, SEED = 400, 38
 # Seconds of processor after which a change counts as killed: a loop without end.  The checks of
-# derivatives take a fourth of theirs where they pass.
+# derivatives take a third of theirs where they pass.
 PATIENCE, PATIENCE_OF_DERIVATIVES = 15, 60
 
 _OPERATORS = {

@@ -81,7 +81,7 @@ def test_a_gate_never_changes_a_value():
         ([1, -math.inf], {}, "x holds -inf"),
         ([1, 2], {"shape": (3,)}, r"x has shape \(2,\); give \(3\)"),
         ([1, 2], {"shape": ()}, r"x has shape \(2,\); give a single number"),
-        (1.0, {"shape": (..., 3)}, r"x has shape \(\); give \(..., 3\)"),
+        (1.0, {"shape": (..., 3)}, r"x is one number; give \(..., 3\)"),
         (np.ma.masked_array([1.0, 2.0], mask=[0, 1]), {}, "x has masked entries"),
     ],
 )
