@@ -107,7 +107,7 @@ def test_positions_and_vectors_of_skyfield():
         (lambda: Body(10.5), r"takes its moments together: Body\(moments="),
         (lambda: Body(inertia=(1, 2, 3)), "Body has no argument inertia; give moments or tensor"),
         (lambda: Body(Ixx=1, Iyy=2), r"no argument Ixx; give moments, as in Body\(moments="),
-        (lambda: Body((1, 2, 3), None, 1, True, (0, 0, 0), 7), "too many positional arguments; it takes"),
+        (lambda: Body((1, 2, 3), None, 1, True, (0, 0, 0), 7), "too many positional arguments"),
         (lambda: spin(xyzw=(0, 0, 0, 1)), r"no argument xyzw; give wxyz=\(w, x, y, z\), the scala"),
         (lambda: spin(omega=(0, 0, 1)), "no argument omega; give angular_velocity="),
         (lambda: spin(pole=(0, 0)), "no argument pole; use Spin.from_periods"),
