@@ -9,6 +9,7 @@ among the linear terms.
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -25,6 +26,9 @@ if TYPE_CHECKING:
 # Lines of the rotation and of the orbit in the scan, and in the fits of its best pairs: rotation is
 # smooth, dips are narrow, and two of unlike depth an orbit leave half the period behind.
 _SCANNED, ORDERS = (4, 6), (6, 16)
+# Lines of the orbit beside a body: narrow dips have them, and fits of pairs with so many take twice
+# the period for it.
+DIPS = 24
 # Frequencies of the orbit per 1/span: its sixth harmonic is resolved.
 _FINE = 12
 # Strong lines whose orbits are scanned, orbits of each, pairs that are fitted in two steps and in
@@ -43,8 +47,11 @@ _LEAST_SKEWNESS, _LEAST_ORBITS, _DEEPEST = 0.6, 4.0, 1.2
 _PHASES = 360
 # Depth of the second dip, over the range, from which it is one; an orbit is not always a circle.
 _SECOND, _OFF_HALF = 0.15, 0.06
-# Standard deviation, mag, of the amplitudes of a series beside a body before the curve is seen.
-_AMPLITUDE = 0.1
+# Standard deviations, mag, of the amplitudes of a series beside a body before the curve is seen; of
+# their changes in half the span over that; multiples of the frequency that have half of it.  The
+# likeliest are taken, the first in fits of pairs.
+_AMPLITUDES, _CHANGES = (0.1, 0.05, 0.025, 0.0125), (1.0, 0.5, 0.25, 0.125)
+_WIDE = (math.inf, 16.0, 8.0, 4.0)
 
 
 class AdditivePair(NamedTuple):
@@ -78,10 +85,60 @@ def series(frequency: float, order: int, t: FloatArray) -> FloatArray:
     return np.concatenate([np.cos(angle), np.sin(angle)], axis=1)
 
 
-def beside(problem: CurveProblem, frequency: float) -> CurveProblem:
-    """The problem with the series of an orbit among its linear terms."""
-    terms = series(frequency, ORDERS[1], problem.t)
-    return problem.with_terms(terms, np.full(terms.shape[1], _AMPLITUDE), frequency)
+def changing(frequency: float, t: FloatArray, order: int = DIPS) -> FloatArray:
+    """The series of an orbit (N, 4 order) whose amplitudes change linearly over the span.
+
+    The depth and the length of dips depend on the directions to Sun and observer.
+    """
+    terms = series(frequency, order, t)
+    return np.concatenate([terms, terms * (2.0 * t[:, None])], axis=1)
+
+
+def _deviations(amplitude: float, change: float, wide: float, order: int = DIPS) -> FloatArray:
+    """Standard deviations (4 order,), mag, of the amplitudes of `changing` before a curve is seen.
+
+    Those of the multiple `wide` of the frequency are half of the first ones.
+    """
+    falling = amplitude / (1.0 + (np.arange(1, order + 1) / wide) ** 2)
+    return np.concatenate([np.tile(falling, 2), np.tile(change * falling, 2)])
+
+
+def beside(problem: CurveProblem, pair: AdditivePair) -> CurveProblem:
+    """The problem with the series of an orbit among its linear terms.
+
+    Their amplitudes have the standard deviations that are likeliest beside a series of the
+    rotation, with the errors that it leaves.
+    """
+    rotation = series(pair.rotation, ORDERS[0], problem.t)
+    terms = changing(pair.orbit, problem.t)
+    joint = _projected(problem, np.concatenate([rotation, terms], axis=1))
+    y = _without_terms(problem)
+    wide = np.full(rotation.shape[1], _spectrum.RIDGE**-0.5)
+    # in units of the errors with the model error
+    least = float(np.mean((problem.sigma * problem.root) ** 2))
+    likelihoods = []
+    for choice in itertools.product(_AMPLITUDES, _CHANGES, _WIDE):
+        held = joint * np.concatenate([wide, _deviations(*choice)])[:, None]
+        likelihoods.append((_evidence_of(held, y, least), choice))
+    return problem.with_terms(terms, _deviations(*min(likelihoods)[1]), pair.orbit)
+
+
+def _evidence_of(held: FloatArray, y: FloatArray, least: float) -> float:
+    """-2 ln of the evidence of weighted terms (K, N) with amplitudes of unit variance.
+
+    Errors are those that the terms leave, of a variance of `least` or more.
+    """
+    values, vectors = np.linalg.eigh(held @ held.T)
+    along = (vectors.T @ (held @ y)) ** 2
+    size = 1.0
+    for _ in range(_STEPS):
+        # chi-squared over the points less the terms that are not held
+        chi_squared = float(y @ y) - float(
+            np.sum(along * (values + 2.0 * size) / (values + size) ** 2)
+        )
+        size = max(least, chi_squared / (len(y) - float(np.sum(values / (values + size)))))
+    whole = float(y @ y) - float(np.sum(along / (values + size)))
+    return whole / size + len(y) * math.log(size) + float(np.sum(np.log1p(values / size)))
 
 
 def additive_pairs(problem: CurveProblem, most: float, keep: int = 4) -> list[AdditivePair]:
@@ -97,7 +154,7 @@ def additive_pairs(problem: CurveProblem, most: float, keep: int = 4) -> list[Ad
             orbits.append(pair.orbit)
     for orbit in orbits:
         terms = series(orbit, ORDERS[1], problem.t)
-        without = problem.with_terms(terms, np.full(terms.shape[1], _AMPLITUDE), orbit)
+        without = problem.with_terms(terms, np.full(terms.shape[1], _AMPLITUDES[0]), orbit)
         # the first ones are near pairs that were scanned
         rotations = _rotations(without, most, _ROTATIONS // 2)
         pairs += [_fitted(problem, rate, orbit) for rate in rotations[rotations > orbit]]
@@ -218,36 +275,35 @@ def _fitted(
     problem: CurveProblem, rotation: float, orbit: float, *, steps: int = _STEPS
 ) -> AdditivePair:
     """The pair near two frequencies whose series fit best, linear terms projected out exactly."""
-    y = problem.y * problem.root
-    y = y - problem.u.T @ (problem.u @ y)
+    y = _without_terms(problem)
     total = float(y @ y)
     pair = np.array([rotation, orbit])
     best = AdditivePair(rotation, orbit, math.inf)
-    multiples = [np.arange(1, order + 1) for order in ORDERS]
     # without it a series reaches many magnitudes where no points are
-    held = np.full(2 * sum(ORDERS), _spectrum.RIDGE)
-    held[2 * ORDERS[0] :] = _AMPLITUDE**-2.0
+    held = np.full(2 * ORDERS[0], _spectrum.RIDGE)
+    deviations = _deviations(_AMPLITUDES[0], _CHANGES[0], _WIDE[0], ORDERS[1])
+    held = np.concatenate([held, deviations**-2.0])
     problem.tally.add(steps * len(problem), problem.settings.body_cost)
     for step in range(steps):
-        bases = [series(f, order, problem.t) for f, order in zip(pair, ORDERS, strict=True)]
+        bases = [series(pair[0], ORDERS[0], problem.t), changing(pair[1], problem.t, ORDERS[1])]
         joint = _projected(problem, np.concatenate(bases, axis=1))
         inner = joint @ joint.T + np.diag(held)
         along = joint @ y
         amplitudes: FloatArray = np.asarray(np.linalg.solve(inner, along), np.float64)
         left = 1.0 - float(amplitudes @ along) / total
+        of_rotation, of_orbit = np.split(amplitudes, [2 * ORDERS[0]])
         if left < best.left:
-            shape = _dips(amplitudes[2 * ORDERS[0] :])
+            shape = _dips(of_orbit[: 2 * ORDERS[1]])
             best = AdditivePair(float(pair[0]), float(pair[1]), left, *shape)
         if step == steps - 1:
             break
-        slopes, start = [], 0
-        for base, order, numbers in zip(bases, ORDERS, multiples, strict=True):
-            cosine, sine = amplitudes[start : start + order], amplitudes[start + order :][:order]
-            rate = base[:, :order] @ (sine * numbers) - base[:, order:] @ (cosine * numbers)
-            slopes.append(2.0 * math.pi * problem.t * rate)
-            start += 2 * order
+        mean, change = np.split(of_orbit, 2)
+        slopes = [
+            _slope(bases[0], of_rotation),
+            _slope(bases[1][:, : len(mean)], mean) + _slope(bases[1][:, len(mean) :], change),
+        ]
         residual = y - joint.T @ amplitudes
-        both = _projected(problem, np.stack(slopes, axis=1))
+        both = _projected(problem, 2.0 * math.pi * problem.t[:, None] * np.stack(slopes, axis=1))
         # amplitudes follow: they are eliminated
         across = np.linalg.solve(inner, joint @ both.T)
         normal = both @ both.T - (both @ joint.T) @ across
@@ -255,6 +311,22 @@ def _fitted(
         move = np.linalg.lstsq(normal, side, rcond=1e-12)[0]
         pair = pair + np.clip(move, -_LONGEST, _LONGEST)
     return best
+
+
+def _slope(base: FloatArray, amplitudes: FloatArray) -> FloatArray:
+    """The derivative (N,) of a series (N, 2 M) with amplitudes (2 M,) by its angle."""
+    order = base.shape[1] // 2
+    numbers = np.arange(1, order + 1)
+    cosine, sine = amplitudes[:order] * numbers, amplitudes[order:] * numbers
+    slope: FloatArray = base[:, :order] @ sine - base[:, order:] @ cosine
+    return slope
+
+
+def _without_terms(problem: CurveProblem) -> FloatArray:
+    """Weighted magnitudes (N,) with the linear terms of the problem taken off."""
+    y = problem.y * problem.root
+    without: FloatArray = y - problem.u.T @ (problem.u @ y)
+    return without
 
 
 def _dips(amplitudes: FloatArray) -> tuple[float, float, float]:

@@ -233,7 +233,7 @@ class Search:
                 continue
             rival = replace(
                 self,
-                problem=_satellites.beside(self.problem, pair.orbit),
+                problem=_satellites.beside(self.problem, pair),
                 convex=[], solutions=[], axial=[], beside=[], notes=[],
             )  # fmt: skip
             rates = pair.rotation * np.array([0.5, 1.0, 2.0])

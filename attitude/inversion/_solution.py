@@ -277,9 +277,7 @@ def _terms(
     if count and _problem.has_own_slopes(solution.curve):
         terms[:, count + len(names) + number] = _problem.by_phase(alpha)
     if fitted_problem.orbit:
-        series = _satellites.series(
-            fitted_problem.orbit, _satellites.ORDERS[1], emission / fitted_problem.span
-        )
+        series = _satellites.changing(fitted_problem.orbit, emission / fitted_problem.span)
         terms[:, -series.shape[1] :] = series
     return terms
 

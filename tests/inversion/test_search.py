@@ -223,12 +223,52 @@ def test_an_orbit_has_two_eclipses(depths, factor):
     assert _satellites.with_orbit(given, pair).orbit == pytest.approx(13.21, abs=0.05)
 
 
+def test_dips_may_change_over_the_span():
+    """Eclipses that end, every second one deeper: twice the period must not replace the change."""
+    generator = np.random.default_rng(7)
+    t = np.sort(generator.uniform(-0.5, 0.5, 700))
+    turned = 0.1 * np.cos(4.0 * math.pi * 61.37 * t)
+    phase = np.mod(13.21 * t, 1.0)
+    dips = sum(
+        depth * (0.5 - t) * np.exp(-(((phase - at) / 0.03) ** 2))
+        for at, depth in ((0.2, 0.5), (0.7, 0.3))
+    )
+    given = _given(turned + dips + 0.01 * generator.normal(size=700), t)
+    pair = _satellites.rivals(given, 90.0, 4)[0]
+    assert pair.orbit == pytest.approx(13.21, abs=0.05) and pair.left < 0.05
+    changing = _satellites.beside(given, pair)
+    half = len(changing.prior) // 2
+    lasting = given.with_terms(
+        changing.terms[:, : half + 1], changing.prior[: half + 1], pair.orbit
+    )
+
+    def left(problem):
+        return np.sum(_satellites._without_terms(problem) ** 2)
+
+    assert left(changing) < left(lasting) - 100.0
+
+
 def test_a_body_with_an_orbit_predicts_its_dips():
     t = np.linspace(-0.5, 0.5, COUNT)
-    given = _satellites.beside(_given(np.zeros(COUNT), t), 7.0)
+    pair = _satellites.AdditivePair(20.0, 7.0, 0.5)
+    given = _satellites.beside(_given(np.zeros(COUNT), t), pair)
     assert given.orbit == 7.0 and given.with_model_error(0.1).orbit == 7.0
-    series = _satellites.series(7.0, _satellites.ORDERS[1], t)
-    assert np.array_equal(given.terms[:, 1:], series)
+    assert np.array_equal(given.terms[:, 1:], _satellites.changing(7.0, t))
+    lasting = _satellites.series(7.0, _satellites.DIPS, t)
+    assert np.array_equal(given.terms[:, 1 : 1 + lasting.shape[1]], lasting)
+    assert np.all(given.prior[1:] <= max(_satellites._AMPLITUDES))
+
+
+@pytest.mark.parametrize(("size", "change"), [(0.05, 0.125), (0.025, 1.0)])
+def test_the_likeliest_widths_are_those_of_the_amplitudes(size, change):
+    generator = np.random.default_rng(8)
+    t = np.sort(generator.uniform(-0.5, 0.5, 900))
+    deviations = _satellites._deviations(size, change, 8.0)
+    amplitudes = deviations * generator.normal(size=len(deviations))
+    y = _satellites.changing(13.21, t) @ amplitudes + 0.005 * generator.normal(size=900)
+    given = _given(y + 0.1 * np.cos(4.0 * math.pi * 61.37 * t), t)
+    prior = _satellites.beside(given, _satellites.AdditivePair(61.37, 13.21, 0.1)).prior[1:]
+    assert np.all(np.abs(np.log2(prior / deviations)) < 1.5)
 
 
 def test_points_off_both_neighbours_hardly_count():
