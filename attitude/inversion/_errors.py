@@ -347,6 +347,7 @@ def count_states(problem: CurveProblem, known: KnownShape, states: int) -> None:
     """Count the work of the magnitudes of so many states."""
     terms = states * len(problem) * len(known.mesh.facets)
     problem.tally.add(terms, problem.settings.facet_cost)
+    problem.tally.add(states * len(problem), problem.settings.attitude_cost)
 
 
 def over_body(matrix: FloatArray, problem: CurveProblem) -> tuple[FloatArray, FloatArray]:

@@ -172,7 +172,11 @@ class PassSearch:
             if self.problem.tally.is_over:
                 break
         early = problem.with_model_error(_ERRORS[1])
-        self.found = self._refined(early, self._branched(early, self.found), _LAST)
+        if self.problem.tally.is_over:
+            self._keep(_SAMPLED)
+            self.found = self._refined(early, self.found, _LAST, is_last=True)
+        else:
+            self.found = self._refined(early, self._branched(early, self.found), _LAST)
         self._keep(_LEFT)
 
     def _screened(self, problem: CurveProblem, span: float) -> States:
@@ -217,6 +221,7 @@ class PassSearch:
         t = problem.t * problem.span - self.origin
         # six magnitudes for differences beside the own
         _errors.count_states(problem, self.known, 7 * len(wxyz))
+        problem.tally.add(len(wxyz), problem.settings.slopes_cost)
         turned, slopes = propagate(self.moments, wxyz, omega, t, sensitivity=True)
         matrix = quaternion.matrix(turned)
         lit = self.known.lit(*_errors.over_body(matrix, problem), self.least)
@@ -228,8 +233,13 @@ class PassSearch:
         gradient = (jacobian @ r[..., None] - out @ along[..., None])[..., 0]
         return NearMany(cost, normal, gradient)
 
-    def _refined(self, problem: CurveProblem, given: States, iterations: int) -> States:
-        """States after Levenberg and Marquardt's iteration, side by side."""
+    def _refined(
+        self, problem: CurveProblem, given: States, iterations: int, *, is_last: bool = False
+    ) -> States:
+        """States after Levenberg and Marquardt's iteration, side by side.
+
+        It ends with the budget, but for the last one.
+        """
         wxyz, omega = given.wxyz, given.omega
         best = self._near(problem, wxyz, omega)
         damping = np.full(len(wxyz), 1e-2)
@@ -250,7 +260,7 @@ class PassSearch:
             damping = np.maximum(damping, 1e-6)
             busy = ~better | (won > 1e-4 * searched.cost)
             active = active[busy & (damping[active] < 1e4)]
-            if not len(active):
+            if not len(active) or (problem.tally.is_over and not is_last):
                 break
         return States(wxyz, omega, best.cost)
 
@@ -408,6 +418,8 @@ def found(
             solution.rivals = _rivals(solution, solutions)
             kept.append(solution)
     verdict, criterion = _verdict(kept)
+    if verdict == _verdicts.OPEN and problem.tally.is_over:
+        criterion += _verdicts.ended_by(problem.tally)
     if turned:
         criterion += (
             f" {turned} states differ from these by a turn about the axis of symmetry of the "

@@ -492,5 +492,5 @@ def _results(curve, found):
     if searched.constant:
         verdict, criterion = _verdicts.OPEN, f"{searched.constant}; {criterion}"
     if verdict == _verdicts.OPEN and found.is_over:
-        criterion += f" The budget of {found.problem.tally.budget:g} s ended the search."
+        criterion += _verdicts.ended_by(found.problem.tally)
     return SpinStates(solutions, verdict, criterion, tuple(searched.notes))

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray
     from attitude.inversion._evidence import Weighted
     from attitude.inversion._problem import CurveProblem
+    from attitude.inversion._settings import Tally
 
 
 # ---- How one spin state relates to another that fits the same light curve, in words
@@ -116,6 +117,11 @@ SATELLITE = "a satellite of period"
 _NUTATION = 4
 # Of the iteration for what chance explains.
 _STEPS = 40
+
+
+def ended_by(tally: Tally) -> str:
+    """A sentence on the budget, where it and not the data ended a search."""
+    return f" The budget of {tally.budget:g} s ended the search."
 
 
 def needed(best: Weighted, problem: CurveProblem) -> float:
