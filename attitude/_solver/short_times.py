@@ -28,7 +28,7 @@ from attitude._compilation.instructions import fma
 from attitude._solver import codes
 from attitude._solver.derivatives import ellipticity, state_of
 from attitude._solver.elliptic import integrals
-from attitude._solver.kernel import turned_by, unit
+from attitude._solver.kernel import turned_by
 from attitude._solver.records import (
     ARGUMENTS,
     BLOCK,
@@ -86,7 +86,6 @@ SHORT: np.dtype[np.void] = np.dtype(
         ("lead", "f8", 2),
         ("first", "f8", (3, 3)),
         ("drift", "f8", (3, 3)),
-        ("wxyz", "f8", 4),  # attitude at the epoch
         ("series", "f8", (ROWS_OF_SERIES, COLUMNS, TERMS)),
     ]
 )
@@ -198,14 +197,7 @@ def _start(c, d, s, state, axes):
 
     `axes` (3, 3) turns principal to inertial axes.
     """
-    internal = unit(four(c.internal))
-    for k in range(4):
-        row = four(c.frame[k])
-        s.wxyz[k] = row[0] * internal[0] + row[1] * internal[1]
-        s.wxyz[k] += row[2] * internal[2] + row[3] * internal[3]
-        if c.form == codes.UNIFORM:
-            s.wxyz[k] = c.frame[0, k]
-    start = four(s.wxyz)
+    start = four(d.start)
     for j in range(3):
         column = turned_by(start, (d.principal[0, j], d.principal[1, j], d.principal[2, j]))
         for i in range(3):
@@ -523,7 +515,7 @@ def near_column(d, short, b, j, block, x, y, z):
     squared = lx * lx + ly * ly + lz * lz
     over, length = 1.0 / squared, 1.0 / math.sqrt(squared)
     first = s.series[0, j, 0], s.series[1, j, 0], s.series[2, j, 0]
-    first = turned_by(four(s.wxyz), first)
+    first = turned_by(four(d.start), first)
     for i in range(len(x)):
         t = block[SECONDS + i]
         if abs(t) <= s.soon and _is_in_series(s, t):
