@@ -178,16 +178,16 @@ def test_a_product_of_series_in_python():
         ((0.0990902, 0.84144, 0.8362154), (0.2447005, 1.0, -0.220797), (1.2, 1.55, -1.75)),
         # 4.3e-15 by the quaternion of the solution at the epoch, whose norm errs by 7e-16
         (
-            (0.5745822, 0.4861089, 0.5742186),
-            (-1.2355845, -1.7763654, -0.3351966),
-            (0.14, -0.3, 0.7),
+            (0.5745821793631019, 0.4861089183925399, 0.5742186486512748),
+            (-1.2355844544689116, -1.7763653849182433, -0.3351965739266949),
+            (0.137, -0.316, 0.69),
         ),
     ],
 )
 def test_within_two_radians(moments, omega, times):
     """Series of the change of attitude: a few roundings."""
     for wxyz in (WXYZ, (0.4, -0.2, 0.8, 0.3)):
-        assert excess(moments, wxyz, omega, list(times)) <= 0.25
+        assert excess(moments, wxyz, omega, list(times)) <= 0.4
 
 
 def test_errors_of_a_flip():
