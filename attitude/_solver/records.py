@@ -121,6 +121,9 @@ TANGENTS: np.dtype[np.void] = np.dtype(
         # series of tangents, and z of the three vectors of the trigonometric form
         ("series", "f8", (8, 5)),
         ("upright", "f8", 3),
+        # attitude at the epoch as given, to 1 rounding: that of the solution errs by as much as its
+        # frame, which series from the epoch would keep
+        ("start", "f8", 4),
         # angular momentum, inertial axes; inverse inertia, principal axes
         ("momentum", "f8", 3),
         ("inverse", "f8", 3),

@@ -177,8 +177,10 @@ def _spans(d, j, epochs, block):
 
 @subroutine
 def _state(c, d, moments, wxyz, to_body):
-    """Fill momentum, inverse inertia and principal axes."""
+    """Fill attitude and momentum at the epoch, inverse inertia and principal axes."""
     start = unit(wxyz)
+    for k in range(4):
+        d.start[k] = start[k]
     omega = (
         math.ldexp(c.omega[0, 0], c.tempo),
         math.ldexp(c.omega[1, 0], c.tempo),

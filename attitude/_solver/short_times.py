@@ -25,10 +25,11 @@ import numpy as np
 
 from attitude._compilation.decorators import force_inlined, slowly_compiled, subroutine
 from attitude._compilation.instructions import fma
+from attitude._compilation.simd import Lanes, doubles_of, eight, lanes, put_eight
 from attitude._solver import codes
 from attitude._solver.derivatives import ellipticity, state_of
 from attitude._solver.elliptic import integrals
-from attitude._solver.kernel import turned_by, unit
+from attitude._solver.kernel import turned_by
 from attitude._solver.records import (
     ARGUMENTS,
     BLOCK,
@@ -43,7 +44,7 @@ from attitude._solver.records import (
 from attitude._solver.series import four, sincos
 from attitude._solver.tangents import fast_vectors, fill_trigonometric, in_inertial
 from attitude._solver.twofloat import pair, scale, sub
-from attitude._solver.uniform_tangents import couplings_of, forced
+from attitude._solver.uniform_tangents import couplings_of, forced, unit_vector
 
 # Beyond, the terms, which have poles of third order, are below 28^2 0.2^28 = 2e-17 of the first;
 # those of eta, which is integrated from products with the rotation, below 4e-16.
@@ -86,11 +87,14 @@ SHORT: np.dtype[np.void] = np.dtype(
         ("lead", "f8", 2),
         ("first", "f8", (3, 3)),
         ("drift", "f8", (3, 3)),
-        ("wxyz", "f8", 4),  # attitude at the epoch
         ("series", "f8", (ROWS_OF_SERIES, COLUMNS, TERMS)),
     ]
 )
 
+# Columns that change with time, after those of the attitude, are computed side by side in the first
+# lanes of vectors: one sum alone waits for each of its additions.
+_FIRST, _LANES = 3, 8
+_CHANGING = COLUMNS - _FIRST
 # Rows of a state: angular velocity, its change with each parameter and zeta, and by how much half
 # of its squares have dropped since the epoch; over the principal axes.
 _CHANGES, _DROPS = 1, 1 + COLUMNS
@@ -142,8 +146,9 @@ def short_setup(constants, tangents, span, spans, out):
     Filled
         out    (B + sum of (spans - 1),)
     """
-    w, dw = np.zeros((3, TERMS)), np.zeros((3, TERMS))
-    momentum, turn, axes = np.zeros((3, TERMS)), np.zeros((3, 3, TERMS)), np.zeros((2, 3, 3))
+    w, turn = np.zeros(3 * TERMS), np.zeros(3 * TERMS * _LANES)
+    dw, momentum = np.zeros(3 * TERMS * _LANES), np.zeros(3 * TERMS * _LANES)
+    axes = np.zeros((2, 3, 3))
     state, ends = np.zeros((_ROWS_OF_STATE, 4)), np.zeros((2, _ROWS_OF_STATE, 4))
     again = np.zeros((2, _ROWS_OF_STATE, 4))
     place = len(constants)
@@ -176,7 +181,7 @@ def short_setup(constants, tangents, span, spans, out):
                 if k * span[b] < s.soon:
                     for j in range(COLUMNS):
                         for i in range(3):
-                            end = _at_end(before.series[_ETA + i], j, side)
+                            end = _at_end(before.series[_ETA + i, j], side)
                             later.series[_ETA + i, j, 0] = end
                     _turn(w, axes[side], turn, later)
                     _store_eta(d, turn, dw, later)
@@ -198,14 +203,7 @@ def _start(c, d, s, state, axes):
 
     `axes` (3, 3) turns principal to inertial axes.
     """
-    internal = unit(four(c.internal))
-    for k in range(4):
-        row = four(c.frame[k])
-        s.wxyz[k] = row[0] * internal[0] + row[1] * internal[1]
-        s.wxyz[k] += row[2] * internal[2] + row[3] * internal[3]
-        if c.form == codes.UNIFORM:
-            s.wxyz[k] = c.frame[0, k]
-    start = four(s.wxyz)
+    start = four(d.start)
     for j in range(3):
         column = turned_by(start, (d.principal[0, j], d.principal[1, j], d.principal[2, j]))
         for i in range(3):
@@ -236,99 +234,153 @@ def _fill(c, d, moments, state, w, dw, momentum, ends, s):
     """Fill a series from the state at its centre, and the states at its later and earlier end."""
     pairs = couplings_of(c)
     k = pairs[0][0], pairs[1][0], pairs[2][0]
+    ones = 1.0, 1.0, 1.0
+    one, two = forced(k, ones, moments, 0), forced(k, ones, moments, 1)
+    three = forced(k, ones, moments, 2)
     for i in range(3):
-        w[i, 0] = state[0, i]
+        w[i * TERMS] = state[0, i]
+        for j in range(_CHANGING):
+            dw[_LANES * i * TERMS + j] = state[_CHANGES + _FIRST + j, i]
     for n in range(TERMS - 1):
         over = s.span / (n + 1.0)
         for i in range(3):
-            w[i, n + 1] = over * k[i] * _product(w, w, (i + 1) % 3, (i + 2) % 3, n)
-    size = math.sqrt(d.momentum[0] ** 2 + d.momentum[1] ** 2 + d.momentum[2] ** 2)
+            left, right = (i + 1) % 3, (i + 2) % 3
+            square = _product(w, w, left, right, n)
+            w[i * TERMS + n + 1] = over * k[i] * square
+            more = _sums(dw, left, w, TERMS * right, 1, n) + _products(w, left, dw, right, n)
+            change = lanes((0.0, 0.0, 0.0, one[i], two[i], three[i], 0.0, 0.0))
+            more = more * k[i] + change * square
+            put_eight(dw, _LANES * (i * TERMS + n + 1), over * more)
     for side in range(2):
         for i in range(3):
-            ends[side, 0, i] = _at_end(w, i, side)
-    for j in range(3, COLUMNS):
-        for i in range(3):
-            dw[i, 0] = state[_CHANGES + j, i]
-        for n in range(TERMS - 1):
-            over = s.span / (n + 1.0)
-            for i in range(3):
-                one, two = (i + 1) % 3, (i + 2) % 3
-                more = _product(dw, w, one, two, n) + _product(w, dw, one, two, n)
-                more *= k[i]
-                if j >= 6:
-                    change = forced(k, (1.0, 1.0, 1.0), moments, j - 6)
-                    more += change[i] * _product(w, w, one, two, n)
-                dw[i, n + 1] = over * more
-        _store(d, moments, w, dw, momentum, j, s)
+            ends[side, 0, i] = _at_end(w[i * TERMS : (i + 1) * TERMS], side)
+            columns = doubles_of(_ends(dw, i, side))
+            for j in range(_CHANGING):
+                ends[side, _CHANGES + _FIRST + j, i] = columns[j]
+    _store(d, moments, w, dw, momentum, s)
+    size = math.sqrt(d.momentum[0] ** 2 + d.momentum[1] ** 2 + d.momentum[2] ** 2)
+    for j in range(_FIRST, COLUMNS):
         _store_zeta(w, j, size, state, ends, s)
-        for side in range(2):
-            for i in range(3):
-                ends[side, _CHANGES + j, i] = _at_end(dw, i, side)
 
 
 @subroutine
-def _at_end(a, i, side):
+def _products(a, i, b, j, n):
+    """Coefficient n of the products of a series with those of the columns."""
+    first, at = i * TERMS, _LANES * (j * TERMS + n)
+    total = a[first] * eight(b, at)
+    for k in range(1, n + 1):
+        at -= _LANES
+        total = total + a[first + k] * eight(b, at)
+    return total
+
+
+@_products.for_python
+def _products_at_once(a, i, b, j, n):
+    """As `_products`, in the same order."""
+    one = a[i * TERMS : i * TERMS + n + 1, None]
+    return Lanes(np.sum(one * _rows(b, j)[n::-1], axis=0))
+
+
+@subroutine
+def _sums(b, j, a, first, step, n):
+    """As `_products`, from the first term of the columns on; terms of `a` stand so far apart."""
+    at, place = _LANES * j * TERMS, first + step * n
+    total = a[place] * eight(b, at)
+    for k in range(1, n + 1):
+        total = total + a[place - step * k] * eight(b, at + _LANES * k)
+    return total
+
+
+@_sums.for_python
+def _sums_at_once(b, j, a, first, step, n):
+    """As `_sums`, in the same order."""
+    one = a[first : first + step * n + 1 : step][::-1, None]
+    return Lanes(np.sum(one * _rows(b, j)[: n + 1], axis=0))
+
+
+def _rows(b, j):
+    """Series j as an array (TERMS, lanes)."""
+    return b[_LANES * j * TERMS : _LANES * (j + 1) * TERMS].reshape(TERMS, _LANES)
+
+
+@subroutine
+def _ends(a, i, side):
+    """The sums of the series of the columns at their later (0) or earlier end (1)."""
+    at, x = _LANES * ((i + 1) * TERMS - 1), 1.0 if side == 0 else -1.0
+    total = eight(a, at)
+    for n in range(1, TERMS):
+        total = total * x + eight(a, at - _LANES * n)
+    return total
+
+
+@subroutine
+def _at_end(a, side):
     """The sum of a series at its later (0) or earlier end (1)."""
-    total, x = a[i, TERMS - 1], 1.0 if side == 0 else -1.0
+    total, x = a[TERMS - 1], 1.0 if side == 0 else -1.0
     for n in range(TERMS - 2, -1, -1):
-        total = total * x + a[i, n]
+        total = total * x + a[n]
     return total
 
 
 @subroutine
 def _turn(w, axes, turn, s):
-    """The rotation from principal to inertial axes, in t / s.unit, from that at 0: R' = R w x."""
-    for i in range(3):
-        for j in range(3):
-            turn[i, j, 0] = axes[i, j]
+    """The columns of the rotation from principal to inertial axes, in t / s.unit: R' = R w x.
+
+    From those at 0.
+    """
+    for j in range(3):
+        for i in range(3):
+            turn[_LANES * j * TERMS + i] = axes[i, j]
     share = s.unit / s.span
     for n in range(TERMS - 1):
         over = s.unit / (n + 1.0)
-        for i in range(3):
-            for j in range(3):
-                one, two = (j + 1) % 3, (j + 2) % 3
-                total, power = 0.0, 1.0
-                for k in range(n + 1):
-                    more = turn[i, one, n - k] * w[two, k] - turn[i, two, n - k] * w[one, k]
-                    total += power * more
-                    power *= share
-                turn[i, j, n + 1] = over * total
+        for j in range(3):
+            left, right = (j + 1) % 3 * TERMS, (j + 2) % 3 * TERMS
+            total, power = 0.0 * eight(turn, 0), 1.0
+            for k in range(n + 1):
+                more = eight(turn, _LANES * (left + n - k)) * w[right + k]
+                more = more - eight(turn, _LANES * (right + n - k)) * w[left + k]
+                total = total + power * more
+                power *= share
+            put_eight(turn, _LANES * (j * TERMS + n + 1), over * total)
 
 
 @subroutine
 def _ends_of(turn, side, axes):
     """Fill the rotation (3, 3) at the later (0) or earlier end (1) of a series."""
-    for i in range(3):
-        for j in range(3):
-            axes[i, j] = _at_end(turn[i], j, side)
+    for j in range(3):
+        column = doubles_of(_ends(turn, j, side))
+        for i in range(3):
+            axes[i, j] = column[i]
 
 
 @subroutine
 def _store_eta(d, turn, dw, s):
     """Fill the series of eta in t / s.unit, from those at 0: eta' = R dw."""
-    for j in range(3, COLUMNS):
-        share, power = s.unit / s.span, 1.0
-        for k in range(TERMS):
-            x, y, z = s.series[3, j, k], s.series[4, j, k], s.series[5, j, k]
+    share, power = s.unit / s.span, 1.0
+    for k in range(TERMS):
+        for j in range(_CHANGING):
+            column = _FIRST + j
+            x, y, z = s.series[3, column, k], s.series[4, column, k], s.series[5, column, k]
             for m in range(3):
                 change = d.principal[0, m] * x + d.principal[1, m] * y + d.principal[2, m] * z
-                dw[m, k] = power * change
-            power *= share
-        for n in range(TERMS - 1):
-            for i in range(3):
-                total = 0.0
-                for m in range(3):
-                    total += _along(dw[m], turn[i, m], n)
-                s.series[_ETA + i, j, n + 1] = s.unit / (n + 1.0) * total
+                dw[_LANES * (m * TERMS + k) + j] = power * change
+        power *= share
+    for n in range(TERMS - 1):
+        over = s.unit / (n + 1.0)
+        for i in range(3):
+            total = _sums(dw, 0, turn, i, _LANES, n)
+            total = total + _sums(dw, 1, turn, _LANES * TERMS + i, _LANES, n)
+            total = total + _sums(dw, 2, turn, 2 * _LANES * TERMS + i, _LANES, n)
+            _put(over * total, s.series, _ETA + i, n + 1)
 
 
 @subroutine
-def _along(a, b, n):
-    """Coefficient n of the product of two series of one row."""
-    total = 0.0
-    for k in range(n + 1):
-        total += a[k] * b[n - k]
-    return total
+def _put(values, series, row, n):
+    """Store the columns of a term of a series."""
+    columns = doubles_of(values)
+    for j in range(_CHANGING):
+        series[row, _FIRST + j, n] = columns[j]
 
 
 @subroutine
@@ -336,34 +388,46 @@ def _product(a, b, i, j, n):
     """Coefficient n of the product of two series."""
     total = 0.0
     for k in range(n + 1):
-        total += a[i, k] * b[j, n - k]
+        total += a[i * TERMS + k] * b[j * TERMS + n - k]
     return total
 
 
 @_product.for_python
 def _product_of_lists(a, b, i, j, n):
     """As `_product`: elements of lists are read five times as fast as those of arrays."""
+    one, two = a[i * TERMS : i * TERMS + n + 1].tolist(), b[j * TERMS : j * TERMS + n + 1].tolist()
     total = 0.0
-    for x, y in zip(a[i, : n + 1].tolist(), b[j, n::-1].tolist(), strict=True):
+    for x, y in zip(one, reversed(two), strict=True):
         total += x * y
     return total
 
 
 @subroutine
-def _store(d, moments, w, dw, momentum, j, s):
-    """Fill the series of one column from those over the principal axes."""
+def _store(d, moments, w, dw, momentum, s):
+    """Fill the series of the columns from those over the principal axes."""
     series, axes = s.series, d.principal
+    for i in range(3):
+        unit = unit_vector(i)
+        unit = lanes((0.0, 0.0, 0.0, unit[0], unit[1], unit[2], 0.0, 0.0))
+        for n in range(TERMS):
+            at = _LANES * (i * TERMS + n)
+            put_eight(momentum, at, moments[i] * eight(dw, at) + w[i * TERMS + n] * unit)
     for n in range(TERMS):
-        for i in range(3):
-            momentum[i, n] = moments[i] * dw[i, n] + (w[i, n] if j - 6 == i else 0.0)
-    for n in range(TERMS):
-        for i in range(3):
-            one, two = (i + 1) % 3, (i + 2) % 3
-            across = moments[one] * _product(w, momentum, one, two, n)
-            across -= moments[two] * _product(w, momentum, two, one, n)
-            for k in range(3):
-                series[k, j, n] += axes[k, i] * across
-                series[3 + k, j, n] += axes[k, i] * dw[i, n]
+        x = _across(moments, w, momentum, 1, 2, n)
+        y = _across(moments, w, momentum, 2, 0, n)
+        z = _across(moments, w, momentum, 0, 1, n)
+        u, v = eight(dw, _LANES * n), eight(dw, _LANES * (TERMS + n))
+        t = eight(dw, _LANES * (2 * TERMS + n))
+        for k in range(3):
+            _put(axes[k, 0] * x + axes[k, 1] * y + axes[k, 2] * z, series, k, n)
+            _put(axes[k, 0] * u + axes[k, 1] * v + axes[k, 2] * t, series, 3 + k, n)
+
+
+@subroutine
+def _across(moments, w, momentum, i, j, n):
+    """A component of term n of M x dM of the columns, from the two others."""
+    one = moments[i] * _products(w, i, momentum, j, n)
+    return one - moments[j] * _products(w, j, momentum, i, n)
 
 
 @subroutine
@@ -385,7 +449,7 @@ def _store_zeta(w, j, size, state, ends, s):
             if n < TERMS - 1:
                 s.series[_ZETA, j, n + 1] = s.span * change / (size * (n + 1.0))
     for side in range(2):
-        ends[side, _CHANGES + j, 3] = _at_end(s.series[_ZETA], j, side)
+        ends[side, _CHANGES + j, 3] = _at_end(s.series[_ZETA, j], side)
 
 
 @subroutine
@@ -523,7 +587,7 @@ def near_column(d, short, b, j, block, x, y, z):
     squared = lx * lx + ly * ly + lz * lz
     over, length = 1.0 / squared, 1.0 / math.sqrt(squared)
     first = s.series[0, j, 0], s.series[1, j, 0], s.series[2, j, 0]
-    first = turned_by(four(s.wxyz), first)
+    first = turned_by(four(d.start), first)
     for i in range(len(x)):
         t = block[SECONDS + i]
         if abs(t) <= s.soon and _is_in_series(s, t):
