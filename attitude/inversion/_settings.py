@@ -56,8 +56,8 @@ class Settings:
     # A state of a known shape, a point and a facet.
     facet_cost: float = 1.5e-9
     # Of a body of known shape: its attitude and sums at an epoch; the set-up of its derivatives.
-    attitude_cost: float = 5e-8
-    slopes_cost: float = 6e-5
+    attitude_cost: float = 1.2e-7
+    slopes_cost: float = 1.5e-4
 
     # ---- Models of the search
     # Model error of ellipsoids, mag: hulls leave 0.04 to 0.1; that of convex bodies is estimated.
