@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, Spin, propagate
-from attitude._solver import short_times
+from attitude._solver import sensitivities, short_times
+from attitude._solver.batches import Batch
 from attitude.frames import representations as forms
 from attitude.frames.quaternion import conjugate, matrix, multiply
 from tests.support.differences import excess, sensitivity, tensor_sensitivity
@@ -162,10 +163,31 @@ def test_series_on_the_side_of_the_epochs(times):
 
 def test_a_product_of_series_in_python():
     random = np.random.default_rng(35)
-    a, b = random.normal(size=(2, 3, short_times.TERMS))
+    a, b = random.normal(size=(2, 3 * short_times.TERMS))
     for n in range(short_times.TERMS):
         given = a, b, n % 3, (n + 1) % 3, n
         assert short_times._product(*given) == short_times._product.py_func(*given)
+
+
+def test_series_in_python_and_in_vectors_have_the_same_bits():
+    """Of a tumbler, a flip and a needle, with spans to both sides."""
+    moments = np.array([(1.0, 2.0, 2.6), (1.0, 2.0, 2.6), (1e-3, 1.0, 1.0 + 1e-9)])
+    omega = np.array([(0.3, -0.2, 0.5), (1e-9, 1.0, 1e-9), (5.0, 1e-3, -2e-3)])
+    prepared = Batch(moments, np.array([(0.5, -0.5, 0.5, 0.5)] * 3), omega)._prepared(True, 0, 3)
+    tangents = sensitivities.tangents_of(
+        prepared.moments, prepared.wxyz, prepared.principal, prepared.constants
+    )
+    span, spans = np.empty(3), np.array([(3, 2), (1, 4), (2, 2)])
+    short_times.spans_of(prepared.constants, span)
+    assert np.all(span > 0.0)
+    records = []
+    given = prepared.constants.view(np.recarray), tangents.view(np.recarray), span, spans
+    for setup in (short_times.short_setup.dispatcher, short_times.short_setup.uncompiled):
+        records.append(np.zeros(3 + int(np.sum(spans - 1)), short_times.SHORT).view(np.recarray))
+        setup(*given, records[-1])
+    assert np.max(np.abs(records[0]["series"])) > 0.1
+    for name in short_times.SHORT.names:
+        assert np.array_equal(records[0][name], records[1][name]), name
 
 
 @pytest.mark.parametrize(

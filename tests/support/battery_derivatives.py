@@ -113,9 +113,11 @@ def check_products(_truths):
     """A coefficient of a product of series: of machine code, and of Python."""
     from attitude._solver import short_times
 
-    a, b = np.random.default_rng(35).normal(size=(2, 3, short_times.TERMS))
-    for n in range(short_times.TERMS):
-        exact = math.fsum(x * y for x, y in zip(a[1, : n + 1], b[2, n::-1], strict=True))
+    terms = short_times.TERMS
+    a, b = np.random.default_rng(35).normal(size=(2, 3 * terms))
+    for n in range(terms):
+        both = zip(a[terms : terms + n + 1], b[2 * terms + n : 2 * terms - 1 : -1], strict=True)
+        exact = math.fsum(x * y for x, y in both)
         for product in (short_times._product, short_times._product.py_func):
             assert abs(product(a, b, 1, 2, n) - exact) <= 1e-14
 
