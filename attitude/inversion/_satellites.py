@@ -43,8 +43,11 @@ _STEPS, _LONGEST = 4, 0.1
 # Skewness of dips at least (binaries: 1.2 to 2.1), orbits in the span at least, range at most, mag:
 # half of a pair of equal bodies is 0.75, and noise adds to it.
 _LEAST_SKEWNESS, _LEAST_ORBITS, _DEEPEST = 0.6, 4.0, 1.2
-# Epochs of an orbit at which its series is evaluated.
+# Epochs of an orbit at which its series is evaluated, and those of the span, from its middle in
+# halves of it; how much it brightens at most, over how much it dims: moons 0.05 to 0.25, series
+# that mimic tumbling 0.5 to 2.
 _PHASES = 360
+_TIMES, _BRIGHTEST = (-0.8, 0.0, 0.8), 0.35
 # Depth of the second dip, over the range, from which it is one; an orbit is not always a circle.
 _SECOND, _OFF_HALF = 0.15, 0.06
 # Standard deviations, mag, of the amplitudes of a series beside a body before the curve is seen; of
@@ -121,6 +124,27 @@ def beside(problem: CurveProblem, pair: AdditivePair) -> CurveProblem:
         held = joint * np.concatenate([wide, _deviations(*choice)])[:, None]
         likelihoods.append((_evidence_of(held, y, least), choice))
     return problem.with_terms(terms, _deviations(*min(likelihoods)[1]), pair.orbit)
+
+
+def only_dims(beside: CurveProblem, pair: AdditivePair) -> bool:
+    """Whether the series of an orbit, of a problem that `beside` has made, only dims a body.
+
+    Over the whole span: series that mimic tumbling brighten as much as they dim.
+    """
+    count = 4 * DIPS
+    rotation = series(pair.rotation, ORDERS[0], beside.t)
+    alone = beside.without_last(count)
+    joint = _projected(alone, np.concatenate([rotation, beside.terms[:, -count:]], axis=1))
+    held = np.full(rotation.shape[1], _spectrum.RIDGE)
+    held = np.concatenate([held, beside.prior[-count:] ** -2.0])
+    inner = joint @ joint.T + np.diag(held)
+    amplitudes = np.linalg.solve(inner, joint @ _without_terms(alone))[-count:]
+    mean, change = amplitudes.reshape(2, -1)
+    phase = np.arange(_PHASES) / _PHASES
+    dims = np.array([series(1.0, DIPS, phase) @ (mean + x * change) for x in _TIMES])
+    dims -= np.median(dims, axis=1)[:, None]
+    faintest, brightest = dims.max(axis=1), -dims.min(axis=1)
+    return float(brightest.sum()) < _BRIGHTEST * float(faintest.sum())
 
 
 def _evidence_of(held: FloatArray, y: FloatArray, least: float) -> float:

@@ -231,9 +231,12 @@ class Search:
         for pair in pairs:
             if pair.left > self.settings.orbit_worse**2 * left:
                 continue
+            problem = _satellites.beside(self.problem, pair)
+            if not _satellites.only_dims(problem, pair):
+                continue
             rival = replace(
                 self,
-                problem=_satellites.beside(self.problem, pair),
+                problem=problem,
                 convex=[], solutions=[], axial=[], beside=[], notes=[],
             )  # fmt: skip
             rates = pair.rotation * np.array([0.5, 1.0, 2.0])

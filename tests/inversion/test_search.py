@@ -186,7 +186,9 @@ def test_additive_pairs_of_rotation_and_dips():
     product = 0.3 * np.cos(2.0 * math.pi * 61.37 * t) * np.cos(2.0 * math.pi * 13.21 * t)
     tumbling = _given(turned * (1.0 + 3.0 * product) + product, t)
     assert all(pair.left > 0.1 for pair in _satellites.additive_pairs(tumbling, 90.0))
-    assert _satellites._fitted(tumbling, rotation, orbit).left > 0.1
+    pair = _satellites._fitted(tumbling, rotation, orbit)
+    assert pair.left > 0.1
+    assert not _satellites.only_dims(_satellites.beside(tumbling, pair), pair)
 
 
 def _eclipses(generator, rotation, orbit, depths, size=0.2):
@@ -237,6 +239,7 @@ def test_dips_may_change_over_the_span():
     pair = _satellites.rivals(given, 90.0, 4)[0]
     assert pair.orbit == pytest.approx(13.21, abs=0.05) and pair.left < 0.05
     changing = _satellites.beside(given, pair)
+    assert _satellites.only_dims(changing, pair)
     half = len(changing.prior) // 2
     lasting = given.with_terms(
         changing.terms[:, : half + 1], changing.prior[: half + 1], pair.orbit
