@@ -36,6 +36,8 @@ _FINE = 12
 _ROTATIONS, _ORBITS, _FITTED, _FREE = 12, 12, 80, 24
 # Orbits beside whose series the rotation is looked for once more: deep dips drown its lines.
 _BESIDE = 4
+# Rates of bodies over that of a series: one of six lines of it is the body's second.
+RATIOS = (0.5, 1.0, 1.5, 2.0, 3.0)
 # Ratios of two numbers up to this are those of one comb, whose lines are a shape's.
 _COMB = 4
 # Steps of the fit of both frequencies, and the longest one, turns per span.

@@ -239,7 +239,7 @@ class Search:
                 problem=problem,
                 convex=[], solutions=[], axial=[], beside=[], notes=[],
             )  # fmt: skip
-            rates = pair.rotation * np.array([0.5, 1.0, 2.0])
+            rates = pair.rotation * np.array(_satellites.RATIOS)
             rival._axial(rates[rates < 2.0 * self.most])
             rival.finish()
             if rival.solutions:
