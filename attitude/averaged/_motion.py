@@ -233,6 +233,9 @@ class AveragedMotion(Immutable):
         Of a step, of L in units of |L| and of y.
     degree : int
         Largest degree of the spherical harmonics of light and flow.
+    order : int
+        1, or 2 for means of second order in the torques, which need paths that are followed, and
+        some 10 ms in each step: docs/averaged.md has what they gain.
 
     Raises
     ------
@@ -242,8 +245,8 @@ class AveragedMotion(Immutable):
 
     Notes
     -----
-    Means of first order: errors are of the order of |N| P/(2 pi |L|) times the change.  Resonances
-    of nutation and precession are listed in `events` with what a crossing does, and not treated.
+    Errors of first order are of the order of |N| P/(2 pi |L|) times the change.  Resonances of
+    nutation and precession are listed in `events` with what a crossing does, and not treated.
     docs/averaged.md has the mathematics and limits.
     """
 
@@ -262,9 +265,12 @@ class AveragedMotion(Immutable):
         least_tilt: Real = "0.01 deg",
         tolerance: Real = 1e-7,
         degree: int = DEGREE,
+        order: int = 1,
     ) -> None:
         acting = _torques(torques)
-        settings = Settings.checked(orbit, passages, least_tilt, tolerance, degree, len(acting))
+        settings = Settings.checked(
+            orbit, passages, least_tilt, tolerance, degree, len(acting), order
+        )
         self._begin(MeanTorques(body, acting, spin.epoch, settings.degree), spin, settings)
 
     @classmethod
@@ -295,7 +301,7 @@ class AveragedMotion(Immutable):
             mean[3] = y
         self._refuse_strong(packing, mean, region)
         pace = 2.0 * math.pi * float(self.axes.moments[2]) / size
-        course = Course(packing, self.least_y, self.tolerance, pace)
+        course = Course(packing, self.least_y, self.tolerance, pace, settings.order)
         self._set_all(start=frozen(mean), start_region=region, packing=packing, _course=course)
         self._set("_tracks", [Track(course, mean, region, sign) for sign in (1.0, -1.0)])
         self._set("_farthest", [0.0, 0.0])
@@ -638,6 +644,7 @@ class AveragedMotion(Immutable):
             least_tilt=math.atan(math.exp(0.5 * self.least_y)),
             tolerance=self.tolerance,
             degree=self.packing.torques.degree,
+            order=self._course.order,
         )
 
     def check(self, turns: Real = 1e3) -> dict[str, float]:
@@ -722,6 +729,7 @@ class Settings:
         y of the least tilt.
     tolerance : float
     degree : int
+    order : int
     """
 
     kinds: list[str]
@@ -729,10 +737,18 @@ class Settings:
     least_y: float
     tolerance: float
     degree: int
+    order: int = 1
 
     @classmethod
     def checked(
-        cls, orbit: Any, passages: Any, least_tilt: Any, tolerance: Any, degree: Any, count: int
+        cls,
+        orbit: Any,
+        passages: Any,
+        least_tilt: Any,
+        tolerance: Any,
+        degree: Any,
+        count: int,
+        order: Any = 1,
     ) -> Settings:
         """The settings of arguments, for a count of torques."""
         step = validation.positive(tolerance, "tolerance")
@@ -749,7 +765,17 @@ class Settings:
         degree = validation.count(degree, "degree", 2)
         if degree > 64:
             raise AttitudeError(f"degree is {degree}; give a whole number from 2 to 64.")
-        return cls(checked_orbits(orbit, count), passages, edge, step, degree)
+        kinds, order = checked_orbits(orbit, count), validation.count(order, "order", 1)
+        if order > 2:
+            raise AttitudeError(f"order is {order}; give 1 or 2.")
+        if order == 2 and "averaged" in kinds:
+            raise AttitudeError(
+                "order is 2, and a torque is averaged over the turn of its path, which errs by "
+                'more than that gains; give orbit="followed", or order=1.'
+            )
+        if order == 2:
+            kinds = ["followed"] * count
+        return cls(kinds, passages, edge, step, degree, order)
 
 
 def seconds_of(epoch: Instant, t: Epochs) -> FloatArray:

@@ -10,6 +10,7 @@ HARMONICS   a torque that is a function of one direction u in the body: for each
 TENSOR      a torque that is linear in a tensor T over inertial axes: ten numbers, as `TensorMean`.
 FRICTION    of a rheology: logarithms of -dy/dt |L|/2 at nodes of ln |L|.
 TORUS       any torque: evaluated at nodes of the nutation and of the precession.
+DRIFT       dL/dt and dy/dt, numbers of the epoch: what second order adds (`_second_order`).
 
 The factor |L|^exponent is that of all numbers of a table.
 """
@@ -45,6 +46,7 @@ HARMONICS: Final = 0
 TENSOR: Final = 1
 TORUS: Final = 2
 FRICTION: Final = 3
+DRIFT: Final = 4
 # Entries of a row of `models`.
 KIND: Final = 0
 TABLE: Final = 1  # where in `data`
@@ -449,6 +451,9 @@ def rates(t, x, region, data, models, forcing, work, at, out):
         forced(t, forcing, models[k, FORCING], width, work, 0)
         if kind == TORUS:
             mean = over_torus(t, x[3], region, size, l0, l1, l2, data, 0, k, models, work, at)
+            factor, strength = 1.0, 1.0
+        elif kind == DRIFT:
+            mean = (work[0], work[1], work[2], 0.5 * size * work[3], 0.0)
             factor, strength = 1.0, 1.0
         else:
             table = width
