@@ -267,6 +267,11 @@ class AveragedMotion(Immutable):
         degree: int = DEGREE,
         order: int = 1,
     ) -> None:
+        if not isinstance(body, Body) or not isinstance(spin, Spin):
+            raise AttitudeError(
+                "AveragedMotion takes a Body, a Spin and torques; given were "
+                f"{type(body).__name__} and {type(spin).__name__}."
+            )
         acting = _torques(torques)
         settings = Settings.checked(
             orbit, passages, least_tilt, tolerance, degree, len(acting), order
@@ -312,6 +317,10 @@ class AveragedMotion(Immutable):
     @staticmethod
     def _refuse_strong(packing: Packing, x: FloatArray, region: int) -> None:
         eps = packing.weakness_of(0.0, x, region)
+        if not math.isfinite(eps):
+            raise AttitudeError(
+                "the mean torque is not finite at the epoch of the spin; check the torques."
+            )
         if not eps <= WEAK:
             raise AttitudeError(
                 f"the torques are not weak: |N| P/(2 pi L) is {eps:.3g} at the epoch, and means "
@@ -414,14 +423,14 @@ class AveragedMotion(Immutable):
 
         Of the branch of `passages`; of the likeliest one for passages="all".
         """
-        seconds = float(seconds_of(self.epoch, until))
+        seconds = second_of(self.epoch, until)
         self._check_span(np.array([seconds]))
         ended = self.ends(seconds)
         return seconds if ended is None else ended.seconds
 
     def ends(self, until: Epochs) -> AveragedEvent | None:
         """The event that ends the motion on the way to an epoch, or None; as `reaches`."""
-        seconds = float(seconds_of(self.epoch, until))
+        seconds = second_of(self.epoch, until)
         ended = self._extended(seconds).ended
         return None if ended is None or abs(ended.seconds) > abs(seconds) else ended
 
@@ -475,7 +484,7 @@ class AveragedMotion(Immutable):
             if end == 0.0:
                 raise AttitudeError("no epoch has been asked; give one, as in branches(until).")
         else:
-            end = float(seconds_of(self.epoch, until))
+            end = second_of(self.epoch, until)
         self._check_span(np.array([end]))
         return self._tree(end)
 
@@ -581,7 +590,8 @@ class AveragedMotion(Immutable):
             since the epoch of the spin, and where the motion is still held after four times the
             time in which means cross the resonance.
         """
-        if event.kind != "resonance" or not event.lasts > 0.0:
+        is_resonance = isinstance(event, AveragedEvent) and event.kind == "resonance"
+        if not is_resonance or not event.lasts > 0.0:
             raise AttitudeError(
                 f"event is {event}; give one of the resonances of events, which has terms that "
                 "do not average out."
@@ -760,8 +770,13 @@ class Settings:
         edge = 2.0 * math.log(math.tan(tilt))
         if isinstance(passages, str):
             passages = validation.one_of(passages, "passages", ("likeliest", "all"))
-        else:
+        elif isinstance(passages, int) and passages >= 0:
             passages = validation.count(passages, "passages", 0)
+        else:
+            raise AttitudeError(
+                f'passages is {validation.shown(passages)}; give "likeliest", "all", or a whole '
+                "number from 0 on, the seed of a draw."
+            )
         degree = validation.count(degree, "degree", 2)
         if degree > 64:
             raise AttitudeError(f"degree is {degree}; give a whole number from 2 to 64.")
@@ -784,3 +799,11 @@ def seconds_of(epoch: Instant, t: Epochs) -> FloatArray:
     if not np.all(np.isfinite(seconds)):
         raise AttitudeError("an epoch is not finite; give finite epochs.")
     return seconds
+
+
+def second_of(epoch: Instant, until: Epochs) -> float:
+    """One epoch as TDB seconds since that of the spin."""
+    seconds = seconds_of(epoch, until)
+    if seconds.shape:
+        raise AttitudeError(f"until has shape {seconds.shape}; give one epoch.")
+    return float(seconds)

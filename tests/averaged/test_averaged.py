@@ -289,6 +289,8 @@ def test_answers_do_not_depend_on_earlier_questions():
         (ConstantTorque((0.01, 0, 0)), {"passages": "coin"}, "passages"),
         (ConstantTorque((0.01, 0, 0)), {"least_tilt": "40 deg"}, "least_tilt"),
         (ConstantTorque((0.01, 0, 0)), {"tolerance": 1.0}, "tolerance"),
+        (ConstantTorque((0.01, 0, 0)), {"passages": None}, "seed of a draw"),
+        (lambda t, q, w: (np.nan, 0.0, 0.0), {}, "not finite at the epoch"),
         (ConstantTorque((0.01, 0, 0)), {"order": 3}, "order is 3; give 1 or 2"),
         (ConstantTorque((0.01, 0, 0)), {"order": 2, "orbit": "averaged"}, "order=1"),
     ],
@@ -296,6 +298,19 @@ def test_answers_do_not_depend_on_earlier_questions():
 def test_refusals_are_sentences(torques, settings, words):
     with pytest.raises(AttitudeError, match=words):
         AveragedMotion(ENVISAT, spinning(), torques, **settings)
+
+
+def test_questions_about_no_event_or_several_epochs_are_refused():
+    motion = AveragedMotion(ENVISAT, spinning(), InternalDissipation(1e-3))
+    for event in (None, "resonance", 3):
+        with pytest.raises(AttitudeError, match="give one of the resonances"):
+            motion.through(event)
+    for ask in (motion.branches, motion.reaches, motion.ends):
+        with pytest.raises(AttitudeError, match=r"shape \(2,\); give one epoch"):
+            ask([1.0, 2.0])
+    for body, spin in ((None, spinning()), (ENVISAT, None)):
+        with pytest.raises(AttitudeError, match="takes a Body, a Spin"):
+            AveragedMotion(body, spin, InternalDissipation(1e-3))
 
 
 def test_a_sphere_and_a_body_at_rest_are_refused():
