@@ -729,9 +729,15 @@ def advance(clock, x, region, until, tolerance, limits, data, models, forcing, w
         row[ROW_REGION], row[ROW_HELD] = region, held
         keep_terms(row, x, trial, k, h)
         filled += 1
-        status = event_of(
-            t + h, trial, held, region, limits, data, models, forcing, work, at, other
-        )
+        status = 0
+        if held != 0:
+            status = event_of(
+                t + h, trial, held, region, limits, data, models, forcing, work, at, other
+            )
+        elif eps > limits[2]:
+            status = STRONG
+        elif trial[3] < limits[0] or trial[3] > limits[1]:
+            status = CLAMPED
         if status != 0:
             status, high = located(
                 row, status, held, region, limits, data, models, forcing, work, at, trial, other
