@@ -37,6 +37,7 @@ from attitude.torques import (
     SolarRadiation,
 )
 from benchmarks.doc_tables import Table, markdown
+from tests.support.mean_motions import late_passages
 
 MAKES = (
     "averaged",
@@ -663,37 +664,12 @@ def kick_of(motion, event, history):
     return total
 
 
-def late(body, torques, count, seed=2):
-    """Predicted and measured deviation of the time at which SAM+ is entered, s, and the mean."""
-    axes, rng, times = Axes(body), np.random.default_rng(seed), []
-    spin = spin_of(axes.moments, axes.nodes(axes.separatrix + 0.3, 2, 16)[3] / axes.moments,
-                   (0.0, 0.0, 1.0))  # fmt: skip
-    packing, span = AveragedMotion(body, spin, torques).packing, 4000.0
-    predicted = math.nan
-    for _ in range(count):
-        # random within many laps, so that each place of the last one is as likely
-        x = np.array([0.0, 0.0, 1.0, axes.separatrix + 0.3 + 0.05 * rng.random()])
-        start = AveragedHistory(packing, np.array(0.0), x, np.array(2))
-        free = start.free_rotation(phases=tuple(rng.random(2)))
-        motion = AveragedMotion(body, free.spin, torques, passages="all", tolerance=1e-9)
-        step = 0.3 / np.linalg.norm(free.spin.angular_velocity)
-        history = TorquedRotation(body, free.spin, torques, step=step).at(span)
-        _, y, _, _, region = mean_of(motion, history, span)
-        (leaf,) = [x for x in motion.branches(span) if REGIONS.index(x.regions[-1]) == region]
-        if region == 0:
-            states = leaf.at(span)
-            rate = packing.rates_of(span, np.append(states.momentum, states.y), region)[0][3]
-            times.append((y - float(states.y)) / rate)
-            predicted = next(e.delay for e in leaf.events if e.kind == "passage")
-    return predicted, np.array(times)
-
-
 def passages(quick):
     """The table of the times by which full motions pass the separatrix early or late."""
     rows = []
     for name, body, torques in list(coin_cases())[:3]:
-        predicted, times = late(body, torques, 60 if quick else 400)
-        rows.append([name, len(times), f"{predicted:.2f}", f"{np.std(times):.2f}",
+        passage, times = late_passages(body, torques, 60 if quick else 400)
+        rows.append([name, len(times), f"{passage.delay:.2f}", f"{np.std(times):.2f}",
                      f"{np.mean(times):+.2f}"])  # fmt: skip
     heads = "motion", "full motions", "predicted, s", "deviation, s", "mean, s"
     return Table("averaged passages", markdown(heads, rows))
