@@ -47,6 +47,8 @@ DEGREE = 32
 # Of `check`: turn of the body in the longest step of the full motion, rad; how often steps are
 # halved, and the share of the difference from the means below which their error is small.
 _COARSEST, _HALVINGS, _CLOSE, _ROUNDING = 0.15, 4, 0.1, 1e-10
+# Seconds by which a path may begin behind the epoch of the spin, by rounding.
+_ROUNDED = 1e-9
 # Turn of the body in a step of the full motion through a resonance, rad.
 _FINE = 0.05
 # Branches of a tree, and the least odds of one.
@@ -370,7 +372,9 @@ class AveragedMotion(Immutable):
 
     def _check_span(self, seconds: FloatArray) -> None:
         first, last = self.span
-        if seconds.size and (np.min(seconds) < first or np.max(seconds) > last):
+        # spans are rounded inwards; the state at the epoch is known
+        begin = min(first, 0.0) if first < _ROUNDED else first
+        if seconds.size and (np.min(seconds) < begin or np.max(seconds) > last):
             raise AttitudeError(
                 f"an epoch lies outside of the paths of the torques, which cover {first:.6g} to "
                 f"{last:.6g} s after the epoch of the spin; give a longer path, or other epochs."

@@ -154,11 +154,8 @@ def span_of(path: Path, instant: Instant) -> tuple[float, float]:
     """First and last TDB seconds since an instant that a path covers, rounded inwards."""
     if path.span is None:
         return -np.inf, np.inf
-    (first, after), (last, before) = (since(end, instant) for end in path.span)
-    return (
-        float(np.nextafter(first, np.inf) if after > 0.0 else first),
-        float(np.nextafter(last, -np.inf) if before < 0.0 else last),
-    )
+    first, last = (sum(since(end, instant)) for end in path.span)
+    return float(np.nextafter(first, last)), float(np.nextafter(last, first))
 
 
 def path_of(given: Path | PositionFunction, name: str) -> Path:
