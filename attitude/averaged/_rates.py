@@ -665,6 +665,18 @@ def event_of(t, x, held, region, limits, data, models, forcing, work, at, out):
 
 
 @subroutine
+def event_behind(t, x, eps, held, region, limits, data, models, forcing, work, at, out):
+    """`event_of` the end of a step, whose last slope gave eps."""
+    if held != 0:
+        return event_of(t, x, held, region, limits, data, models, forcing, work, at, out)
+    if eps > limits[2]:
+        return STRONG
+    if x[3] < limits[0] or x[3] > limits[1]:
+        return CLAMPED
+    return 0
+
+
+@subroutine
 def located(row, status, held, region, limits, data, models, forcing, work, at, trial, other):
     """The event and the share of a step, by bisection, behind which it lies."""
     low, high = 0.0, 1.0
@@ -729,15 +741,9 @@ def advance(clock, x, region, until, tolerance, limits, data, models, forcing, w
         row[ROW_REGION], row[ROW_HELD] = region, held
         keep_terms(row, x, trial, k, h)
         filled += 1
-        status = 0
-        if held != 0:
-            status = event_of(
-                t + h, trial, held, region, limits, data, models, forcing, work, at, other
-            )
-        elif eps > limits[2]:
-            status = STRONG
-        elif trial[3] < limits[0] or trial[3] > limits[1]:
-            status = CLAMPED
+        status = event_behind(
+            t + h, trial, eps, held, region, limits, data, models, forcing, work, at, other
+        )
         if status != 0:
             status, high = located(
                 row, status, held, region, limits, data, models, forcing, work, at, trial, other
