@@ -37,9 +37,11 @@ from attitude.torques import (
     SolarRadiation,
 )
 from benchmarks.doc_tables import Table, markdown
+from tests.support.mean_motions import late_passages
 
 MAKES = (
     "averaged",
+    "averaged orders",
     "averaged odds",
     "averaged passages",
     "averaged leaves",
@@ -229,14 +231,17 @@ def compared(case, **settings):
     begin = time.process_time()
     mean = motion.at(case.seconds)
     costs.append(time.process_time() - begin)
-    truth = mean_of(motion, history, case.seconds)
     start = motion.at(0.0)
     found = {"turns": case.seconds * rate / (2.0 * math.pi), "eps": float(start.weakness)}
     found["full"], found["averaged"] = costs
-    size = float(start.size)
+    return found | differences(mean, mean_of(motion, history, case.seconds), start)
+
+
+def differences(mean, truth, start):
+    """Of a mean state from the truth, and of that from the start: |L|, energy, pole, y; regions."""
+    found, size, energy = {}, float(start.size), float(start.energy)
     found["size change"] = (float(truth[0]) - size) / size
     found["size"] = (float(mean.size) - float(truth[0])) / size
-    energy = float(start.energy)
     found["energy change"] = (truth[3] - energy) / energy
     found["energy"] = (float(mean.energy) - truth[3]) / energy
     found["pole change"] = angle(truth[2], start.pole)
@@ -247,8 +252,38 @@ def compared(case, **settings):
     return found
 
 
-def mean_of(motion, history, seconds):
-    """|L|, y, pole, energy and region of the mean state of one epoch of a full motion."""
+def orders(case):
+    """eps; errors of osculating states as means, of mean states, of second order; its seconds.
+
+    With harmonics to degree 64, whose errors are less than those of second order.
+    """
+    settings = {"tolerance": 1e-9, "least_tilt": 1e-8, "degree": 64, "orbit": "followed"}
+    body = Body(moments=case.moments)
+    spin = spin_of(case.moments, case.omega, case.pole, case.phase)
+    step = case.turn / float(np.linalg.norm(case.omega))
+    full = TorquedRotation(body, spin, case.torques, step=step, scheme=case.scheme)
+    history, found = full.at(case.seconds), []
+    motion = AveragedMotion(body, spin, case.torques, **settings)
+    _, y, region = motion.axes.state(spin.angular_velocity)
+    momentum = quaternion.rotate(spin.wxyz_icrf, spin.angular_velocity @ body.tensor)
+    track = motion._tracks[0].resumed(0.0, np.append(momentum, y), region)
+    track.extend(case.seconds, motion._choose)
+    ends = []
+    for t in (0.0, case.seconds):
+        states, regions = track.states(np.array([t]))
+        ends.append(AveragedHistory(motion.packing, np.array(t), states[0], regions[0]))
+    found.append(differences(ends[1], mean_of(motion, history, case.seconds, False), ends[0]))
+    for order in (1, 2):
+        motion = AveragedMotion(body, spin, case.torques, order=order, **settings)
+        begin = time.process_time()
+        mean = motion.at(case.seconds)
+        cost = time.process_time() - begin
+        found.append(differences(mean, mean_of(motion, history, case.seconds), motion.at(0.0)))
+    return float(motion.at(0.0).weakness), found, cost
+
+
+def mean_of(motion, history, seconds, is_mean=True):
+    """|L|, y, pole, energy and region of the mean, or osculating, state of a full motion."""
     spin = Spin(
         epoch=motion.epoch.after(seconds),
         wxyz=history.wxyz,
@@ -259,6 +294,8 @@ def mean_of(motion, history, seconds):
     shift, bend = mean_state.corrections(
         motion.axes, motion.body, spin, motion.torques, motion.epoch, seconds
     )
+    if not is_mean:
+        shift, bend = np.zeros(3), 0.0
     momentum = quaternion.rotate(spin.wxyz_icrf, spin.angular_velocity @ motion.body.tensor) - shift
     size = float(np.linalg.norm(momentum))
     energy = float(motion.axes.energy(np.array(size), np.array(y - bend)))
@@ -627,37 +664,12 @@ def kick_of(motion, event, history):
     return total
 
 
-def late(body, torques, count, seed=2):
-    """Predicted and measured deviation of the time at which SAM+ is entered, s, and the mean."""
-    axes, rng, times = Axes(body), np.random.default_rng(seed), []
-    spin = spin_of(axes.moments, axes.nodes(axes.separatrix + 0.3, 2, 16)[3] / axes.moments,
-                   (0.0, 0.0, 1.0))  # fmt: skip
-    packing, span = AveragedMotion(body, spin, torques).packing, 4000.0
-    predicted = math.nan
-    for _ in range(count):
-        # random within many laps, so that each place of the last one is as likely
-        x = np.array([0.0, 0.0, 1.0, axes.separatrix + 0.3 + 0.05 * rng.random()])
-        start = AveragedHistory(packing, np.array(0.0), x, np.array(2))
-        free = start.free_rotation(phases=tuple(rng.random(2)))
-        motion = AveragedMotion(body, free.spin, torques, passages="all", tolerance=1e-9)
-        step = 0.3 / np.linalg.norm(free.spin.angular_velocity)
-        history = TorquedRotation(body, free.spin, torques, step=step).at(span)
-        _, y, _, _, region = mean_of(motion, history, span)
-        (leaf,) = [x for x in motion.branches(span) if REGIONS.index(x.regions[-1]) == region]
-        if region == 0:
-            states = leaf.at(span)
-            rate = packing.rates_of(span, np.append(states.momentum, states.y), region)[0][3]
-            times.append((y - float(states.y)) / rate)
-            predicted = next(e.delay for e in leaf.events if e.kind == "passage")
-    return predicted, np.array(times)
-
-
 def passages(quick):
     """The table of the times by which full motions pass the separatrix early or late."""
     rows = []
     for name, body, torques in list(coin_cases())[:3]:
-        predicted, times = late(body, torques, 60 if quick else 400)
-        rows.append([name, len(times), f"{predicted:.2f}", f"{np.std(times):.2f}",
+        passage, times = late_passages(body, torques, 60 if quick else 400)
+        rows.append([name, len(times), f"{passage.delay:.2f}", f"{np.std(times):.2f}",
                      f"{np.mean(times):+.2f}"])  # fmt: skip
     heads = "motion", "full motions", "predicted, s", "deviation, s", "mean, s"
     return Table("averaged passages", markdown(heads, rows))
@@ -837,6 +849,20 @@ def accuracy(quick):
     return Table("averaged", markdown(heads, rows))
 
 
+def by_order(quick):
+    """The table of what mean states and second order gain, for paths that are followed."""
+    rows = []
+    for case in all_cases(quick):
+        if case.orbit != "followed":
+            continue
+        eps, found, cost = orders(case)
+        cells = [", ".join(_share(one, name) for name in ("size", "energy", "pole"))
+                 for one in found]  # fmt: skip
+        rows.append([case.name, f"{eps:.0e}", *cells, f"{cost:.2g}"])
+    heads = "motion", "eps", "osculating", "mean states", "second order", "second order, s"
+    return Table("averaged orders", markdown(heads, rows))
+
+
 def odds(quick):
     """The table of odds at the separatrix, and of members of a tree."""
     count = 40 if quick else 300
@@ -883,6 +909,7 @@ def passed(leaf, until):
 def tables(quick):
     """The tables of docs/averaged.md."""
     yield accuracy(quick)
+    yield by_order(quick)
     yield odds(quick)
     yield passages(quick)
     if not quick:

@@ -6,6 +6,7 @@ _tables       spherical harmonics of a torque and their sums over polhodes, kept
 _pack         means and paths as the compiled loops take them
 _rates        compiled: mean rates, their integration, the odds at the separatrix
 _mean_state   from a state to its mean state
+_second_order what second order adds to mean rates
 _mean_torques the torques of one body, packed for all of its states; windows of their paths
 _tracks       the integration in one direction of time, events
 _resonances   resonances of nutation and precession: where, scatter, strength

@@ -13,7 +13,7 @@ from attitude._support.arrays import Immutable, frozen
 from attitude._support.blocks import ProgressBar, in_blocks
 from attitude.averaged._history import AveragedHistory
 from attitude.averaged._mean_torques import MeanTorques
-from attitude.averaged._motion import DEGREE, AveragedMotion, Settings, seconds_of
+from attitude.averaged._motion import DEGREE, AveragedMotion, Settings, second_of, seconds_of
 from attitude.averaged._polhode import LAM_PLUS, REGIONS
 from attitude.averaged._tracks import AveragedEvent
 from attitude.errors import AttitudeError
@@ -295,7 +295,7 @@ class AveragedEnsemble(Immutable):
 
     def ends(self, until: Epochs, *, threads: int = 1) -> list[AveragedEvent | None]:
         """The event that ends each member before an epoch, or None."""
-        end = float(seconds_of(self.epoch, until))
+        end = second_of(self.epoch, until)
         self._extend(end, threads)
         return [None if member is None else member.ends(end) for member in self._members]
 
@@ -308,7 +308,7 @@ class AveragedEnsemble(Immutable):
         from astropy.table import QTable
         from astropy.units import Quantity
 
-        end = float(seconds_of(self.epoch, until))
+        end = second_of(self.epoch, until)
         ends = self.ends(end, threads=threads)
         rows = []
         for member, event in zip(self._members, ends, strict=True):

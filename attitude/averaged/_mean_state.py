@@ -2,12 +2,14 @@
 
 To first order the mean state is the state less sum F_jk / (i (j w_psi + k w_phi)) over all pairs of
 whole numbers but (0, 0), F being the series of dL/dt and dy/dt over the phases of nutation and
-precession, from the phases of the state.
+precession, from the phases of the state.  Where F changes along the path of a torque, the terms
+dF_jk/dt / (j w_psi + k w_phi)^2 are subtracted too, the next ones of the same integral by parts.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,17 +22,24 @@ from attitude.torques._torque import SLIP
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from typing import TypeAlias
 
     from numpy.typing import NDArray
 
     from attitude._support.annotations import FloatArray
+    from attitude.averaged._mean_torques import MeanTorques
     from attitude.averaged._polhode import Axes
     from attitude.epochs._instants import Instant
     from attitude.motions._body import Body
     from attitude.motions._spin import Spin
     from attitude.torques._torque import Torque
 
+    Numbers: TypeAlias = tuple[float, FloatArray, FloatArray]
+
 _NODES = 64
+# Step of differences along paths, in nutations; the least frequency, in units of that of the
+# nutation, of terms that are corrected for them; the share of a path below which it stands still.
+_PATH_STEP, _FAST, _STILL = 0.25, 0.1, 1e-3
 
 
 def corrections(
@@ -50,8 +59,30 @@ def corrections(
     # a resonance of high order has no mean state nearby; its term is left out
     terms[np.abs(frequency) < 1e-3 * nutation] = 0.0
     frequency[frequency == 0.0] = 1.0
-    total = np.sum(terms / (1j * frequency)[..., None], axis=(0, 1)).real
+    waves = terms / (1j * frequency)[..., None]
+    moving = [torque for torque in torques if torque.columns]
+    if moving:
+        step = _PATH_STEP * 2.0 * math.pi / nutation
+        change = _along_paths(axes, body, spin, moving, instant, seconds, step)
+        if change is not None:
+            change[np.abs(frequency) < _FAST * nutation] = 0.0
+            waves += change / (frequency**2)[..., None]
+    total = np.sum(waves, axis=(0, 1)).real
     return total[:3], float(total[3])
+
+
+def _along_paths(axes, body, spin, torques, instant, seconds, step):
+    """The rate at which a series changes by the paths of torques; None where they hardly move."""
+    first = max(seconds - step, *(torque.span(instant)[0] for torque in torques))
+    last = min(seconds + step, *(torque.span(instant)[1] for torque in torques))
+    if not last > first:
+        return None
+    ends = np.array([first, last])
+    samples = [torque.sample(instant, ends, np.zeros(2)) for torque in torques]
+    if all(np.ptp(x, axis=0).max() <= _STILL * np.abs(x).max() for x in samples):
+        return None
+    later, earlier = (series(axes, body, spin, torques, instant, when)[0] for when in (last, first))
+    return (later - earlier) / (last - first)
 
 
 def series(
@@ -68,19 +99,15 @@ def series(
     With the frequencies (J, K) of its terms and that of the nutation, rad/s; None on the
     separatrix.  nodes: of each phase, even.
     """
-    torus = _torus(body, spin, nodes)
-    if torus is None:
+    phases = torus(body, spin, nodes)
+    if phases is None:
         return None
-    wxyz, omega, size, period, pace = torus
     total = np.zeros((nodes * nodes, 4))
     for torque in torques:
-        moments = _moments(torque, body, (instant, seconds), wxyz, omega)
-        total += _rates_of(torque, axes, body, moments, wxyz, omega, size)
-    terms = np.fft.fft2(total.reshape(nodes, nodes, 4), axes=(0, 1)) / nodes**2
-    terms[nodes // 2] = terms[:, nodes // 2] = 0.0
-    nutation = 2.0 * math.pi / period
-    number = np.fft.fftfreq(nodes, 1.0 / nodes)
-    return terms, number[:, None] * nutation + number * pace, nutation
+        numbers = numbers_of(torque, body, instant, seconds)
+        moments, _ = _moments(torque, body, numbers, phases.wxyz, phases.omega)
+        total += _rates_of(torque, axes, moments, phases, body)
+    return phases.series(total), phases.frequency, float(phases.paces[0])
 
 
 def divergence(
@@ -90,24 +117,79 @@ def divergence(
 
     The rate at which a volume of states grows: 0 of torques that do not depend on the rate.
     """
-    torus = _torus(body, spin, _NODES)
-    if torus is None:
+    phases = torus(body, spin, _NODES)
+    if phases is None:
         return 0.0
-    wxyz, omega, size, _, _ = torus
-    total, step = 0.0, 1e-5 * size
+    total, step = 0.0, 1e-5 * phases.size
     inverse = np.linalg.inv(body.tensor)
     for torque in torques:
+        numbers = numbers_of(torque, body, instant, seconds)
         for k in range(3):
+            change = step * inverse[k]
             ends = [
-                _moments(torque, body, (instant, seconds), wxyz, omega + sign * step * inverse[k])
+                _moments(torque, body, numbers, phases.wxyz, phases.omega + sign * change)[0]
                 for sign in (1.0, -1.0)
             ]
             total += float(np.mean(ends[0][:, k] - ends[1][:, k])) / (2.0 * step)
     return total
 
 
-def _torus(body, spin, nodes):
-    """Attitudes (N, 4) and rates (N, 3) at nodes of both phases; |L|, P_psi, rate of precession."""
+@dataclass(frozen=True, eq=False)
+class Torus:
+    """A free rotation at nodes of both phases, those of the precession next to each other.
+
+    Attributes
+    ----------
+    wxyz : (N, 4) array
+        Attitudes.
+    omega : (N, 3) array
+        rad/s over the body axes.
+    size : float
+        |L|, N m s.
+    paces : (2,) array
+        Frequencies of nutation and precession, rad/s.
+    """
+
+    wxyz: FloatArray
+    omega: FloatArray
+    size: float
+    paces: FloatArray
+
+    @property
+    def nodes(self) -> int:
+        """Of each phase."""
+        return math.isqrt(len(self.wxyz))
+
+    @property
+    def frequency(self) -> FloatArray:
+        """rad/s (J, K), of the terms of `series`."""
+        number = np.fft.fftfreq(self.nodes, 1.0 / self.nodes)
+        total: FloatArray = number[:, None] * self.paces[0] + number * self.paces[1]
+        return total
+
+    def series(self, values: FloatArray) -> NDArray[np.complex128]:
+        """The Fourier series (J, K, C) of values (N, C)."""
+        nodes = self.nodes
+        terms: NDArray[np.complex128] = np.fft.fft2(
+            values.reshape(nodes, nodes, -1), axes=(0, 1), norm="forward"
+        )
+        terms[nodes // 2] = terms[:, nodes // 2] = 0.0
+        return terms
+
+    def scaled(self, factor: float) -> Torus:
+        """That of a momentum which is longer by a factor."""
+        return replace(
+            self, omega=factor * self.omega, size=factor * self.size, paces=factor * self.paces
+        )
+
+    def turned(self, axis: FloatArray, angle: float) -> Torus:
+        """Attitudes turned about an inertial axis."""
+        turn = _turns(axis, np.array([angle]))
+        return replace(self, wxyz=quaternion.multiply(turn, self.wxyz))
+
+
+def torus(body: Body, spin: Spin, nodes: int) -> Torus | None:
+    """The torus of a state, from its phases; None on the separatrix."""
     free = FreeRotation(body, spin)
     period = float(free.regime.P_psi)
     if not np.isfinite(period):
@@ -125,7 +207,21 @@ def _torus(body, spin, nodes):
         phases[None], quaternion.multiply(back, history.wxyz[:-1])[:, None]
     ).reshape(-1, 4)
     omega = np.repeat(history.angular_velocity[:-1], nodes, axis=0)
-    return wxyz, omega, size, period, pace
+    return Torus(wxyz, omega, size, np.array([2.0 * math.pi / period, pace]))
+
+
+def over_phases(
+    torques: MeanTorques, numbers: Sequence[Numbers], phases: Torus
+) -> tuple[FloatArray, FloatArray]:
+    """dL/dt and dy/dt (N, 4); turn over ICRF axes and change of L over body axes (N, 6), 1/s."""
+    body, count = torques.body, len(phases.wxyz)
+    rates, kicks = np.zeros((count, 4)), np.zeros((count, 6))
+    for torque, at_epoch in zip(torques.torques, numbers, strict=True):
+        moments, slips = _moments(torque, body, at_epoch, phases.wxyz, phases.omega)
+        rates += _rates_of(torque, torques.axes, moments, phases, body)
+        kicks[:, :3] += quaternion.rotate(phases.wxyz, slips)
+        kicks[:, 3:] += moments
+    return rates, kicks
 
 
 def _turns(axis: FloatArray, angle: FloatArray) -> FloatArray:
@@ -135,27 +231,32 @@ def _turns(axis: FloatArray, angle: FloatArray) -> FloatArray:
     )
 
 
-def _moments(torque, body, epoch, wxyz, omega):
-    """A torque (N, 3) at states of the torus, over the body axes; that of a slip is L x d."""
+def numbers_of(torque: Torque, body: Body, instant: Instant, seconds: float) -> Numbers:
+    """Seconds, samples (1, C) and parameters of a torque at an epoch."""
     samples = np.zeros((1, 1))
     if torque.columns:
-        samples = torque.sample(epoch[0], np.array([epoch[1]]), np.zeros(1))
+        samples = torque.sample(instant, np.array([seconds]), np.zeros(1))
+    return seconds, samples, np.append(np.asarray(torque.parameters(body), dtype=np.float64), 0.0)
+
+
+def _moments(torque, body, numbers, wxyz, omega):
+    """A torque (N, 3) at states of the torus, over the body axes, and slips d: L x d and d."""
+    seconds, samples, parameters = numbers
     samples = np.ascontiguousarray(np.broadcast_to(samples, (len(wxyz), samples.shape[1])))
-    parameters = np.append(np.asarray(torque.parameters(body), dtype=np.float64), 0.0)
     moments = np.empty((len(wxyz), 3))
-    times = np.full(len(wxyz), epoch[1])
+    times = np.full(len(wxyz), seconds)
     states = np.ascontiguousarray(wxyz), np.ascontiguousarray(omega)
     torques_at(torque.address(), parameters.ctypes.data, times, *states, samples, moments)
     if torque.kind == SLIP:
-        moments = np.cross(omega @ body.tensor, moments)
-    return moments
+        return np.cross(omega @ body.tensor, moments), moments
+    return moments, np.zeros_like(moments)
 
 
-def _rates_of(torque, axes, body, moments, wxyz, omega, size):
+def _rates_of(torque, axes, moments, phases, body):
     """dL/dt over ICRF axes and dy/dt (N, 4) from a torque at states of the torus."""
-    inertial = np.zeros_like(moments)
+    inertial, omega, size = np.zeros_like(moments), phases.omega, phases.size
     if torque.kind != SLIP:
-        inertial = quaternion.rotate(wxyz, moments)
+        inertial = quaternion.rotate(phases.wxyz, moments)
     momentum = omega @ body.tensor
     unit = momentum / size
     across = omega - np.sum(omega * unit, axis=1)[:, None] * unit

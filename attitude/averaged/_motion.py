@@ -47,6 +47,8 @@ DEGREE = 32
 # Of `check`: turn of the body in the longest step of the full motion, rad; how often steps are
 # halved, and the share of the difference from the means below which their error is small.
 _COARSEST, _HALVINGS, _CLOSE, _ROUNDING = 0.15, 4, 0.1, 1e-10
+# Seconds by which a path may begin behind the epoch of the spin, by rounding.
+_ROUNDED = 1e-9
 # Turn of the body in a step of the full motion through a resonance, rad.
 _FINE = 0.05
 # Branches of a tree, and the least odds of one.
@@ -233,6 +235,9 @@ class AveragedMotion(Immutable):
         Of a step, of L in units of |L| and of y.
     degree : int
         Largest degree of the spherical harmonics of light and flow.
+    order : int
+        1, or 2 for means of second order in the torques, which need paths that are followed, and
+        some 10 ms in each step: docs/averaged.md has what they gain.
 
     Raises
     ------
@@ -242,8 +247,8 @@ class AveragedMotion(Immutable):
 
     Notes
     -----
-    Means of first order: errors are of the order of |N| P/(2 pi |L|) times the change.  Resonances
-    of nutation and precession are listed in `events` with what a crossing does, and not treated.
+    Errors of first order are of the order of |N| P/(2 pi |L|) times the change.  Resonances of
+    nutation and precession are listed in `events` with what a crossing does, and not treated.
     docs/averaged.md has the mathematics and limits.
     """
 
@@ -262,9 +267,17 @@ class AveragedMotion(Immutable):
         least_tilt: Real = "0.01 deg",
         tolerance: Real = 1e-7,
         degree: int = DEGREE,
+        order: int = 1,
     ) -> None:
+        if not isinstance(body, Body) or not isinstance(spin, Spin):
+            raise AttitudeError(
+                "AveragedMotion takes a Body, a Spin and torques; given were "
+                f"{type(body).__name__} and {type(spin).__name__}."
+            )
         acting = _torques(torques)
-        settings = Settings.checked(orbit, passages, least_tilt, tolerance, degree, len(acting))
+        settings = Settings.checked(
+            orbit, passages, least_tilt, tolerance, degree, len(acting), order
+        )
         self._begin(MeanTorques(body, acting, spin.epoch, settings.degree), spin, settings)
 
     @classmethod
@@ -295,7 +308,7 @@ class AveragedMotion(Immutable):
             mean[3] = y
         self._refuse_strong(packing, mean, region)
         pace = 2.0 * math.pi * float(self.axes.moments[2]) / size
-        course = Course(packing, self.least_y, self.tolerance, pace)
+        course = Course(packing, self.least_y, self.tolerance, pace, settings.order)
         self._set_all(start=frozen(mean), start_region=region, packing=packing, _course=course)
         self._set("_tracks", [Track(course, mean, region, sign) for sign in (1.0, -1.0)])
         self._set("_farthest", [0.0, 0.0])
@@ -306,6 +319,10 @@ class AveragedMotion(Immutable):
     @staticmethod
     def _refuse_strong(packing: Packing, x: FloatArray, region: int) -> None:
         eps = packing.weakness_of(0.0, x, region)
+        if not math.isfinite(eps):
+            raise AttitudeError(
+                "the mean torque is not finite at the epoch of the spin; check the torques."
+            )
         if not eps <= WEAK:
             raise AttitudeError(
                 f"the torques are not weak: |N| P/(2 pi L) is {eps:.3g} at the epoch, and means "
@@ -355,7 +372,9 @@ class AveragedMotion(Immutable):
 
     def _check_span(self, seconds: FloatArray) -> None:
         first, last = self.span
-        if seconds.size and (np.min(seconds) < first or np.max(seconds) > last):
+        # spans are rounded inwards; the state at the epoch is known
+        begin = min(first, 0.0) if first < _ROUNDED else first
+        if seconds.size and (np.min(seconds) < begin or np.max(seconds) > last):
             raise AttitudeError(
                 f"an epoch lies outside of the paths of the torques, which cover {first:.6g} to "
                 f"{last:.6g} s after the epoch of the spin; give a longer path, or other epochs."
@@ -408,14 +427,14 @@ class AveragedMotion(Immutable):
 
         Of the branch of `passages`; of the likeliest one for passages="all".
         """
-        seconds = float(seconds_of(self.epoch, until))
+        seconds = second_of(self.epoch, until)
         self._check_span(np.array([seconds]))
         ended = self.ends(seconds)
         return seconds if ended is None else ended.seconds
 
     def ends(self, until: Epochs) -> AveragedEvent | None:
         """The event that ends the motion on the way to an epoch, or None; as `reaches`."""
-        seconds = float(seconds_of(self.epoch, until))
+        seconds = second_of(self.epoch, until)
         ended = self._extended(seconds).ended
         return None if ended is None or abs(ended.seconds) > abs(seconds) else ended
 
@@ -469,7 +488,7 @@ class AveragedMotion(Immutable):
             if end == 0.0:
                 raise AttitudeError("no epoch has been asked; give one, as in branches(until).")
         else:
-            end = float(seconds_of(self.epoch, until))
+            end = second_of(self.epoch, until)
         self._check_span(np.array([end]))
         return self._tree(end)
 
@@ -575,7 +594,8 @@ class AveragedMotion(Immutable):
             since the epoch of the spin, and where the motion is still held after four times the
             time in which means cross the resonance.
         """
-        if event.kind != "resonance" or not event.lasts > 0.0:
+        is_resonance = isinstance(event, AveragedEvent) and event.kind == "resonance"
+        if not is_resonance or not event.lasts > 0.0:
             raise AttitudeError(
                 f"event is {event}; give one of the resonances of events, which has terms that "
                 "do not average out."
@@ -638,6 +658,7 @@ class AveragedMotion(Immutable):
             least_tilt=math.atan(math.exp(0.5 * self.least_y)),
             tolerance=self.tolerance,
             degree=self.packing.torques.degree,
+            order=self._course.order,
         )
 
     def check(self, turns: Real = 1e3) -> dict[str, float]:
@@ -722,6 +743,7 @@ class Settings:
         y of the least tilt.
     tolerance : float
     degree : int
+    order : int
     """
 
     kinds: list[str]
@@ -729,10 +751,18 @@ class Settings:
     least_y: float
     tolerance: float
     degree: int
+    order: int = 1
 
     @classmethod
     def checked(
-        cls, orbit: Any, passages: Any, least_tilt: Any, tolerance: Any, degree: Any, count: int
+        cls,
+        orbit: Any,
+        passages: Any,
+        least_tilt: Any,
+        tolerance: Any,
+        degree: Any,
+        count: int,
+        order: Any = 1,
     ) -> Settings:
         """The settings of arguments, for a count of torques."""
         step = validation.positive(tolerance, "tolerance")
@@ -744,12 +774,27 @@ class Settings:
         edge = 2.0 * math.log(math.tan(tilt))
         if isinstance(passages, str):
             passages = validation.one_of(passages, "passages", ("likeliest", "all"))
-        else:
+        elif isinstance(passages, int) and passages >= 0:
             passages = validation.count(passages, "passages", 0)
+        else:
+            raise AttitudeError(
+                f'passages is {validation.shown(passages)}; give "likeliest", "all", or a whole '
+                "number from 0 on, the seed of a draw."
+            )
         degree = validation.count(degree, "degree", 2)
         if degree > 64:
             raise AttitudeError(f"degree is {degree}; give a whole number from 2 to 64.")
-        return cls(checked_orbits(orbit, count), passages, edge, step, degree)
+        kinds, order = checked_orbits(orbit, count), validation.count(order, "order", 1)
+        if order > 2:
+            raise AttitudeError(f"order is {order}; give 1 or 2.")
+        if order == 2 and "averaged" in kinds:
+            raise AttitudeError(
+                "order is 2, and a torque is averaged over the turn of its path, which errs by "
+                'more than that gains; give orbit="followed", or order=1.'
+            )
+        if order == 2:
+            kinds = ["followed"] * count
+        return cls(kinds, passages, edge, step, degree, order)
 
 
 def seconds_of(epoch: Instant, t: Epochs) -> FloatArray:
@@ -758,3 +803,11 @@ def seconds_of(epoch: Instant, t: Epochs) -> FloatArray:
     if not np.all(np.isfinite(seconds)):
         raise AttitudeError("an epoch is not finite; give finite epochs.")
     return seconds
+
+
+def second_of(epoch: Instant, until: Epochs) -> float:
+    """One epoch as TDB seconds since that of the spin."""
+    seconds = seconds_of(epoch, until)
+    if seconds.shape:
+        raise AttitudeError(f"until has shape {seconds.shape}; give one epoch.")
+    return float(seconds)

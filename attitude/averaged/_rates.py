@@ -10,6 +10,7 @@ HARMONICS   a torque that is a function of one direction u in the body: for each
 TENSOR      a torque that is linear in a tensor T over inertial axes: ten numbers, as `TensorMean`.
 FRICTION    of a rheology: logarithms of -dy/dt |L|/2 at nodes of ln |L|.
 TORUS       any torque: evaluated at nodes of the nutation and of the precession.
+DRIFT       dL/dt and dy/dt, numbers of the epoch: what second order adds (`_second_order`).
 
 The factor |L|^exponent is that of all numbers of a table.
 """
@@ -45,6 +46,7 @@ HARMONICS: Final = 0
 TENSOR: Final = 1
 TORUS: Final = 2
 FRICTION: Final = 3
+DRIFT: Final = 4
 # Entries of a row of `models`.
 KIND: Final = 0
 TABLE: Final = 1  # where in `data`
@@ -450,6 +452,9 @@ def rates(t, x, region, data, models, forcing, work, at, out):
         if kind == TORUS:
             mean = over_torus(t, x[3], region, size, l0, l1, l2, data, 0, k, models, work, at)
             factor, strength = 1.0, 1.0
+        elif kind == DRIFT:
+            mean = (work[0], work[1], work[2], 0.5 * size * work[3], 0.0)
+            factor, strength = 1.0, 1.0
         else:
             table = width
             interpolated(data, models[k, TABLE], columns, region, interval, d, count, work, table)
@@ -660,6 +665,18 @@ def event_of(t, x, held, region, limits, data, models, forcing, work, at, out):
 
 
 @subroutine
+def event_behind(t, x, eps, held, region, limits, data, models, forcing, work, at, out):
+    """`event_of` the end of a step, whose last slope gave eps."""
+    if held != 0:
+        return event_of(t, x, held, region, limits, data, models, forcing, work, at, out)
+    if eps > limits[2]:
+        return STRONG
+    if x[3] < limits[0] or x[3] > limits[1]:
+        return CLAMPED
+    return 0
+
+
+@subroutine
 def located(row, status, held, region, limits, data, models, forcing, work, at, trial, other):
     """The event and the share of a step, by bisection, behind which it lies."""
     low, high = 0.0, 1.0
@@ -724,8 +741,8 @@ def advance(clock, x, region, until, tolerance, limits, data, models, forcing, w
         row[ROW_REGION], row[ROW_HELD] = region, held
         keep_terms(row, x, trial, k, h)
         filled += 1
-        status = event_of(
-            t + h, trial, held, region, limits, data, models, forcing, work, at, other
+        status = event_behind(
+            t + h, trial, eps, held, region, limits, data, models, forcing, work, at, other
         )
         if status != 0:
             status, high = located(

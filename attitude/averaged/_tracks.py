@@ -11,12 +11,14 @@ import numpy as np
 
 from attitude._compilation.callbacks import raising_callback_errors
 from attitude.averaged import _rates as layout
+from attitude.averaged import _second_order
 from attitude.averaged._mean_torques import SLOWEST, Crossing, Packing, delay, slowest_turns
 from attitude.averaged._polhode import LAM_PLUS, REGIONS
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
     from attitude._support.annotations import BoolArray, FloatArray, IntArray
+    from attitude.averaged._mean_torques import Window
 
     # Of a track and what may follow beyond the separatrix: the region to continue in.
     Choice: TypeAlias = Callable[["Track", Crossing], int]
@@ -28,6 +30,8 @@ _ROWS = 512
 # Turns of the first stretch of a trajectory, and the ratio of the ends of two stretches: steps end
 # there and at the ends of windows, never at an epoch of a caller.
 _FIRST, _RATIO = 1e4, 1.25
+# Tolerance of the path along which the drift of second order is found.
+_COARSE = 1e-6
 # Passages without progress after which a rotation stays at the separatrix.
 _MOST_PASSAGES = 100
 
@@ -137,12 +141,15 @@ class Course:
     tolerance : float
     pace : float
         s, a turn of the body at the epoch.
+    order : int
+        1, or 2 with the drift of second order.
     """
 
     packing: Packing
     least: float
     tolerance: float
     pace: float
+    order: int = 1
 
 
 class Track:
@@ -159,6 +166,7 @@ class Track:
             tuple[float, tuple[int, int, int]], tuple[AveragedEvent, FloatArray]
         ] = {}
         self.odds, self._idle = 1.0, 0
+        self._stride = float(self.clock[1])  # of the path along which drift is found
         self._goal = _FIRST * course.pace
         self._work = np.empty_like(course.packing.packed.work)
         if abs(x[3]) >= -course.least:
@@ -191,32 +199,58 @@ class Track:
 
     def extend(self, until: float, choose: Choice) -> None:
         """Integrate at least up to seconds `until`, or to the end."""
-        packing, course = self.course.packing, self.course
-        limits = np.array([course.least, -course.least, WEAK, self.sign])
+        packing = self.course.packing
         while self.ended is None and not self.reaches(until):
             window = packing.window(float(self.clock[0]), self.sign)
             while self._goal <= abs(self.clock[0]):
                 self._goal *= _RATIO
             end = window.end if self.sign > 0.0 else window.begin
             target = self.sign * min(self._goal, end * self.sign)
-            rows = np.empty((_ROWS, layout.ROW_ENTRIES))
-            arguments = packing.packed.data, window.models, window.forcing, self._work, rows
-            with raising_callback_errors():
-                status, count = layout.advance(
-                    self.clock, self.x, self.region, target, course.tolerance, limits, *arguments
-                )
-            if status == layout.BAD:
-                raise AttitudeError(
-                    f"the mean torque is not finite {self.clock[0]:.9g} s after the epoch; check "
-                    "the torques, or give earlier epochs only."
-                )
-            if count:
-                self.blocks.append(rows[:count].copy())
-                self._idle = 0 if count > 3 else self._idle
+            numbers = window.models, window.forcing
+            if self.course.order == 2 and self.clock[2] == 0.0:
+                target, numbers = self._driven(target, window)
+            status, rows = self._advance(target, *numbers, self.course.tolerance)
+            if len(rows):
+                self.blocks.append(rows)
+                self._idle = 0 if len(rows) > 3 else self._idle
                 if self._ends_slowly():
                     return
             if status in (layout.PASSAGE, layout.CLAMPED, layout.RELEASED, layout.STRONG):
                 self._happens(status, choose)
+
+    def _advance(
+        self, target: float, models: IntArray, forcing: FloatArray, tolerance: float
+    ) -> tuple[int, FloatArray]:
+        """Integrate to seconds `target` or to an event: what ended it, and the steps."""
+        course, rows = self.course, np.empty((_ROWS, layout.ROW_ENTRIES))
+        limits = np.array([course.least, -course.least, WEAK, self.sign])
+        arguments = course.packing.packed.data, models, forcing, self._work, rows
+        with raising_callback_errors():
+            status, count = layout.advance(
+                self.clock, self.x, self.region, target, tolerance, limits, *arguments
+            )
+        if status == layout.BAD:
+            raise AttitudeError(
+                f"the mean torque is not finite {self.clock[0]:.9g} s after the epoch; check "
+                "the torques, or give earlier epochs only."
+            )
+        return status, rows[:count].copy()
+
+    def _driven(self, target: float, window: Window) -> tuple[float, tuple[IntArray, FloatArray]]:
+        """A nearer target, and what `_advance` takes, with the drift of second order up to it."""
+        numbers, before = (window.models, window.forcing), (self.clock.copy(), self.x.copy())
+        self.clock[1] = self._stride
+        status, rows = self._advance(target, *numbers, _COARSE)
+        if len(rows):
+            even = _second_order.even(rows)
+            self._stride = float(rows[min(len(even), len(rows) - 1), layout.ROW_STEP])
+            if status == layout.FULL or len(even) < len(rows):
+                target = float(even[-1, layout.ROW_END])
+            t = _second_order.places(even)
+            states = _states(even, t, self.sign)
+            numbers = _second_order.driven(self.course.packing, window, t, states, self.region)
+        self.clock[:], self.x[:] = before
+        return target, numbers
 
     def _end(self, kind: str, t: float) -> None:
         self.ended = AveragedEvent(kind, t, REGIONS[self.region], REGIONS[self.region])
@@ -284,7 +318,7 @@ class Track:
         )
         self.region = region
         self.x[3] = self.course.packing.axes.separatrix + side * layout.BEYOND
-        self.clock[1] = self.sign * self._first_step()
+        self.clock[1] = self._stride = self.sign * self._first_step()
 
     @property
     def rows(self) -> FloatArray:

@@ -169,7 +169,7 @@ def duration(text: str, name: str) -> Fraction:
 
 def _moment(text: str, name: str) -> _instants.Instant | Fraction:
     """A date as Instant, a time after the epoch as Fraction."""
-    if re.match(r"\s*\d{4}-\d", text):
+    if re.match(r"\s*\d{4,}-\d", text):
         return _inputs.instant(text, name)
     try:
         return duration(text, name)

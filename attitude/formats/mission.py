@@ -552,9 +552,9 @@ def _under_torques(
     for k, section in enumerate(sections, start=1):
         kind = section.get("kind")
         if not isinstance(kind, str) or kind not in _TORQUES:
+            what = "no kind" if kind is None else f"the kind {quoted(kind)}"
             raise AttitudeError(
-                f"[[torque]] number {k} has the kind {quoted(kind)}; give one of "
-                f"{', '.join(_TORQUES)}."
+                f"[[torque]] number {k} has {what}; give one of {', '.join(_TORQUES)}."
             )
         where = f"[[torque]] number {k} ({kind})"
         refuse_unknown(section, ("kind", *_TORQUES[kind]), where)

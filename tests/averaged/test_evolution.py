@@ -33,7 +33,16 @@ from attitude.torques import (
     Rheology,
     SolarRadiation,
 )
-from tests.support.mean_motions import AU, DAY, ENVISAT, EPOCH, GM, circle, spinning
+from tests.support.mean_motions import (
+    AU,
+    DAY,
+    ENVISAT,
+    EPOCH,
+    GM,
+    circle,
+    late_passages,
+    spinning,
+)
 
 RADIUS = 6.3712e6
 GOES = Body(moments=(3432.1, 980.5, 3570.0))
@@ -456,32 +465,10 @@ def test_a_passage_is_early_or_late_as_in_full_motions(push, count):
 
     The deviation of some 60 such times within 35 %, three of its errors: they have long tails.
     """
-    body = Body(moments=(1.0, 2.0, 2.6))
-    axes, rng, late = Axes(body), np.random.default_rng(2), []
     torques = [InternalDissipation(3e-4), ConstantTorque((0.0, 0.0, 1.3e-4 * push))]
-    spin = spinning(axes.nodes(axes.separatrix + 0.3, 2, 16)[3] / axes.moments)
-    packing = AveragedMotion(body, spin, torques).packing
-    for _ in range(count):
-        # random within many laps, so that each place of the last one is as likely
-        x = np.array([0.0, 0.0, 1.0, axes.separatrix + 0.3 + 0.05 * rng.random()])
-        start = AveragedHistory(packing, np.array(0.0), x, np.array(2))
-        free = start.free_rotation(phases=tuple(rng.random(2)))
-        motion = AveragedMotion(body, free.spin, torques, passages="all", tolerance=1e-9)
-        step = 0.3 / np.linalg.norm(free.spin.angular_velocity)
-        history = TorquedRotation(body, free.spin, torques, step=step).at(4000.0)
-        end = Spin(motion.epoch.after(4000.0), history.wxyz, history.angular_velocity, frame="icrf")
-        _, y, region = axes.state(end.angular_velocity)
-        bend = _mean_state.corrections(axes, body, end, motion.torques, motion.epoch, 4000.0)[1]
-        name = ("SAM+", "SAM-", "LAM+", "LAM-")[region]
-        (leaf,) = [leaf for leaf in motion.branches(4000.0) if leaf.regions[-1] == name]
-        if name == "SAM+":
-            state = leaf.at(4000.0)
-            vector = np.append(state.momentum, state.y)
-            rate = motion.packing.rates_of(4000.0, vector, region)[0][3]
-            late.append(float(y - bend - float(state.y)) / rate)
-            (passage,) = [event for event in leaf.events if event.kind == "passage"]
+    passage, early = late_passages(Body(moments=(1.0, 2.0, 2.6)), torques, count)
     assert passage.is_proved
-    assert np.std(late) == pytest.approx(passage.delay, rel=0.35)
+    assert np.std(early) == pytest.approx(passage.delay, rel=0.35)
 
 
 # ---- Friction of a material, and the error of a comparison

@@ -155,7 +155,7 @@ def test_the_command_propagates_under_torques(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("section", "sentence"),
     [
-        ("", r"number 1 has the kind .* give one of gravity_gradient"),
+        ("", r"number 1 has no kind; give one of gravity_gradient"),
         ('kind = "gravity"', r"has the kind .gravity.; give one of"),
         ('kind = "constant"', r"number 1 \(constant\) has no torque; give it, in N m"),
         ('kind = "constant"\ntorque = [1, 2]', "number 1 .constant."),

@@ -5,6 +5,9 @@ import math
 import numpy as np
 
 from attitude import Body, Spin, paths
+from attitude.averaged import AveragedHistory, AveragedMotion, _mean_state
+from attitude.averaged._polhode import LAM_PLUS, REGIONS, Axes
+from attitude.splitting import TorquedRotation
 
 EPOCH = "2026-01-01"
 AU, GM, DAY = 149597870700.0, 3.986004418e14, 86400.0
@@ -30,3 +33,33 @@ def circle(radius, first=-1e9, last=1e9, slope=0.0):
             return radius * np.stack([np.cos(angle), *across], axis=-1)
 
     return Circle()
+
+
+def late_passages(body, torques, count, span=4000.0, seed=2):
+    """The passage from LAM+ to SAM+, and seconds by which full motions are early against means.
+
+    Of a count of motions with random phases and |L| = 1 N m s, those that are in SAM+ at span s.
+    """
+    axes, rng, early = Axes(body), np.random.default_rng(seed), []
+    first = axes.nodes(axes.separatrix + 0.3, LAM_PLUS, 16)[3] / axes.moments
+    packing, passage = AveragedMotion(body, spinning(first), torques).packing, None
+    for _ in range(count):
+        # random within many laps, so that each place of the last one is as likely
+        x = np.array([0.0, 0.0, 1.0, axes.separatrix + 0.3 + 0.05 * rng.random()])
+        start = AveragedHistory(packing, np.array(0.0), x, np.array(LAM_PLUS))
+        free = start.free_rotation(phases=tuple(rng.random(2)))
+        motion = AveragedMotion(body, free.spin, torques, passages="all", tolerance=1e-9)
+        step = 0.3 / np.linalg.norm(free.spin.angular_velocity)
+        history = TorquedRotation(body, free.spin, torques, step=step).at(span)
+        end = Spin(motion.epoch.after(span), history.wxyz, history.angular_velocity, frame="icrf")
+        _, y, region = axes.state(end.angular_velocity)
+        if region != 0:
+            continue
+        bend = _mean_state.corrections(axes, body, end, motion.torques, motion.epoch, span)[1]
+        (leaf,) = [one for one in motion.branches(span) if one.regions[-1] == REGIONS[region]]
+        state = leaf.at(span)
+        vector = np.append(state.momentum, state.y)
+        rate = packing.rates_of(span, vector, region)[0][3]
+        early.append((y - bend - float(state.y)) / rate)
+        (passage,) = [event for event in leaf.events if event.kind == "passage"]
+    return passage, np.array(early)

@@ -7,22 +7,32 @@ from attitude import Body, FreeRotation, Spin
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
+from attitude.shape import box
 from attitude.splitting import TorquedRotation
 from attitude.torques import (
+    IGRF,
+    AerodynamicTorque,
     ConstantTorque,
     CustomTorque,
+    EddyCurrent,
     GravityGradient,
     InertiaHistory,
     InternalDissipation,
     LinearDamping,
+    MagneticDipole,
     Maxwell,
     Rheology,
+    SolarRadiation,
 )
 
 TIMES = np.array([0.0, 0.31, 5.0, -3.3, 12.34])
 BODY = Body(moments=(26, 10, 20))
 TILTED = Body(tensor=[[10, 1, 0.5], [1, 20, 2], [0.5, 2, 26]])
+OFFSET = Body(tensor=TILTED.tensor, center_of_mass=(0.2, 0.1, -0.3))
 SPIN = Spin(epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=(0.1, 0.9, 0.05))
+# For facets: none of them turns into the light or the flow within the span, which makes a kink.
+SLOW = Spin(epoch="2026-01-01", wxyz=(1, 0.5, 0.3, 0.2), angular_velocity=(0.01, 0.02, -0.03))
+LIT = Spin(epoch="2026-01-01", wxyz=(1, 0.6, -0.3, 0.2), angular_velocity=(0.01, 0.02, -0.03))
 AT_REST = Spin(epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=(0, 0, 0))
 
 
@@ -31,7 +41,15 @@ def _orbit(seconds):
     return 7e6 * np.stack([np.cos(angle), np.sin(angle), 0.0 * seconds], axis=-1)
 
 
-# A strong field: the torque turns the body within the span.
+def _slow_orbit(seconds):
+    return _orbit(0.1 * seconds)
+
+
+def _from_sun(seconds):
+    return 8e8 * np.stack([0.6 + 1e-3 * seconds, -0.5 + 0.0 * seconds, 0.4 + 0.0 * seconds], -1)
+
+
+# Strong fields, light and air: the torque turns the body within the span.
 GRAVITY = GravityGradient(_orbit, 2e20)
 
 
@@ -61,6 +79,21 @@ MOTIONS = {
     ),
     "rheology": (
         *(TILTED, SPIN, InternalDissipation(Rheology((1, 0.8, 0.5), 9.0, Maxwell(3.0, 9.0)))),
+        {"step": 0.1},
+    ),
+    "eddy currents": (
+        *(TILTED, SPIN, EddyCurrent(1e9 * np.diag([1.0, 2.0, 3.0]), IGRF(2), _orbit)),
+        {"step": 0.1},
+    ),
+    "dipole": (TILTED, SPIN, MagneticDipole((3e3, -2e4, 1e4), IGRF(2), _orbit), {"step": 0.1}),
+    "sunlight": (
+        *(OFFSET, LIT, SolarRadiation(box((1.0, 2.0, 0.5)), _from_sun, 0.3, 0.2)),
+        {"step": 0.1},
+    ),
+    "air": (
+        OFFSET,
+        SLOW,
+        AerodynamicTorque(box((1.0, 2.0, 0.5)), _slow_orbit, 4e-10),
         {"step": 0.1},
     ),
     "slip": (TILTED, SPIN, [InternalDissipation(3e-3), GRAVITY], {"step": 0.1}),
@@ -97,6 +130,22 @@ def test_derivatives_are_those_of_the_motion(name):
         assert np.max(np.abs(turns - attitude[..., j])) <= bound * np.max(np.abs(attitude[..., j]))
         scale = np.max(np.abs(omega[..., j])) + np.max(np.abs(attitude[..., j]))
         assert np.max(np.abs(rates - omega[..., j])) <= bound * scale
+
+
+@pytest.mark.parametrize(
+    "name", ["damping", "gravity", "eddy currents", "dipole", "sunlight", "air", "slip"]
+)
+def test_covariances_follow_from_derivatives(name):
+    """Those of the state, by derivatives that are those of the motion; not those without torque."""
+    body, spin, torque, how = MOTIONS[name]
+    errors = {"attitude": 1e-3, "angular_velocity": 1e-4, "moments": 1e-2}
+    spin = spin.with_covariance(errors)
+    motion = TorquedRotation(body, spin, torque, **how)
+    both = np.concatenate(motion.sensitivity_at(5.0, angular_velocity=True), axis=-2)
+    found = motion.covariance_at(5.0)
+    np.testing.assert_allclose(found, both @ spin.covariance @ both.T, rtol=1e-9, atol=1e-18)
+    free = FreeRotation(body, spin).covariance_at(5.0)
+    assert np.max(np.abs(found - free)) > 1e-3 * np.max(np.abs(free))
 
 
 def test_without_torque_the_derivatives_are_those_of_the_free_rotation():
