@@ -213,8 +213,8 @@ def _fitted(arguments: argparse.Namespace, source: Motion) -> FreeRotation:
     if not principal.rms <= most:
         raise AttitudeError(
             f"the rms of the residuals is {principal.rms:.3g} rad, more than {most:g}: the "
-            f"attitudes of {arguments.input} are not those of a free rotation, or noisy; --rms accepts "
-            "more."
+            f"attitudes of {arguments.input} are not those of a free rotation, or noisy; "
+            "--rms accepts more."
         )
     return principal.motion
 
