@@ -65,8 +65,8 @@ def put(target: NDArray[Any], source: NDArray[Any]) -> None:
     length = target.shape[axis]
     step = max(length * _PART // target.size, 1)
     for first in range(0, length, step):
-        part = (*before, slice(first, first + step))
-        target[part] = source[part]
+        place = (*before, slice(first, first + step))
+        target[place] = source[place]
 
 
 class Immutable(Answering):

@@ -82,8 +82,8 @@ def _in_threads(
 
     every = [threading.Thread(target=run, daemon=True) for _ in range(threads)]
     try:
-        for each in every:
-            each.start()
+        for thread in every:
+            thread.start()
         reported = 0
         is_over = False
         while not is_over:
@@ -95,9 +95,9 @@ def _in_threads(
         failures.append(error)
         raise
     finally:
-        for each in every:
-            if each.ident is not None:
-                each.join()
+        for thread in every:
+            if thread.ident is not None:
+                thread.join()
     if failures:
         raise failures[0]
 
@@ -120,10 +120,10 @@ def in_rectangles(
     size = max(1, min(most_bodies, rows // span))
 
     def rectangles(begin: int, end: int) -> None:
-        for each in range(begin, end):
-            block, piece = divmod(each, pieces)
-            part = slice(block * size, min((block + 1) * size, bodies))
-            work(part, (piece * span, min((piece + 1) * span, epochs)))
+        for number in range(begin, end):
+            block, piece = divmod(number, pieces)
+            bodies_of_block = slice(block * size, min((block + 1) * size, bodies))
+            work(bodies_of_block, (piece * span, min((piece + 1) * span, epochs)))
 
     in_blocks(rectangles, pieces * -(-bodies // size), 1, threads, progress)
 

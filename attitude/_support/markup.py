@@ -26,9 +26,9 @@ def rows_of(text: str) -> tuple[str, list[tuple[str, str]]]:
     >>> rows_of("Short-axis mode\n  period psi   2.3 s\n               at the epoch")
     ('Short-axis mode', [('period psi', '2.3 s'), ('', 'at the epoch')])
     """
-    head, *rest = text.splitlines()
+    head, *lines = text.splitlines()
     rows = []
-    for line in rest:
+    for line in lines:
         name, _, value = re.sub(r"\s{2,}", "\t", line.strip()).partition("\t")
         rows.append((name, value) if value else _alone(line, name))
     return head, rows
@@ -44,11 +44,11 @@ def table(head: str, rows: Iterable[Sequence[str]], *pictures: str) -> str:
     """An HTML table of texts under a heading, with pictures (SVG) beside it."""
     cells = "".join(
         "<tr>"
-        + "".join(f'<td style="text-align:left">{html.escape(str(each))}</td>' for each in row)
+        + "".join(f'<td style="text-align:left">{html.escape(str(cell))}</td>' for cell in row)
         + "</tr>"
         for row in rows
     )
-    beside = "".join(f'<div style="margin-left:1em">{each}</div>' for each in pictures)
+    beside = "".join(f'<div style="margin-left:1em">{picture}</div>' for picture in pictures)
     return (
         '<div style="display:flex;align-items:flex-start;flex-wrap:wrap">'
         f'<div><b>{html.escape(head)}</b><table style="font-size:90%">{cells}</table></div>'
@@ -71,23 +71,23 @@ def of_table(head: str, columns: Any, most: int = 12, *pictures: str) -> str:
 
 def _texts(column: Any) -> list[str]:
     """The entries of a column of a table, numbers to six digits."""
-    found = []
-    for each in column:
-        value = getattr(each, "value", each)
+    texts = []
+    for entry in column:
+        value = getattr(entry, "value", entry)
         if isinstance(value, (float, np.floating)):
-            found.append(f"{value:.6g}")
+            texts.append(f"{value:.6g}")
         elif isinstance(value, np.ndarray) and value.ndim == 0 and value.dtype.kind == "f":
-            found.append(f"{float(value):.6g}")
+            texts.append(f"{float(value):.6g}")
         else:
-            found.append(str(value))
-    return found
+            texts.append(str(value))
+    return texts
 
 
 def described(text: str, span: Sequence[object] | None) -> str:
     """A table of a description, or of its one line and the ends of a span."""
     head, rows = rows_of(text)
     ends = zip(("from", "to"), span or (), strict=False)
-    return table(head, rows or [(name, str(each)) for name, each in ends])
+    return table(head, rows or [(name, str(value)) for name, value in ends])
 
 
 def attitudes(head: str, seconds: NDArray[np.float64], wxyz: NDArray[np.float64]) -> str:
@@ -97,7 +97,7 @@ def attitudes(head: str, seconds: NDArray[np.float64], wxyz: NDArray[np.float64]
     times, rows = seconds.reshape(-1), wxyz.reshape(-1, 4)
     cells: list[tuple[str, ...]] = [("s since the epoch", "w", "x", "y", "z")]
     cells += [
-        (f"{t:.9g}", *(f"{each:.6f}" for each in q))
+        (f"{t:.9g}", *(f"{number:.6f}" for number in q))
         for t, q in zip(times[:_SHOWN].tolist(), rows[:_SHOWN].tolist(), strict=True)
     ]
     if len(times) > _SHOWN:
@@ -124,7 +124,7 @@ def line_plot(
     `is_dotted`: a dot for each point in place of lines.
     """
     finite = [np.isfinite(x) & np.isfinite(y) for x, y in lines]
-    if not any(np.any(each) for each in finite):
+    if not any(np.any(values) for values in finite):
         return ""
     x = np.concatenate([line[0][good] for line, good in zip(lines, finite, strict=True)])
     y = np.concatenate([line[1][good] for line, good in zip(lines, finite, strict=True)])
@@ -166,9 +166,9 @@ def solid(corners: NDArray[np.float64], normals: NDArray[np.float64], caption: s
     light = normals[order] @ np.array([0.1, 0.75, 0.65])
     shades = (60.0 + 170.0 * np.clip(light, 0.0, 1.0)).astype(int).tolist()
     drawn = "".join(
-        f'<path d="{_path(points)}Z" fill="rgb({each},{each},{each})" '
-        f'stroke="rgb({each},{each},{each})" stroke-width="0.4"/>'
-        for points, each in zip(flat, shades, strict=True)
+        f'<path d="{_path(points)}Z" fill="rgb({shade},{shade},{shade})" '
+        f'stroke="rgb({shade},{shade},{shade})" stroke-width="0.4"/>'
+        for points, shade in zip(flat, shades, strict=True)
     )
     return (
         f'<figure style="margin:0"><svg width="{_HEIGHT:.0f}" height="{_HEIGHT:.0f}" role="img" '

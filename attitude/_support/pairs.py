@@ -87,8 +87,8 @@ def _row(array):
 def two_sum(a: Doubles, b: Doubles) -> Pair:
     """a + b as the rounded sum and its rounding error, exactly."""
     total = a + b
-    part = total - a
-    return total, (a - (total - part)) + (b - part)
+    second = total - a
+    return total, (a - (total - second)) + (b - second)
 
 
 def add(pair: tuple[Doubles, Doubles], term: Doubles, low: Doubles = 0.0) -> Pair:

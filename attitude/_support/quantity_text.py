@@ -50,9 +50,9 @@ _COMMON = {
     "kg": {"kg": 1.0},
     "kg m2": {"kg m2": 1.0, "kg m^2": 1.0},
     "rad/s": {
-        f"{turn}/{time}": size / each
+        f"{turn}/{time}": size / size_of_time
         for turn, size in _TURNS.items()
-        for time, each in _TIMES.items()
+        for time, size_of_time in _TIMES.items()
     },
 }
 _WORD = re.compile("|".join(rf"\b{word}\b" for word in _SPELLINGS))
@@ -60,20 +60,20 @@ _WORD = re.compile("|".join(rf"\b{word}\b" for word in _SPELLINGS))
 
 def numbers_and_unit(text: str, name: str) -> tuple[list[str], str]:
     """The numbers of a text, as written, and its unit or ""; `name` stands in the error message."""
-    found = _NUMBERS.fullmatch(text)
-    if found is None:
+    match = _NUMBERS.fullmatch(text)
+    if match is None:
         raise AttitudeError(
             f"{name} is {quoted(text)}, which is not a number with a unit that astropy knows; "
             'write it like "14.5 deg/day" or "14.51, 33.529, -98.709 deg/day".'
         )
-    numbers, unit = found.groups()
+    numbers, unit = match.groups()
     return re.split(_BETWEEN, numbers), (unit or "").strip()
 
 
 def is_quantity(text: str) -> bool:
     """Whether a text is one or several numbers followed by a word, such as "3 d"."""
-    found = _NUMBERS.fullmatch(text)
-    unit = found and found.group(2)
+    match = _NUMBERS.fullmatch(text)
+    unit = match and match.group(2)
     return unit is not None and re.search(r"(?<![A-Za-z*^-])[0-9]", unit) is None
 
 
@@ -96,9 +96,9 @@ def unit_of(text: str, name: str) -> UnitBase:
 
     guess = None
     try:
-        found = units.Unit(_spelled(text))
-        if isinstance(found, units.UnitBase):  # no structure of units, no logarithm of one
-            return found
+        unit = units.Unit(_spelled(text))
+        if isinstance(unit, units.UnitBase):  # no structure of units, no logarithm of one
+            return unit
     except (ValueError, TypeError, ArithmeticError, RecursionError) as err:
         # Only the guess in astropy's message helps here.
         guess = re.search(r"Did you mean (.{1,60}?)\?", str(err))
@@ -120,7 +120,9 @@ def time_unit(seconds: float) -> str:
     ['d', 'h', 'min', 's', 'd']
     """
     size = abs(seconds)
-    return next((unit for unit, each in TIME_UNITS.items() if size >= 2.0 * each), "s")
+    return next(
+        (unit for unit, size_of_unit in TIME_UNITS.items() if size >= 2.0 * size_of_unit), "s"
+    )
 
 
 def of_time(seconds: float, digits: int = 6) -> str:

@@ -451,9 +451,9 @@ def checks_arguments(hints: Mapping[str, str], example: str) -> Callable[[Class]
     """The decorator of `arguments` for a class whose ``__init__`` is made by dataclass."""
 
     def decorated(cls: Class) -> Class:
-        made = vars(cls)["__init__"]
-        made.__qualname__ = f"{cls.__name__}.__init__"
-        setattr(cls, "__init__", arguments(hints, example)(made))  # noqa: B010
+        constructor = vars(cls)["__init__"]
+        constructor.__qualname__ = f"{cls.__name__}.__init__"
+        setattr(cls, "__init__", arguments(hints, example)(constructor))  # noqa: B010
         return cls
 
     return decorated
@@ -477,8 +477,8 @@ def _refusal(
     else:
         return None
     name = function.__qualname__.removesuffix(".__init__")
-    known = [each for each in signature.parameters if each not in ("self", "cls")]
-    wrong = next((each for each in named if each not in known), None)
+    known = [parameter for parameter in signature.parameters if parameter not in ("self", "cls")]
+    wrong = next((argument for argument in named if argument not in known), None)
     if wrong is not None:
         return (
             f"{name} has no argument {wrong}; {hints.get(wrong, _takes(known))}, as in {example}."

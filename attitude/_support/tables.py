@@ -37,23 +37,23 @@ class FlatTable(QTable):
 
     def _by_components(self, *, are_times_numbers: bool) -> QTable:
         """The columns of `flat`; with `are_times_numbers` times as `_of_times` has them."""
-        found = QTable(meta=self.meta)
+        columns = QTable(meta=self.meta)
         for name in self.colnames:
             column = self[name]
             if are_times_numbers and isinstance(column, Time):
-                found.update(_of_times(name, column))
+                columns.update(_of_times(name, column))
                 continue
             unit = _unit_in_name(column)
             if len(column.shape) == 1:
-                found[name + unit] = column
+                columns[name + unit] = column
                 continue
             width = int(np.prod(column.shape[1:]))
             rows = column.reshape(len(self), width)
             known = self.flat_names.get(name, ())
             names = known if len(known) == width else [f"{name}_{k}" for k in range(width)]
-            for k, part in enumerate(names):
-                found[part + unit] = rows[:, k]
-        return found
+            for k, component in enumerate(names):
+                columns[component + unit] = rows[:, k]
+        return columns
 
     def write(self, *given: Any, **options: Any) -> None:
         """As `astropy.table.Table.write`; to CSV the columns of `flat`.
@@ -115,13 +115,16 @@ def _of_times(name: str, time: Time) -> dict[str, Any]:
         return {f"{before}utc": np.where(masked, "", np.asarray(np.ma.getdata(text.value)))}
     parts = {"jd1": time.jd1, "jd2": time.jd2}
     scale = f"{before}{time.scale}"
-    return {f"{scale}_{part}": np.ma.filled(values, np.nan) for part, values in parts.items()}
+    return {
+        f"{scale}_{low_or_high}": np.ma.filled(values, np.nan)
+        for low_or_high, values in parts.items()
+    }
 
 
 def _utc(time: Any) -> Any:
     """Times as datetime64 of UTC; NaT where masked."""
     known = ~np.asarray(np.ma.getmaskarray(np.ma.asarray(time.mask)) | time.mask, dtype=bool)
-    found = np.full(time.shape, np.datetime64("NaT"), dtype="datetime64[ns]")
+    dates = np.full(time.shape, np.datetime64("NaT"), dtype="datetime64[ns]")
     if np.any(known):
-        found[known] = np.asarray(time[known].utc.datetime64)
-    return found
+        dates[known] = np.asarray(time[known].utc.datetime64)
+    return dates

@@ -90,10 +90,10 @@ def number(value: Real, name: str, *, unit: str | None = None) -> float:
 
 def positive(value: Real, name: str, *, unit: str | None = None) -> float:
     """One finite number greater than zero as a float in `unit`; see `real`."""
-    given = number(value, name, unit=unit)
-    if not given > 0.0:
-        raise AttitudeError(f"{name} is {shown(given)}; it must be greater than zero.")
-    return given
+    value_given = number(value, name, unit=unit)
+    if not value_given > 0.0:
+        raise AttitudeError(f"{name} is {shown(value_given)}; it must be greater than zero.")
+    return value_given
 
 
 def count(value: object, name: str, least: int = 1) -> int:
@@ -168,9 +168,9 @@ def _floats(value: Any, name: str, unit: str | None) -> FloatArray:
     if type(value) in (tuple, list) and _NUMBERS.issuperset(map(type, value)):
         return _doubles(value, name)
     if isinstance(value, str):
-        found = _common(value, name, unit)
-        if found is not None:
-            return found
+        numbers = _common(value, name, unit)
+        if numbers is not None:
+            return numbers
     mask = _mask_of(value)
     if mask is not None and np.any(mask):
         raise AttitudeError(
@@ -215,12 +215,12 @@ def _doubles(value: Any, name: str) -> FloatArray:
 
 def _common(text: str, name: str, unit: str | None) -> FloatArray | None:
     """Numbers of a text without a unit, or with a common one that converts; None for others."""
-    words, own = quantity_text.numbers_and_unit(text, name)
-    factor = quantity_text.common_factor(own, unit) if own else 1.0
+    words, own_unit = quantity_text.numbers_and_unit(text, name)
+    factor = quantity_text.common_factor(own_unit, unit) if own_unit else 1.0
     if factor is None:
         return None
-    found = np.array([float(word) for word in words])
-    return (found if len(found) > 1 else found[0:1].reshape(())) * factor
+    numbers = np.array([float(word) for word in words])
+    return (numbers if len(numbers) > 1 else numbers[0:1].reshape(())) * factor
 
 
 def _mask_of(value: Any) -> BoolArray | None:
@@ -246,9 +246,10 @@ def _quantity(value: Any, name: str) -> Any:
 
     if isinstance(value, str):
         words, unit = quantity_text.numbers_and_unit(value, name)
-        found = [float(word) for word in words]
+        numbers = [float(word) for word in words]
         return units.Quantity(
-            found if len(found) > 1 else found[0], quantity_text.unit_of(unit, name) if unit else ""
+            numbers if len(numbers) > 1 else numbers[0],
+            quantity_text.unit_of(unit, name) if unit else "",
         )
     try:
         if isinstance(value, (list, tuple)):

@@ -103,12 +103,12 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Raise the AttitudeError for what argparse refuses."""
-        found = re.fullmatch(r"unrecognized arguments: (.*)", message)
-        if found:
-            known = [each for action in self._actions for each in action.option_strings]
-            near = difflib.get_close_matches(found.group(1).split()[0], known, n=1)
-            guess = f" (did you mean {near[0]}?)" if near else ""
-            message = f"{found.group(1)} is not known{guess}"
+        unknown = re.fullmatch(r"unrecognized arguments: (.*)", message)
+        if unknown:
+            known = [option for action in self._actions for option in action.option_strings]
+            alike = difflib.get_close_matches(unknown.group(1).split()[0], known, n=1)
+            guess = f" (did you mean {alike[0]}?)" if alike else ""
+            message = f"{unknown.group(1)} is not known{guess}"
         raise AttitudeError(f'{message}; see "{self.prog} --help".')
 
 
@@ -125,17 +125,19 @@ def _parsed(argv: list[str]) -> argparse.Namespace:
     if first is None:
         raise AttitudeError(f'give a command: {", ".join(COMMANDS)}; see "attitude --help".')
     if not first.startswith("-") and first not in COMMANDS:
-        near = difflib.get_close_matches(first, COMMANDS, n=1)
+        alike = difflib.get_close_matches(first, COMMANDS, n=1)
         raise AttitudeError(
             f"there is no command {first!r}"
-            + (f"; did you mean {near[0]}?" if near else f"; give one of {', '.join(COMMANDS)}.")
+            + (f"; did you mean {alike[0]}?" if alike else f"; give one of {', '.join(COMMANDS)}.")
         )
     if first in COMMANDS:
         # Parsed by the command's own parser, so that its errors name it.
-        found = command_of(first)
-        command = _Parser(prog=f"attitude {first}", description=found.help, epilog=found.epilog)
-        found.add_arguments(command)
-        command.set_defaults(run=found.run)
+        command_module = command_of(first)
+        command = _Parser(
+            prog=f"attitude {first}", description=command_module.help, epilog=command_module.epilog
+        )
+        command_module.add_arguments(command)
+        command.set_defaults(run=command_module.run)
         return command.parse_args(argv[1:])
     commands = parser.add_subparsers(metavar="COMMAND", title="commands", required=True)
     for name in COMMANDS:
@@ -158,20 +160,20 @@ def command_of(name: str) -> Command:
     epilog: Any = getattr(module, "EPILOG", "")
     if isinstance(module.HELP, str):
         return Command(module.HELP, epilog, module.add_arguments, module.run)
-    functions = (partial(each, command=name) for each in (module.add_arguments, module.run))
+    functions = (partial(function, command=name) for function in (module.add_arguments, module.run))
     return Command(module.HELP[name], epilog.get(name, ""), *functions)
 
 
 def _joined(argv: list[str]) -> list[str]:
     """``--start -3d`` as ``--start=-3d``: to argparse a leading minus is that of an option."""
     joined: list[str] = []
-    for each in argv:
+    for word in argv:
         after_option = joined and re.fullmatch(r"--[a-z][a-z-]*", joined[-1])
-        alone = re.fullmatch(r"-[0-9]+|-[0-9]*\.[0-9]+", each)  # to argparse a number
-        if after_option and re.match(r"-\.?[0-9]", each) and not alone:
-            joined[-1] += "=" + each
+        alone = re.fullmatch(r"-[0-9]+|-[0-9]*\.[0-9]+", word)  # to argparse a number
+        if after_option and re.match(r"-\.?[0-9]", word) and not alone:
+            joined[-1] += "=" + word
         else:
-            joined.append(each)
+            joined.append(word)
     return joined
 
 

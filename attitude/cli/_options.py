@@ -186,7 +186,7 @@ def _instant(
     moment: _instants.Instant | Fraction, epoch: _instants.Instant, scale: str, name: str, text: str
 ) -> _instants.Instant:
     if isinstance(moment, _instants.Instant):
-        found = moment
+        instant = moment
     else:
         # Checked before it becomes a float: 10**400 has none.
         if abs(moment) > Fraction(_LAST - _FIRST):
@@ -194,16 +194,16 @@ def _instant(
         hi = float(moment)
         lo = float(moment - Fraction(hi))
         if scale == "tdb":
-            found = epoch.after(hi, lo)
+            instant = epoch.after(hi, lo)
         elif moment == 0:
-            found = epoch
+            instant = epoch
         else:
             tt = pairs.add(_tt(epoch), hi, lo)
             tdb = _time_scales.tdb_from("tt", np.float64(tt[0]), np.float64(tt[1]))
-            found = _instants.Instant(float(tdb[0]), float(tdb[1]))
-    if not _FIRST <= found.seconds < _LAST:
+            instant = _instants.Instant(float(tdb[0]), float(tdb[1]))
+    if not _FIRST <= instant.seconds < _LAST:
         raise _out_of_calendar(name, text)
-    return found
+    return instant
 
 
 def _out_of_calendar(name: str, text: str) -> AttitudeError:
@@ -225,12 +225,12 @@ def _exact(pair: tuple[float, float]) -> Fraction:
 def _times(number: FloatArray, step: Fraction) -> Pair:
     """The products of whole numbers below 2**34 and a fraction, as a pair without loss."""
     # 19 bits of the step at a time, so that each product with a number of 34 bits is exact.
-    hi, lo, rest = 0.0 * number, 0.0 * number, step
-    while rest:
-        part = _leading(rest)
-        rest -= Fraction(part)
-        hi, lo = pairs.add((hi, lo), number * part)
-        if abs(rest) * 2**140 < abs(step):
+    hi, lo, remainder = 0.0 * number, 0.0 * number, step
+    while remainder:
+        leading = _leading(remainder)
+        remainder -= Fraction(leading)
+        hi, lo = pairs.add((hi, lo), number * leading)
+        if abs(remainder) * 2**140 < abs(step):
             break
     return hi, lo
 
@@ -275,17 +275,17 @@ def path_of(arguments: argparse.Namespace) -> Path | None:
     from attitude.paths import _composed, _places
     from attitude.paths._path import Path
 
-    found = _places.place(file, "--orbit", of=name)
-    if not isinstance(found, Path):
+    path = _places.place(file, "--orbit", of=name)
+    if not isinstance(path, Path):
         raise AttitudeError(f"--orbit {file!r} is a direction, infinitely far away; give a path.")
-    if isinstance(found, _composed.NamedBody) and found.name != "sun":
-        return _composed.body(found.name, center="sun")
-    if found.center == "ssb":
+    if isinstance(path, _composed.NamedBody) and path.name != "sun":
+        return _composed.body(path.name, center="sun")
+    if path.center == "ssb":
         raise AttitudeError(
-            f"--orbit {file!r} gives {found.name} relative to the barycenter of the solar system; "
+            f"--orbit {file!r} gives {path.name} relative to the barycenter of the solar system; "
             "give a file whose center is the body at the focus of the orbit."
         )
-    return found
+    return path
 
 
 def site_of(arguments: argparse.Namespace) -> Place | None:
@@ -360,8 +360,8 @@ class Target(NamedTuple):
     @property
     def label(self) -> str:
         """The name, and which numbers are not those of its sources."""
-        given = [each for each in self.given if each != _PROPAGATED]
-        text = f"{self.name}, with {', '.join(given)} as given here" if given else self.name
+        words = [word for word in self.given if word != _PROPAGATED]
+        text = f"{self.name}, with {', '.join(words)} as given here" if words else self.name
         return f"{text}, {_PROPAGATED}" if _PROPAGATED in self.given else text
 
 
@@ -406,10 +406,10 @@ def opened(arguments: argparse.Namespace) -> Target:
     entry = catalog.entry(arguments.target)
     options = tuple(_completing(arguments))
     sources = "; ".join(entry.sources)
-    given = _given(arguments)
-    if entry.is_propagated({name: each for name, each in given.items() if each is not None}):
-        options = (*(each for each in options if each != "--epoch"), _PROPAGATED)
-    return Target(entry.motion(**given), entry.name, sources, entry.note, options)
+    state = _given(arguments)
+    if entry.is_propagated({name: value for name, value in state.items() if value is not None}):
+        options = (*(option for option in options if option != "--epoch"), _PROPAGATED)
+    return Target(entry.motion(**state), entry.name, sources, entry.note, options)
 
 
 def incomplete(arguments: argparse.Namespace) -> Entry | None:
@@ -446,9 +446,9 @@ def _from_file(arguments: argparse.Namespace) -> Target:
     content = _mission(arguments.target)
     if content:
         return _of_mission(arguments.target, content)
-    found = detect.read_state(arguments.target)
-    labels = found.name or arguments.target, found.source, found.note
-    return Target(found.motion, *labels, shape=found.shape, law=found.law)
+    spin_file = detect.read_state(arguments.target)
+    labels = spin_file.name or arguments.target, spin_file.source, spin_file.note
+    return Target(spin_file.motion, *labels, shape=spin_file.shape, law=spin_file.law)
 
 
 def _of_mission(path: str, content: dict[str, Any]) -> Target:
@@ -470,15 +470,15 @@ def _given(arguments: argparse.Namespace) -> dict[str, Any]:
     """The keywords of the options."""
     from attitude._support import validation
 
-    given: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     for option, name, unit, _ in _NUMBERS:
         words = getattr(arguments, name)
         if words is not None:
-            found = validation.real(" ".join(words), option, unit=unit)
-            given[name] = found[()] if found.size > 1 else float(found.reshape(()))
+            numbers = validation.real(" ".join(words), option, unit=unit)
+            values[name] = numbers[()] if numbers.size > 1 else float(numbers.reshape(()))
     for _, name, _ in _WORDS:
-        given[name] = getattr(arguments, name)
-    return given
+        values[name] = getattr(arguments, name)
+    return values
 
 
 def completes(arguments: argparse.Namespace) -> bool:

@@ -45,7 +45,7 @@ def kind_of(
         return allowed[0]
     ending = name.rpartition(".")[2].lower() if "." in name else ""
     if ending not in allowed:
-        listed = " or ".join(f".{each}" for each in allowed)
+        listed = " or ".join(f".{suffix}" for suffix in allowed)
         said = f"{option} is {name!r}; give a file name that ends in {listed}. {hint}"
         raise AttitudeError(said.rstrip())
     return ending

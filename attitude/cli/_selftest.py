@@ -163,8 +163,8 @@ def _facets(random: np.random.Generator) -> float:
     # Phase angles below 45 degrees: thin crescents lose more to the edges of facets.
     observer = _units(sun + 0.7 * _units(random.normal(size=(200, 3))))
     exact = brightness(solid, "lommel-seeliger", sun, observer)
-    found = brightness(solid.facets(_FACETS), "lommel-seeliger", sun, observer)
-    return float(np.max(np.abs(found / exact - 1.0)))
+    computed = brightness(solid.facets(_FACETS), "lommel-seeliger", sun, observer)
+    return float(np.max(np.abs(computed / exact - 1.0)))
 
 
 def _units(vectors: FloatArray) -> FloatArray:
@@ -201,13 +201,13 @@ def certificates() -> list[Certificate]:
     """
     from attitude.proof._chain import Chain
 
-    found = []
+    bounds = []
     for state in reference_states():
         moments, wxyz0, omega0, t = _numbers_of(state)
         start = np.stack([wxyz0, np.zeros(4)], axis=1)
         wxyz = propagate(moments, wxyz0, omega0, t)
-        found.append(Chain(moments, start, omega0).certificate(t, None, wxyz))
-    return found
+        bounds.append(Chain(moments, start, omega0).certificate(t, None, wxyz))
+    return bounds
 
 
 def _numbers_of(state: Mapping[str, Any]) -> list[FloatArray]:
@@ -249,9 +249,9 @@ def _least(call: Callable[[], object]) -> float:
 def other_project() -> str | None:
     """A sentence if PyPI's `Attitude`, another project, lies in the same folder; None otherwise."""
     same = [
-        each.version
-        for each in distributions(name="attitude")
-        if Path(str(each.locate_file("attitude"))).resolve() == _FOLDER
+        distribution.version
+        for distribution in distributions(name="attitude")
+        if Path(str(distribution.locate_file("attitude"))).resolve() == _FOLDER
     ]
     if not same and not (_FOLDER / _OTHERS).is_file():
         return None
@@ -267,10 +267,10 @@ def versions() -> list[str]:
     from attitude import __version__
 
     lines = [f"attitude {__version__}, Python {platform.python_version()} on {sys.platform}"]
-    found = []
+    packages = []
     for name in _PACKAGES:
         try:
-            found.append(f"{name} {version(name)}")
+            packages.append(f"{name} {version(name)}")
         except PackageNotFoundError:
-            found.append(f"{name} missing")
-    return [*lines, ", ".join(found)]
+            packages.append(f"{name} missing")
+    return [*lines, ", ".join(packages)]

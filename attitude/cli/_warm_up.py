@@ -36,8 +36,11 @@ if TYPE_CHECKING:
 _BODY = Body(tensor=[[3.0, 0.1, 0.2], [0.1, 4.0, -0.3], [0.2, -0.3, 4.5]])
 # Short- and long-axis mode, rest, and near the separatrix: the three forms of the solution.
 _RATES = (0.1, 0.2, 0.9), (0.9, 0.2, 0.1), (0.0, 0.0, 0.0), (1.0, 15.0, 1.0)
-_SPINS = [Spin(epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=each) for each in _RATES]
-_STATES = [*((_BODY, each) for each in _SPINS[:3]), (Body(moments=(10, 20, 26)), _SPINS[3])]
+_SPINS = [Spin(epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=rates) for rates in _RATES]
+_STATES = [
+    *((_BODY, first_spin) for first_spin in _SPINS[:3]),
+    (Body(moments=(10, 20, 26)), _SPINS[3]),
+]
 _ORBIT = _two_body.kepler(
     epoch="2026-01-01", center="earth", semi_major_axis=7e6, eccentricity=0.1, inclination=0.5,
     node=0.2, pericenter_argument=0.1, mean_anomaly=0.3,
@@ -49,8 +52,8 @@ def features(everything: bool) -> Iterator[Callable[[], None]]:
     chosen = [propagation]
     if everything:
         chosen += [derivatives, impulses, torques, scenes_and_events, light_curves]
-    for each in chosen:
-        yield _compiled(each)
+    for feature in chosen:
+        yield _compiled(feature)
 
 
 def _compiled(feature):
@@ -90,9 +93,9 @@ def impulses() -> None:
 
 def torques() -> None:
     """Fixed and adaptive steps, and torques of the package."""
-    given = [ConstantTorque((0.01, 0, 0)), LinearDamping(0.01), GravityGradient(_ORBIT, "earth")]
-    fixed = TorquedRotation(_BODY, _SPINS[0], given, step=0.1)
-    for motion in (fixed, TorquedRotation(_BODY, _SPINS[0], given, tolerance=1e-6)):
+    both = [ConstantTorque((0.01, 0, 0)), LinearDamping(0.01), GravityGradient(_ORBIT, "earth")]
+    fixed = TorquedRotation(_BODY, _SPINS[0], both, step=0.1)
+    for motion in (fixed, TorquedRotation(_BODY, _SPINS[0], both, tolerance=1e-6)):
         motion.at(np.linspace(-2.0, 3.0, 7)).angular_acceleration  # noqa: B018
 
 
@@ -114,7 +117,7 @@ def light_curves() -> None:
     mesh = ellipsoid.facets(80)
     laws: list[str | Law] = ["lambert", "lommel-seeliger", "hapke"]
     laws += [
-        Materials({"surface": Material(0.3, 0.5, each)}) for each in ("phong", "cook-torrance")
+        Materials({"surface": Material(0.3, 0.5, lobe)}) for lobe in ("phong", "cook-torrance")
     ]
     vertices = np.array(mesh.vertices)
     dent = 1.0 + 0.25 * np.sin(3.0 * vertices[:, 0]) * np.cos(2.0 * vertices[:, 1])

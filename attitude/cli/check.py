@@ -84,7 +84,7 @@ def run(arguments: argparse.Namespace) -> None:
         certificates = _selftest.certificates()
         worst = max(float(certificate.error.max()) for certificate in certificates)
         print(
-            f"Proved: none of {sum(each.error.size for each in certificates)} attitudes errs by "
+            f"Proved: none of {sum(one.error.size for one in certificates)} attitudes errs by "
             f"more than {worst:.3g} rad. Assumed: {'; '.join(certificates[0].assumed)}."
         )
     verdict = "passed" if passed else "FAILED"

@@ -81,13 +81,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="RAD",
         help=f"with --fit: largest rms of the residuals that is accepted (default {MOST_RMS})",
     )
-    listed = [f"  {ending:<10}{each.title}" for ending, each in endings().items()]
+    listed = [f"  {ending:<10}{entry.title}" for ending, entry in endings().items()]
     parser.epilog = "\n".join([EPILOG, "endings that OUT may have:", *listed])
 
 
 def options() -> list[Option]:
     """The options that the registered formats add to the command."""
-    return [option for each in formats().values() for option in each.options]
+    return [option for entry in formats().values() for option in entry.options]
 
 
 # Ratio of the rms of two fits from which the principal axes are fitted too.
@@ -113,19 +113,21 @@ def run(arguments: argparse.Namespace) -> None:
             "of the orbit; leave it out."
         )
     keywords = {
-        each.name: getattr(arguments, each.attribute) for each in options() if each.of_reading
+        option.name: getattr(arguments, option.attribute)
+        for option in options()
+        if option.of_reading
     }
     keywords |= {"tolerance": None if sampled else arguments.tolerance, "orbit": path}
-    found = (
+    source = (
         _catalogued(arguments.input)
         if is_catalogued
         else detect.opened(arguments.input, **keywords)
     )
-    for text in found.motion.meta.get("assumed", ()):
+    for text in source.motion.meta.get("assumed", ()):
         print(f"{arguments.input}: assumed: {text}")
     with ExitStack() as stack:
-        stack.enter_context(found.motion)  # a C-kernel is unloaded at the end
-        _convert(arguments, written, found, path)
+        stack.enter_context(source.motion)  # a C-kernel is unloaded at the end
+        _convert(arguments, written, source, path)
 
 
 def _is_catalogued(name: str) -> bool:
@@ -160,7 +162,7 @@ def _convert(
         _write_span(arguments, written, motion, settings)
     elif _by_tolerance(arguments, written, found.motion):
         start, stop = _ends(arguments, motion)
-        ends = (_moment(motion, each, arguments) for each in (start, stop))
+        ends = (_moment(motion, moment, arguments) for moment in (start, stop))
         settings |= dict(zip(("start", "stop"), ends, strict=True))
         settings |= written.labels(motion, found.said)
         print(detect.write(arguments.output, motion, tolerance=arguments.tolerance, **settings))
@@ -173,8 +175,10 @@ def _convert(
 
 def _by_tolerance(arguments: argparse.Namespace, written: Format, read: Motion) -> bool:
     """Whether --tolerance is that of the attitudes between records, and not of lengths read."""
-    given = arguments.tolerance is not None and arguments.step is None and written.is_sampled
-    return given and (arguments.fit or not _is_table(read))
+    is_by_tolerance = (
+        arguments.tolerance is not None and arguments.step is None and written.is_sampled
+    )
+    return is_by_tolerance and (arguments.fit or not _is_table(read))
 
 
 def _is_free_rotation(source: Motion) -> TypeGuard[FreeRotation]:
@@ -198,20 +202,21 @@ def _fitted(arguments: argparse.Namespace, source: Motion) -> FreeRotation:
             "--fit fits a table of attitudes, but IN is a motion already; leave --fit out."
         )
     table = source if _is_table(source) else _sampled(arguments, source)
-    found = fit(table, axes=arguments.axes or "principal")
+    principal = fit(table, axes=arguments.axes or "principal")
     used = arguments.axes or "principal"
     if arguments.axes is None and len(table) > 3:
         free = fit(table, axes="free")
-        if free.rms < _BETTER * found.rms:
-            found, used = free, "free"
-    print(f"rms of the residuals: {found.rms:.3g} rad, with {used} axes")
+        if free.rms < _BETTER * principal.rms:
+            principal, used = free, "free"
+    print(f"rms of the residuals: {principal.rms:.3g} rad, with {used} axes")
     most = MOST_RMS if arguments.rms is None else arguments.rms
-    if not found.rms <= most:
+    if not principal.rms <= most:
         raise AttitudeError(
-            f"the rms of the residuals is {found.rms:.3g} rad, more than {most:g}: the attitudes "
-            f"of {arguments.input} are not those of a free rotation, or noisy; --rms accepts more."
+            f"the rms of the residuals is {principal.rms:.3g} rad, more than {most:g}: the "
+            f"attitudes of {arguments.input} are not those of a free rotation, or noisy; "
+            "--rms accepts more."
         )
-    return found.motion
+    return principal.motion
 
 
 def _sampled(arguments: argparse.Namespace, source: Motion) -> AttitudeTable:
@@ -257,9 +262,9 @@ def _write_span(
     else:
         _refuse(arguments, ("step",), written.noun)
         asked = (arguments.start, arguments.stop, arguments.tolerance, arguments.method)
-        if not _is_table(source) or any(each is not None for each in asked):
+        if not _is_table(source) or any(choice is not None for choice in asked):
             start, stop = _ends(arguments, source)
-            ends = tuple(_moment(source, each, arguments) for each in (start, stop))
+            ends = tuple(_moment(source, moment, arguments) for moment in (start, stop))
     print(written.write(arguments.output, source, *ends, **settings))
 
 
@@ -320,10 +325,10 @@ def _settings(arguments: argparse.Namespace, written: Format, path: Path | None)
             raise AttitudeError(f"--{option.name} {option.refusal.format(**words)}")
         if value != written.fulfilled[option.name]:
             raise AttitudeError(f"--{option.name} {value} has no meaning for {words['noun']}.")
-    given = {**vars(arguments), "orbit": path}
-    given |= {option.attribute: _value(arguments, option) for option in options()}
-    used = [name for name in written.writing if given[name] is not None]
-    return {written.renamed.get(name, name): given[name] for name in used}
+    values = {**vars(arguments), "orbit": path}
+    values |= {option.attribute: _value(arguments, option) for option in options()}
+    used = [name for name in written.writing if values[name] is not None]
+    return {written.renamed.get(name, name): values[name] for name in used}
 
 
 def _value(arguments: argparse.Namespace, option: Option) -> Any:

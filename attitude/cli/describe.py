@@ -52,15 +52,15 @@ def _list(name: str | None) -> None:
     from attitude import catalog
 
     if name is not None:
-        own = catalog.entry(name).name.partition(" (")[0]
-        found = [each for each in catalog.names() if each.partition(" (")[0] == own]
-        print("\n\n".join(str(catalog.entry(each)) for each in found))
+        body = catalog.entry(name).name.partition(" (")[0]
+        same = [title for title in catalog.names() if title.partition(" (")[0] == body]
+        print("\n\n".join(str(catalog.entry(title)) for title in same))
         return
-    entries = [catalog.entry(each) for each in catalog.names()]
-    width = max(len(each.name) for each in entries)
-    for each in entries:
-        lacking = f"lacks {', '.join(each.missing)}" if each.missing else "complete"
-        print(f"{each.name:{width}}  {each.year}  {each.mode or '-':3}  {lacking}")
+    entries = [catalog.entry(title) for title in catalog.names()]
+    width = max(len(entry.name) for entry in entries)
+    for entry in entries:
+        lacking = f"lacks {', '.join(entry.missing)}" if entry.missing else "complete"
+        print(f"{entry.name:{width}}  {entry.year}  {entry.mode or '-':3}  {lacking}")
 
 
 def _describe(arguments: argparse.Namespace) -> None:
@@ -71,10 +71,10 @@ def _describe(arguments: argparse.Namespace) -> None:
     if entry is not None:
         print(entry)
         return
-    found = _options.opened(arguments)
-    for label in (found.label, found.source, found.note):
+    state = _options.opened(arguments)
+    for label in (state.label, state.source, state.note):
         if label:
             print(textwrap.fill(" ".join(label.split()), 98))
-    if found.name or found.source or found.note:
+    if state.name or state.source or state.note:
         print()
-    print(description(found.motion, predictable=True))
+    print(description(state.motion, predictable=True))

@@ -44,7 +44,7 @@ def run(arguments: argparse.Namespace) -> None:
     data = periods.data_of(arguments)
     count = np.size(validation.real(arguments.period, "--period", unit="s"))
     order = arguments.order or (4 if count == 1 else 2)
-    found = _folding.fold(
+    folded = _folding.fold(
         data,
         arguments.period,
         order=order,
@@ -54,18 +54,18 @@ def run(arguments: argparse.Namespace) -> None:
     )
     print(repr(data)[1:-1])
     phase = np.linspace(0.0, 1.0, 1000)
-    for k, period in enumerate(found.periods):
-        error = found.series.errors[k] * period**2
-        size = float(np.ptp(found.curve(phase, k)))
+    for k, period in enumerate(folded.periods):
+        error = folded.series.errors[k] * period**2
+        size = float(np.ptp(folded.curve(phase, k)))
         unit = quantity_text.time_unit(period)
         scale = quantity_text.TIME_UNITS[unit]
         print(f"period {period / scale:.8g} +- {error / scale:.2g} {unit}, peak to peak {size:.3g}")
-    print(f"rms of the residuals {found.rms:.4g}, order {order}")
+    print(f"rms of the residuals {folded.rms:.4g}, order {order}")
     if arguments.output is not None:
-        found.table().write(
+        folded.table().write(
             arguments.output, format="ascii.csv" if kind == "csv" else "ascii.ecsv", overwrite=True
         )
         print(arguments.output)
     if arguments.figure is not None:
-        found.plot(arguments.figure)
+        folded.plot(arguments.figure)
         print(arguments.figure)

@@ -65,10 +65,10 @@ def _list() -> None:
 
     columns = View.columns()
     width = max(map(len, columns)) + 1
-    for name, each in columns.items():
-        unit = each.unit or "-"
-        parts = f" ({', '.join(each.parts)})" if each.parts else ""
-        print(f"{name:{width}}{unit:8}{each.about}{parts}")
+    for name, column in columns.items():
+        unit = column.unit or "-"
+        parts = f" ({', '.join(column.parts)})" if column.parts else ""
+        print(f"{name:{width}}{unit:8}{column.about}{parts}")
 
 
 def _blocks(mission: Mission, arguments: argparse.Namespace) -> Iterator[list[Any]]:
@@ -84,15 +84,15 @@ def views(
     progress: Callable[[int, int], None] | None = None,
 ) -> Iterator[tuple[View, int]]:
     """Views of blocks of epochs, each with the decimals of a second that its dates need."""
-    given = {name: getattr(arguments, name) for name in TIMES}
-    if "epochs" in mission.times and not any(given.values()):
+    choices = {name: getattr(arguments, name) for name in TIMES}
+    if "epochs" in mission.times and not any(choices.values()):
         yield mission.scene.at(mission.times["epochs"]), 9
         return
     times = {
         name: value if value is not None else mission.times.get(name)
-        for name, value in given.items()
+        for name, value in choices.items()
     }
-    grid = _grid(mission, times, {name for name, value in given.items() if value is not None})
+    grid = _grid(mission, times, {name for name, value in choices.items() if value is not None})
     for begin in range(0, grid.count, size):
         yield mission.scene.since(grid.epoch, *grid.block(begin, size)), grid.digits
         if progress is not None:
@@ -133,13 +133,13 @@ def _grid(mission: Mission, times: dict[str, Any], given: set[str]) -> Grid:
 def numbers(mission: Mission, view: View) -> list[list[float]]:
     """The columns of a view as lists, in the order and units of the mission."""
     lists = []
-    for each in mission.columns:
-        value = getattr(view, each.name)
+    for column in mission.columns:
+        value = getattr(view, column.name)
         rows = [value] if value.ndim == 1 else [value[:, k] for k in range(value.shape[1])]
         if value.dtype == bool:
             rows = [row.astype(int) for row in rows]
-        elif each.factor != 1.0:
-            rows = [row * each.factor for row in rows]
+        elif column.factor != 1.0:
+            rows = [row * column.factor for row in rows]
         lists += [row.tolist() for row in rows]
     return lists
 
@@ -176,9 +176,13 @@ def _labels(mission: Mission) -> list[tuple[str, str, str]]:
     known = View.columns()
     # CSV has no description: the part is in the name.
     return [
-        (f"{each.name}_{part}" if part else each.name, each.unit, known[each.name].about)
-        for each in mission.columns
-        for part in known[each.name].parts or ("",)
+        (
+            f"{column.name}_{component}" if component else column.name,
+            column.unit,
+            known[column.name].about,
+        )
+        for column in mission.columns
+        for component in known[column.name].parts or ("",)
     ]
 
 

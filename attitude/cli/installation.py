@@ -78,17 +78,17 @@ def _options_of_commands() -> dict[str, dict[str, str]]:
     """Options by command, each with its help."""
     from attitude import cli
 
-    found = {}
+    commands = {}
     for name in cli.COMMANDS:
         parser = argparse.ArgumentParser()
         cli.command_of(name).add_arguments(parser)
-        found[name] = {
+        commands[name] = {
             text: (action.help or "").replace("%%", "%")
             for action in parser._actions
             for text in action.option_strings
             if text.startswith("--")
         }
-    return found
+    return commands
 
 
 def _bodies() -> list[str]:
@@ -102,7 +102,7 @@ def _bodies() -> list[str]:
 def _bash(options: dict[str, dict[str, str]]) -> str:
     """A function of bash, which zsh takes too."""
     cases = "\n".join(
-        f"    {name}) words={shlex.quote(' '.join(each))} ;;" for name, each in options.items()
+        f"    {name}) words={shlex.quote(' '.join(words))} ;;" for name, words in options.items()
     )
     return f"""\
 _attitude() {{
@@ -131,10 +131,10 @@ def _fish(options: dict[str, dict[str, str]]) -> str:
 
     quoted = "'{}'".format
     lines = []
-    for name, each in options.items():
+    for name, texts in options.items():
         about = cli.command_of(name).help.replace("'", "\\'")
         lines.append(f"complete -c attitude -n __fish_use_subcommand -a {name} -d {quoted(about)}")
-        for option, text in each.items():
+        for option, text in texts.items():
             said = text.replace("'", "\\'")
             seen = quoted(f"__fish_seen_subcommand_from {name}")
             lines.append(f"complete -c attitude -n {seen} -l {option[2:]} -d {quoted(said)}")

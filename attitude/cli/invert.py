@@ -113,21 +113,21 @@ def run(arguments: argparse.Namespace) -> None:
     )
     kind, dates = _prediction_of(arguments)
     moments = _moments(arguments.moments)
-    found = _spin_states.spin_states(
+    states = _spin_states.spin_states(
         curve,
         arguments.max_frequency,
         period=_period(arguments.period),
-        modes=tuple(each.strip() for each in arguments.modes.split(",")),
+        modes=tuple(mode.strip() for mode in arguments.modes.split(",")),
         moments=moments,
         **_surface(arguments),
         budget=validation.positive(arguments.budget, "--budget", unit="s"),
         seed=arguments.seed,
     )
     print(curve)
-    print(found)
-    _write(found, arguments)
+    print(states)
+    _write(states, arguments)
     if arguments.predict is not None:
-        _predict(found, dates, kind, arguments.prediction)
+        _predict(states, dates, kind, arguments.prediction)
 
 
 def _write(found: SpinStates, arguments: argparse.Namespace) -> None:
@@ -147,7 +147,7 @@ def _period(text: str | None) -> Any:
     """The period, or both ends."""
     if text is None or "," not in text:
         return text
-    return tuple(each.strip() for each in text.split(","))
+    return tuple(word.strip() for word in text.split(","))
 
 
 # A span of dates: "START .. STOP, STEP"; without a step it has 200.
@@ -187,10 +187,10 @@ def _dates(text: str, arguments: argparse.Namespace) -> Any:
         return LightCurve.read(text, frame=arguments.frame, **_geometry(arguments))
     span = _SPAN.fullmatch(text)
     if span is None:
-        dates = [each.strip() for each in text.split(",")]
+        dates = [date.strip() for date in text.split(",")]
         _inputs.past_j2000(dates)
         return dates
-    start, stop = (_inputs.instant(each) for each in span.groups()[:2])
+    start, stop = (_inputs.instant(date) for date in span.groups()[:2])
     length = stop.seconds - start.seconds
     step = length / _STEPS
     if span.group(3):

@@ -56,7 +56,7 @@ def of(
     figure = plots.new_figure((9.0, 6.0))
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
     span = np.ptp(seconds)
-    _, scale, unit = next(each for each in _UNITS if span >= each[0])
+    _, scale, unit = next(entry for entry in _UNITS if span >= entry[0])
     t = (seconds - seconds[0]) / scale
     shown = np.where(np.isfinite(magnitude), magnitude, np.nan)
     if elevation is not None:
@@ -122,15 +122,15 @@ def _line(axes: Axes, t: FloatArray, y: FloatArray, color: str, label: str | Non
 
 def _extremes(t: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
     """A long curve as the least and the greatest value of each of many parts."""
-    each = len(t) // (_POINTS // 2)
-    if each < 2:
+    points = len(t) // (_POINTS // 2)
+    if points < 2:
         return t, y
-    count = len(t) // each * each
-    parts = np.where(np.isfinite(y[:count]), y[:count], np.inf).reshape(-1, each)
+    count = len(t) // points * points
+    parts = np.where(np.isfinite(y[:count]), y[:count], np.inf).reshape(-1, points)
     low = np.min(parts, axis=1)
     high = np.max(np.where(np.isfinite(parts), parts, -np.inf), axis=1)
     pairs = np.stack([low, high], axis=1).reshape(-1)
-    return np.repeat(t[:count:each], 2), np.where(np.isfinite(pairs), pairs, np.nan)
+    return np.repeat(t[:count:points], 2), np.where(np.isfinite(pairs), pairs, np.nan)
 
 
 def _runs(flags: BoolArray) -> IntArray:
@@ -158,27 +158,27 @@ def run_observed(mission: Mission, observed: str, target: str | None, figure: st
     assert mission.magnitude is not None
     view = mission.scene.at(columns["times"])
     computed = np.asarray(mission.magnitude.of(view, everywhere=True), dtype=float)
-    given = np.asarray(columns["magnitude"], dtype=float)
+    magnitude = np.asarray(columns["magnitude"], dtype=float)
     dark = np.count_nonzero(~np.isfinite(computed))
     if dark:
         raise AttitudeError(
             f"{observed}: at {dark} of {len(computed)} epochs nothing of the body is both lit and "
             "seen; leave these points out."
         )
-    session = np.asarray(columns.get("session", [""] * len(given)), dtype=str)
-    residual, lines = _compared(given, computed, session)
-    dates = [each.utc_iso for each in _instants(view)]
+    session = np.asarray(columns.get("session", [""] * len(magnitude)), dtype=str)
+    residual, lines = _compared(magnitude, computed, session)
+    dates = [instant.utc_iso for instant in _instants(view)]
     with _output.opened(target) as file:
-        _write(file, dates, session, given, given - residual, residual)
+        _write(file, dates, session, magnitude, magnitude - residual, residual)
     print("\n".join(lines))
     if figure is not None:
-        _draw(view.seconds / _DAY, given, residual, session, figure)
+        _draw(view.seconds / _DAY, magnitude, residual, session, figure)
         print(figure)
 
 
 def _instants(view: Any) -> list[Any]:
     """The epochs of reception."""
-    return [view.epoch.after(float(each)) for each in view.seconds]
+    return [view.epoch.after(float(seconds)) for seconds in view.seconds]
 
 
 def _compared(
@@ -190,13 +190,13 @@ def _compared(
     residual = np.empty_like(given)
     lines = []
     for name in dict.fromkeys(session.tolist()):
-        here = session == name
-        zero = float(np.mean(given[here] - computed[here]))
-        residual[here] = given[here] - computed[here] - zero
-        rms = float(np.sqrt(np.mean(residual[here] ** 2)))
+        chosen = session == name
+        zero = float(np.mean(given[chosen] - computed[chosen]))
+        residual[chosen] = given[chosen] - computed[chosen] - zero
+        rms = float(np.sqrt(np.mean(residual[chosen] ** 2)))
         label = name or "all points"
         lines.append(
-            f"{label}: {np.count_nonzero(here)} points, zero point {zero:+.3f}, rms {rms:.3f} mag"
+            f"{label}: {np.count_nonzero(chosen)} points, zero point {zero:+.3f}, rms {rms:.3f} mag"
         )
     total = float(np.sqrt(np.mean(residual**2)))
     return residual, [*lines, f"rms of all {len(given)} points: {total:.3f} mag"]
@@ -205,7 +205,7 @@ def _compared(
 def _write(file: IO[str], dates: list[str], session: Any, *columns: FloatArray) -> None:
     file.write("utc,session,observed,computed,residual\n")
     for date, name, *numbers in zip(dates, session.tolist(), *columns, strict=True):
-        file.write(f"{date},{name}," + ",".join(f"{each:.4f}" for each in numbers) + "\n")
+        file.write(f"{date},{name}," + ",".join(f"{number:.4f}" for number in numbers) + "\n")
 
 
 def _draw(days: Any, given: FloatArray, residual: FloatArray, session: Any, figure: str) -> None:
@@ -217,9 +217,9 @@ def _draw(days: Any, given: FloatArray, residual: FloatArray, session: Any, figu
     drawn = plots.new_figure((9.0, 7.0))
     above, below = drawn.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     for name in dict.fromkeys(session.tolist()):
-        here = session == name
-        above.plot(days[here], given[here], ".")
-        below.plot(days[here], residual[here], ".")
+        chosen = session == name
+        above.plot(days[chosen], given[chosen], ".")
+        below.plot(days[chosen], residual[chosen], ".")
     above.plot(days, given - residual, "kx", ms=3, label="computed")
     above.invert_yaxis()
     above.set_ylabel("magnitude")
@@ -362,7 +362,7 @@ class _Curve:
 
         kept = [self._joined(name) for name in _DAMIT]
         observed = ~np.isnan(kept[0])  # not by day, nor below the horizon of a site
-        reduced, hi, lo, sun, observer = (each[observed] for each in kept)
+        reduced, hi, lo, sun, observer = (column[observed] for column in kept)
         if not np.all(np.isfinite(reduced)):
             raise AttitudeError(
                 f"--output {path!r}: at {np.count_nonzero(~np.isfinite(reduced))} epochs nothing "
@@ -376,11 +376,11 @@ class _Curve:
         damit_light_curve.write_damit_light_curves(path, curve)
 
     def _blocks(self) -> Iterator[list[Any]]:
-        rest = replace(self._mission, columns=self._mission.columns[1:])
+        others = replace(self._mission, columns=self._mission.columns[1:])
         for view, digits in self._views:
             magnitude = self._magnitude.of(view)
             self._keep(view, magnitude)
-            columns = [magnitude.tolist(), *geometry.numbers(rest, view)]
+            columns = [magnitude.tolist(), *geometry.numbers(others, view)]
             yield [*geometry.dates(view, digits), *columns]
 
     def _keep(self, view: View, magnitude: FloatArray) -> None:
@@ -419,7 +419,7 @@ class _Curve:
     def _joined(self, name: str) -> Any:
         import numpy as np
 
-        parts = [part[name] for part in self._parts]
+        parts = [part_of_all[name] for part_of_all in self._parts]
         return parts[0] if name == "epoch" else np.concatenate(parts)
 
 
@@ -430,18 +430,23 @@ def _columns(mission: Mission, view: View) -> tuple[MissionColumn, ...]:
     scene = view.scene
     assert mission.magnitude is not None
     is_apparent = mission.magnitude.kind == "apparent"
-    own = [("magnitude" if is_apparent else "reduced_magnitude", "mag"), ("brightness", "m2 / sr")]
-    own.append(("phase_angle", "deg"))
+    names = [
+        ("magnitude" if is_apparent else "reduced_magnitude", "mag"),
+        ("brightness", "m2 / sr"),
+    ]
+    names.append(("phase_angle", "deg"))
     for name, place in (("sun_distance", scene.sun), ("observer_distance", scene.observer)):
         if not place.is_direction:
-            own.append((name, "au" if getattr(view, name)[0] > _FAR else "km"))
+            names.append((name, "au" if getattr(view, name)[0] > _FAR else "km"))
     if scene.shadow_of:
-        own.append(("lit_fraction", ""))
+        names.append(("lit_fraction", ""))
     if scene.observer.has_horizon:
-        own.append(("elevation", "deg"))
-    given = {each.name: each for each in mission.columns}
-    first = [given.pop(name) if name in given else MissionColumn(name, unit) for name, unit in own]
-    return (*first, *given.values())
+        names.append(("elevation", "deg"))
+    by_name = {column.name: column for column in mission.columns}
+    first = [
+        by_name.pop(name) if name in by_name else MissionColumn(name, unit) for name, unit in names
+    ]
+    return (*first, *by_name.values())
 
 
 def _require_paths(scene: Scene, output: str) -> None:

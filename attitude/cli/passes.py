@@ -82,9 +82,9 @@ def run(arguments: argparse.Namespace, command: str) -> None:
         _output.kind_of(arguments.output)
     mission = formats_mission.read(arguments.file)
     ends = _span(mission, arguments)
-    found: Timetable
+    timetable: Timetable
     if command == "passes":
-        found = passes(
+        timetable = passes(
             mission.scene,
             *ends,
             elevation=arguments.elevation,
@@ -92,7 +92,7 @@ def run(arguments: argparse.Namespace, command: str) -> None:
             night=arguments.night,
         )
     else:
-        found = glints(
+        timetable = glints(
             mission.scene,
             *ends,
             sides=arguments.side,
@@ -100,12 +100,12 @@ def run(arguments: argparse.Namespace, command: str) -> None:
             visible=not arguments.all,
         )
     if arguments.output is not None:
-        _write(found, arguments.output)
-        print(f"{arguments.output}: {_counted(found, command)}")
-    elif len(found):
-        print(found)
+        _write(timetable, arguments.output)
+        print(f"{arguments.output}: {_counted(timetable, command)}")
+    elif len(timetable):
+        print(timetable)
     else:
-        print(f"{_counted(found, command)} from {arguments.start or 'the start'} on.")
+        print(f"{_counted(timetable, command)} from {arguments.start or 'the start'} on.")
 
 
 def _counted(found: Timetable, command: str) -> str:

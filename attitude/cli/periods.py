@@ -78,10 +78,10 @@ def run(arguments: argparse.Namespace) -> None:
     print(repr(data)[1:-1])
     for note in data.notes:
         print(f"note: {note}")
-    found = _found(data, arguments)
-    _print(found, arguments)
+    periods = _found(data, arguments)
+    _print(periods, arguments)
     if arguments.figure is not None:
-        found.plot(arguments.figure)
+        periods.plot(arguments.figure)
         print(arguments.figure)
 
 
@@ -138,7 +138,7 @@ def _print(found: Periods, arguments: argparse.Namespace) -> None:
         print(f"{rank:3d}{numbers}{peak.power:8.3f}{peak.left:8.3f}  {peak.relation}".rstrip())
     if arguments.bootstrap is not None:
         errors = ", ".join(
-            f"{each / size:.2g} {unit}" for each in found.bootstrap(draws=arguments.bootstrap)
+            f"{draw / size:.2g} {unit}" for draw in found.bootstrap(draws=arguments.bootstrap)
         )
         print(f"error of the best by bootstrap: {errors}")
     if found.count == 2:

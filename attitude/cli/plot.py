@@ -39,13 +39,13 @@ def run(arguments: argparse.Namespace) -> None:
     from attitude import plots
     from attitude._support import validation
 
-    found = _options.opened(arguments)
-    name = arguments.output or _file_name(found.name, arguments.target)
+    state = _options.opened(arguments)
+    name = arguments.output or _file_name(state.name, arguments.target)
     _output.kind_of(name, _output.PICTURES)
     span = None
     if arguments.span is not None:
         span = validation.real(arguments.span, "--span", unit="s")
-    figure = plots.overview(found.motion, span=span, frame=arguments.sky, title=found.label)
+    figure = plots.overview(state.motion, span=span, frame=arguments.sky, title=state.label)
     try:
         figure.savefig(name, dpi=150)
     except OSError as err:
@@ -59,5 +59,5 @@ def _file_name(name: str, given: str) -> str:
     """A PNG in the working directory, named after the entry of the catalogue or the file."""
     if _options.is_file(given):
         name = re.sub(r"\.(toml|spin|apm|xml)$", "", os.path.basename(given))
-    words = "".join(each if each.isalnum() else " " for each in name.lower()).split()
+    words = "".join(letter if letter.isalnum() else " " for letter in name.lower()).split()
     return "-".join(words) + ".png"

@@ -76,7 +76,7 @@ _BLOCK = 16384
 # Seconds of the steps of a table without --step, and the rows that it has at most.
 _STEPS = (
     *(1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 1200, 1800, 3600, 7200, 10800, 21600, 43200),
-    *(86400 * each * 10**power for power in range(7) for each in (1, 2, 5)),
+    *(86400 * factor * 10**power for power in range(7) for factor in (1, 2, 5)),
 )
 _ROWS, _MOST_ROWS = 1000, 1_000_000
 
@@ -245,14 +245,16 @@ def _epochs(motion: AveragedMotion, arguments: argparse.Namespace) -> Grid:
         if span == 0.0:
             raise AttitudeError("--until is the epoch of the spin; give another epoch.")
         least = abs(span) / _ROWS
-        length = next((each for each in _STEPS if each >= least), _STEPS[-1])
-        step = f"{'-' if span < 0.0 else ''}{length} s"
-    found = _options.grid(start, "0", until, step, last_name="--until")
-    if found.count > _MOST_ROWS:
-        raise AttitudeError(
-            f"--step {step} makes {found.count} rows, more than {_MOST_ROWS}; take a longer step."
+        length = next(
+            (length_of_step for length_of_step in _STEPS if length_of_step >= least), _STEPS[-1]
         )
-    return found
+        step = f"{'-' if span < 0.0 else ''}{length} s"
+    times = _options.grid(start, "0", until, step, last_name="--until")
+    if times.count > _MOST_ROWS:
+        raise AttitudeError(
+            f"--step {step} makes {times.count} rows, more than {_MOST_ROWS}; take a longer step."
+        )
+    return times
 
 
 def _last(motion: AveragedMotion, until: float) -> float:
@@ -274,20 +276,20 @@ def _last(motion: AveragedMotion, until: float) -> float:
 def _columns(states: AveragedHistory) -> dict[str, tuple[Any, str]]:
     """Columns of rows (N,), or of branches and rows (B N,), each with its unit."""
     ends = np.array(["+", "-", "+", "-"])
-    found: dict[str, tuple[Any, str]] = {}
+    columns: dict[str, tuple[Any, str]] = {}
     if states.seconds.ndim == 2:
         number = np.broadcast_to(np.arange(1, len(states) + 1)[:, None], states.seconds.shape)
-        found["branch"] = number, ""
-        found["odds"] = np.broadcast_to(states.odds[:, None], states.seconds.shape), ""
-    found["mode"] = states.mode, ""
-    found["end"] = ends[states.region], ""
+        columns["branch"] = number, ""
+        columns["odds"] = np.broadcast_to(states.odds[:, None], states.seconds.shape), ""
+    columns["mode"] = states.mode, ""
+    columns["end"] = ends[states.region], ""
     for k, name in enumerate(("momentum_x", "momentum_y", "momentum_z")):
-        found[name] = states.momentum[..., k], "N m s"
-    found["theta"] = states.theta, "rad"
-    found["energy"] = states.energy, "J"
-    found["P_psi"], found["P_phi"] = (states.P_psi, "s"), (states.P_phi, "s")
-    found["weakness"] = states.weakness, ""
-    return {name: (np.ravel(values), unit) for name, (values, unit) in found.items()}
+        columns[name] = states.momentum[..., k], "N m s"
+    columns["theta"] = states.theta, "rad"
+    columns["energy"] = states.energy, "J"
+    columns["P_psi"], columns["P_phi"] = (states.P_psi, "s"), (states.P_phi, "s")
+    columns["weakness"] = states.weakness, ""
+    return {name: (np.ravel(values), unit) for name, (values, unit) in columns.items()}
 
 
 def _text_of(states: AveragedHistory, epochs: Grid, kind: str) -> str:

@@ -46,12 +46,12 @@ def opened(arguments: argparse.Namespace) -> ViewSource:
     """The ViewSource of parsed arguments."""
     from attitude.shape import _files
 
-    given = arguments.target
+    target = arguments.target
     mesh = None
     if arguments.shape is not None:
         mesh = _files.read(arguments.shape, unit=arguments.unit)
-    if _options.is_file(given) and given.endswith(".toml"):
-        content = _content(given)
+    if _options.is_file(target) and target.endswith(".toml"):
+        content = _content(target)
         spin = content.get("spin")
         named = isinstance(spin, str) or (isinstance(spin, dict) and "catalog" in spin)
         if set(content) - _OF_SPIN_FILES or named:
@@ -92,19 +92,19 @@ def _of_mission(arguments: argparse.Namespace, mesh: Mesh | None) -> ViewSource:
             raise AttitudeError(
                 f"--{name} is given, but {arguments.target} is a mission file; write it there."
             )
-    found = mission.read(arguments.target)
-    if found.scene.motion is None:
+    content = mission.read(arguments.target)
+    if content.scene.motion is None:
         raise AttitudeError(
             f"{arguments.target}: has no spin, without which nothing turns; give spin = ..."
         )
-    start, stop = _times(found)
-    title = found.name or _stem(arguments.target)
+    start, stop = _times(content)
+    title = content.name or _stem(arguments.target)
     magnitude = None
-    if found.magnitude is not None:
-        label = "magnitude" if found.magnitude.kind == "apparent" else "reduced magnitude"
-        magnitude = found.magnitude.of, label
+    if content.magnitude is not None:
+        label = "magnitude" if content.magnitude.kind == "apparent" else "reduced magnitude"
+        magnitude = content.magnitude.of, label
     return ViewSource(
-        found.scene,
+        content.scene,
         start if arguments.start is None else arguments.start,
         stop if arguments.stop is None else arguments.stop,
         mesh,
@@ -124,15 +124,15 @@ def _motion(
     arguments: argparse.Namespace,
 ) -> tuple[Motion, str, Ellipsoid | Mesh | None, Law | None]:
     """The motion, its title, and the shape and law of a spin file."""
-    given = arguments.target
-    if _options.is_file(given) and not given.endswith((".toml", ".spin", ".apm")):
+    target = arguments.target
+    if _options.is_file(target) and not target.endswith((".toml", ".spin", ".apm")):
         from attitude.formats import detect
 
-        found = detect.opened(given, body=arguments.body, kernels=arguments.kernels or ())
-        return found.motion, _stem(given), None, None
+        source = detect.opened(target, body=arguments.body, kernels=arguments.kernels or ())
+        return source.motion, _stem(target), None, None
     one = _options.opened(arguments)
     # A spin file without a name shows that of the file, not the path typed.
-    name = _stem(given) if one.name == given else one.name
+    name = _stem(target) if one.name == target else one.name
     return one.motion, name, one.shape, one.law
 
 
@@ -143,19 +143,19 @@ def _stem(path: str) -> str:
 
 def _lit(arguments: argparse.Namespace, source: ViewSource) -> ViewSource:
     """With --sun and --observer the scene of the motion, lit and seen from these directions."""
-    given = {name: getattr(arguments, name) for name in ("sun", "observer")}
-    if not any(given.values()):
+    directions = {name: getattr(arguments, name) for name in ("sun", "observer")}
+    if not any(directions.values()):
         return source
     from attitude.paths import _path
     from attitude.scene._scene import Scene
     from attitude.shape._ellipsoid import Ellipsoid
 
-    for name, words in given.items():
+    for name, words in directions.items():
         if words is None:
             raise AttitudeError(f'--{name} is missing; give both, as in --{name} "1, 0, 0".')
     sun, observer = (
         _path.direction(validation.real(" ".join(words), f"--{name}", shape=(3,)), name=name)
-        for name, words in given.items()
+        for name, words in directions.items()
     )
     motion: Any = source.motion
     shape: Any = source.shape

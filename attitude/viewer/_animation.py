@@ -143,10 +143,10 @@ class _Picture:
         shade = _subject.shade(what)
         lit = np.ones(count) if shade is None else np.interp(times, shade.times, shade.lit)
         history = what.at(times)
-        arrows = [_arrow(above, *each) for each in (*_AXES, _MOMENTUM)]
+        arrows = [_arrow(above, *arrow) for arrow in (*_AXES, _MOMENTUM)]
         clock = figure.text(0.02, 0.94, "", color=_TEXT, fontsize=10, family="monospace", va="top")
         short = what.duration < _SHORT
-        utc = [each.replace("T", " ")[: 19 if short else 16] for each in what.utc(times)]
+        utc = [date.replace("T", " ")[: 19 if short else 16] for date in what.utc(times)]
         facets = _empty(above)
         return cls(
             figure, facets, arrows, clock, line, surface, curve, times, history.wxyz, toward, sun,

@@ -61,10 +61,10 @@ def write_cosmographia(
     from attitude.formats import ck
 
     scene = motion if isinstance(motion, Scene) else None
-    given = subject(motion, start, stop, shape=shape, title=title)
-    what = subject(given.motion, given.start.time, _end(given).time, shape=given.shape)
+    seen = subject(motion, start, stop, shape=shape, title=title)
+    what = subject(seen.motion, seen.start.time, _end(seen).time, shape=seen.shape)
     base = os.path.splitext(os.fspath(path))[0]
-    frame = "".join(each if each.isalnum() else "_" for each in given.title.upper())[:26]
+    frame = "".join(letter if letter.isalnum() else "_" for letter in seen.title.upper())[:26]
     ck.write(f"{base}.bc", what.motion, what.start.time, _end(what).time,
              tolerance=tolerance, name=frame)  # fmt: skip
     surface = _subject.surface(what, _MOST)
@@ -78,15 +78,15 @@ def write_cosmographia(
             file.write(_states(what, scene))
         trajectory = {"type": "InterpolatedStates", "source": f"{os.path.basename(base)}.xyzv"}
     name = os.path.basename(base)
-    begin, end = (f"{each} UTC" for each in what.utc(np.array([0.0, what.duration])))
+    begin, end = (f"{date} UTC" for date in what.utc(np.array([0.0, what.duration])))
     catalogue = {
         "version": "1.0",
-        "name": given.title,
+        "name": seen.title,
         "spiceKernels": [f"{name}.tsc", f"{name}.tf", f"{name}.bc"],
         "items": [
             {
                 "class": "spacecraft" if center != "Sun" else "asteroid",
-                "name": given.title,
+                "name": seen.title,
                 "startTime": begin,
                 "endTime": end,
                 "center": center,
@@ -140,5 +140,5 @@ def _states(what: Subject, scene: Scene) -> str:
     dates: FloatArray = _instants.times(what.start, times).tdb.jd
     table = np.column_stack([dates, position / 1000.0, velocity / 1000.0])
     return "".join(
-        f"{row[0]:.9f} {' '.join(f'{each:.12g}' for each in row[1:])}\n" for row in table
+        f"{row[0]:.9f} {' '.join(f'{number:.12g}' for number in row[1:])}\n" for row in table
     )

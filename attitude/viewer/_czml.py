@@ -85,7 +85,7 @@ def write_czml(
 
 
 def _document(what: Subject) -> dict[str, Any]:
-    begin, end = (f"{each}Z" for each in what.utc(np.array([0.0, what.duration])))
+    begin, end = (f"{date}Z" for date in what.utc(np.array([0.0, what.duration])))
     return {
         "id": "document",
         "name": what.title,
@@ -100,14 +100,14 @@ def _document(what: Subject) -> dict[str, Any]:
 
 
 def _body(what: Subject, scene: Scene, model: str | None) -> dict[str, Any]:
-    begin, end = (f"{each}Z" for each in what.utc(np.array([0.0, what.duration])))
+    begin, end = (f"{date}Z" for date in what.utc(np.array([0.0, what.duration])))
     assert scene.center is not None
     count = int(np.clip(np.ceil(what.duration / _STEP), _DEGREE + 1, _MOST)) + 1
     times = np.linspace(0.0, what.duration, count)
     positions = scene.center.position(what.start, times)
     drawn = {"gltf": model, "minimumPixelSize": 64} if model else None
     box = {"dimensions": {"cartesian": [10.0, 4.0, 4.0]}} if drawn is None else None
-    found: dict[str, Any] = {
+    packet: dict[str, Any] = {
         "id": what.title,
         "name": what.title,
         "availability": f"{begin}/{end}",
@@ -126,7 +126,7 @@ def _body(what: Subject, scene: Scene, model: str | None) -> dict[str, Any]:
         },
         "path": {"width": 1, "leadTime": 3000, "trailTime": 3000},
     }
-    return found | ({"model": drawn} if drawn else {"box": box})
+    return packet | ({"model": drawn} if drawn else {"box": box})
 
 
 def _orientation(what: Subject) -> FloatArray:
@@ -139,7 +139,7 @@ def _orientation(what: Subject) -> FloatArray:
         wxyz[1:] *= signs[:, None]
         rows.append(np.column_stack([times, wxyz[:, 1:], wxyz[:, 0]]))
         # The attitude is continuous where the rate jumps: one row serves both sides.
-    joined = [*(each[:-1] for each in rows[:-1]), rows[-1]]
+    joined = [*(rows_of_piece[:-1] for rows_of_piece in rows[:-1]), rows[-1]]
     return np.concatenate(joined)
 
 

@@ -64,14 +64,14 @@ def write_glb(
     from attitude._textfiles.atomic_write import written_whole
 
     what = subject(motion, start, stop, shape=shape, title=title)
-    found = _subject.pieces(what)
-    pace = seconds_a_second(what, found) if speed is None else validation.positive(speed, "speed")
+    poses = _subject.pieces(what)
+    pace = seconds_a_second(what, poses) if speed is None else validation.positive(speed, "speed")
     surface = _subject.surface(what, _MOST)
     size = surface.size if np.isfinite(surface.size) else 1.0
     buffer = _Buffer()
     vertices = buffer.add(surface.vertices * size, "<f4", "VEC3", _VERTICES)
     facets = buffer.add(surface.facets.reshape(-1, 1), "<u4", "SCALAR", _INDICES)
-    times, turns = _keys(found, pace)
+    times, turns = _keys(poses, pace)
     inputs = buffer.add(times[:, None], "<f4", "SCALAR")
     outputs = buffer.add(turns, "<f4", "VEC4")
     content = {
@@ -101,11 +101,11 @@ def write_glb(
 def _keys(found: list[_subject.PosePiece], pace: float) -> tuple[Any, Any]:
     """Times of the animation that increase as float32, and quaternions x, y, z, w."""
     parts = [
-        (each.start + each.step * np.arange(len(each.wxyz)), each.wxyz[:, [1, 2, 3, 0]])
-        for each in found
+        (piece.start + piece.step * np.arange(len(piece.wxyz)), piece.wxyz[:, [1, 2, 3, 0]])
+        for piece in found
     ]
-    times = (np.concatenate([part[0] for part in parts]) / pace).astype(np.float32)
-    turns = np.concatenate([part[1] for part in parts])
+    times = (np.concatenate([keys[0] for keys in parts]) / pace).astype(np.float32)
+    turns = np.concatenate([keys[1] for keys in parts])
     kept = np.concatenate([[True], np.diff(np.maximum.accumulate(times)) > 0.0])
     return times[kept], turns[kept] / np.linalg.norm(turns[kept], axis=1)[:, None]
 

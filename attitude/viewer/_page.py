@@ -89,7 +89,7 @@ def content(
     subject: Subject, progress: Callable[[int, int], object] | None = None
 ) -> dict[str, Any]:
     """All data of a page."""
-    found = _subject.pieces(subject)
+    poses = _subject.pieces(subject)
     kind, rows = facts(subject)
     begin, end = subject.utc(np.array([0.0, subject.duration]))
     data: dict[str, Any] = {
@@ -98,8 +98,8 @@ def content(
         "facts": rows,
         "duration": subject.duration,
         "utc": [begin, end],
-        "poses": [_piece(each) for each in found],
-        "turns": any(each.angular_velocity.any() for each in found),
+        "poses": [_piece(piece) for piece in poses],
+        "turns": any(piece.angular_velocity.any() for piece in poses),
         "momentum": None if subject.motion.momentum is None else _momentum(subject.motion),
         "surface": _surface(subject),
         "poinsot": _poinsot(subject),
@@ -107,7 +107,7 @@ def content(
         "observer": None,
         "shade": None,
         "curve": None,
-        "speed": seconds_a_second(subject, found),
+        "speed": seconds_a_second(subject, poses),
     }
     if subject.scene is not None:
         for which in ("sun", "observer"):
@@ -156,7 +156,7 @@ def _other_facts(subject: Subject) -> tuple[str, list[tuple[str, str]]]:
         ("angular velocity", f"{rates.min():.6g} to {rates.max():.6g} deg/s"),
     ]
     if motion.body is not None:
-        moments = ", ".join(f"{each:.6g}" for each in motion.body.moments)
+        moments = ", ".join(f"{moment:.6g}" for moment in motion.body.moments)
         rows.append(("moments", f"{moments}{'' if motion.body.relative else ' kg m2'}"))
     else:
         rows.append(("moments", "unknown: without them no momentum is drawn"))
@@ -182,18 +182,18 @@ def _momentum(motion: Motion) -> list[float] | None:
 
 
 def _surface(subject: Subject) -> dict[str, Any]:
-    found = _subject.surface(subject)
+    drawn = _subject.surface(subject)
     data = {
-        "kind": found.kind,
+        "kind": drawn.kind,
         "convex": not isinstance(subject.shape, Mesh) or subject.shape.is_convex,
-        "closed": found.closed,
-        "smooth": found.smooth,
-        "size": found.size,
+        "closed": drawn.closed,
+        "smooth": drawn.smooth,
+        "size": drawn.size,
         "coarse": None,
-        **_triangles(found.vertices, found.facets),
+        **_triangles(drawn.vertices, drawn.facets),
     }
-    if len(found.facets) > _subject.COARSE:
-        few = _subject.coarser(found.vertices, found.facets, _subject.COARSE)
+    if len(drawn.facets) > _subject.COARSE:
+        few = _subject.coarser(drawn.vertices, drawn.facets, _subject.COARSE)
         data["coarse"] = _triangles(*few)
     return data
 
@@ -210,16 +210,16 @@ def _triangles(vertices: FloatArray, facets: IntArray) -> dict[str, Any]:
 
 
 def _poinsot(subject: Subject) -> dict[str, Any] | None:
-    found = _subject.construction(subject)
-    if found is not None:
+    drawn = _subject.construction(subject)
+    if drawn is not None:
         for name in ("polhode", "herpolhode"):
-            found[name] = encoded(found[name], "<f4")
-    return found
+            drawn[name] = encoded(drawn[name], "<f4")
+    return drawn
 
 
 def seconds_a_second(subject: Subject, found: list[_subject.PosePiece]) -> float:
     """Seconds of the motion that a second of a picture shows: a turn in some eight seconds."""
-    rates = [np.linalg.norm(each.angular_velocity, axis=1).mean() for each in found]
+    rates = [np.linalg.norm(piece.angular_velocity, axis=1).mean() for piece in found]
     fastest = float(np.max(rates))
     turns = fastest * subject.duration / (2.0 * np.pi)
     return subject.duration / max(8.0 * turns, 8.0)
@@ -320,7 +320,7 @@ def view(
     "the paper's body"
     """
     what = subject(motion, start, stop, shape=shape, title=title, magnitude=magnitude)
-    made = Viewer(page(content(what, progress)), what.title)
+    viewer = Viewer(page(content(what, progress)), what.title)
     if output is not None:
-        made.write(os.fspath(output))
-    return made
+        viewer.write(os.fspath(output))
+    return viewer

@@ -69,11 +69,11 @@ class PosePiece:
 def pieces(subject: Subject, tolerance: float = TOLERANCE) -> list[PosePiece]:
     """The attitudes of a subject, each piece with the widest step that keeps the tolerance."""
     bounds = np.concatenate([[0.0], subject.breaks(), [subject.duration]])
-    found: list[PosePiece] = []
+    poses: list[PosePiece] = []
     for begin, end in pairwise(bounds):
-        left = MOST_POSES - sum(len(each.wxyz) for each in found)
-        found.append(_piece(subject, float(begin), float(end), tolerance, left))
-    return found
+        left = MOST_POSES - sum(len(piece.wxyz) for piece in poses)
+        poses.append(_piece(subject, float(begin), float(end), tolerance, left))
+    return poses
 
 
 def _piece(subject: Subject, begin: float, end: float, tolerance: float, most: int) -> PosePiece:
@@ -111,9 +111,9 @@ def _error(subject: Subject, begin: float, length: float, count: int) -> float:
     first, last = (subject.at(begin + step * (chosen + k * inside)).wxyz for k in (0, 1))
     turn = forms.to_rotation_vector(quaternion.multiply(quaternion.conjugate(first), last))
     worst = 0.0
-    for part in _BETWEEN:
-        motion = subject.at(begin + step * (chosen + part)).wxyz
-        between = quaternion.multiply(first, forms.from_rotation_vector(turn * part))
+    for share in _BETWEEN:
+        motion = subject.at(begin + step * (chosen + share)).wxyz
+        between = quaternion.multiply(first, forms.from_rotation_vector(turn * share))
         off = quaternion.multiply(quaternion.conjugate(motion), between)
         angles = np.linalg.norm(forms.to_rotation_vector(off), axis=-1)
         worst = max(worst, float(np.max(angles)))
@@ -150,16 +150,16 @@ def directions(subject: Subject, which: str) -> FloatArray:
     """
     count = _FIRST
     while True:
-        found = _icrf(subject, which, count)
-        if np.ptp(found, axis=0).max() == 0.0:
-            return found[:1]
-        middle = found[:-2:2] + found[2::2]
+        vectors = _icrf(subject, which, count)
+        if np.ptp(vectors, axis=0).max() == 0.0:
+            return vectors[:1]
+        middle = vectors[:-2:2] + vectors[2::2]
         middle = middle / np.linalg.norm(middle, axis=1)[:, None]
         if (
-            np.linalg.norm(middle - found[1:-1:2], axis=1).max() < TOLERANCE
+            np.linalg.norm(middle - vectors[1:-1:2], axis=1).max() < TOLERANCE
             or count >= _MOST_DIRECTIONS
         ):
-            return found
+            return vectors
         count = 2 * count - 1
 
 
@@ -278,16 +278,16 @@ def construction(subject: Subject) -> dict[str, Any] | None:
         return None
     energy, momentum = motion.energy, motion.momentum
     size = float(np.linalg.norm(momentum))
-    found = inertia_ellipsoid(motion.body)
-    if found is None or not energy > 0.0 or not size > 0.0:
+    ellipsoid = inertia_ellipsoid(motion.body)
+    if ellipsoid is None or not energy > 0.0 or not size > 0.0:
         return None
     # s / sqrt(2 E), with s such that the longest semi-axis s / sqrt(least moment) is 1.
     per_rate = float(np.sqrt(np.min(motion.body.moments) / (2.0 * energy)))
     times = np.linspace(0.0, *_herpolhode_span(subject))
     history = subject.at(times)
     return {
-        "semi_axes": found.semi_axes,
-        "axes": found.axes,
+        "semi_axes": ellipsoid.semi_axes,
+        "axes": ellipsoid.axes,
         "distance": per_rate * 2.0 * energy / size,
         "pole": momentum / size,
         "rate": 1.0 / per_rate,
@@ -299,8 +299,10 @@ def construction(subject: Subject) -> dict[str, Any] | None:
 def _herpolhode_span(subject: Subject) -> tuple[float, int]:
     """Seconds and number of points of the herpolhode: as much of the span as is drawn finely."""
     regime = subject.motion.regime
-    periods = [abs(each) for each in (regime.P_psi, regime.P_phi_L, regime.P_phi_S)]
-    shortest = min((each for each in periods if 0.0 < each < np.inf), default=subject.duration)
+    periods = [abs(period) for period in (regime.P_psi, regime.P_phi_L, regime.P_phi_S)]
+    shortest = min(
+        (period for period in periods if 0.0 < period < np.inf), default=subject.duration
+    )
     span = min(subject.duration, shortest * _MOST / _A_TURN)
     return span, int(np.clip(_A_TURN * span / shortest, 64, _MOST))
 
@@ -344,15 +346,15 @@ def surface(subject: Subject, most: int = MOST_FACETS) -> Surface:
     if isinstance(shape, Ellipsoid):
         return _scaled(shape.facets(min(_FACETS, most)), "ellipsoid")
     if isinstance(shape, Mesh):
-        found = _scaled(_drawn(shape, most), "mesh", np.linalg.norm(shape.vertices, axis=1).max())
-        return found._replace(closed=shape.is_closed and not len(shape.inward_facets))
+        drawn = _scaled(_drawn(shape, most), "mesh", np.linalg.norm(shape.vertices, axis=1).max())
+        return drawn._replace(closed=shape.is_closed and not len(shape.inward_facets))
     ellipsoid = inertia_ellipsoid(subject.motion.body)
     if ellipsoid is None:
         return _scaled(box(_BOX), "box")._replace(size=np.nan)
     ball = Ellipsoid((1.0, 1.0, 1.0)).facets(min(_FACETS, most))
     stretched = ball.vertices * ellipsoid.semi_axes @ ellipsoid.axes.T
-    found = _scaled((stretched, ball.facets), "ellipsoid of inertia")
-    return found._replace(size=np.nan)
+    drawn = _scaled((stretched, ball.facets), "ellipsoid of inertia")
+    return drawn._replace(size=np.nan)
 
 
 def _scaled(
@@ -400,10 +402,10 @@ def coarser(vertices: FloatArray, facets: IntArray, most: int) -> tuple[FloatArr
     cells = np.sqrt(most / 12.0)
     best, tried = None, 0
     while best is None or (len(best[1]) < 0.8 * most and tried < 6):
-        found = _clustered(vertices, facets, low, float(np.max(high - low)) / cells)
-        count = len(found[1])
+        clusters = _clustered(vertices, facets, low, float(np.max(high - low)) / cells)
+        count = len(clusters[1])
         if count <= most and (best is None or count > len(best[1])):
-            best = found
+            best = clusters
         cells *= 0.95 * np.sqrt(most / max(count, 1))
         tried += 1
     return best
@@ -469,20 +471,20 @@ class Subject:
         """Times within the span at which the angular velocity jumps, s from the start."""
         joints = self.motion.breaks()
         hi, lo = self._offset()
-        found = (joints[:, 0] - hi) + (joints[:, 1] - lo)
-        if self.scene is not None and len(found):
+        seconds = (joints[:, 0] - hi) + (joints[:, 1] - lo)
+        if self.scene is not None and len(seconds):
             # Light arrives later than it leaves: the delay at the start serves the whole span.
             left = pairs.Seconds(*self.view(np.zeros(1)).emission)
-            found = found + (hi - left.hi[0]) + (lo - left.low[0])
-        return np.sort(found[(found > 0.0) & (found < self.duration)])
+            seconds = seconds + (hi - left.hi[0]) + (lo - left.low[0])
+        return np.sort(seconds[(seconds > 0.0) & (seconds < self.duration)])
 
     def utc(self, times: FloatArray) -> list[str]:
         """ISO texts in UTC of times, s from the start."""
-        return [self.start.after(float(each)).utc_iso for each in times]
+        return [self.start.after(float(time)).utc_iso for time in times]
 
     def _offset(self) -> tuple[float, float]:
-        own, start = self.motion.epoch, self.start
-        return pairs.add((start.seconds, start.low), -own.seconds, -own.low)
+        epoch, start = self.motion.epoch, self.start
+        return pairs.add((start.seconds, start.low), -epoch.seconds, -epoch.low)
 
 
 def subject(
