@@ -66,7 +66,7 @@ class Batch(NamedTuple):
             threads = validation.count(threads, "threads")
         if count * max(length, 1) <= evaluation.EPOCHS and count <= _BLOCK:
             # nothing to divide: one body at one epoch takes half the time without slices
-            self._fill(t, t_low, wxyz, rates, sensitivity, (0, length), 0, count)
+            self._fill(t, t_low, wxyz, rates, sensitivity, (0, length), first=0, count=count)
             return
 
         def work(part: slice, epochs: tuple[int, int]) -> None:
@@ -78,8 +78,8 @@ class Batch(NamedTuple):
                 None if rates is None else rates[part],
                 [each[part] for each in sensitivity],
                 epochs,
-                part.start,
-                count,
+                first=part.start,
+                count=count,
             )
 
         # A piece of work is some milliseconds long, and writes to few pages of memory.
@@ -95,6 +95,7 @@ class Batch(NamedTuple):
         rates: FloatArray | None,
         sensitivity: Sequence[FloatArray],
         span: tuple[int, int],
+        *,
         first: int,
         count: int,
     ) -> None:

@@ -11,7 +11,7 @@ from attitude.cli import _options, _output
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
-    from attitude.inversion._solution import SpinStates
+    from attitude.inversion._solution import CurveFit, SpinStates
 
 
 HELP: str = "find the spin states of a tumbling body from a light curve"
@@ -130,7 +130,7 @@ def run(arguments: argparse.Namespace) -> None:
         _predict(states, dates, kind, arguments.prediction)
 
 
-def _write(found: SpinStates, arguments: argparse.Namespace) -> None:
+def _write(found: SpinStates[CurveFit], arguments: argparse.Namespace) -> None:
     if not (arguments.output or arguments.figure):
         return
     if len(found) == 0:
@@ -203,7 +203,7 @@ def _dates(text: str, arguments: argparse.Namespace) -> Any:
     return _instants.times(start, np.arange(int(length / step + 1e-9) + 1) * step)
 
 
-def _predict(found: SpinStates, dates: Any, kind: str | None, output: str | None) -> None:
+def _predict(found: SpinStates[CurveFit], dates: Any, kind: str | None, output: str | None) -> None:
     """Print the magnitudes of the best solution at dates; write their table or figure."""
     from attitude.photometry._curve import LightCurve
 

@@ -260,7 +260,8 @@ class Ensemble(Immutable):
         count = _members.count(sizes, names)
         rates = np.broadcast_to(rates, (count, 3))
         attitudes = np.broadcast_to(attitudes, (count, 4))
-        self._fill(inertia, attitudes, None, rates, start, frame, names, on_error)
+        state = inertia, attitudes, None, rates, start
+        self._fill(*state, frame=frame, names=names, on_error=on_error)
 
     def _fill(
         self,
@@ -269,6 +270,7 @@ class Ensemble(Immutable):
         low: FloatArray | None,
         rates: FloatArray,
         start: FloatArray,
+        *,
         frame: str,
         names: Any,
         on_error: str,
@@ -336,7 +338,8 @@ class Ensemble(Immutable):
             start = start[:, :1].copy()
         ensemble = cls.__new__(cls)
         second = low if low.any() else None
-        ensemble._fill(inertia, wxyz, second, rates, start, frame, names, "raise")
+        state = inertia, wxyz, second, rates, start
+        ensemble._fill(*state, frame=frame, names=names, on_error="raise")
         return ensemble
 
     @classmethod

@@ -215,7 +215,7 @@ class TorquedEnsemble(Immutable):
         )
         number, parts = here
         found = systems[0].march_members(
-            setup, states, start, h, number, parts, samples, partial(self._label, first)
+            setup, states, start, h, number, parts, samples, label=partial(self._label, first)
         )
         for k in range(len(found)):
             found[k] = systems[0 if shared else k].over_body_axes(found[k])

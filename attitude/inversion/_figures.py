@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from attitude._support.annotations import FilePath, FloatArray
-    from attitude.inversion._refine import Refinement
-    from attitude.inversion._solution import Prediction, Solution, SpinStates
+    from attitude.inversion._solution import CurveFit, Prediction, Solution, SpinStates
 
 
 # Grid frequencies of the map to either side.
@@ -45,7 +44,7 @@ class _Night(NamedTuple):
     line: tuple[FloatArray, FloatArray, FloatArray]
 
 
-def of_nights(solution: Solution | Refinement, path: FilePath | None = None) -> Any:
+def of_nights(solution: CurveFit, path: FilePath | None = None) -> Any:
     """A panel a night: points, the model as a line, residuals under it.
 
     Of curves of few points a night, one panel of the whole curve.
@@ -180,7 +179,7 @@ def _panels(nights: Sequence[_Night], name: str, title: str) -> Any:
     return figure
 
 
-def of_fit(found: Solution | Refinement, path: FilePath | None = None) -> Any:
+def of_fit(found: CurveFit, path: FilePath | None = None) -> Any:
     """The fit of a refinement and its residuals."""
     figure = plots.new_figure((8.0, 8.0))
     above, below = figure.subplots(2, 1)
@@ -189,7 +188,7 @@ def of_fit(found: Solution | Refinement, path: FilePath | None = None) -> Any:
     return _saved(figure, path)
 
 
-def of_states(found: SpinStates, path: FilePath | None = None) -> Any:
+def of_states(found: SpinStates[Solution], path: FilePath | None = None) -> Any:
     """The best fit, residuals by session, both folds, a map of chi-squared, periods and poles."""
     figure = plots.new_figure((9.0, 10.5))
     axes = figure.subplots(3, 2).T
@@ -275,7 +274,7 @@ def _map(axes: Any, best: Solution) -> None:
     axes.set_ylim(y[0], y[-1])
 
 
-def _fit(above: Any, below: Any, solution: Solution | Refinement) -> None:
+def _fit(above: Any, below: Any, solution: CurveFit) -> None:
     problem = solution.weighted.problem
     seconds = problem.t * problem.span
     unit = time_unit(float(np.ptp(seconds)))

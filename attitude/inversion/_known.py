@@ -374,6 +374,7 @@ def found(
     mesh: Mesh,
     law: str | Law | None,
     moments: Any,
+    *,
     seconds: float,
     seed: int,
     settings: Settings,

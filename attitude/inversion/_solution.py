@@ -8,7 +8,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, TypeVar, cast, overload
 
 import numpy as np
 
@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from attitude.inversion._problem import CurveProblem
     from attitude.inversion._shapes import Tie
     from attitude.inversion._states import Posterior
+    from attitude.motions._motion import Motion
     from attitude.motions._published import Published
     from attitude.paths._path import Path
     from attitude.scattering._law import Law
@@ -299,11 +300,7 @@ class CurveFit(Answering, ABC):
         Among the solutions of a curve, from 0.
     relation : str
         To the best of them, in words.
-    motion : Motion
-        With the covariance of its state.
     """
-
-    motion: Any
 
     # What a spin file says of its origin, and whether terms of the phase angle are fitted.
     _made = "by a fit to a light curve"
@@ -340,6 +337,16 @@ class CurveFit(Answering, ABC):
     def chi_squared(self) -> float:
         """Mean square of the residuals over the given errors alone."""
         return float(np.mean((self.residuals / self._problem.sigma) ** 2))
+
+    @property
+    @abstractmethod
+    def motion(self) -> Motion:
+        """With the covariance of its state."""
+
+    @property
+    @abstractmethod
+    def moments(self) -> FloatArray:
+        """(3,) principal moments, ascending, in the unit of the body or relative."""
 
     @property
     @abstractmethod
@@ -437,7 +444,8 @@ class CurveFit(Answering, ABC):
         law = self.law if _surface.has_lines(self.law) else None
         note = labels.pop("note", None) or f"{self._made}: {self!r}"
         source = labels.pop("source", None) or "attitude.inversion"
-        first = FreeRotation(self.motion.body, self.motion.spin)
+        motion: Any = self.motion
+        first = FreeRotation(motion.body, motion.spin)
         surface = {"shape": self.shape, "law": law}
         spin_file.write(path, first, source=source, note=note, **(surface | labels))
 
@@ -620,13 +628,17 @@ class Solution(CurveFit):
         ]
 
 
+# Of a search: `Solution`, or `Refinement` for a known shape.
+Fit = TypeVar("Fit", bound=CurveFit, covariant=True)
+
+
 def _with_error(seconds: float, sigma: float) -> str:
     unit = quantity_text.time_unit(seconds)
     size = TIME_UNITS[unit]
     return f"{seconds / size:.6g} +- {sigma / size:.2g} {unit}"
 
 
-class SpinStates(Answering, Sequence[Any]):
+class SpinStates(Answering, Sequence[Fit]):
     """The solutions of a light curve, the best first; of a known shape, each a `Refinement`.
 
     Attributes
@@ -641,24 +653,24 @@ class SpinStates(Answering, Sequence[Any]):
     """
 
     def __init__(
-        self, solutions: list[Any], verdict: str, criterion: str, notes: tuple[str, ...]
+        self, solutions: list[Fit], verdict: str, criterion: str, notes: tuple[str, ...]
     ) -> None:
         self._solutions = solutions
         self.verdict, self.criterion, self.notes = verdict, criterion, notes
 
     @overload
-    def __getitem__(self, index: int) -> Any: ...
+    def __getitem__(self, index: int) -> Fit: ...
 
     @overload
-    def __getitem__(self, index: slice) -> list[Any]: ...
+    def __getitem__(self, index: slice) -> list[Fit]: ...
 
-    def __getitem__(self, index: int | slice) -> Any:
+    def __getitem__(self, index: int | slice) -> Fit | list[Fit]:
         """The solution of a rank."""
         if isinstance(index, int) and not self._solutions:
             raise AttitudeError(f"there is no solution: {self.criterion}")
         return self._solutions[index]
 
-    def __iter__(self) -> Iterator[Any]:
+    def __iter__(self) -> Iterator[Fit]:
         return iter(self._solutions)
 
     def __len__(self) -> int:
@@ -696,9 +708,10 @@ class SpinStates(Answering, Sequence[Any]):
         """A figure of the best fit, and of the periods and poles of all solutions."""
         from attitude.inversion import _figures
 
-        if not isinstance(self[0], Solution):
-            return _figures.of_fit(self[0], path)
-        return _figures.of_states(self, path)
+        best = self[0]
+        if not isinstance(best, Solution):
+            return _figures.of_fit(best, path)
+        return _figures.of_states(cast("SpinStates[Solution]", self), path)
 
     def _repr_html_(self) -> str:
         """Verdict and ranked solutions for notebooks."""

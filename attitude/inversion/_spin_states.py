@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray, Real
     from attitude.inversion._evidence import Weighted
     from attitude.inversion._problem import CurveProblem
+    from attitude.inversion._refine import Refinement
     from attitude.motions._body import Body
     from attitude.photometry._curve import LightCurve
     from attitude.scattering._law import Law
@@ -76,7 +77,7 @@ def spin_states(
     threads: int = 1,
     settings: Settings = DEFAULT,
     progress: Callable[[str], object] | None = None,
-) -> SpinStates:
+) -> SpinStates[Solution] | SpinStates[Refinement]:
     """The spin states that a light curve allows, found without a first guess.
 
     Parameters
@@ -134,8 +135,18 @@ def spin_states(
         seconds = validation.positive(budget, "budget", unit="s")
         number = validation.count(threads, "threads")
         with _refinement.limited(number), timed(_LABEL, seconds, progress) as report:
-            arguments = curve, most, shape, law, moments, seconds, seed, settings, report
-            return SpinStates(*_known.found(*arguments))
+            states = _known.found(
+                curve,
+                most,
+                shape,
+                law,
+                moments,
+                seconds=seconds,
+                seed=seed,
+                settings=settings,
+                progress=report,
+            )
+            return SpinStates(*states)
     if law is not None:
         raise AttitudeError("law= is that of a known mesh; give shape=mesh, or leave law out.")
     modes, window = _window(curve, max_frequency, period, modes)
@@ -149,8 +160,19 @@ def spin_states(
             tally = Tally(seconds)
 
             def prepared(zero_points: ZeroPoints) -> _search.Search:
-                arguments = part, most, zero_points, modes, tie, seed, settings, tally, report
-                return _prepared(*arguments, kind=kind, is_ellipsoid=shape == "ellipsoid")
+                return _prepared(
+                    part,
+                    most,
+                    zero_points,
+                    modes=modes,
+                    tie=tie,
+                    seed=seed,
+                    settings=settings,
+                    tally=tally,
+                    progress=report,
+                    kind=kind,
+                    is_ellipsoid=shape == "ellipsoid",
+                )
 
             return prepared
 
@@ -294,7 +316,7 @@ def _checked(curve, max_frequency, modes, shape, moments, settings):
 
 
 def _prepared(
-    curve, most, zero_points, modes, tie, seed, settings, tally, progress, *, kind, is_ellipsoid
+    curve, most, zero_points, *, modes, tie, seed, settings, tally, progress, kind, is_ellipsoid
 ):
     arguments = curve, most, settings.ellipsoid_error, zero_points
     problem, bins = _problem.problem(*arguments, settings=settings, tally=tally)

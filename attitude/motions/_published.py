@@ -354,7 +354,8 @@ def states_from_two_periods(
     moments = body.moments[_conventions.order(body)]
     refuse_missing_mode(moments, mode)
     place = dynamic_inertia_from_periods(moments, mode, convention, P_psi, P_phi)
-    return from_place(body, mode, convention, place, P_psi, pole, phi0, psi0, theta_branch)
+    state = body, mode, convention, place, P_psi, pole, phi0, psi0
+    return from_place(*state, theta_branch=theta_branch)
 
 
 def from_place(
@@ -366,6 +367,7 @@ def from_place(
     pole: Reals,
     phi0: Real,
     psi0: Real,
+    *,
     theta_branch: str | None,
 ) -> tuple[FloatArray, FloatArray]:
     """Attitude (4,) and rates (3,) from the place of D and P_psi in s.
@@ -605,9 +607,8 @@ def from_energy(
         turns = turns if convention == "L" else turns + 1.0
         seconds = turns * validation.positive(P_phi, "P_phi", unit="s")
     place = np.array([*position, unit_period])
-    return from_place(
-        body, mode_of_energy, convention, place, seconds, pole, phi0, psi0, theta_branch
-    )
+    state = body, mode_of_energy, convention, place, seconds, pole, phi0, psi0
+    return from_place(*state, theta_branch=theta_branch)
 
 
 def from_pole(

@@ -872,7 +872,8 @@ class Arcs(Differentiable):
                 time = first_crossing(change.at, self, float(starts[k, 0]), end, name), 0.0
             self._check_reach(time, name)
             added = change.added_momentum(partial(self._before, time), name)
-            body = self._join(change, added, body, time, starts[k], records[k], q, w)
+            state = {"start": starts[k], "record": records[k], "q": q, "w": w}
+            body = self._join(change, added, body, time, **state)
             bodies.append(body)
             try:
                 records[k + 1] = _constants(body, q, w)
@@ -938,6 +939,7 @@ class Arcs(Differentiable):
         added: FloatArray,
         body: Body,
         time: Pair,
+        *,
         start: FloatArray,
         record: Any,
         q: FloatArray,

@@ -279,6 +279,7 @@ class System:
         number: IntArray,
         parts: FloatArray,
         samples: tuple[FloatArray, FloatArray],
+        *,
         label: Callable[[int], str],
     ) -> FloatArray:
         """Take the steps of the samples from N states, in place; states (N, T, 7) at epochs.
