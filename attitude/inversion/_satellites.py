@@ -38,6 +38,8 @@ _ROTATIONS, _ORBITS, _FITTED, _FREE = 12, 12, 80, 24
 _BESIDE = 4
 # Rates of bodies over that of a series: one of six lines of it is the body's second.
 RATIOS = (0.5, 1.0, 1.5, 2.0, 3.0)
+# Rates, turns per span, that are two.
+_APART = 0.3
 # Ratios of two numbers up to this are those of one comb, whose lines are a shape's.
 _COMB = 4
 # Steps of the fit of both frequencies, and the longest one, turns per span.
@@ -256,6 +258,17 @@ def rivals(problem: CurveProblem, most: float, keep: int) -> list[AdditivePair]:
         ]
         if not any(same):
             distinct.append(one)
+    return distinct
+
+
+def rates_of(pairs: list[AdditivePair]) -> FloatArray:
+    """Rates (R,), turns per span, of bodies that show the rotations of pairs, each once.
+
+    Beside one orbit the rotation of another pair may be likelier: all are tried with each.
+    """
+    rates = np.sort(np.outer([pair.rotation for pair in pairs], RATIOS), axis=None)
+    apart = np.diff(rates, prepend=-math.inf) > _APART
+    distinct: FloatArray = rates[apart]
     return distinct
 
 

@@ -227,6 +227,7 @@ class Search:
         best = self.solutions[0]
         pairs = _satellites.rivals(self.problem, self.most, self.settings.orbits)
         left = _evidence.share_left(best, self.problem)
+        rates = _satellites.rates_of(pairs)
         rivals = []
         for pair in pairs:
             if pair.left > self.settings.orbit_worse**2 * left:
@@ -239,7 +240,6 @@ class Search:
                 problem=problem,
                 convex=[], solutions=[], axial=[], beside=[], notes=[],
             )  # fmt: skip
-            rates = pair.rotation * np.array(_satellites.RATIOS)
             rival._axial(rates[rates < 2.0 * self.most])
             rival.finish()
             if rival.solutions:

@@ -251,6 +251,12 @@ def test_dips_may_change_over_the_span():
     assert left(changing) < left(lasting) - 100.0
 
 
+def test_rates_of_bodies_are_those_of_all_pairs():
+    pairs = [_satellites.AdditivePair(rate, 3.0, 0.1) for rate in (10.0, 30.1)]
+    expected = [5.0, 10.0, 15.0, 20.0, 30.0, 45.15, 60.2, 90.3]
+    assert np.allclose(_satellites.rates_of(pairs), expected)
+
+
 def test_a_body_with_an_orbit_predicts_its_dips():
     t = np.linspace(-0.5, 0.5, COUNT)
     pair = _satellites.AdditivePair(20.0, 7.0, 0.5)
