@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
@@ -53,6 +53,42 @@ _OF_PERIOD = 0.01
 _DAY = 86400.0
 _LABEL = "spin states"
 _IS_CONSTANT = "the brightness is constant within the errors"
+
+
+@overload
+def spin_states(
+    curve: LightCurve,
+    max_frequency: Real | None = None,
+    *,
+    period: Real | Sequence[Real] | None = None,
+    modes: Sequence[str] = _MODES,
+    shape: str = "convex",
+    law: str | Law | None = None,
+    moments: str | float | Body | Sequence[float] = "shape",
+    budget: Real = 60.0,
+    seed: int = 0,
+    threads: int = 1,
+    settings: Settings = DEFAULT,
+    progress: Callable[[str], object] | None = None,
+) -> SpinStates[Solution]: ...
+
+
+@overload
+def spin_states(
+    curve: LightCurve,
+    max_frequency: Real | None = None,
+    *,
+    period: Real | Sequence[Real] | None = None,
+    modes: Sequence[str] = _MODES,
+    shape: Mesh,
+    law: str | Law | None = None,
+    moments: str | float | Body | Sequence[float] = "shape",
+    budget: Real = 60.0,
+    seed: int = 0,
+    threads: int = 1,
+    settings: Settings = DEFAULT,
+    progress: Callable[[str], object] | None = None,
+) -> SpinStates[Refinement]: ...
 
 
 @arguments(
