@@ -113,20 +113,31 @@ def _short_of(constants, tangents, t, edges, rates):
     rows = np.abs(t if edges is None else t[:, edges[0] : edges[-1]])
     with np.errstate(invalid="ignore"):
         near = rows <= far
-    found = np.any(near)
-    if found and not rates:
-        found = np.any(near & (rows != 0.0))
-    if not found:
+    if not np.any(near if rates else near & (rows != 0.0)):
         return np.empty(0, _short().SHORT)
-    spans = np.stack([spans, spans], axis=1)
-    if edges is None:  # series reach as far as the epochs on each side
-        sides = [np.where(near & (sign * t > 0.0), rows, 0.0).max(axis=1) for sign in (1, -1)]
-        steps = np.ceil(np.stack(sides, axis=1) / np.maximum(span, 1e-300)[:, None])
-        spans = np.clip(steps.astype(np.int64), 1, spans)
+    # series reach as far as the epochs on each side; motions without such epochs have none
+    later = t if edges is None else t[:, edges[0] : edges[-1]]
+    sides = [
+        _farthest(np.where(near & (sign * later >= 0.0), rows, -1.0), edges) for sign in (1, -1)
+    ]
+    farthest = np.stack(sides, axis=1)
+    span = np.where(np.any(farthest >= 0.0, axis=1), span, -1.0)
+    steps = np.ceil(farthest / np.maximum(span, 1e-300)[:, None])
+    spans = np.clip(steps, 1, spans[:, None]).astype(np.int64)
     short = np.zeros(len(constants) + int(np.sum(spans - 1)), _short().SHORT)
     given = evaluation.writable(constants), evaluation.writable(tangents)
     _short().short_setup(*given, span, spans, short)
     return short
+
+
+def _farthest(distances, edges):
+    """The largest of the rows (B, T), or of the runs of one row; -1 of runs without any."""
+    if edges is None:
+        return distances.max(axis=1, initial=-1.0)
+    largest, filled = np.full(len(edges) - 1, -1.0), np.diff(edges) > 0
+    if np.any(filled):
+        largest[filled] = np.maximum.reduceat(distances[0], (edges[:-1] - edges[0])[filled])
+    return largest
 
 
 def _triangular(constants, tangents, factors):

@@ -313,6 +313,15 @@ def _ends(a, i, side):
     return total
 
 
+@_ends.for_python
+def _ends_at_once(a, i, side):
+    """As `_ends`, in the same order."""
+    total, x = np.zeros(_LANES), 1.0 if side == 0 else -1.0
+    for row in _rows(a, i)[::-1]:
+        total = total * x + row
+    return Lanes(total)
+
+
 @subroutine
 def _at_end(a, side):
     """The sum of a series at its later (0) or earlier end (1)."""
@@ -336,13 +345,30 @@ def _turn(w, axes, turn, s):
         over = s.unit / (n + 1.0)
         for j in range(3):
             left, right = (j + 1) % 3 * TERMS, (j + 2) % 3 * TERMS
-            total, power = 0.0 * eight(turn, 0), 1.0
-            for k in range(n + 1):
-                more = eight(turn, _LANES * (left + n - k)) * w[right + k]
-                more = more - eight(turn, _LANES * (right + n - k)) * w[left + k]
-                total = total + power * more
-                power *= share
-            put_eight(turn, _LANES * (j * TERMS + n + 1), over * total)
+            change = over * _turning(turn, w, left, right, share, n)
+            put_eight(turn, _LANES * (j * TERMS + n + 1), change)
+
+
+@subroutine
+def _turning(turn, w, left, right, share, n):
+    """Coefficient n of a column of R w x, from the columns and rates that begin at left, right."""
+    total, power = 0.0 * eight(turn, 0), 1.0
+    for k in range(n + 1):
+        more = eight(turn, _LANES * (left + n - k)) * w[right + k]
+        more = more - eight(turn, _LANES * (right + n - k)) * w[left + k]
+        total = total + power * more
+        power *= share
+    return total
+
+
+@_turning.for_python
+def _turning_at_once(turn, w, left, right, share, n):
+    """As `_turning`, in the same order."""
+    columns = turn.reshape(-1, _LANES)
+    powers = np.multiply.accumulate(np.concatenate([[1.0], np.full(n, share)]))[:, None]
+    more = columns[left : left + n + 1][::-1] * w[right : right + n + 1, None]
+    more -= columns[right : right + n + 1][::-1] * w[left : left + n + 1, None]
+    return Lanes(np.sum(powers * more, axis=0))
 
 
 @subroutine

@@ -1,4 +1,5 @@
-"""Values that do not change: read-only arrays, immutable classes; memory for results.
+"""Values that do not change: read-only arrays, immutable classes; memory for results; components
+of vectors.
 
 An immutable object stays so after copying, pickling and unpickling.
 
@@ -146,6 +147,13 @@ def new_array(*shape: int) -> FloatArray:
     memory = np.empty(count + 2 * _PAGE // _DOUBLE)
     first = -memory.ctypes.data % _PAGE // _DOUBLE
     return memory[first : first + count].reshape(shape)
+
+
+def two_across(unit: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Two unit vectors (3,) across one and each other, right-handed before it."""
+    first = np.cross(unit, np.eye(3)[np.argmin(np.abs(unit))])
+    first = first / np.linalg.norm(first)
+    return first, np.cross(unit, first)
 
 
 def components_last(array: FloatArray) -> FloatArray:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from attitude._support.arrays import two_across
 from attitude.averaged import _rates as layout
 from attitude.averaged import _tables
 from attitude.averaged._mean_state import numbers_of, over_phases, torus
@@ -51,7 +52,7 @@ def drift(packing: Packing, seconds: float, x: FloatArray, region: int) -> Float
     middle, above, below = (_torus_of(packing, x, region, k * _STEP * near) for k in (0, 1, -1))
     if middle is None or above is None or below is None:
         return np.zeros(4)
-    torques, across = packing.torques, _across(unit)
+    torques, across = packing.torques, two_across(unit)
     numbers = [numbers_of(one, torques.body, torques.instant, seconds) for one in torques.torques]
     rates, kicks = over_phases(torques, numbers, middle)
     # of ln |L|, of turns of L about two axes across it, and of y
@@ -101,18 +102,11 @@ def _torus_of(packing: Packing, x: FloatArray, region: int, shift: float) -> Tor
     start = start / np.sqrt(start @ start)
     # the least turn to the end of the axis, and from there to L
     least = np.append(1.0 + start @ end, np.cross(start, end))
-    frames = [np.stack([*_across(vector), vector]) for vector in (x[:3] / size, end)]
+    frames = [np.stack([*two_across(vector), vector]) for vector in (x[:3] / size, end)]
     onward = quaternion.from_matrix(frames[0].T @ frames[1])
     wxyz = quaternion.multiply(onward, least / np.sqrt(least @ least))
     omega = axes.matrix @ (size * node / axes.moments)
     return torus(body, Spin(packing.torques.instant, wxyz, omega, frame="icrf"), _NODES)
-
-
-def _across(unit: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Two unit vectors across one, right-handed before it."""
-    first = np.cross(unit, np.eye(3)[np.argmin(np.abs(unit))])
-    first = first / np.sqrt(first @ first)
-    return first, np.cross(unit, first)
 
 
 def _derivatives(packing, middle, above, below, unit, step):
@@ -121,7 +115,7 @@ def _derivatives(packing, middle, above, below, unit, step):
     momentum = middle.omega @ tensor
     out = np.zeros((len(momentum), 6, 6))
     out[:, 3:, 0] = momentum
-    out[:, :3, 1], out[:, :3, 2] = _across(unit)
+    out[:, :3, 1], out[:, :3, 2] = two_across(unit)
     turn = quaternion.multiply(above.wxyz, quaternion.conjugate(below.wxyz))
     out[:, :3, 3] = 2.0 * turn[:, 1:] * np.sign(turn[:, :1]) / (2.0 * step)
     out[:, 3:, 3] = (above.omega - below.omega) @ tensor / (2.0 * step)

@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from attitude._support.arrays import two_across
 from attitude.inversion import _ellipsoid, _pole_map, _refinement
 from attitude.inversion._search import Search, never
 
@@ -327,7 +328,7 @@ class Trial(NamedTuple):
 
 def harmonics_about(problem: CurveProblem, pole: FloatArray) -> Columns:
     """Spherical harmonics of the bisector of Sun and observer about a pole (3,)."""
-    first, second = _across(pole)
+    first, second = two_across(pole)
     both = problem.sun + problem.observer
     both = both / np.linalg.norm(both, axis=0)
     z = pole @ both
@@ -350,13 +351,6 @@ def harmonics_about(problem: CurveProblem, pole: FloatArray) -> Columns:
 
 # Where the coefficients of the harmonic of two maxima stand.
 _COSINE, _SINE = 3, 8
-
-
-def _across(pole: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Two directions (3,) that are perpendicular to a pole and to each other."""
-    first = np.cross(pole, np.eye(3)[np.argmin(np.abs(pole))])
-    first = first / np.linalg.norm(first)
-    return first, np.cross(pole, first)
 
 
 def scan(
@@ -392,7 +386,7 @@ def ellipsoid_of(trial: Trial) -> FloatArray:
     """The state (WIDTH,) of an ellipsoid with rate, pole and phase of a trial."""
     state = np.zeros(_ellipsoid.WIDTH)
     state[0], state[1], state[3] = 0.5 * trial.rate, -1.0, _ellipsoid.AXIAL
-    first, second = _across(trial.pole)
+    first, second = two_across(trial.pole)
     c, s = math.cos(trial.phase), math.sin(trial.phase)
     x = c * first + s * second
     state[5:14] = np.stack([x, np.cross(trial.pole, x), trial.pole], axis=-1).ravel()

@@ -170,12 +170,6 @@ class CurveProblem:
         joined = np.concatenate([self.terms, terms], axis=1), np.concatenate([self.prior, prior])
         return replace(self, orbit=orbit)._remade(self.sigma, *joined, self.model_error)
 
-    def without_last(self, count: int) -> CurveProblem:
-        """The same magnitudes without the last terms."""
-        return self._remade(
-            self.sigma, self.terms[:, :-count], self.prior[:-count], self.model_error
-        )
-
     def part(self, chosen: BoolArray) -> CurveProblem:
         """Some of the points (N,) alone."""
         return CurveProblem.of(

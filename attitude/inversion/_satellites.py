@@ -130,19 +130,18 @@ def beside(problem: CurveProblem, pair: AdditivePair) -> CurveProblem:
     return problem.with_terms(terms, _deviations(*min(likelihoods)[1]), pair.orbit)
 
 
-def only_dims(beside: CurveProblem, pair: AdditivePair) -> bool:
-    """Whether the series of an orbit, of a problem that `beside` has made, only dims a body.
+def only_dims(problem: CurveProblem, beside: CurveProblem, pair: AdditivePair) -> bool:
+    """Whether the series of an orbit, in the problem `beside` it, only dims a body.
 
     Over the whole span: series that mimic tumbling brighten as much as they dim.
     """
     count = 4 * DIPS
-    rotation = series(pair.rotation, ORDERS[0], beside.t)
-    alone = beside.without_last(count)
-    joint = _projected(alone, np.concatenate([rotation, beside.terms[:, -count:]], axis=1))
+    rotation = series(pair.rotation, ORDERS[0], problem.t)
+    joint = _projected(problem, np.concatenate([rotation, beside.terms[:, -count:]], axis=1))
     held = np.full(rotation.shape[1], _spectrum.RIDGE)
     held = np.concatenate([held, beside.prior[-count:] ** -2.0])
     inner = joint @ joint.T + np.diag(held)
-    amplitudes = np.linalg.solve(inner, joint @ _without_terms(alone))[-count:]
+    amplitudes = np.linalg.solve(inner, joint @ _without_terms(problem))[-count:]
     mean, change = amplitudes.reshape(2, -1)
     phase = np.arange(_PHASES) / _PHASES
     dims = np.array([series(1.0, DIPS, phase) @ (mean + x * change) for x in _TIMES])

@@ -233,7 +233,7 @@ class Search:
             if pair.left > self.settings.orbit_worse**2 * left:
                 continue
             problem = _satellites.beside(self.problem, pair)
-            if not _satellites.only_dims(problem, pair):
+            if not _satellites.only_dims(self.problem, problem, pair):
                 continue
             rival = replace(
                 self,

@@ -55,7 +55,8 @@ class Settings:
     cell_cost: float = 1.5e-7
     # A state of a known shape, a point and a facet.
     facet_cost: float = 1.5e-9
-    # Of a body of known shape: its attitude and sums at an epoch; the set-up of its derivatives.
+    # Of a body of known shape, from whole searches: its attitude and sums at an epoch; the set-up
+    # of its derivatives.
     attitude_cost: float = 1.2e-7
     slopes_cost: float = 1.5e-4
 

@@ -58,36 +58,36 @@ _IS_CONSTANT = "the brightness is constant within the errors"
 @overload
 def spin_states(
     curve: LightCurve,
-    max_frequency: Real | None = None,
+    max_frequency: Real | None = ...,
     *,
-    period: Real | Sequence[Real] | None = None,
-    modes: Sequence[str] = _MODES,
-    shape: str = "convex",
-    law: str | Law | None = None,
-    moments: str | float | Body | Sequence[float] = "shape",
-    budget: Real = 60.0,
-    seed: int = 0,
-    threads: int = 1,
-    settings: Settings = DEFAULT,
-    progress: Callable[[str], object] | None = None,
+    period: Real | Sequence[Real] | None = ...,
+    modes: Sequence[str] = ...,
+    shape: str = ...,
+    law: str | Law | None = ...,
+    moments: str | float | Body | Sequence[float] = ...,
+    budget: Real = ...,
+    seed: int = ...,
+    threads: int = ...,
+    settings: Settings = ...,
+    progress: Callable[[str], object] | None = ...,
 ) -> SpinStates[Solution]: ...
 
 
 @overload
 def spin_states(
     curve: LightCurve,
-    max_frequency: Real | None = None,
+    max_frequency: Real | None = ...,
     *,
-    period: Real | Sequence[Real] | None = None,
-    modes: Sequence[str] = _MODES,
+    period: Real | Sequence[Real] | None = ...,
+    modes: Sequence[str] = ...,
     shape: Mesh,
-    law: str | Law | None = None,
-    moments: str | float | Body | Sequence[float] = "shape",
-    budget: Real = 60.0,
-    seed: int = 0,
-    threads: int = 1,
-    settings: Settings = DEFAULT,
-    progress: Callable[[str], object] | None = None,
+    law: str | Law | None = ...,
+    moments: str | float | Body | Sequence[float] = ...,
+    budget: Real = ...,
+    seed: int = ...,
+    threads: int = ...,
+    settings: Settings = ...,
+    progress: Callable[[str], object] | None = ...,
 ) -> SpinStates[Refinement]: ...
 
 

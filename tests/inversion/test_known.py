@@ -77,6 +77,25 @@ def test_rates_and_attitude_of_a_satellite():
     assert again.shape.vertices == pytest.approx(MESH.vertices)
 
 
+def test_the_budget_ends_a_search(monkeypatch):
+    """Before its end, after little more work, and the verdict says so."""
+    tallies = []
+    search = _known.PassSearch.run
+    monkeypatch.setattr(
+        _known.PassSearch, "run", lambda self: (search(self), tallies.append(self.problem.tally))
+    )
+    curve = _pass(MOTION, 60)
+    unlike = curve.magnitude + np.random.default_rng(6).normal(size=60)
+    given = {"sun": curve.sun, "observer": curve.observer, "light_time": False}
+    curve = inversion.LightCurve(curve.seconds, unlike, curve.sigma, epoch=curve.epoch, **given)
+    given = {"shape": MESH, "law": LAW, "moments": BODY}
+    found = inversion.spin_states(curve, "0.01 Hz", budget=0.05, **given)
+    assert found.verdict == "not solved"
+    assert "The budget of 0.05 s ended the search." in found.criterion
+    # a step of 3000 states; one of the 28 attempts spends more than 4
+    assert 0.05 < tallies[0].spent < 2.0
+
+
 @pytest.mark.slow
 def test_two_passes_are_one_curve():
     """A gap of 40 turns: first spans lie within a pass, and the next one follows from it."""

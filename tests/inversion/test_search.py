@@ -188,7 +188,7 @@ def test_additive_pairs_of_rotation_and_dips():
     assert all(pair.left > 0.1 for pair in _satellites.additive_pairs(tumbling, 90.0))
     pair = _satellites._fitted(tumbling, rotation, orbit)
     assert pair.left > 0.1
-    assert not _satellites.only_dims(_satellites.beside(tumbling, pair), pair)
+    assert not _satellites.only_dims(tumbling, _satellites.beside(tumbling, pair), pair)
 
 
 def _eclipses(generator, rotation, orbit, depths, size=0.2):
@@ -239,7 +239,7 @@ def test_dips_may_change_over_the_span():
     pair = _satellites.rivals(given, 90.0, 4)[0]
     assert pair.orbit == pytest.approx(13.21, abs=0.05) and pair.left < 0.05
     changing = _satellites.beside(given, pair)
-    assert _satellites.only_dims(changing, pair)
+    assert _satellites.only_dims(given, changing, pair)
     half = len(changing.prior) // 2
     lasting = given.with_terms(
         changing.terms[:, : half + 1], changing.prior[: half + 1], pair.orbit
