@@ -31,7 +31,7 @@ import numpy as np
 from attitude._compilation import choice, ieee
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
 
 
 # No caller needs the wrapper for C.
@@ -67,6 +67,8 @@ if hasattr(os, "register_at_fork"):
 UNCOMPILED: bool = choice.MODE == "never"
 # Seconds for each number of the arguments in Python, until a call was measured.
 _FIRST_GUESS = 1e-4
+# Epochs below which a pass over arrays takes longer in Python than a loop.
+_FEW = 24
 # Names of arguments that are working memory or tables, whose size says nothing about the work.
 _NO_WORK = {"block", "records", "cells", "starts", "widths", "knots", "knots_low", "table"}
 
@@ -93,6 +95,7 @@ class Compilable:
         self._kept = kept
         self._dispatcher: Any = None
         self._python: Callable[..., Any] | None = None
+        self.is_elementwise = False
         self.__name__, self.__doc__ = python.__name__, python.__doc__
         self.__module__, self.__qualname__ = python.__module__, python.__qualname__
         self.__wrapped__ = python
@@ -104,6 +107,8 @@ class Compilable:
         """The result, computed in Python."""
         if self._python is None:
             self._python = _for_python(self.py_func)
+            if self.is_elementwise:
+                self._python.__globals__["range"] = _few_or_at_once
         return self._python(*arguments)
 
     def for_python(self, function: Callable[..., Any]) -> Callable[..., Any]:
@@ -268,7 +273,7 @@ def compiled_names() -> set[str]:
     return set(_compiled)
 
 
-def _for_python(given: Callable[..., Any]) -> Callable[..., Any]:
+def _for_python(given: Callable[..., Any]) -> FunctionType:
     """The function with `ieee` as ``math`` and entry points not compiled, which they would be anew
     for it.
     """
@@ -339,6 +344,20 @@ def subroutine(function: Callable[..., Any]) -> Compilable:
 def force_inlined(function: Callable[..., Any]) -> Compilable:
     """As `subroutine`, inlined regardless of length: for long functions with one call in a loop."""
     return Compilable(function, {**_EXACT, **_INNER, "forceinline": True})
+
+
+def elementwise(function: Compilable) -> Compilable:
+    """In Python a loop over epochs without branches is one pass over arrays, where they are many.
+
+    Its index is the array of all of them, and each element has the same bits.  Such a function has
+    no other loop of as many passes, and no index but that of the epoch.
+    """
+    function.is_elementwise = True
+    return function
+
+
+def _few_or_at_once(count: int) -> Iterable[Any]:
+    return range(count) if count < _FEW else (np.arange(count),)
 
 
 def reduction(function: Callable[..., Any]) -> EntryPoint:

@@ -8,7 +8,7 @@ run in Python have this module under the name ``math`` (`decorators.Compilable`)
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, SupportsInt
+from typing import TYPE_CHECKING, Any, SupportsInt
 
 import numpy as np
 
@@ -35,12 +35,17 @@ def _of_doubles(function: Callable[..., float]) -> Callable[..., np.float64]:
     return with_limits
 
 
-sqrt, hypot = _of_doubles(math.sqrt), _of_doubles(math.hypot)
+_sqrt, hypot = _of_doubles(math.sqrt), _of_doubles(math.hypot)
 exp, expm1, pow = _of_doubles(math.exp), _of_doubles(math.expm1), _of_doubles(math.pow)
 sin, cos, tan = _of_doubles(math.sin), _of_doubles(math.cos), _of_doubles(math.tan)
 asin, atan, atan2 = _of_doubles(math.asin), _of_doubles(math.atan), _of_doubles(math.atan2)
 asinh = _of_doubles(math.asinh)
 sinh, copysign = _of_doubles(math.sinh), _of_doubles(math.copysign)
+
+
+def sqrt(a: Any) -> Any:
+    """The square root, NaN of negative numbers; of arrays element by element."""
+    return np.sqrt(a) if isinstance(a, np.ndarray) else _sqrt(a)
 
 
 def log(a: float) -> np.float64:

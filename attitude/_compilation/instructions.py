@@ -1,7 +1,8 @@
 """Machine instructions without a name in Python, each defined here in Python.
 
 In compiled code `attitude._compilation.lowering` replaces each function by the one instruction;
-both return the same bits.
+both return the same bits.  In Python they take arrays too, element by element
+(`decorators.elementwise`).
 """
 
 from __future__ import annotations
@@ -9,11 +10,9 @@ from __future__ import annotations
 import math
 import struct
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    import numpy as np
-
+import numpy as np
 
 _DOUBLE, _INTEGER = struct.Struct("<d"), struct.Struct("<q")
 _WORD = (1 << 64) - 1
@@ -24,11 +23,13 @@ _SPLITTER = 134217729.0  # 2^27 + 1
 
 def fma(a: Any, b: Any, c: Any) -> Any:
     """a b + c with one rounding, of doubles, of SIMD vectors (`simd.Lanes`), or of both mixed."""
-    if type(a) is type(b) is type(c) is float:
-        return _fma(a, b, c)
-    for each in (a, b, c):
-        if hasattr(each, "lanes"):
-            return each.fused(a, b, c)
+    if isinstance(a, float) and isinstance(b, float) and isinstance(c, float):
+        return _fma(float(a), float(b), float(c))
+    for operand in (a, b, c):
+        if hasattr(operand, "lanes"):
+            return operand.fused(a, b, c)
+        if isinstance(operand, np.ndarray):
+            return _fma_of_arrays(a, b, c)
     return _fma(float(a), float(b), float(c))
 
 
@@ -89,6 +90,41 @@ else:
         return v + z
 
 
+def _fma_of_arrays(a, b, c):
+    """As `_fma` without ``math.fma``, element by element."""
+    p = a * b
+    size = np.abs(p)
+    x = _SPLITTER * a
+    a_high = x - (x - a)
+    a_low = a - a_high
+    x = _SPLITTER * b
+    b_high = x - (x - b)
+    b_low = b - b_high
+    e = a_low * b_low - (((p - a_high * b_high) - a_low * b_high) - a_high * b_low)
+    t, t_low = _exact_sum(c, e)
+    v, v_low = _exact_sum(p, t)
+    z, left = _exact_sum(t_low, v_low)
+    to_odd = (left != 0.0) & (z.view(np.int64) & 1 == 0)
+    result = v + np.where(to_odd, np.nextafter(z, np.copysign(np.inf, left)), z)
+    # where products lose bits, or splitting overflows
+    other = ~((size > _SMALL) & (size < _LARGE) & np.isfinite(result))
+    if other.any():
+        a, b, c = np.broadcast_arrays(a, b, c)
+        zero = (a == 0.0) | (b == 0.0)
+        result[zero] = p[zero] + c[zero]
+        for place in np.flatnonzero(other & ~zero):
+            of_place = (float(operand.flat[place]) for operand in (a, b, c))
+            result.flat[place] = _fma_of_any(*of_place)
+    return result
+
+
+def _exact_sum(a, b):
+    """The rounded sum of arrays, and what is left of it."""
+    total = a + b
+    part = total - a
+    return total, (a - (total - part)) + (b - part)
+
+
 def _fma_of_any(a, b, c):
     """a b + c for any doubles, by rational arithmetic: slow."""
     if not (math.isfinite(a) and math.isfinite(b)) or a == 0.0 or b == 0.0:
@@ -104,23 +140,34 @@ def _fma_of_any(a, b, c):
         return math.inf if exact > 0 else -math.inf
 
 
-def rint(a: float) -> float:
+def rint(a: Any) -> Any:
     """The nearest whole number as a double, ties to even."""
+    if isinstance(a, np.ndarray):
+        return np.rint(a)
     if not abs(a) < 4503599627370496.0:  # 2^52: a is a whole number, or NaN
         return a
     return math.copysign(float(round(a)), a)
 
 
-def as_bits(a: float) -> int:
+def as_bits(a: Any) -> Any:
     """The 64 bits of a double as a signed integer."""
-    bits: int = _INTEGER.unpack(_DOUBLE.pack(a))[0]
-    return bits
+    if isinstance(a, np.ndarray):
+        return a.view(np.int64)
+    return _INTEGER.unpack(_DOUBLE.pack(a))[0]
 
 
-def from_bits(n: int) -> float:
+def from_bits(n: Any) -> Any:
     """The double with the 64 bits of an integer."""
-    double: float = _DOUBLE.unpack((n & _WORD).to_bytes(8, "little"))[0]
-    return double
+    if isinstance(n, np.ndarray):
+        return n.view(np.float64)
+    return _DOUBLE.unpack((n & _WORD).to_bytes(8, "little"))[0]
+
+
+def chosen_if(condition: Any, a: Any, b: Any) -> Any:
+    """`a` if a condition holds, else `b`: both are computed, and no branch is made."""
+    if isinstance(condition, np.ndarray):
+        return np.where(condition, a, b)
+    return a if condition else b
 
 
 def larger(a: float, b: float) -> float:

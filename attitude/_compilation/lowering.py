@@ -134,6 +134,11 @@ def _from_bits(context, builder, signature, arguments):
     return builder.bitcast(arguments[0], _DOUBLE)
 
 
+@instruction(instructions.chosen_if, _F8(types.boolean, _F8, _F8))
+def _chosen_if(context, builder, signature, arguments):
+    return builder.select(*arguments)
+
+
 @instruction(instructions.larger, _F8(_F8, _F8))
 def _larger(context, builder, signature, arguments):
     return builder.select(builder.fcmp_ordered(">", *arguments), *arguments)

@@ -55,9 +55,11 @@ class Batch(NamedTuple):
         rates: FloatArray | None,
         sensitivity: Sequence[FloatArray],
         threads: int,
+        *,
+        near: bool = True,
     ) -> None:
         """Fill wxyz (B, 4, T), and rates (B, 3, T), sensitivity (B, 3, 9, T) if given; t (1 or B,
-        T).
+        T).  `near` is that of `sensitivities.evaluate`.
         """
         count, length = len(self.wxyz), t.shape[1]
         if not count:
@@ -66,7 +68,8 @@ class Batch(NamedTuple):
             threads = validation.count(threads, "threads")
         if count * max(length, 1) <= evaluation.EPOCHS and count <= _BLOCK:
             # nothing to divide: one body at one epoch takes half the time without slices
-            self._fill(t, t_low, wxyz, rates, sensitivity, (0, length), first=0, count=count)
+            whole = 0, length
+            self._fill(t, t_low, wxyz, rates, sensitivity, whole, first=0, count=count, near=near)
             return
 
         def work(part: slice, epochs: tuple[int, int]) -> None:
@@ -80,6 +83,7 @@ class Batch(NamedTuple):
                 epochs,
                 first=part.start,
                 count=count,
+                near=near,
             )
 
         # A piece of work is some milliseconds long, and writes to few pages of memory.
@@ -98,6 +102,7 @@ class Batch(NamedTuple):
         *,
         first: int,
         count: int,
+        near: bool,
     ) -> None:
         """As `propagated` for a span of the epochs; errors say that its first body is `first` of
         `count`.
@@ -112,7 +117,7 @@ class Batch(NamedTuple):
             tangents = sensitivities.tangents_of(
                 found.moments, found.wxyz, found.principal, found.constants
             )
-            sensitivities.evaluate(found.constants, tangents, t, t_low, *sensitivity)
+            sensitivities.evaluate(found.constants, tangents, t, t_low, *sensitivity, near=near)
 
     def _prepared(self, rates: bool, first: int, count: int) -> _Prepared:
         """The constants of the bodies, of which the first one has the number `first` of `count`."""

@@ -11,7 +11,7 @@ Filled
 
 from __future__ import annotations
 
-from attitude._compilation.decorators import force_inlined, subroutine
+from attitude._compilation.decorators import elementwise, force_inlined, subroutine
 from attitude._compilation.instructions import fma
 from attitude._compilation.simd import LINE, copy_line, eight, past_line, put_eight, put_line
 from attitude._solver import codes
@@ -78,6 +78,7 @@ def still_rows(k, n, block):
     return block[x : x + n], block[y : y + n], block[z : z + n]
 
 
+@elementwise
 @force_inlined
 def attitude_column(d, j, block, x, y, z):
     """Fill the change of attitude of a motion that tumbles."""
@@ -100,6 +101,7 @@ def attitude_column(d, j, block, x, y, z):
         z[i] = w + oz
 
 
+@elementwise
 @force_inlined
 def rate_column(c, d, j, block, x, y, z):
     """Fill the change of the angular velocity of a motion that tumbles."""
@@ -194,6 +196,7 @@ def start_sums(n, rows, block):
             block[SUMS + k * BLOCK + i] = 0.0
 
 
+@elementwise
 @force_inlined
 def keep_turn(n, block):
     """Keep the change of attitude while that of the angular velocity is found."""
@@ -203,6 +206,7 @@ def keep_turn(n, block):
         block[TURNED + 2 * BLOCK + i] = block[FOUND + 2 * BLOCK + i]
 
 
+@elementwise
 @force_inlined
 def add_products(n, block):
     """Add the products of the rows found: xx, xy, yy, xz, yz, zz."""
@@ -216,6 +220,7 @@ def add_products(n, block):
         block[SUMS + 5 * BLOCK + i] = fma(z, z, block[SUMS + 5 * BLOCK + i])
 
 
+@elementwise
 @force_inlined
 def add_products_of_rates(n, block):
     """Add the products of the change of angular velocity with that of attitude and with itself."""

@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from attitude._compilation.decorators import (
+    elementwise,
     force_inlined,
     inlined_entry_point,
     sized_entry_point,
@@ -297,22 +298,28 @@ def uniform(constants, t, t_low, wxyz, rates, first, end, column):
         if any_beyond(times, lows, reach(c)):
             return b
         rows = _four_rows(wxyz, b, column, column + end - first)
-        gh, gl = c.precession[0], c.precession[1]
-        start, turn = four(c.frame[0]), four(c.frame[1])
-        constant = c.rates[0, 0], c.rates[0, 1], c.rates[0, 2]
-        if rates is not None:
-            omega = _three_rows(rates, b, column, column + end - first)
-        for i in range(len(times)):
-            t_hi, t_lo = epoch_pair(times, lows, i)
-            s, lo, _ = phase(gh, gl, 0.0, 0.0, t_hi, t_lo, 1.0)
-            sine, cosine = sincos(s, lo)
-            for j in range(4):
-                rows[j][i] = loop_fma(start[j], cosine, turn[j] * sine)
-            if rates is not None:
-                # The sine is NaN if the epoch is: then so is the rate.
-                for j in range(3):
-                    omega[j][i] = loop_fma(0.0, sine, constant[j])
+        omega = None if rates is None else _three_rows(rates, b, column, column + end - first)
+        _fill_uniform(c, times, lows, rows, omega)
     return -1
+
+
+@elementwise
+@force_inlined
+def _fill_uniform(c, times, lows, rows, omega):
+    """Fill the rows of a motion, and those of its angular velocity if given."""
+    gh, gl = c.precession[0], c.precession[1]
+    start, turn = four(c.frame[0]), four(c.frame[1])
+    constant = c.rates[0, 0], c.rates[0, 1], c.rates[0, 2]
+    for i in range(len(times)):
+        t_hi, t_lo = epoch_pair(times, lows, i)
+        s, lo, _ = phase(gh, gl, 0.0, 0.0, t_hi, t_lo, 1.0)
+        sine, cosine = sincos(s, lo)
+        for j in range(4):
+            rows[j][i] = loop_fma(start[j], cosine, turn[j] * sine)
+        if omega is not None:
+            # The sine is NaN if the epoch is: then so is the rate.
+            for j in range(3):
+                omega[j][i] = loop_fma(0.0, sine, constant[j])
 
 
 @inlined_entry_point
@@ -327,26 +334,31 @@ def trigonometric(constants, t, t_low, wxyz, rates, first, end, column):
         if any_beyond(times, lows, reach(c)):
             return b
         rows = _four_rows(wxyz, b, column, column + end - first)
-        gh, gl = c.precession[0], c.precession[1]
-        fh, fl = c.nutation[0], c.nutation[1]
-        xh, xl = c.nutation0[0], c.nutation0[1]
-        alpha = four(c.alpha[0]), four(c.alpha[1])
-        beta = four(c.beta[0]), four(c.beta[1])
-        frame = frame_of(c)
-        if rates is not None:
-            series, axes = rate_series_of(c), axes_of(c)
-            omega = _three_rows(rates, b, column, column + end - first)
-        for i in range(len(times)):
-            t_hi, t_lo = epoch_pair(times, lows, i)
-            s, lo, _ = phase(fh, fl, xh, xl, t_hi, t_lo, 1.0)
-            sn, cn = sincos(s, lo)
-            pair = trigonometric_pair(alpha, beta, sn, cn)
-            s, lo, _ = phase(gh, gl, 0.0, 0.0, t_hi, t_lo, 1.0)
-            sine, cosine = sincos(s, lo)
-            _store_attitude(frame, turned(pair, sine, cosine), rows, i)
-            if rates is not None:
-                _store_rates(axes, trigonometric_rates(series, sn, cn), omega, i)
+        omega = None if rates is None else _three_rows(rates, b, column, column + end - first)
+        _fill_trigonometric(c, times, lows, rows, omega)
     return -1
+
+
+@elementwise
+@force_inlined
+def _fill_trigonometric(c, times, lows, rows, omega):
+    """As `_fill_uniform`."""
+    gh, gl = c.precession[0], c.precession[1]
+    fh, fl = c.nutation[0], c.nutation[1]
+    xh, xl = c.nutation0[0], c.nutation0[1]
+    alpha = four(c.alpha[0]), four(c.alpha[1])
+    beta = four(c.beta[0]), four(c.beta[1])
+    frame, series, axes = frame_of(c), rate_series_of(c), axes_of(c)
+    for i in range(len(times)):
+        t_hi, t_lo = epoch_pair(times, lows, i)
+        s, lo, _ = phase(fh, fl, xh, xl, t_hi, t_lo, 1.0)
+        sn, cn = sincos(s, lo)
+        pair = trigonometric_pair(alpha, beta, sn, cn)
+        s, lo, _ = phase(gh, gl, 0.0, 0.0, t_hi, t_lo, 1.0)
+        sine, cosine = sincos(s, lo)
+        _store_attitude(frame, turned(pair, sine, cosine), rows, i)
+        if omega is not None:
+            _store_rates(axes, trigonometric_rates(series, sn, cn), omega, i)
 
 
 @inlined_entry_point
@@ -361,25 +373,30 @@ def hyperbolic(constants, t, t_low, wxyz, rates, first, end, column):
         if any_beyond(times, lows, reach(c)):
             return b
         rows = _four_rows(wxyz, b, column, column + end - first)
-        gh, gl = c.precession[0], c.precession[1]
-        fh, fl = c.nutation[0], c.nutation[1]
-        xh, xl = c.nutation0[0], c.nutation0[1]
-        winds, decay, nome, tilt, ratio = c.winds, c.decay, c.nome, c.tilt, c.beta[0, 0]
-        alpha = four(c.alpha[0]), four(c.alpha[1])
-        frame = frame_of(c)
-        if rates is not None:
-            series, axes = rate_series_of(c), axes_of(c)
-            omega = _three_rows(rates, b, column, column + end - first)
-        for i in range(len(times)):
-            t_hi, t_lo = epoch_pair(times, lows, i)
-            s, lo, half_turns = phase(fh, fl, xh, xl, t_hi, t_lo, winds)
-            dx = s + lo
-            arguments = hyperbolic_arguments(dx, decay, nome)
-            pair = hyperbolic_pair(alpha, ratio, dx, half_turns, arguments)
-            s, lo, _ = phase(gh, gl, 0.0, 0.0, t_hi, t_lo, 1.0)
-            s, more = two_sum(s, -tilt * dx)
-            sine, cosine = sincos(s, lo + more)
-            _store_attitude(frame, turned(pair, sine, cosine), rows, i)
-            if rates is not None:
-                _store_rates(axes, hyperbolic_rates(series, dx, half_turns, arguments), omega, i)
+        omega = None if rates is None else _three_rows(rates, b, column, column + end - first)
+        _fill_hyperbolic(c, times, lows, rows, omega)
     return -1
+
+
+@elementwise
+@force_inlined
+def _fill_hyperbolic(c, times, lows, rows, omega):
+    """As `_fill_uniform`."""
+    gh, gl = c.precession[0], c.precession[1]
+    fh, fl = c.nutation[0], c.nutation[1]
+    xh, xl = c.nutation0[0], c.nutation0[1]
+    winds, decay, nome, tilt, ratio = c.winds, c.decay, c.nome, c.tilt, c.beta[0, 0]
+    alpha = four(c.alpha[0]), four(c.alpha[1])
+    frame, series, axes = frame_of(c), rate_series_of(c), axes_of(c)
+    for i in range(len(times)):
+        t_hi, t_lo = epoch_pair(times, lows, i)
+        s, lo, half_turns = phase(fh, fl, xh, xl, t_hi, t_lo, winds)
+        dx = s + lo
+        arguments = hyperbolic_arguments(dx, decay, nome)
+        pair = hyperbolic_pair(alpha, ratio, dx, half_turns, arguments)
+        s, lo, _ = phase(gh, gl, 0.0, 0.0, t_hi, t_lo, 1.0)
+        s, more = two_sum(s, -tilt * dx)
+        sine, cosine = sincos(s, lo + more)
+        _store_attitude(frame, turned(pair, sine, cosine), rows, i)
+        if omega is not None:
+            _store_rates(axes, hyperbolic_rates(series, dx, half_turns, arguments), omega, i)

@@ -112,8 +112,9 @@ TANGENTS: np.dtype[np.void] = np.dtype(
         ("by_phase", "f8", 3),
         ("by_nome", "f8", (4, 5)),
         ("offset", "f8", (3, COLUMNS)),
-        # series of `short_times` to either side that serve while the terms above cancel
-        ("spans", "i8"),
+        # series of `short_times` to either side that serve while the terms above cancel: for all
+        # digits, and for least squares
+        ("spans", "i8", 2),
         # turns per second of the precession of a needle, a pair, where it is slow; otherwise 0
         ("slow", "f8", 2),
         # axes with z along the momentum, in which the solution is written, to inertial axes

@@ -61,11 +61,15 @@ def evaluate(
     omega: FloatArray | None = None,
     *,
     edges: IntArray | None = None,
+    near: bool = True,
 ) -> None:
     """Fill attitude, omega (B, 3, P, T) with the derivatives of B motions at epochs t, t_low (1 or
     B, T).
+
+    near: whether columns have all digits near the epoch of the state, by series; otherwise those
+        of their terms, and series only where these cancel to 4e-12.
     """
-    short = _short_of(constants, tangents, t, edges, omega is not None)
+    short = _short_of(constants, tangents, t, edges, omega is not None, near)
     _in_blocks(constants, tangents, short, t, t_low, 1, (attitude, omega), edges)
 
 
@@ -95,20 +99,27 @@ def covariances(
     out: FloatArray,
 ) -> None:
     """Fill out (B, 3, 3, T) with the covariances of B motions at given epochs."""
-    short = _short_of(constants, tangents, t, None, out.shape[1] == 6)
+    short = _short_of(constants, tangents, t, None, out.shape[1] == 6, True)
     if len(short):
         factors = np.moveaxis(of.factors, 1, 2)[short["motion"]]
         short["series"] = factors[:, None] @ short["series"]
     _in_blocks(constants, of.tangents, short, t, t_low, 2, (out,), None)
 
 
-def _short_of(constants, tangents, t, edges, rates):
-    """The series of motions for epochs near that of the state, or none if no epoch needs them."""
+def _short_of(constants, tangents, t, edges, rates, every):
+    """The series of motions for epochs near that of the state, or none if no epoch needs them.
+
+    Those of every motion, or of those whose terms cancel.
+    """
     span = np.empty(len(constants))
     _short().spans_of(evaluation.writable(constants), span)
-    spans = np.maximum(tangents["spans"], 1)
+    of_terms = tangents["spans"][:, 0 if every else 1]
+    spans = np.maximum(of_terms, 1)
     reach = np.empty(len(constants))
     _short().reaches(evaluation.writable(tangents), span * spans, reach)
+    if not every:
+        few = (constants["form"] != codes.UNIFORM) & (of_terms == 0)
+        reach[few & (tangents["slow"][:, 0] == 0.0)] = -1.0
     far = reach[:, None] if edges is None else np.repeat(reach, np.diff(edges))[None]
     rows = np.abs(t if edges is None else t[:, edges[0] : edges[-1]])
     with np.errstate(invalid="ignore"):

@@ -98,6 +98,8 @@ from attitude._solver.uniform_tangents import (
 # ---- Set-up of the sensitivity: one record of `TANGENTS` for each motion
 # Terms so many times as large as their sum leave errors above 4e-15 of it.
 _CANCELS = 4.0
+# The same for 4e-12, which steps of least squares do not feel.
+_CANCELS_MUCH = 4000.0
 
 
 @slowly_compiled
@@ -151,28 +153,31 @@ def tumbling_setup(moments, wxyz, principal, constants, tangents, block):
                 for i in range(count):
                     block[PASSED + i] -= d.passed
             x, y, z = found_rows(block, count)
-            d.spans = 1
+            d.spans[0], d.spans[1] = 1, 0
             for j in range(COLUMNS):
                 attitude_column(d, j, block, x, y, z)
                 for k in range(3):
                     d.offset[k, j] = (1.0 if j == k else 0.0) - block[FOUND + k * BLOCK]
                 if j >= TURNS and d.slow[0] == 0.0:
-                    d.spans = max(d.spans, _spans(d, j, epochs[:count], block))
+                    _count_spans(d, j, epochs[:count], block)
 
 
 @subroutine
-def _spans(d, j, epochs, block):
-    """The spans of `short_times` beyond which the terms of a column no longer cancel."""
-    weights, spans = d.weights, 1
+def _count_spans(d, j, epochs, block):
+    """Raise the spans of `short_times` to those beyond which the terms of a column do not cancel."""
+    weights = d.weights
     still = abs(weights[PHASE, j]) + abs(weights[SECOND, j]) + abs(weights[THIRD, j])
     grows = abs(weights[RATE, j]) + abs(weights[TIME, j])
     for i in range(1, len(epochs)):
         x = abs(block[FOUND + i] + d.offset[0, j])
         y = abs(block[FOUND + BLOCK + i] + d.offset[1, j])
         z = abs(block[FOUND + 2 * BLOCK + i] + d.offset[2, j])
-        if still + grows * abs(epochs[i]) > _CANCELS * max(x, y, z):
-            spans = 1 + (i + 1) // 2
-    return spans
+        terms, largest = still + grows * abs(epochs[i]), max(x, y, z)
+        spans = 1 + (i + 1) // 2
+        if terms > _CANCELS * largest:
+            d.spans[0] = max(d.spans[0], spans)
+        if terms > _CANCELS_MUCH * largest:
+            d.spans[1] = max(d.spans[1], spans)
 
 
 @subroutine

@@ -12,7 +12,14 @@ from __future__ import annotations
 from typing import Final
 
 from attitude._compilation.decorators import force_inlined
-from attitude._compilation.instructions import as_bits, descending_fma, from_bits, loop_fma, rint
+from attitude._compilation.instructions import (
+    as_bits,
+    chosen_if,
+    descending_fma,
+    from_bits,
+    loop_fma,
+    rint,
+)
 from attitude._solver.twofloat import two_sum
 
 # ---- Phases in turns: linear in time without loss, and their sine and cosine
@@ -88,8 +95,8 @@ def sincos(s, lo):
     # over epochs is vectorised.
     count = as_bits(quarters + _TO_LOW_BITS)
     odd = (count & 1) == 1
-    x = cosine if odd else sine
-    y = sine if odd else cosine
+    x = chosen_if(odd, cosine, sine)
+    y = chosen_if(odd, sine, cosine)
     x = from_bits(as_bits(x) ^ ((count & 2) << 62))
     y = from_bits(as_bits(y) ^ (((count + 1) & 2) << 62))
     return x, y
@@ -122,7 +129,7 @@ def negated_if_odd(x, n):
 @force_inlined
 def exp2_of_minus(a):
     """2**-a for a >= 0, to 1e-16 relative; NaN for NaN."""
-    a = 1000.0 if a > 1000.0 else a
+    a = chosen_if(a > 1000.0, 1000.0, a)
     n = rint(a)
     f = a - n
     p = descending_fma(_EXP_11, f, _EXP_10)
@@ -208,7 +215,7 @@ def trigonometric_rates(rates, sine, cosine):
 def hyperbolic_arguments(dx, decay, nome):
     """E = exp(-2|y|), F = Q'/E and G = Q' E, each at most 1."""
     e = exp2_of_minus(decay * abs(dx))
-    return e, nome / (e if e > _TINY else _TINY), nome * e
+    return e, nome / chosen_if(e > _TINY, e, _TINY), nome * e
 
 
 @force_inlined

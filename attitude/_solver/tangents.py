@@ -19,8 +19,8 @@ from __future__ import annotations
 
 import math
 
-from attitude._compilation.decorators import force_inlined, subroutine
-from attitude._compilation.instructions import fma, rint
+from attitude._compilation.decorators import elementwise, force_inlined, subroutine
+from attitude._compilation.instructions import chosen_if, fma, rint
 from attitude._solver import codes
 from attitude._solver.constants import COS_EVEN, COS_ODD, SIN_EVEN, SIN_ODD
 from attitude._solver.derivatives import ellipticity, state_of
@@ -143,6 +143,7 @@ def _precessed(invariant, sine, cosine):
     )
 
 
+@elementwise
 @force_inlined
 def trigonometric_block(c, d, t, t_low, block):
     """Fill a block of a motion of the trigonometric form: by v, ln rho and X."""
@@ -209,10 +210,11 @@ def decayed(size, rest, decay, low):
     """E = 2^-((decay + low) (size + rest)) with all its digits, and 1/E but where it overflows."""
     a = decay * size
     b = fma(decay, size, -a) + fma(low, size, decay * rest)
-    e = exp2_of_minus(a) * fma(-LOG_2, b if a < 1000.0 else 0.0, 1.0)
-    return e, 1.0 / (e if e > _TINY else _TINY)
+    e = exp2_of_minus(a) * fma(-LOG_2, chosen_if(a < 1000.0, b, 0.0), 1.0)
+    return e, 1.0 / chosen_if(e > _TINY, e, _TINY)
 
 
+@elementwise
 @force_inlined
 def hyperbolic_block(c, d, t, t_low, block):
     """Fill a block of a motion of the hyperbolic form: by y, d and Q'."""
@@ -232,7 +234,7 @@ def hyperbolic_block(c, d, t, t_low, block):
         time, low = epoch_pair(t, t_low, i)
         s, lo, half_turns = phase(fh, fl, xh, xl, time, low, winds)
         dx, rest = quick_two_sum(s, lo)
-        side = -1.0 if dx < 0.0 else 1.0
+        side = chosen_if(dx < 0.0, -1.0, 1.0)
         e, over = decayed(side * dx, side * rest, decay, decay_low)
         f, g, ee = nome * over, nome * e, e * e
         ff, gg = f * f, g * g
@@ -283,6 +285,7 @@ def _higher(c, x):
     return fma(fma(c[3], x, c[2]), x, c[1])
 
 
+@elementwise
 @force_inlined
 def trigonometric_attitudes_block(c, n, block):
     """Fill the attitudes of a block after `trigonometric_block`, and the rows of no passage."""
@@ -295,6 +298,7 @@ def trigonometric_attitudes_block(c, n, block):
         _store_attitude(frame, turned(pair, sine, cosine), block, i)
 
 
+@elementwise
 @force_inlined
 def hyperbolic_attitudes_block(c, n, block):
     """Fill the attitudes of a block after `hyperbolic_block`."""
@@ -308,6 +312,7 @@ def hyperbolic_attitudes_block(c, n, block):
         _store_attitude(frame, turned(pair, sine, cosine), block, i)
 
 
+@elementwise
 @force_inlined
 def trigonometric_rates_block(c, d, n, block):
     """Fill the angular velocities of a block after `trigonometric_block`, and their derivatives."""
@@ -327,6 +332,7 @@ def trigonometric_rates_block(c, d, n, block):
         _store_changes(axes, by_phase, w, change, block, i)
 
 
+@elementwise
 @force_inlined
 def hyperbolic_rates_block(c, d, n, block):
     """Fill the angular velocities of a block after `hyperbolic_block`, and their derivatives.
@@ -340,7 +346,7 @@ def hyperbolic_rates_block(c, d, n, block):
     for i in range(n):
         dx, half_turns = block[ARGUMENTS + i], block[ARGUMENTS + BLOCK + i]
         e = block[DECAYED + i]
-        over = 1.0 / (e if e > _TINY else _TINY)
+        over = 1.0 / chosen_if(e > _TINY, e, _TINY)
         arguments = e, nome * over, nome * e
         w = hyperbolic_rates(series, dx, half_turns, arguments)
         ee, ff, gg = e * e, arguments[1] * arguments[1], arguments[2] * arguments[2]
@@ -348,7 +354,7 @@ def hyperbolic_rates_block(c, d, n, block):
         near, far = fma(sixth, ff, 2.0) * ff, ee * (fma(sixth, gg, 2.0) * gg)
         slope = -(near + far)
         cube = e * ee
-        sign = -1.0 if dx < 0.0 else 1.0
+        sign = chosen_if(dx < 0.0, -1.0, 1.0)
         one = fma(over, fma(4.0 * cn[2], ff, cn[1]), cube * fma(4.0 * cn[2], gg, cn[1]))
         three = fma(over, fma(4.0 * dn[2], ff, dn[1]), cube * fma(4.0 * dn[2], gg, dn[1]))
         two = sn[0] * (fma(sixth, ff, -2.0) * ff - ee * (fma(sixth, gg, -2.0) * gg))

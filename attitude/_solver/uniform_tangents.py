@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import math
 
-from attitude._compilation.decorators import force_inlined, subroutine
+from attitude._compilation.decorators import elementwise, force_inlined, subroutine
 from attitude._compilation.instructions import fma
 from attitude._solver.kernel import epoch_pair, turned_by, unit
 from attitude._solver.records import BASIS, BLOCK, COLUMNS, SECONDS
@@ -219,6 +219,7 @@ def _put_turn(d, j, row, turns, moments, axis, change):
         d.uniform[6 + row, k, j] = over * later[k]
 
 
+@elementwise
 @force_inlined
 def uniform_block(c, d, t, t_low, block):
     """Fill seconds, cosine and sine of the turn, S and V of a block; arguments as in tangents."""
@@ -278,6 +279,7 @@ def _sum(u, k, j, first, swing, lift, seconds):
     )
 
 
+@elementwise
 @force_inlined
 def uniform_column(d, j, block, x, y, z):
     """Fill the change of attitude over inertial axes with parameter j (columns)."""
@@ -301,6 +303,7 @@ def uniform_column(d, j, block, x, y, z):
         z[i] = fma(cosine, _sum(u, 2, j, 2, swing, lift, seconds), c)
 
 
+@elementwise
 @force_inlined
 def _beat_row(u, k, j, block, x):
     """Fill a row of the change of attitude of a needle about its length."""
@@ -312,6 +315,7 @@ def _beat_row(u, k, j, block, x):
         x[i] = fma(b, block[SLOW + BLOCK + i], fma(a, block[SLOW + i], found))
 
 
+@elementwise
 @force_inlined
 def uniform_rate_column(d, j, block, x, y, z):
     """Fill the change of the angular velocity, rad/s over the given body axes."""

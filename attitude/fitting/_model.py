@@ -143,9 +143,13 @@ class Model:
         to_body = None if axes is _BODY_AXES else quaternion.from_matrix(axes)
         start = point.wxyz if to_body is None else quaternion.multiply(point.wxyz, to_body)
         state = start, point.omega @ axes, t
-        attitudes = _propagation.propagate(
-            self._moments_of(apart), *state, angular_velocity=rates, sensitivity=True
-        )
+        initial = start[None], state[1][None], t
+        attitudes = [
+            array[0]
+            for array in _propagation.linearized(
+                self._moments_of(apart), *initial, angular_velocity=rates
+            )
+        ]
         wxyz, omega = attitudes[0], attitudes[1] if rates else None
         columns = chain.state.T @ attitudes[1 + rates].transpose(1, 2, 0)
         rate_columns = chain.state.T @ attitudes[3].transpose(1, 2, 0) if rates else None

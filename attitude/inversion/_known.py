@@ -23,7 +23,7 @@ from attitude.inversion._settings import Tally
 from attitude.inversion._shapes import Tie
 from attitude.motions._body import Body
 from attitude.motions._free_rotation import FreeRotation
-from attitude.motions._propagation import propagate
+from attitude.motions._propagation import linearized
 from attitude.motions._spin import Spin
 
 if TYPE_CHECKING:
@@ -222,7 +222,7 @@ class PassSearch:
         # six magnitudes for differences beside the own
         _errors.count_states(problem, self.known, 7 * len(wxyz))
         problem.tally.add(len(wxyz), problem.settings.slopes_cost)
-        turned, slopes = propagate(self.moments, wxyz, omega, t, sensitivity=True)
+        turned, slopes = linearized(self.moments, wxyz, omega, t)
         matrix = quaternion.matrix(turned)
         lit = self.known.lit(*_errors.over_body(matrix, problem), self.least)
         across = np.einsum("mnij,mnj->mni", matrix, lit.across)

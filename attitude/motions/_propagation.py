@@ -216,6 +216,31 @@ def propagate(
     return results_of if len(results_of) > 1 else results_of[0]
 
 
+def linearized(
+    moments: FloatArray,
+    wxyz: FloatArray,
+    omega: FloatArray,
+    t: FloatArray,
+    *,
+    angular_velocity: bool = False,
+) -> tuple[FloatArray, ...]:
+    """As `propagate` with derivatives, of B states (B, 4), (B, 3) of one body at epochs (T,), for
+    least squares.
+
+    Columns of derivatives are within 4e-12 of their largest entries over some turns, not of those
+    at each epoch.  That saves the series of epochs close to that of the state, which take longer
+    than all others.
+    """
+    count, length = len(wxyz), len(t)
+    rates = new_array(count, 3, length) if angular_velocity else None
+    columns = [new_array(count, 3, 9, length) for _ in range(1 + angular_velocity)]
+    attitudes = new_array(count, 4, length)
+    batch = Batch(np.broadcast_to(moments, (count, 3)).copy(), wxyz, omega)
+    batch.propagated(t[None], None, attitudes, rates, columns, 1, near=False)
+    results = (attitudes, rates, *columns) if rates is not None else (attitudes, *columns)
+    return tuple(np.moveaxis(array, -1, 1) for array in results)
+
+
 def _bodies(memory, leading, count):
     """The memory with its leading axes as one, of bodies."""
     if not leading:
