@@ -11,7 +11,7 @@ its seconds count once more.
 
 Functions that run between every two calls of another one are steps of one call, which is as fast as
 its slowest step: set-up follows the loop.  Where such a call repeats, all of its steps compile once
-they have taken `STEADY` seconds together; and where a loop has run as machine code `REPEATS` times
+they would exceed `STEADY` seconds together; and where a loop has run as machine code `REPEATS` times
 while the steps beside it took longer in Python, these compile too (`decorators.EntryPoint`).
 ``ATTITUDE_COMPILE=always`` compiles at the first call, ``never`` does not compile;
 ``automatic`` is the default.
@@ -37,9 +37,10 @@ TO_COMPILE_SHORT: Final = 0.3
 TO_COMPILE_DERIVATIVES: Final = 5.0
 # Calls of a function after which its seconds in Python count twice, thrice, ...
 REPEATS: Final = 10
-# Seconds that the steps of a call take in Python, and calls, after which all of them compile.
-STEADY: Final = 1.0
-STEADY_CALLS: Final = 3
+# Seconds that the steps of a call take in Python, with those of the next call, and calls, beyond
+# which all of them compile: the intervals between three calls tell what is a step.
+STEADY: Final = 0.8
+STEADY_CALLS: Final = 2
 
 
 def mode() -> str:
@@ -70,7 +71,8 @@ def is_worth_python(
 
     `kept` tells whether machine code is on the disk; otherwise compiling takes `to_compile` s.
     `own` are the seconds that the `calls` before have taken in Python, `steps` those of all steps
-    of the call that repeats (infinite for a step of one that is compiled).
+    of the call that repeats, with those of the next one (infinite for a step of one that is
+    compiled).
     """
     if _forced:
         return False

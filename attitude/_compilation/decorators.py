@@ -188,7 +188,8 @@ class EntryPoint(Compilable):
         size = 1 + max((each.size for each in arrays), default=0)
         kept, predicted = self._is_on_disk, size * self._pace
         steps = self._note_call()
-        together = math.inf if self._follows else self._spent + sum(each._spent for each in steps)
+        together = self._spent + sum(step._spent for step in steps)
+        together = math.inf if self._follows else together * (1.0 + 1.0 / max(self._calls, 1))
         earlier = self._spent, self._to_compile, self._calls, together
         if not choice.is_worth_python(predicted, kept, *earlier):
             if self._calls >= choice.STEADY_CALLS and together >= choice.STEADY:

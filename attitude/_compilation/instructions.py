@@ -26,7 +26,7 @@ def fma(a: Any, b: Any, c: Any) -> Any:
     if isinstance(a, float) and isinstance(b, float) and isinstance(c, float):
         return _fma(float(a), float(b), float(c))
     for operand in (a, b, c):
-        if hasattr(operand, "lanes"):
+        if hasattr(operand, "fused"):
             return operand.fused(a, b, c)
         if isinstance(operand, np.ndarray):
             return _fma_of_arrays(a, b, c)

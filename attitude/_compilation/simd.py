@@ -13,14 +13,15 @@ The functions below are the definitions in Python; `simd_lowering` has the vecto
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from attitude._compilation.instructions import fma
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    import numpy as np
     from numpy.typing import NDArray
 
     from attitude._support.annotations import FloatArray
@@ -29,46 +30,56 @@ if TYPE_CHECKING:
 class Lanes:
     """A SIMD vector of doubles, in Python."""
 
-    __slots__ = ("lanes",)
+    __slots__ = ("_numbers",)
 
     def __init__(self, numbers: Iterable[float]) -> None:
-        self.lanes = tuple(map(float, numbers))
+        given = numbers if isinstance(numbers, np.ndarray) else list(map(float, numbers))
+        self._numbers: FloatArray = np.array(given, dtype=float)
 
-    def _with(self, other: Lanes | float, function: Callable[[float, float], float]) -> Lanes:
-        count = _longest(self, other)
-        return Lanes(map(function, _spread(self, count), _spread(other, count)))
+    @property
+    def lanes(self) -> tuple[float, ...]:
+        """The numbers of the lanes."""
+        return tuple(self._numbers.tolist())
+
+    def _with(self, other: Lanes | float, function: Callable[..., Any]) -> Lanes:
+        a, b = self._numbers, other._numbers if isinstance(other, Lanes) else float(other)
+        if isinstance(b, np.ndarray) and len(a) != len(b):
+            count = max(len(a), len(b))
+            a, b = np.tile(a, count // len(a)), np.tile(b, count // len(b))
+        result = Lanes.__new__(Lanes)
+        result._numbers = function(a, b)
+        return result
 
     def __neg__(self) -> Lanes:
-        return Lanes(-x for x in self.lanes)
+        return Lanes(-self._numbers)
 
     def __add__(self, other: Lanes | float) -> Lanes:
-        return self._with(other, lambda a, b: a + b)
+        return self._with(other, np.add)
 
-    def __radd__(self, other: float) -> Lanes:
-        return self._with(other, lambda a, b: b + a)
+    __radd__ = __add__
 
     def __sub__(self, other: Lanes | float) -> Lanes:
-        return self._with(other, lambda a, b: a - b)
+        return self._with(other, np.subtract)
 
     def __rsub__(self, other: float) -> Lanes:
         return self._with(other, lambda a, b: b - a)
 
     def __mul__(self, other: Lanes | float) -> Lanes:
-        return self._with(other, lambda a, b: a * b)
+        return self._with(other, np.multiply)
 
     __rmul__ = __mul__
 
     def __truediv__(self, other: Lanes | float) -> Lanes:
-        return self._with(other, _quotient)
+        return self._with(other, _quotients)
 
     def __rtruediv__(self, other: float) -> Lanes:
-        return self._with(other, lambda a, b: _quotient(b, a))
+        return self._with(other, lambda a, b: _quotients(b, a))
 
     @staticmethod
     def fused(*three: Lanes | float) -> Lanes:
         """a b + c with one rounding, of vectors and doubles."""
-        count = _longest(*three)
-        return Lanes(map(fma, *(_spread(each, count) for each in three)))
+        count = max(len(x._numbers) for x in three if isinstance(x, Lanes))
+        return Lanes(map(fma, *(_spread(x, count) for x in three)))
 
 
 def _spread(x: Lanes | float, count: int) -> tuple[float, ...]:
@@ -77,16 +88,10 @@ def _spread(x: Lanes | float, count: int) -> tuple[float, ...]:
     return given * (count // len(given))
 
 
-def _longest(*given: Lanes | float) -> int:
-    """The number of lanes of the longest vector among some."""
-    return max(len(each.lanes) for each in given if isinstance(each, Lanes))
-
-
-def _quotient(a: float, b: float) -> float:
+def _quotients(a: Any, b: Any) -> FloatArray:
     """a / b; NaN or infinity where b is zero."""
-    if b != 0.0:
-        return a / b
-    return math.nan if a == 0.0 or a != a else math.copysign(math.inf, a) * math.copysign(1.0, b)
+    with np.errstate(all="ignore"):
+        return np.divide(a, b)
 
 
 def eight(array: FloatArray, i: int) -> Lanes:
@@ -110,7 +115,7 @@ def sixteen(array: FloatArray, i: int) -> Lanes:
 def put_eight(array: FloatArray, i: int, a: Lanes) -> None:
     """Store a vector as array[i], ..., array[i + 7] of a contiguous array of doubles."""
     i = int(i)
-    array[i : i + 8] = a.lanes
+    array[i : i + 8] = a._numbers
 
 
 def add_in_columns(array: NDArray[np.uint8], i: int, rows: Lanes, amounts: Lanes) -> None:
@@ -145,12 +150,12 @@ def every(number: float, like: Lanes) -> Lanes:
 
 def at_least(a: Lanes, least: Lanes | float) -> Lanes:
     """The larger of two numbers, lane by lane."""
-    return a._with(least, lambda x, y: x if x > y else y)
+    return a._with(least, lambda x, y: np.where(x > y, x, y))
 
 
 def at_most(a: Lanes, most: Lanes | float) -> Lanes:
     """The smaller of two numbers, lane by lane."""
-    return a._with(most, lambda x, y: x if x < y else y)
+    return a._with(most, lambda x, y: np.where(x < y, x, y))
 
 
 def chosen(by: Lanes, a: Lanes, b: Lanes) -> Lanes:
@@ -258,7 +263,7 @@ def copy_line(source: FloatArray, i: int, target: FloatArray, j: int) -> None:
 def put_line(array: FloatArray, i: int, a: Lanes) -> None:
     """Store a vector of eight doubles as the line of the cache at array[i], as `copy_line`."""
     i = int(i)
-    array[i : i + LINE] = a.lanes
+    array[i : i + LINE] = a._numbers
 
 
 def finish_stores() -> None:

@@ -401,6 +401,24 @@ def _store_eta(d, turn, dw, s):
             _put(over * total, s.series, _ETA + i, n + 1)
 
 
+@_store_eta.for_python
+def _store_eta_at_once(d, turn, dw, s):
+    """As `_store_eta`, with sums in the same order."""
+    share = s.unit / s.span
+    powers = np.multiply.accumulate(np.concatenate([[1.0], np.full(TERMS - 1, share)]))[:, None]
+    rates, principal = s.series[3:6, _FIRST:], d.principal
+    total = 0.0
+    for m in range(3):
+        change = (
+            principal[0, m] * rates[0] + principal[1, m] * rates[1] + principal[2, m] * rates[2]
+        )
+        columns = np.zeros((TERMS, _LANES))
+        columns[:, :_CHANGING] = powers * change.T
+        total = total + np.stack([_cauchy_sums(_rows(turn, m)[:, i], columns) for i in range(3)])
+    over = (s.unit / np.arange(1.0, TERMS))[:, None]
+    s.series[_ETA:, _FIRST:, 1:] = (over * total[:, :-1, :_CHANGING]).swapaxes(1, 2)
+
+
 @subroutine
 def _put(values, series, row, n):
     """Store the columns of a term of a series."""
@@ -447,6 +465,41 @@ def _store(d, moments, w, dw, momentum, s):
         for k in range(3):
             _put(axes[k, 0] * x + axes[k, 1] * y + axes[k, 2] * z, series, k, n)
             _put(axes[k, 0] * u + axes[k, 1] * v + axes[k, 2] * t, series, 3 + k, n)
+
+
+@_store.for_python
+def _store_at_once(d, moments, w, dw, momentum, s):
+    """As `_store`, with sums in the same order."""
+    rates, turning = [_rows(dw, i) for i in range(3)], [w[i * TERMS :][:TERMS] for i in range(3)]
+    momenta = []
+    for i in range(3):
+        unit = np.zeros(_LANES)
+        unit[_FIRST : _FIRST + 3] = unit_vector(i)
+        momenta.append(moments[i] * rates[i] + turning[i][:, None] * unit)
+    across = []
+    for i, j in ((1, 2), (2, 0), (0, 1)):
+        one = moments[i] * _cauchy_products(turning[i], momenta[j])
+        across.append(one - moments[j] * _cauchy_products(turning[j], momenta[i]))
+    for k in range(3):
+        x, y, z = d.principal[k]
+        for row, (a, b, c) in ((k, across), (3 + k, rates)):
+            s.series[row, _FIRST:] = (x * a + y * b + z * c).T[:_CHANGING]
+
+
+def _cauchy_products(a, rows):
+    """All coefficients of the products of a series with those of the columns."""
+    total = a[0] * rows
+    for k in range(1, TERMS):
+        total[k:] += a[k] * rows[:-k]
+    return total
+
+
+def _cauchy_sums(a, rows):
+    """As `_cauchy_products`, from the first term of the columns on."""
+    total = a[:, None] * rows[0]
+    for k in range(1, TERMS):
+        total[k:] += a[:-k, None] * rows[k]
+    return total
 
 
 @subroutine

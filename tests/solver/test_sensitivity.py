@@ -10,6 +10,7 @@ from attitude._solver import sensitivities, short_times
 from attitude._solver.batches import Batch
 from attitude.frames import representations as forms
 from attitude.frames.quaternion import conjugate, matrix, multiply
+from attitude.motions import _propagation
 from tests.support.differences import excess, sensitivity, tensor_sensitivity
 
 WXYZ = (1.0, 0.3, 0.2, -0.1)
@@ -387,3 +388,16 @@ def test_a_body_at_rest_has_no_series():
     expected[:, :, 3:6] = np.array(times)[:, None, None] * np.eye(3)
     assert np.array_equal(found[2], expected)
     assert np.array_equal(found[3][..., 3:6], np.broadcast_to(np.eye(3), (3, 3, 3)))
+
+
+@pytest.mark.parametrize("wobble", [0.3, 1e-2, 1e-5, 1e-8, 1e-11])
+def test_derivatives_for_least_squares(wobble):
+    """Within 4e-12 of the largest entries of the exact ones, at any wobble about the middle axis."""
+    omega = np.array([(wobble, 1.0, 0.5 * wobble), (1.0, wobble, wobble)])
+    t = np.linspace(-30.0, 40.0, 71)
+    given = (1.0, 2.0, 2.6), np.array([(0.5, -0.5, 0.5, 0.5)] * 2), omega, t
+    exact = propagate(*given, angular_velocity=True, sensitivity=True)
+    close = _propagation.linearized(*given, angular_velocity=True)
+    for want, found in zip(exact, close, strict=True):
+        size = np.abs(want).max(axis=(1, 2), keepdims=True)
+        assert np.max(np.abs(found - want) / np.maximum(size, 1e-300)) < 4e-12

@@ -43,6 +43,8 @@ STATES = {
     "small_units": ((1e-45, 2e-45, 2.5e-45), (1e6, 2e6, 1e5)),
 }
 EPOCHS = np.array([0.0, 1.3, 60.0, 1e6, -3e8, np.nan])
+# So many that Python takes them at once, in arrays.
+MANY = np.concatenate([EPOCHS, np.linspace(-20.0, 70.0, 25), 1e5 * np.arange(9.0)])
 
 
 def answers():
@@ -50,6 +52,13 @@ def answers():
     for name, (moments, rates) in STATES.items():
         wxyz, omega = propagate(moments, (1, 2, 3, 4), rates, EPOCHS, angular_velocity=True)
         found[f"exact {name} wxyz"], found[f"exact {name} omega"] = wxyz, omega
+        many = propagate(moments, (1, 2, 3, 4), rates, MANY, angular_velocity=True)
+        found[f"exact {name} at once"] = np.hstack(many)
+        if moments[0] > 0.0:  # not of a rod
+            near = MANY[np.abs(MANY) < 1e3]
+            for epochs in (near[:5], near):
+                columns = propagate(moments, (1, 2, 3, 4), rates, epochs, sensitivity=True)[1]
+                found[f"exact {name} columns of {len(epochs)}"] = columns
         spin = Spin(epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=rates)
         motion = FreeRotation(Body(moments=moments), spin)
         regime = motion.regime
