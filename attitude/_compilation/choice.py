@@ -11,8 +11,8 @@ its seconds count once more.
 
 Functions that run between every two calls of another one are steps of one call, which is as fast as
 its slowest step: set-up follows the loop.  Where such a call repeats, all of its steps compile once
-they would exceed `STEADY` seconds together; and where a loop has run as machine code `REPEATS` times
-while the steps beside it took longer in Python, these compile too (`decorators.EntryPoint`).
+they would exceed `STEADY` seconds together; and where a loop has run as machine code `REPEATS`
+times while the steps beside it took longer in Python, these compile too (`decorators.EntryPoint`).
 ``ATTITUDE_COMPILE=always`` compiles at the first call, ``never`` does not compile;
 ``automatic`` is the default.
 """

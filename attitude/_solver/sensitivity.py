@@ -164,7 +164,7 @@ def tumbling_setup(moments, wxyz, principal, constants, tangents, block):
 
 @subroutine
 def _count_spans(d, j, epochs, block):
-    """Raise the spans of `short_times` to those beyond which the terms of a column do not cancel."""
+    """Raise the spans of `short_times` to those beyond which terms of a column do not cancel."""
     weights = d.weights
     still = abs(weights[PHASE, j]) + abs(weights[SECOND, j]) + abs(weights[THIRD, j])
     grows = abs(weights[RATE, j]) + abs(weights[TIME, j])

@@ -406,11 +406,11 @@ def _store_eta_at_once(d, turn, dw, s):
     """As `_store_eta`, with sums in the same order."""
     share = s.unit / s.span
     powers = np.multiply.accumulate(np.concatenate([[1.0], np.full(TERMS - 1, share)]))[:, None]
-    rates, principal = s.series[3:6, _FIRST:], d.principal
+    rates, axes = s.series[3:6, _FIRST:], d.principal
     total = 0.0
     for m in range(3):
         change = (
-            principal[0, m] * rates[0] + principal[1, m] * rates[1] + principal[2, m] * rates[2]
+            axes[0, m] * rates[0] + axes[1, m] * rates[1] + axes[2, m] * rates[2]
         )
         columns = np.zeros((TERMS, _LANES))
         columns[:, :_CHANGING] = powers * change.T

@@ -392,7 +392,7 @@ def test_a_body_at_rest_has_no_series():
 
 @pytest.mark.parametrize("wobble", [0.3, 1e-2, 1e-5, 1e-8, 1e-11])
 def test_derivatives_for_least_squares(wobble):
-    """Within 4e-12 of the largest entries of the exact ones, at any wobble about the middle axis."""
+    """Within 4e-12 of the largest entries of exact ones, at any wobble about the middle axis."""
     omega = np.array([(wobble, 1.0, 0.5 * wobble), (1.0, wobble, wobble)])
     t = np.linspace(-30.0, 40.0, 71)
     given = (1.0, 2.0, 2.6), np.array([(0.5, -0.5, 0.5, 0.5)] * 2), omega, t
