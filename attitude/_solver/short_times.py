@@ -409,9 +409,7 @@ def _store_eta_at_once(d, turn, dw, s):
     rates, axes = s.series[3:6, _FIRST:], d.principal
     total = 0.0
     for m in range(3):
-        change = (
-            axes[0, m] * rates[0] + axes[1, m] * rates[1] + axes[2, m] * rates[2]
-        )
+        change = axes[0, m] * rates[0] + axes[1, m] * rates[1] + axes[2, m] * rates[2]
         columns = np.zeros((TERMS, _LANES))
         columns[:, :_CHANGING] = powers * change.T
         total = total + np.stack([_cauchy_sums(_rows(turn, m)[:, i], columns) for i in range(3)])
