@@ -87,10 +87,19 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _PIPE
     except OSError as err:
         return _failed(f"{err.filename or 'output'}: {err.strerror or err}.")
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, Exception) as err:
+        if not _is_interrupt(err):
+            raise
         _abandon_stdout()
         return _INTERRUPTED
     return 0
+
+
+def _is_interrupt(error: BaseException | None) -> bool:
+    """Whether an error is Ctrl-C, or follows from it: Python wraps what stops a class statement."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    return error is not None
 
 
 class _Parser(argparse.ArgumentParser):

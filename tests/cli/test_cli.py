@@ -596,3 +596,19 @@ def test_a_mission_file_names_a_motion_for_every_command(capsys, tmp_path):
     ):
         assert cli.main([*map(str, words)]) == 2
         assert sentence in capsys.readouterr().err
+
+
+def test_ctrl_c_within_a_class_statement_is_silent(monkeypatch, capsys):
+    """Python 3.11 wraps what stops a class statement: astropy's tables are one, when imported."""
+
+    def stopped(*arguments, **options):
+        class Field:
+            def __set_name__(self, owner, name):
+                raise KeyboardInterrupt
+
+        class Table:
+            field = Field()
+
+    monkeypatch.setattr("attitude.cli.describe.run", stopped)
+    assert cli.main(["describe", PAPER]) == 130
+    assert capsys.readouterr().err == ""
