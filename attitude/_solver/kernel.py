@@ -28,6 +28,7 @@ from attitude._compilation.decorators import (
     elementwise,
     force_inlined,
     inlined_entry_point,
+    named,
     sized_entry_point,
     subroutine,
 )
@@ -286,23 +287,6 @@ def _store_rates(axes, w, rows, i):
         rows[k][i] = loop_fma(axes[k][0], w[0], loop_fma(axes[k][1], w[1], axes[k][2] * w[2]))
 
 
-@inlined_entry_point
-def uniform(constants, t, t_low, wxyz, rates, first, end, column):
-    """Evaluate the motions of constant angular velocity; arguments as in the module docstring."""
-    for b in range(len(constants)):
-        c, k = constants[b], b if len(t) > 1 else 0
-        if c.form != codes.UNIFORM:
-            continue
-        times = t[k, first:end]
-        lows = None if t_low is None else t_low[k, first:end]
-        if any_beyond(times, lows, reach(c)):
-            return b
-        rows = _four_rows(wxyz, b, column, column + end - first)
-        omega = None if rates is None else _three_rows(rates, b, column, column + end - first)
-        _fill_uniform(c, times, lows, rows, omega)
-    return -1
-
-
 @elementwise
 @force_inlined
 def _fill_uniform(c, times, lows, rows, omega):
@@ -320,23 +304,6 @@ def _fill_uniform(c, times, lows, rows, omega):
             # The sine is NaN if the epoch is: then so is the rate.
             for j in range(3):
                 omega[j][i] = loop_fma(0.0, sine, constant[j])
-
-
-@inlined_entry_point
-def trigonometric(constants, t, t_low, wxyz, rates, first, end, column):
-    """Evaluate the trigonometric form; arguments as in the module docstring."""
-    for b in range(len(constants)):
-        c, k = constants[b], b if len(t) > 1 else 0
-        if c.form != codes.TRIGONOMETRIC:
-            continue
-        times = t[k, first:end]
-        lows = None if t_low is None else t_low[k, first:end]
-        if any_beyond(times, lows, reach(c)):
-            return b
-        rows = _four_rows(wxyz, b, column, column + end - first)
-        omega = None if rates is None else _three_rows(rates, b, column, column + end - first)
-        _fill_trigonometric(c, times, lows, rows, omega)
-    return -1
 
 
 @elementwise
@@ -361,23 +328,6 @@ def _fill_trigonometric(c, times, lows, rows, omega):
             _store_rates(axes, trigonometric_rates(series, sn, cn), omega, i)
 
 
-@inlined_entry_point
-def hyperbolic(constants, t, t_low, wxyz, rates, first, end, column):
-    """Evaluate the hyperbolic form; arguments as in the module docstring."""
-    for b in range(len(constants)):
-        c, k = constants[b], b if len(t) > 1 else 0
-        if c.form != codes.HYPERBOLIC:
-            continue
-        times = t[k, first:end]
-        lows = None if t_low is None else t_low[k, first:end]
-        if any_beyond(times, lows, reach(c)):
-            return b
-        rows = _four_rows(wxyz, b, column, column + end - first)
-        omega = None if rates is None else _three_rows(rates, b, column, column + end - first)
-        _fill_hyperbolic(c, times, lows, rows, omega)
-    return -1
-
-
 @elementwise
 @force_inlined
 def _fill_hyperbolic(c, times, lows, rows, omega):
@@ -400,3 +350,28 @@ def _fill_hyperbolic(c, times, lows, rows, omega):
         _store_attitude(frame, turned(pair, sine, cosine), rows, i)
         if omega is not None:
             _store_rates(axes, hyperbolic_rates(series, dx, half_turns, arguments), omega, i)
+
+
+def _loop_of(name, form, fill):
+    """The loop of a form; arguments as in the module docstring."""
+
+    def loop(constants, t, t_low, wxyz, rates, first, end, column):
+        for b in range(len(constants)):
+            c, k = constants[b], b if len(t) > 1 else 0
+            if c.form != form:
+                continue
+            times = t[k, first:end]
+            lows = None if t_low is None else t_low[k, first:end]
+            if any_beyond(times, lows, reach(c)):
+                return b
+            rows = _four_rows(wxyz, b, column, column + end - first)
+            omega = None if rates is None else _three_rows(rates, b, column, column + end - first)
+            fill(c, times, lows, rows, omega)
+        return -1
+
+    return inlined_entry_point(named(loop, name))
+
+
+uniform = _loop_of("uniform", codes.UNIFORM, _fill_uniform)
+trigonometric = _loop_of("trigonometric", codes.TRIGONOMETRIC, _fill_trigonometric)
+hyperbolic = _loop_of("hyperbolic", codes.HYPERBOLIC, _fill_hyperbolic)
