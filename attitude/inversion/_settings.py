@@ -55,10 +55,10 @@ class Settings:
     cell_cost: float = 1.5e-7
     # A state of a known shape, a point and a facet.
     facet_cost: float = 1.5e-9
-    # Of a body of known shape, from whole searches: its attitude and sums at an epoch; the set-up
-    # of its derivatives.
+    # Of a body of known shape, from whole searches (`benchmarks/inversion_passes.py` with a budget):
+    # its attitude and sums at an epoch; its derivatives and step.
     attitude_cost: float = 1.2e-7
-    slopes_cost: float = 1.5e-4
+    slopes_cost: float = 8.0e-5
 
     # ---- Models of the search
     # Model error of ellipsoids, mag: hulls leave 0.04 to 0.1; that of convex bodies is estimated.
