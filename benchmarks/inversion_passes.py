@@ -3,8 +3,9 @@
 Circular orbits over a site, a box with one wing of random size and materials, tumbling by Euler's
 equations (DOP853, `inversion_cases`); brightness from facets divided in 16, with finer shadows.
 200 points of 0.1 mag a pass; a third argument is the number of passes, an orbit apart, in one
-curve, a fourth the budget in seconds, which is compared with what a search took.  The input has shape, materials, moments and geometry, rates up to twice the
-true one are searched.  The rate vector is compared over axes in space.
+curve, a fourth the budget in seconds, which is compared with what a search took.  The input has
+shape, materials, moments and geometry, rates up to twice the true one are searched.  The rate
+vector is compared over axes in space.
 """
 
 from __future__ import annotations

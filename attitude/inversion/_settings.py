@@ -55,7 +55,7 @@ class Settings:
     cell_cost: float = 1.5e-7
     # A state of a known shape, a point and a facet.
     facet_cost: float = 1.5e-9
-    # Of a body of known shape, from whole searches (`benchmarks/inversion_passes.py` with a budget):
+    # Of a body of known shape, from whole searches (`benchmarks/inversion_passes.py`, a budget):
     # its attitude and sums at an epoch; its derivatives and step.
     attitude_cost: float = 1.2e-7
     slopes_cost: float = 8.0e-5
