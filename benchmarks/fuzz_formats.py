@@ -6,8 +6,8 @@ mutates files of the readers FILES times (1e5 by default): AEM, APM and ACM in b
 rates of version 1, several objects and left-out parts, CIC, STK files with every kind of section,
 and photometry.  A sentence of more than 600 characters counts as a fault.
 Every tenth file that is read is written again.  It prints the number of files that were read and
-refused, the slowest (in processor time), and each other exception with the file that caused it; that
-file and those that take more than 5 s are kept.
+refused, the slowest (in processor time), and each other exception.  Files that cause one are kept,
+and those that take more than 5 s.
 """
 
 from __future__ import annotations
