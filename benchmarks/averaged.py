@@ -1,6 +1,6 @@
 """How far are mean rotations from the full motion, and what do they cost?
 
-python benchmarks/averaged.py [--quick]
+python benchmarks/averaged.py [--quick] [TABLE ...]
 """
 
 import argparse
@@ -516,6 +516,11 @@ def sun_of_geo(ahead=0.0):
     return path
 
 
+def beside_sun(t):
+    """The circle of `sun_of_geo` about a place beside the Sun: no turn under a central force."""
+    return sun_of_geo()(t) + 0.1 * AU * np.array([0.0, -0.91748, -0.39779])
+
+
 def geo_spin(axes, phase, turn):
     """A spin of 60 s about the short axis, with a tilt of 2 deg."""
     y = 2.0 * math.log(math.tan(math.radians(2.0)))
@@ -669,9 +674,10 @@ def passages(quick):
     rows = []
     for name, body, torques in list(coin_cases())[:3]:
         passage, times = late_passages(body, torques, 60 if quick else 400)
-        rows.append([name, len(times), f"{passage.delay:.2f}", f"{np.std(times):.2f}",
-                     f"{np.mean(times):+.2f}"])  # fmt: skip
-    heads = "motion", "full motions", "predicted, s", "deviation, s", "mean, s"
+        sizes, means = np.sqrt(np.mean(times**2, axis=0)), np.mean(times[:, 0])
+        rows.append([name, len(times), f"{passage.delay:.2f}", f"{sizes[0]:.2f}", f"{means:+.2f}",
+                     f"{sizes[1]:.2f}"])  # fmt: skip
+    heads = "motion", "full motions", "predicted, s", "behind, s", "mean, s", "at 4000 s"
     return Table("averaged passages", markdown(heads, rows))
 
 
@@ -700,7 +706,7 @@ def costs():
     spin = geo_spin(Axes(body), 0, 0.1)
     motion = AveragedMotion(body, spin, light, orbit="followed")
     yield "right-hand side: sunlight of one direction, degree 32", rate_cost(motion)
-    averaged = AveragedMotion(body, spin, light, orbit="averaged")
+    averaged = AveragedMotion(body, spin, box.sunlight(beside_sun), orbit="averaged")
     yield "32 directions of an orbit, degree 32", rate_cost(averaged, 2000)
     friction = AveragedMotion(body, spin, InternalDissipation(1e-5))
     yield "friction, in closed form", rate_cost(friction)
@@ -888,7 +894,7 @@ def _frequency(hits, odds):
     return f"{np.mean(hits):.3f} of {len(hits)} ({(np.mean(hits) - odds) / deviation:+.1f} sigma)"
 
 
-def leaves():
+def leaves(_):
     """The table of full motions and the leaves next to them: 90 s of processor each."""
     rows = []
     for phase in range(8):
@@ -906,14 +912,8 @@ def passed(leaf, until):
     return " ".join([leaf.regions[0], *(event.after for event in events)]), f"{odds:.3f}"
 
 
-def tables(quick):
-    """The tables of docs/averaged.md."""
-    yield accuracy(quick)
-    yield by_order(quick)
-    yield odds(quick)
-    yield passages(quick)
-    if not quick:
-        yield leaves()
+def prices(quick):
+    """The table of costs, and of errors of the mean torque of meshes."""
     rows = [[name, *(f"{1e6 * t:.2f} us" if t < 1e-4 else f"{t:.3f} s" for t in times)]
             for name, *times in costs()]  # fmt: skip
     rows = [[name, ", at most ".join(times)] for name, *times in rows]
@@ -925,13 +925,27 @@ def tables(quick):
         worst = [max(mesh_errors(*settings, degree)) for degree in (16, 32)]
         text = f"{worst[0]:.0e} at degree 16, {worst[1]:.0e} at 32, of the torque"
         rows.append([f"error of the mean torque: {label}", text])
-    yield Table("averaged costs", markdown(("what", "processor"), rows))
+    return Table("averaged costs", markdown(("what", "processor"), rows))
+
+
+def made(quick, names):
+    """The tables of these names, one after the other; not that of leaves for --quick."""
+    for name, make in zip(MAKES, (accuracy, by_order, odds, passages, leaves, prices), strict=True):
+        if name in names and not (quick and make is leaves):
+            yield make(quick)
+
+
+def tables(quick):
+    """The tables of docs/averaged.md."""
+    yield from made(quick, MAKES)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="short spans, fewer motions")
-    for table in tables(parser.parse_args().quick):
+    parser.add_argument("tables", nargs="*", metavar="TABLE", help=f"of: {', '.join(MAKES)}")
+    given = parser.parse_args()
+    for table in made(given.quick, given.tables or MAKES):
         print(table.text, flush=True)
 
 
