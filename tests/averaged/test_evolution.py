@@ -602,6 +602,21 @@ def test_members_are_the_motions_of_their_states():
     ]
 
 
+def test_members_of_second_order():
+    """Each is its motion of second order, which differs from that of first order."""
+    torques = [InternalDissipation(1e-3), ConstantTorque((0.05, 0.02, 0.05))]
+    spins = [spinning((0.13, 0.0078, 0.0078)), spinning()]
+    motions = Ensemble.of([FreeRotation(ENVISAT, spin) for spin in spins])
+    one, two = (motions.averaged(torques, order=order).at([5e3]) for order in (1, 2))
+    for k, spin in enumerate(spins):
+        alone = AveragedMotion(ENVISAT, spin, torques, order=2).at([5e3])
+        assert np.array_equal(alone.momentum, two.momentum[k])
+    gaps = np.linalg.norm(one.momentum - two.momentum, axis=-1) / one.size
+    assert np.all((gaps > 1e-9) & (gaps < 1e-3))
+    with pytest.raises(AttitudeError, match="order is 3; give 1 or 2"):
+        motions.averaged(torques, order=3)
+
+
 def test_members_of_several_bodies_draw_each_for_itself():
     bodies = [ENVISAT, Body(moments=(17023.0, 120000.0, 129112.0)), ENVISAT, ENVISAT]
     spin = spinning((0.13, 0.0078, 0.0078))
