@@ -344,6 +344,46 @@ def test_scatter_is_nothing_before_a_resonance_and_its_kick_behind():
         branch.scatter(1e9)
 
 
+def test_a_tree_that_splits_at_resonances_has_the_scatter_of_one_that_does_not():
+    """The law of total variance: that of means of leaves and of what they leave, to 3 %."""
+    motion, year = tumbling(), 365.25 * DAY
+    t = np.linspace(0.4, 1.0, 4) * year
+    plain, tree = motion.branches(year), motion.branches(year, least_kick=1e-3)
+    assert len(plain) == 4 < len(tree) <= 256
+    assert np.sum(tree.odds) == pytest.approx(1.0, abs=1e-9)
+    assert all(branch.kicks == () for branch in plain)
+    for branch in plain[::2]:
+        leaves = [leaf for leaf in tree if leaf.regions == branch.regions]
+        odds = np.array([leaf.odds for leaf in leaves])
+        assert np.sum(odds) == pytest.approx(branch.odds, abs=1e-6)
+        assert all(len(leaf.kicks) >= 2 for leaf in leaves)
+        gaps = np.array([leaf.at(t).size / branch.at(t).size - 1.0 for leaf in leaves])
+        left = np.array([leaf.scatter(t)["size"] for leaf in leaves])
+        before = branch.scatter(t)["size"]
+        assert np.all(np.max(left, axis=0)[1:] < 0.95 * before[1:])
+        total = np.sqrt(odds @ (gaps**2 + left**2) / np.sum(odds))
+        np.testing.assert_allclose(total, before, rtol=0.03)
+    table = tree.table()
+    assert [len(text.split()) for text in table["kicks"]] == [len(leaf.kicks) for leaf in tree]
+
+
+def test_a_resonance_splits_into_quarters_of_its_phases():
+    motion, event = crossing((5, 6), 6.0 * DAY, 6.0 * DAY)
+    (whole,) = motion.branches(6.0 * DAY, least_kick=1.01 * event.scatter)
+    leaves = motion.branches(6.0 * DAY, least_kick=0.99 * event.scatter)
+    assert leaves.odds.tolist() == [0.25] * 4
+    before, behind = event.seconds, event.seconds + 1.1 * event.lasts
+    for leaf in leaves:
+        assert np.array_equal(leaf.at(before).momentum, whole.at(before).momentum)
+        # the mean of a cosine over a quarter of its turn about its top
+        change = float(leaf.at(behind).y - whole.at(behind).y)
+        assert abs(change) == pytest.approx(2.0 / math.pi * math.sqrt(2.0) * event.scatter, rel=0.1)
+        assert leaf.kicks == pytest.approx((change,), rel=1e-3)
+    assert sum(leaf.kicks[0] for leaf in leaves) == pytest.approx(0.0, abs=1e-15)
+    with pytest.raises(AttitudeError, match="least_kick"):
+        motion.branches(6.0 * DAY, least_kick=-1e-3)
+
+
 def test_the_loop_of_a_resonance_is_that_of_a_pendulum():
     """Of u' = a + b cos f: 16 sqrt(b) without a, nothing for b < a, a quadrature between them."""
     area, flow, push = _resonances._loop(np.zeros(4), np.array([[0, 0, 0, 0.5]]), 1.0, 1.0)
