@@ -456,8 +456,7 @@ class AveragedMotion(Immutable):
 
     def _count_passages(self, until: float) -> int:
         """Passages of the separatrix up to seconds that are integrated."""
-        track = self._tracks[0 if until >= 0.0 else 1]
-        return sum(event.kind == "passage" for event in track.happened(until))
+        return len(self._tracks[0 if until >= 0.0 else 1].passages(until))
 
     @property
     def events(self) -> tuple[AveragedEvent, ...]:
@@ -528,14 +527,13 @@ class AveragedMotion(Immutable):
         return Branches([self._branch(track, end) for track in ended], end)
 
     def _branch(self, track: Track, end: float) -> Branch:
-        events = track.happened(end)
-        passed = [event for event in events if event.kind == "passage"]
-        regions = (REGIONS[self.start_region], *(event.after for event in passed))
+        passages = track.passages(end)
+        regions = (REGIONS[self.start_region], *(event.after for event in passages))
         until = end
         if track.ended is not None and (track.ended.seconds - end) * track.sign < 0.0:
             until = track.ended.seconds
         kicks = tuple(float(kick[3]) for _, kick in track.kicks)
-        return Branch(track.odds, regions, kicks, tuple(events), until, track)
+        return Branch(track.odds, regions, kicks, tuple(track.happened(end)), until, track)
 
     def error_estimate(self, t: Epochs) -> FloatArray:
         """The error of the mean momentum to expect, a share of |L|, at epochs of shape S.

@@ -138,7 +138,7 @@ def scatter(track: Track, t: FloatArray) -> FloatArray:
         return np.zeros((0, 3))
     until = float(t[np.argmax(np.abs(t))])
     kicks = [(e.seconds, kick) for e, rows in _with_kicks(track, until) for kick in rows]
-    passages = [event for event in track.happened(until) if event.kind == "passage"]
+    passages = track.passages(until)
     packing = track.course.packing
     for event in passages:
         if event.delay > 0.0:
@@ -159,7 +159,7 @@ def scatter(track: Track, t: FloatArray) -> FloatArray:
         onward = [REGIONS.index(e.after) for e in passages if (e.seconds - when) * track.sign > 0.0]
         for seconds, mean in (*track.kicks, (until, None)):
             if (seconds - when) * track.sign > 0.0 and other.ended is None:
-                other.extend(seconds, along(onward[_count_passages(other) :]))
+                other.extend(seconds, along(onward[len(other.passages()) :]))
                 other = other if mean is None else other.kicked(seconds, mean)
         shifted = other.states(t[later])[0]
         if other.ended is not None:
@@ -181,7 +181,7 @@ def split(track: Track, until: float, least: float, weak: set[Weak]) -> list[Tra
     behind the last one at which it has branched.  weak: those that are weaker, filled.
     """
     begin = track.kicks[-1][0] if track.kicks else 0.0
-    for time, j, k, y in _times(track, until):
+    for time, j, k, y in sorted(_times(track, until), key=lambda crossing: abs(crossing[0])):
         region = int(track.states(np.array([time]))[1][0])
         kind, key = (j, k, region, len(track.happened(time))), (round(time, 3), (j, k, 0))
         if (time - begin) * track.sign <= 0.0 or kind in weak:
@@ -208,10 +208,6 @@ def split(track: Track, until: float, least: float, weak: set[Weak]) -> list[Tra
             tracks[-1].odds *= 0.25
         return tracks
     return []
-
-
-def _count_passages(track: Track) -> int:
-    return sum(event.kind == "passage" for event in track.events)
 
 
 def along(regions: list[int]) -> Choice:
@@ -302,7 +298,7 @@ def _times(track: Track, until: float) -> list[tuple[float, int, int, float]]:
             low, high = t[n, m], t[n, m + 1]
             if (low - until) * track.sign > 0.0:
                 continue
-            time = _bisected(rows[n : n + 1], low, high, place, track.sign)
+            time = _bisected(rows[n : n + 1], float(low), float(high), place, track.sign)
             crossings.append((time, j, k, place))
     return [crossing for crossing in sorted(crossings) if (crossing[0] - until) * track.sign <= 0.0]
 

@@ -364,6 +364,11 @@ class Track:
         """The events up to seconds `until`."""
         return [event for event in self.events if (event.seconds - until) * self.sign <= 0.0]
 
+    def passages(self, until: float | None = None) -> list[AveragedEvent]:
+        """Those of the separatrix, all or up to seconds `until`."""
+        events = self.events if until is None else self.happened(until)
+        return [event for event in events if event.kind == "passage"]
+
     def error_to(self, t: FloatArray) -> FloatArray:
         """The estimate (T,) of `AveragedMotion.error_estimate` at seconds (T,)."""
         rows, packing = self.rows, self.course.packing

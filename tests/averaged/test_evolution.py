@@ -367,6 +367,15 @@ def test_a_tree_that_splits_at_resonances_has_the_scatter_of_one_that_does_not()
     assert [len(text.split()) for text in table["kicks"]] == [len(leaf.kicks) for leaf in tree]
 
 
+def test_a_tree_of_the_past_splits_from_the_epoch_backwards():
+    leaves = tumbling().branches(-80.0 * DAY, least_kick=3e-4)
+    assert len(leaves) == 16
+    assert leaves.odds.tolist() == [0.0625] * 16
+    for leaf in leaves:
+        first, second = (seconds for seconds, _ in leaf._track.kicks)
+        assert 0.0 > first > second > -80.0 * DAY
+
+
 def test_a_resonance_splits_into_quarters_of_its_phases():
     motion, event = crossing((5, 6), 6.0 * DAY, 6.0 * DAY)
     (whole,) = motion.branches(6.0 * DAY, least_kick=1.01 * event.scatter)
