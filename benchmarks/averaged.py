@@ -1,6 +1,6 @@
 """How far are mean rotations from the full motion, and what do they cost?
 
-python benchmarks/averaged.py [--quick]
+python benchmarks/averaged.py [--quick] [TABLE ...]
 """
 
 import argparse
@@ -45,6 +45,8 @@ MAKES = (
     "averaged odds",
     "averaged passages",
     "averaged leaves",
+    "averaged kicks",
+    "averaged phases",
     "averaged costs",
 )
 EPOCH = "2026-01-01"
@@ -516,6 +518,11 @@ def sun_of_geo(ahead=0.0):
     return path
 
 
+def beside_sun(t):
+    """The circle of `sun_of_geo` about a place beside the Sun: no turn under a central force."""
+    return sun_of_geo()(t) + 0.1 * AU * np.array([0.0, -0.91748, -0.39779])
+
+
 def geo_spin(axes, phase, turn):
     """A spin of 60 s about the short axis, with a tilt of 2 deg."""
     y = 2.0 * math.log(math.tan(math.radians(2.0)))
@@ -588,12 +595,11 @@ def geo_member(phase, years=1.6):
     """A full motion like GOES 8 beside the nearest leaf of its tree, each 0.2 years.
 
     The leaf, the error of its |L|, that with the kicks of the resonances at the phases of the full
-    motion, and the root mean square that the leaf states over unknown phases.
+    motion, the root mean square that the leaf states over unknown phases, and the error of the
+    nearest leaf of a tree that splits at resonances.
     """
-    box = satellite()
-    body, light = Body(moments=box.moments), box.sunlight(sun_of_geo())
-    spin = geo_spin(Axes(body), phase, 2.4 * phase + 0.1)
-    motion = AveragedMotion(body, spin, light, orbit="followed", tolerance=1e-8)
+    light, motion = goes_member(phase)
+    body, spin = motion.body, motion.spin
     t = np.arange(0.0, years + 1e-9, 0.2) * YEAR
     tree = motion.branches(float(t[-1]))
     crossings = [_resonances.crossed(leaf._track, leaf.until) for leaf in tree]
@@ -608,7 +614,10 @@ def geo_member(phase, years=1.6):
     states = {when: history[len(t) + k] for k, when in enumerate(times)}
     known = kicked(motion, tree[best], crossings[best], states, t) / truth - 1.0
     scatter = float(np.max(tree[best].scatter(t)["size"]))
-    return tree[best], float(np.max(np.abs(gaps[best]))), float(np.max(np.abs(known))), scatter
+    finer = motion.branches(float(t[-1]), least_kick=8e-4)
+    nearest = min(float(np.max(np.abs(leaf.at(t).size / truth - 1.0))) for leaf in finer)
+    error, of_kicks = (float(np.max(np.abs(gap))) for gap in (gaps[best], known))
+    return tree[best], error, of_kicks, scatter, nearest
 
 
 def kicked(motion, leaf, crossings, states, t):
@@ -664,14 +673,135 @@ def kick_of(motion, event, history):
     return total
 
 
+def goes_member(phase, **settings):
+    """The light and the mean motion of a member like GOES 8."""
+    box = satellite()
+    body, light = Body(moments=box.moments), box.sunlight(sun_of_geo())
+    spin = geo_spin(Axes(body), phase, 2.4 * phase + 0.1)
+    settings = {"orbit": "followed", "tolerance": 1e-8, **settings}
+    return light, AveragedMotion(body, spin, light, **settings)
+
+
+def drawn(motion, t, rng, weak):
+    """|L| (T,) of a mean motion with passages by their odds and kicks at drawn phases.
+
+    Of resonances whose scatter of y is at least 1e-4; weak: the others, filled.
+    """
+    track, last = motion._tracks[0].resumed(0.0, motion.start, motion.start_region), 0.0
+    while True:
+        track.extend(float(t[-1]), lambda one, crossing: None)
+        reached, kick = float(min(track.clock[0], t[-1])), None
+        for when, j, k, y in _resonances._times(track, reached):
+            kind = j, k, int(track.states(np.array([when]))[1][0])
+            if when <= last or kind in weak:
+                continue
+            event, rows = _resonances._event(track, when, (j, k, 0), y)
+            if event.scatter < 1e-4:
+                weak.add(kind)
+                continue
+            last = when + min(event.lasts, 0.9 * (reached - when))
+            angles = 2.0 * math.pi * rng.random(len(rows) // 2)
+            kick = np.concatenate([np.cos(angles), np.sin(angles)]) @ rows
+            break
+        if kick is not None:
+            track = track.kicked(last, kick)
+        elif track.waits is None or track.reaches(float(t[-1])):
+            return np.linalg.norm(track.states(t)[0][:, :3], axis=1)
+        else:
+            first, second = track.waits.odds
+            goes_first = rng.random() < track.waits.odds[first]
+            track.pass_to(first if goes_first else second, track.waits)
+
+
+def kicks(quick):
+    """The table of trees that split at resonances: how near their leaves come to drawn motions."""
+    _, motion = goes_member(0)
+    t = np.arange(0.0, 1.6 + 1e-9, 0.2) * YEAR
+    rng, weak, rows = np.random.default_rng(1), set(), []
+    sizes = np.array([drawn(motion, t, rng, weak) for _ in range(10 if quick else 40)])
+    for least in (None, 1.2e-3, 8e-4):
+        begin = time.process_time()
+        tree = motion.branches(float(t[-1]), least_kick=least)
+        cost = time.process_time() - begin
+        leaves_ = np.array([leaf.at(t).size for leaf in tree])
+        errors = np.array([np.min(np.max(np.abs(leaves_ / one - 1.0), axis=1)) for one in sizes])
+        scatter = float(np.max(tree[0].scatter(t)["size"]))
+        rows.append(["none" if least is None else f"{least:.1e}", len(tree), f"{cost:.2g}",
+                     f"{scatter:.1e}", f"{np.median(errors):.1e}", f"{np.max(errors):.1e}",
+                     f"{np.sum(errors <= 2e-3)} of {len(errors)}"])  # fmt: skip
+        if least is None:
+            scatter = float(np.max(scatter_behind(tree[0], t)))
+            rows.append(["those before the passage known", "", "", f"{scatter:.1e}", "", "", ""])
+    heads = ("least_kick", "leaves", "seconds", "scatter of the likeliest", "median error",
+             "largest", "within 2e-3")  # fmt: skip
+    return Table("averaged kicks", markdown(heads, rows))
+
+
+def scatter_behind(leaf, t):
+    """The scatter of |L| (T,) of a leaf by what happens behind its first passage."""
+    track = leaf._track.branched()
+    passage = next(event for event in leaf.events if event.kind == "passage")
+    for key, (event, _) in track.resonances.items():
+        if event.seconds < passage.seconds:
+            track.resonances[key] = event, np.zeros((0, 4))
+    return _resonances.scatter(track, t)[:, 0]
+
+
+def phase_errors(phase, ratios, turns):
+    """Errors in rad, before resonances of ratios, of means of orders 1 and 2 and of full motions.
+
+    Of the angle of a resonance as the frequencies of mean states make it, against the full motion
+    with the last of its steps, turns in rad; and of |L|.
+    """
+    light, motion = goes_member(phase)
+    leaf = motion.branches(75.0 * DAY)[0]
+    events = _resonances.crossed(leaf._track, leaf.until)
+    t = np.linspace(0.0, 72.9 * DAY, 487)
+    states = [goes_member(phase, order=order, degree=64)[1].at(t) for order in (1, 2)]
+    found = [(one.size, one.y) for one in states]
+    for turn in turns:
+        step = turn / np.linalg.norm(motion.spin.angular_velocity)
+        full = TorquedRotation(
+            motion.body, motion.spin, light, step=step, scheme="kick-rotate-kick"
+        )
+        history = full.at(t)
+        rows = np.array([mean_of(motion, history[k], t[k])[:2] for k in range(len(t))])
+        found.append((rows[:, 0], rows[:, 1]))
+    errors = []
+    for j, k in ratios:
+        event = next(e for e in events if e.ratio == (j, k) and e.before == "SAM+")
+        behind = int(np.searchsorted(t, event.seconds - 0.5 * event.lasts))
+        angles = []
+        for size, y in found:
+            one, two = _resonances.frequencies(motion.axes, y)
+            angles.append(np.trapezoid((size * (j * one - k * two))[:behind], t[:behind]))
+        sizes = [size[behind - 1] / found[-1][0][behind - 1] - 1.0 for size, _ in found]
+        errors.append([*(np.array(angles)[:-1] - angles[-1]), *sizes[:-1]])
+    return np.array(errors)
+
+
+def phases(quick):
+    """The table of phases at the resonances before the first passage."""
+    ratios, members = ((4, 1), (5, 1), (6, 1), (7, 1)), (0,) if quick else (0, 1, 2)
+    errors = [phase_errors(member, ratios, (0.08, 0.04)) for member in members]
+    sizes, rows = np.sqrt(np.mean(np.square(errors), axis=0)), []
+    for (j, k), row in zip(ratios, sizes, strict=True):
+        angles = [f"{angle_:.2f}" for angle_ in row[:3]]
+        rows.append([f"{j}/{k}", *angles, *(f"{share:.0e}" for share in row[3:])])
+    heads = ("P_psi/P_phi", "first order", "second", "full, 0.08 rad",
+             "L, first order", "second", "full, 0.08 rad")  # fmt: skip
+    return Table("averaged phases", markdown(heads, rows))
+
+
 def passages(quick):
     """The table of the times by which full motions pass the separatrix early or late."""
     rows = []
     for name, body, torques in list(coin_cases())[:3]:
         passage, times = late_passages(body, torques, 60 if quick else 400)
-        rows.append([name, len(times), f"{passage.delay:.2f}", f"{np.std(times):.2f}",
-                     f"{np.mean(times):+.2f}"])  # fmt: skip
-    heads = "motion", "full motions", "predicted, s", "deviation, s", "mean, s"
+        sizes, means = np.sqrt(np.mean(times**2, axis=0)), np.mean(times[:, 0])
+        rows.append([name, len(times), f"{passage.delay:.2f}", f"{sizes[0]:.2f}", f"{means:+.2f}",
+                     f"{sizes[1]:.2f}"])  # fmt: skip
+    heads = "motion", "full motions", "predicted, s", "behind, s", "mean, s", "at 4000 s"
     return Table("averaged passages", markdown(heads, rows))
 
 
@@ -700,7 +830,7 @@ def costs():
     spin = geo_spin(Axes(body), 0, 0.1)
     motion = AveragedMotion(body, spin, light, orbit="followed")
     yield "right-hand side: sunlight of one direction, degree 32", rate_cost(motion)
-    averaged = AveragedMotion(body, spin, light, orbit="averaged")
+    averaged = AveragedMotion(body, spin, box.sunlight(beside_sun), orbit="averaged")
     yield "32 directions of an orbit, degree 32", rate_cost(averaged, 2000)
     friction = AveragedMotion(body, spin, InternalDissipation(1e-5))
     yield "friction, in closed form", rate_cost(friction)
@@ -888,14 +1018,15 @@ def _frequency(hits, odds):
     return f"{np.mean(hits):.3f} of {len(hits)} ({(np.mean(hits) - odds) / deviation:+.1f} sigma)"
 
 
-def leaves():
+def leaves(_):
     """The table of full motions and the leaves next to them: 90 s of processor each."""
     rows = []
     for phase in range(8):
-        leaf, error, known, scatter = geo_member(phase)
-        numbers = f"{error:.1e}", f"{scatter:.1e}", f"{known:.1e}"
+        leaf, error, known, scatter, nearest = geo_member(phase)
+        numbers = (f"{number:.1e}" for number in (error, scatter, known, nearest))
         rows.append([phase, *passed(leaf, 1.6 * YEAR), *numbers])
-    heads = "phase", "regions", "odds", "error of L", "scatter of the leaf", "phases known"
+    heads = ("phase", "regions", "odds", "error of L", "scatter of the leaf", "phases known",
+             "of 256 leaves")  # fmt: skip
     return Table("averaged leaves", markdown(heads, rows))
 
 
@@ -906,14 +1037,8 @@ def passed(leaf, until):
     return " ".join([leaf.regions[0], *(event.after for event in events)]), f"{odds:.3f}"
 
 
-def tables(quick):
-    """The tables of docs/averaged.md."""
-    yield accuracy(quick)
-    yield by_order(quick)
-    yield odds(quick)
-    yield passages(quick)
-    if not quick:
-        yield leaves()
+def prices(quick):
+    """The table of costs, and of errors of the mean torque of meshes."""
     rows = [[name, *(f"{1e6 * t:.2f} us" if t < 1e-4 else f"{t:.3f} s" for t in times)]
             for name, *times in costs()]  # fmt: skip
     rows = [[name, ", at most ".join(times)] for name, *times in rows]
@@ -925,13 +1050,28 @@ def tables(quick):
         worst = [max(mesh_errors(*settings, degree)) for degree in (16, 32)]
         text = f"{worst[0]:.0e} at degree 16, {worst[1]:.0e} at 32, of the torque"
         rows.append([f"error of the mean torque: {label}", text])
-    yield Table("averaged costs", markdown(("what", "processor"), rows))
+    return Table("averaged costs", markdown(("what", "processor"), rows))
+
+
+def made(quick, names):
+    """The tables of these names, one after the other; not that of leaves for --quick."""
+    makers = accuracy, by_order, odds, passages, leaves, kicks, phases, prices
+    for name, make in zip(MAKES, makers, strict=True):
+        if name in names and not (quick and make is leaves):
+            yield make(quick)
+
+
+def tables(quick):
+    """The tables of docs/averaged.md."""
+    yield from made(quick, MAKES)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="short spans, fewer motions")
-    for table in tables(parser.parse_args().quick):
+    parser.add_argument("tables", nargs="*", metavar="TABLE", help=f"of: {', '.join(MAKES)}")
+    given = parser.parse_args()
+    for table in made(given.quick, given.tables or MAKES):
         print(table.text, flush=True)
 
 

@@ -130,7 +130,7 @@ class AveragedEnsemble(Immutable):
     ----------
     motions : sequence of FreeRotation
         States at one epoch.
-    torques, orbit, least_tilt, tolerance, degree
+    torques, orbit, least_tilt, tolerance, degree, order
         As of `AveragedMotion`.
     passages : str or int
         "likeliest", or a whole number: the seed of draws that differ from member to member.
@@ -157,6 +157,7 @@ class AveragedEnsemble(Immutable):
         least_tilt: Real = "0.01 deg",
         tolerance: Real = 1e-7,
         degree: int = DEGREE,
+        order: int = 1,
         on_error: str = "raise",
         names: Sequence[str] | None = None,
     ) -> None:
@@ -184,7 +185,7 @@ class AveragedEnsemble(Immutable):
         self._set("names", None if names is None else tuple(map(str, names)))
         self._set("torques", _torques(torques))
         settings = Settings.checked(
-            orbit, passages, least_tilt, tolerance, degree, len(self.torques)
+            orbit, passages, least_tilt, tolerance, degree, len(self.torques), order
         )
         validation.one_of(on_error, "on_error", ("raise", "nan"))
         self._set("_members", self._made(states, settings, on_error))

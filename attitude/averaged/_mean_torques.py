@@ -14,7 +14,7 @@ from scipy.special import gammaln
 from attitude._compilation.callbacks import raising_callback_errors
 from attitude._support import validation
 from attitude.averaged import _rates as layout
-from attitude.averaged._means import Mean, means_of
+from attitude.averaged._means import Mean, means_of, over_plane
 from attitude.averaged._pack import Packed, Sampling, ripple_period, smooth_span, turn_period
 from attitude.averaged._polhode import LAM_PLUS, SPREAD, Axes
 from attitude.errors import AttitudeError
@@ -189,8 +189,11 @@ class Packing:
             smooth = smooth_span(torque, torques.instant, period) if turn else 0.0
             for mean, single in zip(several, torques._single[k], strict=True):
                 bare = Sampling(torque, period, turn, math.inf, ripple, smooth)
+                bare = replace(bare, is_even=single.is_even(bare, mean))
                 interval = single.interval(bare, mean)
-                means.append((replace(bare, interval=interval), mean))
+                means.append(
+                    (replace(bare, interval=interval), over_plane(mean) if bare.is_even else mean)
+                )
         self.packed = Packed(self.axes, torques.body, means, torques.instant)
         self.turn = self._mean_turn()
         self._windows: dict[int, Window] = {}

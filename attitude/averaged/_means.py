@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 import numpy as np
@@ -108,6 +108,16 @@ def over_torus(torque: Torque) -> Mean:
     """The mean of any torque over nodes of both phases."""
     return Mean(_rates.TORUS, lambda given: given, np.zeros((4, 2, 0)), np.zeros((4, 0)), 0, 1.0,
                 torque=torque)  # fmt: skip
+
+
+def over_plane(mean: Mean) -> Mean:
+    """That of a torque of one direction over all directions across a normal, by the normal.
+
+    The mean of P_n(l . s) over them is P_n(0) P_n(l . normal) (Funk & Hecke), and its gradient by l
+    is the mean of P_n'(l . s) s.
+    """
+    factors = np.repeat(np.polynomial.legendre.legvander(np.zeros(1), mean.degree)[0], 4)
+    return replace(mean, means=mean.means * factors, arcs=mean.arcs * factors)
 
 
 # ---- Closed forms

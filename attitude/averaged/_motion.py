@@ -51,8 +51,8 @@ _COARSEST, _HALVINGS, _CLOSE, _ROUNDING = 0.15, 4, 0.1, 1e-10
 _ROUNDED = 1e-9
 # Turn of the body in a step of the full motion through a resonance, rad.
 _FINE = 0.05
-# Branches of a tree, and the least odds of one.
-_MOST_BRANCHES, _LEAST_ODDS = 256, 1e-3
+# Branches of a tree, the share of them up to which resonances are split, and the least odds of one.
+_MOST_BRANCHES, _SPLIT_SHARE, _LEAST_ODDS = 256, 0.25, 1e-3
 
 
 # ---- Branches
@@ -68,6 +68,8 @@ class Branch:
         The product of the odds of its passages.
     regions : tuple of str
         In the order of time.
+    kicks : tuple of float
+        By which resonances have changed y, where the tree is split there, in the order of time.
     events : tuple of AveragedEvent
     until : float
         TDB seconds since the epoch up to which it is known: that of the tree, or its end.
@@ -75,6 +77,7 @@ class Branch:
 
     odds: float
     regions: tuple[str, ...]
+    kicks: tuple[float, ...]
     events: tuple[AveragedEvent, ...]
     until: float
     _track: Track
@@ -194,13 +197,14 @@ class Branches(Sequence[Branch]):
         )
 
     def table(self) -> QTable:
-        """A QTable with a row for each branch: odds, regions, seconds of the passages."""
+        """A QTable with a row for each branch: odds, regions, seconds of passages, kicks."""
         from astropy.table import QTable
 
         table = QTable({"odds": np.array(self.odds)})
         table["regions"] = [" ".join(leaf.regions) for leaf in self._leaves]
         passages = [[e for e in leaf.events if e.kind == "passage"] for leaf in self._leaves]
         table["tdb_seconds"] = [" ".join(f"{e.seconds:.9g}" for e in row) for row in passages]
+        table["kicks"] = [" ".join(f"{kick:.3g}" for kick in leaf.kicks) for leaf in self._leaves]
         return table
 
 
@@ -452,8 +456,7 @@ class AveragedMotion(Immutable):
 
     def _count_passages(self, until: float) -> int:
         """Passages of the separatrix up to seconds that are integrated."""
-        track = self._tracks[0 if until >= 0.0 else 1]
-        return sum(event.kind == "passage" for event in track.happened(until))
+        return len(self._tracks[0 if until >= 0.0 else 1].passages(until))
 
     @property
     def events(self) -> tuple[AveragedEvent, ...]:
@@ -472,7 +475,7 @@ class AveragedMotion(Immutable):
             events += _resonances.crossed(track, until)
         return tuple(sorted(events, key=lambda event: event.seconds))
 
-    def branches(self, until: Epochs | None = None) -> Branches:
+    def branches(self, until: Epochs | None = None, *, least_kick: Real | None = None) -> Branches:
         """All branches of the motion up to an epoch, the likeliest first.
 
         At most 256, each with odds of at least 1e-3: their odds add up to what they cover.
@@ -481,6 +484,10 @@ class AveragedMotion(Immutable):
         ----------
         until : epoch, optional
             By default the farthest one asked so far.
+        least_kick : float, optional
+            Branch too at resonances of nutation and precession whose `scatter` of y is at least
+            this and which do not capture: into four quarters of their phases, each with its mean
+            kick, up to 64 branches.  `Branch.scatter` has what is left of the kicks.
         """
         if until is None:
             forward, backward = self._farthest
@@ -490,45 +497,43 @@ class AveragedMotion(Immutable):
         else:
             end = second_of(self.epoch, until)
         self._check_span(np.array([end]))
-        return self._tree(end)
+        least = math.inf if least_kick is None else validation.positive(least_kick, "least_kick")
+        return self._tree(end, least)
 
-    def _tree(self, end: float) -> Branches:
+    def _tree(self, end: float, least_kick: float = math.inf) -> Branches:
         """The branches up to seconds `end`."""
         sign = 1.0 if end >= 0.0 else -1.0
         which = 0 if sign > 0.0 else 1
         self._farthest[which] = max(self._farthest[which], abs(end))
         growing = [Track(self._course, self.start, self.start_region, sign)]
         ended: list[Track] = []
-
-        def choose(one: Track, crossing: Crossing) -> int:
-            odds = crossing.odds
-            chosen, other = sorted(odds, key=lambda region: -odds[region])
-            if abs(one.clock[0]) > abs(end):
-                return chosen
-            count = len(growing) + len(ended) + 1
-            if one.odds * odds[other] >= _LEAST_ODDS and count < _MOST_BRANCHES:
-                copy = one.branched()
-                copy.odds *= odds[other]
-                copy.pass_to(other, crossing)
-                growing.append(copy)
-            one.odds *= odds[chosen]
-            return chosen
-
+        weak: set[_resonances.Weak] = set()
         while growing:
-            track = growing.pop()
-            track.extend(end, choose)
-            ended.append(track)
+            # the likeliest first, so that those left out are the least likely
+            track = growing.pop(int(np.argmax([one.odds for one in growing])))
+            track.extend(end, lambda one, crossing: None)
+            count = len(growing) + len(ended) + 1
+            reached = sign * min(abs(end), abs(float(track.clock[0])))
+            split: list[Track] = []
+            if math.isfinite(least_kick) and count < _SPLIT_SHARE * _MOST_BRANCHES:
+                split = _resonances.split(track, reached, least_kick, weak)
+            if split:
+                growing += split
+            elif track.waits is None or track.reaches(end):
+                ended.append(track)
+            else:
+                growing += _passed(track, track.waits, count < _MOST_BRANCHES)
         ended.sort(key=lambda track: -track.odds)
         return Branches([self._branch(track, end) for track in ended], end)
 
     def _branch(self, track: Track, end: float) -> Branch:
-        events = track.happened(end)
-        passed = [event for event in events if event.kind == "passage"]
-        regions = (REGIONS[self.start_region], *(event.after for event in passed))
+        passages = track.passages(end)
+        regions = (REGIONS[self.start_region], *(event.after for event in passages))
         until = end
         if track.ended is not None and (track.ended.seconds - end) * track.sign < 0.0:
             until = track.ended.seconds
-        return Branch(track.odds, regions, tuple(events), until, track)
+        kicks = tuple(float(kick[3]) for _, kick in track.kicks)
+        return Branch(track.odds, regions, kicks, tuple(track.happened(end)), until, track)
 
     def error_estimate(self, t: Epochs) -> FloatArray:
         """The error of the mean momentum to expect, a share of |L|, at epochs of shape S.
@@ -718,6 +723,19 @@ class AveragedMotion(Immutable):
         momentum = quaternion.rotate(spin.wxyz_icrf, spin.angular_velocity @ self.body.tensor)
         state = np.append(momentum - shift, y - bend)
         return AveragedHistory(self.packing, np.array(seconds), state, np.array(region))
+
+
+def _passed(track: Track, crossing: Crossing, has_room: bool) -> list[Track]:
+    """The track beyond the separatrix: in one region, or in both with room and odds for them."""
+    tracks, odds = [track], crossing.odds
+    chosen, other = sorted(odds, key=lambda region: -odds[region])
+    if has_room and track.odds * odds[other] >= _LEAST_ODDS:
+        tracks.append(track.branched())
+        tracks[1].odds *= odds[other]
+        tracks[1].pass_to(other, crossing)
+    track.odds *= odds[chosen]
+    track.pass_to(chosen, crossing)
+    return tracks
 
 
 def _differences(truth: AveragedHistory, other: AveragedHistory) -> dict[str, float]:

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 # Epochs of one turn of a path over which means are taken.
 ORBIT = 32
+# Epochs of one turn by which its weight is found to be even over the angle, and to which share.
+_PLANE, _EVEN = 256, 1e-6
 # Turns of a field under the weights that average over them, and epochs of one turn of the path.
 _FIELD_TURNS, _FIELD_ORBIT = 3, 16
 # Epochs of a turn about a planet, and least ratio of the year of the planet to it.
@@ -56,6 +58,9 @@ class Sampling:
     smooth : float
         s, of the smooth weights under which linear numbers are averaged in place of one turn: days
         of a field that turns with its planet; 0 for one turn.
+    is_even : bool
+        Whether a turn takes a weight that is even over the angle in one plane (`is_even`), so that
+        the normal of the plane stands for all directions.
     """
 
     torque: Torque
@@ -64,6 +69,7 @@ class Sampling:
     interval: float
     ripple: float = float("inf")
     smooth: float = 0.0
+    is_even: bool = False
 
 
 def turn_period(torque: Torque, instant: Instant) -> float:
@@ -177,7 +183,8 @@ class Packed:
         self._alive = []
         work = 0
         for row, (sampling, mean) in zip(self.models, self.means, strict=True):
-            nodes = ORBIT if sampling.is_averaged and not mean.is_linear else 1
+            is_sum = sampling.is_averaged and not mean.is_linear and not sampling.is_even
+            nodes = ORBIT if is_sum else 1
             columns = mean.arcs.shape[1]
             row[layout.KIND], row[layout.COLUMNS] = mean.kind, columns
             row[layout.DEGREE], row[layout.NODES] = max(mean.degree, 0), nodes
@@ -216,6 +223,8 @@ class Packed:
             return self._rippled(sampling, mean, t, offsets)
         if sampling.is_averaged and mean.is_linear and sampling.smooth > 0.0:
             return self._smoothed(sampling, mean, t)
+        if sampling.is_even:
+            return self._over_plane(sampling, mean, t)[0]
         times = t[:, None] + offsets
         if sampling.is_averaged:
             times = self._within(sampling, t, 0.5 * sampling.period)[:, None] + offsets
@@ -260,6 +269,44 @@ class Packed:
             row[:] = weights @ mean.numbers(samples)
         return numbers
 
+    def _over_plane(
+        self, sampling: Sampling, mean: Mean, t: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Normals and weights (T, 4) of turns; how far their weights are from even ones (T,)."""
+        shares = (np.arange(_PLANE) + 0.5) / _PLANE - 0.5
+        middle = self._within(sampling, t, 0.5 * sampling.period)
+        times = (middle[:, None] + sampling.period * shares).reshape(-1)
+        samples = sampling.torque.sample_apart(self._instant, times, np.zeros(len(times)))
+        numbers = mean.numbers(samples).reshape(len(t), _PLANE, 4)
+        unit, weight = numbers[..., :3], numbers[..., 3:]
+        normal = np.sum(np.cross(unit, np.roll(unit, -1, axis=1)), axis=1, keepdims=True)
+        normal /= np.maximum(np.sqrt(np.sum(normal**2, axis=2, keepdims=True)), 1e-300)
+        total = np.mean(weight, axis=1)
+        height = np.sum(unit * normal, axis=2, keepdims=True)
+        off = np.max(np.abs(height), axis=(1, 2))
+        # exp(i f) of the angle f in the plane, whose powers have no sum under an even weight
+        first = unit[:, :1] - height[:, :1] * normal
+        wave = np.sum(unit * (first + 1j * np.cross(normal, first)), axis=2, keepdims=True)
+        least = np.maximum(np.abs(total[:, 0]), 1e-300)
+        for order in range(1, mean.degree + 1):
+            off = np.maximum(off, np.abs(np.mean(weight * wave**order, axis=(1, 2))) / least)
+        return np.concatenate([normal[:, 0], total], axis=1), off
+
+    def is_even(self, sampling: Sampling, mean: Mean) -> bool:
+        """Whether a turn of a path takes a weight that is even over the angle in one plane.
+
+        As light does on any orbit under a central force, whose weight 1/r^2 makes a turn's time
+        its angle.
+        """
+        if not sampling.is_averaged or mean.kind != layout.HARMONICS or mean.is_linear:
+            return False
+        if np.isfinite(sampling.ripple):
+            return False
+        first, last = sampling.torque.span(self._instant)
+        turns = np.array([0.0, *_TURNS]) * sampling.period
+        t = np.clip(np.concatenate([turns, -turns]), first, last)
+        return bool(np.all(self._over_plane(sampling, mean, t)[1] <= _EVEN))
+
     def _rippled(
         self, sampling: Sampling, mean: Mean, t: FloatArray, offsets: FloatArray
     ) -> FloatArray:
@@ -288,9 +335,10 @@ class Packed:
             t = np.array([0.0, *(n * period for n in _TURNS), *(0.37 * n * period for n in _TURNS)])
             t = np.clip(t, first, last)
             values = self.sampled(sampling, mean, t)
-            if mean.is_linear and _spread(values) <= _REPEATS:
+            is_one = mean.is_linear or sampling.is_even
+            if is_one and _spread(values) <= _REPEATS:
                 return float("inf")
-            if not mean.is_linear and _spread(values[: len(_TURNS) + 1]) <= _REPEATS:
+            if not is_one and _spread(values[: len(_TURNS) + 1]) <= _REPEATS:
                 return float("inf")
             return self._slow(sampling, mean, first, last)
         if not np.isfinite(period):

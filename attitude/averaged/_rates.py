@@ -295,42 +295,23 @@ def at_size(values, table, columns, size, data, first):
 
 
 @subroutine
-def turned_to(x, l0, l1, l2):
-    """A quaternion that turns the unit vector x to l."""
-    w = 1.0 + x[0] * l0 + x[1] * l1 + x[2] * l2
-    if w < 0.1:
-        # nearly opposite: by way of a vector across l - x
-        m = (l0 - x[0], l1 - x[1], l2 - x[2])
-        b = (0.0, m[2], -m[1]) if abs(m[0]) < abs(m[1]) else (-m[2], 0.0, m[0])
-        size = math.sqrt(b[0] * b[0] + b[1] * b[1] + b[2] * b[2])
-        return in_two_turns(x, (b[0] / size, b[1] / size, b[2] / size), l0, l1, l2)
-    a = (x[1] * l2 - x[2] * l1, x[2] * l0 - x[0] * l2, x[0] * l1 - x[1] * l0)
-    size = math.sqrt(w * w + a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
-    return w / size, a[0] / size, a[1] / size, a[2] / size
+def half_turned(x0, x1, x2, l0, l1, l2):
+    """Half a turn that takes the unit vector x to l, not opposite to it: a quaternion."""
+    a, b, c = x0 + l0, x1 + l1, x2 + l2
+    size = math.sqrt(a * a + b * b + c * c)
+    return 0.0, a / size, b / size, c / size
 
 
 @subroutine
-def in_two_turns(x, b, l0, l1, l2):
-    """A quaternion that turns x to b and b to l: both angles are near a right one."""
-    w1, c1 = (
-        1.0 + x[0] * b[0] + x[1] * b[1] + x[2] * b[2],
-        (
-            x[1] * b[2] - x[2] * b[1],
-            x[2] * b[0] - x[0] * b[2],
-            x[0] * b[1] - x[1] * b[0],
-        ),
-    )
-    w2, c2 = (
-        1.0 + b[0] * l0 + b[1] * l1 + b[2] * l2,
-        (
-            b[1] * l2 - b[2] * l1,
-            b[2] * l0 - b[0] * l2,
-            b[0] * l1 - b[1] * l0,
-        ),
-    )
-    q = product((w2, c2[0], c2[1], c2[2]), (w1, c1[0], c1[1], c1[2]))
-    size = math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
-    return q[0] / size, q[1] / size, q[2] / size, q[3] / size
+def turned_to(x, l0, l1, l2):
+    """A quaternion that turns the unit vector x to l."""
+    if x[0] * l0 + x[1] * l1 + x[2] * l2 > -0.9:
+        return half_turned(x[0], x[1], x[2], l0, l1, l2)
+    # nearly opposite: first half a turn about a vector across x, to -x
+    b = (0.0, x[2], -x[1]) if abs(x[0]) < abs(x[1]) else (-x[2], 0.0, x[0])
+    size = math.sqrt(b[0] * b[0] + b[1] * b[1] + b[2] * b[2])
+    first = (0.0, b[0] / size, b[1] / size, b[2] / size)
+    return product(half_turned(-x[0], -x[1], -x[2], l0, l1, l2), first)
 
 
 @subroutine
@@ -463,17 +444,8 @@ def rates(t, x, region, data, models, forcing, work, at, out):
             elif kind == FRICTION:
                 lost = at_size(work, table, columns, size, data, models[k, STRENGTH] + 1)
                 mean = (0.0, 0.0, 0.0, -lost, lost)
-            elif nodes == 1 or models[k, DEGREE] < 2:
-                mean = (0.0, 0.0, 0.0, 0.0, 0.0)
-                for q in range(nodes):
-                    more = one_direction(data, work, table, 4 * q, models[k, DEGREE], l0, l1, l2)
-                    mean = (
-                        mean[0] + more[0],
-                        mean[1] + more[1],
-                        mean[2] + more[2],
-                        mean[3] + more[3],
-                        mean[4] + more[4],
-                    )
+            elif nodes == 1:
+                mean = one_direction(data, work, table, 0, models[k, DEGREE], l0, l1, l2)
             else:
                 mean = several_directions(
                     data, work, table, 0, nodes, models[k, DEGREE], l0, l1, l2, table + columns

@@ -34,6 +34,9 @@ if TYPE_CHECKING:
     from attitude.averaged._mean_torques import Crossing, MeanTorques, Packing
     from attitude.averaged._tracks import Choice
 
+    # Of a resonance: j, k, region and count of events before it.
+    Weak = tuple[int, int, int, int]
+
 # Largest j and k of the resonances that are listed.
 HIGHEST: int = 8
 # Places of a step at which y is compared with those of resonances; crossings that are evaluated.
@@ -44,6 +47,8 @@ _NEAR, _FAR, _GRID = 1e-4, 60.0, 2000
 _NOTHING = 1e-10
 # Share of the square of a kick that is left out.
 _SMALL_KICK = 1e-3
+# The mean of a cosine over a quarter of its turn.
+_QUARTER = math.sin(0.25 * math.pi) / (0.25 * math.pi)
 # Nodes of each phase and share of L for derivatives of a loop: kinks of facets make noise.
 _FINE_NODES, _STEP = 256, 0.02
 # Epochs of the turn of a path over which resonant terms are averaged.
@@ -133,7 +138,7 @@ def scatter(track: Track, t: FloatArray) -> FloatArray:
         return np.zeros((0, 3))
     until = float(t[np.argmax(np.abs(t))])
     kicks = [(e.seconds, kick) for e, rows in _with_kicks(track, until) for kick in rows]
-    passages = [event for event in track.happened(until) if event.kind == "passage"]
+    passages = track.passages(until)
     packing = track.course.packing
     for event in passages:
         if event.delay > 0.0:
@@ -152,7 +157,10 @@ def scatter(track: Track, t: FloatArray) -> FloatArray:
         states, regions = track.states(np.array([when]))
         other = track.resumed(when, states[0] + kick, int(regions[0]))
         onward = [REGIONS.index(e.after) for e in passages if (e.seconds - when) * track.sign > 0.0]
-        other.extend(until, along(onward))
+        for seconds, mean in (*track.kicks, (until, None)):
+            if (seconds - when) * track.sign > 0.0 and other.ended is None:
+                other.extend(seconds, along(onward[len(other.passages()) :]))
+                other = other if mean is None else other.kicked(seconds, mean)
         shifted = other.states(t[later])[0]
         if other.ended is not None:
             shifted[(t[later] - other.ended.seconds) * track.sign > 0.0] = np.nan
@@ -163,6 +171,43 @@ def scatter(track: Track, t: FloatArray) -> FloatArray:
         total[later, 2] += 0.5 * np.sum(turned**2, axis=1)
     rms: FloatArray = np.sqrt(total)
     return rms
+
+
+def split(track: Track, until: float, least: float, weak: set[Weak]) -> list[Track]:
+    """A track that branches at its first resonance whose scatter of y is at least `least`.
+
+    Each quarter of the phases is one branch, with the mean kick of that quarter; what is left of
+    the kick stays in `scatter`.  Empty where there is no such resonance up to seconds `until`,
+    behind the last one at which it has branched.  weak: those that are weaker, filled.
+    """
+    begin = track.kicks[-1][0] if track.kicks else 0.0
+    for time, j, k, y in sorted(_times(track, until), key=lambda crossing: abs(crossing[0])):
+        region = int(track.states(np.array([time]))[1][0])
+        kind, key = (j, k, region, len(track.happened(time))), (round(time, 3), (j, k, 0))
+        if (time - begin) * track.sign <= 0.0 or kind in weak:
+            continue
+        if key not in track.resonances:
+            track.resonances[key] = _event(track, time, (j, k, 0), y)
+        event, kicks = track.resonances[key]
+        if event.scatter < least:
+            weak.add(kind)
+            continue
+        # where the resonant terms average out again
+        behind = time + track.sign * event.lasts
+        is_passed = any((e.seconds - behind) * (e.seconds - time) <= 0.0 for e in track.events)
+        if event.may_capture or is_passed or (until - behind) * track.sign <= 0.0:
+            continue
+        row = int(np.argmax(np.abs(kicks[:, 3])))
+        pair = [row, row + len(kicks) // 2]
+        remaining = kicks.copy()
+        remaining[pair] *= math.sqrt(1.0 - _QUARTER**2)
+        track.resonances[key] = event, remaining
+        tracks = []
+        for signs in itertools.product((_QUARTER, -_QUARTER), repeat=2):
+            tracks.append(track.kicked(behind, math.sqrt(0.5) * np.array(signs) @ kicks[pair]))
+            tracks[-1].odds *= 0.25
+        return tracks
+    return []
 
 
 def along(regions: list[int]) -> Choice:
@@ -253,7 +298,7 @@ def _times(track: Track, until: float) -> list[tuple[float, int, int, float]]:
             low, high = t[n, m], t[n, m + 1]
             if (low - until) * track.sign > 0.0:
                 continue
-            time = _bisected(rows[n : n + 1], low, high, place, track.sign)
+            time = _bisected(rows[n : n + 1], float(low), float(high), place, track.sign)
             crossings.append((time, j, k, place))
     return [crossing for crossing in sorted(crossings) if (crossing[0] - until) * track.sign <= 0.0]
 
@@ -299,9 +344,12 @@ def _event(
         event = AveragedEvent("resonance", time, REGIONS[region], REGIONS[region], ratio=(j, k))
         return event, np.zeros((0, 4))
     waves = 2.0 * np.sqrt(2.0 * np.pi / (numbers * drift))[:, None] * every
+    # from the phase of the largest change of y: the imaginary rows change L alone
+    waves *= np.exp(-1j * np.angle(waves[:, 3:]))
+    scatter_of_y = math.sqrt(0.5 * float(np.sum(np.abs(waves[:, 3]) ** 2)))
+    effects = np.sum((np.abs(waves) / np.array([size, size, size, 1.0])) ** 2, axis=1)
+    waves = waves[effects > _SMALL_KICK * np.max(effects)]
     kicks = np.concatenate([waves.real, waves.imag])
-    effects = np.sum((kicks / np.array([size, size, size, 1.0])) ** 2, axis=1)
-    kicks = kicks[effects > _SMALL_KICK * np.max(effects)]
     # the mean rate of y against the resonance, and the time in which it crosses the width
     against = drift / max(abs(slope), 1e-300)
     width = 2.0 * math.sqrt(largest / max(abs(slope), 1e-300))
@@ -312,7 +360,7 @@ def _event(
         REGIONS[region],
         ratio=(j, k),
         turns=n,
-        scatter=math.sqrt(0.5 * float(np.sum(np.abs(waves[:, 3]) ** 2))),
+        scatter=scatter_of_y,
         strength=float(largest / against),
         width=width,
         lasts=max(2.0 * math.sqrt(2.0 * math.pi / drift), 2.0 * width / against),

@@ -20,8 +20,9 @@ if TYPE_CHECKING:
     from attitude._support.annotations import BoolArray, FloatArray, IntArray
     from attitude.averaged._mean_torques import Window
 
-    # Of a track and what may follow beyond the separatrix: the region to continue in.
-    Choice: TypeAlias = Callable[["Track", Crossing], int]
+    # Of a track and what may follow beyond the separatrix: the region to continue in, or None to
+    # wait there.
+    Choice: TypeAlias = Callable[["Track", Crossing], int | None]
 
 # |N| P/(2 pi |L|) beyond which means of first order are refused.
 WEAK = 0.05
@@ -166,6 +167,8 @@ class Track:
             tuple[float, tuple[int, int, int]], tuple[AveragedEvent, FloatArray]
         ] = {}
         self.odds, self._idle = 1.0, 0
+        self.kicks: list[tuple[float, FloatArray]] = []  # seconds, and what was added to L and y
+        self.waits: Crossing | None = None  # at the separatrix
         self._stride = float(self.clock[1])  # of the path along which drift is found
         self._goal = _FIRST * course.pace
         self._work = np.empty_like(course.packing.packed.work)
@@ -179,7 +182,22 @@ class Track:
         other.__dict__.update(self.__dict__)
         other.x, other.clock = self.x.copy(), self.clock.copy()
         other.blocks, other.events = list(self.blocks), list(self.events)
-        other.resonances = dict(self.resonances)
+        other.resonances, other.kicks = dict(self.resonances), list(self.kicks)
+        return other
+
+    def kicked(self, seconds: float, kick: FloatArray) -> Track:
+        """A copy up to seconds of the past, where kick (4,) is added to L and y."""
+        other, rows = self.branched(), self.rows
+        place = int(_places(rows, np.array([seconds]), self.sign)[0])
+        x, region = self.states(np.array([seconds]))
+        row = rows[place]
+        other.blocks = [rows[: place + 1].copy()]
+        other.blocks[0][-1, layout.ROW_END] = seconds
+        other.x, other.region = x[0] + kick, int(region[0])
+        other.clock = np.array([seconds, row[layout.ROW_STEP], row[layout.ROW_HELD]])
+        other.events = self.happened(seconds)
+        other.ended = other.waits = None
+        other.kicks.append((seconds, kick))
         return other
 
     def resumed(self, seconds: float, x: FloatArray, region: int) -> Track:
@@ -198,9 +216,9 @@ class Track:
         return (until - self.clock[0]) * self.sign <= 0.0
 
     def extend(self, until: float, choose: Choice) -> None:
-        """Integrate at least up to seconds `until`, or to the end."""
+        """Integrate at least up to seconds `until`, to the end, or to where `choose` waits."""
         packing = self.course.packing
-        while self.ended is None and not self.reaches(until):
+        while self.ended is None and self.waits is None and not self.reaches(until):
             window = packing.window(float(self.clock[0]), self.sign)
             while self._goal <= abs(self.clock[0]):
                 self._goal *= _RATIO
@@ -300,10 +318,15 @@ class Track:
                 self._end("stays at the separatrix", t)
                 return
             crossing = self.course.packing.crossing(t, self.x, self.region, self.sign)
-            self.pass_to(choose(self, crossing), crossing)
+            region = choose(self, crossing)
+            if region is None:
+                self.waits = crossing
+            else:
+                self.pass_to(region, crossing)
 
     def pass_to(self, region: int, crossing: Crossing) -> None:
         """Continue on the other side of the separatrix."""
+        self.waits = None
         side = 1.0 if region >= LAM_PLUS else -1.0
         self.events.append(
             AveragedEvent(
@@ -340,6 +363,11 @@ class Track:
     def happened(self, until: float) -> list[AveragedEvent]:
         """The events up to seconds `until`."""
         return [event for event in self.events if (event.seconds - until) * self.sign <= 0.0]
+
+    def passages(self, until: float | None = None) -> list[AveragedEvent]:
+        """Those of the separatrix, all or up to seconds `until`."""
+        events = self.events if until is None else self.happened(until)
+        return [event for event in events if event.kind == "passage"]
 
     def error_to(self, t: FloatArray) -> FloatArray:
         """The estimate (T,) of `AveragedMotion.error_estimate` at seconds (T,)."""

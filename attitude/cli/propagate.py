@@ -138,6 +138,13 @@ def _add_arguments_of_evolve(parser: argparse.ArgumentParser) -> None:
         choices=("auto", "averaged", "followed"),
         help="average torques over the turn of their path, or follow it (auto: as they are weak)",
     )
+    parser.add_argument(
+        "--order",
+        type=int,
+        default=1,
+        choices=(1, 2),
+        help="means of first (the default) or second order in the torques: 2 follows all paths",
+    )
     kinds = ", ".join(_output.PICTURES)
     parser.add_argument("--figure", metavar="FILE", help=f"figure: {kinds}")
     parser.add_argument(
@@ -220,6 +227,11 @@ def _averaged(arguments: argparse.Namespace) -> AveragedMotion:
             f"--passages is {passages!r}; give likeliest, all, or a whole number, the seed of a "
             "draw."
         )
+    if arguments.order == 2 and arguments.paths == "averaged":
+        raise AttitudeError(
+            "--order 2 follows the paths of torques, and --paths is averaged; give --paths "
+            "followed, or --order 1."
+        )
     full = mission.read_motion(arguments.file)
     if not isinstance(full, TorquedRotation):
         raise AttitudeError(
@@ -233,6 +245,7 @@ def _averaged(arguments: argparse.Namespace) -> AveragedMotion:
         orbit=arguments.paths,
         passages=passages,
         least_tilt=validation.number(arguments.least_tilt, "--least-tilt", unit="rad"),
+        order=arguments.order,
     )
 
 

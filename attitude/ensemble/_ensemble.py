@@ -1316,7 +1316,7 @@ class Ensemble(Immutable):
         Parameters
         ----------
         torques, settings
-            orbit=, passages=, least_tilt=, tolerance=, degree= and on_error= of
+            orbit=, passages=, least_tilt=, tolerance=, degree=, order= and on_error= of
             `attitude.averaged.AveragedEnsemble`.
 
         Raises

@@ -862,15 +862,10 @@ class Arcs(Differentiable):
         records[0] = _constants(body, q, w, body.differences(spin.angular_velocity), low)
         for k, change in enumerate(self.changes):
             name = f"changes[{k}]"
-            time = times[k]
             # Events and functions of the change evaluate the arcs before it.
             self._set("_constants", frozen(records[: k + 1]))
             self._set("_starts", frozen(starts[: k + 1]))
-            if time is None:
-                assert isinstance(change.at, Trigger)
-                end = next((t[0] for t in times[k + 1 :] if t is not None), np.inf)
-                time = first_crossing(change.at, self, float(starts[k, 0]), end, name), 0.0
-            self._check_reach(time, name)
+            time = self._time_of(change, times[k:], float(starts[k, 0]), name)
             added = change.added_momentum(partial(self._before, time), name)
             state = {"start": starts[k], "record": records[k], "q": q, "w": w}
             body = self._join(change, added, body, time, **state)
@@ -896,12 +891,7 @@ class Arcs(Differentiable):
             self._set("_torqued", tuple(arcs))
             self._set("_bodies", tuple(bodies))
             self._set("_starts", frozen(starts[: k + 1].copy()))
-            time = times[k]
-            if time is None:
-                assert isinstance(change.at, Trigger)
-                end = next((t[0] for t in times[k + 1 :] if t is not None), np.inf)
-                time = first_crossing(change.at, self, float(starts[k, 0]), end, name), 0.0
-            self._check_reach(time, name)
+            time = self._time_of(change, times[k:], float(starts[k, 0]), name)
             added = change.added_momentum(partial(self._before, time), name)
             wxyz, omega = self._evaluate(np.asarray(time[0]), np.asarray(time[1]), 1)
             if change.frame != "body":
@@ -923,11 +913,20 @@ class Arcs(Differentiable):
         self._set("_starts", frozen(starts))
         self._set("joints", frozen(starts[1:, 0].copy()))
 
-    def _check_reach(self, time: Pair, name: str) -> None:
+    def _time_of(
+        self, change: Change, times: Sequence[Pair | None], start: float, name: str
+    ) -> Pair:
+        """The time of a change, the first one, or where its trigger first fires behind a start."""
+        time = times[0]
+        if time is None:
+            assert isinstance(change.at, Trigger)
+            end = next((t[0] for t in times if t is not None), np.inf)
+            time = first_crossing(change.at, self, start, end, name), 0.0
         try:
             self.wxyz_at(*time)
         except AttitudeError as err:
             raise AttitudeError(f"{name}.at: {err}") from err
+        return time
 
     def _before(self, time: Pair) -> AttitudeHistory:
         """The history of the epoch of a change while only the arcs before it are known."""

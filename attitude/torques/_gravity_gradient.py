@@ -12,7 +12,7 @@ from attitude._support.pairs import Seconds
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.paths import _two_body
-from attitude.torques._torque import Torque, path_of, positions, span_of
+from attitude.torques._torque import Torque, path_of, positions
 
 if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray, Real
@@ -88,10 +88,6 @@ class GravityGradient(Torque):
         # A spherical part of the tensor causes no torque, and would only cancel.
         tensor = body.tensor - np.min(np.diag(body.tensor)) * np.eye(3)
         return np.concatenate([[self.mu], tensor[np.triu_indices(3)]])
-
-    def span(self, instant: Instant) -> tuple[float, float]:
-        """First and last TDB seconds since an instant that the path covers."""
-        return span_of(self.path, instant)
 
     def sample(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
         """Positions (K, 3) in m along the path, ICRF axes.

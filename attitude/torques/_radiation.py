@@ -25,7 +25,7 @@ from attitude.paths._ground import RATE as EARTH_RATE_RAD_S
 from attitude.paths._path import Path
 from attitude.scene import _shadow
 from attitude.shape._mesh import Mesh
-from attitude.torques._torque import Torque, path_of, positions, span_of
+from attitude.torques._torque import Torque, path_of, positions
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -187,10 +187,6 @@ class SolarRadiation(Torque):
         parameters = self.parameters(body)
         return (parameters,) if self.shadows is None else (parameters[1:], self._lit)
 
-    def span(self, instant: Instant) -> tuple[float, float]:
-        """First and last TDB seconds since an instant that the path covers."""
-        return span_of(self.path, instant)
-
     def sample(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
         """The body's positions (K, 3) from the Sun in m, ICRF axes; as if farther in an eclipse."""
         place = positions(self.path, instant, seconds, low, "path")
@@ -283,13 +279,9 @@ class AerodynamicTorque(Torque):
         """
         return _facet_parameters(self, body, 1.0, "the push of air is in newtons")
 
-    def span(self, instant: Instant) -> tuple[float, float]:
-        """First and last TDB seconds since an instant that the path covers."""
-        return span_of(self.path, instant)
-
     def sample(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
         """Vectors (K, 3) along the flow, ICRF axes, of length 1 / (v sqrt(density))."""
-        first, last = span_of(self.path, instant)
+        first, last = self.span(instant)
         middle = np.clip(seconds, first + _STEP, last - _STEP)
         position = positions(self.path, instant, seconds, low, "path")
         ends = (positions(self.path, instant, middle + k * _STEP, low, "path") for k in (-1, 1))

@@ -102,8 +102,9 @@ class Torque(Immutable):
         return self.sample(instant, seconds, low)
 
     def span(self, instant: Instant) -> tuple[float, float]:
-        """First and last TDB seconds since an instant at which `sample` is defined."""
-        return -np.inf, np.inf
+        """First and last TDB seconds since an instant that its path, where it has one, covers."""
+        path = getattr(self, "path", None)
+        return (-np.inf, np.inf) if path is None else span_of(path, instant)
 
 
 class FunctionPath(Path):

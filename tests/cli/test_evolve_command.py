@@ -104,6 +104,23 @@ def test_standard_output_and_a_figure_alone(file, capsys):
     assert os.path.getsize("x.png") > 20000
 
 
+def test_second_order(file):
+    text = FRICTION + '[[torque]]\nkind = "constant"\ntorque = "0.02, 0.05, 0.02 N m"\n'
+    Path(file).write_text(text)
+    words = ("--until", "2 d", "--output", "x.csv", "--step", "1 d")
+    full = mission.read_motion(file)
+    sizes = []
+    for order in (1, 2):
+        assert run(file, *words, "--order", order) == 0
+        rows = [line.split(",") for line in Path("x.csv").read_text().splitlines()]
+        first, time = (rows[0].index(name) for name in ("momentum_x", "tdb_seconds"))
+        found = [list(map(float, row[first : first + 3])) for row in rows[1:]]
+        motion = AveragedMotion(full.body, full.spin, full.torques, order=order)
+        assert np.array_equal(found, motion.at([float(row[time]) for row in rows[1:]]).momentum)
+        sizes.append(np.linalg.norm(found[-1]))
+    assert 1e-7 < abs(sizes[1] / sizes[0] - 1.0) < 1e-3
+
+
 def test_times_before_the_epoch(file):
     assert run(file, "--until", "2025-12-31", "--output", "x.csv") == 0
     last = Path("x.csv").read_text().splitlines()[-1]
@@ -132,6 +149,8 @@ def test_a_motion_that_ends_is_a_shorter_table_with_a_warning(file, capsys):
         (["--until", "30 d", "--least-tilt", "50 deg"], "give one from 1e-9 to 0.5 rad"),
         (["--until", "30 d", "--least-tilt", "50 m"], "--least-tilt"),
         (["--until", "30 d", "--paths", "fixed"], "invalid choice: 'fixed'"),
+        (["--until", "30 d", "--order", "3"], "--order: invalid choice: 3 (choose from 1, 2)"),
+        (["--until", "30 d", "--order", "2", "--paths", "averaged"], "give --paths followed, or"),
         (["--until", "30 d", "--output", "x.txt"], "--output is 'x.txt'"),
         (["--until", "30 d", "--output", "no/x.csv"], "no/x.csv"),
         (["--until", "30 d", "--figure", "x.gif"], "--figure is 'x.gif'"),

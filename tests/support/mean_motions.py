@@ -36,9 +36,10 @@ def circle(radius, first=-1e9, last=1e9, slope=0.0):
 
 
 def late_passages(body, torques, count, span=4000.0, seed=2):
-    """The passage from LAM+ to SAM+, and seconds by which full motions are early against means.
+    """The passage from LAM+ to SAM+, and seconds (N, 2) by which full motions are early.
 
-    Of a count of motions with random phases and |L| = 1 N m s, those that are in SAM+ at span s.
+    Of a count of motions with random phases and |L| = 1 N m s, those that are in SAM+: against
+    their means 20 delays behind the passage, and at span s.
     """
     axes, rng, early = Axes(body), np.random.default_rng(seed), []
     first = axes.nodes(axes.separatrix + 0.3, LAM_PLUS, 16)[3] / axes.moments
@@ -49,17 +50,23 @@ def late_passages(body, torques, count, span=4000.0, seed=2):
         start = AveragedHistory(packing, np.array(0.0), x, np.array(LAM_PLUS))
         free = start.free_rotation(phases=tuple(rng.random(2)))
         motion = AveragedMotion(body, free.spin, torques, passages="all", tolerance=1e-9)
+        (leaf,) = [one for one in motion.branches(span) if one.regions[-1] == REGIONS[0]]
+        (event,) = [event for event in leaf.events if event.kind == "passage"]
+        times = [event.seconds + 20.0 * event.delay, span]
         step = 0.3 / np.linalg.norm(free.spin.angular_velocity)
-        history = TorquedRotation(body, free.spin, torques, step=step).at(span)
-        end = Spin(motion.epoch.after(span), history.wxyz, history.angular_velocity, frame="icrf")
-        _, y, region = axes.state(end.angular_velocity)
-        if region != 0:
+        history = TorquedRotation(body, free.spin, torques, step=step).at(times)
+        ends = [
+            Spin(motion.epoch.after(t), state.wxyz, state.angular_velocity, frame="icrf")
+            for t, state in zip(times, history, strict=True)
+        ]
+        if any(axes.state(end.angular_velocity)[2] != 0 for end in ends):
             continue
-        bend = _mean_state.corrections(axes, body, end, motion.torques, motion.epoch, span)[1]
-        (leaf,) = [one for one in motion.branches(span) if one.regions[-1] == REGIONS[region]]
-        state = leaf.at(span)
-        vector = np.append(state.momentum, state.y)
-        rate = packing.rates_of(span, vector, region)[0][3]
-        early.append((y - bend - float(state.y)) / rate)
-        (passage,) = [event for event in leaf.events if event.kind == "passage"]
+        passage, row = event, []
+        for t, end in zip(times, ends, strict=True):
+            y = axes.state(end.angular_velocity)[1]
+            bend = _mean_state.corrections(axes, body, end, motion.torques, motion.epoch, t)[1]
+            state = leaf.at(t)
+            rate = packing.rates_of(t, np.append(state.momentum, state.y), 0)[0][3]
+            row.append((y - bend - float(state.y)) / rate)
+        early.append(row)
     return passage, np.array(early)
