@@ -57,10 +57,10 @@ def still_column(k, block, x, y, z):
 @force_inlined
 def any_missing(n, block):
     """Whether any epoch of a block is NaN."""
-    found = 0
+    missing = 0
     for i in range(n):
-        found |= block[SECONDS + i] != block[SECONDS + i]
-    return found != 0
+        missing |= block[SECONDS + i] != block[SECONDS + i]
+    return missing != 0
 
 
 @force_inlined

@@ -103,9 +103,9 @@ def attach_all(wxyz, wxyz_low, principal, constants):
     for b in range(len(constants)):
         c = constants[b]
         if c.fault == codes.FINE and c.form != codes.UNIFORM:
-            given = four(principal[b if len(principal) > 1 else 0])
+            quaternion = four(principal[b if len(principal) > 1 else 0])
             low = four(wxyz_low[b if len(wxyz_low) > 1 else 0])
-            body = _axes(given, c)
+            body = _axes(quaternion, c)
             _attach(four(wxyz[b]), low, body, unit(four(c.internal)), c.frame)
 
 
@@ -205,10 +205,10 @@ def reach(c):
 def any_beyond(t, low, most):
     """Whether any |t + low| exceeds `most`; low may be None."""
     # No early exit: this reduction is vectorised and costs less than reading t once more.
-    found = 0
+    beyond = 0
     for i in range(len(t)):
-        found |= abs(t[i] if low is None else t[i] + low[i]) > most
-    return found != 0
+        beyond |= abs(t[i] if low is None else t[i] + low[i]) > most
+    return beyond != 0
 
 
 @force_inlined

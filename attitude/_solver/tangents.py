@@ -233,9 +233,9 @@ def hyperbolic_block(c, d, t, t_low, block):
     for i in range(len(t)):
         time, low = epoch_pair(t, t_low, i)
         s, lo, half_turns = phase(fh, fl, xh, xl, time, low, winds)
-        dx, rest = quick_two_sum(s, lo)
+        dx, dx_low = quick_two_sum(s, lo)
         side = chosen_if(dx < 0.0, -1.0, 1.0)
-        e, over = decayed(side * dx, side * rest, decay, decay_low)
+        e, over = decayed(side * dx, side * dx_low, decay, decay_low)
         f, g, ee = nome * over, nome * e, e * e
         ff, gg = f * f, g * g
         inverse = 1.0 / fma(ee, quadratic(norm, gg), quadratic(norm, ff))
@@ -262,10 +262,10 @@ def hyperbolic_block(c, d, t, t_low, block):
         block[PASSED + i] = fma(4.0, passed, 2.0 * side) - passed_first
         by_first = fma(by_passed, passed, by_y * dx)
         block[SCALED + i] = by_first
-        near, far = unit * over * inverse, unit * e * ee * inverse
+        by_f, by_g = unit * over * inverse, unit * e * ee * inverse
         turn = (
-            side * fma(near, quadratic(real_slope, ff), -far * quadratic(real_slope, gg)),
-            fma(near, quadratic(imaginary_slope, ff), far * quadratic(imaginary_slope, gg)),
+            side * fma(by_f, quadratic(real_slope, ff), -by_g * quadratic(real_slope, gg)),
+            fma(by_f, quadratic(imaginary_slope, ff), by_g * quadratic(imaginary_slope, gg)),
             upright_nome * fma(2.0, side, along),
         )
         x, y, z = _applied(to, turn)
@@ -351,8 +351,8 @@ def hyperbolic_rates_block(c, d, n, block):
         w = hyperbolic_rates(series, dx, half_turns, arguments)
         ee, ff, gg = e * e, arguments[1] * arguments[1], arguments[2] * arguments[2]
         inverse = 1.0 / fma(ee, quadratic(low, gg), quadratic(low, ff))
-        near, far = fma(sixth, ff, 2.0) * ff, ee * (fma(sixth, gg, 2.0) * gg)
-        slope = -(near + far)
+        slope_ff, slope_gg = fma(sixth, ff, 2.0) * ff, ee * (fma(sixth, gg, 2.0) * gg)
+        slope = -(slope_ff + slope_gg)
         cube = e * ee
         sign = chosen_if(dx < 0.0, -1.0, 1.0)
         one = fma(over, fma(4.0 * cn[2], ff, cn[1]), cube * fma(4.0 * cn[2], gg, cn[1]))
@@ -569,16 +569,16 @@ def fill_rates(c, d):
     changes are added to those of the amplitudes.
     """
     (i1, i2, i3), _w, (d12, d23, d13), _a, _side, _size, speed, (m, mc) = state_of(c)
-    near = c.form == codes.HYPERBOLIC
+    hyperbolic = c.form == codes.HYPERBOLIC
     # v' or y', the phase by time, without its sense
-    if near:
+    if hyperbolic:
         by_time = speed * 0.25 * math.pi / integrals(mc, m)[0]
     else:
         by_time = speed * 0.5 * math.pi / integrals(m, mc)[0]
     over = math.ldexp(1.0 / by_time, -c.tempo)
     d.by_phase[0], d.by_phase[1] = over * d23 / i1, -over * d13 / i2
     d.by_phase[2] = over * d12 / i3
-    q = d.nome * d.nome if near else math.sqrt(c.nome)
+    q = d.nome * d.nome if hyperbolic else math.sqrt(c.nome)
     # theta2 / (2 q^(1/4)), theta3, theta4 and their derivatives
     two = 1.0 + q**2 + q**6 + q**12 + q**20
     two_slope = q * (2.0 + 6.0 * q**4 + 12.0 * q**10 + 20.0 * q**18)
@@ -589,10 +589,10 @@ def fill_rates(c, d):
     low4 = 2.0 * (even_slope - odd_slope) / fourth
     for j in range(COLUMNS):
         change = d.weights[NOME, j]
-        d.amplitudes[0, j] += (low4 - low2 if not near else low2 - low4) * change
-        d.amplitudes[1, j] += (low3 - low2 if not near else low3 - low4) * change
-        d.amplitudes[2, j] += (low4 - low3 if not near else low2 - low3) * change
-    if near:
+        d.amplitudes[0, j] += (low4 - low2 if not hyperbolic else low2 - low4) * change
+        d.amplitudes[1, j] += (low3 - low2 if not hyperbolic else low3 - low4) * change
+        d.amplitudes[2, j] += (low4 - low3 if not hyperbolic else low2 - low3) * change
+    if hyperbolic:
         return
     factors = (
         c.amplitudes[0] * fourth / two,

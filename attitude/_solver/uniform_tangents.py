@@ -52,9 +52,9 @@ def _wobble(c, d, couplings):
     total = add(total, mul(mul(one, three), square(y)))
     d.grows = 1.0 if total[0] > 0.0 else 0.0
     root = sqrt(total if total[0] > 0.0 else neg(total))
-    found = div(root, scale(TWO_PI, 2.0))
-    d.wobble[0] = math.ldexp(found[0], c.tempo)
-    d.wobble[1] = math.ldexp(found[1], c.tempo)
+    frequency = div(root, scale(TWO_PI, 2.0))
+    d.wobble[0] = math.ldexp(frequency[0], c.tempo)
+    d.wobble[1] = math.ldexp(frequency[1], c.tempo)
 
 
 @subroutine
@@ -310,9 +310,9 @@ def _beat_row(u, k, j, block, x):
     still, along = u[0, k, j], u[1, k, j]
     a, b, c, d = u[2, k, j], u[3, k, j], u[4, k, j], u[5, k, j]
     for i in range(len(x)):
-        found = fma(along, block[SECONDS + i], still)
-        found = fma(d, block[FAST + BLOCK + i], fma(c, block[FAST + i], found))
-        x[i] = fma(b, block[SLOW + BLOCK + i], fma(a, block[SLOW + i], found))
+        change = fma(along, block[SECONDS + i], still)
+        change = fma(d, block[FAST + BLOCK + i], fma(c, block[FAST + i], change))
+        x[i] = fma(b, block[SLOW + BLOCK + i], fma(a, block[SLOW + i], change))
 
 
 @elementwise

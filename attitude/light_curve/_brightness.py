@@ -276,7 +276,9 @@ def _ellipsoid_kernel(shape: Ellipsoid, law: Law) -> Callable[..., object]:
 def require_ellipsoid_form(law: Law) -> None:
     """AttitudeError for a law without a closed form of an ellipsoid."""
     if not law.has_ellipsoid_form:
-        names = " or ".join(repr(name) for name, each in laws().items() if each.has_ellipsoid_form)
+        names = " or ".join(
+            repr(name) for name, entry in laws().items() if entry.has_ellipsoid_form
+        )
         raise AttitudeError(
             f"law is {law!r}, but an ellipsoid has a closed form under the law {names} only; give "
             "its facets, Ellipsoid.facets(count), or that law."

@@ -187,7 +187,7 @@ def _grouped(normals: FloatArray) -> IntArray:
     for axis in range(3):
         ranks[axis] = np.unique(normals[:, axis], return_inverse=True)[1]
     first, size = np.zeros(1, dtype=np.int64), np.array([count])
-    found = []
+    whole_groups = []
     while len(first):
         number = np.repeat(np.arange(len(first)), size)
         begin = np.cumsum(size) - size
@@ -199,7 +199,7 @@ def _grouped(normals: FloatArray) -> IntArray:
         )
         few = size <= SIZE
         whole = few & (np.max(np.maximum(low, -high), axis=1) >= _LEAST_HEIGHT)
-        found.append(np.stack([first, size], axis=1)[whole])
+        whole_groups.append(np.stack([first, size], axis=1)[whole])
         split = ~whole[number]
         places, number = places[split], number[split]
         chosen = members[places]
@@ -210,7 +210,7 @@ def _grouped(normals: FloatArray) -> IntArray:
         left = np.stack([first, half], axis=1)
         right = np.stack([first + half, size - half], axis=1)
         first, size = np.stack([left, right], axis=1)[~whole].reshape(-1, 2).T
-    groups = np.concatenate(found)
+    groups = np.concatenate(whole_groups)
     groups = groups[np.argsort(groups[:, 0])]
     order = np.full((len(groups), SIZE), -1)
     place = np.arange(SIZE)
@@ -464,7 +464,7 @@ def fused(blocks, axes, sky, cells, masks, sun_cells, eye_cells, sx, sy, sz, ox,
             free_sun, free_eye = np.uint64(sun_cells[t]), np.uint64(eye_cells[t])
         _laid_out(ways, 0, a, b, c)
         _laid_out(ways, 8, d, e, f)
-        part = zeros
+        sums = zeros
         for w in range(np.uint64(sky.shape[1])):
             word = sky[lit, w] & sky[seen, w]
             while word != _0:
@@ -478,8 +478,8 @@ def fused(blocks, axes, sky, cells, masks, sun_cells, eye_cells, sx, sy, sz, ox,
                 product = p * q
                 if masks is not None:
                     product = product * bits_set_in_bytes(masks[free_sun, n] & masks[free_eye, n])
-                part = part + product * (g / (p + q) + h)
-        total = summed_up(part)
+                sums = sums + product * (g / (p + q) + h)
+        total = summed_up(sums)
         out[t] = total if total > _DARK else 0.0
 
 
