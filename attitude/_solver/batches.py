@@ -108,7 +108,7 @@ class Batch(NamedTuple):
         `count`.
         """
         prepared = self._prepared(rates is not None, first, count)
-        body = evaluation.evaluated(prepared.constants, t, t_low, wxyz, rates, *span)
+        body = evaluation.evaluate_all(prepared.constants, t, t_low, wxyz, rates, *span)
         if body >= 0:
             few = body if len(t) > 1 else 0, slice(*span)
             low = None if t_low is None else t_low[few]

@@ -265,20 +265,6 @@ def evaluate(
             )
 
 
-def evaluated(
-    constants: NDArray[Any],
-    t: FloatArray,
-    t_low: FloatArray | None,
-    wxyz: FloatArray,
-    rates: FloatArray | None,
-    first: int,
-    end: int,
-) -> int:
-    """As `evaluate` for the epochs from `first` to `end`, in one call of compiled code."""
-    found: int = evaluate_all(constants, t, t_low, wxyz, rates, first, end)
-    return found
-
-
 def refuse_epoch(constants: Any, t: FloatArray, t_low: FloatArray | None) -> None:
     """Raise the AttitudeError of a motion for epochs of which one is beyond its reach."""
     far = np.nanmax(np.abs(t if t_low is None else t + t_low))
