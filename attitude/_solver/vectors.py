@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from attitude._compilation.decorators import quickly_compiled, sized_entry_point, subroutine
+from attitude._solver.kernel import product
 
 if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray
@@ -236,16 +237,5 @@ def _turned(angles, row):
     total, diff = 0.5 * (angles[2] + angles[4]), 0.5 * (angles[2] - angles[4])
     u, v = math.cos(half), math.sin(half)
     euler = (u * math.cos(total), v * math.cos(diff), v * math.sin(diff), u * math.sin(total))
-    turned = _times(_times(pole, euler), (row[0], -row[1], -row[2], -row[3]))
+    turned = product(product(pole, euler), (row[0], -row[1], -row[2], -row[3]))
     row[0], row[1], row[2], row[3] = turned
-
-
-@subroutine
-def _times(p, q):
-    """The product of two quaternions."""
-    return (
-        p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
-        p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
-        p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1],
-        p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0],
-    )
