@@ -365,11 +365,9 @@ def _facet_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..
     facets = clusters.blocks, clusters.axes, clusters.sky, clusters.cells
     records = *facets, _segments(which, len(rows)), which.astype(float), masks
     assert law.of_phase is not None
-    if law.elements is not None:
-        summed = _sums.by_sixteen(law.of_phase, law.elements)
-    else:
-        assert law.element is not None
-        summed = _sums.by_facet(law.of_phase, law.element)
+    element = law.element if law.elements is None else law.elements
+    assert element is not None
+    summed = _sums.over_facets(law.of_phase, element, law.elements is not None)
     size = max(_GATHERED, SIZE * (clusters.count + 2 * len(rows)))
 
     def kernel(*arrays: FloatArray) -> None:

@@ -598,9 +598,13 @@ def gather(
 
 
 @cache
-def by_facet(of_phase: Compilable, element: Compilable) -> EntryPoint:
-    """As `by_sixteen`, one facet at a time; compiled for each law, so that the loop has no branch
-    for it.
+def over_facets(of_phase: Compilable, element: Compilable, in_lanes: bool) -> EntryPoint:
+    """The sum of mu0 mu (r / mu0) dA, compiled for each law, so that the loop has no branch for it.
+
+    It is called with the rows of the law, the arguments of `gather` after `begin` as a tuple, the
+    cosines and sines of half the phase angles, and the output, a number for each epoch.  Facets are
+    gathered for as many epochs as the arrays hold, and summed while they are in the cache: sixteen
+    at a time with `in_lanes`, for ``elements`` of a law, else one at a time, for its ``element``.
     """
 
     @reduction_over(of_phase, element)
@@ -617,46 +621,19 @@ def by_facet(of_phase: Compilable, element: Compilable) -> EntryPoint:
                     first, end = _between(ends, t - begin, m)
                     if first < end:
                         of_phase(row, cosines[t], sines[t], terms)
-                        total = 0.0
-                        for i in range(first, end):
-                            if weights[i] > 0.0:
-                                r = element(row, terms, fence(incidence[i]), fence(emission[i]))
-                                total += weights[i] * fence(r)
-                        out[t] += total
-            begin = stop
-
-    return summed
-
-
-@cache
-def by_sixteen(of_phase: Compilable, elements: Compilable) -> EntryPoint:
-    """As `by_facet`, sixteen facets at a time.
-
-    The sum of mu0 mu (r / mu0) dA is called with the rows of the law, the arguments of `gather`
-    after `begin` as a tuple, the cosines and sines of half the phase angles, and the output, a
-    number for each epoch.  Facets are gathered for as many epochs as the arrays hold, and summed
-    while they are in the cache.
-    """
-
-    @reduction_over(of_phase, elements)
-    def summed(rows, given, cosines, sines, out):
-        incidence, emission, weights, ends = given[-4:]
-        terms = np.empty(TERMS)
-        out[:] = 0.0
-        begin = 0
-        while begin < out.size:
-            stop = gather(begin, *given)
-            for m in range(rows.shape[0]):
-                row = rows[m]
-                for t in range(begin, stop):
-                    first, end = _between(ends, t - begin, m)
-                    if first < end:
-                        of_phase(row, cosines[t], sines[t], terms)
-                        total = lanes(_SIXTEEN_ZEROS)
-                        for i in range(first, end, _AT_ONCE):
-                            p, q = sixteen(incidence, i), sixteen(emission, i)
-                            total = total + sixteen(weights, i) * elements(row, terms, p, q)
-                        out[t] += summed_up(total)
+                        if in_lanes:  # numba compiles one of the branches
+                            sums = lanes(_SIXTEEN_ZEROS)
+                            for i in range(first, end, _AT_ONCE):
+                                p, q = sixteen(incidence, i), sixteen(emission, i)
+                                sums = sums + sixteen(weights, i) * element(row, terms, p, q)
+                            out[t] += summed_up(sums)
+                        else:
+                            total = 0.0
+                            for i in range(first, end):
+                                if weights[i] > 0.0:
+                                    r = element(row, terms, fence(incidence[i]), fence(emission[i]))
+                                    total += weights[i] * fence(r)
+                            out[t] += total
             begin = stop
 
     return summed
