@@ -175,28 +175,19 @@ def trigonometric_block(c, d, t, t_low, block):
             sine_over * quartic(by_v[1], double_cosine),
             along,
         )
-        x, y, w = _applied(to, turn)
-        block[BASIS + i] = x
-        block[BASIS + 1 * BLOCK + i] = y
-        block[BASIS + 2 * BLOCK + i] = w
+        _store(block, BASIS + i, _applied(to, turn))
         turn = (
             sine_over * quartic(by_rho[0], double_cosine),
             cosine_over * quartic(by_rho[1], double_cosine),
             along_rho * z,
         )
-        x, y, w = _applied(to, turn)
-        block[BASIS + 3 * BLOCK + i] = x
-        block[BASIS + 4 * BLOCK + i] = y
-        block[BASIS + 5 * BLOCK + i] = w
+        _store(block, BASIS + 3 * BLOCK + i, _applied(to, turn))
         turn = (
             sine_over * quartic(by_x[0], double_cosine),
             cosine_over * quartic(by_x[1], double_cosine),
             along_x * z,
         )
-        x, y, w = _applied(to, turn)
-        block[BASIS + 6 * BLOCK + i] = x
-        block[BASIS + 7 * BLOCK + i] = y
-        block[BASIS + 8 * BLOCK + i] = w
+        _store(block, BASIS + 6 * BLOCK + i, _applied(to, turn))
         block[ARGUMENTS + i] = sn
         block[ARGUMENTS + BLOCK + i] = cn
         block[ARGUMENTS + 2 * BLOCK + i] = sine
