@@ -25,7 +25,7 @@ from attitude._solver import codes
 from attitude._solver.constants import COS_EVEN, COS_ODD, SIN_EVEN, SIN_ODD
 from attitude._solver.derivatives import ellipticity, state_of
 from attitude._solver.elliptic import integrals
-from attitude._solver.kernel import axes_of, epoch_pair, frame_of, rate_series_of
+from attitude._solver.kernel import axes_of, epoch_pair, frame_of, rate_series_of, rows_of_matrix
 from attitude._solver.records import (
     ARGUMENTS,
     BASIS,
@@ -44,6 +44,7 @@ from attitude._solver.records import (
 from attitude._solver.series import (
     cubic,
     exp2_of_minus,
+    five,
     four,
     hyperbolic_arguments,
     hyperbolic_pair,
@@ -55,32 +56,13 @@ from attitude._solver.series import (
     sincos,
     trigonometric_pair,
     trigonometric_rates,
+    triple,
     turned,
 )
 from attitude._solver.twofloat import quick_two_sum, two_sum
 
 LOG_2 = math.log(2.0)
 _TINY = 1e-300
-
-
-@subroutine
-def _matrix(a):
-    return (
-        (a[0, 0], a[0, 1], a[0, 2]),
-        (a[1, 0], a[1, 1], a[1, 2]),
-        (a[2, 0], a[2, 1], a[2, 2]),
-    )
-
-
-@subroutine
-def _three(row):
-    return row[0], row[1], row[2]
-
-
-@subroutine
-def _five(row):
-    """The first five entries of an array as a tuple."""
-    return row[0], row[1], row[2], row[3], row[4]
 
 
 @subroutine
@@ -150,14 +132,14 @@ def trigonometric_block(c, d, t, t_low, block):
     gh, gl = c.precession[0], c.precession[1]
     fh, fl = c.nutation[0], c.nutation[1]
     xh, xl = c.nutation0[0], c.nutation0[1]
-    theta4, upright = _five(d.series[0]), four(d.series[1])
+    theta4, upright = five(d.series[0]), four(d.series[1])
     by_v, by_rho = (
-        (_five(d.series[2]), _five(d.series[3])),
-        (_five(d.series[4]), _five(d.series[5])),
+        (five(d.series[2]), five(d.series[3])),
+        (five(d.series[4]), five(d.series[5])),
     )
-    by_x = _five(d.series[6]), _five(d.series[7])
+    by_x = five(d.series[6]), five(d.series[7])
     along, along_rho, along_x = d.upright[0], d.upright[1], d.upright[2]
-    invariant = _matrix(d.invariant)
+    invariant = rows_of_matrix(d.invariant)
     for i in range(len(t)):
         time, low = epoch_pair(t, t_low, i)
         s, lo, _ = phase(fh, fl, xh, xl, time, low, 1.0)
@@ -218,7 +200,7 @@ def hyperbolic_block(c, d, t, t_low, block):
     real, imaginary = four(d.series[2]), four(d.series[3])
     real_slope, imaginary_slope = four(d.series[4]), four(d.series[5])
     upright, upright_nome = d.upright[0], d.upright[2]
-    invariant = _matrix(d.invariant)
+    invariant = rows_of_matrix(d.invariant)
     unit = nome if winds != 0.0 else 1.0
     by_y, by_passed = -0.5 * LOG_2 * decay * d.by_third[0], -d.by_third[1]
     for i in range(len(t)):
@@ -307,9 +289,9 @@ def hyperbolic_attitudes_block(c, n, block):
 @force_inlined
 def trigonometric_rates_block(c, d, n, block):
     """Fill the angular velocities of a block after `trigonometric_block`, and their derivatives."""
-    series, axes, by_phase = rate_series_of(c), axes_of(c), _three(d.by_phase)
-    one, two = _five(d.by_nome[0]), _five(d.by_nome[1])
-    three, low = _five(d.by_nome[2]), _five(d.by_nome[3])
+    series, axes, by_phase = rate_series_of(c), axes_of(c), triple(d.by_phase)
+    one, two = five(d.by_nome[0]), five(d.by_nome[1])
+    three, low = five(d.by_nome[2]), five(d.by_nome[3])
     for i in range(n):
         sn, cn = block[ARGUMENTS + i], block[ARGUMENTS + BLOCK + i]
         w = trigonometric_rates(series, sn, cn)
@@ -331,7 +313,7 @@ def hyperbolic_rates_block(c, d, n, block):
     Term n of the series has Q'^(2 n^2) exp(+-4 n y), in those of sn and of the denominator times
     Q'^(2 n): each is differentiated by Q'^2.
     """
-    series, axes, by_phase, nome = rate_series_of(c), axes_of(c), _three(d.by_phase), d.nome
+    series, axes, by_phase, nome = rate_series_of(c), axes_of(c), triple(d.by_phase), d.nome
     cn, sn, dn, low = series
     sixth = 6.0 * nome**6
     for i in range(n):
@@ -500,7 +482,7 @@ def fast_vectors(series, upright, sn, cn):
 def _with_slope(c, x):
     """A quartic and its derivative."""
     slope = fma(fma(fma(4.0 * c[4], x, 3.0 * c[3]), x, 2.0 * c[2]), x, c[1])
-    return quartic(_five(c), x), slope
+    return quartic(five(c), x), slope
 
 
 @subroutine
@@ -514,7 +496,7 @@ def _quotient(c, x, slope_of_x, factor, over, less):
 @subroutine
 def in_inertial(invariant, sine, cosine, v):
     """A vector of the axes that turn by twice the angle of this sine and cosine, inertial axes."""
-    return _applied(_precessed(_matrix(invariant), sine, cosine), v)
+    return _applied(_precessed(rows_of_matrix(invariant), sine, cosine), v)
 
 
 @subroutine

@@ -24,7 +24,7 @@ from attitude._compilation.decorators import elementwise, force_inlined, subrout
 from attitude._compilation.instructions import fma
 from attitude._solver.kernel import epoch_pair, turned_by, unit
 from attitude._solver.records import BASIS, BLOCK, COLUMNS, SECONDS
-from attitude._solver.series import phase, sincos
+from attitude._solver.series import phase, sincos, triple
 from attitude._solver.twofloat import TWO_PI, add, div, mul, neg, pair, scale, sqrt, square, sub
 
 # Rows of a block.
@@ -108,11 +108,6 @@ def unit_vector(k):
 
 
 @subroutine
-def _three(row):
-    return row[0], row[1], row[2]
-
-
-@subroutine
 def fill_uniform(c, d, moments, wxyz, principal):
     """Fill what the scalars of `uniform_block` multiply.
 
@@ -135,7 +130,7 @@ def fill_uniform(c, d, moments, wxyz, principal):
     axis = omega[0] * over, omega[1] * over, omega[2] * over
     start = unit(wxyz)
     along = turned_by(start, turned_by(principal, axis))
-    momentum = _three(d.momentum)
+    momentum = triple(d.momentum)
     squared = _dot(momentum, momentum)
     back = principal[0], -principal[1], -principal[2], -principal[3]
     for j in range(COLUMNS):
