@@ -106,7 +106,7 @@ class Value:
 
 def _spelled(value: Any) -> str:
     if isinstance(value, list):
-        return "(" + ", ".join(_spelled(each) for each in value) + ")"
+        return "(" + ", ".join(_spelled(component) for component in value) + ")"
     return repr(value)
 
 
@@ -129,10 +129,10 @@ def matching(name: str, items: Mapping[str, Item]) -> list[Item]:
     []
     """
     key = _words(name)
-    exact = [item for each, item in items.items() if _words(each) == key]
+    exact = [item for label, item in items.items() if _words(label) == key]
     if exact or not key:
         return exact
-    return [item for each, item in items.items() if _means(key, _words(each.partition(" (")[0]))]
+    return [item for label, item in items.items() if _means(key, _words(label.partition(" (")[0]))]
 
 
 def _means(key: list[str], words: list[str]) -> bool:
@@ -141,9 +141,9 @@ def _means(key: list[str], words: list[str]) -> bool:
     if is_designation and re.fullmatch(r"[a-z]{2}\d*", words[1]) and key == words[:1]:
         return False
     for start in range(len(words) - len(key) + 1):
-        part = words[start : start + len(key)]
-        begun = len(key[-1]) >= _BEGUN and key[-1].isalpha() and part[-1].startswith(key[-1])
-        if part[:-1] == key[:-1] and (part[-1] == key[-1] or begun):
+        run = words[start : start + len(key)]
+        begun = len(key[-1]) >= _BEGUN and key[-1].isalpha() and run[-1].startswith(key[-1])
+        if run[:-1] == key[:-1] and (run[-1] == key[-1] or begun):
             return True
     return False
 
@@ -210,7 +210,7 @@ class Entry(Answering):
     @property
     def sources(self) -> tuple[str, ...]:
         """The publications of all values, each once."""
-        return tuple(dict.fromkeys(each.source for each in self._values()))
+        return tuple(dict.fromkeys(quantity.source for quantity in self._values()))
 
     def body(self, *, moments: Reals | None = None) -> Body:
         """The Body; relative if only ratios of the moments are known.
@@ -278,7 +278,7 @@ class Entry(Answering):
             lines.append(
                 f"  {self.mode or 'mode open'}, convention {self.convention}, {self.frame}"
             )
-        lines += [f"  {each}" for each in self._values()]
+        lines += [f"  {quantity}" for quantity in self._values()]
         if self.note:
             lines.append(f"  {self.note}")
         if self.missing:
@@ -295,7 +295,7 @@ class Entry(Answering):
         return (
             f"the catalogue has no {', '.join(missing)} of {self.name}; give "
             f"{them} of catalog.load, or on the command "
-            f"line {' '.join('--' + each.replace('_', '-') for each in missing)}.{open_mode}"
+            f"line {' '.join('--' + keyword.replace('_', '-') for keyword in missing)}.{open_mode}"
         )
 
     def _kind(self, given: Mapping[str, Any]) -> str:
@@ -364,24 +364,24 @@ def entry(name: str) -> Entry:
     """
     if not isinstance(name, str) or not name.strip():
         raise AttitudeError(f"name is {quoted(name)}; give one of {', '.join(names())}.")
-    found = matching(name, _entries())
-    bodies = {each.name.partition(" (")[0] for each in found}
+    matches = matching(name, _entries())
+    bodies = {candidate.name.partition(" (")[0] for candidate in matches}
     if len(bodies) == 1:
-        return max(found, key=lambda each: each.year)
+        return max(matches, key=lambda each: each.year)
     if bodies:
         raise AttitudeError(
             f"{quoted(name)} belongs to {', '.join(sorted(bodies))}; give one of them."
         )
     entries = _entries()
-    near = difflib.get_close_matches(name, entries, n=1)
-    other = f"did you mean {near[0]!r}?" if near else f"it has {', '.join(entries)}."
+    similar = difflib.get_close_matches(name, entries, n=1)
+    other = f"did you mean {similar[0]!r}?" if similar else f"it has {', '.join(entries)}."
     raise AttitudeError(f"the catalogue has no {quoted(name)}; {other}")
 
 
 def has(name: str) -> bool:
     """Whether `entry` finds one body by a name."""
-    found = matching(name, _entries())
-    return len({each.name.partition(" (")[0] for each in found}) == 1
+    matches = matching(name, _entries())
+    return len({candidate.name.partition(" (")[0] for candidate in matches}) == 1
 
 
 def load(name: str, **given: Any) -> Loaded:

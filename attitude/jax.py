@@ -75,20 +75,20 @@ def propagate(
             "JAX computes in float32, which has 7 digits; switch 64-bit floats on first: "
             'jax.config.update("jax_enable_x64", True).'
         )
-    arrays = [jnp.asarray(each, dtype=jnp.float64) for each in (moments, wxyz0, omega0, t)]
+    arrays = [jnp.asarray(argument, dtype=jnp.float64) for argument in (moments, wxyz0, omega0, t)]
     for name, array, width in zip(("moments", "wxyz0", "omega0"), arrays, (3, 4, 3), strict=False):
         if array.shape[-1:] != (width,):
             raise AttitudeError(f"{name} has shape {array.shape}; give (..., {width}).")
     scalar = arrays[3].ndim == 0
     times = arrays[3].reshape(1) if scalar else arrays[3]
     try:
-        shapes = [each.shape[:-1] for each in (*arrays[:3], times)]
+        shapes = [rows.shape[:-1] for rows in (*arrays[:3], times)]
         lead = np.broadcast_shapes(*shapes)
     except ValueError as err:
         raise AttitudeError(
             f"the leading axes {shapes} of moments, wxyz0, omega0 and t do not broadcast."
         ) from err
-    bodies = [jnp.broadcast_to(each, (*lead, each.shape[-1])) for each in arrays[:3]]
+    bodies = [jnp.broadcast_to(rows, (*lead, rows.shape[-1])) for rows in arrays[:3]]
     # Axes of length 1 keep the epochs shared under vmap.
     times = times.reshape((1,) * (len(lead) + 1 - times.ndim) + times.shape)
     wxyz, omega = _propagate(*bodies, times)
@@ -135,12 +135,12 @@ def _call(sensitivity, *widths, arguments):
 
 
 def _in_numpy(sensitivity, *arguments):
-    given = [np.asarray(each, dtype=np.float64) for each in arguments]
+    arrays = [np.asarray(argument, dtype=np.float64) for argument in arguments]
     # vmap adds axes of length 1 to what it does not map
-    lead = np.broadcast_shapes(*(each.shape[:-1] for each in given))
-    given[:3] = [np.broadcast_to(each, (*lead, each.shape[-1])) for each in given[:3]]
-    found = _compiled(*given, angular_velocity=True, sensitivity=sensitivity)
-    return tuple(np.ascontiguousarray(each) for each in found)
+    lead = np.broadcast_shapes(*(array.shape[:-1] for array in arrays))
+    arrays[:3] = [np.broadcast_to(array, (*lead, array.shape[-1])) for array in arrays[:3]]
+    outputs = _compiled(*arrays, angular_velocity=True, sensitivity=sensitivity)
+    return tuple(np.ascontiguousarray(output) for output in outputs)
 
 
 def _product(a, b):

@@ -86,8 +86,8 @@ def _warn_of_coarse(motion: FreeRotation, seconds: ArrayLike) -> None:
     """Warn of steps between epochs that are coarse against the shortest period of a motion."""
     steps = np.abs(np.diff(np.asarray(seconds, dtype=np.float64)))
     regime = motion.regime
-    periods = [abs(each) for each in (regime.P_psi, regime.P_phi_L, regime.P_phi_S)]
-    shortest = min((each for each in periods if 0.0 < each < np.inf), default=np.inf)
+    periods = [abs(period) for period in (regime.P_psi, regime.P_phi_L, regime.P_phi_S)]
+    shortest = min((period for period in periods if 0.0 < period < np.inf), default=np.inf)
     if steps.size and np.max(steps) > shortest / _A_TURN:
         warnings.warn(
             f"the curves have a point every {np.max(steps):.4g} s, which is coarse against the "
@@ -147,7 +147,9 @@ def time_span(motion: FreeRotation, span: Real | None = None) -> float:
     if span is not None:
         return validation.positive(span, "span", unit="s")
     regime = motion.regime
-    slowest = [each for each in (regime.P_psi, regime.P_phi_L, regime.P_phi_S) if np.isfinite(each)]
+    slowest = [
+        period for period in (regime.P_psi, regime.P_phi_L, regime.P_phi_S) if np.isfinite(period)
+    ]
     if not slowest:
         raise AttitudeError("the body is at rest; there is no motion to draw. Give a span of time.")
     # On the separatrix the body turns over once.
@@ -290,10 +292,10 @@ def angles(
     _warn_of_coarse(motion, seconds)
     if convention is None:
         convention = "L" if motion.regime.circulates < 0 else "S"
-    found = np.degrees(motion.angles(seconds, convention))
+    degrees = np.degrees(motion.angles(seconds, convention))
     time, label = _time(seconds, motion.epoch)
     for k, name in enumerate(("phi", "theta", "psi")):
-        axes.plot(*_unbroken(time, found[:, k], 180.0), color=_COLORS[k], label=name)
+        axes.plot(*_unbroken(time, degrees[:, k], 180.0), color=_COLORS[k], label=name)
     axes.set(xlabel=label, ylabel="deg", ylim=(0.0, 360.0), yticks=range(0, 361, 60))
     axes.set_title(f'Euler angles about the momentum, convention "{convention}"', fontsize=10)
     _legend(axes, -0.13)

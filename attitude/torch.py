@@ -66,21 +66,21 @@ def propagate(
     Derivatives by all four arguments, to 4e-15 of the largest entry of a column; along wxyz0
     itself, whose length changes nothing, they vanish.
     """
-    given = (("moments", moments), ("wxyz0", wxyz0), ("omega0", omega0), ("t", t))
-    *bodies, times = (_tensor(value, name) for name, value in given)
-    for (name, _), tensor, width in zip(given, bodies, (3, 4, 3), strict=False):
+    arguments = (("moments", moments), ("wxyz0", wxyz0), ("omega0", omega0), ("t", t))
+    *bodies, times = (_tensor(value, name) for name, value in arguments)
+    for (name, _), tensor, width in zip(arguments, bodies, (3, 4, 3), strict=False):
         if tensor.shape[-1:] != (width,):
             raise AttitudeError(f"{name} has shape {tuple(tensor.shape)}; give (..., {width}).")
     scalar = times.ndim == 0
     times = times.reshape(1) if scalar else times
-    shapes = [tuple(each.shape[:-1]) for each in (*bodies, times)]
+    shapes = [tuple(array.shape[:-1]) for array in (*bodies, times)]
     try:
         lead = np.broadcast_shapes(*shapes)
     except ValueError as err:
         raise AttitudeError(
             f"the leading axes {shapes} of moments, wxyz0, omega0 and t do not broadcast."
         ) from err
-    bodies = [each.expand(*lead, each.shape[-1]) for each in bodies]
+    bodies = [body.expand(*lead, body.shape[-1]) for body in bodies]
     # Axes of length 1 keep shared epochs shared.
     times = times.reshape((1,) * (len(lead) + 1 - times.ndim) + tuple(times.shape))
     wxyz, omega = _Propagation.apply(*bodies, times)
@@ -134,8 +134,8 @@ class _Propagation(torch.autograd.Function):
     def jvp(ctx, d_moments, d_wxyz0, d_omega0, d_t):
         moments, wxyz0, omega0, t, wxyz, omega = ctx.saved_tensors
         turns, rates = _Derivatives.apply(moments, wxyz0, omega0, t)
-        given = zip((d_wxyz0, d_omega0, d_moments), (wxyz0, omega0, moments), strict=True)
-        changes = [torch.zeros_like(like) if each is None else each for each, like in given]
+        tangents = zip((d_wxyz0, d_omega0, d_moments), (wxyz0, omega0, moments), strict=True)
+        changes = [torch.zeros_like(like) if d is None else d for d, like in tangents]
         turn = torch.einsum("...ak,...k->...a", _turn_by_wxyz(wxyz0), changes[0])
         change = torch.cat([turn, changes[1], changes[2]], -1)
         turned = torch.einsum("...tij,...j->...ti", turns, change)
@@ -174,17 +174,17 @@ class _Derivatives(torch.autograd.Function):
 def _moved(info, in_dims, given):
     """The arguments with the mapped axis first, of length 1 for epochs that are not mapped."""
     moved = [
-        each[None] if dim is None else each.movedim(dim, 0)
-        for each, dim in zip(given, in_dims, strict=True)
+        argument[None] if dim is None else argument.movedim(dim, 0)
+        for argument, dim in zip(given, in_dims, strict=True)
     ]
-    bodies = [each.expand(info.batch_size, *each.shape[1:]) for each in moved[:3]]
+    bodies = [argument.expand(info.batch_size, *argument.shape[1:]) for argument in moved[:3]]
     return *bodies, moved[3]
 
 
 def _call(given, sensitivity):
-    arrays = [each.detach().numpy() for each in given]
-    found = _compiled(*arrays, angular_velocity=True, sensitivity=sensitivity)
-    return tuple(torch.from_numpy(np.ascontiguousarray(each)) for each in found)
+    arrays = [tensor.detach().numpy() for tensor in given]
+    outputs = _compiled(*arrays, angular_velocity=True, sensitivity=sensitivity)
+    return tuple(torch.from_numpy(np.ascontiguousarray(output)) for output in outputs)
 
 
 def _left(wxyz):
@@ -212,5 +212,5 @@ def _in_time(moments, wxyz, omega):
     slope = torch.einsum("...ka,...a->...k", _right(wxyz), omega)
     inertia = moments[..., None, :].expand(omega.shape)
     momentum = torch.linalg.cross(inertia * omega, omega)
-    rest = torch.zeros_like(momentum)
-    return slope, torch.where(inertia > 0.0, momentum / inertia, rest)
+    still = torch.zeros_like(momentum)
+    return slope, torch.where(inertia > 0.0, momentum / inertia, still)

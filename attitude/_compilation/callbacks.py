@@ -133,9 +133,9 @@ class Callback:
         if self._function is None:
             self._function = self._compiled()
         if UNCOMPILED:
-            found = ctypes.cast(self._function, ctypes.c_void_p).value
-            assert found is not None
-            return found
+            pointer = ctypes.cast(self._function, ctypes.c_void_p).value
+            assert pointer is not None
+            return pointer
         return int(self._function.address)
 
     def _compiled(self) -> Any:
@@ -166,20 +166,20 @@ def callback_of(function: Callable[..., Any]) -> Callback:
 
     Its first parameter is added to the time.
     """
-    made: Callback | None = getattr(function, _ATTRIBUTE, None)
-    if made is not None:
-        return made
+    callback: Callback | None = getattr(function, _ATTRIBUTE, None)
+    if callback is not None:
+        return callback
 
     def torque(t, wxyz, omega, given, parameters, out):
-        found = function(t + vector(parameters, 1)[0], vector(wxyz, 4), vector(omega, 3))
-        if len(found) != 3:
+        components = function(t + vector(parameters, 1)[0], vector(wxyz, 4), vector(omega, 3))
+        if len(components) != 3:
             raise AttitudeError(
                 "the function of a CustomTorque did not return three numbers; it must return a "
                 "torque in N m over the body axes at all epochs."
             )
-        out[0], out[1], out[2] = found[0], found[1], found[2]
+        out[0], out[1], out[2] = components[0], components[1], components[2]
 
-    made = Callback(torque, kept=False)
+    callback = Callback(torque, kept=False)
     with suppress(AttributeError, TypeError):  # an object that takes no attributes
-        setattr(function, _ATTRIBUTE, made)
-    return made
+        setattr(function, _ATTRIBUTE, callback)
+    return callback

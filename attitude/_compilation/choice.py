@@ -47,8 +47,8 @@ def mode() -> str:
     """ "always", "never" or "automatic", by the environment variables of the process."""
     if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
         return "never"
-    given = os.environ.get("ATTITUDE_COMPILE", "")
-    return given if given in ("always", "never") else "automatic"
+    setting = os.environ.get("ATTITUDE_COMPILE", "")
+    return setting if setting in ("always", "never") else "automatic"
 
 
 MODE: Final = mode()

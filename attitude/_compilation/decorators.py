@@ -181,11 +181,11 @@ class EntryPoint(Compilable):
     def _by_size(self, *arguments: Any) -> Any:
         """The result, computed in Python where that pays; the size of the largest array counts."""
         arrays = [
-            each
-            for each, name in zip(arguments, self._names, strict=True)
-            if isinstance(each, np.ndarray) and name not in _NO_WORK
+            argument
+            for argument, name in zip(arguments, self._names, strict=True)
+            if isinstance(argument, np.ndarray) and name not in _NO_WORK
         ]
-        size = 1 + max((each.size for each in arrays), default=0)
+        size = 1 + max((array.size for array in arrays), default=0)
         kept, predicted = self._is_on_disk, size * self._pace
         steps = self._note_call()
         together = self._spent + sum(step._spent for step in steps)
@@ -209,7 +209,7 @@ class EntryPoint(Compilable):
         if self._number:
             known = list(_in_python) if self._steps is None else self._steps
             self._steps = [
-                each for each in known if each._number > self._number and each is not self
+                step for step in known if step._number > self._number and step is not self
             ]
         _number += 1
         self._number = _number
@@ -224,7 +224,7 @@ class EntryPoint(Compilable):
         self._settled += 1
         if self._settled >= choice.REPEATS or (self._settled > 1 and not steps):
             self.run = self.dispatcher
-            each_call = sum(each._spent / max(each._calls, 1) for each in steps)
+            each_call = sum(step._spent / max(step._calls, 1) for step in steps)
             if self._settled >= choice.REPEATS and each_call > self._seconds / self._settled:
                 _follow(steps)
         return result
@@ -265,8 +265,8 @@ class EntryPoint(Compilable):
 
 def _follow(steps: list[EntryPoint]) -> None:
     """Let functions compile at their next call from Python."""
-    for each in steps:
-        each._follows = True
+    for step in steps:
+        step._follows = True
 
 
 def compiled_names() -> set[str]:
@@ -372,9 +372,9 @@ def reduction_over(*called: Compilable) -> Callable[[Callable[..., Any]], EntryP
     The machine code is kept on disk if all of `called` belong to the package: the cache is not
     invalidated by edits of other functions.
     """
-    own = __name__.partition(".")[0]
-    kept = all(each.__module__.partition(".")[0] == own for each in called)
-    modules = dict.fromkeys(each.__module__.rpartition(".")[2] for each in called)
+    package = __name__.partition(".")[0]
+    kept = all(callee.__module__.partition(".")[0] == package for callee in called)
+    modules = dict.fromkeys(callee.__module__.rpartition(".")[2] for callee in called)
 
     def decorated(function: Callable[..., Any]) -> EntryPoint:
         # numba keeps one index for each qualified name and line, of one stamp: the sources of

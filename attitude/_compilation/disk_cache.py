@@ -90,10 +90,10 @@ class _Source(NamedTuple):
 def stamp_of(function: Callable[..., Any]) -> str:
     """A hash of the sources on which the machine code of a function depends."""
     names = _reached({*_modules_of(function), *_of_the_compiler()})
-    found = hashlib.sha256(llvmlite.__version__.encode())
+    digest = hashlib.sha256(llvmlite.__version__.encode())
     for name in sorted(names):
-        found.update(f"{name} {_source(name).digest}\n".encode())
-    return found.hexdigest()
+        digest.update(f"{name} {_source(name).digest}\n".encode())
+    return digest.hexdigest()
 
 
 def _modules_of(function: Any) -> Iterator[str]:
@@ -106,29 +106,29 @@ def _modules_of(function: Any) -> Iterator[str]:
 
 def _modules_in(value: Any) -> Iterator[str]:
     if isinstance(value, (tuple, list)):
-        for each in value:
-            yield from _modules_in(each)
+        for entry in value:
+            yield from _modules_in(entry)
     elif hasattr(value, "py_func") or hasattr(value, "__code__"):
         yield from _modules_of(value)
 
 
 def _reached(names: Iterable[str]) -> set[str]:
     """The modules of the package among some, and all that they import, directly or not."""
-    found: set[str] = set()
+    modules: set[str] = set()
     left = [name for name in names if name.partition(".")[0] == _PACKAGE]
     while left:
         name = left.pop()
-        if name not in found:
-            found.add(name)
+        if name not in modules:
+            modules.add(name)
             left.extend(_source(name).imports)
-    return found
+    return modules
 
 
 @cache
 def _of_the_compiler() -> frozenset[str]:
     """The modules of this folder: they define what instructions compile to."""
     folder = Path(__file__).parent
-    return frozenset(f"{_PACKAGE}.{folder.name}.{each.stem}" for each in folder.glob("*.py"))
+    return frozenset(f"{_PACKAGE}.{folder.name}.{file.stem}" for file in folder.glob("*.py"))
 
 
 @cache
@@ -148,8 +148,8 @@ def _imported(text: str) -> Iterator[str]:
     for module, names, whole in _IMPORT.findall(code):
         if whole:
             yield whole
-        for each in _COMMENT.sub("", names).strip("()").split(","):
-            word = each.split()
+        for clause in _COMMENT.sub("", names).strip("()").split(","):
+            word = clause.split()
             if word:
                 inner = f"{module}.{word[0]}"
                 if module != _TYPES:
@@ -161,7 +161,7 @@ def _path(name: str) -> Path | None:
     """The file of a module or package; None if there is none."""
     place = _ROOT.joinpath(*name.split(".")[1:])
     files = place.with_suffix(".py"), place / "__init__.py"
-    return next((each for each in files if each.is_file()), None)
+    return next((file for file in files if file.is_file()), None)
 
 
 class _Undisturbed(event.Listener):
@@ -262,18 +262,18 @@ def _tolerate_errors(on_disk: Any, installed: Any) -> None:
     load, save = on_disk.load_overload, on_disk.save_overload
 
     def load_overload(*given: Any) -> Any:
-        found = None
+        overload = None
         try:
-            found = load(*given)
+            overload = load(*given)
         except Exception:  # a torn file raises any error in pickle; the next process compiles anew
             with suppress(OSError):
                 on_disk.flush()
-        if found is None and installed is not None:
-            own, on_disk._cache_file = on_disk._cache_file, installed
+        if overload is None and installed is not None:
+            users_cache, on_disk._cache_file = on_disk._cache_file, installed
             with suppress(Exception):
-                found = load(*given)
-            on_disk._cache_file = own
-        return found
+                overload = load(*given)
+            on_disk._cache_file = users_cache
+        return overload
 
     def save_overload(*given: Any) -> None:
         with suppress(OSError):

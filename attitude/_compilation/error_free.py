@@ -44,8 +44,8 @@ def fma(builder: Any, a: Any, b: Any, c: Any) -> Any:
     """a b + c, rounded once but for one case in 1e15 (see `instructions.loop_fma`)."""
     product, error = _two_product(builder, a, b)
     total = builder.fadd(product, c)
-    part = builder.fsub(total, product)
-    over = builder.fadd(builder.fsub(builder.fsub(total, part), product), builder.fsub(part, c))
+    addend = builder.fsub(total, product)
+    over = builder.fadd(builder.fsub(builder.fsub(total, addend), product), builder.fsub(addend, c))
     # subtracted: adding a remainder of +0 would change the sign of a total of -0
     return builder.fsub(total, builder.fsub(over, error))
 
@@ -103,9 +103,9 @@ def _two_product(builder, a, b):
 def _two_sum(builder, a, b):
     """The rounded sum and its error (Knuth)."""
     total = builder.fadd(a, b)
-    part = builder.fsub(total, a)
-    rest = builder.fsub(a, builder.fsub(total, part))
-    return total, builder.fadd(rest, builder.fsub(b, part))
+    addend = builder.fsub(total, a)
+    a_error = builder.fsub(a, builder.fsub(total, addend))
+    return total, builder.fadd(a_error, builder.fsub(b, addend))
 
 
 def _fma_of_any(module, name):
@@ -126,8 +126,8 @@ def _fma_of_any(module, name):
 
 def _is_in_range(builder, numbers):
     """Whether a, b, c and a b are within `FMA_RANGE`; a and b may be smaller, c may be zero."""
-    smallest, largest = (ir.Constant(_DOUBLE, each) for each in FMA_RANGE)
-    sizes = [_magnitude(builder, each) for each in numbers]
+    smallest, largest = (ir.Constant(_DOUBLE, bound) for bound in FMA_RANGE)
+    sizes = [_magnitude(builder, number) for number in numbers]
     inside = builder.fcmp_ordered(">", sizes[3], smallest)
     zero = builder.fcmp_ordered("==", sizes[2], ir.Constant(_DOUBLE, 0.0))
     above = builder.fcmp_ordered(">", sizes[2], smallest)

@@ -77,14 +77,14 @@ else:
         b_low = b - b_high
         e = a_low * b_low - (((p - a_high * b_high) - a_low * b_high) - a_high * b_low)
         t = c + e
-        part = t - c
-        t_low = (c - (t - part)) + (e - part)
+        addend = t - c
+        t_low = (c - (t - addend)) + (e - addend)
         v = p + t
-        part = v - p
-        v_low = (p - (v - part)) + (t - part)
+        addend = v - p
+        v_low = (p - (v - addend)) + (t - addend)
         z = t_low + v_low
-        part = z - t_low
-        left = (t_low - (z - part)) + (v_low - part)
+        addend = z - t_low
+        left = (t_low - (z - addend)) + (v_low - addend)
         if left != 0.0 and not _INTEGER.unpack(_DOUBLE.pack(z))[0] & 1:
             z = math.nextafter(z, math.inf if left > 0.0 else -math.inf)
         return v + z
@@ -121,8 +121,8 @@ def _fma_of_arrays(a, b, c):
 def _exact_sum(a, b):
     """The rounded sum of arrays, and what is left of it."""
     total = a + b
-    part = total - a
-    return total, (a - (total - part)) + (b - part)
+    addend = total - a
+    return total, (a - (total - addend)) + (b - addend)
 
 
 def _fma_of_any(a, b, c):

@@ -33,8 +33,8 @@ _C_FUNCTION = types.void(_F8, *[_POINTER] * 5)  # pointers.C_FUNCTION
 
 def dispatcher(function: Callable[..., Any], options: Mapping[str, Any], kept: bool) -> Any:
     """numba's dispatcher of a function; with `kept` its machine code is kept on disk."""
-    made = kept_on_disk(function, options) if kept else numba.njit(**options)(function)
-    return _without_literals(made)
+    compiled = kept_on_disk(function, options) if kept else numba.njit(**options)(function)
+    return _without_literals(compiled)
 
 
 def _without_literals(made: Any) -> Any:
@@ -49,7 +49,7 @@ def _without_literals(made: Any) -> Any:
         return made
 
     def get_call_template(args: Any, kws: Any) -> Any:
-        by_type = {name: types.unliteral(each) for name, each in dict(kws).items()}
+        by_type = {name: types.unliteral(kind) for name, kind in dict(kws).items()}
         return resolve(tuple(map(types.unliteral, args)), by_type)
 
     made.get_call_template = get_call_template
@@ -62,10 +62,10 @@ def c_function(function: Callable[..., None], fastmath: bool | set[str], kept: b
     signature = (_C_FUNCTION.args, _C_FUNCTION.return_type)
     if kept:
         with suppress(RuntimeError):  # no folder for the cache
-            made = _StampedCFunc(function, signature, {}, options)
-            made.enable_caching()
-            made.compile()
-            return made
+            compiled = _StampedCFunc(function, signature, {}, options)
+            compiled.enable_caching()
+            compiled.compile()
+            return compiled
     return numba.cfunc(_C_FUNCTION, **options)(function)
 
 
@@ -164,15 +164,15 @@ def _call(context, builder, signature, arguments):
     pointer = _DOUBLE.as_pointer()
     kind = ir.FunctionType(ir.VoidType(), [_DOUBLE] + [pointer] * 5)
     function = builder.inttoptr(arguments[0], kind.as_pointer())
-    rest = [builder.inttoptr(each, pointer) for each in arguments[2:]]
-    builder.call(function, [arguments[1], *rest])
+    addresses = [builder.inttoptr(integer, pointer) for integer in arguments[2:]]
+    builder.call(function, [arguments[1], *addresses])
     return context.get_dummy_value()
 
 
 @instruction(pointers.scratch, _I8())
 def _scratch(context, builder, signature, arguments):
-    found = cgutils.alloca_once(builder, _DOUBLE, size=pointers.SCRATCH)
-    return builder.ptrtoint(found, _INTEGER)
+    memory = cgutils.alloca_once(builder, _DOUBLE, size=pointers.SCRATCH)
+    return builder.ptrtoint(memory, _INTEGER)
 
 
 @instruction(pointers.number, _F8(_I8, _I8))

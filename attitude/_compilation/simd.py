@@ -33,8 +33,8 @@ class Lanes:
     __slots__ = ("_numbers",)
 
     def __init__(self, numbers: Iterable[float]) -> None:
-        given = numbers if isinstance(numbers, np.ndarray) else list(map(float, numbers))
-        self._numbers: FloatArray = np.array(given, dtype=float)
+        doubles = numbers if isinstance(numbers, np.ndarray) else list(map(float, numbers))
+        self._numbers: FloatArray = np.array(doubles, dtype=float)
 
     @property
     def lanes(self) -> tuple[float, ...]:
@@ -84,8 +84,8 @@ class Lanes:
 
 def _spread(x: Lanes | float, count: int) -> tuple[float, ...]:
     """The lanes of a vector, repeated, or a double in every lane."""
-    given = x.lanes if isinstance(x, Lanes) else (float(x),)
-    return given * (count // len(given))
+    numbers = x.lanes if isinstance(x, Lanes) else (float(x),)
+    return numbers * (count // len(numbers))
 
 
 def _quotients(a: Any, b: Any) -> FloatArray:
@@ -140,7 +140,7 @@ def doubles_of(a: Lanes) -> tuple[float, ...]:
 
 def bits_set_in_bytes(word: int) -> Lanes:
     """The numbers of bits set in each of the eight bytes of a word, the lowest byte first."""
-    return Lanes(each.bit_count() for each in int(word).to_bytes(8, "little"))
+    return Lanes(byte.bit_count() for byte in int(word).to_bytes(8, "little"))
 
 
 def every(number: float, like: Lanes) -> Lanes:
@@ -204,8 +204,8 @@ def halved(a: Lanes, times: Lanes) -> Lanes:
 
 def exponent(a: Lanes) -> Lanes:
     """The whole n by which a / 2^n is from 3/4 to 3/2, lane by lane, for normal a > 0."""
-    found = (math.frexp(x) for x in a.lanes)
-    return Lanes(n if fraction >= 0.75 else n - 1 for fraction, n in found)
+    powers = (math.frexp(x) for x in a.lanes)
+    return Lanes(n if fraction >= 0.75 else n - 1 for fraction, n in powers)
 
 
 def summed_up(a: Lanes) -> float:

@@ -59,18 +59,18 @@ def instruction(function: Callable[..., Any], kind: Any) -> Callable[..., Any]:
 @instruction(simd.lanes, lambda numbers: LanesType(len(numbers)))
 def _lanes(context, builder, signature, arguments):
     kind = signature.return_type
-    made = ir.Constant(kind.vector, ir.Undefined)
+    vector = ir.Constant(kind.vector, ir.Undefined)
     for k in range(kind.count):
         one = builder.extract_value(arguments[0], k)
-        made = builder.insert_element(made, one, _INDEX(k))
-    return made
+        vector = builder.insert_element(vector, one, _INDEX(k))
+    return vector
 
 
 @instruction(simd.doubles_of, lambda a: types.UniTuple(types.float64, a.count))
 def _doubles(context, builder, signature, arguments):
     count = range(signature.return_type.count)
-    found = [builder.extract_element(arguments[0], _INDEX(k)) for k in count]
-    return context.make_tuple(builder, signature.return_type, found)
+    doubles = [builder.extract_element(arguments[0], _INDEX(k)) for k in count]
+    return context.make_tuple(builder, signature.return_type, doubles)
 
 
 @instruction(simd.bits_set_in_bytes, lambda word: LanesType(8)(types.uint64))
@@ -88,13 +88,13 @@ def _every_lane(context, builder, signature, arguments):
 
 @instruction(simd.at_least, lambda a, least: a)
 def _at_least(context, builder, signature, arguments):
-    arguments = [_spread(builder, signature.return_type, each) for each in arguments]
+    arguments = [_spread(builder, signature.return_type, operand) for operand in arguments]
     return builder.select(builder.fcmp_ordered(">", *arguments), *arguments)
 
 
 @instruction(simd.at_most, lambda a, most: a)
 def _at_most(context, builder, signature, arguments):
-    arguments = [_spread(builder, signature.return_type, each) for each in arguments]
+    arguments = [_spread(builder, signature.return_type, operand) for operand in arguments]
     return builder.select(builder.fcmp_ordered("<", *arguments), *arguments)
 
 
@@ -169,11 +169,11 @@ def _added(builder, left, count):
 )
 def _for_each(context, builder, signature, arguments):
     kind = signature.return_type
-    made, count = ir.Constant(kind.vector, ir.Undefined), kind.count // len(signature.args[0])
+    vector, count = ir.Constant(kind.vector, ir.Undefined), kind.count // len(signature.args[0])
     for k in range(kind.count):
         one = builder.extract_value(arguments[0], k // count)
-        made = builder.insert_element(made, one, _INDEX(k))
-    return made
+        vector = builder.insert_element(vector, one, _INDEX(k))
+    return vector
 
 
 @instruction(simd.largest_lane, lambda a: types.float64)
@@ -199,7 +199,7 @@ def _above_zero(builder, x):
 
 def fused(builder: Any, kind: LanesType, arguments: Sequence[Any]) -> Any:
     """The instruction for a b + c with one rounding, of vectors and doubles."""
-    arguments = [_spread(builder, kind, each) for each in arguments]
+    arguments = [_spread(builder, kind, operand) for operand in arguments]
     if not is_instruction("llvm.fma", 3):
         return error_free.fma(builder, *arguments)
     function = function_named(builder, f"llvm.fma.v{kind.count}f64", kind.vector, 3)
@@ -209,20 +209,20 @@ def fused(builder: Any, kind: LanesType, arguments: Sequence[Any]) -> Any:
 def lanes_among(kinds: Iterable[Any]) -> LanesType | None:
     """The type of the longest vectors among the operands, the others being doubles; else None."""
     kinds = list(kinds)
-    found = [kind for kind in kinds if isinstance(kind, LanesType)]
+    vectors = [kind for kind in kinds if isinstance(kind, LanesType)]
     others = [kind for kind in kinds if not isinstance(kind, (LanesType, types.Float))]
-    return max(found, key=lambda kind: kind.count) if found and not others else None
+    return max(vectors, key=lambda kind: kind.count) if vectors and not others else None
 
 
 def operands(given: Iterable[Any]) -> Iterable[Any]:
     """The types as which an operator takes its operands: vectors as they are, else doubles."""
-    return (each if isinstance(each, LanesType) else types.float64 for each in given)
+    return (kind if isinstance(kind, LanesType) else types.float64 for kind in given)
 
 
 def function_named(builder: Any, name: str, kind: Any, count: int) -> Any:
     """LLVM's function of that name, of `count` values of a type to one."""
-    found = builder.module.globals.get(name)
-    return found or ir.Function(builder.module, ir.FunctionType(kind, [kind] * count), name)
+    function = builder.module.globals.get(name)
+    return function or ir.Function(builder.module, ir.FunctionType(kind, [kind] * count), name)
 
 
 def _spread(builder, kind, x):
@@ -302,9 +302,9 @@ _register_read(simd.sixteen, 16)
 )
 def _put_eight(context, builder, signature, arguments):
     data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
-    here = builder.gep(data, [arguments[1]])
+    pointer = builder.gep(data, [arguments[1]])
     numbers = arguments[2]
-    builder.store(numbers, builder.bitcast(here, numbers.type.as_pointer()), align=8)
+    builder.store(numbers, builder.bitcast(pointer, numbers.type.as_pointer()), align=8)
     return context.get_dummy_value()
 
 
@@ -317,14 +317,14 @@ def _put_eight(context, builder, signature, arguments):
 def _add_in_columns(context, builder, signature, arguments):
     data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
     count = signature.args[2].count
-    numbers = [builder.fptosi(each, ir.VectorType(_INDEX, count)) for each in arguments[2:]]
+    numbers = [builder.fptosi(operand, ir.VectorType(_INDEX, count)) for operand in arguments[2:]]
     for k in range(count):
-        row, amount = (builder.extract_element(each, _INDEX(k)) for each in numbers)
+        row, amount = (builder.extract_element(vector, _INDEX(k)) for vector in numbers)
         row = builder.zext(builder.mul(row, _INDEX(count)), ir.IntType(64))
-        here = builder.gep(data, [builder.add(arguments[1], row)])
-        here = builder.gep(here, [_INDEX(k)])
+        pointer = builder.gep(data, [builder.add(arguments[1], row)])
+        pointer = builder.gep(pointer, [_INDEX(k)])
         amount = builder.trunc(amount, ir.IntType(8))
-        builder.store(builder.add(builder.load(here), amount), here)
+        builder.store(builder.add(builder.load(pointer), amount), pointer)
     return context.get_dummy_value()
 
 

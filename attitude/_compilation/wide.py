@@ -82,8 +82,8 @@ def length(n: int) -> int:
 
 def load(words: IntArray, k: int) -> int:
     """The k-th integer of a contiguous array (7 K,) of 64-bit words, the lowest word first."""
-    part = words[WORDS * int(k) : WORDS * int(k) + WORDS]
-    return int.from_bytes(part.tobytes(), "little", signed=True)
+    number = words[WORDS * int(k) : WORDS * int(k) + WORDS]
+    return int.from_bytes(number.tobytes(), "little", signed=True)
 
 
 def store(words: IntArray, k: int, n: int) -> None:

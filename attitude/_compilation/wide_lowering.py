@@ -74,11 +74,11 @@ def _double(context, builder, signature, arguments):
     upright = builder.shl(size, shift)
     high = builder.trunc(builder.lshr(upright, _WIDE(_SIZE - 64)), _WORD)
     # what is below the upper word decides a tie: 64 bits are more than the 53 of a double
-    rest = builder.icmp_unsigned("!=", builder.shl(upright, _WIDE(64)), _WIDE(0))
-    found = builder.uitofp(builder.or_(high, builder.zext(rest, _WORD)), _DOUBLE)
+    sticky = builder.icmp_unsigned("!=", builder.shl(upright, _WIDE(64)), _WIDE(0))
+    double = builder.uitofp(builder.or_(high, builder.zext(sticky, _WORD)), _DOUBLE)
     power = builder.sub(_WORD(1023 + _SIZE - 64), builder.trunc(shift, _WORD))
-    found = builder.fmul(found, builder.bitcast(builder.shl(power, _WORD(52)), _DOUBLE))
-    return builder.select(below, builder.fneg(found), found)
+    double = builder.fmul(double, builder.bitcast(builder.shl(power, _WORD(52)), _DOUBLE))
+    return builder.select(below, builder.fneg(double), double)
 
 
 def _multiplied(builder, arguments, first):
@@ -87,13 +87,13 @@ def _multiplied(builder, arguments, first):
     Place by place: the sum of a place does not wait for the carries of the place before, as that of
     a row does, which takes twice as long.
     """
-    signs, parts = zip(*(_magnitude(builder, each) for each in arguments), strict=True)
+    signs, parts = zip(*(_magnitude(builder, argument) for argument in arguments), strict=True)
     a, b = ([_word(builder, n, k) for k in range(_WORDS)] for n in parts)
     total, place = _PRODUCT(0), _THREE(0)
     for k in range(first, 2 * _WORDS):
         for i in range(max(k - _WORDS + 1, 0), min(k + 1, _WORDS)):
-            part = builder.mul(builder.zext(a[i], _TWO), builder.zext(b[k - i], _TWO))
-            place = builder.add(place, builder.zext(part, _THREE))
+            product = builder.mul(builder.zext(a[i], _TWO), builder.zext(b[k - i], _TWO))
+            place = builder.add(place, builder.zext(product, _THREE))
         word = builder.zext(builder.trunc(place, _WORD), _PRODUCT)
         total = builder.or_(total, builder.shl(word, _PRODUCT(64 * k)))
         place = builder.lshr(place, _THREE(64))
@@ -144,8 +144,8 @@ def _length(context, builder, signature, arguments):
 def _place(context, builder, kind, array, k):
     """The pointer to the k-th wide number of an array of words."""
     data = context.make_array(kind)(context, builder, array).data
-    here = builder.gep(data, [builder.mul(k, _WORD(_WORDS))])
-    return builder.bitcast(here, _WIDE.as_pointer())
+    pointer = builder.gep(data, [builder.mul(k, _WORD(_WORDS))])
+    return builder.bitcast(pointer, _WIDE.as_pointer())
 
 
 @instruction(wide.load, lambda words, k: _KIND(words, types.int64))

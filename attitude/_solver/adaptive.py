@@ -81,9 +81,9 @@ def two_steps(
     (known, one), longest = held, max(abs(lengths[0]), abs(lengths[1]))
     squares = lanes(pieces)
     for j in range(last + 1):
-        part = coefficient(plan, layout.KICKS, j)
+        fraction = coefficient(plan, layout.KICKS, j)
         known = known and j == 0
-        if part != 0.0:
+        if fraction != 0.0:
             if linear and not is_short(body, longest):
                 return states, (False, one), ONE_BY_ONE, 0.0
             q, w = _at(state, 0)
@@ -103,14 +103,14 @@ def two_steps(
                 if not is_finite(torque):
                     return states, (False, one), layout.BAD_TORQUE, when
                 two = accelerations_by(body, torque)
-            both, size = _pair_of_three(one, two), abs(part) * longest
+            both, size = _pair_of_three(one, two), abs(fraction) * longest
             if linear:
                 both = gained_by(body[5], both, state[1])
-            change = rate_gained(body, both, part * h, size, linear)
+            change = rate_gained(body, both, fraction * h, size, linear)
             state = kicked(state, change, _ZERO)
         if j < last:
-            part = coefficient(plan, layout.FLIGHTS, j)
-            flight, (w1, w2, w3) = part * h, state[1]
+            fraction = coefficient(plan, layout.FLIGHTS, j)
+            flight, (w1, w2, w3) = fraction * h, state[1]
             speed = w1 * w1 + w2 * w2 + w3 * w3
             within = positive_bits(limit - flight * flight * speed) & positive_bits(FASTEST - speed)
             if within != BOTH:
@@ -118,7 +118,7 @@ def two_steps(
             state, fine = advance_two(body[0], k, flight, state, squares)
             if not fine:
                 return states, (False, one), ONE_BY_ONE, 0.0
-            done += part
+            done += fraction
     ends = coefficient(plan, layout.KICKS, last) != 0.0
     return apart(state), (ends, one), layout.FINE, 0.0
 
@@ -218,7 +218,7 @@ def adapt(c, scheme, models, clock, counts, fine, coarse, order, most, given, ke
     """
     n = scheme.shape[1] - 1
     work, row = scratch(), layout.ENTRY_BYTES * given.shape[2]
-    rows, each = given.shape[0], (3 * n + 2) * row
+    rows, stride = given.shape[0], (3 * n + 2) * row
     body, plan, torques = body_of(c), (scheme.ctypes.data, n), torques_of(models)
     paired, held = len(coarse) > 0, _UNKNOWN
     pieces = _longest_pieces(clock, plan, torques)
@@ -240,7 +240,7 @@ def adapt(c, scheme, models, clock, counts, fine, coarse, order, most, given, ke
             fault, when = layout.TOO_ROUGH, t
             break
         tried += 1
-        times, sampled = (t, middle, end), (given.ctypes.data + taken * each, row, work)
+        times, sampled = (t, middle, end), (given.ctypes.data + taken * stride, row, work)
         whole, other, halves, fault, when, turn, ahead = _tried(
             body, plan, torques, times, state, beside, paired, sampled, held, pieces
         )
@@ -300,9 +300,9 @@ def _tried(body, plan, torques, times, state, beside, paired, given, held, piece
     if pieces[0] > 0.0:
         half, h, two = 0.5 * (end - t), end - t, (state, state)
         known, whole, outcome, when = held, state, ONE_BY_ONE, 0.0
-        for part in range(2):  # one call, compiled once
+        for run in range(2):  # one call, compiled once
             begin, stop, samples, second = t, middle, n + 1, SAME_START
-            if part == 1:
+            if run == 1:
                 whole = two[1]
                 two = two[0], beside if paired else two[0]
                 begin, stop, samples, second = middle, end, 2 * n + 1, OTHER if paired else ALONE
@@ -316,24 +316,24 @@ def _tried(body, plan, torques, times, state, beside, paired, given, held, piece
             return whole, two[1], two[0], outcome, when, 0.0, known
     now = whole = other = state
     fault, when, turn = layout.FINE, 0.0, 0.0
-    for part in range(4):  # one call, compiled once
-        if part == 1 and not paired:
+    for run in range(4):  # one call, compiled once
+        if run == 1 and not paired:
             continue
         begin, stop, h, samples = t, end, end - t, 0
-        if part == 1:
+        if run == 1:
             now = beside
-        elif part == 2:
+        elif run == 2:
             now, stop, h, samples = state, middle, 0.5 * (end - t), n + 1
-        elif part == 3:
+        elif run == 3:
             begin, h, samples = middle, 0.5 * (end - t), 2 * n + 1
         now, fault, when, turn = torqued_step(
-            body, plan, torques, now, begin, stop, h, first + samples * row, row, work, part == 3
+            body, plan, torques, now, begin, stop, h, first + samples * row, row, work, run == 3
         )
         if fault != layout.FINE:
             break
-        if part == 0:
+        if run == 0:
             whole = now
-        elif part == 1:
+        elif run == 1:
             other = now
     return whole, other, now, fault, when, turn, _UNKNOWN
 
@@ -471,13 +471,13 @@ def _watch(clock, counts, error, h, order, w):
     if error <= _ROUNDED:
         return
     power, usual = abs(h) ** (order + 1), clock[layout.USUAL]
-    found = error / power
+    ratio = error / power
     if counts[layout.TAKEN] <= _GUESSED:
-        clock[layout.USUAL] = max(found, usual)
+        clock[layout.USUAL] = max(ratio, usual)
         return
-    if found > _UNUSUAL * usual and error > _NEGLIGIBLE * clock[layout.TOLERANCE]:
+    if ratio > _UNUSUAL * usual and error > _NEGLIGIBLE * clock[layout.TOLERANCE]:
         # neither state of such a step is known to be the better one
         whole = error * (2.0**order - 1.0) / _MARGIN
         clock[layout.ROUGH] += whole
         clock[layout.ROUGH_TURNED] += whole * clock[layout.TURNED]
-    clock[layout.USUAL] = min(max(found, usual / _UNUSUAL), usual * _UNUSUAL)
+    clock[layout.USUAL] = min(max(ratio, usual / _UNUSUAL), usual * _UNUSUAL)

@@ -73,13 +73,13 @@ class Batch(NamedTuple):
             return
 
         def work(part: slice, epochs: tuple[int, int]) -> None:
-            here = part if len(t) > 1 else slice(None)
+            rows = part if len(t) > 1 else slice(None)
             Batch(self.inertia[part], self.wxyz[part], self.omega[part])._fill(
-                t[here],
-                None if t_low is None else t_low[here],
+                t[rows],
+                None if t_low is None else t_low[rows],
                 wxyz[part],
                 None if rates is None else rates[part],
-                [each[part] for each in sensitivity],
+                [columns[part] for columns in sensitivity],
                 epochs,
                 first=part.start,
                 count=count,
@@ -107,17 +107,17 @@ class Batch(NamedTuple):
         """As `propagated` for a span of the epochs; errors say that its first body is `first` of
         `count`.
         """
-        found = self._prepared(rates is not None, first, count)
-        body = evaluation.evaluated(found.constants, t, t_low, wxyz, rates, *span)
+        prepared = self._prepared(rates is not None, first, count)
+        body = evaluation.evaluate_all(prepared.constants, t, t_low, wxyz, rates, *span)
         if body >= 0:
             few = body if len(t) > 1 else 0, slice(*span)
             low = None if t_low is None else t_low[few]
-            evaluation.refuse_epoch(found.constants[body], t[few], low)
+            evaluation.refuse_epoch(prepared.constants[body], t[few], low)
         if sensitivity:
             tangents = sensitivities.tangents_of(
-                found.moments, found.wxyz, found.principal, found.constants
+                prepared.moments, prepared.wxyz, prepared.principal, prepared.constants
             )
-            sensitivities.evaluate(found.constants, tangents, t, t_low, *sensitivity, near=near)
+            sensitivities.evaluate(prepared.constants, tangents, t, t_low, *sensitivity, near=near)
 
     def _prepared(self, rates: bool, first: int, count: int) -> _Prepared:
         """The constants of the bodies, of which the first one has the number `first` of `count`."""
@@ -128,9 +128,9 @@ class Batch(NamedTuple):
             moments[:, :, 0], turning[:, :, 0] = self.inertia, omega
             principal = _IDENTITY
         else:
-            found = PrincipalAxes.of(symmetric_tensors(self.inertia, first, count))
-            turning, differences = found.over_axes(evaluation.writable(omega))
-            moments, principal = found.moments, found.wxyz
+            axes = PrincipalAxes.of(symmetric_tensors(self.inertia, first, count))
+            turning, differences = axes.over_axes(evaluation.writable(omega))
+            moments, principal = axes.moments, axes.wxyz
         constants = evaluation.constants_of(
             moments,
             wxyz,
@@ -150,7 +150,7 @@ def symmetric_tensors(
     """Tensors (B, 3, 3) without the rounding of their asymmetry."""
     across = np.swapaxes(tensors, 1, 2)
     with np.errstate(invalid="ignore", over="ignore"):
-        off, largest = (np.abs(each).max(axis=(1, 2)) for each in (tensors - across, tensors))
+        off, largest = (np.abs(array).max(axis=(1, 2)) for array in (tensors - across, tensors))
         mean = 0.5 * (tensors + across)
     # one that is not finite, or of which sums overflow
     bad = ~(off <= ASYMMETRY * largest) | ~np.isfinite(mean).all(axis=(1, 2))

@@ -105,10 +105,10 @@ def flow(c, moments, t, q, w):
         # On the exact separatrix the momentum approaches the middle axis: after this time the
         # angle between them is below 1e-17 of that at the start.
         most = _LONGEST_APPROACH / (2.0 * abs(c.nutation[0]))
-        near = (math.copysign(most, t[0]), 0.0) if abs(t[0]) > most else t
-        _pieces(i, near, p, o)
+        time = (math.copysign(most, t[0]), 0.0) if abs(t[0]) > most else t
+        _pieces(i, time, p, o)
         sense = math.copysign(1.0, o[1, 0])
-        _turn(p, ZERO, (sense, 0.0), ZERO, mul(precession, sub(t, near)))
+        _turn(p, ZERO, (sense, 0.0), ZERO, mul(precession, sub(t, time)))
     back = np.zeros((4, 2))
     put(back[0], pair(p[0]))
     for k in range(3):
@@ -209,10 +209,10 @@ def _series(e1, e3, a):
     for n in range(_TERMS - 1):
         total = mul(s, pair(a[n]))
         if n > 0:
-            here = (0.0, 0.0)
+            coefficient = (0.0, 0.0)
             for i in range(n):
-                here = add(here, mul(pair(a[i]), pair(a[n - 1 - i])))
-            put(squares[n - 1], here)
+                coefficient = add(coefficient, mul(pair(a[i]), pair(a[n - 1 - i])))
+            put(squares[n - 1], coefficient)
             cube = (0.0, 0.0)
             for i in range(n):
                 cube = add(cube, mul(pair(squares[i]), pair(a[n - 1 - i])))
@@ -541,10 +541,10 @@ def join_members(records, moments, axes, principal, length, q, w, in_body, in_sp
     t = length[0], length[1]
     for b in range(len(records)):
         i, j = b if len(moments) > 1 else 0, b if len(axes) > 1 else 0
-        near = principal[b if len(principal) > 1 else 0]
-        change_axes(q[b], axes[j], near, 1.0)
+        rounded_axes = principal[b if len(principal) > 1 else 0]
+        change_axes(q[b], axes[j], rounded_axes, 1.0)
         flow(records[b], moments[i], t, q[b], w[b])
-        change_axes(q[b], axes[j], near, -1.0)
+        change_axes(q[b], axes[j], rounded_axes, -1.0)
         strike(moments[i], axes[j], q[b], w[b], in_body, in_space)
 
 
@@ -608,11 +608,11 @@ def surveyed(member):
     least = greatest = before = member[0]
     runs, descents = 1, 0
     for k in range(1, len(member)):
-        here = member[k]
-        least, greatest = min(least, here), max(greatest, here)
-        runs += here != before
-        descents += here < before
-        before = here
+        number = member[k]
+        least, greatest = min(least, number), max(greatest, number)
+        runs += number != before
+        descents += number < before
+        before = number
     return least, greatest, runs, descents
 
 

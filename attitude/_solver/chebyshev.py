@@ -75,8 +75,8 @@ def evaluate(table: FloatArray, piece: NDArray[np.integer[Any]], x: FloatArray) 
     """
     out = np.empty((*table.shape[1:-1], len(x)))
     for start in range(0, len(x), _CHUNK):
-        part = slice(start, start + _CHUNK)
-        out[..., part] = _clenshaw(table, piece[part], x[part])
+        chunk = slice(start, start + _CHUNK)
+        out[..., chunk] = _clenshaw(table, piece[chunk], x[chunk])
     return out
 
 
@@ -393,9 +393,9 @@ def directions(
                 q += base_lo + lo[k * step]
                 if p + q < 0.0 or p + q > most:
                     outside = k
-                here = _row_of(p + q, most, width, cells)
-                u = 2.0 * (((p - starts[here]) + q) / widths[here]) - 1.0
-                a, b, c, _ = doubles_of(_four_at_once(rows, 4 * count * here, count, u))
+                piece = _row_of(p + q, most, width, cells)
+                u = 2.0 * (((p - starts[piece]) + q) / widths[piece]) - 1.0
+                a, b, c, _ = doubles_of(_four_at_once(rows, 4 * count * piece, count, u))
                 size = math.sqrt(a * a + b * b + c * c)
                 length[k] = size
                 scale = sign / size

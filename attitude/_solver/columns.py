@@ -11,7 +11,7 @@ Filled
 
 from __future__ import annotations
 
-from attitude._compilation.decorators import elementwise, force_inlined, subroutine
+from attitude._compilation.decorators import elementwise, force_inlined, named, subroutine
 from attitude._compilation.instructions import fma
 from attitude._compilation.simd import LINE, copy_line, eight, past_line, put_eight, put_line
 from attitude._solver import codes
@@ -57,10 +57,10 @@ def still_column(k, block, x, y, z):
 @force_inlined
 def any_missing(n, block):
     """Whether any epoch of a block is NaN."""
-    found = 0
+    missing = 0
     for i in range(n):
-        found |= block[SECONDS + i] != block[SECONDS + i]
-    return found != 0
+        missing |= block[SECONDS + i] != block[SECONDS + i]
+    return missing != 0
 
 
 @force_inlined
@@ -366,32 +366,25 @@ def places_of_rows(first, length):
     )
 
 
-@subroutine
-def _store(sums, places, out, i):
-    xx, xy, yy, xz, yz, zz = sums
-    put_eight(out, places[0] + i, xx)
-    put_eight(out, places[1] + i, xy)
-    put_eight(out, places[2] + i, xz)
-    put_eight(out, places[3] + i, xy)
-    put_eight(out, places[4] + i, yy)
-    put_eight(out, places[5] + i, yz)
-    put_eight(out, places[6] + i, xz)
-    put_eight(out, places[7] + i, yz)
-    put_eight(out, places[8] + i, zz)
+def _putting(put, name):
+    """The function that stores nine sums by `put_eight`, or past the caches by `put_line`."""
+
+    def store(sums, places, out, i):
+        xx, xy, yy, xz, yz, zz = sums
+        put(out, places[0] + i, xx)
+        put(out, places[1] + i, xy)
+        put(out, places[2] + i, xz)
+        put(out, places[3] + i, xy)
+        put(out, places[4] + i, yy)
+        put(out, places[5] + i, yz)
+        put(out, places[6] + i, xz)
+        put(out, places[7] + i, yz)
+        put(out, places[8] + i, zz)
+
+    return subroutine(named(store, name))
 
 
-@subroutine
-def _stream(sums, places, out, i):
-    xx, xy, yy, xz, yz, zz = sums
-    put_line(out, places[0] + i, xx)
-    put_line(out, places[1] + i, xy)
-    put_line(out, places[2] + i, xz)
-    put_line(out, places[3] + i, xy)
-    put_line(out, places[4] + i, yy)
-    put_line(out, places[5] + i, yz)
-    put_line(out, places[6] + i, xz)
-    put_line(out, places[7] + i, yz)
-    put_line(out, places[8] + i, zz)
+_store, _stream = _putting(put_eight, "_store"), _putting(put_line, "_stream")
 
 
 @subroutine

@@ -162,9 +162,9 @@ def _scale(moments, omega, c):
     scaled_moments, scaled_omega = c.moments, c.omega
     for k in range(3):
         fast = abs(math.ldexp(omega[k, 0], -tempo)) >= _NO_RATE
-        for part in range(2):
-            scaled_moments[k, part] = math.ldexp(moments[k, part], -inertia)
-            scaled_omega[k, part] = math.ldexp(omega[k, part], -tempo) if fast else 0.0
+        for half in range(2):
+            scaled_moments[k, half] = math.ldexp(moments[k, half], -inertia)
+            scaled_omega[k, half] = math.ldexp(omega[k, half], -tempo) if fast else 0.0
 
 
 @subroutine
@@ -177,8 +177,8 @@ def _loses_a_rate(omega, c):
     if lost:
         for k in range(3):
             i, j = k - 1, k - 2  # the other two
-            here, one, two = pair(moments[k]), pair(moments[i]), pair(moments[j])
-            if (less(one, here) and less(here, two)) or (less(two, here) and less(here, one)):
+            mid, one, two = pair(moments[k]), pair(moments[i]), pair(moments[j])
+            if (less(one, mid) and less(mid, two)) or (less(two, mid) and less(mid, one)):
                 return larger(abs(scaled[i, 0]), abs(scaled[j, 0])) < _RATE_TO_SPARE
     return False
 
@@ -244,12 +244,12 @@ def _exact_middle_invariant(c, total):
         moment, rate = c.moments[c.order[k]], c.omega[c.order[k]]
         for i in range(2):
             for j in range(4):
-                part = moment[j] if j < 2 else -middle[j - 2]
-                if moment[i] * part == 0.0:
+                factor = moment[j] if j < 2 else -middle[j - 2]
+                if moment[i] * factor == 0.0:
                     continue
                 for m in range(2):
                     for n in range(2):
-                        count = product_added(total, count, moment[i], part, rate[m], rate[n])
+                        count = product_added(total, count, moment[i], factor, rate[m], rate[n])
     return rounded(total, count)
 
 
@@ -649,16 +649,16 @@ def _periods(c):
     psi, phi = 0.0, turns
     for k in range(3):
         if c.omega[k, 0] != 0.0:
-            here = pair(c.moments[k])
+            moment = pair(c.moments[k])
             one, two = pair(c.moments[(k + 1) % 3]), pair(c.moments[(k + 2) % 3])
-            positive = sub(here, one)[0] * sub(here, two)[0]
+            positive = sub(moment, one)[0] * sub(moment, two)[0]
             if positive > 0.0:
                 root = math.sqrt(positive / (one[0] * two[0]))
                 c.circulates = k
-                if less(here, one):
+                if less(moment, one):
                     # phi' = turns (1 - root), without the cancellation of a needle's
-                    rest = here[0] / one[0] * (sub(add(one, two), here)[0] / two[0])
-                    psi, phi = turns * root, turns * rest / (1.0 + root)
+                    one_less_square = moment[0] / one[0] * (sub(add(one, two), moment)[0] / two[0])
+                    psi, phi = turns * root, turns * one_less_square / (1.0 + root)
                 else:
                     psi, phi = -turns * root, turns * (1.0 + root)
     c.psi_rate = psi

@@ -75,21 +75,23 @@ def derive(inertia, c, out):
     third = 3 - first - second
     axes = c.axes
     state = state_of(c)
-    near = c.form == codes.HYPERBOLIC
-    action = _near_action(state) if near else _action(c)
+    hyperbolic = c.form == codes.HYPERBOLIC
+    action = _near_action(state) if hyperbolic else _action(c)
     by_speed, by_moment = math.ldexp(1.0, -c.tempo), math.ldexp(1.0, -inertia)
     for row in range(11):
         for k in range(6):
             out[row, k] = 0.0
     for k in range(6):
         one = _unit(k)
-        found = (
-            _hyperbolic(state, one, action, c) if near else _trigonometric(state, one, action, c)
+        changes = (
+            _hyperbolic(state, one, action, c)
+            if hyperbolic
+            else _trigonometric(state, one, action, c)
         )
         sizes = _amplitudes(state, one)
         size = by_speed if k < 3 else by_moment
         for row in range(11):
-            value = found[row] if row < 8 else sizes[row - 8]
+            value = changes[row] if row < 8 else sizes[row - 8]
             if row < 2:  # rates, in the scaled unit of time
                 value = math.ldexp(value, c.tempo)
             if k < 3:
@@ -225,9 +227,9 @@ def _action(c):
     energy, total = ZERO, ZERO
     for k in range(3):
         moment, rate = pair(c.moments[k]), pair(c.omega[k])
-        here = mul(moment, rate)
-        energy = add(energy, mul(here, rate))
-        total = add(total, square(here))
+        momentum = mul(moment, rate)
+        energy = add(energy, mul(momentum, rate))
+        total = add(total, square(momentum))
     turns = math.ldexp(c.precession[0], -c.tempo), math.ldexp(c.precession[1], -c.tempo)
     return sub(energy, mul(mul(scale(TWO_PI, 2.0), turns), sqrt(total)))[0]
 
@@ -244,7 +246,7 @@ def _near_action(state):
     The integrand has no singularity within 15 times the interval: six points suffice.
     """
     (i1, i2, i3), _w, (d12, d23, _d13), (a1, a2, a3), side, _, _speed, (m, mc) = state
-    here = math.sqrt(a1) / integrals(mc, m)[0]
+    rate = math.sqrt(a1) / integrals(mc, m)[0]
     total = 0.0
     for k in range(len(_NODES)):
         node = _NODES[k]
@@ -254,7 +256,7 @@ def _near_action(state):
         m_there = third * d12 / (first * d23)
         mc_there = node * mc * (a1 / first)
         total += _WEIGHTS[k] * integrals(mc_there, m_there)[0] / math.sqrt(first)
-    return 0.5 * side * a2 / i2 * here * total
+    return 0.5 * side * a2 / i2 * rate * total
 
 
 @subroutine

@@ -136,11 +136,11 @@ def _of_uniform(c: Any) -> Elements:
             "the motion has no elements: at rest, of a sphere, about the middle axis, or about the "
             "equator of a symmetric body no nutation is defined."
         )
-    here = float(c["moments"][axis, 0])
+    axial = float(c["moments"][axis, 0])
     others = [float(c["moments"][k, 0]) for k in range(3) if k != axis]
-    first = max(others, key=lambda moment: abs(moment - here))
-    second = min(others, key=lambda moment: abs(moment - here))
-    root = math.sqrt(1.0 + here / first * abs((first - second) / (second - here)))
+    first = max(others, key=lambda moment: abs(moment - axial))
+    second = min(others, key=lambda moment: abs(moment - axial))
+    root = math.sqrt(1.0 + axial / first * abs((first - second) / (second - axial)))
     turn = 2.0 * math.pi
     rates = turn * float(c["precession"][0]), turn * float(c["psi_rate"])
     return Elements(*rates, 0.0, 0.0, (root - 1.0) / (root + 1.0))
@@ -193,8 +193,8 @@ def state_of(elements: Elements) -> tuple[FloatArray, FloatArray]:
         pairs = np.zeros((2, len(moments), 3, 2))
         pairs[0, ..., 0], pairs[1, ..., 0] = moments, omega
         identity = np.tile(_IDENTITY, (len(moments), 1))
-        found = evaluation.constants_of(pairs[0], identity, pairs[1], _IDENTITY, rates=False)
-        rates: FloatArray = 2.0 * math.pi * found["precession"][:, 0] - elements.precession_rate
+        constants = evaluation.constants_of(pairs[0], identity, pairs[1], _IDENTITY, rates=False)
+        rates: FloatArray = 2.0 * math.pi * constants["precession"][:, 0] - elements.precession_rate
         return rates
 
     # needles and laminas: the ratio is found to its digits wherever it lies
@@ -208,7 +208,7 @@ def state_of(elements: Elements) -> tuple[FloatArray, FloatArray]:
             f"no body has {elements}: no moments that satisfy the triangle inequality precess at "
             "this rate with this nutation. Change precession_rate or nutation_rate."
         )
-    moments, omega = (each[0] for each in states(np.array([ratio])))
+    moments, omega = (state[0] for state in states(np.array([ratio])))
     return moments / moments.max(), omega
 
 
@@ -257,12 +257,12 @@ def _tilts(rho: float, x: float) -> tuple[float, float, float]:
     odd = {"top": 0.0, "low": 0.0}
     s = rho**4
     for n in range(_TERMS):
-        here, other = (even, odd) if n % 2 == 0 else (odd, even)
+        series, other = (even, odd) if n % 2 == 0 else (odd, even)
         y = s ** (n * n + n) * x ** (2 * n * n + n)
-        here["top"] += y
+        series["top"] += y
         other["top"] += y * x ** (2 * n + 1)
         if n > 0:
-            here["low"] += s ** (n * n) * x ** (2 * n * n - n) * (1.0 + x ** (2 * n))
+            series["low"] += s ** (n * n) * x ** (2 * n * n - n) * (1.0 + x ** (2 * n))
     least = even["low"] - odd["low"], even["low"] + odd["low"]
     low = rho * (even["top"] - odd["top"]) / least[0]
     high = rho * (even["top"] + odd["top"]) / least[1]

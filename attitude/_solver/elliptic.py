@@ -97,8 +97,8 @@ def _turns(quadrant, c, s, halvings):
     """The amplitude over 2 pi halvings, as a pair."""
     c, s = _turned_back(quadrant, c, s)
     correction = (c[0] * s[1] - s[0] * c[1]) / (c[0] * c[0] + s[0] * s[0])
-    rest = (math.atan2(s[0], c[0]) + correction) / 6.283185307179586
-    hi, lo = quick_two_sum(0.25 * quadrant, rest) if quadrant > 0 else (rest, 0.0)
+    angle = (math.atan2(s[0], c[0]) + correction) / 6.283185307179586
+    hi, lo = quick_two_sum(0.25 * quadrant, angle) if quadrant > 0 else (angle, 0.0)
     return hi / halvings, lo / halvings
 
 

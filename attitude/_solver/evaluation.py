@@ -219,8 +219,8 @@ def prepared(
     constants: NDArray[Any] = np.ndarray(
         len(moments), CONSTANTS, bytearray(len(moments) * CONSTANTS.itemsize)
     )
-    given = writable(moments), writable(wxyz), writable(omega), writable(principal)
-    return constants, prepare_all(*given, constants, differences, rates, wxyz_low)
+    states = writable(moments), writable(wxyz), writable(omega), writable(principal)
+    return constants, prepare_all(*states, constants, differences, rates, wxyz_low)
 
 
 def faults_of(moments: FloatArray, wxyz: FloatArray, omega: FloatArray) -> IntArray:
@@ -228,8 +228,8 @@ def faults_of(moments: FloatArray, wxyz: FloatArray, omega: FloatArray) -> IntAr
     constants: NDArray[Any] = np.ndarray(
         len(moments), CONSTANTS, bytearray(len(moments) * CONSTANTS.itemsize)
     )
-    given = writable(moments), writable(wxyz), writable(omega)
-    if not classify_all(*given, constants)[0]:
+    states = writable(moments), writable(wxyz), writable(omega)
+    if not classify_all(*states, constants)[0]:
         return _NO_FAULT
     return np.flatnonzero(constants["fault"])
 
@@ -263,20 +263,6 @@ def evaluate(
             refuse_epoch(
                 constants[body], t[row, first:end], None if t_low is None else t_low[row, first:end]
             )
-
-
-def evaluated(
-    constants: NDArray[Any],
-    t: FloatArray,
-    t_low: FloatArray | None,
-    wxyz: FloatArray,
-    rates: FloatArray | None,
-    first: int,
-    end: int,
-) -> int:
-    """As `evaluate` for the epochs from `first` to `end`, in one call of compiled code."""
-    found: int = evaluate_all(constants, t, t_low, wxyz, rates, first, end)
-    return found
 
 
 def refuse_epoch(constants: Any, t: FloatArray, t_low: FloatArray | None) -> None:

@@ -36,6 +36,7 @@ from attitude._compilation.instructions import larger, loop_fma
 from attitude._solver import codes
 from attitude._solver.series import (
     LONGEST,
+    five,
     four,
     hyperbolic_arguments,
     hyperbolic_pair,
@@ -44,6 +45,7 @@ from attitude._solver.series import (
     sincos,
     trigonometric_pair,
     trigonometric_rates,
+    triple,
     turned,
 )
 from attitude._solver.twofloat import two_sum
@@ -103,9 +105,9 @@ def attach_all(wxyz, wxyz_low, principal, constants):
     for b in range(len(constants)):
         c = constants[b]
         if c.fault == codes.FINE and c.form != codes.UNIFORM:
-            given = four(principal[b if len(principal) > 1 else 0])
+            quaternion = four(principal[b if len(principal) > 1 else 0])
             low = four(wxyz_low[b if len(wxyz_low) > 1 else 0])
-            body = _axes(given, c)
+            body = _axes(quaternion, c)
             _attach(four(wxyz[b]), low, body, unit(four(c.internal)), c.frame)
 
 
@@ -205,10 +207,10 @@ def reach(c):
 def any_beyond(t, low, most):
     """Whether any |t + low| exceeds `most`; low may be None."""
     # No early exit: this reduction is vectorised and costs less than reading t once more.
-    found = 0
+    beyond = 0
     for i in range(len(t)):
-        found |= abs(t[i] if low is None else t[i] + low[i]) > most
-    return found != 0
+        beyond |= abs(t[i] if low is None else t[i] + low[i]) > most
+    return beyond != 0
 
 
 @force_inlined
@@ -217,12 +219,6 @@ def epoch_pair(times, lows, i):
     if lows is None:
         return times[i], 0.0
     return two_sum(times[i], lows[i])
-
-
-@force_inlined
-def _five(row):
-    """The first five entries of a row as a tuple."""
-    return row[0], row[1], row[2], row[3], row[4]
 
 
 @force_inlined
@@ -236,18 +232,19 @@ def frame_of(c):
 def rate_series_of(c):
     """The four series of the angular velocity."""
     r = c.rates
-    return _five(r[0]), _five(r[1]), _five(r[2]), _five(r[3])
+    return five(r[0]), five(r[1]), five(r[2]), five(r[3])
 
 
 @force_inlined
 def axes_of(c):
     """The matrix from internal to given body axes, as rows."""
-    a = c.axes
-    return (
-        (a[0, 0], a[0, 1], a[0, 2]),
-        (a[1, 0], a[1, 1], a[1, 2]),
-        (a[2, 0], a[2, 1], a[2, 2]),
-    )
+    return rows_of_matrix(c.axes)
+
+
+@force_inlined
+def rows_of_matrix(a):
+    """A matrix (3, 3) as a tuple of rows."""
+    return triple(a[0]), triple(a[1]), triple(a[2])
 
 
 @force_inlined

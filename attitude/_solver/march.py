@@ -89,14 +89,14 @@ def revisit(c, scheme, models, states, starts, h, place, steps, parts, given, wi
         t = (starts[at] + done) * h
         last = done == steps[i]
         if last:
-            kept, first, part = now, inner + i * (n + 1) * row, parts[i]
-            end = t + part
+            kept, first, length = now, inner + i * (n + 1) * row, parts[i]
+            end = t + length
         else:
-            first, part = samples + (at * given.shape[1] + done * n) * row, h
+            first, length = samples + (at * given.shape[1] + done * n) * row, h
             end = (starts[at] + (done + 1)) * h
-        if not last or part != 0.0:
+        if not last or length != 0.0:
             now, fault, when, turn = torqued_step(
-                body, plan, torques, now, t, end, part, first, row, work, False
+                body, plan, torques, now, t, end, length, first, row, work, False
             )
             if fault != layout.FINE:
                 return fault, when, turn
@@ -208,20 +208,20 @@ def march_members(c, scheme, models, states, start, h, steps, number, parts, giv
         while step < steps or i < len(number):
             # a whole step, or a part of one to an epoch: one call, compiled once
             t = (start + step) * h
-            part = i < len(number) and number[i] == step
-            if part:
+            sampled = i < len(number) and number[i] == step
+            if sampled:
                 kept, first, length = now, inner + i * (n + 1) * row, parts[i]
                 end, follows = t + length, False
             else:
                 first, length = samples + step * n * row, h
                 end = (start + (step + 1)) * h
-            if not part or length != 0.0:
+            if not sampled or length != 0.0:
                 now, fault, when, turn = torqued_step(
                     body, plan, torques, now, t, end, length, first, row, work, follows
                 )
                 if fault != layout.FINE:
                     return fault, when, turn, m
-            if part:
+            if sampled:
                 q, w, _, _ = now
                 for k in range(4):
                     out[m, i, k] = q[k]

@@ -131,10 +131,10 @@ def _root_reciprocal(x):
     y = shifted(wide(np.int64(start[0] * 2.0**61)), BITS - 61)
     y = y + shifted(wide(np.int64(start[1] * 2.0**113)), BITS - 113)
     e = one() - quick_product(x, quick_product(y, y))
-    part = shifted(wide(5), BITS - 3) + _half(shifted(e, 5) + e + e + e, 6)  # 5/8 + 35 e/64
-    part = shifted(wide(3), BITS - 2) + quick_product(e, part)
-    part = _half(quick_product(e, one() + quick_product(e, part)), 1)
-    return y + quick_product(y, part)
+    series = shifted(wide(5), BITS - 3) + _half(shifted(e, 5) + e + e + e, 6)  # 5/8 + 35 e/64
+    series = shifted(wide(3), BITS - 2) + quick_product(e, series)
+    series = _half(quick_product(e, one() + quick_product(e, series)), 1)
+    return y + quick_product(y, series)
 
 
 @subroutine
@@ -148,19 +148,19 @@ def _rotate(w, p, q):
     pp, qq, pq = MATRIX + 4 * p, MATRIX + 4 * q, MATRIX + 3 * p + q
     off = load(w, pq)
     difference = load(w, qq) - load(w, pp)
-    rest, twice = magnitude(difference), magnitude(off) + magnitude(off)
-    places = BITS - max(length_of(rest), length_of(twice))
-    rest, twice = shifted_by(rest, places), shifted_by(twice, places)
+    size, twice = magnitude(difference), magnitude(off) + magnitude(off)
+    places = BITS - max(length_of(size), length_of(twice))
+    size, twice = shifted_by(size, places), shifted_by(twice, places)
     small = length_of(twice) <= _SMALL
     if small:
         # a = |o / d|, its sine and its tangent differ by less than the last bit
-        scale = _root_reciprocal(quick_product(rest, rest))
+        scale = _root_reciprocal(quick_product(size, size))
         sine = quick_product(_half(twice, 1), scale)
         secant = one()
         cosine = secant - _half(quick_product(sine, sine), 1)
     else:
-        scale = _root_reciprocal(quick_product(rest, rest) + quick_product(twice, twice))
-        square = _half(one() + quick_product(rest, scale), 1)  # cos^2 a
+        scale = _root_reciprocal(quick_product(size, size) + quick_product(twice, twice))
+        square = _half(one() + quick_product(size, scale), 1)  # cos^2 a
         secant = _root_reciprocal(square)
         sine = _half(quick_product(quick_product(twice, scale), secant), 1)
         cosine = quick_product(square, secant)
@@ -192,9 +192,9 @@ def _mix(w, i, j, cosine, sine):
 @subroutine
 def integer_of(x, exponent):
     """x / 2**exponent as an integer over 2**BITS."""
-    part, power = math.frexp(x)
+    fraction, power = math.frexp(x)
     places = power - exponent + BITS - 53
-    n = as_whole(part * _TO_WHOLE)
+    n = as_whole(fraction * _TO_WHOLE)
     if places >= 0:
         return shifted_by(n, places)
     if places < -60:
@@ -381,8 +381,8 @@ def _put_rotation(wxyz, w):
         j, k = (i + 1) % 3, (i + 2) % 3
         a, b = load(w, SCRATCH), load(w, SCRATCH + 1 + i)
         c, d = load(w, SCRATCH + 1 + j), load(w, SCRATCH + 1 + k)
-        own = quick_product(a - c, a + c) + quick_product(b - d, b + d)
-        store(w, AXES + 4 * i, quick_product(scale, own))
+        diagonal = quick_product(a - c, a + c) + quick_product(b - d, b + d)
+        store(w, AXES + 4 * i, quick_product(scale, diagonal))
         both, turned = quick_product(b, c), quick_product(a, d)
         twice = scale + scale
         store(w, AXES + 3 * i + j, quick_product(twice, both - turned))
@@ -439,9 +439,9 @@ def _rod(kept, moments):
     if not -_ZERO_MOMENT * moments[2, 0] <= moments[0, 0] <= 0.0:
         return
     store(kept, VALUES, wide(0))
-    for part in range(2):
-        mean = 0.5 * (moments[1, part] + moments[2, part])
-        moments[0, part], moments[1, part], moments[2, part] = 0.0, mean, mean
+    for half in range(2):
+        mean = 0.5 * (moments[1, half] + moments[2, half])
+        moments[0, half], moments[1, half], moments[2, half] = 0.0, mean, mean
 
 
 @sized_entry_point
@@ -474,9 +474,9 @@ def _over_axes_all(words, omega, rates, differences):
         x, y, z = omega[n, 0], omega[n, 1], omega[n, 2]
         # each by itself: the largest of 1 and NaN is 1
         finite = abs(x) < math.inf and abs(y) < math.inf and abs(z) < math.inf
-        given = length_of(load(w, COLUMNS)) + length_of(load(w, COLUMNS + 1)) == 0
-        given = given and length_of(load(w, COLUMNS + 2)) == 0
-        if given or not finite:
+        same_axes = length_of(load(w, COLUMNS)) + length_of(load(w, COLUMNS + 1)) == 0
+        same_axes = same_axes and length_of(load(w, COLUMNS + 2)) == 0
+        if same_axes or not finite:
             for k in range(3):
                 rates[n, k, 0], rates[n, k, 1] = omega[n, k], 0.0
                 differences[n, k, 0] = differences[n, k, 1] = math.nan
@@ -543,14 +543,14 @@ class PrincipalAxes(NamedTuple):
     def of(cls, tensors: FloatArray) -> PrincipalAxes:
         """Those of tensors (B, 3, 3), symmetric and finite."""
         count = len(tensors)
-        found = cls(
+        axes = cls(
             np.empty((count, WORDS * KEPT), dtype=np.int64),
             np.empty((count, 3, 2)),
             np.empty((count, 3, 3, 2)),
             np.empty((count, 4)),
         )
-        _principal_all(tensors, np.empty(WORDS * NEEDED, dtype=np.int64), *found)
-        return found
+        _principal_all(tensors, np.empty(WORDS * NEEDED, dtype=np.int64), *axes)
+        return axes
 
     def over_axes(self, omega: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Angular velocities (N, 3) over the principal axes, (N, 3, 2), and differences (N, 3, 2)

@@ -67,9 +67,9 @@ _PHRASES = {
 
 def known_convention(convention: str) -> str:
     """The labelling "L" or "S" in capitals."""
-    given = convention.upper() if isinstance(convention, str) else convention
-    if given in ("L", "S"):
-        return given
+    capital = convention.upper() if isinstance(convention, str) else convention
+    if capital in ("L", "S"):
+        return capital
     raise AttitudeError(
         f'convention is {convention!r}; give "L" where phi is the angle of the long axis about '
         'the momentum, "S" where it is that of the short axis.'
@@ -107,18 +107,18 @@ def classify(moments: Reals, omega: Reals) -> Any:
 
     moments, omega, lead = _states(moments, omega)
     count = len(moments)
-    found = np.empty(count, np.int8)
+    modes = np.empty(count, np.int8)
     constants = np.zeros(min(count, _BLOCK), CONSTANTS)
-    for part in _blocks(count):
-        pairs, wxyz = _as_pairs(moments, omega, part)
+    for block in _blocks(count):
+        pairs, wxyz = _as_pairs(moments, omega, block)
         some = constants[: len(wxyz)]
         faults, _, cancelled = classify_all(pairs[0], wxyz, pairs[1], some)
         if faults:
-            _constants(moments, omega, part, count)  # raises the error
+            _constants(moments, omega, block, count)  # raises the error
         if cancelled:
             refine_all(some)
-        modes_all(some, found[part])
-    return Mode(int(found[0])) if lead == () else found.reshape(lead)
+        modes_all(some, modes[block])
+    return Mode(int(modes[0])) if lead == () else modes.reshape(lead)
 
 
 # Type checkers take each of these properties for an attribute of the type returned here.
@@ -136,8 +136,8 @@ def _period_of(name: str, meaning: str) -> Any:
 
 def _range_of(name: str, meaning: str) -> FloatArray:
     """The property of a field (S, 2) of the rows: the least and the greatest value."""
-    made: Any = property(lambda self: self._rows[name], doc=meaning)
-    return made
+    accessor: Any = property(lambda self: self._rows[name], doc=meaning)
+    return accessor
 
 
 class Regime(Immutable):
@@ -179,8 +179,8 @@ class Regime(Immutable):
     @property
     def mode(self) -> Any:
         """Codes of `Mode`, or a Mode for one state."""
-        found = self._number("mode")
-        return Mode(found) if self.shape == () else found
+        code = self._number("mode")
+        return Mode(code) if self.shape == () else code
 
     circulates = _number_of(
         "circulates",
@@ -308,11 +308,11 @@ def regimes(moments: Reals, omega: Reals) -> Regime:
     moments, omega, lead = _states(moments, omega)
     count = len(moments)
     rows = None
-    for part in _blocks(count):
-        given, constants = _constants(moments, omega, part, count)
-        found = rows_of(given, constants)
-        rows = np.empty(count, found.dtype) if rows is None else rows
-        rows[part] = found
+    for block in _blocks(count):
+        pairs, constants = _constants(moments, omega, block, count)
+        block_rows = rows_of(pairs, constants)
+        rows = np.empty(count, block_rows.dtype) if rows is None else rows
+        rows[block] = block_rows
     if rows is None:
         raise AttitudeError("moments and omega hold no state; give at least one.")
     return Regime(rows.reshape(lead))
@@ -366,8 +366,8 @@ def _states(moments: Reals, omega: Reals) -> tuple[FloatArray, FloatArray, tuple
             f"moments {moments.shape} and omega {omega.shape} do not broadcast; give equal leading "
             "axes, or one row of either."
         ) from err
-    both = (np.broadcast_to(each, (*lead, 3)).reshape(-1, 3) for each in (moments, omega))
-    moments, omega = (np.ascontiguousarray(each) for each in both)
+    both = (np.broadcast_to(vectors, (*lead, 3)).reshape(-1, 3) for vectors in (moments, omega))
+    moments, omega = (np.ascontiguousarray(vectors) for vectors in both)
     return moments, omega, lead
 
 

@@ -326,8 +326,8 @@ def _interpolated(x1, f1, x2, f2, x3, f3):
     """The next value between x1 (0) and x2 (1), by the inverse parabola through a third point x3
     where it is monotonic between them, else in the middle.
     """
-    part, rise = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2)
-    if rise * rise < part and (1.0 - rise) * (1.0 - rise) < 1.0 - part:
+    run, rise = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2)
+    if rise * rise < run and (1.0 - rise) * (1.0 - rise) < 1.0 - run:
         t = f1 / (f2 - f1) * (f3 / (f2 - f3))
         return t + (x3 - x1) / (x2 - x1) * (f1 / (f3 - f1)) * (f2 / (f3 - f2))
     return 0.5
@@ -344,19 +344,19 @@ def _solved(a, b, c, long_axis, ratio, farthest):
     """
     half, p1 = cycle(a, b, c, long_axis, 0.5, 0.5)
     f1 = half - ratio
-    near = f1 < 0.0
+    near_separatrix = f1 < 0.0
     x1, x2, f2, p2 = 0.5, 0.0, farthest - ratio, p1
-    if near:
-        y, rest = _position(_NEAREST)
-        nearest, p2 = cycle(a, b, c, long_axis, y, rest)
+    if near_separatrix:
+        y, complement = _position(_NEAREST)
+        nearest, p2 = cycle(a, b, c, long_axis, y, complement)
         x1, x2, f2 = 0.0, _NEAREST, nearest - ratio
         if not f2 > 0.0:
             return math.nan, math.nan, math.nan
     t = f1 / (f1 - f2)
     for _ in range(_MOST):
         x = x1 + t * (x2 - x1)
-        y, rest = _place(near, x)
-        f, p = cycle(a, b, c, long_axis, y, rest)
+        y, complement = _place(near_separatrix, x)
+        f, p = cycle(a, b, c, long_axis, y, complement)
         f -= ratio
         if (f > 0.0) == (f1 > 0.0):
             x3, f3 = x1, f1
@@ -364,13 +364,13 @@ def _solved(a, b, c, long_axis, ratio, farthest):
             x3, f3, x2, f2, p2 = x2, f2, x1, f1, p1
         x1, f1, p1 = x, f, p
         best, value, period = (x1, f1, p1) if abs(f1) < abs(f2) else (x2, f2, p2)
-        least = (2.0 * _EPS * abs(best) + (_EPS if near else 0.0)) / abs(x2 - x1)
+        least = (2.0 * _EPS * abs(best) + (_EPS if near_separatrix else 0.0)) / abs(x2 - x1)
         if least > 0.5 or value == 0.0:
-            y, rest = _place(near, best)
-            return y, rest, period
+            y, complement = _place(near_separatrix, best)
+            return y, complement, period
         t = min(max(_interpolated(x1, f1, x2, f2, x3, f3), least), 1.0 - least)
-    y, rest = _place(near, x1)
-    return y, rest, p1
+    y, complement = _place(near_separatrix, x1)
+    return y, complement, p1
 
 
 @sized_entry_point

@@ -43,12 +43,12 @@ def tangents_of(
             "zero: the rotation of an ideal rod about itself is undefined."
         )
     tangents = np.zeros(len(constants), TANGENTS)
-    given = [evaluation.writable(each) for each in (moments, wxyz, principal, constants)]
+    arrays = [evaluation.writable(array) for array in (moments, wxyz, principal, constants)]
     uniform = np.any(constants["form"] == codes.UNIFORM)
     if uniform:
-        _compiled(True)[0](*given, tangents)
+        _compiled(True)[0](*arrays, tangents)
     if not uniform or np.any(constants["form"] != codes.UNIFORM):
-        _compiled(False)[0](*given, tangents, np.empty(ROWS * BLOCK))
+        _compiled(False)[0](*arrays, tangents, np.empty(ROWS * BLOCK))
     return tangents
 
 
@@ -123,21 +123,21 @@ def _short_of(constants, tangents, t, edges, rates, every):
     far = reach[:, None] if edges is None else np.repeat(reach, np.diff(edges))[None]
     rows = np.abs(t if edges is None else t[:, edges[0] : edges[-1]])
     with np.errstate(invalid="ignore"):
-        near = rows <= far
-    if not np.any(near if rates else near & (rows != 0.0)):
+        within = rows <= far
+    if not np.any(within if rates else within & (rows != 0.0)):
         return np.empty(0, _short().SHORT)
     # series reach as far as the epochs on each side; motions without such epochs have none
     later = t if edges is None else t[:, edges[0] : edges[-1]]
     sides = [
-        _farthest(np.where(near & (sign * later >= 0.0), rows, -1.0), edges) for sign in (1, -1)
+        _farthest(np.where(within & (sign * later >= 0.0), rows, -1.0), edges) for sign in (1, -1)
     ]
     farthest = np.stack(sides, axis=1)
     span = np.where(np.any(farthest >= 0.0, axis=1), span, -1.0)
     steps = np.ceil(farthest / np.maximum(span, 1e-300)[:, None])
     spans = np.clip(steps, 1, spans[:, None]).astype(np.int64)
     short = np.zeros(len(constants) + int(np.sum(spans - 1)), _short().SHORT)
-    given = evaluation.writable(constants), evaluation.writable(tangents)
-    _short().short_setup(*given, span, spans, short)
+    records = evaluation.writable(constants), evaluation.writable(tangents)
+    _short().short_setup(*records, span, spans, short)
     return short
 
 
@@ -179,14 +179,14 @@ def _mixed(tangents, factors):
 def _in_blocks(constants, tangents, short, t, t_low, kind, outputs, runs):
     """Call the loops of each form, so many epochs at a time that Ctrl-C is heard."""
     _refuse_overflow(tangents, t, runs)
-    given = evaluation.writable(constants), evaluation.writable(tangents)
+    records = evaluation.writable(constants), evaluation.writable(tangents)
     times = read_only(t), _NO_LOW if t_low is None else read_only(t_low)
     block = np.empty(ROWS * BLOCK)
     forms = set(constants["form"].tolist())
     for edges in _parts(runs, len(constants), t.shape[1]):
         for form in forms:
             loop = _compiled(form == codes.UNIFORM)[kind][form]
-            body = loop(*given, short, *times, block, *outputs, edges)
+            body = loop(*records, short, *times, block, *outputs, edges)
             if body >= 0:
                 few = body if len(t) > 1 else 0, slice(*edges[body].tolist())
                 evaluation.refuse_epoch(

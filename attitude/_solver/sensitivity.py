@@ -192,11 +192,11 @@ def _state(c, d, moments, wxyz, to_body):
         math.ldexp(c.omega[2, 0], c.tempo),
     )
     to_inertial = product(start, to_body)
-    found = turned_by(
+    momentum = turned_by(
         to_inertial, (moments[0] * omega[0], moments[1] * omega[1], moments[2] * omega[2])
     )
     for k in range(3):
-        d.momentum[k] = found[k]
+        d.momentum[k] = momentum[k]
         d.inverse[k] = 1.0 / moments[k]
         _put(d.principal, k, turned_by(to_body, unit_vector(k)))
 
@@ -220,9 +220,9 @@ def _invariant(frame, invariant):
     w, x, y, z = frame[0, 0], -frame[1, 0], -frame[2, 0], -frame[3, 0]
     for k in range(3):
         column = frame[0, k + 1], frame[1, k + 1], frame[2, k + 1], frame[3, k + 1]
-        found = product(column, (w, x, y, z))
+        axis = product(column, (w, x, y, z))
         for i in range(3):
-            invariant[i, k] = found[1 + i]
+            invariant[i, k] = axis[1 + i]
 
 
 @subroutine
@@ -290,19 +290,19 @@ def _columns_of(name, form, fill_block, fill_attitudes, fill_rates):
                 head = max(start - again, first)
                 times, low = t[k, head:stop], _lows(t_low, zeros, k, head, stop)
                 fill_block(c, d, times, low, block)
-                near = len(short) > 0 and any_near(times, short[b].reach)
-                if near or omega is not None:
+                by_series = len(short) > 0 and any_near(times, short[b].reach)
+                if by_series or omega is not None:
                     fill_attitudes(c, stop - head, block)
                 if omega is not None:
                     fill_rates(c, d, stop - head, block)
-                if again and not near and not any_missing(stop - head, block):
+                if again and not by_series and not any_missing(stop - head, block):
                     _stream(d, b, block, (first, start, stop, end), attitude)
                     if omega is not None:
                         _stream_rates(c, d, b, block, (first, start, stop, end), omega)
                 else:
-                    _store(d, short, b, near, block, (head, stop), attitude)
+                    _store(d, short, b, by_series, block, (head, stop), attitude)
                     if omega is not None:
-                        _store_rates(c, d, short, b, near, block, (head, stop), omega)
+                        _store_rates(c, d, short, b, by_series, block, (head, stop), omega)
         finish_stores()
         return -1
 
@@ -397,14 +397,14 @@ def uniform(constants, tangents, short, t, t_low, block, attitude, omega, edges)
             stop = min(start + BLOCK, end)
             times, low = t[k, start:stop], _lows(t_low, zeros, k, start, stop)
             uniform_block(c, d, times, low, block)
-            near = len(short) > 0 and any_near(times, short[b].reach)
+            by_series = len(short) > 0 and any_near(times, short[b].reach)
             for j in range(columns):
                 x, y, z = rows_of(attitude, o, j, start, stop)
                 uniform_column(d, j, block, x, y, z)
                 if omega is not None:
                     x, y, z = rows_of(omega, o, j, start, stop)
                     uniform_rate_column(d, j, block, x, y, z)
-            if near:
+            if by_series:
                 for j in range(columns):
                     x, y, z = rows_of(attitude, o, j, start, stop)
                     near_column(d, short, b, j, block, x, y, z)
@@ -433,13 +433,13 @@ def _covariances_of(name, form, fill_block, fill_attitudes, fill_rates):
                 n = stop - head
                 times, low = t[k, head:stop], _lows(t_low, zeros, k, head, stop)
                 fill_block(c, d, times, low, block)
-                near = len(short) > 0 and any_near(times, short[b].reach)
-                if near or rates:
+                by_series = len(short) > 0 and any_near(times, short[b].reach)
+                if by_series or rates:
                     fill_attitudes(c, n, block)
                 if rates:
                     fill_rates(c, d, n, block)
                 _store_covariances(
-                    c, d, short, b, near, block, (first, start, stop, end), again, out
+                    c, d, short, b, by_series, block, (first, start, stop, end), again, out
                 )
         finish_stores()
         return -1
@@ -524,18 +524,18 @@ def uniform_covariance(constants, tangents, short, t, t_low, block, out, edges):
             n = stop - start
             times, low = t[k, start:stop], _lows(t_low, zeros, k, start, stop)
             uniform_block(c, d, times, low, block)
-            near = len(short) > 0 and any_near(times, short[b].reach)
+            by_series = len(short) > 0 and any_near(times, short[b].reach)
             start_sums(n, 21 if rates else 6, block)
             x, y, z = found_rows(block, n)
             for j in range(COLUMNS):
                 uniform_column(d, j, block, x, y, z)
-                if near:
+                if by_series:
                     near_column(d, short, b, j, block, x, y, z)
                 add_products(n, block)
                 if rates:
                     keep_turn(n, block)
                     uniform_rate_column(d, j, block, x, y, z)
-                    if near:
+                    if by_series:
                         near_rate_column(short, b, j, block, x, y, z)
                     add_products_of_rates(n, block)
             copy_sums(block, o, 0, start, stop, out)

@@ -151,9 +151,21 @@ _TINY = 1e-300
 
 
 @force_inlined
+def triple(row):
+    """The first three entries of an array as a tuple."""
+    return row[0], row[1], row[2]
+
+
+@force_inlined
 def four(row):
     """The first four entries of an array as a tuple."""
     return row[0], row[1], row[2], row[3]
+
+
+@force_inlined
+def five(row):
+    """The first five entries of an array as a tuple."""
+    return row[0], row[1], row[2], row[3], row[4]
 
 
 @force_inlined

@@ -532,10 +532,10 @@ def _store_zeta(w, j, size, state, ends, s):
 @subroutine
 def any_near(t, reach):
     """Whether any epoch of a block is within reach."""
-    found = 0
+    within = 0
     for i in range(len(t)):
-        found |= abs(t[i]) <= reach
-    return found != 0
+        within |= abs(t[i]) <= reach
+    return within != 0
 
 
 @subroutine

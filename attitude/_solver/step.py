@@ -90,9 +90,9 @@ def stored(state, row):
 def moved_by(state, by):
     """A state plus an increment."""
     q, _, low, _ = state
-    turn, change, n, rest = by
+    turn, change, n, error = by
     # n is nearly the same from step to step: it goes into the lower half, which turns with q.
-    return kicked(turned(state, product(q, turn), n, product(low, turn)), change, rest)
+    return kicked(turned(state, product(q, turn), n, product(low, turn)), change, error)
 
 
 @subroutine
@@ -273,7 +273,7 @@ def turn_and_change(moments, w, rate, h, momentum, square, linear):
         fma(-sine, third, fma(cosine, second, cosine)),
     )
 
-    change, rest = _change(w, rate, s)
+    change, error = _change(w, rate, s)
     d1, d2, d3 = i1 * change[0], i2 * change[1], i3 * change[2]
     # (l - l0) x l0 and (1 - l . l0)/2 times L^2
     p1, p2, p3 = fma(d2, m3, -d3 * m2), fma(d3, m1, -d1 * m3), fma(d1, m2, -d2 * m1)
@@ -287,7 +287,7 @@ def turn_and_change(moments, w, rate, h, momentum, square, linear):
     z = fma(sine, fma(2.0, m3, d3), cosine * p3)
     # To unit length: over a million steps a bias in s would accumulate.
     n = -0.5 * (fma(s, s, 2.0 * s) + fma(x, x, fma(y, y, z * z)))
-    return (s, x, y, z), change, n, rest
+    return (s, x, y, z), change, n, error
 
 
 @force_inlined
@@ -338,21 +338,21 @@ def _change(w, rate, s):
     change = fma(n1, more, n1), fma(n2, more, n2), fma(n3, more, n3)
     v1, v3 = _left_out(e1, ss, less, a1, u1), _left_out(e3, ss, less, a3, u3)
     v = fma(kappa[0], ss, -g) + fma(kappa[0], less, kappa[1] * ss)
-    rest = (
+    error = (
         fma(w1, v3 + v, fma(r1, v1, n1 * v)),
         fma(w2, (v1 + v3) + v, n2 * v),
         fma(w3, v1 + v, fma(r3, v3, n3 * v)),
     )
-    return change, rest
+    return change, error
 
 
 @subroutine
 def _left_out(e, ss, less, a, u):
     """The error of u as sqrt(1 - e (ss + less)) - 1; a is e ss rounded."""
     # u^2 + 2 u + a = 0; 2 u + a is exact
-    rest = fma(u, u, fma(2.0, u, a)) + (fma(e[0], ss, -a) + fma(e[0], less, e[1] * ss))
+    residual = fma(u, u, fma(2.0, u, a)) + (fma(e[0], ss, -a) + fma(e[0], less, e[1] * ss))
     # over 2 (1 + u)
-    return rest * fma(u, fma(-0.5, u, 0.5), -0.5)
+    return residual * fma(u, fma(-0.5, u, 0.5), -0.5)
 
 
 @subroutine
@@ -414,12 +414,12 @@ def advance(moments, k, h, state):
     """
     rate = rates(k, state[1])
     size, speed = speed_of(state[1], rate)
-    count, part = 1, h
+    count, piece = 1, h
     if not speed * (h * h) <= (LONGEST_PIECE * LONGEST_PIECE) * size:
         count = pieces(k, state[1], h)
-        part = h / count
+        piece = h / count
     while True:
-        state = moved_by(state, increment(moments, state[1], rate, part))
+        state = moved_by(state, increment(moments, state[1], rate, piece))
         count -= 1
         if not count > 0:
             return state
@@ -449,18 +449,18 @@ def advance_two(moments, k, h, state, squares):
     """
     rate = rates(k, state[1])
     size, speed = speed_of(state[1], rate)
-    part, left, count, uneven = h, h, 1.0, False
+    piece, left, count, uneven = h, h, 1.0, False
     if positive_bits(squares * size - speed * (h * h)) != BOTH:
         one, two = doubles_of(root(h * h * speed / (squares * size)))
         one, two = _pieces(one), _pieces(two)
         left, count, uneven = lanes((one, two)), max(one, two), one != two
-        part = h / left
+        piece = h / left
     while True:
         momentum, square = momentum_of(moments, state[1])
         over = 1.0 / root(square)
-        energy, turns = linear_turns(momentum, state[1], part, over)
+        energy, turns = linear_turns(momentum, state[1], piece, over)
         linear = over, energy, sincos_of_eighth(turns)
-        by = turn_and_change(moments, state[1], rate, part, momentum, square, linear)
+        by = turn_and_change(moments, state[1], rate, piece, momentum, square, linear)
         moved = moved_by(state, by)
         fine = positive_bits(square - NO_MOMENTUM) & positive_bits(_EIGHTH - turns * turns)
         if uneven:  # the body of fewer pieces keeps its state

@@ -25,7 +25,7 @@ from attitude._solver import codes
 from attitude._solver.constants import COS_EVEN, COS_ODD, SIN_EVEN, SIN_ODD
 from attitude._solver.derivatives import ellipticity, state_of
 from attitude._solver.elliptic import integrals
-from attitude._solver.kernel import axes_of, epoch_pair, frame_of, rate_series_of
+from attitude._solver.kernel import axes_of, epoch_pair, frame_of, rate_series_of, rows_of_matrix
 from attitude._solver.records import (
     ARGUMENTS,
     BASIS,
@@ -44,6 +44,7 @@ from attitude._solver.records import (
 from attitude._solver.series import (
     cubic,
     exp2_of_minus,
+    five,
     four,
     hyperbolic_arguments,
     hyperbolic_pair,
@@ -55,32 +56,13 @@ from attitude._solver.series import (
     sincos,
     trigonometric_pair,
     trigonometric_rates,
+    triple,
     turned,
 )
 from attitude._solver.twofloat import quick_two_sum, two_sum
 
 LOG_2 = math.log(2.0)
 _TINY = 1e-300
-
-
-@subroutine
-def _matrix(a):
-    return (
-        (a[0, 0], a[0, 1], a[0, 2]),
-        (a[1, 0], a[1, 1], a[1, 2]),
-        (a[2, 0], a[2, 1], a[2, 2]),
-    )
-
-
-@subroutine
-def _three(row):
-    return row[0], row[1], row[2]
-
-
-@subroutine
-def _five(row):
-    """The first five entries of an array as a tuple."""
-    return row[0], row[1], row[2], row[3], row[4]
 
 
 @subroutine
@@ -150,14 +132,14 @@ def trigonometric_block(c, d, t, t_low, block):
     gh, gl = c.precession[0], c.precession[1]
     fh, fl = c.nutation[0], c.nutation[1]
     xh, xl = c.nutation0[0], c.nutation0[1]
-    theta4, upright = _five(d.series[0]), four(d.series[1])
+    theta4, upright = five(d.series[0]), four(d.series[1])
     by_v, by_rho = (
-        (_five(d.series[2]), _five(d.series[3])),
-        (_five(d.series[4]), _five(d.series[5])),
+        (five(d.series[2]), five(d.series[3])),
+        (five(d.series[4]), five(d.series[5])),
     )
-    by_x = _five(d.series[6]), _five(d.series[7])
+    by_x = five(d.series[6]), five(d.series[7])
     along, along_rho, along_x = d.upright[0], d.upright[1], d.upright[2]
-    invariant = _matrix(d.invariant)
+    invariant = rows_of_matrix(d.invariant)
     for i in range(len(t)):
         time, low = epoch_pair(t, t_low, i)
         s, lo, _ = phase(fh, fl, xh, xl, time, low, 1.0)
@@ -175,28 +157,19 @@ def trigonometric_block(c, d, t, t_low, block):
             sine_over * quartic(by_v[1], double_cosine),
             along,
         )
-        x, y, w = _applied(to, turn)
-        block[BASIS + i] = x
-        block[BASIS + 1 * BLOCK + i] = y
-        block[BASIS + 2 * BLOCK + i] = w
+        _store(block, BASIS + i, _applied(to, turn))
         turn = (
             sine_over * quartic(by_rho[0], double_cosine),
             cosine_over * quartic(by_rho[1], double_cosine),
             along_rho * z,
         )
-        x, y, w = _applied(to, turn)
-        block[BASIS + 3 * BLOCK + i] = x
-        block[BASIS + 4 * BLOCK + i] = y
-        block[BASIS + 5 * BLOCK + i] = w
+        _store(block, BASIS + 3 * BLOCK + i, _applied(to, turn))
         turn = (
             sine_over * quartic(by_x[0], double_cosine),
             cosine_over * quartic(by_x[1], double_cosine),
             along_x * z,
         )
-        x, y, w = _applied(to, turn)
-        block[BASIS + 6 * BLOCK + i] = x
-        block[BASIS + 7 * BLOCK + i] = y
-        block[BASIS + 8 * BLOCK + i] = w
+        _store(block, BASIS + 6 * BLOCK + i, _applied(to, turn))
         block[ARGUMENTS + i] = sn
         block[ARGUMENTS + BLOCK + i] = cn
         block[ARGUMENTS + 2 * BLOCK + i] = sine
@@ -227,15 +200,15 @@ def hyperbolic_block(c, d, t, t_low, block):
     real, imaginary = four(d.series[2]), four(d.series[3])
     real_slope, imaginary_slope = four(d.series[4]), four(d.series[5])
     upright, upright_nome = d.upright[0], d.upright[2]
-    invariant = _matrix(d.invariant)
+    invariant = rows_of_matrix(d.invariant)
     unit = nome if winds != 0.0 else 1.0
     by_y, by_passed = -0.5 * LOG_2 * decay * d.by_third[0], -d.by_third[1]
     for i in range(len(t)):
         time, low = epoch_pair(t, t_low, i)
         s, lo, half_turns = phase(fh, fl, xh, xl, time, low, winds)
-        dx, rest = quick_two_sum(s, lo)
+        dx, dx_low = quick_two_sum(s, lo)
         side = chosen_if(dx < 0.0, -1.0, 1.0)
-        e, over = decayed(side * dx, side * rest, decay, decay_low)
+        e, over = decayed(side * dx, side * dx_low, decay, decay_low)
         f, g, ee = nome * over, nome * e, e * e
         ff, gg = f * f, g * g
         inverse = 1.0 / fma(ee, quadratic(norm, gg), quadratic(norm, ff))
@@ -262,10 +235,10 @@ def hyperbolic_block(c, d, t, t_low, block):
         block[PASSED + i] = fma(4.0, passed, 2.0 * side) - passed_first
         by_first = fma(by_passed, passed, by_y * dx)
         block[SCALED + i] = by_first
-        near, far = unit * over * inverse, unit * e * ee * inverse
+        by_f, by_g = unit * over * inverse, unit * e * ee * inverse
         turn = (
-            side * fma(near, quadratic(real_slope, ff), -far * quadratic(real_slope, gg)),
-            fma(near, quadratic(imaginary_slope, ff), far * quadratic(imaginary_slope, gg)),
+            side * fma(by_f, quadratic(real_slope, ff), -by_g * quadratic(real_slope, gg)),
+            fma(by_f, quadratic(imaginary_slope, ff), by_g * quadratic(imaginary_slope, gg)),
             upright_nome * fma(2.0, side, along),
         )
         x, y, z = _applied(to, turn)
@@ -316,9 +289,9 @@ def hyperbolic_attitudes_block(c, n, block):
 @force_inlined
 def trigonometric_rates_block(c, d, n, block):
     """Fill the angular velocities of a block after `trigonometric_block`, and their derivatives."""
-    series, axes, by_phase = rate_series_of(c), axes_of(c), _three(d.by_phase)
-    one, two = _five(d.by_nome[0]), _five(d.by_nome[1])
-    three, low = _five(d.by_nome[2]), _five(d.by_nome[3])
+    series, axes, by_phase = rate_series_of(c), axes_of(c), triple(d.by_phase)
+    one, two = five(d.by_nome[0]), five(d.by_nome[1])
+    three, low = five(d.by_nome[2]), five(d.by_nome[3])
     for i in range(n):
         sn, cn = block[ARGUMENTS + i], block[ARGUMENTS + BLOCK + i]
         w = trigonometric_rates(series, sn, cn)
@@ -340,7 +313,7 @@ def hyperbolic_rates_block(c, d, n, block):
     Term n of the series has Q'^(2 n^2) exp(+-4 n y), in those of sn and of the denominator times
     Q'^(2 n): each is differentiated by Q'^2.
     """
-    series, axes, by_phase, nome = rate_series_of(c), axes_of(c), _three(d.by_phase), d.nome
+    series, axes, by_phase, nome = rate_series_of(c), axes_of(c), triple(d.by_phase), d.nome
     cn, sn, dn, low = series
     sixth = 6.0 * nome**6
     for i in range(n):
@@ -351,8 +324,8 @@ def hyperbolic_rates_block(c, d, n, block):
         w = hyperbolic_rates(series, dx, half_turns, arguments)
         ee, ff, gg = e * e, arguments[1] * arguments[1], arguments[2] * arguments[2]
         inverse = 1.0 / fma(ee, quadratic(low, gg), quadratic(low, ff))
-        near, far = fma(sixth, ff, 2.0) * ff, ee * (fma(sixth, gg, 2.0) * gg)
-        slope = -(near + far)
+        slope_ff, slope_gg = fma(sixth, ff, 2.0) * ff, ee * (fma(sixth, gg, 2.0) * gg)
+        slope = -(slope_ff + slope_gg)
         cube = e * ee
         sign = chosen_if(dx < 0.0, -1.0, 1.0)
         one = fma(over, fma(4.0 * cn[2], ff, cn[1]), cube * fma(4.0 * cn[2], gg, cn[1]))
@@ -509,7 +482,7 @@ def fast_vectors(series, upright, sn, cn):
 def _with_slope(c, x):
     """A quartic and its derivative."""
     slope = fma(fma(fma(4.0 * c[4], x, 3.0 * c[3]), x, 2.0 * c[2]), x, c[1])
-    return quartic(_five(c), x), slope
+    return quartic(five(c), x), slope
 
 
 @subroutine
@@ -523,7 +496,7 @@ def _quotient(c, x, slope_of_x, factor, over, less):
 @subroutine
 def in_inertial(invariant, sine, cosine, v):
     """A vector of the axes that turn by twice the angle of this sine and cosine, inertial axes."""
-    return _applied(_precessed(_matrix(invariant), sine, cosine), v)
+    return _applied(_precessed(rows_of_matrix(invariant), sine, cosine), v)
 
 
 @subroutine
@@ -569,16 +542,16 @@ def fill_rates(c, d):
     changes are added to those of the amplitudes.
     """
     (i1, i2, i3), _w, (d12, d23, d13), _a, _side, _size, speed, (m, mc) = state_of(c)
-    near = c.form == codes.HYPERBOLIC
+    hyperbolic = c.form == codes.HYPERBOLIC
     # v' or y', the phase by time, without its sense
-    if near:
+    if hyperbolic:
         by_time = speed * 0.25 * math.pi / integrals(mc, m)[0]
     else:
         by_time = speed * 0.5 * math.pi / integrals(m, mc)[0]
     over = math.ldexp(1.0 / by_time, -c.tempo)
     d.by_phase[0], d.by_phase[1] = over * d23 / i1, -over * d13 / i2
     d.by_phase[2] = over * d12 / i3
-    q = d.nome * d.nome if near else math.sqrt(c.nome)
+    q = d.nome * d.nome if hyperbolic else math.sqrt(c.nome)
     # theta2 / (2 q^(1/4)), theta3, theta4 and their derivatives
     two = 1.0 + q**2 + q**6 + q**12 + q**20
     two_slope = q * (2.0 + 6.0 * q**4 + 12.0 * q**10 + 20.0 * q**18)
@@ -589,10 +562,10 @@ def fill_rates(c, d):
     low4 = 2.0 * (even_slope - odd_slope) / fourth
     for j in range(COLUMNS):
         change = d.weights[NOME, j]
-        d.amplitudes[0, j] += (low4 - low2 if not near else low2 - low4) * change
-        d.amplitudes[1, j] += (low3 - low2 if not near else low3 - low4) * change
-        d.amplitudes[2, j] += (low4 - low3 if not near else low2 - low3) * change
-    if near:
+        d.amplitudes[0, j] += (low4 - low2 if not hyperbolic else low2 - low4) * change
+        d.amplitudes[1, j] += (low3 - low2 if not hyperbolic else low3 - low4) * change
+        d.amplitudes[2, j] += (low4 - low3 if not hyperbolic else low2 - low3) * change
+    if hyperbolic:
         return
     factors = (
         c.amplitudes[0] * fourth / two,

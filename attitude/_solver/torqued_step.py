@@ -94,16 +94,16 @@ def torqued_step(body, plan, torques, state, t, end, h, first, row, work, held):
     held = held and coefficient(plan, layout.KICKS, last) != 0.0
     done = 0.0
     for j in range(last + 1):
-        part = coefficient(plan, layout.KICKS, j)
+        fraction = coefficient(plan, layout.KICKS, j)
         gradient = coefficient(plan, layout.GRADIENTS, j)
         when = end if j == last else t + done * h
-        if part != 0.0 or gradient != 0.0:
+        if fraction != 0.0 or gradient != 0.0:
             state, fine = kick(
                 body,
                 torques,
                 state,
                 when,
-                part * h,
+                fraction * h,
                 gradient * h * h * h,
                 first + j * row,
                 work,
@@ -112,14 +112,14 @@ def torqued_step(body, plan, torques, state, t, end, h, first, row, work, held):
             if not fine:
                 return state, layout.BAD_TORQUE, when, 0.0
         if j < last:
-            part = coefficient(plan, layout.FLIGHTS, j)
-            flight = part * h
+            fraction = coefficient(plan, layout.FLIGHTS, j)
+            flight = fraction * h
             w1, w2, w3 = state[1]
             speed = w1 * w1 + w2 * w2 + w3 * w3
             if flight * flight * speed > limit * limit or speed > FASTEST:
-                return state, layout.TOO_LONG, when, abs(part) * math.sqrt(speed)
+                return state, layout.TOO_LONG, when, abs(fraction) * math.sqrt(speed)
             state = advance(body[0], k, flight, state)
-            done += part
+            done += fraction
     return state, layout.FINE, 0.0, 0.0
 
 
@@ -197,12 +197,12 @@ def _entry(torques, model, column):
 @subroutine
 def _call_torque(torques, model, function, t, samples, work):
     """Call the function in a column of a torque's row of `models`: its result, from RETURNED."""
-    given = samples + layout.ENTRY_BYTES * _entry(torques, model, layout.COLUMN)
+    sample = samples + layout.ENTRY_BYTES * _entry(torques, model, layout.COLUMN)
     parameters = _entry(torques, model, layout.PARAMETERS)
     wxyz, omega = work + layout.INPUT_WXYZ_BYTES, work + layout.INPUT_OMEGA_BYTES
     out = work + layout.RETURNED_BYTES
     put_three(work, layout.RETURNED, math.nan, math.nan, math.nan)
-    call(_entry(torques, model, function), t, wxyz, omega, given, parameters, out)
+    call(_entry(torques, model, function), t, wxyz, omega, sample, parameters, out)
     return _three(work, layout.RETURNED)
 
 
@@ -281,17 +281,17 @@ def rate_gained(body, acceleration, h, size, linear):
         terms = 6.0
     elif angle < 0.08:
         terms = 9.0
-    part = h / count
+    piece = h / count
     x = y = z = 0.0 * h
     while count > 0.0:
         d1, d2, d3 = gained_by(rows, acceleration, (x, y, z))
         e1, e2, e3, k = d1, d2, d3, terms
         while k > 1.0:  # a loop over a range costs divisions of whole numbers
-            share = part / k
+            share = piece / k
             shares = share * e1, share * e2, share * e3
             e1, e2, e3 = gained_by(rows, (d1, d2, d3), shares)
             k -= 1.0
-        x, y, z = x + part * e1, y + part * e2, z + part * e3
+        x, y, z = x + piece * e1, y + piece * e2, z + piece * e3
         count -= 1.0
     return x, y, z
 

@@ -24,7 +24,7 @@ from attitude._compilation.decorators import elementwise, force_inlined, subrout
 from attitude._compilation.instructions import fma
 from attitude._solver.kernel import epoch_pair, turned_by, unit
 from attitude._solver.records import BASIS, BLOCK, COLUMNS, SECONDS
-from attitude._solver.series import phase, sincos
+from attitude._solver.series import phase, sincos, triple
 from attitude._solver.twofloat import TWO_PI, add, div, mul, neg, pair, scale, sqrt, square, sub
 
 # Rows of a block.
@@ -52,9 +52,9 @@ def _wobble(c, d, couplings):
     total = add(total, mul(mul(one, three), square(y)))
     d.grows = 1.0 if total[0] > 0.0 else 0.0
     root = sqrt(total if total[0] > 0.0 else neg(total))
-    found = div(root, scale(TWO_PI, 2.0))
-    d.wobble[0] = math.ldexp(found[0], c.tempo)
-    d.wobble[1] = math.ldexp(found[1], c.tempo)
+    frequency = div(root, scale(TWO_PI, 2.0))
+    d.wobble[0] = math.ldexp(frequency[0], c.tempo)
+    d.wobble[1] = math.ldexp(frequency[1], c.tempo)
 
 
 @subroutine
@@ -108,11 +108,6 @@ def unit_vector(k):
 
 
 @subroutine
-def _three(row):
-    return row[0], row[1], row[2]
-
-
-@subroutine
 def fill_uniform(c, d, moments, wxyz, principal):
     """Fill what the scalars of `uniform_block` multiply.
 
@@ -135,7 +130,7 @@ def fill_uniform(c, d, moments, wxyz, principal):
     axis = omega[0] * over, omega[1] * over, omega[2] * over
     start = unit(wxyz)
     along = turned_by(start, turned_by(principal, axis))
-    momentum = _three(d.momentum)
+    momentum = triple(d.momentum)
     squared = _dot(momentum, momentum)
     back = principal[0], -principal[1], -principal[2], -principal[3]
     for j in range(COLUMNS):
@@ -310,9 +305,9 @@ def _beat_row(u, k, j, block, x):
     still, along = u[0, k, j], u[1, k, j]
     a, b, c, d = u[2, k, j], u[3, k, j], u[4, k, j], u[5, k, j]
     for i in range(len(x)):
-        found = fma(along, block[SECONDS + i], still)
-        found = fma(d, block[FAST + BLOCK + i], fma(c, block[FAST + i], found))
-        x[i] = fma(b, block[SLOW + BLOCK + i], fma(a, block[SLOW + i], found))
+        change = fma(along, block[SECONDS + i], still)
+        change = fma(d, block[FAST + BLOCK + i], fma(c, block[FAST + i], change))
+        x[i] = fma(b, block[SLOW + BLOCK + i], fma(a, block[SLOW + i], change))
 
 
 @elementwise

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from attitude._compilation.decorators import quickly_compiled, sized_entry_point, subroutine
+from attitude._solver.kernel import product
 
 if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray
@@ -97,17 +98,17 @@ def separation(
     """
     if ax.size == 1:
         ax, ay, az, bx, by, bz = bx, by, bz, ax, ay, az
-    angle, far = np.empty(ax.size), np.empty(min(ax.size, _BLOCK))
+    angle, of_sum = np.empty(ax.size), np.empty(min(ax.size, _BLOCK))
     for begin in range(0, angle.size, _BLOCK):
-        near = angle[begin : begin + _BLOCK]
-        part = slice(begin, begin + near.size)
-        first = ax[part], ay[part], az[part]
+        chord = angle[begin : begin + _BLOCK]
+        block = slice(begin, begin + chord.size)
+        first = ax[block], ay[block], az[block]
         if bx.size == 1:
-            _from_one(*first, bx[0], by[0], bz[0], near, far)
+            _from_one(*first, bx[0], by[0], bz[0], chord, of_sum)
         else:
-            _from_each(*first, bx[part], by[part], bz[part], near, far)
-        np.arctan2(near, far[: near.size], out=near)
-        near *= 2.0
+            _from_each(*first, bx[block], by[block], bz[block], chord, of_sum)
+        np.arctan2(chord, of_sum[: chord.size], out=chord)
+        chord *= 2.0
     return angle
 
 
@@ -162,13 +163,13 @@ def rates_all(moments, long_axis, long_labels, branches, places, momenta, angles
     """
     for n in range(len(rates)):
         a, b, c = moments[n, 0], moments[n, 1], moments[n, 2]
-        y, rest = places[n, 0], places[n, 1]
+        y, complement = places[n, 0], places[n, 1]
         if long_axis[n]:
             bd = (b - a) * y
-            da, cd = (b - a) * rest, (c - b) + bd
+            da, cd = (b - a) * complement, (c - b) + bd
         else:
             bd = -(c - b) * y
-            da, cd = (b - a) - bd, (c - b) * rest
+            da, cd = (b - a) - bd, (c - b) * complement
         sine, cosine = math.sin(angles[n, 4]), math.cos(angles[n, 4])
         s, k = sine * sine, cosine * cosine
         if long_labels[n]:
@@ -233,19 +234,8 @@ def _turned(angles, row):
     c, s, u, v = math.cos(east), math.sin(east), math.cos(south), math.sin(south)
     pole = (c * u, -s * v, c * v, s * u)
     half = 0.5 * angles[3]
-    total, rest = 0.5 * (angles[2] + angles[4]), 0.5 * (angles[2] - angles[4])
+    total, diff = 0.5 * (angles[2] + angles[4]), 0.5 * (angles[2] - angles[4])
     u, v = math.cos(half), math.sin(half)
-    euler = (u * math.cos(total), v * math.cos(rest), v * math.sin(rest), u * math.sin(total))
-    found = _times(_times(pole, euler), (row[0], -row[1], -row[2], -row[3]))
-    row[0], row[1], row[2], row[3] = found
-
-
-@subroutine
-def _times(p, q):
-    """The product of two quaternions."""
-    return (
-        p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
-        p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
-        p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1],
-        p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0],
-    )
+    euler = (u * math.cos(total), v * math.cos(diff), v * math.sin(diff), u * math.sin(total))
+    turned = product(product(pole, euler), (row[0], -row[1], -row[2], -row[3]))
+    row[0], row[1], row[2], row[3] = turned

@@ -190,7 +190,7 @@ def either(one: Logic, other: Logic) -> Logic:
 
 def undecided(logic: Logic, signs: Sequence[IntArray]) -> BoolArray:
     """Where (N,) the signs leave a condition open: 1 for True, 0 for False, -1 for not known."""
-    true, false = logic.possible([(each != 0, each != 1) for each in signs])
+    true, false = logic.possible([(sign != 0, sign != 1) for sign in signs])
     return true & false
 
 
@@ -223,8 +223,8 @@ class Joinable:
     __ror__ = __rand__
 
     def __invert__(self) -> Condition:
-        own = self.condition
-        return Condition(own.source, own.channels, Not(own.logic))
+        condition = self.condition
+        return Condition(condition.source, condition.channels, Not(condition.logic))
 
     def __bool__(self) -> bool:
         raise AttitudeError(
@@ -429,7 +429,7 @@ def fastest(source: Source, start: Pair, stop: Pair) -> float:
     motion = source.turning
     ends = [start[0], *(t for t in motion.joints.tolist() if start[0] < t < stop[0])]
     bounds = [motion.rate_bounds(t) for t in ends]
-    known = [each.first for each in bounds if each is not None]
+    known = [bound.first for bound in bounds if bound is not None]
     if len(known) == len(bounds):
         return max(known)
     s = np.linspace(0.0, (stop[0] - start[0]) + (stop[1] - start[1]), _SAMPLES)

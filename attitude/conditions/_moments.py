@@ -182,12 +182,12 @@ def estimated(vectors: FloatArray, step: float | None) -> Drift:
     """The Drift that unit vectors (N, 3) at a spacing of `step` seconds show, with a margin."""
     if vectors.ndim == 1 or not step or len(vectors) < 2:
         return Drift()
-    found = [0.0, 0.0, 0.0]
+    bounds = [0.0, 0.0, 0.0]
     for order in range(3):
         vectors = np.diff(vectors, axis=0) / step
         if len(vectors):
-            found[order] = _MARGINS[order] * float(np.max(lengths(vectors)))
-    return Drift(*found)
+            bounds[order] = _MARGINS[order] * float(np.max(lengths(vectors)))
+    return Drift(*bounds)
 
 
 def lengths(vectors: FloatArray) -> FloatArray:

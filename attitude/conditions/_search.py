@@ -93,11 +93,11 @@ def refined(
     # x1 and x2 are the ends of the brackets, x1 the newer of them; x3 is the end
     # that the last step replaced.
     x1, x2, f1, f2 = a[open_], b[open_], p[open_], q[open_]
-    part = np.clip(f1 / (f1 - f2), 0.001, 0.999)
+    fraction = np.clip(f1 / (f1 - f2), 0.001, 0.999)
     for _ in range(_MOST_STEPS):
         if not len(open_):
             break
-        new = x1 + part * (x2 - x1)
+        new = x1 + fraction * (x2 - x1)
         value = evaluate(new)
         same = (value < 0.0) == (f1 < 0.0)
         x3, f3 = np.where(same, x1, x2), np.where(same, f1, f2)
@@ -110,10 +110,10 @@ def refined(
         done = (width <= tolerance) | (f1 == 0.0)
         keep = ~done
         open_ = open_[keep]
-        x1, x2, x3, f1, f2, f3 = (part[keep] for part in (x1, x2, x3, f1, f2, f3))
-        part = _next(x1, x2, x3, f1, f2, f3)
+        x1, x2, x3, f1, f2, f3 = (array[keep] for array in (x1, x2, x3, f1, f2, f3))
+        fraction = _next(x1, x2, x3, f1, f2, f3)
         edge = 0.5 * tolerance[keep] / width[keep]
-        part = np.clip(part, edge, 1.0 - edge)
+        fraction = np.clip(fraction, edge, 1.0 - edge)
     return x
 
 
@@ -254,16 +254,16 @@ def crossings(
     advance: Advance | None = None,
 ) -> Iterator[tuple[FloatArray, FloatArray, IntArray, BoolArray]]:
     """The sign changes of channels, block by block in order of time."""
-    own = Advance(start, stop) if advance is None else advance
+    progress = Advance(start, stop) if advance is None else advance
     for base, moment, knots, bounds in blocks(source, channels, start, stop):
-        own.reached(base)
+        progress.reached(base)
         values = np.stack([channel.value(moment) for channel in channels])
         if not np.all(np.isfinite(values)):
             raise AttitudeError(
                 "an attitude or a direction is not finite within the search; give a span in which "
                 "all of them are known."
             )
-        found = []
+        zeros = []
         in_scene = source.scene is not None
         touch = SCENE_TOUCH if in_scene else TOUCH
         for k, channel in enumerate(channels):
@@ -277,13 +277,13 @@ def crossings(
             noise = channel.noise * (_SCENE_NOISE if in_scene else 1.0)
             brackets = isolated(evaluate, knots, values[k], first, second, touch / fastest, noise)
             s = refined(evaluate, *brackets)
-            found.append((s, np.full(len(s), k), brackets[2] < 0.0))
-        s, which, rising = (np.concatenate(part) for part in zip(*found, strict=True))
+            zeros.append((s, np.full(len(s), k), brackets[2] < 0.0))
+        s, which, rising = (np.concatenate(column) for column in zip(*zeros, strict=True))
         if len(s):
             order = np.argsort(s, kind="stable")
             yield *shifted(base, s[order]), which[order], rising[order]
     if advance is None:
-        own.end()
+        progress.end()
 
 
 def blocks(
@@ -343,16 +343,16 @@ def isolated(
     Shapes: knots, values (M,).
     """
     a, b, p, q = knots[:-1], knots[1:], values[:-1], values[1:]
-    found = []
+    brackets = []
     while len(a):
         h = b - a
         change = (p < 0.0) != (q < 0.0)
         open_ = ~_free_of_zeros(h, np.abs(p), np.abs(q), first, second, noise)
         single = change & ((np.abs(q - p) > 0.5 * second * h * h) | (h <= touch))
-        found.append(np.stack([part[single] for part in (a, b, p, q)]))
-        rest = ~single & (h > touch) & (change | open_)
-        a, b, p, q = _divided(evaluate, a[rest], b[rest], p[rest], q[rest])
-    return np.concatenate(found, axis=1)
+        brackets.append(np.stack([column[single] for column in (a, b, p, q)]))
+        divisible = ~single & (h > touch) & (change | open_)
+        a, b, p, q = _divided(evaluate, a[divisible], b[divisible], p[divisible], q[divisible])
+    return np.concatenate(brackets, axis=1)
 
 
 def _free_of_zeros(h, p, q, first, second, noise):

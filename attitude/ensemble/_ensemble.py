@@ -807,11 +807,11 @@ class Ensemble(Immutable):
             block = slice(first, min(first + BLOCK, len(self)))
             constants, bad = self._members.prepared(block)
             rates[:, block] = constants["psi_rate"], constants["phi_rate"]
-            found = solver_regime.rows_of(self._members.states(block)[0], constants)
-            for name in found.dtype.names or ():
-                found[name][bad] = NO_MODE if found.dtype[name].kind == "i" else np.nan
-            rows = np.empty(len(self), found.dtype) if rows is None else rows
-            rows[block] = found
+            block_rows = solver_regime.rows_of(self._members.states(block)[0], constants)
+            for name in block_rows.dtype.names or ():
+                block_rows[name][bad] = NO_MODE if block_rows.dtype[name].kind == "i" else np.nan
+            rows = np.empty(len(self), block_rows.dtype) if rows is None else rows
+            rows[block] = block_rows
         assert rows is not None
         return rows, rates
 

@@ -64,14 +64,14 @@ def grid(
         constants, _ = members.prepared(part, rates=rates is not None)
         times = t.taken(part) if len(t.hi) > 1 else t
         out = wxyz[part], None if rates is None else rates[part]
-        failed = evaluation.evaluated(constants, *times, *out, *epochs)
+        failed = evaluation.evaluate_all(constants, *times, *out, *epochs)
         if failed < 0:
             return
         if raises:
             few = failed if len(t.hi) > 1 else 0, slice(*epochs)
             refuse(constants[failed], times.taken(few), label(part.start + failed))
         reachable = within(times, reaches(constants)[:, None])
-        evaluation.evaluated(constants, *reachable, *out, *epochs)
+        evaluation.evaluate_all(constants, *reachable, *out, *epochs)
 
     most = evaluation.EPOCHS
     bar = ProgressBar("attitudes")

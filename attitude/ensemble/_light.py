@@ -200,15 +200,15 @@ class Light:
 
         in_blocks(work, len(parts), 1, threads, ProgressBar("light curves"))
 
-    def _fill(self, piece: Piece, sun: FloatArray, observer: FloatArray, found: FloatArray) -> None:
+    def _fill(self, piece: Piece, sun: FloatArray, observer: FloatArray, out: FloatArray) -> None:
         fill = self._of_ellipsoids if self._has_axes else self._of_meshes
-        fill(piece, sun, observer, found)
+        fill(piece, sun, observer, out)
         if self._law.has_phase:
             from attitude._solver.vectors import separation
 
             units = (read_only(component) for v in (sun, observer) for component in _unit(v))
-            found *= self._law.phase(np.nan_to_num(separation(*units)))
-        if np.isnan(found).any():
+            out *= self._law.phase(np.nan_to_num(separation(*units)))
+        if np.isnan(out).any():
             self._explain(piece, sun, observer)
 
     def _of_ellipsoids(

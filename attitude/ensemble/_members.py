@@ -467,24 +467,24 @@ def joined(parts: Sequence[Members]) -> Members:
         pairs_of = zip(arrays, counts, strict=True)
         return np.concatenate([np.broadcast_to(a, (n, *a.shape[1:])) for a, n in pairs_of])
 
-    rates = [part.rates for part in parts]
-    if len({each.ndim for each in rates}) > 1:
+    rates = [members.rates for members in parts]
+    if len({omega.ndim for omega in rates}) > 1:
         rates = [
-            np.stack([each, np.zeros_like(each)], axis=-1) if each.ndim == 2 else each
-            for each in rates
+            np.stack([omega, np.zeros_like(omega)], axis=-1) if omega.ndim == 2 else omega
+            for omega in rates
         ]
     differences = None
-    if any(part.differences is not None for part in parts):
+    if any(members.differences is not None for members in parts):
         unknown = [np.full((n, 3, 2), np.nan) for n in counts]
-        both = zip((part.differences for part in parts), unknown, strict=True)
+        both = zip((members.differences for members in parts), unknown, strict=True)
         differences = np.concatenate([b if a is None else a for a, b in both])
     return Members(
-        rows([part.moments for part in parts]),
-        rows([part.principal for part in parts]),
+        rows([members.moments for members in parts]),
+        rows([members.principal for members in parts]),
         np.concatenate(rates),
         differences,
-        np.concatenate([part.wxyz for part in parts]),
-        joined_rows([(part.low, part.wxyz) for part in parts]),
+        np.concatenate([members.wxyz for members in parts]),
+        joined_rows([(members.low, members.wxyz) for members in parts]),
     )
 
 
@@ -511,9 +511,9 @@ def to_icrf(
         return turned, None
     rounded = np.flatnonzero(low.any(axis=1))
     pairs = np.stack([wxyz[rounded], low[rounded]], axis=-1)
-    found = frames.attitude_to_icrf(frame, pairs)
+    in_icrf = frames.attitude_to_icrf(frame, pairs)
     second = np.zeros(wxyz.shape)
-    turned[rounded], second[rounded] = found[..., 0], found[..., 1]
+    turned[rounded], second[rounded] = in_icrf[..., 0], in_icrf[..., 1]
     return turned, second
 
 
@@ -556,19 +556,19 @@ def known_names(names: Any, count: int) -> NDArray[np.str_] | None:
     """Names (N,) of which no two are equal, or None."""
     if names is None:
         return None
-    found = np.array([str(each) for each in np.asarray(names).ravel().tolist()], dtype=np.str_)
-    if len(found) != count:
-        raise AttitudeError(f"{len(found)} names are given for {count} members; give one each.")
-    unique, times = np.unique(found, return_counts=True)
-    if len(unique) < len(found):
+    labels = np.array([str(label) for label in np.asarray(names).ravel().tolist()], dtype=np.str_)
+    if len(labels) != count:
+        raise AttitudeError(f"{len(labels)} names are given for {count} members; give one each.")
+    unique, times = np.unique(labels, return_counts=True)
+    if len(unique) < len(labels):
         name = unique[np.argmax(times > 1)]
         raise AttitudeError(f"two members are called {str(name)!r}; give names that differ.")
-    return frozen(found)
+    return frozen(labels)
 
 
 def joined_epochs(starts: Sequence[FloatArray], counts: Sequence[int]) -> FloatArray:
     """The epochs (2, N) of joined ensembles, (2, 1) if all are equal."""
-    if all(each.shape[1] == 1 and np.array_equal(each, starts[0]) for each in starts):
+    if all(epochs.shape[1] == 1 and np.array_equal(epochs, starts[0]) for epochs in starts):
         return starts[0]
     parts = zip(starts, counts, strict=True)
-    return np.concatenate([np.broadcast_to(each, (2, n)) for each, n in parts], axis=1)
+    return np.concatenate([np.broadcast_to(epochs, (2, n)) for epochs, n in parts], axis=1)

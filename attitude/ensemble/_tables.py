@@ -103,7 +103,7 @@ def arguments(
     if "name" in columns:
         names = np.asarray(columns["name"])
         names = np.char.decode(names, "utf-8") if names.dtype.kind == "S" else names  # FITS
-        keywords["names"] = [str(each) for each in names.tolist()]
+        keywords["names"] = [str(name_of_row) for name_of_row in names.tolist()]
     return keywords
 
 
@@ -338,8 +338,8 @@ def drawn(
         accepted, tried = accepted + len(some.wxyz), tried + number
     moments = None
     if parts[0].moments is not None:
-        moments = np.concatenate([each.moments for each in parts if each.moments is not None])
-    arrays = (np.concatenate([each[k] for each in parts]) for k in (0, 1))
+        moments = np.concatenate([batch.moments for batch in parts if batch.moments is not None])
+    arrays = (np.concatenate([batch[k] for batch in parts]) for k in (0, 1))
     wxyz, rates = arrays
     return Drawn(wxyz, rates, moments)
 

@@ -147,17 +147,17 @@ class TorquedEnsemble(Immutable):
         hi = times.hi
         if hi.ndim != 1 or np.isinf(hi).any():
             raise AttitudeError(f"t is {validation.shown(t)}; give a row (T,) of finite epochs.")
-        seconds, rest = hi, times.low
+        seconds, lo = hi, times.low
         out = np.full((len(self), len(seconds), 7), np.nan)
-        total = seconds + rest
+        total = seconds + lo
         for sign, side in ((1.0, total >= 0.0), (-1.0, total < 0.0)):
             if side.any() and len(self):
-                self._integrate(sign * self.step, seconds, rest, np.flatnonzero(side), out, threads)
+                self._integrate(sign * self.step, seconds, lo, np.flatnonzero(side), out, threads)
         if any(system.inertia is not None for system in self._systems):
             shared = len(self._systems) == 1
             for k, states in enumerate(out):
                 system = self._systems[0 if shared else k]
-                states[:, 4:] = system.turning(seconds, rest, states[:, 4:])
+                states[:, 4:] = system.turning(seconds, lo, states[:, 4:])
         shape = len(self), len(seconds)
         member = np.broadcast_to(np.arange(len(self))[:, None], shape)
         spread = times.mapped(lambda array: np.broadcast_to(array, shape))
@@ -214,9 +214,9 @@ class TorquedEnsemble(Immutable):
             np.array([system.setup[2] for system in systems]),
         )
         number, parts = here
-        found = systems[0].march_members(
+        advanced = systems[0].march_members(
             setup, states, start, h, number, parts, samples, label=partial(self._label, first)
         )
-        for k in range(len(found)):
-            found[k] = systems[0 if shared else k].over_body_axes(found[k])
-        return found
+        for k in range(len(advanced)):
+            advanced[k] = systems[0 if shared else k].over_body_axes(advanced[k])
+        return advanced

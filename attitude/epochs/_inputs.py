@@ -571,9 +571,9 @@ def seconds_since(
         )
     if kind in LENGTHS:
         return support_pairs.Seconds(*read(kind, leaves, shape, name, start))
-    dates, rest = read(kind, leaves, shape, name)
-    assert rest is not None  # a date has both doubles
-    hi, lo = support_pairs.add((dates, rest), -start.seconds, -start.low)
+    dates, dates_low = read(kind, leaves, shape, name)
+    assert dates_low is not None  # a date has both doubles
+    hi, lo = support_pairs.add((dates, dates_low), -start.seconds, -start.low)
     return support_pairs.Seconds(np.asarray(hi), np.asarray(lo))
 
 

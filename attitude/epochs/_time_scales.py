@@ -279,7 +279,7 @@ def _utc_days(day):
     first = erfa.ufunc.dat(*today, 0.0)[0]
     drift = 2.0 * (erfa.ufunc.dat(*today, 0.5)[0] - first)
     jump = erfa.ufunc.dat(*tomorrow, 0.0)[0] - (first + drift)
-    return [each[index].reshape(day.shape) for each in (first, drift / DAY, jump)]
+    return [column[index].reshape(day.shape) for column in (first, drift / DAY, jump)]
 
 
 def _distinct(whole):
@@ -294,14 +294,14 @@ def _distinct(whole):
     least = number.min()
     span = number.max() - least + 1
     if span > 4 * number.size + 1024:
-        found, index, count = np.unique(number, return_inverse=True, return_counts=True)
-        return found.astype(np.float64), index.ravel(), count
+        distinct, index, count = np.unique(number, return_inverse=True, return_counts=True)
+        return distinct.astype(np.float64), index.ravel(), count
     number -= least
     count = np.bincount(number)
-    found = np.flatnonzero(count)
+    distinct = np.flatnonzero(count)
     order = np.zeros(len(count), dtype=np.intp)
-    order[found] = np.arange(len(found))
-    return (found + least).astype(np.float64), order[number], count[found]
+    order[distinct] = np.arange(len(distinct))
+    return (distinct + least).astype(np.float64), order[number], count[distinct]
 
 
 def _filled(jd1, jd2):
@@ -327,7 +327,7 @@ def _fitted(numbers):
     """
     keys = numbers.astype(np.int64).tolist()
     have = {key: _pieces.get(key) for key in keys}
-    missing = [key for key, found in have.items() if found is None]
+    missing = [key for key, piece in have.items() if piece is None]
     if missing:
         first = np.array(missing, dtype=np.float64) * _PIECE
         x = chebyshev.nodes(_NODES)
@@ -336,7 +336,7 @@ def _fitted(numbers):
         if len(_pieces) + len(new) > _MOST_PIECES:
             _pieces.clear()
         if len(new) <= _MOST_PIECES:
-            new = {key: _pieces.setdefault(key, found) for key, found in new.items()}
+            new = {key: _pieces.setdefault(key, piece) for key, piece in new.items()}
         have.update(new)
     return np.ascontiguousarray(np.array([have[key] for key in keys]).T)
 
@@ -346,7 +346,7 @@ def _ut1_minus_utc(jd1, jd2, name):
     from astropy.utils import iers
 
     table = earth_orientation()
-    found, status = table.ut1_utc(np.atleast_1d(jd1), np.atleast_1d(jd2), return_status=True)
+    difference, status = table.ut1_utc(np.atleast_1d(jd1), np.atleast_1d(jd2), return_status=True)
     outside = (status == iers.TIME_BEFORE_IERS_RANGE) | (status == iers.TIME_BEYOND_IERS_RANGE)
     if np.any(outside):
         first, last = (Time(table["MJD"][k].value, format="mjd").iso[:10] for k in (0, -1))
@@ -355,7 +355,7 @@ def _ut1_minus_utc(jd1, jd2, name):
             "the Earth's rotation (astropy-iers-data); give UTC, TT or TDB, or update "
             "astropy-iers-data."
         )
-    return found.to_value("s").reshape(np.shape(jd2))
+    return difference.to_value("s").reshape(np.shape(jd2))
 
 
 @lru_cache(maxsize=1)

@@ -209,17 +209,17 @@ def sign_changes(
     spacings = spacings_of_levels([*slow.values()], start, stop)
     advance = Advance(start, stop, len(set(spacings)) + bool(fast))
     hi, lo, number, rising = changes(source, [*slow.values()], start, stop, spacings, advance)
-    found = hi, lo, np.array([*slow])[number], rising
+    slow_changes = hi, lo, np.array([*slow])[number], rising
     done = 0
     for first, last, begin, end, needed in _open_parts(
-        conditions, channels, fast, found, start, stop
+        conditions, channels, fast, slow_changes, start, stop
     ):
-        yield _part(found, done, first)
-        levelled = _part(found, first, last)
+        yield _part(slow_changes, done, first)
+        levelled = _part(slow_changes, first, last)
         yield from _merged(source, channels, needed, begin, end, levelled, advance)
         done = last
     advance.end()
-    yield _part(found, done, len(hi))
+    yield _part(slow_changes, done, len(hi))
 
 
 def _part(found: Changes, first: int, last: int) -> Changes:

@@ -119,7 +119,7 @@ class Timetable(Immutable):
         AttitudeError
             For a column that holds no times.
         """
-        times = [each for each, column in self.columns.items() if column.unit == "time"]
+        times = [of_times for of_times, column in self.columns.items() if column.unit == "time"]
         if name not in times:
             raise AttitudeError(f"{name!r} is no column of times; give one of {', '.join(times)}.")
         column = self.columns[name]
@@ -298,7 +298,7 @@ def windows_of(conditions: Sequence[Condition], start: Pair, stop: Pair) -> list
             pairs_of = np.stack([block.seconds, block.low])
             begins.append(pairs_of[:, block.values.astype(bool)])
             ends.append(pairs_of[:, ~block.values.astype(bool)])
-        edges = [np.concatenate([np.zeros((2, 0)), *each], axis=1) for each in (begins, ends)]
+        edges = [np.concatenate([np.zeros((2, 0)), *times], axis=1) for times in (begins, ends)]
         if edges[0].shape[1] > edges[1].shape[1]:
             edges[1] = np.concatenate([edges[1], _edge(stop)], axis=1)
         windows.append(_of_edges(source.epoch, edges[0], edges[1], start, stop))
@@ -605,7 +605,7 @@ def _sides(
                 raise AttitudeError(
                     f"sides holds {name!r}; the sides with a lobe are {', '.join(listed)}."
                 )
-        sides = [each for each in sides if each[0].name in names]
+        sides = [side_and_width for side_and_width in sides if side_and_width[0].name in names]
     if not sides:
         raise AttitudeError(
             "no flat side has a material with a specular part, so that nothing glints; give one in "

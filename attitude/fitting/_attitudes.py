@@ -348,9 +348,9 @@ def _observed(
     seconds, low = Seconds.of(history).flat
     attitudes = Attitudes(np.asarray(history.wxyz), weights(sigma, count, "sigma", "rad"))
     kinds: tuple[Measured, ...] = (attitudes,)
-    given = table.angular_velocity
-    if given is not None:
-        rates = Rates(np.asarray(given), attitudes.weight)
+    omega = table.angular_velocity
+    if omega is not None:
+        rates = Rates(np.asarray(omega), attitudes.weight)
         if rate_sigma is None:
             with np.errstate(divide="ignore"):
                 usual = float(np.mean(1.0 / attitudes.weight)) * rates.scale()
@@ -674,10 +674,10 @@ def _guess(
     epochs = len(np.unique(observed.t))
     if 2 * len(times) >= epochs and len(times) >= (3 if model.body is None else 2):
         middle, omega = velocities(wxyz, times)
-        given = 0.5 * (times[1:] + times[:-1]), middle, omega
+        velocity_samples = 0.5 * (times[1:] + times[:-1]), middle, omega
         speed = float(np.median(np.linalg.norm(omega, axis=1)))
         first = first_stage(observed.t, speed, fewest)
-        return guess(_minimum.Problem(model, observed.at(slice(first)), loss), given)
+        return guess(_minimum.Problem(model, observed.at(slice(first)), loss), velocity_samples)
     times, wxyz, omega = spans(observed, loss)
     shapes = [np.zeros(model.count - 6)]
     if model.body is None:

@@ -72,7 +72,7 @@ class Loss:
 def known(name: str, f_scale: Real | None, sigma: Reals | None) -> Loss:
     """The loss of a name and scale."""
     if name not in NAMES:
-        listed = ", ".join(f'"{each}"' for each in NAMES)
+        listed = ", ".join(f'"{label}"' for label in NAMES)
         raise AttitudeError(f"loss is {name!r}; it must be one of {listed}.")
     if name != "linear" and sigma is None and f_scale is None:
         raise AttitudeError(

@@ -437,11 +437,11 @@ def _photometry(
     content: dict[str, Any], state: spin_file.SpinFile | None, folder: str
 ) -> dict[str, Any]:
     """Shape, law and scale of magnitudes, as a Scene takes them."""
-    given, law = content.get("shape"), None
+    shape_section, law = content.get("shape"), None
     keywords: dict[str, Any]
-    if given is not None:
+    if shape_section is not None:
         body = None if state is None else state.body
-        keywords = _surface.shape_of(given, body, partial(_file, folder=folder))
+        keywords = _surface.shape_of(shape_section, body, partial(_file, folder=folder))
     elif state is not None and state.shape is not None:
         keywords, law = {"shape": state.shape}, state.law
     else:
@@ -454,7 +454,7 @@ def _photometry(
     if law is None or "scattering" in content:
         law = _surface.law_of(content.get("scattering", {}), keywords["shape"])
     scale = _surface.scale_of(content.get("magnitude", {}))
-    shape = _surface.facets_for(given or {}, keywords["shape"], law)
+    shape = _surface.facets_for(shape_section or {}, keywords["shape"], law)
     return {**keywords, **scale, "law": law, "shape": shape}
 
 

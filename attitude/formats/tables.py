@@ -276,7 +276,7 @@ def _pyarrow():
 
 
 _ENDINGS = ("ecsv", "fits", "csv", "parquet")
-KINDS: dict[str, str] = {f".{each}": each for each in _ENDINGS} | {".fit": "fits"}
+KINDS: dict[str, str] = {f".{ending}": ending for ending in _ENDINGS} | {".fit": "fits"}
 
 
 def qtable(

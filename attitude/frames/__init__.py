@@ -115,12 +115,12 @@ def attitude_to_icrf(frame: str, wxyz: ArrayLike) -> FloatArray:
     Exact to 1e-31, where `quaternion.multiply` rounds to doubles.
     """
     a, b, c, d = ((hi, lo) for hi, lo in _exact_in_pairs(known(frame)))
-    given = np.asarray(wxyz, dtype=np.float64)
-    if given.ndim == 2:  # floats are ten times faster than arrays of one number
-        w, x, y, z = ((hi, lo) for hi, lo in given.tolist())
+    pairs = np.asarray(wxyz, dtype=np.float64)
+    if pairs.ndim == 2:  # floats are ten times faster than arrays of one number
+        w, x, y, z = ((hi, lo) for hi, lo in pairs.tolist())
     else:
-        w, x, y, z = ((given[..., k, 0], given[..., k, 1]) for k in range(4))
-    found = np.array(
+        w, x, y, z = ((pairs[..., k, 0], pairs[..., k, 1]) for k in range(4))
+    turned = np.array(
         [
             _sum(times(a, w), times(b, x), times(c, y), times(d, z), signs=(1, -1, -1, -1)),
             _sum(times(a, x), times(b, w), times(c, z), times(d, y), signs=(1, 1, 1, -1)),
@@ -128,21 +128,21 @@ def attitude_to_icrf(frame: str, wxyz: ArrayLike) -> FloatArray:
             _sum(times(a, z), times(b, y), times(c, x), times(d, w), signs=(1, 1, -1, 1)),
         ]
     )
-    return np.moveaxis(found, (0, 1), (-2, -1))
+    return np.moveaxis(turned, (0, 1), (-2, -1))
 
 
 def known(frame: str, name: str = "frame") -> str:
     """The name of a frame in lower case."""
-    given = frame.lower() if isinstance(frame, str) else frame
-    if given in FRAMES:
-        return given
-    if given == "j2000":
+    lower = frame.lower() if isinstance(frame, str) else frame
+    if lower in FRAMES:
+        return lower
+    if lower == "j2000":
         raise AttitudeError(
             f'{name} is {quoted(frame)}, which means two things; give "icrf" for the J2000 of '
             'SPICE, "eme2000" for that of CCSDS and STK.'
         )
     raise AttitudeError(
-        f"{name} is {quoted(frame)}; it must be one of {', '.join(repr(each) for each in FRAMES)}."
+        f"{name} is {quoted(frame)}; it must be one of {', '.join(repr(word) for word in FRAMES)}."
     )
 
 
@@ -178,8 +178,8 @@ def _exact_matrix(frame: str) -> NDArray[Any]:
 @cache
 def _exact_in_pairs(frame: str) -> list[list[float]]:
     """The quaternion to ICRF as four pairs of floats."""
-    found: list[list[float]] = _pairs(_exact(frame)).tolist()
-    return found
+    pairs: list[list[float]] = _pairs(_exact(frame)).tolist()
+    return pairs
 
 
 def _sum(*terms: tuple[float, float], signs: tuple[int, ...]) -> tuple[float, float]:
@@ -193,7 +193,7 @@ def _sum(*terms: tuple[float, float], signs: tuple[int, ...]) -> tuple[float, fl
 def _fractions(numbers: Iterable[float | str]) -> NDArray[Any]:
     from fractions import Fraction
 
-    return np.array([Fraction(each) for each in numbers])
+    return np.array([Fraction(number) for number in numbers])
 
 
 def _pairs(exact: NDArray[Any]) -> FloatArray:

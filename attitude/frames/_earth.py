@@ -52,11 +52,11 @@ def pole_at(series: Series, hi: FloatArray, lo: FloatArray) -> FloatArray:
 
     number = np.floor(hi / _WIDTH)
     if hi.size and (number == number[0]).all():  # nearly always; sorting takes as long as the rest
-        found, piece = number[:1], np.zeros(hi.size, np.int64)
+        numbers, piece = number[:1], np.zeros(hi.size, np.int64)
     else:
-        found, index = np.unique(number, return_inverse=True)
+        numbers, index = np.unique(number, return_inverse=True)
         piece = index.ravel().astype(np.int64)
-    records = read_only(_fitted(series, found))
+    records = read_only(_fitted(series, numbers))
     x = 2.0 * (((hi - number * _WIDTH) + lo) / _WIDTH) - 1.0
     out = np.empty((3, hi.size))
     chebyshev.values(records, 0, _COUNT, piece, x, 1.0, out)

@@ -70,8 +70,8 @@ def rotate(q: ArrayLike, v: ArrayLike) -> FloatArray:
     if len(shape) == 1 and shape[0] > _BLOCK:
         q, v = np.broadcast_to(q, (*shape, 4)), np.broadcast_to(v, (*shape, 3))
         for start in range(0, shape[0], _BLOCK):
-            part = slice(start, start + _BLOCK)
-            _turn(q[part], v[part], turned[:, part])
+            block = slice(start, start + _BLOCK)
+            _turn(q[block], v[block], turned[:, block])
     else:
         _turn(q, v, turned)
     return components_last(turned)
@@ -116,9 +116,9 @@ def unit(wxyz: Reals, name: str = "wxyz", *, tolerance: float | None = None) -> 
     AttitudeError
         For rows that are zero or not finite, or whose length is off by more than the tolerance.
     """
-    given = validation.rows(wxyz, name, 4)
-    largest = _refuse_no_attitude(given, name)
-    scaled = given / largest
+    rows = validation.rows(wxyz, name, 4)
+    largest = _refuse_no_attitude(rows, name)
+    scaled = rows / largest
     length = np.sqrt(np.sum(scaled * scaled, axis=-1, keepdims=True))
     with np.errstate(over="ignore"):
         off = np.abs(length * largest - 1.0)
@@ -127,7 +127,7 @@ def unit(wxyz: Reals, name: str = "wxyz", *, tolerance: float | None = None) -> 
             f"{name} holds a quaternion whose length is off 1 by {np.max(off):.3g}; up to "
             f"{tolerance:g} is accepted as rounding. Give unit quaternions."
         )
-    return np.where(off <= 16.0 * np.finfo(float).eps, given, scaled / length)
+    return np.where(off <= 16.0 * np.finfo(float).eps, rows, scaled / length)
 
 
 def unit_in_pairs(wxyz: Reals, name: str = "wxyz") -> FloatArray:
@@ -137,20 +137,20 @@ def unit_in_pairs(wxyz: Reals, name: str = "wxyz") -> FloatArray:
     that a quaternion written to a file is read back unchanged, and the low parts are zero: its
     length differs from 1 by up to 4 units in the last place.  Others are exact to 1e-31.
     """
-    given = validation.real(wxyz, name, shape=(4,))
-    found = np.zeros((4, 2))
-    w, x, y, z = q = given.tolist()
+    components = validation.real(wxyz, name, shape=(4,))
+    pairs = np.zeros((4, 2))
+    w, x, y, z = q = components.tolist()
     largest = max(abs(w), abs(x), abs(y), abs(z))
     if largest == 0.0:
-        _refuse_no_attitude(given, name)
+        _refuse_no_attitude(components, name)
     # a large one overflows when squared
     if largest < 2.0 and abs(w * w + x * x + y * y + z * z - 1.0) <= _UNIT:
-        found[:, 0] = given
-        return found
+        pairs[:, 0] = components
+        return pairs
     exponent = math.frexp(largest)[1]
     # by a power of two, which is exact
-    found[:] = _divided_by_length([math.ldexp(x, -exponent) for x in q])
-    return found
+    pairs[:] = _divided_by_length([math.ldexp(x, -exponent) for x in q])
+    return pairs
 
 
 def all_unit_in_pairs(wxyz: FloatArray) -> tuple[FloatArray, FloatArray | None]:
@@ -162,15 +162,15 @@ def all_unit_in_pairs(wxyz: FloatArray) -> tuple[FloatArray, FloatArray | None]:
     with np.errstate(all="ignore"):
         for begin in range(0, len(wxyz), _BLOCK):
             w, x, y, z = wxyz[begin : begin + _BLOCK].T
-            rest = np.flatnonzero(~(abs(w * w + x * x + y * y + z * z - 1.0) <= _UNIT))
-            if len(rest):
+            not_unit = np.flatnonzero(~(abs(w * w + x * x + y * y + z * z - 1.0) <= _UNIT))
+            if len(not_unit):
                 if low is None:
                     high, low = wxyz.copy(), np.zeros(wxyz.shape)
-                given = wxyz[rest + begin]
-                exponent = np.frexp(np.abs(given).max(axis=1, keepdims=True))[1]
-                parts = _divided_by_length(list(np.ldexp(given, -exponent).T))
-                high[rest + begin] = np.transpose([part[0] for part in parts])
-                low[rest + begin] = np.transpose([part[1] for part in parts])
+                rows = wxyz[not_unit + begin]
+                exponent = np.frexp(np.abs(rows).max(axis=1, keepdims=True))[1]
+                parts = _divided_by_length(list(np.ldexp(rows, -exponent).T))
+                high[not_unit + begin] = np.transpose([pair[0] for pair in parts])
+                low[not_unit + begin] = np.transpose([pair[1] for pair in parts])
     return high, low
 
 
@@ -206,12 +206,12 @@ def from_matrix(matrix: Reals, name: str = "matrix") -> FloatArray:
     """
     from scipy.spatial.transform import Rotation
 
-    given = validation.real(matrix, name, shape=(..., 3, 3))
-    refuse_other_matrices(given, name)
-    flat: FloatArray = Rotation.from_matrix(given.reshape(-1, 3, 3)).as_quat(
+    matrices = validation.real(matrix, name, shape=(..., 3, 3))
+    refuse_other_matrices(matrices, name)
+    flat: FloatArray = Rotation.from_matrix(matrices.reshape(-1, 3, 3)).as_quat(
         canonical=True, scalar_first=True
     )
-    return flat.reshape(*given.shape[:-2], 4)
+    return flat.reshape(*matrices.shape[:-2], 4)
 
 
 def refuse_other_matrices(given: FloatArray, name: str) -> None:
@@ -255,7 +255,7 @@ def from_euler(sequence: str | int, angles: Reals) -> FloatArray:
 
 def known_sequence(sequence: str | int) -> str:
     """An Euler sequence in scipy's letters; see `from_euler`."""
-    given = sequence
+    original = sequence
     if isinstance(sequence, int) and not isinstance(sequence, bool):
         sequence = str(sequence)
     if isinstance(sequence, str):
@@ -265,7 +265,7 @@ def known_sequence(sequence: str | int) -> str:
         if known and letters[0] != letters[1] != letters[2]:
             return letters
     raise AttitudeError(
-        f"sequence is {repr(given)[:42]}; give three axes, no two neighbours equal, like "
+        f"sequence is {repr(original)[:42]}; give three axes, no two neighbours equal, like "
         '"ZXZ" or "313".'
     )
 

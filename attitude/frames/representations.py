@@ -97,12 +97,12 @@ def continuous(wxyz: Reals) -> FloatArray:
     >>> continuous([[1.0, 0.0, 0.0, 0.0], [-1.0, 0.0, 0.0, 0.0]])[:, 0]
     array([1., 1.])
     """
-    given = validation.rows(wxyz, "wxyz", 4)
-    if given.ndim < 2 or given.shape[-2] < 2:
-        return given.copy()
-    steps = np.sum(given[..., 1:, :] * given[..., :-1, :], axis=-1)
+    rows = validation.rows(wxyz, "wxyz", 4)
+    if rows.ndim < 2 or rows.shape[-2] < 2:
+        return rows.copy()
+    steps = np.sum(rows[..., 1:, :] * rows[..., :-1, :], axis=-1)
     signs = np.cumprod(np.where(steps < 0.0, -1.0, 1.0), axis=-1)
-    out = given.copy()
+    out = rows.copy()
     out[..., 1:, :] *= signs[..., None]
     return out
 

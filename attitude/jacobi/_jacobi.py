@@ -31,9 +31,9 @@ _MOST = 12
 def complete(m, mc, first, second):
     """K and E of parameters m (N,) with complements mc > 0."""
     for k in range(len(m)):
-        whole, part = integrals(m[k], mc[k])
+        whole, integral_d = integrals(m[k], mc[k])
         first[k] = whole
-        second[k] = whole - m[k] * part
+        second[k] = whole - m[k] * integral_d
 
 
 @entry_point
@@ -43,9 +43,9 @@ def third(n, mc, out):
         root = math.sqrt(mc[k])
         low = (mc[k] - root * root) / (2.0 * root)
         p = 1.0 - n[k]
-        rest = (1.0 - p) - n[k]
+        p_low = (1.0 - p) - n[k]
         ratio, whole, _ = complete_and_phase(
-            (root, low), (p, rest), (1.0, 0.0), (1.0, 0.0), (0.0, 0.0)
+            (root, low), (p, p_low), (1.0, 0.0), (1.0, 0.0), (0.0, 0.0)
         )
         out[k] = ratio[0] * whole[0]
 
@@ -148,17 +148,17 @@ def Pi(n: Reals, m: Reals, *, mc: Reals | None = None) -> FloatArray:
     >>> float(Pi(-0.5, 0.5).round(12))
     1.487846992669
     """
-    given = validation.real(n, "n")
-    if np.any(given > 0.0):
+    characteristic = validation.real(n, "n")
+    if np.any(characteristic > 0.0):
         raise AttitudeError("n is greater than 0; give a characteristic that is not above 0.")
     other = parameters(m, mc)[1]
-    given, other = (np.array(each) for each in np.broadcast_arrays(given, other))
-    out = np.full(given.size, np.inf)
+    characteristic, other = (np.array(x) for x in np.broadcast_arrays(characteristic, other))
+    out = np.full(characteristic.size, np.inf)
     kept = other.ravel() > 0.0
-    found = np.empty(np.count_nonzero(kept))
-    third(read_only(given.ravel()[kept]), read_only(other.ravel()[kept]), found)
-    out[kept] = found
-    return out.reshape(given.shape)[()]
+    third_kind = np.empty(np.count_nonzero(kept))
+    third(read_only(characteristic.ravel()[kept]), read_only(other.ravel()[kept]), third_kind)
+    out[kept] = third_kind
+    return out.reshape(characteristic.shape)[()]
 
 
 def F(phi: Reals, m: Reals, *, mc: Reals | None = None) -> FloatArray:
@@ -199,51 +199,51 @@ def nome(m: Reals, *, mc: Reals | None = None) -> FloatArray:
     >>> float(nome(0.5).round(12))
     0.043213918264
     """
-    given, other = parameters(m, mc)
+    parameter, other = parameters(m, mc)
     with np.errstate(divide="ignore"):
-        ratio = K(other, mc=given) / K(given, mc=other)
+        ratio = K(other, mc=parameter) / K(parameter, mc=other)
     return np.exp(-np.pi * ratio)
 
 
 def parameters(m: Reals, mc: Reals | None) -> tuple[FloatArray, FloatArray]:
     """m and 1 - m as arrays of one shape, checked."""
-    given = validation.real(m, "m")
-    other = 1.0 - given if mc is None else validation.real(mc, "mc")
-    given, other = (np.array(each) for each in np.broadcast_arrays(given, other))
-    if np.any(~((given >= 0.0) & (given <= 1.0))) or np.any(~((other >= 0.0) & (other <= 1.0))):
+    param = validation.real(m, "m")
+    other = 1.0 - param if mc is None else validation.real(mc, "mc")
+    param, other = (np.array(array) for array in np.broadcast_arrays(param, other))
+    if np.any(~((param >= 0.0) & (param <= 1.0))) or np.any(~((other >= 0.0) & (other <= 1.0))):
         raise AttitudeError("m, or mc = 1 - m, is outside of 0 to 1; give the parameter m = k^2.")
-    if np.any(np.abs((given + other) - 1.0) > 1e-12):
+    if np.any(np.abs((param + other) - 1.0) > 1e-12):
         raise AttitudeError("m + mc is not 1; give mc = 1 - m, or leave it out.")
-    return given, other
+    return param, other
 
 
 def _complete(m: Reals, mc: Reals | None) -> tuple[Any, Any]:
-    given, other = parameters(m, mc)
-    first, second = np.full(given.size, np.inf), np.ones(given.size)
+    parameter, other = parameters(m, mc)
+    first, second = np.full(parameter.size, np.inf), np.ones(parameter.size)
     kept = other.ravel() > 0.0
-    found = np.empty(np.count_nonzero(kept)), np.empty(np.count_nonzero(kept))
-    complete(read_only(given.ravel()[kept]), read_only(other.ravel()[kept]), *found)
-    first[kept], second[kept] = found
-    return first.reshape(given.shape)[()], second.reshape(given.shape)[()]
+    both_kinds = np.empty(np.count_nonzero(kept)), np.empty(np.count_nonzero(kept))
+    complete(read_only(parameter.ravel()[kept]), read_only(other.ravel()[kept]), *both_kinds)
+    first[kept], second[kept] = both_kinds
+    return first.reshape(parameter.shape)[()], second.reshape(parameter.shape)[()]
 
 
 def _incomplete(phi: Reals, m: Reals, mc: Reals | None) -> tuple[Any, Any]:
     """F and E of any amplitude: whole half turns add 2 K and 2 E, the rest is odd."""
     angle = validation.real(phi, "phi")
-    given, other = parameters(m, mc)
+    parameter, other = parameters(m, mc)
     if np.any(other == 0.0):
         raise AttitudeError("m is 1, where F and am are elementary; give m < 1, or mc > 0.")
-    angle, given, other = (np.array(x) for x in np.broadcast_arrays(angle, given, other))
+    angle, parameter, other = (np.array(x) for x in np.broadcast_arrays(angle, parameter, other))
     turns = np.rint(angle / np.pi)
-    rest = angle - np.pi * turns
-    sine, cosine = np.abs(np.sin(rest)).ravel(), np.maximum(np.cos(rest), 0.0).ravel()
+    remainder = angle - np.pi * turns
+    sine, cosine = np.abs(np.sin(remainder)).ravel(), np.maximum(np.cos(remainder), 0.0).ravel()
     first, second = np.empty(angle.size), np.empty(angle.size)
     incomplete(read_only(cosine), read_only(sine), read_only(other.ravel()), first, second)
-    sign = np.where(rest < 0.0, -1.0, 1.0)
-    whole = _complete(given, other)
+    sign = np.where(remainder < 0.0, -1.0, 1.0)
+    whole = _complete(parameter, other)
     parts = (first.reshape(angle.shape), second.reshape(angle.shape))
-    found = [2.0 * turns * k + sign * part for k, part in zip(whole, parts, strict=True)]
-    return found[0][()], found[1][()]
+    sums = [2.0 * turns * k + sign * odd_part for k, odd_part in zip(whole, parts, strict=True)]
+    return sums[0][()], sums[1][()]
 
 
 # ---- Jacobi's elliptic functions am, sn, cn, dn and theta functions, vectorised
@@ -277,20 +277,20 @@ def am(u: Reals, m: Reals, *, mc: Reals | None = None) -> FloatArray:
     >>> float(am(0.510467135628, 0.5).round(9))
     0.5
     """
-    given = validation.real(u, "u")
+    argument = validation.real(u, "u")
     parameter, other = parameters(m, mc)
     if np.any(other == 0.0):
         raise AttitudeError("m is 1, where F and am are elementary; give m < 1, or mc > 0.")
-    given, parameter, other = (
-        np.array(each) for each in np.broadcast_arrays(given, parameter, other)
+    argument, parameter, other = (
+        np.array(array) for array in np.broadcast_arrays(argument, parameter, other)
     )
     half = 2.0 * K(parameter, mc=other)
-    turns = np.rint(given / half)
-    rest = given - half * turns
-    out = np.empty(given.size)
-    amplitude(read_only(np.abs(rest).ravel()), read_only(other.ravel()), out)
-    found: Any = np.pi * turns + np.where(rest < 0.0, -1.0, 1.0) * out.reshape(given.shape)
-    return found[()]
+    turns = np.rint(argument / half)
+    remainder = argument - half * turns
+    out = np.empty(argument.size)
+    amplitude(read_only(np.abs(remainder).ravel()), read_only(other.ravel()), out)
+    angle: Any = np.pi * turns + np.where(remainder < 0.0, -1.0, 1.0) * out.reshape(argument.shape)
+    return angle[()]
 
 
 def sn(u: Reals, m: Reals, *, mc: Reals | None = None) -> FloatArray:
@@ -319,8 +319,8 @@ def dn(u: Reals, m: Reals, *, mc: Reals | None = None) -> FloatArray:
     """
     angle = am(u, m, mc=mc)
     other = parameters(m, mc)[1]
-    found: Any = np.sqrt(np.cos(angle) ** 2 + other * np.sin(angle) ** 2)
-    return found
+    delta: Any = np.sqrt(np.cos(angle) ** 2 + other * np.sin(angle) ** 2)
+    return delta
 
 
 def theta(j: int, z: Any, q: Reals, *, derivative: bool = False) -> Any:
@@ -351,13 +351,13 @@ def theta(j: int, z: Any, q: Reals, *, derivative: bool = False) -> Any:
     """
     if j not in (1, 2, 3, 4):
         raise AttitudeError(f"j is {validation.shown(j)}; give 1, 2, 3 or 4.")
-    given: Any = np.asarray(z)
-    given = given.astype(complex if np.iscomplexobj(given) else float)
+    points: Any = np.asarray(z)
+    points = points.astype(complex if np.iscomplexobj(points) else float)
     base = validation.real(q, "q")
     if np.any(~((base >= 0.0) & (base < 0.9999))):
         raise AttitudeError("q is outside of 0 to 0.9999; give the nome, such as jacobi.nome(m).")
-    given, base = np.broadcast_arrays(given, base)
-    terms = _count(given, base)
+    points, base = np.broadcast_arrays(points, base)
+    terms = _count(points, base)
     # A last axis of terms: frequencies 2 n + 1 for j = 1, 2; 2 n for j = 3, 4.
     n = np.arange(terms)
     odd = j in (1, 2)
@@ -366,7 +366,7 @@ def theta(j: int, z: Any, q: Reals, *, derivative: bool = False) -> Any:
     weight = np.where(frequency == 0.0, 1.0, weight) * np.where(
         (n % 2 == 1) & (j in (1, 4)), -1.0, 1.0
     )
-    angle = given[..., None] * frequency
+    angle = points[..., None] * frequency
     if derivative:
         wave = np.cos(angle) * frequency if j == 1 else -np.sin(angle) * frequency
     else:

@@ -75,8 +75,8 @@ class PaperSteps:
 
     def matrix(self, seconds: ArrayLike) -> FloatArray:
         """Attitude matrices (..., 3, 3), body to ICRF, at TDB seconds since the epoch."""
-        found: FloatArray = self.start @ np.swapaxes(self._from_momentum(seconds), -1, -2)
-        return found @ self.axes
+        matrices: FloatArray = self.start @ np.swapaxes(self._from_momentum(seconds), -1, -2)
+        return matrices @ self.axes
 
     def _from_momentum(self, seconds: ArrayLike) -> FloatArray:
         """From axes along the momentum to axes in Jacobi order: eqs. 3.3 and 3.54."""
@@ -85,7 +85,7 @@ class PaperSteps:
         x = 0.5 * np.pi / self.quarter
         z = x * (self.speed * t + self.epsilon) + 1j * x * self.eta
         psi = self.drift * t + np.angle(theta(1, z, self.q))
-        one, two, three = (each / self.momentum for each in (one, two, three))
+        one, two, three = (component / self.momentum for component in (one, two, three))
         across = np.hypot(one, two)
         first = np.stack([one * three / across, two * three / across, -across], axis=-1)
         second = np.stack([-two / across, one / across, np.zeros_like(across)], axis=-1)

@@ -276,7 +276,9 @@ def _ellipsoid_kernel(shape: Ellipsoid, law: Law) -> Callable[..., object]:
 def require_ellipsoid_form(law: Law) -> None:
     """AttitudeError for a law without a closed form of an ellipsoid."""
     if not law.has_ellipsoid_form:
-        names = " or ".join(repr(name) for name, each in laws().items() if each.has_ellipsoid_form)
+        names = " or ".join(
+            repr(name) for name, entry in laws().items() if entry.has_ellipsoid_form
+        )
         raise AttitudeError(
             f"law is {law!r}, but an ellipsoid has a closed form under the law {names} only; give "
             "its facets, Ellipsoid.facets(count), or that law."
@@ -363,11 +365,9 @@ def _facet_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..
     facets = clusters.blocks, clusters.axes, clusters.sky, clusters.cells
     records = *facets, _segments(which, len(rows)), which.astype(float), masks
     assert law.of_phase is not None
-    if law.elements is not None:
-        summed = _sums.by_sixteen(law.of_phase, law.elements)
-    else:
-        assert law.element is not None
-        summed = _sums.by_facet(law.of_phase, law.element)
+    element = law.element if law.elements is None else law.elements
+    assert element is not None
+    summed = _sums.over_facets(law.of_phase, element, law.elements is not None)
     size = max(_GATHERED, SIZE * (clusters.count + 2 * len(rows)))
 
     def kernel(*arrays: FloatArray) -> None:

@@ -125,7 +125,7 @@ def summed_few_facets(of_phase: Compilable, elements: Compilable) -> EntryPoint:
             for m in range(rows.shape[0]):
                 row = rows[m]
                 of_phase(row, cosines[t], sines[t], terms)
-                part = zeros
+                sums = zeros
                 for n in range(np.uint64(first[m]), np.uint64(first[m + 1])):
                     i = n * _PACK
                     x, y, z = eight(facets, i), eight(facets, i + _Y), eight(facets, i + _Z)
@@ -139,8 +139,8 @@ def summed_few_facets(of_phase: Compilable, elements: Compilable) -> EntryPoint:
                         # dark facets have a place where every law is finite, and no weight
                         p, q = chosen(by, p, every(1.0, p)), chosen(by, q, every(1.0, q))
                         weight = chosen(by, weight, zeros)
-                        part = part + weight * (p * q) * elements(row, terms, p, q)
-                total += summed_up(part)
+                        sums = sums + weight * (p * q) * elements(row, terms, p, q)
+                total += summed_up(sums)
             out[t] = total
 
     return summed

@@ -187,7 +187,7 @@ def _grouped(normals: FloatArray) -> IntArray:
     for axis in range(3):
         ranks[axis] = np.unique(normals[:, axis], return_inverse=True)[1]
     first, size = np.zeros(1, dtype=np.int64), np.array([count])
-    found = []
+    whole_groups = []
     while len(first):
         number = np.repeat(np.arange(len(first)), size)
         begin = np.cumsum(size) - size
@@ -199,7 +199,7 @@ def _grouped(normals: FloatArray) -> IntArray:
         )
         few = size <= SIZE
         whole = few & (np.max(np.maximum(low, -high), axis=1) >= _LEAST_HEIGHT)
-        found.append(np.stack([first, size], axis=1)[whole])
+        whole_groups.append(np.stack([first, size], axis=1)[whole])
         split = ~whole[number]
         places, number = places[split], number[split]
         chosen = members[places]
@@ -210,7 +210,7 @@ def _grouped(normals: FloatArray) -> IntArray:
         left = np.stack([first, half], axis=1)
         right = np.stack([first + half, size - half], axis=1)
         first, size = np.stack([left, right], axis=1)[~whole].reshape(-1, 2).T
-    groups = np.concatenate(found)
+    groups = np.concatenate(whole_groups)
     groups = groups[np.argsort(groups[:, 0])]
     order = np.full((len(groups), SIZE), -1)
     place = np.arange(SIZE)
@@ -464,7 +464,7 @@ def fused(blocks, axes, sky, cells, masks, sun_cells, eye_cells, sx, sy, sz, ox,
             free_sun, free_eye = np.uint64(sun_cells[t]), np.uint64(eye_cells[t])
         _laid_out(ways, 0, a, b, c)
         _laid_out(ways, 8, d, e, f)
-        part = zeros
+        sums = zeros
         for w in range(np.uint64(sky.shape[1])):
             word = sky[lit, w] & sky[seen, w]
             while word != _0:
@@ -478,8 +478,8 @@ def fused(blocks, axes, sky, cells, masks, sun_cells, eye_cells, sx, sy, sz, ox,
                 product = p * q
                 if masks is not None:
                     product = product * bits_set_in_bytes(masks[free_sun, n] & masks[free_eye, n])
-                part = part + product * (g / (p + q) + h)
-        total = summed_up(part)
+                sums = sums + product * (g / (p + q) + h)
+        total = summed_up(sums)
         out[t] = total if total > _DARK else 0.0
 
 
@@ -598,9 +598,13 @@ def gather(
 
 
 @cache
-def by_facet(of_phase: Compilable, element: Compilable) -> EntryPoint:
-    """As `by_sixteen`, one facet at a time; compiled for each law, so that the loop has no branch
-    for it.
+def over_facets(of_phase: Compilable, element: Compilable, in_lanes: bool) -> EntryPoint:
+    """The sum of mu0 mu (r / mu0) dA, compiled for each law, so that the loop has no branch for it.
+
+    It is called with the rows of the law, the arguments of `gather` after `begin` as a tuple, the
+    cosines and sines of half the phase angles, and the output, a number for each epoch.  Facets are
+    gathered for as many epochs as the arrays hold, and summed while they are in the cache: sixteen
+    at a time with `in_lanes`, for ``elements`` of a law, else one at a time, for its ``element``.
     """
 
     @reduction_over(of_phase, element)
@@ -617,46 +621,19 @@ def by_facet(of_phase: Compilable, element: Compilable) -> EntryPoint:
                     first, end = _between(ends, t - begin, m)
                     if first < end:
                         of_phase(row, cosines[t], sines[t], terms)
-                        total = 0.0
-                        for i in range(first, end):
-                            if weights[i] > 0.0:
-                                r = element(row, terms, fence(incidence[i]), fence(emission[i]))
-                                total += weights[i] * fence(r)
-                        out[t] += total
-            begin = stop
-
-    return summed
-
-
-@cache
-def by_sixteen(of_phase: Compilable, elements: Compilable) -> EntryPoint:
-    """As `by_facet`, sixteen facets at a time.
-
-    The sum of mu0 mu (r / mu0) dA is called with the rows of the law, the arguments of `gather`
-    after `begin` as a tuple, the cosines and sines of half the phase angles, and the output, a
-    number for each epoch.  Facets are gathered for as many epochs as the arrays hold, and summed
-    while they are in the cache.
-    """
-
-    @reduction_over(of_phase, elements)
-    def summed(rows, given, cosines, sines, out):
-        incidence, emission, weights, ends = given[-4:]
-        terms = np.empty(TERMS)
-        out[:] = 0.0
-        begin = 0
-        while begin < out.size:
-            stop = gather(begin, *given)
-            for m in range(rows.shape[0]):
-                row = rows[m]
-                for t in range(begin, stop):
-                    first, end = _between(ends, t - begin, m)
-                    if first < end:
-                        of_phase(row, cosines[t], sines[t], terms)
-                        total = lanes(_SIXTEEN_ZEROS)
-                        for i in range(first, end, _AT_ONCE):
-                            p, q = sixteen(incidence, i), sixteen(emission, i)
-                            total = total + sixteen(weights, i) * elements(row, terms, p, q)
-                        out[t] += summed_up(total)
+                        if in_lanes:  # numba compiles one of the branches
+                            sums = lanes(_SIXTEEN_ZEROS)
+                            for i in range(first, end, _AT_ONCE):
+                                p, q = sixteen(incidence, i), sixteen(emission, i)
+                                sums = sums + sixteen(weights, i) * element(row, terms, p, q)
+                            out[t] += summed_up(sums)
+                        else:
+                            total = 0.0
+                            for i in range(first, end):
+                                if weights[i] > 0.0:
+                                    r = element(row, terms, fence(incidence[i]), fence(emission[i]))
+                                    total += weights[i] * fence(r)
+                            out[t] += total
             begin = stop
 
     return summed

@@ -313,17 +313,17 @@ def draw_groups(
         # No function here takes an array: counting references would cost more than the edges.
         for e in range(np.uint64(first_edges[node]), np.uint64(first_edges[node + 1])):
             left, right = np.uint64(sides[e, _0]), np.uint64(sides[e, _1])
-            own, other = marks[left // _LEAF], marks[right // _LEAF]
-            if other != 0 and right < left and left // _LEAF != right // _LEAF:
+            left_mark, right_mark = marks[left // _LEAF], marks[right // _LEAF]
+            if right_mark != 0 and right < left and left // _LEAF != right // _LEAF:
                 continue
-            if own == other and own & DIVIDED == 0:
+            if left_mark == right_mark and left_mark & DIVIDED == 0:
                 continue
-            of_own = _side(own, eight(shown, left * _WIDTH))
-            of_other = _side(other, eight(shown, right * _WIDTH))
+            of_left = _side(left_mark, eight(shown, left * _WIDTH))
+            of_right = _side(right_mark, eight(shown, right * _WIDTH))
             for face in range(FACES):
                 sign = 1.0 - 2.0 * (face % 2)
-                first_side, there = sign * (own >> face & 1), sign * (other >> face & 1)
-                change = of_own * first_side - of_other * there
+                first_side, there = sign * (left_mark >> face & 1), sign * (right_mark >> face & 1)
+                change = of_left * first_side - of_right * there
                 if positive_bits(change * change) == 0:
                     continue
                 w, u, v = axes_of(face)
@@ -402,16 +402,16 @@ def show(corners, facing, leaf, normal, lowest, flat, first, both, shown):
     px, py, pz = eight(flat, first), eight(flat, first + 8), eight(flat, first + 16)
     nothing, one = every(0.0, px), every(1.0, px)
     back = every(-1.0 if both else 0.0, px)
-    found = 0
+    hides = 0
     for k in range(leaf * LEAF, (leaf + 1) * LEAF):
         side = nothing
         if k < len(corners) and _rises(corners, np.uint64(k), normal, lowest):
             g = np.uint64(k)
             front = facing[g, _0] * px + facing[g, _1] * py + facing[g, _2] * pz - facing[g, _3]
             side = chosen(front, one, chosen(front * -1.0, back, nothing))
-            found |= positive_bits(side * side)
+            hides |= positive_bits(side * side)
         put_eight(shown, _LANES * k, side)
-    return found != 0
+    return hides != 0
 
 
 @reduction_within

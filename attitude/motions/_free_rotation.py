@@ -52,10 +52,10 @@ def spin_of(motion: Any, epoch: EpochOrSeconds) -> Spin:
     frame = "icrf" if spin is None else spin.frame
     back = quaternion.conjugate(frames.wxyz_to_icrf(frame))
     wxyz = history.wxyz if frame == "icrf" else quaternion.multiply(back, history.wxyz)
-    found = Spin(at, wxyz, history.angular_velocity, frame)
+    spin_then = Spin(at, wxyz, history.angular_velocity, frame)
     if spin is None or spin.covariance is None:
-        return found
-    return found.with_covariance(_covariance(motion, hi, lo, frame))
+        return spin_then
+    return spin_then.with_covariance(_covariance(motion, hi, lo, frame))
 
 
 def _covariance(motion: Any, hi: float, lo: float, frame: str) -> FloatArray:
@@ -226,8 +226,8 @@ class FreeRotation(Differentiable):
             For elements outside their range, and elements that no body has.
         """
         numbers = validation.real(elements, "elements", shape=(5,), finite=False)
-        given = Elements(*numbers.tolist())
-        moments, omega = state_of(given)
+        with_names = Elements(*numbers.tolist())
+        moments, omega = state_of(with_names)
         if largest_moment is not None:
             moments *= validation.positive(largest_moment, "largest_moment", unit="kg m2")
         body = Body(moments=moments, relative=largest_moment is None)

@@ -383,8 +383,8 @@ class Solution:
         quarter, other = pi / 2 / arb(1).agm(mc.sqrt()), pi / 2 / arb(1).agm(m.sqrt())
         start = s * acb.elliptic_rf(acb(c * c), acb(c * c + mc * s * s), acb(1)).real
         eta = acb.elliptic_rf(acb(minus_n), acb(m + minus_n), acb(one_minus_n)).real
-        rest = acb.elliptic_rj(acb(0), acb(mc), acb(1), acb(one_minus_n)).real
-        self._third_kind = quarter - minus_n / 3 * rest
+        carlson = acb.elliptic_rj(acb(0), acb(mc), acb(1), acb(one_minus_n)).real
+        self._third_kind = quarter - minus_n / 3 * carlson
         self.quarter, self.phase = quarter, start
         self.x, self.rate = start / (2 * quarter), self.wp / (2 * quarter)  # half turns of v
         self.tau, self.shift = acb(0, 2 * other / quarter), acb(0, eta / (2 * quarter))

@@ -87,15 +87,15 @@ class Comparison(Immutable):
 
     def orders(self) -> dict[str, tuple[float, ...]]:
         """Measured order of the attitude error from each step to the next: {name: (order, ...)}."""
-        found = {}
+        orders = {}
         for name in dict.fromkeys(run.name for run in self.runs):
             runs = self.of(name)
-            found[name] = tuple(
+            orders[name] = tuple(
                 float(np.log(a.attitude_error / b.attitude_error) / np.log(a.step / b.step))
                 for a, b in pairwise(runs)
                 if b.attitude_error > 0.0 and a.step != b.step
             )
-        return found
+        return orders
 
     def table(self) -> QTable:
         """The runs as an astropy QTable, one row a run, columns as the attributes of `Run`."""
@@ -111,10 +111,10 @@ class Comparison(Immutable):
             f"{'energy':>8s} {'momentum':>8s} {'cost/ms':>8s} {'ns/step':>8s}",
         ]
         for run in self.runs:
-            each = "" if np.isnan(run.seconds_per_step) else f"{run.seconds_per_step * 1e9:8.0f}"
+            cost = "" if np.isnan(run.seconds_per_step) else f"{run.seconds_per_step * 1e9:8.0f}"
             lines.append(
                 f"{run.name:20s} {run.step:11.3g} {run.attitude_error:12.1e} {run.rate_error:8.1e} "
-                f"{run.energy_drift:8.1e} {run.momentum_drift:8.1e} {run.seconds * 1e3:8.2f} {each}"
+                f"{run.energy_drift:8.1e} {run.momentum_drift:8.1e} {run.seconds * 1e3:8.2f} {cost}"
             )
         return "\n".join(lines)
 
@@ -167,9 +167,9 @@ def exact(moments, q, w, h):
     """The increments of `attitude._solver.step`, without compensated summation."""
     k = gains(moments)
     count = pieces(k, w, h)
-    part = h / count
+    piece = h / count
     for _ in range(count):
-        (s, x, y, z), d, n, _ = increment(moments, w, rates(k, w), part)
+        (s, x, y, z), d, n, _ = increment(moments, w, rates(k, w), piece)
         q = product(q, (1.0 + (s + n), x, y, z))
         w = w[0] + d[0], w[1] + d[1], w[2] + d[2]
     return q, w
@@ -195,12 +195,12 @@ def reich(moments, q, w, h):
     """A symmetric top and the rest of the kinetic energy about x (1994, Physica D 76, 375)."""
     i1, i2, i3 = moments
     momentum = i1 * w[0], i2 * w[1], i3 * w[2]
-    rest = 1.0 / i1 - 1.0 / i2
-    q, momentum = _about(0, rest * momentum[0], q, momentum, 0.5 * h)
+    excess = 1.0 / i1 - 1.0 / i2
+    q, momentum = _about(0, excess * momentum[0], q, momentum, 0.5 * h)
     # the top turns about L by |L|/I2 in space, and about its axis by the difference
     q, momentum = _turned(q, momentum, (momentum[0] / i2, momentum[1] / i2, momentum[2] / i2), h)
     q, momentum = _about(2, (1.0 / i3 - 1.0 / i2) * momentum[2], q, momentum, h)
-    q, momentum = _about(0, rest * momentum[0], q, momentum, 0.5 * h)
+    q, momentum = _about(0, excess * momentum[0], q, momentum, 0.5 * h)
     return q, (momentum[0] / i1, momentum[1] / i2, momentum[2] / i3)
 
 
@@ -405,7 +405,7 @@ def compare(
     runs = []
     for integrator in names:
         if isinstance(integrator, str) and integrator in _SCIPY:
-            checked = [_tolerance(each) for each in _sequence(tolerances)]
+            checked = [_tolerance(relative) for relative in _sequence(tolerances)]
             if not checked:
                 raise AttitudeError("tolerances is empty; give those of the integrators of scipy.")
             runs += [reference.scipy(integrator, tolerance) for tolerance in checked]
@@ -597,7 +597,7 @@ class _Reference:
 def _pair(returned: Any, name: str) -> tuple[FloatArray, FloatArray]:
     """What a step returned, as two arrays."""
     try:
-        q, w = (np.asarray(part, dtype=float) for part in returned)
+        q, w = (np.asarray(array, dtype=float) for array in returned)
     except (TypeError, ValueError):
         raise AttitudeError(
             f"{name} returned {returned!r}; it must return wxyz (4,) and omega (3,)."

@@ -114,11 +114,11 @@ def _rough(row, phase_terms, mu0, mu):
     both = below * at_least(ya + yb, _LEAST)
     under = squared + both * smaller + product * (smaller * smaller)
     # [p (1 + B) - 1] under + above, times w / (4 pi)
-    scale, rest = 0.25 / math.pi * row[0], phase_terms[0] - 1.0
+    scale, phase_less_one = 0.25 / math.pi * row[0], phase_terms[0] - 1.0
     several = (
         squared * (scale * phase_terms[0])
-        + both * (scale * (larger + rest * smaller))
-        + product * (scale * (larger * larger + rest * (smaller * smaller)))
+        + both * (scale * (larger + phase_less_one * smaller))
+        + product * (scale * (larger * larger + phase_less_one * (smaller * smaller)))
     )
     shaded = (b * db + slope_b * e2b) * (a * da + slope_a * e2a * (1.0 - hidden))
     return (product * da * db) * several / (both * under * shaded)

@@ -63,10 +63,10 @@ class Parameter:
         if self.words:
             word: Any = value
             return validation.one_of(word, name, self.words)
-        given = validation.number(value, name, unit=self.unit)
-        if not self.low <= given <= self.high:
-            raise AttitudeError(f"{name} is {given!r}; it must lie {self._range()}.")
-        return given
+        number = validation.number(value, name, unit=self.unit)
+        if not self.low <= number <= self.high:
+            raise AttitudeError(f"{name} is {number!r}; it must lie {self._range()}.")
+        return number
 
     def as_number(self, value: float | str) -> float:
         """An accepted value for compiled code: the number, or the index of a word in `words`."""
@@ -150,30 +150,20 @@ def reflectances(of_phase: Compilable, element: Compilable, in_lanes: bool = Fal
     The result is called with row (W,), mu0, mu, half the phase angle (rad) and the output, (N,)
     each.  With `in_lanes` the function is ``elements`` of a law, else its ``element``.
     """
-    if in_lanes:
 
-        @reduction_over(of_phase, element)
-        def evaluated(row, mu0, mu, half, out):
-            """r in 1/sr, from half the phase angle; 0 where mu0 or mu is not positive."""
-            phase_terms = np.empty(TERMS)
-            for i in range(out.size):
-                out[i] = 0.0
-                if mu0[i] > 0.0 and mu[i] > 0.0:
-                    of_phase(row, math.cos(half[i]), math.sin(half[i]), phase_terms)
+    @reduction_over(of_phase, element)
+    def evaluated(row, mu0, mu, half, out):
+        """r in 1/sr, from half the phase angle; 0 where mu0 or mu is not positive."""
+        phase_terms = np.empty(TERMS)
+        for i in range(out.size):
+            out[i] = 0.0
+            if mu0[i] > 0.0 and mu[i] > 0.0:
+                of_phase(row, math.cos(half[i]), math.sin(half[i]), phase_terms)
+                if in_lanes:  # numba compiles one of the branches
                     # Each element has another phase angle: it fills all lanes.
                     p, q = lanes(_ONES) * mu0[i], lanes(_ONES) * mu[i]
                     out[i] = mu0[i] * largest_lane(element(row, phase_terms, p, q))
-
-    else:
-
-        @reduction_over(of_phase, element)
-        def evaluated(row, mu0, mu, half, out):
-            """r in 1/sr, from half the phase angle; 0 where mu0 or mu is not positive."""
-            phase_terms = np.empty(TERMS)
-            for i in range(out.size):
-                out[i] = 0.0
-                if mu0[i] > 0.0 and mu[i] > 0.0:
-                    of_phase(row, math.cos(half[i]), math.sin(half[i]), phase_terms)
+                else:
                     out[i] = mu0[i] * fence(element(row, phase_terms, mu0[i], mu[i]))
 
     return evaluated
@@ -229,7 +219,7 @@ class Law:
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
-        forms = [isinstance(each, Compilable) for each in (cls.element, cls.elements)]
+        forms = [isinstance(function, Compilable) for function in (cls.element, cls.elements)]
         is_compiled = isinstance(cls.of_phase, Compilable) and sum(forms) == 1
         if cls._has_weights() == is_compiled:
             raise AttitudeError(
@@ -262,20 +252,20 @@ class Law:
         AttitudeError
             For a field that `parameter` did not define.
         """
-        found = {}
-        for each in fields(cls):
-            if "parameter" not in each.metadata:
+        definitions = {}
+        for slot in fields(cls):
+            if "parameter" not in slot.metadata:
                 raise AttitudeError(
-                    f"the field {each.name} of the law {cls.__name__} has neither range nor words; "
+                    f"the field {slot.name} of the law {cls.__name__} has neither range nor words; "
                     "define it by attitude.scattering.parameter(...)."
                 )
-            found[each.name] = each.metadata["parameter"]
-        return found
+            definitions[slot.name] = slot.metadata["parameter"]
+        return definitions
 
     @classmethod
     def required(cls) -> list[str]:
         """Names of the fields without a default."""
-        return [name for name, each in cls.parameters().items() if each.is_required]
+        return [name for name, parameter in cls.parameters().items() if parameter.is_required]
 
     @classmethod
     def _has_weights(cls) -> bool:
@@ -304,8 +294,8 @@ class Law:
 
         A word is represented by its index among the words allowed.
         """
-        found = [each.as_number(getattr(self, name)) for name, each in self.parameters().items()]
-        return np.array(found, dtype=np.float64)
+        row = [param.as_number(getattr(self, name)) for name, param in self.parameters().items()]
+        return np.array(row, dtype=np.float64)
 
     def rows(self, materials: Sequence[str]) -> tuple[FloatArray, IntArray]:
         """Rows of numbers (M, W), and the index (F,) of the row of each facet.
@@ -334,7 +324,7 @@ class Law:
             assert self.of_phase is not None and function is not None
             evaluated = reflectances(self.of_phase, function, self.element is None)
             out = np.empty(mu0.shape)
-            flat = [np.ascontiguousarray(each).reshape(-1) for each in (mu0, mu, 0.5 * alpha)]
+            flat = [np.ascontiguousarray(array).reshape(-1) for array in (mu0, mu, 0.5 * alpha)]
             evaluated(self.row(), *flat, out.reshape(-1))
             return out
         shown = (mu0 > 0.0) & (mu > 0.0)
@@ -363,19 +353,19 @@ def law(given: str | Law) -> Law:
         raise AttitudeError(
             f"law is the class {given.__name__}; give an instance: {given.__name__}(...)."
         )
-    made = _by_name.get(given) if isinstance(given, str) else None
-    if made is not None and made.required():
+    kind = _by_name.get(given) if isinstance(given, str) else None
+    if kind is not None and kind.required():
         raise AttitudeError(
-            f"law is {given!r}, which has no default for {' and '.join(made.required())}; give "
-            f"{made.__module__}.{made.__qualname__}(...)."
+            f"law is {given!r}, which has no default for {' and '.join(kind.required())}; give "
+            f"{kind.__module__}.{kind.__qualname__}(...)."
         )
-    if made is None:
-        names = ", ".join(repr(name) for name, each in laws().items() if not each.required())
+    if kind is None:
+        names = ", ".join(repr(name) for name, entry in laws().items() if not entry.required())
         raise AttitudeError(
             f"law is {validation.shown(given)}; give one of {names}, or a law with parameters such "
             "as attitude.scattering.Hapke(...) or Materials(...)."
         )
-    return made()
+    return kind()
 
 
 def laws() -> dict[str, type[Law]]:

@@ -81,8 +81,8 @@ def _phong(row, phase_terms, mu0, mu):
 
 @reduction_subroutine
 def _cook_torrance_of_phase(row, cos_half, phase_terms):
-    rest = 1.0 - cos_half
-    fresnel = row[5] + (1.0 - row[5]) * rest * rest * rest * rest * rest
+    versine = 1.0 - cos_half
+    fresnel = row[5] + (1.0 - row[5]) * versine * versine * versine * versine * versine
     slope = row[4] * row[4]
     phase_terms[0] = row[0] / math.pi
     phase_terms[1] = row[1] * fresnel / (4.0 * math.pi * slope)
@@ -179,17 +179,17 @@ class Material(Law):
         AttitudeError
             For a fraction that is not between 0 and 1.
         """
-        given = validation.number(fraction, "fraction")
-        if not 0.0 < given < 1.0:
-            raise AttitudeError(f"fraction is {given!r}; give one above 0 and below 1.")
+        level = validation.number(fraction, "fraction")
+        if not 0.0 < level < 1.0:
+            raise AttitudeError(f"fraction is {level!r}; give one above 0 and below 1.")
         if self.specular == 0.0:
             return 0.0
         if self.model == "phong":
-            return math.acos(given ** (1.0 / self.exponent))
+            return math.acos(level ** (1.0 / self.exponent))
         # exp(-tan^2 / m^2) / cos^4 = fraction, with the tangent squared as the unknown.
-        square = -(self.roughness**2) * math.log(given)
+        square = -(self.roughness**2) * math.log(level)
         for _ in range(_ITERATIONS):
-            square = self.roughness**2 * (2.0 * math.log1p(square) - math.log(given))
+            square = self.roughness**2 * (2.0 * math.log1p(square) - math.log(level))
         return min(2.0 * math.atan(math.sqrt(square)), 0.5 * math.pi)
 
 

@@ -161,10 +161,10 @@ def hg(alpha: Reals, h: Real = 0.0, g: Real = 0.15) -> FloatArray:
         raise AttitudeError(f"g is {g!r}; it must lie from -0.25 to 1.2.")
     tangent = np.tan(0.5 * alpha)
     sine = np.sin(alpha)
-    near = np.exp(-90.56 * tangent * tangent)
+    weight = np.exp(-90.56 * tangent * tangent)
     disc = 0.119 + 1.341 * sine - 0.754 * sine * sine
     parts = [
-        near * (1.0 - c * sine / disc) + (1.0 - near) * np.exp(-a * tangent**b)
+        weight * (1.0 - c * sine / disc) + (1.0 - weight) * np.exp(-a * tangent**b)
         for a, b, c in ((3.332, 0.631, 0.986), (1.862, 1.218, 0.238))
     ]
     return h + _magnitude((1.0 - g) * parts[0] + g * parts[1])

@@ -293,7 +293,7 @@ def _scales(view: View) -> list[float]:
         if np.any(moving):
             scales.append(part * float(np.min(size[moving] / speed[moving])))
 
-    places = [each for each in (scene.center, scene.observer) if isinstance(each, _path.Path)]
+    places = [end for end in (scene.center, scene.observer) if isinstance(end, _path.Path)]
     for place in places:
         least(place, _OF_ORBIT)
     if len(places) == 2:

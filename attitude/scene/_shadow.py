@@ -269,23 +269,22 @@ def radius_of(body: str) -> float | None:
 
 def occulters(given: Any) -> dict[str, float]:
     """Radii in m, by name, of the bodies that cast shadows."""
-    if isinstance(given, (str, int)):
-        given = (given,)
-    radii = given if isinstance(given, Mapping) else dict.fromkeys(given)
-    found = {}
+    bodies = (given,) if isinstance(given, (str, int)) else given
+    radii = bodies if isinstance(bodies, Mapping) else dict.fromkeys(bodies)
+    known_radii = {}
     for body, radius in radii.items():
         name = body_name(body, "shadow_of")
         known = radius_of(name)
         if radius is not None:
-            found[name] = validation.positive(radius, f"the radius of {name}", unit="m")
+            known_radii[name] = validation.positive(radius, f"the radius of {name}", unit="m")
         elif known is None:
             raise AttitudeError(
                 f"shadow_of holds {body!r}, whose radius is not known here; give it in m, as in "
                 f"shadow_of={{{body!r}: 1e6}}, or one of {', '.join(RADII)}."
             )
         else:
-            found[name] = known
-    return found
+            known_radii[name] = known
+    return known_radii
 
 
 def lit_fraction(

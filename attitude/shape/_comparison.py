@@ -125,18 +125,18 @@ def compare(
     return ShapeComparison(counted.best(matrix), np.array(axes), matrix)
 
 
-def _normal(given: Any, name: str) -> tuple[Mesh, FloatArray, FloatArray]:
+def _normal(shape: Any, name: str) -> tuple[Mesh, FloatArray, FloatArray]:
     """A mesh of unit volume about its centre of mass, semi-axes (3,) and principal axes (3, 3)."""
-    if isinstance(given, Ellipsoid):
-        given = given.facets(_FACETS)
-    if not isinstance(given, Mesh):
+    if isinstance(shape, Ellipsoid):
+        return _normal(shape.facets(_FACETS), name)
+    if not isinstance(shape, Mesh):
         raise AttitudeError(
-            f"{name} is {validation.shown(given)}; give a Mesh, an Ellipsoid or the shape of a "
+            f"{name} is {validation.shown(shape)}; give a Mesh, an Ellipsoid or the shape of a "
             "solution."
         )
-    properties = given.mass_properties(density=1.0)
-    size = given.volume ** (1.0 / 3.0)
-    mesh = given.moved(-properties.center_of_mass).scaled(1.0 / size)
+    properties = shape.mass_properties(density=1.0)
+    size = shape.volume ** (1.0 / 3.0)
+    mesh = shape.moved(-properties.center_of_mass).scaled(1.0 / size)
     moments, columns = np.linalg.eigh(properties.inertia)
     if np.linalg.det(columns) < 0.0:
         columns[:, 2] *= -1.0

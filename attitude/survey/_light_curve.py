@@ -70,14 +70,14 @@ def light_curve_class(
     AttitudeError
         If a class of that name is registered already.
     """
-    taken = {each.name_id() for each in AbstractLightCurve.__subclasses__()}
+    taken = {registered.name_id() for registered in AbstractLightCurve.__subclasses__()}
     if name in taken:
         raise AttitudeError(f"name is {name!r}, which another light-curve class has; give another.")
-    given = validation.count(seed, "seed", 0), validation.count(threads, "threads")
+    counts = validation.count(seed, "seed", 0), validation.count(threads, "threads")
     options = {"shape": shape, "law": law}
-    made = _class(name, options, dict(draws or {}), *given)
+    new_class = _class(name, options, dict(draws or {}), *counts)
     update_lc_subclasses()
-    return made
+    return new_class
 
 
 def _class(name, options, draws, seed, threads):
@@ -136,7 +136,7 @@ def _shifts(df, options, draws, seed, threads):
 
 def _rotators(columns, names, options, draws, seed):
     """The rotators of objects, with columns that are absent drawn."""
-    columns = {name: each for name, each in columns.items() if name in ROTATOR_COLUMNS}
+    columns = {name: values for name, values in columns.items() if name in ROTATOR_COLUMNS}
     for column, distribution in draws.items():
         if column not in columns:
             columns[column] = drawn(names, column, seed, distribution)

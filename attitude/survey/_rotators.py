@@ -182,17 +182,17 @@ class Rotators:
             if "shape" not in columns:
                 raise AttitudeError("the column shape is missing, which names one of the shapes.")
             labels, shapes = list(shape), list(shape.values())
-            given = np.asarray(columns["shape"], dtype=object)
-            unknown = [k for k, each in enumerate(given) if each not in shape]
+            named = np.asarray(columns["shape"], dtype=object)
+            unknown = [k for k, label in enumerate(named) if label not in shape]
             if unknown:
                 raise AttitudeError(
-                    f"{rotator_label(unknown[0], names)}: shape is {given[unknown[0]]!r}; it must "
+                    f"{rotator_label(unknown[0], names)}: shape is {named[unknown[0]]!r}; it must "
                     f"be one of {', '.join(map(repr, labels))}."
                 )
-            which = np.array([labels.index(each) for each in given], dtype=np.int64)
-        bodies = [Body.from_shape(each) for each in shapes]
+            which = np.array([labels.index(label) for label in named], dtype=np.int64)
+        bodies = [Body.from_shape(mesh) for mesh in shapes]
         self._shapes = [shapes[k] for k in which]
-        self.area = np.array([each.area for each in shapes])[which]
+        self.area = np.array([mesh.area for mesh in shapes])[which]
         moments = np.array([body.moments for body in bodies])[which]
         axes = np.array([body.principal_axes for body in bodies])[which]
         body = {"body": [bodies[k] for k in which]}
@@ -241,7 +241,7 @@ class Rotators:
         if self._law.has_phase or self._law.weights[1] != 0.0:
             bright /= mean_brightness(_SPHERE, self._law, _phase(sun, observer)) * areas
         else:
-            by_parts = (read_only(np.ascontiguousarray(each.T)) for each in (sun, observer))
+            by_parts = (read_only(np.ascontiguousarray(rows.T)) for rows in (sun, observer))
             over_mean(areas, float(self._law.weights[0]), *by_parts, bright)
         with np.errstate(divide="ignore"):
             np.log10(bright, out=bright)
@@ -255,7 +255,7 @@ class Rotators:
         the phase angle: by up to 3 % a degree (Zappala et al., A&A 231, 548, 1990).
         """
         if isinstance(self._shapes, list):
-            radii = np.array([np.linalg.norm(each.vertices, axis=1).max() for each in self._shapes])
+            radii = np.array([np.linalg.norm(mesh.vertices, axis=1).max() for mesh in self._shapes])
             largest = math.pi * radii**2
         else:
             ordered = np.sort(self._shapes, axis=1)
@@ -273,8 +273,8 @@ def emission(mjd_tai: Reals, distance_km: Reals) -> FloatArray:
     """
     tai = np.asarray(mjd_tai, dtype=np.float64)
     light = np.asarray(distance_km, dtype=np.float64) * (1e3 / SPEED_OF_LIGHT_M_S)
-    found: FloatArray = tai + (_time_scales.TT_MINUS_TAI + _tdb_minus_tt(tai) - light) / _DAY
-    return found
+    emitted: FloatArray = tai + (_time_scales.TT_MINUS_TAI + _tdb_minus_tt(tai) - light) / _DAY
+    return emitted
 
 
 def _tdb_minus_tt(mjd: FloatArray) -> FloatArray:
@@ -286,10 +286,10 @@ def _tdb_minus_tt(mjd: FloatArray) -> FloatArray:
         return _time_scales.tdb_minus_tt(_MJD, mjd)
     table = _time_scales.tdb_minus_tt(_MJD, first + 0.5 * np.arange(2 * (last - first) + 1))
 
-    found = np.empty(mjd.shape)
+    difference = np.empty(mjd.shape)
     flat = read_only(np.ascontiguousarray(mjd).reshape(-1))
-    interpolated(flat, float(first), read_only(table), found.reshape(-1))
-    return found
+    interpolated(flat, float(first), read_only(table), difference.reshape(-1))
+    return difference
 
 
 def drawn(
@@ -308,14 +308,14 @@ def drawn(
     """
     count = validation.count(seed, "seed", 0)
     key = hashlib.blake2b(f"{count}/{column}".encode(), digest_size=8).digest()
-    found = np.array(
+    hashes = np.array(
         [
             int.from_bytes(hashlib.blake2b(str(name).encode(), key=key, digest_size=8).digest())
             for name in names
         ],
         dtype=np.uint64,
     )
-    uniform: FloatArray = np.ldexp((found >> np.uint64(11)).astype(np.float64), -53)
+    uniform: FloatArray = np.ldexp((hashes >> np.uint64(11)).astype(np.float64), -53)
     if callable(distribution):
         return np.asarray(distribution(uniform), dtype=np.float64)
     low, high = np.broadcast_to(validation.real(distribution, column), 2)

@@ -214,9 +214,9 @@ def _momenta(what: Subject, history: AttitudeHistory) -> FloatArray:
 def _empty(axes: Any) -> Any:
     from matplotlib.collections import PolyCollection
 
-    found = PolyCollection([], linewidths=0.3)
-    axes.add_collection(found)
-    return found
+    polygons = PolyCollection([], linewidths=0.3)
+    axes.add_collection(polygons)
+    return polygons
 
 
 def _axes_of(axes: Any, curve: dict[str, Any]) -> Any:

@@ -805,14 +805,14 @@ def _limits_of_time(passes, fails):
         for sign in (1.0, -1.0):
             for low in (None, np.array([[0.0]])):
                 t = np.array([[sign * farthest]])
-                assert evaluation.evaluated(record, t, low, out, None, 0, 1) == -1, case
+                assert evaluation.evaluate_all(record, t, low, out, None, 0, 1) == -1, case
                 t = np.array([[sign * _NEXT(farthest, math.inf)]])
-                assert evaluation.evaluated(record, t, low, out, None, 0, 1) == 0, case
+                assert evaluation.evaluate_all(record, t, low, out, None, 0, 1) == 0, case
             t, low = np.array([[sign * farthest]]), np.array([[sign * np.spacing(farthest)]])
-            assert evaluation.evaluated(record, t, low, out, None, 0, 1) == 0, case
+            assert evaluation.evaluate_all(record, t, low, out, None, 0, 1) == 0, case
     record = motion_of(("slow", (1.0, 2.0, 3.0), (1, 0, 0, 0), (0.0, 0.0, 1e-300)))._constants
     t = np.array([[1.7976931348623157e308]])
-    assert evaluation.evaluated(record, t, None, np.empty((1, 4, 1)), None, 0, 1) == -1
+    assert evaluation.evaluate_all(record, t, None, np.empty((1, 4, 1)), None, 0, 1) == -1
 
 
 def _pairs_of(moments, rates):
@@ -935,7 +935,7 @@ def check_many(truths):
         lows = 1e-17 * np.arange(7.0)[None]
         whole, part = np.zeros((1, 4, 7)), np.full((1, 4, 7), np.nan)
         speeds, some = np.zeros((1, 3, 7)), np.full((1, 3, 7), np.nan)
-        evaluation.evaluated(record, times, lows, whole, speeds, 0, 7)
+        evaluation.evaluate_all(record, times, lows, whole, speeds, 0, 7)
         evaluation.evaluate_all(record, times, lows, part, some, 2, 5)
         for x, y in ((whole, part), (speeds, some)):
             inside = ~np.isnan(y[0, 0])
