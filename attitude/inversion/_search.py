@@ -25,7 +25,7 @@ from attitude.inversion import (
 from attitude.inversion._ellipsoid import SearchState
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from attitude._support.annotations import BoolArray, FloatArray
     from attitude.inversion._ellipsoid import Pool
@@ -111,6 +111,7 @@ class Search:
     constant: str = ""
     _mapped_rates: list[FloatArray] = field(default_factory=list)
     _known_fits: _KnownFits = field(default_factory=_KnownFits, init=False)
+    _own_problems: list[CurveProblem] = field(default_factory=list, init=False)
     is_ellipsoid: bool = False
     length: float = 0.0
     notes: list[str] = field(default_factory=list)
@@ -157,9 +158,9 @@ class Search:
         self._axial()
         for number in range(self.settings.rounds):
             thinned = self._thinned(number)
-            for pool in self._pools(thinned, number):
+            for stage, pool in enumerate(self._pools(thinned, number)):
                 self._refine(pool, thinned)
-                if number == 0 and self._ends(is_ended, is_early=True):
+                if number == stage == 0 and self._ends(is_ended, is_early=True):
                     return
             if self.shifts and not self.is_over:
                 rates = self._displaced()
@@ -422,28 +423,34 @@ class Search:
                 if len(rates) > self.settings.axial_others:
                     break
         rates.sort(key=lambda each: each.evidence)
-        if self._is_far_behind(rates[0], problem):
+        best, settings = rates[0], self.settings
+        if self._is_far_behind(best, problem, settings.axial_tumbling):
             return
-        fixed = self._fixed(rates[0].refined.state)
+        fixed = self._fixed(best.refined.state)
         for one in rates:
-            if one.evidence < rates[0].evidence + self.settings.axial_mapped:
+            if one.evidence < rates[0].evidence + settings.axial_mapped:
                 arguments = one.refined.state, self.generator, self.tie, fixed, lambda: self.is_over
-                self.axial += _pole_map.minima(rates[0].problem, self.problem, *arguments)
+                self.axial += _pole_map.minima(best.problem, self.problem, *arguments)
                 self.progress(f"{len(self.axial)} poles of rotations about one axis")
+                mapped = _pole_map.most_probable(self.axial, problem)[:1]
+                if mapped and self._is_far_behind(
+                    self._compared(problem, mapped[0]), problem, settings.axial_mapped
+                ):
+                    break
         self.axial = _pole_map.most_probable(self.axial, problem)
         for minimum in self.axial[: self.settings.axial_others]:
             self.convex.append(self._fit(minimum.state))
         self.convex.sort(key=lambda each: each.cost)
 
-    def _is_far_behind(self, rotator: Weighted, problem: CurveProblem) -> bool:
-        """Whether a tumbling body that has other lines explains the curve far better."""
+    def _is_far_behind(self, rotator: Weighted, problem: CurveProblem, width: float) -> bool:
+        """Whether a tumbling body that has other lines is ahead of a rotation by a width."""
         best = self.convex[0]
         if SearchState.of(best.state).is_axial:
             return False
         one = self._robust(problem, best)
         behind = rotator.evidence - one.evidence
         is_comb = _verdicts.counts_as(one, rotator, problem)
-        return behind > self.settings.axial_tumbling and not is_comb
+        return behind > width and not is_comb
 
     def _refine(self, pool: Pool, problem: CurveProblem, keep: int | None = None) -> None:
         """Add the convex bodies of the best distinct ellipsoids, which are those of a problem.
@@ -585,7 +592,7 @@ class Search:
         solutions = [
             self._robust(problem, fit) for fit in chosen if not SearchState.of(fit.state).is_axial
         ]
-        solutions += self._axial_solutions(problem)
+        solutions += self._axial_solutions(problem, solutions)
         solutions = _verdicts.as_rotators(solutions, problem)
         solutions.sort(key=lambda each: each.evidence)
         self.solutions = []
@@ -621,21 +628,38 @@ class Search:
         return self._known_fits.of(lambda: self._with_error_of(best), self.problem, best)
 
     def _with_error_of(self, best: Refined) -> CurveProblem:
+        """That, or the one of another body with nearly the same error, whose fits are known."""
         residual, _ = _evidence.residuals(self.problem, best.magnitude)
         error = _evidence.model_error(self.problem, residual)
         for _ in range(2):
             fitted = self._weighted(self.problem.with_model_error(error), best, is_wide=False)
             error = _evidence.model_error(self.problem, fitted.residual)
-        return self.problem.with_model_error(error)
+        for own in self._own_problems:
+            is_alike = abs(own.model_error / error - 1.0) < self.settings.same_error
+            if is_alike and own.sigma is self.problem.sigma and own.terms is self.problem.terms:
+                return own
+        self._own_problems.append(self.problem.with_model_error(error))
+        return self._own_problems[-1]
 
-    def _axial_solutions(self, problem: CurveProblem) -> list[Weighted]:
-        """Rotations about one axis with the errors of a problem, the most probable poles."""
+    def _axial_solutions(
+        self, problem: CurveProblem, tumbling: Sequence[Weighted]
+    ) -> list[Weighted]:
+        """Rotations about one axis with the errors of a problem, the most probable poles.
+
+        Few of them where a tumbling state is ahead.
+        """
         axial = [fit for fit in self.convex if SearchState.of(fit.state).is_axial]
         if not self.axial:
             return [self._compared(problem, fit) for fit in axial[: self.settings.axial_others]]
         listed_ones: list[Weighted] = []
+        ahead = min((one.evidence for one in tumbling), default=math.inf)
+        behind = self._compared(problem, self.axial[0]).evidence - ahead
+        is_behind = behind > self.settings.mapped_behind
+        most = self.settings.axial_others if is_behind else self.settings.axial_freed
         for fit in self.axial:
-            if not any(self.is_same(fit.state, other.refined.state) for other in listed_ones):
+            if len(listed_ones) < most and not any(
+                self.is_same(fit.state, other.refined.state) for other in listed_ones
+            ):
                 listed_ones.append(self._robust(problem, fit))
         # their own prior ranks poles; with the one of tumbling bodies they are compared with those
         best = min(listed_ones, key=lambda each: each.evidence)

@@ -131,6 +131,8 @@ class Settings:
     # ---- What is one solution
     # Difference of rates, turns per span: below, a curve of one span does not tell two apart.
     same_rate: float = 0.35
+    # Relative difference of model errors below which bodies are compared with one of them.
+    same_error: float = 0.02
     # Angle between poles of one solution, rad.
     same_pole: float = math.radians(8.0)
 

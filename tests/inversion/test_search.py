@@ -157,6 +157,48 @@ def test_pairs_of_most_power_are_fitted():
     assert spent[1] < 0.2 * spent[0]
 
 
+def _search_of(given, **found):
+    arguments = given, 60.0, ("LAM", "SAM"), _shapes.Tie(), (), np.random.default_rng(0), print
+    return _search.Search(*arguments, **found)
+
+
+@pytest.mark.parametrize(("ahead", "expected"), [(0.0, 12), (30.0, 12), (50.0, 3)])
+def test_few_poles_of_a_rotation_are_fitted_where_tumbling_is_ahead(monkeypatch, ahead, expected):
+    poles = _pole_map.sphere(12)
+    rotations = [_weighted(0.0, 100.0 + 0.1 * k, 1.0).refined for k in range(12)]
+    for pole, rotation in zip(poles, rotations, strict=True):
+        rotation.state[_ellipsoid.OF_POLE] = pole
+    given = _given(np.zeros(COUNT))
+    search = _search_of(given, convex=list(rotations), axial=list(rotations))
+    fitted = []
+
+    def robust(self, problem, fit, *, is_wide=False):
+        fitted.append(fit)
+        return _evidence.Weighted(fit, problem, 100.0, np.zeros(COUNT), 1.0)
+
+    monkeypatch.setattr(_search.Search, "_robust", robust)
+    found = search._axial_solutions(given, [_weighted(-9.0, 100.0 - ahead, 1.0)])
+    assert len({id(each.refined) for each in found}) == expected
+    assert len({id(each) for each in fitted}) == expected
+
+
+def test_bodies_with_nearly_the_same_error_are_compared_with_one(monkeypatch):
+    """So that their fits are known."""
+    signs = np.where(np.arange(COUNT) % 2, 1.0, -1.0)
+    bodies = [SimpleNamespace(magnitude=size * signs) for size in (0.05, 0.0501, 0.06)]
+    search = _search_of(_given(np.zeros(COUNT)))
+
+    def weighted(self, problem, body, *, is_wide):
+        return SimpleNamespace(residual=_evidence.residuals(problem, body.magnitude)[0])
+
+    monkeypatch.setattr(_search.Search, "_weighted", weighted)
+    one, alike, other = (search._with_own_error(body) for body in bodies)
+    assert alike is one and other is not one
+    assert other.model_error == pytest.approx(math.sqrt(0.06**2 - 0.02**2), rel=0.02)
+    search.problem = search.problem.with_errors(np.full(COUNT, 0.021))
+    assert search._with_own_error(bodies[0]) is not one
+
+
 @pytest.mark.parametrize(
     ("nutation", "behind", "residual", "expected"),
     [
@@ -169,19 +211,16 @@ def test_pairs_of_most_power_are_fitted():
 def test_no_nutation_is_sought_where_one_is_clear(
     monkeypatch, nutation, behind, residual, expected
 ):
-    given = _given(np.zeros(COUNT))
     best = _weighted(nutation, 0.0, 1.0, np.full(COUNT, residual))
     other = _weighted(-12.0, behind, 1.0, np.full(COUNT, residual))
-    arguments = given, 60.0, ("LAM", "SAM"), _shapes.Tie(), (), np.random.default_rng(0), print
-    search = _search.Search(*arguments, convex=[best.refined], solutions=[best, other])
+    search = _search_of(_given(np.zeros(COUNT)), convex=[best.refined], solutions=[best, other])
     monkeypatch.setattr(_search.Search, "finish", lambda self, most: None)
     assert search._is_clear() is expected
 
 
 def test_ellipsoids_are_fitted_to_some_of_many_points():
     given = _given(np.zeros(900))
-    arguments = given, 60.0, ("LAM", "SAM"), _shapes.Tie(), (), np.random.default_rng(0), print
-    search = _search.Search(*arguments)
+    search = _search_of(given)
     assert [len(search._thinned(number)) for number in (0, 1, 2)] == [225, 450, 900]
     assert search._thinned(0).span == given.span and search._thinned(2) is given
 
