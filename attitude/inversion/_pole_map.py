@@ -70,12 +70,14 @@ def has_turn(problem: CurveProblem, a: FloatArray, b: FloatArray) -> bool:
 
     The rates about poles far from each other differ by twice the turn of the scene.  The angle
     between the two bodies, as the bisector of Sun and observer sees them, is followed by the rate
-    that it keeps best: its turns in the gaps between apparitions need not be known.
+    that it keeps best, near zero or near the difference of the rates: its turns in the gaps between
+    apparitions need not be known.
     """
     angles = 4.0 * math.pi * (a[0] - b[0]) * problem.t
     first, second = (_seen_about(problem, state[_ellipsoid.OF_POLE]) for state in (a, b))
     angles -= first - second
-    drifts = np.arange(-2.0 * _SAME_RATE, 2.0 * _SAME_RATE + 1e-9, _SAME_RATE / 8.0)
+    near = np.arange(-2.0 * _SAME_RATE, 2.0 * _SAME_RATE + 1e-9, _SAME_RATE / 8.0)
+    drifts = np.concatenate([near, 2.0 * (a[0] - b[0]) + near])
     turned = np.exp(1j * (angles - 2.0 * math.pi * drifts[:, None] * problem.t))
     kept = np.abs(turned.mean(axis=1))
     return bool(abs(drifts[int(np.argmax(kept))]) < _SAME_RATE)

@@ -426,21 +426,35 @@ class Search:
         best, settings = rates[0], self.settings
         if self._is_far_behind(best, problem, settings.axial_tumbling):
             return
-        fixed = self._fixed(best.refined.state)
+        coarse = replace(best.problem, settings=settings.with_coarse_map())
         for one in rates:
-            if one.evidence < rates[0].evidence + settings.axial_mapped:
-                arguments = one.refined.state, self.generator, self.tie, fixed, lambda: self.is_over
-                self.axial += _pole_map.minima(best.problem, self.problem, *arguments)
-                self.progress(f"{len(self.axial)} poles of rotations about one axis")
-                mapped = _pole_map.most_probable(self.axial, problem)[:1]
-                if mapped and self._is_far_behind(
-                    self._compared(problem, mapped[0]), problem, settings.axial_mapped
+            if one.evidence < best.evidence + settings.axial_mapped:
+                leading = self._mapped(one, best.problem if one is best else coarse, problem)
+                if leading and self._is_far_behind(
+                    self._compared(problem, leading), problem, settings.axial_mapped
                 ):
                     break
+                state = one.refined.state
+                if (
+                    one is not best
+                    and leading
+                    and _pole_map.has_turn(problem, leading.state, state)
+                ):
+                    self._mapped(one, best.problem, problem)
         self.axial = _pole_map.most_probable(self.axial, problem)
         for minimum in self.axial[: self.settings.axial_others]:
             self.convex.append(self._fit(minimum.state))
         self.convex.sort(key=lambda each: each.cost)
+
+    def _mapped(
+        self, one: Weighted, mapping: CurveProblem, problem: CurveProblem
+    ) -> Refined | None:
+        """The most probable rotation about one axis, after a map of poles at the rate of one."""
+        state, fixed = one.refined.state, self._fixed(one.refined.state)
+        arguments = state, self.generator, self.tie, fixed, lambda: self.is_over
+        self.axial += _pole_map.minima(mapping, self.problem, *arguments)
+        self.progress(f"{len(self.axial)} poles of rotations about one axis")
+        return next(iter(_pole_map.most_probable(self.axial, problem)), None)
 
     def _is_far_behind(self, rotator: Weighted, problem: CurveProblem, width: float) -> bool:
         """Whether a tumbling body that has other lines is ahead of a rotation by a width."""

@@ -8,7 +8,7 @@ machine and under every load.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 
 @dataclass
@@ -157,6 +157,9 @@ class Settings:
     axial_tumbling: float = 200.0
     # Other rates that are mapped lie at most so far behind in evidence.
     axial_mapped: float = 60.0
+    # By how much the map of another rate is coarser, in poles, bodies at each, and poles that are
+    # freed: whether it comes first is seen at fewer, and then it is mapped as the best.
+    axial_coarser: int = 2
     # Rates, turns per span, that one map of poles comprises.
     axial_width: float = 1.2
     # Rotations that are compared with a motion that explains the curve better by far.
@@ -225,6 +228,15 @@ class Settings:
     most_turns: float = 1500.0
     # Of the epochs, the share that lies within the same third of the day for one site.
     one_site: float = 0.9
+
+    def with_coarse_map(self) -> Settings:
+        """These, with a coarser map of the poles of rotations about one axis."""
+        return replace(
+            self,
+            axial_poles=max(1, self.axial_poles // self.axial_coarser),
+            axial_bodies=max(1, self.axial_bodies // self.axial_coarser),
+            axial_freed=max(1, self.axial_freed // self.axial_coarser**2),
+        )
 
 
 DEFAULT = Settings()

@@ -182,6 +182,45 @@ def test_few_poles_of_a_rotation_are_fitted_where_tumbling_is_ahead(monkeypatch,
     assert len({id(each) for each in fitted}) == expected
 
 
+@pytest.mark.parametrize(
+    ("costs", "ahead", "expected"),
+    [
+        ((0.0, 30.0), -math.inf, [200, 100]),
+        ((30.0, 0.0, 0.0), -math.inf, [200, 100, 200]),  # the other rate comes first
+        ((0.0,), 80.0, [200]),  # a tumbling body is ahead of the best rate
+    ],
+)
+def test_another_rate_of_rotation_has_a_coarser_map(monkeypatch, costs, ahead, expected):
+    bodies = [_weighted(0.0, 0.0, 1.0).refined for _ in range(2)]
+    bodies[1].state[0] *= 2.0
+    for body in bodies:
+        body.chi_squared, body.cost = 1.0, 0.0
+    search = _search_of(_given(np.zeros(COUNT)), convex=list(bodies))
+    maps, left = [], iter(costs)
+
+    def minima(mapping, rough, state, *given):
+        maps.append(mapping.settings.axial_poles)
+        fit = SimpleNamespace(state=state, cost=next(left), normal=np.eye(_refinement.SIZE))
+        return [fit]
+
+    def robust(self, problem, fit, *, is_wide=False):
+        return _evidence.Weighted(fit, problem, float(fit.state[0]), np.zeros(COUNT), 1.0)
+
+    def is_far_behind(self, rotator, problem, width):
+        return ahead > width and width == problem.settings.axial_mapped
+
+    monkeypatch.setattr(_pole_map, "minima", minima)
+    for name, fake in (
+        ("_robust", robust),
+        ("_is_far_behind", is_far_behind),
+        ("_with_own_error", lambda self, best: self.problem),
+        ("_fit", lambda self, state: bodies[0]),
+    ):
+        monkeypatch.setattr(_search.Search, name, fake)
+    search._axial_poles()
+    assert maps == expected
+
+
 def test_bodies_with_nearly_the_same_error_are_compared_with_one(monkeypatch):
     """So that their fits are known."""
     signs = np.where(np.arange(COUNT) % 2, 1.0, -1.0)
@@ -484,6 +523,18 @@ def test_a_comb_is_that_of_the_lines_that_the_scene_sees(turns, expected):
     given = _given(np.zeros(COUNT), sun=scene, observer=scene)
     assert _pole_map.turn_of_scene(given, pole[None]) == pytest.approx([turns], abs=1e-6)
     assert _verdicts.as_rotators(found, given)[0].evidence == expected
+
+
+def test_rates_many_turns_apart_are_not_one():
+    """None of the drifts near zero keeps the angle: which of them is best is chance."""
+    generator = np.random.default_rng(12)
+    state, other = _body(), _body()
+    for _ in range(30):
+        t = np.sort(generator.uniform(-0.5, 0.5, 60))
+        given = _given(np.zeros(60), t)
+        other[0] = state[0] + generator.uniform(2.0, 30.0)
+        assert not _pole_map.has_turn(given, state, other)
+        assert _pole_map.has_turn(given, state, state)
 
 
 def test_a_difference_counts_by_nights():
