@@ -1,6 +1,7 @@
 """How often and how fast does the inversion of a light curve find the spin state?
 
     python benchmarks/inversion.py speed              a pair of frequencies, a likelihood
+    python benchmarks/inversion.py costs              processor time of work over what is counted
     python benchmarks/inversion.py toutatis           the photometry of 1992-93 against radar
     python benchmarks/inversion.py tumblers 48 SEED   synthetic tumblers; also "nights", "axial",
                                                       "sessions", "slow-tumblers"; a fourth
@@ -41,9 +42,11 @@ from attitude import catalog, inversion
 from attitude.frames import matrix_to_icrf
 from attitude.inversion import (
     _ellipsoid,
+    _lattices,
     _pole_map,
     _problem,
     _refinement,
+    _shapes,
     _verdicts,
 )
 from attitude.inversion._ellipsoid import SearchState
@@ -412,6 +415,42 @@ def speed() -> tuple[float, float]:
     return pair, spent / 400 * 1e9
 
 
+def costs() -> dict[str, float]:
+    """Processor time of each kind of work of a search over what the tally counts, printed.
+
+    Of the fastest of some runs, with 400 points: the costs of `Settings` are right where it is 1.
+    """
+    case = KINDS["tumblers"].case(7200000, 0)
+    curve, most = curve_of(case, "shared"), case.most * np.ptp(case.jd)
+    problem, _ = _problem.problem(curve, case.most / 86400.0, DEFAULT.ellipsoid_error, "shared")
+    rates = [_lattices.Candidate(30.0, f) for f in np.linspace(-20.0, 20.0, 200)]
+    rng = np.random.default_rng(0)
+    states = _ellipsoid.starts(rng, *np.array(rates).T)
+    held = _ellipsoid.Held(DEFAULT.tie)
+    bodies = _ellipsoid.minimised(problem, states[:20], 8, tie=held).states
+    work = {
+        "pairs of frequencies": lambda: _lattices.lattice_pairs(problem, min(most, 250.0), 200),
+        "screened ellipsoids": lambda: _ellipsoid.costs(problem, states),
+        "fitted ellipsoids": lambda: _ellipsoid.minimised(problem, states, 6, tie=held),
+        "lopsided bodies": lambda: _bodies(problem, bodies, 3, DEFAULT.short_modes),
+        "convex bodies": lambda: _bodies(problem, bodies, 20, _shapes.MODES),
+    }
+    ratios = {}
+    with _refinement.limited():
+        for name, call in work.items():
+            before = problem.tally.spent
+            call()
+            counted = problem.tally.spent - before
+            ratios[name] = _best(call, 8) / counted
+            print(f"{name}: {ratios[name]:.2f} of {counted:.3f} s")
+    return ratios
+
+
+def _bodies(problem: CurveProblem, states: np.ndarray, iterations: int, modes: int) -> None:
+    for state in states:
+        _refinement.refine(problem, state, iterations=iterations, modes=modes)
+
+
 def _best(call, repeat: int = 20) -> float:
     call()
     times = []
@@ -446,8 +485,8 @@ def toutatis() -> tuple[float, list[inversion.Solution]]:
 def main(arguments: list[str]) -> None:
     """Run what the arguments name."""
     what = arguments[0] if arguments else "speed"
-    if what in ("speed", "toutatis"):
-        {"speed": speed, "toutatis": toutatis}[what]()
+    if what in ("speed", "costs", "toutatis"):
+        {"speed": speed, "costs": costs, "toutatis": toutatis}[what]()
         return
     if what == "constant":
         called_constant(int(arguments[1]), int(arguments[2]))

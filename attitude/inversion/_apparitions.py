@@ -454,10 +454,12 @@ class RotatorSearch(Search):
     def _has_several(self) -> bool:
         return len(apparitions(self.problem)) > 1
 
-    def _axial_solutions(self, problem: CurveProblem) -> list[Weighted]:
+    def _axial_solutions(
+        self, problem: CurveProblem, tumbling: Sequence[Weighted]
+    ) -> list[Weighted]:
         """Rotations about one axis with the errors of a problem, the most probable first."""
         if not self.tie.is_wide:
-            return super()._axial_solutions(problem)
+            return super()._axial_solutions(problem, tumbling)
         rotators = [self._robust(problem, start) for start in self.axial or self.convex[:_OTHERS]]
         rotators, self.beside = _pole_map.listed(rotators, _BEHIND)
         rates = np.array([rotator.refined.state[0] for rotator in rotators])

@@ -82,6 +82,7 @@ class EllipsoidCurve:
         epochs = self._t, self._sun, self._observer, self._y, self._weight
         costs = self._settings.screen_cost, self._settings.ellipsoid_cost
         self._tally.add(len(states) * self._t.size, costs[with_slopes])
+        self._tally.add(len(states), with_slopes * self._settings.start_cost)
         for start in range(0, len(states), size):
             block = slice(start, start + size)
             some = rows[: len(states) - start]
@@ -337,24 +338,17 @@ class SearchState(NamedTuple):
             return twice, 0.0
         return twice - max(self.nutation, 0.0), abs(self.nutation)
 
-    def has_rates(self, other: SearchState, width: float) -> bool:
-        """Whether another state has this mode and these rates, to a width in turns per span."""
-        alike = 2.0 * abs(self.precession - other.precession) < width
-        if self.is_axial or other.is_axial:
-            return self.is_axial and other.is_axial and alike
-        return alike and abs(self.nutation - other.nutation) < width
-
 
 def have_rates(states: FloatArray, state: FloatArray, width: float) -> BoolArray:
-    """Which of the states (S, 16 or more) have the mode and the rates of one (16 or more,).
+    """Which of the states (..., 16 or more) have the mode and the rates of one (16 or more,).
 
-    As `SearchState.has_rates`, for many.
+    To a width in turns per span.
     """
-    alike = 2.0 * np.abs(states[:, 0] - state[0]) < width
-    axial = states[:, 3] == AXIAL
+    alike = 2.0 * np.abs(states[..., 0] - state[0]) < width
+    axial = states[..., 3] == AXIAL
     if state[3] == AXIAL:
         return np.asarray(alike & axial)
-    return np.asarray(alike & ~axial & (np.abs(states[:, 1] - state[1]) < width))
+    return np.asarray(alike & ~axial & (np.abs(states[..., 1] - state[1]) < width))
 
 
 class Priors(NamedTuple):
@@ -672,8 +666,9 @@ def narrowed(
 ) -> Pool:
     """The best minimum of each pair of rates: of many starts a few steps, of the best more.
 
-    `count` starts, each the best of some random ones, take four steps; a quarter of them six more,
-    and the best of these ten more.  poles (R, P, 3) as in `around`.
+    `count` starts, each the best of some random ones, take four steps; of the better half of the
+    rates a quarter of them take six more, and the best of these ten more.  poles (R, P, 3) as in
+    `around`.
     """
     groups = len(rates)
     arguments = problem, generator, rates, count
@@ -682,10 +677,13 @@ def narrowed(
         size = len(pool.cost) // groups
         order = np.argsort(pool.cost.reshape(groups, size), axis=1, kind="stable")[:, :kept]
         chosen = (order + size * np.arange(groups)[:, None]).ravel()
-        more = minimised(problem, pool.states[chosen], steps, tie=tie)
-        is_better = more.cost < pool.cost[chosen]
-        cost = np.where(is_better, more.cost, pool.cost[chosen])
-        pool = Pool(cost, np.where(is_better[:, None], more.states, pool.states[chosen]))
+        least = pool.cost.reshape(groups, size).min(axis=1)
+        pool = Pool(pool.cost[chosen], pool.states[chosen])
+        on = np.flatnonzero(np.repeat(least <= np.median(least), kept))
+        more = minimised(problem, pool.states[on], steps, tie=tie)
+        is_better = more.cost < pool.cost[on]
+        pool.cost[on[is_better]] = more.cost[is_better]
+        pool.states[on[is_better]] = more.states[is_better]
     return pool
 
 

@@ -25,7 +25,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
 import numpy as np
 
 from attitude.inversion import _refinement, _shapes
-from attitude.inversion._ellipsoid import SearchState
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -68,8 +67,6 @@ _LEAST_ERROR = 0.003
 _ROUNDS = 2
 # Epochs closer than this, s, belong to one night; nights at least of a standard error.
 _NIGHT, _FEWEST = 0.3 * 86400.0, 5
-# Multiples of half a rotation that the rates of a comb are.
-_COMB = 6
 # Singular values of linear terms, relative to the largest, below which one is a copy.
 _COPY = 1e-7
 # Parameters of the motion: orientation and rate, of every motion, and those of the nutation.
@@ -277,45 +274,6 @@ def standard_error(solution: Weighted, other: Weighted, problem: CurveProblem) -
     if len(parts) < _FEWEST:
         return 0.0
     return float(np.sqrt(len(parts) * np.var(parts, ddof=1)))
-
-
-def as_rotators(found: list[Weighted], problem: CurveProblem) -> list[Weighted]:
-    """The solutions, where tumbling states whose lines form a rotator's comb stand behind it.
-
-    Where both rates are multiples of one frequency within the resolution of the span, tumbling has
-    no line that a rotation about one axis has not: four parameters more fit what its shape lacks.
-    It counts as that rotation, if chi-squared of this is not far larger.
-    """
-    out = []
-    for one in found:
-        behind = [
-            rotator.evidence + 1.0 - one.evidence
-            for rotator in found
-            if counts_as(one, rotator, problem)
-        ]
-        out.append(replace(one, evidence=one.evidence + max([0.0, *behind])))
-    return out
-
-
-def counts_as(one: Weighted, rotator: Weighted, problem: CurveProblem) -> bool:
-    """Whether a tumbling state is on the comb of a rotator that explains the curve too."""
-    settings = problem.settings
-    state, other = SearchState.of(one.refined.state), SearchState.of(rotator.refined.state)
-    return (
-        other.is_axial
-        and not state.is_axial
-        and _is_comb(state, 2.0 * other.precession, settings.comb_width)
-        and rotator.chi_squared < settings.axial_worse * one.chi_squared
-    )
-
-
-def _is_comb(state: SearchState, rotation: float, width: float) -> bool:
-    """Whether the lines of a tumbling state are multiples of a rotation or of half of it."""
-    base = 0.5 * rotation
-    numbers = [rate / base for rate in state.rates]
-    whole = [round(number) for number in numbers]
-    off = [abs(a - b) * base for a, b in zip(numbers, whole, strict=True)]
-    return max(off) < width and min(whole) >= 1 and max(whole) <= _COMB
 
 
 def gain(solution: Weighted, other: Weighted, problem: CurveProblem) -> float:

@@ -23,8 +23,12 @@ if TYPE_CHECKING:
 
 # Least frequency, turns per span.
 LEAST = 0.7
+# Step of scans over nutations, turns per span, and the largest one over the largest frequency.
+STEP, _MOST_NUTATION = 0.4, 0.6
 # Unknowns of a series of order 2, by which the cost of a pair is scaled.
 _UNKNOWN = 25
+# 1/P_psi in short-axis mode over 1/P_phi: bodies whose moments are possible have less.
+_SHORT_AXIS = 1.4
 # Distances at which two candidates are one: of lambda/pi and of f, turns per span.
 _SAME_RATE, _SAME_NUTATION = 0.7, 0.5
 
@@ -54,10 +58,12 @@ def lattice_pairs(
     end = least + max(count - least, 3)
     sums = tables(problem, 4 * order * end + 2)
     lines = _spectrum.harmonics(order)
-    best_pairs = _spectrum.best(sums, (least, end), (least, end), lines, RIDGE, keep)
+    settings, grid = problem.settings, (least, end)
+    best_pairs = _spectrum.best(sums, grid, grid, lines, RIDGE, keep, fitted=settings.pairs_fitted)
     unknown = 2 * len(lines) - 1
-    fitted = min(best_pairs.tried, _spectrum.MOST)
-    problem.tally.add(fitted, problem.settings.pair_cost * (unknown / _UNKNOWN) ** 3)
+    fitted = min(best_pairs.tried, settings.pairs_fitted)
+    problem.tally.add(fitted, settings.pair_cost * (unknown / _UNKNOWN) ** 3)
+    problem.tally.add(best_pairs.tried - fitted, settings.power_cost)
     both = np.stack([best_pairs.first, best_pairs.second], axis=-1) / OVERSAMPLING
     return both, best_pairs.left
 
@@ -107,6 +113,22 @@ def candidates(
     return out
 
 
+def of_line(line: float, most: float, modes: tuple[str, ...]) -> list[Candidate]:
+    """Rates that have one line, turns per span: that of phi, or that of phi and psi together.
+
+    These are the strongest lines of both modes.  Every nutation is tried with each.
+    """
+    out: list[Candidate] = []
+    for f in np.arange(LEAST, _MOST_NUTATION * most, STEP).tolist():
+        for phi in (line, line - f):
+            if phi >= LEAST and phi + f <= most:
+                if "LAM" in modes:
+                    out.append(Candidate(0.5 * (phi + f), f))
+                if "SAM" in modes and f < _SHORT_AXIS * phi:
+                    out.append(Candidate(0.5 * phi, -f))
+    return out
+
+
 def _rates(g, f, most, modes):
     """lambda/pi and signed f on a lattice, within the bounds of frequencies."""
     for k in range(-2, 2):
@@ -115,7 +137,7 @@ def _rates(g, f, most, modes):
             continue
         if "LAM" in modes and rate - f >= LEAST and rate <= most:
             yield rate, f
-        if "SAM" in modes and rate >= LEAST and rate + f <= most and f < 1.4 * rate:
+        if "SAM" in modes and rate >= LEAST and rate + f <= most and f < _SHORT_AXIS * rate:
             yield rate, -f
 
 

@@ -108,7 +108,7 @@ _SHAPE = _shapes.Tie()
 
 @dataclass(frozen=True, eq=False)
 class ShapeModel:
-    """Magnitudes (N,) of a state, their Jacobian (SIZE, N), areas, and the slopes of the areas."""
+    """Magnitudes (N,) of a state, their Jacobian (P, N), areas, and the slopes of the areas."""
 
     magnitude: FloatArray
     jacobian: FloatArray
@@ -117,17 +117,19 @@ class ShapeModel:
 
 
 def model(problem: CurveProblem, state: FloatArray) -> ShapeModel:
-    """The magnitudes of a state (WIDTH,), means over exposures, with derivatives."""
+    """The magnitudes of a state (WIDTH or less,), means over exposures, with derivatives."""
     nodes = problem.at_nodes()
     t, count = nodes.t, len(nodes)
-    problem.tally.add(1, problem.settings.step_cost + count * problem.settings.body_cost)
+    share = 0.5 * (1.0 + (len(state) - _ellipsoid.WIDTH) / _shapes.MODES)
+    settings = problem.settings
+    problem.tally.add(1, settings.step_cost + share * count * settings.body_cost)
     r, g = _motions.at_epochs(state, t)
     turn, body = state[5:14].reshape(3, 3), r.reshape(3, 3, count)
     sun = np.ascontiguousarray(np.einsum("rkt,rt->tk", body, turn.T @ nodes.sun))
     observer = np.ascontiguousarray(np.einsum("rkt,rt->tk", body, turn.T @ nodes.observer))
     lit = _shapes.magnitudes(sun, observer, state[14:])
     h = np.einsum("rkt,tk->rt", body, lit.across)
-    jacobian = np.empty((SIZE, count))
+    jacobian = np.empty((_MOTION + len(lit.by_shape), count))
     jacobian[:3] = h
     jacobian[3] = 4.0 * math.pi * t * h[2]
     v = 2.0 * math.pi * np.sum(h * g[:3], axis=0)
@@ -202,6 +204,7 @@ def refine(
     tie: _shapes.Tie = _SHAPE,
     gain: float = 1e-3,
     fixed: BoolArray | None = None,
+    modes: int = _shapes.MODES,
 ) -> Refined:
     """The state of least cost near a start.
 
@@ -217,12 +220,14 @@ def refine(
         Relative decrease of the cost at which the iteration ends.
     fixed : (K,) array of bool, optional
         Which of the first K parameters stay: 8 of the motion, 2 of the ellipsoid, the modes.
+    modes : int
+        Of the shape, the smoothest first; at least those of the start.
     """
-    state = np.zeros(WIDTH)
+    state = np.zeros(_ellipsoid.WIDTH + modes)
     state[: len(start)] = start
-    held = np.zeros(SIZE, bool)
+    held = np.zeros(_MOTION + _shapes.ELLIPSOID + modes, bool)
     if fixed is not None:
-        held[: len(fixed)] = fixed
+        held[: len(fixed)] = fixed[: len(held)]
 
     def at(trial: FloatArray) -> Refined:
         shape_model = model(problem, trial)

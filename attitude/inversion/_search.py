@@ -19,12 +19,13 @@ from attitude.inversion import (
     _problem,
     _refinement,
     _satellites,
+    _shapes,
     _verdicts,
 )
 from attitude.inversion._ellipsoid import SearchState
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from attitude._support.annotations import BoolArray, FloatArray
     from attitude.inversion._ellipsoid import Pool
@@ -110,6 +111,7 @@ class Search:
     constant: str = ""
     _mapped_rates: list[FloatArray] = field(default_factory=list)
     _known_fits: _KnownFits = field(default_factory=_KnownFits, init=False)
+    _own_problems: list[CurveProblem] = field(default_factory=list, init=False)
     is_ellipsoid: bool = False
     length: float = 0.0
     notes: list[str] = field(default_factory=list)
@@ -130,10 +132,10 @@ class Search:
 
     def has_rates(self, a: FloatArray, b: FloatArray) -> bool:
         """Whether two states have one mode and the same rates."""
-        return SearchState.of(a).has_rates(SearchState.of(b), self.settings.same_rate)
+        return bool(self._with_rates(a, b))
 
     def _with_rates(self, states: FloatArray, state: FloatArray) -> BoolArray:
-        """Which of the states (S, 16 or more) have the mode and the rates of one."""
+        """Which of the states (..., 16 or more) have the mode and the rates of one."""
         return _ellipsoid.have_rates(states, state, self.settings.same_rate)
 
     def begin(self, states: Iterable[FloatArray]) -> None:
@@ -155,21 +157,23 @@ class Search:
         """
         self._axial()
         for number in range(self.settings.rounds):
-            for pool in self._pools(number):
-                self._refine(pool)
-                if number == 0 and self._ends(is_ended, is_early=True):
+            thinned = self._thinned(number)
+            for stage, pool in enumerate(self._pools(thinned, number)):
+                self._refine(pool, thinned)
+                if number == stage == 0 and self._ends(is_ended, is_early=True):
                     return
             if self.shifts and not self.is_over:
                 rates = self._displaced()
                 pool = _ellipsoid.around(
-                    self.problem,
+                    thinned,
                     self.generator,
                     rates,
                     self.settings.alias_starts,
                     iterations=30,
                     tie=self._held,
                 )
-                self._refine(_ellipsoid.in_order(_ellipsoid.best_of_each(pool, len(rates))))
+                best_of_each = _ellipsoid.best_of_each(pool, len(rates))
+                self._refine(_ellipsoid.in_order(best_of_each), thinned)
             if number == 0:
                 # zero points decide what fits: the maps of poles are those of the right ones
                 if self._ends(is_ended, is_early=False):
@@ -263,19 +267,43 @@ class Search:
         square = (self.solutions[0].residual / size) ** 2
         return self.problem.with_weights(_evidence.weights(square))
 
-    def _pools(self, number: int) -> Iterator[Pool]:
-        """Ellipsoids of a round: of the lattices, then of every psi at the best phi."""
+    def _thinned(self, number: int) -> CurveProblem:
+        """The problem with as many of its points as ellipsoids of a round are fitted to."""
+        step = round(len(self.problem) / (self.settings.scan_points * 2**number))
+        return (
+            self.problem.part(np.arange(len(self.problem)) % step == 0)
+            if step > 1
+            else self.problem
+        )
+
+    def _pools(self, problem: CurveProblem, number: int) -> Iterator[Pool]:
+        """Ellipsoids of a round: of the lattices, then of every psi with the best lines."""
         more = 2**number
         pairs_of, _ = _lattices.lattice_pairs(self.problem, self.most, self.settings.pairs * more)
         rates = _lattices.candidates(pairs_of, self.most, self.modes, self.shifts)
         starts = self.settings.quick_starts * more
-        yield self._ellipsoids(rates, None, starts, more, "periods of the lines")
+        yield self._ellipsoids(problem, rates, None, starts, more, "periods of the lines")
+        if number == 0 and self._is_clear():
+            return
         self.convex.sort(key=lambda each: each.cost)
         starts = self.settings.scan_starts * more
-        yield self._ellipsoids(*self._scan(), starts, more, "periods of psi")
+        yield self._ellipsoids(problem, *self._scan(), starts, more, "periods of psi")
+
+    def _is_clear(self) -> bool:
+        """Whether a tumbling state is at the floor and others are far behind: none is sought."""
+        if self.is_over or not self.convex or SearchState.of(self.convex[0].state).is_axial:
+            return False
+        self.finish(self.settings.compared)
+        best = self.solutions[0]
+        return (
+            not SearchState.of(best.refined.state).is_axial
+            and _evidence.floor_ratio(best, self.problem) < self.settings.floor
+            and _verdicts.gap(self.solutions, self.problem) > self.settings.clear
+        )
 
     def _ellipsoids(
         self,
+        problem: CurveProblem,
         rates: list[_lattices.Candidate],
         poles: FloatArray | None,
         starts: int,
@@ -287,7 +315,6 @@ class Search:
         A few starts of few steps miss one body in ten: each pair of rates has many, of which the
         best go on.
         """
-        problem = self.problem
         parts = []
         for start in range(0, len(rates), self.settings.block):
             block_of_rates = rates[start : start + self.settings.block]
@@ -315,7 +342,7 @@ class Search:
         return _ellipsoid.in_order(*deep)
 
     def _scan(self) -> tuple[list[_lattices.Candidate], FloatArray]:
-        """Rates with the precession of the long axis of the best solutions, and every nutation.
+        """Rates with a line of the best solutions, of phi or of phi and psi, and every nutation.
 
         And the pole (R, 2, 3) of each of these, with its mirror image: of a body that is far from
         an ellipsoid few starts find the nutation and the pole at once.
@@ -325,23 +352,16 @@ class Search:
         used: list[float] = []
         normal = _pole_map.plane_of(self.problem)
         for fit in self.convex:
-            state = fit.state
-            rate = 2.0 * float(state[0])
-            if not SearchState.of(state).is_axial and state[1] > 0.0:
-                rate -= float(state[1])
-            if any(abs(rate - other) < 0.4 for other in used):
-                continue
-            used.append(rate)
-            steps = np.arange(_lattices.LEAST, 0.6 * self.most, 0.4)
-            if "LAM" in self.modes:
-                rates += [_lattices.Candidate(0.5 * (rate + f), f) for f in steps]
-            if "SAM" in self.modes:
-                rates += [_lattices.Candidate(0.5 * rate, -f) for f in steps if f < 1.4 * rate]
-            pole = SearchState.of(state).pole
-            both = np.stack([pole, _pole_map.mirrored(pole, normal)])
-            poles += [both] * (len(rates) - len(poles))
-            if len(used) == self.settings.scanned:
-                break
+            fields = SearchState.of(fit.state)
+            phi, psi = fields.rates
+            both = np.stack([fields.pole, _pole_map.mirrored(fields.pole, normal)])
+            for line in (phi, phi + psi):
+                if len(rates) < self.settings.scan_rates and not any(
+                    abs(line - other) < _lattices.STEP for other in used
+                ):
+                    used.append(line)
+                    rates += _lattices.of_line(line, self.most, self.modes)
+                    poles += [both] * (len(rates) - len(poles))
         return rates, np.array(poles).reshape(-1, 2, 3)
 
     def _displaced(self) -> list[_lattices.Candidate]:
@@ -384,7 +404,7 @@ class Search:
             rates = np.unique(np.concatenate([lines_found, 0.5 * lines_found]))
         rates = rates[rates > _lattices.LEAST]
         pool = _ellipsoid.axial(self.problem, self.generator, rates, self.settings.axial_starts)
-        self._refine(_ellipsoid.in_order(pool), keep=self.settings.convex // 2)
+        self._refine(_ellipsoid.in_order(pool), self.problem, keep=self.settings.convex // 2)
         self.progress("rotations about one axis")
 
     def _axial_poles(self) -> None:
@@ -403,31 +423,51 @@ class Search:
                 if len(rates) > self.settings.axial_others:
                     break
         rates.sort(key=lambda each: each.evidence)
-        if self._is_far_behind(rates[0], problem):
+        best, settings = rates[0], self.settings
+        if self._is_far_behind(best, problem, settings.axial_tumbling):
             return
-        fixed = self._fixed(rates[0].refined.state)
+        coarse = replace(best.problem, settings=settings.with_coarse_map())
         for one in rates:
-            if one.evidence < rates[0].evidence + self.settings.axial_mapped:
-                arguments = one.refined.state, self.generator, self.tie, fixed, lambda: self.is_over
-                self.axial += _pole_map.minima(rates[0].problem, self.problem, *arguments)
-                self.progress(f"{len(self.axial)} poles of rotations about one axis")
+            if one.evidence < best.evidence + settings.axial_mapped:
+                leading = self._mapped(one, best.problem if one is best else coarse, problem)
+                if leading and self._is_far_behind(
+                    self._compared(problem, leading), problem, settings.axial_mapped
+                ):
+                    break
+                state = one.refined.state
+                if (
+                    one is not best
+                    and leading
+                    and _pole_map.has_turn(problem, leading.state, state)
+                ):
+                    self._mapped(one, best.problem, problem)
         self.axial = _pole_map.most_probable(self.axial, problem)
         for minimum in self.axial[: self.settings.axial_others]:
             self.convex.append(self._fit(minimum.state))
         self.convex.sort(key=lambda each: each.cost)
 
-    def _is_far_behind(self, rotator: Weighted, problem: CurveProblem) -> bool:
-        """Whether a tumbling body that has other lines explains the curve far better."""
+    def _mapped(
+        self, one: Weighted, mapping: CurveProblem, problem: CurveProblem
+    ) -> Refined | None:
+        """The most probable rotation about one axis, after a map of poles at the rate of one."""
+        state, fixed = one.refined.state, self._fixed(one.refined.state)
+        arguments = state, self.generator, self.tie, fixed, lambda: self.is_over
+        self.axial += _pole_map.minima(mapping, self.problem, *arguments)
+        self.progress(f"{len(self.axial)} poles of rotations about one axis")
+        return next(iter(_pole_map.most_probable(self.axial, problem)), None)
+
+    def _is_far_behind(self, rotator: Weighted, problem: CurveProblem, width: float) -> bool:
+        """Whether a tumbling body that has other lines is ahead of a rotation by a width."""
         best = self.convex[0]
         if SearchState.of(best.state).is_axial:
             return False
         one = self._robust(problem, best)
         behind = rotator.evidence - one.evidence
-        is_comb = _evidence.counts_as(one, rotator, problem)
-        return behind > self.settings.axial_tumbling and not is_comb
+        is_comb = _verdicts.counts_as(one, rotator, problem)
+        return behind > width and not is_comb
 
-    def _refine(self, pool: Pool, keep: int | None = None) -> None:
-        """Add the convex bodies of the best distinct ellipsoids.
+    def _refine(self, pool: Pool, problem: CurveProblem, keep: int | None = None) -> None:
+        """Add the convex bodies of the best distinct ellipsoids, which are those of a problem.
 
         Ellipsoids misjudge bodies that are far from one: pairs of rates, not single states, go on,
         in the order of convex bodies that are fitted in a few steps.
@@ -435,7 +475,7 @@ class Search:
         most = self.settings.convex if keep is None else keep
         chosen: list[FloatArray] = []
         motions = np.empty((0, _ellipsoid.WIDTH))
-        for state in self._by_short_fits(pool):
+        for state in self._by_short_fits(pool, problem):
             alike = motions[self._with_rates(motions, state)]
             if len(alike) < self.settings.poles and not any(
                 _has_pole(state, other, self.settings.same_pole) for other in alike
@@ -462,8 +502,11 @@ class Search:
             if number < self.settings.short_least or fit.cost < most
         ]
 
-    def _by_short_fits(self, pool: Pool) -> list[FloatArray]:
-        """The states of a pool in the order of short convex fits of the best of each rates."""
+    def _by_short_fits(self, pool: Pool, problem: CurveProblem) -> list[FloatArray]:
+        """The states of a pool in the order of short convex fits of the best of each rates.
+
+        Of all rates with few modes, to the points of the ellipsoids; of the best with all.
+        """
         classes: list[list[FloatArray]] = []
         firsts = np.empty((0, _ellipsoid.WIDTH))
         for state in pool.states[: self.settings.short_states]:
@@ -473,27 +516,38 @@ class Search:
             elif len(classes) < self.settings.short_classes:
                 classes.append([state])
                 firsts = np.concatenate([firsts, state[None]])
-        costs = []
-        for members in classes:
-            if self.is_over:
-                return list(pool.states)
-            fit = self._fit(members[0], self.settings.short_steps)
-            members[0] = fit.state
-            costs.append(fit.cost)
-        first: list[FloatArray] = []
-        for k in np.argsort(costs, kind="stable"):
-            first += classes[k][: self.settings.short_members]
-        return first + list(pool.states)
+        stages = (
+            (len(classes), self.settings.first_steps, problem, self.settings.short_modes),
+            (self.settings.whole_classes, self.settings.short_steps, self.problem, _shapes.MODES),
+        )
+        for most, steps, points, modes in stages:
+            costs = []
+            for members in classes[:most]:
+                if self.is_over:
+                    return list(pool.states)
+                fit = self._fit(members[0], steps, points, modes)
+                members[0] = fit.state
+                costs.append(fit.cost)
+            classes = [classes[k] for k in np.argsort(costs, kind="stable")]
+        most = self.settings.short_members
+        return [state for members in classes for state in members[:most]] + list(pool.states)
 
-    def _fit(self, state: FloatArray, iterations: int = 20) -> Refined:
-        """The convex body near a state."""
+    def _fit(
+        self,
+        state: FloatArray,
+        iterations: int = 20,
+        problem: CurveProblem | None = None,
+        modes: int = _shapes.MODES,
+    ) -> Refined:
+        """The convex body near a state; of a part of the problem, or with fewer modes, if given."""
         return _refinement.refine(
-            self.problem,
+            self.problem if problem is None else problem,
             state,
             iterations=iterations,
             tie=self.tie,
             fixed=self._fixed(state),
             gain=3e-3,
+            modes=modes,
         )
 
     def _add(self, states: Iterable[FloatArray]) -> None:
@@ -552,8 +606,8 @@ class Search:
         solutions = [
             self._robust(problem, fit) for fit in chosen if not SearchState.of(fit.state).is_axial
         ]
-        solutions += self._axial_solutions(problem)
-        solutions = _evidence.as_rotators(solutions, problem)
+        solutions += self._axial_solutions(problem, solutions)
+        solutions = _verdicts.as_rotators(solutions, problem)
         solutions.sort(key=lambda each: each.evidence)
         self.solutions = []
         for one in solutions:
@@ -588,21 +642,38 @@ class Search:
         return self._known_fits.of(lambda: self._with_error_of(best), self.problem, best)
 
     def _with_error_of(self, best: Refined) -> CurveProblem:
+        """That, or the one of another body with nearly the same error, whose fits are known."""
         residual, _ = _evidence.residuals(self.problem, best.magnitude)
         error = _evidence.model_error(self.problem, residual)
         for _ in range(2):
             fitted = self._weighted(self.problem.with_model_error(error), best, is_wide=False)
             error = _evidence.model_error(self.problem, fitted.residual)
-        return self.problem.with_model_error(error)
+        for own in self._own_problems:
+            is_alike = abs(own.model_error / error - 1.0) < self.settings.same_error
+            if is_alike and own.sigma is self.problem.sigma and own.terms is self.problem.terms:
+                return own
+        self._own_problems.append(self.problem.with_model_error(error))
+        return self._own_problems[-1]
 
-    def _axial_solutions(self, problem: CurveProblem) -> list[Weighted]:
-        """Rotations about one axis with the errors of a problem, the most probable poles."""
+    def _axial_solutions(
+        self, problem: CurveProblem, tumbling: Sequence[Weighted]
+    ) -> list[Weighted]:
+        """Rotations about one axis with the errors of a problem, the most probable poles.
+
+        Few of them where a tumbling state is ahead.
+        """
         axial = [fit for fit in self.convex if SearchState.of(fit.state).is_axial]
         if not self.axial:
             return [self._compared(problem, fit) for fit in axial[: self.settings.axial_others]]
         listed_ones: list[Weighted] = []
+        ahead = min((one.evidence for one in tumbling), default=math.inf)
+        behind = self._compared(problem, self.axial[0]).evidence - ahead
+        is_behind = behind > self.settings.mapped_behind
+        most = self.settings.axial_others if is_behind else self.settings.axial_freed
         for fit in self.axial:
-            if not any(self.is_same(fit.state, other.refined.state) for other in listed_ones):
+            if len(listed_ones) < most and not any(
+                self.is_same(fit.state, other.refined.state) for other in listed_ones
+            ):
                 listed_ones.append(self._robust(problem, fit))
         # their own prior ranks poles; with the one of tumbling bodies they are compared with those
         best = min(listed_ones, key=lambda each: each.evidence)

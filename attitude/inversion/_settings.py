@@ -8,7 +8,7 @@ machine and under every load.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 
 @dataclass
@@ -40,15 +40,18 @@ class Settings:
     Differences of evidence are those of -2 ln.  "Point" is a point of the light curve.
     """
 
-    # ---- Costs, s of one core of 3 GHz (`benchmarks/inversion.py speed`), by which work is counted
+    # ---- Costs, s of one core of 3 GHz (`benchmarks/inversion.py costs`), by which work is counted
     # A pair of frequencies at order 2; other orders in proportion to the cube of their unknowns.
-    pair_cost: float = 1.8e-6
-    # An ellipsoid, a point, with and without derivatives.
-    ellipsoid_cost: float = 3.6e-8
-    screen_cost: float = 2.0e-8
-    # A step of a convex body: a point, with derivatives and its part of the normal matrix, and
-    # what does not depend on the points, its priors and the solution.
-    body_cost: float = 3.0e-6
+    pair_cost: float = 2.2e-6
+    # A pair of which the powers of the lines alone are summed.
+    power_cost: float = 1.0e-7
+    # An ellipsoid, a point, with derivatives and their products, and without; a step of one.
+    ellipsoid_cost: float = 5.2e-8
+    screen_cost: float = 3.6e-8
+    start_cost: float = 7.0e-6
+    # A step of a convex body: a point, with derivatives and its part of the normal matrix (half of
+    # it with few modes), and what does not depend on the points, its priors and the solution.
+    body_cost: float = 3.8e-6
     step_cost: float = 6.0e-4
     # A linear fit of functions that turn with a body, at one rate, and its part of each night.
     comb_cost: float = 5.0e-6
@@ -69,10 +72,16 @@ class Settings:
     tie_given: float = 0.03
 
     # ---- Rounds
+    # Pairs of frequencies that are fitted at most: of more, those whose lines have most power (of 8
+    # million of a rotator these had all of the best 200).
+    pairs_fitted: int = 300_000
     # Pairs of frequencies, and starts of each pair of rates, in the first round; doubled in each.
     pairs: int = 200
-    quick_starts: int = 6
-    scan_starts: int = 10
+    quick_starts: int = 3
+    scan_starts: int = 5
+    # Points that these ellipsoids are fitted to in the first round, at least, doubled in each:
+    # their model error is larger than that of the points, and does not depend on their number.
+    scan_points: int = 200
     deep_starts: int = 40
     # Rounds at most: the last one tries 64 times as many starts as the first.
     rounds: int = 7
@@ -80,11 +89,17 @@ class Settings:
     classes: int = 30
     # Ellipsoids of one stage that become convex bodies: 60 ms each.
     convex: int = 40
-    # Pairs of rates whose best ellipsoids are made convex in a few steps, to rank the pairs; states
-    # among which they are looked for, and of each pair that go on before any other.
-    short_classes: int = 60
-    short_states: int = 2000
+    # Pairs of rates whose best ellipsoids are made lopsided in a few steps, to rank the pairs: the
+    # ellipsoids of true rates came up to 300th, these 1st to 31st.  With modes up to degree 4: with
+    # all 90 of them in so few steps up to 130th.
+    short_classes: int = 300
+    short_modes: int = 24
+    first_steps: int = 3
+    # Pairs of rates, the best, whose bodies take steps with all modes, and how many; states
+    # among which pairs are looked for, and of each pair that go on before any other.
+    whole_classes: int = 60
     short_steps: int = 6
+    short_states: int = 4000
     short_members: int = 2
     # Cost after these steps, over the least, of bodies that take more; of the best so many do.
     short_worse: float = 1.6
@@ -100,8 +115,14 @@ class Settings:
     map_poles: int = 150
     map_starts: int = 6
     map_bodies: int = 16
-    # Precessions of which every nutation is tried.
+    # Pairs of rates beyond which a scan over nutations begins no other line: two lines of each of
+    # the best pairs of rates are scanned, some 1000 pairs of rates each, more of fast rotation.
+    scan_rates: int = 3000
+    # Precessions of which every displaced nutation is tried.
     scanned: int = 3
+    # Difference of evidence of the next periods behind a tumbling state at the floor, after the
+    # lattices, from which no nutations are scanned: twice that of a claim without the floor.
+    clear: float = 240.0
     # Starts of each pair of rates that the windows of the epochs displace.
     alias_starts: int = 12
     # Rates that are fitted between looks at the tally.
@@ -110,6 +131,8 @@ class Settings:
     # ---- What is one solution
     # Difference of rates, turns per span: below, a curve of one span does not tell two apart.
     same_rate: float = 0.35
+    # Relative difference of model errors below which bodies are compared with one of them.
+    same_error: float = 0.02
     # Angle between poles of one solution, rad.
     same_pole: float = math.radians(8.0)
 
@@ -134,6 +157,9 @@ class Settings:
     axial_tumbling: float = 200.0
     # Other rates that are mapped lie at most so far behind in evidence.
     axial_mapped: float = 60.0
+    # By how much the map of another rate is coarser, in poles, bodies at each, and poles that are
+    # freed: whether it comes first is seen at fewer, and then it is mapped as the best.
+    axial_coarser: int = 2
     # Rates, turns per span, that one map of poles comprises.
     axial_width: float = 1.2
     # Rotations that are compared with a motion that explains the curve better by far.
@@ -178,7 +204,7 @@ class Settings:
     pole_errors: float = 2.5
     # Poles closer than this, rad, are errors of one pole, not rivals of it.
     near_pole: float = math.radians(15.0)
-    # Distance, turns per span, within which lines are those of one comb: the resolution.
+    # Distance, turns per span, within which lines are those of a rotation's comb: the resolution.
     comb_width: float = 1.0
     # Neighbouring residuals over the errors from which the errors are taken to be too small.
     noisier: float = 1.3
@@ -202,6 +228,15 @@ class Settings:
     most_turns: float = 1500.0
     # Of the epochs, the share that lies within the same third of the day for one site.
     one_site: float = 0.9
+
+    def with_coarse_map(self) -> Settings:
+        """These, with a coarser map of the poles of rotations about one axis."""
+        return replace(
+            self,
+            axial_poles=max(1, self.axial_poles // self.axial_coarser),
+            axial_bodies=max(1, self.axial_bodies // self.axial_coarser),
+            axial_freed=max(1, self.axial_freed // self.axial_coarser**2),
+        )
 
 
 DEFAULT = Settings()

@@ -92,13 +92,14 @@ def inverted(modes: FloatArray) -> FloatArray:
 def areas(flat: FloatArray, modes: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Areas (F,), the largest being 1, and slopes (F, 2 + M) of their logarithms.
 
-    Shapes: flat (2,), modes (M,).
+    Shapes: flat (2,), modes (M,): of the smoothest modes, all or fewer.
     """
     on = sphere()
+    smoothest = on.modes[:, : len(modes)]
     axes = np.array([math.exp(-flat[0]), math.exp(-flat[1]), 1.0])
     across = axes @ on.squares
-    log_areas = on.modes @ modes - 2.0 * np.log(across)
-    slopes = np.concatenate([(2.0 * axes[:2, None] * on.squares[:2] / across).T, on.modes], axis=1)
+    log_areas = smoothest @ modes - 2.0 * np.log(across)
+    slopes = np.concatenate([(2.0 * axes[:2, None] * on.squares[:2] / across).T, smoothest], axis=1)
     return np.exp(log_areas - log_areas.max()), slopes
 
 
@@ -242,8 +243,8 @@ _MAGNITUDE = -2.5 / math.log(10.0)
 class BodyLight(NamedTuple):
     """Magnitudes (N,) of a body seen from given directions, and their derivatives.
 
-    across (N, 3): by a turn of the body, rad, over its own axes; by_shape (SIZE, N); areas (F,)
-    and the slopes (F, SIZE) of their logarithms.
+    across (N, 3): by a turn of the body, rad, over its own axes; by_shape (S, N); areas (F,)
+    and the slopes (F, S) of their logarithms.
     """
 
     magnitude: FloatArray
@@ -293,7 +294,7 @@ class MotionMoments(NamedTuple):
 
 
 def magnitudes(sun: FloatArray, observer: FloatArray, shape: FloatArray) -> BodyLight:
-    """The magnitudes of a shape (SIZE,) seen from unit vectors (N, 3) over its axes."""
+    """The magnitudes of a shape (S,) seen from unit vectors (N, 3) over its axes."""
     count = len(sun)
     area, slopes = areas(shape[:ELLIPSOID], shape[ELLIPSOID:])
     parts, by = np.empty((count, COUNT)), np.empty((count, 6))
@@ -322,12 +323,12 @@ def penalties(
     motion: int,
     tie: Tie,
 ) -> tuple[FloatArray, FloatArray, float]:
-    """Residuals of all priors (R,), their derivatives (R, motion + SIZE), and the strain.
+    """Residuals of all priors (R,), their derivatives (R, motion + S), and the strain.
 
-    Shapes: shape (SIZE,).
+    Shapes: shape (S,), with all modes or fewer.
     """
     held = constraints(shape[:ELLIPSOID], areas, slopes)
-    count, size = 8 + SIZE, motion + SIZE
+    count, size = 8 + len(shape), motion + len(shape)
     r, by = np.zeros(count), np.zeros((count, size))
     r[:3], by[:3, motion:] = held.closure, held.by_closure
     strain = 0.0
@@ -346,7 +347,7 @@ def penalties(
             by[6:8, :motion] = moments.slopes / tie.tolerance
             by[6:8, motion:] = -held.by_ratios / tie.tolerance
         strain = float(r[3:8] @ r[3:8])
-    wide = widths(moments is None and not tie.is_wide)
+    wide = widths(moments is None and not tie.is_wide)[: len(shape)]
     r[8:] = shape / wide
     by[range(8, count), range(motion, size)] = 1.0 / wide
     return r, by, strain

@@ -10,9 +10,12 @@ by no more than chance.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from attitude.inversion import _evidence, _pole_map
+import numpy as np
+
+from attitude.inversion import _ellipsoid, _evidence, _pole_map
 from attitude.inversion._ellipsoid import SearchState
 
 if TYPE_CHECKING:
@@ -111,6 +114,63 @@ def _of_poles(pole: FloatArray, best: FloatArray, normal: FloatArray) -> str:
     return "other pole"
 
 
+# ---- Tumbling states that have no line which a rotation about one axis has not
+
+# Multiples of half a rotation that the rates of a comb are.
+_COMB = 6
+
+
+def as_rotators(found: list[Weighted], problem: CurveProblem) -> list[Weighted]:
+    """The solutions, where tumbling states whose lines form a rotator's comb stand behind it.
+
+    Where both rates are multiples of one frequency within the accuracy of lines, tumbling has no
+    line that a rotation about one axis has not: four parameters more fit what its shape lacks.
+    It counts as that rotation, if chi-squared of this is not far larger.
+    """
+    out = []
+    for one in found:
+        behind = [
+            rotator.evidence + 1.0 - one.evidence
+            for rotator in found
+            if counts_as(one, rotator, problem)
+        ]
+        out.append(replace(one, evidence=one.evidence + max([0.0, *behind])))
+    return out
+
+
+def counts_as(one: Weighted, rotator: Weighted, problem: CurveProblem) -> bool:
+    """Whether a tumbling state is on the comb of a rotator that explains the curve too."""
+    settings = problem.settings
+    state, other = SearchState.of(one.refined.state), SearchState.of(rotator.refined.state)
+    return (
+        other.is_axial
+        and not state.is_axial
+        and _is_comb(state, other, problem)
+        and rotator.chi_squared < settings.axial_worse * one.chi_squared
+    )
+
+
+def _is_comb(state: SearchState, rotator: SearchState, problem: CurveProblem) -> bool:
+    """Whether the lines of a tumbling state are multiples of a rotation or of half of it.
+
+    Lines are those that the scene sees: it turns about the momentum, not about the long axis.  The
+    resolution is that of a line of the rotation and one of the tumbling state; the two lines of
+    this that are one in the comb are measured together, which is more accurate.
+    """
+    turns = _pole_map.turn_of_scene(problem, np.stack([state.pole, rotator.pole]))
+    phi, psi = state.rates
+    phi -= float(turns[0])
+    base = rotator.precession - 0.5 * float(turns[1])
+    of_phi, of_psi = round(phi / base), round(psi / base)
+    if not (1 <= of_phi <= _COMB and 1 <= of_psi <= _COMB):
+        return False
+    apart = abs(phi * of_psi - psi * of_phi) / math.gcd(of_phi, of_psi)
+    off = max(abs(phi - of_phi * base), abs(psi - of_psi * base))
+    return apart < problem.settings.same_rate and off < problem.settings.comb_width
+
+
+# ---- The verdict
+
 SOLVED, PERIODS, OPEN = "solved", "periods only", "not solved"
 SATELLITE = "a satellite of period"
 # Parameters of a nutation.
@@ -149,6 +209,16 @@ def _nearest(
     return min(margins)[1:] if margins else (math.inf, least)
 
 
+def gap(found: Sequence[Weighted], problem: CurveProblem) -> float:
+    """How far the next periods lie behind the best solution in evidence; infinite without any."""
+    return _nearest(_of_other_periods(found, problem), found[0], problem)[0]
+
+
+def _of_other_periods(found: Sequence[Weighted], problem: CurveProblem) -> list[Weighted]:
+    state = found[0].refined.state
+    return [other for other in found[1:] if not _is_motion_of(other.refined.state, state, problem)]
+
+
 def verdict(
     found: Sequence[Weighted],
     problem: CurveProblem,
@@ -167,10 +237,7 @@ def verdict(
     state = best.refined.state
     floor = _evidence.floor_ratio(best, problem)
     left = _evidence.share_left(best, problem)
-    others = [
-        other for other in found[1:] if not _is_motion_of(other.refined.state, state, problem)
-    ]
-    gap, behind = _nearest(others, best, problem)
+    gap_to_next, behind = _nearest(_of_other_periods(found, problem), best, problem)
     poles = [
         other
         for other in found[1:]
@@ -180,9 +247,9 @@ def verdict(
         f"chi2/N is {floor:.2f} with errors of sigma and {settings.floor_error:g} mag (floor "
         f"{settings.floor:g}); {100.0 * left:.1f} % of the variance is left; the next periods "
         "are "
-        f"{gap:.1f} behind in -2 ln(evidence) ({behind:.3g} needed)"
+        f"{gap_to_next:.1f} behind in -2 ln(evidence) ({behind:.3g} needed)"
     )
-    accepted = (floor < settings.floor or left < settings.left) and gap > behind
+    accepted = (floor < settings.floor or left < settings.left) and gap_to_next > behind
     turns = abs(float(state[0]))
     if not SearchState.of(state).is_axial:
         turns = min(turns, abs(float(state[1])))
@@ -195,7 +262,7 @@ def verdict(
             other
             for other in found[1:]
             if not SearchState.of(other.refined.state).is_axial
-            and not _evidence.counts_as(other, best, problem)
+            and not counts_as(other, best, problem)
         ]
         least = needed(best, problem)
         close = sum(other.evidence - best.evidence < least for other in tumbling)
@@ -296,8 +363,7 @@ def _is_motion_of(state: FloatArray, best: FloatArray, problem: CurveProblem) ->
 
 
 def _has_rates(state: FloatArray, best: FloatArray, problem: CurveProblem) -> bool:
-    width = problem.settings.same_rate
-    return SearchState.of(state).has_rates(SearchState.of(best), width)
+    return bool(_ellipsoid.have_rates(state, best, problem.settings.same_rate))
 
 
 def exceeded_by_chance(probability: float) -> float:

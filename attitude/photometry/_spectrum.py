@@ -252,13 +252,16 @@ def best(
     ridge: float,
     keep: int,
     progress: Callable[[int, int], None] | None = None,
+    fitted: int | None = None,
 ) -> BestPairs:
     """The best pairs a < b, a number of either range each, no two of them neighbours.
+
+    At most `fitted` pairs are fitted, by default `MOST`.
 
     Shapes: first, second (int, int), lines (L, 2) as in `harmonics`.
     """
     blocks, tried = _blocks(first, second)
-    least = _threshold(made, blocks, lines, tried)
+    least = _threshold(made, blocks, lines, (MOST if fitted is None else fitted) / tried)
     edges = tuple(
         np.linspace(a, b, min(_CELLS, b - a) + 1).astype(float) for a, b in (first, second)
     )
@@ -318,9 +321,9 @@ def _powers(made: Tables, a: IntArray, b: IntArray, lines: IntArray) -> FloatArr
     return powers
 
 
-def _threshold(made: Tables, blocks: list[IntArray], lines: IntArray, tried: int) -> float:
-    """The power from which a pair is fitted, so that about `MOST` are; from a sample of pairs."""
-    if tried <= MOST:
+def _threshold(made: Tables, blocks: list[IntArray], lines: IntArray, share: float) -> float:
+    """The power from which a pair is fitted, so that about a share is; from a sample of pairs."""
+    if share >= 1.0:
         return -np.inf
     generator = np.random.default_rng(0)
     top = int(blocks[-1][-1]) + 1
@@ -328,7 +331,7 @@ def _threshold(made: Tables, blocks: list[IntArray], lines: IntArray, tried: int
     both = np.sort(generator.integers(low, max(top, low + 2), (200_000, 2)), axis=1)
     both = both[both[:, 0] < both[:, 1]]
     powers = _powers(made, both[:, 0], both[:, 1], lines)
-    return float(np.quantile(powers, 1.0 - MOST / tried))
+    return float(np.quantile(powers, 1.0 - share))
 
 
 def _enter(cells, edges, a, b, gain):

@@ -1,6 +1,7 @@
 """Rotation about one axis: poles, their mirror images, errors of several minima, and a search."""
 
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -179,6 +180,28 @@ def test_the_list_has_one_entry_a_pole_and_no_other_periods_close_by(solved):
     )
     assert alike.sum() == len(poles)
     assert "best" in found[0].relation and all(each.relation for each in found)
+
+
+def test_a_map_of_poles_ends_early_where_a_pole_is_far_behind(solved, monkeypatch):
+    """The most probable poles are those of a map whose fits all go on, for less work."""
+    found = solved[1]
+    weighted = found[0].weighted
+    problem = replace(
+        weighted.problem, settings=replace(weighted.problem.settings, axial_poles=40, axial_freed=9)
+    )
+    fixed = np.zeros(_refinement.SIZE, bool)
+    fixed[:8] = _ellipsoid.AXIAL_FIXED[:8]
+    spent, poles = [], []
+    for stages in (_pole_map._STAGES, ()):
+        monkeypatch.setattr(_pole_map, "_STAGES", stages)
+        problem.tally.spent = 0.0
+        generator = np.random.default_rng(0)
+        arguments = problem, problem, weighted.refined.state, generator, _shapes.Tie(), fixed
+        fits = _pole_map.minima(*arguments, lambda: False)
+        poles.append(fits[0].state[_ellipsoid.OF_POLE])
+        spent.append(problem.tally.spent)
+    assert poles[0] @ poles[1] > math.cos(math.radians(2.0))
+    assert spent[0] < 0.8 * spent[1]
 
 
 def test_a_wider_prior_changes_the_evidence_as_laplace_says():

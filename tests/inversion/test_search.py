@@ -14,10 +14,12 @@ from attitude.inversion import (
     _evidence,
     _figures,
     _known,
+    _lattices,
     _pole_map,
     _problem,
     _refinement,
     _satellites,
+    _search,
     _settings,
     _shapes,
     _verdicts,
@@ -94,10 +96,172 @@ def test_many_states_are_compared_as_one():
     rates = generator.uniform(10.0, 11.0, 60), generator.choice([-1.0, 1.0], 60)
     states = _ellipsoid.starts(generator, *rates)
     states[40:, 3] = _ellipsoid.AXIAL
-    named = [_ellipsoid.SearchState.of(each) for each in states]
-    for one, state in zip(named, states, strict=True):
-        alike = [other.has_rates(one, 0.35) for other in named]
+    for state in states:
+        alike = [bool(_ellipsoid.have_rates(other, state, 0.35)) for other in states]
         assert np.array_equal(_ellipsoid.have_rates(states, state, 0.35), alike)
+        assert any(alike) and not all(alike)
+
+
+def test_every_nutation_is_tried_with_a_line():
+    """Of phi, or of phi and psi together, in both modes: of the truths that were missed too."""
+    rates = _lattices.of_line(80.4, 257.3, ("LAM", "SAM"))
+    # lambda/pi and the signed nutation, with the line as phi in long-axis mode ...
+    for rate, nutation in ((118.0, 37.6), (80.4, 37.6), (80.4, -37.6), (42.8, -37.6)):
+        near = [
+            abs(2.0 * one.precession - rate) < _lattices.STEP
+            and abs(one.nutation - nutation) < 0.51 * _lattices.STEP
+            for one in rates
+        ]
+        assert any(near)
+    states = [_ellipsoid.SearchState.of(np.array([*one, 0, -1, *np.zeros(12)])) for one in rates]
+    lines = np.array([(one.rates[0], sum(one.rates)) for one in states])
+    assert np.abs(lines - 80.4).min(axis=1).max() < 1e-9
+    assert lines.min() >= _lattices.LEAST and lines.max() <= 257.3
+    assert all(one.nutation > 0.0 for one in _lattices.of_line(80.4, 257.3, ("LAM",)))
+
+
+def test_few_modes_make_a_lopsided_body():
+    """As the body of all modes of which the others are zero; two steps leave a tenth."""
+    generator = np.random.default_rng(4)
+    t = np.sort(generator.uniform(-0.5, 0.5, COUNT))
+    sun, observer = (in_plane(generator, COUNT, np.array([0.1, -0.2, 0.97])) for _ in range(2))
+    state = _body()
+    state[16 + 24 :] = 0.0
+    given = _given(np.zeros(COUNT), t, sun=sun, observer=observer)
+    seen = _refinement.model(given, state).magnitude
+    few = _refinement.model(given, state[: 16 + 24])
+    assert few.magnitude == pytest.approx(seen, abs=1e-12) and few.jacobian.shape == (34, COUNT)
+    curve = _given(seen, t, sun=sun, observer=observer)
+    start = state[:16]
+    rough = _refinement.refine(curve, start, iterations=1, modes=24)
+    fit = _refinement.refine(curve, start, iterations=3, modes=24)
+    assert len(fit.state) == 16 + 24 and fit.chi_squared < 0.1 * rough.chi_squared
+    whole = _refinement.refine(curve, fit.state, iterations=1)
+    assert whole.chi_squared == pytest.approx(fit.chi_squared, rel=1e-9)
+
+
+def test_pairs_of_most_power_are_fitted():
+    """Three in a hundred of them contain the best pairs of a series of two frequencies."""
+    t = np.sort(np.random.default_rng(2).uniform(-0.5, 0.5, COUNT))
+    y = 0.2 * np.cos(2.0 * math.pi * 41.0 * t) + 0.1 * np.cos(2.0 * math.pi * (41.0 + 27.0) * t)
+    given = _given(y, t)
+    spent, best = [], []
+    for fitted in (10**6, 1000):
+        given.tally.spent = 0.0
+        few = replace(given, settings=replace(given.settings, pairs_fitted=fitted))
+        found, left = _lattices.lattice_pairs(few, 90.0, 10)
+        assert left.max() < 0.01
+        best.append(set(map(tuple, np.round(found).tolist())))
+        spent.append(given.tally.spent)
+    assert len(best[0] & best[1]) >= 8
+    assert spent[1] < 0.2 * spent[0]
+
+
+def _search_of(given, **found):
+    arguments = given, 60.0, ("LAM", "SAM"), _shapes.Tie(), (), np.random.default_rng(0), print
+    return _search.Search(*arguments, **found)
+
+
+@pytest.mark.parametrize(("ahead", "expected"), [(0.0, 12), (30.0, 12), (50.0, 3)])
+def test_few_poles_of_a_rotation_are_fitted_where_tumbling_is_ahead(monkeypatch, ahead, expected):
+    poles = _pole_map.sphere(12)
+    rotations = [_weighted(0.0, 100.0 + 0.1 * k, 1.0).refined for k in range(12)]
+    for pole, rotation in zip(poles, rotations, strict=True):
+        rotation.state[_ellipsoid.OF_POLE] = pole
+    given = _given(np.zeros(COUNT))
+    search = _search_of(given, convex=list(rotations), axial=list(rotations))
+    fitted = []
+
+    def robust(self, problem, fit, *, is_wide=False):
+        fitted.append(fit)
+        return _evidence.Weighted(fit, problem, 100.0, np.zeros(COUNT), 1.0)
+
+    monkeypatch.setattr(_search.Search, "_robust", robust)
+    found = search._axial_solutions(given, [_weighted(-9.0, 100.0 - ahead, 1.0)])
+    assert len({id(each.refined) for each in found}) == expected
+    assert len({id(each) for each in fitted}) == expected
+
+
+@pytest.mark.parametrize(
+    ("costs", "ahead", "expected"),
+    [
+        ((0.0, 30.0), -math.inf, [200, 100]),
+        ((30.0, 0.0, 0.0), -math.inf, [200, 100, 200]),  # the other rate comes first
+        ((0.0,), 80.0, [200]),  # a tumbling body is ahead of the best rate
+    ],
+)
+def test_another_rate_of_rotation_has_a_coarser_map(monkeypatch, costs, ahead, expected):
+    bodies = [_weighted(0.0, 0.0, 1.0).refined for _ in range(2)]
+    bodies[1].state[0] *= 2.0
+    for body in bodies:
+        body.chi_squared, body.cost = 1.0, 0.0
+    search = _search_of(_given(np.zeros(COUNT)), convex=list(bodies))
+    maps, left = [], iter(costs)
+
+    def minima(mapping, rough, state, *given):
+        maps.append(mapping.settings.axial_poles)
+        fit = SimpleNamespace(state=state, cost=next(left), normal=np.eye(_refinement.SIZE))
+        return [fit]
+
+    def robust(self, problem, fit, *, is_wide=False):
+        return _evidence.Weighted(fit, problem, float(fit.state[0]), np.zeros(COUNT), 1.0)
+
+    def is_far_behind(self, rotator, problem, width):
+        return ahead > width and width == problem.settings.axial_mapped
+
+    monkeypatch.setattr(_pole_map, "minima", minima)
+    for name, fake in (
+        ("_robust", robust),
+        ("_is_far_behind", is_far_behind),
+        ("_with_own_error", lambda self, best: self.problem),
+        ("_fit", lambda self, state: bodies[0]),
+    ):
+        monkeypatch.setattr(_search.Search, name, fake)
+    search._axial_poles()
+    assert maps == expected
+
+
+def test_bodies_with_nearly_the_same_error_are_compared_with_one(monkeypatch):
+    """So that their fits are known."""
+    signs = np.where(np.arange(COUNT) % 2, 1.0, -1.0)
+    bodies = [SimpleNamespace(magnitude=size * signs) for size in (0.05, 0.0501, 0.06)]
+    search = _search_of(_given(np.zeros(COUNT)))
+
+    def weighted(self, problem, body, *, is_wide):
+        return SimpleNamespace(residual=_evidence.residuals(problem, body.magnitude)[0])
+
+    monkeypatch.setattr(_search.Search, "_weighted", weighted)
+    one, alike, other = (search._with_own_error(body) for body in bodies)
+    assert alike is one and other is not one
+    assert other.model_error == pytest.approx(math.sqrt(0.06**2 - 0.02**2), rel=0.02)
+    search.problem = search.problem.with_errors(np.full(COUNT, 0.021))
+    assert search._with_own_error(bodies[0]) is not one
+
+
+@pytest.mark.parametrize(
+    ("nutation", "behind", "residual", "expected"),
+    [
+        (-9.0, 250.0, 0.01, True),
+        (-9.0, 230.0, 0.01, False),  # another period is nearer
+        (-9.0, 250.0, 0.05, False),  # the residuals are above the errors
+        (0.0, 250.0, 0.01, False),  # nutations of a rotation are always sought
+    ],
+)
+def test_no_nutation_is_sought_where_one_is_clear(
+    monkeypatch, nutation, behind, residual, expected
+):
+    best = _weighted(nutation, 0.0, 1.0, np.full(COUNT, residual))
+    other = _weighted(-12.0, behind, 1.0, np.full(COUNT, residual))
+    search = _search_of(_given(np.zeros(COUNT)), convex=[best.refined], solutions=[best, other])
+    monkeypatch.setattr(_search.Search, "finish", lambda self, most: None)
+    assert search._is_clear() is expected
+
+
+def test_ellipsoids_are_fitted_to_some_of_many_points():
+    given = _given(np.zeros(900))
+    search = _search_of(given)
+    assert [len(search._thinned(number)) for number in (0, 1, 2)] == [225, 450, 900]
+    assert search._thinned(0).span == given.span and search._thinned(2) is given
 
 
 def test_a_verdict_says_that_the_budget_ended_the_search():
@@ -141,7 +305,10 @@ def test_a_state_by_names_is_the_state():
     assert _ellipsoid.SearchState.of(_body(nutation=9.0)).rates == (25.6, 9.0)
     axial = own._replace(log_rho=_ellipsoid.AXIAL)
     assert axial.is_axial and axial.rates == (34.6, 0.0)
-    assert axial.has_rates(axial, 0.35) and not axial.has_rates(own, 0.35)
+    assert _ellipsoid.have_rates(axial.vector, axial.vector, 0.35)
+    assert not _ellipsoid.have_rates(axial.vector, own.vector, 0.35)
+    faster = own._replace(precession=own.precession + 0.2)
+    assert not _ellipsoid.have_rates(faster.vector, own.vector, 0.35)
 
 
 def test_poles_with_the_same_rates_contain_the_true_one():
@@ -333,13 +500,41 @@ def _weighted(nutation, evidence, chi_squared, residual=None):
         (-17.3, 1.0, 101.0),  # P_psi is twice the period of the rotation
         (-34.6, 1.0, 101.0),
         (-9.0, 1.0, 0.0),  # no comb
+        (-17.5, 1.0, 0.0),  # lines 0.4 turns per span apart are two
+        (-17.4, 1.0, 101.0),  # 0.2 are one
         (-17.3, 0.2, 0.0),  # the rotation does not explain the curve
     ],
 )
 def test_a_tumbler_on_the_comb_of_a_rotator_counts_as_it(nutation, chi_squared, expected):
     found = [_weighted(nutation, 0.0, chi_squared), _weighted(0.0, 100.0, 1.0)]
-    ranked = _evidence.as_rotators(found, _given(np.zeros(COUNT)))
+    ranked = _verdicts.as_rotators(found, _given(np.zeros(COUNT)))
     assert [each.evidence for each in ranked] == [expected, 100.0]
+
+
+@pytest.mark.parametrize(("turns", "expected"), [(0.0, 101.0), (0.3, 101.0), (-0.3, 0.0)])
+def test_a_comb_is_that_of_the_lines_that_the_scene_sees(turns, expected):
+    """Of a precession that is 0.2 above the comb, from a scene that turns about the momentum."""
+    found = [_weighted(-17.2, 0.0, 1.0), _weighted(0.0, 100.0, 1.0)]
+    pole = found[0].refined.state[_ellipsoid.OF_POLE]
+    first = np.cross(pole, [0.0, 0.6, 0.8])
+    first /= np.linalg.norm(first)
+    angle = 2.0 * np.pi * turns * np.linspace(-0.5, 0.5, COUNT)
+    scene = np.outer(first, np.cos(angle)) + np.outer(np.cross(pole, first), np.sin(angle))
+    given = _given(np.zeros(COUNT), sun=scene, observer=scene)
+    assert _pole_map.turn_of_scene(given, pole[None]) == pytest.approx([turns], abs=1e-6)
+    assert _verdicts.as_rotators(found, given)[0].evidence == expected
+
+
+def test_rates_many_turns_apart_are_not_one():
+    """None of the drifts near zero keeps the angle: which of them is best is chance."""
+    generator = np.random.default_rng(12)
+    state, other = _body(), _body()
+    for _ in range(30):
+        t = np.sort(generator.uniform(-0.5, 0.5, 60))
+        given = _given(np.zeros(60), t)
+        other[0] = state[0] + generator.uniform(2.0, 30.0)
+        assert not _pole_map.has_turn(given, state, other)
+        assert _pole_map.has_turn(given, state, state)
 
 
 def test_a_difference_counts_by_nights():
