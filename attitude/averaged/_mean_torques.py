@@ -9,7 +9,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.special import gammaln
 
 from attitude._compilation.callbacks import raising_callback_errors
 from attitude._support import validation
@@ -308,6 +307,8 @@ def delay(leading: float, other: float, onward: float, pace: float) -> float:
     means an integral; their difference is one of gamma functions of the distance at the crossing
     (Cary, Escande & Tennyson, Phys. Rev. A 34, 4256 (1986), of equal steps; Neishtadt 1986).
     """
+    from scipy.special import gammaln
+
     place = np.asarray((np.arange(1000) + 0.5) / 1000.0 * leading, np.float64)
 
     def side(distance: FloatArray, step: float) -> FloatArray:

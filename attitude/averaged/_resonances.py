@@ -17,7 +17,6 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from attitude._solver import regime as solver_regime
 from attitude.averaged import _mean_state
@@ -274,6 +273,8 @@ def _with_orbits(track: Track, until: float) -> list[tuple[float, tuple[int, int
 
 def _tabulated(axes: Axes, y: FloatArray, is_long: bool) -> tuple[FloatArray, FloatArray]:
     """`frequencies` at y of any shape of one mode, by interpolation."""
+    from scipy.interpolate import CubicSpline  # half a second, and ensembles import this
+
     h = np.geomspace(_NEAR, _FAR, _NODES)
     nodes = axes.separatrix + (h if is_long else -h)
     at = np.log(np.clip(np.abs(y - axes.separatrix), _NEAR, _FAR))

@@ -308,6 +308,7 @@ def test_naming_what_the_package_offers_loads_nothing_heavy():
     """Until it is used."""
     assert _loaded_by("from attitude import Body, FreeRotation, Mode, Spin, propagate") == []
     assert _loaded_by("from attitude import AttitudeHistory") == []
+    assert "scipy" not in _loaded_by("from attitude.ensemble import Ensemble")
 
 
 def test_matplotlib_is_loaded_by_plots_only():
