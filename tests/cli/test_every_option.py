@@ -47,6 +47,7 @@ CASES = {
     "evolve": [
         f'{TORQUES} --until "1 d" --step "12 h" --passages 3 --least-tilt "0.1 deg" '
         "--paths averaged --output OUT.csv --figure OUT.png",
+        f'{TORQUES} --until "1 d" --step "12 h" --order 2 --output OUT.csv',
     ],
     "describe": list(_VALUES),
     "catalog": ["", "apophis"],

@@ -184,14 +184,23 @@ class _Power:
 def rebound(function, names, memo=None):
     """A Python function that runs as `function` does, with the globals in `names` replaced.
 
-    Compiled functions that it calls are rebound too.
+    Compiled functions that it calls, global or enclosed, are rebound too.
     """
     memo = {} if memo is None else memo
     python = function.py_func if isinstance(function, Compilable) else function
     if python not in memo:
-        space = {}
+        space, cells = {}, python.__closure__ or ()
+        enclosed = [cell.cell_contents for cell in cells]
+        enclosed = [
+            rebound(value, names, memo) if isinstance(value, Compilable) else value
+            for value in enclosed
+        ]
         memo[python] = types.FunctionType(
-            python.__code__, space, python.__name__, python.__defaults__, python.__closure__
+            python.__code__,
+            space,
+            python.__name__,
+            python.__defaults__,
+            tuple(map(types.CellType, enclosed)),
         )
         for name, value in python.__globals__.items():
             if name in names:
