@@ -85,6 +85,7 @@ class Compilable:
     py_func: the function in Python.
     targetoptions: options of `numba.njit`.  numba reads both names of a global function to inline
         it.
+    is_elementwise: whether its loop is one pass over arrays in Python; see `elementwise`.
     """
 
     def __init__(
@@ -358,6 +359,7 @@ def elementwise(function: Compilable) -> Compilable:
 
 
 def _few_or_at_once(count: int) -> Iterable[Any]:
+    """Indices one by one, or the array of all of them where they are many."""
     return range(count) if count < _FEW else (np.arange(count),)
 
 

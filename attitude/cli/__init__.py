@@ -96,9 +96,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _is_interrupt(error: BaseException | None) -> bool:
-    """Whether an error is Ctrl-C, or follows from it: Python wraps what stops a class statement."""
+    """Whether an error is Ctrl-C, or caused by it: Python wraps what stops a class statement."""
     while error is not None and not isinstance(error, KeyboardInterrupt):
-        error = error.__cause__ or error.__context__
+        error = error.__cause__
     return error is not None
 
 

@@ -58,11 +58,12 @@ class Torque(Immutable):
     columns: int = 0
     is_users: bool = False
     changes_inertia: bool = False
+    path: Path | None = None
 
     @property
     def is_of_seconds(self) -> bool:
         """Whether it depends on a function of seconds since the epoch of the spin."""
-        return isinstance(getattr(self, "path", None), FunctionPath)
+        return isinstance(self.path, FunctionPath)
 
     def address(self) -> int:
         """Address of the compiled function of the torque; see `attitude._solver.torqued_step`."""
@@ -103,8 +104,7 @@ class Torque(Immutable):
 
     def span(self, instant: Instant) -> tuple[float, float]:
         """First and last TDB seconds since an instant that its path, where it has one, covers."""
-        path = getattr(self, "path", None)
-        return (-np.inf, np.inf) if path is None else span_of(path, instant)
+        return (-np.inf, np.inf) if self.path is None else span_of(self.path, instant)
 
 
 class FunctionPath(Path):

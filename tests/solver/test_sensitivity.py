@@ -401,3 +401,19 @@ def test_derivatives_for_least_squares(wobble):
     for want, found in zip(exact, close, strict=True):
         size = np.abs(want).max(axis=(1, 2), keepdims=True)
         assert np.max(np.abs(found - want) / np.maximum(size, 1e-300)) < 4e-12
+
+
+def test_least_squares_takes_series_only_where_terms_cancel(monkeypatch):
+    """Epochs next to that of the state have series otherwise, which take most of the time."""
+    spans = []
+    setup = short_times.short_setup
+    monkeypatch.setattr(
+        short_times, "short_setup", lambda *given: (spans.append(len(given[-1])), setup(*given))
+    )
+    moments, wxyz, t = (1.0, 2.0, 2.6), np.array([(0.5, -0.5, 0.5, 0.5)]), np.array([0.0, 0.1, 3.0])
+    propagate(moments, wxyz, [(1.0, 0.3, 0.2)], t, sensitivity=True)
+    assert len(spans) == 1
+    _propagation.linearized(moments, wxyz, np.array([(1.0, 0.3, 0.2)]), t)
+    assert len(spans) == 1
+    _propagation.linearized(moments, wxyz, np.array([(1e-8, 1.0, 1e-8)]), t)
+    assert len(spans) == 2

@@ -12,7 +12,7 @@ import pytest
 
 from attitude._compilation import instructions, simd
 from attitude._compilation.choice import mode
-from attitude._compilation.decorators import entry_point
+from attitude._compilation.decorators import elementwise, entry_point, force_inlined
 from tests.support.places import ROOT
 
 SCRIPT = ROOT / "tests" / "support" / "uncompiled_answers.py"
@@ -73,6 +73,26 @@ def test_the_switches(monkeypatch):
     assert mode() == "always"
     monkeypatch.setenv("ATTITUDE_COMPILE", "never")
     assert mode() == "never"
+
+
+INDICES = []
+
+
+@elementwise
+@force_inlined
+def doubled(x, out):
+    for i in range(len(x)):
+        INDICES.append(i)
+        out[i] = 2.0 * x[i]
+
+
+def test_many_epochs_are_one_pass_in_python():
+    """A pass over arrays, and a loop where that would take longer."""
+    for count, passes in ((3, 3), (100, 1)):
+        INDICES.clear()
+        out = np.empty(count)
+        doubled(np.arange(float(count)), out)
+        assert np.array_equal(out, 2.0 * np.arange(count)) and len(INDICES) == passes
 
 
 @entry_point
