@@ -243,23 +243,30 @@ def apparitions(problem: CurveProblem, gap: float = _GAP) -> list[NDArray[np.boo
 
 # Harmonics, and standard deviations of their amplitudes, mag.
 _HARMONICS, _AMPLITUDES = np.arange(1, 5), np.array([_OTHER, _TWO, _OTHER, _OTHER])
-# Least points of an apparition with a series; windows of rates that are tried.
+# Least points of an apparition with a series; windows of rates that are tried at least.
 _LEAST_POINTS, _WINDOWS = 20, 6
 # Rates between looks at the budget, and how many of all, the best, stay.
 _BLOCK, _KEPT = 10_000, 5_000
-# Turns in the span up to which every rate is tried about all poles, some 10 s.
+# Turns in the span up to which every rate, or all windows, are tried about all poles, some 10 s.
 _WHOLE = 800.0
 # Half the width of a window beside the turn of the scene, turns in the longest apparition; what a
 # series may leave of chi-squared, over what the best one leaves, and beside.
 _HALF, _LEFT, _BESIDE = 0.6, 2.0, 30.0
 
 
-def windows(problem: CurveProblem, low: float, high: float) -> list[tuple[float, float]]:
-    """Windows of rates, turns per span, from `low` to `high`, the most probable first."""
+class Windows(NamedTuple):
+    """Windows of rates, turns per span, the most probable first, and whether more would fit."""
+
+    bounds: list[tuple[float, float]]
+    are_limited: bool = False
+
+
+def windows(problem: CurveProblem, low: float, high: float) -> Windows:
+    """Windows of rates from `low` to `high`, turns per span."""
     spans = [inside for inside in apparitions(problem) if np.count_nonzero(inside) >= _LEAST_POINTS]
     length = max((float(np.ptp(problem.t[inside])) for inside in spans), default=0.0)
     if length == 0.0 or high - low < _WHOLE:
-        return [(low, high)]
+        return Windows([(low, high)])
     combs = [Combs(problem.part(chosen)) for chosen in spans]
     columns = [
         Columns(np.ones((len(_HARMONICS), len(comb.problem)), complex), _HARMONICS, _AMPLITUDES)
@@ -281,21 +288,18 @@ def windows(problem: CurveProblem, low: float, high: float) -> list[tuple[float,
         if problem.tally.is_over:
             break
     half = _HALF / length + _fastest(problem, spans)
-    peaks = _peaks(rates, left, low, half)
-    return [(max(low, peak - half), min(high, peak + half)) for peak in peaks]
-
-
-def _peaks(rates: FloatArray, left: FloatArray, low: float, half: float) -> list[float]:
-    """The best rates and half of each, a window apart."""
     peaks: list[float] = []
     most = _LEFT * max(float(left.min()), 0.0) + _BESIDE
+    count = max(_WINDOWS, int(0.5 * _WHOLE / half))
+    # the best rates and half of each, a window apart
     for k in np.argsort(left, kind="stable"):
-        if left[k] > most or len(peaks) >= _WINDOWS:
+        if left[k] > most or len(peaks) >= count:
             break
         for rate in (float(rates[k]), 0.5 * float(rates[k])):
             if rate >= low and all(abs(rate - other) > 2.0 * half for other in peaks):
                 peaks.append(rate)
-    return peaks
+    bounds = [(max(low, peak - half), min(high, peak + half)) for peak in peaks]
+    return Windows(bounds, len(peaks) >= count)
 
 
 def _fastest(problem: CurveProblem, spans: Sequence[NDArray[np.bool_]]) -> float:
@@ -425,7 +429,7 @@ class RotatorSearch(Search):
         low, high = self.window[0], min(self.window[1], self.most)
         self.tie = replace(self.tie, is_wide=self._has_several)
         chosen = windows(self.problem, low, high)
-        states = self._from_trials(self._trials(chosen))
+        states = self._from_trials(self._trials(chosen.bounds))
         for state in states:
             fixed = self._fixed(state)
             self.convex.append(
@@ -440,15 +444,15 @@ class RotatorSearch(Search):
         else:
             self._axial_poles()
         # where more rates fit the apparitions alone than are tried, none of them is claimed
-        is_limited = len(chosen) >= _WINDOWS
-        self.is_complete = not self.is_over and not is_limited
+        self.is_complete = not self.is_over and not chosen.are_limited
         self.finish()
-        if is_limited:
+        if chosen.are_limited:
             self.notes.append(
-                f"More than {_WINDOWS} windows of periods fit the apparitions one by one; the "
-                "others were not tried. Give period=, such as that of a longer series of nights."
+                f"More than {len(chosen.bounds)} windows of periods fit the apparitions one by "
+                "one; the others were not tried. Give period=, such as that of a longer series of "
+                "nights."
             )
-        self.notes.append(self._words(chosen))
+        self.notes.append(self._words(chosen.bounds))
 
     @property
     def _has_several(self) -> bool:
@@ -521,7 +525,11 @@ class RotatorSearch(Search):
     def _words(self, chosen: list[tuple[float, float]]) -> str:
         """What was searched."""
         hours = self.problem.span / 3600.0
-        named = ", ".join(f"{hours / high:.5g} to {hours / low:.5g} h" for low, high in chosen)
+        named = ", ".join(
+            f"{hours / high:.5g} to {hours / low:.5g} h" for low, high in chosen[:_WINDOWS]
+        )
+        if len(chosen) > _WINDOWS:
+            named += f", and {len(chosen) - _WINDOWS} other windows"
         count = len(apparitions(self.problem))
         return (
             f"Only rotations about one axis were searched, over {count} "

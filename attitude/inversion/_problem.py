@@ -5,6 +5,7 @@ Epochs are in units of the span, from the middle, so that rates are turns per sp
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -324,6 +325,21 @@ def noise(problem: CurveProblem, residual: FloatArray, turns: float) -> FloatArr
             if factor > whole * (1.0 + _BY_CHANCE / np.sqrt(len(values_of_night))):
                 factors[night] = factor
     return factors
+
+
+def too_large(problem: CurveProblem) -> float:
+    """By what factor the errors are larger than neighbouring magnitudes of a night show.
+
+    1 where chance may do it.  Variation between neighbours counts as noise.
+    """
+    off, error = off_neighbours(problem, problem.y, _CLOSE * problem.span / _NIGHT)
+    scaled = np.abs(off / error)
+    known = np.isfinite(scaled)
+    count = np.count_nonzero(known)
+    if count < _TRIPLES:
+        return 1.0
+    factor = 1.0 / max(_NORMAL * float(np.median(scaled[known])), 1e-9)
+    return factor if factor > 1.0 + _BY_CHANCE / math.sqrt(count) else 1.0
 
 
 # ---- Nights

@@ -471,13 +471,15 @@ def is_constant(problem: CurveProblem) -> bool:
     """Whether the linear terms alone explain the magnitudes.
 
     Terms with a prior count by it: offsets beyond it are no constant brightness.  Free zero points
-    of many nights take degrees of freedom, and most of a slow variation.
+    of many nights take degrees of freedom, and most of a slow variation.  Errors that are larger
+    than neighbours show, as those that are assumed, count as these show.
     """
     blank, settings = problem.with_model_error(0.0), problem.settings
     taken = np.linalg.matrix_rank((blank.terms * blank.root[:, None])[:, np.isinf(blank.prior)])
     free = len(blank) - int(taken)
     most = min(settings.constant_at_most, 1.0 + settings.constant * math.sqrt(2.0 / free))
-    return blank.chi_squared(np.zeros(len(blank))) < most * free
+    chi_squared = blank.chi_squared(np.zeros(len(blank))) * _problem.too_large(problem) ** 2
+    return chi_squared < most * free
 
 
 def _as_constant(problem: CurveProblem, found: Sequence[Weighted]) -> str:

@@ -71,6 +71,18 @@ def test_a_curve_falls_into_its_apparitions(problem, known):
     assert min(gaps) > 60.0
 
 
+def test_windows_of_one_apparition_are_all_tried(known):
+    """Of 126 days with 96 points, whose true rate is the 28th of hundreds of windows."""
+    curve, period, _ = known
+    part = curve[curve.seconds < curve.seconds.min() + 127.0 * 86400.0]
+    problem, _ = _problem.problem(part, 12.0 / 86400.0, 0.07, part.zero_points)
+    chosen = _apparitions.windows(problem, 0.7, 12.0 / 86400.0 * problem.span)
+    rate = problem.span / 3600.0 / period
+    assert any(low < rate < high for low, high in chosen.bounds)
+    assert sum(high - low for low, high in chosen.bounds) < 800.0
+    assert not chosen.are_limited
+
+
 def test_period_and_pole_of_25_years(known):
     """The number of turns, among those of 2 % of the period, and the pole to 10 degrees."""
     curve, period, pole = known

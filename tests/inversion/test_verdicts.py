@@ -105,6 +105,19 @@ def test_zero_points_of_nights_do_not_hide_a_variation():
         assert is_constant(inversion_problem.CurveProblem.of(t, 1.0, *rest)) is expected
 
 
+@pytest.mark.parametrize(
+    ("noise", "size", "expected"), [(0.02, 0.0, True), (0.005, 0.0, True), (0.005, 0.02, False)]
+)
+def test_errors_that_are_too_large_hide_no_variation(noise, size, expected):
+    """Errors of 0.02 mag, as where none are given, and points of half a turn in each night."""
+    t = (np.repeat(np.arange(6), 20) + np.tile(np.linspace(0.0, 0.2, 20), 6)) / 6.0 - 0.5
+    y = noise * np.random.default_rng(5).normal(size=120) + size * np.sin(2.0 * np.pi * 15.0 * t)
+    zeros = np.zeros((3, 120))
+    terms = np.ones((120, 1)), np.full(1, np.inf)
+    given = t, 6.0 * 86400.0, zeros, zeros, y, np.full(120, 0.02), *terms, 0.07
+    assert is_constant(inversion_problem.CurveProblem.of(*given)) is expected
+
+
 @pytest.mark.parametrize(("size", "expected"), [(0.0, True), (0.08, True), (0.25, False)])
 def test_zero_points_beyond_their_prior_are_no_constant_brightness(size, expected):
     """Offsets of 60 sessions of four points, held to 0.1 mag; the residuals are noise in each."""
