@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from attitude._support import validation
+from attitude._support import least_squares, validation
+from attitude._support.least_squares import Near
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
@@ -29,7 +30,7 @@ from attitude.motions._spin import Spin
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from attitude._support.annotations import FloatArray, IntArray
+    from attitude._support.annotations import BoolArray, FloatArray, IntArray
     from attitude.inversion._problem import CurveProblem
     from attitude.inversion._settings import Settings
     from attitude.inversion._shapes import KnownShape
@@ -58,6 +59,9 @@ _ATTEMPTS, _EXPECTED = 28, 1.3
 # have to end at one cost, the margin of that cost, and the mean square of its residuals without the
 # worst share of them.
 _AGREEING, _MARGIN, _POOR, _WORST = 3, 1.03, 4.0, 0.03
+_RULE = least_squares.Rule(
+    start=1e-2, least=1e-6, stuck=1e4, larger=5.0, gain=1e-4, settled=1, ridge=1e-9
+)
 # States that are sampled from their errors when the span grows, and samples of each.
 _SAMPLED, _SAMPLES = 12, 6
 # Distances at which two states are one: rad, and share of the rate times turns.
@@ -74,14 +78,6 @@ class States(NamedTuple):
     def rows(self, chosen: IntArray) -> States:
         """Some of them."""
         return States(self.wxyz[chosen], self.omega[chosen], self.cost[chosen])
-
-
-class NearMany(NamedTuple):
-    """Costs (M,), normal matrices (M, 6, 6) and gradients (M, 6) of states."""
-
-    cost: FloatArray
-    normal: FloatArray
-    gradient: FloatArray
 
 
 @dataclass(eq=False)
@@ -208,21 +204,21 @@ class PassSearch:
         t = problem.t * problem.span - self.origin
         return _errors.costs(problem, self.known, self.moments, wxyz, omega, t, self.least)
 
-    def _near(self, problem: CurveProblem, wxyz: FloatArray, omega: FloatArray) -> NearMany:
-        """Costs and their derivatives by turn (rad, inertial axes) and rates."""
-        parts = []
+    def _near(self, problem: CurveProblem, states: FloatArray) -> Near:
+        """Costs near states (M, 7), attitudes and rates, by turn (rad, inertial axes) and rates."""
         block = max(_errors.BLOCK // len(problem), 1)
-        for begin in range(0, len(wxyz), block):
-            block_of_states = slice(begin, begin + block)
-            parts.append(self._near_block(problem, wxyz[block_of_states], omega[block_of_states]))
-        return NearMany(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+        parts = [
+            self._near_block(problem, states[begin : begin + block])
+            for begin in range(0, len(states), block)
+        ]
+        return Near(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
-    def _near_block(self, problem: CurveProblem, wxyz: FloatArray, omega: FloatArray) -> NearMany:
+    def _near_block(self, problem: CurveProblem, states: FloatArray) -> Near:
         t = problem.t * problem.span - self.origin
         # six magnitudes for differences beside the own
-        _errors.count_states(problem, self.known, 7 * len(wxyz))
-        problem.tally.add(len(wxyz), problem.settings.slopes_cost)
-        turned, slopes = linearized(self.moments, wxyz, omega, t)
+        _errors.count_states(problem, self.known, 7 * len(states))
+        problem.tally.add(len(states), problem.settings.slopes_cost)
+        turned, slopes = linearized(self.moments, states[:, :4], states[:, 4:], t)
         matrix = quaternion.matrix(turned)
         lit = self.known.lit(*_errors.over_body(matrix, problem), self.least)
         across = np.einsum("mnij,mnj->mni", matrix, lit.across)
@@ -231,54 +227,34 @@ class PassSearch:
         out = jacobian @ problem.u.T
         normal = jacobian @ jacobian.swapaxes(1, 2) - out @ out.swapaxes(1, 2)
         gradient = (jacobian @ r[..., None] - out @ along[..., None])[..., 0]
-        return NearMany(cost, normal, gradient)
+        return Near(states, cost, normal, gradient)
 
     def _refined(
-        self, problem: CurveProblem, given: States, iterations: int, *, is_last: bool = False
+        self, problem: CurveProblem, starts: States, iterations: int, *, is_last: bool = False
     ) -> States:
-        """States after Levenberg and Marquardt's iteration, side by side.
+        """States of least cost near others; the budget ends all but the last one."""
+        best = least_squares.minimum(
+            least_squares.Problem(lambda states: self._near(problem, states), self._moved),
+            np.concatenate([starts.wxyz, starts.omega], axis=1),
+            _RULE,
+            iterations + 1,
+            lambda: problem.tally.is_over and not is_last,
+        )
+        return States(best.states[:, :4], best.states[:, 4:], best.cost)
 
-        It ends with the budget, but for the last one.
-        """
-        wxyz, omega = given.wxyz, given.omega
-        best = self._near(problem, wxyz, omega)
-        damping = np.full(len(wxyz), 1e-2)
-        active = np.arange(len(wxyz))
-        for _ in range(iterations):
-            searched = NearMany(*(column[active] for column in best))
-            step = self._step(searched, damping[active], omega[active])
-            q = quaternion.multiply(forms.from_rotation_vector(step[:, :3]), wxyz[active])
-            w = omega[active] + step[:, 3:]
-            trial = self._near(problem, q, w)
-            won = searched.cost - trial.cost
-            better = won > 0.0
-            on = active[better]
-            wxyz[on], omega[on] = q[better], w[better]
-            for old, new in zip(best, trial, strict=True):
-                old[on] = new[better]
-            damping[active] = np.where(better, 0.3 * damping[active], 5.0 * damping[active])
-            damping = np.maximum(damping, 1e-6)
-            busy = ~better | (won > 1e-4 * searched.cost)
-            active = active[busy & (damping[active] < 1e4)]
-            if not len(active) or (problem.tally.is_over and not is_last):
-                break
-        return States(wxyz, omega, best.cost)
-
-    def _step(self, near: NearMany, damping: FloatArray, omega: FloatArray) -> FloatArray:
-        """Damped steps (M, 6) of limited length."""
-        scale = np.sqrt(np.maximum(np.einsum("mii->mi", near.normal), 1e-12))
-        scaled = near.normal / scale[:, :, None] / scale[:, None, :]
-        scaled += (damping[:, None, None] + 1e-9) * np.eye(6)
-        step = np.linalg.solve(scaled, (near.gradient / scale)[..., None])[..., 0] / scale
-        turn = np.linalg.norm(step[:, :3], axis=1) / 0.4
-        rate = np.linalg.norm(step[:, 3:], axis=1) / (0.15 * self.most)
-        limited: FloatArray = step / np.maximum(np.maximum(turn, rate), 1.0)[:, None]
-        return limited
+    def _moved(self, states: FloatArray, steps: FloatArray) -> tuple[FloatArray, BoolArray]:
+        """States (M, 7) after steps (M, 6), whose length is limited; they have no bounds."""
+        turn = np.linalg.norm(steps[:, :3], axis=1) / 0.4
+        rate = np.linalg.norm(steps[:, 3:], axis=1) / (0.15 * self.most)
+        steps = steps / np.maximum(np.maximum(turn, rate), 1.0)[:, None]
+        wxyz = quaternion.multiply(forms.from_rotation_vector(steps[:, :3]), states[:, :4])
+        omega = states[:, 4:] + steps[:, 3:]
+        return np.concatenate([wxyz, omega], axis=1), np.ones(len(states), bool)
 
     def _branched(self, problem: CurveProblem, states: States) -> States:
         """The states, with samples of the errors of the best of them."""
         best = states.rows(np.arange(min(_SAMPLED, len(states.cost))))
-        fits = self._near(problem, best.wxyz, best.omega)
+        fits = self._near(problem, np.concatenate([best.wxyz, best.omega], axis=1))
         parts = [states]
         for k in range(len(best.cost)):
             scale = np.sqrt(np.maximum(np.diag(fits.normal[k]), 1e-12))

@@ -185,7 +185,7 @@ class Refinement(CurveFit):
         """The scattering law without its phase function, which the linear terms replace."""
         return super().law if self._fit.known is None else self._fit.known.law
 
-    def _model(self, problem: CurveProblem) -> _moving.MovingModel:
+    def _model(self, problem: CurveProblem) -> _refinement.ShapeModel:
         """Magnitudes and their derivatives at the epochs of a problem."""
         return self._fit.model(problem, self.weighted.refined.state)
 
