@@ -1,4 +1,4 @@
-"""What every subject needs: checks of input, arrays, pairs of doubles, blocks, text of numbers.
+"""What every subject needs: checks of input, arrays, pairs, blocks, least squares, text.
 
 annotations     types of public parameters and results
 validation      checks of the numbers that callers give; arguments that do not exist

@@ -37,13 +37,13 @@ class Near(NamedTuple):
 class Problem:
     """What is fitted.
 
-    near(states): the costs near states, infinite where there are none.
+    linearised(states): the costs near states, infinite where there are none.
     moved(states, steps): the states after steps (S, P), and which of them are within the bounds.
     costs(states): costs alone, for the last step, behind which no derivatives are needed; None
         where the result has to have them.
     """
 
-    near: Callable[[NDArray[Any]], Near]
+    linearised: Callable[[NDArray[Any]], Near]
     moved: Callable[[NDArray[Any], FloatArray], tuple[NDArray[Any], BoolArray]]
     costs: Callable[[NDArray[Any]], FloatArray] | None = None
 
@@ -74,23 +74,18 @@ class Rule(NamedTuple):
 _SMALLER = 0.3
 
 
-def never() -> bool:
-    """No end before that of the iteration."""
-    return False
-
-
 def minimum(
     problem: Problem,
     starts: NDArray[Any],
     rule: Rule,
     evaluations: int,
-    is_over: Callable[[], bool] = never,
+    is_over: Callable[[], bool] | None = None,
 ) -> Near:
     """The states of least cost near starts, after at most so many evaluations of each.
 
     A step that leaves the bounds fails as one does that raises the cost.
     """
-    best = problem.near(starts.copy())
+    best = problem.linearised(starts.copy())
     damping = np.full(len(starts), rule.start)
     # those that go on
     on = np.flatnonzero(np.isfinite(best.cost))
@@ -106,7 +101,7 @@ def minimum(
             if problem.costs is not None and count == evaluations:
                 trial: tuple[NDArray[Any], ...] = new, problem.costs(new)
             else:
-                trial = problem.near(new)
+                trial = problem.linearised(new)
             cost[allowed] = trial[1]
         gain = active.cost - cost
         better = gain > 0.0
@@ -120,7 +115,7 @@ def minimum(
         if count > rule.settled:
             ended |= better & (gain < rule.gain * cost)
         on = on[~ended]
-        if is_over():
+        if is_over is not None and is_over():
             break
     return best
 

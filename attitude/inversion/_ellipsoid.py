@@ -400,13 +400,6 @@ def moved(states: FloatArray, steps: FloatArray) -> FloatArray:
     return new
 
 
-def _limited(steps: FloatArray) -> FloatArray:
-    """Steps (S, 10) of limited length."""
-    size = np.abs(steps[:, 5:]) * (6.0, 2.0, 4.0, 1.0, 1.0)
-    longest = np.maximum(np.sqrt(np.sum(steps[:, :3] ** 2, axis=1)), size.max(axis=1))
-    return steps * (_LONGEST / np.maximum(longest, _LONGEST))[:, None]
-
-
 def _wanted(states: FloatArray, tie: Held) -> FloatArray:
     """Logarithms (2, S) of I1/I3 and I2/I3 of the ellipsoids, or of the moments given."""
     if math.isnan(tie.moments[0]):
@@ -543,7 +536,9 @@ def minimised(
     curve = EllipsoidCurve(problem)
 
     def stepped(states: FloatArray, steps: FloatArray) -> tuple[FloatArray, BoolArray]:
-        new = moved(states, _limited(steps))
+        size = np.abs(steps[:, 5:]) * (6.0, 2.0, 4.0, 1.0, 1.0)
+        longest = np.maximum(np.sqrt(np.sum(steps[:, :3] ** 2, axis=1)), size.max(axis=1))
+        new = moved(states, steps * (_LONGEST / np.maximum(longest, _LONGEST))[:, None])
         return new, are_allowed(new, bool(fixed[6]))
 
     fitted = least_squares.Problem(

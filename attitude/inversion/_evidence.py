@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from attitude.inversion import _refinement, _shapes
-from attitude.inversion._refinement import Fitted
+from attitude.inversion._refinement import MOTION, Fitted
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -113,7 +113,7 @@ def refined(
             own, state, tie=tie, fixed=fixed, iterations=iterations, gain=gain
         )
 
-    free = 8 if fixed is None else int(np.count_nonzero(~fixed[:8]))
+    free = MOTION if fixed is None else int(np.count_nonzero(~fixed[:MOTION]))
     robust = student(problem, start, fit, free, trials)
     return replace(robust, evidence=robust.evidence + occam(robust.refined.normal, len(problem)))
 

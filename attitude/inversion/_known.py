@@ -94,7 +94,7 @@ class PassSearch:
         Largest rate, rad/s.
     generator : Generator
     progress : callable
-    found : States
+    states : States
         The best first, at the epoch `origin`.
     origin : float
         The middle of the first span, s since the epoch of the curve.
@@ -106,7 +106,7 @@ class PassSearch:
     most: float
     generator: np.random.Generator
     progress: Callable[[str], object]
-    found: States = field(init=False)
+    states: States = field(init=False)
     origin: float = field(init=False)
 
     def run(self) -> None:
@@ -124,22 +124,22 @@ class PassSearch:
         for attempt in range(_ATTEMPTS):
             middle, span = _first_span(seconds, self.most, attempt)
             self._from(middle, span)
-            costs.append(float(self.found.cost[0]))
+            costs.append(float(self.states.cost[0]))
             self.progress(f"attempt {attempt + 1}: cost {costs[-1]:.0f}")
             if best is None or costs[-1] < best.cost[0]:
-                best, origin = self.found, self.origin
+                best, origin = self.states, self.origin
                 is_rough = self._mean_square() < _POOR
             agreeing = sum(cost < _MARGIN * min(costs) for cost in costs)
             fits = min(costs) < len(problem) / _EXPECTED
             if fits or (is_rough and agreeing >= _AGREEING) or self.problem.tally.is_over:
                 break
         assert best is not None
-        self.found, self.origin = best, origin
+        self.states, self.origin = best, origin
 
     def _mean_square(self) -> float:
         """That of the residuals of the best state over their errors, without the worst of them."""
         problem = self.problem.with_model_error(_ERRORS[1])
-        nearby = self._costs(problem, self.found.wxyz[:1], self.found.omega[:1])
+        nearby = self._costs(problem, self.states.wxyz[:1], self.states.omega[:1])
         squares = np.sort((nearby.residual - nearby.along @ problem.u)[0] ** 2)
         return float(np.mean(squares[: math.ceil((1.0 - _WORST) * len(squares))]))
 
@@ -149,8 +149,8 @@ class PassSearch:
         self.origin = middle
         away = np.abs(problem.t * problem.span - middle)
         early = problem.part(away <= span).with_model_error(_ERRORS[0])
-        self.found = self._screened(early, span)
-        self.found = self._refined(early, self.found, _ITERATIONS)
+        self.states = self._screened(early, span)
+        self.states = self._refined(early, self.states, _ITERATIONS)
         self._keep(_KEPT)
         whole = float(away.max())
         first = span
@@ -158,21 +158,21 @@ class PassSearch:
             # across a gap to the first points of the next pass
             beyond = away[away > span].min() * _ACROSS
             span = min(max(span * _GROWTH, float(beyond)), whole)
-            count = max(int(len(self.found.cost) / 1.35), _LEFT)
+            count = max(int(len(self.states.cost) / 1.35), _LEFT)
             share = math.log(span / first) / math.log(whole / first)
             error = _ERRORS[0] * (_ERRORS[1] / _ERRORS[0]) ** share
             early = problem.part(away <= span).with_model_error(error)
-            self.found = self._refined(early, self._branched(early, self.found), _ITERATIONS)
+            self.states = self._refined(early, self._branched(early, self.states), _ITERATIONS)
             self._keep(count)
-            self.progress(f"span {2.0 * span:.0f} s: {len(self.found.cost)} states")
+            self.progress(f"span {2.0 * span:.0f} s: {len(self.states.cost)} states")
             if self.problem.tally.is_over:
                 break
         early = problem.with_model_error(_ERRORS[1])
         if self.problem.tally.is_over:
             self._keep(_SAMPLED)
-            self.found = self._refined(early, self.found, _LAST, is_last=True)
+            self.states = self._refined(early, self.states, _LAST, is_last=True)
         else:
-            self.found = self._refined(early, self._branched(early, self.found), _LAST)
+            self.states = self._refined(early, self._branched(early, self.states), _LAST)
         self._keep(_LEFT)
 
     def _screened(self, problem: CurveProblem, span: float) -> States:
@@ -269,7 +269,7 @@ class PassSearch:
 
     def _keep(self, count: int) -> None:
         """Keep the best distinct states."""
-        states = self.found
+        states = self.states
         order = np.argsort(states.cost, kind="stable")
         order = order[np.linalg.norm(states.omega[order], axis=1) < 1.2 * self.most]
         chosen: list[int] = []
@@ -283,7 +283,7 @@ class PassSearch:
             chosen.append(int(k))
             if len(chosen) == count:
                 break
-        self.found = states.rows(np.array(chosen))
+        self.states = states.rows(np.array(chosen))
 
 
 def _first_span(seconds: FloatArray, most: float, attempt: int) -> tuple[float, float]:
@@ -379,8 +379,8 @@ def found(
     search.run()
     solutions = [
         _fitted(curve, problem, known, body, search, k)
-        for k in range(len(search.found.cost))
-        if k < _FITTED and search.found.cost[k] < search.found.cost[0] + _BEHIND
+        for k in range(len(search.states.cost))
+        if k < _FITTED and search.states.cost[k] < search.states.cost[0] + _BEHIND
     ]
     solutions.sort(key=lambda each: each.evidence)
     symmetry = symmetry_of(known, body.moments, float(np.median(problem.sigma)))
@@ -405,10 +405,10 @@ def found(
     return kept, verdict, criterion, tuple(notes)
 
 
-def _fitted(curve, problem, known, body, made, k):
+def _fitted(curve, problem, known, body, search, k):
     """The least squares from a state of the search."""
-    epoch = curve.epoch.after(made.origin)
-    spin = Spin(epoch, made.found.wxyz[k], made.found.omega[k])
+    epoch = curve.epoch.after(search.origin)
+    spin = Spin(epoch, search.states.wxyz[k], search.states.omega[k])
     body_alone = Body(moments=body.moments, relative=body.relative, mass=body.mass)
     ends = float(curve.emission[0]), float(curve.emission[-1])
     point = _moving.moving_point(FreeRotation(body_alone, spin), curve.epoch, ends, None, None)

@@ -234,7 +234,7 @@ def moving_point(
     wxyz = quaternion.multiply(spin.wxyz_icrf, axes)
     omega = spin.angular_velocity @ body.principal_axes
     body_alone = Body(moments=body.moments, relative=body.relative, mass=body.mass)
-    moved = any(each.frame == "body" for each in impulses) or bool(loads)
+    moved = any(impulse.frame == "body" for impulse in impulses) or bool(loads)
     if moved and not np.allclose(body.principal_axes, np.eye(3)):
         raise AttitudeError(
             "the axes of the body are not its principal axes, over which momenta and torques are "
@@ -250,15 +250,15 @@ def seconds_of(point: MovingPoint, epoch: Instant, seconds: FloatArray) -> Float
     return seconds + epoch.since(point.spin.epoch)
 
 
-def _listed(given: Any, kind: type, name: str) -> tuple[Any, ...]:
-    """What is given, as a tuple of one kind."""
-    if given is None:
+def _listed(changes: Any, kind: type, name: str) -> tuple[Any, ...]:
+    """Impulses or torques that a caller gives, as a tuple of one kind."""
+    if changes is None:
         return ()
-    if isinstance(given, kind):
-        given = (given,)
-    if not isinstance(given, Iterable):
-        raise AttitudeError(f"{name} is {given!r}; give a list of {kind.__name__} objects.")
-    items = tuple(given)
+    if isinstance(changes, kind):
+        changes = (changes,)
+    if not isinstance(changes, Iterable):
+        raise AttitudeError(f"{name} is {changes!r}; give a list of {kind.__name__} objects.")
+    items = tuple(changes)
     for k, item in enumerate(items):
         if not isinstance(item, kind):
             raise AttitudeError(f"{name}[{k}] is {item!r}; give {kind.__name__} objects.")
@@ -442,7 +442,7 @@ def moving_fit(
     """
     fixed = np.zeros(point.size + (0 if known else _shapes.SIZE), bool)
     axis = point.axis
-    if known is not None or tie.given is not None or axis is not None:
+    if known is not None or tie.moments is not None or axis is not None:
         fixed[6:8] = True
     if axis is not None:
         across = [k for k in range(3) if k != axis]
@@ -455,7 +455,7 @@ def moving_fit(
     if is_ellipsoid:
         fixed[point.size + _shapes.ELLIPSOID :] = True
     least = 0.0 if known is None else known.floor(problem.sun.T, problem.observer.T)
-    is_axial = axis == 2 and tie.given is None and int(np.argmax(point.body.moments)) == 2
+    is_axial = axis == 2 and tie.moments is None and int(np.argmax(point.body.moments)) == 2
     return MovingFit(epoch, known, least, tie, fixed, is_axial)
 
 

@@ -250,8 +250,8 @@ def refine(
         tie = replace(tie, is_wide=start.tie.is_wide)
     ends = float(curve.emission[0]), float(curve.emission[-1])
     point = _moving.moving_point(motion, curve.epoch, ends, arcs, torques)
-    if tie.given is not None:
-        point = _states.with_moments(point, tie.given)
+    if tie.moments is not None:
+        point = _states.with_moments(point, tie.moments)
     known = None
     if isinstance(shape, Mesh):
         known = _shapes.known(shape, law).over(motion.body.principal_axes)

@@ -111,8 +111,8 @@ def _alone(state: object) -> NDArray[Any]:
 
 
 # Parameters of the motion.
-_MOTION = 8
-SIZE = _MOTION + _shapes.SIZE
+MOTION = 8
+SIZE = MOTION + _shapes.SIZE
 WIDTH = _ellipsoid.WIDTH - _shapes.ELLIPSOID + _shapes.SIZE
 _SHAPE = _shapes.Tie()
 
@@ -140,13 +140,13 @@ def model(problem: CurveProblem, state: FloatArray) -> ShapeModel:
     observer = np.ascontiguousarray(np.einsum("rkt,rt->tk", body, turn.T @ nodes.observer))
     lit = _shapes.magnitudes(sun, observer, state[14:])
     h = np.einsum("rkt,tk->rt", body, lit.across)
-    jacobian = np.empty((_MOTION + len(lit.by_shape), count))
+    jacobian = np.empty((MOTION + len(lit.by_shape), count))
     jacobian[:3] = h
     jacobian[3] = 4.0 * math.pi * t * h[2]
     v = 2.0 * math.pi * np.sum(h * g[:3], axis=0)
     jacobian[4], jacobian[5] = t * v, v
     jacobian[6], jacobian[7] = np.sum(h * g[3:6], axis=0), np.sum(h * g[6:], axis=0)
-    jacobian[8:] = lit.by_shape
+    jacobian[MOTION:] = lit.by_shape
     magnitude, jacobian = problem.over_exposures(lit.magnitude, jacobian)
     return ShapeModel(magnitude, jacobian, lit.areas, lit.slopes)
 
@@ -158,11 +158,11 @@ def _penalties(
     moments = None
     if not is_axial:
         ratios, slopes = _motions.with_slopes(state[_ellipsoid.OF_MOMENTS])
-        by_motion = np.zeros((2, _MOTION))
+        by_motion = np.zeros((2, MOTION))
         by_motion[:, [3, 4, 6, 7]] = slopes.T
         modes = bool(state[1] > 0.0), bool(state[4] < 0.0)
         moments = _shapes.MotionMoments(ratios, by_motion, *modes)
-    return _shapes.penalties(state[14:], here.areas, here.slopes, moments, _MOTION, tie)
+    return _shapes.penalties(state[14:], here.areas, here.slopes, moments, MOTION, tie)
 
 
 def profiled_cost(
@@ -171,7 +171,7 @@ def profiled_cost(
     """The cost of a motion after one Gauss-Newton step of its shape."""
     shape_model = model(problem, state)
     priors = _penalties(state, shape_model, tie, is_axial)
-    held = np.arange(SIZE) < _MOTION
+    held = np.arange(SIZE) < MOTION
     cost, _, _, normal, gradient = linearised(
         problem, shape_model.magnitude, shape_model.jacobian, priors, held
     )
@@ -207,7 +207,7 @@ def refine(
     """
     state = np.zeros(_ellipsoid.WIDTH + modes)
     state[: len(start)] = start
-    held = np.zeros(_MOTION + _shapes.ELLIPSOID + modes, bool)
+    held = np.zeros(MOTION + _shapes.ELLIPSOID + modes, bool)
     if fixed is not None:
         held[: len(fixed)] = fixed[: len(held)]
 
