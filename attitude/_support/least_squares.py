@@ -130,3 +130,36 @@ def _steps(near: Near, damping: FloatArray) -> FloatArray:
         np.linalg.solve(scaled, (near.gradient / scale)[:, :, None])[:, :, 0] / scale
     )
     return steps
+
+
+# ---- Normal matrices, whose parameters may have any units
+
+
+class Decomposed:
+    """A normal matrix, scaled to a diagonal of ones, by its eigenvalues and vectors.
+
+    scale: (P,), roots of the diagonal, or those given; 1 in place of 0.
+    empty: (P,) array of bool, parameters whose scale is 0: no residual depends on them.
+    values, vectors: (P,) and (P, P) arrays
+    """
+
+    def __init__(self, normal: FloatArray, scale: FloatArray | None = None) -> None:
+        size = np.sqrt(np.maximum(np.diag(normal), 0.0)) if scale is None else scale
+        self.empty = size == 0.0
+        self.scale = np.where(self.empty, 1.0, size)
+        self.values, self.vectors = np.linalg.eigh(normal / np.outer(self.scale, self.scale))
+
+    def inverse_factor(self, least: float) -> FloatArray:
+        """W (P, K) with W W^T the inverse, without eigenvalues up to the least."""
+        kept = self.values > least
+        factor: FloatArray = self.vectors[:, kept] / np.sqrt(self.values[kept])
+        return factor / self.scale[:, None]
+
+
+def inverse(normal: FloatArray) -> FloatArray:
+    """The inverse (P, P) of a normal matrix; 0 where it has none."""
+    scale = np.sqrt(np.maximum(np.diag(normal), 0.0))
+    scale[scale == 0.0] = 1.0
+    size = np.outer(scale, scale)
+    pseudo_inverse: FloatArray = np.linalg.pinv(normal / size, hermitian=True) / size
+    return pseudo_inverse

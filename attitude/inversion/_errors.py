@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
+from attitude._support.least_squares import inverse
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.inversion import _ellipsoid, _motions, _refinement
@@ -78,7 +79,7 @@ def errors(
     """
     normal, problem = found.refined.normal, found.problem
     if formal is None:
-        formal = _refinement.inverse(normal)[:count, :count]
+        formal = inverse(normal)[:count, :count]
     free = np.diag(normal)[:count] != 1.0
     r = (problem.y - here.magnitude) * problem.root
     r = r - problem.u.T @ (problem.u @ r)
@@ -253,7 +254,7 @@ _SEED = 20180708
 def covariance_of_motion(found: Weighted, tie: Tie) -> FloatArray:
     """Second moments (8, 8) of the parameters about those of a solution; 0 of those that stay."""
     at = np.ix_(*2 * [free(found)])
-    curvature = _refinement.inverse(found.refined.normal)[:MOTION, :MOTION][at]
+    curvature = inverse(found.refined.normal)[:MOTION, :MOTION][at]
     factor: FloatArray = np.asarray(np.linalg.cholesky(conditioned(curvature)), dtype=np.float64)
     density = log_density(found, tie, factor)
 
@@ -379,7 +380,7 @@ def covariance_of_state(
 
     Shapes: seconds (N,) s.
     """
-    formal = _refinement.inverse(found.refined.normal)[:STATE_SIZE, :STATE_SIZE]
+    formal = inverse(found.refined.normal)[:STATE_SIZE, :STATE_SIZE]
     factor: FloatArray = np.asarray(np.linalg.cholesky(conditioned(formal)), dtype=np.float64)
     wxyz, omega = point.spin.wxyz_icrf, point.spin.angular_velocity
     block = max(BLOCK // len(seconds), 1)

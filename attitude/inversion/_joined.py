@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from attitude._support.least_squares import inverse
 from attitude.inversion import _ellipsoid, _problem, _refinement
 from attitude.inversion._ellipsoid import SearchState
 from attitude.inversion._refinement import MOTION
@@ -98,7 +99,7 @@ def alone(curve: LightCurve, part: LightCurve, found: Search, settings: Settings
 
 def _formal(found: Refined) -> FloatArray:
     """The covariance (8, 8) of a motion that the curvature gives."""
-    return _refinement.inverse(found.normal)[:MOTION, :MOTION]
+    return inverse(found.normal)[:MOTION, :MOTION]
 
 
 def at_middle(state: FloatArray, middle: float) -> FloatArray:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from attitude._support import least_squares, validation
-from attitude._support.least_squares import Near
+from attitude._support.least_squares import Decomposed, Near
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
@@ -257,10 +257,10 @@ class PassSearch:
         fits = self._near(problem, np.concatenate([best.wxyz, best.omega], axis=1))
         parts = [states]
         for k in range(len(best.cost)):
-            scale = np.sqrt(np.maximum(np.diag(fits.normal[k]), 1e-12))
-            values, vectors = np.linalg.eigh(fits.normal[k] / np.outer(scale, scale))
-            spread = 2.0 / np.sqrt(np.maximum(values, 1e-6))
-            step = (self.generator.standard_normal((_SAMPLES, 6)) * spread) @ vectors.T / scale
+            normal = Decomposed(fits.normal[k])
+            spread = 2.0 / np.sqrt(np.maximum(normal.values, 1e-6))
+            step = self.generator.standard_normal((_SAMPLES, 6)) * spread @ normal.vectors.T
+            step /= normal.scale
             longest = np.maximum(np.linalg.norm(step[:, :3], axis=1) / 0.5, 1.0)
             step /= longest[:, None]
             wxyz = quaternion.multiply(forms.from_rotation_vector(step[:, :3]), best.wxyz[k])

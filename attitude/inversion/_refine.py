@@ -22,7 +22,7 @@ from attitude.shape._mesh import Mesh
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from attitude._support.annotations import BoolArray, FilePath, FloatArray
+    from attitude._support.annotations import BoolArray, FloatArray
     from attitude.inversion._evidence import Weighted
     from attitude.inversion._moving import Motion, MovingPoint
     from attitude.inversion._problem import CurveProblem
@@ -90,11 +90,9 @@ class Refinement(CurveFit):
             again = self._fit.minimum(problem.part(keep), state, gain=1e-4)
             return again.state.point.difference(self.point)
 
-        session = None if len(problem) < len(self.curve) else self.curve.session
-        groups = _errors.groupings(problem.t, problem.span, session)
         with _refinement.limited():
             errors_of = _errors.errors(
-                self.weighted, self._model(problem), groups, self.point.size, refitted,
+                self.weighted, self._model(problem), self._groups, self.point.size, refitted,
                 self._second_moments(),
             )  # fmt: skip
         return errors_of.covariance + _errors.spread(errors_of.covariance, self.rivals)
@@ -188,12 +186,6 @@ class Refinement(CurveFit):
     def _model(self, problem: CurveProblem) -> _refinement.ShapeModel:
         """Magnitudes and their derivatives at the epochs of a problem."""
         return self._fit.model(problem, self.weighted.refined.state)
-
-    def plot(self, path: FilePath | None = None) -> Any:
-        """A figure of the fit and its residuals; saved if a path is given."""
-        from attitude.inversion import _figures
-
-        return _figures.of_nights(self, path)
 
 
 def refine(

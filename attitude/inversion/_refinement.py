@@ -247,16 +247,6 @@ def linearised(
     return chi + float(prior @ prior), chi, strain, normal, gradient
 
 
-def inverse(normal: FloatArray) -> FloatArray:
-    """The inverse (P, P) of a normal matrix, whose parameters may have any units; 0 where it has
-    none."""
-    scale = np.sqrt(np.maximum(np.diag(normal), 0.0))
-    scale[scale == 0.0] = 1.0
-    size = np.outer(scale, scale)
-    pseudo_inverse: FloatArray = np.linalg.pinv(normal / size, hermitian=True) / size
-    return pseudo_inverse
-
-
 def _moved(state: FloatArray, step: FloatArray, is_axial: bool) -> FloatArray | None:
     """The state after a step of limited length; None outside of the bounds."""
     longest = max(
