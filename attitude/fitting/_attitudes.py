@@ -12,8 +12,7 @@ from attitude._support import validation
 from attitude._support.pairs import Seconds
 from attitude._support.synonyms import arguments
 from attitude.errors import AttitudeError
-from attitude.fitting import _minimum
-from attitude.fitting._minimum import Problem, result
+from attitude.fitting._minimum import Problem, fitted, known_loss, thinned
 from attitude.fitting._model import Model, Point
 from attitude.fitting._observations import (
     Attitudes,
@@ -285,7 +284,7 @@ def fit(
     """
     observed = _observed(table, sigma, rate_sigma)
     model = Model(body, axes)
-    how = _minimum.known(loss, f_scale, sigma)
+    how = known_loss(loss, f_scale, sigma)
     if len(observed) < (3 if model.count > 6 else 2):
         raise AttitudeError(_too_few(len(observed)))
     velocities = velocities_observed(observed)
@@ -294,8 +293,8 @@ def fit(
     if start is not None:
         point = point_of(model, observed, start)
     else:
-        point = guess(_minimum.Problem(model, observed.at(slice(first)), how), velocities)
-    return result(model, observed, _minimum.found(model, observed, how, point, first))
+        point = guess(Problem(model, observed.at(slice(first)), how), velocities)
+    return fitted(model, observed, how, point, first)
 
 
 def guess(problem: Problem, given: tuple[FloatArray, FloatArray, FloatArray]) -> Point:
@@ -429,7 +428,7 @@ def fit_rates(
     array([1. , 2. , 2.6])
     """
     model = Model(body, axes)
-    how = _minimum.known(loss, f_scale, sigma)
+    how = known_loss(loss, f_scale, sigma)
     first_epoch, seconds = epochs_of(t, epoch)
     count = len(seconds)
     omega = validation.real(angular_velocity, "angular_velocity", shape=(count, 3), unit="rad/s")
@@ -451,11 +450,11 @@ def fit_rates(
             tensor = inertia_of_rates(seconds, omega, axes, robust=how.robust)
             shape = model.shape_of(tensor)
         attitudes = np.broadcast_to(_IDENTITY, (count, 4))
-        problem = _minimum.Problem(model, observed.at(slice(first)), how)
+        problem = Problem(model, observed.at(slice(first)), how)
         point = best_state(problem, shape, (seconds, attitudes, omega))
     # The attitude has no influence: that of the first record is the identity.
     point = replace(point, wxyz=_IDENTITY)
-    return result(model, observed, _minimum.found(model, observed, how, point, first))
+    return fitted(model, observed, how, point, first)
 
 
 # ---- Attitudes and angular velocities from directions, by Davenport's method
@@ -640,7 +639,7 @@ def fit_directions(
     array([1. , 2. , 2.6])
     """
     model = Model(body, axes)
-    how = _minimum.known(loss, f_scale, sigma)
+    how = known_loss(loss, f_scale, sigma)
     first_epoch, seconds = epochs_of(t, epoch, repeated=True)
     count = len(seconds)
     measured = _unit(body_directions, "body_directions", count)
@@ -663,7 +662,7 @@ def fit_directions(
     else:
         point = _guess(model, observed, directions, how, fewest)
     first = first_stage(seconds, float(np.linalg.norm(point.omega)), fewest)
-    return result(model, observed, _minimum.found(model, observed, how, point, first))
+    return fitted(model, observed, how, point, first)
 
 
 def _guess(
@@ -677,7 +676,7 @@ def _guess(
         velocity_samples = 0.5 * (times[1:] + times[:-1]), middle, omega
         speed = float(np.median(np.linalg.norm(omega, axis=1)))
         first = first_stage(observed.t, speed, fewest)
-        return guess(_minimum.Problem(model, observed.at(slice(first)), loss), velocity_samples)
+        return guess(Problem(model, observed.at(slice(first)), loss), velocity_samples)
     times, wxyz, omega = spans(observed, loss)
     shapes = [np.zeros(model.count - 6)]
     if model.body is None:
@@ -685,7 +684,7 @@ def _guess(
         tensor = inertia_of_rates(times, omega, model.axes, robust=True)
         shapes.append(model.shape_of(tensor))
     first = first_stage(observed.t, float(np.median(np.linalg.norm(omega, axis=1))), fewest)
-    problem = _minimum.Problem(model, observed.at(_minimum.thinned(first)), loss)
+    problem = Problem(model, observed.at(thinned(first)), loss)
     chosen = slice(None, CANDIDATES)
     states = times[chosen], wxyz[chosen], omega[chosen]
     points = [point for shape in shapes for point in states_at_first(model, shape, states)]

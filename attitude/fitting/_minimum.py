@@ -13,6 +13,7 @@ import numpy as np
 
 from attitude._support import markup, validation
 from attitude._support.arrays import Immutable, frozen
+from attitude._support.least_squares import Decomposed
 from attitude.errors import AttitudeError
 from attitude.fitting import _observations as records
 from attitude.fitting._observations import Rates
@@ -69,7 +70,7 @@ class Loss:
         return rho * self.scale**2, first, second
 
 
-def known(name: str, f_scale: Real | None, sigma: Reals | None) -> Loss:
+def known_loss(name: str, f_scale: Real | None, sigma: Reals | None) -> Loss:
     """The loss of a name and scale."""
     if name not in NAMES:
         listed = ", ".join(f'"{label}"' for label in NAMES)
@@ -103,26 +104,6 @@ _REACH, _PREDICTED = 0.05, 64
 # Variance, rad2, of each component of the rotation vector of an attitude of which nothing is known:
 # a third of pi^2/3 + 2, the mean square of the angle of uniformly random rotations.
 UNKNOWN = (np.pi**2 / 3.0 + 2.0) / 3.0
-
-
-class Decomposed:
-    """A normal matrix, scaled to a diagonal of ones, by its eigenvalues and vectors.
-
-    scale: (P,), roots of the diagonal; 1 in place of 0.
-    empty: (P,) array of bool, parameters on which no record depends.
-    values, vectors: (P,) and (P, P) arrays
-    """
-
-    def __init__(self, normal: FloatArray) -> None:
-        size = np.sqrt(np.maximum(np.diag(normal), 0.0))
-        self.empty = size == 0.0
-        self.scale = np.where(self.empty, 1.0, size)
-        self.values, self.vectors = np.linalg.eigh(normal / np.outer(self.scale, self.scale))
-
-    @property
-    def rank(self) -> int:
-        """The number of combinations of parameters that the records determine."""
-        return int(np.count_nonzero(self.values > _LOST))
 
 
 @dataclass(frozen=True)
@@ -176,7 +157,7 @@ class Problem:
             bend += float(np.sum((kind.dimensions * first + 2.0 * second)[used]))
         by_errors = Decomposed(normal)
         # Huber's variance of a robust estimate; that of least squares with a linear loss.
-        variance = score / max(numbers - by_errors.rank, 1)
+        variance = score / max(numbers - int(np.count_nonzero(by_errors.values > _LOST)), 1)
         variance /= max(bend / max(numbers, 1), _LEAST_BEND) ** 2
         bending = Decomposed(weighted) if robust else by_errors
         return Linearised(point, predicted, cost, gradient, variance, bending, by_errors)
@@ -210,7 +191,9 @@ class Problem:
             return None
 
 
-def found(model: Model, observed: Observations, loss: Loss, point: Point, first: int) -> Linearised:
+def _minimum(
+    model: Model, observed: Observations, loss: Loss, point: Point, first: int
+) -> Linearised:
     """The loss near its least point, from a first guess.
 
     Stages take the first records, so many that no phase of a tumbler is wrong by a revolution: the
@@ -372,8 +355,9 @@ class Fit(Immutable):
         return f"<Fit: {count} records, rms {self.rate_rms:.3g} rad/s, {self.motion!r}>"
 
 
-def result(model: Model, observed: Observations, best: Linearised) -> Fit:
-    """The Fit of the point of least loss."""
+def fitted(model: Model, observed: Observations, loss: Loss, point: Point, first: int) -> Fit:
+    """The motion of least loss, from a first guess, on so many records first."""
+    best = _minimum(model, observed, loss, point, first)
     point = best.point
     body = model.body_of(point.shape)
     spin = Spin(

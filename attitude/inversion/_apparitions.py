@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from attitude._support.arrays import two_across
+from attitude._support.least_squares import Decomposed
 from attitude.inversion import _ellipsoid, _pole_map, _refinement
 from attitude.inversion._search import Search, never
 
@@ -109,10 +110,7 @@ class Combs:
         inner = across.T @ others + np.diag(1.0 / prior**2)
         # against their size before zero points: what these take off whole is a copy
         scale = np.sqrt(np.sum(others**2, axis=0) + 1.0 / prior**2)
-        scale[scale == 0.0] = 1.0
-        values, vectors = np.linalg.eigh(inner / np.outer(scale, scale))
-        kept = values > _COPY
-        mix = vectors[:, kept] / np.sqrt(values[kept]) / scale[:, None]
+        mix = Decomposed(inner, scale).inverse_factor(_COPY)
         self._whole, self._along = across @ mix, (others @ mix).T @ left
         self.total = float(y @ left - self._along @ self._along)
 

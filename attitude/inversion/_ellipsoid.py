@@ -14,6 +14,8 @@ import numpy as np
 from attitude._compilation.decorators import reduction, reduction_within
 from attitude._compilation.elementary import binary_logarithm
 from attitude._compilation.simd import at_least, at_most, chosen, eight, put_eight, root, summed_up
+from attitude._support import least_squares
+from attitude._support.least_squares import Near
 from attitude.inversion import _motions
 from attitude.inversion._lattices import Candidate
 from attitude.inversion._motions import moments, put_three, three, with_slopes
@@ -269,7 +271,7 @@ def _products(rows, found, size):
                         found[number, column + k, row + 1] = sums[4 + k]
 
 
-# ---- Levenberg and Marquardt's iteration from many starts, for the ellipsoid
+# ---- Least squares of the ellipsoid, linearised
 # A start is a row of 16 numbers: five elements, the orientation (9) of the axes along the momentum,
 # and two logarithms of squared ratios of axes, ln (c/a)^2 and ln (c/b)^2.  Terms in which the
 # magnitude is linear are projected out of each residual and derivative.
@@ -286,8 +288,11 @@ OF_MOMENTS = [0, 1, 3, 4]
 LEAST_RHO, MOST_RHO, LEAST_X, MOST_X, MOST_RATIO = -8.0, -0.01, -0.3, 0.95, 6.0
 # Longest step: rad of orientation, turns of phase, ln rho, X, logarithms of the shape.
 _LONGEST = 0.6
-# Damping at the start, and that at which no step lowers the sum of squares.
-_DAMPING, _STUCK = 1e-2, 1e8
+_RULE = least_squares.Rule(
+    start=3e-3, least=1e-9, stuck=1e8, larger=4.0, gain=1e-4, settled=4, ridge=1e-13
+)
+# Inverse variance of the logarithms of squared ratios of axes.
+_BEND = 1.0 / 1.5**2
 
 
 class SearchState(NamedTuple):
@@ -351,25 +356,15 @@ def have_rates(states: FloatArray, state: FloatArray, width: float) -> BoolArray
     return np.asarray(alike & ~axial & (np.abs(states[..., 1] - state[1]) < width))
 
 
-class Priors(NamedTuple):
-    """What is known of shape and motion beside the curve.
+class Held(NamedTuple):
+    """What is known of the moments of the motion beside the curve.
 
-    Standard deviations of the logarithms of the shape, ratios, and of those of the moments of the
-    motion from the moments of the ellipsoid, tie, or from those given: their logarithms, ascending,
-    or NaN.
+    Standard deviation of their logarithms from those of the ellipsoid, or from those given, of
+    which moments has the logarithms, ascending.
     """
 
-    ratios: float
-    tie: float
-    given: tuple[float, float, float]
-
-
-class _Near(NamedTuple):
-    """Sums of squares (S,), half their second derivatives, and minus half their first ones."""
-
-    cost: FloatArray
-    normal: FloatArray
-    gradient: FloatArray
+    width: float = math.inf
+    moments: tuple[float, float, float] = (math.nan, math.nan, math.nan)
 
 
 def are_allowed(states: FloatArray, is_axial: bool) -> BoolArray:
@@ -405,34 +400,20 @@ def moved(states: FloatArray, steps: FloatArray) -> FloatArray:
     return new
 
 
-def _steps(near: _Near, fixed: BoolArray, damping: FloatArray) -> FloatArray:
-    """The damped steps (S, 10), scaled by the diagonal, of limited length."""
-    diagonal = np.arange(PARAMETERS)
-    scale = np.sqrt(near.normal[:, diagonal, diagonal]) + 1e-12
-    scaled = near.normal / (scale[:, :, None] * scale[:, None, :])
-    scaled[:, fixed, :] = scaled[:, :, fixed] = 0.0
-    scaled[:, diagonal, diagonal] += np.where(fixed, 1.0, damping[:, None] + 1e-13)
-    wanted = np.where(fixed, 0.0, near.gradient / scale)
-    step: FloatArray = np.linalg.solve(scaled, wanted[:, :, None])[:, :, 0] / scale
-    size = np.abs(step[:, 5:]) * (6.0, 2.0, 4.0, 1.0, 1.0)
-    longest = np.maximum(np.sqrt(np.sum(step[:, :3] ** 2, axis=1)), size.max(axis=1))
-    return step * (_LONGEST / np.maximum(longest, _LONGEST))[:, None]
-
-
-def _wanted(states: FloatArray, priors: Priors) -> FloatArray:
+def _wanted(states: FloatArray, tie: Held) -> FloatArray:
     """Logarithms (2, S) of I1/I3 and I2/I3 of the ellipsoids, or of the moments given."""
-    if math.isnan(priors.given[0]):
+    if math.isnan(tie.moments[0]):
         a, b = np.exp(-states[:, 14:16]).T
         return np.log([(b + 1.0) / (a + b), (a + 1.0) / (a + b)])
     # the third axis is the long one in long-axis mode; X < 0 exchanges the first two
-    low, middle, high = priors.given
+    low, middle, high = tie.moments
     is_long = states[:, 1] > 0.0
     third, first = np.where(is_long, low, high), np.where(is_long, high, low)
     both = np.array([first, np.full(len(states), middle)]) - third
     return np.where(states[:, 4] >= 0.0, both, both[::-1])
 
 
-def _tied(states: FloatArray, priors: Priors) -> tuple[FloatArray, FloatArray]:
+def _tied(states: FloatArray, tie: Held) -> tuple[FloatArray, FloatArray]:
     """Differences of the logarithms of the moments of the motions from those wanted, over the tie.
 
     An array (S, 2), and its derivatives (S, 2, 10) by the parameters.
@@ -440,87 +421,38 @@ def _tied(states: FloatArray, priors: Priors) -> tuple[FloatArray, FloatArray]:
     ratios, slopes = with_slopes(states[:, OF_MOMENTS].T)
     rows = np.zeros((len(states), 2, PARAMETERS))
     rows[:, :, [3, 4, 6, 7]] = slopes.T
-    if math.isnan(priors.given[0]):
+    if math.isnan(tie.moments[0]):
         a, b = np.exp(-states[:, 14:16]).T
         rows[:, 0, 8], rows[:, 0, 9] = -a / (a + b), b / (b + 1.0) - b / (a + b)
         rows[:, 1, 8], rows[:, 1, 9] = a / (a + 1.0) - a / (a + b), -b / (a + b)
-    return (ratios - _wanted(states, priors)).T / priors.tie, rows / priors.tie
+    return (ratios - _wanted(states, tie)).T / tie.width, rows / tie.width
 
 
-def _cost(curve: EllipsoidCurve, states: FloatArray, priors: Priors) -> FloatArray:
+def _cost(curve: EllipsoidCurve, states: FloatArray, tie: Held) -> FloatArray:
     """The sums of squares (S,) of states, with those of the priors."""
-    values = curve.costs(states) + _bend(priors) * np.sum(states[:, 14:16] ** 2, axis=1)
-    if priors.tie < math.inf:
+    values = curve.costs(states) + _BEND * np.sum(states[:, 14:16] ** 2, axis=1)
+    if tie.width < math.inf:
         ratios = moments(states[:, OF_MOMENTS].T).log_ratios
-        values += np.sum((ratios - _wanted(states, priors)) ** 2, axis=0) / priors.tie**2
+        values += np.sum((ratios - _wanted(states, tie)) ** 2, axis=0) / tie.width**2
     return values
 
 
-def _bend(priors: Priors) -> float:
-    """Inverse variance of the logarithms of the shape."""
-    return 1.0 / priors.ratios**2
-
-
-def _linearised(curve: EllipsoidCurve, states: FloatArray, priors: Priors) -> _Near:
+def _linearised(curve: EllipsoidCurve, states: FloatArray, fixed: BoolArray, tie: Held) -> Near:
     """The sums of squares near states, with those of the priors."""
     products = curve.products(states)
     cost, normal, gradient = products[:, 0, 0], products[:, 1:, 1:], products[:, 1:, 0]
     shape = states[:, 14:16]
-    cost += _bend(priors) * np.sum(shape**2, axis=1)
-    normal[:, [8, 9], [8, 9]] += _bend(priors)
-    gradient[:, 8:] -= _bend(priors) * shape
-    if priors.tie < math.inf:
-        tied, rows = _tied(states, priors)
+    cost += _BEND * np.sum(shape**2, axis=1)
+    normal[:, [8, 9], [8, 9]] += _BEND
+    gradient[:, 8:] -= _BEND * shape
+    if tie.width < math.inf:
+        tied, rows = _tied(states, tie)
         cost += np.sum(tied**2, axis=1)
         normal += rows.swapaxes(1, 2) @ rows
         gradient -= (tied[:, None, :] @ rows)[:, 0]
-    return _Near(cost, normal, gradient)
-
-
-def minimise(
-    problem: CurveProblem,
-    starts: FloatArray,
-    fixed: BoolArray,
-    priors: Priors,
-    iterations: int,
-    tolerance: float,
-) -> tuple[FloatArray, FloatArray]:
-    """The least sums of squares (S,) near starts (S, 16), and where they lie.
-
-    Shapes: starts (S, 16), fixed (10,).
-    """
-    curve = EllipsoidCurve(problem)
-    states, count = starts.copy(), len(starts)
-    best, damping = np.full(count, np.inf), np.full(count, _DAMPING)
-    normal, gradient = np.empty((count, PARAMETERS, PARAMETERS)), np.empty((count, PARAMETERS))
-    # the starts that go on, and where they try next
-    on, new = np.arange(count), starts
-    for iteration in range(iterations):
-        allowed = are_allowed(new, bool(fixed[6]))
-        cost = np.full(len(on), np.inf)
-        if iteration == iterations - 1:
-            cost[allowed] = _cost(curve, new[allowed], priors)
-            better = cost < best[on]
-            best[on[better]], states[on[better]] = cost[better], new[better]
-            break
-        trial = _linearised(curve, new[allowed], priors)
-        cost[allowed] = trial.cost
-        better = cost < best[on]
-        with np.errstate(invalid="ignore"):
-            gain = best[on] - cost
-        won, kept = on[better], better[allowed]
-        best[won], states[won] = cost[better], new[better]
-        normal[won], gradient[won] = trial.normal[kept], trial.gradient[kept]
-        damping[on] *= 4.0
-        damping[won] = np.maximum(0.075 * damping[won], 1e-9)
-        ended = better & (iteration > 3) & (gain < tolerance * best[on])
-        ended |= ~better & (damping[on] > _STUCK) | np.isinf(best[on])
-        on = on[~ended]
-        if not on.size:
-            break
-        active = _Near(best[on], normal[on], gradient[on])
-        new = moved(states[on], _steps(active, fixed, damping[on]))
-    return best, states
+    gradient[:, fixed] = normal[:, fixed] = normal[:, :, fixed] = 0.0
+    normal[:, fixed, fixed] = 1.0
+    return Near(states, cost, normal, gradient)
 
 
 def costs(problem: CurveProblem, starts: FloatArray) -> FloatArray:
@@ -536,21 +468,6 @@ AXIAL_FIXED = np.array([False, False, False, False, True, True, True, True, Fals
 _FREE = np.zeros(10, bool)
 # Ratios of axes, rho and X of the starts; X in long- and in short-axis mode.
 _AXES, _RHO, _X = (1.1, 3.0), (0.08, 0.9), (0.3, 0.65)
-# Standard deviation of the logarithms of squared ratios of axes.
-_RATIOS = 1.5
-
-
-class Held(NamedTuple):
-    """Standard deviation of the logarithms of the moments of the motion, and from which moments.
-
-    From those of the ellipsoid, or from those given, of which moments has the logarithms,
-    ascending.
-    """
-
-    width: float = math.inf
-    moments: tuple[float, float, float] = (math.nan, math.nan, math.nan)
-
-
 _FREELY = Held()
 # Starts about a pole, each the best of so many random ones.
 _AROUND, _SCREENS = 8, 8
@@ -606,16 +523,34 @@ def starts(
 
 def minimised(
     problem: CurveProblem,
-    states: FloatArray,
+    starts: FloatArray,
     iterations: int,
     *,
     tie: Held = _FREELY,
     fixed: BoolArray = _FREE,
-    gain: float = 1e-4,
 ) -> Pool:
-    """The states after an iteration from each, in their order."""
-    priors = Priors(_RATIOS, tie.width, tie.moments)
-    return Pool(*minimise(problem, states, fixed, priors, iterations, gain))
+    """The least sums of squares near starts (S, 16), and where they lie, in their order.
+
+    Infinite for starts outside of the bounds.  fixed: (10,), the parameters that stay.
+    """
+    curve = EllipsoidCurve(problem)
+
+    def stepped(states: FloatArray, steps: FloatArray) -> tuple[FloatArray, BoolArray]:
+        size = np.abs(steps[:, 5:]) * (6.0, 2.0, 4.0, 1.0, 1.0)
+        longest = np.maximum(np.sqrt(np.sum(steps[:, :3] ** 2, axis=1)), size.max(axis=1))
+        new = moved(states, steps * (_LONGEST / np.maximum(longest, _LONGEST))[:, None])
+        return new, are_allowed(new, bool(fixed[6]))
+
+    fitted = least_squares.Problem(
+        lambda states: _linearised(curve, states, fixed, tie),
+        stepped,
+        lambda states: _cost(curve, states, tie),
+    )
+    on = are_allowed(starts, bool(fixed[6]))
+    pool = Pool(np.full(len(starts), np.inf), starts.copy())
+    best = least_squares.minimum(fitted, starts[on], _RULE, iterations)
+    pool.cost[on], pool.states[on] = best.cost, best.states
+    return pool
 
 
 def screened(problem: CurveProblem, states: FloatArray, groups: int) -> FloatArray:

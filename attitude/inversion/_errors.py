@@ -19,9 +19,11 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
+from attitude._support.least_squares import inverse
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.inversion import _ellipsoid, _motions, _refinement
+from attitude.inversion._refinement import MOTION
 from attitude.motions._propagation import propagate
 
 if TYPE_CHECKING:
@@ -77,7 +79,7 @@ def errors(
     """
     normal, problem = found.refined.normal, found.problem
     if formal is None:
-        formal = _refinement.inverse(normal)[:count, :count]
+        formal = inverse(normal)[:count, :count]
     free = np.diag(normal)[:count] != 1.0
     r = (problem.y - here.magnitude) * problem.root
     r = r - problem.u.T @ (problem.u @ r)
@@ -123,7 +125,7 @@ def _refit(
     free: BoolArray,
 ) -> None:
     """Replace changes of more than one standard error by those of fits, in place."""
-    length = np.array([float(np.linalg.norm(each)) for each in changes])
+    length = np.array([float(np.linalg.norm(change)) for change in changes])
     for number in np.argsort(-length)[:_REFITS]:
         if length[number] < 1.0:
             break
@@ -246,15 +248,13 @@ def _log_student(points: FloatArray, factor: FloatArray) -> FloatArray:
 # the former, a motion three standard errors away has a step so long that its predicted gain is 6
 # too large.
 
-# Parameters of the motion.
-SIZE = 8
 _SEED = 20180708
 
 
 def covariance_of_motion(found: Weighted, tie: Tie) -> FloatArray:
     """Second moments (8, 8) of the parameters about those of a solution; 0 of those that stay."""
     at = np.ix_(*2 * [free(found)])
-    curvature = _refinement.inverse(found.refined.normal)[:SIZE, :SIZE][at]
+    curvature = inverse(found.refined.normal)[:MOTION, :MOTION][at]
     factor: FloatArray = np.asarray(np.linalg.cholesky(conditioned(curvature)), dtype=np.float64)
     density = log_density(found, tie, factor)
 
@@ -262,14 +262,14 @@ def covariance_of_motion(found: Weighted, tie: Tie) -> FloatArray:
         return np.array([density(point) for point in points])
 
     wide = second_moments(densities, len(factor), np.random.default_rng(_SEED))
-    moments = np.zeros((SIZE, SIZE))
+    moments = np.zeros((MOTION, MOTION))
     moments[at] = factor @ wide @ factor.T
     return moments
 
 
 def free(found: Weighted) -> IntArray:
     """The parameters of the motion that do not stay: all, or those about one axis."""
-    return np.flatnonzero(np.diag(found.refined.normal)[:SIZE] != 1.0)
+    return np.flatnonzero(np.diag(found.refined.normal)[:MOTION] != 1.0)
 
 
 def log_density(found: Weighted, tie: Tie, factor: FloatArray) -> Callable[[FloatArray], float]:
@@ -279,11 +279,11 @@ def log_density(found: Weighted, tie: Tie, factor: FloatArray) -> Callable[[Floa
     """
     problem, state, normal = found.problem, found.refined.state, found.refined.normal
     which = free(found)
-    is_axial = len(which) < SIZE
-    follow = -np.linalg.solve(normal[SIZE:, SIZE:], normal[SIZE:, :SIZE])
+    is_axial = len(which) < MOTION
+    follow = -np.linalg.solve(normal[MOTION:, MOTION:], normal[MOTION:, :MOTION])
 
     def density(scaled: FloatArray) -> float:
-        offsets = np.zeros(SIZE)
+        offsets = np.zeros(MOTION)
         offsets[which] = factor @ scaled
         trial = moved(state, offsets)
         trial[14:] += follow @ offsets
@@ -302,7 +302,7 @@ def log_density(found: Weighted, tie: Tie, factor: FloatArray) -> Callable[[Floa
 def moved(state: FloatArray, offsets: FloatArray) -> FloatArray:
     """The state after a change of the eight parameters."""
     step = np.zeros(_refinement.SIZE)
-    step[:SIZE] = offsets
+    step[:MOTION] = offsets
     return _ellipsoid.moved(state, step)
 
 
@@ -380,7 +380,7 @@ def covariance_of_state(
 
     Shapes: seconds (N,) s.
     """
-    formal = _refinement.inverse(found.refined.normal)[:STATE_SIZE, :STATE_SIZE]
+    formal = inverse(found.refined.normal)[:STATE_SIZE, :STATE_SIZE]
     factor: FloatArray = np.asarray(np.linalg.cholesky(conditioned(formal)), dtype=np.float64)
     wxyz, omega = point.spin.wxyz_icrf, point.spin.angular_velocity
     block = max(BLOCK // len(seconds), 1)

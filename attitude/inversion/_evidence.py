@@ -20,11 +20,12 @@ residuals of the best solution as large as expected.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from attitude.inversion import _refinement, _shapes
+from attitude.inversion._refinement import MOTION, Fitted
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -36,28 +37,6 @@ if TYPE_CHECKING:
 
 
 State = TypeVar("State")
-Found = TypeVar("Found", covariant=True)
-
-
-class Fitted(Protocol[Found]):
-    """What a fit returns, such as `Refined`."""
-
-    @property
-    def state(self) -> Found:
-        """The state of the least cost."""
-
-    @property
-    def cost(self) -> float:
-        """The least cost."""
-
-    @property
-    def chi_squared(self) -> float:
-        """Its part of the magnitudes."""
-
-    @property
-    def magnitude(self) -> FloatArray:
-        """Magnitudes of the model (N,)."""
-
 
 FREEDOM = 5.0
 # Squares of normalised residuals above this do not enter the estimate of the model error, and the
@@ -79,7 +58,7 @@ class Weighted:
 
     Attributes
     ----------
-    refined : Refined, or what another fit returned
+    refined : Fitted
     problem : CurveProblem
         With the weights of this solution.
     evidence : float
@@ -92,7 +71,7 @@ class Weighted:
         Mean square of residuals over sigma and the model error.
     """
 
-    refined: Any
+    refined: Fitted[Any]
     problem: CurveProblem
     evidence: float
     residual: FloatArray
@@ -134,7 +113,7 @@ def refined(
             own, state, tie=tie, fixed=fixed, iterations=iterations, gain=gain
         )
 
-    free = 8 if fixed is None else int(np.count_nonzero(~fixed[:8]))
+    free = MOTION if fixed is None else int(np.count_nonzero(~fixed[:MOTION]))
     robust = student(problem, start, fit, free, trials)
     return replace(robust, evidence=robust.evidence + occam(robust.refined.normal, len(problem)))
 
@@ -201,22 +180,15 @@ def student(
     return Weighted(fitted, reweighted, evidence, residual, float(np.mean(square)))
 
 
-class Constant(NamedTuple):
-    """What fits a curve of constant brightness: no parameters, magnitudes (N,) of zero."""
-
-    state: None
-    cost: float
-    chi_squared: float
-    magnitude: FloatArray
-
-
 def constant(problem: CurveProblem) -> Weighted:
-    """The linear terms alone, with the model error that their residuals show."""
+    """The linear terms alone, magnitudes of 0, with the model error that their residuals show."""
     zeros = np.zeros(len(problem))
 
-    def fit(own: CurveProblem, _: None) -> Constant:
-        chi_squared = own.chi_squared(zeros)
-        return Constant(None, chi_squared, chi_squared, zeros)
+    nothing = np.zeros(0)
+
+    def fit(own: CurveProblem, _: None) -> Fitted[None]:
+        chi = own.chi_squared(zeros)
+        return Fitted(None, chi, chi, 0.0, nothing[:, None], nothing, nothing, zeros)
 
     for _ in range(2):
         residual, _ = residuals(problem, zeros)

@@ -140,8 +140,8 @@ def _panels(nights: Sequence[_Night], name: str, title: str) -> Any:
     rows = -(-len(nights) // columns)
     figure = plots.new_figure((max(2.8 * columns + 0.6, 7.0), 2.9 * rows + 0.7))
     cells: Any = figure.subfigures(rows, columns, squeeze=False, wspace=0.01, hspace=0.01)
-    height = 1.15 * max(float(np.ptp(np.append(each.value, each.line[1]))) for each in nights)
-    off = [float(np.abs(each.residual).max()) for each in nights if len(each.residual)]
+    height = 1.15 * max(float(np.ptp(np.append(night.value, night.line[1]))) for night in nights)
+    off = [float(np.abs(night.residual).max()) for night in nights if len(night.residual)]
     for k, night in enumerate(nights):
         row, column = divmod(k, columns)
         ratios = {"height_ratios": (3, 1)} if off else {}
@@ -234,7 +234,7 @@ def free_places(poles: Sequence[tuple[float, float]]) -> list[tuple[float, float
 
     Those of better ranks come first.
     """
-    taken = [(np.array(each), _MARK) for each in poles]
+    taken = [(np.array(pole), _MARK) for pole in poles]
     places: list[tuple[float, float] | None] = []
     for pole in poles:
         for across, up in ((1, 1), (-1, 1), (1, -1), (-1, -1), (0, 1.6), (0, -1.6)):

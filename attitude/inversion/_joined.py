@@ -21,8 +21,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from attitude._support.least_squares import inverse
 from attitude.inversion import _ellipsoid, _problem, _refinement
 from attitude.inversion._ellipsoid import SearchState
+from attitude.inversion._refinement import MOTION
 from attitude.inversion._search import Search, never
 
 if TYPE_CHECKING:
@@ -37,8 +39,8 @@ if TYPE_CHECKING:
 
 # Gap, s, between two apparitions.
 _GAP = 60.0 * 86400.0
-# Parameters of a motion, and among them: the turn about the momentum, precession, nutation, phase.
-_SIZE, _AZIMUTH, _PRECESSION, _NUTATION, _PHASE = 8, 2, 3, 4, 5
+# Among the parameters of a motion: the turn about the momentum, precession, nutation, phase.
+_AZIMUTH, _PRECESSION, _NUTATION, _PHASE = 2, 3, 4, 5
 _TURN = 2.0 * math.pi
 # Standard errors by which numbers of turns are tried to either side, and the most of one side.
 _SIDE, _MOST = 4.0, 400
@@ -79,7 +81,7 @@ def alone(curve: LightCurve, part: LightCurve, found: Search, settings: Settings
     """The tumbling solutions of an apparition that compete, the best first."""
     ratio = curve.span / part.span
     middle = (part.epoch.seconds - curve.epoch.seconds) / curve.span
-    scale = np.ones(_SIZE)
+    scale = np.ones(MOTION)
     scale[[_PRECESSION, _NUTATION]] = ratio
     solutions: list[Alone] = []
     for one in found.solutions:
@@ -97,7 +99,7 @@ def alone(curve: LightCurve, part: LightCurve, found: Search, settings: Settings
 
 def _formal(found: Refined) -> FloatArray:
     """The covariance (8, 8) of a motion that the curvature gives."""
-    return _refinement.inverse(found.normal)[:_SIZE, :_SIZE]
+    return inverse(found.normal)[:MOTION, :MOTION]
 
 
 def at_middle(state: FloatArray, middle: float) -> FloatArray:
@@ -136,13 +138,13 @@ def counts(first: Alone, second: Alone, within: float) -> Iterator[Count]:
     between = one.frame.T @ two.frame
     angle = math.atan2(between[1, 0] - between[0, 1], between[0, 0] + between[1, 1])
     # the parameters of the second solution, as those of the first one give them
-    carried = np.eye(_SIZE)
+    carried = np.eye(MOTION)
     cosine, sine = math.cos(angle), math.sin(angle)
     carried[:2, :2] = [[cosine, sine], [-sine, cosine]]
     carried[_AZIMUTH, _PRECESSION] = 4.0 * math.pi * length
     carried[_PHASE, _NUTATION] = length
     tilt = np.array([-between[1, 2], between[0, 2]])
-    off = np.zeros(_SIZE)
+    off = np.zeros(MOTION)
     off[:2] = -carried[:2, :2] @ tilt
     off[_AZIMUTH] = 4.0 * math.pi * one.precession * length - angle
     off[[_PRECESSION, _NUTATION]] = one.precession - two.precession, one.nutation - two.nutation

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from attitude._support import validation
+from attitude._support import least_squares, validation
+from attitude._support.least_squares import Decomposed, Near
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
@@ -29,7 +30,7 @@ from attitude.motions._spin import Spin
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from attitude._support.annotations import FloatArray, IntArray
+    from attitude._support.annotations import BoolArray, FloatArray, IntArray
     from attitude.inversion._problem import CurveProblem
     from attitude.inversion._settings import Settings
     from attitude.inversion._shapes import KnownShape
@@ -58,6 +59,9 @@ _ATTEMPTS, _EXPECTED = 28, 1.3
 # have to end at one cost, the margin of that cost, and the mean square of its residuals without the
 # worst share of them.
 _AGREEING, _MARGIN, _POOR, _WORST = 3, 1.03, 4.0, 0.03
+_RULE = least_squares.Rule(
+    start=1e-2, least=1e-6, stuck=1e4, larger=5.0, gain=1e-4, settled=1, ridge=1e-9
+)
 # States that are sampled from their errors when the span grows, and samples of each.
 _SAMPLED, _SAMPLES = 12, 6
 # Distances at which two states are one: rad, and share of the rate times turns.
@@ -76,14 +80,6 @@ class States(NamedTuple):
         return States(self.wxyz[chosen], self.omega[chosen], self.cost[chosen])
 
 
-class NearMany(NamedTuple):
-    """Costs (M,), normal matrices (M, 6, 6) and gradients (M, 6) of states."""
-
-    cost: FloatArray
-    normal: FloatArray
-    gradient: FloatArray
-
-
 @dataclass(eq=False)
 class PassSearch:
     """A search and what it has found.
@@ -98,7 +94,7 @@ class PassSearch:
         Largest rate, rad/s.
     generator : Generator
     progress : callable
-    found : States
+    states : States
         The best first, at the epoch `origin`.
     origin : float
         The middle of the first span, s since the epoch of the curve.
@@ -110,7 +106,7 @@ class PassSearch:
     most: float
     generator: np.random.Generator
     progress: Callable[[str], object]
-    found: States = field(init=False)
+    states: States = field(init=False)
     origin: float = field(init=False)
 
     def run(self) -> None:
@@ -128,22 +124,22 @@ class PassSearch:
         for attempt in range(_ATTEMPTS):
             middle, span = _first_span(seconds, self.most, attempt)
             self._from(middle, span)
-            costs.append(float(self.found.cost[0]))
+            costs.append(float(self.states.cost[0]))
             self.progress(f"attempt {attempt + 1}: cost {costs[-1]:.0f}")
             if best is None or costs[-1] < best.cost[0]:
-                best, origin = self.found, self.origin
+                best, origin = self.states, self.origin
                 is_rough = self._mean_square() < _POOR
             agreeing = sum(cost < _MARGIN * min(costs) for cost in costs)
             fits = min(costs) < len(problem) / _EXPECTED
             if fits or (is_rough and agreeing >= _AGREEING) or self.problem.tally.is_over:
                 break
         assert best is not None
-        self.found, self.origin = best, origin
+        self.states, self.origin = best, origin
 
     def _mean_square(self) -> float:
         """That of the residuals of the best state over their errors, without the worst of them."""
         problem = self.problem.with_model_error(_ERRORS[1])
-        nearby = self._costs(problem, self.found.wxyz[:1], self.found.omega[:1])
+        nearby = self._costs(problem, self.states.wxyz[:1], self.states.omega[:1])
         squares = np.sort((nearby.residual - nearby.along @ problem.u)[0] ** 2)
         return float(np.mean(squares[: math.ceil((1.0 - _WORST) * len(squares))]))
 
@@ -153,8 +149,8 @@ class PassSearch:
         self.origin = middle
         away = np.abs(problem.t * problem.span - middle)
         early = problem.part(away <= span).with_model_error(_ERRORS[0])
-        self.found = self._screened(early, span)
-        self.found = self._refined(early, self.found, _ITERATIONS)
+        self.states = self._screened(early, span)
+        self.states = self._refined(early, self.states, _ITERATIONS)
         self._keep(_KEPT)
         whole = float(away.max())
         first = span
@@ -162,21 +158,21 @@ class PassSearch:
             # across a gap to the first points of the next pass
             beyond = away[away > span].min() * _ACROSS
             span = min(max(span * _GROWTH, float(beyond)), whole)
-            count = max(int(len(self.found.cost) / 1.35), _LEFT)
+            count = max(int(len(self.states.cost) / 1.35), _LEFT)
             share = math.log(span / first) / math.log(whole / first)
             error = _ERRORS[0] * (_ERRORS[1] / _ERRORS[0]) ** share
             early = problem.part(away <= span).with_model_error(error)
-            self.found = self._refined(early, self._branched(early, self.found), _ITERATIONS)
+            self.states = self._refined(early, self._branched(early, self.states), _ITERATIONS)
             self._keep(count)
-            self.progress(f"span {2.0 * span:.0f} s: {len(self.found.cost)} states")
+            self.progress(f"span {2.0 * span:.0f} s: {len(self.states.cost)} states")
             if self.problem.tally.is_over:
                 break
         early = problem.with_model_error(_ERRORS[1])
         if self.problem.tally.is_over:
             self._keep(_SAMPLED)
-            self.found = self._refined(early, self.found, _LAST, is_last=True)
+            self.states = self._refined(early, self.states, _LAST, is_last=True)
         else:
-            self.found = self._refined(early, self._branched(early, self.found), _LAST)
+            self.states = self._refined(early, self._branched(early, self.states), _LAST)
         self._keep(_LEFT)
 
     def _screened(self, problem: CurveProblem, span: float) -> States:
@@ -208,21 +204,21 @@ class PassSearch:
         t = problem.t * problem.span - self.origin
         return _errors.costs(problem, self.known, self.moments, wxyz, omega, t, self.least)
 
-    def _near(self, problem: CurveProblem, wxyz: FloatArray, omega: FloatArray) -> NearMany:
-        """Costs and their derivatives by turn (rad, inertial axes) and rates."""
-        parts = []
+    def _near(self, problem: CurveProblem, states: FloatArray) -> Near:
+        """Costs near states (M, 7), attitudes and rates, by turn (rad, inertial axes) and rates."""
         block = max(_errors.BLOCK // len(problem), 1)
-        for begin in range(0, len(wxyz), block):
-            block_of_states = slice(begin, begin + block)
-            parts.append(self._near_block(problem, wxyz[block_of_states], omega[block_of_states]))
-        return NearMany(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+        parts = [
+            self._near_block(problem, states[begin : begin + block])
+            for begin in range(0, len(states), block)
+        ]
+        return Near(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
-    def _near_block(self, problem: CurveProblem, wxyz: FloatArray, omega: FloatArray) -> NearMany:
+    def _near_block(self, problem: CurveProblem, states: FloatArray) -> Near:
         t = problem.t * problem.span - self.origin
         # six magnitudes for differences beside the own
-        _errors.count_states(problem, self.known, 7 * len(wxyz))
-        problem.tally.add(len(wxyz), problem.settings.slopes_cost)
-        turned, slopes = linearized(self.moments, wxyz, omega, t)
+        _errors.count_states(problem, self.known, 7 * len(states))
+        problem.tally.add(len(states), problem.settings.slopes_cost)
+        turned, slopes = linearized(self.moments, states[:, :4], states[:, 4:], t)
         matrix = quaternion.matrix(turned)
         lit = self.known.lit(*_errors.over_body(matrix, problem), self.least)
         across = np.einsum("mnij,mnj->mni", matrix, lit.across)
@@ -231,60 +227,40 @@ class PassSearch:
         out = jacobian @ problem.u.T
         normal = jacobian @ jacobian.swapaxes(1, 2) - out @ out.swapaxes(1, 2)
         gradient = (jacobian @ r[..., None] - out @ along[..., None])[..., 0]
-        return NearMany(cost, normal, gradient)
+        return Near(states, cost, normal, gradient)
 
     def _refined(
-        self, problem: CurveProblem, given: States, iterations: int, *, is_last: bool = False
+        self, problem: CurveProblem, starts: States, iterations: int, *, is_last: bool = False
     ) -> States:
-        """States after Levenberg and Marquardt's iteration, side by side.
+        """States of least cost near others; the budget ends all but the last one."""
+        best = least_squares.minimum(
+            least_squares.Problem(lambda states: self._near(problem, states), self._moved),
+            np.concatenate([starts.wxyz, starts.omega], axis=1),
+            _RULE,
+            iterations + 1,
+            lambda: problem.tally.is_over and not is_last,
+        )
+        return States(best.states[:, :4], best.states[:, 4:], best.cost)
 
-        It ends with the budget, but for the last one.
-        """
-        wxyz, omega = given.wxyz, given.omega
-        best = self._near(problem, wxyz, omega)
-        damping = np.full(len(wxyz), 1e-2)
-        active = np.arange(len(wxyz))
-        for _ in range(iterations):
-            searched = NearMany(*(column[active] for column in best))
-            step = self._step(searched, damping[active], omega[active])
-            q = quaternion.multiply(forms.from_rotation_vector(step[:, :3]), wxyz[active])
-            w = omega[active] + step[:, 3:]
-            trial = self._near(problem, q, w)
-            won = searched.cost - trial.cost
-            better = won > 0.0
-            on = active[better]
-            wxyz[on], omega[on] = q[better], w[better]
-            for old, new in zip(best, trial, strict=True):
-                old[on] = new[better]
-            damping[active] = np.where(better, 0.3 * damping[active], 5.0 * damping[active])
-            damping = np.maximum(damping, 1e-6)
-            busy = ~better | (won > 1e-4 * searched.cost)
-            active = active[busy & (damping[active] < 1e4)]
-            if not len(active) or (problem.tally.is_over and not is_last):
-                break
-        return States(wxyz, omega, best.cost)
-
-    def _step(self, near: NearMany, damping: FloatArray, omega: FloatArray) -> FloatArray:
-        """Damped steps (M, 6) of limited length."""
-        scale = np.sqrt(np.maximum(np.einsum("mii->mi", near.normal), 1e-12))
-        scaled = near.normal / scale[:, :, None] / scale[:, None, :]
-        scaled += (damping[:, None, None] + 1e-9) * np.eye(6)
-        step = np.linalg.solve(scaled, (near.gradient / scale)[..., None])[..., 0] / scale
-        turn = np.linalg.norm(step[:, :3], axis=1) / 0.4
-        rate = np.linalg.norm(step[:, 3:], axis=1) / (0.15 * self.most)
-        limited: FloatArray = step / np.maximum(np.maximum(turn, rate), 1.0)[:, None]
-        return limited
+    def _moved(self, states: FloatArray, steps: FloatArray) -> tuple[FloatArray, BoolArray]:
+        """States (M, 7) after steps (M, 6), whose length is limited; they have no bounds."""
+        turn = np.linalg.norm(steps[:, :3], axis=1) / 0.4
+        rate = np.linalg.norm(steps[:, 3:], axis=1) / (0.15 * self.most)
+        steps = steps / np.maximum(np.maximum(turn, rate), 1.0)[:, None]
+        wxyz = quaternion.multiply(forms.from_rotation_vector(steps[:, :3]), states[:, :4])
+        omega = states[:, 4:] + steps[:, 3:]
+        return np.concatenate([wxyz, omega], axis=1), np.ones(len(states), bool)
 
     def _branched(self, problem: CurveProblem, states: States) -> States:
         """The states, with samples of the errors of the best of them."""
         best = states.rows(np.arange(min(_SAMPLED, len(states.cost))))
-        fits = self._near(problem, best.wxyz, best.omega)
+        fits = self._near(problem, np.concatenate([best.wxyz, best.omega], axis=1))
         parts = [states]
         for k in range(len(best.cost)):
-            scale = np.sqrt(np.maximum(np.diag(fits.normal[k]), 1e-12))
-            values, vectors = np.linalg.eigh(fits.normal[k] / np.outer(scale, scale))
-            spread = 2.0 / np.sqrt(np.maximum(values, 1e-6))
-            step = (self.generator.standard_normal((_SAMPLES, 6)) * spread) @ vectors.T / scale
+            normal = Decomposed(fits.normal[k])
+            spread = 2.0 / np.sqrt(np.maximum(normal.values, 1e-6))
+            step = self.generator.standard_normal((_SAMPLES, 6)) * spread @ normal.vectors.T
+            step /= normal.scale
             longest = np.maximum(np.linalg.norm(step[:, :3], axis=1) / 0.5, 1.0)
             step /= longest[:, None]
             wxyz = quaternion.multiply(forms.from_rotation_vector(step[:, :3]), best.wxyz[k])
@@ -293,7 +269,7 @@ class PassSearch:
 
     def _keep(self, count: int) -> None:
         """Keep the best distinct states."""
-        states = self.found
+        states = self.states
         order = np.argsort(states.cost, kind="stable")
         order = order[np.linalg.norm(states.omega[order], axis=1) < 1.2 * self.most]
         chosen: list[int] = []
@@ -307,7 +283,7 @@ class PassSearch:
             chosen.append(int(k))
             if len(chosen) == count:
                 break
-        self.found = states.rows(np.array(chosen))
+        self.states = states.rows(np.array(chosen))
 
 
 def _first_span(seconds: FloatArray, most: float, attempt: int) -> tuple[float, float]:
@@ -403,8 +379,8 @@ def found(
     search.run()
     solutions = [
         _fitted(curve, problem, known, body, search, k)
-        for k in range(len(search.found.cost))
-        if k < _FITTED and search.found.cost[k] < search.found.cost[0] + _BEHIND
+        for k in range(len(search.states.cost))
+        if k < _FITTED and search.states.cost[k] < search.states.cost[0] + _BEHIND
     ]
     solutions.sort(key=lambda each: each.evidence)
     symmetry = symmetry_of(known, body.moments, float(np.median(problem.sigma)))
@@ -429,10 +405,10 @@ def found(
     return kept, verdict, criterion, tuple(notes)
 
 
-def _fitted(curve, problem, known, body, made, k):
+def _fitted(curve, problem, known, body, search, k):
     """The least squares from a state of the search."""
-    epoch = curve.epoch.after(made.origin)
-    spin = Spin(epoch, made.found.wxyz[k], made.found.omega[k])
+    epoch = curve.epoch.after(search.origin)
+    spin = Spin(epoch, search.states.wxyz[k], search.states.omega[k])
     body_alone = Body(moments=body.moments, relative=body.relative, mass=body.mass)
     ends = float(curve.emission[0]), float(curve.emission[-1])
     point = _moving.moving_point(FreeRotation(body_alone, spin), curve.epoch, ends, None, None)

@@ -18,6 +18,7 @@ from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.inversion import _evidence, _refinement, _shapes
+from attitude.inversion._refinement import Fitted, ShapeModel
 from attitude.inversion._settings import DEFAULT
 from attitude.motions._body import Body
 from attitude.motions._differentiable import changed
@@ -233,7 +234,7 @@ def moving_point(
     wxyz = quaternion.multiply(spin.wxyz_icrf, axes)
     omega = spin.angular_velocity @ body.principal_axes
     body_alone = Body(moments=body.moments, relative=body.relative, mass=body.mass)
-    moved = any(each.frame == "body" for each in impulses) or bool(loads)
+    moved = any(impulse.frame == "body" for impulse in impulses) or bool(loads)
     if moved and not np.allclose(body.principal_axes, np.eye(3)):
         raise AttitudeError(
             "the axes of the body are not its principal axes, over which momenta and torques are "
@@ -249,15 +250,15 @@ def seconds_of(point: MovingPoint, epoch: Instant, seconds: FloatArray) -> Float
     return seconds + epoch.since(point.spin.epoch)
 
 
-def _listed(given: Any, kind: type, name: str) -> tuple[Any, ...]:
-    """What is given, as a tuple of one kind."""
-    if given is None:
+def _listed(changes: Any, kind: type, name: str) -> tuple[Any, ...]:
+    """Impulses or torques that a caller gives, as a tuple of one kind."""
+    if changes is None:
         return ()
-    if isinstance(given, kind):
-        given = (given,)
-    if not isinstance(given, Iterable):
-        raise AttitudeError(f"{name} is {given!r}; give a list of {kind.__name__} objects.")
-    items = tuple(given)
+    if isinstance(changes, kind):
+        changes = (changes,)
+    if not isinstance(changes, Iterable):
+        raise AttitudeError(f"{name} is {changes!r}; give a list of {kind.__name__} objects.")
+    items = tuple(changes)
     for k, item in enumerate(items):
         if not isinstance(item, kind):
             raise AttitudeError(f"{name}[{k}] is {item!r}; give {kind.__name__} objects.")
@@ -297,30 +298,6 @@ class MovingState:
 
 
 @dataclass(frozen=True, eq=False)
-class MovingModel:
-    """Magnitudes (N,) of a state, their Jacobian (P, N), areas, and the slopes of the areas."""
-
-    magnitude: FloatArray
-    jacobian: FloatArray
-    areas: FloatArray
-    slopes: FloatArray
-
-
-@dataclass(frozen=True, eq=False)
-class MovingFound:
-    """A state near its least cost; attributes as in `Refined`."""
-
-    state: MovingState
-    cost: float
-    chi_squared: float
-    strain: float
-    normal: FloatArray
-    gradient: FloatArray
-    areas: FloatArray
-    magnitude: FloatArray
-
-
-@dataclass(frozen=True, eq=False)
 class MovingFit:
     """What is fitted.
 
@@ -348,7 +325,7 @@ class MovingFit:
     fixed: BoolArray
     is_axial: bool = False
 
-    def model(self, problem: CurveProblem, state: MovingState) -> MovingModel:
+    def model(self, problem: CurveProblem, state: MovingState) -> ShapeModel:
         """The magnitudes of a state, means over exposures, with derivatives."""
         point, nodes = state.point, problem.at_nodes()
         seconds = seconds_of(point, self.epoch, nodes.t * nodes.span)
@@ -363,20 +340,18 @@ class MovingFit:
         of_motion = np.einsum("ni,nip->pn", across, slopes)
         jacobian = np.concatenate([of_motion, lit.by_shape])
         magnitude, jacobian = problem.over_exposures(lit.magnitude, jacobian)
-        return MovingModel(magnitude, jacobian, lit.areas, lit.slopes)
+        return ShapeModel(magnitude, jacobian, lit.areas, lit.slopes)
 
-    def near(self, problem: CurveProblem, state: MovingState) -> MovingFound:
+    def near(self, problem: CurveProblem, state: MovingState) -> Fitted[MovingState]:
         """The cost near a state."""
         computed = self.model(problem, state)
         priors = self._priors(state, computed)
         linear = _refinement.linearised(
             problem, computed.magnitude, computed.jacobian, priors, self.fixed
         )
-        return MovingFound(state, *linear, computed.areas, computed.magnitude)
+        return Fitted(state, *linear, computed.areas, computed.magnitude)
 
-    def _priors(
-        self, state: MovingState, here: MovingModel
-    ) -> tuple[FloatArray, FloatArray, float]:
+    def _priors(self, state: MovingState, here: ShapeModel) -> tuple[FloatArray, FloatArray, float]:
         point = state.point
         if self.known is not None:
             return np.zeros(0), np.zeros((0, point.size)), 0.0
@@ -388,17 +363,17 @@ class MovingFit:
         shape_at = state.shape, here.areas, here.slopes
         return _shapes.penalties(*shape_at, moments, point.size, self.tie)
 
-    def moved(self, best: MovingFound, step: FloatArray) -> MovingState | None:
+    def moved(self, state: MovingState, step: FloatArray) -> MovingState | None:
         """The state after a step; None outside of the bounds."""
-        count = best.state.point.size
+        count = state.point.size
         shape = step[count:]
         if len(shape):
             longest = max(float(np.abs(shape[:2]).max()), float(np.abs(shape[2:]).max()) / 3.0)
             step = step * min(1.0, 0.5 / max(longest, 1e-12))
-        point = best.state.point.moved(step[:count])
+        point = state.point.moved(step[:count])
         if point is None:
             return None
-        new = best.state.shape + step[count:]
+        new = state.shape + step[count:]
         if len(new) and float(np.abs(new[:2]).max()) >= 6.0:
             return None
         return MovingState(point, new)
@@ -409,10 +384,10 @@ class MovingFit:
         start: MovingState,
         iterations: int = _ITERATIONS,
         gain: float = 1e-3,
-    ) -> MovingFound:
+    ) -> Fitted[MovingState]:
         """The state of least cost near a start."""
 
-        def at(state: MovingState) -> MovingFound:
+        def at(state: MovingState) -> Fitted[MovingState]:
             try:
                 return self.near(problem, state)
             except AttitudeError:
@@ -434,13 +409,13 @@ class MovingFit:
             whole = problem.with_model_error(_evidence.model_error(problem, residual))
             best = self.minimum(whole, best.state)
 
-        def fit(own: CurveProblem, state: MovingState) -> MovingFound:
+        def fit(own: CurveProblem, state: MovingState) -> Fitted[MovingState]:
             return self.minimum(own, state, _LAST, 1e-5)
 
         free = int(np.count_nonzero(~self.fixed[: start.point.size]))
         return _evidence.student(whole, best.state, fit, free)
 
-    def _in_stages(self, problem: CurveProblem, start: MovingState) -> MovingFound:
+    def _in_stages(self, problem: CurveProblem, start: MovingState) -> Fitted[MovingState]:
         """The least cost from fits of points near the epoch of the start, then of more."""
         seconds = seconds_of(start.point, self.epoch, problem.t * problem.span)
         away = np.abs(seconds)
@@ -467,7 +442,7 @@ def moving_fit(
     """
     fixed = np.zeros(point.size + (0 if known else _shapes.SIZE), bool)
     axis = point.axis
-    if known is not None or tie.given is not None or axis is not None:
+    if known is not None or tie.moments is not None or axis is not None:
         fixed[6:8] = True
     if axis is not None:
         across = [k for k in range(3) if k != axis]
@@ -480,12 +455,12 @@ def moving_fit(
     if is_ellipsoid:
         fixed[point.size + _shapes.ELLIPSOID :] = True
     least = 0.0 if known is None else known.floor(problem.sun.T, problem.observer.T)
-    is_axial = axis == 2 and tie.given is None and int(np.argmax(point.body.moments)) == 2
+    is_axial = axis == 2 and tie.moments is None and int(np.argmax(point.body.moments)) == 2
     return MovingFit(epoch, known, least, tie, fixed, is_axial)
 
 
-def _impossible(state: MovingState, size: int, count: int) -> MovingFound:
+def _impossible(state: MovingState, size: int, count: int) -> Fitted[MovingState]:
     """What a state without magnitudes is: of infinite cost."""
     normal, gradient = np.eye(size), np.zeros(size)
     nothing = np.zeros(0), np.full(count, math.nan)
-    return MovingFound(state, math.inf, math.inf, 0.0, normal, gradient, *nothing)
+    return Fitted(state, math.inf, math.inf, 0.0, normal, gradient, *nothing)

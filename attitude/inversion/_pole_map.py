@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from attitude.inversion import _ellipsoid, _evidence, _refinement, _shapes
+from attitude.inversion._refinement import MOTION
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -76,8 +77,8 @@ def has_turn(problem: CurveProblem, a: FloatArray, b: FloatArray) -> bool:
     angles = 4.0 * math.pi * (a[0] - b[0]) * problem.t
     first, second = (_seen_about(problem, state[_ellipsoid.OF_POLE]) for state in (a, b))
     angles -= first - second
-    near = np.arange(-2.0 * _SAME_RATE, 2.0 * _SAME_RATE + 1e-9, _SAME_RATE / 8.0)
-    drifts = np.concatenate([near, 2.0 * (a[0] - b[0]) + near])
+    offsets = np.arange(-2.0 * _SAME_RATE, 2.0 * _SAME_RATE + 1e-9, _SAME_RATE / 8.0)
+    drifts = np.concatenate([offsets, 2.0 * (a[0] - b[0]) + offsets])
     turned = np.exp(1j * (angles - 2.0 * math.pi * drifts[:, None] * problem.t))
     kept = np.abs(turned.mean(axis=1))
     return bool(abs(drifts[int(np.argmax(kept))]) < _SAME_RATE)
@@ -104,12 +105,12 @@ def spread(
     axis.
     """
     frame = state[5:14].reshape(3, 3)
-    offsets, weights = [np.zeros(8)], [1.0]
+    offsets, weights = [np.zeros(MOTION)], [1.0]
     for other, behind in others:
         momentum = frame.T @ other[_ellipsoid.OF_POLE]
         angle = math.acos(max(-1.0, min(1.0, float(momentum[2]))))
         if angle < _LOBE:
-            offset = np.zeros(8)
+            offset = np.zeros(MOTION)
             across = math.hypot(momentum[0], momentum[1])
             if across > 0.0:
                 offset[:2] = angle / across * np.array([-momentum[1], momentum[0]])

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude._support import validation
+from attitude._support.least_squares import Decomposed
 from attitude.errors import AttitudeError
 from attitude.inversion._settings import DEFAULT, Settings, Tally
 from attitude.photometry._curve import WAYS, LightCurve, angle_between
@@ -32,12 +33,7 @@ _COPY = 1e-10
 def _inverse_factor(terms: FloatArray, prior: FloatArray) -> FloatArray:
     """W (L, K) with W W^T the inverse of B^T B + V^-1."""
     inner = terms.T @ terms + np.diag(1.0 / prior**2)
-    scale = np.sqrt(np.diag(inner))
-    scale[scale == 0.0] = 1.0
-    values, vectors = np.linalg.eigh(inner / np.outer(scale, scale))
-    kept = values > _COPY
-    factor: FloatArray = vectors[:, kept] / np.sqrt(values[kept]) / scale[:, None]
-    return factor
+    return Decomposed(inner).inverse_factor(_COPY)
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,7 +22,7 @@ from attitude.shape._mesh import Mesh
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from attitude._support.annotations import BoolArray, FilePath, FloatArray
+    from attitude._support.annotations import BoolArray, FloatArray
     from attitude.inversion._evidence import Weighted
     from attitude.inversion._moving import Motion, MovingPoint
     from attitude.inversion._problem import CurveProblem
@@ -90,11 +90,9 @@ class Refinement(CurveFit):
             again = self._fit.minimum(problem.part(keep), state, gain=1e-4)
             return again.state.point.difference(self.point)
 
-        session = None if len(problem) < len(self.curve) else self.curve.session
-        groups = _errors.groupings(problem.t, problem.span, session)
         with _refinement.limited():
             errors_of = _errors.errors(
-                self.weighted, self._model(problem), groups, self.point.size, refitted,
+                self.weighted, self._model(problem), self._groups, self.point.size, refitted,
                 self._second_moments(),
             )  # fmt: skip
         return errors_of.covariance + _errors.spread(errors_of.covariance, self.rivals)
@@ -185,15 +183,9 @@ class Refinement(CurveFit):
         """The scattering law without its phase function, which the linear terms replace."""
         return super().law if self._fit.known is None else self._fit.known.law
 
-    def _model(self, problem: CurveProblem) -> _moving.MovingModel:
+    def _model(self, problem: CurveProblem) -> _refinement.ShapeModel:
         """Magnitudes and their derivatives at the epochs of a problem."""
         return self._fit.model(problem, self.weighted.refined.state)
-
-    def plot(self, path: FilePath | None = None) -> Any:
-        """A figure of the fit and its residuals; saved if a path is given."""
-        from attitude.inversion import _figures
-
-        return _figures.of_nights(self, path)
 
 
 def refine(
@@ -250,8 +242,8 @@ def refine(
         tie = replace(tie, is_wide=start.tie.is_wide)
     ends = float(curve.emission[0]), float(curve.emission[-1])
     point = _moving.moving_point(motion, curve.epoch, ends, arcs, torques)
-    if tie.given is not None:
-        point = _states.with_moments(point, tie.given)
+    if tie.moments is not None:
+        point = _states.with_moments(point, tie.moments)
     known = None
     if isinstance(shape, Mesh):
         known = _shapes.known(shape, law).over(motion.body.principal_axes)

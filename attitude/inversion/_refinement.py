@@ -1,8 +1,8 @@
 """Least squares of orientation, elements and areas of a convex body, together.
 
-Levenberg and Marquardt's iteration with exact derivatives.  A state is a start of `_ellipsoid` with
-the coefficients of the modes of `_shapes` behind it.  The moments of the motion are tied to those
-of the homogeneous shape; terms in which the magnitude is linear are projected out.
+Derivatives are exact.  A state is a start of `_ellipsoid` with the coefficients of the modes of
+`_shapes` behind it.  The moments of the motion are tied to those of the homogeneous shape; terms in
+which the magnitude is linear are projected out.
 """
 
 from __future__ import annotations
@@ -10,29 +10,22 @@ from __future__ import annotations
 import math
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 
 import numpy as np
 
+from attitude._support import least_squares
 from attitude.inversion import _ellipsoid, _motions, _shapes
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from numpy.typing import NDArray
+
     from attitude._support.annotations import BoolArray, FloatArray
     from attitude.inversion._problem import CurveProblem
 
-    class Near(Protocol):
-        """The cost near a state: half its second derivatives, and minus half its first ones."""
-
-        @property
-        def cost(self) -> float: ...
-
-        @property
-        def normal(self) -> FloatArray: ...
-
-        @property
-        def gradient(self) -> FloatArray: ...
+    Refined: TypeAlias = "Fitted[FloatArray]"
 
 
 # ---- The threads of BLAS: matrices here are so small that several threads only wait for each other
@@ -48,60 +41,78 @@ def limited(threads: int = 1) -> AbstractContextManager[object]:
     return limits
 
 
-# ---- Levenberg and Marquardt's iteration for any model with derivatives
+# ---- Least squares of any model with derivatives, from one start
 
 State = TypeVar("State")
-AnyNear = TypeVar("AnyNear", bound="Near")
-# Damping, relative to the diagonal, at which no step lowers the cost.
-_STUCK = 1e6
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted(Generic[State]):
+    """A state near its least cost; `Refined` is one whose state is an array (WIDTH,).
+
+    Attributes
+    ----------
+    state
+    cost, chi_squared, strain : float
+        chi_squared is that of the magnitudes, cost adds the priors; strain is the part of the
+        cost that ties the moments to the shape.
+    normal : (P, P) array
+        Second derivatives of half the cost.
+    gradient : (P,) array
+        Minus the first ones.
+    areas : (F,) array
+    magnitude : (N,) array
+        Of the model.
+    """
+
+    state: State
+    cost: float
+    chi_squared: float
+    strain: float
+    normal: FloatArray
+    gradient: FloatArray
+    areas: FloatArray
+    magnitude: FloatArray
+
+
+_RULE = least_squares.Rule(
+    start=3e-3, least=1e-7, stuck=1e6, larger=5.0, gain=1e-3, settled=3, bounds_count=False
+)
 
 
 def minimum(
-    at: Callable[[State], AnyNear],
-    moved: Callable[[AnyNear, FloatArray], State | None],
+    at: Callable[[State], Fitted[State]],
+    moved: Callable[[State, FloatArray], State | None],
     start: State,
     iterations: int,
     gain: float,
-) -> AnyNear:
+) -> Fitted[State]:
     """The least cost near a start."""
-    best = at(start)
-    damping = 3e-3
-    for count in range(1, iterations):
-        step = _next(best, moved, damping)
-        if step is None:
-            break
-        trial, damping = step
-        nearby = at(trial)
-        if nearby.cost < best.cost:
-            won = best.cost - nearby.cost
-            best = nearby
-            damping = max(0.3 * damping, 1e-7)
-            if count > 2 and won < gain * nearby.cost:
-                break
-        else:
-            damping *= 5.0
+
+    def near(states: NDArray[Any]) -> least_squares.Near:
+        best = at(states[0])
+        cost = np.array([best.cost])
+        return least_squares.Near(_alone(best), cost, best.normal[None], best.gradient[None])
+
+    def stepped(best: NDArray[Any], steps: FloatArray) -> tuple[NDArray[Any], BoolArray]:
+        state = moved(best[0].state, steps[0])
+        return _alone(state), np.array([state is not None])
+
+    problem, rule = least_squares.Problem(near, stepped), _RULE._replace(gain=gain)
+    best: Fitted[State] = least_squares.minimum(problem, _alone(start), rule, iterations).states[0]
     return best
 
 
-def _next(
-    best: AnyNear, moved: Callable[[AnyNear, FloatArray], State | None], damping: float
-) -> tuple[State, float] | None:
-    """The next state to try and its damping; None if none is left."""
-    scale = np.sqrt(np.diag(best.normal)) + 1e-12
-    scaled = best.normal / np.outer(scale, scale)
-    size = len(scale)
-    while damping < _STUCK and math.isfinite(best.cost):
-        step = np.linalg.solve(scaled + damping * np.eye(size), best.gradient / scale) / scale
-        trial = moved(best, step)
-        if trial is not None:
-            return trial, damping
-        damping *= 5.0
-    return None
+def _alone(state: object) -> NDArray[Any]:
+    """An array of one object."""
+    states = np.empty(1, object)
+    states[0] = state
+    return states
 
 
 # Parameters of the motion.
-_MOTION = 8
-SIZE = _MOTION + _shapes.SIZE
+MOTION = 8
+SIZE = MOTION + _shapes.SIZE
 WIDTH = _ellipsoid.WIDTH - _shapes.ELLIPSOID + _shapes.SIZE
 _SHAPE = _shapes.Tie()
 
@@ -129,44 +140,15 @@ def model(problem: CurveProblem, state: FloatArray) -> ShapeModel:
     observer = np.ascontiguousarray(np.einsum("rkt,rt->tk", body, turn.T @ nodes.observer))
     lit = _shapes.magnitudes(sun, observer, state[14:])
     h = np.einsum("rkt,tk->rt", body, lit.across)
-    jacobian = np.empty((_MOTION + len(lit.by_shape), count))
+    jacobian = np.empty((MOTION + len(lit.by_shape), count))
     jacobian[:3] = h
     jacobian[3] = 4.0 * math.pi * t * h[2]
     v = 2.0 * math.pi * np.sum(h * g[:3], axis=0)
     jacobian[4], jacobian[5] = t * v, v
     jacobian[6], jacobian[7] = np.sum(h * g[3:6], axis=0), np.sum(h * g[6:], axis=0)
-    jacobian[8:] = lit.by_shape
+    jacobian[MOTION:] = lit.by_shape
     magnitude, jacobian = problem.over_exposures(lit.magnitude, jacobian)
     return ShapeModel(magnitude, jacobian, lit.areas, lit.slopes)
-
-
-@dataclass(frozen=True, eq=False)
-class Refined:
-    """A state near its least cost.
-
-    Attributes
-    ----------
-    state : (WIDTH,) array
-    cost, chi_squared, strain : float
-        chi_squared is that of the magnitudes, cost adds the priors; strain is the part of the
-        cost that ties the moments to the shape.
-    normal : (SIZE, SIZE) array
-        Second derivatives of half the cost.
-    gradient : (SIZE,) array
-        Minus the first ones.
-    areas : (F,) array
-    magnitude : (N,) array
-        Of the model.
-    """
-
-    state: FloatArray
-    cost: float
-    chi_squared: float
-    strain: float
-    normal: FloatArray
-    gradient: FloatArray
-    areas: FloatArray
-    magnitude: FloatArray
 
 
 def _penalties(
@@ -176,11 +158,11 @@ def _penalties(
     moments = None
     if not is_axial:
         ratios, slopes = _motions.with_slopes(state[_ellipsoid.OF_MOMENTS])
-        by_motion = np.zeros((2, _MOTION))
+        by_motion = np.zeros((2, MOTION))
         by_motion[:, [3, 4, 6, 7]] = slopes.T
         modes = bool(state[1] > 0.0), bool(state[4] < 0.0)
         moments = _shapes.MotionMoments(ratios, by_motion, *modes)
-    return _shapes.penalties(state[14:], here.areas, here.slopes, moments, _MOTION, tie)
+    return _shapes.penalties(state[14:], here.areas, here.slopes, moments, MOTION, tie)
 
 
 def profiled_cost(
@@ -189,7 +171,7 @@ def profiled_cost(
     """The cost of a motion after one Gauss-Newton step of its shape."""
     shape_model = model(problem, state)
     priors = _penalties(state, shape_model, tie, is_axial)
-    held = np.arange(SIZE) < _MOTION
+    held = np.arange(SIZE) < MOTION
     cost, _, _, normal, gradient = linearised(
         problem, shape_model.magnitude, shape_model.jacobian, priors, held
     )
@@ -225,7 +207,7 @@ def refine(
     """
     state = np.zeros(_ellipsoid.WIDTH + modes)
     state[: len(start)] = start
-    held = np.zeros(_MOTION + _shapes.ELLIPSOID + modes, bool)
+    held = np.zeros(MOTION + _shapes.ELLIPSOID + modes, bool)
     if fixed is not None:
         held[: len(fixed)] = fixed[: len(held)]
 
@@ -233,10 +215,10 @@ def refine(
         shape_model = model(problem, trial)
         priors = _penalties(trial, shape_model, tie, bool(held[6]))
         linear = linearised(problem, shape_model.magnitude, shape_model.jacobian, priors, held)
-        return Refined(trial, *linear, shape_model.areas, shape_model.magnitude)
+        return Fitted(trial, *linear, shape_model.areas, shape_model.magnitude)
 
     return minimum(
-        at, lambda best, step: _moved(best.state, step, bool(held[6])), state, iterations, gain
+        at, lambda trial, step: _moved(trial, step, bool(held[6])), state, iterations, gain
     )
 
 
@@ -263,16 +245,6 @@ def linearised(
     normal[held, :] = normal[:, held] = 0.0
     normal[held, held] = 1.0
     return chi + float(prior @ prior), chi, strain, normal, gradient
-
-
-def inverse(normal: FloatArray) -> FloatArray:
-    """The inverse (P, P) of a normal matrix, whose parameters may have any units; 0 where it has
-    none."""
-    scale = np.sqrt(np.maximum(np.diag(normal), 0.0))
-    scale[scale == 0.0] = 1.0
-    size = np.outer(scale, scale)
-    pseudo_inverse: FloatArray = np.linalg.pinv(normal / size, hermitian=True) / size
-    return pseudo_inverse
 
 
 def _moved(state: FloatArray, step: FloatArray, is_axial: bool) -> FloatArray | None:

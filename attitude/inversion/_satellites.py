@@ -244,7 +244,7 @@ def _scanned(problem: CurveProblem, rotations: FloatArray) -> list[AdditivePair]
                 scanned.append((-float(gain[k]), float(rotation), orbit))
     fits = [_fitted(problem, *pair[1:], steps=2) for pair in sorted(scanned)[:_FITTED]]
     fits.sort(key=lambda each: each.left)
-    return [_fitted(problem, each.rotation, each.orbit) for each in fits[:_FREE]]
+    return [_fitted(problem, fit.rotation, fit.orbit) for fit in fits[:_FREE]]
 
 
 def rivals(problem: CurveProblem, most: float, keep: int) -> list[AdditivePair]:

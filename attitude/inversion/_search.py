@@ -23,6 +23,7 @@ from attitude.inversion import (
     _verdicts,
 )
 from attitude.inversion._ellipsoid import SearchState
+from attitude.inversion._refinement import MOTION
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -199,9 +200,9 @@ class Search:
     @property
     def _held(self) -> _ellipsoid.Held:
         """What holds the moments of the motions of ellipsoids."""
-        if self.tie.given is None:
+        if self.tie.moments is None:
             return _ellipsoid.Held(self.settings.tie)
-        a, b, c = np.log(self.tie.given).tolist()
+        a, b, c = np.log(self.tie.moments).tolist()
         return _ellipsoid.Held(self.settings.tie_given, (a, b, c))
 
     @property
@@ -648,10 +649,10 @@ class Search:
         for _ in range(2):
             fitted = self._weighted(self.problem.with_model_error(error), best, is_wide=False)
             error = _evidence.model_error(self.problem, fitted.residual)
-        for own in self._own_problems:
-            is_alike = abs(own.model_error / error - 1.0) < self.settings.same_error
-            if is_alike and own.sigma is self.problem.sigma and own.terms is self.problem.terms:
-                return own
+        for other in self._own_problems:
+            is_alike = abs(other.model_error / error - 1.0) < self.settings.same_error
+            if is_alike and other.sigma is self.problem.sigma and other.terms is self.problem.terms:
+                return other
         self._own_problems.append(self.problem.with_model_error(error))
         return self._own_problems[-1]
 
@@ -717,7 +718,7 @@ class Search:
         """Parameters that stay: of the axis for rotation about one, of areas for ellipsoids."""
         fixed = np.zeros(_refinement.SIZE, bool)
         if SearchState.of(state).is_axial:
-            fixed[:8] = _ellipsoid.AXIAL_FIXED[:8]
+            fixed[:MOTION] = _ellipsoid.AXIAL_FIXED[:MOTION]
         if self.is_ellipsoid:
             fixed[10:] = True
         return fixed

@@ -263,8 +263,8 @@ class Tie:
     tolerance : float
         Standard deviation of the logarithms of their ratios from those of the homogeneous shape;
         infinite: any moments.
-    given : (3,) array, optional
-        Moments, ascending, in place of those of the shape.
+    moments : (3,) array, optional
+        Ascending, in place of those of the shape.
     is_wide : bool
         Whether rotations about one axis have the prior of the shapes of tumbling bodies, under
         which they are compared with those; under their own their poles are ranked.  Several
@@ -272,13 +272,13 @@ class Tie:
     """
 
     tolerance: float = TOLERANCE
-    given: FloatArray | None = None
+    moments: FloatArray | None = None
     is_wide: bool = False
 
     @property
     def holds_axes(self) -> bool:
         """Whether the principal axes of the shape are those of the motion."""
-        return self.given is not None or math.isfinite(self.tolerance)
+        return self.moments is not None or math.isfinite(self.tolerance)
 
 
 class MotionMoments(NamedTuple):
@@ -339,8 +339,8 @@ def penalties(
             width = min(tie.tolerance, TOLERANCE)
             r[6:8] = np.where(above, held.log_ratios, 0.0) / width
             by[6:8, motion:] = np.where(above[:, None], held.by_ratios, 0.0) / width
-        elif tie.given is not None:
-            r[6:8] = (moments.log_ratios - wanted(tie.given, moments)) / _GIVEN
+        elif tie.moments is not None:
+            r[6:8] = (moments.log_ratios - wanted(tie.moments, moments)) / _GIVEN
             by[6:8, :motion] = moments.slopes / _GIVEN
         else:
             r[6:8] = (moments.log_ratios - held.log_ratios) / tie.tolerance

@@ -15,6 +15,7 @@ import numpy as np
 from attitude._support import markup, quantity_text, validation
 from attitude._support.arrays import Immutable, frozen
 from attitude._support.constants import SPEED_OF_LIGHT_M_S
+from attitude._support.least_squares import inverse
 from attitude._support.quantity_text import TIME_UNITS
 from attitude._support.synonyms import Answering
 from attitude.epochs import _inputs, _instants
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
     from astropy.table import QTable
     from astropy.time import Time
 
-    from attitude._support.annotations import Epochs, FilePath, FloatArray
+    from attitude._support.annotations import Epochs, FilePath, FloatArray, IntArray
     from attitude._support.tables import FlatTable
     from attitude.inversion._errors import GroupErrors, Modelled
     from attitude.inversion._evidence import Weighted
@@ -162,14 +163,14 @@ def predicted(
     # the linear terms follow the parameters
     b = fitted_problem.terms * fitted_problem.root[:, None]
     normal = b.T @ b + np.diag(1.0 / fitted_problem.prior**2)
-    inverse = np.asarray(np.linalg.pinv(normal, hermitian=True), dtype=np.float64)
-    follow = -inverse @ (b.T @ (fitted.jacobian * fitted_problem.root).T)
+    of_terms = np.asarray(np.linalg.pinv(normal, hermitian=True), dtype=np.float64)
+    follow = -of_terms @ (b.T @ (fitted.jacobian * fitted_problem.root).T)
     # columns whose outer product is the covariance of the magnitudes
     factor = np.concatenate(
         [
             (model.jacobian.T + terms @ follow)
-            @ _factor(_refinement.inverse(solution.weighted.refined.normal)),
-            terms @ _factor(inverse),
+            @ _factor(inverse(solution.weighted.refined.normal)),
+            terms @ _factor(of_terms),
         ],
         axis=1,
     )
@@ -421,6 +422,19 @@ class CurveFit(Answering, ABC):
         """
         return predicted(self, times, path, site, filter)
 
+    @property
+    def _groups(self) -> tuple[IntArray, ...]:
+        """Numbers of the groups of points by which errors are found, by several groupings."""
+        problem = self._problem
+        session = None if len(problem) < len(self.curve) else self.curve.session
+        return _errors.groupings(problem.t, problem.span, session)
+
+    def plot(self, path: FilePath | None = None) -> Any:
+        """A figure with a panel a night: points, model, residuals; saved if a path is given."""
+        from attitude.inversion import _figures
+
+        return _figures.of_nights(self, path)
+
     def write(self, path: FilePath, **labels: Any) -> None:
         """Write the spin file (.toml) of the state with its covariance, shape and scattering law.
 
@@ -499,12 +513,9 @@ class Solution(CurveFit):
 
     @cached_property
     def _covariances(self) -> tuple[FloatArray, GroupErrors]:
-        problem = self._problem
-        session = None if len(problem) < len(self.curve) else self.curve.session
-        groups = _errors.groupings(problem.t, problem.span, session)
         rivals = [rival.weighted for rival in self._rivals if rival is not self] + self._beside
         with _refinement.limited():
-            return _states.covariance(self.weighted, groups, self.tie, rivals)
+            return _states.covariance(self.weighted, self._groups, self.tie, rivals)
 
     @property
     def covariance(self) -> FloatArray:
@@ -590,12 +601,6 @@ class Solution(CurveFit):
     def _model(self, problem: CurveProblem) -> _refinement.ShapeModel:
         """Magnitudes and their derivatives at the epochs of a problem."""
         return _refinement.model(problem, self.state)
-
-    def plot(self, path: FilePath | None = None) -> Any:
-        """A figure with a panel a night: points, model, residuals; saved if a path is given."""
-        from attitude.inversion import _figures
-
-        return _figures.of_nights(self, path)
 
     def _repr_html_(self) -> str:
         """A table for notebooks, the fit and the shape."""

@@ -514,43 +514,41 @@ def _offsets_of(found: Weighted) -> FloatArray:
     return coefficients[found.problem.prior == CALIBRATED]
 
 
-def _results(curve, found):
-    ahead = found.satellite_is_ahead()
-    searched = found
-    if ahead > 0.0:
-        found = found.rival
+def _results(curve, searched):
+    ahead = searched.satellite_is_ahead()
+    search = searched.rival if ahead > 0.0 else searched
     solutions = [
-        Solution(curve, solution, found.problem, found.tie, k)
-        for k, solution in enumerate(found.solutions)
+        Solution(curve, solution, search.problem, search.tie, k)
+        for k, solution in enumerate(search.solutions)
         if _states.is_admissible(solution.refined.state)
     ]
     for k, solution in enumerate(solutions):
         solution.rank = k
         best = solutions[0].state
         solution.relation = _verdicts.relation(
-            solution.state, best, solution._problem, found.length
+            solution.state, best, solution._problem, search.length
         )
         solution._rivals = [solution] + [
             other
             for other in solutions
             if other is not solution
-            and abs(other.evidence - solution.evidence) < found.settings.competing_poles
+            and abs(other.evidence - solution.evidence) < search.settings.competing_poles
         ]
         solution._beside = [
             one
-            for one in found.beside
+            for one in search.beside
             if solution.is_axial
-            and abs(one.evidence - solution.evidence) < found.settings.competing_poles
+            and abs(one.evidence - solution.evidence) < search.settings.competing_poles
         ]
     weighted = [solution.weighted for solution in solutions]
-    arguments = weighted, found.problem, found.is_complete, found.most
+    arguments = weighted, search.problem, search.is_complete, search.most
     verdict, criterion = _verdicts.verdict(*arguments)
     if searched.rival is not None:
         period = curve.span / searched.rival.problem.orbit / _DAY
-        arguments = (verdict, criterion), period, ahead, found.settings.alone
+        arguments = (verdict, criterion), period, ahead, search.settings.alone
         verdict, criterion = _verdicts.of_satellite(*arguments)
     if searched.constant:
         verdict, criterion = _verdicts.OPEN, f"{searched.constant}; {criterion}"
-    if verdict == _verdicts.OPEN and found.is_over:
-        criterion += _verdicts.ended_by(found.problem.tally)
+    if verdict == _verdicts.OPEN and search.is_over:
+        criterion += _verdicts.ended_by(search.problem.tally)
     return SpinStates(solutions, verdict, criterion, tuple(searched.notes))

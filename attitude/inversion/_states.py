@@ -14,6 +14,7 @@ from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.inversion import _ellipsoid, _errors, _motions, _pole_map, _refinement, _shapes
 from attitude.inversion._ellipsoid import SearchState
+from attitude.inversion._refinement import MOTION
 from attitude.inversion._shapes import Tie
 from attitude.motions._body import Body
 from attitude.motions._free_rotation import FreeRotation
@@ -51,7 +52,7 @@ def of(moments: str | float | Body | Sequence[float]) -> Tie:
     ordered = np.sort(known.moments)
     if ordered[0] <= 0.0:
         raise AttitudeError("moments has one of zero; a light curve is that of a body with width.")
-    return Tie(given=ordered / ordered[2])
+    return Tie(moments=ordered / ordered[2])
 
 
 def with_moments(point: MovingPoint, given: FloatArray) -> MovingPoint:
@@ -130,7 +131,7 @@ def covariance(
 
     shape_model = _refinement.model(problem, state)
     formal = _errors.covariance_of_motion(found, tie)
-    errors_of = _errors.errors(found, shape_model, groups, 8, refitted, formal)
+    errors_of = _errors.errors(found, shape_model, groups, MOTION, refitted, formal)
     if SearchState.of(state).is_axial:
         others = [
             (rival.refined.state, rival.evidence)
@@ -153,9 +154,9 @@ def _difference(state: FloatArray, origin: FloatArray) -> FloatArray:
 
 def _slopes(state: FloatArray) -> FloatArray:
     """Derivatives (9, 8) of rotation vector (ICRF), rates and moments by the parameters."""
-    slopes = np.zeros((9, 8))
+    slopes = np.zeros((9, MOTION))
     scale = np.array([1.0, 1.0, 1.0, abs(state[0]), max(abs(state[1]), 1.0), 1.0, 1.0, 1.0])
-    for p in range(8):
+    for p in range(MOTION):
         if SearchState.of(state).is_axial and p >= 4:
             continue
         ends = []
@@ -218,7 +219,7 @@ class Posterior:
         of_best = self.offsets[self.solution == 0]
         formal = np.sqrt(np.diag(self.covariance))
         spread = of_best.std(axis=0)
-        ratios: FloatArray = np.divide(spread, formal, out=np.ones(8), where=formal > 0.0)
+        ratios: FloatArray = np.divide(spread, formal, out=np.ones(MOTION), where=formal > 0.0)
         return ratios
 
     def motions(self, count: int, seed: int = 0) -> list[FreeRotation]:
@@ -238,10 +239,10 @@ class Posterior:
         from attitude import plots
 
         figure = plots.new_figure((9.0, 9.0))
-        axes = figure.subplots(8, 8, sharex="col")
+        axes = figure.subplots(MOTION, MOTION, sharex="col")
         of_best = self.offsets[self.solution == 0]
-        for row in range(8):
-            for column in range(8):
+        for row in range(MOTION):
+            for column in range(MOTION):
                 panel = axes[row, column]
                 if column > row:
                     panel.set_visible(False)
@@ -287,10 +288,10 @@ def sampled(
             dtype=np.float64,
         )
         density = _errors.log_density(solution.weighted, solution.tie, factor)
-        sampler = emcee.EnsembleSampler(walkers, 8, density)
+        sampler = emcee.EnsembleSampler(walkers, MOTION, density)
         sampler.random_state = np.random.RandomState(int(generator.integers(2**32))).get_state()
         with _refinement.limited():
-            sampler.run_mcmc(0.5 * generator.standard_normal((walkers, 8)), steps)
+            sampler.run_mcmc(0.5 * generator.standard_normal((walkers, MOTION)), steps)
         chain = sampler.get_chain(discard=steps // 4, flat=True)
         parts.append(chain @ factor.T @ solution._covariances[1].widening.T)
         numbers.append(np.full(len(chain), number))

@@ -217,7 +217,8 @@ class LightCurve(Immutable):
         values, errors = _brightness(magnitude, flux, sigma, len(t))
         site, places = _sites(site, places, session, len(t))
         named = [
-            _numbered(*each, len(t)) for each in zip((filter, site, session), _WORDS, strict=True)
+            _numbered(words, word, len(t))
+            for words, word in zip((filter, site, session), _WORDS, strict=True)
         ]
         notes = list(notes)
         rows, values, errors = _without_twice(start, t, named, values, errors, labels, notes)
@@ -291,19 +292,20 @@ class LightCurve(Immutable):
             For a file that cannot be read, an unknown format, a file without any usable row, and
             as the class.
         """
+        replaced = dict(given)
         opened = _files.opened(path, format=format, columns=columns, bad=bad, encoding=encoding)
         keywords = {key: value for key, value in opened.items() if key != "rows"}
-        if any(key in given for key in ("scene", "path", "sun", "observer")):
+        if any(key in replaced for key in ("scene", "path", "sun", "observer")):
             for key in ("sun", "observer", "frame"):
                 keywords.pop(key, None)
         elif "frame" in keywords:  # of the file, whatever the frame of other files
-            given = {key: value for key, value in given.items() if key != "frame"}
-        if "flux" in given or "magnitude" in given:
+            replaced.pop("frame", None)
+        if "flux" in replaced or "magnitude" in replaced:
             keywords.pop("flux", None)
             keywords.pop("magnitude", None)
-        if isinstance(given.get("site"), Mapping) and "site" in keywords:
-            given = {("places" if key == "site" else key): value for key, value in given.items()}
-        return cls(**keywords | given)
+        if isinstance(replaced.get("site"), Mapping) and "site" in keywords:
+            replaced["places"] = replaced.pop("site")
+        return cls(**keywords | replaced)
 
     # ---- What it holds
 
@@ -616,11 +618,11 @@ def _brightness(magnitude: Any, flux: Any, sigma: Any, count: int) -> tuple[Floa
     return values, errors
 
 
-def _plain(given: Any, name: str, unit: Any, own: str | None, finite: bool = True) -> FloatArray:
+def _plain(numbers: Any, name: str, unit: Any, own: str | None, finite: bool = True) -> FloatArray:
     """Numbers in `own`, or of Quantities in the unit of the flux."""
-    if unit is not None and hasattr(given, "unit"):
-        given = getattr(given, "quantity", given).to_value(unit)
-    return validation.real(given, name, finite=finite, unit=own)
+    if unit is not None and hasattr(numbers, "unit"):
+        numbers = getattr(numbers, "quantity", numbers).to_value(unit)
+    return validation.real(numbers, name, finite=finite, unit=own)
 
 
 def _numbered(given: Any, name: str, count: int) -> tuple[tuple[str, ...], IntArray]:
@@ -964,7 +966,7 @@ def write(path: FilePath, data: LightCurve) -> None:
         vectors = getattr(data, key)
         if vectors is not None:
             names += [f"{key}_{axis}" for axis in "xyz"]
-            columns += [[repr(float(x)) for x in each] for each in vectors.T / ASTRONOMICAL_UNIT_M]
+            columns += [[repr(float(x)) for x in row] for row in vectors.T / ASTRONOMICAL_UNIT_M]
     with written_whole(path, "photometry") as file:
         file.write(f"# {_remark(data.name or 'photometry')}: times of {data.time_of}\n")
         file.write(",".join(names) + "\n")

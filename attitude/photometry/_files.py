@@ -153,7 +153,7 @@ def _repeated(rows: Sequence[RawPoint], word: str) -> list[str]:
     first: dict[tuple[str, ...], RawPoint] = {}
     repeats: list[tuple[RawPoint, RawPoint]] = []
     for row in rows:
-        key = tuple(each.strip() for each in (row.time, row.value, row.filter, row.site))
+        key = tuple(word.strip() for word in (row.time, row.value, row.filter, row.site))
         earlier = first.setdefault(key, row)
         if earlier.session != row.session:  # in one session they are averaged
             repeats.append((row, earlier))
@@ -208,12 +208,12 @@ def _brightness(row: RawPoint, word: str, is_flux: bool) -> tuple[str | None, fl
     if not np.isfinite(value) or not (is_flux or _MISSING[0] < value < _MISSING[1]):
         return f"the {word} {text[:20]} stands for a missing value", 0.0, 0.0
     if row.error.strip().lower() not in _BLANK:
-        found = _float(row.error)
-        if found is None:
+        deviation = _float(row.error)
+        if deviation is None:
             return f"the error is {row.error.strip()[:20]!r}, which is no number", 0.0, 0.0
-        if found < 0.0 or found > 1e300:
+        if deviation < 0.0 or deviation > 1e300:
             return f"the error is {row.error.strip()[:20]}, not above zero", 0.0, 0.0
-        error = found if found > 0.0 else np.nan
+        error = deviation if deviation > 0.0 else np.nan
     return None, value, error
 
 
@@ -241,8 +241,8 @@ def _times(
     if not rows:
         return [], [], []
     if scale is not None:
-        return julian([each.time for each in rows], scale, offset), everything, []
-    dates = [iso(each.time) for each in rows]
+        return julian([row.time for row in rows], scale, offset), everything, []
+    dates = [iso(row.time) for row in rows]
     try:
         _inputs.past_j2000(dates)
     except AttitudeError:
@@ -702,7 +702,7 @@ def _geometry(table: Mapping[str, list[str]], keywords: Keywords, name: str) -> 
         if all(key in table for key in keys):
             vectors = [_numbers(table[key], key, keywords, name) for key in keys]
             more[place] = np.stack(vectors, axis=-1) * ASTRONOMICAL_UNIT_M
-    keys = [next((each for each in names if each in table), "") for names in _PLACE]
+    keys = [next((key for key in names if key in table), "") for names in _PLACE]
     if not more and all(keys):
         ra, dec, delta = (_numbers(table[key], key, keywords, name) for key in keys)
         sun, observer = _of_sky(keywords["times"], ra, dec, delta)

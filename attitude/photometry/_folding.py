@@ -131,8 +131,8 @@ def fold(
     periods = np.atleast_1d(validation.real(period, "period", unit="s"))
     if periods.shape not in ((1,), (2,)) or not np.all(periods > 0.0):
         validation.one_of(periods.shape, "the shape of period", ((1,), (2,)))
-        for each in periods:
-            validation.positive(each, "period", unit="s")
+        for one in periods:
+            validation.positive(one, "period", unit="s")
     if isinstance(t, LightCurve) or values is not None:
         _samples.warn_of_plain(period, "period", data.t)
     number = validation.count(order, "order")

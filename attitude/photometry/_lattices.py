@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from attitude.photometry._spectrum import RefinedSeries
 
 
-# Pairs of frequencies that are turned into candidates.
-PAIRS: int = 4
 # Mean share of the power of the line i/P_phi + j/P_psi of convention L, by (i, j).
 _POWERS = {
     "LAM": {
@@ -202,8 +200,8 @@ _COMBINATIONS = sorted(
 def same_lattice(f: FloatArray, base: FloatArray, near: float) -> str:
     """Both frequencies as sums of small whole or half numbers of two others, in words, or ""."""
     choices = [
-        [(a, b) for a, b in _COMBINATIONS if abs(0.5 * (a * base[0] + b * base[1]) - each) < near]
-        for each in f
+        [(a, b) for a, b in _COMBINATIONS if abs(0.5 * (a * base[0] + b * base[1]) - wanted) < near]
+        for wanted in f
     ]
     for one in choices[0]:
         for other in choices[1]:

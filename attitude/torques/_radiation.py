@@ -324,11 +324,11 @@ def _visibility_of(shape: Any, shadows: Any) -> Visibility | None:
     return shadows
 
 
-def _occulters(given: Any) -> tuple[tuple[Path, float], ...]:
+def _occulters(paths: Any) -> tuple[tuple[Path, float], ...]:
     """Paths from the Sun, and radii in m, of bodies that eclipse it."""
-    if isinstance(given, Path):
-        given = (given,)
-    pairs_of = given.items() if isinstance(given, Mapping) else ((path, None) for path in given)
+    if isinstance(paths, Path):
+        paths = (paths,)
+    pairs_of = paths.items() if isinstance(paths, Mapping) else ((path, None) for path in paths)
     bodies = []
     for path, radius in pairs_of:
         if not isinstance(path, Path):

@@ -298,9 +298,8 @@ class System:
             fault, t, rate, member = march_members(*arguments)
             return fault, t, rate
 
-        rest = float(start), h, steps, number, parts, *samples, out
         try:
-            self.run(loop, h, *setup, states, *rest)
+            self.run(loop, h, *setup, states, float(start), h, steps, number, parts, *samples, out)
         except AttitudeError as err:
             raise AttitudeError(f"{label(member)}: {err}") from err
         return out
@@ -634,13 +633,13 @@ class TorquedSensitivity(Derivatives):
         size = _SHARE * float(np.max(self._body.moments))
         systems = []
         for column in _BY_MASS.T:
-            found = []
+            systems_of_column = []
             for k in range(1, 5):
                 change = np.concatenate([np.zeros(6), k * size * column])
                 body, _ = changed(self._body, spin, change)
                 arguments = self._system.torques, self._system.scheme, self._system.origin
-                found.append(System(body, spin, *arguments))
-            systems.append(found)
+                systems_of_column.append(System(body, spin, *arguments))
+            systems.append(systems_of_column)
         return systems
 
 

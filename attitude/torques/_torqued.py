@@ -1022,17 +1022,17 @@ def _checked_tolerance(given: Real, name: str) -> float:
     return tolerance
 
 
-def _torques(given: Any) -> tuple[Torque, ...]:
-    validation.refuse_class(given, "torques")
-    if isinstance(given, Torque) or callable(given):
-        given = (given,)
-    if not isinstance(given, Iterable):
+def _torques(torques: Any) -> tuple[Torque, ...]:
+    validation.refuse_class(torques, "torques")
+    if isinstance(torques, Torque) or callable(torques):
+        torques = (torques,)
+    if not isinstance(torques, Iterable):
         raise AttitudeError(
-            f"torques is {validation.shown(given)}; give an object of attitude.torques, a function "
-            "of (t, wxyz, omega), or a list of them."
+            f"torques is {validation.shown(torques)}; give an object of attitude.torques, a "
+            "function of (t, wxyz, omega), or a list of them."
         )
     torques_of = []
-    for k, torque in enumerate(given):
+    for k, torque in enumerate(torques):
         if not isinstance(torque, Torque):
             validation.refuse_class(torque, f"torques[{k}]")
             if not callable(torque):

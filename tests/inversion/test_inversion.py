@@ -107,16 +107,15 @@ def test_slopes_of_the_sums_of_squares_from_many_starts(given):
     """Against differences, tied to the shape and to moments that are given, in both modes."""
     t, sun, observer = _geometry()
     curve = _ellipsoid.EllipsoidCurve(_problem(t, sun, observer))
-    priors = _ellipsoid.Priors(1.5, 0.15, given)
+    tie, free = _ellipsoid.Held(0.15, given), np.zeros(10, bool)
     states = np.stack([_start(), _start(-11.0, 0.5), _start(14.7, -0.1)])
-    near = _ellipsoid._linearised(curve, states, priors)
-    assert _ellipsoid._cost(curve, states, priors) == pytest.approx(near.cost, rel=1e-13)
+    near = _ellipsoid._linearised(curve, states, free, tie)
+    assert _ellipsoid._cost(curve, states, tie) == pytest.approx(near.cost, rel=1e-13)
     for p in range(10):
         steps = np.zeros((3, 10))
         steps[:, p] = 1e-5
         ends = [
-            _ellipsoid._cost(curve, _ellipsoid.moved(states, each), priors)
-            for each in (steps, -steps)
+            _ellipsoid._cost(curve, _ellipsoid.moved(states, each), tie) for each in (steps, -steps)
         ]
         # half of the derivative; the moments' own slopes are differences over 1e-6
         slope = (ends[0] - ends[1]) / 4e-5

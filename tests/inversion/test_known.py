@@ -134,12 +134,12 @@ def test_a_search_ends_where_several_starts_agree(turn, costs, attempts, monkeyp
     def from_span(self, middle, span):
         self.origin = 0.0
         cost = np.array([left.pop(0)])
-        self.found = _known.States(wxyz[None], omega[None], cost)
+        self.states = _known.States(wxyz[None], omega[None], cost)
 
     monkeypatch.setattr(_known.PassSearch, "_from", from_span)
     made.run()
     assert len(costs) - len(left) == attempts
-    assert made.found.cost[0] == min(costs)
+    assert made.states.cost[0] == min(costs)
 
 
 def test_slopes_of_a_known_shape():
@@ -180,7 +180,7 @@ def test_what_moments_may_be():
     assert _states.of("shape").tolerance == _shapes.TOLERANCE
     assert _states.of(0.2).tolerance == 0.2
     assert not _states.of("free").holds_axes
-    assert _states.of(BODY).given == pytest.approx(np.sort(BODY.moments) / BODY.moments.max())
+    assert _states.of(BODY).moments == pytest.approx(np.sort(BODY.moments) / BODY.moments.max())
     with pytest.raises(AttitudeError, match="three moments"):
         _states.of("known")
     with pytest.raises(AttitudeError):
