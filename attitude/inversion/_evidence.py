@@ -9,7 +9,7 @@
 | ln N for each free parameter of the motion | `student` |
 | 2 ln of the frequencies tried over the share of tumbling bodies | `student`, its `trials` |
 | ln det of the Hessian of orientation, rate and shape, in place of their ln N | `occam` |
-| the prior of the shape of tumbling bodies, for rotation about one axis | `widened` |
+| the prior of the shape of tumbling bodies, for rotation about one axis | `_search._compared` |
 | ln det of the terms with a prior, where fits differ in these | `volume_of_offsets` |
 
 Errors follow Student's distribution with five degrees of freedom, since photometry of many nights
@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from attitude.inversion import _refinement, _shapes
+from attitude.inversion import _refinement
 from attitude.inversion._refinement import MOTION, Fitted
 
 if TYPE_CHECKING:
@@ -127,26 +127,6 @@ def occam(normal: FloatArray, points: int) -> float:
     inner = normal[np.ix_(kept, kept)].copy()
     inner[range(_ALWAYS), range(_ALWAYS)] += 1.0
     return float(np.linalg.slogdet(inner)[1]) - _ALWAYS * float(np.log(points))
-
-
-def widened(found: Weighted) -> float:
-    """What the evidence of a rotation about one axis changes by under the prior of tumbling bodies.
-
-    By Laplace's method: the cost of its minimum with the wider prior, after one step of Newton's,
-    and the determinant there.
-    """
-    normal, shape = found.refined.normal, found.refined.state[-_shapes.SIZE :]
-    free = np.diag(normal)[-_shapes.SIZE :] != 1.0
-    less = _shapes.widths(True) ** -2.0 - _shapes.widths(False) ** -2.0
-    less[~free] = 0.0
-    inner = normal.copy()
-    at = np.arange(len(normal) - _shapes.SIZE, len(normal))
-    inner[at, at] -= less
-    pull = np.zeros(len(normal))
-    pull[at] = less * shape
-    cost = -float(shape @ pull[at] + pull @ np.linalg.solve(inner, pull))
-    points = len(found.problem)
-    return cost + occam(inner, points) - occam(normal, points)
 
 
 def weights(square: FloatArray) -> FloatArray:

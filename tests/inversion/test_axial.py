@@ -10,7 +10,6 @@ import pytest
 from attitude import inversion
 from attitude.inversion import (
     _ellipsoid,
-    _evidence,
     _pole_map,
     _refinement,
     _shapes,
@@ -202,21 +201,3 @@ def test_a_map_of_poles_ends_early_where_a_pole_is_far_behind(solved, monkeypatc
         spent.append(problem.tally.spent)
     assert poles[0] @ poles[1] > math.cos(math.radians(2.0))
     assert spent[0] < 0.8 * spent[1]
-
-
-def test_a_wider_prior_changes_the_evidence_as_laplace_says():
-    """Of parameters whose cost is a parabola: the minimum and the determinant in closed form."""
-    generator = np.random.default_rng(9)
-    stiff = generator.uniform(1.0, 50.0, _shapes.SIZE)
-    middle = generator.normal(size=_shapes.SIZE)
-    own, wide = (_shapes.widths(each) ** -2.0 for each in (True, False))
-    normal = np.eye(_refinement.SIZE)
-    normal[8:, 8:] = np.diag(stiff + own)
-    state = np.zeros(_refinement.WIDTH)
-    state[-_shapes.SIZE :] = stiff * middle / (stiff + own)
-    found = SimpleNamespace(
-        refined=SimpleNamespace(normal=normal, state=state), problem=np.zeros(100)
-    )
-    costs = [stiff * each / (stiff + each) @ middle**2 for each in (own, wide)]
-    volume = np.sum(np.log((stiff + wide) / (stiff + own)))
-    assert _evidence.widened(found) == pytest.approx(costs[1] - costs[0] + volume)
