@@ -186,8 +186,6 @@ def constants_of(
     differences: FloatArray | None = None,
     rates: bool = True,
     wxyz_low: FloatArray | None = None,
-    first: int = 0,
-    count: int = 1,
 ) -> NDArray[Any]:
     """Constants (B,) of motions: moments, omega (B, 3, 2), wxyz, wxyz_low (B, 4), principal (1 or
     B, 4), differences (3, 2).
@@ -197,8 +195,7 @@ def constants_of(
     )
     if faults:
         k = int(np.flatnonzero(constants["fault"])[0])
-        where = f"State {first + k} of {count}: " if count > 1 else ""
-        raise AttitudeError(where + fault_of(constants[k], moments[k], wxyz[k], omega[k]))
+        raise AttitudeError(fault_of(constants[k], moments[k], wxyz[k], omega[k]))
     return constants
 
 
@@ -259,17 +256,16 @@ def evaluate(
         end = first + block if first + block < count else count
         body = evaluate_all(constants, t, t_low, wxyz, rates, first, end)
         if body >= 0:
-            row = body if len(t) > 1 else 0
-            refuse_epoch(
-                constants[body], t[row, first:end], None if t_low is None else t_low[row, first:end]
-            )
+            few = body if len(t) > 1 else 0, slice(first, end)
+            low = None if t_low is None else t_low[few]
+            raise AttitudeError(refusal(constants[body], t[few], low))
 
 
-def refuse_epoch(constants: Any, t: FloatArray, t_low: FloatArray | None) -> None:
-    """Raise the AttitudeError of a motion for epochs of which one is beyond its reach."""
+def refusal(constants: Any, t: FloatArray, t_low: FloatArray | None) -> str:
+    """The sentence on a motion and epochs of which one is beyond its reach."""
     far = np.nanmax(np.abs(t if t_low is None else t + t_low))
     fastest = max(abs(constants[phase][0]) for phase in ("precession", "nutation"))
-    raise AttitudeError(
+    return (
         f"an epoch lies {far:.3g} s from that of the state; at {fastest:.3g} turns per second "
         "two doubles of time resolve this motion for 5e16 turns to either side. Give a nearer "
         "epoch."

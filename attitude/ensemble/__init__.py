@@ -8,7 +8,7 @@ How to use it::
     bodies.at([0.0, 3600.0]).wxyz  # arrays of N rows in, (N, 2, 4) out
 
 _ensemble      `Ensemble`: the states of N members, and what they answer
-_evaluation    the epochs of a call (grid or rows), blocks and threads; `EnsembleHistory`
+_evaluation    the epochs of a call (grid or rows); `EnsembleHistory`
 _quantities    `AngleTo` and other quantities, for percentiles, histograms and coverage
 _partitioned   `PartitionedEnsemble`: members in the partitions of dask
 _members       epochs, inertia and states of the members as the compiled solution takes them
