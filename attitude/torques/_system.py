@@ -8,14 +8,15 @@ import numpy as np
 
 from attitude._compilation.callbacks import raising_callback_errors
 from attitude._compilation.decorators import EntryPoint
-from attitude._solver import evaluation, sensitivities
 from attitude._solver import march_layout as layout
 from attitude._solver.march_layout import OMEGA, OMEGA_LOW, STATE_ENTRIES, WXYZ
+from attitude._solver.sensitivities import Derivatives
+from attitude._solver.states import Evaluation, Results, States
 from attitude._support import pairs
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
-from attitude.motions._differentiable import Derivatives, changed
+from attitude.motions._differentiable import changed
 from attitude.torques._gravity_gradient import GravityGradient
 from attitude.torques._schemes import ascending
 from attitude.torques._torque import BY_ATTITUDE, BY_RATE, LINEAR, SLIP
@@ -564,18 +565,15 @@ class TorquedSensitivity(Derivatives):
         self, wxyz: FloatArray, omega: FloatArray, t: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """States after free motions for t (N,) seconds, and the maps (N, 9 + P, 9 + P)."""
-        count, principal = len(t), self._body.principal_wxyz[None]
-        moments = np.repeat(self._body.moments_as_pairs[None], count, axis=0)
-        rates = np.zeros((count, 3, 2))
-        rates[..., 0] = omega @ self._body.principal_axes
-        wxyz = np.ascontiguousarray(wxyz)
-        constants = evaluation.constants_of(moments, wxyz, rates, principal)
-        tangents = sensitivities.tangents_of(moments, wxyz, principal, constants)
+        count, body = len(t), self._body
+        rates, wxyz = omega @ body.principal_axes, np.ascontiguousarray(wxyz)
+        moments, principal = body.moments_as_pairs[None], body.principal_wxyz[None]
         after, turning = np.empty((count, 4, 1)), np.empty((count, 3, 1))
-        evaluation.evaluate(constants, t[:, None], None, after, turning)
-        changes = np.zeros((count, self._width, self._width))
         attitude, rate = np.empty((count, 3, 9, 1)), np.empty((count, 3, 9, 1))
-        sensitivities.evaluate(constants, tangents, t[:, None], None, attitude, rate)
+        states = States(moments, principal, rates, None, wxyz)
+        results = Results(after, turning, attitude, rate)
+        Evaluation(states).grid(pairs.Seconds(t[:, None]), results)
+        changes = np.zeros((count, self._width, self._width))
         changes[:, :3, :9], changes[:, 3:6, :9] = attitude[..., 0], rate[..., 0]
         changes[:, 6:, 6:] = np.eye(self._width - 6)
         return after[..., 0], turning[..., 0], changes
