@@ -59,9 +59,8 @@ def prepare_all(
         wxyz       (B, 4) body to inertial at the epoch, any length
         omega      (B, 3, 2) rad/s over the principal axes, pairs
         principal  (1 or B, 4) unit quaternion, principal axes to given body axes
-        differences  B - A, C - B and D2, pairs, where principal_axes has them to more digits
-                   than follow from the pairs above: (3, 2) of a single motion, or (B, 3, 2) with
-                   NaN for motions without; or None
+        differences  (B, 3, 2) B - A, C - B and D2, pairs, where principal_axes has them to more
+                   digits than follow from the pairs above; NaN for motions without; or None
         rates      whether the series of the angular velocity are filled too
         wxyz_low   (B, 4) second doubles of wxyz, then of unit length; or None
     Filled
@@ -78,7 +77,7 @@ def prepare_all(
     if tumbling:
         if differences is not None:
             _take_differences(differences, constants)
-        if cancelled and (differences is None or differences.ndim == 3):
+        if cancelled:
             refine_all(constants)
         hyperbolic = solve_all.run(constants)
         if hyperbolic < tumbling:
@@ -94,10 +93,7 @@ def prepare_all(
 
 
 def _take_differences(differences, constants):
-    """Fill differences (3, 2) of one motion, or (B, 3, 2) of those that have them and tumble."""
-    if differences.ndim == 2:
-        constants["gaps"], constants["d2"] = differences[:2], differences[2]
-        return
+    """Fill differences (B, 3, 2) of the motions that have them and tumble."""
     known = (constants["form"] != codes.UNIFORM) & ~np.isnan(differences[:, 0, 0])
     constants["gaps"][known], constants["d2"][known] = differences[known, :2], differences[known, 2]
     constants["cancelled"][known] = 0  # D2 is exact
@@ -188,7 +184,7 @@ def constants_of(
     wxyz_low: FloatArray | None = None,
 ) -> NDArray[Any]:
     """Constants (B,) of motions: moments, omega (B, 3, 2), wxyz, wxyz_low (B, 4), principal (1 or
-    B, 4), differences (3, 2).
+    B, 4), differences (B, 3, 2).
     """
     constants, faults = prepared(
         moments, wxyz, omega, principal, differences=differences, rates=rates, wxyz_low=wxyz_low

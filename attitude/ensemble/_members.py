@@ -164,14 +164,19 @@ class Given(NamedTuple):
         """1, or the number of bodies."""
         return self.array.shape[0]
 
-    def resolved(self, omega: FloatArray, raises: bool) -> tuple[Inertia, Resolved]:
-        """The inertia, and angular velocities (N, 3) of its N members over the principal axes."""
+    def resolved(
+        self, omega: FloatArray, raises: bool
+    ) -> tuple[Inertia, FloatArray, FloatArray | None]:
+        """The inertia, and `omega` and `differences` of the `States` of N members.
+
+        Shapes: omega (N, 3), rad/s over the body axes.
+        """
         count = len(self.array)
         moments, axes = np.zeros((count, 3, 2)), np.broadcast_to(np.eye(3), (count, 3, 3))
         if self.array.ndim == 2:
             moments[..., 0] = self.array
             principal = np.broadcast_to(IDENTITY, (count, 4))
-            return Inertia(*self, moments, axes, principal), Resolved(omega, None)
+            return Inertia(*self, moments, axes, principal), omega, None
         axes, principal = np.empty((count, 3, 3)), np.empty((count, 4))
         rates, differences = np.empty((2, len(omega), 3, 2))
         for first in range(0, len(omega), BLOCK):
@@ -188,19 +193,8 @@ class Given(NamedTuple):
             rates[block], differences[block] = axes_of_block.over_axes(omega[block].copy())
         inertia = Inertia(*self, moments, axes, principal)
         if np.isnan(differences[:, 0, 0]).all() and not rates[..., 1].any():
-            return inertia, Resolved(np.ascontiguousarray(rates[..., 0]), None)
-        return inertia, Resolved(rates, differences)
-
-
-class Resolved(NamedTuple):
-    """Angular velocities of N members over their principal axes.
-
-    rates: (N, 3, 2) array, or (N, 3) where the low parts are zero, rad/s, in pairs of doubles.
-    differences: (N, 3, 2) array or None, see `PrincipalAxes.over_axes`; NaN for members without.
-    """
-
-    rates: FloatArray
-    differences: FloatArray | None
+            return inertia, np.ascontiguousarray(rates[..., 0]), None
+        return inertia, rates, differences
 
 
 @dataclass(frozen=True, eq=False)

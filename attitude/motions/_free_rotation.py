@@ -14,6 +14,7 @@ from attitude._solver import codes, evaluation
 from attitude._solver.elements import Elements, elements_of, state_of
 from attitude._solver.regime import Mode, regime_of, regimes
 from attitude._solver.sensitivities import Sensitivity
+from attitude._solver.states import Evaluation, States
 from attitude._support import markup, pairs, validation
 from attitude._support.arrays import frozen, new_array
 from attitude._support.synonyms import arguments, checks_arguments
@@ -186,15 +187,16 @@ class FreeRotation(Differentiable):
         if spin.is_rounded:
             low = spin.wxyz_icrf_as_pairs[None, :, 1].copy()
         rates, differences = body.over_principal_axes(spin.angular_velocity)
-        constants = evaluation.constants_of(
+        states = States(
             body.moments_as_pairs[None],
-            wxyz[None],
-            rates[None],
             body.principal_wxyz[None],
-            differences=differences,
-            wxyz_low=low,
+            rates[None],
+            None if differences is None else differences[None],
+            wxyz[None],
+            low,
         )
-        self._set("_constants", frozen(constants))
+        solved = Evaluation(states).prepared(range(1), rates=True)
+        self._set("_constants", frozen(solved.constants))
 
     # ---- Construction
 

@@ -26,6 +26,7 @@ from attitude._solver import evaluation, sensitivities
 from attitude._solver.evaluation import EPOCHS
 from attitude._solver.records import CONSTANTS
 from attitude._solver.sensitivities import Derivatives
+from attitude._solver.states import Evaluation, States
 from attitude._support import markup, pairs, validation
 from attitude._support.arrays import Valued, frozen, read_only
 from attitude._support.synonyms import arguments
@@ -272,7 +273,7 @@ class FreeArc:
 
     body: Body
     wxyz: (4,), attitude at its start, body to ICRF.
-    record: structured, its constants by `evaluation.constants_of`.
+    record: of records.CONSTANTS.
     """
 
     def __init__(self, body: Body, wxyz: FloatArray, record: Any) -> None:
@@ -1000,6 +1001,8 @@ def _compiled():
 
 def _constants(body, q, w, differences=None, low=None):
     """The record of the free motion from a state in pairs."""
-    states = body.moments_as_pairs[None], q[None, :, 0].copy(), w[None].copy()
-    more = {"differences": differences, "wxyz_low": low}
-    return evaluation.constants_of(*states, body.principal_wxyz[None], **more)[0]
+    if differences is not None:
+        differences = differences[None]
+    bodies = body.moments_as_pairs[None], body.principal_wxyz[None]
+    states = States(*bodies, w[None].copy(), differences, q[None, :, 0].copy(), low)
+    return Evaluation(states).prepared(range(1), rates=True).constants[0]
