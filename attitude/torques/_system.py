@@ -299,9 +299,9 @@ class System:
             fault, t, rate, member = march_members(*arguments)
             return fault, t, rate
 
-        rest = float(start), h, steps, number, parts, *samples, out
+        times = float(start), h, steps, number, parts, *samples, out
         try:
-            self.run(loop, h, *setup, states, *rest)
+            self.run(loop, h, *setup, states, *times)
         except AttitudeError as err:
             raise AttitudeError(f"{label(member)}: {err}") from err
         return out
@@ -357,25 +357,25 @@ class System:
         )
         return out
 
-    def acceleration(self, seconds: FloatArray, low: FloatArray, found: FloatArray) -> FloatArray:
+    def acceleration(self, seconds: FloatArray, low: FloatArray, motion: FloatArray) -> FloatArray:
         """Rates of change (N, 3) of the angular velocity over the body axes, rad/s2.
 
-        found: (N, 7), attitudes and angular velocities at seconds + low (N,), as `over_body_axes`
+        motion: (N, 7), attitudes and angular velocities at seconds + low (N,), as `over_body_axes`
         gives them.
         """
         from attitude._solver.march import accelerations
 
-        known: BoolArray = np.all(np.isfinite(found), axis=-1)
+        known: BoolArray = np.all(np.isfinite(motion), axis=-1)
         states = np.zeros((int(known.sum()), STATE_ENTRIES))
-        states[:, WXYZ] = quaternion.multiply(found[known, :4], self.turn)
-        states[:, OMEGA] = found[known, 4:] @ self.axes
+        states[:, WXYZ] = quaternion.multiply(motion[known, :4], self.turn)
+        states[:, OMEGA] = motion[known, 4:] @ self.axes
         t = np.stack([seconds[known], low[known]])
         if self.inertia is not None:
             raise AttitudeError(
                 "angular accelerations are not defined with an InertiaHistory; difference the "
                 "angular velocities."
             )
-        out = np.full((len(found), 3), np.nan)
+        out = np.full((len(motion), 3), np.nan)
         some = np.empty((len(states), 3))
         numbers, _, models = self.setup
         self.run(accelerations, 0.0, numbers, models, states, t[0], self.sampled(t), some)
@@ -495,7 +495,7 @@ class TorquedSensitivity(Derivatives):
             'by is "elements"; a motion under torques has no constant elements. Give by="state".'
         )
 
-    def _with_turning(self, t: FloatArray, low: FloatArray, found: FloatArray) -> None:
+    def _with_turning(self, t: FloatArray, low: FloatArray, maps: FloatArray) -> None:
         """Turn changes of I^-1 L in maps (T, 9 + P, 9 + P) into those of I(t)^-1 L."""
         system, body = self._system, self._body
         known = np.isfinite(t + low)
@@ -503,11 +503,11 @@ class TorquedSensitivity(Derivatives):
         rates = self._states(t[known], low[known])[:, 4:]
         gained = rates - system.turning(t[known], low[known], rates)
         tensors = body.tensor + system.inertia.tensors(t[known] + low[known])
-        changes = body.tensor @ found[known, 3:6]
+        changes = body.tensor @ maps[known, 3:6]
         # by the moments, of which I and I(t) have the same change
         axes = body.principal_axes
         changes[..., 6:9] += axes * (gained @ axes)[:, None, :]
-        found[known, 3:6] = np.linalg.solve(tensors, changes)
+        maps[known, 3:6] = np.linalg.solve(tensors, changes)
 
     def _on_side(self, side: int, t: FloatArray, low: FloatArray) -> FloatArray:
         """The maps (T, 9 + P, 9 + P) from the epoch to t + low, of one direction."""
@@ -632,13 +632,13 @@ class TorquedSensitivity(Derivatives):
         size = _SHARE * float(np.max(self._body.moments))
         systems = []
         for column in _BY_MASS.T:
-            found = []
+            larger = []
             for k in range(1, 5):
                 change = np.concatenate([np.zeros(6), k * size * column])
                 body, _ = changed(self._body, spin, change)
                 arguments = self._system.torques, self._system.scheme, self._system.origin
-                found.append(System(body, spin, *arguments))
-            systems.append(found)
+                larger.append(System(body, spin, *arguments))
+            systems.append(larger)
         return systems
 
 

@@ -1015,24 +1015,24 @@ if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_after_fork)
 
 
-def _checked_tolerance(given: Real, name: str) -> float:
-    tolerance = validation.positive(given, name)
+def _checked_tolerance(value: Real, name: str) -> float:
+    tolerance = validation.positive(value, name)
     if not 1e-14 <= tolerance <= 1e-2:
         raise AttitudeError(f"{name} is {tolerance!r}; give one from 1e-14 to 1e-2 (rad).")
     return tolerance
 
 
-def _torques(given: Any) -> tuple[Torque, ...]:
-    validation.refuse_class(given, "torques")
-    if isinstance(given, Torque) or callable(given):
-        given = (given,)
-    if not isinstance(given, Iterable):
+def _torques(torques: Any) -> tuple[Torque, ...]:
+    validation.refuse_class(torques, "torques")
+    if isinstance(torques, Torque) or callable(torques):
+        torques = (torques,)
+    if not isinstance(torques, Iterable):
         raise AttitudeError(
-            f"torques is {validation.shown(given)}; give an object of attitude.torques, a function "
-            "of (t, wxyz, omega), or a list of them."
+            f"torques is {validation.shown(torques)}; give an object of attitude.torques, a "
+            "function of (t, wxyz, omega), or a list of them."
         )
     torques_of = []
-    for k, torque in enumerate(given):
+    for k, torque in enumerate(torques):
         if not isinstance(torque, Torque):
             validation.refuse_class(torque, f"torques[{k}]")
             if not callable(torque):
