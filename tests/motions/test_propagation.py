@@ -260,7 +260,7 @@ def test_the_body_without_derivatives_is_named():
     with pytest.raises(AttitudeError, match=r"^State 1 of 2: moments are \[0.0, 1.0, 1.0\]"):
         propagate(moments, STATE[1], (0.0, 1.0, 0.0), [1.0], sensitivity=True)
     omega = [(1.0, 2.0, 3.0), (0.0, 1.0, 0.0)]
-    with pytest.raises(AttitudeError, match="^State 1 of 2: .* multiplies errors by e every"):
+    with pytest.raises(AttitudeError, match=r"^State 1 of 2: .* multiplies errors by e every"):
         propagate(moments[0], STATE[1], omega, [[1e4], [1e4]], sensitivity=True)
 
 
