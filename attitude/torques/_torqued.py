@@ -859,8 +859,7 @@ class TorquedRotation(Differentiable):
 
     @cached_property
     def _sensitivity(self) -> TorquedSensitivity:
-        arguments = self._system, self.body, self.spin
-        return TorquedSensitivity(*arguments, self._mesh, self._states)
+        return self.sensitivity_with_torques(())
 
     def sensitivity_with_torques(
         self, others: Iterable[tuple[float, Iterable[Iterable[Torque]]]]
