@@ -173,28 +173,6 @@ _FAULTS = {
 }
 
 
-def constants_of(
-    moments: FloatArray,
-    wxyz: FloatArray,
-    omega: FloatArray,
-    principal: FloatArray,
-    *,
-    differences: FloatArray | None = None,
-    rates: bool = True,
-    wxyz_low: FloatArray | None = None,
-) -> NDArray[Any]:
-    """Constants (B,) of motions: moments, omega (B, 3, 2), wxyz, wxyz_low (B, 4), principal (1 or
-    B, 4), differences (B, 3, 2).
-    """
-    constants, faults = prepared(
-        moments, wxyz, omega, principal, differences=differences, rates=rates, wxyz_low=wxyz_low
-    )
-    if faults:
-        k = int(np.flatnonzero(constants["fault"])[0])
-        raise AttitudeError(fault_of(constants[k], moments[k], wxyz[k], omega[k]))
-    return constants
-
-
 def prepared(
     moments: FloatArray,
     wxyz: FloatArray,
@@ -205,8 +183,8 @@ def prepared(
     rates: bool = True,
     wxyz_low: FloatArray | None = None,
 ) -> tuple[NDArray[Any], int]:
-    """Constants (B,) as of `constants_of`, but states that are not physical are counted, not
-    refused.
+    """Constants (B,) of motions, and how many are not physical: moments, omega (B, 3, 2), wxyz,
+    wxyz_low (B, 4), principal (1 or B, 4), differences (B, 3, 2).
     """
     # zeros, two microseconds faster than np.zeros of a record with so many fields
     constants: NDArray[Any] = np.ndarray(
@@ -217,7 +195,7 @@ def prepared(
 
 
 def faults_of(moments: FloatArray, wxyz: FloatArray, omega: FloatArray) -> IntArray:
-    """Numbers (K,) of the states (B,), given as to `constants_of`, that are not physical."""
+    """Numbers (K,) of the states (B,), given as to `prepared`, that are not physical."""
     constants: NDArray[Any] = np.ndarray(
         len(moments), CONSTANTS, bytearray(len(moments) * CONSTANTS.itemsize)
     )

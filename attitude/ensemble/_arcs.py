@@ -11,7 +11,7 @@ from attitude import frames
 from attitude._solver import evaluation
 from attitude._solver.principal_axes import PrincipalAxes
 from attitude._solver.records import CONSTANTS
-from attitude._solver.states import BLOCK, compiled, reaches, symmetric_tensors
+from attitude._solver.states import BLOCK, Solved, States, compiled, reaches, symmetric_tensors
 from attitude._support import pairs, validation
 from attitude._support.arrays import Immutable, frozen, read_only
 from attitude._support.blocks import ProgressBar, in_blocks, in_rectangles
@@ -110,7 +110,7 @@ def _records(
     q[..., 0] = wxyz
     if members.low is not None:
         q[..., 1] = members.low
-    records = [_sound(solved.constants, solved.bad)]
+    records = [_sound(solved)]
     for change, start, end in zip(changes, starts[:-1], starts[1:], strict=True):
         length = np.array(pairs.add((end[0], end[1]), -start[0], -start[1]))
         beyond = np.abs(length[0]) > reaches(records[-1])
@@ -130,16 +130,15 @@ def _records(
             compiled().exchange_members(arrays[0], arrays[1], *new, w)
             moments = np.repeat(new[0][None], len(w), axis=0)
             axes, principal = new[1][None], np.array(body.principal_wxyz)[None]
-        state = moments, q[..., 0].copy(), w.copy(), principal
-        constants, faults = evaluation.prepared(*state)
-        records.append(_sound(constants, np.flatnonzero(constants["fault"]) if faults else ()))
+        states = States(moments, principal, w.copy(), None, q[..., 0].copy())
+        records.append(_sound(states.prepared(slice(None))))
     return np.stack(records, axis=1)
 
 
-def _sound(constants: NDArray[Any], bad: Any) -> NDArray[Any]:
-    if len(bad):
-        raise Failed(int(bad[0]))
-    return constants
+def _sound(solved: Solved) -> NDArray[Any]:
+    if len(solved.bad):
+        raise Failed(int(solved.bad[0]))
+    return solved.constants
 
 
 def _axes(ensemble: Ensemble, part: slice) -> FloatArray:

@@ -984,8 +984,8 @@ class Arcs(Differentiable):
     def _refuse(self, t: float) -> None:
         """Raise the AttitudeError of a free rotation for an epoch beyond its reach."""
         k = self._arc(t)
-        local, out = np.array([[t - self._starts[k, 0]]]), np.empty((1, 4, 1))
-        evaluation.evaluate(self._constants[k : k + 1], local, None, out, None)
+        since_start = np.array([t - self._starts[k, 0]])
+        raise AttitudeError(evaluation.refusal(self._constants[k], since_start, None))
 
     def _arc(self, t: float, low: float = 0.0) -> int:
         """The number of the arc of one epoch."""

@@ -449,16 +449,16 @@ def _check_places(regimes):
 def check_blocks_of_regimes(truths):
     """States in blocks, their shapes, and what is refused, by its number."""
     from attitude import AttitudeError
-    from attitude._solver import regime
+    from attitude._solver import regime, states
 
     moments = np.tile((1.0, 2.0, 2.5), (8, 1))
     omega = np.array([(0.1, 0.2, 0.3 + 0.01 * k) for k in range(8)])
-    size, regime._BLOCK = regime._BLOCK, 3
+    size, states.BLOCK = states.BLOCK, 3
     try:
         found, modes = regime.regimes(moments, omega), regime.classify(moments, omega)
         _check_refused(regime, moments, omega)
     finally:
-        regime._BLOCK = size
+        states.BLOCK = size
     for k in range(8):
         alone = regime.regimes(moments[k], omega[k])
         assert found.P_psi[k] == alone.P_psi and modes[k] == alone.mode == found[k].mode
