@@ -279,9 +279,9 @@ def _growth(tangents):
 
 def _first_that_overflows(tangents, t, t_low, runs):
     """The number of the first body whose derivatives overflow at an epoch, or -1."""
-    reach = reaches(tangents)
-    if np.all(reach == np.inf):
+    if not np.any(tangents["grows"]):
         return -1
+    reach = reaches(tangents)
     far = _distances(t, t_low)
     if runs is None:
         far = np.nanmax(far, axis=1, initial=0.0)

@@ -448,15 +448,15 @@ class Evaluation(NamedTuple):
         moments, wxyz, principal = solved.moments, solved.wxyz, solved.principal
         rods = np.any(moments[:, :, 0] == 0.0, axis=1)
         rods[solved.bad] = True
-        unknown = np.flatnonzero(rods)
-        if len(unknown):
-            if self.raises:
-                k = int(unknown[0])
-                self._refuse(int(numbers[k]), sensitivities.of_rod(moments[k]))
-            moments = np.where(rods[:, None, None], 1.0, moments)
+        if not rods.any():
+            return sensitivities.tangents_of(moments, wxyz, principal, solved.constants)
+        if self.raises:
+            k = int(np.argmax(rods))
+            self._refuse(int(numbers[k]), sensitivities.of_rod(moments[k]))
+        moments = np.where(rods[:, None, None], 1.0, moments)
         tangents = sensitivities.tangents_of(moments, wxyz, principal, solved.constants)
         for name in ("weights", "offset", "amplitudes", "uniform", "uniform_rates"):
-            tangents[name][unknown] = np.nan
+            tangents[name][rods] = np.nan
         return tangents
 
 

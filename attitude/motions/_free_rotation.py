@@ -14,7 +14,7 @@ from attitude._solver import codes, evaluation
 from attitude._solver.elements import Elements, elements_of, state_of
 from attitude._solver.regime import Mode, regime_of, regimes
 from attitude._solver.sensitivities import Sensitivity
-from attitude._solver.states import Evaluation, States
+from attitude._solver.states import States
 from attitude._support import markup, pairs, validation
 from attitude._support.arrays import frozen, new_array
 from attitude._support.synonyms import arguments, checks_arguments
@@ -195,7 +195,9 @@ class FreeRotation(Differentiable):
             wxyz[None],
             low,
         )
-        solved = Evaluation(states).prepared(range(1), rates=True)
+        solved = states.prepared(slice(None))
+        if len(solved.bad):
+            raise AttitudeError(solved.fault(0))
         self._set("_constants", frozen(solved.constants))
 
     # ---- Construction
