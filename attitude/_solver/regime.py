@@ -330,7 +330,7 @@ def summary(states: Evaluation, count: int) -> tuple[NDArray[Any], FloatArray]:
     rows, rates = np.empty(count, REGIME), np.empty((2, count))
     for first in range(0, count, BLOCK):
         block = slice(first, min(first + BLOCK, count))
-        solved = states.prepared(range(block.start, block.stop), rates=True)
+        solved = states.prepared(range(block.start, block.stop))
         rates[:, block] = solved.constants["psi_rate"], solved.constants["phi_rate"]
         some = rows_of(solved.moments, solved.constants)
         for name in REGIME.names or ():

@@ -508,7 +508,7 @@ def _surveyed(member: IntArray) -> list[IntArray]:
 def consecutive(who: IntArray) -> slice | IntArray:
     """Numbers (K,), K >= 1, as a slice if each is one more than the last: arrays need no copy."""
     first, end = int(who[0]), int(who[-1]) + 1
-    if end - first == len(who) and np.all(who[1:] > who[:-1]):
+    if end - first == len(who) and (len(who) == 1 or np.all(who[1:] > who[:-1])):
         return slice(first, end)
     return who
 

@@ -457,6 +457,14 @@ def check_blocks_of_regimes(truths):
     try:
         found, modes = regime.regimes(moments, omega), regime.classify(moments, omega)
         _check_refused(regime, moments, omega)
+        # where they are not refused, they have no numbers
+        changed = omega.copy()
+        changed[4, 1] = math.nan
+        source = states.States.of_principal_axes(moments, changed)
+        rows, rates = regime.summary(states.Evaluation(source, raises=False), 8)
+        assert np.flatnonzero(rows["mode"] == -1).tolist() == [4]
+        assert np.flatnonzero(np.isnan(rates).all(axis=0)).tolist() == [4]
+        assert np.isnan(rows["psi_rate"][4]) and not np.isnan(rows["psi_rate"][:4]).any()
     finally:
         states.BLOCK = size
     for k in range(8):
@@ -519,6 +527,13 @@ def _check_refused(regime, moments, omega):
                 assert f"State {bad} of 8" in str(err), err
             else:
                 raise AssertionError(bad)
+        for count, words in ((1, "the angular velocity is"), (2, "State 0 of 2: the angular")):
+            try:
+                function(moments[:count], np.full((count, 3), math.nan))
+            except AttitudeError as err:
+                assert str(err).startswith(words), err
+            else:
+                raise AssertionError(count)
         for arguments, words in (
             ((np.ones((2, 3)), np.ones((4, 3))), "do not broadcast"),
             (((1.0, 2.0), (1.0, 0.0, 0.0)), "shape"),
