@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude import frames
-from attitude._solver import evaluation
+from attitude._solver.states import States
 from attitude._support import validation
 from attitude._support.synonyms import arguments, of_module
 from attitude.errors import AttitudeError, AttitudeWarning
@@ -227,13 +227,8 @@ def _family(moments: FloatArray, semi: FloatArray) -> Iterator[tuple[str, FloatA
         node = np.arctan2(np.sqrt(b - a), np.sqrt(c - b))
         states.append((np.cos(node), 0.0, np.sin(node)))
     units = np.array(states)
-    omega = np.zeros((len(units), 3, 2))
-    omega[..., 0] = units * semi
-    pairs = np.zeros_like(omega)
-    pairs[..., 0] = moments
-    identity = np.tile([1.0, 0.0, 0.0, 0.0], (len(units), 1))
-    constants = evaluation.constants_of(pairs, identity, omega, identity[:1])
-    for k, record in enumerate(constants):
+    solved = States.of_principal_axes(moments[None], units * semi).prepared(slice(None))
+    for k, record in enumerate(solved.constants):
         line = curves.polhode(record, np.eye(3), 361)
         color = "black" if k == len(places) else "#999999"
         for sides in ((1, 1), (-1, 1), (1, -1), (-1, -1)):

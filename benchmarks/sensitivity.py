@@ -25,6 +25,7 @@ from attitude._solver import evaluation, sensitivities
 from attitude._support.arrays import new_array
 from benchmarks.doc_tables import Table, markdown
 from tests.solver.test_sensitivity import STATES, WXYZ
+from tests.support import states
 from tests.support.differences import conditioning, sensitivity
 
 REVOLUTIONS = (1.3, 1e3 + 0.3, 1e6 + 0.7)
@@ -112,7 +113,7 @@ def _constants(moments, omega):
     pairs = np.zeros((2, 1, 3, 2))
     pairs[0, 0, :, 0], pairs[1, 0, :, 0] = moments, omega
     wxyz, unit = np.array([WXYZ]), np.array([[1.0, 0.0, 0.0, 0.0]])
-    constants = evaluation.constants_of(pairs[0], wxyz, pairs[1], unit)
+    constants = states.constants_of(pairs[0], wxyz, pairs[1], unit)
     return constants, sensitivities.tangents_of(pairs[0], wxyz, unit, constants)
 
 
@@ -157,7 +158,7 @@ def set_up():
         pairs = np.zeros((2, 10**4, 3, 2))
         pairs[0, :, :, 0], pairs[1, :, :, 0] = moments, omega
         wxyz, unit = np.tile(WXYZ, (10**4, 1)), np.array([[1.0, 0.0, 0.0, 0.0]])
-        constants = evaluation.constants_of(pairs[0], wxyz, pairs[1], unit)
+        constants = states.constants_of(pairs[0], wxyz, pairs[1], unit)
         cost = best(
             lambda p=pairs[0], w=wxyz, u=unit, c=constants: sensitivities.tangents_of(p, w, u, c)
         )

@@ -3,7 +3,8 @@
 Importing this package compiles nothing; each function is compiled at its first call and kept on
 disk for the next process.  Symbols are those of van Zon & Schofield (2006).
 
-evaluation      entry points: constants of B motions, and their attitudes; batches, in blocks
+evaluation      entry points: constants of B motions, and their attitudes
+states          states of B bodies: attitudes and derivatives on grids and rows, by blocks, threads
 records, codes  the records of the constants and derivatives of a motion, and integers in them
 constants       the stages that fill a record: classes, rates and phases, coefficients
 kernel          attitudes and rates from a record, in loops over bodies and epochs

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray
 
 
-_IDENTITY = np.array([[1.0, 0.0, 0.0, 0.0]])
 # Ratios of moments at which a solution is sought.
 _GRID = 2000
 # Share of the precession rate by which rounding may move the elements of a lamina off all bodies.
@@ -192,8 +191,12 @@ def state_of(elements: Elements) -> tuple[FloatArray, FloatArray]:
         moments, omega = states(np.atleast_1d(r))
         pairs = np.zeros((2, len(moments), 3, 2))
         pairs[0, ..., 0], pairs[1, ..., 0] = moments, omega
-        identity = np.tile(_IDENTITY, (len(moments), 1))
-        constants = evaluation.constants_of(pairs[0], identity, pairs[1], _IDENTITY, rates=False)
+        wxyz = np.tile([1.0, 0.0, 0.0, 0.0], (len(moments), 1))
+        constants, faults = evaluation.prepared(pairs[0], wxyz, pairs[1], wxyz[:1], rates=False)
+        if faults:
+            k = int(np.argmax(constants["fault"] != 0))
+            state = pairs[0, k], wxyz[k], pairs[1, k]
+            raise AttitudeError(evaluation.fault_of(constants[k], *state))
         rates: FloatArray = 2.0 * math.pi * constants["precession"][:, 0] - elements.precession_rate
         return rates
 

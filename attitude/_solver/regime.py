@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude._solver import codes, evaluation
+from attitude._solver import codes
 from attitude._solver.records import CONSTANTS
 from attitude._support import validation
 from attitude._support.arrays import Immutable, frozen, read_only
@@ -23,12 +23,8 @@ from attitude.errors import AttitudeError
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from attitude._solver.states import Evaluation, States
     from attitude._support.annotations import FloatArray, Reals
-
-
-# The constants of so many states are computed together.
-_BLOCK = 256
-_IDENTITY = np.array([[1.0, 0.0, 0.0, 0.0]])
 
 
 class Mode(IntEnum):
@@ -104,20 +100,23 @@ def classify(moments: Reals, omega: Reals) -> Any:
     """
     from attitude._solver.constants import classify_all, refine_all
     from attitude._solver.regimes import modes_all
+    from attitude._solver.states import BLOCK, IDENTITY, States
 
     moments, omega, lead = _states(moments, omega)
-    count = len(moments)
+    states, count = States.of_principal_axes(moments, omega), len(moments)
     modes = np.empty(count, np.int8)
-    constants = np.zeros(min(count, _BLOCK), CONSTANTS)
-    for block in _blocks(count):
-        pairs, wxyz = _as_pairs(moments, omega, block)
-        some = constants[: len(wxyz)]
-        faults, _, cancelled = classify_all(pairs[0], wxyz, pairs[1], some)
+    constants = np.zeros(min(count, BLOCK), CONSTANTS)
+    wxyz = np.tile(IDENTITY, (len(constants), 1))
+    for first in range(0, count, BLOCK):
+        block = range(first, min(first + BLOCK, count))
+        some, attitudes = constants[: len(block)], wxyz[: len(block)]
+        pairs = states.pairs(slice(block.start, block.stop))
+        faults, _, cancelled = classify_all(pairs[0], attitudes, pairs[1], some)
         if faults:
-            _constants(moments, omega, block, count)  # raises the error
+            _evaluation(states).prepared(block)  # raises the error
         if cancelled:
             refine_all(some)
-        modes_all(some, modes[block])
+        modes_all(some, modes[first : block.stop])
     return Mode(int(modes[0])) if lead == () else modes.reshape(lead)
 
 
@@ -305,22 +304,39 @@ def regimes(moments: Reals, omega: Reals) -> Regime:
     >>> found.P_psi.round(6), found.P_phi_L.round(6), found.P_phi_S.round(6)
     (array([2.347113, 1.253201]), array([0.439469, 1.383953]), array([0.370161, 0.657668]))
     """
+    from attitude._solver.states import States
+
     moments, omega, lead = _states(moments, omega)
-    count = len(moments)
-    rows = None
-    for block in _blocks(count):
-        pairs, constants = _constants(moments, omega, block, count)
-        block_rows = rows_of(pairs, constants)
-        rows = np.empty(count, block_rows.dtype) if rows is None else rows
-        rows[block] = block_rows
-    if rows is None:
+    if not len(moments):
         raise AttitudeError("moments and omega hold no state; give at least one.")
+    states = States.of_principal_axes(moments, omega)
+    rows, _ = summary(_evaluation(states), len(states))
     return Regime(rows.reshape(lead))
 
 
 def regime_of(moments: FloatArray, constants: NDArray[Any]) -> Regime:
     """The Regime of one motion, from its moments (1, 3, 2), pairs, and its constants (1,)."""
     return Regime(rows_of(moments, constants).reshape(()))
+
+
+def summary(states: Evaluation, count: int) -> tuple[NDArray[Any], FloatArray]:
+    """Rows (N,) of the regimes of states, and turns per second (2, N) of psi and phi.
+
+    States that are not physical, unless they are refused, have NaN and the mode NO_MODE.
+    """
+    from attitude._solver.regimes import REGIME
+    from attitude._solver.states import BLOCK, NO_MODE
+
+    rows, rates = np.empty(count, REGIME), np.empty((2, count))
+    for first in range(0, count, BLOCK):
+        block = slice(first, min(first + BLOCK, count))
+        solved = states.prepared(range(block.start, block.stop))
+        rates[:, block] = solved.constants["psi_rate"], solved.constants["phi_rate"]
+        some = rows_of(solved.moments, solved.constants)
+        for name in REGIME.names or ():
+            some[name][solved.bad] = NO_MODE if REGIME[name].kind == "i" else np.nan
+        rows[block] = some
+    return rows, rates
 
 
 def rows_of(moments: FloatArray, constants: NDArray[Any]) -> NDArray[Any]:
@@ -333,26 +349,11 @@ def rows_of(moments: FloatArray, constants: NDArray[Any]) -> NDArray[Any]:
     return rows
 
 
-def _blocks(count):
-    """Slices of at most _BLOCK states."""
-    return [slice(start, min(start + _BLOCK, count)) for start in range(0, count, _BLOCK)]
+def _evaluation(states: States) -> Evaluation:
+    from attitude._solver.states import Evaluation
 
-
-def _as_pairs(moments, omega, part):
-    """Moments and rates of some states as pairs (2, B, 3, 2), and identical attitudes (B, 4)."""
-    size = part.stop - part.start
-    pairs = np.zeros((2, size, 3, 2))
-    pairs[0, ..., 0], pairs[1, ..., 0] = moments[part], omega[part]
-    return pairs, np.broadcast_to(_IDENTITY, (size, 4)).copy()
-
-
-def _constants(moments, omega, part, count):
-    """Moments (B, 3, 2), pairs, and constants (B,) of some states."""
-    pairs, wxyz = _as_pairs(moments, omega, part)
-    constants = evaluation.constants_of(
-        pairs[0], wxyz, pairs[1], _IDENTITY, first=part.start, count=count
-    )
-    return pairs[0], constants
+    count = len(states)
+    return Evaluation(states, lambda k: f"State {k} of {count}" if count > 1 else "")
 
 
 def _states(moments: Reals, omega: Reals) -> tuple[FloatArray, FloatArray, tuple[int, ...]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from functools import cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -9,9 +10,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from attitude._compilation.deferral import uncollected
-from attitude._solver import codes, evaluation
+from attitude._compilation.simd import LINE
+from attitude._solver import codes, covariance, evaluation
+from attitude._solver.elements import inputs_by_elements
 from attitude._solver.records import BLOCK, COLUMNS, ROWS, TANGENTS
-from attitude._support.arrays import frozen, read_only
+from attitude._support.arrays import frozen, new_array, read_only
+from attitude._support.pairs import Seconds
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
@@ -36,12 +40,9 @@ def tangents_of(
     moments: FloatArray, wxyz: FloatArray, principal: FloatArray, constants: NDArray[Any]
 ) -> NDArray[Any]:
     """The derivatives of the elements of B motions, constants (B,)."""
-    if np.any(moments[:, :, 0] == 0.0):
-        body = int(np.flatnonzero(np.any(moments[:, :, 0] == 0.0, axis=1))[0])
-        raise AttitudeError(
-            f"moments are {moments[body, :, 0].tolist()}; sensitivities need three moments above "
-            "zero: the rotation of an ideal rod about itself is undefined."
-        )
+    rods = np.flatnonzero(np.any(moments[:, :, 0] == 0.0, axis=1))
+    if len(rods):
+        raise AttitudeError(of_rod(moments[rods[0]]))
     tangents = np.zeros(len(constants), TANGENTS)
     arrays = [evaluation.writable(array) for array in (moments, wxyz, principal, constants)]
     uniform = np.any(constants["form"] == codes.UNIFORM)
@@ -50,6 +51,14 @@ def tangents_of(
     if not uniform or np.any(constants["form"] != codes.UNIFORM):
         _compiled(False)[0](*arrays, tangents, np.empty(ROWS * BLOCK))
     return tangents
+
+
+def of_rod(moments: FloatArray) -> str:
+    """The sentence on moments (3, 2) of which one is zero."""
+    return (
+        f"moments are {moments[:, 0].tolist()}; sensitivities need three moments above zero: the "
+        "rotation of an ideal rod about itself is undefined."
+    )
 
 
 def evaluate(
@@ -61,16 +70,65 @@ def evaluate(
     omega: FloatArray | None = None,
     *,
     edges: IntArray | None = None,
-    near: bool = True,
 ) -> None:
+    """As `evaluate_all`; AttitudeError for a body with an epoch beyond its reach."""
+    body = evaluate_all(constants, tangents, t, t_low, attitude, omega, edges=edges)
+    _refuse(constants, tangents, body, t, t_low, edges)
+
+
+def evaluate_all(
+    constants: NDArray[Any],
+    tangents: NDArray[Any],
+    t: FloatArray,
+    t_low: FloatArray | None,
+    attitude: FloatArray,
+    omega: FloatArray | None = None,
+    *,
+    edges: IntArray | None = None,
+    near: bool = True,
+) -> int:
     """Fill attitude, omega (B, 3, P, T) with the derivatives of B motions at epochs t, t_low (1 or
     B, T).
 
+    Returns -1, or the number of a body with an epoch beyond its reach; then not all are filled.
+
+    edges: (B + 1,), of rows (1, R) of epochs, of which those of a body stand between two edges.
     near: whether columns have all digits near the epoch of the state, by series; otherwise those
         of their terms, and series only where these cancel to 4e-12.
     """
     short = _short_of(constants, tangents, t, edges, omega is not None, near)
-    _in_blocks(constants, tangents, short, t, t_low, 1, (attitude, omega), edges)
+    return _in_blocks(constants, tangents, short, t, t_low, 1, (attitude, omega), edges)
+
+
+def refusal(
+    constants: NDArray[Any],
+    tangents: NDArray[Any] | None,
+    body: int,
+    t: FloatArray,
+    t_low: FloatArray | None,
+) -> str:
+    """The sentence on one of B motions and epochs (T,) of which one is beyond its reach; with
+    tangents, beyond that of its derivatives.
+    """
+    if tangents is not None:
+        far = np.nanmax(_distances(t, t_low), initial=0.0)
+        if far > reaches(tangents)[body]:
+            rate = float(_growth(tangents)[body])
+            return (
+                f"an epoch lies {far:.3g} s from that of the state; this rotation about its middle "
+                f"axis is unstable and multiplies errors by e every {1.0 / rate:.3g} s. Give "
+                f"epochs within {_MOST_GROWTH / rate:.3g} s."
+            )
+    return evaluation.refusal(constants[body], t, t_low)
+
+
+def _refuse(constants, tangents, body, t, t_low, edges=None):
+    """Raise the AttitudeError of a body with an epoch beyond its reach, unless its number is -1."""
+    if body >= 0:
+        few = slice(None) if edges is None else slice(edges[body], edges[body + 1])
+        few = body if len(t) > 1 else 0, few
+        low = None if t_low is None else t_low[few]
+        raise AttitudeError(refusal(constants, tangents, body, t[few], low))
 
 
 class Factored(NamedTuple):
@@ -103,7 +161,8 @@ def covariances(
     if len(short):
         factors = np.moveaxis(of.factors, 1, 2)[short["motion"]]
         short["series"] = factors[:, None] @ short["series"]
-    _in_blocks(constants, of.tangents, short, t, t_low, 2, (out,), None)
+    body = _in_blocks(constants, of.tangents, short, t, t_low, 2, (out,), None)
+    _refuse(constants, of.tangents, body, t, t_low)
 
 
 def _short_of(constants, tangents, t, edges, rates, every):
@@ -177,8 +236,12 @@ def _mixed(tangents, factors):
 
 
 def _in_blocks(constants, tangents, short, t, t_low, kind, outputs, runs):
-    """Call the loops of each form, so many epochs at a time that Ctrl-C is heard."""
-    _refuse_overflow(tangents, t, runs)
+    """Call the loops of each form, so many epochs at a time that Ctrl-C is heard; -1, or a body
+    with an epoch beyond its reach.
+    """
+    body = _first_that_overflows(tangents, t, t_low, runs)
+    if body >= 0:
+        return body
     records = evaluation.writable(constants), evaluation.writable(tangents)
     times = read_only(t), _NO_LOW if t_low is None else read_only(t_low)
     block = np.empty(ROWS * BLOCK)
@@ -188,10 +251,8 @@ def _in_blocks(constants, tangents, short, t, t_low, kind, outputs, runs):
             loop = _compiled(form == codes.UNIFORM)[kind][form]
             body = loop(*records, short, *times, block, *outputs, edges)
             if body >= 0:
-                few = body if len(t) > 1 else 0, slice(*edges[body].tolist())
-                evaluation.refuse_epoch(
-                    constants[body], t[few], None if t_low is None else t_low[few]
-                )
+                return body
+    return -1
 
 
 def _parts(runs, bodies, count):
@@ -216,21 +277,108 @@ def _growth(tangents):
     return 4.0 * np.pi * tangents["wobble"][:, 0] * tangents["grows"]
 
 
-def _refuse_overflow(tangents, t, runs):
-    growth = _growth(tangents)
-    if not np.any(growth > 0.0):
-        return
+def _first_that_overflows(tangents, t, t_low, runs):
+    """The number of the first body whose derivatives overflow at an epoch, or -1."""
+    if not np.any(tangents["grows"]):
+        return -1
+    reach = reaches(tangents)
+    far = _distances(t, t_low)
     if runs is None:
-        far = np.nanmax(np.abs(t), axis=1, initial=0.0)
+        far = np.nanmax(far, axis=1, initial=0.0)
     else:
-        far = [np.nanmax(np.abs(t[0, a:b]), initial=0.0) for a, b in pairwise(runs.tolist())]
-    if np.any(growth * far > _MOST_GROWTH):
-        rate = float(np.max(growth))
-        raise AttitudeError(
-            f"an epoch lies {np.max(far):.3g} s from that of the state; this rotation about its "
-            f"middle axis is unstable and multiplies errors by e every {1.0 / rate:.3g} s. Give "
-            f"epochs within {_MOST_GROWTH / rate:.3g} s."
-        )
+        far = [np.nanmax(far[0, a:b], initial=0.0) for a, b in pairwise(runs.tolist())]
+    beyond = np.flatnonzero(far > reach)
+    return int(beyond[0]) if len(beyond) else -1
+
+
+def _distances(t, t_low):
+    return np.abs(t if t_low is None else t + t_low)
+
+
+# ---- Derivatives and covariances of the attitudes of one free rotation
+
+
+class Derivatives(ABC):
+    """The derivatives of a motion at any epoch, and the covariances that follow from them."""
+
+    @abstractmethod
+    def at(
+        self, seconds: FloatArray, low: FloatArray | None, rates: bool
+    ) -> tuple[FloatArray, FloatArray | None]:
+        """Changes of attitude (S, 3, 9), ICRF axes, and of the angular velocity, body axes."""
+
+    @abstractmethod
+    def by_elements(self) -> FloatArray:
+        """Changes (6, 5) of angular velocity and moments with the elements at the epoch."""
+
+    def covariance_at(
+        self, given: FloatArray, seconds: FloatArray, low: FloatArray | None, rates: bool
+    ) -> FloatArray:
+        """Covariances (S, 3, 3) of the attitude, or (S, 6, 6), from that (9, 9) of the state."""
+        attitude, omega = self.at(seconds, low, rates)
+        both = attitude if omega is None else np.concatenate([attitude, omega], axis=-2)
+        factored = both @ covariance.factor(given)
+        products: FloatArray = factored @ np.swapaxes(factored, -1, -2)
+        return products
+
+
+class Sensitivity(Derivatives):
+    """The derivatives of one motion at any epoch.
+
+    Parameters
+    ----------
+    moments, wxyz, principal, constants
+        Of `tangents_of`, of one motion.
+    """
+
+    def __init__(
+        self,
+        moments: FloatArray,
+        wxyz: FloatArray,
+        principal: FloatArray,
+        constants: NDArray[Any],
+    ) -> None:
+        self._constants = constants
+        self._tangents = tangents_of(moments, wxyz, principal, constants)
+        self._last: tuple[FloatArray, Factored] | None = None
+
+    def _factored(self, given: FloatArray) -> Factored:
+        """The factors for a covariance (9, 9); those of the last one are kept."""
+        last = self._last
+        if last is None or not np.array_equal(last[0], given):
+            factors = covariance.factor(given)[None]
+            last = given.copy(), factored(self._constants, self._tangents, factors)
+            self._last = last
+        return last[1]
+
+    def at(
+        self, seconds: FloatArray, low: FloatArray | None, rates: bool
+    ) -> tuple[FloatArray, FloatArray | None]:
+        """Changes of attitude (S, 3, 9), ICRF axes, and of the angular velocity, body axes."""
+        t, t_low = Seconds(seconds, low).row
+        attitude = new_array(1, 3, 9, t.size)
+        omega = new_array(1, 3, 9, t.size) if rates else None
+        evaluate(self._constants, self._tangents, t, t_low, attitude, omega)
+        shape = (*seconds.shape, 3, 9)
+        changes = np.moveaxis(attitude[0], -1, 0).reshape(shape)
+        return changes, None if omega is None else np.moveaxis(omega[0], -1, 0).reshape(shape)
+
+    def by_elements(self) -> FloatArray:
+        """Changes (6, 5) of angular velocity and moments with the elements."""
+        return inputs_by_elements(self._constants[0], self._tangents["by_input"][0])
+
+    def covariance_at(
+        self, given: FloatArray, seconds: FloatArray, low: FloatArray | None, rates: bool
+    ) -> FloatArray:
+        """As `Derivatives.covariance_at`, in one loop over the epochs."""
+        t, t_low = Seconds(seconds, low).row
+        size = 6 if rates else 3
+        # Rows of whole lines of the cache are stored faster.
+        out = new_array(1, size, size, -(-t.size // LINE) * LINE)
+        of = self._factored(given)
+        covariances(self._constants, self._tangents, of, t, t_low, out)
+        filled: FloatArray = np.moveaxis(out[0, ..., : t.size], -1, 0)
+        return filled.reshape(*seconds.shape, size, size)
 
 
 @cache

@@ -7,6 +7,7 @@ search has failed, so that the table costs nothing where a name exists.
 
 from __future__ import annotations
 
+import sys
 from abc import ABCMeta
 from collections.abc import Callable, Mapping
 from functools import wraps
@@ -378,11 +379,17 @@ def absent(owner: str, name: str, *, obj: Any = None) -> AttributeError:
     return AttributeError(sentence, name=name, obj=obj)
 
 
-def of_module(owner: str) -> Callable[[str], Any]:
-    """A ``__getattr__`` of a module, which answers each absent name."""
+def of_module(owner: str, where: Mapping[str, str] | None = None) -> Callable[[str], Any]:
+    """A ``__getattr__`` of a module: it imports names, when they are first used, from the modules
+    that `where` gives for them, and answers each absent name.
+    """
 
     def __getattr__(name: str) -> Any:
-        raise absent(owner, name)
+        if where is None or name not in where:
+            raise absent(owner, name)
+        value = getattr(import_module(where[name]), name)
+        setattr(sys.modules[owner], name, value)
+        return value
 
     return __getattr__
 

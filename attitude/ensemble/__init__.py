@@ -8,7 +8,7 @@ How to use it::
     bodies.at([0.0, 3600.0]).wxyz  # arrays of N rows in, (N, 2, 4) out
 
 _ensemble      `Ensemble`: the states of N members, and what they answer
-_evaluation    the epochs of a call (grid or rows), blocks and threads; `EnsembleHistory`
+_evaluation    the epochs of a call (grid or rows); `EnsembleHistory`
 _quantities    `AngleTo` and other quantities, for percentiles, histograms and coverage
 _partitioned   `PartitionedEnsemble`: members in the partitions of dask
 _members       epochs, inertia and states of the members as the compiled solution takes them
@@ -20,6 +20,7 @@ _torqued       `TorquedEnsemble`: N states under torques, one scheme and one ste
 
 from typing import TYPE_CHECKING
 
+from attitude._support.synonyms import of_module
 from attitude.ensemble._ensemble import Ensemble
 from attitude.ensemble._evaluation import EnsembleHistory
 from attitude.ensemble._quantities import AngleTo
@@ -29,11 +30,5 @@ __all__ = ["AngleTo", "Ensemble", "EnsembleHistory", "PartitionedEnsemble"]
 if TYPE_CHECKING:
     from attitude.ensemble._partitioned import PartitionedEnsemble
 else:
-
-    def __getattr__(name: str) -> type:
-        """`PartitionedEnsemble`, whose module needs dask."""
-        if name == "PartitionedEnsemble":
-            from attitude.ensemble._partitioned import PartitionedEnsemble
-
-            return PartitionedEnsemble
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    # Its module needs dask.
+    __getattr__ = of_module(__name__, {"PartitionedEnsemble": "attitude.ensemble._partitioned"})

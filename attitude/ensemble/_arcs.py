@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 from contextlib import contextmanager
-from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from attitude import frames
-from attitude._compilation.deferral import uncollected
 from attitude._solver import evaluation
-from attitude._solver.batches import symmetric_tensors
 from attitude._solver.principal_axes import PrincipalAxes
 from attitude._solver.records import CONSTANTS
+from attitude._solver.states import BLOCK, Solved, States, compiled, reaches, symmetric_tensors
 from attitude._support import pairs, validation
 from attitude._support.arrays import Immutable, frozen, read_only
 from attitude._support.blocks import ProgressBar, in_blocks, in_rectangles
 from attitude._support.pairs import Seconds
-from attitude.ensemble import _evaluation
 from attitude.ensemble._evaluation import EnsembleHistory
-from attitude.ensemble._members import BLOCK
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.torques import _arcs
@@ -91,7 +87,7 @@ class Chains:
         def work(part: slice, epochs: tuple[int, int]) -> None:
             columns = slice(*epochs)
             out = wxyz[part], rates[part], epochs[0]
-            failed = _compiled().evaluate_members(
+            failed = compiled().evaluate_members(
                 read_only(self._records[part]), self._starts, high[columns], lows[columns], *out
             )
             if failed >= 0:
@@ -107,17 +103,17 @@ def _records(
 ) -> NDArray[Any]:
     """Constants (B, K + 1) of the arcs of some members."""
     members = ensemble._members.taken(part)
-    moments, wxyz, w = members.states(slice(None))
+    solved = members.prepared(slice(None))
+    moments, w, wxyz = solved.moments, solved.omega.copy(), solved.wxyz
     principal, axes = np.array(members.principal, order="C"), _axes(ensemble, part)
     q = np.zeros((len(wxyz), 4, 2))
     q[..., 0] = wxyz
     if members.low is not None:
         q[..., 1] = members.low
-    w = w.copy()
-    records = [_sound(*members.prepared(slice(None)))]
+    records = [_sound(solved)]
     for change, start, end in zip(changes, starts[:-1], starts[1:], strict=True):
         length = np.array(pairs.add((end[0], end[1]), -start[0], -start[1]))
-        beyond = np.abs(length[0]) > _evaluation.reaches(records[-1])
+        beyond = np.abs(length[0]) > reaches(records[-1])
         if beyond.any():
             raise Failed(int(np.argmax(beyond)))
         in_body, in_space = np.zeros(3), np.zeros((3, 2))
@@ -127,23 +123,22 @@ def _records(
         else:
             in_space[:] = frames.vector_to_icrf(change.frame, added)
         arrays = read_only(moments), read_only(axes), read_only(principal)
-        _compiled().join_members(records[-1], *arrays, length, q, w, in_body, in_space)
+        compiled().join_members(records[-1], *arrays, length, q, w, in_body, in_space)
         if isinstance(change, InertiaChange):
             body = change.body
             new = body.moments_as_pairs, body._axes
-            _compiled().exchange_members(arrays[0], arrays[1], *new, w)
+            compiled().exchange_members(arrays[0], arrays[1], *new, w)
             moments = np.repeat(new[0][None], len(w), axis=0)
             axes, principal = new[1][None], np.array(body.principal_wxyz)[None]
-        state = moments, q[..., 0].copy(), w.copy(), principal
-        constants, faults = evaluation.prepared(*state)
-        records.append(_sound(constants, np.flatnonzero(constants["fault"]) if faults else ()))
+        states = States(moments, principal, w.copy(), None, q[..., 0].copy())
+        records.append(_sound(states.prepared(slice(None))))
     return np.stack(records, axis=1)
 
 
-def _sound(constants: NDArray[Any], bad: Any) -> NDArray[Any]:
-    if len(bad):
-        raise Failed(int(bad[0]))
-    return constants
+def _sound(solved: Solved) -> NDArray[Any]:
+    if len(solved.bad):
+        raise Failed(int(solved.bad[0]))
+    return solved.constants
 
 
 def _axes(ensemble: Ensemble, part: slice) -> FloatArray:
@@ -157,14 +152,6 @@ def _axes(ensemble: Ensemble, part: slice) -> FloatArray:
     if inertia.bodies is not None:
         return np.stack([body._axes for body in inertia.bodies[which]])
     return PrincipalAxes.of(symmetric_tensors(inertia.given[which])).axes
-
-
-@cache
-def _compiled() -> Any:
-    """The module of compiled loops over members."""
-    with uncollected():
-        from attitude._solver import chains
-    return chains
 
 
 class ArcsEnsemble(Immutable):

@@ -4,24 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 
 from attitude import frames
 from attitude._solver import regime as solver_regime
-from attitude._solver import sensitivities
+from attitude._solver import sensitivities, states
 from attitude._solver.regime import Regime
+from attitude._solver.states import Evaluation, Results, Solved, States
 from attitude._support import markup, validation
 from attitude._support.arrays import Immutable, frozen, read_only
 from attitude._support.blocks import ProgressBar, in_blocks
 from attitude._support.pairs import Seconds
 from attitude.averaged._ensemble import AveragedEnsemble
-from attitude.ensemble import _evaluation, _light, _members, _quantities, _tables
+from attitude.ensemble import _light, _members, _quantities, _tables
 from attitude.ensemble._arcs import ArcsEnsemble
-from attitude.ensemble._evaluation import EnsembleHistory, MemberDerivatives, MemberGrid, MemberRows
-from attitude.ensemble._members import BLOCK, NO_MODE, Kept, Members
+from attitude.ensemble._evaluation import EnsembleHistory, MemberGrid, MemberRows
 from attitude.ensemble._torqued import TorquedEnsemble
 from attitude.epochs import _instants
 from attitude.errors import AttitudeError
@@ -34,7 +34,7 @@ from attitude.motions._free_rotation import FreeRotation
 from attitude.motions._spin import Spin
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
 
     from astropy.table import QTable
     from numpy.typing import ArrayLike, NDArray
@@ -60,6 +60,8 @@ _KEPT = (
 _HELD = 1 << 20
 # Epochs that are evaluated together at least, since each part costs a set-up of all members.
 _FEWEST = 16
+# Members whose constants, 34 MB, are kept for several parts.
+_MOST_KEPT = 35_000
 # Members that are evaluated together: their attitudes stay in the second-level cache.
 _FEW = 256
 
@@ -125,11 +127,6 @@ def _covered(within: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 # ---- The ensemble
-
-
-def _shifted(label: Callable[[int], str], first: int, k: int) -> str:
-    """The name of member k of a part whose first member is `first`."""
-    return label(first + k)
 
 
 def _periods(rates: FloatArray) -> FloatArray:
@@ -222,7 +219,7 @@ class Ensemble(Immutable):
         on_error: str = "raise",
     ) -> None:
         self._inertia: Inertia
-        self._members: Members
+        self._members: States
         self._low: FloatArray | None
         self._start: FloatArray
         self._bad: IntArray
@@ -282,9 +279,10 @@ class Ensemble(Immutable):
         self._set("_low", low)
         self._set("names", _members.known_names(names, len(wxyz)))
         attitude = _members.to_icrf(self.frame, wxyz, low)
-        inertia, resolved = given.resolved(rates, on_error == "raise")
+        inertia, omega, differences = given.resolved(rates, on_error == "raise")
         self._set("_inertia", inertia)
-        self._set("_members", Members(inertia.moments, inertia.principal, *resolved, *attitude))
+        states = States(inertia.moments, inertia.principal, omega, differences, *attitude)
+        self._set("_members", states)
         self._set("wxyz", frozen(np.ascontiguousarray(wxyz)))
         self._set("angular_velocity", frozen(np.ascontiguousarray(rates)))
         self._check()
@@ -550,8 +548,8 @@ class Ensemble(Immutable):
             names=_members.known_names(names, sum(counts)),
             on_error="nan" if any(other.on_error == "nan" for other in parts) else "raise",
             _inertia=_members.joined_inertia([other._inertia for other in parts], counts),
-            _members=_members.joined([other._members for other in parts]),
-            _low=_members.joined_rows([(other._low, other.wxyz) for other in parts]),
+            _members=states.joined([other._members for other in parts]),
+            _low=states.joined_rows([(other._low, other.wxyz) for other in parts]),
             _start=_members.joined_epochs([other._start for other in parts], counts),
             _bad=wrong,
         )
@@ -764,7 +762,7 @@ class Ensemble(Immutable):
     @cached_property
     def energy(self) -> FloatArray:
         """(N,) kinetic energies, J, or rad2/s2 times the relative unit of inertia."""
-        rates = self._members.rates
+        rates = self._members.omega
         rates = rates if rates.ndim == 2 else rates[..., 0]
         return frozen(0.5 * np.sum(self.principal_moments * rates**2, axis=-1))
 
@@ -802,18 +800,7 @@ class Ensemble(Immutable):
     @cached_property
     def _summary(self) -> tuple[NDArray[Any], FloatArray]:
         """Rows (N,) of the regimes, and turns per second (2, N) of psi and phi."""
-        rows, rates = None, np.empty((2, len(self)))
-        for first in range(0, max(len(self), 1), BLOCK):
-            block = slice(first, min(first + BLOCK, len(self)))
-            constants, bad = self._members.prepared(block)
-            rates[:, block] = constants["psi_rate"], constants["phi_rate"]
-            block_rows = solver_regime.rows_of(self._members.states(block)[0], constants)
-            for name in block_rows.dtype.names or ():
-                block_rows[name][bad] = NO_MODE if block_rows.dtype[name].kind == "i" else np.nan
-            rows = np.empty(len(self), block_rows.dtype) if rows is None else rows
-            rows[block] = block_rows
-        assert rows is not None
-        return rows, rates
+        return solver_regime.summary(self._evaluation(), len(self))
 
     # ---- Attitudes
 
@@ -944,12 +931,7 @@ class Ensemble(Immutable):
         both = validation.flag(angular_velocity, "angular_velocity") or rates_out is not None
         outs = [(out, "out"), (rates_out, "rates_out")][: 1 + both]
         memory = [epochs.memory(*array, 3, sensitivities.PARAMETERS) for array in outs]
-        filled = memory[0], memory[1] if both else None
-        changes = MemberDerivatives(self._members, self.label, self.on_error == "raise")
-        if isinstance(epochs, MemberGrid):
-            changes.grid(epochs.t, *filled, threads)
-        else:
-            _evaluation.ragged(changes, *epochs.flat(), epochs.order, *filled, threads)
+        epochs.fill(self._evaluation(), Results(None, None, *memory), threads)
         views = [epochs.shaped(a, b[0]) for a, b in zip(memory, outs, strict=True)]
         return (views[0], views[1]) if both else views[0]
 
@@ -959,7 +941,7 @@ class Ensemble(Immutable):
         """Angular velocities (S, 3), rad/s in body axes, of members (S) at seconds + low (S)."""
         epochs = MemberRows(len(self), member, Seconds(seconds, low))
         wxyz, rates = (np.empty((width, epochs.size)) for width in (4, 3))
-        self._fill_rows(epochs, wxyz, rates, 1)
+        epochs.fill(self._evaluation(), Results(wxyz, rates), 1)
         return epochs.shaped(rates, None)
 
     def grid_of(self, t: Epochs, low: ArrayLike | None = None) -> MemberGrid:
@@ -995,7 +977,7 @@ class Ensemble(Immutable):
                 f"member is {validation.shown(member)}; give whole numbers or names of members."
             )
         numbers: IntArray = np.asarray(array, dtype=np.int64, order="C")
-        least, greatest, in_runs = _evaluation.survey(numbers.reshape(-1))
+        least, greatest, in_runs = states.survey(numbers.reshape(-1))
         if least < 0 or greatest >= len(self):
             flat = numbers.reshape(-1)
             row = int(np.argmax((flat < 0) | (flat >= len(self))))
@@ -1008,31 +990,17 @@ class Ensemble(Immutable):
     def _history(self, found: MemberGrid | MemberRows, outs: Any, threads: int) -> EnsembleHistory:
         """The history of some epochs, in the output arrays (out, name, width) if they are given."""
         memory = [found.memory(*array) for array in outs]
-        self._fill_rows(found, memory[0], memory[1] if len(memory) > 1 else None, threads)
+        found.fill(self._evaluation(), Results(*memory), threads)
         views = [read_only(found.shaped(a, b[0])) for a, b in zip(memory, outs, strict=True)]
         history = EnsembleHistory(self, found.member, *found.seconds, views[0])
         if len(views) > 1:
             history.__dict__["angular_velocity"] = views[1]
         return history
 
-    def _fill_rows(
-        self,
-        found: MemberGrid | MemberRows,
-        wxyz: FloatArray,
-        rates: FloatArray | None,
-        threads: int,
-    ) -> None:
-        """Fill component-major memory with attitudes and, unless it is None, rates."""
-        raises = self.on_error == "raise"
-        if isinstance(found, MemberGrid):
-            members, label = self._members, self.label
-            if found.count < len(members):
-                members = members.taken(slice(found.first, found.first + found.count))
-                label = partial(_shifted, self.label, found.first)
-            _evaluation.grid(members, label, found.t, wxyz, rates, threads, raises)
-        else:
-            runs = _evaluation.Runs(self._members, self.label, raises)
-            _evaluation.ragged(runs, *found.flat(), found.order, wxyz, rates, threads)
+    def _evaluation(self, solved: Solved | None = None) -> Evaluation:
+        """The members as the compiled solution takes them, or their constants that are kept."""
+        source = self._members if solved is None else solved
+        return Evaluation(source, self.label, self.on_error == "raise")
 
     # ---- Brightness
 
@@ -1082,8 +1050,7 @@ class Ensemble(Immutable):
         to_sun = _light.known_vectors(sun, "sun", epochs.shape)
         to_observer = _light.known_vectors(observer, "observer", epochs.shape)
         shapes = _light.known_shapes(shape, len(self), self.label)
-        raises = self.on_error == "raise"
-        source = _light.Light(self._members, self.label, shapes, law, shadows, raises)
+        source = _light.Light(self._evaluation(), shapes, law, shadows)
         result = _light.output(out, epochs.shape)
         flat = result.reshape(-1)
         # Of the methods below: the Sun at 1 au, and whether at the lengths of the vectors.
@@ -1174,7 +1141,10 @@ class Ensemble(Immutable):
             raise AttitudeError(f"percentages are {wanted.tolist()}; give a row of 0 to 100.")
         known, grid = _quantities.known(quantity, scene, self, t, low)
         length = grid.length
-        out, kept = np.full((len(wanted), length), np.nan), Kept(self._members)
+        out = np.full((len(wanted), length), np.nan)
+        kept = self._evaluation(
+            self._members.prepared(slice(None)) if len(self) <= _MOST_KEPT else None
+        )
         size = max(_FEWEST, _HELD // max(len(self), 1))
 
         def work(begin: int, end: int) -> None:
@@ -1220,7 +1190,7 @@ class Ensemble(Immutable):
         counts = np.zeros(length * bins, dtype=np.int64)
         bar, done = ProgressBar("histograms"), 0
         for which, epochs in grid.pieces(_HELD >> 2):
-            values = known.finished(self._measured(known, grid, self._members, which, epochs))
+            values = known.finished(self._measured(known, grid, self._evaluation(), which, epochs))
             place = np.searchsorted(bounds, values, side="right") - 1
             place[values == bounds[-1]] = bins - 1
             inside = (place >= 0) & (place < bins) & ~np.isnan(values)
@@ -1270,7 +1240,7 @@ class Ensemble(Immutable):
 
         def work(begin: int, end: int) -> None:
             which = slice(begin, end)
-            values = known.finished(self._measured(known, grid, self._members, which, every))
+            values = known.finished(self._measured(known, grid, self._evaluation(), which, every))
             with np.errstate(invalid="ignore"):
                 within = (values >= least) & (values <= greatest)
             times = grid.t.hi[which] if len(grid.t.hi) > 1 else grid.t.hi
@@ -1280,18 +1250,14 @@ class Ensemble(Immutable):
         return Coverage(fraction, gap)
 
     def _measured(
-        self, known: Any, grid: MemberGrid, source: Any, which: slice, epochs: slice
+        self, known: Any, grid: MemberGrid, evaluation: Evaluation, which: slice, epochs: slice
     ) -> FloatArray:
         """What a quantity measures of some members at some epochs."""
         rows = which if len(grid.t.hi) > 1 else slice(None)
         t = grid.t.taken((rows, epochs)).mapped(np.ascontiguousarray)
         count, length = which.stop - which.start, epochs.stop - epochs.start
         wxyz = np.empty((count, 4, length))
-        members = source.taken(which)
-        _evaluation.grid(
-            members, lambda k: self.label(k + which.start), t, wxyz, None, 1,
-            self.on_error == "raise",
-        )  # fmt: skip
+        evaluation.grid(t, Results(wxyz), first=which.start)
         numbers = np.broadcast_to(np.arange(which.start, which.stop)[:, None], (count, length))
         seconds = t.mapped(lambda array: np.broadcast_to(array, (count, length)))
         history = EnsembleHistory(self, numbers, *seconds, np.moveaxis(wxyz, 1, 2))

@@ -1,241 +1,31 @@
-"""Epochs of a call (grid or rows), and attitudes and derivatives of members at them."""
+"""Epochs of a call (grid or rows), and the attitudes of members at them."""
 
 from __future__ import annotations
 
-from functools import cache, cached_property
-from itertools import pairwise
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 
-from attitude._compilation.deferral import uncollected
-from attitude._solver import evaluation, sensitivities
-from attitude._solver.series import LONGEST
+from attitude._solver import states
 from attitude._support import pairs
 from attitude._support.arrays import frozen, read_only
-from attitude._support.blocks import ProgressBar, in_blocks, in_rectangles
 from attitude._support.pairs import Seconds
-from attitude.ensemble._members import BLOCK
 from attitude.epochs import _instants
 from attitude.errors import AttitudeError
 from attitude.motions import _propagation
 from attitude.motions._history import AttitudeHistory
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
 
     from astropy.table import QTable
     from astropy.time import Time
     from numpy.typing import NDArray
 
+    from attitude._solver.states import Evaluation, Results
     from attitude._support.annotations import FloatArray, IntArray
     from attitude.ensemble._ensemble import Ensemble
-    from attitude.ensemble._members import Kept, Members
-
-
-# Rows in a piece of work: a millisecond, and 0.15 s if each row is of another member.
-ROWS = 1 << 17
-# Numbers of members that are surveyed or sorted in one call of compiled code.
-_SURVEYED = 1 << 19
-# Unsorted rows are brought into runs unless their runs are at least as long in the mean: a set-up
-# takes as long as some 100 rows, sorting a row as long as 2 to 4.
-_LONG_RUN = 64
-
-
-def grid(
-    members: Members | Kept,
-    label: Callable[[int], str],
-    t: Seconds,
-    wxyz: FloatArray,
-    rates: FloatArray | None,
-    threads: int,
-    raises: bool = True,
-) -> None:
-    """Fill attitudes and angular velocities of N members at T epochs each.
-
-    Shapes: t (1 or N, T), wxyz (N, 4, T), rates (N, 3, T).
-    """
-    count, length = wxyz.shape[0], t.hi.shape[1]
-    if not count or not length:
-        return
-    t = t.mapped(read_only)
-
-    def work(part: slice, epochs: tuple[int, int]) -> None:
-        constants, _ = members.prepared(part, rates=rates is not None)
-        times = t.taken(part) if len(t.hi) > 1 else t
-        out = wxyz[part], None if rates is None else rates[part]
-        failed = evaluation.evaluate_all(constants, *times, *out, *epochs)
-        if failed < 0:
-            return
-        if raises:
-            few = failed if len(t.hi) > 1 else 0, slice(*epochs)
-            refuse(constants[failed], times.taken(few), label(part.start + failed))
-        reachable = within(times, reaches(constants)[:, None])
-        evaluation.evaluate_all(constants, *reachable, *out, *epochs)
-
-    most = evaluation.EPOCHS
-    bar = ProgressBar("attitudes")
-    in_rectangles(work, count, length, BLOCK, most, most, threads, bar)
-
-
-def ragged(
-    runs: Callable[..., None],
-    member: IntArray,
-    t: Seconds,
-    order: IntArray | None,
-    first: FloatArray,
-    second: FloatArray | None,
-    threads: int,
-) -> None:
-    """Fill two results at R rows, each of one of N members.
-
-    Shapes: member (R,), t (R,), order (R,), first, second (..., R).
-    """
-    if not len(member):
-        return
-
-    def direct(begin: int, end: int) -> None:
-        runs(member, begin, end, t, first, second)
-
-    def gathered(begin: int, end: int) -> None:
-        assert order is not None
-        some = order[begin:end]
-        arrays = [array for array in (first, second) if array is not None]
-        copies = [np.empty((*array.shape[:-1], len(some))) for array in arrays]
-        both = copies[0], None if second is None else copies[1]
-        runs(member[some], 0, len(some), t.taken(some), *both)
-        for whole, copy in zip(arrays, copies, strict=True):
-            np.moveaxis(whole, -1, 0)[some] = np.moveaxis(copy, -1, 0)
-
-    bar = ProgressBar("rows")
-    in_blocks(direct if order is None else gathered, len(member), ROWS, threads, bar)
-
-
-class Runs:
-    """Evaluates rows of which those of one member stand together.
-
-    members, label, raises: as in `grid`.
-    """
-
-    def __init__(self, members: Members, label: Callable[[int], str], raises: bool = True) -> None:
-        self._members, self._label, self._raises = members, label, raises
-        self._rows = compiled()
-
-    def __call__(
-        self,
-        member: IntArray,
-        begin: int,
-        end: int,
-        t: Seconds,
-        wxyz: FloatArray,
-        rates: FloatArray | None,
-    ) -> None:
-        """Fill the rows from `begin` to `end`.
-
-        Shapes: member, t (R,), wxyz (4, R), rates (3, R).
-        """
-        who, starts = self.runs(member, begin, end)
-        times = t.mapped(read_only).taken(None)
-        out = wxyz[None], None if rates is None else rates[None]
-        for first in range(0, len(who), BLOCK):
-            some = who[first : first + BLOCK]
-            constants, _ = self._members.prepared(consecutive(some), rates=rates is not None)
-            edges = starts[first : first + len(some) + 1]
-            records = read_only(constants)
-            failed = self._rows.evaluate_runs(records, edges, *times, *out)
-            if failed >= 0:
-                reachable = self.nearer(constants, edges, t, failed, some)
-                self._rows.evaluate_runs(records, edges, reachable[None], times.lo, *out)
-
-    def nearer(
-        self,
-        constants: NDArray[Any],
-        edges: IntArray,
-        t: Seconds,
-        failed: int,
-        who: IntArray,
-    ) -> FloatArray:
-        """The epochs t (R,) with NaN beyond the reach of the runs `who` of rows between `edges`."""
-        if self._raises:
-            epochs_of_member = slice(edges[failed], edges[failed + 1])
-            refuse(constants[failed], t.taken(epochs_of_member), self._label(int(who[failed])))
-        reachable, rows = t.hi.copy(), slice(edges[0], edges[-1])
-        reach = np.repeat(reaches(constants), np.diff(edges))
-        reachable[rows] = within(t.taken(rows), reach).hi
-        return read_only(reachable)
-
-    def runs(self, member: IntArray, begin: int, end: int) -> tuple[IntArray, IntArray]:
-        """The member (K,) of each run of rows, and their first rows and the end (K + 1,)."""
-        who = np.empty(end - begin, dtype=np.int64)
-        starts = np.empty(end - begin + 1, dtype=np.int64)
-        count = self._rows.runs_of(read_only(member), begin, end, who, starts)
-        return who[:count], starts[: count + 1]
-
-
-def survey(member: IntArray) -> tuple[int, int, bool]:
-    """Least and greatest of R >= 1 numbers, and whether equal ones stand in long runs already."""
-    parts = _surveyed(member)
-    runs = np.array([compiled().surveyed(block) for block in parts])
-    ascends = not runs[:, 3].any() and all(a[-1] <= b[0] for a, b in pairwise(parts))
-    in_runs = ascends or len(member) >= _LONG_RUN * int(runs[:, 2].sum())
-    return int(runs[:, 0].min()), int(runs[:, 1].max()), in_runs
-
-
-def order_of(member: IntArray, count: int) -> IntArray:
-    """The order in which rows (R,) stand by member."""
-    places = np.zeros(count + 1, dtype=np.int64)
-    for block in _surveyed(member):
-        compiled().counted(block, places[1:])
-    np.cumsum(places, out=places)
-    order = np.empty(len(member), dtype=np.int64)
-    for k, block in enumerate(_surveyed(member)):
-        compiled().placed(block, k * _SURVEYED, places, order)
-    return order
-
-
-def _surveyed(member: IntArray) -> list[IntArray]:
-    """Parts so short that Ctrl-C is heard between them."""
-    numbers = read_only(member)
-    return [numbers[k : k + _SURVEYED] for k in range(0, len(numbers), _SURVEYED)]
-
-
-def consecutive(who: IntArray) -> slice | IntArray:
-    """Numbers (K,), K >= 1, as a slice if each is one more than the last: arrays need no copy."""
-    first, end = int(who[0]), int(who[-1]) + 1
-    if end - first == len(who) and np.all(who[1:] > who[:-1]):
-        return slice(first, end)
-    return who
-
-
-def reaches(constants: NDArray[Any]) -> FloatArray:
-    """The largest |t| (B,), s, at which two doubles resolve the phases of motions."""
-    phases = (np.abs(constants[name][:, 0]) for name in ("precession", "nutation"))
-    with np.errstate(divide="ignore", over="ignore"):
-        return np.minimum(LONGEST / np.maximum(*phases), np.finfo(float).max)
-
-
-def within(t: Seconds, reach: FloatArray) -> Seconds:
-    """The epochs with NaN in place of those beyond reach, in the shape that t and reach have."""
-    with np.errstate(invalid="ignore"):
-        reachable = np.where(np.abs(t.rounded) > reach, np.nan, t.hi)
-    lows = t.mapped(lambda array: np.array(np.broadcast_to(array, reachable.shape), order="C")).lo
-    return Seconds(reachable, lows).mapped(read_only)
-
-
-def refuse(constants: NDArray[Any], t: Seconds, label: str) -> None:
-    """Raise the AttitudeError of a member for epochs of which one is beyond its reach."""
-    try:
-        evaluation.refuse_epoch(constants, *t)
-    except AttitudeError as err:
-        raise AttitudeError(f"{label}: {err}") from None
-
-
-@cache
-def compiled() -> Any:
-    """The module of compiled loops over runs of rows."""
-    with uncollected():
-        from attitude._solver import chains
-    return chains
 
 
 # ---- The epochs of a call: a grid of members and epochs, or rows each of one member
@@ -323,6 +113,10 @@ class MemberGrid:
             place = members if self.scalar else (members, epochs)
             yield place, MemberGrid(count, self.t.taken(rows_of_block), self.scalar, members.start)
 
+    def fill(self, evaluation: Evaluation, results: Results, threads: int) -> None:
+        """Fill memory of `memory`."""
+        evaluation.grid(self.t, results, threads, self.first)
+
     def memory(self, out: FloatArray | None, name: str, *width: int) -> FloatArray:
         """Component-major memory (N, *W, T) for an answer; that of `out` where possible."""
         shape = self.count, self.length
@@ -383,8 +177,8 @@ class MemberRows:
         if not self.size:
             return None
         member = self.flat()[0]
-        in_runs = survey(member)[2] if self._in_runs is None else self._in_runs
-        return None if in_runs else order_of(member, self.count)
+        in_runs = states.survey(member)[2] if self._in_runs is None else self._in_runs
+        return None if in_runs else states.order_of(member, self.count)
 
     def parts(self, most: int) -> Iterator[tuple[slice, MemberRows]]:
         """Rows of at most `most` attitudes, each after their place among the rows (R,)."""
@@ -392,6 +186,10 @@ class MemberRows:
         for first in range(0, self.size, most):
             place = slice(first, first + most)
             yield place, MemberRows(self.count, member[place], seconds.taken(place))
+
+    def fill(self, evaluation: Evaluation, results: Results, threads: int) -> None:
+        """Fill memory of `memory`."""
+        evaluation.rows(*self.flat(), self.order, results, threads)
 
     def memory(self, out: FloatArray | None, name: str, *width: int) -> FloatArray:
         """Memory (*W, R) for an answer; that of `out` where possible."""
@@ -522,135 +320,3 @@ class EnsembleHistory(AttitudeHistory):
         times = Seconds.of(self).mapped(np.ravel)
         wxyz = self.wxyz.reshape(-1, 4)
         return EnsembleHistory(self.ensemble, np.ravel(self.member), *times, wxyz)
-
-
-# ---- Derivatives of the attitudes of members of an ensemble at epochs
-
-# Rows in a piece of work: some milliseconds.
-_ROWS = 1 << 15
-
-
-class MemberDerivatives:
-    """Derivatives of members: of rows of which those of one member stand together, and of grids.
-
-    label: name of a member in error messages.
-    raises: whether members without derivatives and epochs beyond the reach of a member are refused;
-        otherwise they give NaN.
-    """
-
-    def __init__(self, members: Members, label: Callable[[int], str], raises: bool) -> None:
-        self._members, self._label, self._raises = members, label, raises
-        self._runs = Runs(members, label, raises)
-
-    def __call__(
-        self,
-        member: IntArray,
-        begin: int,
-        end: int,
-        t: Seconds,
-        attitude: FloatArray,
-        omega: FloatArray | None,
-    ) -> None:
-        """Fill the rows from `begin` to `end`.
-
-        Shapes: member, t (R,), attitude (3, 9, R), omega (3, 9, R).
-        """
-        who, starts = self._runs.runs(member, begin, end)
-        for first in range(0, len(who), BLOCK):
-            some = who[first : first + BLOCK]
-            edges = starts[first : first + len(some) + 1]
-            out = attitude[None], None if omega is None else omega[None]
-            self._fill(some, t.taken(None), *out, edges)
-
-    def grid(
-        self,
-        t: Seconds,
-        attitude: FloatArray,
-        omega: FloatArray | None,
-        threads: int,
-    ) -> None:
-        """Fill the derivatives of N members at T epochs each.
-
-        Shapes: t (1 or N, T), attitude, omega (N, 3, 9, T).
-        """
-
-        def work(part: slice, epochs: tuple[int, int]) -> None:
-            times = t.taken(part) if len(t.hi) > 1 else t
-            out = attitude[part], None if omega is None else omega[part]
-            self._fill(np.arange(part.start, part.stop), times, *out, None)
-
-        length = t.hi.shape[1]
-        if length:
-            bar = ProgressBar("derivatives")
-            in_rectangles(work, len(attitude), length, BLOCK, length, _ROWS, threads, bar)
-
-    def _fill(
-        self,
-        who: IntArray,
-        t: Seconds,
-        attitude: FloatArray,
-        omega: FloatArray | None,
-        edges: IntArray | None,
-    ) -> None:
-        """Fill the derivatives of a few members `who`; `edges` as in `sensitivities.evaluate`."""
-        which = consecutive(who)
-        constants, bad = self._members.prepared(which)
-        moments, wxyz, _ = self._members.states(which)
-        principal = self._members.principal
-        principal = principal if len(principal) == 1 else principal[which]
-        if not self._raises:
-            unknown = np.any(moments[:, :, 0] == 0.0, axis=1)
-            unknown[bad] = True
-            moments = np.where(unknown[:, None, None], 1.0, moments)
-        states = moments, wxyz, principal
-        try:
-            tangents = sensitivities.tangents_of(*states, constants)
-            if not self._raises:
-                for name in ("weights", "offset", "amplitudes", "uniform", "uniform_rates"):
-                    tangents[name][unknown] = np.nan
-                t = _near(constants, tangents, t, edges)
-            sensitivities.evaluate(constants, tangents, *t, attitude, omega, edges=edges)
-        except AttitudeError:
-            self._refuse(who, constants, states, t, edges)
-            raise
-
-    def _refuse(
-        self,
-        who: IntArray,
-        constants: NDArray[Any],
-        states: tuple[FloatArray, FloatArray, FloatArray],
-        t: Seconds,
-        edges: IntArray | None,
-    ) -> None:
-        """Raise the AttitudeError of the first member that has one, with its name."""
-        for k, number in enumerate(who.tolist()):
-            arrays = [
-                array[k : k + 1] if len(array) > 1 else array for array in (constants, *states)
-            ]
-            rows = slice(None) if edges is None else slice(edges[k], edges[k + 1])
-            line = slice(k, k + 1) if len(t.hi) > 1 else slice(None)
-            times = t.taken((line, rows)).mapped(np.ascontiguousarray).mapped(read_only)
-            try:
-                tangents = sensitivities.tangents_of(arrays[1], arrays[2], arrays[3], arrays[0])
-                unused = np.empty((1, 3, sensitivities.PARAMETERS, times.hi.shape[1]))
-                sensitivities.evaluate(arrays[0], tangents, *times, unused)
-            except AttitudeError as err:
-                raise AttitudeError(f"{self._label(number)}: {err}") from None
-
-
-def _near(
-    constants: NDArray[Any],
-    tangents: NDArray[Any],
-    t: Seconds,
-    edges: IntArray | None,
-) -> Seconds:
-    """The epochs with NaN in place of those at which the derivatives of a member are unknown."""
-    reach = np.fmin(reaches(constants), sensitivities.reaches(tangents))
-    rows = slice(None) if edges is None else slice(edges[0], edges[-1])
-    far = reach[:, None] if edges is None else np.repeat(reach, np.diff(edges))[None]
-    reachable = within(t.taken((slice(None), rows)), far)
-    if edges is None:
-        return reachable
-    whole = t.hi.copy()
-    whole[:, rows] = reachable.hi
-    return Seconds(read_only(whole), t.lo)

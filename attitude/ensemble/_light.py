@@ -9,13 +9,13 @@ import numpy as np
 
 from attitude._compilation.decorators import entry_point, force_inlined, reduction_inlined
 from attitude._compilation.deferral import uncollected
+from attitude._solver import states
 from attitude._solver.chains import evaluate_part
+from attitude._solver.states import Results
 from attitude._support import validation
 from attitude._support.arrays import read_only
 from attitude._support.blocks import ProgressBar, in_blocks
 from attitude._support.constants import ASTRONOMICAL_UNIT_M
-from attitude.ensemble import _evaluation
-from attitude.ensemble._members import BLOCK
 from attitude.errors import AttitudeError
 from attitude.light_curve._brightness import kernel_of, require_ellipsoid_form
 from attitude.light_curve._magnitudes import of_brightness
@@ -27,9 +27,9 @@ from attitude.shape._mesh import Mesh
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from attitude._solver.states import Evaluation
     from attitude._support.annotations import FloatArray, IntArray
     from attitude.ensemble._evaluation import MemberGrid, MemberRows, Piece
-    from attitude.ensemble._members import Members
     from attitude.light_curve._visibility import Visibility
     from attitude.scattering._law import Law
 
@@ -139,22 +139,18 @@ _ROWS_OF_MESHES = 1 << 12
 class Light:
     """The brightness of members with given shapes under a law.
 
-    label: name of a member in error messages.
     shapes: of `known_shapes`.
     shadows: as in `light_curve.brightness`.
-    raises: whether epochs beyond the reach of a member are refused; otherwise they give NaN.
     """
 
     def __init__(
         self,
-        members: Members,
-        label: Callable[[int], str],
+        evaluation: Evaluation,
         shapes: FloatArray | list[Ellipsoid | Mesh],
         law: str | Law,
         shadows: bool | Visibility,
-        raises: bool,
     ) -> None:
-        self._members, self._label, self._raises = members, label, raises
+        self._evaluation = evaluation
         self._law, self._shadows, self._shapes = known_law(law), shadows, shapes
         self._has_axes = isinstance(shapes, np.ndarray)
         if self._has_axes:
@@ -163,7 +159,6 @@ class Light:
                 pass
             self._loop, self._piece = ellipsoid_runs, PIECE
         self._kernels: dict[int, Callable[..., object]] = {}
-        self._runs = _evaluation.Runs(members, label, raises)
 
     def fill(
         self,
@@ -215,20 +210,22 @@ class Light:
         self, piece: Piece, sun: FloatArray, observer: FloatArray, out: FloatArray
     ) -> None:
         assert isinstance(self._shapes, np.ndarray) and self._law.weights is not None
-        who, starts = self._runs.runs(piece.member, 0, len(piece.member))
         work = np.empty((1, 10, self._piece))
         vectors, factor = (*_memory(sun), *_memory(observer)), self._law.weights[0]
         t = piece.t.mapped(read_only).taken(None)
-        for first in range(0, len(who), BLOCK):
-            some = who[first : first + BLOCK]
-            constants, _ = self._members.prepared(_evaluation.consecutive(some), rates=False)
-            edges = starts[first : first + len(some) + 1]
-            axes = self._shapes if len(self._shapes) == 1 else self._shapes[some]
-            records, others = read_only(constants), (*vectors, axes, factor, work, out)
-            failed = self._loop(records, edges, *t, *others)
-            if failed >= 0:
-                reachable = self._runs.nearer(constants, edges, piece.t, failed, some)
-                self._loop(records, edges, reachable[None], t.lo, *others)
+
+        def fill(numbers: IntArray, edges: IntArray, shapes: FloatArray) -> None:
+            solved = self._evaluation.prepared(numbers)
+            records, others = read_only(solved.constants), (*vectors, shapes, factor, work, out)
+
+            def loop(hi: FloatArray, lo: FloatArray | None) -> int:
+                failed: int = self._loop(records, edges, hi, lo, *others)
+                return failed
+
+            self._evaluation.reaching(loop, solved, numbers, t, edges)
+
+        for numbers, edges in states.blocks_of_runs(piece.member, 0, len(piece.member)):
+            fill(numbers, edges, self._shapes if len(self._shapes) == 1 else self._shapes[numbers])
 
     def _make_kernels(self, member: IntArray, threads: int) -> None:
         """The functions that sum over the facets of each shape that occurs."""
@@ -246,7 +243,7 @@ class Light:
 
         count = len(piece.member)
         wxyz, turned = np.empty((4, count)), np.empty((2, 3, count))
-        self._runs(piece.member, 0, count, piece.t, wxyz, None)
+        self._evaluation.runs(piece.member, 0, count, piece.t, Results(wxyz))
         for vectors, into in zip((sun, observer), turned, strict=True):
             solver_vectors.to_body(read_only(wxyz), read_only(_unit(vectors)), into)
         parts = [read_only(component) for both in turned for component in both]
@@ -260,7 +257,7 @@ class Light:
         if len(self._shapes) == 1:
             self._kernels[id(self._shapes[0])](*parts, out)
         else:
-            who, starts = self._runs.runs(piece.member, 0, count)
+            who, starts = states.runs_of(piece.member, 0, count)
             for k, first, end in zip(who.tolist(), starts, starts[1:], strict=False):
                 some = [component[first:end] for component in parts]
                 self._kernels[id(self._shapes[k])](*some, out[first:end])
@@ -274,8 +271,9 @@ class Light:
             bad = np.flatnonzero((squares == 0.0) | np.isinf(squares))
             if len(bad):
                 k = int(bad[0])
+                label = self._evaluation.label(int(piece.member[k]))
                 raise AttitudeError(
-                    f"{name} of {self._label(int(piece.member[k]))} is {vectors[k].tolist()}; give "
+                    f"{name} of {label} is {vectors[k].tolist()}; give "
                     "vectors from the body of finite length above zero, or NaN where there is none."
                 )
 

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from attitude import frames
-from attitude._solver import codes, evaluation
-from attitude._solver.batches import symmetric_tensors
 from attitude._solver.principal_axes import PrincipalAxes
+from attitude._solver.states import BLOCK, IDENTITY, symmetric_tensors
 from attitude._support import pairs as support_pairs
 from attitude._support import validation
 from attitude._support.arrays import frozen
@@ -146,10 +145,6 @@ def _dates(
 
 # ---- The inertia of N bodies as arrays, one row for all of them or one each
 
-_IDENTITY = np.array([[1.0, 0.0, 0.0, 0.0]])
-# Tensors whose principal axes are computed in one call, in 10 ms, between two signals.
-_BLOCK = 512
-
 
 class Given(NamedTuple):
     """What a caller gave as bodies, one row for all of them or one each.
@@ -169,18 +164,23 @@ class Given(NamedTuple):
         """1, or the number of bodies."""
         return self.array.shape[0]
 
-    def resolved(self, omega: FloatArray, raises: bool) -> tuple[Inertia, Resolved]:
-        """The inertia, and angular velocities (N, 3) of its N members over the principal axes."""
+    def resolved(
+        self, omega: FloatArray, raises: bool
+    ) -> tuple[Inertia, FloatArray, FloatArray | None]:
+        """The inertia, and `omega` and `differences` of the `States` of N members.
+
+        Shapes: omega (N, 3), rad/s over the body axes.
+        """
         count = len(self.array)
         moments, axes = np.zeros((count, 3, 2)), np.broadcast_to(np.eye(3), (count, 3, 3))
         if self.array.ndim == 2:
             moments[..., 0] = self.array
-            principal = np.broadcast_to(_IDENTITY, (count, 4))
-            return Inertia(*self, moments, axes, principal), Resolved(omega, None)
+            principal = np.broadcast_to(IDENTITY, (count, 4))
+            return Inertia(*self, moments, axes, principal), omega, None
         axes, principal = np.empty((count, 3, 3)), np.empty((count, 4))
         rates, differences = np.empty((2, len(omega), 3, 2))
-        for first in range(0, len(omega), _BLOCK):
-            block = slice(first, first + _BLOCK)
+        for first in range(0, len(omega), BLOCK):
+            block = slice(first, first + BLOCK)
             if count > 1 or first == 0:
                 of = block if count > 1 else slice(0, 1)
                 some = symmetric_tensors(self.array[of], first, count, raises=raises)
@@ -193,19 +193,8 @@ class Given(NamedTuple):
             rates[block], differences[block] = axes_of_block.over_axes(omega[block].copy())
         inertia = Inertia(*self, moments, axes, principal)
         if np.isnan(differences[:, 0, 0]).all() and not rates[..., 1].any():
-            return inertia, Resolved(np.ascontiguousarray(rates[..., 0]), None)
-        return inertia, Resolved(rates, differences)
-
-
-class Resolved(NamedTuple):
-    """Angular velocities of N members over their principal axes.
-
-    rates: (N, 3, 2) array, or (N, 3) where the low parts are zero, rad/s, in pairs of doubles.
-    differences: (N, 3, 2) array or None, see `PrincipalAxes.over_axes`; NaN for members without.
-    """
-
-    rates: FloatArray
-    differences: FloatArray | None
+            return inertia, np.ascontiguousarray(rates[..., 0]), None
+        return inertia, rates, differences
 
 
 @dataclass(frozen=True, eq=False)
@@ -324,175 +313,6 @@ def _leading(array: FloatArray, name: str, last: tuple[int, ...]) -> FloatArray:
         return array
     shape = ", ".join(map(str, last))
     raise AttitudeError(f"{name} has shape {array.shape}; give ({shape}) or (N, {shape}).")
-
-
-# The constants of so many members are computed together: they stay in the second-level cache.
-BLOCK = 512
-
-
-@dataclass(frozen=True, eq=False)
-class Members:
-    """States from which `evaluation.prepared` makes the constants of members.
-
-    moments: (1 or N, 3, 2), principal moments in pairs of doubles.
-    principal: (1 or N, 4), unit quaternion from principal to body axes.
-    rates: (N, 3) or (N, 3, 2), rad/s over the principal axes; the low parts are zero where only the
-        first doubles are kept.
-    differences: (N, 3, 2) array or None, see `Body.differences`; NaN for members without.
-    wxyz, low: (N, 4) arrays, attitudes from body axes to ICRF; `low`, their second doubles, is None
-        if all are zero.
-    """
-
-    moments: FloatArray
-    principal: FloatArray
-    rates: FloatArray
-    differences: FloatArray | None
-    wxyz: FloatArray
-    low: FloatArray | None
-
-    def __len__(self) -> int:
-        """The number of members."""
-        return self.wxyz.shape[0]
-
-    def taken(self, index: Any) -> Members:
-        """Some of the members."""
-        one = len(self.moments) == 1
-        return Members(
-            self.moments if one else self.moments[index],
-            self.principal if len(self.principal) == 1 else self.principal[index],
-            self.rates[index],
-            None if self.differences is None else self.differences[index],
-            self.wxyz[index],
-            None if self.low is None else self.low[index],
-        )
-
-    def states(self, which: slice | IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Moments (B, 3, 2), attitudes (B, 4) and rates (B, 3, 2) of some members."""
-        wxyz, rates = self.wxyz[which], self.rates[which]
-        moments = self.moments
-        if len(moments) == 1:
-            moments = np.broadcast_to(moments, (len(wxyz), 3, 2)).copy()
-        else:
-            moments = moments[which]
-        if rates.ndim == 2:
-            pairs = np.zeros((len(wxyz), 3, 2))
-            pairs[..., 0] = rates
-            rates = pairs
-        return moments, wxyz, rates
-
-    def prepared(
-        self, which: slice | IntArray, *, rates: bool = True
-    ) -> tuple[NDArray[Any], IntArray]:
-        """The constants (B,) of some members, and those (K,) not physical, whose constants evaluate
-        to NaN.
-        """
-        moments, wxyz, omega = self.states(which)
-        principal = self.principal if len(self.principal) == 1 else self.principal[which]
-        constants, faults = evaluation.prepared(
-            moments,
-            wxyz,
-            omega,
-            principal,
-            differences=None if self.differences is None else self.differences[which],
-            rates=rates,
-            wxyz_low=None if self.low is None else self.low[which],
-        )
-        if not faults:
-            return constants, _NONE
-        bad = np.flatnonzero(constants["fault"])
-        for name in ("frame", "rates", "psi_rate", "phi_rate"):
-            constants[name][bad] = np.nan
-        constants["form"][bad], constants["mode"][bad] = codes.UNIFORM, NO_MODE
-        return constants, bad
-
-    def faults(self) -> IntArray:
-        """Numbers (K,) of the members that are not physical."""
-        bad_members = [_NONE]
-        for first in range(0, len(self), BLOCK):
-            moments, wxyz, rates = self.states(slice(first, first + BLOCK))
-            bad = evaluation.faults_of(moments, wxyz, rates)
-            if len(bad):
-                bad_members.append(bad + first)
-        return np.concatenate(bad_members)
-
-    def fault(self, k: int) -> str:
-        """The sentence on member k, which is not physical."""
-        which = slice(k, k + 1)
-        constants, _ = self.prepared(which)
-        moments, wxyz, rates = self.states(which)
-        return evaluation.fault_of(constants[0], moments[0], wxyz[0], rates[0])
-
-
-# Members whose constants take 34 MB.
-_MOST_KEPT = 35_000
-# Mode of a member that is not physical.
-NO_MODE = -1
-_NONE: IntArray = np.zeros(0, dtype=np.int64)
-
-
-class Kept:
-    """Members whose constants are kept once prepared, if they are few; for several epochs.
-
-    first: number of the first one.
-    """
-
-    def __init__(self, members: Members, first: int = 0, constants: Any = None) -> None:
-        self._members, self._first = members, first
-        if constants is None and len(members) <= _MOST_KEPT:
-            parts = [members.prepared(slice(k, k + BLOCK)) for k in range(0, len(members), BLOCK)]
-            constants = [records for records, _ in parts]
-            constants = np.concatenate(constants) if constants else members.prepared(slice(0))[0]
-        self._constants = constants
-
-    def taken(self, which: slice) -> Members | Kept:
-        """Some of the members."""
-        if self._constants is None:
-            return self._members.taken(which)
-        return Kept(self._members, which.start, self._constants)
-
-    def prepared(self, which: slice, *, rates: bool = True) -> tuple[NDArray[Any], IntArray]:
-        """As `Members.prepared`, without the numbers of those that are not physical."""
-        block = slice(self._first + which.start, self._first + which.stop)
-        return self._constants[block], _NONE
-
-
-def joined(parts: Sequence[Members]) -> Members:
-    """The members of several parts, one after the other."""
-    counts = [len(members) for members in parts]
-
-    def rows(arrays: Sequence[FloatArray]) -> FloatArray:
-        first = arrays[0]
-        if len(first) == 1 and all(array is first for array in arrays):
-            return first
-        pairs_of = zip(arrays, counts, strict=True)
-        return np.concatenate([np.broadcast_to(a, (n, *a.shape[1:])) for a, n in pairs_of])
-
-    rates = [members.rates for members in parts]
-    if len({omega.ndim for omega in rates}) > 1:
-        rates = [
-            np.stack([omega, np.zeros_like(omega)], axis=-1) if omega.ndim == 2 else omega
-            for omega in rates
-        ]
-    differences = None
-    if any(members.differences is not None for members in parts):
-        unknown = [np.full((n, 3, 2), np.nan) for n in counts]
-        both = zip((members.differences for members in parts), unknown, strict=True)
-        differences = np.concatenate([b if a is None else a for a, b in both])
-    return Members(
-        rows([members.moments for members in parts]),
-        rows([members.principal for members in parts]),
-        np.concatenate(rates),
-        differences,
-        np.concatenate([members.wxyz for members in parts]),
-        joined_rows([(members.low, members.wxyz) for members in parts]),
-    )
-
-
-def joined_rows(parts: Sequence[tuple[FloatArray | None, FloatArray]]) -> FloatArray | None:
-    """Joined low parts, zero where a part has None; None if all are.  With arrays of the shapes."""
-    if all(low is None for low, _ in parts):
-        return None
-    return np.concatenate([np.zeros_like(high) if low is None else low for low, high in parts])
 
 
 def to_icrf(

@@ -28,7 +28,7 @@ import numpy as np
 
 from attitude import frames
 from attitude._solver import covariance as covariances
-from attitude._solver import evaluation
+from attitude._solver.states import States
 from attitude._support import pairs, validation
 from attitude.epochs import _time_scales
 from attitude.errors import AttitudeError
@@ -290,8 +290,6 @@ def _of_rotators(columns: Mapping[str, Any], origin: str, on_error: str) -> dict
 
 # ---- Random states about a motion: draws from a covariance or from distributions, kept physical
 
-# States that are checked together.
-_BLOCK = 4096
 _WIDTHS = {"attitude": 3, "wxyz": 4, "angular_velocity": 3, "moments": 3}
 
 
@@ -413,10 +411,5 @@ def _of_distributions(
 def _physical(moments: FloatArray) -> BoolArray:
     """Whether a body has each of some principal moments (N, 3)."""
     physical = np.ones(len(moments), dtype=bool)
-    for first in range(0, len(moments), _BLOCK):
-        block = moments[first : first + _BLOCK]
-        pairs = np.zeros((2, len(block), 3, 2))
-        pairs[0, ..., 0] = block
-        wxyz = np.ones((len(block), 4))
-        physical[first + evaluation.faults_of(pairs[0], wxyz, pairs[1])] = False
+    physical[States.of_principal_axes(moments, np.zeros_like(moments)).faults()] = False
     return physical

@@ -14,10 +14,9 @@ Chains of free rotations and motions under torques stand in `attitude.torques`.
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from attitude._support.synonyms import absent
+from attitude._support.synonyms import of_module
 
 if TYPE_CHECKING:
     # The names of _WHERE, for editors and type checkers.
@@ -47,12 +46,7 @@ __all__ = sorted(_WHERE)
 
 if not TYPE_CHECKING:
     # Hidden from type checkers: a module with __getattr__ has every name, misspelt ones too.
-    def __getattr__(name: str) -> Any:
-        if name not in _WHERE:
-            raise absent(__name__, name)
-        value = getattr(import_module(_WHERE[name]), name)
-        globals()[name] = value
-        return value
+    __getattr__ = of_module(__name__, _WHERE)
 
 
 def __dir__() -> list[str]:

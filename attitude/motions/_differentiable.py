@@ -4,18 +4,13 @@ from __future__ import annotations
 
 import math
 import warnings
-from abc import ABC, abstractmethod
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Literal, Self, overload
 
 import numpy as np
 
-from attitude._compilation.simd import LINE
 from attitude._solver import covariance as covariances
-from attitude._solver import sensitivities
-from attitude._solver.elements import inputs_by_elements
-from attitude._support import pairs, validation
-from attitude._support.arrays import new_array
+from attitude._support import validation
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError, CovarianceWarning
 from attitude.frames import quaternion
@@ -24,93 +19,11 @@ from attitude.motions._body import Body
 from attitude.motions._motion import Motion
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
+    from attitude._solver.sensitivities import Derivatives
     from attitude._support.annotations import Epochs, FloatArray
     from attitude.motions._spin import Spin
-
-
-# ---- Derivatives and covariances of the attitudes of one free rotation
-
-
-class Derivatives(ABC):
-    """The derivatives of a motion at any epoch, and the covariances that follow from them."""
-
-    @abstractmethod
-    def at(
-        self, seconds: FloatArray, low: FloatArray | None, rates: bool
-    ) -> tuple[FloatArray, FloatArray | None]:
-        """Changes of attitude (S, 3, 9), ICRF axes, and of the angular velocity, body axes."""
-
-    @abstractmethod
-    def by_elements(self) -> FloatArray:
-        """Changes (6, 5) of angular velocity and moments with the elements at the epoch."""
-
-    def covariance_at(
-        self, given: FloatArray, seconds: FloatArray, low: FloatArray | None, rates: bool
-    ) -> FloatArray:
-        """Covariances (S, 3, 3) of the attitude, or (S, 6, 6), from that (9, 9) of the state."""
-        attitude, omega = self.at(seconds, low, rates)
-        both = attitude if omega is None else np.concatenate([attitude, omega], axis=-2)
-        factored = both @ covariances.factor(given)
-        products: FloatArray = factored @ np.swapaxes(factored, -1, -2)
-        return products
-
-
-class Sensitivity(Derivatives):
-    """The derivatives of one motion at any epoch.
-
-    constants: (1,) structured, of `evaluation.constants_of`.
-    """
-
-    def __init__(self, constants: NDArray[Any], body: Body, spin: Spin) -> None:
-        self._constants = constants
-        self._tangents = sensitivities.tangents_of(
-            body.moments_as_pairs[None],
-            spin.wxyz_icrf[None],
-            body.principal_wxyz[None],
-            constants,
-        )
-        self._last: tuple[FloatArray, sensitivities.Factored] | None = None
-
-    def _factored(self, given: FloatArray) -> sensitivities.Factored:
-        """The factors for a covariance (9, 9); those of the last one are kept."""
-        last = self._last
-        if last is None or not np.array_equal(last[0], given):
-            factors = covariances.factor(given)[None]
-            last = given.copy(), sensitivities.factored(self._constants, self._tangents, factors)
-            self._last = last
-        return last[1]
-
-    def at(
-        self, seconds: FloatArray, low: FloatArray | None, rates: bool
-    ) -> tuple[FloatArray, FloatArray | None]:
-        """Changes of attitude (S, 3, 9), ICRF axes, and of the angular velocity, body axes."""
-        t, t_low = pairs.Seconds(seconds, low).row
-        attitude = new_array(1, 3, 9, t.size)
-        omega = new_array(1, 3, 9, t.size) if rates else None
-        sensitivities.evaluate(self._constants, self._tangents, t, t_low, attitude, omega)
-        shape = (*seconds.shape, 3, 9)
-        changes = np.moveaxis(attitude[0], -1, 0).reshape(shape)
-        return changes, None if omega is None else np.moveaxis(omega[0], -1, 0).reshape(shape)
-
-    def by_elements(self) -> FloatArray:
-        """Changes (6, 5) of angular velocity and moments with the elements."""
-        return inputs_by_elements(self._constants[0], self._tangents["by_input"][0])
-
-    def covariance_at(
-        self, given: FloatArray, seconds: FloatArray, low: FloatArray | None, rates: bool
-    ) -> FloatArray:
-        """As `Derivatives.covariance_at`, in one loop over the epochs."""
-        t, t_low = pairs.Seconds(seconds, low).row
-        size = 6 if rates else 3
-        # Rows of whole lines of the cache are stored faster.
-        out = new_array(1, size, size, -(-t.size // LINE) * LINE)
-        sensitivities.covariances(
-            self._constants, self._tangents, self._factored(given), t, t_low, out
-        )
-        covariance: FloatArray = np.moveaxis(out[0, ..., : t.size], -1, 0)
-        return covariance.reshape(*seconds.shape, size, size)
 
 
 def of_momentum(body: Body, spin: Spin) -> FloatArray:
@@ -162,9 +75,8 @@ _CHECKED_SIGMA = 0.25
 class Differentiable(Motion):
     """A motion whose attitudes have derivatives by its initial state and its moments.
 
-    A class of this kind has a ``body`` and a ``spin``, and defines ``_sensitivity`` (an object with
-    the methods of `attitude.motions._differentiable.Sensitivity`) and ``_with(body, spin)``, the
-    same motion from another state.
+    A class of this kind has a ``body`` and a ``spin``, and defines ``_sensitivity``, its
+    `Derivatives`, and ``_with(body, spin)``, the same motion from another state.
     """
 
     # Whether another motion takes no steps, so that covariances can look at the nonlinearity.

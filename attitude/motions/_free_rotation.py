@@ -13,6 +13,8 @@ from attitude import frames
 from attitude._solver import codes, evaluation
 from attitude._solver.elements import Elements, elements_of, state_of
 from attitude._solver.regime import Mode, regime_of, regimes
+from attitude._solver.sensitivities import Sensitivity
+from attitude._solver.states import States
 from attitude._support import markup, pairs, validation
 from attitude._support.arrays import frozen, new_array
 from attitude._support.synonyms import arguments, checks_arguments
@@ -22,7 +24,7 @@ from attitude.frames import quaternion
 from attitude.motions import _conventions, _polhode, _predictability, _published
 from attitude.motions._body import Body
 from attitude.motions._certify import chain_of
-from attitude.motions._differentiable import Differentiable, Sensitivity
+from attitude.motions._differentiable import Differentiable
 from attitude.motions._motion import RateBounds
 from attitude.motions._spin import Spin
 
@@ -185,15 +187,18 @@ class FreeRotation(Differentiable):
         if spin.is_rounded:
             low = spin.wxyz_icrf_as_pairs[None, :, 1].copy()
         rates, differences = body.over_principal_axes(spin.angular_velocity)
-        constants = evaluation.constants_of(
+        states = States(
             body.moments_as_pairs[None],
-            wxyz[None],
-            rates[None],
             body.principal_wxyz[None],
-            differences=differences,
-            wxyz_low=low,
+            rates[None],
+            None if differences is None else differences[None],
+            wxyz[None],
+            low,
         )
-        self._set("_constants", frozen(constants))
+        solved = states.prepared(slice(None))
+        if len(solved.bad):
+            raise AttitudeError(solved.fault(0))
+        self._set("_constants", frozen(solved.constants))
 
     # ---- Construction
 
@@ -361,7 +366,9 @@ class FreeRotation(Differentiable):
 
     @cached_property
     def _sensitivity(self) -> Sensitivity:
-        return Sensitivity(self._constants, self.body, self.spin)
+        body, wxyz = self.body, self.spin.wxyz_icrf
+        state = body.moments_as_pairs[None], wxyz[None], body.principal_wxyz[None]
+        return Sensitivity(*state, self._constants)
 
     # ---- Mode, periods and invariants
 

@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude._solver import codes, evaluation
+from attitude._solver import codes
 from attitude._solver import covariance as covariances
 from attitude._solver.regime import Mode, regime_of
+from attitude._solver.states import Evaluation, States
 from attitude._support import validation
 from attitude.errors import AttitudeError
 
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
     from attitude.motions._differentiable import Differentiable
 
 
-_IDENTITY = np.array([[1.0, 0.0, 0.0, 0.0]])
 # Periods beyond which attitudes are not computed to their last digits.
 _MOST_PERIODS = 1e15
 # Share of independent errors below which the sum of correlated ones is a rounding error.
@@ -207,12 +207,8 @@ def _shifted(given, shifts):
 
 def _constants(states, moments_error):
     try:
-        return evaluation.constants_of(
-            np.ascontiguousarray(states[:, 0]),
-            np.tile(_IDENTITY, (len(states), 1)),
-            np.ascontiguousarray(states[:, 1]),
-            _IDENTITY,
-        )
+        source = States.of_principal_axes(states[:, 0], states[:, 1])
+        return Evaluation(source).prepared(range(len(states)), rates=True).constants
     except AttitudeError as err:
         raise AttitudeError(
             f"with moments_error {moments_error.tolist()} the moments are not those of a body "

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 
-from attitude._solver.batches import Batch
+from attitude._solver.states import IDENTITY, Evaluation, Results, States, StatesOfTensors
 from attitude._support import validation
 from attitude._support.arrays import frozen, new_array, put
+from attitude._support.pairs import Seconds
 from attitude._support.synonyms import arguments
 from attitude.errors import AttitudeError
 
@@ -203,15 +204,19 @@ def propagate(
     elif sensitivity_out is not None:
         raise AttitudeError("sensitivity_out is given without sensitivity=True; give both.")
     flat = [_bodies(memory, len(lead), count) for memory, _ in results]
-    rows = _flat(inertia, lead, count, inner), _flat(wxyz0, lead, count), _flat(omega0, lead, count)
-    Batch(*rows).propagated(
-        _epochs(t, lead, count),
-        None if t_low is None else _epochs(t_low, lead, count),
+    attitudes, rates = _flat(wxyz0, lead, count), _flat(omega0, lead, count)
+    bodies = _flat(inertia, lead, count, inner)
+    states: States | StatesOfTensors = States(bodies, IDENTITY, rates, None, attitudes)
+    if inner == 2:
+        states = StatesOfTensors(bodies, attitudes, rates)
+    low = None if t_low is None else _epochs(t_low, lead, count)
+    filled = Results(
         flat[0],
         flat[1] if angular_velocity else None,
-        flat[-2 if angular_velocity else -1 :] if sensitivity else [],
-        threads,
+        *(flat[-2 if angular_velocity else -1 :] if sensitivity else []),
     )
+    evaluation = Evaluation(states, lambda k: f"State {k} of {count}" if count > 1 else "")
+    evaluation.grid(Seconds(_epochs(t, lead, count), low), filled, threads)
     results_of = tuple(result(memory, array, scalar, len(lead)) for memory, array in results)
     return results_of if len(results_of) > 1 else results_of[0]
 
@@ -235,9 +240,10 @@ def linearized(
     rates = new_array(count, 3, length) if angular_velocity else None
     columns = [new_array(count, 3, 9, length) for _ in range(1 + angular_velocity)]
     attitudes = new_array(count, 4, length)
-    batch = Batch(np.broadcast_to(moments, (count, 3)).copy(), wxyz, omega)
-    batch.propagated(t[None], None, attitudes, rates, columns, 1, near=False)
-    results = (attitudes, rates, *columns) if rates is not None else (attitudes, *columns)
+    states = States(np.reshape(moments, (1, 3)), IDENTITY, omega, None, wxyz)
+    filled = Results(attitudes, rates, *columns)
+    Evaluation(states, near=False).grid(Seconds(frozen(t[None])), filled)
+    results = [array for array in filled if array is not None]
     return tuple(np.moveaxis(array, -1, 1) for array in results)
 
 
@@ -332,7 +338,9 @@ def result_memory(
 
 def result(memory: FloatArray, out: FloatArray | None, scalar: bool, leading: int) -> FloatArray:
     """The result as it is returned: a view of the memory, or `out`."""
-    view = memory[..., 0] if scalar else np.moveaxis(memory, -1, leading)
+    # three microseconds faster than np.moveaxis
+    order = *range(leading), -1, *range(leading, memory.ndim - 1)
+    view = memory[..., 0] if scalar else memory.transpose(order)
     if out is None:
         return view
     if not np.shares_memory(out, view):

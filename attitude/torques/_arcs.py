@@ -23,9 +23,10 @@ import numpy as np
 
 from attitude import frames
 from attitude._solver import evaluation, sensitivities
-from attitude._solver.elements import inputs_by_elements
 from attitude._solver.evaluation import EPOCHS
 from attitude._solver.records import CONSTANTS
+from attitude._solver.sensitivities import Derivatives
+from attitude._solver.states import Evaluation, States
 from attitude._support import markup, pairs, validation
 from attitude._support.arrays import Valued, frozen, read_only
 from attitude._support.synonyms import arguments
@@ -36,7 +37,7 @@ from attitude.frames import representations as forms
 from attitude.motions import _free_rotation
 from attitude.motions._body import Body
 from attitude.motions._certify import chain_of, inertia_of
-from attitude.motions._differentiable import Derivatives, Differentiable
+from attitude.motions._differentiable import Differentiable
 from attitude.motions._free_rotation import FreeRotation
 from attitude.motions._history import AttitudeHistory
 from attitude.motions._spin import Spin
@@ -267,18 +268,45 @@ def _check_order(times: list[Pair | None]) -> None:
 _STEP = 1e-5
 
 
+class FreeArc:
+    """One arc of free rotation, from its first state.
+
+    body: Body
+    wxyz: (4,), attitude at its start, body to ICRF.
+    record: of records.CONSTANTS.
+    """
+
+    def __init__(self, body: Body, wxyz: FloatArray, record: Any) -> None:
+        self._body, self._constants = body, record[None]
+        state = body.moments_as_pairs[None], wxyz[None], body.principal_wxyz[None]
+        self._sensitivity = sensitivities.Sensitivity(*state, self._constants)
+
+    def _evaluate(
+        self, seconds: FloatArray, low: FloatArray | None, order: int
+    ) -> list[FloatArray]:
+        """Attitude and angular velocity at one epoch."""
+        wxyz, omega = np.empty((1, 4, 1)), np.empty((1, 3, 1))
+        evaluation.evaluate(self._constants, *pairs.Seconds(seconds, low).row, wxyz, omega)
+        return [wxyz[0, :, 0], omega[0, :, 0]]
+
+    def angular_acceleration_at(
+        self, seconds: FloatArray, low: FloatArray | None, *, angular_velocity: FloatArray
+    ) -> FloatArray:
+        """As `Motion.angular_acceleration_at`, of one epoch."""
+        tensor = self._body.tensor
+        torque = np.cross(tensor @ angular_velocity, angular_velocity)
+        return np.asarray(np.linalg.solve(tensor, torque))
+
+
 class ChainedSensitivity(Derivatives):
     """The derivatives of one chain at any epoch.
 
     Parameters
     ----------
-    constants : (N + 1,) structured array
-        Of the arcs, by `evaluation.constants_of`.
+    arcs : (N + 1) of FreeArc, or of TorquedRotation
     starts : (N + 1, 2) array
         Their first epochs, s, in two doubles.
     bodies : sequence of Body
-    wxyz : (N + 1, 4) array
-        Attitudes at the starts, body to ICRF.
     changes : sequence of Change
         Between the arcs.  An event that moves with the state moves the joint.
     epoch : Instant
@@ -292,35 +320,21 @@ class ChainedSensitivity(Derivatives):
 
     def __init__(
         self,
-        constants: Any,
+        arcs: Sequence[FreeArc] | Sequence[TorquedRotation],
         starts: FloatArray,
         bodies: Sequence[Body],
-        wxyz: FloatArray,
         changes: Sequence[Change],
         epoch: Instant,
     ) -> None:
-        self._refuse_functions(changes)
-        self._constants, self._starts, self._bodies = constants, starts, bodies
-        self._epoch, self._changes = epoch, tuple(changes)
-        self._tangents = [
-            sensitivities.tangents_of(
-                body.moments_as_pairs[None], start[None], body.principal_wxyz[None], record[None]
-            )
-            for body, start, record in zip(bodies, wxyz, constants, strict=True)
-        ]
-        self._join()
-
-    @staticmethod
-    def _refuse_functions(changes: Sequence[Change]) -> None:
         for k, change in enumerate(changes):
             if callable(change.angular_momentum):
                 raise AttitudeError(
                     f"the momentum of changes[{k}] is a function of the motion, which has no "
                     "derivative in closed form; give the momentum as three numbers."
                 )
-
-    def _join(self) -> None:
-        """The maps (9, 9) from the first state of the chain to that of each arc."""
+        self._arcs, self._starts, self._bodies = arcs, starts, bodies
+        self._epoch, self._changes = epoch, tuple(changes)
+        # the maps (9, 9) from the first state of the chain to that of each arc
         self._maps = [np.eye(9)]
         for k, change in enumerate(self._changes):
             self._maps.append(self._over_joint(k, change) @ self._maps[k])
@@ -344,7 +358,7 @@ class ChainedSensitivity(Derivatives):
             after = self._over_joint(k, change) @ maps[k]
             turn = np.eye(3)
             if change.frame != "body":
-                wxyz, _ = self._state(k, self._starts[k + 1])
+                wxyz = self._state(k, self._starts[k + 1])[0]
                 turn = quaternion.matrix(wxyz).T @ frames.matrix_to_icrf(change.frame)
             after[3:6, 3 * k : 3 * k + 3] += np.linalg.solve(self._bodies[k + 1].tensor, turn)
             maps.append(after)
@@ -375,19 +389,13 @@ class ChainedSensitivity(Derivatives):
 
     def by_elements(self) -> FloatArray:
         """Changes (6, 5) of angular velocity and moments with the elements of the first arc."""
-        return inputs_by_elements(self._constants[0], self._tangents[0]["by_input"][0])
+        return self._arcs[0]._sensitivity.by_elements()
 
     def _on_arc(
         self, k: int, high: FloatArray, low: FloatArray, rates: bool
     ) -> tuple[FloatArray, FloatArray | None]:
         """The columns (n, 3, 9) by the first state of an arc."""
-        t, t_low = _since(self._starts[k], high, low)
-        record = self._constants[k : k + 1]
-        attitude = np.empty((1, 3, 9, t.size))
-        omega = np.empty((1, 3, 9, t.size)) if rates else None
-        sensitivities.evaluate(record, self._tangents[k], t[None], t_low[None], attitude, omega)
-        turns = np.moveaxis(attitude[0], -1, 0)
-        return turns, None if omega is None else np.moveaxis(omega[0], -1, 0)
+        return self._arcs[k]._sensitivity.at(*_since(self._starts[k], high, low), rates)
 
     def _over_joint(self, k: int, change: Change) -> FloatArray:
         """The map (9, 9) from the first state of an arc to that of the next."""
@@ -437,22 +445,18 @@ class ChainedSensitivity(Derivatives):
         delay: FloatArray = -slopes / float(values[0][1])
         return delay
 
-    def _state(self, k: int, end: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Attitude and angular velocity at the end of an arc."""
-        t, t_low = _since(self._starts[k], end[:1], end[1:])
-        wxyz, omega = np.empty((1, 4, 1)), np.empty((1, 3, 1))
-        record = self._constants[k : k + 1]
-        evaluation.evaluate(record, t[None], t_low[None], wxyz, omega)
-        return wxyz[0, :, 0], omega[0, :, 0]
+    def _state(self, k: int, end: FloatArray) -> list[FloatArray]:
+        """Attitude and angular velocity on arc k at an epoch (2,)."""
+        return self._arcs[k]._evaluate(*_since(self._starts[k], *end), 1)
 
     def _rate(self, k: int, matrix: FloatArray, omega: FloatArray, end: FloatArray) -> FloatArray:
         """The rate of change (9,) of attitude (inertial axes), angular velocity and moments.
 
         On arc k at an epoch (2,), where the attitude is a matrix and the rate omega.
         """
-        body = self._bodies[k]
-        torque = np.cross(body.tensor @ omega, omega)
-        return np.concatenate([matrix @ omega, np.linalg.solve(body.tensor, torque), np.zeros(3)])
+        t = _since(self._starts[k], *end)
+        acceleration = self._arcs[k].angular_acceleration_at(*t, angular_velocity=omega)
+        return np.concatenate([matrix @ omega, acceleration, np.zeros(3)])
 
 
 def _numbers_of_arcs(
@@ -482,40 +486,6 @@ def _cross_matrix(v: FloatArray) -> FloatArray:
 
 
 _NO_LOW = frozen(np.zeros(1))
-
-
-class TorquedChain(ChainedSensitivity):
-    """As `ChainedSensitivity`, of arcs (N + 1) that are integrated under torques."""
-
-    def __init__(
-        self,
-        arcs: Sequence[TorquedRotation],
-        starts: FloatArray,
-        bodies: Sequence[Body],
-        changes: Sequence[Change],
-        epoch: Instant,
-    ) -> None:
-        self._refuse_functions(changes)
-        self._arcs, self._starts, self._bodies = arcs, starts, bodies
-        self._epoch, self._changes = epoch, tuple(changes)
-        self._join()
-
-    def by_elements(self) -> FloatArray:
-        """Refused: the elements of a torqued motion change with time."""
-        return self._arcs[0]._sensitivity.by_elements()
-
-    def _on_arc(
-        self, k: int, high: FloatArray, low: FloatArray, rates: bool
-    ) -> tuple[FloatArray, FloatArray | None]:
-        return self._arcs[k]._sensitivity.at(*_since(self._starts[k], high, low), rates)
-
-    def _state(self, k: int, end: FloatArray) -> tuple[FloatArray, FloatArray]:
-        wxyz, omega = self._arcs[k]._evaluate(*_since(self._starts[k], *end), 1)
-        return wxyz, omega
-
-    def _rate(self, k: int, matrix: FloatArray, omega: FloatArray, end: FloatArray) -> FloatArray:
-        acceleration = self._arcs[k]._evaluate(*_since(self._starts[k], *end), 2)[2]
-        return np.concatenate([matrix @ omega, acceleration, np.zeros(3)])
 
 
 def _since(start: FloatArray, high: ArrayLike, low: ArrayLike) -> tuple[FloatArray, FloatArray]:
@@ -652,13 +622,12 @@ class Arcs(Differentiable):
 
     @cached_property
     def _sensitivity(self) -> ChainedSensitivity:
-        if self._torqued:
-            arcs = self._torqued, self._starts, self._bodies, self.changes, self.epoch
-            return TorquedChain(*arcs)
-        later = self.wxyz_at(self._starts[1:, 0], self._starts[1:, 1])
-        wxyz = np.concatenate([self.spin.wxyz_icrf[None], later])
-        parts = self._constants, self._starts, self._bodies, wxyz, self.changes, self.epoch
-        return ChainedSensitivity(*parts)
+        arcs: Sequence[FreeArc] | Sequence[TorquedRotation] = self._torqued
+        if not arcs:
+            later = self.wxyz_at(self._starts[1:, 0], self._starts[1:, 1])
+            wxyz = np.concatenate([self.spin.wxyz_icrf[None], later])
+            arcs = [FreeArc(*of) for of in zip(self._bodies, wxyz, self._constants, strict=True)]
+        return ChainedSensitivity(arcs, self._starts, self._bodies, self.changes, self.epoch)
 
     def _with(self, body: Body, spin: Spin) -> Arcs:
         constructor, (_, _, *others) = self.__reduce__()
@@ -1015,8 +984,8 @@ class Arcs(Differentiable):
     def _refuse(self, t: float) -> None:
         """Raise the AttitudeError of a free rotation for an epoch beyond its reach."""
         k = self._arc(t)
-        local, out = np.array([[t - self._starts[k, 0]]]), np.empty((1, 4, 1))
-        evaluation.evaluate(self._constants[k : k + 1], local, None, out, None)
+        since_start = np.array([t - self._starts[k, 0]])
+        raise AttitudeError(evaluation.refusal(self._constants[k], since_start, None))
 
     def _arc(self, t: float, low: float = 0.0) -> int:
         """The number of the arc of one epoch."""
@@ -1032,6 +1001,8 @@ def _compiled():
 
 def _constants(body, q, w, differences=None, low=None):
     """The record of the free motion from a state in pairs."""
-    states = body.moments_as_pairs[None], q[None, :, 0].copy(), w[None].copy()
-    more = {"differences": differences, "wxyz_low": low}
-    return evaluation.constants_of(*states, body.principal_wxyz[None], **more)[0]
+    if differences is not None:
+        differences = differences[None]
+    bodies = body.moments_as_pairs[None], body.principal_wxyz[None]
+    states = States(*bodies, w[None].copy(), differences, q[None, :, 0].copy(), low)
+    return Evaluation(states).prepared(range(1), rates=True).constants[0]

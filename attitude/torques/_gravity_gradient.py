@@ -63,6 +63,8 @@ class GravityGradient(Torque):
     path: Path
     mu: float
     columns = 3
+    _function = "gravity_gradient"
+    _slope = "gravity_gradient_slope"
 
     def __init__(self, path: Path | PositionFunction, mu: Real) -> None:
         self._set("path", path_of(path, "path"))
@@ -70,18 +72,6 @@ class GravityGradient(Torque):
             validation.one_of(mu, "mu", tuple(GM))
             mu = GM[mu]
         self._set("mu", validation.positive(mu, "mu", unit="m3/s2"))
-
-    def address(self) -> int:
-        """Address of `_compiled.gravity_gradient`."""
-        from attitude.torques._compiled import gravity_gradient
-
-        return gravity_gradient.address
-
-    def slope_address(self) -> int:
-        """Address of `_compiled.gravity_gradient_slope`."""
-        from attitude.torques._compiled import gravity_gradient_slope
-
-        return gravity_gradient_slope.address
 
     def parameters(self, body: Body) -> FloatArray:
         """GM, and the upper triangle by rows of the tensor less a multiple of the identity (7,)."""

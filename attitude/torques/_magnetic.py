@@ -432,8 +432,39 @@ _NOTHING = np.empty((0, 3 * _COUNT))
 # ---- Torques
 
 
+class _InField(Torque):
+    """The base of torques in a magnetic field along a path."""
+
+    field: MagneticField
+    path: Path
+
+    def _set_field(self, field: Any, path: Any) -> None:
+        self._set("field", field_of(field))
+        self._set("path", path_of(path, "path"))
+
+    @property
+    def is_of_seconds(self) -> bool:
+        """Whether path or field is a function of seconds since the epoch of the spin."""
+        return super().is_of_seconds or isinstance(self.field, _FunctionField)
+
+    def span(self, instant: Instant) -> tuple[float, float]:
+        """First and last TDB seconds since an instant that path and field cover.
+
+        Of the path alone at an instant that the field lacks, which says so.
+        """
+        first, last = span_of(self.path, instant)
+        begin, end = self.field.span(instant)
+        if begin > 0.0 or end < 0.0:
+            return first, last
+        return max(first, begin), min(last, end)
+
+    @cached_property
+    def _on_path(self) -> FieldOnPath:
+        return FieldOnPath(self.field, self.path)
+
+
 @dataclass(frozen=True, eq=False, init=False)
-class EddyCurrent(Torque):
+class EddyCurrent(_InField):
     """The torque of the currents that a magnetic field induces in a conducting body.
 
     N = (M (w x B - B')) x B, where B' is the rate of change of the field over inertial axes along
@@ -468,6 +499,7 @@ class EddyCurrent(Torque):
     field: MagneticField
     path: Path
     kind = BY_RATE
+    _function = "eddy_current"
     columns = 6
 
     def __init__(
@@ -489,27 +521,12 @@ class EddyCurrent(Torque):
                 "that is positive semidefinite."
             )
         self._set("tensor", frozen(0.5 * (matrix + matrix.T)))
-        _set_field(self, field, path)
-
-    @property
-    def is_of_seconds(self) -> bool:
-        """Whether path or field is a function of seconds since the epoch of the spin."""
-        return super().is_of_seconds or isinstance(self.field, _FunctionField)
-
-    def address(self) -> int:
-        """Address of `_compiled.eddy_current`."""
-        from attitude.torques._compiled import eddy_current
-
-        return eddy_current.address
+        self._set_field(field, path)
 
     def parameters(self, body: Body) -> FloatArray:
         """The upper triangle of the tensor by rows (6,), S m4."""
         _refuse_relative(body)
         return self.tensor[np.triu_indices(3)]
-
-    def span(self, instant: Instant) -> tuple[float, float]:
-        """First and last TDB seconds since an instant that path and field cover."""
-        return _span(self.field, self.path, instant)
 
     def sample(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
         """The field in T and its rate of change in T/s along the path, ICRF axes: (K, 6)."""
@@ -520,13 +537,9 @@ class EddyCurrent(Torque):
         """As `sample`, the rate by differences."""
         return self._on_path.apart(instant, seconds, low)
 
-    @cached_property
-    def _on_path(self) -> FieldOnPath:
-        return FieldOnPath(self.field, self.path)
-
 
 @dataclass(frozen=True, eq=False, init=False)
-class MagneticDipole(Torque):
+class MagneticDipole(_InField):
     """The torque m x B on a dipole that is fixed in the body: a residual dipole, a magnet.
 
     Parameters
@@ -550,6 +563,8 @@ class MagneticDipole(Torque):
     field: MagneticField
     path: Path
     columns = 3
+    _function = "magnetic_dipole"
+    _slope = "magnetic_dipole_slope"
 
     def __init__(
         self,
@@ -558,33 +573,12 @@ class MagneticDipole(Torque):
         path: Path | PositionFunction,
     ) -> None:
         self._set("moment", frozen(validation.real(moment, "moment", shape=(3,), unit="A m2")))
-        _set_field(self, field, path)
-
-    @property
-    def is_of_seconds(self) -> bool:
-        """Whether path or field is a function of seconds since the epoch of the spin."""
-        return super().is_of_seconds or isinstance(self.field, _FunctionField)
-
-    def address(self) -> int:
-        """Address of `_compiled.magnetic_dipole`."""
-        from attitude.torques._compiled import magnetic_dipole
-
-        return magnetic_dipole.address
-
-    def slope_address(self) -> int:
-        """Address of `_compiled.magnetic_dipole_slope`."""
-        from attitude.torques._compiled import magnetic_dipole_slope
-
-        return magnetic_dipole_slope.address
+        self._set_field(field, path)
 
     def parameters(self, body: Body) -> FloatArray:
         """The moment (3,), A m2 over the body axes."""
         _refuse_relative(body)
         return np.array(self.moment)
-
-    def span(self, instant: Instant) -> tuple[float, float]:
-        """First and last TDB seconds since an instant that path and field cover."""
-        return _span(self.field, self.path, instant)
 
     def sample(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
         """The field (K, 3) in T along the path, ICRF axes."""
@@ -594,24 +588,6 @@ class MagneticDipole(Torque):
     def sample_apart(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
         """As `sample`, without a fit along the path."""
         return self._on_path.direct(instant, seconds, low)
-
-    @cached_property
-    def _on_path(self) -> FieldOnPath:
-        return FieldOnPath(self.field, self.path)
-
-
-def _span(field: MagneticField, path: Path, instant: Instant) -> tuple[float, float]:
-    """What both cover; what the path covers at an instant that the field lacks, which says so."""
-    first, last = span_of(path, instant)
-    begin, end = field.span(instant)
-    if begin > 0.0 or end < 0.0:
-        return first, last
-    return max(first, begin), min(last, end)
-
-
-def _set_field(torque: Any, field: Any, path: Any) -> None:
-    torque._set("field", field_of(field))
-    torque._set("path", path_of(path, "path"))
 
 
 def _refuse_relative(body: Body) -> None:

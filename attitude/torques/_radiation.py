@@ -249,6 +249,7 @@ class AerodynamicTorque(Torque):
     density: Any
     mirrored: FloatArray
     columns = 3
+    _function = "solar_radiation"
 
     def __init__(
         self,
@@ -262,12 +263,6 @@ class AerodynamicTorque(Torque):
         if not callable(density):
             density = validation.positive(density, "density", unit="kg/m3")
         self._set("density", density)
-
-    def address(self) -> int:
-        """Address of `_compiled.solar_radiation`: the push of the air has the same form."""
-        from attitude.torques._compiled import solar_radiation
-
-        return solar_radiation.address
 
     def parameters(self, body: Body) -> FloatArray:
         """The parameters (2 + 12 N,) of `_compiled.solar_radiation`.
@@ -324,11 +319,13 @@ def _visibility_of(shape: Any, shadows: Any) -> Visibility | None:
     return shadows
 
 
-def _occulters(paths: Any) -> tuple[tuple[Path, float], ...]:
+def _occulters(shadow_of: Any) -> tuple[tuple[Path, float], ...]:
     """Paths from the Sun, and radii in m, of bodies that eclipse it."""
-    if isinstance(paths, Path):
-        paths = (paths,)
-    pairs_of = paths.items() if isinstance(paths, Mapping) else ((path, None) for path in paths)
+    if isinstance(shadow_of, Path):
+        shadow_of = (shadow_of,)
+    pairs_of = (
+        shadow_of.items() if isinstance(shadow_of, Mapping) else [(p, None) for p in shadow_of]
+    )
     bodies = []
     for path, radius in pairs_of:
         if not isinstance(path, Path):

@@ -132,7 +132,7 @@ def scheme(name: str | Scheme) -> Scheme:
     if isinstance(name, Scheme):
         return name
     if not isinstance(name, str) or name not in SCHEMES:
-        listed = ", ".join(repr(scheme) for scheme in SCHEMES)
+        listed = ", ".join(repr(known) for known in SCHEMES)
         raise AttitudeError(f"scheme is {name!r}; give one of {listed}, or a Scheme.")
     return SCHEMES[name]
 

@@ -8,14 +8,15 @@ import numpy as np
 
 from attitude._compilation.callbacks import raising_callback_errors
 from attitude._compilation.decorators import EntryPoint
-from attitude._solver import evaluation, sensitivities
 from attitude._solver import march_layout as layout
 from attitude._solver.march_layout import OMEGA, OMEGA_LOW, STATE_ENTRIES, WXYZ
+from attitude._solver.sensitivities import Derivatives
+from attitude._solver.states import Evaluation, Results, States
 from attitude._support import pairs
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
-from attitude.motions._differentiable import Derivatives, changed
+from attitude.motions._differentiable import changed
 from attitude.torques._gravity_gradient import GravityGradient
 from attitude.torques._schemes import ascending
 from attitude.torques._torque import BY_ATTITUDE, BY_RATE, LINEAR, SLIP
@@ -355,25 +356,25 @@ class System:
         )
         return out
 
-    def acceleration(self, seconds: FloatArray, low: FloatArray, found: FloatArray) -> FloatArray:
+    def acceleration(self, seconds: FloatArray, low: FloatArray, motion: FloatArray) -> FloatArray:
         """Rates of change (N, 3) of the angular velocity over the body axes, rad/s2.
 
-        found: (N, 7), attitudes and angular velocities at seconds + low (N,), as `over_body_axes`
+        motion: (N, 7), attitudes and angular velocities at seconds + low (N,), as `over_body_axes`
         gives them.
         """
         from attitude._solver.march import accelerations
 
-        known: BoolArray = np.all(np.isfinite(found), axis=-1)
+        known: BoolArray = np.all(np.isfinite(motion), axis=-1)
         states = np.zeros((int(known.sum()), STATE_ENTRIES))
-        states[:, WXYZ] = quaternion.multiply(found[known, :4], self.turn)
-        states[:, OMEGA] = found[known, 4:] @ self.axes
+        states[:, WXYZ] = quaternion.multiply(motion[known, :4], self.turn)
+        states[:, OMEGA] = motion[known, 4:] @ self.axes
         t = np.stack([seconds[known], low[known]])
         if self.inertia is not None:
             raise AttitudeError(
                 "angular accelerations are not defined with an InertiaHistory; difference the "
                 "angular velocities."
             )
-        out = np.full((len(found), 3), np.nan)
+        out = np.full((len(motion), 3), np.nan)
         some = np.empty((len(states), 3))
         numbers, _, models = self.setup
         self.run(accelerations, 0.0, numbers, models, states, t[0], self.sampled(t), some)
@@ -493,7 +494,7 @@ class TorquedSensitivity(Derivatives):
             'by is "elements"; a motion under torques has no constant elements. Give by="state".'
         )
 
-    def _with_turning(self, t: FloatArray, low: FloatArray, found: FloatArray) -> None:
+    def _with_turning(self, t: FloatArray, low: FloatArray, maps: FloatArray) -> None:
         """Turn changes of I^-1 L in maps (T, 9 + P, 9 + P) into those of I(t)^-1 L."""
         system, body = self._system, self._body
         known = np.isfinite(t + low)
@@ -501,11 +502,11 @@ class TorquedSensitivity(Derivatives):
         rates = self._states(t[known], low[known])[:, 4:]
         gained = rates - system.turning(t[known], low[known], rates)
         tensors = body.tensor + system.inertia.tensors(t[known] + low[known])
-        changes = body.tensor @ found[known, 3:6]
+        changes = body.tensor @ maps[known, 3:6]
         # by the moments, of which I and I(t) have the same change
         axes = body.principal_axes
         changes[..., 6:9] += axes * (gained @ axes)[:, None, :]
-        found[known, 3:6] = np.linalg.solve(tensors, changes)
+        maps[known, 3:6] = np.linalg.solve(tensors, changes)
 
     def _on_side(self, side: int, t: FloatArray, low: FloatArray) -> FloatArray:
         """The maps (T, 9 + P, 9 + P) from the epoch to t + low, of one direction."""
@@ -563,18 +564,15 @@ class TorquedSensitivity(Derivatives):
         self, wxyz: FloatArray, omega: FloatArray, t: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """States after free motions for t (N,) seconds, and the maps (N, 9 + P, 9 + P)."""
-        count, principal = len(t), self._body.principal_wxyz[None]
-        moments = np.repeat(self._body.moments_as_pairs[None], count, axis=0)
-        rates = np.zeros((count, 3, 2))
-        rates[..., 0] = omega @ self._body.principal_axes
-        wxyz = np.ascontiguousarray(wxyz)
-        constants = evaluation.constants_of(moments, wxyz, rates, principal)
-        tangents = sensitivities.tangents_of(moments, wxyz, principal, constants)
+        count, body = len(t), self._body
+        rates, wxyz = omega @ body.principal_axes, np.ascontiguousarray(wxyz)
+        moments, principal = body.moments_as_pairs[None], body.principal_wxyz[None]
         after, turning = np.empty((count, 4, 1)), np.empty((count, 3, 1))
-        evaluation.evaluate(constants, t[:, None], None, after, turning)
-        changes = np.zeros((count, self._width, self._width))
         attitude, rate = np.empty((count, 3, 9, 1)), np.empty((count, 3, 9, 1))
-        sensitivities.evaluate(constants, tangents, t[:, None], None, attitude, rate)
+        states = States(moments, principal, rates, None, wxyz)
+        results = Results(after, turning, attitude, rate)
+        Evaluation(states).grid(pairs.Seconds(t[:, None]), results)
+        changes = np.zeros((count, self._width, self._width))
         changes[:, :3, :9], changes[:, 3:6, :9] = attitude[..., 0], rate[..., 0]
         changes[:, 6:, 6:] = np.eye(self._width - 6)
         return after[..., 0], turning[..., 0], changes

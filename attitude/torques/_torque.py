@@ -59,6 +59,9 @@ class Torque(Immutable):
     is_users: bool = False
     changes_inertia: bool = False
     path: Path | None = None
+    # Names of the functions of `_compiled` at the addresses below.
+    _function: str = ""
+    _slope: str = ""
 
     @property
     def is_of_seconds(self) -> bool:
@@ -67,7 +70,9 @@ class Torque(Immutable):
 
     def address(self) -> int:
         """Address of the compiled function of the torque; see `attitude._solver.torqued_step`."""
-        raise NotImplementedError(f"{type(self).__name__} defines no address")
+        if not self._function:
+            raise NotImplementedError(f"{type(self).__name__} defines no address")
+        return _address_of(self._function)
 
     def slope_address(self) -> int:
         """Address of the compiled function for the scheme "force-gradient"; 0 without one.
@@ -77,7 +82,7 @@ class Torque(Immutable):
         that depends on the attitude but has no potential it returns (y . d) N - N x y, which
         equals these derivatives where a potential exists.
         """
-        return 0
+        return _address_of(self._slope) if self._slope else 0
 
     def parameters(self, body: Body) -> FloatArray:
         """Constants (P,) that the compiled function takes, for a body."""
@@ -191,21 +196,11 @@ class ConstantTorque(Torque):
     """
 
     torque: FloatArray
+    _function = "constant"
+    _slope = "constant_slope"
 
     def __init__(self, torque: Reals) -> None:
         self._set("torque", frozen(validation.real(torque, "torque", shape=(3,), unit="N m")))
-
-    def address(self) -> int:
-        """Address of `_compiled.constant`."""
-        from attitude.torques._compiled import constant
-
-        return constant.address
-
-    def slope_address(self) -> int:
-        """Address of `_compiled.constant_slope`."""
-        from attitude.torques._compiled import constant_slope
-
-        return constant_slope.address
 
     def parameters(self, body: Body) -> FloatArray:
         """The torque (3,), N m over the body axes."""
@@ -237,6 +232,7 @@ class LinearDamping(Torque):
 
     coefficient: FloatArray
     kind = LINEAR
+    _function = "linear_damping"
 
     def __init__(self, coefficient: Real | Reals) -> None:
         numbers = validation.real(coefficient, "coefficient", unit="N m s")
@@ -250,12 +246,6 @@ class LinearDamping(Torque):
                 "Give a matrix that is positive semidefinite."
             )
         self._set("coefficient", frozen(numbers))
-
-    def address(self) -> int:
-        """Address of `_compiled.linear_damping`."""
-        from attitude.torques._compiled import linear_damping
-
-        return linear_damping.address
 
     def parameters(self, body: Body) -> FloatArray:
         """The matrix C by rows (9,), N m s."""
@@ -375,6 +365,7 @@ class InertiaHistory(Torque):
 
     change: Callable[[FloatArray], FloatArray]
     kind = SLIP
+    _function = "inertia_history"
     columns = 6
     changes_inertia = True
     is_of_seconds = True
@@ -387,12 +378,6 @@ class InertiaHistory(Torque):
                 "returns the change of the tensor of inertia (K, 3, 3) in kg m2."
             )
         self._set("change", change)
-
-    def address(self) -> int:
-        """Address of `_compiled.inertia_history`."""
-        from attitude.torques._compiled import inertia_history
-
-        return inertia_history.address
 
     def parameters(self, body: Body) -> FloatArray:
         """The upper triangle of the body's tensor by rows (6,)."""
@@ -538,6 +523,14 @@ class CustomTorque(Torque):
             out[0], out[1], out[2] = _three(function(t + parameters[0], q, w), name)
 
         return torque
+
+
+def _address_of(name: str) -> int:
+    """Address of a function of `_compiled`."""
+    from attitude.torques import _compiled
+
+    address: int = getattr(_compiled, name).address
+    return address
 
 
 def _three(value, name):

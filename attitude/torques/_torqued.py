@@ -859,8 +859,7 @@ class TorquedRotation(Differentiable):
 
     @cached_property
     def _sensitivity(self) -> TorquedSensitivity:
-        arguments = self._system, self.body, self.spin
-        return TorquedSensitivity(*arguments, self._mesh, self._states)
+        return self.sensitivity_with_torques(())
 
     def sensitivity_with_torques(
         self, others: Iterable[tuple[float, Iterable[Iterable[Torque]]]]
@@ -1015,8 +1014,8 @@ if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_after_fork)
 
 
-def _checked_tolerance(given: Real, name: str) -> float:
-    tolerance = validation.positive(given, name)
+def _checked_tolerance(value: Real, name: str) -> float:
+    tolerance = validation.positive(value, name)
     if not 1e-14 <= tolerance <= 1e-2:
         raise AttitudeError(f"{name} is {tolerance!r}; give one from 1e-14 to 1e-2 (rad).")
     return tolerance

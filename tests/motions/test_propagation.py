@@ -242,12 +242,26 @@ def test_the_wrong_body_of_a_batch_is_named(bad):
         propagate(moments, wxyz0, omega0, T)
 
 
-def test_one_far_epoch_among_many_bodies_is_told():
-    rows = _batch(3)
-    t = np.zeros((3, 2))
-    t[2, 1] = 1e25
-    with pytest.raises(AttitudeError, match="1e\\+25 s"):
-        propagate(*rows, t)
+@pytest.mark.parametrize("count", [3, 700])
+def test_one_far_epoch_among_many_bodies_is_told(count):
+    """With the number of its body, in one block and in several."""
+    rows = _batch(count)
+    t = np.zeros((count, 2))
+    t[count - 1, 1] = 1e25
+    sentence = rf"^State {count - 1} of {count}: an epoch lies 1e\+25 s"
+    for options in ({}, {"sensitivity": True}, {"threads": 2}):
+        with pytest.raises(AttitudeError, match=sentence):
+            propagate(*rows, t, **options)
+
+
+def test_the_body_without_derivatives_is_named():
+    """A rod, and an epoch at which the derivatives of a flip exceed the range of doubles."""
+    moments = np.array([(10.0, 20.0, 26.0), (0.0, 1.0, 1.0)])
+    with pytest.raises(AttitudeError, match=r"^State 1 of 2: moments are \[0.0, 1.0, 1.0\]"):
+        propagate(moments, STATE[1], (0.0, 1.0, 0.0), [1.0], sensitivity=True)
+    omega = [(1.0, 2.0, 3.0), (0.0, 1.0, 0.0)]
+    with pytest.raises(AttitudeError, match=r"^State 1 of 2: .* multiplies errors by e every"):
+        propagate(moments[0], STATE[1], omega, [[1e4], [1e4]], sensitivity=True)
 
 
 def test_an_error_is_a_value_error():

@@ -13,12 +13,11 @@ import pytest
 
 from attitude import Mode, propagate
 from attitude._solver import codes
-from attitude._solver.evaluation import constants_of
 from attitude.errors import AttitudeError
 from tests.support import states
 from tests.support.measure import error_of, errors, worst
 from tests.support.oracle import Oracle, rate_error
-from tests.support.states import State
+from tests.support.states import State, constants_of
 
 PROMISE = 4e-15  # rad, and relative to the largest rate
 HORIZONS = (10, 1e3, 1e6, 1e9)  # revolutions

@@ -6,8 +6,9 @@ A field that is not read may hold anything: here NaN, so that a wrong branch sho
 import numpy as np
 import pytest
 
-from attitude._solver import codes, evaluation
+from attitude._solver import codes
 from attitude._solver.evaluation import evaluate_all
+from tests.support import states
 from tests.support.uncompiled_answers import STATES
 
 EPOCHS = np.array([[-3e4, 0.0, 1.3, 60.0, 1e6]])
@@ -31,7 +32,7 @@ def constants_of(name):
     pairs = np.zeros((1, 3, 2)), np.zeros((1, 3, 2))
     pairs[0][0, :, 0], pairs[1][0, :, 0] = moments, rates
     unit = np.array([[1.0, 0.0, 0.0, 0.0]])
-    return evaluation.constants_of(pairs[0], np.array([[1.0, 2, 3, 4]]), pairs[1], unit)
+    return states.constants_of(pairs[0], np.array([[1.0, 2, 3, 4]]), pairs[1], unit)
 
 
 def evaluated(constants, rates):

@@ -7,7 +7,7 @@ import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, Spin, propagate
 from attitude._solver import sensitivities, short_times
-from attitude._solver.batches import Batch
+from attitude._solver.states import IDENTITY, States
 from attitude.frames import representations as forms
 from attitude.frames.quaternion import conjugate, matrix, multiply
 from attitude.motions import _propagation
@@ -174,7 +174,8 @@ def test_series_in_python_and_in_vectors_have_the_same_bits():
     """Of a tumbler, a flip and a needle, with spans to both sides."""
     moments = np.array([(1.0, 2.0, 2.6), (1.0, 2.0, 2.6), (1e-3, 1.0, 1.0 + 1e-9)])
     omega = np.array([(0.3, -0.2, 0.5), (1e-9, 1.0, 1e-9), (5.0, 1e-3, -2e-3)])
-    prepared = Batch(moments, np.array([(0.5, -0.5, 0.5, 0.5)] * 3), omega)._prepared(True, 0, 3)
+    wxyz = np.array([(0.5, -0.5, 0.5, 0.5)] * 3)
+    prepared = States(moments, IDENTITY, omega, None, wxyz).prepared(slice(None))
     tangents = sensitivities.tangents_of(
         prepared.moments, prepared.wxyz, prepared.principal, prepared.constants
     )

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from attitude._compilation.instructions import fma, rint
 from attitude._solver import codes, twofloat
-from attitude._solver.evaluation import constants_of
+from tests.support.states import constants_of
 
 U = Fraction(1, 2**53)
 

@@ -12,9 +12,8 @@ import pytest
 
 from attitude import propagate
 from attitude._solver import codes
-from attitude._solver.evaluation import constants_of
 from tests.support.measure import errors, worst
-from tests.support.states import State
+from tests.support.states import State, constants_of
 
 PROMISE = 4e-15  # rad, and of the largest component of the angular velocity
 WXYZ = (0.5, -0.1, 0.3, 0.8)

@@ -866,7 +866,7 @@ def check_counts(truths):
             assert evaluation.faults_of(given[0], changed, given[1]).tolist() == [1]
     # each loop fills the rows of its own form, and says that all is well
     fine = [0, 1, 2, 4, 5, 7]
-    records = evaluation.constants_of(pairs[0][fine], wxyz[fine], pairs[1][fine], IDENTITY)
+    records = states.constants_of(pairs[0][fine], wxyz[fine], pairs[1][fine], IDENTITY)
     t = np.array([[0.5, 1.5, 2.5, 3.5]])
     for loop, form in (
         (kernel.uniform, codes.UNIFORM),
@@ -899,7 +899,7 @@ def check_two(truths):
         pairs = _pairs_of(np.array(moments), np.array(rates))
 
         def records_of(part, pairs=pairs):
-            return evaluation.constants_of(
+            return states.constants_of(
                 pairs[0][part], turns[:2][part], pairs[1][part], turns[2:][part], wxyz_low=low[part]
             )
 

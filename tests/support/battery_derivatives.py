@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from tests.support import states
 from tests.support.differences import PROMISE, relative, sensitivity
 
 _WXYZ = (1.0, 0.3, 0.2, -0.1)
@@ -88,12 +89,12 @@ def check_thin_needles(_truths):
 def check_growth(_truths):
     """Derivatives about the middle axis grow by e^280 within reach, and are refused beyond."""
     from attitude import AttitudeError
-    from attitude._solver import evaluation, sensitivities
+    from attitude._solver import sensitivities
 
     moments, rates = np.zeros((1, 3, 2)), np.zeros((1, 3, 2))
     moments[0, :, 0], rates[0, :, 0] = (1.0, 2.0, 2.7), (0.0, 1.0, 0.0)
     wxyz, axes = np.array([_WXYZ]), np.array([[1.0, 0.0, 0.0, 0.0]])
-    constants = evaluation.constants_of(moments, wxyz, rates, axes)
+    constants = states.constants_of(moments, wxyz, rates, axes)
     tangents = sensitivities.tangents_of(moments, wxyz, axes, constants)
     rate = math.sqrt((2.0 - 1.0) * (2.7 - 2.0) / (1.0 * 2.7))
     reach = sensitivities.reaches(tangents)
@@ -193,7 +194,7 @@ def check_streams(_truths):
 
 def check_many_derivatives(truths):
     """Derivatives and covariances of several motions are those of each alone."""
-    from attitude._solver import evaluation, sensitivities
+    from attitude._solver import sensitivities
 
     chosen = [_STATES[k] for k in (0, 2, 4, 6)]
     count = len(chosen)
@@ -202,7 +203,7 @@ def check_many_derivatives(truths):
     turns = np.array([_WXYZ, (0.5, -0.1, 0.3, 0.2)])
     wxyz, principal = turns[np.arange(count) % 2], turns[np.arange(1, count + 1) % 2].copy()
     principal /= np.linalg.norm(principal, axis=1, keepdims=True)
-    given = evaluation.constants_of(pairs[0], wxyz, pairs[1], principal)
+    given = states.constants_of(pairs[0], wxyz, pairs[1], principal)
     tangents = sensitivities.tangents_of(pairs[0], wxyz, principal, given)
     for first, end in ((0, 1), (2, 3), (3, 4), (0, 2), (2, 4)):  # set up alone, and in twos
         some = slice(first, end)

@@ -449,16 +449,24 @@ def _check_places(regimes):
 def check_blocks_of_regimes(truths):
     """States in blocks, their shapes, and what is refused, by its number."""
     from attitude import AttitudeError
-    from attitude._solver import regime
+    from attitude._solver import regime, states
 
     moments = np.tile((1.0, 2.0, 2.5), (8, 1))
     omega = np.array([(0.1, 0.2, 0.3 + 0.01 * k) for k in range(8)])
-    size, regime._BLOCK = regime._BLOCK, 3
+    size, states.BLOCK = states.BLOCK, 3
     try:
         found, modes = regime.regimes(moments, omega), regime.classify(moments, omega)
         _check_refused(regime, moments, omega)
+        # where they are not refused, they have no numbers
+        changed = omega.copy()
+        changed[4, 1] = math.nan
+        source = states.States.of_principal_axes(moments, changed)
+        rows, rates = regime.summary(states.Evaluation(source, raises=False), 8)
+        assert np.flatnonzero(rows["mode"] == -1).tolist() == [4]
+        assert np.flatnonzero(np.isnan(rates).all(axis=0)).tolist() == [4]
+        assert np.isnan(rows["psi_rate"][4]) and not np.isnan(rows["psi_rate"][:4]).any()
     finally:
-        regime._BLOCK = size
+        states.BLOCK = size
     for k in range(8):
         alone = regime.regimes(moments[k], omega[k])
         assert found.P_psi[k] == alone.P_psi and modes[k] == alone.mode == found[k].mode
@@ -519,6 +527,13 @@ def _check_refused(regime, moments, omega):
                 assert f"State {bad} of 8" in str(err), err
             else:
                 raise AssertionError(bad)
+        for count, words in ((1, "the angular velocity is"), (2, "State 0 of 2: the angular")):
+            try:
+                function(moments[:count], np.full((count, 3), math.nan))
+            except AttitudeError as err:
+                assert str(err).startswith(words), err
+            else:
+                raise AssertionError(count)
         for arguments, words in (
             ((np.ones((2, 3)), np.ones((4, 3))), "do not broadcast"),
             (((1.0, 2.0), (1.0, 0.0, 0.0)), "shape"),

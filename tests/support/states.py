@@ -342,3 +342,14 @@ def _symmetric(random):
 def _scaled(random, moments, omega, moment_powers, rate_powers):
     size, rate = 10.0 ** random.randint(*moment_powers), 10.0 ** random.randint(*rate_powers)
     return [i * size for i in moments], [w * rate for w in omega]
+
+
+def constants_of(moments, wxyz, omega, principal, wxyz_low=None):
+    """Constants (B,) of motions.
+
+    Shapes: moments, omega (B, 3, 2), pairs; wxyz, wxyz_low (B, 4); principal (1 or B, 4).
+    """
+    from attitude._solver.states import Evaluation, States
+
+    states = States(moments, principal, omega, None, wxyz, wxyz_low)
+    return Evaluation(states).prepared(range(len(moments)), rates=True).constants

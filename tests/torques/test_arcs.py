@@ -7,7 +7,6 @@ import pytest
 from mpmath import mp, mpf
 
 from attitude import AttitudeError, Body, FreeRotation, Spin
-from attitude._solver import evaluation
 from attitude._solver.chains import flow
 from attitude._support.arrays import read_only
 from attitude.frames import quaternion
@@ -139,7 +138,7 @@ def test_flow_in_two_doubles(revolutions):
         moments, w = np.zeros((3, 2)), np.zeros((3, 2))
         moments[:, 0], w[:, 0] = state.moments, state.omega0
         identity = np.array([[1.0, 0.0, 0.0, 0.0]])
-        record = evaluation.constants_of(moments[None], identity, w[None].copy(), identity)[0]
+        record = states.constants_of(moments[None], identity, w[None].copy(), identity)[0]
         q = np.zeros((4, 2))
         q[0, 0] = 1.0
         flow(record, read_only(moments), (time, 0.0), q, w)
