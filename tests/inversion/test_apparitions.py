@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, Spin, inversion
+from attitude._support.least_squares import inverse
 from attitude.frames import matrix_to_icrf, quaternion
 from attitude.inversion import (
     _apparitions,
@@ -203,7 +204,7 @@ def _alone(problem, state, inside):
     start = _joined.at_middle(state, -middle)
     # to the minimum itself: the counts that compete depend on where an iteration stops
     fit = _refinement.refine(about, start, tie=_shapes.Tie(math.inf), iterations=80, gain=1e-9)
-    found = _joined.Alone(fit.state, 4.0 * _refinement.inverse(fit.normal)[:8, :8], 0.0, middle)
+    found = _joined.Alone(fit.state, 4.0 * inverse(fit.normal)[:8, :8], 0.0, middle)
     return _joined.Apparition(float(part.t.min()), float(part.t.max()), [found])
 
 
