@@ -52,6 +52,8 @@ MAKES = (
 EPOCH = "2026-01-01"
 DAY, YEAR, AU = 86400.0, 365.25 * 86400.0, 149597870700.0
 EARTH, SUN, RADIUS = 3.986004418e14, 1.32712440018e20, 6.3712e6
+# Trees that split at resonances: least kick and branches at most.
+SPLIT = ((8e-4, 256), (4e-4, 4096))
 
 
 # ---- Orbits, shapes, states
@@ -595,8 +597,8 @@ def geo_member(phase, years=1.6):
     """A full motion like GOES 8 beside the nearest leaf of its tree, each 0.2 years.
 
     The leaf, the error of its |L|, that with the kicks of the resonances at the phases of the full
-    motion, the root mean square that the leaf states over unknown phases, and the error of the
-    nearest leaf of a tree that splits at resonances.
+    motion, the root mean square that the leaf states over unknown phases, and the errors of the
+    nearest leaves of trees that split at resonances.
     """
     light, motion = goes_member(phase)
     body, spin = motion.body, motion.spin
@@ -614,10 +616,14 @@ def geo_member(phase, years=1.6):
     states = {when: history[len(t) + k] for k, when in enumerate(times)}
     known = kicked(motion, tree[best], crossings[best], states, t) / truth - 1.0
     scatter = float(np.max(tree[best].scatter(t)["size"]))
-    finer = motion.branches(float(t[-1]), least_kick=8e-4)
-    nearest = min(float(np.max(np.abs(leaf.at(t).size / truth - 1.0))) for leaf in finer)
     error, of_kicks = (float(np.max(np.abs(gap))) for gap in (gaps[best], known))
-    return tree[best], error, of_kicks, scatter, nearest
+    return tree[best], [error, scatter, of_kicks, *(nearest(motion, truth, t, *s) for s in SPLIT)]
+
+
+def nearest(motion, truth, t, least, most):
+    """The largest error of |L| (T,) of the nearest leaf of a tree."""
+    tree = motion.branches(float(t[-1]), least_kick=least, most=most)
+    return min(float(np.max(np.abs(leaf.at(t).size / truth - 1.0))) for leaf in tree)
 
 
 def beside_leaves(phase, step=0.04):
@@ -633,13 +639,7 @@ def beside_leaves(phase, step=0.04):
         motion.body, motion.spin, light, step=seconds, scheme="kick-rotate-kick"
     ).at(t)
     truth = np.array([mean_of(motion, full[k], t[k])[0] for k in range(len(t))])
-    return [
-        min(
-            float(np.max(np.abs(leaf.at(t).size / truth - 1.0)))
-            for leaf in motion.branches(float(t[-1]), least_kick=least)
-        )
-        for least in (None, 8e-4)
-    ]
+    return [nearest(motion, truth, t, *split) for split in ((None, 256), *SPLIT)]
 
 
 def kicked(motion, leaf, crossings, states, t):
@@ -741,9 +741,9 @@ def kicks(quick):
     t = np.arange(0.0, 1.6 + 1e-9, 0.2) * YEAR
     rng, weak, rows = np.random.default_rng(1), set(), []
     sizes = np.array([drawn(motion, t, rng, weak) for _ in range(10 if quick else 40)])
-    for least in (None, 1.2e-3, 8e-4):
+    for least, most in ((None, 256), (1.2e-3, 256), *SPLIT):
         begin = time.process_time()
-        tree = motion.branches(float(t[-1]), least_kick=least)
+        tree = motion.branches(float(t[-1]), least_kick=least, most=most)
         cost = time.process_time() - begin
         leaves_ = np.array([leaf.at(t).size for leaf in tree])
         errors = np.array([np.min(np.max(np.abs(leaves_ / one - 1.0), axis=1)) for one in sizes])
@@ -1041,15 +1041,14 @@ def _frequency(hits, odds):
 
 
 def leaves(_):
-    """The table of full motions and the leaves next to them: 120 s of processor each."""
+    """The table of full motions and the leaves next to them: 200 s of processor each."""
     rows = []
     for phase in range(8):
-        leaf, error, known, scatter, nearest = geo_member(phase)
-        numbers = (f"{number:.1e}" for number in (error, scatter, known, nearest))
-        again = (f"{error:.1e}" for error in beside_leaves(phase))
-        rows.append([phase, *passed(leaf, 1.6 * YEAR), *numbers, *again])
+        leaf, errors = geo_member(phase)
+        numbers = (f"{error:.1e}" for error in (*errors, *beside_leaves(phase)))
+        rows.append([phase, *passed(leaf, 1.6 * YEAR), *numbers])
     heads = ("phase", "regions", "odds", "error of L", "scatter of the leaf", "phases known",
-             "of 256 leaves", "again, of 8", "of 256")  # fmt: skip
+             "of 256 leaves", "of 4096", "again, of 8", "of 256", "of 4096")  # fmt: skip
     return Table("averaged leaves", markdown(heads, rows))
 
 

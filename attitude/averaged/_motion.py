@@ -51,8 +51,9 @@ _COARSEST, _HALVINGS, _CLOSE, _ROUNDING = 0.15, 4, 0.1, 1e-10
 _ROUNDED = 1e-9
 # Turn of the body in a step of the full motion through a resonance, rad.
 _FINE = 0.05
-# Branches of a tree, the share of them up to which resonances are split, and the least odds of one.
-_MOST_BRANCHES, _SPLIT_SHARE, _LEAST_ODDS = 256, 0.25, 1e-3
+# Of the branches of a tree at most, the share up to which resonances are split; the least odds of
+# one, over that of equally likely ones.
+_MOST_BRANCHES, _SPLIT_SHARE, _LEAST_ODDS = 256, 0.25, 0.256
 
 
 # ---- Branches
@@ -475,10 +476,17 @@ class AveragedMotion(Immutable):
             events += _resonances.crossed(track, until)
         return tuple(sorted(events, key=lambda event: event.seconds))
 
-    def branches(self, until: Epochs | None = None, *, least_kick: Real | None = None) -> Branches:
+    def branches(
+        self,
+        until: Epochs | None = None,
+        *,
+        least_kick: Real | None = None,
+        most: int = _MOST_BRANCHES,
+    ) -> Branches:
         """All branches of the motion up to an epoch, the likeliest first.
 
-        At most 256, each with odds of at least 1e-3: their odds add up to what they cover.
+        Each has odds of at least 0.256 over their largest number, 1e-3 of 256: their odds add up
+        to what they cover.
 
         Parameters
         ----------
@@ -487,7 +495,9 @@ class AveragedMotion(Immutable):
         least_kick : float, optional
             Branch too at resonances of nutation and precession whose `scatter` of y is at least
             this and which do not capture: into four quarters of their phases, each with its mean
-            kick, up to 64 branches.  `Branch.scatter` has what is left of the kicks.
+            kick, up to a quarter of `most`.  `Branch.scatter` has what is left of the kicks.
+        most : int
+            Branches at most; each takes some 4 ms.
         """
         if until is None:
             forward, backward = self._farthest
@@ -498,9 +508,11 @@ class AveragedMotion(Immutable):
             end = second_of(self.epoch, until)
         self._check_span(np.array([end]))
         least = math.inf if least_kick is None else validation.positive(least_kick, "least_kick")
-        return self._tree(end, least)
+        return self._tree(end, least, validation.count(most, "most"))
 
-    def _tree(self, end: float, least_kick: float = math.inf) -> Branches:
+    def _tree(
+        self, end: float, least_kick: float = math.inf, most: int = _MOST_BRANCHES
+    ) -> Branches:
         """The branches up to seconds `end`."""
         sign = 1.0 if end >= 0.0 else -1.0
         which = 0 if sign > 0.0 else 1
@@ -515,14 +527,15 @@ class AveragedMotion(Immutable):
             count = len(growing) + len(ended) + 1
             reached = sign * min(abs(end), abs(float(track.clock[0])))
             split: list[Track] = []
-            if math.isfinite(least_kick) and count < _SPLIT_SHARE * _MOST_BRANCHES:
+            if math.isfinite(least_kick) and count < _SPLIT_SHARE * most:
                 split = _resonances.split(track, reached, least_kick, weak)
             if split:
                 growing += split
             elif track.waits is None or track.reaches(end):
                 ended.append(track)
             else:
-                growing += _passed(track, track.waits, count < _MOST_BRANCHES)
+                least_odds = _LEAST_ODDS / most if count < most else math.inf
+                growing += _passed(track, track.waits, least_odds)
         ended.sort(key=lambda track: -track.odds)
         return Branches([self._branch(track, end) for track in ended], end)
 
@@ -725,11 +738,11 @@ class AveragedMotion(Immutable):
         return AveragedHistory(self.packing, np.array(seconds), state, np.array(region))
 
 
-def _passed(track: Track, crossing: Crossing, has_room: bool) -> list[Track]:
-    """The track beyond the separatrix: in one region, or in both with room and odds for them."""
+def _passed(track: Track, crossing: Crossing, least_odds: float) -> list[Track]:
+    """The track beyond the separatrix: in one region, or in both if both are likely enough."""
     tracks, odds = [track], crossing.odds
     chosen, other = sorted(odds, key=lambda region: -odds[region])
-    if has_room and track.odds * odds[other] >= _LEAST_ODDS:
+    if track.odds * odds[other] >= least_odds:
         tracks.append(track.branched())
         tracks[1].odds *= odds[other]
         tracks[1].pass_to(other, crossing)

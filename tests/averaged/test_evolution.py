@@ -393,6 +393,17 @@ def test_a_resonance_splits_into_quarters_of_its_phases():
         motion.branches(6.0 * DAY, least_kick=-1e-3)
 
 
+def test_a_tree_has_as_many_branches_as_are_wanted():
+    motion, year = tumbling(), 365.25 * DAY
+    few, many = (motion.branches(year, least_kick=5e-4, most=most) for most in (64, 1024))
+    assert len(few) <= 64 < 256 < len(many) <= 1024
+    assert np.sum(many.odds) == pytest.approx(1.0, abs=1e-9)
+    (likeliest,) = motion.branches(year, most=1)
+    assert likeliest.regions == motion.branches(year)[0].regions
+    with pytest.raises(AttitudeError, match="most"):
+        motion.branches(year, most=0)
+
+
 def test_the_loop_of_a_resonance_is_that_of_a_pendulum():
     """Of u' = a + b cos f: 16 sqrt(b) without a, nothing for b < a, a quadrature between them."""
     area, flow, push = _resonances._loop(np.zeros(4), np.array([[0, 0, 0, 0.5]]), 1.0, 1.0)
