@@ -220,7 +220,7 @@ class Settings:
     # not constant, and the least such ratio that no constant curve has.
     constant: float = 3.0
     constant_at_most: float = 1.5
-    # Solutions of one zero point that are refined with offsets of the sessions.
+    # Solutions of one zero point, the best of whose rates are refined with offsets of the sessions.
     compared: int = 6
 
     # ---- Epochs

@@ -449,10 +449,19 @@ def _run(made: _search.Search, is_ended: Callable[[bool], bool] = _search.never)
 
 
 def _asks_for_offsets(one: _search.Search, own: _search.Search, needed: float) -> bool:
-    """Whether evidence prefers zero points of the sessions, with the best motions found so far."""
+    """Whether evidence prefers zero points of the sessions, with the best motions found so far.
+
+    Of each pair of rates the best, and those that were best with zero points before: a slow motion
+    that takes the place of these comes in front of the true one without them.
+    """
     if not one.solutions:
         return False
-    own.begin([solution.refined.state for solution in one.solutions[: one.settings.compared]])
+    states: list[FloatArray] = []
+    for solution in (*one.solutions, *own.solutions[:1]):
+        state = solution.refined.state
+        if not any(one.has_rates(state, other) for other in states):
+            states.append(state)
+    own.begin(states)
     better = _with_volume(one.solutions[0]) - _with_volume(own.solutions[0])
     return better > needed
 

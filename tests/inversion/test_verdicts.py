@@ -1,6 +1,7 @@
 """Evidence and verdicts: what competes with the best solution."""
 
 import dataclasses
+import math
 import subprocess
 import sys
 from types import SimpleNamespace
@@ -8,7 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from attitude.inversion import _ellipsoid, _evidence, _refinement, _verdicts
+from attitude.inversion import _ellipsoid, _evidence, _refinement, _spin_states, _verdicts
 from attitude.inversion import _problem as inversion_problem
 from attitude.inversion._problem import CALIBRATED
 from attitude.inversion._spin_states import is_constant
@@ -167,3 +168,30 @@ def test_a_search_imports_no_scipy():
         "import sys, attitude.inversion; sys.exit(any(n.startswith('scipy') for n in sys.modules))"
     )
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0
+
+
+def test_motions_that_were_best_with_offsets_are_compared_again(monkeypatch):
+    """Of each pair of rates one, and the best with offsets of an earlier round."""
+
+    def solution(phi, psi, evidence):
+        state = np.zeros(_ellipsoid.WIDTH)
+        state[:4] = 0.5 * phi, -psi, 0.0, math.log(0.3)
+        return SimpleNamespace(refined=SimpleNamespace(state=state), evidence=evidence)
+
+    class Search:
+        def __init__(self, *solutions):
+            self.solutions, self.begun = list(solutions), []
+
+        def has_rates(self, one, other):
+            return bool(_ellipsoid.have_rates(one, other, 0.35))
+
+        def begin(self, states):
+            self.begun = [tuple(state[:2]) for state in states]
+
+    monkeypatch.setattr(_spin_states, "_with_volume", lambda found: found.evidence)
+    slow, same, other = solution(70, 3, -50.0), solution(70.1, 3.1, -49.0), solution(60, 9, -40.0)
+    one, own = Search(slow, same, other), Search(solution(70, 23, -70.0), solution(8, 2, -10.0))
+    assert _spin_states._asks_for_offsets(one, own, 13.0)
+    assert own.begun == [(35.0, -3.0), (30.0, -9.0), (35.0, -23.0)]
+    assert not _spin_states._asks_for_offsets(one, own, 20.5)
+    assert not _spin_states._asks_for_offsets(Search(), own, 13.0)
