@@ -626,11 +626,11 @@ def nearest(motion, truth, t, least, most):
     return min(float(np.max(np.abs(leaf.at(t).size / truth - 1.0))) for leaf in tree)
 
 
-def beside_leaves(phase, step=0.04):
+def beside_leaves(phase, step=0.03):
     """Largest errors of |L| of the nearest leaf, each 0.2 of 1.6 years: without and with splits.
 
-    Of the member with steps of so many radians, which no epochs of resonances interrupt: the same
-    start as of `geo_member`, but other phases from the third resonance on.
+    Of the member with steps of so many radians: the same start as of `geo_member`, but other phases
+    from the third resonance on.
     """
     light, motion = goes_member(phase)
     t = np.arange(0.0, 1.6 + 1e-9, 0.2) * YEAR

@@ -291,8 +291,8 @@ _LONGEST = 0.6
 _RULE = least_squares.Rule(
     start=3e-3, least=1e-9, stuck=1e8, larger=4.0, gain=1e-4, settled=4, ridge=1e-13
 )
-# Inverse variance of the logarithms of squared ratios of axes.
-_BEND = 1.0 / 1.5**2
+# Standard deviation of the logarithms of squared ratios of axes before the curve is seen.
+_RATIOS = 1.5
 
 
 class SearchState(NamedTuple):
@@ -430,7 +430,7 @@ def _tied(states: FloatArray, tie: Held) -> tuple[FloatArray, FloatArray]:
 
 def _cost(curve: EllipsoidCurve, states: FloatArray, tie: Held) -> FloatArray:
     """The sums of squares (S,) of states, with those of the priors."""
-    values = curve.costs(states) + _BEND * np.sum(states[:, 14:16] ** 2, axis=1)
+    values = curve.costs(states) + 1.0 / _RATIOS**2 * np.sum(states[:, 14:16] ** 2, axis=1)
     if tie.width < math.inf:
         ratios = moments(states[:, OF_MOMENTS].T).log_ratios
         values += np.sum((ratios - _wanted(states, tie)) ** 2, axis=0) / tie.width**2
@@ -441,10 +441,10 @@ def _linearised(curve: EllipsoidCurve, states: FloatArray, fixed: BoolArray, tie
     """The sums of squares near states, with those of the priors."""
     products = curve.products(states)
     cost, normal, gradient = products[:, 0, 0], products[:, 1:, 1:], products[:, 1:, 0]
-    shape = states[:, 14:16]
-    cost += _BEND * np.sum(shape**2, axis=1)
-    normal[:, [8, 9], [8, 9]] += _BEND
-    gradient[:, 8:] -= _BEND * shape
+    shape, weight = states[:, 14:16], 1.0 / _RATIOS**2
+    cost += weight * np.sum(shape**2, axis=1)
+    normal[:, [8, 9], [8, 9]] += weight
+    gradient[:, 8:] -= weight * shape
     if tie.width < math.inf:
         tied, rows = _tied(states, tie)
         cost += np.sum(tied**2, axis=1)

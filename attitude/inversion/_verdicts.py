@@ -186,9 +186,10 @@ def ended_by(tally: Tally) -> str:
 
 def needed(best: Weighted, problem: CurveProblem) -> float:
     """By how much other periods have to lie behind a solution in evidence, at least."""
-    settings = problem.settings
+    settings, state = problem.settings, SearchState.of(best.refined.state)
     is_at_floor = _evidence.floor_ratio(best, problem) < settings.floor
-    return settings.competing if is_at_floor else settings.alone
+    is_slow = not state.is_axial and min(state.rates) < settings.few_turns
+    return settings.alone if is_slow or not is_at_floor else settings.competing
 
 
 def _nearest(

@@ -77,8 +77,8 @@ def test_three_known_moments_are_those_of_the_search(monkeypatch, capsys):
     def refused(curves, most, **options):
         assert options["moments"].tolist() == [3.0, 1.0, 3.2]
         body = Body(moments=(30, 10, 32))
-        assert _states.of(options["moments"]).given == pytest.approx(
-            _states.of(body).given, rel=1e-14
+        assert _states.of(options["moments"]).moments == pytest.approx(
+            _states.of(body).moments, rel=1e-14
         )
         raise AttitudeError("the search of the test")
 

@@ -49,6 +49,18 @@ def test_rotation_about_one_axis_beside_a_tumbling_state(residual, behind, expec
     assert _verdicts.verdict(found, _problem(0.02))[0] == expected
 
 
+@pytest.mark.parametrize(
+    ("turns", "behind", "expected"),
+    [(4.0, 50.0, _verdicts.OPEN), (4.0, 130.0, _verdicts.SOLVED), (7.0, 50.0, _verdicts.SOLVED)],
+)
+def test_a_period_of_few_turns_has_to_be_alone(turns, behind, expected):
+    """Zero points of nights and phase angles change as slowly as a period of a few turns."""
+    for nutation in (turns, -turns):
+        other = nutation + math.copysign(3.0, nutation)
+        found = [_solution(nutation, 0.0, 0.01), _solution(other, behind, 0.01)]
+        assert _verdicts.verdict(found, _problem(0.02))[0] == expected
+
+
 @pytest.mark.parametrize(("nights", "expected"), [(1, "not solved"), (25, "solved")])
 def test_a_difference_that_one_night_makes_is_no_evidence(nights, expected):
     """Other periods lie 30 behind: in one of 25 nights, or in all of them alike."""
