@@ -7,6 +7,7 @@ import sys
 
 import pytest
 
+from benchmarks import mutation
 from tests.support import battery
 from tests.support.places import ROOT
 
@@ -31,6 +32,13 @@ def _mutation(*modules):
     result = subprocess.run(command, capture_output=True, text=True, env=dict(os.environ))
     assert result.returncode == 0, result.stdout + result.stderr
     return result.stdout
+
+
+def test_reasons_are_of_changes_that_exist():
+    """A statement that was rewritten takes its reasons with it."""
+    modules = {**mutation.MODULES, **mutation.SAMPLED}
+    names = {change.name for module in modules for change in mutation.changes_of(module)}
+    assert sorted(mutation.equivalent().keys() - names) == []
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="changes are imported in forked processes")
