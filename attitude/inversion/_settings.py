@@ -200,8 +200,8 @@ class Settings:
     competing: float = 13.0
     competing_poles: float = 12.0
     # Turns in the span, of the slower period of a tumbling state, below which other periods have to
-    # lie `alone` behind: zero points, phase angles and directions change as slowly.  Of 90 curves
-    # the two wrong states that were 13 to 120 ahead had 3 and 4 turns, and right ones 7 or more.
+    # lie `alone` behind: zero points, phase angles and directions change as slowly.  The two wrong
+    # states of docs/inversion.md that were claimed without this had 3 and 4 turns.
     few_turns: float = 6.0
     # Standard errors, of the difference of likelihoods between nights, within which other poles
     # compete however large the difference: residuals of a model that errs are correlated.
