@@ -24,7 +24,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from attitude.inversion import _refinement
+from attitude.inversion import _problem, _refinement
+from attitude.inversion._ellipsoid import SearchState
 from attitude.inversion._refinement import MOTION, Fitted
 
 if TYPE_CHECKING:
@@ -44,6 +45,8 @@ FREEDOM = 5.0
 _CUT, _MEAN_BELOW = 9.0, 0.9733
 _LEAST_ERROR = 0.003
 _ROUNDS = 2
+# The largest share of their variance that neighbouring residuals are taken to have in common.
+_MOST_COMMON = 0.9
 # Epochs closer than this, s, belong to one night; nights at least of a standard error.
 _NIGHT, _FEWEST = 0.3 * 86400.0, 5
 # Singular values of linear terms, relative to the largest, below which one is a copy.
@@ -226,6 +229,16 @@ def standard_error(solution: Weighted, other: Weighted, problem: CurveProblem) -
     if len(parts) < _FEWEST:
         return 0.0
     return float(np.sqrt(len(parts) * np.var(parts, ddof=1)))
+
+
+def redundancy(solution: Weighted, problem: CurveProblem) -> float:
+    """How many points count as one in a difference of evidence, where the model errs.
+
+    (1 + r) / (1 - r), of a sequence of residuals in which neighbours have the correlation r.
+    """
+    turns = sum(SearchState.of(solution.refined.state).rates)
+    common = min(_problem.common_share(problem, solution.residual, turns), _MOST_COMMON)
+    return (1.0 + common) / (1.0 - common) if common > problem.settings.correlated else 1.0
 
 
 def gain(solution: Weighted, other: Weighted, problem: CurveProblem) -> float:

@@ -205,13 +205,14 @@ def minima(
     generator: np.random.Generator,
     tie: Tie,
     fixed: BoolArray,
+    redundancy: float,
     is_over: Callable[[], bool],
 ) -> list[Refined]:
     """Rotations about one axis at all poles that compete, the most probable first.
 
-    Shapes: best (WIDTH,), fixed (SIZE,).
+    Shapes: best (WIDTH,), fixed (SIZE,).  `redundancy` points count as one where poles compete.
     """
-    settings = problem.settings
+    settings, behind = problem.settings, problem.settings.axial_pole_behind * redundancy
     poles = sphere(settings.axial_poles)
     turns = turn_of_scene(rough, np.concatenate([best[None, _ellipsoid.OF_POLE], poles]))
     rates = 2.0 * float(best[0]) + turns[1:] - turns[0]
@@ -219,16 +220,16 @@ def minima(
     held = fixed.copy()
     held[:2] = True
     held_states = starts.states
-    for iterations, behind, most in _STAGES:
+    for iterations, above, most in _STAGES:
         fits = list(_refined(problem, held_states, tie, held, (iterations, _HELD[1]), is_over))
         fits.sort(key=lambda fit: fit.cost)
         held_states = np.array(
-            [fit.state for fit in fits[:most] if fit.cost < fits[0].cost + behind]
+            [fit.state for fit in fits[:most] if fit.cost < fits[0].cost + above]
         )
     at_poles = _refined(problem, held_states, tie, held, _HELD, is_over)
-    chosen = most_probable(at_poles, problem)[: settings.axial_freed]
+    chosen = most_probable(at_poles, problem, behind)[: settings.axial_freed]
     states = np.array([fit.state for fit in chosen])
-    return most_probable(_refined(problem, states, tie, fixed, _FREE, is_over), problem)
+    return most_probable(_refined(problem, states, tie, fixed, _FREE, is_over), problem, behind)
 
 
 def _refined(
@@ -248,9 +249,9 @@ def _refined(
         )
 
 
-def most_probable(found: Iterable[Refined], problem: CurveProblem) -> list[Refined]:
+def most_probable(found: Iterable[Refined], problem: CurveProblem, behind: float) -> list[Refined]:
     """Those of rotations about one axis that compete, the best first."""
-    behind, points = problem.settings.axial_pole_behind, len(problem)
+    points = len(problem)
     values = [(fit.cost + _evidence.occam(fit.normal, points), fit) for fit in found]
     values.sort(key=lambda pair: pair[0])
     return [fit for value, fit in values if value < values[0][0] + behind]

@@ -306,16 +306,11 @@ def noise(problem: CurveProblem, residual: FloatArray, turns: float) -> FloatArr
 
     That of all points, and of a night where its own is larger by more than chance.
     """
-    off, error = off_neighbours(problem, residual, turns)
-    scaled = np.abs(off / error)
-    known = np.isfinite(scaled)
-    factors = np.ones(len(problem))
-    if np.count_nonzero(known) < _TRIPLES:
-        return factors
-    whole = max(1.0, _NORMAL * float(np.median(scaled[known])))
-    factors[:] = whole
+    scaled, whole = _beside_errors(problem, residual, turns)
+    whole = 1.0 if math.isnan(whole) else max(1.0, whole)
+    factors = np.full(len(problem), whole)
     for night in nights_of(problem.t * problem.span):
-        values_of_night = scaled[night][known[night]]
+        values_of_night = scaled[night][np.isfinite(scaled[night])]
         if len(values_of_night) >= _TRIPLES:
             factor = _NORMAL * float(np.median(values_of_night))
             if factor > whole * (1.0 + _BY_CHANCE / np.sqrt(len(values_of_night))):
@@ -323,18 +318,38 @@ def noise(problem: CurveProblem, residual: FloatArray, turns: float) -> FloatArr
     return factors
 
 
+def _beside_errors(
+    problem: CurveProblem, values: FloatArray, turns: float
+) -> tuple[FloatArray, float]:
+    """How far values (N,) lie off their neighbours over the errors of that, and a robust mean.
+
+    NaN where neighbours are not close; the mean is NaN of few.
+    """
+    off, error = off_neighbours(problem, values, turns)
+    scaled = np.abs(off / error)
+    known = scaled[np.isfinite(scaled)]
+    return scaled, _NORMAL * float(np.median(known)) if len(known) >= _TRIPLES else math.nan
+
+
+def common_share(problem: CurveProblem, residual: FloatArray, turns: float) -> float:
+    """The share of the variance of residuals (N,) that close neighbours have in common, or 0."""
+    scaled, apart = _beside_errors(problem, residual, turns)
+    if math.isnan(apart):
+        return 0.0
+    known = np.isfinite(scaled)
+    whole = _NORMAL * float(np.median(np.abs(residual[known]) / problem.sigma[known]))
+    return 1.0 - (apart / whole) ** 2 if whole > apart else 0.0
+
+
 def too_large(problem: CurveProblem) -> float:
     """By what factor the errors are larger than neighbouring magnitudes of a night show.
 
     1 where chance may do it.  Variation between neighbours counts as noise.
     """
-    off, error = off_neighbours(problem, problem.y, _CLOSE * problem.span / _NIGHT)
-    scaled = np.abs(off / error)
-    known = np.isfinite(scaled)
-    count = np.count_nonzero(known)
-    if count < _TRIPLES:
+    scaled, apart = _beside_errors(problem, problem.y, _CLOSE * problem.span / _NIGHT)
+    if math.isnan(apart):
         return 1.0
-    factor = 1.0 / max(_NORMAL * float(np.median(scaled[known])), 1e-9)
+    factor, count = 1.0 / max(apart, 1e-9), np.count_nonzero(np.isfinite(scaled))
     return factor if factor > 1.0 + _BY_CHANCE / math.sqrt(count) else 1.0
 
 

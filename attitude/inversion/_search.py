@@ -92,6 +92,8 @@ class Search:
         In words, how a constant brightness with zero points of the sessions competes.
     is_complete : bool
         Whether the first round came to its end.
+    redundancy : float
+        Points that count as one in differences of evidence between poles.
     length : float
         Spans from one apparition to another one that is joined with it; 0 of one search.
     """
@@ -114,6 +116,7 @@ class Search:
     _known_fits: _KnownFits = field(default_factory=_KnownFits, init=False)
     _own_problems: list[CurveProblem] = field(default_factory=list, init=False)
     is_ellipsoid: bool = False
+    redundancy: float = 1.0
     length: float = 0.0
     notes: list[str] = field(default_factory=list)
 
@@ -425,6 +428,7 @@ class Search:
                     break
         rates.sort(key=lambda each: each.evidence)
         best, settings = rates[0], self.settings
+        self.redundancy = _evidence.redundancy(best, problem)
         if self._is_far_behind(best, problem, settings.axial_tumbling):
             return
         coarse = replace(best.problem, settings=settings.with_coarse_map())
@@ -442,7 +446,7 @@ class Search:
                     and _pole_map.has_turn(problem, leading.state, state)
                 ):
                     self._mapped(one, best.problem, problem)
-        self.axial = _pole_map.most_probable(self.axial, problem)
+        self.axial = self._most_probable(problem)
         for minimum in self.axial[: self.settings.axial_others]:
             self.convex.append(self._fit(minimum.state))
         self.convex.sort(key=lambda each: each.cost)
@@ -452,10 +456,15 @@ class Search:
     ) -> Refined | None:
         """The most probable rotation about one axis, after a map of poles at the rate of one."""
         state, fixed = one.refined.state, self._fixed(one.refined.state)
-        arguments = state, self.generator, self.tie, fixed, lambda: self.is_over
+        arguments = state, self.generator, self.tie, fixed, self.redundancy, lambda: self.is_over
         self.axial += _pole_map.minima(mapping, self.problem, *arguments)
         self.progress(f"{len(self.axial)} poles of rotations about one axis")
-        return next(iter(_pole_map.most_probable(self.axial, problem)), None)
+        return next(iter(self._most_probable(problem)), None)
+
+    def _most_probable(self, problem: CurveProblem) -> list[Refined]:
+        """Rotations about one axis that compete, the best first."""
+        behind = self.settings.axial_pole_behind * self.redundancy
+        return _pole_map.most_probable(self.axial, problem, behind)
 
     def _is_far_behind(self, rotator: Weighted, problem: CurveProblem, width: float) -> bool:
         """Whether a tumbling body that has other lines is ahead of a rotation by a width."""
@@ -680,7 +689,8 @@ class Search:
         best = min(listed_ones, key=lambda each: each.evidence)
         more = self._compared(problem, best.refined).evidence - best.evidence
         listed_ones = [replace(one, evidence=one.evidence + more) for one in listed_ones]
-        listed_ones, self.beside = _pole_map.listed(listed_ones, self.settings.axial_behind)
+        behind = self.settings.axial_behind * _evidence.redundancy(best, problem)
+        listed_ones, self.beside = _pole_map.listed(listed_ones, behind)
         listed_ones = listed_ones[: self.settings.axial_finals]
         # the next period decides whether this one is accepted, however far it lies behind
         rates = np.array([one.refined.state[0] for one in listed_ones])

@@ -206,6 +206,9 @@ class Settings:
     # Standard errors, of the difference of likelihoods between nights, within which other poles
     # compete however large the difference: residuals of a model that errs are correlated.
     pole_errors: float = 2.5
+    # The share of the residuals' variance that neighbours have in common from which points count
+    # as fewer than they are where poles compete: white residuals of 100 points reach 0.2.
+    correlated: float = 0.3
     # Poles closer than this, rad, are errors of one pole, not rivals of it.
     near_pole: float = math.radians(15.0)
     # Distance, turns per span, within which lines are those of a rotation's comb: the resolution.

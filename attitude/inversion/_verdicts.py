@@ -272,15 +272,16 @@ def verdict(
             return OPEN, f"{words}; {better}."
         if close:
             return PERIODS, f"{words}; {close} tumbling states with this period lie within them."
-    if poles:
-        return PERIODS, f"{words}; {len(poles)} other poles lie {_within(problem)}."
-    return SOLVED, f"{words}; no other pole lies {_within(problem)}."
-
-
-def _within(problem: CurveProblem) -> str:
-    settings = problem.settings
     errors = f"{settings.pole_errors:g} standard errors between nights"
-    return f"within {settings.competing_poles:g} or {errors}"
+    within = f"within {_width_of_poles(best, problem):.3g} or {errors}"
+    if poles:
+        return PERIODS, f"{words}; {len(poles)} other poles lie {within}."
+    return SOLVED, f"{words}; no other pole lies {within}."
+
+
+def _width_of_poles(best: Weighted, problem: CurveProblem) -> float:
+    """The difference of evidence within which other poles compete."""
+    return problem.settings.competing_poles * _evidence.redundancy(best, problem)
 
 
 def _competes(other: Weighted, best: Weighted, problem: CurveProblem) -> bool:
@@ -290,7 +291,7 @@ def _competes(other: Weighted, best: Weighted, problem: CurveProblem) -> bool:
     """
     settings = problem.settings
     behind = other.evidence - best.evidence
-    if behind < settings.competing_poles:
+    if behind < _width_of_poles(best, problem):
         return True
     width = settings.pole_errors * _evidence.standard_error(best, other, problem)
     return behind < width and not _is_near(other, best, settings.near_pole)

@@ -196,7 +196,7 @@ def test_a_map_of_poles_ends_early_where_a_pole_is_far_behind(solved, monkeypatc
         problem.tally.spent = 0.0
         generator = np.random.default_rng(0)
         arguments = problem, problem, weighted.refined.state, generator, _shapes.Tie(), fixed
-        fits = _pole_map.minima(*arguments, lambda: False)
+        fits = _pole_map.minima(*arguments, 1.0, lambda: False)
         poles.append(fits[0].state[_ellipsoid.OF_POLE])
         spent.append(problem.tally.spent)
     assert poles[0] @ poles[1] > math.cos(math.radians(2.0))

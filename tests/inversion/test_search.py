@@ -474,6 +474,23 @@ def test_noise_from_neighbouring_residuals(factor):
     assert np.all(_problem.noise(_given(residual, t), residual, 40000.0) == 1.0)
 
 
+@pytest.mark.parametrize(("common", "expected"), [(0.0, 1.0), (0.2, 1.0), (0.7, 17.0 / 3.0)])
+def test_correlated_residuals_count_as_fewer_points(common, expected):
+    """Of two parts, one of which neighbours have in common, a share of the variance."""
+    generator = np.random.default_rng(11)
+    t = np.linspace(-0.5, 0.5, 2000)
+    residual = math.sqrt(common) * np.sum(
+        [
+            np.cos(2.0 * math.pi * (rate * t + phase))
+            for rate, phase in generator.uniform(20.0, 40.0, (2, 2))
+        ],
+        axis=0,
+    )
+    residual += math.sqrt(1.0 - common) * generator.normal(size=2000)
+    one = _weighted(0.0, 0.0, 1.0, 0.05 * residual)
+    assert _evidence.redundancy(one, _given(residual, t)) == pytest.approx(expected, rel=0.25)
+
+
 def test_each_night_has_its_own_noise():
     """Ten nights of 60 points, of which the seventh is three times as noisy as its errors say."""
     generator = np.random.default_rng(9)
