@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from attitude.inversion import _problem, _refinement
+from attitude.inversion import _neighbours, _refinement
 from attitude.inversion._ellipsoid import SearchState
 from attitude.inversion._refinement import MOTION, Fitted
 
@@ -47,8 +47,8 @@ _LEAST_ERROR = 0.003
 _ROUNDS = 2
 # The largest share of their variance that neighbouring residuals are taken to have in common.
 _MOST_COMMON = 0.9
-# Epochs closer than this, s, belong to one night; nights at least of a standard error.
-_NIGHT, _FEWEST = 0.3 * 86400.0, 5
+# Nights at least of a standard error.
+_FEWEST = 5
 # Singular values of linear terms, relative to the largest, below which one is a copy.
 _COPY = 1e-7
 # Parameters of the motion: orientation and rate, of every motion, and those of the nutation.
@@ -224,8 +224,8 @@ def standard_error(solution: Weighted, other: Weighted, problem: CurveProblem) -
     size = problem.sigma**2 + problem.model_error**2
     logs = [np.log1p(one.residual**2 / size / FREEDOM) for one in (solution, other)]
     gains = (FREEDOM + 1.0) * (logs[1] - logs[0])
-    nights = np.concatenate([[0], np.cumsum(np.diff(problem.t) * problem.span > _NIGHT)])
-    parts = np.bincount(nights, gains)
+    nights = _neighbours.nights_of(problem.t * problem.span)
+    parts = [np.sum(gains[night]) for night in nights]
     if len(parts) < _FEWEST:
         return 0.0
     return float(np.sqrt(len(parts) * np.var(parts, ddof=1)))
@@ -237,7 +237,7 @@ def redundancy(solution: Weighted, problem: CurveProblem) -> float:
     (1 + r) / (1 - r), of a sequence of residuals in which neighbours have the correlation r.
     """
     turns = sum(SearchState.of(solution.refined.state).rates)
-    common = min(_problem.common_share(problem, solution.residual, turns), _MOST_COMMON)
+    common = min(_neighbours.common_share(problem, solution.residual, turns), _MOST_COMMON)
     return (1.0 + common) / (1.0 - common) if common > problem.settings.correlated else 1.0
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from attitude import plots
 from attitude._support.quantity_text import TIME_UNITS, time_unit
 from attitude.errors import AttitudeError
-from attitude.inversion import _lattices, _problem
+from attitude.inversion import _lattices, _neighbours
 from attitude.inversion._ellipsoid import SearchState
 from attitude.photometry import _folding, _spectrum
 from attitude.photometry._curve import LightCurve, dimming
@@ -51,7 +51,7 @@ def of_nights(solution: CurveFit, path: FilePath | None = None) -> Any:
     """
     problem, curve = solution.weighted.problem, solution.curve
     seconds = problem.t * problem.span
-    groups = _problem.nights_of(seconds)
+    groups = _neighbours.nights_of(seconds)
     if np.median([len(group) for group in groups]) < _FEW:
         return of_fit(solution, path)
     chosen = sorted(groups, key=lambda each: -len(each))[:_NIGHTS]
@@ -86,7 +86,7 @@ def of_prediction(
     Points are shifted by the mean residual of each night, which is beside its date.
     """
     nights = []
-    for points in _problem.nights_of(found.seconds)[:_NIGHTS]:
+    for points in _neighbours.nights_of(found.seconds)[:_NIGHTS]:
         start = float(found.seconds[points[0]])
         title = found.epoch.after(start).utc_iso[:16].replace("T", " ")
         hours = (found.seconds[points] - start) / 3600.0

@@ -5,7 +5,6 @@ Epochs are in units of the span, from the middle, so that rates are turns per sp
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -241,129 +240,6 @@ class CurveProblem:
         r = (self.magnitude - model) * self.root
         along = self.u @ r
         return float(r @ r - along @ along)
-
-
-# ---- Outliers and noise, from points that are close neighbours in time
-
-# Standard deviations by which a point lies off its neighbours that is an outlier; the share of a
-# turn, at the largest frequency, that a point and its neighbours span at most.
-_OFF, _CLOSE = 6.0, 0.2
-# Triples of neighbours from which noise is estimated at least, and that of a median of absolute
-# deviations of a normal distribution.
-_TRIPLES, _NORMAL = 20, 1.4826
-# Relative error of a night's noise times the root of its triples, which share points, thrice.
-_BY_CHANCE = 4.5
-
-
-def off_neighbours(
-    problem: CurveProblem, values: FloatArray, turns: float
-) -> tuple[FloatArray, FloatArray]:
-    """How far values (N,) lie off the line through both neighbours, and the errors (N,) of that.
-
-    NaN where the three span more than `_CLOSE` of a turn; `turns` per span.
-    """
-    off, error = np.full(len(values), np.nan), np.full(len(values), np.nan)
-    t, variance = problem.t, problem.sigma**2
-    length = t[2:] - t[:-2]
-    close = (length * turns < _CLOSE) & (length > 0.0)
-    share = np.where(close, (t[1:-1] - t[:-2]) / np.where(close, length, 1.0), 0.5)
-    line = (1.0 - share) * values[:-2] + share * values[2:]
-    spread = variance[1:-1] + (1.0 - share) ** 2 * variance[:-2] + share**2 * variance[2:]
-    off[1:-1] = np.where(close, values[1:-1] - line, np.nan)
-    error[1:-1] = np.where(close, np.sqrt(spread), np.nan)
-    return off, error
-
-
-def without_outliers(problem: CurveProblem, turns: float) -> tuple[CurveProblem, int]:
-    """The problem in which points far off both neighbours hardly count, and how many they are.
-
-    Their errors become as large as they are off.  The worst goes first, since its neighbours lie
-    off it too.
-    """
-    sigma, values = problem.sigma.copy(), problem.y.copy()
-    count = 0
-    while True:
-        off, error = off_neighbours(problem, values, turns)
-        scaled = np.abs(off / error)
-        known = np.isfinite(scaled)
-        if np.count_nonzero(known) < _TRIPLES:
-            break
-        scaled = np.where(known, scaled, 0.0)
-        worst = int(np.argmax(scaled))
-        if scaled[worst] < _OFF * max(1.0, _NORMAL * float(np.median(scaled[known]))):
-            break
-        sigma[worst] = max(abs(float(off[worst])), sigma[worst])
-        # as its neighbours have it
-        values[worst] -= off[worst]
-        count = int(np.count_nonzero(sigma != problem.sigma))
-        if count > len(problem) // 10:
-            return problem, 0
-    return (problem.with_errors(sigma) if count else problem), count
-
-
-def noise(problem: CurveProblem, residual: FloatArray, turns: float) -> FloatArray:
-    """By what factors (N,) neighbouring residuals (N,) differ more than the errors say; at least 1.
-
-    That of all points, and of a night where its own is larger by more than chance.
-    """
-    scaled, whole = _beside_errors(problem, residual, turns)
-    whole = 1.0 if math.isnan(whole) else max(1.0, whole)
-    factors = np.full(len(problem), whole)
-    for night in nights_of(problem.t * problem.span):
-        values_of_night = scaled[night][np.isfinite(scaled[night])]
-        if len(values_of_night) >= _TRIPLES:
-            factor = _NORMAL * float(np.median(values_of_night))
-            if factor > whole * (1.0 + _BY_CHANCE / np.sqrt(len(values_of_night))):
-                factors[night] = factor
-    return factors
-
-
-def _beside_errors(
-    problem: CurveProblem, values: FloatArray, turns: float
-) -> tuple[FloatArray, float]:
-    """How far values (N,) lie off their neighbours over the errors of that, and a robust mean.
-
-    NaN where neighbours are not close; the mean is NaN of few.
-    """
-    off, error = off_neighbours(problem, values, turns)
-    scaled = np.abs(off / error)
-    known = scaled[np.isfinite(scaled)]
-    return scaled, _NORMAL * float(np.median(known)) if len(known) >= _TRIPLES else math.nan
-
-
-def common_share(problem: CurveProblem, residual: FloatArray, turns: float) -> float:
-    """The share of the variance of residuals (N,) that close neighbours have in common, or 0."""
-    scaled, apart = _beside_errors(problem, residual, turns)
-    if math.isnan(apart):
-        return 0.0
-    known = np.isfinite(scaled)
-    whole = _NORMAL * float(np.median(np.abs(residual[known]) / problem.sigma[known]))
-    return 1.0 - (apart / whole) ** 2 if whole > apart else 0.0
-
-
-def too_large(problem: CurveProblem) -> float:
-    """By what factor the errors are larger than neighbouring magnitudes of a night show.
-
-    1 where chance may do it.  Variation between neighbours counts as noise.
-    """
-    scaled, apart = _beside_errors(problem, problem.y, _CLOSE * problem.span / _NIGHT)
-    if math.isnan(apart):
-        return 1.0
-    factor, count = 1.0 / max(apart, 1e-9), np.count_nonzero(np.isfinite(scaled))
-    return factor if factor > 1.0 + _BY_CHANCE / math.sqrt(count) else 1.0
-
-
-# ---- Nights
-
-# Gap of the epochs, s, between two nights.
-_NIGHT = 0.3 * 86400.0
-
-
-def nights_of(seconds: FloatArray) -> list[IntArray]:
-    """Numbers of the epochs (T,) of each night."""
-    order = np.argsort(seconds, kind="stable")
-    gaps = np.flatnonzero(np.diff(seconds[order]) > _NIGHT) + 1
-    return np.split(order, gaps)
 
 
 # ---- The `CurveProblem` of a light curve: scaled epochs, linear terms, points binned if too many

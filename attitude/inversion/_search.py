@@ -15,8 +15,8 @@ from attitude.inversion import (
     _ellipsoid,
     _evidence,
     _lattices,
+    _neighbours,
     _pole_map,
-    _problem,
     _refinement,
     _satellites,
     _shapes,
@@ -632,7 +632,7 @@ class Search:
         if _evidence.share_left(one, problem) > self.settings.left:
             return False
         rates = SearchState.of(one.refined.state).rates
-        factors = _problem.noise(problem, one.residual, sum(rates))
+        factors = _neighbours.noise(problem, one.residual, sum(rates))
         factors = np.where(factors < self.settings.noisier, 1.0, factors)
         low, high = float(factors.min()), float(factors.max())
         if high == 1.0:

@@ -21,7 +21,15 @@ from attitude._support.synonyms import Answering
 from attitude.epochs import _inputs, _instants
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
-from attitude.inversion import _errors, _problem, _refinement, _satellites, _shapes, _states
+from attitude.inversion import (
+    _errors,
+    _neighbours,
+    _problem,
+    _refinement,
+    _satellites,
+    _shapes,
+    _states,
+)
 from attitude.inversion._ellipsoid import SearchState
 from attitude.inversion._shapes import sphere
 from attitude.motions._free_rotation import FreeRotation
@@ -175,7 +183,7 @@ def predicted(
         axis=1,
     )
     mean = np.empty_like(factor)
-    groups = _problem.nights_of(emission)
+    groups = _neighbours.nights_of(emission)
     if np.median([len(group) for group in groups]) < 3.0:
         groups = [np.arange(len(emission))]
     for night in groups:

@@ -18,6 +18,7 @@ from attitude.inversion import (
     _joined,
     _known,
     _lattices,
+    _neighbours,
     _problem,
     _refinement,
     _search,
@@ -356,7 +357,7 @@ def _prepared(
 ):
     arguments = curve, most, settings.ellipsoid_error, zero_points
     problem, bins = _problem.problem(*arguments, settings=settings, tally=tally)
-    problem, outliers = _problem.without_outliers(problem, most * curve.span)
+    problem, outliers = _neighbours.without_outliers(problem, most * curve.span)
     search = kind(
         problem,
         most * curve.span,
@@ -487,7 +488,7 @@ def is_constant(problem: CurveProblem) -> bool:
     taken = np.linalg.matrix_rank((blank.terms * blank.root[:, None])[:, np.isinf(blank.prior)])
     free = len(blank) - int(taken)
     most = min(settings.constant_at_most, 1.0 + settings.constant * math.sqrt(2.0 / free))
-    chi_squared = blank.chi_squared(np.zeros(len(blank))) * _problem.too_large(problem) ** 2
+    chi_squared = blank.chi_squared(np.zeros(len(blank))) * _neighbours.too_large(problem) ** 2
     return chi_squared < most * free
 
 

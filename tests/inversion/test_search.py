@@ -15,6 +15,7 @@ from attitude.inversion import (
     _figures,
     _known,
     _lattices,
+    _neighbours,
     _pole_map,
     _problem,
     _refinement,
@@ -454,11 +455,11 @@ def test_points_off_both_neighbours_hardly_count():
     wild = generator.choice(3000, 60, replace=False)
     y = clean.copy()
     y[wild] += generator.choice([-1.0, 1.0], 60) * generator.uniform(0.4, 1.0, 60)
-    given, count = _problem.without_outliers(_given(y, t), 40.0)
+    given, count = _neighbours.without_outliers(_given(y, t), 40.0)
     enlarged = np.flatnonzero(given.sigma > 0.021)
     assert count == len(enlarged) and len(np.intersect1d(enlarged, wild)) > 50
     assert len(np.setdiff1d(enlarged, wild)) < 4
-    same, none = _problem.without_outliers(_given(clean, t), 40.0)
+    same, none = _neighbours.without_outliers(_given(clean, t), 40.0)
     assert none == 0 and np.all(same.sigma == 0.02)
 
 
@@ -469,9 +470,9 @@ def test_noise_from_neighbouring_residuals(factor):
     t = np.sort(generator.uniform(-0.5, 0.5, 2000))
     residual = 0.03 * np.cos(2.0 * math.pi * 40.0 * t)
     residual += factor * 0.02 * generator.normal(size=2000)
-    found = _problem.noise(_given(residual, t), residual, 40.0)
+    found = _neighbours.noise(_given(residual, t), residual, 40.0)
     assert found == pytest.approx(np.full(2000, factor), rel=0.08)
-    assert np.all(_problem.noise(_given(residual, t), residual, 40000.0) == 1.0)
+    assert np.all(_neighbours.noise(_given(residual, t), residual, 40000.0) == 1.0)
 
 
 @pytest.mark.parametrize(("common", "expected"), [(0.0, 1.0), (0.2, 1.0), (0.7, 17.0 / 3.0)])
@@ -497,7 +498,7 @@ def test_each_night_has_its_own_noise():
     night = np.repeat(np.arange(10), 60)
     t = (night + np.tile(np.linspace(0.0, 0.2, 60), 10)) / 10.0 - 0.5
     residual = 0.02 * np.where(night == 6, 3.0, 1.0) * generator.normal(size=600)
-    found = _problem.noise(_given(residual, t, span=10.0 * 86400.0), residual, 20.0)
+    found = _neighbours.noise(_given(residual, t, span=10.0 * 86400.0), residual, 20.0)
     assert found[night == 6] == pytest.approx(np.full(60, 3.0), rel=0.5)
     assert np.all(found[night == 6] == found[night == 6][0])
     assert found[night != 6].max() < 1.3
