@@ -402,12 +402,12 @@ def speed() -> tuple[float, float]:
     sun, observer = sun / np.linalg.norm(sun, axis=0), observer / np.linalg.norm(observer, axis=0)
     terms = np.ones((400, 1)), np.full(1, np.inf)
     given = t, 1.0, sun, observer, np.zeros(400), np.ones(400), *terms, 0.0
-    curve = _ellipsoid.EllipsoidCurve(CurveProblem.of(*given))
+    curve = _ellipsoid.EllipsoidCurve(CurveProblem(*given))
     states = np.tile([20.3, 14.7, 0.2, -1.0, 0.2, *np.eye(3).ravel(), 0.7, 0.4], (100, 1))
     spent = _best(lambda: list(curve.rows(states, True))) / 100
     print(f"likelihood with ten derivatives: {spent / 400 * 1e9:.0f} ns a point")
     body = np.concatenate([states[0], np.zeros(_refinement.WIDTH - _ellipsoid.WIDTH)])
-    counted = CurveProblem.of(*given)
+    counted = CurveProblem(*given)
     with _refinement.limited():
         step = _best(lambda: _refinement.refine(counted, body, iterations=2)) / 2.0
     estimate = counted.settings.step_cost + 400 * counted.settings.body_cost

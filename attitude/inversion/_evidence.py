@@ -154,7 +154,7 @@ def student(
         residual, coefficients = residuals(reweighted, fitted.magnitude)
         square = (residual / size) ** 2
         if turn < _ROUNDS:
-            reweighted = problem.with_sigma(size / np.sqrt(weights(square)))
+            reweighted = replace(problem, sigma=size / np.sqrt(weights(square)), model_error=0.0)
     evidence = (FREEDOM + 1.0) * float(np.sum(np.log1p(square / FREEDOM)))
     evidence += 2.0 * float(np.sum(np.log(size)))
     evidence += float(np.sum((coefficients / problem.prior) ** 2))

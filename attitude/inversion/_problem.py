@@ -5,7 +5,8 @@ Epochs are in units of the span, from the middle, so that rates are turns per sp
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -76,83 +77,41 @@ class CurveProblem:
     terms: FloatArray
     prior: FloatArray
     model_error: float
-    root: FloatArray
-    u: FloatArray
-    y: FloatArray
-    orbit: float
-    settings: Settings
-    tally: Tally
+    orbit: float = 0.0
+    settings: Settings = DEFAULT
+    tally: Tally = field(default_factory=Tally)
     exposure: FloatArray | None = None
 
-    @classmethod
-    def of(
-        cls,
-        t: FloatArray,
-        span: float,
-        sun: FloatArray,
-        observer: FloatArray,
-        magnitude: FloatArray,
-        sigma: FloatArray,
-        terms: FloatArray,
-        prior: FloatArray,
-        model_error: float,
-        *,
-        orbit: float = 0.0,
-        settings: Settings = DEFAULT,
-        tally: Tally | None = None,
-        exposure: FloatArray | None = None,
-    ) -> CurveProblem:
-        """The problem with a model error; `root`, `u` and `y` follow from the rest."""
-        root = 1.0 / np.hypot(sigma, model_error)
-        inverse = _inverse_factor(terms * root[:, None], prior)
-        # Marginal over coefficients of variance V: I - B (V^-1 + B^T B)^-1 B^T
-        u = np.ascontiguousarray(((terms * root[:, None]) @ inverse).T)
-        # a constant is a free term of every curve
-        y = magnitude - np.average(magnitude, weights=root**2)
-        return cls(
-            np.ascontiguousarray(t),
-            span,
-            np.ascontiguousarray(sun),
-            np.ascontiguousarray(observer),
-            magnitude,
-            sigma,
-            terms,
-            prior,
-            model_error,
-            root,
-            u,
-            np.ascontiguousarray(y),
-            orbit,
-            settings,
-            Tally() if tally is None else tally,
-            exposure,
-        )
+    def __post_init__(self) -> None:
+        for name in ("t", "sun", "observer"):
+            object.__setattr__(self, name, np.ascontiguousarray(getattr(self, name)))
 
-    def _remade(
-        self,
-        sigma: FloatArray,
-        terms: FloatArray,
-        prior: FloatArray,
-        model_error: float,
-    ) -> CurveProblem:
-        """The same points with other errors or linear terms."""
-        return CurveProblem.of(
-            self.t, self.span, self.sun, self.observer, self.magnitude, sigma, terms, prior,
-            model_error, orbit=self.orbit, settings=self.settings, tally=self.tally,
-            exposure=self.exposure,
-        )  # fmt: skip
+    @cached_property
+    def root(self) -> FloatArray:
+        """Roots (N,) of the weights."""
+        return 1.0 / np.hypot(self.sigma, self.model_error)
+
+    @cached_property
+    def u(self) -> FloatArray:
+        """Combinations (K, N) of weighted terms whose squares are what coefficients take up.
+
+        Marginal over coefficients of variance V: I - B (V^-1 + B^T B)^-1 B^T.
+        """
+        weighted = self.terms * self.root[:, None]
+        return np.ascontiguousarray((weighted @ _inverse_factor(weighted, self.prior)).T)
+
+    @cached_property
+    def y(self) -> FloatArray:
+        """Magnitudes (N,) less their mean, since a constant is a free term of every curve."""
+        return self.magnitude - np.average(self.magnitude, weights=self.root**2)
 
     def with_model_error(self, model_error: float) -> CurveProblem:
         """The same magnitudes with another model error."""
-        return self._remade(self.sigma, self.terms, self.prior, model_error)
-
-    def with_sigma(self, sigma: FloatArray) -> CurveProblem:
-        """The same magnitudes with other errors (N,), and no model error."""
-        return self._remade(sigma, self.terms, self.prior, 0.0)
+        return replace(self, model_error=model_error)
 
     def with_errors(self, sigma: FloatArray) -> CurveProblem:
         """The same magnitudes with other errors (N,) and this model error."""
-        return self._remade(sigma, self.terms, self.prior, self.model_error)
+        return replace(self, sigma=sigma)
 
     def with_weights(self, weights: FloatArray) -> CurveProblem:
         """The same magnitudes, whose squared errors are divided by weights (N,)."""
@@ -163,24 +122,23 @@ class CurveProblem:
 
     def with_terms(self, terms: FloatArray, prior: FloatArray, orbit: float) -> CurveProblem:
         """The same magnitudes with the series (N, M) of an orbit, of standard deviations (M,)."""
-        joined = np.concatenate([self.terms, terms], axis=1), np.concatenate([self.prior, prior])
-        return replace(self, orbit=orbit)._remade(self.sigma, *joined, self.model_error)
+        return replace(
+            self,
+            terms=np.concatenate([self.terms, terms], axis=1),
+            prior=np.concatenate([self.prior, prior]),
+            orbit=orbit,
+        )
 
     def part(self, chosen: BoolArray) -> CurveProblem:
         """Some of the points (N,) alone."""
-        return CurveProblem.of(
-            self.t[chosen],
-            self.span,
-            self.sun[:, chosen],
-            self.observer[:, chosen],
-            self.magnitude[chosen],
-            self.sigma[chosen],
-            self.terms[chosen],
-            self.prior,
-            self.model_error,
-            orbit=self.orbit,
-            settings=self.settings,
-            tally=self.tally,
+        return replace(
+            self,
+            t=self.t[chosen],
+            sun=self.sun[:, chosen],
+            observer=self.observer[:, chosen],
+            magnitude=self.magnitude[chosen],
+            sigma=self.sigma[chosen],
+            terms=self.terms[chosen],
             exposure=None if self.exposure is None else self.exposure[chosen],
         )
 
@@ -336,7 +294,7 @@ def problem(
         if width > 0.0:
             terms.append((values["session"] == k).astype(float))
             prior.append(width)
-    whole_problem = CurveProblem.of(
+    whole_problem = CurveProblem(
         t,
         span,
         values["sun"].T,
@@ -347,7 +305,7 @@ def problem(
         np.array(prior),
         error,
         settings=settings,
-        tally=tally,
+        tally=Tally() if tally is None else tally,
         exposure=values["exposure"] / span if np.any(values["exposure"]) else None,
     )
     return whole_problem, bins

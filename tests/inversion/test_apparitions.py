@@ -187,17 +187,17 @@ def tumbling():
     terms = np.ones((len(t), 1)), np.full(1, np.inf)
     given = t, 2.6e8, sun, observer
     sigma = np.full(len(t), 0.02)
-    blank = CurveProblem.of(*given, np.zeros(len(t)), sigma, *terms, 0.0)
+    blank = CurveProblem(*given, np.zeros(len(t)), sigma, *terms, 0.0)
     exact = _refinement.model(blank, state).magnitude
     noisy = exact + sigma * rng.normal(size=len(t))
-    return CurveProblem.of(*given, noisy, sigma, *terms, 0.01), state
+    return CurveProblem(*given, noisy, sigma, *terms, 0.01), state
 
 
 def _alone(problem, state, inside):
     """An apparition whose one solution is a fit to its points alone."""
     part = problem.part(inside)
     middle = 0.5 * float(part.t.min() + part.t.max())
-    about = CurveProblem.of(
+    about = CurveProblem(
         part.t - middle, part.span, part.sun, part.observer, part.magnitude, part.sigma,
         part.terms, part.prior, part.model_error,
     )  # fmt: skip

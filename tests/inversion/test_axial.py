@@ -24,7 +24,7 @@ def problem_of(sun, observer, t):
     """A problem of given directions (3, N)."""
     count = len(t)
     terms, prior = np.ones((count, 1)), np.array([np.inf])
-    return CurveProblem.of(
+    return CurveProblem(
         t, 1e6, sun, observer, np.zeros(count), np.full(count, 0.02), terms, prior, 0.0
     )
 

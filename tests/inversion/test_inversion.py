@@ -55,7 +55,7 @@ def _problem(t, sun, observer):
     count = len(t)
     terms = np.ones((count, 1)), np.full(1, np.inf)
     given = t, 1.0, sun, observer, np.zeros(count), np.ones(count), *terms, 0.0
-    return inversion_problem.CurveProblem.of(*given)
+    return inversion_problem.CurveProblem(*given)
 
 
 def _rows(state, t, sun, observer):
@@ -205,7 +205,7 @@ def test_prior_of_linear_terms_is_marginalised():
     t, sun, observer = _geometry()
     terms = np.stack([np.ones(COUNT), generator.normal(size=COUNT)], axis=1)
     y, sigma = generator.normal(size=COUNT), np.full(COUNT, 0.1)
-    given = inversion_problem.CurveProblem.of(
+    given = inversion_problem.CurveProblem(
         t, 1.0, sun, observer, y, sigma, terms, np.array([1e4, 0.3]), 0.0
     )
     wide = np.diag(sigma**2) + (terms * [1e8, 0.09]) @ terms.T

@@ -166,9 +166,7 @@ def test_moments_that_are_given(nutation):
     t, sun, observer = _geometry()
     noise = 0.3 * np.random.default_rng(0).normal(size=len(t))
     terms = np.ones((len(t), 1)), np.full(1, np.inf)
-    given = _problem.CurveProblem.of(
-        t, 1.0, sun, observer, noise, np.full(len(t), 0.3), *terms, 0.0
-    )
+    given = _problem.CurveProblem(t, 1.0, sun, observer, noise, np.full(len(t), 0.3), *terms, 0.0)
     tie = _states.of((3.0, 1.4, 2.5))
     found = _refinement.refine(given, _start(nutation), tie=tie, iterations=60)
     ratios = _motions.moments(found.state[[0, 1, 3, 4]]).log_ratios

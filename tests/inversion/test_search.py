@@ -41,7 +41,7 @@ def _given(y, t=None, sigma=0.02, sun=None, observer=None, span=30.0 * 86400.0):
     up = np.tile([[0.0], [0.0], [1.0]], count)
     directions = up if sun is None else sun, up if observer is None else observer
     terms = np.ones((count, 1)), np.array([np.inf])
-    return _problem.CurveProblem.of(
+    return _problem.CurveProblem(
         t, span, *directions, y, np.full(count, sigma), *terms, 0.0, tally=_settings.Tally()
     )
 

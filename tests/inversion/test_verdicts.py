@@ -21,7 +21,7 @@ def _problem(sigma):
     y = np.sin(np.arange(COUNT))
     ones = np.ones((COUNT, 1))
     given = np.linspace(-0.5, 0.5, COUNT), 1.0, np.zeros((3, COUNT)), np.zeros((3, COUNT)), y
-    return inversion_problem.CurveProblem.of(
+    return inversion_problem.CurveProblem(
         *given, np.full(COUNT, sigma), ones, np.full(1, np.inf), 0.0
     )
 
@@ -115,7 +115,7 @@ def test_zero_points_of_nights_do_not_hide_a_variation():
     for size, expected in ((0.0, True), (0.115, False)):
         y = noise + size * (40.0 * t - nights - 0.5)
         rest = zeros, zeros, y, np.full(400, 0.05), terms, np.full(40, np.inf), 0.07
-        assert is_constant(inversion_problem.CurveProblem.of(t, 1.0, *rest)) is expected
+        assert is_constant(inversion_problem.CurveProblem(t, 1.0, *rest)) is expected
 
 
 @pytest.mark.parametrize(
@@ -128,7 +128,7 @@ def test_errors_that_are_too_large_hide_no_variation(noise, size, expected):
     zeros = np.zeros((3, 120))
     terms = np.ones((120, 1)), np.full(1, np.inf)
     given = t, 6.0 * 86400.0, zeros, zeros, y, np.full(120, 0.02), *terms, 0.07
-    assert is_constant(inversion_problem.CurveProblem.of(*given)) is expected
+    assert is_constant(inversion_problem.CurveProblem(*given)) is expected
 
 
 @pytest.mark.parametrize(("size", "expected"), [(0.0, True), (0.08, True), (0.25, False)])
@@ -141,7 +141,7 @@ def test_zero_points_beyond_their_prior_are_no_constant_brightness(size, expecte
     prior = np.r_[np.inf, np.full(60, CALIBRATED)]
     zeros = np.zeros((3, 240))
     given = np.linspace(-0.5, 0.5, 240), 1.0, zeros, zeros, y, np.full(240, 0.05), terms, prior
-    made = inversion_problem.CurveProblem.of(*given, 0.07)
+    made = inversion_problem.CurveProblem(*given, 0.07)
     assert is_constant(made) is expected
     found = _evidence.constant(made)
     assert found.chi_squared < 1.3
