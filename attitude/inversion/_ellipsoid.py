@@ -18,11 +18,16 @@ from attitude._support import least_squares
 from attitude._support.least_squares import Near
 from attitude.inversion import _motions
 from attitude.inversion._lattices import Candidate
-from attitude.inversion._motions import moments, put_three, three, with_slopes
+from attitude.inversion._motions import (
+    attitudes,
+    matrix_rows,
+    moments,
+    put_three,
+    three,
+    with_slopes,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from attitude._support.annotations import BoolArray, FloatArray
     from attitude.inversion._problem import CurveProblem
 
@@ -35,8 +40,6 @@ _OF_TWO, _OF_CHANGE = -2.5 * math.log10(2.0), -2.5 / math.log(10.0)
 _TURN = 2.0 * math.pi
 # Rows of a state: its residuals, its Jacobian, and an empty one, for rows are multiplied by fours.
 _FOUR, _ROWS = 4, 12
-# States times epochs whose rows fill half a megabyte, which a processor's second cache holds.
-_AT_ONCE = 3000
 
 
 def _aligned(shape: tuple[int, ...]) -> FloatArray:
@@ -53,64 +56,48 @@ class EllipsoidCurve:
     Parameters
     ----------
     problem : CurveProblem
+
+    Attributes
+    ----------
+    rows : (12, N) array
+        The residuals of the last state, and the Jacobian, as in `residuals`.
     """
 
     def __init__(self, problem: CurveProblem) -> None:
-        self._t, self._y = _motions.padded(problem.t), _motions.padded(problem.y)
-        self._sun = _motions.padded(problem.sun).reshape(-1)
-        self._observer = _motions.padded(problem.observer).reshape(-1)
+        t = _motions.padded(problem.t)
+        sun, observer = _motions.padded(problem.sun), _motions.padded(problem.observer)
         # epochs that fill up the last vector have no weight
-        self._weight = _motions.padded(problem.root, "constant")
+        weight = _motions.padded(problem.root, "constant")
+        y = _motions.padded(problem.y)
+        self._epochs = t, sun.reshape(-1), observer.reshape(-1), y, weight
         self._tally, self._settings = problem.tally, problem.settings
-        count, n = len(problem.u), self._t.size
-        self._size = max(1, _AT_ONCE // n)
-        # filling new memory takes as long as computing what goes into it
-        self._turns, self._tangents = _aligned((2, 9 * n * self._size))
-        wide = count + -count % _FOUR
-        self._memory = _aligned((self._size * _ROWS + wide, n))
-        self._rows = self._memory[:-wide].reshape(self._size, _ROWS, n)
-        self._u = self._memory[-wide:]
-        self._u[:count, : len(problem)] = problem.u
+        count = len(problem.u)
+        self._turns, self._tangents = _aligned((2, 9 * t.size))
+        self._memory = _aligned((_ROWS + count + -count % _FOUR, t.size))
+        self._memory[_ROWS : _ROWS + count, : len(problem)] = problem.u
+        self.rows = self._memory[:_ROWS]
 
-    def rows(self, states: FloatArray, with_slopes: bool) -> Iterator[tuple[slice, FloatArray]]:
-        """Some of the states (S, 16), and their rows (S, 12, N) or (S, 1, N), as in `residuals`.
-
-        The rows are overwritten by those of the next states.
-        """
-        size, turns = self._size, self._turns
-        tangents = self._tangents if with_slopes else self._tangents[:0]
-        rows = self._rows if with_slopes else self._rows.reshape(-1, 1, self._t.size)[:size]
-        elements, k = np.ascontiguousarray(states[:, :3]), _motions.coefficients(states)
-        epochs = self._t, self._sun, self._observer, self._y, self._weight
-        costs = self._settings.screen_cost, self._settings.ellipsoid_cost
-        self._tally.add(len(states) * self._t.size, costs[with_slopes])
-        self._tally.add(len(states), with_slopes * self._settings.start_cost)
-        for start in range(0, len(states), size):
-            block = slice(start, start + size)
-            some = rows[: len(states) - start]
-            _motions.attitudes(elements[block], k[block], self._t, turns, tangents)
-            residuals(states[block], *epochs, turns, tangents, some.reshape(-1))
-            yield block, some
+    def _products(self, states: FloatArray, size: int, tangents: FloatArray) -> FloatArray:
+        """Products (S, size, size) of the first rows."""
+        products = np.empty((len(states), size, size))
+        of_rows = np.empty((size + 1, len(self._memory)))
+        rows = self._memory.reshape(-1)
+        _products(states, *self._epochs, self._turns, tangents, rows, of_rows, products)
+        return products
 
     def costs(self, states: FloatArray) -> FloatArray:
         """The sums of squares (S,) of weighted residuals, least over the linear terms."""
-        all_costs = np.empty(len(states))
-        for block, rows in self.rows(states, False):
-            along = rows[:, 0] @ self._u.T
-            all_costs[block] = np.sum(rows[:, 0] ** 2, axis=1) - np.sum(along**2, axis=1)
-        return all_costs
+        self._tally.add(len(states) * self.rows.shape[1], self._settings.screen_cost)
+        return self._products(states, 1, self._tangents[:0])[:, 0, 0]
 
     def products(self, states: FloatArray) -> FloatArray:
         """Products (S, 11, 11) of the weighted residuals and the rows of their Jacobian.
 
         The residual is y - magnitude, the Jacobian that of the magnitude.
         """
-        all_products = np.empty((len(states), _ROWS, _ROWS + len(self._u)))
-        for block, _ in self.rows(states, True):
-            _products(self._memory.reshape(-1), all_products[block], self._size)
-        by_parameters, along = all_products[:, :-1, : _ROWS - 1], all_products[:, :-1, _ROWS:]
-        by_parameters -= along @ along.swapaxes(1, 2)
-        return by_parameters
+        self._tally.add(len(states) * self.rows.shape[1], self._settings.ellipsoid_cost)
+        self._tally.add(len(states), self._settings.start_cost)
+        return self._products(states, 1 + PARAMETERS, self._tangents)
 
 
 @reduction_within
@@ -151,70 +138,64 @@ def _dimming(u, y):
 
 
 @reduction
-def residuals(states, t, sun, observer, y, weight, r, g, rows):
-    """Residuals y - magnitude of S states (S, 16), times weight, and derivatives of magnitudes.
+def residuals(state, t, sun, observer, y, weight, r, g, rows):
+    """Residuals y - magnitude of a state (16,), times weight, and derivatives of the magnitude.
 
-    Into rows (S 12 N,): residuals, then the Jacobian, times weight; or into rows (S N,) residuals
-    alone, if g is empty.  r and g are as in `_motions.attitudes`; sun and observer (3 N,)
-    are unit vectors by components, t, y, weight (N,); N is a multiple of eight.
+    Into rows (12 N,): residuals, then the Jacobian, times weight; or residuals alone, if g is
+    empty.  r and g are as in `_motions.attitudes`; sun and observer (3 N,) are unit vectors by
+    components, t, y, weight (N,); N is a multiple of eight.
     """
     n = t.size
-    for number in range(states.shape[0]):
-        c0, c1, c2 = states[number, 5], states[number, 6], states[number, 7]
-        c3, c4, c5 = states[number, 8], states[number, 9], states[number, 10]
-        c6, c7, c8 = states[number, 11], states[number, 12], states[number, 13]
-        fa, fb = math.exp(states[number, 14]), math.exp(states[number, 15])
-        turn, place = number * 9 * n, number * n
-        if g.size > 0:
-            place = number * 12 * n
-        for i in range(0, n, 8):
-            j = turn + i
-            r0, r1, r2 = three(r, j, n)
-            r3, r4, r5 = three(r, j + 3 * n, n)
-            r6, r7, r8 = three(r, j + 6 * n, n)
-            a, b, c = three(sun, i, n)
-            a, b, c = _turned(a, b, c, c0, c1, c2, c3, c4, c5, c6, c7, c8)
-            sa, sb, sc = _turned(a, b, c, r0, r1, r2, r3, r4, r5, r6, r7, r8)
-            a, b, c = three(observer, i, n)
-            a, b, c = _turned(a, b, c, c0, c1, c2, c3, c4, c5, c6, c7, c8)
-            oa, ob, oc = _turned(a, b, c, r0, r1, r2, r3, r4, r5, r6, r7, r8)
-            pp = fa * sa * sa + fb * sb * sb + sc * sc
-            qq = fa * oa * oa + fb * ob * ob + oc * oc
-            pq = fa * sa * oa + fb * sb * ob + sc * oc
-            p, q = root(pp), root(qq)
-            m = at_least(p * q + pq, 1e-12)
-            total = p + q
-            over = 1.0 / total
-            u = (pp + qq + 2.0 * pq) * over * over
-            value, slope = _dimming(u, at_least(1.0 - u, 1e-15))
-            w = eight(weight, i)
-            k = place + i
-            put_eight(rows, k, (eight(y, i) - _OF_TWO * binary_logarithm(m * over * value)) * w)
-            if g.size == 0:
-                continue
-            w = _OF_CHANGE * w
-            slope = w * slope / value * over * over
-            in_m, in_total = w / m, 0.0 - w * over - 2.0 * slope * u * total
-            by_p, by_q = in_m * q + in_total, in_m * p + in_total
-            by_pp, by_qq = by_p / p + 2.0 * slope, by_q / q + 2.0 * slope
-            by_pq = in_m + 2.0 * slope
-            # by the vectors s and o over body axes
-            va, wa = fa * (by_pp * sa + by_pq * oa), fa * (by_qq * oa + by_pq * sa)
-            vb, wb = fb * (by_pp * sb + by_pq * ob), fb * (by_qq * ob + by_pq * sb)
-            vc, wc = by_pp * sc + by_pq * oc, by_qq * oc + by_pq * sc
-            put_eight(rows, k + 9 * n, 0.5 * (va * sa + wa * oa))
-            put_eight(rows, k + 10 * n, 0.5 * (vb * sb + wb * ob))
-            # their cross products with s and o over body axes, summed, over the axes of r
-            a = vb * sc - vc * sb + wb * oc - wc * ob
-            b = vc * sa - va * sc + wc * oa - wa * oc
-            c = va * sb - vb * sa + wa * ob - wb * oa
-            a, b, c = _turned(a, b, c, r0, r3, r6, r1, r4, r7, r2, r5, r8)
-            put_three(rows, k + n, n, a, b, c)
-            at = eight(t, i)
-            v = _TURN * _along(a, b, c, g, j, n)
-            put_three(rows, k + 4 * n, n, (2.0 * _TURN) * at * c, at * v, v)
-            put_eight(rows, k + 7 * n, _along(a, b, c, g, j + 3 * n, n))
-            put_eight(rows, k + 8 * n, _along(a, b, c, g, j + 6 * n, n))
+    c0, c1, c2 = state[5], state[6], state[7]
+    c3, c4, c5 = state[8], state[9], state[10]
+    c6, c7, c8 = state[11], state[12], state[13]
+    fa, fb = math.exp(state[14]), math.exp(state[15])
+    for i in range(0, n, 8):
+        r0, r1, r2 = three(r, i, n)
+        r3, r4, r5 = three(r, i + 3 * n, n)
+        r6, r7, r8 = three(r, i + 6 * n, n)
+        a, b, c = three(sun, i, n)
+        a, b, c = _turned(a, b, c, c0, c1, c2, c3, c4, c5, c6, c7, c8)
+        sa, sb, sc = _turned(a, b, c, r0, r1, r2, r3, r4, r5, r6, r7, r8)
+        a, b, c = three(observer, i, n)
+        a, b, c = _turned(a, b, c, c0, c1, c2, c3, c4, c5, c6, c7, c8)
+        oa, ob, oc = _turned(a, b, c, r0, r1, r2, r3, r4, r5, r6, r7, r8)
+        pp = fa * sa * sa + fb * sb * sb + sc * sc
+        qq = fa * oa * oa + fb * ob * ob + oc * oc
+        pq = fa * sa * oa + fb * sb * ob + sc * oc
+        p, q = root(pp), root(qq)
+        m = at_least(p * q + pq, 1e-12)
+        total = p + q
+        over = 1.0 / total
+        u = (pp + qq + 2.0 * pq) * over * over
+        value, slope = _dimming(u, at_least(1.0 - u, 1e-15))
+        w = eight(weight, i)
+        put_eight(rows, i, (eight(y, i) - _OF_TWO * binary_logarithm(m * over * value)) * w)
+        if g.size == 0:
+            continue
+        w = _OF_CHANGE * w
+        slope = w * slope / value * over * over
+        in_m, in_total = w / m, 0.0 - w * over - 2.0 * slope * u * total
+        by_p, by_q = in_m * q + in_total, in_m * p + in_total
+        by_pp, by_qq = by_p / p + 2.0 * slope, by_q / q + 2.0 * slope
+        by_pq = in_m + 2.0 * slope
+        # by the vectors s and o over body axes
+        va, wa = fa * (by_pp * sa + by_pq * oa), fa * (by_qq * oa + by_pq * sa)
+        vb, wb = fb * (by_pp * sb + by_pq * ob), fb * (by_qq * ob + by_pq * sb)
+        vc, wc = by_pp * sc + by_pq * oc, by_qq * oc + by_pq * sc
+        put_eight(rows, i + 9 * n, 0.5 * (va * sa + wa * oa))
+        put_eight(rows, i + 10 * n, 0.5 * (vb * sb + wb * ob))
+        # their cross products with s and o over body axes, summed, over the axes of r
+        a = vb * sc - vc * sb + wb * oc - wc * ob
+        b = vc * sa - va * sc + wc * oa - wa * oc
+        c = va * sb - vb * sa + wa * ob - wb * oa
+        a, b, c = _turned(a, b, c, r0, r3, r6, r1, r4, r7, r2, r5, r8)
+        put_three(rows, i + n, n, a, b, c)
+        at = eight(t, i)
+        v = _TURN * _along(a, b, c, g, i, n)
+        put_three(rows, i + 4 * n, n, (2.0 * _TURN) * at * c, at * v, v)
+        put_eight(rows, i + 7 * n, _along(a, b, c, g, i + 3 * n, n))
+        put_eight(rows, i + 8 * n, _along(a, b, c, g, i + 6 * n, n))
 
 
 @reduction_within
@@ -246,29 +227,31 @@ def _two_by_four(rows, a, b, n):
 
 
 @reduction
-def _products(rows, found, size):
-    """Products of the 12 rows of each of S states with each other and with L rows of all.
+def _products(states, t, sun, observer, y, weight, r, g, rows, of_rows, found):
+    """Products of the residuals and derivatives of states (S, 16), into found (S, R, R).
 
-    rows (12 size N + L N,): those of `size` >= S states, then those of all; into found
-    (S, 12, 12 + L); L is a multiple of four, N of eight.
+    R is 11, or 1 for residuals alone, where g is empty.  rows ((12 + L) N,): those of a state as in
+    `residuals`, which are overwritten, then L that are projected out; of_rows (R + 1, 12 + L) is
+    working memory; L is a multiple of four.  The others are as in `residuals`.
     """
-    states, size_of_one, columns = found.shape
-    n = rows.size // (size * size_of_one + columns - size_of_one)
-    for number in range(states):
-        first = number * size_of_one * n
-        for row in range(0, size_of_one, 2):
+    n, count, columns = t.size, found.shape[1], of_rows.shape[1]
+    for number in range(states.shape[0]):
+        attitudes(states[number], t, r, g)
+        residuals(states[number], t, sun, observer, y, weight, r, g, rows)
+        for row in range(0, count, 2):
             for column in range(0, columns, 4):
-                is_own = column < size_of_one
-                if is_own and column > row + 1:
+                if row + 1 < column < _ROWS:
                     continue
-                b = first + column * n if is_own else ((size - 1) * size_of_one + column) * n
-                sums = _two_by_four(rows, first + row * n, b, n)
+                sums = _two_by_four(rows, row * n, column * n, n)
                 for k in range(4):
-                    found[number, row, column + k] = sums[k]
-                    found[number, row + 1, column + k] = sums[4 + k]
-                    if is_own:
-                        found[number, column + k, row] = sums[k]
-                        found[number, column + k, row + 1] = sums[4 + k]
+                    of_rows[row, column + k] = sums[k]
+                    of_rows[row + 1, column + k] = sums[4 + k]
+        for row in range(count):
+            for column in range(row + 1):
+                product = of_rows[row, column]
+                for k in range(_ROWS, columns):
+                    product -= of_rows[row, k] * of_rows[column, k]
+                found[number, row, column] = found[number, column, row] = product
 
 
 # ---- Least squares of the ellipsoid, linearised
@@ -383,21 +366,26 @@ def moved(states: FloatArray, steps: FloatArray) -> FloatArray:
 
     What a state has beyond the 16 numbers stays.
     """
-    angle = np.sqrt(np.sum(steps[..., :3] ** 2, axis=-1))
-    half = 0.5 * angle
-    w, s = np.cos(half), 0.5 * np.sinc(half / math.pi)
-    p, q, r = (s * steps[..., k] for k in range(3))
-    turn = np.empty((*w.shape, 3, 3))
-    turn[..., 0, 0], turn[..., 0, 1] = 1.0 - 2.0 * (q * q + r * r), 2.0 * (p * q - w * r)
-    turn[..., 0, 2], turn[..., 1, 0] = 2.0 * (p * r + w * q), 2.0 * (p * q + w * r)
-    turn[..., 1, 1], turn[..., 1, 2] = 1.0 - 2.0 * (p * p + r * r), 2.0 * (q * r - w * p)
-    turn[..., 2, 0], turn[..., 2, 1] = 2.0 * (p * r - w * q), 2.0 * (q * r + w * p)
-    turn[..., 2, 2] = 1.0 - 2.0 * (p * p + q * q)
     new = states.copy()
-    new[..., :5] += steps[..., 3:8]
-    new[..., 5:14] = (states[..., 5:14].reshape(turn.shape) @ turn).reshape(*w.shape, 9)
-    new[..., 14:16] += steps[..., 8:10]
+    _move(new.reshape(-1, states.shape[-1]), steps.reshape(-1, steps.shape[-1]))
     return new
+
+
+@reduction
+def _move(states, steps):
+    """Take steps as in `moved`."""
+    for i in range(states.shape[0]):
+        half = 0.5 * math.sqrt(steps[i, 0] ** 2 + steps[i, 1] ** 2 + steps[i, 2] ** 2)
+        w, s = math.cos(half), 0.5 * (math.sin(half) / half if half > 0.0 else 1.0)
+        turn = matrix_rows(w, s * steps[i, 0], s * steps[i, 1], s * steps[i, 2])
+        for k in range(5, 14, 3):
+            a, b, c = states[i, k], states[i, k + 1], states[i, k + 2]
+            for j in range(3):
+                states[i, k + j] = a * turn[0][j] + b * turn[1][j] + c * turn[2][j]
+        for k in range(5):
+            states[i, k] += steps[i, 3 + k]
+        states[i, 14] += steps[i, 8]
+        states[i, 15] += steps[i, 9]
 
 
 def _wanted(states: FloatArray, tie: Held) -> FloatArray:
@@ -418,14 +406,15 @@ def _tied(states: FloatArray, tie: Held) -> tuple[FloatArray, FloatArray]:
 
     An array (S, 2), and its derivatives (S, 2, 10) by the parameters.
     """
-    ratios, slopes = with_slopes(states[:, OF_MOMENTS].T)
+    ratios, slopes = np.empty((len(states), 2)), np.empty((len(states), 2, 4))
+    with_slopes(states, ratios, slopes)
     rows = np.zeros((len(states), 2, PARAMETERS))
-    rows[:, :, [3, 4, 6, 7]] = slopes.T
+    rows[:, :, 3:5], rows[:, :, 6:8] = slopes[:, :, :2], slopes[:, :, 2:]
     if math.isnan(tie.moments[0]):
         a, b = np.exp(-states[:, 14:16]).T
         rows[:, 0, 8], rows[:, 0, 9] = -a / (a + b), b / (b + 1.0) - b / (a + b)
         rows[:, 1, 8], rows[:, 1, 9] = a / (a + 1.0) - a / (a + b), -b / (a + b)
-    return (ratios - _wanted(states, tie)).T / tie.width, rows / tie.width
+    return (ratios - _wanted(states, tie).T) / tie.width, rows / tie.width
 
 
 def _cost(curve: EllipsoidCurve, states: FloatArray, tie: Held) -> FloatArray:

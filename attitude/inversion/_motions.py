@@ -22,9 +22,6 @@ if TYPE_CHECKING:
 
 # Epochs of one vector: arrays of epochs are as long as a multiple of this.
 LANES = 8
-# Terms of each series beside the first of A, and numbers j and j (j + 1)/2 of powers of X.
-_N, _J = np.arange(4), np.arange(8)
-_SIGN, _TRIANGLE = (-1.0) ** _N, 0.5 * _J * (_J + 1)
 
 
 class SeriesAttitudes(NamedTuple):
@@ -40,44 +37,48 @@ class SeriesAttitudes(NamedTuple):
 
 def padded(given: FloatArray, mode: Literal["edge", "constant"] = "edge") -> FloatArray:
     """An array (..., N) with its last entry, or zero, repeated until `LANES` divides N."""
-    more = -given.shape[-1] % LANES
-    widths = [(0, 0)] * (given.ndim - 1) + [(0, more)]
-    return np.ascontiguousarray(np.pad(given, widths, mode) if more else given)
-
-
-def coefficients(states: FloatArray) -> FloatArray:
-    """The coefficients of the series of elements (S, 5 or more): an array (S, 4, 4, 2).
-
-    Those of E^n and E^-n: A's sums and differences, b's sums and differences (b without its factor
-    -i); the last axis holds the coefficient and its derivative by X.
-    """
-    log_rho, x = states[:, 3, None], states[:, 4, None]
-    c = _SIGN * np.exp(4.0 * log_rho * _N**2)
-    d = _SIGN * np.exp(log_rho * (4 * _N**2 + 4 * _N + 1))
-    # X^0, X^1, X^3, X^6 ... X^28, and their derivatives
-    power, slope = np.empty((2, len(states), len(_J)))
-    power[:, 0], power[:, 1:] = 1.0, x
-    power = np.cumprod(np.cumprod(power, axis=1), axis=1)
-    slope[:, 0], slope[:, 1:2] = 0.0, 1.0
-    slope[:, 2:] = np.cumprod(np.cumprod(np.repeat(x, 7, axis=1), axis=1)[:, 1:], axis=1)
-    series = np.empty((len(states), 4, 4, 2))
-    for k, factors in enumerate((power, slope * _TRIANGLE)):
-        up = c * factors[:, ::2]
-        down = c * np.concatenate([factors[:, :1], factors[:, 1:-1:2]], axis=1)
-        series[:, 0, :, k], series[:, 1, :, k] = up + down, up - down
-        up, down = -d * factors[:, 1::2], d * factors[:, ::2]
-        series[:, 2, :, k], series[:, 3, :, k] = down + up, up - down
-    series[:, 0, 0, 0] = 1.0
-    return series
+    last = given[..., -1:] if mode == "edge" else np.zeros((*given.shape[:-1], 1))
+    more = np.repeat(last, -given.shape[-1] % LANES, axis=-1)
+    return np.concatenate([given, more], axis=-1)
 
 
 def at_epochs(state: FloatArray, t: FloatArray) -> SeriesAttitudes:
     """The attitudes of one state, elements first, at epochs (N,)."""
     epochs = padded(t)
     r, g = np.empty((9, epochs.size)), np.empty((9, epochs.size))
-    one = np.ascontiguousarray(state[None, :3])
-    attitudes(one, coefficients(state[None]), epochs, r.reshape(-1), g.reshape(-1))
+    attitudes(state, epochs, r.reshape(-1), g.reshape(-1))
     return SeriesAttitudes(r[:, : t.size], g[:, : t.size])
+
+
+@reduction_within
+def _powers(x):
+    """x^(j (j + 1)/2) for j from 0 to 7, and their derivatives."""
+    x2 = x * x
+    x3, x5 = x2 * x, x2 * x2 * x
+    x6, x9, x10 = x3 * x3, x5 * x2 * x2, x5 * x5
+    x14, x15, x20 = x9 * x5, x10 * x5, x10 * x10
+    x21 = x20 * x
+    x27 = x21 * x6
+    return (
+        (1.0, x, x3, x6, x10, x15, x21, x27 * x),
+        (0.0, 1.0, 3.0 * x2, 6.0 * x5, 10.0 * x9, 15.0 * x14, 21.0 * x20, 28.0 * x27),
+    )
+
+
+@reduction_within
+def _sums_and_differences(c, d, p):
+    """The coefficients of the series of an attitude from factors by ln rho and powers of X.
+
+    Those of E^n and E^-n: A's sums and differences, without the first, b's sums and differences
+    (b without its factor -i).
+    """
+    a = c[0] * (p[2] + p[1]), c[1] * (p[4] + p[3]), c[2] * (p[6] + p[5])
+    a_less = c[0] * (p[2] - p[1]), c[1] * (p[4] - p[3]), c[2] * (p[6] - p[5])
+    b0, b1 = d[0] * (p[0] - p[1]), d[1] * (p[2] - p[3])
+    b2, b3 = d[2] * (p[4] - p[5]), d[3] * (p[6] - p[7])
+    e0, e1 = -d[0] * (p[0] + p[1]), -d[1] * (p[2] + p[3])
+    e2, e3 = -d[2] * (p[4] + p[5]), -d[3] * (p[6] + p[7])
+    return a, a_less, (b0, b1, b2, b3), (e0, e1, e2, e3)
 
 
 @reduction_within
@@ -102,7 +103,7 @@ def _multiples(c1, s1):
 
 
 @reduction_within
-def _rows(w, x, y, z):
+def matrix_rows(w, x, y, z):
     """The rows of the matrix of a unit quaternion."""
     return (
         (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)),
@@ -126,67 +127,66 @@ def three(array, at, n):
 
 
 @reduction
-def attitudes(elements, k, t, r, g):
-    """Matrices as in `SeriesAttitudes`, into r (S 9 N,), and tangents, into g (S 9 N,) or ().
+def attitudes(state, t, r, g):
+    """Matrices as in `SeriesAttitudes`, into r (9 N,), and tangents, into g (9 N,) or ().
 
-    elements (S, 3): precession, nutation, phase; k (S, 4, 4, 2) as in `coefficients`; t (N,), where
-    `LANES` divides N.
+    state (5 or more,): precession, nutation, phase, ln rho, X; t (N,), where `LANES` divides N.
     """
     n = t.size
-    for row in range(elements.shape[0]):
-        precession, nutation, phase = elements[row, 0], elements[row, 1], elements[row, 2]
-        a1, a2, a3 = k[row, 0, 1, 0], k[row, 0, 2, 0], k[row, 0, 3, 0]
-        d1, d2, d3 = k[row, 1, 1, 0], k[row, 1, 2, 0], k[row, 1, 3, 0]
-        b0, b1, b2, b3 = k[row, 2, 0, 0], k[row, 2, 1, 0], k[row, 2, 2, 0], k[row, 2, 3, 0]
-        e0, e1, e2, e3 = k[row, 3, 0, 0], k[row, 3, 1, 0], k[row, 3, 2, 0], k[row, 3, 3, 0]
-        x1, x2, x3 = k[row, 0, 1, 1], k[row, 0, 2, 1], k[row, 0, 3, 1]
-        y1, y2, y3 = k[row, 1, 1, 1], k[row, 1, 2, 1], k[row, 1, 3, 1]
-        u0, u1, u2, u3 = k[row, 2, 0, 1], k[row, 2, 1, 1], k[row, 2, 2, 1], k[row, 2, 3, 1]
-        v0, v1, v2, v3 = k[row, 3, 0, 1], k[row, 3, 1, 1], k[row, 3, 2, 1], k[row, 3, 3, 1]
-        first = row * 9 * n
-        for i in range(0, n, 8):
-            at = eight(t, i)
-            c1, s1 = cosine_and_sine(nutation * at + phase)
-            cy, sy = cosine_and_sine(precession * at)
-            c2, s2, c3, s3, c4, s4, c5, s5, c6, s6, c7, s7 = _multiples(c1, s1)
-            ax = 1.0 + a1 * c2 + a2 * c4 + a3 * c6
-            ay = d1 * s2 + d2 * s4 + d3 * s6
-            bx = e0 * s1 + e1 * s3 + e2 * s5 + e3 * s7
-            by = 0.0 - (b0 * c1 + b1 * c3 + b2 * c5 + b3 * c7)
-            over = 1.0 / (ax * ax + ay * ay + bx * bx + by * by)
-            size = root(over)
-            w, z = (ax * cy - ay * sy) * size, (ax * sy + ay * cy) * size
-            p, q = (bx * cy - by * sy) * size, (bx * sy + by * cy) * size
-            place = first + i
-            x, y, z = _rows(w, p, q, z)
-            put_three(r, place, n, *x)
-            put_three(r, place + 3 * n, n, *y)
-            put_three(r, place + 6 * n, n, *z)
-            if g.size == 0:
-                continue
-            # twice the angle of the precession
-            cy, sy = cy * cy - sy * sy, 2.0 * cy * sy
-            over = over + over
-            px = 0.0 - (2.0 * a1 * s2 + 4.0 * a2 * s4 + 6.0 * a3 * s6)
-            py = 2.0 * d1 * c2 + 4.0 * d2 * c4 + 6.0 * d3 * c6
-            qx = e0 * c1 + 3.0 * e1 * c3 + 5.0 * e2 * c5 + 7.0 * e3 * c7
-            qy = b0 * s1 + 3.0 * b1 * s3 + 5.0 * b2 * s5 + 7.0 * b3 * s7
-            turned = _turning(ax, ay, bx, by, px, py, qx, qy, cy, sy, over)
-            put_three(g, place, n, *turned)
-            # by ln rho
-            px = 4.0 * a1 * c2 + 16.0 * a2 * c4 + 36.0 * a3 * c6
-            py = 4.0 * d1 * s2 + 16.0 * d2 * s4 + 36.0 * d3 * s6
-            qx = e0 * s1 + 9.0 * e1 * s3 + 25.0 * e2 * s5 + 49.0 * e3 * s7
-            qy = 0.0 - (b0 * c1 + 9.0 * b1 * c3 + 25.0 * b2 * c5 + 49.0 * b3 * c7)
-            turned = _turning(ax, ay, bx, by, px, py, qx, qy, cy, sy, over)
-            put_three(g, place + 3 * n, n, *turned)
-            # by X
-            px = x1 * c2 + x2 * c4 + x3 * c6
-            py = y1 * s2 + y2 * s4 + y3 * s6
-            qx = v0 * s1 + v1 * s3 + v2 * s5 + v3 * s7
-            qy = 0.0 - (u0 * c1 + u1 * c3 + u2 * c5 + u3 * c7)
-            turned = _turning(ax, ay, bx, by, px, py, qx, qy, cy, sy, over)
-            put_three(g, place + 6 * n, n, *turned)
+    precession, nutation, phase = state[0], state[1], state[2]
+    rho = math.exp(state[3])
+    rho4, rho9 = rho**4, rho**9
+    of_a = -rho4, rho4**4, -(rho9**4)
+    of_b = rho, -rho9, rho9 * rho4**4, -(rho9**5) * rho4
+    powers, slopes = _powers(state[4])
+    (a1, a2, a3), (d1, d2, d3), (b0, b1, b2, b3), (e0, e1, e2, e3) = _sums_and_differences(
+        of_a, of_b, powers
+    )
+    (x1, x2, x3), (y1, y2, y3), (u0, u1, u2, u3), (v0, v1, v2, v3) = _sums_and_differences(
+        of_a, of_b, slopes
+    )
+    for i in range(0, n, 8):
+        at = eight(t, i)
+        c1, s1 = cosine_and_sine(nutation * at + phase)
+        cy, sy = cosine_and_sine(precession * at)
+        c2, s2, c3, s3, c4, s4, c5, s5, c6, s6, c7, s7 = _multiples(c1, s1)
+        ax = 1.0 + a1 * c2 + a2 * c4 + a3 * c6
+        ay = d1 * s2 + d2 * s4 + d3 * s6
+        bx = e0 * s1 + e1 * s3 + e2 * s5 + e3 * s7
+        by = 0.0 - (b0 * c1 + b1 * c3 + b2 * c5 + b3 * c7)
+        over = 1.0 / (ax * ax + ay * ay + bx * bx + by * by)
+        size = root(over)
+        w, z = (ax * cy - ay * sy) * size, (ax * sy + ay * cy) * size
+        p, q = (bx * cy - by * sy) * size, (bx * sy + by * cy) * size
+        x, y, z = matrix_rows(w, p, q, z)
+        put_three(r, i, n, *x)
+        put_three(r, i + 3 * n, n, *y)
+        put_three(r, i + 6 * n, n, *z)
+        if g.size == 0:
+            continue
+        # twice the angle of the precession
+        cy, sy = cy * cy - sy * sy, 2.0 * cy * sy
+        over = over + over
+        px = 0.0 - (2.0 * a1 * s2 + 4.0 * a2 * s4 + 6.0 * a3 * s6)
+        py = 2.0 * d1 * c2 + 4.0 * d2 * c4 + 6.0 * d3 * c6
+        qx = e0 * c1 + 3.0 * e1 * c3 + 5.0 * e2 * c5 + 7.0 * e3 * c7
+        qy = b0 * s1 + 3.0 * b1 * s3 + 5.0 * b2 * s5 + 7.0 * b3 * s7
+        turned = _turning(ax, ay, bx, by, px, py, qx, qy, cy, sy, over)
+        put_three(g, i, n, *turned)
+        # by ln rho
+        px = 4.0 * a1 * c2 + 16.0 * a2 * c4 + 36.0 * a3 * c6
+        py = 4.0 * d1 * s2 + 16.0 * d2 * s4 + 36.0 * d3 * s6
+        qx = e0 * s1 + 9.0 * e1 * s3 + 25.0 * e2 * s5 + 49.0 * e3 * s7
+        qy = 0.0 - (b0 * c1 + 9.0 * b1 * c3 + 25.0 * b2 * c5 + 49.0 * b3 * c7)
+        turned = _turning(ax, ay, bx, by, px, py, qx, qy, cy, sy, over)
+        put_three(g, i + 3 * n, n, *turned)
+        # by X
+        px = x1 * c2 + x2 * c4 + x3 * c6
+        py = y1 * s2 + y2 * s4 + y3 * s6
+        qx = v0 * s1 + v1 * s3 + v2 * s5 + v3 * s7
+        qy = 0.0 - (u0 * c1 + u1 * c3 + u2 * c5 + u3 * c7)
+        turned = _turning(ax, ay, bx, by, px, py, qx, qy, cy, sy, over)
+        put_three(g, i + 6 * n, n, *turned)
 
 
 # ---- Ratios of the moments of inertia of a body from the elements of its motion, in closed form
@@ -319,14 +319,24 @@ def moments(elements: FloatArray) -> ElementMoments:
     return ElementMoments(all_moments[:2], all_moments[2] > 0.0, all_moments[3])
 
 
-def with_slopes(elements: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """ln I1/I3 and ln I2/I3 (2, ...) of elements (4, ...), and derivatives (4, 2, ...) by these."""
-    h = np.full(elements.shape, _STEP)
-    h[:2] *= np.abs(elements[:2])
-    shifted = np.repeat(elements[:, None], 9, axis=1)
-    which = range(4)
-    shifted[which, [1, 2, 3, 4]] += h
-    shifted[which, [5, 6, 7, 8]] -= h
-    shifted_ratios = moments(shifted).log_ratios
-    slopes = 0.5 * np.swapaxes(shifted_ratios[:, 1:5] - shifted_ratios[:, 5:], 0, 1) / h[:, None]
-    return shifted_ratios[:, 0], slopes
+@entry_point
+def with_slopes(states, ratios, slopes):
+    """ln I1/I3 and ln I2/I3 of states (S, 5 or more) as in `attitudes`, into ratios (S, 2).
+
+    Into slopes (S, 2, 4) their derivatives by precession, nutation, ln rho and X.
+    """
+    for i in range(states.shape[0]):
+        p, f, log_rho, x = states[i, 0], states[i, 1], states[i, 3], states[i, 4]
+        ratios[i, 0], ratios[i, 1], _, _ = _of_one(p, f, log_rho, x)
+        for k in range(4):
+            h = _STEP
+            if k == 0:
+                h *= abs(p)
+            if k == 1:
+                h *= abs(f)
+            dp, df = (h if k == 0 else 0.0), (h if k == 1 else 0.0)
+            dr, dx = (h if k == 2 else 0.0), (h if k == 3 else 0.0)
+            one, two, _, _ = _of_one(p + dp, f + df, log_rho + dr, x + dx)
+            first, second, _, _ = _of_one(p - dp, f - df, log_rho - dr, x - dx)
+            slopes[i, 0, k] = 0.5 * (one - first) / h
+            slopes[i, 1, k] = 0.5 * (two - second) / h

@@ -351,10 +351,11 @@ class MovingFit:
         )
         return Fitted(state, *linear, computed.areas, computed.magnitude)
 
-    def _priors(self, state: MovingState, here: ShapeModel) -> tuple[FloatArray, FloatArray, float]:
+    def _priors(self, state: MovingState, here: ShapeModel) -> _shapes.Priors:
         point = state.point
         if self.known is not None:
-            return np.zeros(0), np.zeros((0, point.size)), 0.0
+            nothing = np.zeros(point.size)
+            return _shapes.Priors(np.zeros(0), np.zeros((0, point.size)), 0.0, nothing, nothing)
         moments = None
         if not self.is_axial:
             slopes = np.zeros((2, point.size))

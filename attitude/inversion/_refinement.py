@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 
 import numpy as np
 
+from attitude._compilation.decorators import reduction
 from attitude._support import least_squares
 from attitude.inversion import _ellipsoid, _motions, _shapes
 
@@ -135,33 +136,61 @@ def model(problem: CurveProblem, state: FloatArray) -> ShapeModel:
     settings = problem.settings
     problem.tally.add(1, settings.step_cost + share * count * settings.body_cost)
     r, g = _motions.at_epochs(state, t)
-    turn, body = state[5:14].reshape(3, 3), r.reshape(3, 3, count)
-    sun = np.ascontiguousarray(np.einsum("rkt,rt->tk", body, turn.T @ nodes.sun))
-    observer = np.ascontiguousarray(np.einsum("rkt,rt->tk", body, turn.T @ nodes.observer))
+    sun, observer = np.empty((2, count, 3))
+    _over_body(state, r, nodes.sun, nodes.observer, sun, observer)
     lit = _shapes.magnitudes(sun, observer, state[14:])
-    h = np.einsum("rkt,tk->rt", body, lit.across)
     jacobian = np.empty((MOTION + len(lit.by_shape), count))
-    jacobian[:3] = h
-    jacobian[3] = 4.0 * math.pi * t * h[2]
-    v = 2.0 * math.pi * np.sum(h * g[:3], axis=0)
-    jacobian[4], jacobian[5] = t * v, v
-    jacobian[6], jacobian[7] = np.sum(h * g[3:6], axis=0), np.sum(h * g[6:], axis=0)
+    _by_motion(t, r, g, lit.across, jacobian)
     jacobian[MOTION:] = lit.by_shape
     magnitude, jacobian = problem.over_exposures(lit.magnitude, jacobian)
     return ShapeModel(magnitude, jacobian, lit.areas, lit.slopes)
 
 
+@reduction
+def _over_body(state, r, suns, observers, over_sun, over_observer):
+    """Directions (3, N) over the axes of the body, into arrays (N, 3); r as in `at_epochs`."""
+    c = state[5:14]
+    for given, over in ((suns, over_sun), (observers, over_observer)):
+        for i in range(r.shape[1]):
+            x, y, z = given[0, i], given[1, i], given[2, i]
+            u = c[0] * x + c[3] * y + c[6] * z
+            v = c[1] * x + c[4] * y + c[7] * z
+            w = c[2] * x + c[5] * y + c[8] * z
+            for k in range(3):
+                over[i, k] = r[k, i] * u + r[3 + k, i] * v + r[6 + k, i] * w
+
+
+@reduction
+def _by_motion(t, r, g, across, jacobian):
+    """Slopes by the motion, from those by a turn (N, 3) over the axes of the body.
+
+    Into the first rows of jacobian (P, N); r and g as in `at_epochs`.
+    """
+    for i in range(t.size):
+        u, v, w = across[i, 0], across[i, 1], across[i, 2]
+        a = r[0, i] * u + r[1, i] * v + r[2, i] * w
+        b = r[3, i] * u + r[4, i] * v + r[5, i] * w
+        c = r[6, i] * u + r[7, i] * v + r[8, i] * w
+        by_phase = 2.0 * math.pi * (a * g[0, i] + b * g[1, i] + c * g[2, i])
+        jacobian[0, i], jacobian[1, i], jacobian[2, i] = a, b, c
+        jacobian[3, i] = 4.0 * math.pi * t[i] * c
+        jacobian[4, i], jacobian[5, i] = t[i] * by_phase, by_phase
+        jacobian[6, i] = a * g[3, i] + b * g[4, i] + c * g[5, i]
+        jacobian[7, i] = a * g[6, i] + b * g[7, i] + c * g[8, i]
+
+
 def _penalties(
     state: FloatArray, here: ShapeModel, tie: _shapes.Tie, is_axial: bool
-) -> tuple[FloatArray, FloatArray, float]:
-    """Residuals of all priors (R,), their derivatives (R, SIZE), and the strain."""
+) -> _shapes.Priors:
+    """The priors of a state."""
     moments = None
     if not is_axial:
-        ratios, slopes = _motions.with_slopes(state[_ellipsoid.OF_MOMENTS])
+        ratios, slopes = np.empty((1, 2)), np.empty((1, 2, 4))
+        _motions.with_slopes(state[None], ratios, slopes)
         by_motion = np.zeros((2, MOTION))
-        by_motion[:, [3, 4, 6, 7]] = slopes.T
+        by_motion[:, 3:5], by_motion[:, 6:8] = slopes[0, :, :2], slopes[0, :, 2:]
         modes = bool(state[1] > 0.0), bool(state[4] < 0.0)
-        moments = _shapes.MotionMoments(ratios, by_motion, *modes)
+        moments = _shapes.MotionMoments(ratios[0], by_motion, *modes)
     return _shapes.penalties(state[14:], here.areas, here.slopes, moments, MOTION, tie)
 
 
@@ -226,25 +255,30 @@ def linearised(
     problem: CurveProblem,
     magnitude: FloatArray,
     jacobian: FloatArray,
-    priors: tuple[FloatArray, FloatArray, float],
+    priors: _shapes.Priors,
     held: BoolArray,
 ) -> tuple[float, float, float, FloatArray, FloatArray]:
     """Cost, chi-squared, strain, normal matrix (P, P) and gradient (P,) of magnitudes.
 
-    Shapes: magnitude, jacobian (N,), priors (R,), held (P,).
+    Shapes: magnitude (N,), jacobian (P, N), held (P,).
     """
-    prior, by_prior, strain = priors
     r = (problem.y - magnitude) * problem.root
     along = problem.u @ r
-    chi = float(r @ r - along @ along)
     weighted = jacobian * problem.root
     across = weighted @ problem.u.T
-    normal = weighted @ weighted.T - across @ across.T + by_prior.T @ by_prior
-    gradient = weighted @ r - across @ along - by_prior.T @ prior
-    gradient[held] = 0.0
-    normal[held, :] = normal[:, held] = 0.0
-    normal[held, held] = 1.0
-    return chi + float(prior @ prior), chi, strain, normal, gradient
+    by_prior, offsets, weights = priors.slopes, priors.offsets, priors.weights
+    normal = weighted @ weighted.T
+    normal -= across @ across.T
+    normal += by_prior.T @ by_prior
+    normal.flat[:: len(normal) + 1] += weights**2
+    gradient = weighted @ r - across @ along - priors.residuals @ by_prior - weights * offsets
+    if held.any():
+        gradient[held] = 0.0
+        normal[held, :] = normal[:, held] = 0.0
+        normal[held, held] = 1.0
+    chi = float(r @ r - along @ along)
+    prior = float(priors.residuals @ priors.residuals + offsets @ offsets)
+    return chi + prior, chi, priors.strain, normal, gradient
 
 
 def _moved(state: FloatArray, step: FloatArray, is_axial: bool) -> FloatArray | None:

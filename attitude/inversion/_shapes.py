@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from attitude._compilation.decorators import reduction
+from attitude._compilation.decorators import reduction, reduction_subroutine
 from attitude.errors import AttitudeError
 from attitude.light_curve._brightness import BLOCK, components, kernel_of, paired, with_phase
 from attitude.scattering._law import law as known_law
@@ -95,130 +95,35 @@ def areas(flat: FloatArray, modes: FloatArray) -> tuple[FloatArray, FloatArray]:
     Shapes: flat (2,), modes (M,): of the smoothest modes, all or fewer.
     """
     on = sphere()
-    smoothest = on.modes[:, : len(modes)]
-    axes = np.array([math.exp(-flat[0]), math.exp(-flat[1]), 1.0])
-    across = axes @ on.squares
-    log_areas = smoothest @ modes - 2.0 * np.log(across)
-    slopes = np.concatenate([(2.0 * axes[:2, None] * on.squares[:2] / across).T, smoothest], axis=1)
-    return np.exp(log_areas - log_areas.max()), slopes
+    area, slopes = np.empty(COUNT), np.empty((COUNT, ELLIPSOID + len(modes)))
+    _areas(flat, modes, on.squares, on.modes, area, slopes)
+    return area, slopes
 
 
-def _of_ellipsoid(flat: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Logarithms (2,) of ratios of the surface tensor of an ellipsoid, and slopes (2, 2)."""
-    squares = sphere().squares
-    axes = np.array([math.exp(-flat[0]), math.exp(-flat[1]), 1.0])
-    over = 1.0 / (axes @ squares)
-    weights = over * over
-    tensor = squares @ weights
-    # squares times the rise of the weights by each logarithm
-    relative = (squares @ (squares[:2] * (weights * over)).T) * (2.0 * axes[:2])
-    relative /= tensor[:, None]
-    slopes: FloatArray = relative[:2] - relative[2]
-    return np.log(tensor[:2] / tensor[2]), slopes
-
-
-def equivalent(tensor: FloatArray, start: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The ellipsoid (2,) with the diagonal of a surface tensor (3, 3), and slopes (2, 2) by its
-    logarithms of ratios."""
-    wanted = np.log(np.diag(tensor)[:2] / tensor[2, 2])
-    flat = np.minimum(np.maximum(start, -4.0), 4.0)
-    for _ in range(30):
-        value, slope = _of_ellipsoid(flat)
-        (a, b), (c, d) = slope.tolist()
-        inverse = np.array([[d, -b], [-c, a]]) / (a * d - b * c)
-        step = np.minimum(np.maximum(inverse @ (wanted - value), -1.0), 1.0)
-        flat = np.minimum(np.maximum(flat + step, -6.0), 6.0)
-        # the error after a step is of the order of its square
-        if np.abs(step).max() < _CLOSE:
-            break
-    return flat, inverse
-
-
-@dataclass(frozen=True, eq=False)
-class Constraints:
-    """Residuals of a shape, in standard deviations, and their slopes by its parameters (2 + M).
+class Constraints(NamedTuple):
+    """What a shape has to satisfy, and slopes by its parameters (2 + M).
 
     Attributes
     ----------
-    closure, turn : (3,) arrays
-        Of the closure, and of the directions of its principal axes.
-    by_closure, by_turn : (3, 2 + M) arrays
+    offsets : (6,) array
+        Residuals of the closure, and of the directions of its principal axes, in standard
+        deviations.
     log_ratios : (2,) array
         ln I1/I3 and ln I2/I3 of the homogeneous body.
-    by_ratios : (2, 2 + M) array
+    slopes : (8, 2 + M) array
+        Of both.
     """
 
-    closure: FloatArray
-    by_closure: FloatArray
-    turn: FloatArray
-    by_turn: FloatArray
+    offsets: FloatArray
     log_ratios: FloatArray
-    by_ratios: FloatArray
+    slopes: FloatArray
 
 
 def constraints(flat: FloatArray, area: FloatArray, slopes: FloatArray) -> Constraints:
     """What a shape has to satisfy; arguments as of and from `areas`."""
-    n = sphere().normals
-    share = area / area.sum()
-    offset = n @ share
-    by_closure = ((n - offset[:, None]) * share) @ slopes
-    tensor = (n * share) @ n.T
-    ratios_of_shape, by_ratio = equivalent(tensor, flat)
-    inner = (n**2 / np.diag(tensor)[:, None]) * share
-    by_flat = by_ratio @ ((inner[:2] - inner[2]) @ slopes)
-    a, b = np.exp(-ratios_of_shape)
-    ratios = np.array([math.log((b + 1.0) / (a + b)), math.log((a + 1.0) / (a + b))])
-    chain = np.array(
-        [[a / (a + b), b / (a + b) - b / (b + 1.0)], [a / (a + b) - a / (a + 1.0), b / (a + b)]]
-    )
-    i, j = np.array([0, 0, 1]), np.array([1, 2, 2])
-    size = _TURN * np.hypot(np.diag(tensor)[i] - np.diag(tensor)[j], _SPLIT)
-    off = tensor[i, j]
-    by_turn = ((n[i] * n[j] - off[:, None]) * share) @ slopes
-    return Constraints(
-        offset / _CLOSURE,
-        by_closure / _CLOSURE,
-        off / size,
-        by_turn / size[:, None],
-        ratios,
-        chain @ by_flat,
-    )
-
-
-# ---- Brightness of a convex body from the areas of its facets by normal, compiled
-# Lommel-Seeliger plus a share of Lambert: S = mu0 mu (1/(mu0 + mu) + c) for each lit and seen
-# facet.
-
-
-@reduction
-def shares(sun, observer, normals, areas, lambert, parts, by_directions):
-    """Brightness of each facet and epoch, into parts (N, F), and slopes, into (N, 6).
-
-    sun, observer (N, 3): unit vectors over body axes; normals (3, F); areas (F,).  The slopes are
-    those of the sum by the vectors to Sun and observer.
-    """
-    count = areas.size
-    for i in range(sun.shape[0]):
-        s0, s1, s2 = sun[i, 0], sun[i, 1], sun[i, 2]
-        o0, o1, o2 = observer[i, 0], observer[i, 1], observer[i, 2]
-        a0 = a1 = a2 = b0 = b1 = b2 = 0.0
-        for j in range(count):
-            x, y, z = normals[0, j], normals[1, j], normals[2, j]
-            m0 = max(s0 * x + s1 * y + s2 * z, 0.0)
-            m = max(o0 * x + o1 * y + o2 * z, 0.0)
-            area = areas[j] if m0 * m > 0.0 else 0.0
-            over = 1.0 / max(m0 + m, 1e-9)
-            parts[i, j] = area * m0 * m * (over + lambert)
-            by_m0 = area * m * (m * over * over + lambert)
-            by_m = area * m0 * (m0 * over * over + lambert)
-            a0 += by_m0 * x
-            a1 += by_m0 * y
-            a2 += by_m0 * z
-            b0 += by_m * x
-            b1 += by_m * y
-            b2 += by_m * z
-        by_directions[i, 0], by_directions[i, 1], by_directions[i, 2] = a0, a1, a2
-        by_directions[i, 3], by_directions[i, 4], by_directions[i, 5] = b0, b1, b2
+    values, by_areas = np.empty(8), np.empty((8, COUNT))
+    _constraints(flat, area, sphere().normals, values, by_areas)
+    return Constraints(values[:6], values[6:], by_areas @ slopes)
 
 
 # ---- Magnitudes of a convex body, with derivatives, and what its shape has to satisfy
@@ -297,22 +202,23 @@ def magnitudes(sun: FloatArray, observer: FloatArray, shape: FloatArray) -> Body
     """The magnitudes of a shape (S,) seen from unit vectors (N, 3) over its axes."""
     count = len(sun)
     area, slopes = areas(shape[:ELLIPSOID], shape[ELLIPSOID:])
-    parts, by = np.empty((count, COUNT)), np.empty((count, 6))
-    shares(sun, observer, sphere().normals, area, LAMBERT, parts, by)
-    total = np.maximum(parts.sum(axis=1), 1e-12)
-    factor = _MAGNITUDE / total
-    across = (_crossed(by[:, :3], sun) + _crossed(by[:, 3:], observer)) * factor[:, None]
-    parts *= factor[:, None]
-    return BodyLight(_MAGNITUDE * np.log(total), across, (parts @ slopes).T, area, slopes)
+    by_areas, magnitude, across = np.empty((count, COUNT)), np.empty(count), np.empty((count, 3))
+    _light(sun, observer, sphere().normals, area, LAMBERT, by_areas, magnitude, across)
+    return BodyLight(magnitude, across, slopes.T @ by_areas.T, area, slopes)
 
 
-def _crossed(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Cross products of vectors (N, 3); `numpy.cross` takes three times as long."""
-    crossed = np.empty_like(a)
-    for k in range(3):
-        i, j = (k + 1) % 3, (k + 2) % 3
-        crossed[:, k] = a[:, i] * b[:, j] - a[:, j] * b[:, i]
-    return crossed
+class Priors(NamedTuple):
+    """Residuals of priors (R,), their slopes (R, P) by all parameters, and the strain.
+
+    Each of the parameters has a prior of its own, about zero: offsets (P,), and weights (P,), over
+    their standard deviations.
+    """
+
+    residuals: FloatArray
+    slopes: FloatArray
+    strain: float
+    offsets: FloatArray
+    weights: FloatArray
 
 
 def penalties(
@@ -322,35 +228,33 @@ def penalties(
     moments: MotionMoments | None,
     motion: int,
     tie: Tie,
-) -> tuple[FloatArray, FloatArray, float]:
-    """Residuals of all priors (R,), their derivatives (R, motion + S), and the strain.
-
-    Shapes: shape (S,), with all modes or fewer.
-    """
+) -> Priors:
+    """The priors of a shape (S,), with all modes or fewer, behind so many parameters of motion."""
     held = constraints(shape[:ELLIPSOID], areas, slopes)
-    count, size = 8 + len(shape), motion + len(shape)
-    r, by = np.zeros(count), np.zeros((count, size))
-    r[:3], by[:3, motion:] = held.closure, held.by_closure
+    size = motion + len(shape)
+    r, by = np.zeros(8), np.zeros((8, size))
+    of_ratios = held.slopes[6:]
+    r[:3], by[:3, motion:] = held.offsets[:3], held.slopes[:3]
     strain = 0.0
     if tie.holds_axes:
-        r[3:6], by[3:6, motion:] = held.turn, held.by_turn
+        r[3:6], by[3:6, motion:] = held.offsets[3:], held.slopes[3:6]
         if moments is None:
             above = held.log_ratios > 0.0
             width = min(tie.tolerance, TOLERANCE)
             r[6:8] = np.where(above, held.log_ratios, 0.0) / width
-            by[6:8, motion:] = np.where(above[:, None], held.by_ratios, 0.0) / width
+            by[6:8, motion:] = np.where(above[:, None], of_ratios, 0.0) / width
         elif tie.moments is not None:
             r[6:8] = (moments.log_ratios - wanted(tie.moments, moments)) / _GIVEN
             by[6:8, :motion] = moments.slopes / _GIVEN
         else:
             r[6:8] = (moments.log_ratios - held.log_ratios) / tie.tolerance
             by[6:8, :motion] = moments.slopes / tie.tolerance
-            by[6:8, motion:] = -held.by_ratios / tie.tolerance
-        strain = float(r[3:8] @ r[3:8])
-    wide = widths(moments is None and not tie.is_wide)[: len(shape)]
-    r[8:] = shape / wide
-    by[range(8, count), range(motion, size)] = 1.0 / wide
-    return r, by, strain
+            by[6:8, motion:] = -of_ratios / tie.tolerance
+        strain = float(r[3:] @ r[3:])
+    offsets, weights = np.zeros(size), np.zeros(size)
+    weights[motion:] = 1.0 / widths(moments is None and not tie.is_wide)[: len(shape)]
+    offsets[motion:] = weights[motion:] * shape
+    return Priors(r, by, strain, offsets, weights)
 
 
 def widths(is_axial: bool) -> FloatArray:
@@ -366,6 +270,166 @@ def wanted(given: FloatArray, moments: MotionMoments) -> FloatArray:
     third, first = (given[0], given[2]) if moments.is_long_axis else (given[2], given[0])
     both = np.log(np.array([first, given[1]]) / third)
     return both[::-1] if moments.is_swapped else both
+
+
+# ---- Convex bodies, compiled
+
+
+@reduction
+def _areas(flat, modes, squares, of_modes, areas, slopes):
+    """What `areas` returns, into areas (F,) and slopes (F, 2 + M).
+
+    flat (2,), modes (M,); squares of the normals (3, F), all modes (F, M or more).
+    """
+    a, b = math.exp(-flat[0]), math.exp(-flat[1])
+    largest = -math.inf
+    for i in range(areas.size):
+        across = a * squares[0, i] + b * squares[1, i] + squares[2, i]
+        slopes[i, 0] = 2.0 * a * squares[0, i] / across
+        slopes[i, 1] = 2.0 * b * squares[1, i] / across
+        log_area = -2.0 * math.log(across)
+        for k in range(modes.size):
+            slopes[i, 2 + k] = of_modes[i, k]
+            log_area += of_modes[i, k] * modes[k]
+        areas[i] = log_area
+        largest = max(largest, log_area)
+    for i in range(areas.size):
+        areas[i] = math.exp(areas[i] - largest)
+
+
+@reduction_subroutine
+def _ratios_of_ellipsoid(f, g, normals):
+    """Logarithms of two ratios of the surface tensor of an ellipsoid, and slopes, by rows."""
+    a, b = math.exp(-f), math.exp(-g)
+    p = q = r = pp = pq = qq = pr = qr = 0.0
+    for i in range(normals.shape[1]):
+        x, y, z = normals[0, i] ** 2, normals[1, i] ** 2, normals[2, i] ** 2
+        over = 1.0 / (a * x + b * y + z)
+        weight = over * over
+        cube = weight * over
+        p, q, r = p + weight * x, q + weight * y, r + weight * z
+        pp, pq, qq = pp + cube * x * x, pq + cube * x * y, qq + cube * y * y
+        pr, qr = pr + cube * x * z, qr + cube * y * z
+    one, two = math.log(p / r), math.log(q / r)
+    by_a, by_b = 2.0 * a, 2.0 * b
+    return (
+        (one, two),
+        (by_a * (pp / p - pr / r), by_b * (pq / p - qr / r)),
+        (by_a * (pq / q - pr / r), by_b * (qq / q - qr / r)),
+    )
+
+
+@reduction_subroutine
+def _equivalent(one, two, f, g, normals):
+    """The ellipsoid, two logarithms, with a surface tensor of given logarithms of ratios.
+
+    From a start (f, g), and the inverse of the slopes of the logarithms, by rows.
+    """
+    f, g = min(max(f, -4.0), 4.0), min(max(g, -4.0), 4.0)
+    fa = fb = ga = gb = 0.0
+    for _ in range(30):
+        (first, second), (a, b), (c, d) = _ratios_of_ellipsoid(f, g, normals)
+        over = 1.0 / (a * d - b * c)
+        fa, fb, ga, gb = d * over, -b * over, -c * over, a * over
+        df = fa * (one - first) + fb * (two - second)
+        dg = ga * (one - first) + gb * (two - second)
+        df, dg = min(max(df, -1.0), 1.0), min(max(dg, -1.0), 1.0)
+        f, g = min(max(f + df, -6.0), 6.0), min(max(g + dg, -6.0), 6.0)
+        # the error after a step is of the order of its square
+        if max(abs(df), abs(dg)) < _CLOSE:
+            break
+    return f, g, (fa, fb), (ga, gb)
+
+
+@reduction
+def _constraints(flat, areas, normals, values, by_areas):
+    """The offsets and log_ratios of `Constraints`, into values (8,).
+
+    Their slopes by the logarithms of the areas (F,) go into by_areas (8, F).
+    """
+    total = 0.0
+    x = y = z = xx = yy = zz = xy = xz = yz = 0.0
+    for i in range(areas.size):
+        u, v, w, area = normals[0, i], normals[1, i], normals[2, i], areas[i]
+        total += area
+        x, y, z = x + area * u, y + area * v, z + area * w
+        xx, yy, zz = xx + area * u * u, yy + area * v * v, zz + area * w * w
+        xy, xz, yz = xy + area * u * v, xz + area * u * w, yz + area * v * w
+    over = 1.0 / total
+    x, y, z = x * over, y * over, z * over
+    xx, yy, zz = xx * over, yy * over, zz * over
+    xy, xz, yz = xy * over, xz * over, yz * over
+    f, g, (fa, fb), (ga, gb) = _equivalent(
+        math.log(xx / zz), math.log(yy / zz), flat[0], flat[1], normals
+    )
+    a, b = math.exp(-f), math.exp(-g)
+    size_xy = 1.0 / (_TURN * math.hypot(xx - yy, _SPLIT))
+    size_xz = 1.0 / (_TURN * math.hypot(xx - zz, _SPLIT))
+    size_yz = 1.0 / (_TURN * math.hypot(yy - zz, _SPLIT))
+    values[0], values[1], values[2] = x / _CLOSURE, y / _CLOSURE, z / _CLOSURE
+    values[3], values[4], values[5] = xy * size_xy, xz * size_xz, yz * size_yz
+    values[6], values[7] = math.log((b + 1.0) / (a + b)), math.log((a + 1.0) / (a + b))
+    # slopes of the moments by the ellipsoid, then by the logarithms of ratios of the tensor
+    by_f, by_g = a / (a + b), b / (a + b)
+    first_f, first_g = by_f, by_g - b / (b + 1.0)
+    second_f, second_g = by_f - a / (a + 1.0), by_g
+    first_one, first_two = first_f * fa + first_g * ga, first_f * fb + first_g * gb
+    second_one, second_two = second_f * fa + second_g * ga, second_f * fb + second_g * gb
+    for i in range(areas.size):
+        u, v, w, share = normals[0, i], normals[1, i], normals[2, i], areas[i] * over
+        by_areas[0, i] = (u - x) * share / _CLOSURE
+        by_areas[1, i] = (v - y) * share / _CLOSURE
+        by_areas[2, i] = (w - z) * share / _CLOSURE
+        by_areas[3, i] = (u * v - xy) * share * size_xy
+        by_areas[4, i] = (u * w - xz) * share * size_xz
+        by_areas[5, i] = (v * w - yz) * share * size_yz
+        third = w * w / zz
+        one, two = (u * u / xx - third) * share, (v * v / yy - third) * share
+        by_areas[6, i] = first_one * one + first_two * two
+        by_areas[7, i] = second_one * one + second_two * two
+
+
+# Brightness from the areas of facets by normal: Lommel-Seeliger plus a share of Lambert,
+# S = mu0 mu (1/(mu0 + mu) + c) for each lit and seen facet.
+
+
+@reduction
+def _light(sun, observer, normals, areas, lambert, by_areas, magnitude, across):
+    """Magnitudes of a body, into magnitude (N,), and slopes by a turn, into across (N, 3).
+
+    Those by the logarithms of the areas (F,) go into by_areas (N, F).  sun, observer (N, 3): unit
+    vectors over body axes; normals (3, F).
+    """
+    count = areas.size
+    for i in range(sun.shape[0]):
+        s0, s1, s2 = sun[i, 0], sun[i, 1], sun[i, 2]
+        o0, o1, o2 = observer[i, 0], observer[i, 1], observer[i, 2]
+        total = a0 = a1 = a2 = b0 = b1 = b2 = 0.0
+        for j in range(count):
+            x, y, z = normals[0, j], normals[1, j], normals[2, j]
+            m0 = max(s0 * x + s1 * y + s2 * z, 0.0)
+            m = max(o0 * x + o1 * y + o2 * z, 0.0)
+            area = areas[j] if m0 * m > 0.0 else 0.0
+            over = 1.0 / max(m0 + m, 1e-9)
+            part = area * m0 * m * (over + lambert)
+            by_areas[i, j] = part
+            total += part
+            by_m0 = area * m * (m * over * over + lambert)
+            by_m = area * m0 * (m0 * over * over + lambert)
+            a0 += by_m0 * x
+            a1 += by_m0 * y
+            a2 += by_m0 * z
+            b0 += by_m * x
+            b1 += by_m * y
+            b2 += by_m * z
+        total = max(total, 1e-12)
+        factor = _MAGNITUDE / total
+        magnitude[i] = _MAGNITUDE * math.log(total)
+        across[i, 0] = factor * (a1 * s2 - a2 * s1 + b1 * o2 - b2 * o1)
+        across[i, 1] = factor * (a2 * s0 - a0 * s2 + b2 * o0 - b0 * o2)
+        across[i, 2] = factor * (a0 * s1 - a1 * s0 + b0 * o1 - b1 * o0)
+        for j in range(count):
+            by_areas[i, j] *= factor
 
 
 # ---- Magnitudes of a known shape under a known law, with their derivative by a turn of the body

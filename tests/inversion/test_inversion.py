@@ -61,8 +61,8 @@ def _problem(t, sun, observer):
 def _rows(state, t, sun, observer):
     """Magnitudes (N,) of a state and their Jacobian (10, N)."""
     curve = _ellipsoid.EllipsoidCurve(_problem(t, sun, observer))
-    ((_, rows),) = curve.rows(state[None], True)
-    return -rows[0, 0, : t.size], rows[0, 1:11, : t.size]
+    curve.products(state[None])
+    return -curve.rows[0, : t.size], curve.rows[1:11, : t.size]
 
 
 def _magnitudes(state, t, sun, observer):

@@ -237,9 +237,9 @@ def test_axial_penalty_holds_the_greatest_moment():
     shape = np.zeros(_shapes.SIZE)
     shape[:2] = 1.0, 0.5  # the third axis is the longest: its moment is the least
     areas, slopes = _shapes.areas(shape[:2], shape[2:])
-    r, by, strain = _shapes.penalties(shape, areas, slopes, None, 8, _shapes.Tie())
-    assert strain > 100.0
-    assert by.shape == (len(r), 8 + _shapes.SIZE)
+    priors = _shapes.penalties(shape, areas, slopes, None, 8, _shapes.Tie())
+    assert priors.strain > 100.0
+    assert priors.slopes.shape == (len(priors.residuals), 8 + _shapes.SIZE)
 
 
 def test_second_moments_of_a_density_with_wide_tails():

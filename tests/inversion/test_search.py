@@ -324,8 +324,8 @@ def test_poles_with_the_same_rates_contain_the_true_one():
     state[14:16] = 1.2, 0.5
     given = _given(np.zeros(COUNT), t, sun=sun, observer=observer)
     curve = _ellipsoid.EllipsoidCurve(given)
-    ((_, rows),) = curve.rows(state[None], False)
-    magnitude = -(rows[0, 0, :COUNT] / given.root)
+    curve.costs(state[None])
+    magnitude = -(curve.rows[0, :COUNT] / given.root)
     given = _given(magnitude, t, sun=sun, observer=observer)
     away = state.copy()
     away[5:14] = _ellipsoid.frames_of(generator, np.array([[0.6, -0.5, 0.62]]))[0]
