@@ -321,7 +321,7 @@ def _fitted(
     held = np.full(2 * ORDERS[0], _spectrum.RIDGE)
     deviations = _deviations(_AMPLITUDES[0], _CHANGES[0], _WIDE[0], ORDERS[1])
     held = np.concatenate([held, deviations**-2.0])
-    problem.tally.add(steps * len(problem), problem.settings.body_cost)
+    problem.tally.add(steps * len(problem), problem.settings.series_cost)
     for step in range(steps):
         bases = [series(pair[0], ORDERS[0], problem.t), changing(pair[1], problem.t, ORDERS[1])]
         joint = _projected(problem, np.concatenate(bases, axis=1))

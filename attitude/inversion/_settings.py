@@ -46,13 +46,15 @@ class Settings:
     # A pair of which the powers of the lines alone are summed.
     power_cost: float = 1.0e-7
     # An ellipsoid, a point, with derivatives and their products, and without; a step of one.
-    ellipsoid_cost: float = 5.2e-8
-    screen_cost: float = 3.6e-8
-    start_cost: float = 7.0e-6
+    ellipsoid_cost: float = 3.5e-8
+    screen_cost: float = 1.9e-8
+    start_cost: float = 5.5e-6
     # A step of a convex body: a point, with derivatives and its part of the normal matrix (half of
     # it with few modes), and what does not depend on the points, its priors and the solution.
-    body_cost: float = 3.8e-6
-    step_cost: float = 6.0e-4
+    body_cost: float = 2.8e-6
+    step_cost: float = 1.5e-4
+    # A step of the series of a rotation and an orbit, a point.
+    series_cost: float = 3.8e-6
     # A linear fit of functions that turn with a body, at one rate, and its part of each night.
     comb_cost: float = 5.0e-6
     cell_cost: float = 1.5e-7
