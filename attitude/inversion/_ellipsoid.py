@@ -95,7 +95,9 @@ class EllipsoidCurve:
 
         The residual is y - magnitude, the Jacobian that of the magnitude.
         """
-        self._tally.add(len(states) * self.rows.shape[1], self._settings.ellipsoid_cost)
+        points = len(states) * self.rows.shape[1]
+        self._tally.add(points, self._settings.ellipsoid_cost)
+        self._tally.add(points * (len(self._memory) - _ROWS), self._settings.term_cost)
         self._tally.add(len(states), self._settings.start_cost)
         return self._products(states, 1 + PARAMETERS, self._tangents)
 

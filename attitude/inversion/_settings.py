@@ -49,6 +49,8 @@ class Settings:
     ellipsoid_cost: float = 3.5e-8
     screen_cost: float = 1.9e-8
     start_cost: float = 5.5e-6
+    # The products of a linear term with the rows of an ellipsoid, a point.
+    term_cost: float = 6.0e-10
     # A step of a convex body: a point, with derivatives and its part of the normal matrix (half of
     # it with few modes), and what does not depend on the points, its priors and the solution.
     body_cost: float = 2.8e-6
