@@ -14,6 +14,7 @@ shape: the body is inverted through its centre, and turned half a turn about the
 from __future__ import annotations
 
 import math
+from itertools import chain, zip_longest
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -36,6 +37,8 @@ if TYPE_CHECKING:
 _TURNS, _STEPS = 6, 12
 # Iterations, and the relative gain at which they end, of held and of free poles.
 _HELD, _FREE = (25, 1e-3), (40, 3e-4)
+# Those of tumbling bodies at held poles.
+_BODIES = (8, 1e-3)
 # Iterations at held poles after which those go on whose cost is at most so far above the least,
 # and so many of them: poles of final lists were 235 above it after four iterations and at most the
 # 89th, 63 and the 20th after six; others were 250 to 1700 above it.
@@ -172,9 +175,18 @@ def mirrored_state(problem: CurveProblem, state: FloatArray, normal: FloatArray)
 
 
 def of_rates(
-    problem: CurveProblem, generator: np.random.Generator, state: FloatArray, held: Held
+    problem: CurveProblem,
+    generator: np.random.Generator,
+    state: FloatArray,
+    held: Held,
+    tie: Tie,
+    is_over: Callable[[], bool],
 ) -> list[FloatArray]:
-    """Ellipsoids (16,) with the rates of a tumbling state at other poles, the best first."""
+    """States with the rates of a tumbling one at other poles, the best first.
+
+    Convex bodies whose poles were held, since ellipsoids leave the pole of a body that is far from
+    one, and ellipsoids with free poles, in turn.
+    """
     settings = problem.settings
     poles = sphere(settings.map_poles)
     turns = turn_of_scene(problem, np.concatenate([state[None, _ellipsoid.OF_POLE], poles]))
@@ -191,10 +203,15 @@ def of_rates(
     pool = _ellipsoid.minimised(problem, chosen, _STEPS, tie=held, fixed=fixed)
     at_poles = _ellipsoid.in_order(_ellipsoid.best_of_each(pool, len(poles)))
     free = _ellipsoid.minimised(problem, at_poles.states[: len(poles) // 2], 2 * _STEPS, tie=held)
+    at_pole = np.zeros(_refinement.SIZE, bool)
+    at_pole[:2] = True
+    bodies = list(_refined(problem, at_poles.states, tie, at_pole, _BODIES, is_over))
+    bodies.sort(key=lambda body: body.cost)
+    both = zip_longest((body.state for body in bodies), _ellipsoid.in_order(free).states)
     return [
         candidate
-        for candidate in _ellipsoid.in_order(free).states
-        if _has_rates(problem, candidate, state)
+        for candidate in chain.from_iterable(both)
+        if candidate is not None and _has_rates(problem, candidate, state)
     ]
 
 

@@ -587,7 +587,9 @@ class Search:
                 continue
             self._mapped_rates.append(state)
             images = _pole_map.images(self.problem, state)
-            with_rates = _pole_map.of_rates(self.problem, self.generator, state, self._held)
+            with_rates = _pole_map.of_rates(
+                self.problem, self.generator, state, self._held, self.tie, lambda: self.is_over
+            )
             chosen = [state]
             for other in (*images, *with_rates):
                 if not any(_has_pole(other, known, self.settings.same_pole) for known in chosen):

@@ -331,7 +331,9 @@ def test_poles_with_the_same_rates_contain_the_true_one():
     away[5:14] = _ellipsoid.frames_of(generator, np.array([[0.6, -0.5, 0.62]]))[0]
     turns = _pole_map.turn_of_scene(given, np.stack([each[[7, 10, 13]] for each in (away, state)]))
     away[0] += 0.5 * (turns[0] - turns[1])
-    found = _pole_map.of_rates(given, generator, away, _ellipsoid.Held(0.5))
+    arguments = given, generator, away, _ellipsoid.Held(0.5), _shapes.Tie(), lambda: False
+    found = _pole_map.of_rates(*arguments)
+    assert len(found[0]) == _refinement.WIDTH > len(found[1])  # a body, then an ellipsoid
     poles = np.array([each[[7, 10, 13]] for each in found[:5]])
     assert np.max(poles @ state[[7, 10, 13]]) > math.cos(math.radians(8.0))
 
