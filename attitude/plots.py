@@ -227,7 +227,7 @@ def _family(moments: FloatArray, semi: FloatArray) -> Iterator[tuple[str, FloatA
         node = np.arctan2(np.sqrt(b - a), np.sqrt(c - b))
         states.append((np.cos(node), 0.0, np.sin(node)))
     units = np.array(states)
-    solved = States.of_principal_axes(moments[None], units * semi).prepared(slice(None))
+    solved = States.of_principal_axes(moments[None], units * semi).solved()
     for k, record in enumerate(solved.constants):
         line = curves.polhode(record, np.eye(3), 361)
         color = "black" if k == len(places) else "#999999"

@@ -5,6 +5,7 @@ It is imported (and, the first time on a machine, compiled) at the first propaga
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -40,6 +41,8 @@ if TYPE_CHECKING:
 
 # Writable, as in all calls: to numba a read-only array is another type.
 _NO_LOW = np.zeros((1, 4))
+# Bytes of the constants of a motion.
+_SIZE = CONSTANTS.itemsize
 
 
 def prepare_all(
@@ -76,7 +79,7 @@ def prepare_all(
     tumbling = len(constants) - faults - uniform
     if tumbling:
         if differences is not None:
-            _take_differences(differences, constants)
+            cancelled = _take_differences(differences, constants) and cancelled
         if cancelled:
             refine_all(constants)
         hyperbolic = solve_all.run(constants)
@@ -93,13 +96,20 @@ def prepare_all(
 
 
 def _take_differences(differences, constants):
-    """Fill differences (B, 3, 2) of the motions that have them and tumble."""
-    if len(constants) == 1 and not np.isnan(differences[0, 0, 0]):  # ten microseconds faster
-        known = slice(None)
-    else:
-        known = (constants["form"] != codes.UNIFORM) & ~np.isnan(differences[:, 0, 0])
+    """Fill differences (B, 3, 2) of the motions that have them and tumble; whether any other may.
+
+    They are exact, in place of those that cancelled.
+    """
+    if len(constants) == 1:  # without masks, which take ten microseconds
+        only = differences[0]
+        if math.isnan(only[0, 0]):
+            return True
+        constants["gaps"], constants["d2"] = only[:2], only[2]
+        return False
+    known = (constants["form"] != codes.UNIFORM) & ~np.isnan(differences[:, 0, 0])
     constants["gaps"][known], constants["d2"][known] = differences[known, :2], differences[known, 2]
-    constants["cancelled"][known] = 0  # D2 is exact
+    constants["cancelled"][known] = 0
+    return True
 
 
 def evaluate_all(
@@ -116,21 +126,17 @@ def evaluate_all(
     Returns -1, or the number of a body with an epoch beyond its reach; then not all are filled.
     """
     # To numba a read-only array is of another type, for which each loop would be compiled anew.
-    constants, t = _read_only(constants), _read_only(t)
-    t_low = None if t_low is None else _read_only(t_low)
+    if constants.flags.writeable:
+        constants = read_only(constants)
+    if t.flags.writeable:
+        t = read_only(t)
+    if t_low is not None and t_low.flags.writeable:
+        t_low = read_only(t_low)
     for form in set(constants["form"].tolist()):
         body = OF_FORM[form].run(constants, t, t_low, wxyz, rates, first, end, first)
         if body >= 0:
             return body
     return -1
-
-
-def _read_only(array: NDArray[Any]) -> NDArray[Any]:
-    """The array itself, or a view of one that can be written."""
-    if array.flags.writeable:
-        array = array.view()
-        array.flags.writeable = False
-    return array
 
 
 OF_FORM: dict[int, EntryPoint] = {
@@ -190,18 +196,17 @@ def prepared(
     wxyz_low (B, 4), principal (1 or B, 4), differences (B, 3, 2).
     """
     # zeros, two microseconds faster than np.zeros of a record with so many fields
-    constants: NDArray[Any] = np.ndarray(
-        len(moments), CONSTANTS, bytearray(len(moments) * CONSTANTS.itemsize)
-    )
-    states = writable(moments), writable(wxyz), writable(omega), writable(principal)
+    count = len(moments)
+    constants: NDArray[Any] = np.ndarray(count, CONSTANTS, bytearray(count * _SIZE))
+    # as `writable`, without two calls of functions for each
+    states = [a if a.flags.carray else a.copy() for a in (moments, wxyz, omega, principal)]
     return constants, prepare_all(*states, constants, differences, rates, wxyz_low)
 
 
 def faults_of(moments: FloatArray, wxyz: FloatArray, omega: FloatArray) -> IntArray:
     """Numbers (K,) of the states (B,), given as to `prepared`, that are not physical."""
-    constants: NDArray[Any] = np.ndarray(
-        len(moments), CONSTANTS, bytearray(len(moments) * CONSTANTS.itemsize)
-    )
+    count = len(moments)
+    constants: NDArray[Any] = np.ndarray(count, CONSTANTS, bytearray(count * _SIZE))
     states = writable(moments), writable(wxyz), writable(omega)
     if not classify_all(*states, constants)[0]:
         return _NO_FAULT
@@ -252,7 +257,7 @@ def refusal(constants: Any, t: FloatArray, t_low: FloatArray | None) -> str:
 def writable(array: Any) -> Any:
     """The array, or a contiguous copy of one that is read-only or strided: numba would compile
     everything anew for its type."""
-    return array if array.flags.writeable and array.flags.c_contiguous else copy_of(array)
+    return array if array.flags.carray else copy_of(array)
 
 
 def copy_of(array: Any) -> Any:

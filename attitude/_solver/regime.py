@@ -110,7 +110,7 @@ def classify(moments: Reals, omega: Reals) -> Any:
     for first in range(0, count, BLOCK):
         block = range(first, min(first + BLOCK, count))
         some, attitudes = constants[: len(block)], wxyz[: len(block)]
-        pairs = states.pairs(slice(block.start, block.stop))
+        pairs = states.taken(slice(block.start, block.stop)).pairs()
         faults, _, cancelled = classify_all(pairs[0], attitudes, pairs[1], some)
         if faults:
             _evaluation(states).prepared(block)  # raises the error
@@ -316,7 +316,11 @@ def regimes(moments: Reals, omega: Reals) -> Regime:
 
 def regime_of(moments: FloatArray, constants: NDArray[Any]) -> Regime:
     """The Regime of one motion, from its moments (1, 3, 2), pairs, and its constants (1,)."""
-    return Regime(rows_of(moments, constants).reshape(()))
+    from attitude._solver.regimes import REGIME
+
+    rows = np.zeros(1, REGIME)
+    _fill(moments, constants, rows)
+    return Regime(rows.reshape(()))
 
 
 def summary(states: Evaluation, count: int) -> tuple[NDArray[Any], FloatArray]:
@@ -327,26 +331,25 @@ def summary(states: Evaluation, count: int) -> tuple[NDArray[Any], FloatArray]:
     from attitude._solver.regimes import REGIME
     from attitude._solver.states import BLOCK, NO_MODE
 
-    rows, rates = np.empty(count, REGIME), np.empty((2, count))
+    rows, rates = np.zeros(count, REGIME), np.empty((2, count))
     for first in range(0, count, BLOCK):
         block = slice(first, min(first + BLOCK, count))
         solved = states.prepared(range(block.start, block.stop))
         rates[:, block] = solved.constants["psi_rate"], solved.constants["phi_rate"]
-        some = rows_of(solved.moments, solved.constants)
-        for name in REGIME.names or ():
-            some[name][solved.bad] = NO_MODE if REGIME[name].kind == "i" else np.nan
-        rows[block] = some
+        some = rows[block]
+        _fill(solved.moments, solved.constants, some)
+        if len(solved.bad):
+            for name in REGIME.names or ():
+                some[name][solved.bad] = NO_MODE if REGIME[name].kind == "i" else np.nan
     return rows, rates
 
 
-def rows_of(moments: FloatArray, constants: NDArray[Any]) -> NDArray[Any]:
-    """Rows (B,) of `regimes.REGIME`, from moments (B, 3, 2), pairs, and constants (B,)."""
-    from attitude._solver.regimes import REGIME, regimes_all
+def _fill(moments, constants, rows):
+    """Fill rows (B,) of `regimes.REGIME` from moments (B, 3, 2), pairs, and constants (B,)."""
+    from attitude._solver.regimes import regimes_all
 
-    rows = np.zeros(len(constants), REGIME)
     # A motion keeps read-only arrays: one type of array for all.
     regimes_all(read_only(moments), read_only(constants), rows)
-    return rows
 
 
 def _evaluation(states: States) -> Evaluation:

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 PARAMETERS = COLUMNS
 # In place of second doubles of the epochs, where there are none.
 _NO_LOW = frozen(np.empty((1, 0)))
+_NO_RODS: IntArray = frozen(np.zeros(0, dtype=np.int64))
 # Growth of a rotation about an unstable axis, as a power of e, beyond which squares overflow.
 _MOST_GROWTH = 280.0
 
@@ -39,18 +40,32 @@ _MOST_GROWTH = 280.0
 def tangents_of(
     moments: FloatArray, wxyz: FloatArray, principal: FloatArray, constants: NDArray[Any]
 ) -> NDArray[Any]:
-    """The derivatives of the elements of B motions, constants (B,)."""
-    rods = np.flatnonzero(np.any(moments[:, :, 0] == 0.0, axis=1))
+    """The derivatives of the elements of B motions, constants (B,); AttitudeError for a rod."""
+    rods = rods_among(moments)
     if len(rods):
         raise AttitudeError(of_rod(moments[rods[0]]))
+    return tangents_without_rods(moments, wxyz, principal, constants)
+
+
+def tangents_without_rods(
+    moments: FloatArray, wxyz: FloatArray, principal: FloatArray, constants: NDArray[Any]
+) -> NDArray[Any]:
+    """The derivatives of the elements of B motions, constants (B,), none of a rod."""
     tangents = np.zeros(len(constants), TANGENTS)
     arrays = [evaluation.writable(array) for array in (moments, wxyz, principal, constants)]
-    uniform = np.any(constants["form"] == codes.UNIFORM)
-    if uniform:
+    forms = set(constants["form"].tolist())
+    if codes.UNIFORM in forms:
         _compiled(True)[0](*arrays, tangents)
-    if not uniform or np.any(constants["form"] != codes.UNIFORM):
+    if forms != {codes.UNIFORM}:
         _compiled(False)[0](*arrays, tangents, np.empty(ROWS * BLOCK))
     return tangents
+
+
+def rods_among(moments: FloatArray) -> IntArray:
+    """Numbers (K,) of the bodies with moments (B, 3, 2) of which one is zero."""
+    if moments[:, :, 0].all():
+        return _NO_RODS
+    return np.flatnonzero(np.any(moments[:, :, 0] == 0.0, axis=1))
 
 
 def of_rod(moments: FloatArray) -> str:

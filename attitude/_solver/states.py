@@ -38,7 +38,8 @@ _NONE: IntArray = np.zeros(0, dtype=np.int64)
 # ---- States, and their constants
 
 
-class Solved(NamedTuple):
+@dataclass(slots=True, eq=False)
+class Solved:
     """Constants of B states, and the arrays from which they were computed.
 
     constants: (B,) of records.CONSTANTS, which evaluate to NaN for states that are not physical.
@@ -55,8 +56,9 @@ class Solved(NamedTuple):
     principal: FloatArray
     bad: IntArray
 
-    def prepared(self, which: slice | IntArray, *, rates: bool = True) -> Solved:
+    def prepared(self, numbers: range | IntArray, *, rates: bool = True) -> Solved:
         """Some of them; the constants have the series of the angular velocity."""
+        which = _index(numbers)
         constants = self.constants[which]
         bad = np.flatnonzero(constants["fault"]) if len(self.bad) else self.bad
         moments, omega, wxyz = self.moments[which], self.omega[which], self.wxyz[which]
@@ -70,7 +72,7 @@ class Solved(NamedTuple):
 class Source(Protocol):
     """What has the constants of states: `States`, `StatesOfTensors`, `Solved`."""
 
-    def prepared(self, which: slice | IntArray, *, rates: bool = True) -> Solved:
+    def prepared(self, numbers: range | IntArray, *, rates: bool = True) -> Solved:
         """The constants of some states, those of the angular velocity only with rates."""
 
 
@@ -97,7 +99,9 @@ class States:
     @classmethod
     def of_principal_axes(cls, moments: FloatArray, omega: FloatArray) -> States:
         """States over the principal axes, in inertial axes at first; moments, omega as above."""
-        return cls(moments, IDENTITY, omega, None, np.broadcast_to(IDENTITY, (len(omega), 4)))
+        # of one state without a broadcast, which takes three microseconds
+        wxyz = IDENTITY if len(omega) == 1 else np.broadcast_to(IDENTITY, (len(omega), 4))
+        return cls(moments, IDENTITY, omega, None, wxyz)
 
     def __len__(self) -> int:
         """The number of states."""
@@ -114,26 +118,30 @@ class States:
             None if self.low is None else self.low[index],
         )
 
-    def pairs(self, which: slice | IntArray) -> tuple[FloatArray, FloatArray]:
-        """Moments and angular velocities (B, 3, 2) of some states."""
-        moments = _in_pairs(_some(self.moments, which))
-        omega = _in_pairs(self.omega[which])
-        if len(moments) < len(omega):
-            moments = np.broadcast_to(moments, omega.shape).copy()
-        return moments, omega
+    def pairs(self) -> tuple[FloatArray, FloatArray]:
+        """Moments and angular velocities (B, 3, 2)."""
+        moments, omega = self.moments, self.omega
+        if moments.ndim == 2 or len(moments) < len(omega):
+            moments = _in_pairs(moments, len(omega))
+        return moments, _in_pairs(omega, len(omega)) if omega.ndim == 2 else omega
 
-    def prepared(self, which: slice | IntArray, *, rates: bool = True) -> Solved:
+    def prepared(self, numbers: range | IntArray, *, rates: bool = True) -> Solved:
         """The constants of some states, those of the angular velocity only with rates."""
-        moments, omega = self.pairs(which)
-        wxyz, principal = self.wxyz[which], _some(self.principal, which)
+        # the one of one without slices, which take a microsecond
+        states = self if len(self.wxyz) == 1 else self.taken(_index(numbers))
+        return states.solved(rates=rates)
+
+    def solved(self, *, rates: bool = True) -> Solved:
+        """The constants of all states at once, those of the angular velocity only with rates."""
+        moments, omega = self.pairs()
         constants, faults = evaluation.prepared(
             moments,
-            wxyz,
+            self.wxyz,
             omega,
-            principal,
-            differences=None if self.differences is None else self.differences[which],
+            self.principal,
+            differences=self.differences,
             rates=rates,
-            wxyz_low=None if self.low is None else self.low[which],
+            wxyz_low=self.low,
         )
         bad = _NONE
         if faults:
@@ -141,21 +149,22 @@ class States:
             for name in ("frame", "rates", "psi_rate", "phi_rate"):
                 constants[name][bad] = np.nan
             constants["form"][bad], constants["mode"][bad] = codes.UNIFORM, NO_MODE
-        return Solved(constants, moments, omega, wxyz, principal, bad)
+        return Solved(constants, moments, omega, self.wxyz, self.principal, bad)
 
     def faults(self) -> IntArray:
         """Numbers (K,) of the states that are not physical."""
         bad_states = [_NONE]
         for first in range(0, len(self), BLOCK):
-            moments, omega = self.pairs(slice(first, first + BLOCK))
-            bad = evaluation.faults_of(moments, self.wxyz[first : first + BLOCK], omega)
+            states = self.taken(slice(first, first + BLOCK))
+            moments, omega = states.pairs()
+            bad = evaluation.faults_of(moments, states.wxyz, omega)
             if len(bad):
                 bad_states.append(bad + first)
         return np.concatenate(bad_states)
 
     def fault(self, k: int) -> str:
         """The sentence on state k, which is not physical."""
-        return self.prepared(slice(k, k + 1)).fault(0)
+        return self.taken(slice(k, k + 1)).solved().fault(0)
 
 
 class StatesOfTensors(NamedTuple):
@@ -170,14 +179,14 @@ class StatesOfTensors(NamedTuple):
     wxyz: FloatArray
     omega: FloatArray
 
-    def prepared(self, which: slice | IntArray, *, rates: bool = True) -> Solved:
+    def prepared(self, numbers: range | IntArray, *, rates: bool = True) -> Solved:
         """The constants of some states, those of the angular velocity only with rates."""
-        first = int(which.start or 0) if isinstance(which, slice) else int(which[0])
-        tensors = symmetric_tensors(self.tensors[which], first, len(self.tensors))
+        which = _index(numbers)
+        tensors = symmetric_tensors(self.tensors[which], int(numbers[0]), len(self.tensors))
         axes = PrincipalAxes.of(tensors)
         over_axes = axes.over_axes(evaluation.writable(self.omega[which]))
         states = States(axes.moments, axes.wxyz, *over_axes, self.wxyz[which])
-        return states.prepared(slice(None), rates=rates)
+        return states.solved(rates=rates)
 
 
 def joined(parts: Sequence[States]) -> States:
@@ -193,7 +202,7 @@ def joined(parts: Sequence[States]) -> States:
 
     rates = [states.omega for states in parts]
     if len({omega.ndim for omega in rates}) > 1:
-        rates = [_in_pairs(omega) for omega in rates]
+        rates = [_in_pairs(omega, len(omega)) for omega in rates]
     differences = None
     if any(states.differences is not None for states in parts):
         unknown = [np.full((n, 3, 2), np.nan) for n in counts]
@@ -244,12 +253,23 @@ def _some(array, which):
     return array if len(array) == 1 else array[which]
 
 
-def _in_pairs(array):
-    """Numbers (B, 3) as pairs of doubles (B, 3, 2)."""
+def _index(numbers):
+    """Numbers (K,), K >= 1, as a slice if each is one more than the last: arrays need no copy."""
+    first, end = int(numbers[0]), int(numbers[-1]) + 1
+    if isinstance(numbers, range):
+        return slice(first, end)
+    if end - first == len(numbers) and (end == first + 1 or (numbers[1:] > numbers[:-1]).all()):
+        return slice(first, end)
+    return numbers
+
+
+def _in_pairs(array, count):
+    """Numbers (1 or B, 3), or pairs of doubles of them, as new pairs (B, 3, 2) of B states."""
+    pairs = np.zeros((count, 3, 2))
     if array.ndim == 3:
-        return array
-    pairs = np.zeros((*array.shape, 2))
-    pairs[..., 0] = array
+        pairs[:] = array
+    else:
+        pairs[..., 0] = array
     return pairs
 
 
@@ -287,7 +307,8 @@ class Results(NamedTuple):
         return Results(*[None if array is None else function(array) for array in self])
 
 
-class Evaluation(NamedTuple):
+@dataclass(slots=True, eq=False)
+class Evaluation:
     """Attitudes and derivatives of states at epochs.
 
     source: States, StatesOfTensors or Solved.
@@ -313,7 +334,7 @@ class Evaluation(NamedTuple):
         if threads != 1:
             threads = validation.count(threads, "threads")
         rows = _ROWS_OF_COLUMNS if only_columns else evaluation.EPOCHS
-        if count <= BLOCK and count * max(length, 1) <= rows:
+        if count <= BLOCK and count * length <= rows:
             # nothing to divide: one body at one epoch takes half the time without slices
             self._fill(range(first, first + count), t, out, (0, length))
             return
@@ -360,23 +381,20 @@ class Evaluation(NamedTuple):
         for numbers, edges in blocks_of_runs(member, begin, end):
             self._fill(numbers, times, arrays, edges)
 
-    def reaching(
+    def reachable(
         self,
-        loop: Callable[..., int],
+        failed: int,
         solved: Solved,
         numbers: range | IntArray,
         t: Seconds,
         edges: IntArray | None,
         tangents: NDArray[Any] | None = None,
-    ) -> None:
-        """Call ``loop(t, t_low)`` at epochs; again, with NaN for those beyond the reach of a state,
-        if it returns the number in the block of a state with such an epoch.
+    ) -> Seconds:
+        """The epochs of a block with NaN for those beyond the reach of a state, unless refused.
 
+        failed: number in the block of a state with such an epoch.
         numbers: of the states of the block.  edges: as in `sensitivities.evaluate`.
         """
-        failed = loop(*t)
-        if failed < 0:
-            return
         if self.raises:
             line = failed if len(t.hi) > 1 else 0
             span = slice(None) if edges is None else slice(edges[failed], edges[failed + 1])
@@ -386,7 +404,7 @@ class Evaluation(NamedTuple):
         reach = reaches(solved.constants)
         if tangents is not None:
             reach = np.fmin(reach, sensitivities.reaches(tangents))
-        loop(*_within(t, reach, edges))
+        return _within(t, reach, edges)
 
     def _refuse(self, number: int, sentence: str) -> None:
         label = self.label(number)
@@ -394,11 +412,7 @@ class Evaluation(NamedTuple):
 
     def prepared(self, numbers: range | IntArray, *, rates: bool = False) -> Solved:
         """The constants of some states, those of the angular velocity only with rates."""
-        if isinstance(numbers, range):
-            which: slice | IntArray = slice(numbers.start, numbers.stop)
-        else:
-            which = consecutive(numbers)
-        solved = self.source.prepared(which, rates=rates)
+        solved = self.source.prepared(numbers, rates=rates)
         if self.raises and len(solved.bad):
             k = int(solved.bad[0])
             self._refuse(int(numbers[k]), solved.fault(k))
@@ -415,49 +429,47 @@ class Evaluation(NamedTuple):
         rates = out.rates is not None or out.rate_columns is not None
         solved = self.prepared(numbers, rates=rates)
         edges = None if isinstance(span, tuple) else span
-        attitudes, columns = out.wxyz, out.columns
-        if attitudes is not None:
-            arrays = attitudes, out.rates
-            if isinstance(span, tuple):
-                first, end = span
-
-                def loop(hi: FloatArray, lo: FloatArray | None) -> int:
-                    return evaluation.evaluate_all(solved.constants, hi, lo, *arrays, first, end)
-
-            else:
-                records = read_only(solved.constants)
-
-                def loop(hi: FloatArray, lo: FloatArray | None) -> int:
-                    failed: int = compiled().evaluate_runs(records, span, hi, lo, *arrays)
-                    return failed
-
-            self.reaching(loop, solved, numbers, t, edges)
-        if columns is not None:
+        if out.wxyz is not None:
+            arrays = out.wxyz, out.rates
+            failed = _attitudes(solved, t, arrays, span)
+            if failed >= 0:
+                _attitudes(solved, self.reachable(failed, solved, numbers, t, edges), arrays, span)
+        if out.columns is not None:
             tangents = self._tangents(solved, numbers)
-
-            def derive(hi: FloatArray, lo: FloatArray | None) -> int:
-                return sensitivities.evaluate_all(
-                    solved.constants, tangents, hi, lo, columns, out.rate_columns,
-                    edges=edges, near=self.near,
-                )  # fmt: skip
-
-            self.reaching(derive, solved, numbers, t, edges, tangents)
+            records, arrays = (solved.constants, tangents), (out.columns, out.rate_columns)
+            kinds = {"edges": edges, "near": self.near}
+            failed = sensitivities.evaluate_all(*records, *t, *arrays, **kinds)
+            if failed >= 0:
+                times = self.reachable(failed, solved, numbers, t, edges, tangents)
+                sensitivities.evaluate_all(*records, *times, *arrays, **kinds)
 
     def _tangents(self, solved: Solved, numbers: range | IntArray) -> NDArray[Any]:
         """The derivatives of the elements of a block of states."""
         moments, wxyz, principal = solved.moments, solved.wxyz, solved.principal
-        rods = np.any(moments[:, :, 0] == 0.0, axis=1)
-        rods[solved.bad] = True
-        if not rods.any():
-            return sensitivities.tangents_of(moments, wxyz, principal, solved.constants)
-        if self.raises:
-            k = int(np.argmax(rods))
+        rods = sensitivities.rods_among(moments)
+        if self.raises and len(rods):
+            k = int(rods[0])
             self._refuse(int(numbers[k]), sensitivities.of_rod(moments[k]))
-        moments = np.where(rods[:, None, None], 1.0, moments)
-        tangents = sensitivities.tangents_of(moments, wxyz, principal, solved.constants)
-        for name in ("weights", "offset", "amplitudes", "uniform", "uniform_rates"):
-            tangents[name][rods] = np.nan
+        unknown = np.union1d(rods, solved.bad) if len(rods) or len(solved.bad) else rods
+        if len(unknown):
+            moments = moments.copy()
+            moments[unknown] = 1.0
+        tangents = sensitivities.tangents_without_rods(moments, wxyz, principal, solved.constants)
+        if len(unknown):
+            for name in ("weights", "offset", "amplitudes", "uniform", "uniform_rates"):
+                tangents[name][unknown] = np.nan
         return tangents
+
+
+def _attitudes(solved, t, arrays, span):
+    """Fill attitudes and rates of a block of states; -1, or the number of a state with an epoch
+    beyond its reach.
+    """
+    wxyz, rates = arrays
+    if isinstance(span, tuple):
+        return evaluation.evaluate_all(solved.constants, t.hi, t.lo, wxyz, rates, *span)
+    records = read_only(solved.constants)
+    return compiled().evaluate_runs(records, span, t.hi, t.lo, wxyz, rates)
 
 
 def blocks_of_runs(member: IntArray, begin: int, end: int) -> Iterator[tuple[IntArray, IntArray]]:
@@ -503,14 +515,6 @@ def _surveyed(member: IntArray) -> list[IntArray]:
     """Parts so short that Ctrl-C is heard between them."""
     numbers = read_only(member)
     return [numbers[k : k + _SURVEYED] for k in range(0, len(numbers), _SURVEYED)]
-
-
-def consecutive(who: IntArray) -> slice | IntArray:
-    """Numbers (K,), K >= 1, as a slice if each is one more than the last: arrays need no copy."""
-    first, end = int(who[0]), int(who[-1]) + 1
-    if end - first == len(who) and (len(who) == 1 or np.all(who[1:] > who[:-1])):
-        return slice(first, end)
-    return who
 
 
 def reaches(constants: NDArray[Any]) -> FloatArray:

@@ -103,7 +103,7 @@ def _records(
 ) -> NDArray[Any]:
     """Constants (B, K + 1) of the arcs of some members."""
     members = ensemble._members.taken(part)
-    solved = members.prepared(slice(None))
+    solved = members.solved()
     moments, w, wxyz = solved.moments, solved.omega.copy(), solved.wxyz
     principal, axes = np.array(members.principal, order="C"), _axes(ensemble, part)
     q = np.zeros((len(wxyz), 4, 2))
@@ -131,7 +131,7 @@ def _records(
             moments = np.repeat(new[0][None], len(w), axis=0)
             axes, principal = new[1][None], np.array(body.principal_wxyz)[None]
         states = States(moments, principal, w.copy(), None, q[..., 0].copy())
-        records.append(_sound(states.prepared(slice(None))))
+        records.append(_sound(states.solved()))
     return np.stack(records, axis=1)
 
 

@@ -1142,9 +1142,7 @@ class Ensemble(Immutable):
         known, grid = _quantities.known(quantity, scene, self, t, low)
         length = grid.length
         out = np.full((len(wanted), length), np.nan)
-        kept = self._evaluation(
-            self._members.prepared(slice(None)) if len(self) <= _MOST_KEPT else None
-        )
+        kept = self._evaluation(self._members.solved() if len(self) <= _MOST_KEPT else None)
         size = max(_FEWEST, _HELD // max(len(self), 1))
 
         def work(begin: int, end: int) -> None:

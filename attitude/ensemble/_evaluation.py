@@ -9,7 +9,7 @@ import numpy as np
 
 from attitude._solver import states
 from attitude._support import pairs
-from attitude._support.arrays import frozen, read_only
+from attitude._support.arrays import components_first, frozen, read_only
 from attitude._support.pairs import Seconds
 from attitude.epochs import _instants
 from attitude.errors import AttitudeError
@@ -209,8 +209,9 @@ class MemberRows:
         width = memory.shape[:-1]
         if memory.flags.c_contiguous:
             split = memory.reshape(*width, *self.shape)
-            return np.moveaxis(split, range(len(width)), range(-len(width), 0))
-        return np.moveaxis(memory, -1, 0).reshape(*self.shape, *width)
+            first = len(width)
+            return split.transpose(*range(first, split.ndim), *range(first))
+        return components_first(memory).reshape(*self.shape, *width)
 
 
 # ---- Attitudes of the members of an ensemble at epochs

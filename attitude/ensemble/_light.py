@@ -217,12 +217,10 @@ class Light:
         def fill(numbers: IntArray, edges: IntArray, shapes: FloatArray) -> None:
             solved = self._evaluation.prepared(numbers)
             records, others = read_only(solved.constants), (*vectors, shapes, factor, work, out)
-
-            def loop(hi: FloatArray, lo: FloatArray | None) -> int:
-                failed: int = self._loop(records, edges, hi, lo, *others)
-                return failed
-
-            self._evaluation.reaching(loop, solved, numbers, t, edges)
+            failed = self._loop(records, edges, *t, *others)
+            if failed >= 0:
+                times = self._evaluation.reachable(failed, solved, numbers, t, edges)
+                self._loop(records, edges, *times, *others)
 
         for numbers, edges in states.blocks_of_runs(piece.member, 0, len(piece.member)):
             fill(numbers, edges, self._shapes if len(self._shapes) == 1 else self._shapes[numbers])

@@ -293,20 +293,22 @@ class Body(Valued):
         return self._found is None
 
     def over_principal_axes(self, omega: FloatArray) -> tuple[FloatArray, FloatArray | None]:
-        """`rates_about_principal_axes` and `differences` of an angular velocity (3,), rad/s."""
+        """`rates_about_principal_axes` and `differences`, each (1, 3, 2), of an angular velocity
+        (3,), rad/s.
+        """
         if self._found is None:
-            rates = np.zeros((3, 2))
-            rates[:, 0] = omega
+            rates = np.zeros((1, 3, 2))
+            rates[..., 0] = omega
             return rates, None
         rates, differences = self._found.over_axes(writable(omega)[None])
-        return rates[0], None if self.moments[0] == 0.0 else differences[0]
+        return rates, None if self.moments[0] == 0.0 else differences
 
     def rates_about_principal_axes(self, omega: FloatArray) -> FloatArray:
         """Components over the principal axes of an angular velocity (3,) over the body axes.
 
         (3, 2), each the sum of its two doubles, rad/s.
         """
-        return self.over_principal_axes(omega)[0]
+        return self.over_principal_axes(omega)[0][0]
 
     def differences(self, omega: FloatArray) -> FloatArray | None:
         """B - A, C - B and L^2 - 2 E B of a tensor, which cancel near the separatrix, or None.
@@ -315,7 +317,8 @@ class Body(Valued):
         by `PrincipalAxes.over_axes`.  None if the moments were given
         or one of them is zero: the moments and rates then have all the digits.
         """
-        return self.over_principal_axes(omega)[1]
+        differences = self.over_principal_axes(omega)[1]
+        return None if differences is None else differences[0]
 
     @cached_property
     def principal_wxyz(self) -> FloatArray:

@@ -176,13 +176,13 @@ class FreeRotation(Differentiable):
     _has_closed_form = True
 
     def __post_init__(self) -> None:
-        if not isinstance(self.body, Body) or not isinstance(self.spin, Spin):
+        body, spin = self.body, self.spin
+        if not isinstance(body, Body) or not isinstance(spin, Spin):
             raise AttitudeError(
                 "FreeRotation takes a Body and a Spin, as in FreeRotation(body, spin); given were "
-                f"{type(self.body).__name__} and {type(self.spin).__name__}."
+                f"{type(body).__name__} and {type(spin).__name__}."
             )
         self._constants: Any
-        body, spin = self.body, self.spin
         wxyz, low = spin.wxyz_icrf, None
         if spin.is_rounded:
             low = spin.wxyz_icrf_as_pairs[None, :, 1].copy()
@@ -190,15 +190,15 @@ class FreeRotation(Differentiable):
         states = States(
             body.moments_as_pairs[None],
             body.principal_wxyz[None],
-            rates[None],
-            None if differences is None else differences[None],
+            rates,
+            differences,
             wxyz[None],
             low,
         )
-        solved = states.prepared(slice(None))
+        solved = states.solved()
         if len(solved.bad):
             raise AttitudeError(solved.fault(0))
-        self._set("_constants", frozen(solved.constants))
+        self.__dict__["_constants"] = frozen(solved.constants)
 
     # ---- Construction
 

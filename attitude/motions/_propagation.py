@@ -190,7 +190,7 @@ def propagate(
         t_low = _low_parts(validation.seconds(t_low, "t_low"), t)
     lead = _leading_shape(inertia.shape[: inertia.ndim - inner], wxyz0, omega0, t)
     count = math.prod(lead)
-    shape = (*lead, *t.shape[-1:])
+    shape = lead + t.shape[-1:]
     results = [(result_memory(out, "out", shape, (4,), scalar), out)]
     if angular_velocity:
         results.append((result_memory(rates_out, "rates_out", shape, (3,), scalar), rates_out))
@@ -210,15 +210,13 @@ def propagate(
     if inner == 2:
         states = StatesOfTensors(bodies, attitudes, rates)
     low = None if t_low is None else _epochs(t_low, lead, count)
-    filled = Results(
-        flat[0],
-        flat[1] if angular_velocity else None,
-        *(flat[-2 if angular_velocity else -1 :] if sensitivity else []),
-    )
+    filled = Results(flat[0], flat[1] if angular_velocity else None)
+    if sensitivity:
+        filled = Results(*filled[:2], *flat[-2 if angular_velocity else -1 :])
     evaluation = Evaluation(states, lambda k: f"State {k} of {count}" if count > 1 else "")
     evaluation.grid(Seconds(_epochs(t, lead, count), low), filled, threads)
-    results_of = tuple(result(memory, array, scalar, len(lead)) for memory, array in results)
-    return results_of if len(results_of) > 1 else results_of[0]
+    views = [result(memory, array, scalar, len(lead)) for memory, array in results]
+    return tuple(views) if len(views) > 1 else views[0]
 
 
 def linearized(
@@ -312,6 +310,8 @@ def _flat(array, lead, count, inner=1):
 
 def _epochs(t, lead, count):
     """A read-only view (1, T) if all bodies share the epochs, else (B, T)."""
+    if t.ndim == 1:
+        return frozen(np.ascontiguousarray(t)[None])
     if t.size == t.shape[-1]:
         return frozen(np.ascontiguousarray(t).reshape(1, t.size))
     return frozen(_flat(t, lead, count))
@@ -338,9 +338,10 @@ def result_memory(
 
 def result(memory: FloatArray, out: FloatArray | None, scalar: bool, leading: int) -> FloatArray:
     """The result as it is returned: a view of the memory, or `out`."""
-    # three microseconds faster than np.moveaxis
-    order = *range(leading), -1, *range(leading, memory.ndim - 1)
-    view = memory[..., 0] if scalar else memory.transpose(order)
+    if scalar:
+        view = memory[..., 0]
+    else:  # three microseconds faster than np.moveaxis
+        view = memory.transpose(*range(leading), -1, *range(leading, memory.ndim - 1))
     if out is None:
         return view
     if not np.shares_memory(out, view):
