@@ -199,8 +199,11 @@ def prepared(
     count = len(moments)
     constants: NDArray[Any] = np.ndarray(count, CONSTANTS, bytearray(count * _SIZE))
     # as `writable`, without two calls of functions for each
-    states = [a if a.flags.carray else a.copy() for a in (moments, wxyz, omega, principal)]
-    return constants, prepare_all(*states, constants, differences, rates, wxyz_low)
+    moments, wxyz, omega, principal = [
+        array if array.flags.carray else array.copy() for array in (moments, wxyz, omega, principal)
+    ]
+    state = moments, wxyz, omega, principal
+    return constants, prepare_all(*state, constants, differences, rates, wxyz_low)
 
 
 def faults_of(moments: FloatArray, wxyz: FloatArray, omega: FloatArray) -> IntArray:

@@ -437,11 +437,10 @@ class Evaluation:
         if out.columns is not None:
             tangents = self._tangents(solved, numbers)
             records, arrays = (solved.constants, tangents), (out.columns, out.rate_columns)
-            kinds = {"edges": edges, "near": self.near}
-            failed = sensitivities.evaluate_all(*records, *t, *arrays, **kinds)
+            failed = sensitivities.evaluate_all(*records, *t, *arrays, edges=edges, near=self.near)
             if failed >= 0:
                 times = self.reachable(failed, solved, numbers, t, edges, tangents)
-                sensitivities.evaluate_all(*records, *times, *arrays, **kinds)
+                sensitivities.evaluate_all(*records, *times, *arrays, edges=edges, near=self.near)
 
     def _tangents(self, solved: Solved, numbers: range | IntArray) -> NDArray[Any]:
         """The derivatives of the elements of a block of states."""

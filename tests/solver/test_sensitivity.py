@@ -175,7 +175,7 @@ def test_series_in_python_and_in_vectors_have_the_same_bits():
     moments = np.array([(1.0, 2.0, 2.6), (1.0, 2.0, 2.6), (1e-3, 1.0, 1.0 + 1e-9)])
     omega = np.array([(0.3, -0.2, 0.5), (1e-9, 1.0, 1e-9), (5.0, 1e-3, -2e-3)])
     wxyz = np.array([(0.5, -0.5, 0.5, 0.5)] * 3)
-    prepared = States(moments, IDENTITY, omega, None, wxyz).prepared(slice(None))
+    prepared = States(moments, IDENTITY, omega, None, wxyz).solved()
     tangents = sensitivities.tangents_of(
         prepared.moments, prepared.wxyz, prepared.principal, prepared.constants
     )
