@@ -1,8 +1,7 @@
-"""`ArcsEnsemble`: many states under the same impulses and changes of inertia."""
+"""Chains of free arcs of many states under the same impulses and changes of inertia."""
 
 from __future__ import annotations
 
-from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,24 +11,22 @@ from attitude._solver import evaluation
 from attitude._solver.principal_axes import PrincipalAxes
 from attitude._solver.records import CONSTANTS
 from attitude._solver.states import BLOCK, Solved, States, compiled, reaches, symmetric_tensors
-from attitude._support import pairs, validation
-from attitude._support.arrays import Immutable, frozen, read_only
-from attitude._support.blocks import ProgressBar, in_blocks, in_rectangles
+from attitude._support import pairs
+from attitude._support.arrays import frozen, read_only
+from attitude._support.blocks import ProgressBar, in_rectangles
 from attitude._support.pairs import Seconds
-from attitude.ensemble._evaluation import EnsembleHistory
-from attitude.epochs import _inputs
-from attitude.errors import AttitudeError
 from attitude.torques import _arcs
-from attitude.torques._arcs import Arcs, Change, InertiaChange
+from attitude.torques._arcs import Change, InertiaChange
 from attitude.torques._triggers import Trigger
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Sequence
 
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import NDArray
 
-    from attitude._support.annotations import Epochs, FloatArray
-    from attitude.ensemble._ensemble import Ensemble
+    from attitude._support.annotations import FloatArray
+    from attitude.ensemble._members import Inertia
+    from attitude.epochs._instants import Instant
 
 
 # ---- Chains of free arcs of the members of an ensemble that change alike, compiled over members
@@ -54,21 +51,24 @@ def are_alike(changes: Sequence[Change]) -> bool:
 class Chains:
     """The arcs of N members between K changes at given epochs.
 
-    ensemble: of one epoch.
+    members, inertia: states at the epoch `start`.
     changes: for which `are_alike` holds.
     Failed for a member that no chain exists of.
     AttitudeError for times that are not in order.
     """
 
-    def __init__(self, ensemble: Ensemble, changes: Sequence[Change]) -> None:
-        times = _arcs.times_of(changes, ensemble.start_of_seconds)
+    def __init__(
+        self, members: States, inertia: Inertia, start: Instant, changes: Sequence[Change]
+    ) -> None:
+        times = _arcs.times_of(changes, start)
         known_times = [time for time in times if time is not None]
         self._starts = frozen(np.array([(0.0, 0.0), *known_times]))
-        self._records = np.empty((len(ensemble), len(self._starts)), dtype=CONSTANTS)
-        for first in range(0, len(ensemble), BLOCK):
-            block = slice(first, min(first + BLOCK, len(ensemble)))
+        self._records = np.empty((len(members), len(self._starts)), dtype=CONSTANTS)
+        for first in range(0, len(members), BLOCK):
+            block = slice(first, min(first + BLOCK, len(members)))
+            axes = _axes(inertia, block)
             try:
-                self._records[block] = _records(ensemble, block, changes, self._starts)
+                self._records[block] = _records(members.taken(block), axes, changes, self._starts)
             except Failed as err:
                 raise Failed(first + err.member) from None
 
@@ -99,13 +99,12 @@ class Chains:
 
 
 def _records(
-    ensemble: Ensemble, part: slice, changes: Sequence[Change], starts: FloatArray
+    members: States, axes: FloatArray, changes: Sequence[Change], starts: FloatArray
 ) -> NDArray[Any]:
-    """Constants (B, K + 1) of the arcs of some members."""
-    members = ensemble._members.taken(part)
+    """Constants (B, K + 1) of the arcs of some members, with their axes (1 or B, 3, 3, 2)."""
     solved = members.solved()
     moments, w, wxyz = solved.moments, solved.omega.copy(), solved.wxyz
-    principal, axes = np.array(members.principal, order="C"), _axes(ensemble, part)
+    principal = np.array(members.principal, order="C")
     q = np.zeros((len(wxyz), 4, 2))
     q[..., 0] = wxyz
     if members.low is not None:
@@ -141,9 +140,8 @@ def _sound(solved: Solved) -> NDArray[Any]:
     return solved.constants
 
 
-def _axes(ensemble: Ensemble, part: slice) -> FloatArray:
+def _axes(inertia: Inertia, part: slice) -> FloatArray:
     """The principal axes (1 or B, 3, 3, 2) of some members, in pairs of doubles."""
-    inertia = ensemble._inertia
     if not inertia.has_tensors:
         axes = np.zeros((1, 3, 3, 2))
         axes[0, :, :, 0] = np.eye(3)
@@ -152,119 +150,3 @@ def _axes(ensemble: Ensemble, part: slice) -> FloatArray:
     if inertia.bodies is not None:
         return np.stack([body._axes for body in inertia.bodies[which]])
     return PrincipalAxes.of(symmetric_tensors(inertia.given[which])).axes
-
-
-class ArcsEnsemble(Immutable):
-    """The rotations of N bodies with the same changes, each an `Arcs`.
-
-    ensemble: states at one epoch.
-    changes: as in `Arcs`; seconds count from the epoch of the ensemble.  Those at given epochs with
-        given momenta are compiled over members, 0.1 ms a member and change; events and functions
-        are resolved member by member.
-    AttitudeError for members with epochs of their own, and as `Arcs`, with the name of the member.
-
-    Attitudes have the bits of `Arcs.at`.
-    """
-
-    ensemble: Ensemble
-    changes: tuple[Change, ...]
-    _chains: Chains | None
-    _singles: tuple[Arcs, ...] | None
-
-    def __init__(self, ensemble: Ensemble, changes: Any) -> None:
-        if ensemble.epoch is None:
-            raise AttitudeError(
-                "the members have epochs of their own; changes need one epoch for all members."
-            )
-        changes_given = tuple(changes) if isinstance(changes, (list, tuple)) else (changes,)
-        self._set("ensemble", ensemble)
-        self._set("changes", changes_given)
-        for k, change in enumerate(changes_given):
-            if not isinstance(change, Change):
-                raise AttitudeError(
-                    f"changes[{k}] is {change!r}; give Impulse or InertiaChange objects."
-                )
-        self._set("_chains", None)
-        if len(ensemble) and not are_alike(changes_given):
-            self._set("_singles", tuple(self._single(k) for k in range(len(ensemble))))
-            return
-        self._set("_singles", None)
-        with self._named():
-            self._set("_chains", Chains(ensemble, changes_given))
-
-    def _single(self, k: int) -> Arcs:
-        """The motion of member k; its errors have the name of the member."""
-        try:
-            motion = self.ensemble[k]
-            return Arcs(motion.body, motion.spin, self.changes)
-        except AttitudeError as err:
-            raise AttitudeError(f"{self.ensemble.label(k)}: {err}") from None
-
-    @contextmanager
-    def _named(self) -> Iterator[None]:
-        """Raise the error of the single motion of a member that failed."""
-        try:
-            yield
-        except Failed as failed:
-            self._single(failed.member)
-            raise AttitudeError(
-                f"{self.ensemble.label(failed.member)}: an epoch lies beyond its reach."
-            ) from None
-
-    def __len__(self) -> int:
-        return len(self.ensemble)
-
-    def __getitem__(self, k: int | str) -> Arcs:
-        """The motion of one member, of a number or a name."""
-        number = self.ensemble.number(k)
-        return self._single(number) if self._singles is None else self._singles[number]
-
-    def __repr__(self) -> str:
-        return f"<ArcsEnsemble of {len(self)} members>"
-
-    def at(self, t: Epochs, low: ArrayLike | None = None, *, threads: int = 1) -> EnsembleHistory:
-        """Attitudes and angular velocities (N, T) of all members at epochs (T,)."""
-        hi, lo = _inputs.seconds_since(self.ensemble.start_of_seconds, t, low)
-        if hi.ndim != 1:
-            raise AttitudeError(f"t is {validation.shown(t)}; give a row (T,) of epochs.")
-        count, length = len(self), len(hi)
-        wxyz, rates = np.empty((count, 4, length)), np.empty((count, 3, length))
-        if self._chains is None:
-            self._evaluate_singles(hi, lo, wxyz, rates, threads)
-        else:
-            try:
-                self._chains.fill(Seconds(hi, lo), wxyz, rates, threads)
-            except Failed as failed:
-                self._evaluate_singles(hi, lo, wxyz, rates, 1, only=failed.member)
-        shape = count, length
-        member = np.broadcast_to(np.arange(count)[:, None], shape)
-        spread = Seconds(hi.copy(), lo).mapped(lambda array: np.broadcast_to(array, shape))
-        history = EnsembleHistory(
-            self.ensemble, member, *spread, read_only(np.moveaxis(wxyz, 1, 2))
-        )
-        history.__dict__["angular_velocity"] = read_only(np.moveaxis(rates, 1, 2))
-        return history
-
-    def _evaluate_singles(
-        self,
-        hi: FloatArray,
-        lo: FloatArray | None,
-        wxyz: FloatArray,
-        rates: FloatArray,
-        threads: int,
-        only: int | None = None,
-    ) -> None:
-        """Fill attitudes and rates of members one by one; errors have the name of the member."""
-
-        def work(begin: int, end: int) -> None:
-            for k in range(begin, end):
-                try:
-                    history = self[k].at(hi, lo)
-                    wxyz[k], rates[k] = history.wxyz.T, history.angular_velocity.T
-                except AttitudeError as err:
-                    raise AttitudeError(f"{self.ensemble.label(k)}: {err}") from None
-
-        if only is not None:
-            work(only, only + 1)
-        else:
-            in_blocks(work, len(self), 64, threads, ProgressBar("chains of arcs"))

@@ -1,29 +1,33 @@
-"""`Ensemble`: many freely rotating bodies, each evaluated at its own or at shared epochs."""
+"""`Ensemble`: many freely rotating bodies, each evaluated at its own or at shared epochs.
+
+`EnsembleHistory`: their attitudes.  `ArcsEnsemble`, `TorquedEnsemble`: the same states with
+impulses, and under torques.  Each of the four names the others.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
-from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any, NamedTuple, Self, cast
 
 import numpy as np
 
 from attitude import frames
 from attitude._solver import regime as solver_regime
 from attitude._solver import sensitivities, states
+from attitude._solver.march_layout import OMEGA, STATE_ENTRIES, WXYZ
 from attitude._solver.regime import Regime
 from attitude._solver.states import Evaluation, Results, Solved, States
-from attitude._support import markup, validation
+from attitude._support import markup, pairs, validation
 from attitude._support.arrays import Immutable, frozen, read_only
 from attitude._support.blocks import ProgressBar, in_blocks
 from attitude._support.pairs import Seconds
 from attitude.averaged._ensemble import AveragedEnsemble
-from attitude.ensemble import _light, _members, _quantities, _tables
-from attitude.ensemble._arcs import ArcsEnsemble
-from attitude.ensemble._evaluation import EnsembleHistory, MemberGrid, MemberRows
-from attitude.ensemble._torqued import TorquedEnsemble
-from attitude.epochs import _instants
+from attitude.ensemble import _arcs, _light, _members, _quantities, _tables
+from attitude.ensemble._evaluation import MemberGrid, MemberRows
+from attitude.epochs import _inputs, _instants
 from attitude.errors import AttitudeError
 from attitude.formats import tables
 from attitude.frames import quaternion
@@ -31,12 +35,18 @@ from attitude.light_curve._magnitudes import SUN_V
 from attitude.motions import _published
 from attitude.motions._body import Body
 from attitude.motions._free_rotation import FreeRotation
+from attitude.motions._history import AttitudeHistory
 from attitude.motions._spin import Spin
+from attitude.torques import _schemes
+from attitude.torques._arcs import Arcs, Change
+from attitude.torques._system import System
+from attitude.torques._torqued import TorquedRotation, whole_steps
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from astropy.table import QTable
+    from astropy.time import Time
     from numpy.typing import ArrayLike, NDArray
 
     from attitude._support.annotations import Epochs, FilePath, FloatArray, IntArray, Real, Reals
@@ -45,6 +55,7 @@ if TYPE_CHECKING:
     from attitude.scattering._law import Law
     from attitude.scene._scene import Scene
     from attitude.torques._schemes import Scheme
+    from attitude.torques._torque import Torque
 
 
 # The attributes that are pickled.
@@ -1327,3 +1338,425 @@ class Ensemble(Immutable):
             For another ending, and a file that cannot be written.
         """
         tables.write_columns(path, self.table())
+
+
+# ---- Attitudes of the members of an ensemble at epochs
+
+
+class EnsembleHistory(AttitudeHistory):
+    """The rotation of members of an ensemble, each at epochs of its own or at shared ones.
+
+    Made by ``ensemble.at(t)``, of shape S = (N, T), or ``ensemble.at(t, member=index)``, of the
+    shape S of the index.  It has all attributes and methods of `AttitudeHistory`.
+
+    Attributes
+    ----------
+    ensemble : Ensemble
+    member : (S) array of int
+        The number of the member of each attitude.
+    wxyz, xyzw : (S, 4) arrays
+        Body to ICRF, scalar first or last; continuous in sign along the motion of a member.
+    seconds, low : arrays of shape S (low may be None)
+        TDB seconds since the epoch of the member: seconds + low.
+    epoch : Instant
+        The epoch of the ensemble, or J2000 if the members have epochs of their own.
+    """
+
+    ensemble: Ensemble
+    member: IntArray
+
+    def __init__(
+        self,
+        ensemble: Ensemble,
+        member: IntArray,
+        seconds: FloatArray,
+        low: FloatArray | None,
+        wxyz: FloatArray,
+    ) -> None:
+        super().__init__(ensemble, ensemble.start_of_seconds, seconds, low, wxyz)
+        self._set("ensemble", ensemble)
+        self._set("member", frozen(member))
+
+    def __getitem__(self, index: Any) -> EnsembleHistory:
+        """Some of the attitudes: history[3], history[:, 10:20], history[mask]."""
+        history = super().__getitem__(index)
+        member = np.asarray(self.member[index])
+        chosen = EnsembleHistory(self.ensemble, member, history.seconds, history.low, history.wxyz)
+        if "angular_velocity" in history.__dict__:
+            chosen.__dict__["angular_velocity"] = history.angular_velocity
+        return chosen
+
+    def __repr__(self) -> str:
+        size, members = self.seconds.size, len(self.ensemble)
+        return f"<EnsembleHistory of {size} attitudes of an ensemble of {members}>"
+
+    @cached_property
+    def angular_velocity(self) -> FloatArray:
+        """(S, 3) rad/s over the body axes."""
+        return frozen(self.ensemble.evaluated(self.member, self.seconds, self.low))
+
+    @cached_property
+    def sensitivity(self) -> FloatArray:
+        """(S, 3, 9) derivatives of the attitudes; see `Ensemble.sensitivity_at`."""
+        columns = self.ensemble.sensitivity_at(self.seconds, self.member, low=self.low)
+        return frozen(cast("FloatArray", columns))
+
+    @cached_property
+    def angular_acceleration(self) -> FloatArray:
+        """(S, 3) rad/s2 over the body axes, by Euler's equations of the bodies at the epoch."""
+        moments, axes = self.ensemble.principal_moments, self.ensemble.principal_axes
+        which = self.member if len(moments) > 1 else np.zeros_like(self.member)
+        differences, turn = moments[which], axes[which]
+        w = np.einsum("...ij,...i->...j", turn, self.angular_velocity)
+        rate = np.zeros(w.shape)
+        for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+            torque = (differences[..., j] - differences[..., k]) * w[..., j] * w[..., k]
+            heavy = differences[..., i] > 0.0
+            rate[..., i] = np.where(heavy, torque / np.where(heavy, differences[..., i], 1.0), 0.0)
+        return frozen(np.einsum("...ij,...j->...i", turn, rate))
+
+    @cached_property
+    def time(self) -> Time:
+        """The epochs (S) as an astropy Time in TDB, rounded to 5e-12 s; NaN epochs are masked."""
+        if self.ensemble.epoch is not None:
+            return _instants.times(self.epoch, self.seconds, self.low)
+        start = self.ensemble.epochs_of(self.member)
+        times = Seconds.of(self)
+        return _instants.times(self.epoch, *pairs.add(start, times.hi, times.low))
+
+    def table(self, *, rates: bool = True, sigma: bool = False) -> QTable:
+        """As `AttitudeHistory.table`, one row for each attitude, with columns member and name.
+
+        Raises
+        ------
+        AttitudeError
+            For standard deviations, which an ensemble does not have.
+        """
+        if sigma:
+            raise AttitudeError("an ensemble has no standard deviations; leave out sigma=True.")
+        flat = self if len(self.shape) == 1 else self._flattened()
+        columns = super(EnsembleHistory, flat).table(rates=rates)
+        columns.add_column(np.array(flat.member), index=0, name="member")
+        if self.ensemble.names is not None:
+            columns.add_column(self.ensemble.names[flat.member], index=1, name="name")
+        if self.ensemble.epoch is None:
+            del columns.meta["epoch"]
+        return columns
+
+    def _flattened(self) -> EnsembleHistory:
+        times = Seconds.of(self).mapped(np.ravel)
+        wxyz = self.wxyz.reshape(-1, 4)
+        return EnsembleHistory(self.ensemble, np.ravel(self.member), *times, wxyz)
+
+
+# ---- The same members with impulses, and under torques
+
+
+class ArcsEnsemble(Immutable):
+    """The rotations of N bodies with the same changes, each an `Arcs`.
+
+    ensemble: states at one epoch.
+    changes: as in `Arcs`; seconds count from the epoch of the ensemble.  Those at given epochs with
+        given momenta are compiled over members, 0.1 ms a member and change; events and functions
+        are resolved member by member.
+    AttitudeError for members with epochs of their own, and as `Arcs`, with the name of the member.
+
+    Attitudes have the bits of `Arcs.at`.
+    """
+
+    ensemble: Ensemble
+    changes: tuple[Change, ...]
+    _chains: _arcs.Chains | None
+    _singles: tuple[Arcs, ...] | None
+
+    def __init__(self, ensemble: Ensemble, changes: Any) -> None:
+        if ensemble.epoch is None:
+            raise AttitudeError(
+                "the members have epochs of their own; changes need one epoch for all members."
+            )
+        changes_given = tuple(changes) if isinstance(changes, (list, tuple)) else (changes,)
+        self._set("ensemble", ensemble)
+        self._set("changes", changes_given)
+        for k, change in enumerate(changes_given):
+            if not isinstance(change, Change):
+                raise AttitudeError(
+                    f"changes[{k}] is {change!r}; give Impulse or InertiaChange objects."
+                )
+        self._set("_chains", None)
+        if len(ensemble) and not _arcs.are_alike(changes_given):
+            self._set("_singles", tuple(self._single(k) for k in range(len(ensemble))))
+            return
+        self._set("_singles", None)
+        with self._named():
+            state = ensemble._members, ensemble._inertia, ensemble.start_of_seconds
+            self._set("_chains", _arcs.Chains(*state, changes_given))
+
+    def _single(self, k: int) -> Arcs:
+        """The motion of member k; its errors have the name of the member."""
+        try:
+            motion = self.ensemble[k]
+            return Arcs(motion.body, motion.spin, self.changes)
+        except AttitudeError as err:
+            raise AttitudeError(f"{self.ensemble.label(k)}: {err}") from None
+
+    @contextmanager
+    def _named(self) -> Iterator[None]:
+        """Raise the error of the single motion of a member that failed."""
+        try:
+            yield
+        except _arcs.Failed as failed:
+            self._single(failed.member)
+            raise AttitudeError(
+                f"{self.ensemble.label(failed.member)}: an epoch lies beyond its reach."
+            ) from None
+
+    def __len__(self) -> int:
+        return len(self.ensemble)
+
+    def __getitem__(self, k: int | str) -> Arcs:
+        """The motion of one member, of a number or a name."""
+        number = self.ensemble.number(k)
+        return self._single(number) if self._singles is None else self._singles[number]
+
+    def __repr__(self) -> str:
+        return f"<ArcsEnsemble of {len(self)} members>"
+
+    def at(self, t: Epochs, low: ArrayLike | None = None, *, threads: int = 1) -> EnsembleHistory:
+        """Attitudes and angular velocities (N, T) of all members at epochs (T,)."""
+        hi, lo = _inputs.seconds_since(self.ensemble.start_of_seconds, t, low)
+        if hi.ndim != 1:
+            raise AttitudeError(f"t is {validation.shown(t)}; give a row (T,) of epochs.")
+        count, length = len(self), len(hi)
+        wxyz, rates = np.empty((count, 4, length)), np.empty((count, 3, length))
+        if self._chains is None:
+            self._evaluate_singles(hi, lo, wxyz, rates, threads)
+        else:
+            try:
+                self._chains.fill(Seconds(hi, lo), wxyz, rates, threads)
+            except _arcs.Failed as failed:
+                self._evaluate_singles(hi, lo, wxyz, rates, 1, only=failed.member)
+        shape = count, length
+        member = np.broadcast_to(np.arange(count)[:, None], shape)
+        spread = Seconds(hi.copy(), lo).mapped(lambda array: np.broadcast_to(array, shape))
+        history = EnsembleHistory(
+            self.ensemble, member, *spread, read_only(np.moveaxis(wxyz, 1, 2))
+        )
+        history.__dict__["angular_velocity"] = read_only(np.moveaxis(rates, 1, 2))
+        return history
+
+    def _evaluate_singles(
+        self,
+        hi: FloatArray,
+        lo: FloatArray | None,
+        wxyz: FloatArray,
+        rates: FloatArray,
+        threads: int,
+        only: int | None = None,
+    ) -> None:
+        """Fill attitudes and rates of members one by one; errors have the name of the member."""
+
+        def work(begin: int, end: int) -> None:
+            for k in range(begin, end):
+                try:
+                    history = self[k].at(hi, lo)
+                    wxyz[k], rates[k] = history.wxyz.T, history.angular_velocity.T
+                except AttitudeError as err:
+                    raise AttitudeError(f"{self.ensemble.label(k)}: {err}") from None
+
+        if only is not None:
+            work(only, only + 1)
+        else:
+            in_blocks(work, len(self), 64, threads, ProgressBar("chains of arcs"))
+
+
+# Steps for which torques are sampled together, and steps of all members in one compiled call: 50 ms
+_STEPS, _TAKEN = 1024, 1 << 16
+
+
+class TorquedHistory(EnsembleHistory):
+    """Attitudes of the members of a TorquedEnsemble, with their angular velocities."""
+
+    @cached_property
+    def angular_acceleration(self) -> FloatArray:
+        """AttitudeError: accelerations follow from the torques of a single member."""
+        raise AttitudeError(
+            "accelerations under torques are those of a single motion; take "
+            "torqued[k].at(t).angular_acceleration."
+        )
+
+
+class TorquedEnsemble(Immutable):
+    """The rotations of N bodies under the same torques.
+
+    ensemble: states at one epoch; their frame, bodies and names.
+    torques: as in `TorquedRotation`.
+    step: s, of all members.
+    scheme: as in `TorquedRotation`.
+    AttitudeError for members with epochs of their own or that are not physical, a step that does
+        not resolve the rotation of a member, and as `TorquedRotation`.
+
+    Attitudes are those of ``TorquedRotation(body, spin, torques, step=step, scheme=scheme)``.
+    States are integrated anew in each call of `at`, and are not kept.
+    """
+
+    ensemble: Ensemble
+    torques: tuple[Torque, ...]
+    step: float
+    scheme: Scheme
+
+    def __init__(
+        self,
+        ensemble: Ensemble,
+        torques: Any,
+        step: Real,
+        scheme: str | Scheme = "kick-rotate-kick",
+    ) -> None:
+        self._systems: list[System]
+        self._states: FloatArray
+        if ensemble.epoch is None:
+            raise AttitudeError(
+                "the members have epochs of their own; torques need one epoch for all members."
+            )
+        if not ensemble.is_physical.all():
+            raise AttitudeError(
+                "some members are not physical; leave them out: ensemble[ensemble.is_physical]."
+            )
+        self._set("ensemble", ensemble)
+        self._set("step", validation.positive(step, "step", unit="s"))
+        self._set("scheme", _schemes.scheme(scheme))
+        acting = torques if isinstance(torques, Iterable) else (torques,)
+        self._set("torques", ())
+        self._set("_systems", [])
+        self._set("_states", np.zeros((0, STATE_ENTRIES)))
+        if len(ensemble):
+            first = TorquedRotation(
+                ensemble[0].body, ensemble[0].spin, tuple(acting), step=None, scheme=self.scheme,
+                step_tolerance=1e-2,
+            )  # fmt: skip
+            self._set("torques", first.torques)
+            self._prepare()
+
+    def _prepare(self) -> None:
+        """Pack the bodies and the states of the members."""
+        ensemble = self.ensemble
+        shared = len(ensemble.principal_moments) == 1
+        kept = [ensemble[k] for k in range(1 if shared else len(ensemble))]
+        systems = [System(member.body, member.spin, self.torques, self.scheme) for member in kept]
+        states = np.zeros((len(ensemble), STATE_ENTRIES))
+        states[:, WXYZ] = self._over(systems, ensemble.wxyz_icrf)
+        # By the products of single vectors, so that the bits are those of a TorquedRotation.
+        for k, state in enumerate(states):
+            state[WXYZ] /= np.sqrt(state[WXYZ] @ state[WXYZ])
+            axes = systems[0 if shared else k].axes
+            state[OMEGA] = ensemble.angular_velocity[k] @ axes
+        speeds = np.sum(states[:, OMEGA] ** 2, axis=1)
+        worst = int(np.argmax(speeds))
+        try:
+            motion = ensemble[worst]
+            System(motion.body, motion.spin, self.torques, self.scheme).check_step(self.step)
+        except AttitudeError as err:
+            raise AttitudeError(f"{ensemble.label(worst)}: {err}") from err
+        self._set("_systems", systems)
+        self._set("_states", frozen(states))
+
+    @staticmethod
+    def _over(systems: list[System], wxyz: FloatArray) -> FloatArray:
+        turns = np.array([system.turn for system in systems])
+        return quaternion.multiply(wxyz, turns)
+
+    def __len__(self) -> int:
+        return len(self.ensemble)
+
+    def __getitem__(self, k: int | str) -> TorquedRotation:
+        """The motion of one member, of a number or a name."""
+        motion = self.ensemble[self.ensemble.number(k)]
+        return TorquedRotation(
+            motion.body, motion.spin, self.torques, step=self.step, scheme=self.scheme
+        )
+
+    def __repr__(self) -> str:
+        names = ", ".join(type(torque).__name__ for torque in self.torques)
+        return f"<TorquedEnsemble of {len(self)} members: {names}; step {self.step:g} s>"
+
+    def at(self, t: Epochs, low: ArrayLike | None = None, *, threads: int = 1) -> TorquedHistory:
+        """The attitudes and angular velocities of all members at some epochs.
+
+        Shapes: t (T,).
+        """
+        times = _inputs.seconds_since(self.ensemble.start_of_seconds, t, low).mapped(np.array)
+        hi = times.hi
+        if hi.ndim != 1 or np.isinf(hi).any():
+            raise AttitudeError(f"t is {validation.shown(t)}; give a row (T,) of finite epochs.")
+        seconds, lo = hi, times.low
+        out = np.full((len(self), len(seconds), 7), np.nan)
+        total = seconds + lo
+        for sign, side in ((1.0, total >= 0.0), (-1.0, total < 0.0)):
+            if side.any() and len(self):
+                self._integrate(sign * self.step, seconds, lo, np.flatnonzero(side), out, threads)
+        if any(system.inertia is not None for system in self._systems):
+            shared = len(self._systems) == 1
+            for k, states in enumerate(out):
+                system = self._systems[0 if shared else k]
+                states[:, 4:] = system.turning(seconds, lo, states[:, 4:])
+        shape = len(self), len(seconds)
+        member = np.broadcast_to(np.arange(len(self))[:, None], shape)
+        spread = times.mapped(lambda array: np.broadcast_to(array, shape))
+        history = TorquedHistory(self.ensemble, member, *spread, out[..., :4])
+        history.__dict__["angular_velocity"] = frozen(out[..., 4:])
+        return history
+
+    def _integrate(
+        self,
+        h: float,
+        seconds: FloatArray,
+        low: FloatArray,
+        which: IntArray,
+        out: FloatArray,
+        threads: int,
+    ) -> None:
+        """Fill the states at epochs `which` of one direction of time."""
+        first, states = self._systems[0], self._states.copy()
+        first.check_span(float(np.max(np.abs(seconds[which]))), h)
+        number, parts = whole_steps(seconds[which], low[which], h)
+        order = np.lexsort((np.abs(parts), number))
+        which, number, parts = which[order], number[order], parts[order]
+        size = max(1, _TAKEN // _STEPS)
+        bar = ProgressBar("torqued members")
+        for start in range(0, int(number[-1]) + 1, _STEPS):
+            steps = min(_STEPS, int(number[-1]) - start)
+            final = start + _STEPS > number[-1]
+            a, b = np.searchsorted(number, [start, start + steps + final])
+            places = number[a:b] - start, np.ascontiguousarray(parts[a:b])
+            samples = first.samples_of(start, h, steps, *places)
+
+            def work(begin: int, end: int) -> None:
+                some = states[begin:end]
+                place = np.ix_(np.arange(begin, end), which[a:b])  # noqa: B023
+                out[place] = self._marched(begin, some, start, h, places, samples)  # noqa: B023
+
+            in_blocks(work, len(self), size, threads)
+            bar(start + steps + 1, int(number[-1]) + 1)
+
+    def _label(self, first: int, k: int) -> str:
+        return self.ensemble.label(first + k)
+
+    def _marched(
+        self, first: int, states: FloatArray, start: int, h: float, here: Any, samples: Any
+    ) -> FloatArray:
+        """States (n, T, 7) over body axes of some members, which are advanced in place."""
+        shared = len(self._systems) == 1
+        systems: Sequence[System] = (
+            self._systems if shared else self._systems[first : first + len(states)]
+        )
+        setup = (
+            np.array([system.setup[0] for system in systems]),
+            systems[0].setup[1],
+            np.array([system.setup[2] for system in systems]),
+        )
+        number, parts = here
+        advanced = systems[0].march_members(
+            setup, states, start, h, number, parts, samples, label=partial(self._label, first)
+        )
+        for k in range(len(advanced)):
+            advanced[k] = systems[0 if shared else k].over_body_axes(advanced[k])
+        return advanced
