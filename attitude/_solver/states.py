@@ -337,7 +337,16 @@ class Evaluation:
         if count <= BLOCK and count * length <= rows:
             # nothing to divide: one body at one epoch takes half the time without slices
             self._fill(range(first, first + count), t, out, (0, length))
-            return
+        else:
+            self._fill_in_blocks(t, out, rows, threads, first)
+
+    def _fill_in_blocks(
+        self, t: Seconds, out: Results, rows: int, threads: int, first: int
+    ) -> None:
+        """As `grid`, in pieces of work of so many rows at most."""
+        largest = out.columns if out.wxyz is None else out.wxyz
+        assert largest is not None
+        count, length = len(largest), t.hi.shape[1]
 
         def work(part: slice, epochs: tuple[int, int]) -> None:
             times = t.taken(part) if len(t.hi) > 1 else t
@@ -346,7 +355,7 @@ class Evaluation:
 
         # A piece of work is some milliseconds long, and writes to few pages of memory.
         span = evaluation.EPOCHS if out.columns is None else max(length, 1)
-        bar = ProgressBar("derivatives" if only_columns else "attitudes")
+        bar = ProgressBar("derivatives" if out.wxyz is None else "attitudes")
         in_rectangles(work, count, length, BLOCK, span, rows, threads, bar)
 
     def rows(
@@ -430,10 +439,10 @@ class Evaluation:
         solved = self.prepared(numbers, rates=rates)
         edges = None if isinstance(span, tuple) else span
         if out.wxyz is not None:
-            arrays = out.wxyz, out.rates
-            failed = _attitudes(solved, t, arrays, span)
+            failed = _attitudes(solved, t, out.wxyz, out.rates, span)
             if failed >= 0:
-                _attitudes(solved, self.reachable(failed, solved, numbers, t, edges), arrays, span)
+                times = self.reachable(failed, solved, numbers, t, edges)
+                _attitudes(solved, times, out.wxyz, out.rates, span)
         if out.columns is not None:
             tangents = self._tangents(solved, numbers)
             records, arrays = (solved.constants, tangents), (out.columns, out.rate_columns)
@@ -460,11 +469,10 @@ class Evaluation:
         return tangents
 
 
-def _attitudes(solved, t, arrays, span):
+def _attitudes(solved, t, wxyz, rates, span):
     """Fill attitudes and rates of a block of states; -1, or the number of a state with an epoch
     beyond its reach.
     """
-    wxyz, rates = arrays
     if isinstance(span, tuple):
         return evaluation.evaluate_all(solved.constants, t.hi, t.lo, wxyz, rates, *span)
     records = read_only(solved.constants)
