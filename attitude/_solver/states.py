@@ -38,7 +38,6 @@ _NONE: IntArray = np.zeros(0, dtype=np.int64)
 # ---- States, and their constants
 
 
-@dataclass(slots=True, eq=False)
 class Solved:
     """Constants of B states, and the arrays from which they were computed.
 
@@ -49,12 +48,20 @@ class Solved:
     bad: (K,), numbers of the states that are not physical.
     """
 
-    constants: NDArray[Any]
-    moments: FloatArray
-    omega: FloatArray
-    wxyz: FloatArray
-    principal: FloatArray
-    bad: IntArray
+    # written out: dataclass takes a millisecond of each import
+    __slots__ = "bad", "constants", "moments", "omega", "principal", "wxyz"
+
+    def __init__(
+        self,
+        constants: NDArray[Any],
+        moments: FloatArray,
+        omega: FloatArray,
+        wxyz: FloatArray,
+        principal: FloatArray,
+        bad: IntArray,
+    ) -> None:
+        self.constants, self.moments, self.omega = constants, moments, omega
+        self.wxyz, self.principal, self.bad = wxyz, principal, bad
 
     def prepared(self, numbers: range | IntArray, *, rates: bool = True) -> Solved:
         """Some of them; the constants have the series of the angular velocity."""
@@ -307,7 +314,6 @@ class Results(NamedTuple):
         return Results(*[None if array is None else function(array) for array in self])
 
 
-@dataclass(slots=True, eq=False)
 class Evaluation:
     """Attitudes and derivatives of states at epochs.
 
@@ -318,10 +324,16 @@ class Evaluation:
     near: as in `sensitivities.evaluate`.
     """
 
-    source: Source
-    label: Callable[[int], str] = lambda k: ""
-    raises: bool = True
-    near: bool = True
+    __slots__ = "label", "near", "raises", "source"
+
+    def __init__(
+        self,
+        source: Source,
+        label: Callable[[int], str] = lambda k: "",
+        raises: bool = True,
+        near: bool = True,
+    ) -> None:
+        self.source, self.label, self.raises, self.near = source, label, raises, near
 
     def grid(self, t: Seconds, out: Results, threads: int = 1, first: int = 0) -> None:
         """Fill results of B states, from number `first` on, at T epochs each; t (1 or B, T)."""
