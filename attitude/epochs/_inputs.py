@@ -177,16 +177,14 @@ def read(
     )
 
 
-def _scattered(
-    reader: Callable[..., Any], leaves: list[Any], shape: tuple[int, ...], name: str
-) -> tuple[FloatArray, FloatArray | None]:
+def _scattered(reader, leaves, shape, name):
     """The results of a reader in the shape given, NaN where masked.
 
     A reader takes a list and returns two arrays (or one and None) with its entries along the first
     axis.
     """
     values = [leaf for leaf in leaves if leaf is not np.ma.masked]
-    results: list[Any] = []
+    results = []
     for result in reader(values, name):
         if result is not None and len(values) < len(leaves):
             full = np.full((len(leaves), *result.shape[1:]), np.nan)

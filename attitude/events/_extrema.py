@@ -15,14 +15,13 @@ from attitude.events._channels import Fixed, axis_or_long, chord_squared, direct
 from attitude.events._search import Events, plain_span, plain_step, source_of, span
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
     from typing import TypeAlias
 
     from numpy.typing import ArrayLike
 
     from attitude._support.annotations import Epoch, EpochOrSeconds, FloatArray, Real, Reals
     from attitude.conditions._moments import Drift, Moment, Pair, SearchDirection
-    from attitude.epochs._instants import Instant
     from attitude.events._channels import AnyDirection
     from attitude.events._search import AnyMotion
     from attitude.motions._motion import RateBounds
@@ -264,14 +263,7 @@ def find_minima(
     return _extrema(start, stop, f, step, epoch, -1.0)
 
 
-def _extrema(
-    start: EpochOrSeconds,
-    stop: EpochOrSeconds,
-    f: Observable | ValueFunction,
-    step: Real | None,
-    epoch: Epoch | None,
-    sign: float,
-) -> Events:
+def _extrema(start, stop, f, step, epoch, sign):
     if not isinstance(f, Observable):
         if not callable(f):
             raise AttitudeError(
@@ -306,11 +298,7 @@ def _by_slope(
         yield Events(f.epoch, hi, lo, f(hi, lo))
 
 
-def _joined(
-    epoch: Instant | None,
-    found: Iterable[tuple[FloatArray, FloatArray, FloatArray]],
-    unit: str = "",
-) -> Events:
+def _joined(epoch, found, unit=""):
     parts = [Events(epoch, hi, lo, values) for hi, lo, values in found]
     return Events.joined(epoch, parts, float, unit)
 

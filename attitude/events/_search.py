@@ -90,14 +90,7 @@ def changes(
     return hi[order], lo[order], number[order], rising[order]
 
 
-def _blocks(
-    source: Source,
-    levels: Sequence[Level],
-    start: Pair,
-    stop: Pair,
-    spacing: float,
-    advance: Advance,
-) -> Iterator[Changes]:
+def _blocks(source, levels, start, stop, spacing, advance):
     """The changes between knots one spacing apart, block by block."""
     base = start
     while (remaining := difference(base, stop)) > 0.0:
@@ -116,14 +109,7 @@ def _blocks(
         base = stop if last else pairs.add(base, length)
 
 
-def _in_block(
-    source: Source,
-    level: Level,
-    base: Pair,
-    knots: FloatArray,
-    values: FloatArray,
-    signs: BoolArray,
-) -> tuple[FloatArray, BoolArray]:
+def _in_block(source, level, base, knots, values, signs):
     """Seconds from the base (N,) of the changes of a level, and whether each is one to True."""
     observable = level.observable
     step = knots[1] - knots[0]
@@ -147,9 +133,7 @@ def _in_block(
     return s, (brackets[2] < 0.0) == above
 
 
-def _sectioned(
-    sign: Callable[[FloatArray], BoolArray], knots: FloatArray, signs: BoolArray
-) -> tuple[FloatArray, BoolArray]:
+def _sectioned(sign, knots, signs):
     """The first change between samples of different sign, by sections of sixteen parts.
 
     A call for few epochs costs as much as one for hundreds.
@@ -228,14 +212,7 @@ def _part(found: Changes, first: int, last: int) -> Changes:
     return hi[chosen], lo[chosen], number[chosen], rising[chosen]
 
 
-def _open_parts(
-    conditions: Sequence[Condition],
-    channels: Sequence[Channel],
-    fast: Sequence[int],
-    found: Changes,
-    start: Pair,
-    stop: Pair,
-) -> Iterator[tuple[int, int, Pair, Pair, IntArray]]:
+def _open_parts(conditions, channels, fast, found, start, stop):
     """The parts of a span in which a condition is open, joined where the same channels decide it.
 
     Numbers of the first change after the begin and after the end of the part, begin and end, and
@@ -264,15 +241,7 @@ def _open_parts(
             yield a, b - 1, ends[a], ends[b], np.flatnonzero(need[:, a])
 
 
-def _merged(
-    source: Source,
-    channels: Sequence[Channel],
-    needed: IntArray,
-    begin: Pair,
-    end: Pair,
-    levelled: Changes,
-    advance: Advance,
-) -> Iterator[Changes]:
+def _merged(source, channels, needed, begin, end, levelled, advance):
     """The sign changes of some channels in a part, with those of levels, in order of time."""
     first = 0
     some = [channels[k] for k in needed]

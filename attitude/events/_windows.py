@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     from attitude.conditions._moments import Pair, Source
     from attitude.epochs._instants import Instant
     from attitude.events._channels import VectorFunction
-    from attitude.shape._mesh import FlatSide
 
 
 # ---- Rows of events with named columns: times, numbers with units, names; as tables and files
@@ -334,9 +333,7 @@ def _edges(column: TimetableColumn) -> FloatArray:
     return np.stack(np.broadcast_arrays(column.values, np.asarray(column.low, dtype=float)))
 
 
-def _of_edges(
-    epoch: Instant, begin: FloatArray, end: FloatArray, start: Pair, stop: Pair
-) -> Windows:
+def _of_edges(epoch, begin, end, start, stop):
     length = (end[0] - begin[0]) + (end[1] - begin[1])
     columns = {
         "begin": TimetableColumn(begin[0], "time", low=begin[1]),
@@ -578,9 +575,7 @@ def glints(
     return _rows(scene, [side for side, _ in chosen], conditions, windows)
 
 
-def _sides(
-    scene: Scene, names: Sequence[str] | None, fraction: float
-) -> list[tuple[FlatSide, float]]:
+def _sides(scene, names, fraction):
     """The flat sides with a lobe, and the half-widths of their lobes, rad."""
     source_of(scene)
     if not isinstance(scene, Scene) or not isinstance(scene.shape, Mesh):
@@ -624,9 +619,7 @@ def _visible(scene: Scene) -> list[Condition]:
     return more
 
 
-def _rows(
-    scene: Scene, sides: list[FlatSide], conditions: list[Condition], found: list[Windows]
-) -> Glints:
+def _rows(scene, sides, conditions, found):
     """The rows of all sides in order of time."""
     source = conditions[0].source
     tops, off = [], []
@@ -636,8 +629,7 @@ def _rows(
         begin, end = one.begin, one.end
 
         def nearness(seconds: FloatArray, channel: Any = mirrored) -> FloatArray:
-            value: FloatArray = channel.value(source.at(seconds, np.zeros(seconds.size)))
-            return value
+            return channel.value(source.at(seconds, np.zeros(seconds.size)))
 
         top = highest(nearness, begin, end)
         tops.append(top)

@@ -178,8 +178,7 @@ def _exact_matrix(frame: str) -> NDArray[Any]:
 @cache
 def _exact_in_pairs(frame: str) -> list[list[float]]:
     """The quaternion to ICRF as four pairs of floats."""
-    pairs: list[list[float]] = _pairs(_exact(frame)).tolist()
-    return pairs
+    return _pairs(_exact(frame)).tolist()
 
 
 def _sum(*terms: tuple[float, float], signs: tuple[int, ...]) -> tuple[float, float]:

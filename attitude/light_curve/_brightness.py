@@ -10,7 +10,7 @@ import numpy as np
 from attitude._support.arrays import read_only
 from attitude._support.blocks import ProgressBar, in_blocks
 from attitude.errors import AttitudeError
-from attitude.light_curve._few_facets import Packs, arranged, packs_of, summed_few_facets
+from attitude.light_curve._few_facets import arranged, packs_of, summed_few_facets
 from attitude.light_curve._sums import SIZE, WORD, aligned, clusters_of
 from attitude.light_curve._visibility import POINTS, Visibility
 from attitude.scattering._law import law as known_law
@@ -385,9 +385,7 @@ def _facet_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..
     return _times(clusters.area, kernel)
 
 
-def _few_kernel(
-    law: Law, rows: FloatArray, packs: Packs, table: Visibility | None
-) -> Callable[..., None]:
+def _few_kernel(law, rows, packs, table):
     """The sum over a mesh of few facets, all of which are evaluated."""
     from attitude.light_curve import _sums
 

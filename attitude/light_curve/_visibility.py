@@ -898,8 +898,7 @@ class Visibility:
         if not last or not np.array_equal(last[0][0], packs.order):
             arranged_masks = _few_facets.arranged(self.masks, packs, self.clusters.order)
             self._last[:] = last = [(packs.order, arranged_masks)]
-        words: NDArray[np.uint64] = last[0][1]
-        return words
+        return last[0][1]
 
     def is_of(self, mesh: Mesh) -> bool:
         """Whether the table, which may have been unpickled, belongs to a mesh.
@@ -946,13 +945,7 @@ def plane_filling(
     return (first + k / plastic) % 1.0, (second + k / plastic**2) % 1.0
 
 
-def _painted(
-    mesh: Mesh,
-    clusters: Clusters,
-    resolution: int,
-    threads: int,
-    progress: Callable[[int, int], object] | None,
-) -> NDArray[np.uint8]:
+def _painted(mesh, clusters, resolution, threads, progress):
     """The masks of a `Visibility`."""
     from attitude._support.blocks import in_blocks
 

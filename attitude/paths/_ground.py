@@ -84,8 +84,7 @@ class _Earth:
 
     def to_gcrs(self, intermediate: FloatArray) -> FloatArray:
         """Vectors (3, N) of the terrestrial intermediate frame over GCRS."""
-        vectors: FloatArray = to_gcrs(self.x, self.y, self.angle, intermediate)
-        return vectors
+        return to_gcrs(self.x, self.y, self.angle, intermediate)
 
 
 def _earth_at(hi: FloatArray, lo: FloatArray, long_term: bool, name: str) -> _Earth:

@@ -74,9 +74,7 @@ class _States(MessageRows):
         self.states: list[FloatArray] = []
         self.line: int = 0
 
-    def add(
-        self, leads: Sequence[Sequence[bytes]], values: FloatArray, lines: Sequence[int]
-    ) -> None:
+    def add(self, leads, values, lines):
         """Add N states."""
         finite = np.isfinite(values).all(axis=1)
         if not np.all(finite):

@@ -338,9 +338,7 @@ class Path(Place):
         """Positions (3, N) at finite epochs instant + hi + lo."""
         return self._state(instant, hi, lo)[0]
 
-    def _state(
-        self, instant: Instant, hi: FloatArray, lo: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
+    def _state(self, instant, hi, lo):
         """Positions and velocities (3, N) at finite epochs instant + hi + lo."""
         raise NotImplementedError(f"{type(self).__name__} defines no _state")
 

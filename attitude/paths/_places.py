@@ -151,14 +151,7 @@ def is_code(text: str) -> bool:
 # ---- Text
 
 
-def _of_text(
-    text: str,
-    name: str,
-    of: str | int | None,
-    is_observer: bool,
-    ephemeris: EphemerisLike,
-    folder: str,
-) -> Place:
+def _of_text(text, name, of, is_observer, ephemeris, folder):
     path = os.path.join(folder, os.path.expanduser(text)) if len(text) < 1000 else ""
     stripped = text.strip()
     if is_observer and is_code(stripped):

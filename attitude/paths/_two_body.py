@@ -179,7 +179,6 @@ class Kepler(Immutable, Path):
         return 2.0 * math.pi * axis * math.sqrt(axis / self.gm)
 
     def _state(self, instant, hi, lo):
-
         position, velocity = np.empty((3, hi.size)), np.empty((3, hi.size))
         orbit = self.pericenter_distance, self.eccentricity, self.gm, self.basis
         at = read_only(hi), read_only(lo), *since(instant, self.pericenter)

@@ -392,8 +392,7 @@ class LightCurve(Immutable):
                 "magnitude; leave these points out, or add the background that was taken off too "
                 "much."
             )
-        magnitude: FloatArray = -2.5 * np.log10(self.value)
-        return magnitude
+        return -2.5 * np.log10(self.value)
 
     @property
     def magnitude_sigma(self) -> FloatArray:
@@ -698,15 +697,7 @@ def _listed(words: Sequence[str]) -> str:
     return quoted(", ".join(map(repr, words)), 120, "")
 
 
-def _without_twice(
-    start: Instant,
-    t: FloatArray,
-    named: Sequence[tuple[tuple[str, ...], IntArray]],
-    values: FloatArray,
-    errors: FloatArray,
-    labels: Sequence[str] | None,
-    notes: list[str],
-) -> tuple[IntArray, FloatArray, FloatArray]:
+def _without_twice(start, t, named, values, errors, labels, notes):
     """Rows (M,) of distinct epochs in time order, and their values and errors.
 
     Points of one epoch, session, filter and site are weighted means; exact repeats count once.
@@ -742,9 +733,7 @@ def _without_twice(
 # ---- The geometry
 
 
-def _vectors(
-    sun: Any, observer: Any, frame: str, rows: IntArray, count: int, notes: list[str]
-) -> tuple[FloatArray, FloatArray] | None:
+def _vectors(sun, observer, frame, rows, count, notes):
     """Vectors (M, 3) to Sun and observer that are given, m, ICRF, of some of `count` rows."""
     turn = frames.matrix_to_icrf(frame)
     if sun is None and observer is None:
@@ -789,13 +778,7 @@ def _doubt_frame(frame: str, to_sun: FloatArray, notes: list[str]) -> None:
         )
 
 
-def _scenes(
-    has_vectors: bool,
-    scene: Scene | None,
-    path: Any,
-    places: dict[str, Any],
-    sites: tuple[str, ...],
-) -> dict[str, Scene]:
+def _scenes(has_vectors, scene, path, places, sites):
     """The scene of each site; empty where the geometry is given as vectors, or not at all."""
     from attitude.scene._scene import Scene
 
@@ -808,7 +791,7 @@ def _scenes(
         return dict.fromkeys(sites, scene)
     if path is None:
         return {}
-    body: Any = _places.place(path, "path")
+    body = _places.place(path, "path")
     return {name: Scene(None, body, _place(name, places)) for name in sites}
 
 
@@ -830,14 +813,7 @@ def _place(name: str, places: dict[str, Any]) -> Any:
         ) from None
 
 
-def _of_scenes(
-    scenes: dict[str, Scene],
-    sites: tuple[str, ...],
-    site: IntArray,
-    epoch: Instant,
-    t: FloatArray,
-    time_of: str,
-) -> tuple[tuple[FloatArray, FloatArray], FloatArray]:
+def _of_scenes(scenes, sites, site, epoch, t, time_of):
     """Vectors (N, 3) to Sun and observer, m, ICRF, and seconds (N,) of reception."""
     sun, observer, received = np.empty((len(t), 3)), np.empty((len(t), 3)), np.array(t)
     for number, name in enumerate(sites):

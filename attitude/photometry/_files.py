@@ -233,9 +233,7 @@ def _julian_fault(text: str, offset: float) -> str | None:
     return None
 
 
-def _times(
-    rows: Sequence[RawPoint], scale: str | None, offset: float
-) -> tuple[Any, list[int], list[BadRow]]:
+def _times(rows, scale, offset):
     """Epochs of rows, the numbers of the rows whose dates can be read, and the others."""
     everything = list(range(len(rows)))
     if not rows:
@@ -720,9 +718,7 @@ def _numbers(values: Sequence[str], key: str, keywords: Keywords, name: str) -> 
         ) from None
 
 
-def _of_sky(
-    times: Any, ra: FloatArray, dec: FloatArray, delta: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+def _of_sky(times, ra, dec, delta):
     """Vectors from the body, m, ICRF, from its place in the sky of the Earth's centre."""
     t = _inputs.seconds_since(_J2000, times).rounded
     a, d = np.radians(ra), np.radians(dec)

@@ -148,9 +148,7 @@ def fold(
     return _samples.settled(data, folded, lambda each: each.series)
 
 
-def _folded(
-    data: Samples, periods: FloatArray, numbers: Any, epoch: Epoch | Real | None, refine: bool
-) -> Folded:
+def _folded(data, periods, numbers, epoch, refine):
     if refine:
         series = _spectrum.refined(data, 1.0 / periods, numbers)
         periods = 1.0 / series.frequencies

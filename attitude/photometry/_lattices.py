@@ -101,14 +101,12 @@ def _same(one: PeriodCandidate, other: PeriodCandidate, near: float) -> bool:
     )
 
 
-def _of_series(
-    rank: int, left: float, series: RefinedSeries, resolution: float
-) -> list[PeriodCandidate]:
+def _of_series(rank, left, series, resolution):
     power = series.amplitudes**2
     power = power / power.sum()
     f = series.frequencies
-    candidates: list[PeriodCandidate] = []
-    seen: set[tuple[float, ...]] = set()
+    candidates = []
+    seen = set()
     for main in np.argsort(-power)[:_TRIED]:
         for a in _HALVES:
             for b in _HALVES:
@@ -126,14 +124,7 @@ def _of_series(
     return candidates
 
 
-def _in_modes(
-    series: RefinedSeries,
-    power: FloatArray,
-    phi: FloatArray,
-    psi: FloatArray,
-    explained: float,
-    rank: int,
-) -> list[PeriodCandidate]:
+def _in_modes(series, power, phi, psi, explained, rank):
     """The candidates of a basis: phi and psi are 1/P_phi of convention L and 1/P_psi in f1, f2."""
     determinant = phi[0] * psi[1] - phi[1] * psi[0]
     if abs(determinant) < 0.1:
@@ -164,9 +155,7 @@ def _in_modes(
     return modes
 
 
-def _likeness(
-    power: FloatArray, places: list[tuple[int, int] | None], mean: dict[tuple[int, int], float]
-) -> float:
+def _likeness(power, places, mean):
     """How lines resemble those of the mean body, or of one that has a dominant line."""
     expected = np.array([0.0 if one is None else mean.get(one, _OTHER) for one in places])
     likeness = float(np.sum(np.sqrt(power * expected)))

@@ -222,9 +222,7 @@ def shortest(data: Samples, order: int) -> float:
     return min(_NYQUIST * float(np.median(steps[steps > 0.0])) * order, 0.25 * data.span)
 
 
-def _fourier(
-    data: Samples, frequency: FloatArray, order: int, y: FloatArray, engine: str
-) -> FloatArray:
+def _fourier(data, frequency, order, y, engine):
     """The share of the variance explained, by astropy's LombScargle."""
     from astropy.timeseries import LombScargle
 

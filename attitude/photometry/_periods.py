@@ -429,16 +429,7 @@ def _significant(found: Periods) -> _spectrum.RefinedSeries | None:
     return found._series(0)
 
 
-def _one(
-    data: Samples,
-    bounds: tuple[Real | None, Real | None],
-    order: int,
-    method: str,
-    bins: int,
-    engine: str,
-    kept: int,
-    seed: int,
-) -> Periods:
+def _one(data, bounds, order, method, bins, engine, kept, seed):
     scanned = _periodogram.scan(data, bounds, order, method, bins, engine, seed)
     peaks = tuple(
         Peak((f,), (error,), left, words)
@@ -457,16 +448,7 @@ def _one(
     )
 
 
-def _two(
-    data: Samples,
-    low: tuple[int, int],
-    high: tuple[int, int],
-    number: int,
-    is_additive: bool,
-    kept: int,
-    seed: int,
-    progress: Callable[[int, int], None] | None,
-) -> Periods:
+def _two(data, low, high, number, is_additive, kept, seed, progress):
     numbers = _numbers(number, 2, is_additive)
     if len(data.t) <= data.linear + 2 * len(numbers) + 2:
         raise AttitudeError(
@@ -549,9 +531,7 @@ def _refuse_many(low: tuple[int, int], high: tuple[int, int]) -> None:
         )
 
 
-def _refined(
-    data: Samples, scan: _spectrum.BestPairs, numbers: Any, count: int, bounds: _Bounds
-) -> tuple[Peak, ...]:
+def _refined(data, scan, numbers, count, bounds):
     size = OVERSAMPLING * data.span
     total = float(np.sum((data.weights * data.detrended) ** 2))
     closest = 0.3 / data.span
@@ -561,7 +541,7 @@ def _refined(
         for pair in zip(scan.first, scan.second, strict=True)
     ]
     rough.sort(key=lambda each: each.chi_squared)
-    rows: list[tuple[str, float, FloatArray, FloatArray]] = []
+    rows = []
     for peak in rough[: 2 * count]:
         best = _spectrum.refined(data, peak.frequencies, numbers, steps=_STEPS)
         f = np.abs(best.frequencies)
@@ -574,7 +554,7 @@ def _refined(
         if is_inside and f[0] > closest and all(np.abs(f - row[2]).max() > closest for row in rows):
             rows.append((_slow_line(best, data.span), best.chi_squared / total, f, errors))
     rows.sort(key=lambda row: (row[0] != "", row[1]))
-    pairs: list[Peak] = []
+    pairs = []
     for slow, left, f, errors in rows[:count]:
         words = slow or _relation(f, pairs, closest)
         pairs.append(Peak(tuple(f.tolist()), tuple(errors.tolist()), left, words))

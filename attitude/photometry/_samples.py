@@ -109,8 +109,7 @@ class Samples:
         weights = self.weights**2
         total = np.bincount(self.curve, weights)
         mean = np.bincount(self.curve, weights * self.values) / total
-        differences: FloatArray = self.values - mean[self.curve]
-        return differences
+        return self.values - mean[self.curve]
 
 
 def is_plain(given: Any) -> bool:

@@ -92,8 +92,7 @@ class SeriesFit(Immutable):
             )
         angles = _angles(seconds.reshape(-1), self.start, self.P_psi, self.P_phi, self.numbers)
         wave = np.cos(angles) @ self.cosines + np.sin(angles) @ self.sines
-        model: FloatArray = wave.reshape(seconds.shape) + self.offsets[curves]
-        return model
+        return wave.reshape(seconds.shape) + self.offsets[curves]
 
     @property
     def amplitudes(self) -> FloatArray:
@@ -233,9 +232,7 @@ class _Data:
                 "lower order."
             )
 
-    def solved(
-        self, psi: float, phi: float, numbers: IntArray
-    ) -> tuple[FloatArray, FloatArray, int]:
+    def solved(self, psi, phi, numbers):
         """Coefficients, residuals and rank of the least-squares fit; frequencies in Hz."""
         matrix = self._matrix(psi, phi, numbers)
         least, _, rank, _ = np.linalg.lstsq(
@@ -250,12 +247,10 @@ class _Data:
         return np.concatenate([constants, np.cos(angles), np.sin(angles)], axis=1)
 
 
-def _angles(
-    t: FloatArray, start: float, P_psi: float, P_phi: float, numbers: IntArray
-) -> FloatArray:
+def _angles(t, start, P_psi, P_phi, numbers):
     """Angles (N, K) of the lines in rad; turns are reduced before they are multiplied by 2 pi."""
     turns = np.outer((t - start) / P_phi, numbers[:, 0]) + np.outer(
         (t - start) / P_psi, numbers[:, 1]
     )
-    reduced: FloatArray = turns - np.rint(turns)
+    reduced = turns - np.rint(turns)
     return 2.0 * np.pi * reduced

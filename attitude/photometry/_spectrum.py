@@ -345,7 +345,7 @@ def _enter(cells, edges, a, b, gain):
 
 def _peaks(first, second, gain, keep):
     """Numbers of the best pairs, no two of them neighbours on the grid."""
-    used: set[tuple[int, int]] = set()
+    used = set()
     chosen = []
     for p in np.argsort(-gain, kind="stable"):
         a, b = int(first[p]), int(second[p])
@@ -408,8 +408,7 @@ class RefinedSeries:
     @property
     def errors(self) -> FloatArray:
         """Standard errors (D,) of the frequencies, Hz."""
-        deviations: FloatArray = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
-        return deviations
+        return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
 
     @property
     def amplitudes(self) -> FloatArray:
@@ -425,10 +424,7 @@ class RefinedSeries:
         """The sum of the lines (of those chosen by a mask) at seconds t, without zero points."""
         angles = _angles(t, self.start, self.frequencies, self.numbers)
         keep = np.ones(len(self.numbers)) if chosen is None else chosen
-        sums_of: FloatArray = np.cos(angles) @ (self.cosines * keep) + np.sin(angles) @ (
-            self.sines * keep
-        )
-        return sums_of
+        return np.cos(angles) @ (self.cosines * keep) + np.sin(angles) @ (self.sines * keep)
 
 
 def refined(
@@ -523,8 +519,7 @@ def bootstrap(samples: Samples, found: RefinedSeries, draws: int, seed: int) -> 
 def _angles(t: FloatArray, start: float, frequencies: FloatArray, numbers: IntArray) -> FloatArray:
     """Angles (N, K) of the lines, rad; turns are reduced before they are multiplied by 2 pi."""
     turns = np.multiply.outer(t - start, numbers @ frequencies)
-    radians: FloatArray = 2.0 * np.pi * (turns - np.rint(turns))
-    return radians
+    return 2.0 * np.pi * (turns - np.rint(turns))
 
 
 def _solved(samples, f, numbers, start, weights):

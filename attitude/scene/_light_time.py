@@ -165,7 +165,7 @@ class Sightline(Path):
 
     def _near(self, instant, hi, lo):
         """As `_far`, by the series for near targets."""
-        known: list[FloatArray] = []
+        known = []
 
         def vectors_at(light, emitted):
             if light is None:

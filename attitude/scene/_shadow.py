@@ -63,14 +63,7 @@ def free_share(
 class _Outlines:
     """The outlines of K discs and of a spheroid."""
 
-    def __init__(
-        self,
-        center: FloatArray,
-        radius: float,
-        disc: FloatArray,
-        half_angle: FloatArray,
-        stretch: float,
-    ) -> None:
+    def __init__(self, center, radius, disc, half_angle, stretch):
         self.scale = np.array([1.0, 1.0, stretch])
         self.disc, self.half_angle = disc, half_angle
         self.right, self.up = _axes(disc)
@@ -127,8 +120,7 @@ class _Outlines:
         at = (slice(None), rows, *more)
         sine, cosine = (f(self.half_angle[rows])[(slice(None), *more)] for f in (np.sin, np.cos))
         across = self.right[at] * np.cos(phi) + self.up[at] * np.sin(phi)
-        points: FloatArray = self.disc[at] * cosine + across * sine
-        return points
+        return self.disc[at] * cosine + across * sine
 
     def _depth(self, rows, phi: FloatArray) -> FloatArray:
         """Positive where the outlines of the discs `rows` (R,) are covered, for phi (R, ...)."""
@@ -140,14 +132,12 @@ class _Outlines:
         # The sine of the angle by which the point is inside of the limb, times the length.
         off = np.sqrt(np.sum(across * across, axis=0))
         sine, cosine = (array[rows][(slice(None), *more)] for array in (self.sine, self.cosine))
-        depths: FloatArray = sine * along - cosine * off
-        return depths
+        return sine * along - cosine * off
 
     def _is_in_disc(self, rows) -> BoolArray:
         """Whether a point of the limb is inside of the discs `rows`."""
         point = self._limb(rows, np.zeros(len(rows)))[0]
-        inside: BoolArray = np.hypot(*self._projected(rows, point)) < self._disc_radius()[rows]
-        return inside
+        return np.hypot(*self._projected(rows, point)) < self._disc_radius()[rows]
 
     def _limb(self, rows, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Unit vectors (3, R, ...) to points of the limb, and their derivatives by theta."""
@@ -188,9 +178,7 @@ class _Outlines:
         # The factor of the projection is the same for x and y: its change cancels.
         return 0.5 * length * (((x * dy - y * dx) / (1.0 + z)) @ _WEIGHTS)
 
-    def _between_crossings(
-        self, phi: FloatArray, depth: FloatArray, enters: BoolArray, leaves: BoolArray
-    ) -> FloatArray:
+    def _between_crossings(self, phi, depth, enters, leaves):
         """Areas (K,) bounded by arcs of the outlines and of the limbs; 0 without crossings."""
         area = np.zeros(len(phi))
         rows, _ = np.nonzero(enters)
@@ -212,8 +200,7 @@ class _Outlines:
         """The angle on the limb at crossings of the outlines at phi."""
         seen = self._outline(rows, phi) * self.scale[:, None]
         y, x = (np.sum(seen * axis[:, rows], axis=0) for axis in (self.limb_up, self.limb_right))
-        angles: FloatArray = np.arctan2(y, x)
-        return angles
+        return np.arctan2(y, x)
 
     def _crossings(self, phi: FloatArray, depth: FloatArray, where: BoolArray) -> FloatArray:
         """Angles of the crossings between marked samples and the next, by row, ascending."""
@@ -333,9 +320,7 @@ def lit_fraction(
     return shares
 
 
-def _limb_and_distance(
-    to_occulter: FloatArray, radius: float, sun: FloatArray, flattening: float
-) -> tuple[FloatArray, FloatArray]:
+def _limb_and_distance(to_occulter, radius, sun, flattening):
     """Angular radius of the occulter and angle from its centre to the Sun, in stretched space."""
     from attitude.scene._angles import between
 
@@ -352,8 +337,7 @@ def _limb_and_distance(
 
 def _angular_radius(radius: float, distance: FloatArray) -> FloatArray:
     """The angular radius of a sphere, rad."""
-    angles: FloatArray = np.arctan2(radius, np.sqrt((distance - radius) * (distance + radius)))
-    return angles
+    return np.arctan2(radius, np.sqrt((distance - radius) * (distance + radius)))
 
 
 def flattening_of(body: str, radius: float) -> float:

@@ -361,21 +361,12 @@ class View(Immutable):
         hi, lo = self.emission
         return hi, _NO_LOW if lo is None else lo
 
-    def _sight(
-        self,
-        target: Place | str | None,
-        viewer: Place | None,
-        *,
-        emitted: bool = False,
-        geometric: bool = False,
-        sign: float = 1.0,
-    ) -> LineOfSight:
+    def _sight(self, target, viewer, *, emitted=False, geometric=False, sign=1.0):
         """The line from a viewer, at reception or emission, to a target; opposite for -1.0."""
         # A Scene without a center has directions only, which have lines of their own.
         assert isinstance(target, (Path, str)) and isinstance(viewer, Path)
         scene, (hi, lo) = self.scene, self._emission() if emitted else self._reception()
         some = self._emission_sample if emitted else self._reception_sample
-        path: Path
         if scene.light_time and not geometric:
             path = Sightline(scene.steps(target, viewer), some)
         else:

@@ -15,8 +15,6 @@ from attitude.shape._ellipsoid import Ellipsoid
 from attitude.shape._mesh import Mesh
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from attitude._support.annotations import FloatArray
 
 # Facets of an ellipsoid.
@@ -144,9 +142,7 @@ def _normal(shape: Any, name: str) -> tuple[Mesh, FloatArray, FloatArray]:
     return mesh, semi_axes / np.prod(semi_axes) ** (1.0 / 3.0), columns
 
 
-def _best(
-    counted: Callable[[FloatArray], float], start: FloatArray, size: float, most: int
-) -> FloatArray:
+def _best(counted, start, size, most):
     """The turn near a start by which the common volume is largest.
 
     `size` is that of the first steps, rad, `most` the number of turns tried.
@@ -155,8 +151,7 @@ def _best(
     from scipy.spatial.transform import Rotation
 
     def turned(vector: FloatArray) -> FloatArray:
-        rotated: FloatArray = Rotation.from_rotvec(vector).as_matrix() @ start
-        return rotated
+        return Rotation.from_rotvec(vector).as_matrix() @ start
 
     simplex = np.concatenate([np.zeros((1, 3)), size * np.eye(3)])
     options = {"initial_simplex": simplex, "xatol": 1e-4, "fatol": 1e-7, "maxfev": most}
@@ -234,15 +229,13 @@ def _points_in(mesh: Mesh) -> FloatArray:
     # Displaced, so that no line along z passes through an edge of a body with symmetries.
     places = (qmc.Sobol(3, scramble=False).random_base2(count) + np.sqrt([0.2, 0.3, 0.5])) % 1.0
     points = low + (high - low) * places
-    inside: FloatArray = points[_inside(mesh, points)]
-    return inside
+    return points[_inside(mesh, points)]
 
 
 def _height(corners: FloatArray, vector: FloatArray, x: FloatArray, y: FloatArray) -> FloatArray:
     """z of the plane of a triangle (3, 3) with a normal (3,) at x, y."""
     rise = vector[0] * (x - corners[0, 0]) + vector[1] * (y - corners[0, 1])
-    height: FloatArray = corners[0, 2] - rise / vector[2]
-    return height
+    return corners[0, 2] - rise / vector[2]
 
 
 def _filled(mesh: Mesh, count: int) -> tuple[list[FloatArray], Any]:

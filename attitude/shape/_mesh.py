@@ -73,8 +73,7 @@ def height_errors(corners: FloatArray, points: FloatArray, rounding: float) -> F
     share_b = np.sum(np.cross(points - a, c - a) * normal, axis=-1) / square
     share_c = np.sum(np.cross(b - a, points - a) * normal, axis=-1) / square
     factors = 1.0 + np.abs(1.0 - share_b - share_c) + np.abs(share_b) + np.abs(share_c)
-    errors: FloatArray = np.sqrt(3.0) * rounding * factors
-    return errors
+    return np.sqrt(3.0) * rounding * factors
 
 
 # ---- How triangles are joined along their edges, and which facets are at fault
@@ -235,9 +234,7 @@ def is_convex(
     return abs(winding_number(np.zeros(3), corners) - 1.0) < 0.5
 
 
-def _edges_are_ridges(
-    corners: FloatArray, normals: FloatArray, mates: IntArray, bound: float, rounding: float
-) -> bool:
+def _edges_are_ridges(corners, normals, mates, bound, rounding):
     """Whether the far corner of each neighbour of a facet is below its plane, or `bound` above."""
     for begin in range(0, len(mates), _BLOCK):
         block = slice(begin, begin + _BLOCK)
@@ -251,9 +248,7 @@ def _edges_are_ridges(
     return True
 
 
-def _all_below(
-    corners: FloatArray, normals: FloatArray, depth: FloatArray, bound: float, rounding: float
-) -> bool:
+def _all_below(corners, normals, depth, bound, rounding):
     """The definition itself, O(F^2), for bodies so flat that their middle is in their surface."""
     points = np.unique(corners.reshape(-1, 3), axis=0)
     step = max(1, _BLOCK // len(points))
@@ -333,9 +328,7 @@ def about_center(
     return MassProperties(density * measure, origin + mean, (inertia + inertia.T) / 2.0)
 
 
-def _outer(
-    weight: FloatArray, a: FloatArray, b: FloatArray, c: FloatArray, total: FloatArray
-) -> FloatArray:
+def _outer(weight, a, b, c, total):
     """Sum over facets of weight times (a a^T + b b^T + c c^T + total total^T)."""
     return sum(np.einsum("f,fi,fj->ij", weight, v, v) for v in (a, b, c, total))
 
@@ -822,13 +815,7 @@ class Mesh(Immutable):
         return about_center(filling, *solid_moments(corners), self._middle)
 
 
-def _remade(
-    vertices: FloatArray,
-    facets: IntArray,
-    materials: tuple[str, ...],
-    open: bool,
-    rounding: float,
-) -> Mesh:
+def _remade(vertices, facets, materials, open, rounding):
     """The mesh that was pickled."""
     return Mesh(vertices, facets, materials, open=open).with_rounding(rounding)
 
@@ -907,7 +894,7 @@ def _place(groups, material, place):
 
 def _named(found):
     """The sides with their names."""
-    counts: dict[str, int] = {}
+    counts = {}
     alone = {material: sum(side[0] == material for side in found) == 1 for material, *_ in found}
     for material, normal, area, facets in found:
         counts[material] = counts.get(material, 0) + 1

@@ -54,7 +54,6 @@ if TYPE_CHECKING:
         EpochOrSeconds,
         Epochs,
         FloatArray,
-        IntArray,
         Real,
         Reals,
     )
@@ -93,12 +92,7 @@ class Change(Valued):
     frame: str
     _value: tuple[str, ...] = ("at", "angular_momentum", "frame")
 
-    def _set_change(
-        self,
-        at: EpochOrSeconds | Trigger,
-        angular_momentum: Reals | MomentumFunction,
-        frame: str,
-    ) -> None:
+    def _set_change(self, at, angular_momentum, frame):
         """Check and keep the attributes, while the object is constructed."""
         self._set("at", at)
         self._set("frame", frame if frame == "body" else frames.known(frame))
@@ -281,9 +275,7 @@ class FreeArc:
         state = body.moments_as_pairs[None], wxyz[None], body.principal_wxyz[None]
         self._sensitivity = sensitivities.Sensitivity(*state, self._constants)
 
-    def _evaluate(
-        self, seconds: FloatArray, low: FloatArray | None, order: int
-    ) -> list[FloatArray]:
+    def _evaluate(self, seconds, low, order):
         """Attitude and angular velocity at one epoch."""
         wxyz, omega = np.empty((1, 4, 1)), np.empty((1, 3, 1))
         evaluation.evaluate(self._constants, *pairs.Seconds(seconds, low).row, wxyz, omega)
@@ -364,13 +356,7 @@ class ChainedSensitivity(Derivatives):
             maps.append(after)
         return self._chained(maps, seconds, low, rates)
 
-    def _chained(
-        self,
-        maps: Sequence[FloatArray],
-        seconds: FloatArray,
-        low: FloatArray | None,
-        rates: bool,
-    ) -> tuple[FloatArray, FloatArray | None]:
+    def _chained(self, maps, seconds, low, rates):
         """Changes (S, 3, P) of attitude and rates from those (9, P) of each arc's first state."""
         t, t_low = pairs.Seconds(seconds, low).flat
         width = maps[0].shape[1]
@@ -391,9 +377,7 @@ class ChainedSensitivity(Derivatives):
         """Changes (6, 5) of angular velocity and moments with the elements of the first arc."""
         return self._arcs[0]._sensitivity.by_elements()
 
-    def _on_arc(
-        self, k: int, high: FloatArray, low: FloatArray, rates: bool
-    ) -> tuple[FloatArray, FloatArray | None]:
+    def _on_arc(self, k, high, low, rates):
         """The columns (n, 3, 9) by the first state of an arc."""
         return self._arcs[k]._sensitivity.at(*_since(self._starts[k], high, low), rates)
 
@@ -429,9 +413,7 @@ class ChainedSensitivity(Derivatives):
             product -= np.outer(self._rate(k + 1, matrix, after, end), later)
         return product
 
-    def _delay(
-        self, event: Trigger, end: FloatArray, wxyz: FloatArray, omega: FloatArray
-    ) -> FloatArray:
+    def _delay(self, event, end, wxyz, omega):
         """The change (3,) of the time of an event with the attitude then."""
         values = []
         for turn in _STEP * np.concatenate([np.zeros((1, 3)), np.eye(3), -np.eye(3)]):
@@ -442,8 +424,7 @@ class ChainedSensitivity(Derivatives):
             values.append(event.values(history))
         gradient = np.array([float(value[0]) for value in values[1:]])
         slopes = (gradient[:3] - gradient[3:]) / (2.0 * _STEP)
-        delay: FloatArray = -slopes / float(values[0][1])
-        return delay
+        return -slopes / float(values[0][1])
 
     def _state(self, k: int, end: FloatArray) -> list[FloatArray]:
         """Attitude and angular velocity on arc k at an epoch (2,)."""
@@ -459,9 +440,7 @@ class ChainedSensitivity(Derivatives):
         return np.concatenate([matrix @ omega, acceleration, np.zeros(3)])
 
 
-def _numbers_of_arcs(
-    starts: FloatArray, seconds: FloatArray, low: FloatArray
-) -> tuple[FloatArray, FloatArray, IntArray]:
+def _numbers_of_arcs(starts, seconds, low):
     """Epochs (S,) in normalised pairs, and the numbers of the arcs that they lie on."""
     arcs = np.zeros(seconds.size, dtype=np.int64)
     with np.errstate(invalid="ignore", over="ignore"):
@@ -631,8 +610,7 @@ class Arcs(Differentiable):
 
     def _with(self, body: Body, spin: Spin) -> Arcs:
         constructor, (_, _, *others) = self.__reduce__()
-        other: Arcs = constructor(body, spin, *others)
-        return other
+        return constructor(body, spin, *others)
 
     def __reduce__(self) -> tuple[Any, ...]:
         if not self.torques:
@@ -882,9 +860,7 @@ class Arcs(Differentiable):
         self._set("_starts", frozen(starts))
         self._set("joints", frozen(starts[1:, 0].copy()))
 
-    def _time_of(
-        self, change: Change, times: Sequence[Pair | None], start: float, name: str
-    ) -> Pair:
+    def _time_of(self, change, times, start, name):
         """The time of a change, the first one, or where its trigger first fires behind a start."""
         time = times[0]
         if time is None:
@@ -901,18 +877,7 @@ class Arcs(Differentiable):
         """The history of the epoch of a change while only the arcs before it are known."""
         return self.at(time[0]) if time[1] == 0.0 else self.at(time[0], time[1])
 
-    def _join(
-        self,
-        change: Change,
-        added: FloatArray,
-        body: Body,
-        time: Pair,
-        *,
-        start: FloatArray,
-        record: Any,
-        q: FloatArray,
-        w: FloatArray,
-    ) -> Body:
+    def _join(self, change, added, body, time, *, start, record, q, w):
         """Carry the state q, w from the start of an arc over its end, in place; the next body."""
         from attitude._solver.chains import change_axes, exchange, flow, strike
 
@@ -935,9 +900,7 @@ class Arcs(Differentiable):
 
     # ---- Evaluation
 
-    def _evaluate(
-        self, seconds: FloatArray, low: FloatArray | None, order: int
-    ) -> list[FloatArray]:
+    def _evaluate(self, seconds, low, order):
         if self._torqued:
             return self._evaluate_torqued(seconds, low, order)
         shape = seconds.shape
@@ -966,9 +929,7 @@ class Arcs(Differentiable):
             answers.append(self.angular_acceleration_at(seconds, low, angular_velocity=answers[1]))
         return answers
 
-    def _evaluate_torqued(
-        self, seconds: FloatArray, low: FloatArray | None, order: int
-    ) -> list[FloatArray]:
+    def _evaluate_torqued(self, seconds, low, order):
         times = pairs.Seconds(seconds, low).flat
         high, remainder, numbers = _numbers_of_arcs(self._starts, *times)
         answers = [np.empty((high.size, width)) for width in (4, 3, 3)[: max(order, 1) + 1]]

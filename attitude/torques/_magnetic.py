@@ -80,9 +80,7 @@ class _FunctionField(MagneticField):
     def __init__(self, function: FieldFunction) -> None:
         self._set("function", function)
 
-    def at(
-        self, instant: Instant, seconds: FloatArray, low: FloatArray, position: FloatArray
-    ) -> FloatArray:
+    def at(self, instant, seconds, low, position):
         values = np.asarray(self.function(seconds, position), dtype=np.float64)
         if values.shape != position.shape or not np.all(np.isfinite(values)):
             raise AttitudeError(
@@ -120,8 +118,7 @@ class DipoleField(MagneticField):
         r = np.sqrt(np.sum(position * position, axis=-1, keepdims=True))
         u = position / r
         along = np.sum(u * self.moment, axis=-1, keepdims=True)
-        strength: FloatArray = _MU_0_OVER_4_PI / r**3 * (3.0 * along * u - self.moment)
-        return strength
+        return _MU_0_OVER_4_PI / r**3 * (3.0 * along * u - self.moment)
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -176,8 +173,7 @@ class IGRF(MagneticField):
         # Earth-fixed axes over ICRF: (axis, component, K)
         axes = _ground.axes_to_celestial(hi, lo)
         fixed = np.einsum("ack,kc->ka", axes, position)
-        turned: FloatArray = np.einsum("ack,ka->kc", axes, _gradient(fixed, numbers, self.degree))
-        return turned
+        return np.einsum("ack,ka->kc", axes, _gradient(fixed, numbers, self.degree))
 
     def span(self, instant: Instant) -> tuple[float, float]:
         """First and last TDB seconds since an instant that the coefficients cover."""
@@ -208,8 +204,7 @@ def _coefficients_in(years: FloatArray) -> FloatArray:
         )
     place = np.clip(np.searchsorted(known, years, side="right") - 1, 0, len(known) - 2)
     share = ((years - known[place]) / (known[place + 1] - known[place]))[:, None, None]
-    numbers: FloatArray = table[place] * (1.0 - share) + table[place + 1] * share
-    return numbers
+    return table[place] * (1.0 - share) + table[place + 1] * share
 
 
 # m: reference radius of the model
@@ -530,8 +525,7 @@ class EddyCurrent(_InField):
 
     def sample(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
         """The field in T and its rate of change in T/s along the path, ICRF axes: (K, 6)."""
-        values: FloatArray = self._on_path.at(instant, seconds, low)
-        return values
+        return self._on_path.at(instant, seconds, low)
 
     def sample_apart(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
         """As `sample`, the rate by differences."""
@@ -582,8 +576,7 @@ class MagneticDipole(_InField):
 
     def sample(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
         """The field (K, 3) in T along the path, ICRF axes."""
-        values: FloatArray = np.ascontiguousarray(self._on_path.at(instant, seconds, low)[:, :3])
-        return values
+        return np.ascontiguousarray(self._on_path.at(instant, seconds, low)[:, :3])
 
     def sample_apart(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
         """As `sample`, without a fit along the path."""

@@ -206,8 +206,7 @@ class SolarRadiation(Torque):
                 (other - place).T, radius, -place.T / distance, distance, flattening=flattening
             )
         # the push follows the inverse square of the distance: none at 1e100 times
-        directions: FloatArray = place / np.sqrt(np.maximum(lit, 1e-200))[:, None]
-        return directions
+        return place / np.sqrt(np.maximum(lit, 1e-200))[:, None]
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -297,8 +296,7 @@ class AerodynamicTorque(Torque):
             )
         # without air: a length that leaves no torque above 1e-200 N m
         length = 1.0 / (np.maximum(speed, 1e-9) * np.sqrt(np.maximum(density, 1e-200)))
-        flows: FloatArray = flow / np.maximum(speed, 1e-9)[:, None] * length[:, None]
-        return flows
+        return flow / np.maximum(speed, 1e-9)[:, None] * length[:, None]
 
 
 def _visibility_of(shape: Any, shadows: Any) -> Visibility | None:

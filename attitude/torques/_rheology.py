@@ -162,8 +162,7 @@ def displacement(axes: FloatArray, poisson: float) -> FloatArray:
     basis = np.eye(len(load)) if kept else _without_divergence()
     # turns of the whole body are free
     inverse = np.linalg.pinv(basis.T @ stiffness @ basis, rcond=1e-11, hermitian=True)
-    displaced: FloatArray = basis @ (inverse @ (basis.T @ load))
-    return displaced
+    return basis @ (inverse @ (basis.T @ load))
 
 
 # ---- The polhode over one nutation
@@ -302,8 +301,7 @@ class Rheology(Immutable):
         radius = float(np.cbrt(np.prod(self.axes)))
         axes = self.axes / radius
         _, load = _stiffness(axes, 0.0)
-        form: FloatArray = radius**7 * (load.T @ displacement(axes, self.poisson))
-        return form
+        return radius**7 * (load.T @ displacement(axes, self.poisson))
 
     def loss(self, frequency: ArrayLike) -> FloatArray:
         """-Im J (...) in 1/Pa, with self-gravity, at angular frequencies (...) in rad/s."""
@@ -457,8 +455,7 @@ def _separatrix(moments: FloatArray) -> float:
 
 def _shares() -> FloatArray:
     """Nodes of ln(share/rest)."""
-    shares: FloatArray = _FIRST + _SPACING * np.arange(round((_LAST - _FIRST) / _SPACING) + 1.0)
-    return shares
+    return _FIRST + _SPACING * np.arange(round((_LAST - _FIRST) / _SPACING) + 1.0)
 
 
 def _rates() -> FloatArray:
@@ -474,5 +471,4 @@ def parameters(rheology: Rheology, body: Body) -> FloatArray:
     unit = np.sort(np.asarray(body.moments))
     first = [math.log(_SLOWEST), 1.0 / _RATE_SPACING, table.shape[1]]
     second = [_FIRST, 1.0 / _SPACING, table.shape[2]]
-    numbers: FloatArray = np.concatenate([unit, axes.T.reshape(9), first, second, np.ravel(table)])
-    return numbers
+    return np.concatenate([unit, axes.T.reshape(9), first, second, np.ravel(table)])

@@ -531,9 +531,7 @@ class TorquedSensitivity(Derivatives):
             derivatives[order[begin:stop]] = last @ before[in_block]
         return derivatives
 
-    def _maps(
-        self, states: FloatArray, starts: FloatArray, lengths: FloatArray, halves: int
-    ) -> FloatArray:
+    def _maps(self, states, starts, lengths, halves):
         """The maps (N, 9 + P, 9 + P) of steps from states (N, 7) over the body axes."""
         whole = np.broadcast_to(np.eye(self._width), (len(states), self._width, self._width))
         length, wxyz, omega = lengths / halves, states[:, :4], states[:, 4:]
@@ -544,9 +542,7 @@ class TorquedSensitivity(Derivatives):
             whole = step @ whole
         return whole
 
-    def _step(
-        self, wxyz: FloatArray, omega: FloatArray, times: FloatArray, h: FloatArray
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _step(self, wxyz, omega, times, h):
         """States after steps of lengths h (N,), and the maps (N, 9 + P, 9 + P)."""
         scheme = self._system.scheme
         whole = np.broadcast_to(np.eye(self._width), (len(h), self._width, self._width))
@@ -560,9 +556,7 @@ class TorquedSensitivity(Derivatives):
                 whole = change @ whole
         return wxyz, omega, whole
 
-    def _flight(
-        self, wxyz: FloatArray, omega: FloatArray, t: FloatArray
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _flight(self, wxyz, omega, t):
         """States after free motions for t (N,) seconds, and the maps (N, 9 + P, 9 + P)."""
         count, body = len(t), self._body
         rates, wxyz = omega @ body.principal_axes, np.ascontiguousarray(wxyz)
@@ -577,14 +571,7 @@ class TorquedSensitivity(Derivatives):
         changes[:, 6:, 6:] = np.eye(self._width - 6)
         return after[..., 0], turning[..., 0], changes
 
-    def _kick(
-        self,
-        wxyz: FloatArray,
-        omega: FloatArray,
-        times: FloatArray,
-        h: FloatArray,
-        cubed: FloatArray,
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _kick(self, wxyz, omega, times, h, cubed):
         """States after torques for h (N,) seconds, and the maps (N, 9 + P, 9 + P)."""
         count = len(h)
         arguments = times, h, cubed, self._system.sampled(times)
@@ -641,9 +628,7 @@ class TorquedSensitivity(Derivatives):
         return systems
 
 
-def _kicked(
-    system: System, wxyz: FloatArray, omega: FloatArray, given: tuple[Any, ...]
-) -> tuple[FloatArray, FloatArray]:
+def _kicked(system, wxyz, omega, given):
     """Attitudes (N, 4) after kicks, and the changes (N, 3) of the angular velocity, body axes."""
     from attitude._solver.march import kicks
 

@@ -392,8 +392,7 @@ class InertiaHistory(Torque):
     def sample(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
         """Upper triangles (K, 6) of the change by rows."""
         one, two = np.triu_indices(3)
-        products: FloatArray = self.tensors(seconds + low)[:, one, two]
-        return products
+        return self.tensors(seconds + low)[:, one, two]
 
     def tensors(self, seconds: FloatArray) -> FloatArray:
         """The change (K, 3, 3) at seconds (K,), checked."""
@@ -529,8 +528,7 @@ def _address_of(name: str) -> int:
     """Address of a function of `_compiled`."""
     from attitude.torques import _compiled
 
-    address: int = getattr(_compiled, name).address
-    return address
+    return getattr(_compiled, name).address
 
 
 def _three(value, name):

@@ -891,8 +891,7 @@ class TorquedRotation(Differentiable):
 
     def _with(self, body: Body, spin: Spin) -> Self:
         rebuild, (_, _, torques) = self.__reduce__()
-        other: Self = rebuild(body, spin, torques)
-        return other
+        return rebuild(body, spin, torques)
 
     def __repr__(self) -> str:
         if self.step is not None:
@@ -961,8 +960,7 @@ class TorquedRotation(Differentiable):
             seconds = pairs.Seconds.of(history).rounded.reshape(-1)
             change = self._system.inertia.tensors(seconds)
             tensors = tensors + change.reshape(*np.shape(history.seconds), 3, 3)
-        momentum: FloatArray = np.sum(tensors * history.angular_velocity[..., None, :], axis=-1)
-        return momentum
+        return np.sum(tensors * history.angular_velocity[..., None, :], axis=-1)
 
     def _evaluate(
         self, seconds: FloatArray, low: FloatArray | None, order: int
