@@ -446,10 +446,7 @@ class LightCurve(Immutable):
         which: Any = slice(None) if chosen is None else chosen
         keywords = {key: getattr(self, key) for key in _AS_GIVEN}
         keywords |= {"bad": self.bad, "exposure": self.exposure[which]}
-        for key in _WORDS:
-            words = getattr(self, f"{key}s")
-            if any(words):
-                keywords[key] = [words[k] for k in getattr(self, key)[which]]
+        keywords |= self._words(which)
         for key in ("sun", "observer"):
             vectors = getattr(self, key)
             keywords[key] = None if vectors is None else vectors[which]
@@ -466,6 +463,14 @@ class LightCurve(Immutable):
             kept = {key: path for key, path in self.scenes.items() if key in curve.sites}
             curve._set("scenes", kept)
         return curve
+
+    def _words(self, which: Any = slice(None)) -> dict[str, list[str]]:
+        """The filter, site and session of some points, where these have names."""
+        return {
+            key: [words[k] for k in getattr(self, key)[which]]
+            for key in _WORDS
+            if any(words := getattr(self, f"{key}s"))
+        }
 
     # ---- What it becomes
 
@@ -544,10 +549,8 @@ class LightCurve(Immutable):
         table = QTable({"time": self.times})
         table["flux" if self.is_flux else "magnitude"] = self.value * unit
         table["sigma"] = self.sigma * unit
-        for key in _WORDS:
-            words = getattr(self, f"{key}s")
-            if any(words):
-                table[key] = [words[k] for k in getattr(self, key)]
+        for key, words in self._words().items():
+            table[key] = words
         if np.any(self.exposure):
             table["exposure"] = self.exposure * units.s
         table.meta = {key: str(getattr(self, key)) for key in ("name", "time_of")}
@@ -592,8 +595,8 @@ def _brightness(magnitude: Any, flux: Any, sigma: Any, count: int) -> tuple[Floa
     if (magnitude is None) == (flux is None):
         raise AttitudeError("give either magnitude or flux, of each epoch.")
     name, brightness = ("magnitude", magnitude) if flux is None else ("flux", flux)
-    unit = getattr(brightness, "unit", None) if flux is not None else None
-    values = _plain(brightness, name, unit, "mag" if flux is None else None, finite=False)
+    unit, own = (None, "mag") if flux is None else (getattr(flux, "unit", None), None)
+    values = _plain(brightness, name, unit, own)
     if values.shape != (count,):
         raise AttitudeError(f"{name} has shape {values.shape}; give one for each of {count} times.")
     wrong = np.flatnonzero(~np.isfinite(values))
@@ -602,26 +605,29 @@ def _brightness(magnitude: Any, flux: Any, sigma: Any, count: int) -> tuple[Floa
             f"{name} holds {len(wrong)} entries that are not finite, the first at row {wrong[0]}; "
             "leave these points out."
         )
-    errors = np.full(count, np.nan)
-    if sigma is not None:
-        numbers = _plain(sigma, "sigma", unit, "mag" if flux is None else None, finite=False)
-        if numbers.shape not in ((), (count,)):
-            raise AttitudeError(
-                f"sigma has shape {numbers.shape}; give one number, or one for each of {count} "
-                "times."
-            )
-        errors = np.broadcast_to(numbers, (count,)).copy()
-        if np.any(errors < 0.0):
-            raise AttitudeError("sigma has entries below zero; give standard errors.")
-        errors[~np.isfinite(errors) | (errors == 0.0)] = np.nan
+    if sigma is None:
+        return values, np.full(count, np.nan)
+    errors = _of_each(_plain(sigma, "sigma", unit, own), "sigma", count, "times").copy()
+    if np.any(errors < 0.0):
+        raise AttitudeError("sigma has entries below zero; give standard errors.")
+    errors[~np.isfinite(errors) | (errors == 0.0)] = np.nan
     return values, errors
 
 
-def _plain(numbers: Any, name: str, unit: Any, own: str | None, finite: bool = True) -> FloatArray:
+def _plain(numbers, name, unit, own):
     """Numbers in `own`, or of Quantities in the unit of the flux."""
     if unit is not None and hasattr(numbers, "unit"):
         numbers = getattr(numbers, "quantity", numbers).to_value(unit)
-    return validation.real(numbers, name, finite=finite, unit=own)
+    return validation.real(numbers, name, finite=False, unit=own)
+
+
+def _of_each(numbers, name, count, what):
+    """Numbers () or (N,) as (N,), read-only."""
+    if numbers.shape not in ((), (count,)):
+        raise AttitudeError(
+            f"{name} has shape {numbers.shape}; give one number, or one for each of {count} {what}."
+        )
+    return np.broadcast_to(numbers, (count,))
 
 
 def _numbered(given: Any, name: str, count: int) -> tuple[tuple[str, ...], IntArray]:
@@ -667,14 +673,10 @@ def _exposures(given: Any, count: int) -> FloatArray:
     if given is None:
         return np.zeros(count)
     numbers = validation.real(given, "exposure", finite=False, unit="s")
-    if numbers.shape not in ((), (count,)):
-        raise AttitudeError(
-            f"exposure has shape {numbers.shape}; give one number, or one for each of {count} "
-            "points."
-        )
+    numbers = _of_each(numbers, "exposure", count, "points")
     if np.any(numbers < 0.0) or np.any(np.isinf(numbers)):
         raise AttitudeError("exposure has entries that are not times; give s, or zero if unknown.")
-    return np.nan_to_num(np.broadcast_to(numbers, (count,)), nan=0.0)
+    return np.nan_to_num(numbers, nan=0.0)
 
 
 def _known_zero_points(given: Any, sessions: tuple[str, ...]) -> str | float | tuple[str, ...]:

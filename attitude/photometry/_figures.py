@@ -37,8 +37,8 @@ def of_light_curve(data: LightCurve, path: FilePath | None = None) -> Any:
         )
     if not data.is_flux:
         axes.invert_yaxis()
-    axes.set_xlabel(f"days from {data.epoch.utc_iso[:19]} UTC")
-    axes.set_ylabel(_brightness(data.is_flux, data.unit_distances))
+    brightness = ("flux" if data.is_flux else "magnitude") + " at 1 au" * data.unit_distances
+    axes.set(xlabel=f"days from {data.epoch.utc_iso[:19]} UTC", ylabel=brightness)
     if any(data.filters):
         axes.legend(title="filter", fontsize=9)
     axes.set_title(repr(data)[1:-1], fontsize=9)
@@ -53,8 +53,7 @@ def of_periods(found: Periods, path: FilePath | None = None) -> Any:
 def _of_one(found: Periods, path: FilePath | None = None) -> Any:
     """Power with its peaks, the spectral window, and the curve folded with the best period."""
     figure = plots.new_figure((9.0, 8.0))
-    parts: Any = figure.subfigures(2, 1, height_ratios=(3, 2))
-    above, below = parts
+    above, below = figure.subfigures(2, 1, height_ratios=(3, 2))
     axes = above.subplots()
     frequency, power = _extremes(np.asarray(found.frequency) * _DAY, np.asarray(found.power))
     axes.plot(frequency, power, color=_DATA, lw=0.7)
@@ -69,14 +68,12 @@ def _of_one(found: Periods, path: FilePath | None = None) -> Any:
         axes.plot([], [], "v", color=colour, label=label)
     axes.set_xlim(frequency[0], frequency[-1])
     axes.set_ylim(0.0, min(1.0, 1.1 * max(power.max(), 1.0 - found.false_alarm)))
-    axes.set_xlabel("frequency, 1/d")
     name = "1 - theta" if found.method == "pdm" else f"share of variance, order {found.order}"
-    axes.set_ylabel(name)
+    axes.set(xlabel="frequency, 1/d", ylabel=name)
     axes.legend(fontsize=9, loc="upper right")
     left, right = below.subplots(1, 2)
     _window(left, found)
-    folded = found.fold()
-    _folded(right, folded, 0)
+    _folded(right, found.fold(), 0)
     return _saved(figure, path)
 
 
@@ -94,8 +91,7 @@ def of_folded(folded: Folded, path: FilePath | None = None) -> Any:
     axes[-1].axhline(0.0, color=_OTHER, lw=0.8)
     if not folded.samples.is_flux:
         axes[-1].invert_yaxis()
-    axes[-1].set_xlabel("days from the first point")
-    axes[-1].set_ylabel(f"residual, rms {folded.rms:.3g}")
+    axes[-1].set(xlabel="days from the first point", ylabel=f"residual, rms {folded.rms:.3g}")
     return _saved(figure, path)
 
 
@@ -112,8 +108,7 @@ def _of_two(found: Periods, path: FilePath | None = None) -> Any:
         colour = _MODEL if not pair.relation else _ALIAS
         plane.plot(pair.first * _DAY, pair.second * _DAY, "o", mfc="none", color=colour, ms=9)
         plane.annotate(f"  {rank}", (pair.first * _DAY, pair.second * _DAY), color=colour)
-    plane.set_xlabel("first frequency, 1/d")
-    plane.set_ylabel("second frequency, 1/d")
+    plane.set(xlabel="first frequency, 1/d", ylabel="second frequency, 1/d")
     best = found.peaks[0]
     first, second = (quantity_text.of_time(period) for period in best.periods)
     plane.set_title(f"#1: {first} and {second}, {best.left:.3f} left", fontsize=9)
@@ -124,8 +119,7 @@ def _of_two(found: Periods, path: FilePath | None = None) -> Any:
         if amplitude > 0.15 * lines[0][1]:
             spectrum.annotate(f"{line.i},{line.j}", (x, amplitude), fontsize=9, ha="center")
     spectrum.set_ylim(0.0, None)
-    spectrum.set_xlabel("frequency of the line i f2 + j f1, 1/d")
-    spectrum.set_ylabel("amplitude")
+    spectrum.set(xlabel="frequency of the line i f2 + j f1, 1/d", ylabel="amplitude")
     spectrum.set_title("lines (i, j)", fontsize=9)
     folded = found.fold()
     for k in range(2):
@@ -140,8 +134,7 @@ def _window(axes: Any, found: Periods) -> None:
         axes.annotate(
             f"{line.frequency * _DAY:.4g}", (line.frequency * _DAY, line.power), fontsize=9
         )
-    axes.set_xlabel("frequency, 1/d")
-    axes.set_ylabel("spectral window")
+    axes.set(xlabel="frequency, 1/d", ylabel="spectral window")
 
 
 def _folded(axes: Any, folded: Folded, which: int) -> None:
@@ -158,13 +151,14 @@ def _folded(axes: Any, folded: Folded, which: int) -> None:
     axes.plot(phase, folded.curve(phase, which), color=_MODEL, lw=1.2)
     if not data.is_flux:
         axes.invert_yaxis()
-    period = folded.periods[which]
-    axes.set_xlabel(f"phase of {quantity_text.of_time(period, 7)}")
-    other = ", without the lines of the other period" if len(folded.periods) > 1 else ""
-    axes.set_ylabel(("flux" if data.is_flux else "magnitude") + " less zero point")
-    if other:
-        axes.set_title(f"period {which + 1}{other}", fontsize=9)
-    axes.set_xlim(0.0, 1.0)
+    axes.set(
+        xlabel=f"phase of {quantity_text.of_time(folded.periods[which], 7)}",
+        ylabel=("flux" if data.is_flux else "magnitude") + " less zero point",
+        xlim=(0.0, 1.0),
+    )
+    if len(folded.periods) > 1:
+        title = f"period {which + 1}, without the lines of the other period"
+        axes.set_title(title, fontsize=9)
 
 
 def _extremes(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -176,11 +170,6 @@ def _extremes(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
     parts = y[:count].reshape(-1, size)
     both = np.stack([parts.min(axis=1), parts.max(axis=1)], axis=1).reshape(-1)
     return np.repeat(x[:count:size], 2), both
-
-
-def _brightness(is_flux: bool, unit_distances: bool) -> str:
-    where = " at 1 au" if unit_distances else ""
-    return ("flux" if is_flux else "magnitude") + where
 
 
 def _saved(figure: Any, path: FilePath | None) -> Any:

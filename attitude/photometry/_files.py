@@ -123,7 +123,7 @@ def of_rows(
         raise AttitudeError(
             f"{name}: no row can be used"
             + (f" ({without} rows have no {word})" if without else "")
-            + (f"; {_listed(left_out)}" if left_out else "")
+            + (f"; {listed(left_out, '; ')}" if left_out else "")
             + "."
         )
     notes = [f"{without} of {len(rows)} rows have no {word}."] if without else []
@@ -175,10 +175,11 @@ def _repeated(rows: Sequence[RawPoint], word: str) -> list[str]:
     ]
 
 
-def listed(items: Sequence[object]) -> str:
-    """The first six of some items, and how many follow."""
+def listed(items: Sequence[object], mark: str = ", ") -> str:
+    """The first six of some items, with a mark between them, and how many follow."""
     more = len(items) - _NAMED
-    return ", ".join(map(str, items[:_NAMED])) + (f" and {more} more" if more > 0 else "")
+    end = f"{mark.strip(', ')} and {more} more" if more > 0 else ""
+    return mark.join(map(str, items[:_NAMED])) + end
 
 
 def _report(name: str, left_out: list[BadRow], bad: str) -> None:
@@ -186,15 +187,10 @@ def _report(name: str, left_out: list[BadRow], bad: str) -> None:
     if not left_out or bad == "ignore":
         return
     many = len(left_out)
-    words = f"{name}: {many} row{'s' if many > 1 else ''} cannot be used: {_listed(left_out)}"
+    words = f"{name}: {many} row{'s' if many > 1 else ''} cannot be used: {listed(left_out, '; ')}"
     if bad == "refuse":
         raise AttitudeError(f'{words}; correct or delete them, or give bad="warn".')
     warnings.warn(f"{words}. Left out.", AttitudeWarning, stacklevel=4)
-
-
-def _listed(bad: Sequence[BadRow]) -> str:
-    more = len(bad) - _NAMED
-    return "; ".join(map(str, bad[:_NAMED])) + (f"; and {more} more" if more > 0 else "")
 
 
 def _brightness(row: RawPoint, word: str, is_flux: bool) -> tuple[str | None, float, float]:
@@ -235,26 +231,23 @@ def _julian_fault(text: str, offset: float) -> str | None:
 
 def _times(rows, scale, offset):
     """Epochs of rows, the numbers of the rows whose dates can be read, and the others."""
-    everything = list(range(len(rows)))
+    good, faults = list(range(len(rows))), []
     if not rows:
-        return [], [], []
+        return [], good, faults
     if scale is not None:
-        return julian([row.time for row in rows], scale, offset), everything, []
+        return julian([row.time for row in rows], scale, offset), good, faults
     dates = [iso(row.time) for row in rows]
     try:
         _inputs.past_j2000(dates)
     except AttitudeError:
-        good, faults = [], []
         for k, row in enumerate(rows):
             try:
                 _inputs.past_j2000([dates[k]])
-                good.append(k)
             except AttitudeError as err:
-                faults.append(
-                    BadRow(row.line, str(err).split(";")[0].replace("t is ", "the date "))
-                )
-        return [dates[k] for k in good], good, faults
-    return dates, everything, []
+                reason = str(err).split(";")[0].replace("t is ", "the date ")
+                faults.append(BadRow(row.line, reason))
+                good.remove(k)
+    return [dates[k] for k in good], good, faults
 
 
 def iso(text: str) -> str:
@@ -355,7 +348,11 @@ def of_alcdef(text: str, name: str) -> Keywords:
         )
     elif any(relative):
         keywords["notes"].append("Some sessions have differential magnitudes (DIFFERMAGS).")
-    unmoved = [k for k, meta in enumerate(seen, 1) if _shifted(meta) and not _exposure(meta) > 0.0]
+    unmoved = [
+        k
+        for k, meta in enumerate(seen, 1)
+        if _shifted(meta) and not _exposure(meta.get("EXPOSURE", "")) > 0.0
+    ]
     if unmoved:
         keywords["notes"].append(
             f"EXPJD of block {listed(unmoved)} is not the middle, but EXPOSURE is not "
@@ -366,7 +363,7 @@ def of_alcdef(text: str, name: str) -> Keywords:
 
 def _alcdef_row(number: int, parts: list[str], meta: dict[str, str], block: int) -> RawPoint:
     date = parts[0].strip()
-    shift, exposure = _shifted(meta), _exposure(meta)
+    shift, exposure = _shifted(meta), _exposure(meta.get("EXPOSURE", ""))
     try:
         if shift and exposure > 0.0:
             whole, _, fraction = date.partition(".")
@@ -387,12 +384,7 @@ def _shifted(meta: dict[str, str]) -> float:
     return _MIDDLE.get(meta.get("EXPJD", "").upper(), 0.0)
 
 
-def _exposure(meta: dict[str, str]) -> float:
-    """The exposure of a block, s; 0 if it is not given."""
-    return _exposure_of(meta.get("EXPOSURE", ""))
-
-
-def _exposure_of(text: str) -> float:
+def _exposure(text: str) -> float:
     """An exposure, s; 0 if it is unknown."""
     number = _float(text)
     return number if number is not None and 0.0 < number < np.inf else 0.0
@@ -415,7 +407,7 @@ def of_ades_text(text: str, name: str) -> Keywords:
             bad.append(BadRow(number, f"it has {len(parts)} entries, and the header {len(names)}"))
         else:
             rows.append(_ades_row(number, entries))
-    return _of_ades(rows, name, bad)
+    return of_rows(rows, name, bad=bad)
 
 
 def of_ades_xml(text: str, name: str) -> Keywords:
@@ -423,16 +415,12 @@ def of_ades_xml(text: str, name: str) -> Keywords:
     records = xml.records(text, name, "optical")
     if not records:
         raise AttitudeError(f"{name}: holds no <optical>, the element of photometry in ADES.")
-    return _of_ades([_ades_row(k, record) for k, record in enumerate(records, 1)], name, [])
+    return of_rows([_ades_row(k, record) for k, record in enumerate(records, 1)], name)
 
 
 def _ades_row(number: int, entries: dict[str, str]) -> RawPoint:
     date, value, error, band, site = (entries.get(key, "") for key in _OPTICAL)
     return RawPoint(number, date, value, error, band, site)
-
-
-def _of_ades(rows: list[RawPoint], name: str, bad: list[BadRow]) -> Keywords:
-    return of_rows(rows, name, bad=bad)
 
 
 def of_mpc(text: str, name: str) -> Keywords:
@@ -469,15 +457,18 @@ def _mpc_row(number: int, line: str) -> RawPoint:
 
 def of_damit(path: FilePath, name: str) -> Keywords:
     """Keywords of `LightCurve` from DAMIT light curves: sessions at unit distances."""
+    from astropy.time import Time
+
     curves = read_damit_light_curves(path)
-    vectors = [
-        np.concatenate([getattr(curve, key) for curve in curves]) for key in ("sun", "earth")
-    ]
+
+    def joined(key: str) -> FloatArray:
+        return np.concatenate([getattr(curve, key) for curve in curves])
+
     keywords: Keywords = {
-        "times": _damit_times(curves),
-        "flux": np.concatenate([curve.brightness for curve in curves]),
-        "sun": vectors[0] * ASTRONOMICAL_UNIT_M,
-        "observer": vectors[1] * ASTRONOMICAL_UNIT_M,
+        "times": Time(joined("jd"), joined("jd_low"), format="jd", scale="tdb"),
+        "flux": joined("brightness"),
+        "sun": joined("sun") * ASTRONOMICAL_UNIT_M,
+        "observer": joined("earth") * ASTRONOMICAL_UNIT_M,
         "frame": "ecliptic",
         "session": [str(k) for k, curve in enumerate(curves, 1) for _ in range(len(curve))],
         "time_of": "emission",
@@ -500,15 +491,6 @@ def of_damit(path: FilePath, name: str) -> Keywords:
     elif len(curves) > 1:
         keywords["zero_points"] = "shared"
     return keywords
-
-
-def _damit_times(curves: Any) -> Any:
-    from astropy.time import Time
-
-    jd, low = (
-        np.concatenate([getattr(curve, key) for curve in curves]) for key in ("jd", "jd_low")
-    )
-    return Time(jd, low, format="jd", scale="tdb")
 
 
 # ---- Tables of photometry whose columns have names: CSV and other separated text, and ECSV
@@ -561,19 +543,22 @@ def of_text(text: str, name: str, columns: Mapping[str, str] | None = None) -> K
     rows = toml.of_separated(text, name)
     if not rows:
         raise AttitudeError(f"{name}: holds no rows; give a table of photometry.")
-    if all(_is_number(word) for word in rows[0][1]):
-        return _without_names(rows, name)
-    names, body = rows[0][1], rows[1:]
-    if not body:
-        raise AttitudeError(f"{name}: has a line of names and no rows.")
+    width, first = len(rows[0][1]), "the first row"
+    if all(map(_is_number, rows[0][1])):
+        names, columns = _names_of_width(width, name), None
+    else:
+        (_, names), *rows = rows
+        first = "the line of names"
+        if not rows:
+            raise AttitudeError(f"{name}: has a line of names and no rows.")
     bad = [
-        BadRow(line, f"it has {len(entries)} entries, and the line of names {len(names)}")
-        for line, entries in body
-        if len(entries) != len(names)
+        BadRow(line, f"it has {len(entries)} entries, and {first} {width}")
+        for line, entries in rows
+        if len(entries) != width
     ]
-    body = [row for row in body if len(row[1]) == len(names)]
-    table = {_plain(key): [entries[k] for _, entries in body] for k, key in enumerate(names)}
-    return of_table(table, [line for line, _ in body], name, columns, bad)
+    rows = [row for row in rows if len(row[1]) == width]
+    table = {_plain(key): [entries[k] for _, entries in rows] for k, key in enumerate(names)}
+    return of_table(table, [line for line, _ in rows], name, columns, bad)
 
 
 def of_table(
@@ -589,8 +574,8 @@ def of_table(
             raise AttitudeError(
                 f"{name}: has no column {quoted(column)}; it has {_names_of(table) or 'none'}."
             )
-        table = {_plain(meant): table[_plain(column)], **{k: v for k, v in table.items()}}
-        table[_plain(meant)] = table[_plain(column)]
+        # first, so that it is taken before columns of the same meaning
+        table = {_plain(meant): [], **table} | {_plain(meant): table[_plain(column)]}
     date, (scale, offset, place) = _dates(table, name)
     brightness = next(
         (kind for kind in ("magnitude", "reduced", "flux") if _column(table, kind)), None
@@ -610,7 +595,7 @@ def of_table(
             line,
             table[date][k],
             values[k],
-            exposure=_exposure_of(exposures[k]) if exposures else 0.0,
+            exposure=_exposure(exposures[k]) if exposures else 0.0,
             **{key: col[k] for key, col in texts.items() if col},
         )
         for k, line in enumerate(lines)
@@ -665,31 +650,20 @@ def _column(table: Mapping[str, list[str]], kind: str) -> list[str] | None:
 
 
 def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
+    return _float(text) is not None
 
 
-def _without_names(rows: list[tuple[int, list[str]]], name: str) -> Keywords:
-    width = len(rows[0][1])
+def _names_of_width(width: int, name: str) -> list[str]:
+    """The names of the columns of a table that has none."""
     if width not in (2, 3, _WIDTH):
         raise AttitudeError(
             f"{name}: has no line of names and {width} columns; a table without names has 2 or 3 "
             f"(date, magnitude, error), or {_WIDTH}: jd_tdb, magnitude, sigma, session, vectors to "
             "Sun and observer in au."
         )
-    bad = [
-        BadRow(line, f"it has {len(entries)} entries, and the first row {width}")
-        for line, entries in rows
-        if len(entries) != width
-    ]
-    rows = [row for row in rows if len(row[1]) == width]
-    names = ["jd_tdb", "mag", "sigma", "session", *_AXES] if width == _WIDTH else []
-    names = names or ["time", "mag", "sigma"][:width]
-    table = {key: [entries[k] for _, entries in rows] for k, key in enumerate(names)}
-    return of_table(table, [line for line, _ in rows], name, None, bad)
+    if width == _WIDTH:
+        return ["jd_tdb", "mag", "sigma", "session", *_AXES]
+    return ["time", "mag", "sigma"][:width]
 
 
 def _geometry(table: Mapping[str, list[str]], keywords: Keywords, name: str) -> dict[str, Any]:
@@ -731,7 +705,9 @@ def _of_sky(times, ra, dec, delta):
 
 # Characters that no text in Latin-1 has.
 _CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f\x7f-\x9f]")
-FORMATS: tuple[str, ...] = ("csv", "ecsv", "alcdef", "ades-psv", "ades-xml", "mpc", "damit")
+# Formats whose columns are fixed, by their readers; and all.
+_READERS = {"alcdef": of_alcdef, "ades-psv": of_ades_text, "ades-xml": of_ades_xml, "mpc": of_mpc}
+FORMATS: tuple[str, ...] = ("csv", "ecsv", *_READERS, "damit")
 
 
 def opened(
@@ -756,13 +732,7 @@ def opened(
     elif kind == "damit":
         keywords = of_damit(path, name)
     else:
-        reader = {
-            "alcdef": of_alcdef,
-            "ades-psv": of_ades_text,
-            "ades-xml": of_ades_xml,
-            "mpc": of_mpc,
-        }[kind]
-        keywords = reader(text, name)
+        keywords = _READERS[kind](text, name)
     keywords["notes"] += notes
     keywords["name"] = keywords.get("name") or os.path.splitext(os.path.basename(name))[0]
     _report(name, keywords["bad"], bad)
@@ -829,7 +799,7 @@ def _of_ecsv(text: str, name: str) -> tuple[dict[str, list[str]], list[int]]:
     except Exception as err:  # astropy raises exceptions of any type for broken files
         reason = " ".join(str(err).split())[:120] or type(err).__name__
         raise AttitudeError(f"{name}: it cannot be read as ECSV: {reason}.") from None
-    columns: dict[str, list[str]] = {}
+    columns = {}
     for key in table.colnames:
         column = table[key]
         if isinstance(column, Time):

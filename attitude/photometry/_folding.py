@@ -12,7 +12,6 @@ from attitude._support.arrays import Immutable, frozen
 from attitude.epochs import _inputs, _instants
 from attitude.photometry import _samples, _spectrum
 from attitude.photometry._curve import LightCurve
-from attitude.photometry._samples import line_numbers
 
 if TYPE_CHECKING:
     from astropy.table import QTable
@@ -58,9 +57,8 @@ class Folded(Immutable):
     def curve(self, phase: Reals, which: int = 0) -> FloatArray:
         """The series at phases 0 to 1 of a period, of its own lines alone; of phase's shape."""
         at = validation.real(phase, "phase")
-        lines_of_period = _own_lines(self.series.numbers, which)
         t = self.zero + at.reshape(-1) * self.periods[which]
-        return self.series.wave(t, lines_of_period).reshape(at.shape)
+        return self.series.wave(t, _own_lines(self.series.numbers, which)).reshape(at.shape)
 
     def table(self) -> QTable:
         """A row for each point: time, phases, values, residual."""
@@ -136,11 +134,7 @@ def fold(
     if isinstance(t, LightCurve) or values is not None:
         _samples.warn_of_plain(period, "period", data.t)
     number = validation.count(order, "order")
-    if len(periods) == 1:
-        numbers = np.arange(1, number + 1)[:, None]
-    else:
-        # (i of the second, j of the first), as `lines` has them
-        numbers = np.array(line_numbers((number, number)))[:, ::-1]
+    numbers = _spectrum.series_numbers(number, len(periods))
 
     def folded(own: Samples) -> Folded:
         return _folded(own, periods, numbers, epoch, refine)
@@ -149,17 +143,14 @@ def fold(
 
 
 def _folded(data, periods, numbers, epoch, refine):
+    series = (_spectrum.refined if refine else _spectrum.fixed)(data, 1.0 / periods, numbers)
     if refine:
-        series = _spectrum.refined(data, 1.0 / periods, numbers)
         periods = 1.0 / series.frequencies
-    else:
-        series = _spectrum.fixed(data, 1.0 / periods, numbers)
     zero = _zero(data, epoch)
     phase = np.mod((data.t - zero) / periods[:, None], 1.0)
-    shown = []
-    for k in range(len(periods)):
-        lines_of_period = _own_lines(numbers, k)
-        shown.append(series.residuals + series.wave(data.t, lines_of_period))
+    shown = [
+        series.residuals + series.wave(data.t, _own_lines(numbers, k)) for k in range(len(periods))
+    ]
     return Folded(
         frozen(periods),
         frozen(phase),

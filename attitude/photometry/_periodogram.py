@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -102,13 +103,11 @@ def dispersions(t, y, weights, frequencies, bins, covers, out):
     t, y, weights: (N,) arrays; frequencies: (K,), cycles per unit of t; bins: number of bins, each
     of which is `covers` times as wide as 1 / bins, so that each value lies in `covers` of them.
     """
-    total = 0.0
-    mean = 0.0
+    total = mean = whole = 0.0
     for i in range(y.size):
         total += weights[i]
         mean += weights[i] * y[i]
     mean /= total
-    whole = 0.0
     for i in range(y.size):
         whole += weights[i] * (y[i] - mean) ** 2
     whole /= total
@@ -148,7 +147,6 @@ _OVERSAMPLING, _MOST = 5.0, 5_000_000
 # Shortest period by default, in median distances of successive epochs of a night; permutations.
 _NYQUIST = 2.0
 _PERMUTATIONS = 12
-_EULER = 0.5772
 # Frequencies of one call of nifty-ls, and products of points and frequencies of one of phase
 # dispersion, some 0.05 s: Python acts on signals, such as that of Ctrl-C, between two calls.  More
 # frequencies also take longer each, beyond the caches.
@@ -181,11 +179,10 @@ def scan(
         )
     frequency = _grid(data, *bounds, order)
     if method == "fourier":
-        power = _fourier(data, frequency, order, data.detrended, engine)
-        chance = _chance(data, frequency, order, engine, seed)
+        power_of = partial(_fourier, data, frequency, order, engine)
     else:
-        power = _dispersion(data, frequency, validation.count(bins, "bins", 3), data.detrended)
-        chance = _chance_of_dispersion(data, frequency, bins, seed)
+        power_of = partial(_dispersion, data, frequency, validation.count(bins, "bins", 3))
+    power, chance = power_of(data.detrended), _chance(data.detrended, power_of, seed)
     # zero points that are fitted with the series leave fewer values to it
     chance = min(1.0, chance * (len(data.t) - 1) / max(1, len(data.t) - data.linear))
     window = spectral_window(data, max(3.0 / _DAY, min(frequency[-1], 12.0 / _DAY)))
@@ -222,7 +219,7 @@ def shortest(data: Samples, order: int) -> float:
     return min(_NYQUIST * float(np.median(steps[steps > 0.0])) * order, 0.25 * data.span)
 
 
-def _fourier(data, frequency, order, y, engine):
+def _fourier(data, frequency, order, engine, y):
     """The share of the variance explained, by astropy's LombScargle."""
     from astropy.timeseries import LombScargle
 
@@ -281,37 +278,17 @@ def _dispersion(data: Samples, frequency: FloatArray, bins: int, y: FloatArray) 
     return 1.0 - theta
 
 
-def _chance(data: Samples, frequency: FloatArray, order: int, engine: str, seed: int) -> float:
+def _chance(y, power_of, seed):
+    """The power that 1 of 100 light curves of permuted values y (N,) exceeds."""
     generator = validation.generator(seed)
-    y = data.detrended
-    largest = [
-        _fourier(data, frequency, order, y[generator.permutation(len(y))], engine).max()
-        for _ in range(_PERMUTATIONS)
-    ]
-    return _one_of_hundred(largest)
-
-
-def _chance_of_dispersion(data: Samples, frequency: FloatArray, bins: int, seed: int) -> float:
-    generator = validation.generator(seed)
-    y = data.detrended
-    largest = [
-        _dispersion(data, frequency, bins, y[generator.permutation(len(y))]).max()
-        for _ in range(_PERMUTATIONS)
-    ]
-    return _one_of_hundred(largest)
-
-
-def _one_of_hundred(largest: list[float]) -> float:
-    """The power of Gumbel's distribution of the largest that 1 of 100 exceeds."""
-    scale = max(float(np.std(largest)) * np.sqrt(6.0) / np.pi, 1e-6)
-    place = float(np.mean(largest)) - _EULER * scale
+    largest = [power_of(y[generator.permutation(len(y))]).max() for _ in range(_PERMUTATIONS)]
+    place, scale = _spectrum.gumbel(largest)
     return float(min(1.0, place - scale * np.log(-np.log(0.99))))
 
 
 def refined(data: Samples, frequency: float, order: int) -> _spectrum.RefinedSeries:
     """The series of least squares near a frequency."""
-    numbers = np.arange(1, order + 1)[:, None]
-    return _spectrum.refined(data, np.array([frequency]), numbers)
+    return _spectrum.refined(data, np.array([frequency]), _spectrum.series_numbers(order, 1))
 
 
 def best_peaks(
@@ -323,8 +300,7 @@ def best_peaks(
     """
     frequency, power = found.frequency, found.power
     closest = 0.7 / (data.span * order)
-    rows: list[tuple[float, float, float]] = []
-    taken: list[float] = []
+    rows, taken = [], []
     total = float(np.sum((data.weights * data.detrended) ** 2))
     for k in np.argsort(-power, kind="stable"):
         if len(taken) >= 2 * count:
@@ -340,17 +316,11 @@ def best_peaks(
     if not rows:
         # no maximum within the range: the power rises towards an end
         f = float(frequency[np.argmax(power)])
-        numbers = np.arange(1, order + 1)[:, None]
-        best = _spectrum.fixed(data, np.array([f]), numbers)
+        best = _spectrum.fixed(data, np.array([f]), _spectrum.series_numbers(order, 1))
         rows.append((f, float(best.errors[0]), best.chi_squared / total))
     rows.sort(key=lambda row: row[2])
-    rows = rows[:count]
+    frequencies = [row[0] for row in rows]
     return [
-        (
-            f,
-            error,
-            left,
-            relation(f, [row[0] for row in rows[:k]], found.window.lines, 1 / data.span),
-        )
-        for k, (f, error, left) in enumerate(rows)
+        (*row, relation(row[0], frequencies[:k], found.window.lines, 1 / data.span))
+        for k, row in enumerate(rows[:count])
     ]

@@ -16,7 +16,7 @@ from attitude._support.arrays import Immutable, frozen
 from attitude._support.blocks import ProgressBar
 from attitude.errors import AttitudeError
 from attitude.photometry import _folding, _lattices, _periodogram, _samples, _spectrum
-from attitude.photometry._samples import Line, line_numbers
+from attitude.photometry._samples import Line
 from attitude.photometry._spectrum import OVERSAMPLING
 
 if TYPE_CHECKING:
@@ -484,13 +484,10 @@ def _two(data, low, high, number, is_additive, kept, seed, progress):
 
 
 def _numbers(order: int, count: int, is_additive: bool = False) -> Any:
-    """Lines of one frequency, or (j of the first, i of the second frequency)."""
-    harmonics_of = np.arange(1, order + 1)
-    if count == 1:
-        return harmonics_of[:, None]
+    """As `_spectrum.series_numbers`; of an additive series the harmonics of each frequency."""
     if is_additive:
-        return np.concatenate([np.outer(harmonics_of, [1, 0]), np.outer(harmonics_of, [0, 1])])
-    return np.array(line_numbers((order, order)))[:, ::-1]
+        return np.kron(np.eye(2, dtype=int), np.arange(1, order + 1)).T
+    return _spectrum.series_numbers(order, count)
 
 
 def _bounds(data: Samples, least: Any, most: Any, first: Any, second: Any, order: int) -> _Bounds:

@@ -16,6 +16,7 @@ from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.motions._motion import Motion
 from attitude.photometry._curve import LightCurve
+from attitude.photometry._spectrum import line_numbers
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -296,10 +297,7 @@ def _seconds(t: Any) -> tuple[Instant | None, FloatArray]:
 def _unit(values: Any) -> tuple[Any, Any]:
     """The unit of Quantities and of columns, and the numbers."""
     unit = getattr(values, "unit", None)
-    if unit is None:
-        return None, values
-    quantity = getattr(values, "quantity", values)
-    return unit, quantity.value
+    return unit, values if unit is None else getattr(values, "quantity", values).value
 
 
 def _errors(errors: Any, unit: Any, shape: tuple[int, ...]) -> FloatArray | None:
@@ -388,13 +386,6 @@ def lines(
         frequency = abs(i * phi + j * psi)
         all_lines.append(Line(i, j, frequency, 1.0 / frequency if frequency > 0.0 else np.inf))
     return sorted(all_lines, key=lambda line: line.frequency)
-
-
-def line_numbers(orders: tuple[int, int]) -> list[tuple[int, int]]:
-    """All (i, j) except (0, 0), one of (i, j) and (-i, -j)."""
-    of_psi, of_phi = orders
-    multiples = [(0, j) for j in range(1, of_psi + 1)]
-    return multiples + [(i, j) for i in range(1, of_phi + 1) for j in range(-of_psi, of_psi + 1)]
 
 
 def known_orders(order: Any) -> tuple[int, int]:

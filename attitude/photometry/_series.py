@@ -17,7 +17,8 @@ from attitude.epochs import _inputs
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.photometry import _samples
-from attitude.photometry._samples import Line, known_orders, line_numbers
+from attitude.photometry._samples import Line, known_orders
+from attitude.photometry._spectrum import line_numbers
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
 
     from attitude._support.annotations import Epochs, FloatArray, IntArray, Real, Reals
     from attitude.photometry._curve import LightCurve
-    from attitude.photometry._samples import Samples
 
 
 # Singular values below this part of the greatest belong to lines that the span does not resolve.
@@ -165,15 +165,27 @@ def fit_series(
     >>> (line.i, line.j), round(amplitude, 9)
     ((1, -1), 2.0)
     """
-    data = _Data(_samples.of(t, values, errors, curve))
+    data = _samples.of(t, values, errors, curve)
     orders = known_orders(order)
     psi, phi = _frequencies(P_psi, P_phi)
     numbers = np.array(line_numbers(orders))
-    data.refuse_few(numbers)
-    solution, residuals, rank = data.solved(psi, phi, numbers)
     count, curves = len(numbers), data.curves
-    _warn_of_rank(rank, curves + 2 * count, np.ptp(data.t))
-    free = max(1, len(data.t) - rank)
+    unknowns = curves + 2 * count
+    if len(data.t) < unknowns:
+        raise AttitudeError(
+            f"{len(data.t)} values are given for {unknowns} unknowns; give more values, or a lower "
+            "order."
+        )
+    start = float(0.5 * (data.t.min() + data.t.max()))
+    angles = _angles(data.t, start, 1.0 / psi, 1.0 / phi, numbers)
+    constants = data.curve[:, None] == np.arange(curves)
+    matrix = np.concatenate([constants, np.cos(angles), np.sin(angles)], axis=1)
+    solution, _, rank, _ = np.linalg.lstsq(
+        matrix * data.weights[:, None], data.values * data.weights, rcond=_RANK
+    )
+    residuals = data.values - matrix @ solution
+    _warn_of_rank(int(rank), unknowns, np.ptp(data.t))
+    free = max(1, len(data.t) - int(rank))
     return SeriesFit(
         1.0 / psi,
         1.0 / phi,
@@ -182,11 +194,11 @@ def fit_series(
         frozen(solution[curves : curves + count]),
         frozen(solution[curves + count :]),
         frozen(numbers),
-        data.start,
+        start,
         frozen(residuals),
         float(np.sqrt(np.sum((residuals * data.weights) ** 2) / free)),
-        rank,
-        curves + 2 * count,
+        int(rank),
+        unknowns,
         data.epoch,
     )
 
@@ -214,43 +226,8 @@ def _frequencies(P_psi: Real | None, P_phi: Real | None) -> tuple[float, float]:
     )
 
 
-class _Data:
-    """The samples of a light curve, for fits at any frequencies."""
-
-    def __init__(self, found: Samples) -> None:
-        self.t, self.values, self.curve = found.t, found.values, found.curve
-        self.weights, self.curves = found.weights, found.curves
-        self.epoch = found.epoch
-        self.start = float(0.5 * (self.t.min() + self.t.max()))
-
-    def refuse_few(self, numbers: IntArray) -> None:
-        """AttitudeError for fewer values than unknowns."""
-        unknowns = self.curves + 2 * len(numbers)
-        if len(self.t) < unknowns:
-            raise AttitudeError(
-                f"{len(self.t)} values are given for {unknowns} unknowns; give more values, or a "
-                "lower order."
-            )
-
-    def solved(self, psi, phi, numbers):
-        """Coefficients, residuals and rank of the least-squares fit; frequencies in Hz."""
-        matrix = self._matrix(psi, phi, numbers)
-        least, _, rank, _ = np.linalg.lstsq(
-            matrix * self.weights[:, None], self.values * self.weights, rcond=_RANK
-        )
-        solution = np.asarray(least, dtype=np.float64)
-        return solution, self.values - matrix @ solution, int(rank)
-
-    def _matrix(self, psi: float, phi: float, numbers: IntArray) -> FloatArray:
-        angles = _angles(self.t, self.start, 1.0 / psi, 1.0 / phi, numbers)
-        constants = self.curve[:, None] == np.arange(self.curves)
-        return np.concatenate([constants, np.cos(angles), np.sin(angles)], axis=1)
-
-
 def _angles(t, start, P_psi, P_phi, numbers):
     """Angles (N, K) of the lines in rad; turns are reduced before they are multiplied by 2 pi."""
-    turns = np.outer((t - start) / P_phi, numbers[:, 0]) + np.outer(
-        (t - start) / P_psi, numbers[:, 1]
-    )
-    reduced = turns - np.rint(turns)
-    return 2.0 * np.pi * reduced
+    elapsed = t - start
+    turns = np.outer(elapsed / P_phi, numbers[:, 0]) + np.outer(elapsed / P_psi, numbers[:, 1])
+    return 2.0 * np.pi * (turns - np.rint(turns))

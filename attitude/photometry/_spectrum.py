@@ -81,13 +81,21 @@ _SIDE = 16
 _PRODUCTS = 5e7
 
 
+def line_numbers(orders: tuple[int, int]) -> list[tuple[int, int]]:
+    """All (i, j) except (0, 0), one of (i, j) and (-i, -j); orders of j and of i."""
+    of_psi, of_phi = orders
+    multiples = [(0, j) for j in range(1, of_psi + 1)]
+    return multiples + [(i, j) for i in range(1, of_phi + 1) for j in range(-of_psi, of_psi + 1)]
+
+
 def harmonics(order: int) -> IntArray:
-    """Numbers (i, j) of the lines of a series with |i|, |j| <= order: (0, 0), and one of each
-    +-.
-    """
-    pairs_of = [(0, 0)] + [(0, j) for j in range(1, order + 1)]
-    pairs_of += [(i, j) for i in range(1, order + 1) for j in range(-order, order + 1)]
-    return np.array(pairs_of)
+    """Numbers (L, 2) of the lines of a series with |i|, |j| <= order: (0, 0) and `line_numbers`."""
+    return np.array([(0, 0), *line_numbers((order, order))])
+
+
+def series_numbers(order: int, count: int) -> IntArray:
+    """Lines (K, D) of one frequency, or of two: j of the first and i of the second."""
+    return np.arange(1, order + 1)[:, None] if count == 1 else harmonics(order)[1:, ::-1]
 
 
 def decreases(
@@ -239,9 +247,8 @@ def tables(t: FloatArray, weights: FloatArray, y: FloatArray, spacing: float, co
     Shapes: t, weights, y (N,).
     """
     both = sums(t, np.stack([weights, weights * y]), spacing, count)
-    parts = both[0].real, both[0].imag, both[1].real, both[1].imag
-    wr, wi, yr, yi = (np.ascontiguousarray(array) for array in parts)
-    return Tables(wr, wi, yr, yi, float(weights @ y**2))
+    parts = (np.ascontiguousarray(part) for row in both for part in (row.real, row.imag))
+    return Tables(*parts, float(weights @ y**2))
 
 
 def best(
@@ -304,12 +311,7 @@ def _pairs(rows: IntArray, second: tuple[int, int]) -> tuple[IntArray, IntArray]
     starts = np.maximum(rows + _APART, second[0])
     widths = second[1] - starts
     a = np.repeat(rows, widths)
-    b = (
-        np.arange(a.size)
-        - np.repeat(np.cumsum(widths) - widths, widths)
-        + np.repeat(starts, widths)
-    )
-    return a, b
+    return a, np.arange(a.size) + np.repeat(starts - (np.cumsum(widths) - widths), widths)
 
 
 def _powers(made: Tables, a: IntArray, b: IntArray, lines: IntArray) -> FloatArray:
@@ -593,6 +595,12 @@ def alias_of(first: float, second: float, better: Sequence[PairLike], near: floa
     return None
 
 
+def gumbel(largest: Sequence[float]) -> tuple[float, float]:
+    """Place and scale of Gumbel's distribution of the largest of many values."""
+    scale = max(float(np.std(largest)) * np.sqrt(6.0) / np.pi, 1e-6)
+    return float(np.mean(largest)) - _EULER * scale, scale
+
+
 def share_of_chance(
     t: FloatArray, weights: FloatArray, y: FloatArray, turns: float, lines: IntArray, seed: int
 ) -> float:
@@ -615,6 +623,6 @@ def share_of_chance(
         gain = np.empty(tried)
         decreases(*sums_of[:4], pair[0], pair[1], lines, RIDGE, gain)
         best.append(float(gain.max() / sums_of.total))
-    scale = max(np.std(best) * np.sqrt(6.0) / np.pi, 1e-6)
-    place = np.mean(best) - _EULER * scale + scale * np.log(all_pairs / tried)
+    place, scale = gumbel(best)
+    place += scale * np.log(all_pairs / tried)
     return float(max(0.0, 1.0 - (place - scale * np.log(-np.log(0.99)))))
