@@ -288,15 +288,10 @@ class Condition(Joinable):
                 "one motion."
             )
         # Equal channels are one, so that their changes are one event.
-        channels = list(self.channels)
-        places = []
-        for channel in more.channels:
-            if channel not in channels:
-                channels.append(channel)
-            places.append(channels.index(channel))
-        return Condition(
-            self.source, channels, operation(self.logic, more.logic.renumbered(places))
-        )
+        channels = list(dict.fromkeys([*self.channels, *more.channels]))
+        places = [channels.index(channel) for channel in more.channels]
+        logic = operation(self.logic, more.logic.renumbered(places))
+        return Condition(self.source, channels, logic)
 
     def __repr__(self) -> str:
         count = len(self.channels)

@@ -19,7 +19,7 @@ motion's epoch.
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -203,8 +203,9 @@ def pieces(source: Source, start: Pair, stop: Pair) -> list[tuple[Pair, Pair, Bo
         in_each_arc = [joints[0] - 1.0, *joints]
         fastest = max(_bounds_at(motion, float(t)).first for t in in_each_arc)
         return [(start, stop, Bounded(RateBounds(fastest, np.inf, np.inf)))]
-    inside = [t for t in joints if _before(start, (t, 0.0)) and _before((t, 0.0), stop)]
-    ends = [start, *((float(t), 0.0) for t in inside), stop]
+    inside = [(float(t), 0.0) for t in joints]
+    inside = [t for t in inside if difference(start, t) > 0.0 and difference(t, stop) > 0.0]
+    ends = [start, *inside, stop]
     return [(a, b, Bounded(_bounds_at(motion, a[0]))) for a, b in pairwise(ends)]
 
 
@@ -223,11 +224,6 @@ def _length(vectors: FloatArray) -> float:
             "which it is known."
         )
     return largest
-
-
-def _before(one: Pair, other: Pair) -> Any:
-    difference = pairs.add(other, -one[0], -one[1])
-    return difference[0] + difference[1] > 0.0
 
 
 # Pairs of crossings nearer to each other than this, in rad of the fastest rotation, may be missed.
@@ -269,9 +265,7 @@ def crossings(
         for k, channel in enumerate(channels):
             first, second, fastest = bounds[k]
 
-            def evaluate(
-                s: FloatArray, channel: Channel = channel, base: Pair = base
-            ) -> FloatArray:
+            def evaluate(s, channel=channel, base=base):
                 return channel.value(source.at(*shifted(base, s)))
 
             noise = channel.noise * (_SCENE_NOISE if in_scene else 1.0)
@@ -316,15 +310,11 @@ def blocks(
                 rate = fastest  # the guess was too slow: once more, with nearer knots
                 continue
             if fastest > 0.0:
-                yield (
-                    base,
-                    moment,
-                    knots,
-                    [
-                        (*channel.bounds(rates, [drifts[d] for d in channel.directions]), fastest)
-                        for channel in channels
-                    ],
-                )
+                bounds = [
+                    (*channel.bounds(rates, [drifts[d] for d in channel.directions]), fastest)
+                    for channel in channels
+                ]
+                yield base, moment, knots, bounds
             base = end if last else pairs.add(base, length)
             rate = fastest if fastest > 0.0 else rate
 

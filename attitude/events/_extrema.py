@@ -134,8 +134,6 @@ def _polished(value, x, left, right, step):
     return np.where(inside & smooth, y, x)
 
 
-# Spacing of samples of an observable whose derivatives have no bounds, in rad of the rotation.
-_SPACING = 0.05
 # Derivatives by differences: 6th order over this many rad of the fastest rotation.
 _STENCIL = 4e-3
 _WEIGHTS = ((1, 0.75), (2, -0.15), (3, 1.0 / 60.0))

@@ -62,11 +62,6 @@ _MARGINS = (1.5, 2.0)
 _PARTS, _RESOLUTION = 16, 1e-9
 
 
-def spacings_of_levels(levels: Sequence[Level], start: Pair, stop: Pair) -> list[float]:
-    """The times between samples of levels, s; levels of one spacing are sampled together."""
-    return [level.observable.spacing(start, stop) for level in levels]
-
-
 def changes(
     source: Source,
     levels: Sequence[Level],
@@ -85,9 +80,14 @@ def changes(
         advance.next_round()
     if not blocks:
         return np.zeros(0), np.zeros(0), np.zeros(0, int), np.zeros(0, bool)
-    hi, lo, number, rising = (np.concatenate(column) for column in zip(*blocks, strict=True))
-    order = np.lexsort((lo, hi))
-    return hi[order], lo[order], number[order], rising[order]
+    return _in_order(blocks)
+
+
+def _in_order(blocks):
+    """The `Changes` of several blocks in order of time."""
+    columns = [np.concatenate(column) for column in zip(*blocks, strict=True)]
+    order = np.lexsort((columns[1], columns[0]))
+    return tuple(column[order] for column in columns)
 
 
 def _blocks(source, levels, start, stop, spacing, advance):
@@ -171,11 +171,6 @@ def one_source(conditions: Sequence[Condition]) -> Source:
     return conditions[0].source
 
 
-def channels_of(conditions: Sequence[Condition]) -> list[Channel]:
-    """The different channels of conditions."""
-    return list(dict.fromkeys(channel for one in conditions for channel in one.channels))
-
-
 def sign_changes(
     conditions: Sequence[Condition], channels: Sequence[Channel], start: Pair, stop: Pair
 ) -> Iterator[Changes]:
@@ -190,7 +185,7 @@ def sign_changes(
     if not slow:
         yield from crossings(source, channels, start, stop)
         return
-    spacings = spacings_of_levels([*slow.values()], start, stop)
+    spacings = [level.observable.spacing(start, stop) for level in slow.values()]
     advance = Advance(start, stop, len(set(spacings)) + bool(fast))
     hi, lo, number, rising = changes(source, [*slow.values()], start, stop, spacings, advance)
     slow_changes = hi, lo, np.array([*slow])[number], rising
@@ -206,10 +201,8 @@ def sign_changes(
     yield _part(slow_changes, done, len(hi))
 
 
-def _part(found: Changes, first: int, last: int) -> Changes:
-    hi, lo, number, rising = found
-    chosen = slice(first, last)
-    return hi[chosen], lo[chosen], number[chosen], rising[chosen]
+def _part(found, first, last):
+    return tuple(column[first:last] for column in found)
 
 
 def _open_parts(conditions, channels, fast, found, start, stop):
@@ -247,12 +240,7 @@ def _merged(source, channels, needed, begin, end, levelled, advance):
     some = [channels[k] for k in needed]
     for hi, lo, number, rising in crossings(source, some, begin, end, advance):
         upto = int(np.searchsorted(levelled[0], hi[-1]))
-        more = _part(levelled, first, upto)
-        t, lows = np.concatenate([hi, more[0]]), np.concatenate([lo, more[1]])
-        which = np.concatenate([needed[number], more[2]])
-        up = np.concatenate([rising, more[3]])
-        order = np.lexsort((lows, t))
-        yield t[order], lows[order], which[order], up[order]
+        yield _in_order([(hi, lo, needed[number], rising), _part(levelled, first, upto)])
         first = upto
     yield _part(levelled, first, len(levelled[0]))
 
@@ -395,14 +383,8 @@ class Events(Immutable):
     def __getitem__(self, index: Any) -> Events:
         """Some of the events: events[:10], events[events.values], events[events.which == 2]."""
         index = np.atleast_1d(np.arange(len(self))[index])
-        return Events(
-            self.epoch,
-            self.seconds[index],
-            self.low[index],
-            self.values[index],
-            self.which[index],
-            self.unit,
-        )
+        columns = (self.seconds, self.low, self.values, self.which)
+        return Events(self.epoch, *(column[index] for column in columns), unit=self.unit)
 
     def at(self, source: Any) -> Any:
         """``source.at(...)`` at these epochs: the AttitudeHistory of a motion, the View of a Scene.
@@ -551,7 +533,7 @@ def stream(
     conditions = [condition_of(condition, "the list of conditions") for condition in functions]
     source = one_source(conditions)
     begin, end = span(source.epoch, start, stop)
-    channels = channels_of(conditions)
+    channels = list(dict.fromkeys(channel for one in conditions for channel in one.channels))
     for hi, lo, number, rising in sign_changes(conditions, channels, begin, end):
         if not len(hi):
             continue
@@ -640,9 +622,9 @@ def plain_step(step: Real | None) -> float:
 
 def _of_function(start, stop, f, step, epoch, tolerance):
     step = plain_step(step)
-    tolerance = (
-        1e-9 * step if tolerance is None else validation.positive(tolerance, "tolerance", unit="s")
-    )
+    if tolerance is None:
+        tolerance = 1e-9 * step
+    tolerance = validation.positive(tolerance, "tolerance", unit="s")
     epoch_of_f = f.epoch if isinstance(f, ShadowState) else None
     if epoch_of_f is not None and epoch is not None:
         raise AttitudeError("the function has the epoch of its scene; leave epoch= out.")
@@ -693,8 +675,7 @@ def _bisected(f, t, states, tolerance):
             p, q = np.concatenate([p, m]), np.concatenate([m, q])
             change = p != q
             a, b, p, q = a[change], b[change], p[change], q[change]
-    times = np.concatenate(times) if times else np.zeros(0)
-    values = np.concatenate(values) if values else states[:0]
+    times, values = np.concatenate([t[:0], *times]), np.concatenate([states[:0], *values])
     order = np.argsort(times, kind="stable")
     return times[order], values[order]
 

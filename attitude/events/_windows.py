@@ -244,15 +244,13 @@ class Windows(Timetable):
         edges = [_edge(self.start), _edges(end)], [_edges(begin), _edge(self.stop)]
         first, last = (np.concatenate(pair, axis=1) for pair in edges)
         length = (last[0] - first[0]) + (last[1] - first[1])
-        return _of_edges(self.epoch, first[:, length > 0.0], last[:, length > 0.0], *self._ends())
+        edges = first[:, length > 0.0], last[:, length > 0.0]
+        return _of_edges(self.epoch, *edges, self.start, self.stop)
 
     @property
     def worst_gap(self) -> float:
         """The longest gap, also before the first and after the last window, s; 0 without gaps."""
         return float(np.max(self.gaps.duration, initial=0.0))
-
-    def _ends(self) -> tuple[Pair, Pair]:
-        return self.start, self.stop
 
 
 def windows(
@@ -278,8 +276,7 @@ def windows(
         For other objects, and where no span is given and none follows.
     """
     known = condition_of(condition, "condition")
-    ends = span_of(known.source, start, stop)
-    return windows_of([known], *ends)[0]
+    return windows_of([known], *span_of(known.source, start, stop))[0]
 
 
 def windows_of(conditions: Sequence[Condition], start: Pair, stop: Pair) -> list[Windows]:
@@ -600,7 +597,7 @@ def _sides(scene, names, fraction):
                 raise AttitudeError(
                     f"sides holds {name!r}; the sides with a lobe are {', '.join(listed)}."
                 )
-        sides = [side_and_width for side_and_width in sides if side_and_width[0].name in names]
+        sides = [pair for pair in sides if pair[0].name in names]
     if not sides:
         raise AttitudeError(
             "no flat side has a material with a specular part, so that nothing glints; give one in "
@@ -626,26 +623,27 @@ def _rows(scene, sides, conditions, found):
     for condition, one in zip(conditions, found, strict=True):
         mirrored = condition.channels[0]
         assert isinstance(mirrored, Mirrored)
-        begin, end = one.begin, one.end
 
         def nearness(seconds: FloatArray, channel: Any = mirrored) -> FloatArray:
             return channel.value(source.at(seconds, np.zeros(seconds.size)))
 
-        top = highest(nearness, begin, end)
+        top = highest(nearness, one.begin, one.end)
         tops.append(top)
         off.append(mirrored.off_mirror(source.at(top, np.zeros(top.size))) if len(top) else top)
     side = np.repeat([one.name for one in sides], [len(one) for one in found])
     peak, off_mirror = np.concatenate(tops), np.concatenate(off)
-    begin, begin_low, end, end_low, duration = (
-        np.concatenate(column) for column in zip(*(_edges_of(one) for one in found), strict=True)
+    begin, end = (
+        np.concatenate([_edges(one.columns[name]) for one in found], axis=1)
+        for name in ("begin", "end")
     )
-    order = np.argsort(begin, kind="stable")
+    duration = np.concatenate([one.duration for one in found])
+    order = np.argsort(begin[0], kind="stable")
     view = source.at(peak[order], np.zeros(len(peak))).view
     columns = {
         "side": TimetableColumn(side[order]),
-        "start": TimetableColumn(begin[order], "time", low=begin_low[order]),
+        "start": TimetableColumn(begin[0, order], "time", low=begin[1, order]),
         "peak": TimetableColumn(peak[order], "time"),
-        "stop": TimetableColumn(end[order], "time", low=end_low[order]),
+        "stop": TimetableColumn(end[0, order], "time", low=end[1, order]),
         "duration": TimetableColumn(duration[order], "s"),
         "magnitude": TimetableColumn(_magnitude(scene, view), "mag"),
         "off_mirror": TimetableColumn(off_mirror[order], "rad", "deg"),
@@ -655,14 +653,6 @@ def _rows(scene, sides, conditions, found):
     if scene.observer.has_horizon:
         columns["elevation"] = TimetableColumn(view.elevation, "rad", "deg")
     return Glints(source.epoch, columns)
-
-
-def _edges_of(found: Windows) -> tuple[FloatArray, ...]:
-    begin, end = found.columns["begin"], found.columns["end"]
-    low = [
-        np.broadcast_to(np.asarray(edge.low, dtype=float), (len(found),)) for edge in (begin, end)
-    ]
-    return begin.values, low[0], end.values, low[1], found.duration
 
 
 def _magnitude(scene: Scene, view: Any) -> FloatArray:

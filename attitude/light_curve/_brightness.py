@@ -259,16 +259,21 @@ def kernel_of(
     if len(shape.inward_facets):
         shape.require_closed()
     table = _table(shape, shadows, threads)
-    if law.weights is None:
-        return _facet_kernel(shape, law, table)
-    return _fused_kernel(shape, law, table)
+    summed = (_facet_kernel if law.weights is None else _fused_kernel)(shape, law, table)
+    area = clusters_of(shape).area
+
+    def kernel(*arrays: FloatArray) -> None:
+        # sums over areas in units of the whole one: totals below a fixed bound count as 0
+        summed(*arrays)
+        arrays[-1][:] *= area
+
+    return kernel
 
 
-def _ellipsoid_kernel(shape: Ellipsoid, law: Law) -> Callable[..., object]:
+def _ellipsoid_kernel(shape, law):
     require_ellipsoid_form(law)
     from attitude.light_curve._sums import ellipsoid
 
-    assert law.weights is not None
     axes, factor = tuple(float(axis) for axis in shape.semi_axes), law.weights[0]
     return lambda *arrays: ellipsoid(*axes, factor, *arrays)
 
@@ -302,31 +307,38 @@ def _table(mesh: Mesh, shadows: bool | Visibility, threads: int) -> Visibility |
     return _visibility[mesh]
 
 
-def _fused_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..., None]:
+def _fused_kernel(mesh, law, table):
     """The sum for laws with weights: the weights are part of the rows of each facet."""
     from attitude.light_curve import _sums
 
     clusters = clusters_of(mesh)
     blocks = clusters.rows()
     height, area = blocks[:, 2], blocks[:, 3] / (1 if table is None else POINTS)
-    assert law.weights is not None
     seeliger, lambert = law.weights
     blocks[:, 2], blocks[:, 3] = seeliger * area * height, lambert * area * height**2
     tables = aligned(blocks), clusters.axes, clusters.sky, clusters.cells
     if table is None:
-        return _times(
-            clusters.area, lambda *arrays: _sums.fused(*tables, None, None, None, *arrays)
-        )
-    masks, resolution = table.masks.view(np.uint64), table.resolution
+        return lambda *arrays: _sums.fused(*tables, None, None, None, *arrays)
+    masks = table.masks.view(np.uint64)
 
-    def kernel(*arrays: FloatArray) -> None:
-        cells = (
-            cells_of_directions(resolution, arrays[:3]),
-            cells_of_directions(resolution, arrays[3:6]),
-        )
-        _sums.fused(*tables, masks, *cells, *arrays)
+    def kernel(*arrays):
+        _sums.fused(*tables, masks, *_cells(table.resolution, arrays), *arrays)
 
-    return _times(clusters.area, kernel)
+    return kernel
+
+
+def _cells(resolution, arrays):
+    """The cells (N,) of the Sun's directions and of the observer's, the first six arrays."""
+    return [cells_of_directions(resolution, arrays[k : k + 3]) for k in (0, 3)]
+
+
+def _halves(directions):
+    """Cosines and sines (2, N) of half the phase angles, of directions by component."""
+    from attitude.light_curve import _sums
+
+    half = np.empty((2, directions[0].size))
+    _sums.halves(*directions, *half)
+    return half
 
 
 def cells_of_directions(resolution: int, directions: Sequence[FloatArray]) -> FloatArray:
@@ -345,7 +357,7 @@ def cells_of_directions(resolution: int, directions: Sequence[FloatArray]) -> Fl
     return cells
 
 
-def _facet_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..., None]:
+def _facet_kernel(mesh, law, table):
     """The sum for laws that are evaluated facet by facet, over facets that `gather` finds."""
     from attitude.light_curve import _sums
 
@@ -356,7 +368,7 @@ def _facet_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..
     number = same.reshape(-1)[number]
     packs = packs_of(mesh, number, len(rows), clusters.order)
     if packs is not None and law.elements is not None:
-        return _times(clusters.area, _few_kernel(law, rows, packs, table))
+        return _few_kernel(law, rows, packs, table)
     which = np.where(clusters.order < 0, -1, number[clusters.order])
     masks, resolution = np.zeros((1, clusters.count), dtype=np.uint64), 0
     masks.flags.writeable = False
@@ -364,45 +376,30 @@ def _facet_kernel(mesh: Mesh, law: Law, table: Visibility | None) -> Callable[..
         masks, resolution = table.masks.view(np.uint64), table.resolution
     facets = clusters.blocks, clusters.axes, clusters.sky, clusters.cells
     records = *facets, _segments(which, len(rows)), which.astype(float), masks
-    assert law.of_phase is not None
     element = law.element if law.elements is None else law.elements
-    assert element is not None
     summed = _sums.over_facets(law.of_phase, element, law.elements is not None)
     size = max(_GATHERED, SIZE * (clusters.count + 2 * len(rows)))
 
-    def kernel(*arrays: FloatArray) -> None:
+    def kernel(*arrays):
         *directions, out = arrays
-        cells = (
-            cells_of_directions(resolution, directions[:3]),
-            cells_of_directions(resolution, directions[3:]),
-        )
-        half = np.empty((2, out.size))
-        _sums.halves(*directions, *half)
         ends = np.empty((min(out.size, size // SIZE), len(rows)), dtype=np.int64)
+        cells = _cells(resolution, directions)
         arguments = *records, *cells, *directions, *np.empty((3, size)), ends
-        summed(rows, arguments, *half, out)
+        summed(rows, arguments, *_halves(directions), out)
 
-    return _times(clusters.area, kernel)
+    return kernel
 
 
 def _few_kernel(law, rows, packs, table):
     """The sum over a mesh of few facets, all of which are evaluated."""
-    from attitude.light_curve import _sums
-
-    assert law.of_phase is not None and law.elements is not None
     masks, resolution = arranged(np.zeros((1, 0), dtype=np.uint8), packs), 0
     if table is not None:
         masks, resolution = table.arranged(packs), table.resolution
     summed = summed_few_facets(law.of_phase, law.elements)
 
-    def kernel(*arrays: FloatArray) -> None:
+    def kernel(*arrays):
         *directions, out = arrays
-        cells = (
-            cells_of_directions(resolution, directions[:3]),
-            cells_of_directions(resolution, directions[3:]),
-        )
-        half = np.empty((2, out.size))
-        _sums.halves(*directions, *half)
+        cells, half = _cells(resolution, directions), _halves(directions)
         summed(rows, packs.first, packs.facets, masks, *cells, *directions, *half, out)
 
     return kernel
@@ -421,15 +418,3 @@ def _segments(which: IntArray, rows: int) -> NDArray[np.uint64]:
         used = np.flatnonzero(words) if np.any(words) else [0]
         segments += [(word, int(words[word]), row) for word in used]
     return np.array(segments, dtype=np.uint64)
-
-
-def _times(area: float, summed: Callable[..., object]) -> Callable[..., None]:
-    """The kernel of a sum over areas in units of the whole one: totals below a fixed bound count as
-    0.
-    """
-
-    def kernel(*arrays: FloatArray) -> None:
-        summed(*arrays)
-        arrays[-1][:] *= area
-
-    return kernel

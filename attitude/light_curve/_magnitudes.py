@@ -11,7 +11,7 @@ from attitude._support.constants import ASTRONOMICAL_UNIT_M
 from attitude.errors import AttitudeError
 from attitude.light_curve._brightness import brightness as brightness_of
 from attitude.scattering._law import law as known_law
-from attitude.scattering._law import together
+from attitude.scattering._law import phase_angles, together
 from attitude.scattering._weighted import LommelSeeliger
 from attitude.shape._ellipsoid import Ellipsoid
 from attitude.shape._mesh import Mesh
@@ -171,9 +171,7 @@ def mean_brightness(shape: Ellipsoid | Mesh, law: str | Law, alpha: Reals) -> Fl
             "orientations is known for Lambert's and Lommel-Seeliger's laws only; give one of "
             "these, or compute magnitudes without H."
         )
-    alpha = validation.real(alpha, "alpha", unit="rad")
-    if not np.all((alpha >= 0.0) & (alpha <= np.pi)):
-        raise AttitudeError("alpha must lie from 0 to pi rad.")
+    alpha = phase_angles(alpha)
     if not isinstance(shape, (Ellipsoid, Mesh)):
         raise AttitudeError(f"shape is {shape!r}; give an attitude.shape Ellipsoid or Mesh.")
     seeliger, lambert = weights

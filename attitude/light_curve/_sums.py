@@ -147,15 +147,8 @@ def clustered(normals: FloatArray, areas: FloatArray) -> Clusters:
     normals_there = np.take_along_axis(normals_there, following[:, None, :], axis=2)
     height = np.abs(normals_there[..., 2])
     over = np.where(used, height, 1.0)
-    blocks = np.stack(
-        [
-            normals_there[..., 0] / over,
-            normals_there[..., 1] / over,
-            height,
-            np.where(used, areas[order] / total, 0.0),
-        ],
-        axis=1,
-    )
+    slopes = normals_there[..., 0] / over, normals_there[..., 1] / over
+    blocks = np.stack([*slopes, height, np.where(used, areas[order] / total, 0.0)], axis=1)
     axes = np.stack([axis + 1, axis + 5 * opposite], axis=1).astype(np.uint64)
     cells, sky = _sky(normals, order)
     return Clusters(aligned(blocks), axes, sky, cells, order.reshape(-1), total)
@@ -183,9 +176,8 @@ def _grouped(normals: FloatArray) -> IntArray:
     and a common axis.  A split leaves a multiple of SIZE on the left, so that most groups are full.
     """
     count = len(normals)
-    members, ranks = np.arange(count), np.empty((3, count), dtype=np.int64)
-    for axis in range(3):
-        ranks[axis] = np.unique(normals[:, axis], return_inverse=True)[1]
+    members = np.arange(count)
+    ranks = np.array([np.unique(column, return_inverse=True)[1] for column in normals.T])
     first, size = np.zeros(1, dtype=np.int64), np.array([count])
     whole_groups = []
     while len(first):
@@ -193,10 +185,8 @@ def _grouped(normals: FloatArray) -> IntArray:
         begin = np.cumsum(size) - size
         places = np.arange(len(number)) + (first - begin)[number]
         normals_there = normals[members[places]]
-        low, high = (
-            np.minimum.reduceat(normals_there, begin),
-            np.maximum.reduceat(normals_there, begin),
-        )
+        low = np.minimum.reduceat(normals_there, begin)
+        high = np.maximum.reduceat(normals_there, begin)
         few = size <= SIZE
         whole = few & (np.max(np.maximum(low, -high), axis=1) >= _LEAST_HEIGHT)
         whole_groups.append(np.stack([first, size], axis=1)[whole])
@@ -501,12 +491,9 @@ def cells_of(x, y, z, resolution, out):
         face = chosen(others, chosen(last, every(4.0, a), every(2.0, a)), every(0.0, a))
         face = chosen(-1.0 * w, face + 1.0, face)
         w = 1.0 / at_least(w, -1.0 * w)
-        column = at_most(
-            truncated((1.0 + _evened_lanes(u * w)) * (0.5 * resolution)), resolution - 1.0
-        )
-        row = at_most(
-            truncated((1.0 + _evened_lanes(v * w)) * (0.5 * resolution)), resolution - 1.0
-        )
+        column = truncated((1.0 + _evened_lanes(u * w)) * (0.5 * resolution))
+        row = truncated((1.0 + _evened_lanes(v * w)) * (0.5 * resolution))
+        column, row = at_most(column, resolution - 1.0), at_most(row, resolution - 1.0)
         put_eight(out, t, (face * resolution + row) * resolution + column)
 
 

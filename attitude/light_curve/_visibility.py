@@ -874,7 +874,7 @@ class Visibility:
         places = clusters.count * SIZE
         if resolution is None:
             resolution = int(min(_FINEST, max(16, np.sqrt(_LARGEST / (6 * places)))))
-        if not (isinstance(resolution, (int, np.integer)) and 4 <= resolution <= 512):
+        elif not (isinstance(resolution, (int, np.integer)) and 4 <= resolution <= 512):
             raise AttitudeError(
                 f"resolution is {resolution!r}; give a whole number of cells from 4 to 512."
             )

@@ -112,17 +112,20 @@ def geometry(mu0: Reals, mu: Reals, alpha: Reals) -> tuple[FloatArray, FloatArra
 
     Each range is checked; whether the three angles belong to one geometry is not.
     """
-    mu0, mu, alpha = together(
-        mu0=validation.real(mu0, "mu0"),
-        mu=validation.real(mu, "mu"),
-        alpha=validation.real(alpha, "alpha", unit="rad"),
-    )
-    for array, name in ((mu0, "mu0"), (mu, "mu")):
+    cosines = {"mu0": validation.real(mu0, "mu0"), "mu": validation.real(mu, "mu")}
+    for name, array in cosines.items():
         if np.any(np.abs(array) > 1.0 + 1e-9):
             raise AttitudeError(f"{name} holds {np.max(np.abs(array))}; cosines lie from -1 to 1.")
-    if np.any((alpha < 0.0) | (alpha > np.pi)):
-        raise AttitudeError("alpha must lie from 0 to pi rad.")
+    mu0, mu, alpha = together(**cosines, alpha=phase_angles(alpha))
     return mu0, mu, alpha
+
+
+def phase_angles(alpha: Reals) -> FloatArray:
+    """Phase angles (...) in rad; AttitudeError beyond 0 to pi."""
+    angles = validation.real(alpha, "alpha", unit="rad")
+    if np.any((angles < 0.0) | (angles > np.pi)):
+        raise AttitudeError("alpha must lie from 0 to pi rad.")
+    return angles
 
 
 def together(**arrays: FloatArray) -> tuple[FloatArray, ...]:

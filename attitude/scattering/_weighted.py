@@ -13,7 +13,7 @@ import numpy as np
 
 from attitude._support import validation
 from attitude.errors import AttitudeError
-from attitude.scattering._law import Law, parameter
+from attitude.scattering._law import Law, parameter, phase_angles
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -129,6 +129,7 @@ _PHI3 = np.concatenate(
     ]
 )
 _SLOPES3 = (-1.0630097, 0.0)
+_BASIS = (_NODES, _PHI1, _SLOPES1), (_NODES, _PHI2, _SLOPES2), (_NODES3, _PHI3, _SLOPES3)
 
 
 def hg(alpha: Reals, h: Real = 0.0, g: Real = 0.15) -> FloatArray:
@@ -154,7 +155,7 @@ def hg(alpha: Reals, h: Real = 0.0, g: Real = 0.15) -> FloatArray:
 
     Source: Bowell et al., Asteroids II, 1989, eq. A4, stated there for alpha up to 120 deg.
     """
-    alpha = _angle(alpha)
+    alpha = phase_angles(alpha)
     h = validation.number(h, "h", unit="mag")
     g = validation.number(g, "g")
     if not -0.25 <= g <= 1.2:
@@ -197,7 +198,7 @@ def hg1g2(alpha: Reals, h: Real = 0.0, g1: Real = 0.62, g2: Real = 0.14) -> Floa
 
     Source: Muinonen et al., Icarus 209, 542, 2010, eq. 18 and tables 3, 4.
     """
-    alpha = _angle(alpha)
+    alpha = phase_angles(alpha)
     h = validation.number(h, "h", unit="mag")
     g1, g2 = validation.number(g1, "g1"), validation.number(g2, "g2")
     if g1 < 0.0 or g2 < 0.0 or g1 + g2 > 1.0 + 1e-12:
@@ -214,11 +215,7 @@ def _spline(k: int) -> Callable[[FloatArray], Any]:
     """Basis function phi1, phi2 or phi3 (k = 0, 1, 2) of the phase angle in rad."""
     from scipy.interpolate import CubicSpline
 
-    nodes, values, slopes = (
-        (_NODES, _PHI1, _SLOPES1),
-        (_NODES, _PHI2, _SLOPES2),
-        (_NODES3, _PHI3, _SLOPES3),
-    )[k]
+    nodes, values, slopes = _BASIS[k]
     nodes = np.radians(nodes)
     spline = CubicSpline(nodes, values, bc_type=((1, slopes[0]), (1, slopes[1])))
 
@@ -231,13 +228,6 @@ def _spline(k: int) -> Callable[[FloatArray], Any]:
         return inside + before + after
 
     return function
-
-
-def _angle(given: Reals) -> FloatArray:
-    alpha: FloatArray = validation.real(given, "alpha", unit="rad")
-    if np.any((alpha < 0.0) | (alpha > np.pi)):
-        raise AttitudeError("alpha must lie from 0 to pi rad.")
-    return alpha
 
 
 def _magnitude(total):

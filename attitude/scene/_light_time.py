@@ -23,12 +23,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from attitude._support import pairs as support_pairs
+from attitude._support import pairs
 from attitude._support.arrays import Immutable, frozen, new_array, read_only
 from attitude._support.constants import SPEED_OF_LIGHT_M_S
 from attitude.errors import AttitudeError
-from attitude.paths import _compressed as paths_compressed
 from attitude.paths._composed import relative
+from attitude.paths._compressed import compress
 from attitude.paths._path import SSB, Direction, Path, common_span, since, spelled
 
 if TYPE_CHECKING:
@@ -69,8 +69,8 @@ class Steps(NamedTuple):
         cls, target: Path | str | int, viewer: Path | str | int, ephemeris: Ephemeris | None
     ) -> Steps:
         """Those of paths or names of bodies; see `paths.relative`."""
-        pairs = (target, viewer), (target, SSB), (viewer, SSB)
-        return cls(*(relative(*pair, ephemeris) for pair in pairs))
+        ends = (target, viewer), (target, SSB), (viewer, SSB)
+        return cls(*(relative(*pair, ephemeris) for pair in ends))
 
 
 class Sightline(Path):
@@ -85,11 +85,7 @@ class Sightline(Path):
     is_near: whether the target is nearer than a light second at all epochs of the sample.
     """
 
-    def __init__(
-        self,
-        steps: Steps,
-        sample: tuple[Instant, FloatArray, FloatArray],
-    ) -> None:
+    def __init__(self, steps: Steps, sample: Sample) -> None:
         self.geometric, self.target, self.viewer = steps.geometric, steps.target, steps.viewer
         self.name, self.center = self.geometric.name, self.geometric.center
         self.source = self.geometric.source
@@ -105,9 +101,9 @@ class Sightline(Path):
     @cached_property
     def roughness(self) -> float:  # type: ignore[override]  # computed
         """See `Path`, m: that of the parts, and the rounding of barycentric positions."""
-        size = 0.0
-        if not self.is_near:
-            size = float(np.max(np.abs(self.viewer._position(*self._sample)), initial=0.0))
+        if self.is_near:
+            return self.geometric.roughness
+        size = float(np.max(np.abs(self.viewer._position(*self._sample)), initial=0.0))
         return self.geometric.roughness + 8.0 * _EPS * size
 
     def _position(self, instant, hi, lo):
@@ -119,11 +115,8 @@ class Sightline(Path):
         towards = seen / np.maximum(_length(seen), np.finfo(np.float64).tiny)
         velocity_of_viewer = self.viewer._state(instant, hi, lo)[1]
         # d/dt of target(t - T) - viewer(t), with T' from T = |seen| / c.
-        rate = (
-            _dot(towards, moved - velocity_of_viewer)
-            / SPEED_OF_LIGHT_M_S
-            / (1.0 + _dot(towards, moved) / SPEED_OF_LIGHT_M_S)
-        )
+        away = _dot(towards, moved - velocity_of_viewer) / SPEED_OF_LIGHT_M_S
+        rate = away / (1.0 + _dot(towards, moved) / SPEED_OF_LIGHT_M_S)
         return seen, moved * (1.0 - rate) - velocity_of_viewer
 
     def _solved(self, instant, hi, lo):
@@ -191,7 +184,7 @@ class Sightline(Path):
 
 
 def _earlier(hi, lo, light):
-    return support_pairs.add((hi, lo), -light)
+    return pairs.add((hi, lo), -light)
 
 
 def _whole(vectors):
@@ -287,21 +280,19 @@ def _compressed(path, instant, hi, lo, some, tolerance, sign):
     """The LineOfSight by a compression of the path, or None if that costs more than it saves."""
     if not some[1].size:
         return None
+    first, last = ((float(some[1][k]), float(some[2][k])) for k in (0, 1))
+    if not sum(last) > sum(first):
+        return None
     if isinstance(path, Sightline):
         nearest = path.nearest
     else:
         nearest = np.min(np.linalg.norm(path.position(*some), axis=-1))
-    first, last = ((float(some[1][k]), float(some[2][k])) for k in (0, 1))
-    if not sum(last) > sum(first):
-        return None
     metered = Metered(path, int(_SHARE * hi.size))
     # The sample may miss the nearest point: the second pass takes the distance found by the first.
     for _ in range(2):
         aim = min(tolerance, _AIMED_TURN * nearest)
         try:
-            small = paths_compressed.compress(
-                metered, instant.after(*first), instant.after(*last), aim
-            )
+            small = compress(metered, instant.after(*first), instant.after(*last), aim)
         except AttitudeError:
             # Too many states, or not smooth enough.  Any other error recurs when the path itself
             # is evaluated.

@@ -6,7 +6,7 @@ import datetime
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -40,6 +40,8 @@ if TYPE_CHECKING:
     from attitude.scattering._law import Law
     from attitude.shape._ellipsoid import Ellipsoid
     from attitude.shape._mesh import Mesh
+
+    Radii: TypeAlias = Mapping[str, Real | None] | Mapping[int, Real | None]
 
 
 # ---- What a Scene is given, checked: places, a shape, shadows, times
@@ -229,75 +231,19 @@ class OfView(Observable):
         return f"<{self.name}{f' in {self.unit}' if self.unit else ''} of a scene>"
 
 
-def quantity(
-    scene: Scene,
-    given: str | Callable[[View], ArrayLike],
-    *,
-    unit: str = "",
-    rate: Real | None = None,
-    step: Real | None = None,
-) -> OfView:
-    """The Observable of ``scene.quantity``, whose docstring describes the arguments."""
-    stated = None if rate is None else validation.positive(rate, "rate", unit=_per_second(unit))
-    known_step = None if step is None else validation.positive(step, "step", unit="s")
-    options: dict[str, Any] = {"rate": stated, "step": known_step}
-    if not isinstance(given, str):
-        if not callable(given):
-            raise AttitudeError(
-                f"quantity is {validation.shown(given)}; give the name of a quantity of a view, "
-                'such as "elevation", or a function of a view.'
-            )
-        return OfView(scene, OfFunction(given), "function", unit=unit, **options)
-    name, _, component = given.partition(".")
-    known = View.columns()
-    if name not in known:
-        raise AttitudeError(
-            f"{given!r} is not a quantity of a view; give one of {', '.join(known)}."
-        )
-    parts = known[name].parts
-    if parts and component not in parts:
-        raise AttitudeError(
-            f'{name} has the parts {", ".join(parts)}; give one of them, as in "{name}.{parts[0]}".'
-        )
-    if component and not parts:
-        raise AttitudeError(f"{name} has no parts; give {name!r}.")
-    unit_of_column = known[name].unit
-    if unit and unit != unit_of_column:
-        raise AttitudeError(
-            f"{name} is in {unit_of_column or 'no unit'}; leave unit out, and give thresholds with "
-            'their units, as in > "10 deg".'
-        )
-    is_flag = name in _FLAGS
-    smooth = not (is_flag or name in _ROUGH or component in _JUMPS or name.endswith("_sigma"))
-    value = OfColumn(name, parts.index(component) if component else None)
-    return OfView(
-        scene, value, given, unit=unit_of_column, is_smooth=smooth, is_flag=is_flag, **options
-    )
-
-
-def _per_second(unit: str) -> str:
-    return f"{unit} / s" if unit else "1 / s"
-
-
 def _scales(view: View) -> list[float]:
     """Spacings of samples of what depends on lines of sight, s."""
-    scene = view.scene
-    scales: list[float] = []
-
-    def least(path: Path, part: float) -> None:
-        position, velocity = path.state(view.epoch, view.seconds, view.low)
-        size, speed = (
-            np.sqrt(np.sum(vectors * vectors, axis=-1)) for vectors in (position, velocity)
-        )
+    scene, scales = view.scene, []
+    places = [end for end in (scene.center, scene.observer) if isinstance(end, _path.Path)]
+    paths = [(place, _OF_ORBIT) for place in places]
+    if len(places) == 2:
+        paths.append((_composed.relative(*places, scene.ephemeris), _OF_RANGE))
+    for path, part in paths:
+        state = path.state(view.epoch, view.seconds, view.low)
+        size, speed = (np.sqrt(np.sum(vectors * vectors, axis=-1)) for vectors in state)
         moving = (speed > 0.0) & (size > 0.0)
         if np.any(moving):
             scales.append(part * float(np.min(size[moving] / speed[moving])))
-
-    places = [end for end in (scene.center, scene.observer) if isinstance(end, _path.Path)]
-    for place in places:
-        least(place, _OF_ORBIT)
-    if len(places) == 2:
-        least(_composed.relative(places[0], places[1], scene.ephemeris), _OF_RANGE)
     return scales
 
 
@@ -423,12 +369,7 @@ class Scene(Immutable):
         light_time: bool = True,
         aberration: bool = False,
         ephemeris: EphemerisLike = None,
-        shadow_of: str
-        | int
-        | Iterable[str | int]
-        | Mapping[str, Real | None]
-        | Mapping[int, Real | None]
-        | None = None,
+        shadow_of: str | int | Iterable[str | int] | Radii | None = None,
         tolerance: Real | None = 1e-3,
         shadows: bool | Visibility = True,
         threads: int = 1,
@@ -446,9 +387,9 @@ class Scene(Immutable):
         self._set("shape", known_shape(shape))
         check_surface(self.shape, self.law)
         self._set("night", validation.number(night, "night", unit="rad"))
-        self._set("site_limits", validation.flag(site_limits, "site_limits"))
-        self._set("light_time", validation.flag(light_time, "light_time"))
-        self._set("aberration", validation.flag(aberration, "aberration"))
+        flags = {"site_limits": site_limits, "light_time": light_time, "aberration": aberration}
+        for name, value in flags.items():
+            self._set(name, validation.flag(value, name))
         if tolerance is not None:
             tolerance = validation.positive(tolerance, "tolerance", unit="m")
         self._set("tolerance", tolerance)
@@ -537,11 +478,9 @@ class Scene(Immutable):
             )
         epoch_of_scene = self.epoch
         if epoch_of_scene is not None and start != epoch_of_scene:
-            past_j2000 = times.plus(start.seconds, start.low)
-            times = pairs.Seconds(
-                *pairs.add(past_j2000, -epoch_of_scene.seconds, -epoch_of_scene.low)
-            )
+            past_j2000 = pairs.Seconds(*times.plus(start.seconds, start.low))
             start = epoch_of_scene
+            times = pairs.Seconds(*past_j2000.plus(-start.seconds, -start.low))
         return View(self, start, *times)
 
     def quantity(
@@ -576,7 +515,50 @@ class Scene(Immutable):
         AttitudeError
             For an unknown quantity, a missing or unknown part, and bounds that are not positive.
         """
-        return quantity(self, name, unit=unit, rate=rate, step=step)
+        if rate is not None:
+            per_second = f"{unit} / s" if unit else "1 / s"
+            rate = validation.positive(rate, "rate", unit=per_second)
+        if step is not None:
+            step = validation.positive(step, "step", unit="s")
+        if not isinstance(name, str):
+            if not callable(name):
+                raise AttitudeError(
+                    f"quantity is {validation.shown(name)}; give the name of a quantity of a view, "
+                    'such as "elevation", or a function of a view.'
+                )
+            function = OfFunction(name)
+            return OfView(self, function, "function", unit=unit, rate=rate, step=step)
+        column, _, component = name.partition(".")
+        known = View.columns()
+        if column not in known:
+            raise AttitudeError(
+                f"{name!r} is not a quantity of a view; give one of {', '.join(known)}."
+            )
+        parts, own_unit = known[column].parts, known[column].unit
+        if parts and component not in parts:
+            raise AttitudeError(
+                f"{column} has the parts {', '.join(parts)}; give one of them, as in "
+                f'"{column}.{parts[0]}".'
+            )
+        if component and not parts:
+            raise AttitudeError(f"{column} has no parts; give {column!r}.")
+        if unit and unit != own_unit:
+            raise AttitudeError(
+                f"{column} is in {own_unit or 'no unit'}; leave unit out, and give thresholds with "
+                'their units, as in > "10 deg".'
+            )
+        is_flag = column in _FLAGS
+        is_rough = column in _ROUGH or component in _JUMPS or column.endswith("_sigma")
+        return OfView(
+            self,
+            OfColumn(column, parts.index(component) if component else None),
+            name,
+            unit=own_unit,
+            rate=rate,
+            step=step,
+            is_smooth=not (is_flag or is_rough),
+            is_flag=is_flag,
+        )
 
     @property
     def epoch(self) -> _instants.Instant | None:

@@ -401,10 +401,6 @@ class View(Immutable):
             return read_only(array).reshape(self.shape)
         return np.broadcast_to(array, (self.seconds.size,)).reshape(self.shape)
 
-    def _flags(self, array: BoolArray) -> BoolArray:
-        """A flat array (N,) as S."""
-        return array.reshape(self.shape)
-
     # ---- Distances and directions
 
     @quantity("m")
@@ -492,13 +488,13 @@ class View(Immutable):
     @quantity()
     def in_umbra(self) -> BoolArray:
         """Whether no part of the Sun's disc is seen from the body's centre."""
-        return self._flags(np.asarray(self.lit_fraction == 0.0).reshape(-1))
+        return np.asarray(self.lit_fraction == 0.0)
 
     @quantity()
     def in_penumbra(self) -> BoolArray:
         """Whether a part of the Sun's disc is seen from the body's centre, but not all of it."""
         lit = np.asarray(self.lit_fraction)
-        return self._flags(((lit > 0.0) & (lit < 1.0)).reshape(-1))
+        return (lit > 0.0) & (lit < 1.0)
 
     # ---- Attitude, and directions in body axes
 
@@ -755,21 +751,19 @@ class View(Immutable):
     @quantity()
     def airmass(self) -> FloatArray:
         """Relative air mass towards the body by Young (1994), 1 at the zenith; NaN below 0 deg."""
-        return self._numbers(_angles.air_mass(np.asarray(self.elevation).reshape(-1)))
+        return _angles.air_mass(self.elevation)
 
     @quantity()
     def sky_dark(self) -> BoolArray:
         """Whether the Sun at a ground site is lower than ``scene.night``."""
-        sun = np.asarray(self.sun_elevation).reshape(-1)
-        return self._flags(sun < self.scene.night)
+        return np.asarray(self.sun_elevation < self.scene.night)
 
     @quantity()
     def is_observable(self) -> BoolArray:
         """Whether a ground site has the body above its horizon, and a dark sky; True elsewhere."""
         if not self.scene.observer.has_horizon:
-            return self._flags(~np.isnan(self.seconds.reshape(-1)))
-        up = np.asarray(self.elevation).reshape(-1) > 0.0
-        return self._flags(up & np.asarray(self.sky_dark).reshape(-1))
+            return ~np.isnan(self.seconds)
+        return np.asarray((self.elevation > 0.0) & self.sky_dark)
 
     # ---- Brightness and magnitudes
 

@@ -78,14 +78,9 @@ def _relaxed(vertices: FloatArray, triangles: IntArray) -> FloatArray:
     count = len(vertices)
     for _ in range(_PASSES):
         a, b, c = (vertices[triangles[:, k]] for k in range(3))
-        weight = _areas(vertices, triangles)
-        pull = weight[:, None] * (a + b + c)
-        vertices = _unit(
-            np.stack(
-                [np.bincount(triangles.ravel(), np.repeat(pull[:, k], 3), count) for k in range(3)],
-                axis=1,
-            )
-        )
+        pull = np.repeat(_areas(vertices, triangles)[:, None] * (a + b + c), 3, axis=0)
+        sums = [np.bincount(triangles.ravel(), along, count) for along in pull.T]
+        vertices = _unit(np.stack(sums, axis=1))
     return vertices
 
 

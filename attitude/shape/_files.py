@@ -63,11 +63,8 @@ def read(
         For a file that is missing, cut short or malformed (with the line), and for meshes that
         `Mesh` or, with ``closed``, `Mesh.require_closed` refuse.
     """
-    if not isinstance(path, (str, os.PathLike)):
-        raise AttitudeError(f"path is {shown(path)}; give the path of a shape as text or a Path.")
     closed, repair = flag(closed, "closed"), flag(repair, "repair")
-    file = Path(path)
-    kind = _kind_of(file, format, "read")
+    file, kind = _file_and_kind(path, format, "read")
     if not file.is_file():
         raise AttitudeError(f"{file}: there is no such file; give the path of a shape.")
     factor, rounding = _metres(unit), 0.0
@@ -92,10 +89,7 @@ def read(
 
 def write(path: FilePath, mesh: Mesh, *, unit: str = "m", format: str | None = None) -> None:
     """Write a mesh; see `Mesh.write`."""
-    if not isinstance(path, (str, os.PathLike)):
-        raise AttitudeError(f"path is {shown(path)}; give the path of a shape as text or a Path.")
-    file = Path(path)
-    kind = _kind_of(file, format, "written")
+    _, kind = _file_and_kind(path, format, "written")
     vertices = mesh.vertices / _metres(unit)
     if kind in ("obj", "damit"):
         lines = obj_lines if kind == "obj" else damit_lines
@@ -131,15 +125,18 @@ def damit_lines(vertices: FloatArray, mesh: Mesh) -> Iterator[str]:
     yield from (f"{a} {b} {c}" for a, b, c in (mesh.facets + 1).tolist())
 
 
-def _kind_of(file: Path, format: str | None, done: str) -> str:
-    """The format that is given, or that of the ending of a file to be read or written."""
+def _file_and_kind(path, format, done):
+    """The Path of a file to be read or written, and its format: as given, or of its ending."""
+    if not isinstance(path, (str, os.PathLike)):
+        raise AttitudeError(f"path is {shown(path)}; give the path of a shape as text or a Path.")
+    file = Path(path)
     kind = format or _FORMATS.get(file.suffix.lower(), "")
     if kind not in _FORMATS.values():
         raise AttitudeError(
             f"{file.name}: a shape is {done} as obj, damit, stl or ply; name the file .obj, .txt, "
             f".stl or .ply, or give format= (given {quoted(format)})."
         )
-    return kind
+    return file, kind
 
 
 def read_obj(lines: Iterable[str], name: str = "OBJ") -> Parts:
@@ -156,8 +153,7 @@ def read_obj(lines: Iterable[str], name: str = "OBJ") -> Parts:
             if len(fields) not in (3, 4, 6, 7):
                 raise AttitudeError(
                     f"{where}: a vertex has 3 coordinates, this has {len(fields)}: "
-                    f"{quoted(line, 120)}; "
-                    "the file may be cut short."
+                    f"{quoted(line, 120)}; the file may be cut short."
                 )
             vertices.append(_numbers(fields[:3], where))
         elif key == "f":
@@ -165,8 +161,7 @@ def read_obj(lines: Iterable[str], name: str = "OBJ") -> Parts:
             if len(corners) < 3:
                 raise AttitudeError(
                     f"{where}: a facet has at least 3 vertices, this has {len(corners)}: "
-                    f"{quoted(line, 120)}; "
-                    "the file may be cut short."
+                    f"{quoted(line, 120)}; the file may be cut short."
                 )
             for k in range(1, len(corners) - 1):
                 facets.append((corners[0], corners[k], corners[k + 1]))
@@ -214,15 +209,20 @@ def read_damit(lines: Iterable[str], name: str = "shape.txt") -> Parts:
             f"after {len(statements)} lines, where {vertex_count} vertices and {facet_count} "
             f"facets need {expected}; it is {'cut short' if short else 'not as line 1 counts'}."
         )
-    rows = [
-        _numbers(_three(line, f"{name}, line {at}"), f"{name}, line {at}")
-        for at, line in statements[1 : 1 + vertex_count]
-    ]
-    facets = []
-    for at, line in statements[1 + vertex_count :]:
+    vertices, facets = [], []
+    for at, line in statements[1:]:
         where = f"{name}, line {at}"
-        facets.append([_corner(f, vertex_count, where) for f in _three(line, where)])
-    return np.array(rows), np.array(facets), SURFACE
+        fields = line.split()
+        if len(fields) != 3:
+            raise AttitudeError(
+                f"{where}: must hold 3 numbers, holds {len(fields)}: {line[:60]!r}; the file may "
+                "be cut short, or its facets may not be triangles."
+            )
+        if len(vertices) < vertex_count:
+            vertices.append(_numbers(fields, where))
+        else:
+            facets.append([_corner(field, vertex_count, where) for field in fields])
+    return np.array(vertices), np.array(facets), SURFACE
 
 
 def _statements(lines: Iterable[str]) -> Iterator[tuple[int, str]]:
@@ -241,16 +241,6 @@ def _coordinates(lines: Iterable[str], kind: str | None) -> Iterator[str]:
             yield from fields[1:4]
         elif kind == "damit" and number > 0 and any("." in field for field in fields):
             yield from fields
-
-
-def _three(line: str, where: str) -> list[str]:
-    fields = line.split()
-    if len(fields) != 3:
-        raise AttitudeError(
-            f"{where}: must hold 3 numbers, holds {len(fields)}: {line[:60]!r}; the file may be "
-            "cut short, or its facets may not be triangles."
-        )
-    return fields
 
 
 def _numbers(fields: Sequence[str], where: str) -> list[float]:

@@ -189,12 +189,9 @@ def winding_number(point: FloatArray, corners: FloatArray) -> float:
     a, b, c = np.moveaxis(corners - point, 1, 0)
     la, lb, lc = (np.linalg.norm(v, axis=-1) for v in (a, b, c))
     above = np.einsum("fi,fi->f", a, np.cross(b, c))
-    below = (
-        la * lb * lc
-        + np.einsum("fi,fi->f", a, b) * lc
-        + np.einsum("fi,fi->f", b, c) * la
-        + np.einsum("fi,fi->f", c, a) * lb
-    )
+    below = la * lb * lc
+    for one, other, length in ((a, b, lc), (b, c, la), (c, a, lb)):
+        below += np.einsum("fi,fi->f", one, other) * length
     return float(np.sum(np.arctan2(above, below)) / (2.0 * np.pi))
 
 
@@ -356,12 +353,8 @@ def facets_of(value: Any, count: int) -> IntArray:
         array = np.array(value)
     except ValueError as err:
         raise AttitudeError("facets is ragged; give (F, 3): three vertices for each.") from err
-    if (
-        array.ndim != 2
-        or array.shape[1:] != (3,)
-        or len(array) == 0
-        or array.dtype.kind not in "iu"
-    ):
+    is_table = array.ndim == 2 and array.shape[1:] == (3,) and len(array)
+    if not is_table or array.dtype.kind not in "iu":
         raise AttitudeError(
             f"facets has shape {array.shape} of {array.dtype}; give (F, 3) whole numbers, indices "
             "from 0 into the vertices."

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import Real, Reals
 
 
-_AXES = {"x": 0, "y": 1, "z": 2}
+_AXES = ("x", "y", "z")
 
 
 @arguments({}, "box((1, 2, 3))")
@@ -85,7 +85,7 @@ def cylinder(
     """
     r = validation.positive(radius, "radius", unit="m")
     length = validation.positive(height, "height", unit="m")
-    along = _AXES[validation.one_of(axis, "axis", tuple(_AXES))]
+    along = _AXES.index(validation.one_of(axis, "axis", _AXES))
     if not (isinstance(sides, (int, np.integer)) and 3 <= sides <= 100_000):
         raise AttitudeError(f"sides is {quoted(sides)}; give a whole number from 3 to 100000.")
     turn = 2.0 * np.pi / sides
@@ -98,14 +98,9 @@ def cylinder(
     vertices = np.roll(np.column_stack([flat, level]), along - 2, axis=1)
     after, top = (k + 1) % sides, k + sides
     bottom, lid = np.full(sides, 2 * sides), np.full(sides, 2 * sides + 1)
-    facets = np.concatenate(
-        [
-            np.stack([k, after, top], axis=1),
-            np.stack([after, after + sides, top], axis=1),
-            np.stack([bottom, after, k], axis=1),
-            np.stack([lid, top, after + sides], axis=1),
-        ]
-    )
+    around = [(k, after, top), (after, after + sides, top)]
+    ends = [(bottom, after, k), (lid, top, after + sides)]
+    facets = np.concatenate([np.stack(corners, axis=1) for corners in around + ends])
     return Mesh(vertices, facets, material)
 
 
@@ -158,7 +153,7 @@ def box_wing(
     apart = validation.number(gap, "gap", unit="m")
     depth = validation.positive(thickness, "thickness", unit="m")
     angle = validation.number(wing_angle, "wing_angle", unit="rad")
-    along = _AXES[validation.one_of(wing_axis, "wing_axis", tuple(_AXES))]
+    along = _AXES.index(validation.one_of(wing_axis, "wing_axis", _AXES))
     validation.one_of(wings, "wings", (1, 2))
     if apart < 0.0:
         raise AttitudeError(
@@ -166,7 +161,10 @@ def box_wing(
         )
     names = tuple(materials)
     if len(names) != 4:
-        raise AttitudeError(f"materials has {len(names)} names; give four: {_FOUR}.")
+        raise AttitudeError(
+            f"materials has {len(names)} names; give four: of the box, the wing's front, its back "
+            "and its edges."
+        )
     front, across = (along + 1) % 3, (along + 2) % 3
     size = np.empty(3)
     size[along], size[front], size[across] = length, depth, width
@@ -183,6 +181,3 @@ def box_wing(
         labels[4 * front : 4 * front + 2] = [names[2]] * 2
         mesh = mesh.joined(box(size, material=labels, center=center).turned(turn))
     return mesh
-
-
-_FOUR = "of the box, the wing's front, its back and its edges"
