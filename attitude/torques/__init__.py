@@ -31,7 +31,7 @@ from typing import TYPE_CHECKING
 from attitude._support.synonyms import of_module
 
 if TYPE_CHECKING:
-    # The names of _WHERE, for editors and type checkers.
+    # These names, for editors and type checkers.
     from attitude.torques._gravity_gradient import GravityGradient as GravityGradient
     from attitude.torques._magnetic import IGRF as IGRF
     from attitude.torques._magnetic import DipoleField as DipoleField
@@ -50,23 +50,18 @@ if TYPE_CHECKING:
     from attitude.torques._torque import LinearDamping as LinearDamping
     from attitude.torques._torque import Torque as Torque
 
-# The module that defines each name, imported when the name is first used.
-_WHERE = {
-    **dict.fromkeys(
-        ("DipoleField", "EddyCurrent", "IGRF", "MagneticDipole", "MagneticField"),
-        "attitude.torques._magnetic",
+# The names of each module, which is imported when one of them is first used.
+_NAMES = {
+    "_gravity_gradient": ("GravityGradient",),
+    "_magnetic": ("DipoleField", "EddyCurrent", "IGRF", "MagneticDipole", "MagneticField"),
+    "_radiation": ("AerodynamicTorque", "SolarRadiation"),
+    "_rheology": ("Maxwell", "QualityFactor", "Rheology"),
+    "_torque": (
+        *("ConstantTorque", "CustomTorque", "InertiaHistory", "InternalDissipation"),
+        *("LinearDamping", "Torque"),
     ),
-    **dict.fromkeys(("Maxwell", "QualityFactor", "Rheology"), "attitude.torques._rheology"),
-    "AerodynamicTorque": "attitude.torques._radiation",
-    "ConstantTorque": "attitude.torques._torque",
-    "CustomTorque": "attitude.torques._torque",
-    "GravityGradient": "attitude.torques._gravity_gradient",
-    "InertiaHistory": "attitude.torques._torque",
-    "InternalDissipation": "attitude.torques._torque",
-    "LinearDamping": "attitude.torques._torque",
-    "SolarRadiation": "attitude.torques._radiation",
-    "Torque": "attitude.torques._torque",
 }
+_WHERE = {name: f"{__name__}.{file}" for file, names in _NAMES.items() for name in names}
 
 __all__ = sorted(_WHERE)
 

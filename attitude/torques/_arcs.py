@@ -17,6 +17,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property, partial
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -226,22 +227,13 @@ class InertiaChange(Change):
 
 def times_of(changes: Sequence[Change], epoch: Instant) -> list[Pair | None]:
     """Seconds (high, low) since an epoch of each change; None for one at an event."""
-    times = [_seconds(change.at, epoch, f"changes[{k}].at") for k, change in enumerate(changes)]
-    _check_order(times)
-    return times
-
-
-def _seconds(at: Any, epoch: Instant, name: str) -> Pair | None:
-    if isinstance(at, Trigger):
-        return None
-    return _inputs.one_since(epoch, at, name)
-
-
-def _check_order(times: list[Pair | None]) -> None:
+    times: list[Pair | None] = []
     before, whose = (0.0, 0.0), "the epoch of the spin"
-    for k, time in enumerate(times):
-        if time is None:
+    for k, change in enumerate(changes):
+        if isinstance(change.at, Trigger):
+            times.append(None)
             continue
+        time = _inputs.one_since(epoch, change.at, f"changes[{k}].at")
         if time <= before:
             early = (before[0] - time[0]) + (before[1] - time[1])
             how = f"{early:.2g} s earlier than" if time < before else "the same as"
@@ -251,6 +243,8 @@ def _check_order(times: list[Pair | None]) -> None:
                 "several have the same epoch."
             )
         before, whose = time, f"changes[{k}]"
+        times.append(time)
+    return times
 
 
 # ---- Derivatives of the attitudes of a chain of arcs by the state and the moments at its epoch
@@ -397,7 +391,7 @@ class ChainedSensitivity(Derivatives):
         if change.frame != "body":
             inertial = np.sum(frames.vector_to_icrf(change.frame, added), axis=-1)
             # R^T dL turns with the attitude
-            momentum[:, :3] += matrix.T @ _cross_matrix(inertial)
+            momentum[:, :3] += matrix.T @ np.cross(inertial, np.eye(3)).T
             added = matrix.T @ inertial
         after = np.asarray(np.linalg.solve(new.tensor, old.tensor @ before + added), np.float64)
         joint = np.zeros((9, 9))
@@ -457,11 +451,6 @@ def _by_state(body: Body, omega: FloatArray) -> FloatArray:
     change[:, 3:6] = body.tensor
     change[:, 6:] = axes * (axes.T @ omega)
     return change
-
-
-def _cross_matrix(v: FloatArray) -> FloatArray:
-    """M with M x = v x x."""
-    return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
 
 
 _NO_LOW = frozen(np.zeros(1))
@@ -776,23 +765,11 @@ class Arcs(Differentiable):
 
     def _bodies_on(self, times: pairs.Seconds) -> list[tuple[Body, BoolArray]]:
         """Each Body, and at which epochs (S,) the motion has it; the first at NaN."""
-        seconds, seconds_low = times.hi, times.low
-        starts = [
-            (body, *start)
-            for k, (body, start) in enumerate(zip(self._bodies, self._starts, strict=True))
-            if not k or body is not self._bodies[k - 1]
-        ]
-        since = [
-            np.ones(np.shape(seconds), dtype=bool)
-            if not k
-            else (seconds > high) | ((seconds == high) & (seconds_low >= more))
-            for k, (_, high, more) in enumerate(starts)
-        ]
-        until = [~begun for begun in since[1:]] + [np.ones(np.shape(seconds), dtype=bool)]
-        return [
-            (body, started & before)
-            for (body, *_), started, before in zip(starts, since, until, strict=True)
-        ]
+        arcs = _numbers_of_arcs(self._starts, *times.flat)[2].reshape(np.shape(times.hi))
+        bodies = self._bodies
+        first = [k for k, body in enumerate(bodies) if not k or body is not bodies[k - 1]]
+        spans = pairwise([*first, len(bodies)])
+        return [(bodies[begin], (begin <= arcs) & (arcs < end)) for begin, end in spans]
 
     # ---- How the arcs are joined
 

@@ -21,7 +21,15 @@ from attitude.epochs import _time_scales
 from attitude.epochs._inputs import instant as instant_of
 from attitude.errors import AttitudeError
 from attitude.paths import _ground
-from attitude.torques._torque import BY_RATE, Torque, path_of, positions, span_of
+from attitude.torques._torque import (
+    BY_RATE,
+    Torque,
+    matrix_of,
+    path_of,
+    positions,
+    refuse_relative,
+    span_of,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -166,10 +174,8 @@ class IGRF(MagneticField):
     ) -> FloatArray:
         """The field (K, 3) in T over ICRF axes; see `MagneticField.at`."""
         hi, lo = pairs.add((seconds, low), instant.seconds, instant.low)
-        if self.epoch is None:
-            numbers = _coefficients_in(_years(instant, seconds, low))
-        else:
-            numbers = _coefficients_in(_years(self.epoch, np.zeros(1), np.zeros(1)))
+        of = (instant, seconds, low) if self.epoch is None else (self.epoch, *np.zeros((2, 1)))
+        numbers = _coefficients_in(_years(*of))
         # Earth-fixed axes over ICRF: (axis, component, K)
         axes = _ground.axes_to_celestial(hi, lo)
         fixed = np.einsum("ack,kc->ka", axes, position)
@@ -503,10 +509,7 @@ class EddyCurrent(_InField):
         field: MagneticField | FieldFunction,
         path: Path | PositionFunction,
     ) -> None:
-        matrix = validation.real(tensor, "tensor", unit="S m4")
-        if matrix.shape == ():
-            matrix = matrix * np.eye(3)
-        matrix = validation.real(matrix, "tensor", shape=(3, 3))
+        matrix = matrix_of(tensor, "tensor", "S m4")
         largest = np.max(np.abs(matrix))
         if np.max(np.abs(matrix - matrix.T)) > 1e-12 * largest:
             raise AttitudeError("tensor is not symmetric; give the magnetic tensor in S m4.")
@@ -520,7 +523,7 @@ class EddyCurrent(_InField):
 
     def parameters(self, body: Body) -> FloatArray:
         """The upper triangle of the tensor by rows (6,), S m4."""
-        _refuse_relative(body)
+        refuse_relative(body, "magnetic torques are in N m")
         return self.tensor[np.triu_indices(3)]
 
     def sample(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
@@ -571,7 +574,7 @@ class MagneticDipole(_InField):
 
     def parameters(self, body: Body) -> FloatArray:
         """The moment (3,), A m2 over the body axes."""
-        _refuse_relative(body)
+        refuse_relative(body, "magnetic torques are in N m")
         return np.array(self.moment)
 
     def sample(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
@@ -581,11 +584,3 @@ class MagneticDipole(_InField):
     def sample_apart(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
         """As `sample`, without a fit along the path."""
         return self._on_path.direct(instant, seconds, low)
-
-
-def _refuse_relative(body: Body) -> None:
-    if body.relative:
-        raise AttitudeError(
-            "the moments of the body are relative, and magnetic torques are in N m; give a Body "
-            "with moments in kg m2."
-        )

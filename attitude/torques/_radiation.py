@@ -25,7 +25,7 @@ from attitude.paths._ground import RATE as EARTH_RATE_RAD_S
 from attitude.paths._path import Path
 from attitude.scene import _shadow
 from attitude.shape._mesh import Mesh
-from attitude.torques._torque import Torque, path_of, positions
+from attitude.torques._torque import Torque, path_of, positions, refuse_relative
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -278,8 +278,9 @@ class AerodynamicTorque(Torque):
         first, last = self.span(instant)
         middle = np.clip(seconds, first + _STEP, last - _STEP)
         position = positions(self.path, instant, seconds, low, "path")
-        ends = (positions(self.path, instant, middle + k * _STEP, low, "path") for k in (-1, 1))
-        before, after = ends
+        before, after = (
+            positions(self.path, instant, middle + k * _STEP, low, "path") for k in (-1, 1)
+        )
         velocity = (after - before) / (2.0 * _STEP)
         hi, lo = pairs.add((seconds, low), instant.seconds, instant.low)
         x, y, locator = _earth.pole_of_date(hi, lo)
@@ -321,11 +322,9 @@ def _occulters(shadow_of: Any) -> tuple[tuple[Path, float], ...]:
     """Paths from the Sun, and radii in m, of bodies that eclipse it."""
     if isinstance(shadow_of, Path):
         shadow_of = (shadow_of,)
-    pairs_of = (
-        shadow_of.items() if isinstance(shadow_of, Mapping) else [(p, None) for p in shadow_of]
-    )
+    given = shadow_of.items() if isinstance(shadow_of, Mapping) else [(p, None) for p in shadow_of]
     bodies = []
-    for path, radius in pairs_of:
+    for path, radius in given:
         if not isinstance(path, Path):
             raise AttitudeError(
                 f"shadow_of holds {validation.shown(path)}; give the path of a body from the Sun, "
@@ -376,10 +375,7 @@ def _set_facets(torque: Any, shape: FlatFacets, diffuse: Any, mirrored: Any) -> 
 
 def _facet_parameters(torque: Any, body: Body, strength: float, unit: str) -> FloatArray:
     """The parameters (2 + 12 N,) of `_compiled.solar_radiation`."""
-    if body.relative:
-        raise AttitudeError(
-            f"the moments of the body are relative, and {unit}; give a Body with moments in kg m2."
-        )
+    refuse_relative(body, unit)
     arms = np.asarray(torque.shape.centroids) - body.center_of_mass
     normals = np.asarray(torque.shape.normals)
     vectors = np.concatenate([normals, arms, np.cross(arms, normals)], axis=1).T

@@ -138,8 +138,7 @@ def _stiffness(axes: FloatArray, first: float) -> tuple[FloatArray, FloatArray]:
     for i, one in enumerate(_ODD):
         for k in range(3):
             value = _integral(axes, np.add(one, np.eye(3, dtype=int)[k]))
-            for p in range(3):
-                load[i, p, p, k] = -value
+            load[i, range(3), range(3), k] = -value
     return stiffness.reshape(3 * count, 3 * count), load.reshape(3 * count, 9)
 
 
@@ -392,12 +391,9 @@ class Rheology(Immutable):
         w = l / moments
         change = np.cross(l, w) / moments  # Euler's equations
         matrix = w[..., :, None] * w[..., None, :] - np.sum(w * w, -1)[..., None, None] * np.eye(3)
-        matrix[..., 0, 1] -= change[..., 2]
-        matrix[..., 1, 0] += change[..., 2]
-        matrix[..., 0, 2] += change[..., 1]
-        matrix[..., 2, 0] -= change[..., 1]
-        matrix[..., 1, 2] -= change[..., 0]
-        matrix[..., 2, 1] += change[..., 0]
+        i, j = [1, 2, 0], [2, 0, 1]
+        matrix[..., i, j] -= change  # [w' x]
+        matrix[..., j, i] += change
         waves = np.fft.rfft(matrix.reshape(*matrix.shape[:2], 9), axis=1)[:, 1:-1] / _NODES
         energy = np.einsum("nki,ij,nkj->nk", waves.conj(), self._form, waves).real
         across = np.cross(l, w)

@@ -160,12 +160,8 @@ class System:
         return models
 
     def _refuse_without_slope(self, slopes: list[int]) -> None:
-        names = [
-            type(torque).__name__
-            for torque, slope in zip(self.torques, slopes, strict=True)
-            if not slope
-        ]
-        if names:
+        lacking = [torque for torque, slope in zip(self.torques, slopes, strict=True) if not slope]
+        if names := [type(torque).__name__ for torque in lacking]:
             raise AttitudeError(
                 f'the scheme "{self.scheme.name}" needs the force gradient of every torque, which '
                 f"{' and '.join(names)} does not define; GravityGradient, ConstantTorque and a "
@@ -264,10 +260,8 @@ class System:
         from attitude._solver.march import march
 
         starts = np.array(pairs.product(start + np.arange(float(steps)), h))
-        times = self.kick_times(starts, h)
-        rows = np.concatenate([times[:, :, :-1].reshape(2, -1), times[:, -1:, -1]], axis=1)
         kept = np.empty((steps // every, STATE_ENTRIES))
-        samples = self.sampled(rows)
+        samples = self.sampled(_successive(self.kick_times(starts, h)))
         self.run(march, h, *self.setup, state, float(start), h, steps, samples, kept, every)
         return kept
 
@@ -315,8 +309,7 @@ class System:
     ) -> tuple[FloatArray, FloatArray]:
         """Samples at the kicks of steps, and of parts of steps, as `march_members` takes them."""
         starts = np.array(pairs.product(start + np.arange(float(max(steps, 1))), h))
-        times = self.kick_times(starts, h)
-        rows = np.concatenate([times[:, :, :-1].reshape(2, -1), times[:, -1:, -1]], axis=1)
+        rows = _successive(self.kick_times(starts, h))
         if not steps:
             rows = rows[:, :1]
         begin = np.array(pairs.product((start + number).astype(np.float64), h))
@@ -341,19 +334,14 @@ class System:
         # Steps of length h from the starts, as many as the farthest epoch needs.
         hi, lo = pairs.product(np.arange(max(float(steps.max()), 1.0)), h)
         whole = np.array(pairs.add((starts[0][:, None], starts[1][:, None]), hi, lo))
-        times = self.kick_times(whole, h)
-        rows = np.concatenate(
-            [times[:, :, :, :-1].reshape(2, len(states), -1), times[:, :, -1:, -1]], axis=2
-        )
+        rows = _successive(self.kick_times(whole, h))
         samples = self.sampled(rows if steps.any() else rows[:, :, :1])
         begin = starts[0, place], starts[1, place]
         last = np.array(pairs.add(begin, *pairs.product(steps.astype(np.float64), h)))
         within = self.sampled(self.kick_times(last, parts))
         out = np.empty((len(place), 7))
-        self.run(
-            *(revisit, h, *self.setup, states, numbers, h, place, steps, parts),
-            *(samples, within, out),
-        )
+        given = states, numbers, h, place, steps, parts, samples, within
+        self.run(revisit, h, *self.setup, *given, out)
         return out
 
     def acceleration(self, seconds: FloatArray, low: FloatArray, motion: FloatArray) -> FloatArray:
@@ -396,6 +384,15 @@ class System:
         tensors = self.body.tensor + self.inertia.tensors(seconds + low)
         momentum = (rates @ self.body.tensor)[..., None]
         return np.asarray(np.linalg.solve(tensors, momentum)[..., 0], dtype=np.float64)
+
+
+def _successive(times):
+    """Epochs (2, ..., steps n + 1) of the kicks (2, ..., steps, n + 1) of successive steps.
+
+    The last kick of a step is the first of the next.
+    """
+    before = times[..., :-1].reshape(*times.shape[:-2], -1)
+    return np.concatenate([before, times[..., -1:, -1]], axis=-1)
 
 
 def _inertia_of(torques: tuple[Torque, ...]) -> InertiaHistory | None:
@@ -596,36 +593,34 @@ class TorquedSensitivity(Derivatives):
             # a difference of the changes: the state itself would hide a weak torque by rounding
             changes = gains.reshape(count, 4, 3) - gained[:, None]
             maps[:, 3:6, j] += np.einsum("nks,k->ns", changes, _WEIGHTS) / size[:, None]
-        by_mass = np.zeros((count, 6, 3))
+
+        def by_parameter(weights, others):
+            """The change (N, 6) of the end of the kick, by systems with other parameters."""
+            total = np.zeros((count, 6))
+            for weight, other in zip(weights, others, strict=True):
+                end, gain = _kicked(other, wxyz, omega, arguments)
+                if self._slips:
+                    total[:, :3] += weight * _turns(end, after)
+                total[:, 3:] += weight * (gain - gained)
+            return total
+
         longest = _SHARE * float(np.max(self._body.moments))
-        for j, others in enumerate(self._others):
-            for weight, other in zip(_SIDED[1:], others, strict=True):
-                end, gain = _kicked(other, wxyz, omega, arguments)
-                if self._slips:
-                    by_mass[:, :3, j] += weight / longest * _turns(end, after)
-                by_mass[:, 3:, j] += weight / longest * (gain - gained)
-        maps[:, :6, 6:9] = by_mass @ np.linalg.inv(_BY_MASS)
+        by_mass = [by_parameter(_SIDED[1:] / longest, others) for others in self._others]
+        maps[:, :6, 6:9] = np.stack(by_mass, axis=-1) @ np.linalg.inv(_BY_MASS)
         for j, (step, systems) in enumerate(self._parameters, start=9):
-            for weight, other in zip(_WEIGHTS / step, systems, strict=True):
-                end, gain = _kicked(other, wxyz, omega, arguments)
-                if self._slips:
-                    maps[:, :3, j] += weight * _turns(end, after)
-                maps[:, 3:6, j] += weight * (gain - gained)
+            maps[:, :6, j] += by_parameter(_WEIGHTS / step, systems)
         return after, omega + gained, maps
 
     def _with_other_moments(self, spin: Spin) -> list[list[System]]:
         """Systems whose three second moments of mass are larger by four steps each."""
         size = _SHARE * float(np.max(self._body.moments))
-        systems = []
-        for column in _BY_MASS.T:
-            systems_of_column = []
-            for k in range(1, 5):
-                change = np.concatenate([np.zeros(6), k * size * column])
-                body, _ = changed(self._body, spin, change)
-                arguments = self._system.torques, self._system.scheme, self._system.origin
-                systems_of_column.append(System(body, spin, *arguments))
-            systems.append(systems_of_column)
-        return systems
+        arguments = self._system.torques, self._system.scheme, self._system.origin
+
+        def larger(column, k):
+            change = np.concatenate([np.zeros(6), k * size * column])
+            return System(changed(self._body, spin, change)[0], spin, *arguments)
+
+        return [[larger(column, k) for k in range(1, 5)] for column in _BY_MASS.T]
 
 
 def _kicked(system, wxyz, omega, given):
@@ -641,9 +636,8 @@ def _kicked(system, wxyz, omega, given):
     first = np.ascontiguousarray(times[0])
     system.run(kicks, 0.0, numbers, models, states, first, h, cubed, samples, out)
     gained = (out[:, OMEGA] - states[:, OMEGA]) + out[:, OMEGA_LOW]
-    return quaternion.multiply(out[:, WXYZ], quaternion.conjugate(system.turn)), (
-        gained @ system.axes.T
-    )
+    after = quaternion.multiply(out[:, WXYZ], quaternion.conjugate(system.turn))
+    return after, gained @ system.axes.T
 
 
 def _turns(wxyz: FloatArray, reference: FloatArray) -> FloatArray:

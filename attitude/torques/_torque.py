@@ -112,6 +112,20 @@ class Torque(Immutable):
         return (-np.inf, np.inf) if self.path is None else span_of(self.path, instant)
 
 
+def refuse_relative(body: Body, what: str) -> None:
+    """AttitudeError for a body with relative moments, under what is in newtons."""
+    if body.relative:
+        raise AttitudeError(
+            f"the moments of the body are relative, and {what}; give a Body with moments in kg m2."
+        )
+
+
+def matrix_of(given: Real | Reals, name: str, unit: str) -> FloatArray:
+    """A matrix (3, 3); of a number that multiple of the unit matrix."""
+    matrix = validation.real(given, name, unit=unit)
+    return validation.real(matrix if matrix.shape else matrix * np.eye(3), name, shape=(3, 3))
+
+
 class FunctionPath(Path):
     """Positions by a function of TDB seconds since the instant, the epoch of the spin.
 
@@ -235,10 +249,7 @@ class LinearDamping(Torque):
     _function = "linear_damping"
 
     def __init__(self, coefficient: Real | Reals) -> None:
-        numbers = validation.real(coefficient, "coefficient", unit="N m s")
-        if numbers.shape == ():
-            numbers = numbers * np.eye(3)
-        numbers = validation.real(numbers, "coefficient", shape=(3, 3))
+        numbers = matrix_of(coefficient, "coefficient", "N m s")
         least = np.linalg.eigvalsh(numbers + numbers.T).min()
         if least < -1e-12 * np.max(np.abs(numbers)):
             raise AttitudeError(
@@ -404,10 +415,8 @@ class InertiaHistory(Torque):
             )
         rates = rates.astype(np.float64)
         size = np.max(np.abs(rates), initial=0.0)
-        turned = np.swapaxes(rates, 1, 2)
-        if not np.all(np.isfinite(rates)) or np.max(np.abs(rates - turned), initial=0.0) > (
-            1e-9 * size
-        ):
+        skew = np.max(np.abs(rates - np.swapaxes(rates, 1, 2)), initial=0.0)
+        if not np.all(np.isfinite(rates)) or skew > 1e-9 * size:
             raise AttitudeError(
                 "change of an InertiaHistory returned a matrix that is not finite or not "
                 "symmetric; a tensor of inertia is."
@@ -503,9 +512,8 @@ class CustomTorque(Torque):
         """The address of a C function, which this object keeps alive."""
         if name not in self._callbacks:
             function = getattr(self, name)
-            callback = (
-                callback_of(function) if is_compiled(function) else self._plain(function, name)
-            )
+            is_fast = is_compiled(function)
+            callback = callback_of(function) if is_fast else self._plain(function, name)
             self._callbacks[name] = callback
         callback = self._callbacks[name]
         if isinstance(callback, Callback):

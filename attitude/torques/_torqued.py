@@ -13,6 +13,7 @@ array([0. , 0. , 0.1])
 
 from __future__ import annotations
 
+import copy
 import os
 import threading
 import time
@@ -36,7 +37,7 @@ from attitude.motions._differentiable import Differentiable
 from attitude.motions._spin import Spin
 from attitude.torques import _schemes
 from attitude.torques._system import LARGEST_TURN, System, TorquedSensitivity
-from attitude.torques._torque import Torque
+from attitude.torques._torque import CustomTorque, Torque
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -142,7 +143,36 @@ _COMPARED, _ROUNDING = 4096, 2e-15
 _STEPS, _ROWS = 2048, 1 << 18
 
 
-class FixedSteps:
+class KeptStates:
+    """Rows of states after every so many steps in one direction of time, `count` of `kept`.
+
+    `farthest`: s, the largest distance from the epoch of which a state was asked.
+    """
+
+    def __init__(self, first: FloatArray) -> None:
+        self.kept, self.count, self.every = first[None].copy(), 1, _EVERY
+        self.farthest = 0.0
+
+    def _is_thinned(self):
+        """Discard every other row if there are too many; whether that was done."""
+        if self.count <= _MOST:
+            return False
+        self.kept[: self.count // 2 + 1] = self.kept[: self.count : 2]
+        self.count, self.every = self.count // 2 + 1, 2 * self.every
+        return True
+
+    def _keep(self, rows):
+        """Append rows to `kept`, which grows by doubling."""
+        count = self.count + len(rows)
+        if count > len(self.kept):
+            larger = np.empty((max(2 * len(self.kept), count), self.kept.shape[1]))
+            larger[: self.count] = self.kept[: self.count]
+            self.kept = larger
+        self.kept[self.count : count] = rows
+        self.count = count
+
+
+class FixedSteps(KeptStates):
     """States after every so many steps in one direction of time.
 
     Parameters
@@ -162,9 +192,8 @@ class FixedSteps:
     """
 
     def __init__(self, system: System, h: float) -> None:
-        self.system, self.h, self.every = system, h, _EVERY
-        self.kept = system.start[None].copy()  # grows by doubling
-        self.count, self.farthest = 1, 0.0
+        super().__init__(system.start)
+        self.system, self.h = system, h
         self._steps_at_once, self._rows_at_once = Pace(_STEPS), Pace(_ROWS)
 
     @property
@@ -195,8 +224,11 @@ class FixedSteps:
                 # one call takes as many as it can, but for the last
                 few = min(rows - 1, (end - begin) * self.system.kicks)
                 self._rows_at_once.items = rows if end < len(order) else few
-                out[in_segment] = self._revisited(
-                    segment[begin:end], number[in_segment], parts[in_segment]
+                used, place = np.unique(segment[begin:end], return_inverse=True)
+                numbers = (used * self.every).astype(np.float64)
+                steps = number[in_segment] - segment[begin:end] * self.every
+                out[in_segment] = self.system.revisit(
+                    self.kept[used], numbers, self.h, place, steps, parts[in_segment]
                 )
             begin = end
         return out
@@ -223,31 +255,17 @@ class FixedSteps:
         one, two = (grid.states(t, np.zeros(len(t)))[:, :4] for grid in (self, finer))
         return 4.0 * float(np.max(np.sqrt(np.sum((one - two) ** 2, axis=1)))) + _ROUNDING
 
-    def _revisited(self, segment: IntArray, number: IntArray, parts: FloatArray) -> FloatArray:
-        used, place = np.unique(segment, return_inverse=True)
-        numbers = (used * self.every).astype(np.float64)
-        steps = number - segment * self.every
-        return self.system.revisit(self.kept[used], numbers, self.h, place, steps, parts)
-
     def _extend(self, number: int) -> None:
         """Keep states up to a number of steps."""
         while (self.count - 1) < number // self.every:
-            if self.count > _MOST:
-                self.kept[: self.count // 2 + 1] = self.kept[: self.count : 2]
-                self.count, self.every = self.count // 2 + 1, 2 * self.every
+            if self._is_thinned():
                 continue
             run = min(
                 max(1, self._steps_at_once.size // self.every),
                 number // self.every - (self.count - 1),
                 _MOST + 1 - self.count,
             )
-            following = self._following(run)
-            if self.count + run > len(self.kept):
-                larger = np.empty((max(2 * len(self.kept), self.count + run), STATE_ENTRIES))
-                larger[: self.count] = self.kept[: self.count]
-                self.kept = larger
-            self.kept[self.count : self.count + run] = following
-            self.count += run
+            self._keep(self._following(run))
 
     def _following(self, run: int) -> FloatArray:
         """The next states to keep (run, 14): several in one block, or one after several blocks."""
@@ -316,10 +334,8 @@ class Front:
         self, system: System, sign: float, tolerance: float, paired: bool, last: float
     ) -> None:
         self.system, self.last = system, last
-        self.clock, self.counts = (
-            np.zeros(layout.CLOCK_ENTRIES),
-            np.zeros(layout.COUNTERS, np.int64),
-        )
+        self.clock = np.zeros(layout.CLOCK_ENTRIES)
+        self.counts = np.zeros(layout.COUNTERS, np.int64)
         self.fine = system.start.copy()
         self.coarse = system.start.copy() if paired else np.empty(0)
         limit = 0.5 * LARGEST_TURN / float(np.max(np.abs(system.scheme.flights)))
@@ -345,21 +361,19 @@ class Front:
 
     def from_row(self, row: FloatArray) -> Front:
         """The same integration, at a kept state."""
-        other = Front.__new__(Front)
-        other.system, other.last, other._pace = self.system, self.last, self._pace
-        other._wave, other.coarse = self._wave, np.empty(0)
+        other = self.copy()
+        other.counts[:], other.coarse = 0, np.empty(0)
         other._mark = 0, float(row[layout.KEPT_TIME])
-        other.clock, other.counts = self.clock.copy(), np.zeros(layout.COUNTERS, np.int64)
         other.clock[layout.TIME] = row[layout.KEPT_TIME]
         other.clock[layout.LENGTH] = row[layout.KEPT_LENGTH]
-        other.fine = row[layout.KEPT_STATE].copy()
+        other.fine[:] = row[layout.KEPT_STATE]
         return other
 
     def copy(self) -> Front:
         """A copy that may advance, and be discarded if the advance fails."""
-        other = self.from_row(self.row)
-        other.clock, other.counts = self.clock.copy(), self.counts.copy()
-        other.coarse, other._mark = self.coarse.copy(), self._mark
+        other = copy.copy(self)
+        for name in ("clock", "counts", "fine", "coarse"):
+            setattr(other, name, getattr(self, name).copy())
         return other
 
     def advance(self, until: float, kept: FloatArray, every: int) -> int:
@@ -449,7 +463,7 @@ _ROWS_KEPT = 1 << 10
 _ROUNDING_OF_STATES = 2e-15
 
 
-class VaryingSteps:
+class VaryingSteps(KeptStates):
     """States after varying steps in one direction of time.
 
     Parameters
@@ -473,8 +487,8 @@ class VaryingSteps:
         spans = [torque.span(system.epoch) for torque in system.torques]
         last = min(last if sign > 0.0 else -first for first, last in spans)
         self._front = Front(system, sign, tolerance, paired, last)
-        self.kept, self.count, self.every = self._front.row[None].copy(), 1, _EVERY
-        self.farthest, self._least = 0.0, tolerance + _ROUNDING_OF_STATES
+        super().__init__(self._front.row)
+        self._least = tolerance + _ROUNDING_OF_STATES
         self._epochs_at_once = Pace(_EPOCHS)
 
     @property
@@ -566,20 +580,14 @@ class VaryingSteps:
         self.farthest = max(self.farthest, abs(until))
         self._check_span(until)
         while abs(self.reached) < abs(until) and self.error <= limit:
-            if self.count > _MOST:
-                self.kept[: self.count // 2 + 1] = self.kept[: self.count : 2]
-                self.count, self.every = self.count // 2 + 1, 2 * self.every
+            self._is_thinned()
             rows = np.empty((min(_MOST + 1 - self.count, _ROWS_KEPT), KEPT_ENTRIES))
             # Should it be interrupted, the copy is given up.
             front = self._front.copy()
             front.clock[layout.LIMIT] = limit - self._least
             filled = front.advance(until, rows, self.every)
-            if self.count + filled > len(self.kept):
-                larger = np.empty((max(2 * len(self.kept), self.count + filled), KEPT_ENTRIES))
-                larger[: self.count] = self.kept[: self.count]
-                self.kept = larger
-            self.kept[self.count : self.count + filled] = rows[:filled]
-            self.count, self._front = self.count + filled, front
+            self._keep(rows[:filled])
+            self._front = front
 
     def _check_span(self, until: float) -> None:
         omega = self._front.fine[OMEGA]
@@ -809,18 +817,16 @@ class TorquedRotation(Differentiable):
         start = None if origin is None else _inputs.instant(origin, "origin")
         self._set("origin", start)
         self._set("_system", System(self.body, self.spin, self.torques, self.scheme, start))
-        self._set("step", None if step is None else self._checked_step(step))
+        if step is not None:
+            step = validation.positive(step, "step", unit="s")
+            self._system.check_step(step)
+        self._set("step", step)
         for name, bound in (("tolerance", tolerance), ("step_tolerance", step_tolerance)):
             self._set(name, None if bound is None else _checked_tolerance(bound, name))
         self._set("_span_given", span)
         self._set("_horizons", self._planned(span))
         self._forget()
         _living[id(self)] = self
-
-    def _checked_step(self, step: Real) -> float:
-        length = validation.positive(step, "step", unit="s")
-        self._system.check_step(length)
-        return length
 
     def _forget(self) -> None:
         """Start without integrated states, and with a lock that no thread holds."""
@@ -946,12 +952,8 @@ class TorquedRotation(Differentiable):
             return self.body
         hi, lo = _inputs.one_since(self.spin.epoch, t)
         change = self._system.inertia.tensors(np.array([hi + lo]))[0]
-        body = self.body
-        return Body(
-            tensor=body.tensor + change,
-            relative=body.relative,
-            center_of_mass=body.center_of_mass,
-        )
+        settings = {name: getattr(self.body, name) for name in ("relative", "center_of_mass")}
+        return Body(tensor=self.body.tensor + change, **settings)
 
     def momentum_in_body(self, history: AttitudeHistory) -> FloatArray:
         """Angular momentum (S, 3), kg m2/s over the body axes, with the tensor of each epoch."""
@@ -962,9 +964,7 @@ class TorquedRotation(Differentiable):
             tensors = tensors + change.reshape(*np.shape(history.seconds), 3, 3)
         return np.sum(tensors * history.angular_velocity[..., None, :], axis=-1)
 
-    def _evaluate(
-        self, seconds: FloatArray, low: FloatArray | None, order: int
-    ) -> list[FloatArray]:
+    def _evaluate(self, seconds, low, order):
         # Attitudes and angular velocities are integrated together, in blocks of epochs: Ctrl-C is
         # heard between them, and the memory beside the result is bounded.
         flat, low_parts = pairs.Seconds(seconds, low).flat
@@ -1037,8 +1037,6 @@ def _torques(torques: Any) -> tuple[Torque, ...]:
                     f"torques holds {torque!r}; give objects of attitude.torques, or functions of "
                     "(t, wxyz, omega)."
                 )
-            from attitude.torques._torque import CustomTorque
-
             torque = CustomTorque(torque)
         torques_of.append(torque)
     if not torques_of:
