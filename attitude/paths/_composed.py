@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
+from operator import attrgetter
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -83,25 +85,12 @@ class NamedBody(Path):
         """The path from the ephemeris."""
         return relative(self)
 
-    @property
-    def source(self) -> str:  # type: ignore[override]  # computed
-        """The sources of the steps to the barycentre; opens the ephemeris."""
-        return self._resolved.source
-
-    @property
-    def span(self) -> tuple[Instant, Instant] | None:  # type: ignore[override]  # computed
-        """First and last epoch, or None for no limit; opens the ephemeris."""
-        return self._resolved.span
-
-    @property
-    def roughness(self) -> float:  # type: ignore[override]  # computed
-        """See `Path`, m; opens the ephemeris."""
-        return self._resolved.roughness
-
-    @property
-    def is_slow(self) -> bool:  # type: ignore[override]  # computed
-        """See `Path`; opens the ephemeris."""
-        return self._resolved.is_slow
+    if not TYPE_CHECKING:
+        # Attributes of the resolved path: each opens the ephemeris.
+        source, span, roughness, is_slow = (
+            property(attrgetter(f"_resolved.{name}"))
+            for name in ("source", "span", "roughness", "is_slow")
+        )
 
     def _position(self, instant, hi, lo):
         return self._resolved._position(instant, hi, lo)
@@ -252,11 +241,8 @@ class _Chain:
     def _opened(self, path):
         """The steps of a sum: its parts where these are a chain, else the sum itself."""
         # Single parts can cancel against the other chain.
-        up = not path.minus and all(
-            before.center == after.name
-            for before, after in zip(path.plus, path.plus[1:], strict=False)
-        )
-        return list(path.plus) if up else [path]
+        is_chain = all(before.center == after.name for before, after in pairwise(path.plus))
+        return list(path.plus) if is_chain and not path.minus else [path]
 
     def _ephemeris(self):
         """The ephemeris, opened at the first call."""

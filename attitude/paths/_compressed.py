@@ -330,11 +330,10 @@ def _halved(path, start, length, tolerance):
             needed = np.isin(numbers, remaining)
             rows, errors, speeds, limits = (column[needed] for column in columns)
             good = errors <= limits
+            columns = (column[good] for column in (remaining, rows, errors, speeds))
             pieces += [
                 (level, int(number), row, float(error), float(speed))
-                for number, row, error, speed in zip(
-                    remaining[good], rows[good], errors[good], speeds[good], strict=True
-                )
+                for number, row, error, speed in zip(*columns, strict=True)
             ]
             remaining, level = _halves(remaining[~good]), level + 1
             if not remaining.size:

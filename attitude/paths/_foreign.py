@@ -159,16 +159,10 @@ def _of_skyfield(value: Any) -> Place:
     # The last part of a sum such as earth + wgs84.latlon(...).
     parts = getattr(value, "vector_functions", (value,))
     last = parts[-1]
-    if (
-        type(last).__module__ == "skyfield.toposlib"
-        and getattr(last, "longitude", None) is not None
-    ):
+    is_site = type(last).__module__ == "skyfield.toposlib"
+    if is_site and getattr(last, "longitude", None) is not None:
         label = str(getattr(last, "target_name", None) or "site")
-        return site_at(
-            np.array(last.itrs_xyz.m),
-            last.longitude.radians,
-            last.latitude.radians,
-            label,
-            "skyfield geographic position, IERS Earth rotation",
-        )
+        angles = last.longitude.radians, last.latitude.radians
+        source = "skyfield geographic position, IERS Earth rotation"
+        return site_at(np.array(last.itrs_xyz.m), *angles, label, source)
     return from_skyfield(value)

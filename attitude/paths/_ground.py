@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from attitude._support import pairs, validation
-from attitude._support.arrays import Immutable
+from attitude._support.arrays import Immutable, frozen
 from attitude._support.constants import EARTH_FLATTENING, EARTH_RADIUS_M
 from attitude._support.synonyms import arguments
 from attitude._textfiles.lines import packaged
@@ -171,9 +171,7 @@ def _table():
     tai = _time_scales.tai_from_utc_day(day, np.zeros_like(day))[0]
     utc_minus_tai = (day - 51544.5) * _time_scales.DAY - tai
     columns = tai, ut1_minus_utc + utc_minus_tai, poles[0][known], poles[1][known]
-    for column in columns:
-        column.setflags(write=False)
-    return columns
+    return tuple(map(frozen, columns))
 
 
 _POLE = np.array([0.0, 0.0, 1.0])
@@ -200,8 +198,8 @@ class Site(Immutable, Path):
     has_horizon = True
 
     def __post_init__(self) -> None:
-        self.itrs.setflags(write=False)
-        self.up.setflags(write=False)
+        frozen(self.itrs)
+        frozen(self.up)
 
     @property
     def span(self) -> tuple[Instant, Instant] | None:  # type: ignore[override]  # computed
@@ -218,14 +216,13 @@ class Site(Immutable, Path):
         """See `Place.pole_path`."""
         return replace(self, itrs=_POLE.copy())
 
-    def _state(self, instant, hi, lo):
+    def _state(self, instant, hi, lo, rates=True):
         at = pairs.add((hi, np.broadcast_to(lo, hi.shape)), instant.seconds, instant.low)
-        return to_celestial(*at, self.itrs, long_term=self.long_term, name=self.name)
+        settings = {"long_term": self.long_term, "name": self.name, "rates": rates}
+        return to_celestial(*at, self.itrs, **settings)
 
     def _position(self, instant, hi, lo):
-        at = pairs.add((hi, np.broadcast_to(lo, hi.shape)), instant.seconds, instant.low)
-        settings = {"long_term": self.long_term, "name": self.name, "rates": False}
-        return to_celestial(*at, self.itrs, **settings)[0]
+        return self._state(instant, hi, lo, rates=False)[0]
 
 
 _HINTS = {
@@ -235,10 +232,7 @@ _HINTS = {
 }
 
 
-@arguments(
-    _HINTS,
-    'site("-70.7 deg", "-30.2 deg", 2700)',
-)
+@arguments(_HINTS, 'site("-70.7 deg", "-30.2 deg", 2700)')
 def site(
     longitude: Real,
     latitude: Real,
@@ -297,13 +291,8 @@ def site_at(itrs: FloatArray, longitude: float, latitude: float, name: str, sour
 
 def _normal(longitude: float, latitude: float) -> FloatArray:
     """The normal (3,) of the ellipsoid, ITRS axes."""
-    return np.array(
-        [
-            math.cos(latitude) * math.cos(longitude),
-            math.cos(latitude) * math.sin(longitude),
-            math.sin(latitude),
-        ]
-    )
+    x, y = math.cos(longitude), math.sin(longitude)
+    return np.array([math.cos(latitude) * x, math.cos(latitude) * y, math.sin(latitude)])
 
 
 def observatory(code: str, *, long_term: bool = False) -> Site:
@@ -333,17 +322,18 @@ def observatory(code: str, *, long_term: bool = False) -> Site:
             '"568".'
         )
     text = code.strip()
-    site = _observatories().get(text.upper())
-    if site is None:
-        known = named(text)
-        if known is None:
-            raise AttitudeError(
-                f"the observatory code is {code!r}, which the Minor Planet Center does not list "
-                f'(in its list of {_date()}); give three characters such as "568", or longitude '
-                "and latitude by site."
-            )
-        return replace(known, long_term=bool(long_term))
-    return _site_of(text.upper(), site, long_term)
+    entry = _observatories().get(text.upper())
+    if entry is not None:
+        return _site_of(text.upper(), entry, long_term)
+    known = named(text)
+    if known is None:
+        date = re.search(r"\d{4}-\d{2}-\d{2}", packaged(_LIST).partition("\n")[0])
+        raise AttitudeError(
+            f"the observatory code is {code!r}, which the Minor Planet Center does not list (in "
+            f"its list of {date.group() if date else 'an unknown date'}); give three characters "
+            'such as "568", or longitude and latitude by site.'
+        )
+    return replace(known, long_term=bool(long_term))
 
 
 def named(text: str) -> Site | None:
@@ -402,10 +392,3 @@ def _observatories() -> dict[str, Observatory]:
         numbers = None if sine == "-" else (float(longitude), float(cosine), float(sine))
         by_code[code] = Observatory(name, numbers)
     return by_code
-
-
-def _date() -> str:
-    """The date of the list, from its first line."""
-    head = packaged(_LIST).partition("\n")[0]
-    date = re.search(r"\d{4}-\d{2}-\d{2}", head)
-    return date.group() if date else "an unknown date"

@@ -187,17 +187,13 @@ def _useable(meta, times, where):
     last = meta.get("USEABLE_STOP_TIME", times[-1])
     span = tuple(_inputs.instant(_dated(time, meta), "epoch") for time in (first, last))
     ends = [_inputs.instant(_dated(times[k], meta), "epoch") for k in (0, -1)]
-    if not _before(ends[0], span[0]) or not _before(span[1], ends[1]):
+    first_end, begin, end, last_end = ((t.seconds, t.low) for t in (ends[0], *span, ends[1]))
+    if begin < first_end or last_end < end:
         raise AttitudeError(
             f"{where}: the useable time {first} to {last} is not within the states, "
             f"{times[0]} to {times[-1]}."
         )
     return span
-
-
-def _before(one, other):
-    """Whether one instant is not later than another."""
-    return (one.seconds, one.low) <= (other.seconds, other.low)
 
 
 def _dated(text, meta):

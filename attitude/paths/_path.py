@@ -114,12 +114,6 @@ def body_name(body: Any, name: str = "body") -> str:
     )
 
 
-def naif_number(body: Any, name: str = "body") -> int:
-    """The NAIF number of a body given by a name or a number; see `body_name`."""
-    known = body_name(body, name)
-    return _NUMBERS[known] if known in _NUMBERS else int(known)
-
-
 # ---- The base class of ephemerides: sources of paths of the bodies of the solar system
 
 
@@ -260,9 +254,7 @@ class Place:
         return self.zenith_path
 
 
-J2000: Instant = Instant(0.0)
-_NO_LOW = np.zeros(1)
-_NO_LOW.setflags(write=False)
+_NO_LOW = frozen(np.zeros(1))
 
 
 class Path(Place):
@@ -319,20 +311,19 @@ class Path(Place):
         AttitudeError
             For an epoch outside of `span`.
         """
-        return self._evaluate(instant, seconds, low, self._position_alone)[0]
+        return self._evaluate(instant, seconds, low, lambda *at: (self._position(*at),))[0]
 
     def velocity(
         self, instant: Instant, seconds: ArrayLike, low: ArrayLike | None = None
     ) -> FloatArray:
         """Velocity relative to the center in m/s of TDB, ICRF axes; see `position`."""
-        return self._evaluate(instant, seconds, low, self._velocity_alone)[0]
+        return self._evaluate(instant, seconds, low, lambda *at: self._state(*at)[1:])[0]
 
     def state(
         self, instant: Instant, seconds: ArrayLike, low: ArrayLike | None = None
     ) -> tuple[FloatArray, FloatArray]:
         """Position in m and velocity in m/s; see `position`."""
-        position, velocity = self._evaluate(instant, seconds, low, self._state)
-        return position, velocity
+        return self._evaluate(instant, seconds, low, self._state)
 
     def _position(self, instant: Instant, hi: FloatArray, lo: FloatArray) -> FloatArray:
         """Positions (3, N) at finite epochs instant + hi + lo."""
@@ -341,12 +332,6 @@ class Path(Place):
     def _state(self, instant, hi, lo):
         """Positions and velocities (3, N) at finite epochs instant + hi + lo."""
         raise NotImplementedError(f"{type(self).__name__} defines no _state")
-
-    def _position_alone(self, instant, hi, lo):
-        return (self._position(instant, hi, lo),)
-
-    def _velocity_alone(self, instant, hi, lo):
-        return (self._state(instant, hi, lo)[1],)
 
     def _evaluate(self, instant, seconds, low, method):
         """Results (..., 3) of a method that takes flat arrays of finite epochs."""
@@ -380,11 +365,8 @@ class Path(Place):
                 "no epoch."
             )
         results = method(instant, hi[known], np.broadcast_to(lo, hi.shape)[known])
-        rows = []
-        for result in results:
-            row = np.full((3, hi.size), np.nan)
-            row[:, known] = result
-            rows.append(row)
+        rows = np.full((len(results), 3, hi.size), np.nan)
+        rows[:, :, known] = results
         return rows
 
     def refuse_outside(self, instant: Instant, seconds: float) -> NoReturn:

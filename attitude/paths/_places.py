@@ -173,10 +173,8 @@ def _of_text(text, name, of, is_observer, ephemeris, folder):
         return _of_coordinates(text, name)
     if re.search(r"\.[A-Za-z]\w*$|[/\\]", stripped):
         raise AttitudeError(f"{name} is {quoted(text)}, which is not a file; give the name of one.")
-    if is_observer:
-        code = _ground.named(stripped)
-        if code is not None:
-            return code
+    if is_observer and (site := _ground.named(stripped)) is not None:
+        return site
     raise AttitudeError(
         f"{name} is {quoted(text)}, which is not the name of a body of the solar system's "
         f"ephemeris; give {_ON_GROUND if is_observer else _MOVING}."
@@ -280,11 +278,8 @@ def _of_table(given: dict[str, Any], name: str, folder: str) -> Place:
     refuse_unknown(given, (kind, *TABLES[kind]), name)
     settings = {key: given[key] for key in TABLES[kind] if key in given}
     value = given[kind]
-    if kind == "oem":
-        return _oem_file.oem(file_of(value, folder, f"{name} oem"), **settings)
-    if kind in ("tle", "omm"):
-        read = _satellite.tle if kind == "tle" else _satellite.omm
-        return read(file_of(value, folder, f"{name} {kind}"), **settings)
+    if kind in _FILES:
+        return _FILES[kind](file_of(value, folder, f"{name} {kind}"), **settings)
     if kind == "spk":
         if "target" not in settings:
             raise AttitudeError(f"{name} spk needs a target, such as target = 20099942.")
@@ -292,23 +287,23 @@ def _of_table(given: dict[str, Any], name: str, folder: str) -> Place:
     if kind == "kepler":
         return _of_keywords(value, name)
     if kind == "site":
-        longitude, latitude = _pair(value, f"{name} site")
-        return _ground.site(longitude, latitude, **settings)
-    if kind == "mpc_orbit":
-        return _mpc_line.mpc_orbit(value)
-    if kind == "observatory":
-        return _ground.observatory(value, **settings)
-    return _path.direction(value, **settings)
+        angles = validation.real(value, f"{name} site", unit="rad")
+        if angles.shape != (2,):
+            raise AttitudeError(
+                f"{name} site is {quoted(value)}; give longitude and latitude, as in "
+                '"15.49, 47.07 deg".'
+            )
+        return _ground.site(*angles.tolist(), **settings)
+    return _OTHERS[kind](value, **settings)
 
 
-def _pair(value: Any, name: str) -> list[float]:
-    """Longitude and latitude in rad."""
-    angles = validation.real(value, name, unit="rad")
-    if angles.shape != (2,):
-        raise AttitudeError(
-            f'{name} is {quoted(value)}; give longitude and latitude, as in "15.49, 47.07 deg".'
-        )
-    return angles.tolist()
+# Readers of files, and makers of what needs no further argument, by the kind of the table.
+_FILES: dict[str, Any] = {"oem": _oem_file.oem, "tle": _satellite.tle, "omm": _satellite.omm}
+_OTHERS: dict[str, Any] = {
+    "mpc_orbit": _mpc_line.mpc_orbit,
+    "observatory": _ground.observatory,
+    "direction": _path.direction,
+}
 
 
 def file_of(value: Any, folder: str, name: str) -> str:
@@ -359,7 +354,7 @@ def _of_file(path: str, name: str, of: str | int | None) -> Place:
         if of is not None:
             raise AttitudeError(f"{name} {path!r} holds one body; leave out {of!r}.")
         return _of_toml(path, name)
-    return (_satellite.tle if kind == "tle" else _satellite.omm)(path, name=of)
+    return _FILES[kind](path, name=of)
 
 
 def _kind(path: str, name: str) -> str:

@@ -287,10 +287,11 @@ def _model(lines):
 
 def _text_lines(source):
     """The lines of a text, list or file, and a label of it for messages."""
-    if isinstance(source, (list, tuple)) and all(isinstance(line, str) for line in source):
-        return [line.rstrip() for line in source if line.strip()], "TLE"
-    text, label = _text(source, "TLE")
-    return [line.rstrip() for line in text.splitlines() if line.strip()], label
+    lines, label = source, "TLE"
+    if not isinstance(source, (list, tuple)) or not all(isinstance(line, str) for line in source):
+        text, label = _text(source, "TLE")
+        lines = text.splitlines()
+    return [line.rstrip() for line in lines if line.strip()], label
 
 
 def _text(source, kind):

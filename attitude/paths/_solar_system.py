@@ -15,7 +15,6 @@ import importlib.util
 import os
 from dataclasses import dataclass
 from functools import cache
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -87,10 +86,8 @@ class AstropyBody(Path):
                 f"{self.source} does not give {self.body} at every epoch ({err}); leave out epochs "
                 "outside of its range, or give another kernel."
             ) from None
-        return tuple(
-            np.ascontiguousarray(vector.xyz.to_value(unit))
-            for vector, unit in zip(vectors, ("m", "m/s"), strict=True)
-        )
+        units = zip(vectors, ("m", "m/s"), strict=True)
+        return tuple(np.ascontiguousarray(vector.xyz.to_value(unit)) for vector, unit in units)
 
 
 def from_astropy(body: str, ephemeris: FilePath = "builtin") -> AstropyBody:
@@ -203,14 +200,12 @@ class SeriesBody(Path):
 
 _PLANETS_BY_SYSTEM = ("mars", "jupiter", "saturn", "uranus", "neptune")
 # The name in astropy of each body, by its name in `_path`.
-_ASTROPY_NAMES = MappingProxyType(
-    {
-        **{name: name for name in ("sun", "earth", "moon")},
-        "emb": "earth-moon-barycenter",
-        **{name: name for name in ("mercury", "venus")},
-        **{f"{name} barycenter": name for name in _PLANETS_BY_SYSTEM},
-    }
-)
+_ASTROPY_NAMES = {
+    **{name: name for name in ("sun", "earth", "moon")},
+    "emb": "earth-moon-barycenter",
+    **{name: name for name in ("mercury", "venus")},
+    **{f"{name} barycenter": name for name in _PLANETS_BY_SYSTEM},
+}
 
 
 class BuiltIn(Ephemeris):

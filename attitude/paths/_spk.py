@@ -13,6 +13,7 @@ import importlib.util
 import os
 from dataclasses import dataclass
 from functools import lru_cache
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
@@ -315,11 +316,9 @@ class Succession(Path):
     @property
     def span(self) -> tuple[Instant, Instant]:  # type: ignore[override]  # computed
         """The first and last epoch of all parts; there may be gaps between them."""
-        ends = [path.span for path in self.parts if path.span is not None]
-        return (
-            min((end[0] for end in ends), key=lambda instant: (instant.seconds, instant.low)),
-            max((end[1] for end in ends), key=lambda instant: (instant.seconds, instant.low)),
-        )
+        first, last = zip(*(path.span for path in self.parts if path.span is not None), strict=True)
+        order = attrgetter("seconds", "low")
+        return min(first, key=order), max(last, key=order)
 
     def refuse_outside(self, instant: Instant, seconds: float) -> NoReturn:
         """Raise the AttitudeError for the epoch instant + seconds, which no part covers."""
@@ -356,11 +355,7 @@ class Succession(Path):
                 yield path, slice(None), (hi, low)
                 return
             if inside.any():
-                yield (
-                    path,
-                    inside,
-                    (np.ascontiguousarray(hi[inside]), np.ascontiguousarray(lo[inside])),
-                )
+                yield path, inside, (hi[inside], lo[inside])
                 left &= ~inside
         if left.any():
             self.refuse_outside(instant, hi[np.argmax(left)])

@@ -259,14 +259,8 @@ def kepler(
     origin = known_center(center)
     k = _gm(origin) if gm is None else validation.positive(gm, "gm", unit="m3/s2")
     q = _pericenter_distance(semi_major_axis, pericenter_distance, e)
-    angles = [
-        validation.number(value, label, unit="rad")
-        for value, label in (
-            (inclination, "inclination"),
-            (node, "node"),
-            (pericenter_argument, "pericenter_argument"),
-        )
-    ]
+    angles = {"inclination": inclination, "node": node, "pericenter_argument": pericenter_argument}
+    turns = [validation.number(value, label, unit="rad") for label, value in angles.items()]
     pericenter = _inputs.instant(epoch)
     if mean_anomaly is not None:
         anomaly = validation.number(mean_anomaly, "mean_anomaly", unit="rad")
@@ -279,7 +273,7 @@ def kepler(
         if e < 1.0:
             anomaly = math.remainder(anomaly, 2.0 * math.pi)
         pericenter = pericenter.after(-anomaly * axis * math.sqrt(axis / k))
-    basis = _perifocal(*angles) @ frames.matrix_to_icrf(frame).T
+    basis = _perifocal(*turns) @ frames.matrix_to_icrf(frame).T
     return Kepler(q, e, k, pericenter, basis, name, origin, source)
 
 
