@@ -34,8 +34,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude._support import pairs as support_pairs
-from attitude._support import quantity_text, validation
+from attitude._support import pairs, quantity_text, validation
 from attitude.epochs import _instants as epochs_instants
 from attitude.epochs import _time_scales
 from attitude.epochs._instants import Instant, times
@@ -171,20 +170,10 @@ def read(
     hi, lo: of the shape given.  TDB seconds past J2000 for dates; for the kinds in `LENGTHS`,
         seconds from `start`, and lo may be None.
     """
-    reader = _READERS[kind]
-    return _scattered(
-        partial(reader, start) if kind == "TimeDelta" else reader, leaves, shape, name
-    )
-
-
-def _scattered(reader, leaves, shape, name):
-    """The results of a reader in the shape given, NaN where masked.
-
-    A reader takes a list and returns two arrays (or one and None) with its entries along the first
-    axis.
-    """
+    # A reader takes a list and returns two arrays (or one and None), its entries along axis 0.
+    reader = _each(partial(_time_delta, start)) if kind == "TimeDelta" else _READERS[kind]
     values = [leaf for leaf in leaves if leaf is not np.ma.masked]
-    results = []
+    results: list[Any] = []
     for result in reader(values, name):
         if result is not None and len(values) < len(leaves):
             full = np.full((len(leaves), *result.shape[1:]), np.nan)
@@ -195,14 +184,31 @@ def _scattered(reader, leaves, shape, name):
     return hi, lo
 
 
-def _stacked(pairs, name):
-    """Pairs of arrays of equal shape as one pair with a new first axis."""
-    if len(pairs) == 1:
-        return [np.asarray(array)[None] for array in pairs[0]]
-    shapes = {np.shape(hi) for hi, _ in pairs}
-    if len(shapes) > 1:
+def _stacked(rows, name):
+    """Arrays of equal shape as one with a new first axis."""
+    if len({np.shape(row) for row in rows}) > 1:
         raise AttitudeError(f"{name} is ragged; give entries of equal shape.")
-    return np.stack([hi for hi, _ in pairs]), np.stack([lo for _, lo in pairs])
+    return np.asarray(rows[0])[None] if len(rows) == 1 else np.stack(rows)
+
+
+def _each(read_one):
+    """The reader of a list of epochs, by that of one entry."""
+
+    def reader(leaves, name):
+        both = zip(*(read_one(leaf, name) for leaf in leaves), strict=True)
+        return [_stacked(rows, name) for rows in both]
+
+    return reader
+
+
+def _lengths(read_one):
+    """The reader of a list of lengths of time, by that of one entry in seconds."""
+
+    def reader(leaves, name):
+        rows = [read_one(leaf, name) for leaf in leaves]
+        return _stacked(rows, name) if rows else np.zeros(0), None
+
+    return reader
 
 
 def _unmasked(value):
@@ -226,14 +232,6 @@ def _with_unit(data, unit):
 # ---- Lengths of time: list of entries -> seconds from the start
 
 
-def _numbers(leaves, name):
-    """Plain numbers and quantities as float64 seconds."""
-    if not leaves:
-        return np.zeros(0), None
-    rows = [_floats(leaf, name) for leaf in leaves]
-    return _stacked([(row, row) for row in rows], name)[0], None
-
-
 def _floats(value, name):
     """One array or number as float64 seconds, NaN where masked."""
     value, mask = _unmasked(value)
@@ -245,26 +243,13 @@ def _floats(value, name):
     return seconds
 
 
-def _durations(leaves, name):
-    """timedelta and timedelta64 as seconds; NaT as NaN."""
-    rows = [
-        leaf.total_seconds() if isinstance(leaf, datetime.timedelta) else leaf / _SECOND
-        for leaf in leaves
-    ]
-    return np.stack([np.asarray(row, dtype=np.float64) for row in rows]), None
-
-
-def _text_lengths(leaves, name):
-    """Text such as "3 d" or "0, 6, 12 h" as seconds."""
-    rows = [validation.real(leaf, name, unit="s") for leaf in leaves]
-    return _stacked([(row, row) for row in rows], name)[0], None
+def _duration(leaf, name):
+    """A timedelta or timedelta64s as seconds; NaT as NaN."""
+    seconds = leaf.total_seconds() if isinstance(leaf, datetime.timedelta) else leaf / _SECOND
+    return np.asarray(seconds, dtype=np.float64)
 
 
 _SECOND = np.timedelta64(1, "s")
-
-
-def _time_deltas(start, leaves, name):
-    return _stacked([_time_delta(start, leaf, name) for leaf in leaves], name)
 
 
 def _time_delta(start, delta, name):
@@ -284,21 +269,16 @@ def _time_delta(start, delta, name):
         )
     tt = _time_scales.tt_from_tdb(np.float64(start.seconds), np.float64(start.low))
     # The difference of two small numbers: a delta of 0 stays exactly 0.
-    change = _time_scales.difference_at(
-        *support_pairs.add((hi, lo), *tt)
-    ) - _time_scales.difference_at(*tt)
-    return support_pairs.add((hi, lo), change)
+    later = _time_scales.difference_at(*pairs.add((hi, lo), *tt))
+    change = later - _time_scales.difference_at(*tt)
+    return pairs.add((hi, lo), change)
 
 
 # ---- Epochs: list of entries -> TDB seconds past J2000 in two doubles
 
 
 def _instants(leaves, name):
-    return np.array([leaf.seconds for leaf in leaves]), np.array([leaf.low for leaf in leaves])
-
-
-def _astropy_times(leaves, name):
-    return _stacked([_astropy_time(leaf, name) for leaf in leaves], name)
+    return np.array([(leaf.seconds, leaf.low) for leaf in leaves]).reshape(-1, 2).T
 
 
 def _astropy_time(time, name):
@@ -333,10 +313,6 @@ def _constant(seconds):
     return lambda hi, lo: known
 
 
-def _skyfield_times(leaves, name):
-    return _stacked([_skyfield_time(leaf, name) for leaf in leaves], name)
-
-
 def _skyfield_time(time, name):
     whole = np.asarray(time.whole, dtype=np.float64)
     _refuse_far_years(whole, name)
@@ -368,10 +344,6 @@ def _civil(moment, name):
         moment.microsecond,
         getattr(moment, "nanosecond", 0),
     )
-
-
-def _datetimes64(leaves, name):
-    return _stacked([_datetime64(leaf, name) for leaf in leaves], name)
 
 
 def _datetime64(moments, name):
@@ -409,23 +381,21 @@ def _texts(leaves, name):
     hi, lo = np.empty(len(leaves)), np.empty(len(leaves))
     for scale in sorted(set(scales.tolist())):
         in_scale = scales == scale
-        hi[in_scale], lo[in_scale] = tdb_of_day(
-            scale, day[in_scale], second[in_scale], low[in_scale], name
-        )
+        parts = (column[in_scale] for column in (day, second, low))
+        hi[in_scale], lo[in_scale] = tdb_of_day(scale, *parts, name)
     return hi, lo
 
 
 _READERS: dict[str, Callable[..., Any]] = {
-    "number": _numbers,
-    "text length": _text_lengths,
-    "duration": _durations,
-    "TimeDelta": _time_deltas,
+    "number": _lengths(_floats),
+    "text length": _lengths(partial(validation.real, unit="s")),
+    "duration": _lengths(_duration),
     "text": _texts,
     "Instant": _instants,
     "datetime": _datetimes,
-    "datetime64": _datetimes64,
-    "astropy Time": _astropy_times,
-    "skyfield Time": _skyfield_times,
+    "datetime64": _each(_datetime64),
+    "astropy Time": _each(_astropy_time),
+    "skyfield Time": _each(_skyfield_time),
 }
 
 
@@ -439,7 +409,7 @@ def tdb_of_day(
     """TDB of a civil day (modified Julian date) and the seconds second + low since its midnight."""
     if scale == "utc":
         return _time_scales.tdb_from("tai", *_time_scales.tai_from_utc_day(day, second, low))
-    hi, lo = support_pairs.add(((day - 51544.5) * _time_scales.DAY, 0.0 * day), second, low)
+    hi, lo = pairs.add(((day - 51544.5) * _time_scales.DAY, 0.0 * day), second, low)
     if scale == "ut1":
         return _time_scales.tdb_from("tai", *_time_scales.tai_from_ut1(hi, lo, name))
     return _time_scales.tdb_from(scale, hi, lo)
@@ -506,7 +476,7 @@ def instant(value: Epoch, name: str = "epoch") -> Instant:
 
 def seconds_since(
     start: Instant, t: Epochs, low: ArrayLike | None = None, name: str = "t"
-) -> support_pairs.Seconds:
+) -> pairs.Seconds:
     """TDB seconds from an instant to other epochs, in two doubles.
 
     Parameters
@@ -551,28 +521,28 @@ def seconds_since(
     if type(t) is np.ndarray and t.dtype == np.float64:
         if low is None and t.size and _FIRST_PLAIN_JD <= t.flat[0] <= _LAST_PLAIN_JD:
             _warn_of_julian_dates(t, name)
-        return support_pairs.Seconds(t, _low(low, t.shape, name))
+        return pairs.Seconds(t, _low(low, t.shape, name))
     if low is None and type(t) is float and _FIRST_PLAIN_JD <= t <= _LAST_PLAIN_JD:
         _warn_of_julian_dates(np.array(t), name)
     if type(t) is float or (type(t) is int and abs(t) < 2**53):
-        return support_pairs.Seconds(np.array(t, dtype=np.float64), _low(low, (), name))
+        return pairs.Seconds(np.array(t, dtype=np.float64), _low(low, (), name))
     kind, leaves, shape = entries(t, name, _DATES_OR_SECONDS)
     if kind == "number":
         hi, _ = read(kind, leaves, shape, name)
         if low is None and hi.size and _FIRST_PLAIN_JD <= hi.flat[0] <= _LAST_PLAIN_JD:
             _warn_of_julian_dates(hi, name)
-        return support_pairs.Seconds(hi, _low(low, hi.shape, name))
+        return pairs.Seconds(hi, _low(low, hi.shape, name))
     if low is not None:
         raise AttitudeError(
             f"low is given, but {name} is {validation.shown(t)}; leave out low, the second double "
             "of plain seconds: dates and durations do not need it."
         )
     if kind in LENGTHS:
-        return support_pairs.Seconds(*read(kind, leaves, shape, name, start))
+        return pairs.Seconds(*read(kind, leaves, shape, name, start))
     dates, dates_low = read(kind, leaves, shape, name)
     assert dates_low is not None  # a date has both doubles
-    hi, lo = support_pairs.add((dates, dates_low), -start.seconds, -start.low)
-    return support_pairs.Seconds(np.asarray(hi), np.asarray(lo))
+    hi, lo = pairs.add((dates, dates_low), -start.seconds, -start.low)
+    return pairs.Seconds(np.asarray(hi), np.asarray(lo))
 
 
 def one_since(start: Instant, t: Epochs, name: str = "t") -> tuple[float, float]:
@@ -625,7 +595,7 @@ def past_j2000(t: Epochs, name: str = "t") -> tuple[FloatArray, FloatArray]:
 
 def plain_seconds(
     seconds: ArrayLike, low: ArrayLike | None = None, name: str = "seconds"
-) -> support_pairs.Seconds:
+) -> pairs.Seconds:
     """Seconds and their second double as float64 arrays of one shape; `low` may be None.
 
     Raises
@@ -634,16 +604,16 @@ def plain_seconds(
         For dates, durations and other types, ragged lists, and `low` of another shape.
     """
     if isinstance(seconds, np.ndarray) and seconds.dtype == np.float64:
-        return support_pairs.Seconds(seconds, _low(low, seconds.shape, name))
+        return pairs.Seconds(seconds, _low(low, seconds.shape, name))
     if type(seconds) is float:
-        return support_pairs.Seconds(np.array(seconds), _low(low, (), name))
+        return pairs.Seconds(np.array(seconds), _low(low, (), name))
     kind, leaves, shape = entries(seconds, name, "plain seconds")
     if kind != "number":
         raise AttitudeError(
             f"{name} is {validation.shown(seconds)}; give plain seconds (at(t) reads dates too)."
         )
     hi, _ = read(kind, leaves, shape, name)
-    return support_pairs.Seconds(hi, _low(low, hi.shape, name))
+    return pairs.Seconds(hi, _low(low, hi.shape, name))
 
 
 def _low(low: Any, shape: tuple[int, ...], name: str) -> FloatArray | None:

@@ -321,24 +321,33 @@ _one_of_series = lru_cache(maxsize=4096)(lambda days: float(_series(days)))
 
 
 def _fitted(numbers):
-    """The coefficients (17, pieces) of the pieces with these numbers.
+    """The coefficients (17, pieces) of the pieces with these numbers."""
 
-    Threads that fit the same piece find the same bits: no lock is needed.
-    """
-    keys = numbers.astype(np.int64).tolist()
-    have = {key: _pieces.get(key) for key in keys}
-    missing = [key for key, piece in have.items() if piece is None]
-    if missing:
+    def fitted(missing):
         first = np.array(missing, dtype=np.float64) * _PIECE
         x = chebyshev.nodes(_NODES)
-        fitted = chebyshev.coefficients(_series(first + 0.5 * _PIECE * (x[:, None] + 1.0)))
-        new = dict(zip(missing, np.ascontiguousarray(fitted.T), strict=True))
-        if len(_pieces) + len(new) > _MOST_PIECES:
-            _pieces.clear()
+        table = chebyshev.coefficients(_series(first + 0.5 * _PIECE * (x[:, None] + 1.0)))
+        return np.ascontiguousarray(table.T)
+
+    keys = numbers.astype(np.int64).tolist()
+    return np.ascontiguousarray(np.array(known_pieces(_pieces, keys, fitted)).T)
+
+
+def known_pieces(cache: dict[Any, Any], keys: list[Any], fitted: Callable[..., Any]) -> list[Any]:
+    """The pieces of some keys; `fitted(missing)` makes those that a cache does not hold.
+
+    Pieces fitted with others have other last bits: those that a thread stored first are used.
+    """
+    have = {key: cache.get(key) for key in keys}
+    missing = [key for key, piece in have.items() if piece is None]
+    if missing:
+        new = dict(zip(missing, fitted(missing), strict=True))
+        if len(cache) + len(new) > _MOST_PIECES:
+            cache.clear()
         if len(new) <= _MOST_PIECES:
-            new = {key: _pieces.setdefault(key, piece) for key, piece in new.items()}
+            new = {key: cache.setdefault(key, piece) for key, piece in new.items()}
         have.update(new)
-    return np.ascontiguousarray(np.array([have[key] for key in keys]).T)
+    return [have[key] for key in keys]
 
 
 def _ut1_minus_utc(jd1, jd2, name):

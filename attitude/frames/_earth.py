@@ -38,7 +38,6 @@ if TYPE_CHECKING:
 # Two days and 10 nodes: 1e-15 rad from the series themselves, 7e-9 m at the Earth's surface.
 _WIDTH = 2.0 * _time_scales.DAY
 _COUNT = 10
-_MOST_PIECES = 4096
 # Records by series and number of the two days.
 _pieces: dict[tuple[Series, int], FloatArray] = {}
 
@@ -48,8 +47,6 @@ def pole_at(series: Series, hi: FloatArray, lo: FloatArray) -> FloatArray:
 
     Shapes: hi, lo (N,).
     """
-    from attitude._solver import chebyshev
-
     number = np.floor(hi / _WIDTH)
     if hi.size and (number == number[0]).all():  # nearly always; sorting takes as long as the rest
         numbers, piece = number[:1], np.zeros(hi.size, np.int64)
@@ -64,23 +61,19 @@ def pole_at(series: Series, hi: FloatArray, lo: FloatArray) -> FloatArray:
 
 
 def _fitted(series, numbers):
-    """The records of pieces with these numbers; two threads may fit one, with the same result."""
-    keys = [(series, int(number)) for number in numbers]
-    known = {key: _pieces.get(key) for key in keys}
-    missing = [key for key in keys if known[key] is None]
-    if missing:
+    """The records of pieces with these numbers."""
+
+    def fitted(missing):
         start = np.array([key[1] for key in missing]) * _WIDTH
         x = chebyshev.nodes(_COUNT)
         at = start + 0.5 * _WIDTH * (x[:, None] + 1.0)
         sampled = series(*_time_scales.jd_from_seconds(at.ravel(), np.zeros(at.size)))
         table = chebyshev.coefficients(sampled.reshape(3, *at.shape).transpose(1, 2, 0))
-        rows = np.ascontiguousarray(table.transpose(1, 2, 0)).reshape(len(missing), -1)
-        known.update(zip(missing, rows, strict=True))
-        if len(_pieces) + len(missing) > _MOST_PIECES:
-            _pieces.clear()
-        if len(missing) <= _MOST_PIECES:
-            _pieces.update(zip(missing, rows, strict=True))
-    return np.array([known[key] for key in keys]).reshape(len(keys), 3 * _COUNT)
+        return np.ascontiguousarray(table.transpose(1, 2, 0)).reshape(len(missing), -1)
+
+    keys = [(series, int(number)) for number in numbers]
+    rows = _time_scales.known_pieces(_pieces, keys, fitted)
+    return np.array(rows).reshape(len(keys), 3 * _COUNT)
 
 
 def to_gcrs(x: FloatArray, y: FloatArray, angle: FloatArray, vectors: FloatArray) -> FloatArray:
@@ -132,17 +125,12 @@ def teme_series(jd1: FloatArray, jd2: FloatArray) -> FloatArray:
     return np.stack([x, y, np.arctan2(sine, cosine)])
 
 
+@cache
 def timescale() -> Timescale:
     """skyfield's timescale from the tables in its package; no other file is read or downloaded."""
-    global _timescale
-    if _timescale is None:
-        from skyfield.api import load
+    from skyfield.api import load
 
-        _timescale = load.timescale(builtin=True)
-    return _timescale
-
-
-_timescale = None
+    return load.timescale(builtin=True)
 
 
 def _tt(jd1, jd2):
@@ -201,9 +189,8 @@ def b1950() -> FloatArray:
     zeta, z, theta = erfa.prec76(_B1950, 0.0, _J2000, 0.0)
     # From the axes of B1950 to those of J2000.
     matrix = erfa.rz(-z, erfa.ry(theta, erfa.rz(-zeta, np.eye(3))))
-    return frozen(
-        quaternion.multiply(frames.wxyz_to_icrf("eme2000"), quaternion.from_matrix(matrix))
-    )
+    turn = quaternion.from_matrix(matrix)
+    return frozen(quaternion.multiply(frames.wxyz_to_icrf("eme2000"), turn))
 
 
 def _matrices(kind, tt):
@@ -234,9 +221,8 @@ def _orientation(tt):
     """UT1 as a two-part Julian date, and the coordinates of the pole in rad."""
     import erfa
 
-    utc1, utc2 = erfa.ufunc.taiutc(
-        *_time_scales.jd_from_seconds(*pairs.add(tt, -_time_scales.TT_MINUS_TAI))
-    )[:2]
+    tai = pairs.add(tt, -_time_scales.TT_MINUS_TAI)
+    utc1, utc2 = erfa.ufunc.taiutc(*_time_scales.jd_from_seconds(*tai))[:2]
     table = _time_scales.earth_orientation()
     dut1, status = table.ut1_utc(utc1, utc2, return_status=True)
     if np.any(status < 0):

@@ -255,28 +255,29 @@ def from_euler(sequence: str | int, angles: Reals) -> FloatArray:
 
 def known_sequence(sequence: str | int) -> str:
     """An Euler sequence in scipy's letters; see `from_euler`."""
-    original = sequence
-    if isinstance(sequence, int) and not isinstance(sequence, bool):
-        sequence = str(sequence)
-    if isinstance(sequence, str):
-        letters = sequence.translate(str.maketrans("123", "XYZ"))
-        known = len(letters) == 3 and set(letters.upper()) <= set("XYZ")
-        known = known and letters in (letters.upper(), letters.lower())
-        if known and letters[0] != letters[1] != letters[2]:
-            return letters
+    is_number = isinstance(sequence, int) and not isinstance(sequence, bool)
+    letters = _axes(str(sequence) if is_number else sequence)
+    if len(letters) == 3 and letters[0] != letters[1] != letters[2]:
+        return letters
     raise AttitudeError(
-        f"sequence is {repr(original)[:42]}; give three axes, no two neighbours equal, like "
+        f"sequence is {repr(sequence)[:42]}; give three axes, no two neighbours equal, like "
         '"ZXZ" or "313".'
     )
 
 
 def _letters(sequence):
     """A sequence of one to three axes in scipy's letters."""
-    if isinstance(sequence, str) and 1 <= len(sequence) <= 2:
-        letters = sequence.translate(str.maketrans("123", "XYZ"))
-        if set(letters.upper()) <= set("XYZ") and letters in (letters.upper(), letters.lower()):
-            return letters
-    return known_sequence(sequence)
+    letters = _axes(sequence)
+    return letters if 1 <= len(letters) <= 2 else known_sequence(sequence)
+
+
+def _axes(sequence):
+    """Text of axes in scipy's letters, of one case; "" for anything else."""
+    if not isinstance(sequence, str):
+        return ""
+    letters = sequence.translate(str.maketrans("123", "XYZ"))
+    is_known = set(letters.upper()) <= set("XYZ") and letters in (letters.upper(), letters.lower())
+    return letters if is_known else ""
 
 
 def _parts(array):
