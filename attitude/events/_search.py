@@ -384,7 +384,8 @@ class Events(Immutable):
         """Some of the events: events[:10], events[events.values], events[events.which == 2]."""
         index = np.atleast_1d(np.arange(len(self))[index])
         columns = (self.seconds, self.low, self.values, self.which)
-        return Events(self.epoch, *(column[index] for column in columns), unit=self.unit)
+        seconds, low, values, which = (column[index] for column in columns)
+        return Events(self.epoch, seconds, low, values, which, self.unit)
 
     def at(self, source: Any) -> Any:
         """``source.at(...)`` at these epochs: the AttitudeHistory of a motion, the View of a Scene.

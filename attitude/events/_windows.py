@@ -244,8 +244,8 @@ class Windows(Timetable):
         edges = [_edge(self.start), _edges(end)], [_edges(begin), _edge(self.stop)]
         first, last = (np.concatenate(pair, axis=1) for pair in edges)
         length = (last[0] - first[0]) + (last[1] - first[1])
-        edges = first[:, length > 0.0], last[:, length > 0.0]
-        return _of_edges(self.epoch, *edges, self.start, self.stop)
+        first, last = first[:, length > 0.0], last[:, length > 0.0]
+        return _of_edges(self.epoch, first, last, self.start, self.stop)
 
     @property
     def worst_gap(self) -> float:

@@ -50,7 +50,7 @@ def of_periods(found: Periods, path: FilePath | None = None) -> Any:
     return (_of_one if found.count == 1 else _of_two)(found, path)
 
 
-def _of_one(found: Periods, path: FilePath | None = None) -> Any:
+def _of_one(found, path=None):
     """Power with its peaks, the spectral window, and the curve folded with the best period."""
     figure = plots.new_figure((9.0, 8.0))
     above, below = figure.subfigures(2, 1, height_ratios=(3, 2))

@@ -799,7 +799,7 @@ def _of_ecsv(text: str, name: str) -> tuple[dict[str, list[str]], list[int]]:
     except Exception as err:  # astropy raises exceptions of any type for broken files
         reason = " ".join(str(err).split())[:120] or type(err).__name__
         raise AttitudeError(f"{name}: it cannot be read as ECSV: {reason}.") from None
-    columns = {}
+    columns: dict[str, list[str]] = {}
     for key in table.colnames:
         column = table[key]
         if isinstance(column, Time):

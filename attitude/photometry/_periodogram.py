@@ -300,7 +300,8 @@ def best_peaks(
     """
     frequency, power = found.frequency, found.power
     closest = 0.7 / (data.span * order)
-    rows, taken = [], []
+    rows: list[tuple[float, float, float]] = []
+    taken: list[float] = []
     total = float(np.sum((data.weights * data.detrended) ** 2))
     for k in np.argsort(-power, kind="stable"):
         if len(taken) >= 2 * count:

@@ -180,9 +180,9 @@ def fit_series(
     angles = _angles(data.t, start, 1.0 / psi, 1.0 / phi, numbers)
     constants = data.curve[:, None] == np.arange(curves)
     matrix = np.concatenate([constants, np.cos(angles), np.sin(angles)], axis=1)
-    solution, _, rank, _ = np.linalg.lstsq(
-        matrix * data.weights[:, None], data.values * data.weights, rcond=_RANK
-    )
+    weighted = matrix * data.weights[:, None], data.values * data.weights
+    least, _, rank, _ = np.linalg.lstsq(*weighted, rcond=_RANK)
+    solution = np.asarray(least, dtype=np.float64)
     residuals = data.values - matrix @ solution
     _warn_of_rank(int(rank), unknowns, np.ptp(data.t))
     free = max(1, len(data.t) - int(rank))

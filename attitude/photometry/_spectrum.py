@@ -248,7 +248,8 @@ def tables(t: FloatArray, weights: FloatArray, y: FloatArray, spacing: float, co
     """
     both = sums(t, np.stack([weights, weights * y]), spacing, count)
     parts = (np.ascontiguousarray(part) for row in both for part in (row.real, row.imag))
-    return Tables(*parts, float(weights @ y**2))
+    wr, wi, yr, yi = parts
+    return Tables(wr, wi, yr, yi, float(weights @ y**2))
 
 
 def best(

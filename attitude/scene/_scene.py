@@ -231,7 +231,7 @@ class OfView(Observable):
         return f"<{self.name}{f' in {self.unit}' if self.unit else ''} of a scene>"
 
 
-def _scales(view: View) -> list[float]:
+def _scales(view):
     """Spacings of samples of what depends on lines of sight, s."""
     scene, scales = view.scene, []
     places = [end for end in (scene.center, scene.observer) if isinstance(end, _path.Path)]

@@ -209,7 +209,8 @@ def read_damit(lines: Iterable[str], name: str = "shape.txt") -> Parts:
             f"after {len(statements)} lines, where {vertex_count} vertices and {facet_count} "
             f"facets need {expected}; it is {'cut short' if short else 'not as line 1 counts'}."
         )
-    vertices, facets = [], []
+    vertices: list[list[float]] = []
+    facets: list[list[int]] = []
     for at, line in statements[1:]:
         where = f"{name}, line {at}"
         fields = line.split()
