@@ -251,7 +251,7 @@ def crossings(
 ) -> Iterator[tuple[FloatArray, FloatArray, IntArray, BoolArray]]:
     """The sign changes of channels, block by block in order of time."""
     progress = Advance(start, stop) if advance is None else advance
-    for base, moment, knots, bounds in blocks(source, channels, start, stop):
+    for base, moment, knots, bounds in _blocks(source, channels, start, stop):
         progress.reached(base)
         values = np.stack([channel.value(moment) for channel in channels])
         if not np.all(np.isfinite(values)):
@@ -280,9 +280,7 @@ def crossings(
         progress.end()
 
 
-def blocks(
-    source: Source, channels: Sequence[Channel], start: Pair, stop: Pair
-) -> Iterator[tuple[Pair, Moment, FloatArray, list[tuple[float, float, float]]]]:
+def _blocks(source, channels, start, stop):
     """Blocks of knots: base pair, Moment, knots in seconds from the base, bounds of each channel.
 
     The knots are `limit.spacing` rad apart at the rate that bounds rotation and directions.  The

@@ -44,13 +44,7 @@ _SMOOTH = 1e-5
 _PLACES = np.arange(-3, 4)
 
 
-def peaks(
-    f: Callable[[FloatArray, FloatArray], ArrayLike],
-    start: Pair,
-    stop: Pair,
-    step: float,
-    sign: float,
-) -> Iterator[tuple[FloatArray, FloatArray, FloatArray]]:
+def _peaks(f, start, stop, step, sign):
     """The maxima of sign * f between samples one step apart, block by block."""
     total = difference(start, stop)
     count = max(2, int(np.ceil(total / step)))
@@ -270,7 +264,7 @@ def _extrema(start, stop, f, step, epoch, sign):
         spacing = plain_step(step)
         first, last, instant = plain_span(start, stop, epoch)
         return _joined(
-            instant, peaks(lambda t, low: f(t + low), (first, 0.0), (last, 0.0), spacing, sign)
+            instant, _peaks(lambda t, low: f(t + low), (first, 0.0), (last, 0.0), spacing, sign)
         )
     if epoch is not None:
         raise AttitudeError("epoch is for a plain function, not for an Observable; leave it out.")
@@ -283,7 +277,7 @@ def _extrema(start, stop, f, step, epoch, sign):
                 f.epoch, list(_by_slope(f, f.slope, begin, end, sign)), float, f.unit
             )
     spacing = f.spacing(begin, end) if step is None else plain_step(step)
-    return _joined(f.epoch, peaks(f, begin, end, spacing, sign), f.unit)
+    return _joined(f.epoch, _peaks(f, begin, end, spacing, sign), f.unit)
 
 
 def _by_slope(

@@ -42,8 +42,8 @@ if TYPE_CHECKING:
         Real,
     )
     from attitude._support.tables import FlatTable
-    from attitude.conditions._conditions import Channel, Condition
-    from attitude.conditions._moments import Moment, Pair, Source
+    from attitude.conditions._conditions import Condition
+    from attitude.conditions._moments import Pair, Source
     from attitude.motions._motion import HasAttitudes
 
     Changes: TypeAlias = tuple[FloatArray, FloatArray, IntArray, BoolArray]
@@ -62,14 +62,7 @@ _MARGINS = (1.5, 2.0)
 _PARTS, _RESOLUTION = 16, 1e-9
 
 
-def changes(
-    source: Source,
-    levels: Sequence[Level],
-    start: Pair,
-    stop: Pair,
-    spacing_of: Sequence[float],
-    advance: Advance,
-) -> Changes:
+def _level_changes(source, levels, start, stop, spacing_of, advance):
     """All sign changes of levels in a span, in order of time."""
     blocks = []
     for spacing in sorted(set(spacing_of)):
@@ -156,8 +149,8 @@ def _sectioned(sign, knots, signs):
 
 
 # ---- Sign changes of the channels of conditions, each searched only where it can decide one
-# First the thresholds of observables (`changes`) are found over the whole span.  Between their
-# changes the conditions are open or decided whatever the other channels are; those are searched
+# First the thresholds of observables are found over the whole span.  Between their changes the
+# conditions are open or decided whatever the other channels are; those are searched
 # in the open parts only: glints above the horizon at night cost the time of the nights.
 
 
@@ -171,9 +164,7 @@ def one_source(conditions: Sequence[Condition]) -> Source:
     return conditions[0].source
 
 
-def sign_changes(
-    conditions: Sequence[Condition], channels: Sequence[Channel], start: Pair, stop: Pair
-) -> Iterator[Changes]:
+def _sign_changes(conditions, channels, start, stop):
     """The sign changes that can change a condition, block by block in order of time.
 
     Yields seconds hi + lo (N,), the number (N,) of the channel among `channels`, and whether the
@@ -187,7 +178,9 @@ def sign_changes(
         return
     spacings = [level.observable.spacing(start, stop) for level in slow.values()]
     advance = Advance(start, stop, len(set(spacings)) + bool(fast))
-    hi, lo, number, rising = changes(source, [*slow.values()], start, stop, spacings, advance)
+    hi, lo, number, rising = _level_changes(
+        source, [*slow.values()], start, stop, spacings, advance
+    )
     slow_changes = hi, lo, np.array([*slow])[number], rising
     done = 0
     for first, last, begin, end, needed in _open_parts(
@@ -245,13 +238,7 @@ def _merged(source, channels, needed, begin, end, levelled, advance):
     yield _part(levelled, first, len(levelled[0]))
 
 
-def changed(
-    condition: Condition,
-    channels: Sequence[Channel],
-    moment: Moment,
-    number: IntArray,
-    rising: BoolArray,
-) -> tuple[BoolArray, BoolArray]:
+def _changed(condition, channels, moment, number, rising):
     """Whether sign changes at a block of epochs change a condition, and its new states (N,).
 
     Changes of several channels at one epoch are one change.
@@ -535,12 +522,12 @@ def stream(
     source = one_source(conditions)
     begin, end = span(source.epoch, start, stop)
     channels = list(dict.fromkeys(channel for one in conditions for channel in one.channels))
-    for hi, lo, number, rising in sign_changes(conditions, channels, begin, end):
+    for hi, lo, number, rising in _sign_changes(conditions, channels, begin, end):
         if not len(hi):
             continue
         moment = source.at(hi, lo)
         changes_of = [
-            changed(condition, channels, moment, number, rising) for condition in conditions
+            _changed(condition, channels, moment, number, rising) for condition in conditions
         ]
         which, row = np.nonzero([kept for kept, _ in changes_of])
         if len(row):

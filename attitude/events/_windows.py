@@ -20,7 +20,7 @@ from attitude.scene._scene import Scene
 from attitude.shape._mesh import Mesh, flat_sides
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
     from typing import Any
 
     from astropy.time import Time
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     )
     from attitude._support.tables import FlatTable
     from attitude.conditions._conditions import Condition, Joinable
-    from attitude.conditions._moments import Pair, Source
+    from attitude.conditions._moments import Pair
     from attitude.epochs._instants import Instant
     from attitude.events._channels import VectorFunction
 
@@ -170,9 +170,7 @@ class Timetable(Immutable):
 _SAMPLES, _ROUNDS = 65, 5
 
 
-def highest(
-    value: Callable[[FloatArray], FloatArray], begin: FloatArray, end: FloatArray
-) -> FloatArray:
+def _highest(value, begin, end):
     """The places (N,) of the greatest values within intervals; their ends count.
 
     Shapes: begin, end (N,).
@@ -276,7 +274,7 @@ def windows(
         For other objects, and where no span is given and none follows.
     """
     known = condition_of(condition, "condition")
-    return windows_of([known], *span_of(known.source, start, stop))[0]
+    return windows_of([known], *_span_of(known.source, start, stop))[0]
 
 
 def windows_of(conditions: Sequence[Condition], start: Pair, stop: Pair) -> list[Windows]:
@@ -301,9 +299,7 @@ def windows_of(conditions: Sequence[Condition], start: Pair, stop: Pair) -> list
     return windows
 
 
-def span_of(
-    source: Source, start: EpochOrSeconds | None, stop: EpochOrSeconds | None
-) -> tuple[Pair, Pair]:
+def _span_of(source, start, stop):
     """Start and stop as pairs of seconds since the epoch of a source."""
     if start is not None and stop is not None:
         return span(source.epoch, start, stop)
@@ -424,7 +420,7 @@ def passes(
     visible = above
     for condition in more:
         visible = visible & condition
-    ends = span_of(above.source, start, stop)
+    ends = _span_of(above.source, start, stop)
     up, seen = windows_of([above, visible], *ends)
     owner = np.asarray(np.searchsorted(up.begin, seen.begin, side="right") - 1, dtype=np.int64)
     kept = np.unique(owner) if more else np.arange(len(up))
@@ -454,7 +450,7 @@ def _columns(scene: Scene, up: Windows, kept: IntArray) -> dict[str, TimetableCo
     def elevations(seconds: FloatArray) -> FloatArray:
         return np.asarray(source.at(seconds, np.zeros(seconds.size)).view.elevation)
 
-    top = highest(elevations, begin, end)
+    top = _highest(elevations, begin, end)
     three = np.concatenate([begin, top, end])
     view = source.at(three, np.zeros(three.size)).view
     azimuth, height, distance, sun = (
@@ -567,7 +563,7 @@ def glints(
         for condition in more:
             one = one & condition
         conditions.append(one)
-    ends = span_of(conditions[0].source, start, stop)
+    ends = _span_of(conditions[0].source, start, stop)
     windows = windows_of(conditions, *ends)
     return _rows(scene, [side for side, _ in chosen], conditions, windows)
 
@@ -627,7 +623,7 @@ def _rows(scene, sides, conditions, found):
         def nearness(seconds: FloatArray, channel: Any = mirrored) -> FloatArray:
             return channel.value(source.at(seconds, np.zeros(seconds.size)))
 
-        top = highest(nearness, one.begin, one.end)
+        top = _highest(nearness, one.begin, one.end)
         tops.append(top)
         off.append(mirrored.off_mirror(source.at(top, np.zeros(top.size))) if len(top) else top)
     side = np.repeat([one.name for one in sides], [len(one) for one in found])

@@ -16,7 +16,7 @@ from attitude.paths._compressed import KnotPieces
 from attitude.paths._path import Path, known_center, spelled
 
 if TYPE_CHECKING:
-    from attitude._support.annotations import Epoch, Epochs, FloatArray, Reals
+    from attitude._support.annotations import Epoch, Epochs, Reals
     from attitude.epochs._instants import Instant
 
 
@@ -29,13 +29,7 @@ if TYPE_CHECKING:
 # Source: Newton's divided differences with repeated nodes (Stoer & Bulirsch, section 2.1.5).
 
 
-def interval_polynomials(
-    knots: FloatArray,
-    knots_low: FloatArray,
-    values: FloatArray,
-    rates: FloatArray | None,
-    degree: int,
-) -> FloatArray:
+def _interval_polynomials(knots, knots_low, values, rates, degree):
     """Chebyshev coefficients between rows at knots (N,) s, of values and rates (N, 3)."""
     window = rows_needed(degree, rates is not None)
     first = np.arange(len(knots) - 1) - (window - 1) // 2
@@ -189,7 +183,7 @@ def table(
         v = None if v is None else v @ matrix.T
 
     def polynomials(rows, slopes):
-        records = interval_polynomials(knots, low, rows, slopes, degree)
+        records = _interval_polynomials(knots, low, rows, slopes, degree)
         return KnotPieces(
             start=first,
             widths=np.diff(knots) + np.diff(low),

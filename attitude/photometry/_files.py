@@ -90,15 +90,7 @@ class RawPoint(NamedTuple):
     exposure: float = 0.0
 
 
-def of_rows(
-    rows: Sequence[RawPoint],
-    name: str,
-    *,
-    scale: str | None = None,
-    offset: float = 0.0,
-    is_flux: bool = False,
-    bad: list[BadRow] | None = None,
-) -> Keywords:
+def _of_rows(rows, name, *, scale=None, offset=0.0, is_flux=False, bad=None):
     """Keywords of `LightCurve` of rows of text, and "rows", the numbers of those that are used."""
     left_out, kept, numbers = list(bad or ()), [], []
     without = 0
@@ -129,7 +121,7 @@ def of_rows(
     notes = [f"{without} of {len(rows)} rows have no {word}."] if without else []
     notes += _repeated([rows[k] for k in kept], word)
     both = np.array(numbers).reshape(-1, 2)
-    keywords: Keywords = {
+    keywords = {
         "times": times,
         word: both[:, 0],
         "sigma": both[:, 1],
@@ -327,7 +319,7 @@ def of_alcdef(text: str, name: str) -> Keywords:
             rows.append(_alcdef_row(number, parts, meta, len(seen)))
         elif value and key not in meta:
             meta[key] = value.strip()
-    keywords = of_rows(rows, name, scale="utc", bad=bad)
+    keywords = _of_rows(rows, name, scale="utc", bad=bad)
     light, reduced = (
         {meta.get(key, "").upper() not in _NO for meta in seen} for key in ("LTCAPP", "REDUCEDMAGS")
     )
@@ -407,7 +399,7 @@ def of_ades_text(text: str, name: str) -> Keywords:
             bad.append(BadRow(number, f"it has {len(parts)} entries, and the header {len(names)}"))
         else:
             rows.append(_ades_row(number, entries))
-    return of_rows(rows, name, bad=bad)
+    return _of_rows(rows, name, bad=bad)
 
 
 def of_ades_xml(text: str, name: str) -> Keywords:
@@ -415,7 +407,7 @@ def of_ades_xml(text: str, name: str) -> Keywords:
     records = xml.records(text, name, "optical")
     if not records:
         raise AttitudeError(f"{name}: holds no <optical>, the element of photometry in ADES.")
-    return of_rows([_ades_row(k, record) for k, record in enumerate(records, 1)], name)
+    return _of_rows([_ades_row(k, record) for k, record in enumerate(records, 1)], name)
 
 
 def _ades_row(number: int, entries: dict[str, str]) -> RawPoint:
@@ -434,7 +426,7 @@ def of_mpc(text: str, name: str) -> Keywords:
         if line[14] in "sSrRvVxX":  # the second line of a satellite, radar; replaced records
             continue
         rows.append(_mpc_row(number, line))
-    return of_rows(rows, name, scale="utc", bad=bad)
+    return _of_rows(rows, name, scale="utc", bad=bad)
 
 
 def is_mpc(line: str) -> bool:
@@ -558,16 +550,10 @@ def of_text(text: str, name: str, columns: Mapping[str, str] | None = None) -> K
     ]
     rows = [row for row in rows if len(row[1]) == width]
     table = {_plain(key): [entries[k] for _, entries in rows] for k, key in enumerate(names)}
-    return of_table(table, [line for line, _ in rows], name, columns, bad)
+    return _of_table(table, [line for line, _ in rows], name, columns, bad)
 
 
-def of_table(
-    table: dict[str, list[str]],
-    lines: Sequence[int],
-    name: str,
-    columns: Mapping[str, str] | None = None,
-    bad: list[BadRow] | None = None,
-) -> Keywords:
+def _of_table(table, lines, name, columns=None, bad=None):
     """Keywords of `LightCurve` from columns of text; lines (N,) of the rows."""
     for meant, column in (columns or {}).items():
         if _plain(column) not in table:
@@ -601,7 +587,7 @@ def of_table(
         for k, line in enumerate(lines)
     ]
     is_flux = brightness == "flux"
-    keywords = of_rows(rows, name, scale=scale, offset=offset, is_flux=is_flux, bad=bad)
+    keywords = _of_rows(rows, name, scale=scale, offset=offset, is_flux=is_flux, bad=bad)
     keywords |= {"time_of": place, "unit_distances": brightness == "reduced"}
     return keywords | _geometry(table, keywords, name)
 
@@ -728,7 +714,7 @@ def opened(
     if kind == "csv":
         keywords = of_text(text, name, columns)
     elif kind == "ecsv":
-        keywords = of_table(*_of_ecsv(text, name), name, columns)
+        keywords = _of_table(*_of_ecsv(text, name), name, columns)
     elif kind == "damit":
         keywords = of_damit(path, name)
     else:
@@ -790,7 +776,7 @@ def _is_damit(rows: list[str]) -> bool:
 
 
 def _of_ecsv(text: str, name: str) -> tuple[dict[str, list[str]], list[int]]:
-    """Columns of text of an ECSV, in the units of `of_table`, and the lines of its rows."""
+    """Columns of text of an ECSV, in the units of `_of_table`, and the lines of its rows."""
     from astropy.table import Table
     from astropy.time import Time
 
@@ -812,7 +798,7 @@ def _of_ecsv(text: str, name: str) -> tuple[dict[str, list[str]], list[int]]:
 
 
 def _in_units(column: Any) -> Any:
-    """A column in days, magnitudes, degrees or au, as `of_table` reads it."""
+    """A column in days, magnitudes, degrees or au, as `_of_table` reads it."""
     unit = getattr(column, "unit", None)
     if unit is None:
         return column

@@ -45,9 +45,7 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(20)
 _BLOCK = 2048
 
 
-def free_share(
-    center: FloatArray, radius: float, disc: FloatArray, half_angle: FloatArray, stretch: float
-) -> FloatArray:
+def _free_share(center, radius, disc, half_angle, stretch):
     """The share (N,) of the solid angle of a disc that a spheroid leaves free, 0 to 1.
 
     Shapes: center (3, N), disc (3, N), half_angle (N,) rad.
@@ -310,7 +308,7 @@ def lit_fraction(
             center = center + shift * np.sqrt(np.sum(center * center, axis=0))
             seen = seen + shift
         size = np.sqrt(np.sum(seen * seen, axis=0))
-        shares[is_near] = free_share(
+        shares[is_near] = _free_share(
             center,
             radius,
             seen / size,

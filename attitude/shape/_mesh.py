@@ -206,13 +206,7 @@ def winding_number(point: FloatArray, corners: FloatArray) -> float:
 _BLOCK = 1 << 16
 
 
-def is_convex(
-    corners: FloatArray,
-    normals: FloatArray,
-    mates: IntArray,
-    tolerance: float,
-    rounding: float = 0.0,
-) -> bool:
+def _is_convex(corners, normals, mates, tolerance, rounding=0.0):
     """Whether no vertex rises above the plane of a facet.
 
     Shapes: corners (F, 3, 3) m, normals (F, 3), mates (F, 3).
@@ -312,9 +306,7 @@ def shell_moments(corners: FloatArray) -> tuple[float, FloatArray, FloatArray]:
     return float(np.sum(area)), first, second
 
 
-def about_center(
-    density: float, measure: float, first: FloatArray, second: FloatArray, origin: FloatArray
-) -> MassProperties:
+def _about_center(density, measure, first, second, origin):
     """`MassProperties` from moments about an origin (3,).
 
     Shapes: density in kg/m2, origin (3,).
@@ -606,11 +598,11 @@ class Mesh(Immutable):
         """Whether the mesh is closed and no vertex rises above the plane of a facet: no shadows.
 
         Heights within the rounding of the coordinates, `rounding` and that of doubles, count as
-        zero.  The time grows with the number of facets (`is_convex`).
+        zero.  The time grows with the number of facets.
         """
         if not self.is_closed or len(self.inward_facets):
             return False
-        return is_convex(self.corners, self.normals, self._edges.mates, _FLAT, self.rounding)
+        return _is_convex(self.corners, self.normals, self._edges.mates, _FLAT, self.rounding)
 
     @property
     def _middle(self) -> FloatArray:
@@ -801,11 +793,11 @@ class Mesh(Immutable):
         corners = self.corners - self._middle
         if surface_density is not None:
             sheet = validation.positive(surface_density, "surface_density", unit="kg/m2")
-            return about_center(sheet, *shell_moments(corners), self._middle)
+            return _about_center(sheet, *shell_moments(corners), self._middle)
         assert density is not None
         filling = validation.positive(density, "density", unit="kg/m3")
         self.require_closed()
-        return about_center(filling, *solid_moments(corners), self._middle)
+        return _about_center(filling, *solid_moments(corners), self._middle)
 
 
 def _remade(vertices, facets, materials, open, rounding):

@@ -256,7 +256,7 @@ def times_of(changes: Sequence[Change], epoch: Instant) -> list[Pair | None]:
 _STEP = 1e-5
 
 
-class FreeArc:
+class _FreeArc:
     """One arc of free rotation, from its first state.
 
     body: Body
@@ -275,21 +275,19 @@ class FreeArc:
         evaluation.evaluate(self._constants, *pairs.Seconds(seconds, low).row, wxyz, omega)
         return [wxyz[0, :, 0], omega[0, :, 0]]
 
-    def angular_acceleration_at(
-        self, seconds: FloatArray, low: FloatArray | None, *, angular_velocity: FloatArray
-    ) -> FloatArray:
+    def angular_acceleration_at(self, seconds, low, *, angular_velocity):
         """As `Motion.angular_acceleration_at`, of one epoch."""
         tensor = self._body.tensor
         torque = np.cross(tensor @ angular_velocity, angular_velocity)
         return np.asarray(np.linalg.solve(tensor, torque))
 
 
-class ChainedSensitivity(Derivatives):
+class _ChainedSensitivity(Derivatives):
     """The derivatives of one chain at any epoch.
 
     Parameters
     ----------
-    arcs : (N + 1) of FreeArc, or of TorquedRotation
+    arcs : (N + 1) of _FreeArc, or of TorquedRotation
     starts : (N + 1, 2) array
         Their first epochs, s, in two doubles.
     bodies : sequence of Body
@@ -304,14 +302,7 @@ class ChainedSensitivity(Derivatives):
         For a change whose momentum is a function of the motion.
     """
 
-    def __init__(
-        self,
-        arcs: Sequence[FreeArc] | Sequence[TorquedRotation],
-        starts: FloatArray,
-        bodies: Sequence[Body],
-        changes: Sequence[Change],
-        epoch: Instant,
-    ) -> None:
+    def __init__(self, arcs, starts, bodies, changes, epoch):
         for k, change in enumerate(changes):
             if callable(change.angular_momentum):
                 raise AttitudeError(
@@ -325,15 +316,11 @@ class ChainedSensitivity(Derivatives):
         for k, change in enumerate(self._changes):
             self._maps.append(self._over_joint(k, change) @ self._maps[k])
 
-    def at(
-        self, seconds: FloatArray, low: FloatArray | None, rates: bool
-    ) -> tuple[FloatArray, FloatArray | None]:
+    def at(self, seconds, low, rates):
         """Changes of attitude (S, 3, 9), ICRF axes, and of the angular velocity, body axes."""
         return self._chained(self._maps, seconds, low, rates)
 
-    def by_momenta(
-        self, seconds: FloatArray, low: FloatArray | None, rates: bool = False
-    ) -> tuple[FloatArray, FloatArray | None]:
+    def by_momenta(self, seconds, low, rates=False):
         """As `at`, by the momenta of the changes: columns (3 N), each in the frame of its change.
 
         Shapes: seconds, low (S,).
@@ -589,13 +576,13 @@ class Arcs(Differentiable):
         self._integrate(first)
 
     @cached_property
-    def _sensitivity(self) -> ChainedSensitivity:
-        arcs: Sequence[FreeArc] | Sequence[TorquedRotation] = self._torqued
+    def _sensitivity(self) -> _ChainedSensitivity:
+        arcs: Sequence[_FreeArc] | Sequence[TorquedRotation] = self._torqued
         if not arcs:
             later = self.wxyz_at(self._starts[1:, 0], self._starts[1:, 1])
             wxyz = np.concatenate([self.spin.wxyz_icrf[None], later])
-            arcs = [FreeArc(*of) for of in zip(self._bodies, wxyz, self._constants, strict=True)]
-        return ChainedSensitivity(arcs, self._starts, self._bodies, self.changes, self.epoch)
+            arcs = [_FreeArc(*of) for of in zip(self._bodies, wxyz, self._constants, strict=True)]
+        return _ChainedSensitivity(arcs, self._starts, self._bodies, self.changes, self.epoch)
 
     def _with(self, body: Body, spin: Spin) -> Arcs:
         constructor, (_, _, *others) = self.__reduce__()

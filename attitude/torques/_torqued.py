@@ -434,9 +434,7 @@ class Front:
         return system.sampled(np.concatenate([whole, halves[0][..., :-1], halves[1]], axis=-1))
 
 
-def between(
-    system: System, states: FloatArray, times: FloatArray, place: IntArray, parts: FloatArray
-) -> FloatArray:
+def _between(system, states, times, place, parts):
     """States (T, 7) at `parts` seconds after some of the states (S, 14) at `times` (S,)."""
     from attitude._solver.adaptive import between as compiled
 
@@ -553,7 +551,7 @@ class VaryingSteps(KeptStates):
                 place = np.searchsorted(np.abs(times), total[begin:end], side="right") - 1
                 parts = (seconds[in_block] - times[place]) + low[in_block]
                 state = rows[:, layout.KEPT_STATE]
-                out[in_block] = between(self.system, state, times, place, parts)
+                out[in_block] = _between(self.system, state, times, place, parts)
             begin = end
         return out
 
