@@ -67,14 +67,9 @@ class Composed(Path):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class NamedBody(Path):
-    """A body of an ephemeris, which is opened when a position is needed first.
+    """A body of an ephemeris, which is opened when a position is needed first; equal to its name.
 
-    The path is relative to the solar system barycentre.  `relative` uses the name alone, so that
-    the steps which two bodies share cancel.  Equal to other named bodies of the same name, and to
-    the name.
-
-    name: as `body_name` spells it.
-    ephemeris: see `ephemeris`.
+    Relative to the barycentre; `relative` uses the name alone, so that shared steps cancel.
     """
 
     name: str
@@ -196,8 +191,7 @@ def body(
 class _Chain:
     """The steps from a path or body towards the solar system barycentre, added as needed.
 
-    ``parts[k]`` is the path of ``places[k]`` relative to ``places[k + 1]``; places are names of
-    bodies or paths.
+    ``parts[k]`` is the path of ``places[k]``, a name or path, relative to ``places[k + 1]``.
     """
 
     def __init__(self, start, ephemeris):

@@ -33,13 +33,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Pieces(Immutable):
-    """Chebyshev polynomials of a vector on pieces of time; kinds place the pieces differently.
+    """Chebyshev polynomials of a vector on pieces of time, from `start` on, `widths` long, s.
 
-    start: start of the first piece.
-    widths: (pieces,), or (1,) if they are equal, lengths of the pieces, s.
-    records: (pieces, skip + 3 count), a row for each piece; see `attitude._solver.chebyshev`.
-    skip, count: numbers of a row before the coefficients, and coefficients of one component.
-    factor: factor of the values.
+    A row of `records` is a piece: `skip` numbers, then `count` coefficients of each component;
+    values are multiplied by `factor`.
     """
 
     start: Instant
@@ -106,12 +103,9 @@ class EqualPieces(Pieces):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CellPieces(Pieces):
-    """Pieces that each fill one or more equal cells: short where the motion is quick.
+    """Pieces that each fill one or more cells of a width, s: short where the motion is quick.
 
-    width: length of a cell, s.
-    cells: (cells,) int32, number of the piece that fills each cell.
-    starts: (pieces,), starts of the pieces in seconds after start.
-    most: end of the range of the epochs, in seconds after start.
+    cells: the piece of each; starts: of pieces, s; most: the end of the range of epochs, s.
     """
 
     width: float

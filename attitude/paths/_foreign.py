@@ -26,10 +26,7 @@ _DAY = 86400.0
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SkyfieldPath(Path):
-    """A vector function of skyfield.  Made by `from_skyfield`.
-
-    name, center, source: as for all paths.
-    """
+    """A vector function of skyfield.  Made by `from_skyfield`."""
 
     function: Any  # a VectorFunction, or an object of the user with the same methods
     center: str

@@ -179,13 +179,9 @@ _POLE = np.array([0.0, 0.0, 1.0])
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Site(Immutable, Path):
-    """A place at rest on the rotating Earth.  Made by `site` and `observatory`.
+    """A place at rest on the rotating Earth: itrs (3,), m, with a zenith `up` (3,), ITRS axes.
 
-    itrs: (3,), position in m, ITRS axes.
-    up: (3,), unit vector to the geodetic zenith, ITRS axes; for an observatory of the MPC, the
-        normal of the ellipsoid at that place.
-    long_term: whether a model replaces the IERS table at epochs outside of the table.
-    name, center, source, span: as for all paths.
+    Made by `site` and `observatory`; `long_term`: whether a model follows beyond the IERS table.
     """
 
     itrs: FloatArray

@@ -214,14 +214,7 @@ EphemerisLike: TypeAlias = Ephemeris | str | os.PathLike[str] | None
 class Place:
     """The base of `Path` and `Direction`: the members that other code may use of either.
 
-    Attributes
-    ----------
-    name : str
-        Name of the place, for messages.
-    is_direction : bool
-        True for a `Direction`, which is infinitely far away and has no position.
-    has_horizon : bool
-        True for a place on the ground, which defines `zenith_path`.
+    A direction is infinitely far away; a place on the ground has a horizon and a `zenith_path`.
     """
 
     name: str = "place"
@@ -231,10 +224,7 @@ class Place:
     def zenith(
         self, instant: Instant, seconds: ArrayLike, low: ArrayLike | None = None
     ) -> FloatArray:
-        """Unit vectors (..., 3) towards the zenith, ICRF axes; see `Path.position`.
-
-        AttitudeError for a place without a horizon.
-        """
+        """Unit vectors (..., 3) towards the zenith, ICRF axes; AttitudeError without a horizon."""
         return self.zenith_path.position(instant, seconds, low)
 
     @property
@@ -442,11 +432,7 @@ _J2000 = Instant(0.0)
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Uniform(Immutable, Path):
-    """Uniform motion r(t) = start + speed (t - epoch).  Made by `uniform` and `fixed`.
-
-    start, speed: (3,) float64 arrays, read-only, m at the epoch and m/s, ICRF axes.
-    name, center, source: as for all paths.
-    """
+    """Uniform motion start + speed (t - epoch), m and m/s.  Made by `uniform` and `fixed`."""
 
     start: FloatArray
     speed: FloatArray

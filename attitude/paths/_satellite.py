@@ -57,13 +57,7 @@ _OMM_DEFAULTS = {
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Satellite(Path):
-    """A satellite on mean elements.  Made by `tle` and `omm`.
-
-    lines: the two lines of a TLE, or keywords and values of an OMM.
-    epoch: the epoch of the elements.
-    any_epoch: whether epochs far from that of the elements are accepted.
-    name, center, source: as for all paths.
-    """
+    """A satellite on mean elements, the lines of a TLE or the fields of an OMM, at an epoch."""
 
     lines: tuple[str, ...] | tuple[tuple[str, str], ...]
     epoch: Instant

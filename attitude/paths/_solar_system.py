@@ -43,12 +43,7 @@ _SERIES_SPAN = Instant(-36524.5 * 86400.0), Instant(36524.5 * 86400.0)
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AstropyBody(Path):
-    """A body of `astropy.coordinates.get_body_barycentric_posvel`.  Made by `from_astropy`.
-
-    body: astropy's name of the body.
-    ephemeris: "builtin", or the absolute path of a kernel.
-    name, center, source, span, roughness: as for all paths.
-    """
+    """A body by astropy, of the series or of a kernel (its path).  Made by `from_astropy`."""
 
     body: str
     ephemeris: str
@@ -146,9 +141,7 @@ _LO = np.zeros(1)
 class SeriesBody(Path):
     """The path of an `AstropyBody` with a span, by Chebyshev pieces.  Made by `built_in().step`.
 
-    name, center, source, span, roughness: those of the series.  Positions differ from it by up to
-        its roughness, 0.1 m; velocities are the derivatives of the positions, from which those of
-        plan94 differ by up to 26 m/s.
+    Positions differ by up to 0.1 m, its roughness, velocities of plan94 by up to 26 m/s.
     """
 
     def __init__(self, series: AstropyBody) -> None:
@@ -209,10 +202,9 @@ _ASTROPY_NAMES = {
 
 
 class BuiltIn(Ephemeris):
-    """The Earth, the Moon, the Sun and the planets by the series of ERFA in astropy.
+    """The Earth (11 km), Moon, Sun and planets by epv00, moon98 and plan94 of ERFA in astropy.
 
-    epv00 for the Earth (errs by up to 11 km in 1900-2100), moon98 for the Moon, plan94 for the
-    others; from Mars outwards, plan94 gives the barycentres of the planets' systems.
+    From Mars outwards, plan94 gives the barycentres of the planets' systems.
     """
 
     source = BUILT_IN_SOURCE

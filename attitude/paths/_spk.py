@@ -37,13 +37,7 @@ FRAMES: dict[int, str] = {1: "icrf", 17: "ecliptic"}
 
 
 class Segment(Path):
-    """A segment of an SPK file: one body, relative to one center, over one span.
-
-    number: position of the segment in the file, from 0.
-    rotation: (3, 3), axes of the segment to ICRF.
-    is_turned: whether the axes differ from ICRF.
-    name, center, source, span: as for all paths.
-    """
+    """A segment of an SPK file, `number` from 0: one body relative to one center over one span."""
 
     def __init__(self, kernel: Kernel, number: int, name: str, segment: Any) -> None:
         self.kernel = kernel
@@ -72,8 +66,7 @@ class Segment(Path):
 class SpiceSegment(Segment):
     """A segment that SPICE evaluates, one epoch at a time: some 4 microseconds each.
 
-    SPICE takes epochs as one double of seconds past J2000 (1e-7 s, 4 mm at 30 km/s); the motion in
-    the remaining time is added by the velocity.
+    SPICE takes epochs as one double (1e-7 s, 4 mm at 30 km/s); the velocity adds the rest.
     """
 
     def __init__(self, kernel: Kernel, number: int, name: str, segment: Any) -> None:
@@ -123,12 +116,9 @@ _KM = 1000.0
 
 
 class Kernel(Ephemeris):
-    """The bodies of one SPK file.  Made by `open_kernel`, which keeps one for each file.
+    """The bodies of one SPK file, of an absolute path.  Made by `open_kernel`, one for each file.
 
     ``kernel.step(body)`` is the path of a body relative to the center that the file gives for it.
-
-    file: absolute path.
-    source: name of the file.
     """
 
     advice = "Give one of these, or another kernel."
@@ -293,12 +283,7 @@ class KernelSegment(Segment):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Succession(Path):
-    """Paths of one body from one center that cover different spans of time.
-
-    At an epoch that several cover, the first in `parts` is used.
-
-    parts: each with a span.
-    """
+    """Paths of one body from one center with spans of their own, of which the first counts."""
 
     parts: tuple[Path, ...]
     name: str

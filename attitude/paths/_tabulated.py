@@ -92,14 +92,7 @@ _HIGHEST_DEGREE = 31
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TabulatedPath(Path):
-    """An interpolated table.  Made by `table`; CCSDS files are read by `oem`.
-
-    pieces: the polynomial of each interval.
-    rates: polynomials of the velocities, if these are interpolated on their own.
-    interpolation: "lagrange" or "hermite".
-    degree: degree of the polynomials.
-    name, center, source, span: as for all paths.
-    """
+    """An interpolated table; `rates` are polynomials of the velocities alone.  Made by `table`."""
 
     pieces: KnotPieces
     rates: KnotPieces | None

@@ -77,16 +77,7 @@ __all__ = ["Arcs", "Impulse", "InertiaChange"]
 
 
 class Change(Valued):
-    """Base of `Impulse` and `InertiaChange`.
-
-    Attributes
-    ----------
-    at : epoch, seconds or Trigger
-        As given.
-    angular_momentum : (3,) array, or function
-        kg m2/s.
-    frame : str
-    """
+    """Base of `Impulse` and `InertiaChange`, with `at`, `angular_momentum` and `frame`."""
 
     at: EpochOrSeconds | Trigger
     angular_momentum: FloatArray | MomentumFunction
@@ -106,17 +97,7 @@ class Change(Valued):
     def added_momentum(self, before: Callable[[], AttitudeHistory], name: str) -> FloatArray:
         """Angular momentum (3,) that the change adds, kg m2/s in its frame.
 
-        Parameters
-        ----------
-        before : function
-            Returns the history of the epoch of the change, before it.
-        name : str
-            Of the change in error messages.
-
-        Raises
-        ------
-        AttitudeError
-            If a function returns another shape or unit, or numbers that are not finite.
+        `before()` returns the history of the epoch of the change, before it.
         """
         momentum = self.angular_momentum
         if not callable(momentum):
@@ -257,12 +238,7 @@ _STEP = 1e-5
 
 
 class _FreeArc:
-    """One arc of free rotation, from its first state.
-
-    body: Body
-    wxyz: (4,), attitude at its start, body to ICRF.
-    record: of records.CONSTANTS.
-    """
+    """One arc of free rotation, from its first attitude (4,) and its record of CONSTANTS."""
 
     def __init__(self, body: Body, wxyz: FloatArray, record: Any) -> None:
         self._body, self._constants = body, record[None]
@@ -283,23 +259,9 @@ class _FreeArc:
 
 
 class _ChainedSensitivity(Derivatives):
-    """The derivatives of one chain at any epoch.
+    """The derivatives of one chain of N + 1 arcs from starts (N + 1, 2), s, at any epoch.
 
-    Parameters
-    ----------
-    arcs : (N + 1) of _FreeArc, or of TorquedRotation
-    starts : (N + 1, 2) array
-        Their first epochs, s, in two doubles.
-    bodies : sequence of Body
-    changes : sequence of Change
-        Between the arcs.  An event that moves with the state moves the joint.
-    epoch : Instant
-        From which the seconds count.
-
-    Raises
-    ------
-    AttitudeError
-        For a change whose momentum is a function of the motion.
+    AttitudeError for a change whose momentum is a function of the motion.
     """
 
     def __init__(self, arcs, starts, bodies, changes, epoch):
@@ -321,10 +283,7 @@ class _ChainedSensitivity(Derivatives):
         return self._chained(self._maps, seconds, low, rates)
 
     def by_momenta(self, seconds, low, rates=False):
-        """As `at`, by the momenta of the changes: columns (3 N), each in the frame of its change.
-
-        Shapes: seconds, low (S,).
-        """
+        """As `at`, by the momenta of the changes: columns (3 N), each in its own frame."""
         count = len(self._changes)
         maps = [np.zeros((9, 3 * count))]
         for k, change in enumerate(self._changes):
@@ -412,10 +371,7 @@ class _ChainedSensitivity(Derivatives):
         return self._arcs[k]._evaluate(*_since(self._starts[k], *end), 1)
 
     def _rate(self, k: int, matrix: FloatArray, omega: FloatArray, end: FloatArray) -> FloatArray:
-        """The rate of change (9,) of attitude (inertial axes), angular velocity and moments.
-
-        On arc k at an epoch (2,), where the attitude is a matrix and the rate omega.
-        """
+        """The rates (9,) of attitude (inertial axes), velocity and moments on arc k at `end`."""
         t = _since(self._starts[k], *end)
         acceleration = self._arcs[k].angular_acceleration_at(*t, angular_velocity=omega)
         return np.concatenate([matrix @ omega, acceleration, np.zeros(3)])

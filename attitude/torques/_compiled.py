@@ -126,10 +126,7 @@ def linear_damping(t, wxyz, omega, given, p, out):
 
 @callback
 def internal_dissipation(t, wxyz, omega, given, p, out):
-    """A slip in rad/s: strength times l x w, l being the direction of the momentum.
-
-    p: strength, tensor (6).
-    """
+    """A slip in rad/s: strength times l x w, l along the momentum; p: strength, tensor (6)."""
     w = omega[0], omega[1], omega[2]
     x, y, z = _symmetric(p, 1, w)
     size = math.sqrt(x * x + y * y + z * z)
@@ -140,10 +137,7 @@ def internal_dissipation(t, wxyz, omega, given, p, out):
 
 @callback
 def inertia_history(t, wxyz, omega, given, p, out):
-    """A slip in rad/s: -(I + D)^-1 D w, I w being the momentum.
-
-    given: the change D (6) of the tensor; p: I (6).
-    """
+    """A slip in rad/s: -(I + D)^-1 D w; given: the change D (6) of the tensor; p: I (6)."""
     w = omega[0], omega[1], omega[2]
     x, y, z = _symmetric(given, 0, w)
     a, b, c = p[0] + given[0], p[1] + given[1], p[2] + given[2]
@@ -256,10 +250,7 @@ def solar_radiation(t, wxyz, omega, given, p, out):
 
 @subroutine
 def _pushed(p, k, sun):
-    """Area of facet k that takes a push along the sunlight, and that along the normal.
-
-    p: the rows of `solar_radiation`, from its third number on.
-    """
+    """Area of facet k pushed along the light, and along its normal; p as `solar_radiation`."""
     cosine = max(p[1, k] * sun[0] + p[2, k] * sun[1] + p[3, k] * sun[2], 0.0)
     size, mirrored = p[0, k] * cosine, p[11, k]
     return size * (1.0 - mirrored), size * 2.0 * (mirrored * cosine + p[10, k] * (1.0 / 3.0))

@@ -304,14 +304,7 @@ _STEP = 0.5
 
 
 class FieldOnPath:
-    """A field and its rate of change over ICRF axes along a path, fitted piece by piece.
-
-    Parameters
-    ----------
-    field : MagneticField
-    path : Path
-        The body's position from the centre of the Earth.
-    """
+    """A field and its rate of change over ICRF axes along a path from the centre of the Earth."""
 
     def __init__(self, field: MagneticField, path: Path) -> None:
         self._field, self._path = field, path
@@ -334,10 +327,7 @@ class FieldOnPath:
         return self._differenced(instant, seconds, low)
 
     def apart(self, instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
-        """As `at`, for epochs that share no pieces: five evaluations each, and no fit of 16.
-
-        The last answers are kept: the two means of eddy currents ask for the same epochs.
-        """
+        """As `at`, by differences, and kept: means of two strengths ask for the same epochs."""
         key = instant.seconds, instant.low, seconds.tobytes(), low.tobytes()
         if key not in self._apart:
             if len(self._apart) >= _MOST_ANSWERS:
@@ -449,10 +439,7 @@ class _InField(Torque):
         return super().is_of_seconds or isinstance(self.field, _FunctionField)
 
     def span(self, instant: Instant) -> tuple[float, float]:
-        """First and last TDB seconds since an instant that path and field cover.
-
-        Of the path alone at an instant that the field lacks, which says so.
-        """
+        """The span of path and field; of the path alone where the field says what it lacks."""
         first, last = span_of(self.path, instant)
         begin, end = self.field.span(instant)
         if begin > 0.0 or end < 0.0:

@@ -145,10 +145,7 @@ class SolarRadiation(Torque):
 
     @cached_property
     def _lit(self) -> FloatArray:
-        """Shares (6 (n + 2)^2, N) of each facet that are free of shadows, by cell of the sky.
-
-        Around the cells of each face of the cube lie those of its neighbours.
-        """
+        """Shares (6 (n + 2)^2, N) of facets free of shadows, by cell of the sky, with margins."""
         table = self.shadows
         assert table is not None
         bits = np.array([bin(k).count("1") for k in range(256)]) / 8.0

@@ -117,10 +117,7 @@ def _derivative(exponents: tuple[int, ...], k: int) -> tuple[int, tuple[int, ...
 
 
 def _stiffness(axes: FloatArray, first: float) -> tuple[FloatArray, FloatArray]:
-    """Stiffness (39, 39) in units of the rigidity, and the load (39, 9) of a matrix B.
-
-    first: Lame's first parameter in units of the rigidity.
-    """
+    """Stiffness (39, 39) and load (39, 9) of B; first: Lame's first parameter over the rigidity."""
     count = len(_ODD)
     slopes = np.zeros((count, count, 3, 3))
     for i, one in enumerate(_ODD):
@@ -169,14 +166,10 @@ def displacement(axes: FloatArray, poisson: float) -> FloatArray:
 
 @dataclass(frozen=True)
 class Polhodes:
-    """Nutations of a body with L = 1 at nodes that are uniform in time.
+    """Nutations with L = 1 at nodes that are uniform in time.
 
-    Attributes
-    ----------
-    direction : (N, M, 3) array
-        Unit vectors of the momentum over the principal axes, in ascending order of the moments.
-    rate : (N,) array
-        2 pi over the period of the nutation, for L = 1.
+    Unit vectors (N, M, 3) of the momentum over the principal axes, ascending; 2 pi over the period
+    (N,).
     """
 
     direction: FloatArray
@@ -184,9 +177,9 @@ class Polhodes:
 
 
 def polhodes(moments: FloatArray, share: FloatArray, rest: FloatArray, long: bool) -> Polhodes:
-    """The nutations at shares (N,) of the way from an axis to the separatrix, in sin^2 theta.
+    """Nutations at shares (N,) of sin^2 theta from the short or long axis to the separatrix.
 
-    rest: 1 - share, without cancellation.  long: from the long axis, not the short one.
+    rest: 1 - share, without cancellation.
     """
     from scipy.special import ellipj, ellipkm1
 

@@ -29,10 +29,7 @@ if TYPE_CHECKING:
 
 
 def ascending(body: Body) -> tuple[FloatArray, FloatArray]:
-    """Principal moments in ascending order, and the axes they belong to.
-
-    Shapes: returns moments (3,), returns axes (3, 3).
-    """
+    """Principal moments (3,) in ascending order, and the axes (3, 3) they belong to."""
     order = np.argsort(body.moments, kind="stable")
     axes = body.principal_axes[:, order]
     moments = body.moments[order]

@@ -44,31 +44,10 @@ _NONE = np.zeros((3, 3))
 
 
 class System:
-    """The system that is integrated, and its compiled loops.
+    """Body, torques and scheme, the arrays of `march_layout`, and the compiled loops.
 
-    Parameters
-    ----------
-    body : Body
-    spin : Spin
-    torques : tuple of Torque
-    chosen : Scheme
-    origin : Instant, optional
-        From which the seconds of functions count; by default the epoch of the spin.
-
-    Attributes
-    ----------
-    start : (14,) array
-        State at the epoch, over the principal axes in ascending order: `march_layout`.
-    setup : tuple of three arrays
-        Body, scheme and models of `march_layout`.
-    inertia : InertiaHistory or None
-        Which of the torques changes the tensor of inertia.
-    kicks : int
-        Of a step.
-    order : int
-        Of the error in the step.
-    columns : int
-        Numbers that the torques sample at each kick.
+    `start` (14,) is the state at the epoch over the principal axes; `columns` counts the numbers
+    that torques sample at each kick; `origin` is the instant from which seconds of functions count.
     """
 
     def __init__(
@@ -242,10 +221,9 @@ class System:
         return np.ascontiguousarray(joined).reshape(*shape, joined.shape[1])
 
     def kick_times(self, starts: FloatArray, h: float | FloatArray) -> FloatArray:
-        """Epochs (2, ..., n + 1) of the kicks of steps that start at (2, ...), of lengths h.
+        """Epochs (2, ..., n + 1) of the kicks of steps from (2, ...), of lengths h, in pairs.
 
-        In pairs: after 1e8 steps a double of seconds leaves the place on an orbit uncertain by
-        1e-10 rad, which would show as a random walk of the conserved quantities.
+        After 1e8 steps a double of seconds leaves the place on an orbit uncertain by 1e-10 rad.
         """
         share = np.concatenate([[0.0], np.cumsum(self.scheme.flights)])
         share[-1] = 1.0
@@ -253,10 +231,7 @@ class System:
         return np.array(pairs.add((hi, lo), np.asarray(h)[..., None] * share))
 
     def march(self, state: FloatArray, start: int, h: float, steps: int, every: int) -> FloatArray:
-        """Take steps of one length from a state, in place; the kept states (steps // every, 14).
-
-        start: the number of such steps from the epoch to it.
-        """
+        """Take steps from state number `start`, in place; the kept states (steps // every, 14)."""
         from attitude._solver.march import march
 
         starts = np.array(pairs.product(start + np.arange(float(steps)), h))
@@ -277,10 +252,7 @@ class System:
         *,
         label: Callable[[int], str],
     ) -> FloatArray:
-        """Take the steps of the samples from N states, in place; states (N, T, 7) at epochs.
-
-        Shapes: states (N, 14), number, parts (T,).
-        """
+        """Take the steps of samples from states (N, 14), in place; states (N, T, 7)."""
         from attitude._solver.march import march_members
 
         steps = (len(samples[0]) - 1) // self.kicks_between
@@ -324,10 +296,7 @@ class System:
         steps: IntArray,
         parts: FloatArray,
     ) -> FloatArray:
-        """States (T, 7) at epochs after kept ones.
-
-        Shapes: states, numbers (S, 14), place, steps, parts (T,).
-        """
+        """States (T, 7) at epochs after kept ones (S, 14)."""
         from attitude._solver.march import revisit
 
         starts = np.array(pairs.product(numbers, h))
@@ -345,11 +314,7 @@ class System:
         return out
 
     def acceleration(self, seconds: FloatArray, low: FloatArray, motion: FloatArray) -> FloatArray:
-        """Rates of change (N, 3) of the angular velocity over the body axes, rad/s2.
-
-        motion: (N, 7), attitudes and angular velocities at seconds + low (N,), as `over_body_axes`
-        gives them.
-        """
+        """Rates (N, 3) of the angular velocity, rad/s2, body axes, of states (N, 7)."""
         from attitude._solver.march import accelerations
 
         known: BoolArray = np.all(np.isfinite(motion), axis=-1)
@@ -436,20 +401,11 @@ _BY_MASS = np.ones((3, 3)) - np.eye(3)
 
 
 class TorquedSensitivity(Derivatives):
-    """The derivatives of one torqued motion at any epoch.
+    """The derivatives of one torqued motion by the state, the moments and parameters of torques.
 
-    Parameters
-    ----------
-    system : System
-    body, spin : Body, Spin
-    meshes : callable
-        ``meshes(side, until)``: the `StepMesh` of the steps after (0) or before (1) the epoch that
-        reaches `until`, s.
-    states : callable
-        ``states(seconds, low)``: states (N, 7) over the body axes at seconds + low (N,).
-    parameters : sequence of (float, sequence of System)
-        For each parameter of the torques by which `at` has a column after those of the state: a
-        step, and the systems at it times `NODES`.
+    ``meshes(side, until)`` gives the `StepMesh` after (0) or before (1) the epoch,
+    ``states(seconds, low)`` states (N, 7); each parameter is a step and the systems at it times
+    `NODES`.
     """
 
     def __init__(

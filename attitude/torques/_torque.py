@@ -127,10 +127,7 @@ def matrix_of(given: Real | Reals, name: str, unit: str) -> FloatArray:
 
 
 class FunctionPath(Path):
-    """Positions by a function of TDB seconds since the instant, the epoch of the spin.
-
-    `positions` checks what the function returns.
-    """
+    """Positions by a function of TDB seconds since the instant; `positions` checks them."""
 
     name, center, source = "path", "point mass", "function of seconds"
 

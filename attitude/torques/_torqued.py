@@ -62,14 +62,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class StepMesh:
-    """The steps from the epoch in one direction of time.
+    """The steps in one direction: starts, and the last end (2, N + 1), s since the epoch, in pairs.
 
-    Attributes
-    ----------
-    times : (2, N + 1) array
-        s since the epoch, in two doubles: the starts of N steps, and the end of the last.
-    halves : int
-        Into how many equal steps of the scheme each is divided.
+    Each is divided into `halves` equal steps of the scheme.
     """
 
     times: FloatArray
@@ -100,20 +95,7 @@ _FIRST, _LARGEST_GROWTH = 8, 16
 
 
 class Pace:
-    """The number of items in a block that takes a twentieth of a second, or fewer.
-
-    Parameters
-    ----------
-    most : int
-        Largest number of items, whatever they take.
-
-    Attributes
-    ----------
-    size : int
-        For the next block.
-    items : int
-        Of the present block; set in it.
-    """
+    """The number of items, at most `most`, of a block of 0.05 s: `size`; `items` of this block."""
 
     def __init__(self, most: int) -> None:
         self.most, self.size, self.items = most, min(most, _FIRST), 0
@@ -144,10 +126,7 @@ _STEPS, _ROWS = 2048, 1 << 18
 
 
 class KeptStates:
-    """Rows of states after every so many steps in one direction of time, `count` of `kept`.
-
-    `farthest`: s, the largest distance from the epoch of which a state was asked.
-    """
+    """Rows of states after each `every` steps in a direction; `farthest`: s, of those asked."""
 
     def __init__(self, first: FloatArray) -> None:
         self.kept, self.count, self.every = first[None].copy(), 1, _EVERY
@@ -173,23 +152,7 @@ class KeptStates:
 
 
 class FixedSteps(KeptStates):
-    """States after every so many steps in one direction of time.
-
-    Parameters
-    ----------
-    system : System
-    h : float
-        s, negative before the epoch.
-
-    Attributes
-    ----------
-    count : int
-        Of kept states, that of the epoch included.
-    every : int
-        Steps between kept states.
-    farthest : float
-        s, the largest distance from the epoch of which a state was asked.
-    """
+    """States after steps of h, s, negative before the epoch."""
 
     def __init__(self, system: System, h: float) -> None:
         super().__init__(system.start)
@@ -243,8 +206,7 @@ class FixedSteps(KeptStates):
     def estimate(self) -> float:
         """Estimate of the largest error of the attitudes that were asked, rad.
 
-        By the difference from a motion with steps half as long: its error is less than half, so
-        twice the difference is a bound.
+        Steps half as long err by less than half: twice the difference is a bound.
         """
         if self.farthest == 0.0:
             return 0.0
@@ -317,17 +279,9 @@ _WINDOW, _MOST_AHEAD = 64, 1e10
 class Front:
     """Where an integration has arrived, and all on which its next steps depend.
 
-    Parameters
-    ----------
-    system : System
-    sign : float
-        1 after the epoch, -1 before it.
-    tolerance : float
-        Of the error of a step.
-    paired : bool
-        Whether a motion with whole steps goes along; see `attitude._solver.adaptive`.
-    last : float
-        s, the absolute value of the seconds beyond which no torque is known.
+    `sign` is 1 after the epoch; `paired` adds a motion with whole steps
+    (`attitude._solver.adaptive`); `last`: s, the size of the seconds beyond which no torque is
+    known.
     """
 
     def __init__(
@@ -377,10 +331,7 @@ class Front:
         return other
 
     def advance(self, until: float, kept: FloatArray, every: int) -> int:
-        """Take the steps of one call, to seconds `until` at most but for the last step.
-
-        Fills rows of `kept` after each `every` steps since the epoch; returns how many.
-        """
+        """Take the steps of one call, to `until` at most; the number of rows filled in `kept`."""
         from attitude._solver.adaptive import adapt
 
         self.clock[layout.UNTIL] = until
@@ -462,22 +413,9 @@ _ROUNDING_OF_STATES = 2e-15
 
 
 class VaryingSteps(KeptStates):
-    """States after varying steps in one direction of time.
+    """States after steps whose errors are within a tolerance, rad, and share of the rate.
 
-    Parameters
-    ----------
-    system : System
-    sign : float
-        1 after the epoch, -1 before it.
-    tolerance : float
-        rad, and relative change of the angular velocity, of one step.
-    paired : bool
-        Whether the error is estimated by a motion with steps twice as long.
-
-    Attributes
-    ----------
-    farthest : float
-        s, the largest distance from the epoch of which a state was asked.
+    `paired`: whether the error is estimated by a motion with steps twice as long.
     """
 
     def __init__(self, system: System, sign: float, tolerance: float, paired: bool = False) -> None:
@@ -503,10 +441,9 @@ class VaryingSteps(KeptStates):
     def error(self) -> float:
         """Estimate of the largest error of an attitude so far, rad; for paired steps only.
 
-        The difference of the motions with whole and with halved steps, which is 2^p - 1 times the
-        error of the latter for short steps.  It is not divided: long steps err by lower powers (4
-        in place of 16, where the body turns by 2 rad a step).  At kinks and jumps of the torque
-        the difference may vanish by chance, so errors of such steps are added.
+        The difference of motions with whole and with halved steps, which is not divided by 2^p - 1:
+        long steps err by lower powers. Errors of steps at kinks, where it may vanish by chance, are
+        added.
         """
         if self.steps == 0:
             return 0.0
@@ -609,16 +546,7 @@ _AHEAD = 2.0
 class BoundedSteps:
     """Varying steps, all shortened together until the estimate of the error is within a tolerance.
 
-    Parameters
-    ----------
-    system : System
-    sign : float
-        1 after the epoch, -1 before it.
-    tolerance : float
-        rad, of the attitudes from the epoch to any that was asked.
-    horizon : float
-        s, the distance from the epoch for which the steps are planned at first; 0: that of the
-        first epochs asked.
+    `horizon`: s, for which the steps are planned at first; 0: that of the first epochs asked.
     """
 
     def __init__(self, system: System, sign: float, tolerance: float, horizon: float) -> None:
@@ -997,10 +925,7 @@ _living: weakref.WeakValueDictionary[int, TorquedRotation] = weakref.WeakValueDi
 
 
 def _after_fork() -> None:
-    """In a forked process, free the locks of threads that do not live there.
-
-    States that such a thread was changing are discarded.
-    """
+    """In a forked process, free the locks of threads that do not live there, and their states."""
     for motion in list(_living.values()):
         if motion._lock.locked():
             motion._forget()
