@@ -34,10 +34,7 @@ _MARGINS = (1.5, 2.0, 3.0)
 
 
 class Drift(NamedTuple):
-    """Upper bounds of the first three derivatives of a unit vector on inertial axes.
-
-    In 1/s, 1/s2 and 1/s3.
-    """
+    """Bounds of three derivatives of a unit vector on inertial axes: 1/s, 1/s2 and 1/s3."""
 
     first: float = 0.0
     second: float = 0.0
@@ -45,12 +42,7 @@ class Drift(NamedTuple):
 
 
 class Source:
-    """The motion or the scene that is searched.
-
-    motion: none for a scene without a motion.
-    epoch: from which seconds count: that of the motion, J2000 without a motion.
-    scene: none for a motion alone.
-    """
+    """The motion or the scene that is searched, and the epoch from which its seconds count."""
 
     motion: Motion | None
     epoch: _instants.Instant
@@ -102,11 +94,7 @@ def values_at(
 
 
 class Moment:
-    """A block of epochs: attitudes and directions, each evaluated once.
-
-    hi, lo: (N,) arrays, TDB seconds since the epoch of the source: hi + lo.
-    step: spacing of the epochs in s, if they are evenly spaced.
-    """
+    """A block of epochs hi + lo (N,), s: attitudes and directions, each evaluated once."""
 
     def __init__(self, source: Source, hi: FloatArray, lo: FloatArray, step: float | None) -> None:
         self.source, self.hi, self.lo, self.step = source, hi, lo, step
@@ -142,8 +130,7 @@ class Moment:
 class SearchDirection:
     """A direction that a search compares with body axes; the base of all kinds.
 
-    A new kind defines ``name``, for error messages, and `icrf`, and replaces the other methods
-    where it knows better.  `Moment` calls `icrf` and `body` once for each block of epochs.
+    A new kind defines `icrf`, and replaces other methods where it knows better.
     """
 
     name: str = "direction"
@@ -158,11 +145,9 @@ class SearchDirection:
         return quaternion.rotate(wxyz, moment.inertial(self))
 
     def guess(self, source: Source, start: Pair, length: float) -> float:
-        """A guess of the largest rate of the unit vector, 1/s, in a span of `length` seconds.
+        """A guess of the largest rate of the unit vector, 1/s, in a span, for the first block.
 
-        From samples at 64 places; it sets the length of the first block of a search, and each
-        block checks its own.  Pairs of samples near to each other are compared as well, since the
-        64 samples alias a direction that circles many times in the span.
+        Of 64 samples and near pairs: the samples alias a direction that circles many times.
         """
         if not length > 0.0:
             return 0.0

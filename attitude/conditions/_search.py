@@ -41,11 +41,7 @@ if TYPE_CHECKING:
 
 
 class Advance:
-    """The progress of a search that goes through its span once or several times.
-
-    start, stop: s; a bar does not need the low parts.
-    rounds: how often the search goes through the span.
-    """
+    """The progress of a search that goes through its span, s, once or several times."""
 
     def __init__(self, start: Pair, stop: Pair, rounds: int = 1) -> None:
         self._start, self._length = start[0], stop[0] - start[0]
@@ -79,13 +75,9 @@ def refined(
     p: FloatArray,
     q: FloatArray,
 ) -> FloatArray:
-    """The zeros (N,) of a function in brackets with f(a) f(b) < 0.
+    """The zeros (N,) of a function in brackets a, b with values p, q of opposite sign, (N,) each.
 
-    Shapes: a, b (N,), p, q (N,).
-
-    Chandrupatla's method (Advances in Engineering Software 28, 145, 1997): inverse quadratic
-    interpolation where its conditions hold, bisection otherwise.  Each step is one call for all
-    brackets that have not converged.
+    Chandrupatla's method (Adv. Eng. Softw. 28, 145, 1997): each step is one call for all brackets.
     """
     x = np.where(np.abs(p) < np.abs(q), a, b)
     open_ = np.flatnonzero((p != 0.0) & (q != 0.0))
@@ -137,11 +129,7 @@ _MARGIN = 1.25
 
 
 class Bounded:
-    """Bounds that hold at any time of a part.
-
-    spacing: of the first knots, in rad of rotation; bounds make any spacing safe, this one is
-        fastest.
-    """
+    """Bounds that hold at any time of a part; knots begin `spacing` rad apart, the fastest."""
 
     spacing: Final = 0.8
 
@@ -160,11 +148,7 @@ class Bounded:
 class Sampled:
     """Estimates for a motion without bounds: the largest samples of a block times 1.25.
 
-    They prove nothing.  The attitudes of a table have kinks where its angular velocities jump, so
-    the second derivative of a motion that is not smooth has no bound.
-
-    spacing: of the first knots, in rad of rotation.
-    smooth: whether angular accelerations are known.
+    They prove nothing; a motion that is not smooth has no bound of its second derivative.
     """
 
     spacing: Final = 0.25
@@ -189,9 +173,7 @@ class Sampled:
 def pieces(source: Source, start: Pair, stop: Pair) -> list[tuple[Pair, Pair, Bounded | Sampled]]:
     """The parts (start, stop) of a span, pairs of seconds, with the bounds that hold in each.
 
-    Each arc is a part of its own: at a joint the angular velocity jumps.  In a scene a joint is
-    seen a light time later: there the rate of the fastest arc bounds the whole span, and the
-    derivatives that jump have no bound.
+    Each arc is a part. In a scene a joint is seen a light time later: the fastest arc bounds all.
     """
     motion = source.turning
     joints = motion.joints
@@ -283,8 +265,7 @@ def crossings(
 def _blocks(source, channels, start, stop):
     """Blocks of knots: base pair, Moment, knots in seconds from the base, bounds of each channel.
 
-    The knots are `limit.spacing` rad apart at the rate that bounds rotation and directions.  The
-    bounds are those of the first two derivatives, then that rate.
+    The bounds are those of the first two derivatives, then that of the rate of all that turns.
     """
     directions = list(dict.fromkeys(d for channel in channels for d in channel.directions))
     total = difference(start, stop)
@@ -326,10 +307,7 @@ def isolated(
     touch: float,
     noise: float,
 ) -> FloatArray:
-    """Brackets of single sign changes: rows a, b, f(a), f(b) (4, N), not in order.
-
-    Shapes: knots, values (M,).
-    """
+    """Brackets of single sign changes between knots (M,): rows a, b, f(a), f(b) (4, N)."""
     a, b, p, q = knots[:-1], knots[1:], values[:-1], values[1:]
     brackets = []
     while len(a):

@@ -68,8 +68,7 @@ _TYPES = (
 def entries(value: Any, name: str, allowed: str) -> tuple[str, list[Any], tuple[int, ...]]:
     """The kind of a value, its entries as a flat list, and the shape in which they were given.
 
-    One Time array, or one array of numbers, is a single entry of shape ().  Masked entries are
-    `numpy.ma.masked` in the list.
+    One Time array, or one array of numbers, is a single entry of shape ().
     """
     if isinstance(value, (list, tuple)) and isinstance(_first(value), (int, float)):
         # numpy converts long lists of numbers fast; the code below reports what it refuses.
@@ -546,13 +545,7 @@ def seconds_since(
 
 
 def one_since(start: Instant, t: Epochs, name: str = "t") -> tuple[float, float]:
-    """TDB seconds, hi and lo, from an instant to one epoch, as `seconds_since`.
-
-    Raises
-    ------
-    AttitudeError
-        For several epochs, and for one that is not finite.
-    """
+    """TDB seconds, hi and lo, from an instant to one finite epoch, else an AttitudeError."""
     hi, lo = seconds_since(start, t, name=name)
     if hi.ndim:
         raise AttitudeError(f"{name} holds {hi.size} epochs; give one finite epoch.")

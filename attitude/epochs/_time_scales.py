@@ -127,10 +127,7 @@ def utc_day_from_tai(hi: Doubles, lo: Doubles) -> tuple[Doubles, Doubles, Double
 def tai_from_ut1(
     hi: Doubles, lo: Doubles, name: str, ut1_minus_utc: ArrayLike | None = None
 ) -> Pair:
-    """TAI of UT1 by the table of astropy-iers-data, or by a given UT1 - UTC in seconds.
-
-    The table ends with its predictions, about a year ahead.
-    """
+    """TAI of UT1 by the table of astropy-iers-data, or by a given UT1 - UTC in seconds."""
     import erfa
 
     jd1, jd2 = _filled(*jd_from_seconds(hi, lo))
@@ -191,11 +188,9 @@ def difference_at(hi: Doubles, lo: Doubles) -> FloatArray:
 
 
 def tdb_minus_tt(tt_jd1: ArrayLike, tt_jd2: ArrayLike = 0.0) -> FloatArray:
-    """TDB - TT at the geocentre, in seconds.
+    """TDB - TT at the geocentre, in seconds: ERFA's dtdb (Fairhead and Bretagnon 1990).
 
-    ERFA's dtdb (Fairhead and Bretagnon 1990), 7 us an epoch, as astropy calls it without a
-    location; replaced by polynomials, 0.1 us, where 17 epochs or more lie in one piece of 16 days.
-    Fewer epochs are passed to dtdb itself, so that the result depends on the array only.
+    By polynomials, 0.1 us in place of 7, where 17 epochs or more lie in one piece of 16 days.
     """
     if type(tt_jd1) is type(tt_jd2) is float:
         return _one_of_series((tt_jd1 - J2000) + tt_jd2)
@@ -266,10 +261,7 @@ def _since_midnight(day, hi, lo):
 
 
 def _utc_days(day):
-    """TAI - UTC at 0h in s, its drift per second, and its jump at the end of the day in s.
-
-    Computed as in ERFA's utctai, once for each day that occurs.
-    """
+    """TAI - UTC at 0h, s, its drift per second, its jump at the day's end, as ERFA's utctai."""
     import erfa
 
     day = np.asarray(day, dtype=np.float64)
@@ -285,8 +277,7 @@ def _utc_days(day):
 def _distinct(whole):
     """The distinct values of a flat array of whole numbers, the index of each entry, the counts.
 
-    NaN counts as 0.  Numbers that lie close together are counted, which is ten times as fast as
-    the sorting of numpy.unique.
+    NaN counts as 0. Numbers that lie close together are counted, ten times as fast as sorted.
     """
     number = np.where(np.isfinite(whole), whole, 0.0).astype(np.int64)
     if number.size < 2:

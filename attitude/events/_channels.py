@@ -40,13 +40,7 @@ if TYPE_CHECKING:
 
 
 class Fixed(SearchDirection):
-    """A constant direction.
-
-    vector: (3,) array_like or Direction, on ICRF axes, of any length.
-    name: for error messages.
-
-    vector: (3,), unit vector, ICRF.
-    """
+    """A constant direction: a vector (3,) of any length, ICRF axes, or a Direction."""
 
     def __init__(self, vector: Reals | Direction, name: str = "direction") -> None:
         self.vector = unit_vector(vector.unit if isinstance(vector, Direction) else vector, name)
@@ -141,19 +135,11 @@ class OfScene(SearchDirection):
 
 
 class Aberrated(SearchDirection):
-    """The apparent direction of incoming light, or the direction of emission, of a moving body.
+    """The apparent direction of incoming light, or (sent) that of emission, of a moving body.
 
-    velocity: (3,) array_like, function (N,) -> (N, 3), or "center", velocity of the body relative
-        to the frame of the direction, m/s on ICRF axes; "center": the barycentric velocity of the
-        scene's center.
-    sent: false for incoming light: its apparent direction is shifted towards the velocity.  True
-        for light that the body sends in the given direction of that frame: in the frame of the body
-        it leaves in a direction shifted away from the velocity.
-    AttitudeError for "center" without a scene that has a center; in a search, for a velocity that
-        is not below the speed of light.
-
-    The Lorentz transformation of the direction of light, Einstein (1905), section 7:
-    u' = (u / g + b + (g / (g + 1)) (b.u) b) / (1 + b.u), with g = 1 / sqrt(1 - b^2), b = v / c.
+    velocity: (3,) or function (N,) -> (N, 3), m/s, ICRF, or "center", that of the scene's center.
+    Einstein (1905), section 7: u' = (u / g + b + (g / (g + 1)) (b.u) b) / (1 + b.u), with g = 1 /
+    sqrt(1 - b^2), b = v / c.
     """
 
     def __init__(
@@ -207,10 +193,7 @@ class Aberrated(SearchDirection):
 
 
 def direction_of(given: AnyDirection | None, name: str, source: Source) -> SearchDirection:
-    """The SearchDirection that a caller gives.
-
-    Shapes: given (3,).
-    """
+    """The SearchDirection of what a caller gives."""
     if isinstance(given, SearchDirection):
         return given
     if source.scene is not None and (given is None or isinstance(given, str)):
@@ -263,10 +246,7 @@ class Height(Channel):
 
 
 class Cone(Height):
-    """u.a - cos(angle): positive within an angle (rad) of the axis.
-
-    Computed as a difference of squared chords, which is exact for narrow cones too.
-    """
+    """u.a - cos(angle), by squared chords, which are exact for narrow cones: positive within."""
 
     def __init__(self, axis: FloatArray, direction: SearchDirection, angle: float) -> None:
         super().__init__(axis, direction)
@@ -283,11 +263,9 @@ class Cone(Height):
 
 
 class Mirrored(Channel):
-    """r.s - cos(radius) of the mirrored observer r = 2 (n.o) n - o and the Sun s, by chords.
+    """r.s - cos(radius) of the observer o mirrored in n (3,), r = 2 (n.o) n - o, and the Sun s.
 
-    normal: (3,), unit normal n of the mirror, body axes.
-    sun, observer: s and o.
-    radius: rad; None: the radius of the Sun's disc at its distance in the scene.
+    radius: rad; None: that of the Sun's disc at its distance in the scene.
     """
 
     def __init__(
@@ -327,10 +305,7 @@ class Mirrored(Channel):
         return sine * sine / (1.0 + np.sqrt(1.0 - sine * sine))
 
     def bounds(self, rates: RateBounds, drifts: Sequence[Drift]) -> tuple[float, float]:
-        """Upper bounds of the first two derivatives.
-
-        r.s = 2 (n.o)(n.s) - o.s, and o.s changes by the drifts alone.
-        """
+        """Bounds of two derivatives: r.s = 2 (n.o)(n.s) - o.s; o.s changes by the drifts alone."""
         s1, s2, _ = turning(rates, drifts[0])
         o1, o2, _ = turning(rates, drifts[1])
         s, o = drifts

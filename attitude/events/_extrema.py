@@ -81,9 +81,9 @@ def _peaks(f, start, stop, step, sign):
 
 
 def _tops(y):
-    """Indices (left, right) of the neighbours of each sample, or pair of equal samples, above both.
+    """Indices (left, right) of the neighbours of each sample, or pair of equal ones, above both.
 
-    NaN counts as -inf.  Three or more equal samples are a plateau, which has no maximum.
+    NaN counts as -inf. Three or more equal samples are a plateau, which has no maximum.
     """
     y = np.where(np.isnan(y), -np.inf, y)
     begin = np.concatenate([[0], np.flatnonzero(y[1:] != y[:-1]) + 1])
@@ -296,10 +296,7 @@ def _joined(epoch, found, unit=""):
 
 
 class Receding(Channel):
-    """The derivative of u.a, of a direction u and a body axis a; rises where the angle is greatest.
-
-    Exact for a constant direction; by differences otherwise.
-    """
+    """The derivative of u.a, exact for a constant direction u; by differences otherwise."""
 
     def __init__(self, axis: FloatArray, direction: SearchDirection) -> None:
         self._axis, self.directions = axis, (direction,)

@@ -127,10 +127,7 @@ def _in_block(source, level, base, knots, values, signs):
 
 
 def _sectioned(sign, knots, signs):
-    """The first change between samples of different sign, by sections of sixteen parts.
-
-    A call for few epochs costs as much as one for hundreds.
-    """
+    """The first change between samples of different sign, by sections of sixteen parts."""
     k = np.flatnonzero(signs[1:] != signs[:-1])
     a, b, rising = knots[k], knots[k + 1], signs[k + 1]
     if not len(k):
@@ -165,11 +162,7 @@ def one_source(conditions: Sequence[Condition]) -> Source:
 
 
 def _sign_changes(conditions, channels, start, stop):
-    """The sign changes that can change a condition, block by block in order of time.
-
-    Yields seconds hi + lo (N,), the number (N,) of the channel among `channels`, and whether the
-    change is one to True (N,).
-    """
+    """Blocks of changes that can change a condition: seconds hi + lo, channel, to True (N,)."""
     source = conditions[0].source
     slow = {k: channel for k, channel in enumerate(channels) if isinstance(channel, Level)}
     fast = [k for k, channel in enumerate(channels) if not isinstance(channel, Level)]
@@ -201,8 +194,7 @@ def _part(found, first, last):
 def _open_parts(conditions, channels, fast, found, start, stop):
     """The parts of a span in which a condition is open, joined where the same channels decide it.
 
-    Numbers of the first change after the begin and after the end of the part, begin and end, and
-    the numbers of the channels that can decide a condition there.
+    Numbers of the first change after begin and after end, both ends, and the deciding channels.
     """
     hi, lo, number, rising = found
     moment = conditions[0].source.at(np.array([start[0]]), np.array([start[1]]))
@@ -563,9 +555,6 @@ class ShadowState(Joinable):
     """0 in full light, 1 in penumbra, 2 in umbra, at seconds (N,); made by `shadow_state`.
 
     That of a Scene stands for the condition that the body is in shadow: penumbra or umbra.
-
-    lit: gives the fraction of the Sun's disc that is seen.
-    epoch: from which seconds count, if `lit` is a Scene with a motion.
     """
 
     def __init__(self, lit: Scene | StateFunction, epoch: _instants.Instant | None = None) -> None:

@@ -45,10 +45,7 @@ if TYPE_CHECKING:
 
 
 class TimetableColumn(NamedTuple):
-    """A column: its values (N,), their unit (SI), that of tables, and the low part of a time.
-
-    The unit "time" is that of TDB seconds since the epoch; "" that of pure numbers and names.
-    """
+    """Values (N,), their unit (SI, or "time"), that of tables, and the low part of a time."""
 
     values: NDArray[Any]
     unit: str = ""
@@ -171,12 +168,7 @@ _SAMPLES, _ROUNDS = 65, 5
 
 
 def _highest(value, begin, end):
-    """The places (N,) of the greatest values within intervals; their ends count.
-
-    Shapes: begin, end (N,).
-
-    To 1e-7 of an interval, and at a smooth top to the square root of rounding.
-    """
+    """The places (N,), to 1e-7, of the greatest values within intervals; their ends count."""
     if not len(begin):
         return begin
     a, b = begin, end

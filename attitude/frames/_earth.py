@@ -43,10 +43,7 @@ _pieces: dict[tuple[Series, int], FloatArray] = {}
 
 
 def pole_at(series: Series, hi: FloatArray, lo: FloatArray) -> FloatArray:
-    """The three numbers (3, N) of a frame at TDB seconds hi + lo past J2000: x, y (1) and s (rad).
-
-    Shapes: hi, lo (N,).
-    """
+    """x, y (1) and s (rad) of a frame (3, N) at TDB seconds hi + lo (N,) past J2000."""
     number = np.floor(hi / _WIDTH)
     if hi.size and (number == number[0]).all():  # nearly always; sorting takes as long as the rest
         numbers, piece = number[:1], np.zeros(hi.size, np.int64)
@@ -77,10 +74,7 @@ def _fitted(series, numbers):
 
 
 def to_gcrs(x: FloatArray, y: FloatArray, angle: FloatArray, vectors: FloatArray) -> FloatArray:
-    """GCRS components (3, N) of vectors (3, N) given in the frame of date.
-
-    Q(x, y) R3(-angle), with x, y (N,) the pole of date and angle (N,) that of its x axis in rad.
-    """
+    """GCRS components (3, N) of vectors (3, N) in the frame of date: Q(x, y) R3(-angle)."""
     cosine, sine = np.cos(angle), np.sin(angle)
     a = cosine * vectors[0] - sine * vectors[1]
     b = sine * vectors[0] + cosine * vectors[1]
@@ -171,10 +165,7 @@ _J2000 = 2451545.0
 
 
 def to_icrf(kind: str, hi: FloatArray, lo: FloatArray) -> FloatArray:
-    """Quaternions (N, 4), continuous in sign, to ICRF from axes of the Earth.
-
-    Shapes: hi, lo (N,).
-    """
+    """Quaternions (N, 4), continuous in sign, to ICRF from axes of the Earth at hi + lo (N,)."""
     tt = _time_scales.tt_from_tdb(hi, lo)
     return forms.continuous(forms.from_dcm(_matrices(kind, tt)))
 

@@ -131,11 +131,10 @@ def unit(wxyz: Reals, name: str = "wxyz", *, tolerance: float | None = None) -> 
 
 
 def unit_in_pairs(wxyz: Reals, name: str = "wxyz") -> FloatArray:
-    """One quaternion (4,) of any length as a unit quaternion (4, 2) in pairs of doubles.
+    """One quaternion (4,) of any length as a unit quaternion (4, 2), exact to 1e-31.
 
-    The high parts of a quaternion of unit length within rounding are its numbers bit for bit, so
-    that a quaternion written to a file is read back unchanged, and the low parts are zero: its
-    length differs from 1 by up to 4 units in the last place.  Others are exact to 1e-31.
+    One of unit length within rounding is kept bit for bit, as files are read back, its low parts
+    zero.
     """
     components = validation.real(wxyz, name, shape=(4,))
     pairs = np.zeros((4, 2))

@@ -48,10 +48,8 @@ _Y, _Z, _AREA = (np.uint64(k * SIZE) for k in (1, 2, 3))
 class Packs:
     """Facets in packs of eight that have the same row of a law.
 
-    facets: (P * 32,), pack by pack: x, y and z of the normals, and areas in units of the whole
-        area, 0 in empty places.
-    first: (M + 1,) array of int, the packs of row m of the law are first[m] to first[m + 1].
-    order: (P * 8,) array of int, the facet in each place, -1 in empty places.
+    facets (P * 32,): x, y, z of normals and areas, pack by pack; row m has the packs first[m] to
+    first[m + 1]; order (P * 8,): the facet in each place, -1 in empty ones.
     """
 
     facets: FloatArray
@@ -62,8 +60,8 @@ class Packs:
 def packs_of(mesh: Mesh, number: IntArray, rows: int, order: IntArray) -> Packs | None:
     """The facets of a mesh in packs; None if there are more than `MOST_PACKS`.
 
-    `number` (F,) is the row of the law of each facet; `order` has the facets, -1 in empty places,
-    such that neighbours have similar normals: dark packs are skipped.
+    number (F,): the row of the law; in `order` neighbours have similar normals, so that dark packs
+    are skipped.
     """
     counts = np.bincount(number, minlength=rows)
     packs = -(-counts // SIZE)
@@ -104,10 +102,8 @@ def arranged(
 def summed_few_facets(of_phase: Compilable, elements: Compilable) -> EntryPoint:
     """The sum of mu0 mu (r / mu0) dA over packs for the functions of a law.
 
-    It is called with the rows of the law (M, W), `first` and `facets` of `Packs`, the masks of
-    `arranged` (one row where nothing casts a shadow), `cells_of` both directions, the components of
-    the directions, the cosines and sines of half the phase angles, and the output, a number for
-    each epoch.
+    Of rows (M, W), `Packs`, the masks of `arranged` (one row without shadows), cells and components
+    of both directions, cosines and sines of half the phase angles, and the output (N,).
     """
 
     @reduction_over(of_phase, elements)

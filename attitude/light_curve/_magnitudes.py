@@ -104,10 +104,7 @@ def apparent_magnitude(
 
 
 def distance_modulus(sun_distance: Reals, observer_distance: Reals) -> FloatArray:
-    """Apparent minus reduced magnitude: 5 log10 of the product of both distances in au.
-
-    Distances are given in m.
-    """
+    """Apparent minus reduced magnitude: 5 log10 of the product of both distances, m, in au."""
     moduli = {}
     for value, name in ((sun_distance, "sun_distance"), (observer_distance, "observer_distance")):
         array = validation.real(value, name, unit="m")

@@ -88,17 +88,10 @@ _made: weakref.WeakKeyDictionary[Mesh, Clusters] = weakref.WeakKeyDictionary()
 class Clusters:
     """The facets of a mesh in the memory layout of the compiled sums: C clusters of SIZE places.
 
-    blocks: (C * ROWS * SIZE,), cluster by cluster: the slopes of normals along the two axes that
-        follow the axis of the cluster, their heights along it, and areas in units of the whole
-        area.  Areas are 0 in empty places.
-    axes: (C, 2) uint64, indices into (x, y, z, x, y, -x, -y, -z) of a direction: of the first of
-        its components along the two following axes, and of its component along the axis of the
-        cluster.
-    sky: (cells^3, C / WORD) uint64, a bit for each cluster with a facet that faces some direction
-        of the cell; 0 in cells away from the unit sphere.
-    cells: number of cells along an edge of the cube.
-    order: (C * SIZE,), the facet in each place, -1 in empty places.
-    area: the whole area, m2.
+    blocks (C * ROWS * SIZE,): slopes of normals along the two axes after that of the cluster,
+    heights along it, shares of the area, 0 in empty places. axes (C, 2): indices into (x, y, z, x,
+    y, -x, -y, -z) of a direction. sky (cells^3, C / WORD): a bit for each cluster that faces a
+    direction of the cell.
     """
 
     blocks: FloatArray
@@ -172,8 +165,8 @@ def cell_scale(cells: int) -> float:
 def _grouped(normals: FloatArray) -> IntArray:
     """Facets (C, SIZE), -1 in empty places, of groups with a common axis.
 
-    All groups are split together, each along its widest axis, until they have at most SIZE facets
-    and a common axis.  A split leaves a multiple of SIZE on the left, so that most groups are full.
+    All groups are split along their widest axes, a multiple of SIZE on the left: most groups are
+    full.
     """
     count = len(normals)
     members = np.arange(count)
@@ -281,10 +274,9 @@ _EXPONENT = -0x10000000000000
 
 @quickly_compiled
 def ellipsoid(a, b, c, factor, sx, sy, sz, ox, oy, oz, out):
-    """factor times the integral (m2) for each epoch, into out (N,).
+    """factor times the integral (m2) for each epoch, into out (N,), for semi-axes a, b, c (m).
 
-    a, b, c are the semi-axes (m); the unit vectors s and o come as components (N,).  A branch or a
-    call in the loop would keep it from being vectorised: `intensity` is copied into it.
+    A branch or a call in the loop would keep it from being vectorised.
     """
     ia, ib, ic = 1.0 / a, 1.0 / b, 1.0 / c
     scale = 0.25 * math.pi * a * b * c * factor
@@ -294,10 +286,9 @@ def ellipsoid(a, b, c, factor, sx, sy, sz, ox, oy, oz, out):
 
 @reduction_inlined
 def intensity(ia, ib, ic, scale, sx, sy, sz, ox, oy, oz):
-    """The integral for one pair of unit vectors, times a factor.
+    """The integral for one pair of unit vectors, times a factor: scale is pi a b c / 4 times it.
 
-    ia, ib, ic are the reciprocals of the semi-axes; scale is pi a b c / 4 times the factor.
-    The result is scale (m / S) G with x = d / S and y = `shade` / S^2, as one fraction.
+    scale (m / S) G with x = d / S and y = `shade` / S^2, as one fraction.
     """
     px, py, pz = sx * ia, sy * ib, sz * ic
     qx, qy, qz = ox * ia, oy * ib, oz * ic
@@ -330,11 +321,7 @@ def intensity(ia, ib, ic, scale, sx, sy, sz, ox, oy, oz):
 
 @reduction_inlined
 def _cubes(u):
-    """R with atanh f = f + f^3 R(f^2), for u = f^2 up to 1/9.
-
-    Polynomial of least maximum error; with these coefficients 2e-17.  Two chains of half the
-    length take half the time of one.
-    """
+    """R with atanh f = f + f^3 R(f^2), u = f^2 up to 1/9, to 2e-17, in two chains."""
     v = u * u
     even = ((((_R10 * v + _R8) * v + _R6) * v + _R4) * v + _R2) * v + _R0
     odd = (((_R9 * v + _R7) * v + _R5) * v + _R3) * v + _R1
@@ -343,10 +330,9 @@ def _cubes(u):
 
 @reduction_inlined
 def logarithm(r):
-    """Natural logarithm of a positive normal number, with an absolute or relative error of 2e-16.
+    """Natural logarithm of a positive normal number, to 2e-16; math.log is not vectorised.
 
-    A call of math.log would keep the loop from being vectorised.  r = 2^k z with z from 1/sqrt(2)
-    to sqrt(2), and log z = 2 atanh((z - 1)/(z + 1)) by 11 terms.
+    r = 2^k z with z from 1/sqrt(2) to sqrt(2), and log z = 2 atanh((z - 1)/(z + 1)) by 11 terms.
     """
     bits = as_bits(r)
     k = (bits - _ROOT) >> 52
@@ -386,11 +372,7 @@ compiled_cell_scale = reduction_inlined(cell_scale)
 
 @reduction_inlined
 def _looked_up(cells, x, y, z):
-    """The index of the row of a direction in `Clusters.sky`.
-
-    The caller indexes the table: a view of the row would have a reference count, whose atomic
-    instructions take as long as a cluster.
-    """
+    """The index of the row of a direction in `Clusters.sky`: a view would count references."""
     scale, half = compiled_cell_scale(cells), 0.5 * cells
     i = int(x * scale + half)
     j = int(y * scale + half)
@@ -441,9 +423,8 @@ def halves(sx, sy, sz, ox, oy, oz, cosines, sines):
 def fused(blocks, axes, sky, cells, masks, sun_cells, eye_cells, sx, sy, sz, ox, oy, oz, out):
     """Sum over facets of p q [g / (p + q) + h] with p, q = mu0, mu over the normal's height.
 
-    g and h are the third and fourth rows of `blocks`.  With masks, one word for the eight facets
-    of a cluster, and `cells_of` both directions, each term is multiplied by the number of points of
-    the facet that are both lit and seen.  Components of directions and out are (N,).
+    g and h are the last rows of `blocks`. With masks, a word for a cluster, each term is multiplied
+    by the number of its points that are lit and seen.
     """
     ways = np.empty(16)
     tiny, zeros = lanes(_TINY), lanes(_ZEROS)
@@ -477,8 +458,7 @@ def fused(blocks, axes, sky, cells, masks, sun_cells, eye_cells, sx, sy, sz, ox,
 def cells_of(x, y, z, resolution, out):
     """Write the indices of the cells of directions on the cube of `_visibility`, as doubles.
 
-    Eight directions at once, and without branches, which random directions would make the processor
-    guess wrong.  The arrays are as long as the first multiple of eight that holds the directions.
+    Eight at once, without branches: the arrays are as long as a multiple of eight.
     """
     for t in range(0, out.size, 8):
         a, b, c = eight(x, t), eight(y, t), eight(z, t)
@@ -506,10 +486,7 @@ def _evened_lanes(u):
 
 @reduction_inlined
 def evened(u):
-    """Place on a face from a tangent, both -1 to 1, by which cells have nearly equal angles.
-
-    Source: the quadratic projection of Google's S2 library, which takes one square root.
-    """
+    """Place on a face from a tangent, -1 to 1: Google's S2, cells of nearly equal angles."""
     s = math.sqrt(1.0 + 3.0 * abs(u)) - 1.0
     return s if u >= 0.0 else -s
 
@@ -531,12 +508,9 @@ def gather(
 ):  # fmt: skip
     """Gather the facets of epochs from `begin` on; the number of the epoch after the last of them.
 
-    `segments` (S, 3) hold a word of `sky`, the clusters of it with facets of a row of the law, and
-    that row, in the order of rows; `which` the row of each place.  Masks are those of `fused`; one
-    row where nothing casts a shadow.  For each epoch and row the cosines
-    mu0, mu and the weights, area times mu0 mu times the share of free points, follow each other
-    from ends[., row - 1] to ends[., row] in the three flat arrays, filled up to a multiple of
-    sixteen by weights of zero.  It stops where another epoch might not fit.
+    segments (S, 3): a word of `sky`, its clusters with facets of a row, the row; `which` the row of
+    each place. For each epoch and row, mu0, mu and the weights follow each other from ends[., row -
+    1] to ends[., row], filled up to a multiple of sixteen by weights of zero.
     """
     ways = np.empty(16)
     ones, zeros = lanes(_ONES), lanes(_ZEROS)
@@ -588,10 +562,8 @@ def gather(
 def over_facets(of_phase: Compilable, element: Compilable, in_lanes: bool) -> EntryPoint:
     """The sum of mu0 mu (r / mu0) dA, compiled for each law, so that the loop has no branch for it.
 
-    It is called with the rows of the law, the arguments of `gather` after `begin` as a tuple, the
-    cosines and sines of half the phase angles, and the output, a number for each epoch.  Facets are
-    gathered for as many epochs as the arrays hold, and summed while they are in the cache: sixteen
-    at a time with `in_lanes`, for ``elements`` of a law, else one at a time, for its ``element``.
+    Of the rows, the arguments of `gather` as a tuple, cosines and sines of half the phase angles,
+    and the output (N,); sixteen facets at a time with `in_lanes`.
     """
 
     @reduction_over(of_phase, element)

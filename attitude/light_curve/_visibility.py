@@ -74,11 +74,9 @@ _APART = 0.2
 
 @dataclass(frozen=True, eq=False)
 class Hierarchy:
-    """Facets in groups of nearby ones.
+    """Facets in groups of nearby ones: their order (F,), leaf by leaf.
 
-    boxes: (2 L, 6), for each node the lowest and the highest coordinates of its facets, m; node 0
-        is unused.
-    order: (F,) array of int, the facets, leaf by leaf.
+    boxes (2 L, 6): the lowest and the highest coordinates of each node, m; node 0 is unused.
     """
 
     boxes: FloatArray
@@ -133,15 +131,10 @@ def _cut(places: FloatArray, leaves: int) -> IntArray:
 class Outlines:
     """The outlines of the nodes of a `Hierarchy`, and bounds of the directions that they face.
 
-    edges: (N, 6), start and end of edges, m: the outline of each node, then all edges of the facets
-        of each leaf, each once.
-    sides: (N, 2) array of int, the places in the tree of the facets to the left and to the right of
-        each edge; LEAF L where there is none.
-    first: (3 L + 1,) array of int, node k has the edges first[k] to first[k + 1], and the leaf of
-        node L + k those from first[2 L + k] to first[2 L + k + 1].
-    fronts: (2 L, 8), the smallest and the largest components of the normals of the facets of a
-        node, and the smallest and the largest height of their planes above the middle of its box,
-        m.
+    edges (N, 6), m, and sides (N, 2), the places of the facets left and right (LEAF L: none): of
+    node k from first[k] on, of the leaf of node L + k, each edge once, from first[2 L + k] on.
+    fronts (2 L, 8): bounds of the normals, and of the heights of planes above the middle of the
+    box, m.
     """
 
     edges: FloatArray
@@ -251,8 +244,7 @@ def side_shown(boxes, fronts, node, middle):
 def faces_met(boxes, node, middle, among):
     """Which of the faces `among` a box may meet, seen from any point about a facet, as bits.
 
-    The bit of a face is followed, six bits higher, by one that is set if the box may lie in the
-    direction in which its rows begin.
+    Six bits higher: whether the box may lie in the direction in which the rows begin.
     """
     count = 0
     for face in range(FACES):
@@ -291,11 +283,10 @@ def draw_groups(
     found, groups, edges, sides, first_edges, corners, flat, first, up, shifts, resolution,
     frames, marks, shown, counts, drawn,
 ):  # fmt: skip
-    """Add the changes along the outlines of the nodes found[:groups] to `counts`.
+    """Add the changes along the outlines of the nodes found[:groups] to `counts`; see `paint`.
 
-    The points are flat[first : first + 24], as in `paint`.  An edge between two groups that show
-    the same side changes nothing, and one between others is drawn once.  `drawn` keeps the first
-    row of each face with changes and the one after the last.
+    An edge between groups that show one side changes nothing. `drawn`: first and last rows of
+    faces.
     """
     leaves = len(marks) - 1
     half = 0.5 * resolution
@@ -395,10 +386,7 @@ def _seen(ahead, u, v, half, above, least, most):
 
 @reduction_within
 def show(corners, facing, leaf, normal, lowest, flat, first, both, shown):
-    """Which side each facet of a leaf shows to each point: 1 the front, -1 the back, to `shown`.
-
-    0 where it does not hide the sky.  Returns whether any does.
-    """
+    """Which side each facet of a leaf shows to each point: 1, -1, 0; whether any does."""
     px, py, pz = eight(flat, first), eight(flat, first + 8), eight(flat, first + 16)
     nothing, one = every(0.0, px), every(1.0, px)
     back = every(-1.0 if both else 0.0, px)
@@ -478,20 +466,13 @@ def _moment(ax, ay, bx, by):
 
 @reduction_within
 def _clear(a, b, c):
-    """The first of three numbers that is not zero.
-
-    An edge may pass through the direction in which rows begin.  They begin beside it: below in the
-    first place, and ahead in the second.
-    """
+    """The first of three numbers that is not zero: rows begin beside an edge in their direction."""
     return chosen(a * a, a, chosen(b * b, b, c))
 
 
 @reduction_within
 def frame(normal, resolution, frames):
-    """The rows and columns of each face with cells above the horizon to `frames`; the faces' bits.
-
-    Four numbers for each face: the first row, the one after the last, and so for columns.
-    """
+    """Rows and columns of each face with cells above the horizon, four numbers; the faces' bits."""
     frame_of = 0
     # Points look up to half a cell beyond the edge of a face.
     edge = 1.0 + 2.0 / resolution
@@ -585,10 +566,7 @@ def surroundings(points: FloatArray, size: float) -> FloatArray:
 
 
 def memory(members: int, resolution: int, leaves: int) -> tuple[NDArray[Any], ...]:
-    """The arrays in which `paint` works on some facets, for the leaves of a `Hierarchy`.
-
-    numpy makes them: numba would compile a function for each.
-    """
+    """The arrays in which `paint` works; numba would compile a function for each."""
     # One count more a row, for changes beyond the last column.
     counts = np.zeros(FACES * resolution * (resolution + 1), np.uint64)
     drawn = np.zeros(2 * FACES, np.int64)
@@ -609,12 +587,9 @@ def paint(
 ):  # fmt: skip
     """Fill the columns of `masks` from `place` on, for the facets `members` (-1: empty place).
 
-    `boxes` are those of a `Hierarchy`, in whose order are corners (F, 3, 3) and normals with their
-    heights above the origin, `facing` (F, 4); edges to fronts are its `Outlines`; normals (F, 3)
-    and points (F * 24,) with their `surroundings` are in the order of the mesh, all in m; `size` is
-    that of the body.  `across` and `up` are `tangents` and `shifts` the parts of a cell by which
-    points look beside its middle, along rows, then along columns; sky to shown are `memory`; masks
-    are (6 resolution^2, places) uint8.  With `both`, either side of a facet hides the sky.
+    Corners and `facing` (normals and heights above the origin) are in the order of `boxes`;
+    normals, points (F * 24,) and `middles` (their `surroundings`) in that of the mesh, m; `across`,
+    `up`: `tangents`; sky to shown: `memory`; with `both`, either side of a facet hides the sky.
     """
     leaves = boxes.shape[0] // 2
     count = np.uint64(members.size)
@@ -649,8 +624,7 @@ def _look_around(
 ):  # fmt: skip
     """Mark all groups that may hide the sky of one facet; their nodes are `found`, their number.
 
-    The points are flat[first : first + 24], x of each, then y, then z; along axis i they are within
-    middle[3 + i] of middle[i].
+    The points are flat[first : first + 24]; along axis i within middle[3 + i] of middle[i].
     """
     plane = normal[0] * flat[first] + normal[1] * flat[first + 8] + normal[2] * flat[first + 16]
     lowest = plane + _RISE * size
@@ -723,10 +697,7 @@ _METHOD = 2
 
 
 def file_of(corners: FloatArray, order: IntArray, resolution: int) -> Path | None:
-    """The file of the table of a mesh, which need not exist; None if tables are not kept.
-
-    Shapes: corners (F, 3, 3), order (places,).
-    """
+    """The file of the table of facets (F, 3, 3), which need not exist; None if none are kept."""
     folder = os.environ.get("ATTITUDE_CACHE")
     if folder == "off":
         return None

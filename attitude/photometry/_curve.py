@@ -760,8 +760,7 @@ def _vectors(sun, observer, frame, rows, count, notes):
 def _doubt_frame(frame: str, to_sun: FloatArray, notes: list[str]) -> None:
     """Note vectors (N, 3), ICRF, from observer to Sun, that fit the Earth in another frame alone.
 
-    The Sun stands on the ecliptic of an observer on the Earth; not so of a spacecraft, so that the
-    frame stays as it was given.
+    A spacecraft may see the Sun off the ecliptic: the frame stays as it was given.
     """
     unit = to_sun / np.maximum(np.linalg.norm(to_sun, axis=1), 1e-300)[:, None]
     directions = unit @ frames.matrix_to_icrf(frame)
@@ -827,10 +826,7 @@ def _of_scenes(scenes, sites, site, epoch, t, time_of):
 
 
 def vectors_of(scene: Scene, epoch: Instant, seconds: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Vectors (N, 3) from the body to Sun and observer, m, ICRF, at seconds of reception.
-
-    Of a direction, infinitely far away, a unit vector.
-    """
+    """Vectors (N, 3) from the body to Sun and observer, m (directions: 1), ICRF, at reception."""
     view = scene.at(_instants.times(epoch, seconds, np.zeros_like(seconds)))
     both = []
     for name in ("sun", "observer"):

@@ -297,9 +297,7 @@ _MPC_DATE = re.compile(r"(\d{4}) (\d\d) (\d\d)(?:\.(\d*))?", re.ASCII)
 def of_alcdef(text: str, name: str) -> Keywords:
     """Keywords of `LightCurve` from an ALCDEF file: each block of metadata begins a session.
 
-    Dates are Julian dates in UTC at the middle of an exposure, or moved there by EXPJD and
-    EXPOSURE.  Magnitudes of blocks with DIFFERMAGS are relative: they are sessions with zero points
-    of their own, as all sessions are.
+    Dates are UTC at the middle of an exposure, or moved there by EXPJD and EXPOSURE.
     """
     rows: list[RawPoint] = []
     bad: list[BadRow] = []

@@ -100,8 +100,7 @@ def _spelled(shift: float, near: float) -> str:
 def dispersions(t, y, weights, frequencies, bins, covers, out):
     """Theta of each frequency into out (K,): the variance within bins over that of all values.
 
-    t, y, weights: (N,) arrays; frequencies: (K,), cycles per unit of t; bins: number of bins, each
-    of which is `covers` times as wide as 1 / bins, so that each value lies in `covers` of them.
+    t, y, weights: (N,); each value lies in `covers` of the bins, which are as many times as wide.
     """
     total = mean = whole = 0.0
     for i in range(y.size):
@@ -246,8 +245,7 @@ def _fourier(data, frequency, order, engine, y):
 def _has_nifty(engine: str) -> bool:
     """Whether nifty-ls computes; AttitudeError if it is wanted and cannot.
 
-    nifty-ls is imported also where finufft, with which it computes, cannot be: that was seen in
-    a process that had imported many other libraries before.
+    nifty-ls is imported also where finufft, with which it computes, cannot be.
     """
     validation.one_of(engine, "engine", ("auto", "astropy", "nifty-ls"))
     if engine == "astropy":
@@ -294,10 +292,7 @@ def refined(data: Samples, frequency: float, order: int) -> _spectrum.RefinedSer
 def best_peaks(
     data: Samples, found: Scan, order: int, count: int
 ) -> list[tuple[float, float, float, str]]:
-    """Frequency, error, share of chi-squared left and relation of the best peaks, in that order.
-
-    They are refined, within the range of frequencies.
-    """
+    """Frequency, error, share of chi-squared left and relation of the best refined peaks."""
     frequency, power = found.frequency, found.power
     closest = 0.7 / (data.span * order)
     rows: list[tuple[float, float, float]] = []

@@ -40,28 +40,11 @@ _SWEEP, _SURGE = np.radians(2.0), np.radians(5.0)
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """A light curve as numbers.
+    """A light curve as numbers: values at t (N,), s, from `epoch` or the zero of plain seconds.
 
-    Attributes
-    ----------
-    t : (N,) array
-        s, of TDB, from `epoch` or from the zero of plain seconds.
-    values : (N,) array
-    errors : (N,) array or None
-        One standard deviation each, all above zero; None if unknown.
-    curve : (N,) array of int
-        The zero point that each value has, counted from 0.
-    epoch : Instant or None
-        None for plain seconds.
-    is_flux : bool
-        Whether greater values are brighter.
-    names : tuple of str
-        Of the curves; empty without names.
-    joined : (N,) array of int or None
-        Zero points in place of `curve` if all sessions share one, where it is not known whether
-        they do; `settled` decides.
-    terms : (N, L) array or None
-        Further terms in which the values are linear, such as those of the phase angle.
+    `curve` (N,) is the zero point of each value, `joined` (N,) those if all sessions share one,
+    where that is not known; `terms` (N, L) are further terms in which the values are linear;
+    `names` those of the curves.
     """
 
     t: FloatArray
@@ -149,8 +132,7 @@ def warn_of_plain(given: Any, name: str, t: FloatArray, unit: str = "s") -> None
 def tempered(found: Samples) -> Samples:
     """The samples with errors of at least a twentieth of the standard deviation of the values.
 
-    Errors far below the scatter of a light curve about any series would leave most points without
-    weight.
+    Errors far below the scatter about any series would leave most points without weight.
     """
     floor = _FLOOR * float(np.std(found.detrended))
     if found.errors is None or not floor > 0.0:
@@ -165,8 +147,7 @@ def settled(
 ) -> Found:
     """What is found with one zero point for all sessions, or with their own if the data ask.
 
-    Zero points of short sessions take up most of a rotation of days.  Of both results the one
-    whose series has the lower N ln(chi-squared) + parameters ln N is returned (Schwarz 1978).
+    Of both the one with the lower N ln(chi-squared) + parameters ln N (Schwarz 1978).
     """
     alone = replace(data, joined=None)
     if data.joined is None or data.joined.max() == data.curve.max():
@@ -187,10 +168,7 @@ def settled(
 
 
 def of_curve(curve: LightCurve) -> Samples:
-    """The samples of a light curve: at 1 au at the epochs of emission, if the geometry is known.
-
-    Zero points are those of sessions and filters, or of filters alone.
-    """
+    """The samples of a light curve, at 1 au at the epochs of emission if the geometry is known."""
     t, values, errors = curve.seconds, curve.value, curve.sigma
     if curve.has_geometry:
         t = curve.emission
@@ -223,10 +201,7 @@ def of_curve(curve: LightCurve) -> Samples:
 
 
 def _phase_terms(curve: LightCurve) -> FloatArray | None:
-    """Terms (N, 2) of the phase angle: None where it is known or changes little.
-
-    Of fluxes too, whose logarithm is linear in them: to first order.
-    """
+    """Terms (N, 2) of the phase angle, of fluxes to first order; None where it changes little."""
     if not curve.has_geometry or curve.zero_phase or np.ptp(curve.phase_angle) < _SWEEP:
         return None
     alpha = curve.phase_angle
@@ -241,10 +216,7 @@ def of(
     curve: ArrayLike | None = None,
     zero_points: str = "auto",
 ) -> Samples:
-    """The `Samples` of what a caller gives.
-
-    Shapes: t (N,), values (N,), errors (N,), curve (N,).
-    """
+    """The `Samples` of what a caller gives, (N,) each."""
     validation.one_of(zero_points, "zero_points", ("auto", "free", "shared"))
     if isinstance(t, Samples):
         return t

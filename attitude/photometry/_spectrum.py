@@ -33,10 +33,7 @@ _SHAPE = 2.30 * _WIDTH
 
 
 def sums(t: FloatArray, weights: FloatArray, spacing: float, count: int) -> NDArray[np.complex128]:
-    """Sums over epochs of weights times exp(2 pi i k spacing t), k = 0 .. count - 1.
-
-    Shapes: t (N,), weights (W, N).
-    """
+    """Sums over epochs t (N,) of weights (W, N) times exp(2 pi i k spacing t), k < count."""
     size = _smooth(int(_OVER * 2 * count) + 2 * _WIDTH)
     place = np.mod(t * spacing, 1.0) * size
     grid = np.zeros((len(weights), size))
@@ -109,10 +106,9 @@ def decreases(
     ridge: float,
     out: FloatArray,
 ) -> None:
-    """Decrease of chi-squared by the series of each pair, into out (P,).
+    """Decrease of chi-squared by the series of each pair of grid numbers, into out (P,).
 
-    wr, wi, yr, yi: the tables, real and imaginary parts; first, second: grid numbers of the pairs;
-    lines as in `harmonics`; ridge: inverse variance of the amplitudes before the fit.
+    wr to yi: the tables; ridge: inverse variance of the amplitudes before the fit.
     """
     unknown = 2 * len(lines) - 1
     size = _SIDE * max(1, int(_PRODUCTS / (_SIDE * unknown**3 / 6.0)))
@@ -226,11 +222,10 @@ class Tables(NamedTuple):
 
 
 class BestPairs(NamedTuple):
-    """The best pairs.
+    """The best pairs of numbers on the grid (P,), and the share of chi-squared left (P,).
 
-    first, second : (P,) arrays of int, numbers on the grid; left : (P,) array, the share of
-    chi-squared left; map : (C, C) array, the least share left in each cell of the plane, NaN where
-    no pair lies; edges : (C + 1,) arrays of both axes, numbers on the grid; tried : int, all pairs.
+    map (C, C): the least share left in each cell of the plane, NaN without pairs, between edges (C
+    + 1,).
     """
 
     first: IntArray
@@ -242,10 +237,7 @@ class BestPairs(NamedTuple):
 
 
 def tables(t: FloatArray, weights: FloatArray, y: FloatArray, spacing: float, count: int) -> Tables:
-    """The tables of `_decreases` at `count` multiples of a spacing.
-
-    Shapes: t, weights, y (N,).
-    """
+    """The tables of `_decreases` at `count` multiples of a spacing; t, weights, y (N,)."""
     both = sums(t, np.stack([weights, weights * y]), spacing, count)
     parts = (np.ascontiguousarray(part) for row in both for part in (row.real, row.imag))
     wr, wi, yr, yi = parts
@@ -265,8 +257,6 @@ def best(
     """The best pairs a < b, a number of either range each, no two of them neighbours.
 
     At most `fitted` pairs are fitted, by default `MOST`.
-
-    Shapes: first, second (int, int), lines (L, 2) as in `harmonics`.
     """
     blocks, tried = _blocks(first, second)
     least = _threshold(made, blocks, lines, (MOST if fitted is None else fitted) / tried)
@@ -376,25 +366,8 @@ _RANK = 1e-11
 class RefinedSeries:
     """A series at the least squares of all its parameters.
 
-    Attributes
-    ----------
-    frequencies : (D,) array
-        Hz.
-    covariance : (D, D) array
-        Of the frequencies, Hz2; from the residuals, whatever the scale of the errors.
-    numbers : (K, D) array of int
-        Of the lines.
-    offsets : (C,) array
-        Zero points of the curves.
-    cosines, sines : (K,) arrays
-        Of 2 pi n . f (t - start).
-    start : float
-        s, the middle of the samples.
-    residuals : (N,) array
-        In the unit of the values.
-    chi_squared : float
-        With the errors of the samples, or with unit weights.
-    parameters : int
+    Frequencies (D,), Hz, with a covariance from the residuals; lines numbers (K, D) . f with
+    cosines and sines (K,) of 2 pi n . f (t - start); offsets (C,) of the curves.
     """
 
     frequencies: FloatArray
@@ -433,10 +406,7 @@ class RefinedSeries:
 def refined(
     samples: Samples, frequencies: FloatArray, numbers: IntArray, steps: int = _STEPS
 ) -> RefinedSeries:
-    """The series of least squares near given frequencies.
-
-    Shapes: frequencies (D,), numbers (K, D).
-    """
+    """The series of least squares near frequencies (D,), with lines numbers (K, D)."""
     numbers = np.asarray(numbers).reshape(len(numbers), -1)
     lines, dimensions = numbers.shape
     parameters = samples.linear + 2 * lines + dimensions
@@ -487,15 +457,7 @@ def refined(
 
 
 def fixed(samples: Samples, frequencies: FloatArray, numbers: IntArray) -> RefinedSeries:
-    """The series at given frequencies, which are not refined; parameters as in `refined`.
-
-    Its covariance is that of the frequencies as if they were free.
-
-    Raises
-    ------
-    AttitudeError
-        As `refined`.
-    """
+    """The series at given frequencies; its covariance is that of frequencies that are free."""
     return refined(samples, frequencies, numbers, steps=0)
 
 
@@ -606,8 +568,6 @@ def share_of_chance(
     t: FloatArray, weights: FloatArray, y: FloatArray, turns: float, lines: IntArray, seed: int
 ) -> float:
     """The share of chi-squared left that 1 of 100 light curves of permuted values reaches.
-
-    Shapes: t, weights, y (N,), lines (L, 2) as in `harmonics`.
 
     From Gumbel's distribution of the largest decrease among some pairs, extended to all.
     """

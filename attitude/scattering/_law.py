@@ -44,13 +44,7 @@ class NumberField:
 
 @dataclass(frozen=True)
 class Parameter:
-    """Values that a field of a law accepts.
-
-    low, high: the range of a number, both ends included.
-    unit: unit of the number, as astropy spells it; None for a pure number.
-    words: the words allowed if the field is a word; empty if it is a number.
-    is_required: whether the field has no default.
-    """
+    """Values that a field of a law accepts: a range of numbers with a unit, or words."""
 
     low: float
     high: float
@@ -150,8 +144,7 @@ _ONES = (1.0,) * 8
 def reflectances(of_phase: Compilable, element: Compilable, in_lanes: bool = False) -> EntryPoint:
     """The loop over elements with one row of numbers, for the functions of a law; see `Law`.
 
-    The result is called with row (W,), mu0, mu, half the phase angle (rad) and the output, (N,)
-    each.  With `in_lanes` the function is ``elements`` of a law, else its ``element``.
+    Of row (W,), mu0, mu, half the phase angle (rad) and the output, (N,) each.
     """
 
     @reduction_over(of_phase, element)

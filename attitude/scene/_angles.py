@@ -92,12 +92,9 @@ def position_angle(axis: FloatArray, line_of_sight: FloatArray) -> FloatArray:
 
 
 def aberrated(direction: FloatArray, velocity: FloatArray, light: float) -> FloatArray:
-    """Unit vectors (3, N) of the directions in which a moving observer sees given directions.
+    """Unit vectors (3, N) in which an observer moving at velocities (3, N), m/s, sees directions.
 
-    Shapes: direction (3, N), velocity (3, N) m/s, light in m/s.
-
-    Exact special relativity: Explanatory Supplement (2013), eq. 7.40; ERFA's ``ab`` without the
-    term of the Sun's potential, which is 1e-8 of the aberration.
+    Explanatory Supplement (2013), eq. 7.40; ERFA's ``ab`` without the Sun's potential, 1e-8 of it.
     """
     beta = velocity / light
     along = np.sum(beta * direction, axis=0)
@@ -159,8 +156,8 @@ def light_times(vectors, speed, out):
 def secant_step(hi, lo, found, slope, light, before, out_hi, out_lo):
     """Light times by the secant through the last two, and the epochs of emission.
 
-    light (N,) is replaced, and kept in `before`; found (N,) are the light times that the positions
-    at `light` give, and slope (N,) their derivatives by `light`.
+    light (N,) is replaced, and kept in `before`; `found` are those that positions at `light` give,
+    and `slope` their derivatives.
     """
     step = 0 if lo.size == 1 else 1
     for k in range(hi.size):
@@ -172,12 +169,10 @@ def secant_step(hi, lo, found, slope, light, before, out_hi, out_lo):
 
 @quickly_compiled
 def secant_slopes(vectors, old, light, before, least, limit, found, speed, slope):
-    """Update `found`, slope (N,) and the speeds of the target (N,) by the vectors (3, N).
+    """Update `found`, slope and speeds of the target (N,) by vectors (3, N); `old` those before.
 
-    `old` are the vectors of the step before.  Where the light time changed by less than `least`,
-    in s, the differences are rounding: slope and speed are kept.  Returns the largest error of the
-    vectors in m: the way of the target in the error of the light time.  `limit` is the speed of
-    light in m/s.
+    Where the light time changed by less than `least`, s, slope and speed are kept. Returns the
+    largest error of the vectors in m; `limit` is the speed of light.
     """
     worst = 0.0
     for k in range(light.size):

@@ -54,11 +54,7 @@ _SAME = 2e-10
 
 
 class Steps(NamedTuple):
-    """The paths that connect a target and a viewer; a scene finds them once.
-
-    geometric: target relative to viewer.
-    target, viewer: relative to the barycentre of the solar system.
-    """
+    """The paths of a target to its viewer, and of both to the barycentre; found once."""
 
     geometric: Path
     target: Path
@@ -76,13 +72,7 @@ class Steps(NamedTuple):
 class Sightline(Path):
     """The path from a viewer at t to a target at the epoch at which its light left towards t.
 
-    steps: the paths between target, viewer and the barycentre.
-    sample: (Instant, array, array), some of the epochs at which the path will be evaluated; they
-        decide whether the target is near.
-
-    nearest: least distance at the epochs of the sample, m, without the correction; 0 without any
-        epoch.
-    is_near: whether the target is nearer than a light second at all epochs of the sample.
+    Epochs of the sample decide whether it `is_near`, within a light second; `nearest`: m.
     """
 
     def __init__(self, steps: Steps, sample: Sample) -> None:
@@ -215,12 +205,9 @@ _SAMPLE = 65
 
 @dataclass(frozen=True, eq=False)
 class LineOfSight(Immutable):
-    """A line of sight at each epoch: direction and distance.
+    """A line of sight: unit vectors (3, N), or (3, 1) if constant, ICRF, and distances (N,), m.
 
-    unit: (3, N) or (3, 1), unit vectors, ICRF; (3, 1) if the direction is the same at all epochs.
-    distance: (N,) array or None, m; None for a `paths.Direction`, which is infinitely far away.
-    source: where the positions come from.
-    error: largest measured error of the compression, m; None without a compression.
+    The distance is None for a direction; `error`: of a compression, m.
     """
 
     unit: FloatArray
@@ -336,12 +323,7 @@ def _named(center):
 
 
 class Metered(Path):
-    """A path that raises an AttitudeError after a number of positions, to bound the cost of a fit.
-
-    Velocities are zero: a line of sight needs none, and the `speed_error` of its fit is not used.
-
-    budget: number of positions that may be evaluated.
-    """
+    """A path without velocities that refuses more than `left` positions: the cost of a fit."""
 
     def __init__(self, path: Path, budget: int) -> None:
         self.path, self.left = path, budget

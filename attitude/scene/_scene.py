@@ -186,11 +186,7 @@ _HINTS = {
 
 
 class OfView(Observable):
-    """A number of a view at every epoch of reception; made by ``scene.quantity``.
-
-    name: of the quantity, or "function".
-    is_flag: whether it is true or false, and so a condition itself.
-    """
+    """A number of a view at every epoch of reception, or a flag; made by ``scene.quantity``."""
 
     def __init__(
         self,
@@ -212,8 +208,7 @@ class OfView(Observable):
     def spacing(self, start: Pair, stop: Pair) -> float:
         """The spacing of samples in a span, s: `step`, or from what the value depends on.
 
-        An attitude: 0.05 rad of the fastest rotation.  Lines of sight: a thirtieth of |r| / |v| of
-        the body and of the observer about their centers, the least of samples in the span.
+        Of an attitude 0.05 rad of rotation; of lines of sight a thirtieth of the least |r| / |v|.
         """
         if self.step is not None:
             return self.step

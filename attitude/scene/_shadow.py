@@ -46,10 +46,7 @@ _BLOCK = 2048
 
 
 def _free_share(center, radius, disc, half_angle, stretch):
-    """The share (N,) of the solid angle of a disc that a spheroid leaves free, 0 to 1.
-
-    Shapes: center (3, N), disc (3, N), half_angle (N,) rad.
-    """
+    """The share (N,) of discs (3, N), half_angle (N,) rad, that a spheroid (3, N) leaves free."""
     out = np.empty(half_angle.size)
     for begin in range(0, out.size, _BLOCK):
         block = slice(begin, begin + _BLOCK)
@@ -281,16 +278,11 @@ def lit_fraction(
     flattening: float = 0.0,
     velocity: Callable[[BoolArray], FloatArray] | None = None,
 ) -> FloatArray:
-    """The fraction (N,) of the Sun's disc that is seen past an occulter, 0 to 1.
+    """The fraction (N,), to 1e-9, of the Sun's disc seen past an occulter (3, N) m; sun (3, N).
 
-    Shapes: to_occulter (3, N), radius in m, sun (3, N), sun_distance (N,).
-
-    The fraction is that of the solid angle, to 1e-9.
-
-    A ray that arrives from the direction n was s n from the body s / c before, when the occulter
-    was at its present place less v s / c: it meets the occulter where the ray along n + v / c meets
-    the occulter at rest at its present place.  So each point of the limb is taken at the epoch at
-    which the light passed it.
+    A ray from the direction n was s n from the body s / c before, when the occulter was at its
+    present place less v s / c: each point of the limb is taken at the epoch at which the light
+    passed it.
     """
     sun = np.broadcast_to(sun, to_occulter.shape)
     limb, apart = _limb_and_distance(to_occulter, radius, sun, flattening)

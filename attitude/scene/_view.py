@@ -57,11 +57,8 @@ Value = TypeVar("Value")
 class LazyProperty(Generic[Value]):
     """A property of a view, computed once per view; made by `quantity` and `kept`.
 
-    unit: in the spelling of astropy; "" for pure numbers and for values that are not numbers.
-    parts: names of the entries of the last axis; () for one number at each epoch.
-    is_column: whether a table can hold the property: one number, or one row of `parts`, at each
-        epoch.
-    about: description in one line.
+    With the unit, the names of the parts of its last axis, whether a table can hold it, one line
+    about it.
     """
 
     name: str
@@ -147,10 +144,7 @@ def _radius(shape: Ellipsoid | Mesh | None) -> float:
 
 
 def _axis_of(axis: FloatArray, direction: FloatArray) -> FloatArray:
-    """The unit vectors (N, 3) about which a turn brings the axes to the directions; NaN for none.
-
-    A turn about it changes the angle between them, one about any vector across it does not.
-    """
+    """The unit vectors (N, 3) about which turns bring the axes to the directions, or NaN."""
     across = np.cross(axis, direction)
     size = np.sqrt(np.sum(across * across, axis=-1, keepdims=True))
     with np.errstate(divide="ignore", invalid="ignore"):

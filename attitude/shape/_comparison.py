@@ -143,10 +143,7 @@ def _normal(shape: Any, name: str) -> tuple[Mesh, FloatArray, FloatArray]:
 
 
 def _best(counted, start, size, most):
-    """The turn near a start by which the common volume is largest.
-
-    `size` is that of the first steps, rad, `most` the number of turns tried.
-    """
+    """The best turn near a start, from steps of `size`, rad, in at most `most` trials."""
     from scipy.optimize import minimize
     from scipy.spatial.transform import Rotation
 
@@ -162,10 +159,7 @@ def _best(counted, start, size, most):
 
 
 class _Common:
-    """The overlap of two meshes of unit volume about their centres of mass, by a turn.
-
-    Counted at points in the first body, by the cells of the second in which they lie.
-    """
+    """The overlap of two meshes of unit volume, by a turn: points of one in cells of the other."""
 
     def __init__(self, first: Mesh, second: Mesh) -> None:
         self._points = _points_in(first)

@@ -54,9 +54,8 @@ def unit_sphere(frequency: int) -> tuple[FloatArray, IntArray]:
 def lifted(vertices: FloatArray, triangles: IntArray) -> FloatArray:
     """Vertices (V, 3) of `unit_sphere`, lifted so that the polyhedron has the area of the sphere.
 
-    A facet cuts off a cap whose height grows with its area, so each vertex is lifted in proportion
-    to the area of its own facets: the brightness of 980 facets then errs by 0.46 mmag, against
-    0.54 with all vertices at one radius.  Optimal positions of all vertices gain no more.
+    In proportion to the area of its own facets: the brightness of 980 facets errs by 0.46 mmag,
+    against 0.54 with one radius.
     """
     share = np.bincount(triangles.ravel(), np.repeat(_areas(vertices, triangles), 3))
     share = share / np.mean(share)

@@ -181,8 +181,7 @@ def read_obj(lines: Iterable[str], name: str = "OBJ") -> Parts:
 def read_damit(lines: Iterable[str], name: str = "shape.txt") -> Parts:
     """Vertices, facets and material of the lines of a DAMIT shape model.
 
-    The lines hold the numbers of vertices and facets; x y z of each vertex; three vertex numbers
-    from 1 of each facet, anticlockwise seen from outside.
+    The numbers of vertices and facets; x y z of each vertex; three vertex numbers of each facet.
     """
     statements = list(_statements(lines))
     if not statements:

@@ -61,11 +61,10 @@ def of_single_precision(coordinates: FloatArray) -> float:
 
 
 def height_errors(corners: FloatArray, points: FloatArray, rounding: float) -> FloatArray:
-    """How much heights (K,) of points (K, 3) above the planes of facets (K, 3, 3) may err, m.
+    """How much heights (K,) of points (K, 3) above facets (K, 3, 3) may err by `rounding`, m.
 
-    With coordinates that err by `rounding` each.  The height is a sum of the errors of the point
-    and of the corners, whose factors are the coordinates of its foot in terms of the corners; they
-    are large for a point far from a narrow facet.
+    Errors of point and corners are multiplied by the coordinates of the foot in terms of the
+    corners.
     """
     a, b, c = np.moveaxis(corners, 1, 0)
     normal = np.cross(b - a, c - a)
@@ -91,12 +90,8 @@ _OF_CORNERS = np.sqrt([7.0, 11.0, 13.0])
 class Edges:
     """The edges of facets; edge 3 f + k runs from corner k of facet f to the next.
 
-    unbalanced: (N,) array of int, sorted indices of the facets with an edge that is passed more
-        often one way than the other.
-    repeated: (M,) array of int, those among them at an edge that is passed twice in the same
-        direction.
-    mates: (F, 3) array of int, the edge of the neighbour that passes the same vertices the other
-        way; -1 where an edge belongs to one facet or to more than two.
+    unbalanced: (N,), facets with an edge passed more often one way; repeated: (M,), passed twice in
+    one direction; mates: (F, 3), the edge that passes the same vertices the other way, or -1.
     """
 
     unbalanced: IntArray
@@ -128,10 +123,7 @@ def edges_of(facets: IntArray, count: int) -> Edges:
 
 
 def doubled_facets(corners: FloatArray) -> tuple[int, int] | None:
-    """Two of the facets (F, 3, 3) with the same corners in the same cyclic order, if there are any.
-
-    A facet and its opposite, which are the two sides of a plate, are different facets.
-    """
+    """Two of the facets (F, 3, 3) with the same corners in the same cyclic order, if any."""
     numbers = corners @ _OF_AXES
     turn = (np.argmin(numbers, axis=1)[:, None] + np.arange(3)) % 3
     key = np.take_along_axis(numbers, turn, axis=1) @ _OF_CORNERS
@@ -150,8 +142,7 @@ def doubled_facets(corners: FloatArray) -> tuple[int, int] | None:
 def inward_facets(vertices: FloatArray, facets: IntArray) -> IntArray:
     """Sorted indices of the facets (F, 3) of closed parts that are inside out.
 
-    A part with negative volume is inside out, unless it lies within another: then it is the wall
-    of a cavity.  The facets must be closed.
+    A part with negative volume is inside out, unless it lies in another: the wall of a cavity.
     """
     pieces = parts(facets, len(vertices))
     corners = vertices[facets]
@@ -182,10 +173,7 @@ def parts(facets: IntArray, count: int) -> IntArray:
 
 
 def winding_number(point: FloatArray, corners: FloatArray) -> float:
-    """Number of times that closed triangles (F, 3, 3) wind about a point (3,): 1 inside, 0 outside.
-
-    The sum of the solid angles of the facets over 4 pi (Van Oosterom & Strackee 1983, eq. 8).
-    """
+    """How often closed triangles (F, 3, 3) wind about a point (3,): Van Oosterom 1983, eq. 8."""
     a, b, c = np.moveaxis(corners - point, 1, 0)
     la, lb, lc = (np.linalg.norm(v, axis=-1) for v in (a, b, c))
     above = np.einsum("fi,fi->f", a, np.cross(b, c))
@@ -207,10 +195,7 @@ _BLOCK = 1 << 16
 
 
 def _is_convex(corners, normals, mates, tolerance, rounding=0.0):
-    """Whether no vertex rises above the plane of a facet.
-
-    Shapes: corners (F, 3, 3) m, normals (F, 3), mates (F, 3).
-    """
+    """Whether no vertex of facets (F, 3, 3) m, normals (F, 3), rises above the plane of another."""
     middle = np.mean(corners, axis=(0, 1))
     corners = corners - middle
     bound = tolerance * float(np.max(np.abs(corners)))
@@ -284,10 +269,7 @@ class MassProperties(Immutable):
 
 
 def solid_moments(corners: FloatArray) -> tuple[float, FloatArray, FloatArray]:
-    """Volume, first moments and second moments of the solid that outward triangles enclose.
-
-    Shapes: corners (F, 3, 3).
-    """
+    """Volume, first and second moments of the solid that triangles (F, 3, 3) enclose."""
     a, b, c = np.moveaxis(corners, 1, 0)
     six = np.einsum("fi,fi->f", a, np.cross(b, c))
     total = a + b + c
@@ -307,10 +289,7 @@ def shell_moments(corners: FloatArray) -> tuple[float, FloatArray, FloatArray]:
 
 
 def _about_center(density, measure, first, second, origin):
-    """`MassProperties` from moments about an origin (3,).
-
-    Shapes: density in kg/m2, origin (3,).
-    """
+    """`MassProperties` from moments about an origin (3,), density in kg/m3 or kg/m2."""
     mean = first / measure
     spread = density * (second - measure * np.outer(mean, mean))
     inertia = np.trace(spread) * np.eye(3) - spread
