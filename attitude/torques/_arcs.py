@@ -717,66 +717,53 @@ class Arcs(Differentiable):
     # ---- How the arcs are joined
 
     def _build(self) -> None:
-        times = times_of(self.changes, self.spin.epoch)
         body, spin = self.body, self.spin
         q = spin.wxyz_icrf_as_pairs.copy()
         w = body.rates_about_principal_axes(spin.angular_velocity)
-        bodies = [body]
-        self._set("_bodies", bodies)
         records = np.empty(len(self.changes) + 1, dtype=CONSTANTS)
-        starts = np.zeros((len(records), 2))
         low = q[None, :, 1].copy() if spin.is_rounded else None
         records[0] = _constants(body, q, w, body.differences(spin.angular_velocity), low)
-        for k, change in enumerate(self.changes):
-            name = f"changes[{k}]"
-            # Events and functions of the change evaluate the arcs before it.
-            self._set("_constants", frozen(records[: k + 1]))
-            self._set("_starts", frozen(starts[: k + 1]))
-            time = self._time_of(change, times[k:], float(starts[k, 0]), name)
-            added = change.added_momentum(partial(self._before, time), name)
-            state = {"start": starts[k], "record": records[k], "q": q, "w": w}
-            body = self._join(change, added, body, time, **state)
-            bodies.append(body)
+        self._set("_constants", frozen(records[:1]))
+        for k, (change, time, added, body) in enumerate(self._joints()):
+            self._join(change, added, self._bodies[k], time, records[k], q, w)
             try:
                 records[k + 1] = _constants(body, q, w)
             except AttitudeError as err:
-                raise AttitudeError(f"{name} leaves no physical state: {err}") from err
-            starts[k + 1] = time
-        self._set("_bodies", tuple(bodies))
-        self._set("_constants", frozen(records))
-        self._set("_starts", frozen(starts))
-        self._set("joints", frozen(starts[1:, 0].copy()))
+                raise AttitudeError(f"changes[{k}] leaves no physical state: {err}") from err
+            self._set("_constants", frozen(records[: k + 2]))
 
     def _integrate(self, first: TorquedRotation) -> None:
         """The arcs under torques, from the first one on."""
-        times = times_of(self.changes, self.spin.epoch)
-        arcs, bodies, starts = [first], [self.body], np.zeros((len(times) + 1, 2))
         constructor, (_, _, torques) = first.__reduce__()
-        for k, change in enumerate(self.changes):
-            name = f"changes[{k}]"
-            # Events and functions of the change evaluate the arcs before it.
-            self._set("_torqued", tuple(arcs))
-            self._set("_bodies", tuple(bodies))
-            self._set("_starts", frozen(starts[: k + 1].copy()))
-            time = self._time_of(change, times[k:], float(starts[k, 0]), name)
-            added = change.added_momentum(partial(self._before, time), name)
+        self._set("_torqued", (first,))
+        for k, (change, time, added, body) in enumerate(self._joints()):
             wxyz, omega = self._evaluate(np.asarray(time[0]), np.asarray(time[1]), 1)
             if change.frame != "body":
                 inertial = np.sum(frames.vector_to_icrf(change.frame, added), axis=-1)
                 added = quaternion.rotate(quaternion.conjugate(wxyz), inertial)
-            momentum = bodies[k].tensor @ omega + added
-            body = change.body if isinstance(change, InertiaChange) else bodies[k]
+            momentum = self._bodies[k].tensor @ omega + added
             start = self.spin.epoch.after(*time)
             try:
                 rate = np.linalg.solve(body.tensor, momentum)
                 spin = Spin(epoch=start, wxyz=wxyz, angular_velocity=rate)
-                arcs.append(constructor(body, spin, torques, origin=self.spin.epoch))
+                arc = constructor(body, spin, torques, origin=self.spin.epoch)
             except AttitudeError as err:
-                raise AttitudeError(f"{name} leaves no state to integrate: {err}") from err
-            bodies.append(body)
+                raise AttitudeError(f"changes[{k}] leaves no state to integrate: {err}") from err
+            self._set("_torqued", (*self._torqued, arc))
+
+    def _joints(self):
+        """Each change, its time and momentum, evaluated on the arcs before it; the next body."""
+        times = times_of(self.changes, self.spin.epoch)
+        starts = np.zeros((len(times) + 1, 2))
+        self._set("_bodies", (self.body,))
+        for k, change in enumerate(self.changes):
+            self._set("_starts", frozen(starts[: k + 1].copy()))
+            time = self._time_of(change, times[k:], float(starts[k, 0]), f"changes[{k}]")
+            added = change.added_momentum(partial(self._before, time), f"changes[{k}]")
+            body = change.body if isinstance(change, InertiaChange) else self._bodies[k]
+            yield change, time, added, body
             starts[k + 1] = time
-        self._set("_torqued", tuple(arcs))
-        self._set("_bodies", tuple(bodies))
+            self._set("_bodies", (*self._bodies, body))
         self._set("_starts", frozen(starts))
         self._set("joints", frozen(starts[1:, 0].copy()))
 
@@ -797,12 +784,11 @@ class Arcs(Differentiable):
         """The history of the epoch of a change while only the arcs before it are known."""
         return self.at(time[0]) if time[1] == 0.0 else self.at(time[0], time[1])
 
-    def _join(self, change, added, body, time, *, start, record, q, w):
-        """Carry the state q, w from the start of an arc over its end, in place; the next body."""
+    def _join(self, change, added, body, time, record, q, w):
+        """Carry the state q, w from the start of an arc over its end, in place."""
         from attitude._solver.chains import change_axes, exchange, flow, strike
 
-        hi, lo = pairs.add((np.float64(time[0]), np.float64(time[1])), -start[0], -start[1])
-        length = float(hi), float(lo)
+        length = tuple(map(float, _since(self._starts[-1], *map(np.float64, time))))
         change_axes(q, body._axes, body.principal_wxyz, 1.0)
         flow(record, body.moments_as_pairs, length, q, w)
         change_axes(q, body._axes, body.principal_wxyz, -1.0)
@@ -815,8 +801,6 @@ class Arcs(Differentiable):
         if isinstance(change, InertiaChange):
             new = change.body
             exchange(body.moments_as_pairs, body._axes, new.moments_as_pairs, new._axes, w)
-            body = new
-        return body
 
     # ---- Evaluation
 
