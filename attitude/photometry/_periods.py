@@ -45,6 +45,8 @@ _PEAKS, _FIRST_STEPS, _STEPS = 120, 3, 10
 _SLOW = 4.0
 # Shortest period by default, in spans: 4000 frequencies, 8e6 pairs.
 _FEWEST = OVERSAMPLING / 4000.0
+# Periods, s, of the Sun and of the stars, at which the observations of one site recur.
+_DAYS = (86400.0, 86164.1)
 # Bounds of one period or of both.
 _Bounds = tuple[tuple[int, int], tuple[int, int]]
 
@@ -575,5 +577,10 @@ def _relation(f: FloatArray, better: Sequence[Peak], near: float) -> str:
         words = _lattices.same_lattice(f, np.array([pair.first, pair.second]), near)
         if words:
             return f"same lines as #{rank}: {words}"
-    alias = _spectrum.alias_of(float(f[0]), float(f[1]), better, 2.0 * near)
-    return "" if alias is None else f"alias of #{alias + 1} (1 /d)"
+    for rank, pair in enumerate(better, 1):
+        shifts = [sign / day for day in _DAYS for sign in (-1, 1)]
+        aliases = [(pair.first, pair.second + shift) for shift in shifts]
+        aliases += [(pair.first + shift, pair.second) for shift in shifts]
+        if any(np.all(np.abs(np.sort(np.abs(both)) - f) < 2.0 * near) for both in aliases):
+            return f"alias of #{rank} (1 /d)"
+    return ""

@@ -388,7 +388,10 @@ def _frequencies(motion, convention):
         raise AttitudeError(
             f"motion is {motion!r}; give a FreeRotation, or the pair (P_psi, P_phi)."
         ) from err
-    return (
-        1.0 / validation.positive(P_psi, "P_psi", unit="s"),
-        1.0 / validation.positive(P_phi, "P_phi", unit="s"),
-    )
+    return frequencies_of(P_psi, P_phi)
+
+
+def frequencies_of(P_psi: Real, P_phi: Real) -> tuple[float, float]:
+    """1 / P_psi and 1 / P_phi in Hz."""
+    psi = validation.positive(P_psi, "P_psi", unit="s")
+    return 1.0 / psi, 1.0 / validation.positive(P_phi, "P_phi", unit="s")

@@ -17,7 +17,7 @@ from attitude.epochs import _inputs
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.photometry import _samples
-from attitude.photometry._samples import Line, known_orders
+from attitude.photometry._samples import Line, frequencies_of, known_orders
 from attitude.photometry._spectrum import line_numbers
 
 if TYPE_CHECKING:
@@ -167,7 +167,10 @@ def fit_series(
     """
     data = _samples.of(t, values, errors, curve)
     orders = known_orders(order)
-    psi, phi = _frequencies(P_psi, P_phi)
+    if P_psi is None or P_phi is None:
+        missing = "P_psi" if P_psi is None else "P_phi"
+        raise AttitudeError(f"{missing} is missing; give P_psi= and P_phi=, in s or with units.")
+    psi, phi = frequencies_of(P_psi, P_phi)
     numbers = np.array(line_numbers(orders))
     count, curves = len(numbers), data.curves
     unknowns = curves + 2 * count
@@ -213,17 +216,6 @@ def _warn_of_rank(rank: int, parameters: int, span: float) -> None:
             AttitudeWarning,
             stacklevel=3,
         )
-
-
-def _frequencies(P_psi: Real | None, P_phi: Real | None) -> tuple[float, float]:
-    """1 / P_psi and 1 / P_phi, Hz."""
-    if P_psi is None or P_phi is None:
-        missing = "P_psi" if P_psi is None else "P_phi"
-        raise AttitudeError(f"{missing} is missing; give P_psi= and P_phi=, in s or with units.")
-    return (
-        1.0 / validation.positive(P_psi, "P_psi", unit="s"),
-        1.0 / validation.positive(P_phi, "P_phi", unit="s"),
-    )
 
 
 def _angles(t, start, P_psi, P_phi, numbers):

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -528,34 +528,7 @@ def _joint(samples, f, numbers, start, weights, matrix, solution, unit):
 _PERMUTED, _TIMES = 20_000, 10
 # Lines from which fewer pairs are fitted: those of two frequencies of order 3 are 25.
 _MANY = 20
-# Periods, s, of the Sun and of the stars, at which the observations of one site recur.
-DAYS: tuple[float, float] = (86400.0, 86164.1)
 _EULER = 0.5772
-
-
-class PairLike(Protocol):
-    """Two frequencies, the lower one first."""
-
-    @property
-    def first(self) -> float:
-        """Hz."""
-
-    @property
-    def second(self) -> float:
-        """Hz."""
-
-
-def alias_of(first: float, second: float, better: Sequence[PairLike], near: float) -> int | None:
-    """The rank of a better pair from which a pair differs by one cycle a day, or None."""
-    for rank, pair in enumerate(better):
-        for day in DAYS:
-            ends = [(pair.first, abs(pair.second + s / day)) for s in (-1, 1)]
-            ends += [(abs(pair.first + s / day), pair.second) for s in (-1, 1)]
-            for a, b in ends:
-                low, high = min(a, b), max(a, b)
-                if abs(low - first) < near and abs(high - second) < near:
-                    return rank
-    return None
 
 
 def gumbel(largest: Sequence[float]) -> tuple[float, float]:

@@ -324,11 +324,7 @@ class View(Immutable):
     def observer_sun_line(self) -> LineOfSight:
         """The `LineOfSight` from the observer at reception to the Sun when its light left; m."""
         scene = self.scene
-        if scene.observer.is_direction:
-            raise AttitudeError(
-                "the observer is a direction, infinitely far away, where the direction to the Sun "
-                "is undefined; give a path as the observer, or use phase_angle."
-            )
+        self._require_place("Sun", ", or use phase_angle")
         if scene.sun.is_direction:
             return _light_time.fixed(scene.sun)
         return self._sight(scene.sun, scene.observer)
@@ -721,13 +717,16 @@ class View(Immutable):
     @kept
     def moon_line(self) -> LineOfSight:
         """The `LineOfSight` from the observer at reception to the Moon when its light left; m."""
-        scene = self.scene
-        if scene.observer.is_direction:
+        self._require_place("Moon")
+        return self._sight("moon", self.scene.observer)
+
+    def _require_place(self, body: str, more: str = "") -> None:
+        """AttitudeError for an observer that is a direction, from which no body is seen."""
+        if self.scene.observer.is_direction:
             raise AttitudeError(
-                "the observer is a direction, infinitely far away, where the direction to the Moon "
-                "is undefined; give a path as the observer."
+                f"the observer is a direction, infinitely far away, where the direction to the "
+                f"{body} is undefined; give a path as the observer{more}."
             )
-        return self._sight("moon", scene.observer)
 
     @quantity("rad")
     def moon_elevation(self) -> FloatArray:

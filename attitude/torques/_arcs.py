@@ -62,16 +62,13 @@ if TYPE_CHECKING:
     from attitude.motions._motion import RateBounds
     from attitude.proof._certificate import Certificate
     from attitude.torques._schemes import Scheme
-    from attitude.torques._torque import Torque
-    from attitude.torques._torqued import TorqueFunction
+    from attitude.torques._torque import AnyTorques, Torque
 
     MomentumFunction = Callable[[AttitudeHistory], Reals]
+    AnyMomentum = Reals | MomentumFunction
     Pair = tuple[float, float]
 
 __all__ = ["Arcs", "Impulse", "InertiaChange"]
-
-# seconds since the epoch of the spin, high and low part
-
 
 # ---- Instantaneous changes between free arcs: angular momentum added, inertia replaced
 
@@ -148,7 +145,7 @@ class Impulse(Change):
     def __init__(
         self,
         at: EpochOrSeconds | Trigger,
-        angular_momentum: Reals | MomentumFunction,
+        angular_momentum: AnyMomentum,
         frame: str = "body",
     ) -> None:
         self._set_change(at, angular_momentum, frame)
@@ -194,7 +191,7 @@ class InertiaChange(Change):
         self,
         at: EpochOrSeconds | Trigger,
         body: Body,
-        angular_momentum: Reals | MomentumFunction = (0.0, 0.0, 0.0),
+        angular_momentum: AnyMomentum = (0.0, 0.0, 0.0),
         frame: str = "body",
     ) -> None:
         if not isinstance(body, Body):
@@ -477,7 +474,7 @@ class Arcs(Differentiable):
         body: Body,
         spin: Spin,
         changes: Change | Iterable[Change],
-        torques: Torque | TorqueFunction | Iterable[Torque | TorqueFunction] | None = None,
+        torques: AnyTorques | None = None,
         *,
         step: Real | None = None,
         scheme: str | Scheme | None = None,

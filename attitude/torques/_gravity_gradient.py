@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from attitude.motions._body import Body
     from attitude.motions._history import AttitudeHistory
     from attitude.paths._path import Path
-    from attitude.torques._torque import PositionFunction
+    from attitude.torques._torque import AnyPath
 
 
 _BARYCENTER = " barycenter"
@@ -66,7 +66,7 @@ class GravityGradient(Torque):
     _function = "gravity_gradient"
     _slope = "gravity_gradient_slope"
 
-    def __init__(self, path: Path | PositionFunction, mu: Real) -> None:
+    def __init__(self, path: AnyPath, mu: Real) -> None:
         self._set("path", path_of(path, "path"))
         if isinstance(mu, str):
             validation.one_of(mu, "mu", tuple(GM))

@@ -38,9 +38,10 @@ if TYPE_CHECKING:
     from attitude.epochs._instants import Instant
     from attitude.motions._body import Body
     from attitude.paths._path import Path
-    from attitude.torques._torque import PositionFunction
+    from attitude.torques._torque import AnyPath
 
     FieldFunction: TypeAlias = Callable[[FloatArray, FloatArray], FloatArray]
+    AnyField: TypeAlias = "MagneticField | FieldFunction"
 
 # mu_0 / 4 pi, T m/A: CODATA 2018, 1.25663706212e-6 / (4 pi)
 _MU_0_OVER_4_PI = 1.00000000055e-7
@@ -274,7 +275,7 @@ def _gradient(r: FloatArray, table: FloatArray, degree: int) -> FloatArray:
     return field.T
 
 
-def field_of(given: MagneticField | FieldFunction) -> MagneticField:
+def field_of(given: AnyField) -> MagneticField:
     """The field itself, or that of a function."""
     if isinstance(given, MagneticField):
         return given
@@ -490,12 +491,7 @@ class EddyCurrent(_InField):
     _function = "eddy_current"
     columns = 6
 
-    def __init__(
-        self,
-        tensor: Reals | float,
-        field: MagneticField | FieldFunction,
-        path: Path | PositionFunction,
-    ) -> None:
+    def __init__(self, tensor: Reals | float, field: AnyField, path: AnyPath) -> None:
         matrix = matrix_of(tensor, "tensor", "S m4")
         largest = np.max(np.abs(matrix))
         if np.max(np.abs(matrix - matrix.T)) > 1e-12 * largest:
@@ -550,12 +546,7 @@ class MagneticDipole(_InField):
     _function = "magnetic_dipole"
     _slope = "magnetic_dipole_slope"
 
-    def __init__(
-        self,
-        moment: Reals,
-        field: MagneticField | FieldFunction,
-        path: Path | PositionFunction,
-    ) -> None:
+    def __init__(self, moment: Reals, field: AnyField, path: AnyPath) -> None:
         self._set("moment", frozen(validation.real(moment, "moment", shape=(3,), unit="A m2")))
         self._set_field(field, path)
 

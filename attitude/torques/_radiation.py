@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray, Real, Reals
     from attitude.epochs._instants import Instant
     from attitude.motions._body import Body
-    from attitude.torques._torque import PositionFunction
+    from attitude.torques._torque import AnyPath
 
 
 SOLAR_CONSTANT: float = 1361.0  # W/m2 at 1 au: Kopp & Lean 2011
@@ -121,7 +121,7 @@ class SolarRadiation(Torque):
     def __init__(
         self,
         shape: FlatFacets,
-        path: Path | PositionFunction,
+        path: AnyPath,
         diffuse: Real | Reals = 1.0,
         mirrored: Real | Reals = 0.0,
         flux: Real = SOLAR_CONSTANT,
@@ -250,7 +250,7 @@ class AerodynamicTorque(Torque):
     def __init__(
         self,
         shape: FlatFacets,
-        path: Path | PositionFunction,
+        path: AnyPath,
         density: Real | Callable[[FloatArray], FloatArray],
         mirrored: Real | Reals = 0.0,
     ) -> None:

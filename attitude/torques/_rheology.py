@@ -263,11 +263,7 @@ class Rheology(Immutable):
     poisson: float
 
     def __init__(
-        self,
-        axes: Reals,
-        density: Real,
-        compliance: Compliance,
-        poisson: Real = 0.5,
+        self, axes: Reals, density: Real, compliance: Compliance, poisson: Real = 0.5
     ) -> None:
         sizes = validation.real(axes, "axes", shape=(3,), unit="m")
         if np.min(sizes) <= 0.0:

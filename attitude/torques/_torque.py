@@ -16,7 +16,7 @@ from attitude.errors import AttitudeError
 from attitude.paths._path import Path, since
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from numpy.typing import ArrayLike, NDArray
 
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
     TorqueFunction: TypeAlias = Callable[[float, FloatArray, FloatArray], ArrayLike]
     PositionFunction: TypeAlias = Callable[[FloatArray], NDArray[Any]]
+    AnyPath: TypeAlias = Path | PositionFunction
+    AnyTorques: TypeAlias = "Torque | TorqueFunction | Iterable[Torque | TorqueFunction]"
 
 
 # Kinds: a torque that depends on the attitude alone; one that depends on the angular velocity
@@ -175,7 +177,7 @@ def span_of(path: Path, instant: Instant) -> tuple[float, float]:
     return float(np.nextafter(first, last)), float(np.nextafter(last, first))
 
 
-def path_of(given: Path | PositionFunction, name: str) -> Path:
+def path_of(given: AnyPath, name: str) -> Path:
     """The path itself, or the `FunctionPath` of a function of seconds."""
     if isinstance(given, Path):
         return given

@@ -40,10 +40,8 @@ from attitude.torques._system import LARGEST_TURN, System, TorquedSensitivity
 from attitude.torques._torque import CustomTorque, Torque
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
     from typing import TypeAlias
-
-    from numpy.typing import ArrayLike
 
     from attitude._support.annotations import (
         Epoch,
@@ -55,8 +53,8 @@ if TYPE_CHECKING:
     from attitude.epochs._instants import Instant
     from attitude.motions._history import AttitudeHistory
     from attitude.torques._schemes import Scheme
+    from attitude.torques._torque import AnyTorques
 
-    TorqueFunction = Callable[[float, FloatArray, FloatArray], ArrayLike]
     _Steps: TypeAlias = "FixedSteps | VaryingSteps | BoundedSteps"
 
 
@@ -709,7 +707,7 @@ class TorquedRotation(Differentiable):
         self,
         body: Body,
         spin: Spin,
-        torques: Torque | TorqueFunction | Iterable[Torque | TorqueFunction],
+        torques: AnyTorques,
         step: Real | None = None,
         scheme: str | Scheme | None = None,
         tolerance: Real | None = None,
