@@ -15,7 +15,7 @@ from attitude.events._channels import Fixed, axis_or_long, chord_squared, direct
 from attitude.events._search import Events, plain_span, plain_step, source_of, span
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Sequence
     from typing import TypeAlias
 
     from numpy.typing import ArrayLike
@@ -273,21 +273,15 @@ def _extrema(start, stop, f, step, epoch, sign):
         # Interpolated attitudes have kinks: there the slope has no bounded derivative.
         limit = pieces(f.source, begin, end)[0][2]
         if not isinstance(limit, Sampled) or limit.smooth:
-            return Events.joined(
-                f.epoch, list(_by_slope(f, f.slope, begin, end, sign)), float, f.unit
-            )
+            found = []
+            # The slope is that of the cosine: where it changes to positive, the angle is largest.
+            for hi, lo, _, rising in crossings(f.source, [f.slope], begin, end):
+                chosen = rising if sign > 0.0 else ~rising
+                hi, lo = hi[chosen], lo[chosen]
+                found.append((hi, lo, f(hi, lo)))
+            return _joined(f.epoch, found, f.unit)
     spacing = f.spacing(begin, end) if step is None else plain_step(step)
     return _joined(f.epoch, _peaks(f, begin, end, spacing, sign), f.unit)
-
-
-def _by_slope(
-    f: Observable, slope: Channel, begin: Pair, end: Pair, sign: float
-) -> Iterator[Events]:
-    # The slope is that of the cosine: where it changes to positive, the angle has its maximum.
-    for hi, lo, _, rising in crossings(f.source, [slope], begin, end):
-        chosen = rising if sign > 0.0 else ~rising
-        hi, lo = hi[chosen], lo[chosen]
-        yield Events(f.epoch, hi, lo, f(hi, lo))
 
 
 def _joined(epoch, found, unit=""):

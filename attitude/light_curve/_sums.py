@@ -267,9 +267,6 @@ _R0, _R1, _R2 = 0.3333333333333333, 0.1999999999999975, 0.14285714285803394
 _R3, _R4, _R5 = 0.11111111098732392, 0.09090909971595426, 0.07692271221627803
 _R6, _R7, _R8 = 0.06667604894870639, 0.05866942116729435, 0.054241007161985766
 _R9, _R10 = 0.037396652525503456, 0.07826828806597469
-# The bits of sqrt(1/2), and the mask of sign and exponent.
-_ROOT = 0x3FE6A09E667F3BCD
-_EXPONENT = -0x10000000000000
 
 
 @quickly_compiled
@@ -326,30 +323,6 @@ def _cubes(u):
     even = ((((_R10 * v + _R8) * v + _R6) * v + _R4) * v + _R2) * v + _R0
     odd = (((_R9 * v + _R7) * v + _R5) * v + _R3) * v + _R1
     return even + u * odd
-
-
-@reduction_inlined
-def logarithm(r):
-    """Natural logarithm of a positive normal number, to 2e-16; math.log is not vectorised.
-
-    r = 2^k z with z from 1/sqrt(2) to sqrt(2), and log z = 2 atanh((z - 1)/(z + 1)) by 11 terms.
-    """
-    bits = as_bits(r)
-    k = (bits - _ROOT) >> 52
-    z = from_bits(bits - ((bits - _ROOT) & _EXPONENT))
-    f = (z - 1.0) / (z + 1.0)
-    u = f * f
-    s = 1.0 / 21.0
-    s = s * u + 1.0 / 19.0
-    s = s * u + 1.0 / 17.0
-    s = s * u + 1.0 / 15.0
-    s = s * u + 1.0 / 13.0
-    s = s * u + 1.0 / 11.0
-    s = s * u + 1.0 / 9.0
-    s = s * u + 1.0 / 7.0
-    s = s * u + 1.0 / 5.0
-    s = s * u + 1.0 / 3.0
-    return float(k) * _LN2 + (2.0 * f + 2.0 * f * u * s)
 
 
 # _TINY replaces mu0 <= 0, which avoids a branch and a division by zero: the sum over facets that

@@ -656,16 +656,11 @@ def _sites(site: Any, places: Any, session: Any, count: int) -> tuple[Any, dict[
                 "give session=, or the site of each point."
             )
         return session, known
-    is_one = site is not None and not isinstance(site, str) and np.ndim(_as_array(site)) == 0
-    if is_one and not isinstance(site, (int, np.integer)):
+    is_array = isinstance(site, (list, tuple, np.ndarray)) and np.ndim(site) > 0
+    if site is not None and not is_array and not isinstance(site, (str, int, np.integer)):
         word = str(getattr(site, "name", None) or type(site).__name__)
         return word, known | {word: site}
     return site, known
-
-
-def _as_array(given: Any) -> Any:
-    """An array of a sequence; anything else is one object."""
-    return np.asarray(given) if isinstance(given, (list, tuple, np.ndarray)) else 0
 
 
 def _exposures(given: Any, count: int) -> FloatArray:
@@ -941,8 +936,10 @@ def write(path: FilePath, data: LightCurve) -> None:
         if vectors is not None:
             names += [f"{key}_{axis}" for axis in "xyz"]
             columns += [[repr(float(x)) for x in row] for row in vectors.T / ASTRONOMICAL_UNIT_M]
+    # On one line, whose parts between separators are no formulas.
+    name = re.sub(r"[,;]\s*(?=[=+@-])", " ", " ".join((data.name or "photometry").split()))
     with written_whole(path, "photometry") as file:
-        file.write(f"# {_remark(data.name or 'photometry')}: times of {data.time_of}\n")
+        file.write(f"# {name}: times of {data.time_of}\n")
         file.write(",".join(names) + "\n")
         file.writelines(",".join(row) + "\n" for row in zip(*columns, strict=True))
 
@@ -958,8 +955,3 @@ def _cell(word: str) -> str:
     if not runs and not any(mark in word for mark in ',;"'):
         return word
     return '"' + ("'" if runs else "") + word.replace('"', '""') + '"'
-
-
-def _remark(text: str) -> str:
-    """A text on one line whose parts between separators are no formulas."""
-    return re.sub(r"[,;]\s*(?=[=+@-])", " ", " ".join(text.split()))

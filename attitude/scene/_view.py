@@ -73,11 +73,8 @@ class LazyProperty(Generic[Value]):
         self.about = " ".join((function.__doc__ or "").split("\n\n")[0].split())
         self.__doc__ = inspect.cleandoc(function.__doc__ or "")
         if is_column:
-            self.__doc__ += "\n\n" + self._shape_and_unit()
-
-    def _shape_and_unit(self) -> str:
-        shape = f"(S, {len(self.parts)}): {', '.join(self.parts)}" if self.parts else "S"
-        return f"Shape {shape}; {self.unit or 'pure number'}."
+            shape = f"(S, {len(parts)}): {', '.join(parts)}" if parts else "S"
+            self.__doc__ += f"\n\nShape {shape}; {unit or 'pure number'}."
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name

@@ -1,6 +1,5 @@
 """Single numbers, quadrature rules and tables of whole numbers: those with an exact definition."""
 
-import struct
 from functools import partial
 
 from mpmath import mp, mpf
@@ -86,18 +85,7 @@ def _of_doubles():
             "the largest double",
             lambda: [(2 - mpf(2) ** -52) * mpf(2) ** 1023],
         ),
-        CoefficientTable(
-            "light_curve/_sums.py",
-            ("_ROOT",),
-            "sqrt(1/2), as the bits of a double",
-            lambda: [_from_bits("light_curve/_sums.py", "_ROOT")],
-            lambda: [mp.sqrt(mpf(1) / 2)],
-        ),
     ]
-
-
-def _from_bits(file, name):
-    return struct.unpack("<d", getattr(sources.module(file), name).to_bytes(8, "little"))[0]
 
 
 def _others():

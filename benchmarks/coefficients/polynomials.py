@@ -167,26 +167,11 @@ def _interpolating():
 
 
 def _series():
-    # z within sqrt(2) of 1: f = (z - 1)/(z + 1) reaches (sqrt(2) - 1)^2, and u this, its square.
-    last = "0.0294372515228594143797353094"
-    logarithm = PolynomialFit(
-        power_series(lambda n: mpf(1) / (2 * n + 3)), lambda u: 2 * u * mp.sqrt(u), 10, "0", last
-    )
     return [
-        CoefficientTable(
-            _CLOSED_FORM,
-            ("logarithm",),
-            "s in 2 atanh f = 2 f + 2 f u s(u), u = f^2, 10 terms, |f| <= (sqrt(2) - 1)^2; absolute"
-            " error",
-            lambda: [x for x in sources.literals(_CLOSED_FORM, "logarithm") if 0 < x < 1],
-            lambda: [mpf(1) / (2 * k + 1) for k in range(10, 0, -1)],
-            error=lambda numbers: logarithm.error(numbers[::-1]),
-            ideal=lambda: logarithm.best[1],
-        ),
         CoefficientTable(
             _DIMMING,
             ("_dimming",),
-            "the same in seven terms and its derivative in six",
+            "(x - (1 - u) atanh x)/x^3, u = x^2, in seven terms of u, and its derivative in six",
             lambda: [x for x in sources.literals(_DIMMING, "_dimming") if 0 < x < 1 and 16 * x % 1],
             lambda: (
                 [mpf(2) / (4 * k * k - 1) for k in range(7, 0, -1)]

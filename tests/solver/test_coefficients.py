@@ -46,7 +46,7 @@ def test_the_search_finds_names_literals_and_series(long_constants):
         ("_solver/series.py", "_SIN_1_LOW"),  # one of two names in one statement
         ("_solver/step.py", "_SINE_3"),  # a quotient of short numbers
         ("_solver/elliptic.py", "_turns"),  # a literal in a function
-        ("light_curve/_sums.py", "logarithm"),  # quotients in a function
+        ("averaged/_rates.py", "slopes"),  # quotients in a function
     ):
         assert (file, owner) in found
     assert ("_solver/constants.py", "_NO_RATE") not in found  # a power of two
