@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from attitude._support.annotations import Epoch, EpochOrSeconds, FloatArray, Real, Reals
-    from attitude.conditions._moments import Drift, Moment, Pair, SearchDirection
+    from attitude.conditions._moments import Drift, Moment, SearchDirection
     from attitude.events._channels import AnyDirection
     from attitude.events._search import AnyMotion
     from attitude.motions._motion import RateBounds
