@@ -81,6 +81,15 @@ def opened(path: str | os.PathLike[str]) -> Iterator[Lines]:
         raise unreadable(path, err) from err
 
 
+@contextmanager
+def prefixed(origin: str | os.PathLike[str]) -> Iterator[None]:
+    """AttitudeErrors inside begin with the name of a file or another origin."""
+    try:
+        yield
+    except AttitudeError as err:
+        raise AttitudeError(f"{os.fspath(origin)}: {err}") from err
+
+
 class _ReturnsAsFeeds:
     """An open binary file whose lines end in carriage returns alone, read with line feeds."""
 

@@ -954,26 +954,23 @@ Segment: TypeAlias = tuple[Mapping[str, str], Sequence[str], Callable[[Generator
 
 def write(
     path: FilePath,
-    name: str,
     form: Form,
     version: str,
-    header: Mapping[str, str],
-    comments: Sequence[str],
-    segments: Iterable[Segment],
+    header: tuple[Mapping[str, str], Sequence[str]],
+    segments: Sequence[Segment],
     *,
     xml: bool = False,
 ) -> None:
-    """Write a message to a file that appears whole or not at all; `name` is that in errors."""
-    segments = list(segments)
-    refuse_line_breaks(*header.values(), *comments)
-    for keywords, remarks, _ in segments:
+    """Write a message, whose header has keywords and comments, whole or not at all."""
+    for keywords, remarks in (header, *(segment[:2] for segment in segments)):
         refuse_line_breaks(*keywords.values(), *remarks)
+    name = "the CIC file" if form.family == "CIC" else f"the {form.kind}"
     with written_whole(path, name) as file:
         out = (XmlGenerator if xml else Generator)(file, form, version)
         with out.message():
             with out.part("header"):
-                out.comments(comments)
-                out.entries(header.items())
+                out.comments(header[1])
+                out.entries(header[0].items())
             with out.part("body"):
                 for keywords, remarks, write_data in segments:
                     with out.part("segment"):

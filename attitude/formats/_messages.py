@@ -24,7 +24,7 @@ from attitude.motions import _axes
 from attitude.motions._body import Body
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator, Mapping, Sequence
 
     from attitude._support.annotations import FloatArray
     from attitude._textfiles.messages import Block, Message
@@ -162,9 +162,15 @@ def said_by(message: Message, meta: Block, title: str, identifier: str) -> dict[
 # ---- Writing
 
 
-def written_header(creation_date: str | None, originator: str) -> dict[str, str]:
-    """The header of a message, by default with the present date."""
-    return {"CREATION_DATE": creation_date or ccsds_epochs.now(), "ORIGINATOR": originator}
+def written_header(
+    meta: Mapping[str, Any],
+    creation_date: str | None,
+    originator: str,
+    comments: Sequence[str] | None,
+) -> tuple[dict[str, str], Sequence[str]]:
+    """The header, by default with the present date, and comments, by default those of `meta`."""
+    keywords = {"CREATION_DATE": creation_date or ccsds_epochs.now(), "ORIGINATOR": originator}
+    return keywords, list(meta.get("comments", ()) if comments is None else comments)
 
 
 def written_body(body_frame: str | None, meta: Mapping[str, Any]) -> str:

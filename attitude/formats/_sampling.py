@@ -48,7 +48,7 @@ PIECE: int = 16384
 _APART = 1e-9
 
 
-def only_segment(source: AttitudeSource, t: Epochs | None, holder: str) -> Records:
+def _only(source, t, holder):
     """The one segment of what a writer was given; `holder` is the kind of file in sentences."""
     parts = segments(source, t)
     if any(records.after_break for records in parts):
@@ -77,35 +77,6 @@ def known_of(source: AttitudeSource, t: Epochs | None) -> tuple[dict[str, Any], 
     return dict(parts[0].meta), all(records.has_rates for records in parts)
 
 
-def one_motion(source: AttitudeSource) -> Motion:
-    """The motion that a writer was given to write to a tolerance."""
-    from attitude.catalog import motion_of
-
-    if isinstance(source, (Records, AttitudeHistory, list, tuple)):
-        raise AttitudeError(
-            f"{type(source).__name__} is given with tolerance=; give the motion or the "
-            "AttitudeTable, with start= and stop=."
-        )
-    return motion_of(cast("HasAttitudes", source), "source")
-
-
-def refuse_epochs(t: object) -> None:
-    """AttitudeError for epochs of records beside a tolerance."""
-    if t is not None:
-        raise AttitudeError(
-            "t and tolerance are given; the epochs of records follow from the tolerance: give one "
-            "of both."
-        )
-
-
-def refuse_span(start: object, stop: object) -> None:
-    """AttitudeError for a span without a tolerance."""
-    if start is not None or stop is not None:
-        raise AttitudeError(
-            "start or stop is given without tolerance=; give tolerance=, or the epochs t=."
-        )
-
-
 def refuse_breaks(motion: object, holder: str) -> None:
     """AttitudeError for a motion whose angular velocity jumps; `holder` holds one state."""
     if isinstance(motion, Motion) and len(motion.breaks()):
@@ -121,16 +92,7 @@ def refuse_breaks(motion: object, holder: str) -> None:
 class Records:
     """One segment to be written: a motion and its epochs, evaluated piece by piece.
 
-    seconds, low: (N,) arrays, seconds + low are TDB seconds since the epoch, increasing; low may be
-        None.
-    history: the attitudes at these epochs, if they are known; otherwise the motion is evaluated.
-
-    has_rates: whether the motion knows angular velocities better than from differences of
-        attitudes.
-    meta: names, comments and keywords of the file that the motion was read from.
-    table: the motion, if it is a table.
-    after_break: whether the segment begins where the angular velocity jumps.
-    AttitudeError if there are no epochs, or some are NaN or do not increase.
+    seconds + low (N,) are TDB seconds since the epoch; `history` has the attitudes, if known.
     """
 
     def __init__(
@@ -262,12 +224,7 @@ _LEAST, _GREATEST = 1e-14, 1.0
 
 @dataclass(frozen=True)
 class SampledFile:
-    """How a motion was written to a tolerance.
-
-    records, segments: their numbers in the file.
-    step: greatest time between records, s.
-    error: largest angle, rad, between the motion and the file as its reader interpolates it.
-    """
+    """How a motion was written to a tolerance: greatest step, s, and largest error, rad."""
 
     records: int
     segments: int
@@ -302,55 +259,71 @@ class _Stretch:
 
 def write(
     path: FilePath,
-    source: HasAttitudes,
-    start: EpochOrSeconds | None,
-    stop: EpochOrSeconds | None,
-    tolerance: float,
-    *,
-    method: str,
-    degree: int,
+    source: AttitudeSource,
+    t: Epochs | None,
+    span: Sequence[EpochOrSeconds | None],
+    tolerance: float | None,
+    stated: tuple[str, int],
+    write_records: Callable[[FilePath, list[Records]], None],
+    read: Callable[[FilePath], AttitudeTable],
     name: str,
-    write_records: Callable[[str, list[Records]], None],
-    read: Callable[[str], AttitudeTable],
-    one_segment: bool = False,
+    holder: str | None = None,
+) -> SampledFile | None:
+    """Write the records at `t`, or a motion over `span` (start, stop) to a tolerance, rad.
+
+    `read` interpolates as `stated`: method and degree.  `name` is the file in errors; `holder` is
+    its kind, where that holds one segment only.
+    """
+    if tolerance is not None:
+        if t is not None:
+            raise AttitudeError(
+                "t and tolerance are given; the epochs of records follow from the tolerance: give "
+                "one of both."
+            )
+        return sampled(path, source, span, tolerance, stated, write_records, read, name, holder)
+    if span[0] is not None or span[1] is not None:
+        raise AttitudeError(
+            "start or stop is given without tolerance=; give tolerance=, or the epochs t=."
+        )
+    write_records(path, segments(source, t) if holder is None else [_only(source, t, holder)])
+    return None
+
+
+def sampled(
+    path: FilePath,
+    source: AttitudeSource,
+    span: Sequence[EpochOrSeconds | None],
+    tolerance: float,
+    stated: tuple[str, int],
+    write_records: Callable[[FilePath, list[Records]], None],
+    read: Callable[[FilePath], AttitudeTable],
+    name: str,
+    holder: str | None = None,
     stretch: int | None = None,
 ) -> SampledFile:
-    """Write a motion to a file whose interpolated attitudes are within a tolerance.
-
-    path: appears whole or not at all.
-    source: a motion, or another object with ``.at(t)``
-    start, stop: by default the span of a table.
-    tolerance: largest angle, rad, between the motion and the interpolated attitudes.
-    method, degree: the interpolation that the file states.
-    name: name of the file in error messages.
-    write_records: writes segments to a file of a temporary name.
-    read: reads that file.
-    one_segment: whether the format holds one segment only.
-    stretch: the one stretch of the span to write, counted from 0; by default all.
-    AttitudeError for a tolerance out of range or that cannot be reached, a span without both ends,
-        several stretches in a format of one, and as `write_records`.
-    """
-    from attitude.catalog import motion_of
-
+    """As `write`; of all stretches, or of the one with a number, counted from 0."""
     number = isinstance(tolerance, (int, float)) and not isinstance(tolerance, bool)
     if not (number and _LEAST <= tolerance <= _GREATEST):
         raise AttitudeError(f"tolerance is {tolerance!r}; give a number of rad, 1e-14 to 1.")
-    stretches = _stretches(motion_of(source, "source"), start, stop)
+    stretches = stretches_of(source, span)
     if stretch is not None:
         stretches = stretches[stretch : stretch + 1]
-    if one_segment and len(stretches) > 1:
-        first = stretches[1]
+    if holder is not None and len(stretches) > 1:
         raise AttitudeError(
             f"the angular velocity of the motion jumps, or the table has a gap, "
-            f"{first.begin[0]:.9g} s after its epoch, and {name} holds one segment; write a file "
-            "for each stretch (start=, stop=; of STK also split=True)."
+            f"{stretches[1].begin[0]:.9g} s after its epoch, and {name} holds one segment; write a "
+            "file for each stretch (start=, stop=; of STK also split=True)."
         )
-    least = _window(method, degree)
-    step = _first_step(stretches, tolerance, method, degree)
+    step = _first_step(stretches, tolerance, *stated)
     with made_whole(path, name) as temporary:
         for _ in range(_REPEATED):
-            _refuse_many(stretches, step)
-            records = [piece.records(step, least) for piece in stretches]
+            count = sum(piece.length / step for piece in stretches)
+            if count > _MOST_RECORDS:
+                raise AttitudeError(
+                    f"the tolerance needs {count:.3g} records, more than {_MOST_RECORDS}; give a "
+                    "larger one, a shorter span, or another method or degree of interpolation."
+                )
+            records = [piece.records(step, _window(*stated)) for piece in stretches]
             write_records(temporary, records)
             error = _measured(stretches, read(temporary), step)
             if error <= tolerance:
@@ -362,20 +335,8 @@ def write(
                 f"more than the tolerance {tolerance:g}; give a larger one, or another method or "
                 "degree of interpolation."
             )
-    return SampledFile(sum(map(len, records)), len(records), _longest(records), error)
-
-
-def count_of_stretches(
-    source: HasAttitudes, start: EpochOrSeconds | None, stop: EpochOrSeconds | None
-) -> int:
-    """The number of stretches without jumps and gaps from start to stop; see `write`."""
-    from attitude.catalog import motion_of
-
-    return len(_stretches(motion_of(source, "source"), start, stop))
-
-
-def _longest(records):
-    return float(max(np.max(np.diff(segment.seconds), initial=0.0) for segment in records))
+    longest = float(max(np.max(np.diff(part.seconds), initial=0.0) for part in records))
+    return SampledFile(sum(map(len, records)), len(records), longest, error)
 
 
 def _window(method, degree):
@@ -385,24 +346,19 @@ def _window(method, degree):
     return (degree + 1) // 2 if method == "hermite" else degree + 1
 
 
-def _refuse_many(stretches, step):
-    count = sum(piece.length / step for piece in stretches)
-    if count > _MOST_RECORDS:
+def stretches_of(source: AttitudeSource, span: Sequence[EpochOrSeconds | None]) -> list[_Stretch]:
+    """The stretches without jumps and gaps of a motion, by default over the span of a table."""
+    from attitude.catalog import motion_of
+
+    if isinstance(source, (Records, AttitudeHistory, list, tuple)):
         raise AttitudeError(
-            f"the tolerance needs {count:.3g} records, more than {_MOST_RECORDS}; give a larger "
-            "one, a shorter span, or another method or degree of interpolation."
+            f"{type(source).__name__} is given with tolerance=; give the motion or the "
+            "AttitudeTable, with start= and stop=."
         )
-
-
-def _stretches(
-    motion: Motion, start: EpochOrSeconds | None, stop: EpochOrSeconds | None
-) -> list[_Stretch]:
-    """The stretches of a motion from start to stop."""
+    motion = motion_of(cast("HasAttitudes", source), "source")
     ends = []
-    for which, bound, k in (("start", start, 0), ("stop", stop, 1)):
-        value = bound
-        if value is None and motion.span is not None:
-            value = motion.span[k]
+    for which, value, end in zip(("start", "stop"), span, motion.span or (None, None), strict=True):
+        value = end if value is None else value
         if value is None:
             raise AttitudeError(
                 f"{which} is not given; a motion is written to a tolerance from start= to stop=, "
@@ -475,7 +431,7 @@ def _trial(stretch, step, total, method, degree):
         share = (np.arange(_BETWEEN) + 1.0) / (_BETWEEN + 1.0)
         between = (place[:-1, None] + share * np.diff(place)[:, None]).ravel()
         hi, lo = stretch.at(between)
-        worst = max(worst, _apart(table.at(hi, lo).wxyz, stretch.motion.at(hi, lo).wxyz))
+        worst = max(worst, apart(table.at(hi, lo).wxyz, stretch.motion.at(hi, lo).wxyz))
     return worst
 
 
@@ -496,7 +452,7 @@ def _measured(stretches: list[_Stretch], table: AttitudeTable, step: float) -> f
         since_segment = pairs.add((hi, lo), *_from(shift, segment.epoch))
         inside = segment._covers(since_segment[0], since_segment[1])
         wxyz = segment.at(since_segment[0][inside], since_segment[1][inside]).wxyz
-        worst = max(worst, _apart(wxyz, piece.motion.at(hi[inside], lo[inside]).wxyz))
+        worst = max(worst, apart(wxyz, piece.motion.at(hi[inside], lo[inside]).wxyz))
     return worst
 
 
@@ -505,16 +461,16 @@ def _from(first, second):
     return pairs.add((first.seconds, first.low), -second.seconds, -second.low)
 
 
-def _apart(p: FloatArray, q: FloatArray) -> float:
+def apart(p: FloatArray, q: FloatArray) -> float:
     """The largest angle, rad, between attitudes (N, 4)."""
     turn = quaternion.multiply(quaternion.conjugate(p), q)
     return float(np.max(forms.to_axis_angle(turn)[1], initial=0.0))
 
 
 def stated(
-    method: str | None, degree: int | None, has_rates: bool, table: AttitudeTable | None
+    method: str | None, degree: int | None, has_rates: bool, source: object = None
 ) -> tuple[str, int]:
     """Method and degree that a file will state, by default a table's; see `_table.settled`."""
-    if method is None and table is not None:
-        method, degree = table.method, degree or table.degree
+    if method is None and isinstance(source, AttitudeTable):
+        method, degree = source.method, degree or source.degree
     return _table.settled(method, degree, _table.MOST_DEGREE + 1, has_rates)

@@ -910,11 +910,9 @@ def write(
     }
     messages.write(
         path,
-        "the ACM",
         _FORM,
         "2.0",
-        _messages.written_header(creation_date, originator),
-        list(meta.get("comments", ()) if comments is None else comments),
+        _messages.written_header(meta, creation_date, originator, comments),
         [(names | times, (), write_data)],
         xml=xml,
     )

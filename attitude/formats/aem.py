@@ -33,13 +33,13 @@ from attitude.formats._format import (
 from attitude.formats._messages import VERSIONS, written_header
 from attitude.formats._records import TOLERANCE
 from attitude.frames import quaternion
-from attitude.motions._table import AttitudeTable
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from attitude._support.annotations import EpochOrSeconds, Epochs, FilePath
     from attitude.formats._sampling import AttitudeSource, SampledFile
+    from attitude.motions._table import AttitudeTable
     from attitude.paths._path import Path
 
 __all__ = ["read", "write"]
@@ -219,38 +219,27 @@ def write(
         raise AttitudeError(f"version is {version!r}; AEM has {' and '.join(VERSIONS)}.")
     settings["sequence"] = quaternion.known_sequence(settings["sequence"] or "ZXZ").upper()
     settings["names"] = (object_name, object_id, center, settings["body_frame"])
-    header = written_header(creation_date, originator)
-    comments = list(meta.get("comments", ()) if comments is None else comments)
-    messages.refuse_line_breaks(*header.values(), *comments)
+    header = written_header(meta, creation_date, originator, comments)
+    stated = "", 0
+    if tolerance is not None:
+        rated = _attitude_types.has_rates(written_kind(settings, has_rates))
+        stated = _sampling.stated(settings["method"], settings["degree"], rated, source)
+        settings["method"], settings["degree"] = stated
 
     def write_records(target, segments):
         written = [WrittenSegment(records, settings).parts for records in segments]
-        form = _aem_message.FORM
-        messages.write(target, "the AEM", form, version, header, comments, written, xml=xml)
+        messages.write(target, _aem_message.FORM, version, header, written, xml=xml)
 
-    if tolerance is None:
-        _sampling.refuse_span(start, stop)
-        write_records(path, _sampling.segments(source, t))
-        return None
-    _sampling.refuse_epochs(t)
-    motion = _sampling.one_motion(source)
-    kind_written = written_kind(settings, has_rates)
-    table = motion if isinstance(motion, AttitudeTable) else None
-    used, most = _sampling.stated(
-        settings["method"], settings["degree"], _attitude_types.has_rates(kind_written), table
-    )
-    settings |= {"method": used, "degree": most}
     return _sampling.write(
         path,
-        motion,
-        start,
-        stop,
+        source,
+        t,
+        (start, stop),
         tolerance,
-        method=used,
-        degree=most,
-        name="the AEM",
-        write_records=write_records,
-        read=lambda target: read(target, orbit=orbit, rates=rates),
+        stated,
+        write_records,
+        lambda target: read(target, orbit=orbit, rates=rates),
+        "the AEM",
     )
 
 

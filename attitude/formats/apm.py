@@ -537,11 +537,9 @@ def write(
     names = _messages.written_names(meta, object_name, object_id, center)
     messages.write(
         path,
-        "the APM",
         _FORM,
         version,
-        _messages.written_header(creation_date, originator),
-        list(meta.get("comments", ()) if comments is None else comments),
+        _messages.written_header(meta, creation_date, originator, comments),
         [({**names, "TIME_SYSTEM": scale.upper()}, (), write_data)],
         xml=xml,
     )

@@ -26,7 +26,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from attitude._textfiles import messages
-from attitude._textfiles.messages import refuse_line_breaks
 from attitude.formats import _aem_message, _sampling
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._aem_message import Options, WrittenSegment
@@ -144,34 +143,25 @@ def write(
         "names": (object_name, object_id, None, body_frame),
         "epochs": ccsds_epochs.days_and_seconds,
     }
-    header = written_header(creation_date, originator)
-    comments = list(meta.get("comments", ()) if comments is None else comments)
-    refuse_line_breaks(*header.values(), *comments)
+    header = written_header(meta, creation_date, originator, comments)
 
     def write_records(target: FilePath, segments: Sequence[Any]) -> None:
         segment = WrittenSegment(segments[0], settings)
         segment.data_comments = ()
         keywords = {key: text for key, text in segment.keywords.items() if key not in _LEFT_OUT}
         written = [(keywords, segment.comments, segment.write)]
-        messages.write(target, "the CIC file", _FORM, "1.0", header, comments, written)
+        messages.write(target, _FORM, "1.0", header, written)
 
-    if tolerance is None:
-        _sampling.refuse_span(start, stop)
-        write_records(path, [_sampling.only_segment(source, t, "a CIC file")])
-        return None
-    _sampling.refuse_epochs(t)
     return _sampling.write(
         path,
-        _sampling.one_motion(source),
-        start,
-        stop,
+        source,
+        t,
+        (start, stop),
         tolerance,
-        method="slerp",
-        degree=1,
-        name="a CIC file",
-        write_records=write_records,
-        read=lambda target: read(target, orbit=orbit),
-        one_segment=True,
+        ("slerp", 1),
+        write_records,
+        lambda target: read(target, orbit=orbit),
+        *("a CIC file", "a CIC file"),
     )
 
 

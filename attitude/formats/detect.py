@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from attitude._textfiles.lines import beginning, is_number
 from attitude.errors import AttitudeError
@@ -20,9 +20,6 @@ if TYPE_CHECKING:
     from attitude.formats._sampling import AttitudeSource, SampledFile
     from attitude.motions._motion import Motion
     from attitude.paths._path import Path
-    from attitude.scattering._law import Law
-    from attitude.shape._ellipsoid import Ellipsoid
-    from attitude.shape._mesh import Mesh
 
     # Ending -> name of the format, and the names of formats that hold a motion.
     ENDINGS: dict[str, str]
@@ -247,27 +244,10 @@ def write_any(
 # ---- A free rotation with its labels, from a file that holds one: spin file, APM, DAMIT spin file
 
 
-class State(NamedTuple):
-    """A motion with its labels.
-
-    motion: from a DAMIT spin file, which has no inertia, that of a body with equal moments.
-    shape, law: of a spin file, or None.
-    """
-
-    motion: FreeRotation
-    name: str | None
-    source: str | None
-    note: str | None
-    shape: Ellipsoid | Mesh | None = None
-    law: Law | None = None
-
-
-def read_state(path: FilePath) -> State:
-    """The free rotation in a file."""
+def read_state(path: FilePath) -> spin_file.SpinFile:
+    """The free rotation in a file; of a DAMIT spin file, without inertia, with equal moments."""
     if _kind(path) == "spin":
-        state = spin_file.read(path)
-        labels = state.name, state.source, state.note
-        return State(state.motion, *labels, state.shape, state.law)
+        return spin_file.read(path)
     motion, said = opened(path)
     if not isinstance(motion, FreeRotation):
         raise AttitudeError(
@@ -276,7 +256,7 @@ def read_state(path: FilePath) -> State:
             "makes one of attitudes."
         )
     name = said.get("object_name") or os.path.splitext(os.path.basename(os.fspath(path)))[0]
-    return State(motion, name, None, None)
+    return spin_file.SpinFile(motion.body, motion.spin, name)
 
 
 def _kind(path: FilePath) -> str:

@@ -100,6 +100,7 @@ from attitude import catalog, torques
 from attitude._support import quantity_text, validation
 from attitude._support.quoting import quoted
 from attitude._textfiles import toml
+from attitude._textfiles.lines import prefixed
 from attitude._textfiles.toml import refuse_unknown, text_of, way_of
 from attitude.errors import AttitudeError
 from attitude.formats import _surface, detect, spin_file
@@ -109,16 +110,12 @@ from attitude.paths import _composed, _places
 from attitude.paths._solar_system import SOURCES
 from attitude.scene._scene import Scene
 from attitude.scene._view import View
-from attitude.shape import _ellipsoid as shape_ellipsoid
+from attitude.shape._ellipsoid import Ellipsoid
 from attitude.torques import _gravity_gradient
 from attitude.torques._torqued import TorquedRotation
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from attitude._support.annotations import FilePath, FloatArray
-    from attitude.paths._path import Path
-    from attitude.shape import _mesh
+    from attitude._support.annotations import FilePath
 
 __all__ = [
     "MagnitudeScale",
@@ -233,119 +230,24 @@ def parse(text: str, origin: str = "text", *, folder: str = ".") -> Mission:
     (array([1.570796]), 'deg')
     '''
     content = toml.parsed(text, origin)
-    try:
-        refuse_unknown(content, _KEYS, "the file")
+    with prefixed(origin):
+        file = _File(content, folder)
         labels = {key: text_of(content, key) for key in _TEXTS}
-        state = _with_errors(_state(content, folder), content)
         if not content.keys() & {"center", "observer"}:
             raise AttitudeError(
                 "the file has no center, which a body seen from the Earth needs; give one, as in "
                 'center = "moon" or center = { oem = "orbit.oem" }, or an observer.'
             )
         scene = Scene(
-            _motion(content, state, folder),
-            _place(content["center"], "center", folder) if "center" in content else None,
-            _place(content.get("observer", "earth"), "observer", folder),
-            _place(content.get("sun", "sun"), "sun", folder),
-            **_options(content, folder),
-            **_photometry(content, state, folder),
+            file.motion(),
+            file.place("center") if "center" in content else None,
+            file.place("observer", "earth"),
+            file.place("sun", "sun"),
+            **file.options(),
+            **file.photometry(),
         )
-        return Mission(
-            scene, _times(content), _columns(content, scene), _magnitude(content, scene), **labels
-        )
-    except AttitudeError as err:
-        raise AttitudeError(f"{origin}: {err}") from err
-
-
-def column(text: str) -> MissionColumn:
-    """The MissionColumn of a text such as "phase_angle deg"."""
-    if not isinstance(text, str) or not text.split():
-        raise AttitudeError(f'columns holds {quoted(text)}; give text such as "phase_angle deg".')
-    name, _, unit = " ".join(text.split()).partition(" ")
-    known = View.columns()
-    if name not in known:
-        refuse_unknown({name: None}, tuple(known), "columns")
-    mission_column = MissionColumn(name, unit or known[name].unit)
-    unit_of_column = known[name].unit
-    if unit and unit != unit_of_column:
-        from astropy import units
-
-        if not unit_of_column or not units.Unit(unit_of_column).is_equivalent(
-            quantity_text.unit_of(unit, "columns")
-        ):
-            raise AttitudeError(
-                f"columns holds {quoted(text)}, but {name} is "
-                + (
-                    f"in {unit_of_column}; give a unit that converts to it."
-                    if unit_of_column
-                    else "a pure number."
-                )
-            )
-    return mission_column
-
-
-def _columns(content: dict[str, Any], scene: Scene) -> tuple[MissionColumn, ...]:
-    names = content.get("columns", _BRIGHT if scene.shape is not None else None)
-    if not isinstance(names, list) or not names:
-        raise AttitudeError(
-            'columns is missing; give a list of quantities, such as ["phase_angle deg"], from '
-            f"{', '.join(View.columns())}."
-        )
-    return tuple(column(name) for name in names)
-
-
-def _with_errors(found: spin_file.SpinFile | None, content: dict[str, Any]) -> Any:
-    """The state with the errors of the section [errors]; None without a spin."""
-    if "errors" not in content:
-        return found
-    if found is None:
-        raise AttitudeError(
-            "the file has a section [errors], but no spin whose errors they are; give a spin."
-        )
-    return replace(found, spin=spin_file.with_errors(content, found.body, found.spin))
-
-
-def _motion(
-    content: dict[str, Any], state: spin_file.SpinFile | None, folder: str
-) -> FreeRotation | TorquedRotation | None:
-    """The motion of a state, under the torques of the file; None without a spin."""
-    free = None if state is None else state.motion
-    if "torque" not in content and "integration" not in content:
-        return free
-    ephemeris = _options(content, folder).get("ephemeris")
-
-    def path(section: dict[str, Any], where: str, origin: str) -> Path:
-        source, key = (section, "path") if "path" in section else (content, "center")
-        if key not in source:
-            raise AttitudeError(
-                f"{where} acts along an orbit; give center = a place in the file, or path in the "
-                "section."
-            )
-        return _composed.relative(_place(source[key], key, folder), origin, ephemeris)
-
-    def facets(where: str) -> _mesh.Mesh:
-        return _facets(content, state, where, folder)
-
-    around = _Surroundings(path, facets, ephemeris)
-    return _under_torques(content, free, around)
-
-
-def _facets(
-    content: dict[str, Any], state: spin_file.SpinFile | None, where: str, folder: str
-) -> _mesh.Mesh:
-    """The facets of the section [shape], or of the shape of a spin file."""
-    section = content.get("shape", {})
-    if "shape" in content:
-        body = None if state is None else state.body
-        shape = _surface.shape_of(section, body, partial(_file, folder=folder))["shape"]
-    elif state is not None and state.shape is not None:
-        shape = state.shape
-    else:
-        raise AttitudeError(f"{where} acts on facets; give a section [shape].")
-    if isinstance(shape, shape_ellipsoid.Ellipsoid):
-        return shape.facets(section.get("facets", _surface.FACETS))
-    mesh: _mesh.Mesh = shape
-    return mesh
+        columns, magnitude = _output(content, scene)
+        return Mission(scene, _times(content), columns, magnitude, **labels)
 
 
 def read_motion(path: FilePath) -> FreeRotation | TorquedRotation:
@@ -362,115 +264,47 @@ def read_motion(path: FilePath) -> FreeRotation | TorquedRotation:
     """
     path = os.fspath(path)
     content = toml.parsed(toml.read(path, "mission file"), path)
-    try:
-        refuse_unknown(content, _KEYS, "the file")
-        folder = os.path.dirname(path)
-        motion = _motion(content, _with_errors(_state(content, folder), content), folder)
+    with prefixed(path):
+        motion = _File(content, os.path.dirname(path)).motion()
         if motion is None:
             raise AttitudeError("the file has no spin; give one, or sections [body] and [spin].")
         return motion
-    except AttitudeError as err:
-        raise AttitudeError(f"{path}: {err}") from err
 
 
-def _state(content: dict[str, Any], folder: str) -> spin_file.SpinFile | None:
-    """The state of the keys spin and [body], with the shape of a spin file; None without a spin."""
-    section = content.get("spin")
-    is_state = isinstance(section, dict) and "catalog" not in section
-    if "body" in content or is_state:
-        if not is_state and section is not None:
-            raise AttitudeError(
-                "the file has a section [body] and a spin with a body of its own; leave one out."
-            )
-        return spin_file.of_sections({key: content[key] for key in content if key in _OF_STATE})
-    if section is None:
-        return None
-    if isinstance(section, str):
-        return _named(section, folder)
-    if isinstance(section, dict) and isinstance(section["catalog"], str):
-        others = {key: value for key, value in section.items() if key != "catalog"}
-        return _bare(catalog.entry(section["catalog"]).motion(**others))
-    ways = 'the name of a spin file, { catalog = "name", ... }, or the sections [body] and [spin]'
-    raise AttitudeError(f"spin is {quoted(section)}; give {ways}.")
+def column(text: str) -> MissionColumn:
+    """The MissionColumn of a text such as "phase_angle deg"."""
+    if not isinstance(text, str) or not text.split():
+        raise AttitudeError(f'columns holds {quoted(text)}; give text such as "phase_angle deg".')
+    name, _, unit = " ".join(text.split()).partition(" ")
+    known = View.columns()
+    if name not in known:
+        refuse_unknown({name: None}, tuple(known), "columns")
+    usual = known[name].unit
+    if unit and unit != usual:
+        from astropy.units import Unit
+
+        given = quantity_text.unit_of(unit, "columns") if usual else None
+        if given is None or not Unit(usual).is_equivalent(given):
+            what = f"in {usual}; give a unit that converts to it." if usual else "a pure number."
+            raise AttitudeError(f"columns holds {quoted(text)}, but {name} is {what}")
+    return MissionColumn(name, unit or usual)
 
 
-def _named(given: str, folder: str) -> spin_file.SpinFile:
-    """The state of a file, or of an entry of the catalogue if no file has the name."""
-    if not os.path.isfile(os.path.join(folder, os.path.expanduser(given))) and catalog.has(given):
-        return _bare(catalog.entry(given).motion())
-    state = detect.read_state(_places.file_of(given, folder, "spin"))
-    return replace(_bare(state.motion), shape=state.shape, law=state.law)
-
-
-def _bare(motion: FreeRotation) -> spin_file.SpinFile:
-    """A motion alone."""
-    return spin_file.SpinFile(motion.body, motion.spin)
-
-
-def _place(given: Any, name: str, folder: str) -> Any:
-    """A path or direction, or the name or number of a body, as a Scene takes it."""
-    if isinstance(given, int) and not isinstance(given, bool):
-        return given
-    is_code = name == "observer" and isinstance(given, str) and _places.is_code(given)
-    if isinstance(given, str) and _places.is_body(given) and not is_code:
-        return given  # of the ephemeris of the scene
-    if not isinstance(given, (str, dict)):
+def _output(content, scene):
+    """The columns, and the `MagnitudeScale` or None."""
+    has_shape = scene.shape is not None
+    names = content.get("columns", _BRIGHT if has_shape else None)
+    if not isinstance(names, list) or not names:
         raise AttitudeError(
-            f"{name} is {quoted(given)}; give the name of a body, or a table with one of "
-            f"{', '.join(_places.TABLES)}."
+            'columns is missing; give a list of quantities, such as ["phase_angle deg"], from '
+            f"{', '.join(View.columns())}."
         )
-    return _places.place(given, name, is_observer=name == "observer", folder=folder)
+    columns = tuple(column(name) for name in names)
+    section = content.get("magnitude", {})
+    return columns, _surface.magnitude_of(section, scene) if has_shape else None
 
 
-def _options(content: dict[str, Any], folder: str) -> dict[str, Any]:
-    """The options, as a Scene takes them."""
-    options = {key: content[key] for key in (*_OPTIONS, *_OF_SITES) if key in content}
-    kernel = options.get("ephemeris")
-    if kernel not in (None, *SOURCES):
-        options["ephemeris"] = _places.file_of(kernel, folder, "ephemeris")
-    if options.get("tolerance") == "none":
-        options["tolerance"] = None
-    return options
-
-
-def _photometry(
-    content: dict[str, Any], state: spin_file.SpinFile | None, folder: str
-) -> dict[str, Any]:
-    """Shape, law and scale of magnitudes, as a Scene takes them."""
-    shape_section, law = content.get("shape"), None
-    keywords: dict[str, Any]
-    if shape_section is not None:
-        body = None if state is None else state.body
-        keywords = _surface.shape_of(shape_section, body, partial(_file, folder=folder))
-    elif state is not None and state.shape is not None:
-        keywords, law = {"shape": state.shape}, state.law
-    else:
-        for section in ("scattering", "magnitude"):
-            if section in content:
-                raise AttitudeError(
-                    f"the file has a section [{section}], but no [shape]; give a shape."
-                )
-        return {}
-    if law is None or "scattering" in content:
-        law = _surface.law_of(content.get("scattering", {}), keywords["shape"])
-    scale = _surface.scale_of(content.get("magnitude", {}))
-    shape = _surface.facets_for(shape_section or {}, keywords["shape"], law)
-    return {**keywords, **scale, "law": law, "shape": shape}
-
-
-def _file(given: Any, name: str, folder: str) -> str:
-    """A file that a mission names."""
-    return _places.file_of(given, folder, name)
-
-
-def _magnitude(content: dict[str, Any], scene: Scene) -> MagnitudeScale | None:
-    if scene.shape is None:
-        return None
-
-    return _surface.magnitude_of(content.get("magnitude", {}), scene)
-
-
-def _times(content: dict[str, Any]) -> dict[str, Any]:
+def _times(content):
     section = content.get("times")
     example = '[times] start = "2029-04-13", stop = "2029-04-14", step = "10 min"'
     if not isinstance(section, dict):
@@ -497,9 +331,151 @@ def _times(content: dict[str, Any]) -> dict[str, Any]:
     return times
 
 
-# ---- Sections [[torque]] and [integration]
+class _File:
+    """The content of a file, the folder of its file names, and its state: a SpinFile or None."""
 
-# The keys of each kind; "path" and "shape" say what else it needs.
+    def __init__(self, content, folder):
+        refuse_unknown(content, _KEYS, "the file")
+        self.content, self.folder = content, folder
+        self.state = self._state()
+        if "errors" in content:
+            if self.state is None:
+                raise AttitudeError(
+                    "the file has a section [errors], but no spin whose errors they are; give a "
+                    "spin."
+                )
+            spin = spin_file.with_errors(content, self.state.body, self.state.spin)
+            self.state = replace(self.state, spin=spin)
+
+    def _state(self):
+        """The state of the keys spin and [body], with the shape of a spin file."""
+        section = self.content.get("spin")
+        is_state = isinstance(section, dict) and "catalog" not in section
+        if "body" in self.content or is_state:
+            if not is_state and section is not None:
+                raise AttitudeError(
+                    "the file has a section [body] and a spin with a body of its own; leave one "
+                    "out."
+                )
+            sections = {key: self.content[key] for key in self.content if key in _OF_STATE}
+            return spin_file.of_sections(sections)
+        if section is None:
+            return None
+        if isinstance(section, str):
+            path = os.path.join(self.folder, os.path.expanduser(section))
+            if os.path.isfile(path) or not catalog.has(section):
+                return detect.read_state(self.file(section, "spin"))
+            section = {"catalog": section}
+        if isinstance(section, dict) and isinstance(section["catalog"], str):
+            others = {key: value for key, value in section.items() if key != "catalog"}
+            motion = catalog.entry(section["catalog"]).motion(**others)
+            return spin_file.SpinFile(motion.body, motion.spin)
+        ways = '{ catalog = "name", ... }, or the sections [body] and [spin]'
+        raise AttitudeError(f"spin is {quoted(section)}; give the name of a spin file, {ways}.")
+
+    def file(self, given, name):
+        """A file that the key `name` names."""
+        return _places.file_of(given, self.folder, name)
+
+    def place(self, name, usual=None):
+        """A path or direction, or the name or number of a body, as a Scene takes it."""
+        return self._place(self.content.get(name, usual), name)
+
+    def _place(self, given, name):
+        if isinstance(given, int) and not isinstance(given, bool):
+            return given
+        is_code = name == "observer" and isinstance(given, str) and _places.is_code(given)
+        if isinstance(given, str) and _places.is_body(given) and not is_code:
+            return given  # of the ephemeris of the scene
+        if not isinstance(given, (str, dict)):
+            raise AttitudeError(
+                f"{name} is {quoted(given)}; give the name of a body, or a table with one of "
+                f"{', '.join(_places.TABLES)}."
+            )
+        return _places.place(given, name, is_observer=name == "observer", folder=self.folder)
+
+    def options(self):
+        """The options, as a Scene takes them."""
+        options = {key: self.content[key] for key in (*_OPTIONS, *_OF_SITES) if key in self.content}
+        kernel = options.get("ephemeris")
+        if kernel not in (None, *SOURCES):
+            options["ephemeris"] = self.file(kernel, "ephemeris")
+        if options.get("tolerance") == "none":
+            options["tolerance"] = None
+        return options
+
+    def _shape(self):
+        """``shape`` and, if given, ``shadows``, of the section [shape] or the state; or None."""
+        if "shape" in self.content:
+            body = None if self.state is None else self.state.body
+            return _surface.shape_of(self.content["shape"], body, self.file)
+        if self.state is not None and self.state.shape is not None:
+            return {"shape": self.state.shape}
+        return None
+
+    def photometry(self):
+        """Shape, law and scale of magnitudes, as a Scene takes them."""
+        keywords = self._shape()
+        if keywords is None:
+            for section in ("scattering", "magnitude"):
+                if section in self.content:
+                    raise AttitudeError(
+                        f"the file has a section [{section}], but no [shape]; give a shape."
+                    )
+            return {}
+        law = None if "shape" in self.content else self.state.law
+        if law is None or "scattering" in self.content:
+            law = _surface.law_of(self.content.get("scattering", {}), keywords["shape"])
+        scale = _surface.scale_of(self.content.get("magnitude", {}))
+        shape = _surface.facets_for(self.content.get("shape", {}), keywords["shape"], law)
+        return {**keywords, **scale, "law": law, "shape": shape}
+
+    def facets(self, where):
+        """The facets of the shape, on which `where` acts."""
+        keywords = self._shape()
+        if keywords is None:
+            raise AttitudeError(f"{where} acts on facets; give a section [shape].")
+        shape = keywords["shape"]
+        if isinstance(shape, Ellipsoid):
+            return shape.facets(self.content.get("shape", {}).get("facets", _surface.FACETS))
+        return shape
+
+    def motion(self):
+        """The motion of the state, under the torques of the file; None without a spin."""
+        free = None if self.state is None else self.state.motion
+        if "torque" not in self.content and "integration" not in self.content:
+            return free
+        sections = self.content.get("torque")
+        is_list = isinstance(sections, list) and all(isinstance(x, dict) for x in sections)
+        if not is_list or not sections:
+            raise AttitudeError(
+                "the file has no list of torques; begin each with [[torque]] and a kind, as in "
+                '[[torque]] kind = "gravity_gradient".'
+            )
+        if free is None:
+            raise AttitudeError("the file has torques, but no spin on which they act; give a spin.")
+        ephemeris = self.options().get("ephemeris")
+        acting = [
+            _Torque(self, section, number, ephemeris).made()
+            for number, section in enumerate(sections, start=1)
+        ]
+        how = self.content.get("integration", {})
+        if not isinstance(how, dict):
+            raise AttitudeError(f"integration is {quoted(how)}; give a section [integration].")
+        units = {"tolerance": "rad", "step": "s", "step_tolerance": "rad"}
+        refuse_unknown(how, (*units, "scheme"), "[integration]")
+        options = {
+            key: _surface.number_of(value, f"[integration] {key}", units[key])
+            if key in units
+            else value
+            for key, value in how.items()
+        }
+        return TorquedRotation(free.body, free.spin, acting, **options)
+
+
+# ---- Sections [[torque]]
+
+# The keys of each kind, which a method of `_Torque` makes.
 _TORQUES: dict[str, tuple[str, ...]] = {
     "gravity_gradient": ("body", "mu", "path"),
     "eddy_current": ("tensor", "field", "path"),
@@ -514,183 +490,137 @@ _TORQUES: dict[str, tuple[str, ...]] = {
 }
 
 
-@dataclass(frozen=True)
-class _Surroundings:
-    """What the rest of a mission file says of orbit and shape.
+class _Torque:
+    """A section [[torque]] of a `_File`, counted from 1; `where` names it in messages."""
 
-    Attributes
-    ----------
-    path : callable
-        The Path of the body from a named body, for a section [[torque]] and its name in messages.
-    facets : callable
-        The facets of the section [shape], for the name of a section in messages.
-    ephemeris : str or None
-    """
-
-    path: Callable[[dict[str, Any], str, str], Path]
-    facets: Callable[[str], _mesh.Mesh]
-    ephemeris: str | None
-
-
-def _under_torques(
-    content: dict[str, Any], free: FreeRotation | None, around: _Surroundings
-) -> TorquedRotation:
-    """The motion with the torques of the file."""
-    sections = content.get("torque")
-    if (
-        not isinstance(sections, list)
-        or not sections
-        or not all(isinstance(x, dict) for x in sections)
-    ):
-        raise AttitudeError(
-            "the file has no list of torques; begin each with [[torque]] and a kind, as in "
-            '[[torque]] kind = "gravity_gradient".'
-        )
-    if free is None:
-        raise AttitudeError("the file has torques, but no spin on which they act; give a spin.")
-    acting = []
-    for k, section in enumerate(sections, start=1):
-        kind = section.get("kind")
+    def __init__(self, file, section, number, ephemeris):
+        self.file, self.section, self.ephemeris = file, section, ephemeris
+        self.kind = kind = section.get("kind")
         if not isinstance(kind, str) or kind not in _TORQUES:
             what = "no kind" if kind is None else f"the kind {quoted(kind)}"
             raise AttitudeError(
-                f"[[torque]] number {k} has {what}; give one of {', '.join(_TORQUES)}."
+                f"[[torque]] number {number} has {what}; give one of {', '.join(_TORQUES)}."
             )
-        where = f"[[torque]] number {k} ({kind})"
-        refuse_unknown(section, ("kind", *_TORQUES[kind]), where)
+        self.where = f"[[torque]] number {number} ({kind})"
+        refuse_unknown(section, ("kind", *_TORQUES[kind]), self.where)
+
+    def made(self):
+        """The torque."""
         try:
-            acting.append(_torque(kind, section, where, around))
+            return getattr(self, self.kind)()
         except AttitudeError as err:
-            text = str(err)
-            raise AttitudeError(text if text.startswith(where) else f"{where}: {text}") from err
-    how = content.get("integration", {})
-    if not isinstance(how, dict):
-        raise AttitudeError(f"integration is {quoted(how)}; give a section [integration].")
-    refuse_unknown(how, ("tolerance", "step", "step_tolerance", "scheme"), "[integration]")
-    units = {"tolerance": "rad", "step": "s", "step_tolerance": "rad"}
-    options = {
-        key: _surface.number_of(value, f"[integration] {key}", units[key])
-        if key in units
-        else value
-        for key, value in how.items()
-    }
-    return TorquedRotation(free.body, free.spin, acting, **options)
+            if str(err).startswith(self.where):
+                raise
+            raise AttitudeError(f"{self.where}: {err}") from err
 
+    def number(self, key, unit=None):
+        if key not in self.section:
+            in_unit = f", in {unit}" if unit else ""
+            raise AttitudeError(f"{self.where} has no {key}; give it{in_unit}.")
+        return _surface.number_of(self.section[key], f"{self.where} {key}", unit)
 
-def _torque(
-    kind: str, section: dict[str, Any], where: str, around: _Surroundings
-) -> torques.Torque:
-    """One torque of a file."""
+    def options(self, **units):
+        """The numbers of those keys that are given."""
+        return {key: self.number(key, unit) for key, unit in units.items() if key in self.section}
 
-    def number(key: str, unit: str | None) -> Any:
-        if key not in section:
-            raise AttitudeError(f"{where} has no {key}; give it{f', in {unit}' if unit else ''}.")
-        return _surface.number_of(section[key], f"{where} {key}", unit)
+    def path(self, origin):
+        """The path of the body from a named body."""
+        validation.one_of(origin, f"{self.where} body", tuple(_gravity_gradient.GM))
+        key = "path" if "path" in self.section else "center"
+        source = self.section if "path" in self.section else self.file.content
+        if key not in source:
+            raise AttitudeError(
+                f"{self.where} acts along an orbit; give center = a place in the file, or path in "
+                "the section."
+            )
+        return _composed.relative(self.file._place(source[key], key), origin, self.ephemeris)
 
-    def options(**units: str | None) -> dict[str, Any]:
-        return {key: number(key, unit) for key, unit in units.items() if key in section}
+    def gravity_gradient(self):
+        center = self.section.get("body", "earth")
+        mu = self.number("mu", "m3/s2") if "mu" in self.section else center
+        return torques.GravityGradient(self.path(center), mu)
 
-    def path(origin: str) -> Path:
-        validation.one_of(origin, f"{where} body", tuple(_gravity_gradient.GM))
-        return around.path(section, where, origin)
+    def eddy_current(self):
+        return torques.EddyCurrent(self.number("tensor", "S m4"), self.field(), self.path("earth"))
 
-    if kind == "gravity_gradient":
-        center = section.get("body", "earth")
-        mu = number("mu", "m3/s2") if "mu" in section else center
-        return torques.GravityGradient(path(center), mu)
-    if kind == "eddy_current":
-        return torques.EddyCurrent(number("tensor", "S m4"), _field(section, where), path("earth"))
-    if kind == "magnetic_dipole":
-        moment = number("moment", "A m2")
-        return torques.MagneticDipole(moment, _field(section, where), path("earth"))
-    if kind == "aerodynamic":
-        density = _air(section, where, number)
-        return torques.AerodynamicTorque(
-            around.facets(where), path("earth"), density, **options(mirrored=None)
-        )
-    if kind == "solar_radiation":
-        shadows = validation.one_of(
-            section.get("shadows", False), f"{where} shadows", (True, False)
-        )
-        names = section.get("shadow_of", [])
+    def magnetic_dipole(self):
+        moment = self.number("moment", "A m2")
+        return torques.MagneticDipole(moment, self.field(), self.path("earth"))
+
+    def aerodynamic(self):
+        density = self.section.get("density")
+        if isinstance(density, dict):
+            units = {"density": "kg/m3", "height": "m", "scale_height": "m"}
+            numbers = _surface.table_of(density, f"{self.where} density", units, tuple(units))
+            for key in ("density", "scale_height"):
+                validation.positive(numbers[key], f"{self.where} density {key}")
+            density = partial(_exponential, **numbers)
+        else:
+            density = self.number("density", "kg/m3")
+        facets, path = self.file.facets(self.where), self.path("earth")
+        return torques.AerodynamicTorque(facets, path, density, **self.options(mirrored=None))
+
+    def solar_radiation(self):
+        shadows = self.section.get("shadows", False)
+        validation.one_of(shadows, f"{self.where} shadows", (True, False))
+        names = self.section.get("shadow_of", [])
         names = [names] if isinstance(names, str) else names
         if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-            raise AttitudeError(f"{where} shadow_of is {quoted(names)}; give names of bodies.")
+            raise AttitudeError(f"{self.where} shadow_of is {quoted(names)}; give names of bodies.")
         return torques.SolarRadiation(
-            around.facets(where),
-            path("sun"),
-            **options(diffuse=None, mirrored=None, flux="W/m2"),
+            self.file.facets(self.where),
+            self.path("sun"),
+            **self.options(diffuse=None, mirrored=None, flux="W/m2"),
             shadows=shadows,
-            shadow_of=[_composed.relative(name, "sun", around.ephemeris) for name in names],
+            shadow_of=[_composed.relative(name, "sun", self.ephemeris) for name in names],
         )
-    if kind == "constant":
-        return torques.ConstantTorque(number("torque", "N m"))
-    if kind == "linear_damping":
-        return torques.LinearDamping(number("coefficient", "N m s"))
-    return torques.InternalDissipation(_friction(section, where, number))
+
+    def constant(self):
+        return torques.ConstantTorque(self.number("torque", "N m"))
+
+    def linear_damping(self):
+        return torques.LinearDamping(self.number("coefficient", "N m s"))
+
+    def internal_dissipation(self):
+        if "strength" in self.section:
+            if len(self.section) > 2:
+                raise AttitudeError(
+                    f"{self.where} has a strength and a rheology; give one of them."
+                )
+            return torques.InternalDissipation(self.number("strength"))
+        law = way_of(self.section, ("quality", "viscosity"), f"{self.where} without strength")
+        rigidity = self.number("rigidity", "Pa")
+        if law == "quality":
+            compliance = torques.QualityFactor(rigidity, self.number("quality"))
+        else:
+            compliance = torques.Maxwell(rigidity, self.number("viscosity", "Pa s"))
+        poisson = self.options(poisson=None)
+        axes, density = self.number("axes", "m"), self.number("density", "kg/m3")
+        return torques.InternalDissipation(torques.Rheology(axes, density, compliance, **poisson))
+
+    def field(self):
+        """The magnetic field of the Earth."""
+        field, where = self.section.get("field", 13), f"{self.where} field"
+        if isinstance(field, dict):
+            refuse_unknown(field, ("degree", "epoch", "dipole"), where)
+            if "dipole" in field and len(field) == 1:
+                return torques.DipoleField(
+                    _surface.number_of(field["dipole"], f"{where} dipole", "A m2")
+                )
+            if "dipole" in field:
+                raise AttitudeError(f"{where} has a dipole and a model; give one of them.")
+            return torques.IGRF(field.get("degree", 13), field.get("epoch"))
+        if field == "igrf":
+            return torques.IGRF()
+        if isinstance(field, bool) or not isinstance(field, int):
+            raise AttitudeError(
+                f"{where} is {quoted(field)}; give a degree of the IGRF from 1 to 13, "
+                '{ degree = 13, epoch = "2025-01-01" }, or { dipole = [x, y, z] }.'
+            )
+        return torques.IGRF(field)
 
 
-def _friction(
-    section: dict[str, Any], where: str, number: Callable[[str, str | None], Any]
-) -> float | torques.Rheology:
-    """The strength of internal dissipation: a number, or a rheology."""
-    if "strength" in section:
-        if len(section) > 2:
-            raise AttitudeError(f"{where} has a strength and a rheology; give one of them.")
-        strength: float = number("strength", None)
-        return strength
-    law = way_of(section, ("quality", "viscosity"), f"{where} without strength")
-    rigidity = number("rigidity", "Pa")
-    compliance: torques.Maxwell | torques.QualityFactor
-    if law == "quality":
-        compliance = torques.QualityFactor(rigidity, number("quality", None))
-    else:
-        compliance = torques.Maxwell(rigidity, number("viscosity", "Pa s"))
-    poisson = {"poisson": number("poisson", None)} if "poisson" in section else {}
-    axes, density = number("axes", "m"), number("density", "kg/m3")
-    return torques.Rheology(axes, density, compliance, **poisson)
-
-
-def _air(
-    section: dict[str, Any], where: str, number: Callable[[str, str | None], Any]
-) -> float | Callable[[FloatArray], FloatArray]:
-    """A density in kg/m3, or an exponential one of the height."""
-    section_of_density = section.get("density")
-    if not isinstance(section_of_density, dict):
-        density: float = number("density", "kg/m3")
-        return density
-    units: dict[str, str | None] = {"density": "kg/m3", "height": "m", "scale_height": "m"}
-    numbers = _surface.table_of(section_of_density, f"{where} density", units, tuple(units))
-    for key in ("density", "scale_height"):
-        validation.positive(numbers[key], f"{where} density {key}")
-    return partial(_exponential, **numbers)
-
-
-def _exponential(
-    heights: FloatArray, density: float, height: float, scale_height: float
-) -> FloatArray:
+def _exponential(heights, density, height, scale_height):
     """kg/m3 at heights (K,) in m: `density` at one height, less by e at each scale height above."""
     with np.errstate(over="ignore"):
         return np.minimum(density * np.exp((height - heights) / scale_height), 1e3)
-
-
-def _field(section: dict[str, Any], where: str) -> torques.MagneticField:
-    """The magnetic field of a section."""
-    section_of_field = section.get("field", 13)
-    if isinstance(section_of_field, dict):
-        refuse_unknown(section_of_field, ("degree", "epoch", "dipole"), f"{where} field")
-        if "dipole" in section_of_field and len(section_of_field) == 1:
-            return torques.DipoleField(
-                _surface.number_of(section_of_field["dipole"], f"{where} field dipole", "A m2")
-            )
-        if "dipole" in section_of_field:
-            raise AttitudeError(f"{where} field has a dipole and a model; give one of them.")
-        return torques.IGRF(section_of_field.get("degree", 13), section_of_field.get("epoch"))
-    if section_of_field == "igrf":
-        return torques.IGRF()
-    if isinstance(section_of_field, bool) or not isinstance(section_of_field, int):
-        raise AttitudeError(
-            f"{where} field is {quoted(section_of_field)}; give a degree of the IGRF from 1 to 13, "
-            '{ degree = 13, epoch = "2025-01-01" }, or { dipole = [x, y, z] }.'
-        )
-    return torques.IGRF(section_of_field)

@@ -193,24 +193,16 @@ def write(
                     "".join([f"{date} {w!r} {x!r} {y!r} {z!r}\n" for date, w, x, y, z in records])
                 )
 
-    if tolerance is None:
-        _sampling.refuse_span(start, stop)
-        write_records(path, [_sampling.only_segment(source, t, "a table of quaternions")])
-        return None
-    _sampling.refuse_epochs(t)
-    method, degree = _sampling.stated(None, None, False, None)
     return _sampling.write(
         path,
-        _sampling.one_motion(source),
-        start,
-        stop,
+        source,
+        t,
+        (start, stop),
         tolerance,
-        method=method,
-        degree=degree,
-        name="the table of quaternions",
-        write_records=write_records,
-        read=lambda target: read(target, orbit=orbit),
-        one_segment=True,
+        _sampling.stated(None, None, has_rates=False),
+        write_records,
+        lambda target: read(target, orbit=orbit),
+        *("the table of quaternions", "a table of quaternions"),
     )
 
 

@@ -665,33 +665,26 @@ def write(
         head["Sequence"] = sequence.translate(str.maketrans("XYZ", "123"))
     how = Convention(scalar_first=SECTIONS[section].scalar_first, sequence=sequence)
     write_file = partial(_write, section=section, axes=axes, how=how, head=head, orbit=orbit)
-    if tolerance is None:
-        _sampling.refuse_span(start, stop)
-        parts = _sampling.segments(source, t) if split else []
-        if len(parts) < 2:
-            parts = [_sampling.only_segment(source, t, "an STK file")]
+    is_of_records = split and tolerance is None and start is None and stop is None
+    if is_of_records and len(parts := _sampling.segments(source, t)) > 1:
         for name, records in zip(_names(path, len(parts)), parts, strict=True):
             write_file(name, records, order=order)
         return None
-    _sampling.refuse_epochs(t)
-    motion = _sampling.one_motion(source)
-    degree = order or (motion.degree if isinstance(motion, AttitudeTable) else _table.USUAL_DEGREE)
-    count = _sampling.count_of_stretches(motion, start, stop) if split else 1
+    degree = source.degree if isinstance(source, AttitudeTable) else _table.USUAL_DEGREE
+    degree = order or degree
+    kept = order if tolerance is None else degree
+    how_written = (
+        ("slerp" if degree == 1 else "lagrange", degree),
+        lambda target, parts: write_file(target, parts[0], order=kept),
+        lambda target: read(target, orbit=orbit),
+        *("an STK file", "an STK file"),
+    )
+    span = start, stop
+    if tolerance is None or t is not None or not split:
+        return _sampling.write(path, source, t, span, tolerance, *how_written)
+    count = len(_sampling.stretches_of(source, span))
     files = [
-        _sampling.write(
-            name,
-            motion,
-            start,
-            stop,
-            tolerance,
-            method="slerp" if degree == 1 else "lagrange",
-            degree=degree,
-            name="an STK file",
-            write_records=lambda target, parts: write_file(target, parts[0], order=degree),
-            read=lambda target: read(target, orbit=orbit),
-            one_segment=True,
-            stretch=k if count > 1 else None,
-        )
+        _sampling.sampled(name, source, span, tolerance, *how_written, stretch=k)
         for k, name in enumerate(_names(path, count))
     ]
     return _sampling.SampledFile(

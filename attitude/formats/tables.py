@@ -429,43 +429,35 @@ def write(
         `qtable`.
     """
     kind = kind_of(path)
-    if tolerance is None:
-        _sampling.refuse_span(start, stop)
-        _write(path, kind, source, t, rates, sigma)
-        return None
-    _sampling.refuse_epochs(t)
-    motion = _sampling.one_motion(source)
-    has_rates = rates and _sampling.known_of(source, None)[1]
-    # CSV and the other tables of motions state no interpolation: readers take the usual one.
-    table = motion if isinstance(motion, AttitudeTable) and kind != "csv" else None
-    method, degree = _sampling.stated(None, None, has_rates, table)
+    stated = "", 0
+    if tolerance is not None:
+        has_rates = rates and _sampling.known_of(source, None)[1]
+        # CSV and the other tables of motions state no interpolation: readers take the usual one.
+        stated = _sampling.stated(None, None, has_rates, None if kind == "csv" else source)
     return _sampling.write(
         path,
-        motion,
-        start,
-        stop,
+        source,
+        t,
+        (start, stop),
         tolerance,
-        method=method,
-        degree=degree,
-        name="CSV" if kind == "csv" else "the table",
-        write_records=lambda target, parts: _write(target, kind, parts, None, rates, sigma),
-        read=read,
-        one_segment=kind == "csv",
+        stated,
+        lambda target, parts: _write(target, kind, parts, rates, sigma),
+        read,
+        "CSV" if kind == "csv" else "the table",
+        "CSV" if kind == "csv" else None,
     )
 
 
-def _write(path, kind, source, t, rates, sigma):
+def _write(path, kind, parts, rates, sigma):
+    rates = rates and all(segment.has_rates for segment in parts)
     if kind == "csv":
-        segment = _sampling.only_segment(source, t, "CSV")
-        write_csv(path, segment, rates=rates and segment.has_rates, sigma=sigma)
+        write_csv(path, parts[0], rates=rates, sigma=sigma)
     elif kind == "parquet":
-        parts = _sampling.segments(source, t)
         starts = np.cumsum([0, *map(len, parts)])[:-1].tolist()
         meta = {"frame": "ICRF", "segment": starts, **_interpolation(parts[0])}
-        rates = rates and all(piece.has_rates for piece in parts)
         write_parquet(path, parts, rates=rates, meta=meta, sigma=sigma)
     else:
-        table = qtable(source, t=t, rates=rates, sigma=sigma)
+        table = qtable(parts, rates=rates, sigma=sigma)
         if kind == "fits":
             table.meta["segment"] = ",".join(map(str, table.meta["segment"]))
         write_columns(path, table)
