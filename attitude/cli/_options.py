@@ -11,9 +11,9 @@ import argparse
 import math
 import os
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,11 +24,9 @@ from attitude.errors import AttitudeError
 if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray
     from attitude.catalog import Entry
+    from attitude.formats.spin_file import SpinFile
     from attitude.motions._free_rotation import FreeRotation
     from attitude.paths._path import Path, Place
-    from attitude.scattering._law import Law
-    from attitude.shape._ellipsoid import Ellipsoid
-    from attitude.shape._mesh import Mesh
     from attitude.torques._torqued import TorquedRotation
 
     Pair = tuple[FloatArray, FloatArray]  # high and low parts, s
@@ -45,18 +43,9 @@ _ROUNDING = Fraction(1, 10**9)
 
 @dataclass(frozen=True)
 class Grid:
-    """Epochs start + k step, for k from 0 to count - 1.
+    """Epochs start + k step, for k from 0 to count - 1: a step of seconds of UTC or TDB.
 
-    Attributes
-    ----------
-    epoch : Instant
-        From which the seconds of `block` count.
-    start : Instant
-    step : Fraction
-        Seconds, negative for times that run backwards.
-    count : int
-    uniform_in : str
-        "utc" or "tdb": the time scale of the steps.
+    The seconds of `block` count from the epoch.
     """
 
     epoch: _instants.Instant
@@ -66,10 +55,7 @@ class Grid:
     uniform_in: str
 
     def block(self, first: int, count: int) -> Pair:
-        """TDB seconds since the epoch of at most `count` epochs, from number `first` on.
-
-        Shapes: returns hi, lo (N,).
-        """
+        """TDB seconds since the epoch, hi, lo (N,), of at most `count` epochs from `first` on."""
         number = np.arange(first, min(first + count, self.count), dtype=np.float64)
         elapsed = _times(number, self.step)
         offset = pairs.add(
@@ -331,40 +317,6 @@ _WORDS = (
 )
 
 
-# Of an epoch that differs from that of the entry.
-_PROPAGATED = "propagated to --epoch"
-
-
-class Target(NamedTuple):
-    """A motion with its labels.
-
-    Attributes
-    ----------
-    motion : FreeRotation
-    name : str
-        Of the entry or in the spin file; the file itself if the file has none.
-    source, note : str or None
-    given : tuple of str
-        Options whose values replace or complete those of the entry.
-    shape, law : of a spin file, or None
-    """
-
-    motion: FreeRotation
-    name: str
-    source: str | None
-    note: str | None
-    given: tuple[str, ...] = ()
-    shape: Ellipsoid | Mesh | None = None
-    law: Law | None = None
-
-    @property
-    def label(self) -> str:
-        """The name, and which numbers are not those of its sources."""
-        words = [word for word in self.given if word != _PROPAGATED]
-        text = f"{self.name}, with {', '.join(words)} as given here" if words else self.name
-        return f"{text}, {_PROPAGATED}" if _PROPAGATED in self.given else text
-
-
 _FILES = "a body and its state in a file: spin file (.toml), APM, or DAMIT spin file (.spin)"
 
 
@@ -394,27 +346,33 @@ def motion_of(arguments: argparse.Namespace) -> FreeRotation | TorquedRotation:
         from attitude.formats import mission
 
         return mission.read_motion(arguments.target)
-    return opened(arguments).motion
+    return opened(arguments)[0].motion
 
 
-def opened(arguments: argparse.Namespace) -> Target:
-    """The Target of parsed arguments."""
-    if is_file(arguments.target):
-        return _from_file(arguments)
+def opened(arguments: argparse.Namespace) -> tuple[SpinFile, str]:
+    """The state of parsed arguments, and its name with what is not that of its sources."""
     from attitude import catalog
+    from attitude.formats.spin_file import SpinFile
 
-    entry = catalog.entry(arguments.target)
-    options = tuple(_completing(arguments))
-    sources = "; ".join(entry.sources)
-    state = _given(arguments)
-    if entry.is_propagated({name: value for name, value in state.items() if value is not None}):
-        options = (*(option for option in options if option != "--epoch"), _PROPAGATED)
-    return Target(entry.motion(**state), entry.name, sources, entry.note, options)
+    if is_file(arguments.target):
+        state = _from_file(arguments)
+        state = replace(state, name=state.name or arguments.target)
+        return state, str(state.name)
+    entry, label = catalog.entry(arguments.target), ""
+    given, options = _given(arguments), completing(arguments)
+    if entry.is_propagated({name: value for name, value in given.items() if value is not None}):
+        options.remove("--epoch")
+        label = ", propagated to --epoch"
+    if options:
+        label = f", with {', '.join(options)} as given here{label}"
+    motion, sources = entry.motion(**given), "; ".join(entry.sources)
+    state = SpinFile(motion.body, motion.spin, entry.name, sources, entry.note)
+    return state, entry.name + label
 
 
 def incomplete(arguments: argparse.Namespace) -> Entry | None:
     """The entry of the catalogue, if values are missing in it and no option gives one."""
-    if is_file(arguments.target) or _completing(arguments):
+    if is_file(arguments.target) or completing(arguments):
         return None
     from attitude import catalog
 
@@ -434,36 +392,28 @@ def _mission(path: str) -> dict[str, Any]:
     return content if is_mission else {}
 
 
-def _from_file(arguments: argparse.Namespace) -> Target:
-    from attitude.formats import detect
+def _from_file(arguments):
+    from attitude.formats import detect, mission
+    from attitude.formats.spin_file import SpinFile
+    from attitude.motions._free_rotation import FreeRotation
 
-    useless = _completing(arguments)
+    path, useless = arguments.target, completing(arguments)
     if useless:
         raise AttitudeError(
             f"{', '.join(useless)} complete an entry of the catalogue; write such values into the "
             "spin file."
         )
-    content = _mission(arguments.target)
-    if content:
-        return _of_mission(arguments.target, content)
-    spin_file = detect.read_state(arguments.target)
-    labels = spin_file.name or arguments.target, spin_file.source, spin_file.note
-    return Target(spin_file.motion, *labels, shape=spin_file.shape, law=spin_file.law)
-
-
-def _of_mission(path: str, content: dict[str, Any]) -> Target:
-    """The free rotation in a mission file."""
-    from attitude.formats import mission
-    from attitude.motions._free_rotation import FreeRotation
-
+    content = _mission(path)
+    if not content:
+        return detect.read_state(path)
     motion = mission.read_motion(path)
     if not isinstance(motion, FreeRotation):
         raise AttitudeError(
             f"{path}: the body moves under torques; give it to attitude propagate or evolve, or a "
             "file without [[torque]] for its free rotation."
         )
-    name, source, note = (content.get(key) for key in ("name", "source", "note"))
-    return Target(motion, name or path, source, note)
+    labels = [content.get(key) for key in ("name", "source", "note")]
+    return SpinFile(motion.body, motion.spin, *labels)
 
 
 def _given(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -481,12 +431,7 @@ def _given(arguments: argparse.Namespace) -> dict[str, Any]:
     return values
 
 
-def completes(arguments: argparse.Namespace) -> bool:
-    """Whether options complete or replace values of an entry of the catalogue."""
-    return bool(_completing(arguments))
-
-
-def _completing(arguments: argparse.Namespace) -> list[str]:
+def completing(arguments: argparse.Namespace) -> list[str]:
     """The options given that complete an entry of the catalogue."""
     options = [*(row[:2] for row in _NUMBERS), *(row[:2] for row in _WORDS)]
     return [option for option, name in options if getattr(arguments, name) is not None]

@@ -5,17 +5,16 @@ from __future__ import annotations
 import argparse
 import io
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING, Any
 
+from attitude._support import quantity_text
 from attitude.errors import AttitudeError
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats import tables
 
 if TYPE_CHECKING:
-    from astropy.table import QTable
-
     from attitude.cli._options import Grid
     from attitude.motions._free_rotation import FreeRotation
     from attitude.torques._torqued import TorquedRotation
@@ -31,6 +30,17 @@ def add_argument(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="x.csv or x.ecsv (default: CSV to standard output); appears whole or not at all",
     )
+
+
+def add_figure(parser: argparse.ArgumentParser) -> None:
+    """Add the option --figure."""
+    kinds = ", ".join(PICTURES)
+    parser.add_argument("--figure", metavar="FILE", help=f"figure, by its ending: {kinds}")
+
+
+def picture_of(arguments: argparse.Namespace) -> str | None:
+    """The format of --figure; None without it."""
+    return None if arguments.figure is None else kind_of(arguments.figure, PICTURES, "--figure")
 
 
 def kind_of(
@@ -62,47 +72,44 @@ def opened(name: str | None) -> AbstractContextManager[Any]:
 
 # ---- Rows of a table as text, as CSV or as ECSV (which astropy reads with units and times)
 
+# Columns of attitudes, with unit and description.
+_ATTITUDES = (
+    (tables.ATTITUDE, "", "attitude from body axes to ICRF, scalar first"),
+    (tables.RATES, "rad/s", "angular velocity over the body axes"),
+    (tables.SIGMA, "rad", "standard deviation of the attitude about an ICRF axis"),
+    (tables.SIGMA_RATES, "rad/s", "standard deviation of the angular velocity, body axes"),
+)
+
 
 def header(
     kind: str, motion: FreeRotation | TorquedRotation, *, rates: bool, sigma: bool = False
 ) -> str:
     """The lines above the rows: names of the columns; in ECSV also units and descriptions."""
+    names = tables.names(rates=rates, sigma=sigma)
     if kind == "csv":
-        return ",".join(tables.names(rates=rates, sigma=sigma)) + "\n"
-    from astropy.units import Quantity
-
-    iso = motion.spin.epoch.utc_iso
-    table = first_row(iso)
-    table["tdb_seconds"].info.description = "TDB seconds since the epoch"
-    for name in tables.ATTITUDE:
-        table[name] = [1.0]
-        table[name].info.description = "attitude from body axes to ICRF, scalar first"
-    for name in tables.RATES if rates else ():
-        table[name] = Quantity([0.0], "rad/s")
-        table[name].info.description = "angular velocity over the body axes"
-    for name in tables.SIGMA if sigma else ():
-        table[name] = Quantity([0.0], "rad")
-        table[name].info.description = "standard deviation of the attitude about an ICRF axis"
-    for name in tables.SIGMA_RATES if sigma and rates else ():
-        table[name] = Quantity([0.0], "rad/s")
-        table[name].info.description = "standard deviation of the angular velocity, body axes"
-    table.meta = {"frame": "ICRF", "epoch": f"{iso} UTC", "wxyz": "body to ICRF, scalar first"}
-    return head(table)
+        return ",".join(names) + "\n"
+    epoch = f"{motion.spin.epoch.utc_iso} UTC"
+    meta = {"frame": "ICRF", "epoch": epoch, "wxyz": "body to ICRF, scalar first"}
+    labels = [(n, unit, about) for group, unit, about in _ATTITUDES for n in group if n in names]
+    return head([("tdb_seconds", "s", "TDB seconds since the epoch"), *labels], meta)
 
 
-def first_row(utc: str) -> QTable:
-    """A QTable of one row at a date, with the first two columns of all tables here."""
+def head(labels: Sequence[tuple[str, str, str | None]], meta: Mapping[str, str]) -> str:
+    """The ECSV header of a table: UTC, then columns with name, unit ("") and description.
+
+    Columns called in_ and so on are flags, 0 or 1.
+    """
     from astropy.table import QTable
     from astropy.time import Time
     from astropy.units import Quantity
 
-    table = QTable({"utc": Time([utc], format="isot", scale="utc", precision=9)})
-    table["tdb_seconds"] = Quantity([0.0], "s")
-    return table
-
-
-def head(table: QTable) -> str:
-    """The ECSV header that astropy writes above the row of a table of one row."""
+    table = QTable({"utc": Time(["2000-01-01T00:00:00"], format="isot", scale="utc", precision=9)})
+    for name, unit, about in labels:
+        row = [1] if name.startswith("in_") else [1.0]
+        table[name] = Quantity(row, quantity_text.unit_of(unit, name)) if unit else row
+        if about is not None:
+            table[name].info.description = about
+    table.meta = dict(meta)
     text = io.StringIO()
     table.write(text, format="ascii.ecsv", delimiter=",")
     return "".join(text.getvalue().splitlines(keepends=True)[:-1])
@@ -113,15 +120,9 @@ def rows(
     motion: FreeRotation | TorquedRotation,
     first: int,
     count: int,
-    *,
-    rates: bool,
-    sigma: bool = False,
+    **columns: bool,
 ) -> str:
-    """The text of rows of a grid from `first` on: UTC, TDB seconds, attitude, angular velocity.
-
-    Numbers are written so that reading gives the same doubles.
-    """
+    """The text of rows of a grid from `first` on; `columns` are rates= and sigma=."""
     hi, lo = grid.block(first, count)
-    history = motion.at(hi, low=lo)
     dates = ccsds_epochs.texts(grid.epoch, hi, lo, "utc", grid.digits)
-    return tables.of_history(dates, hi, history, rates=rates, sigma=sigma)
+    return tables.of_history(dates, hi, motion.at(hi, low=lo), **columns)

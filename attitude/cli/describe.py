@@ -71,10 +71,9 @@ def _describe(arguments: argparse.Namespace) -> None:
     if entry is not None:
         print(entry)
         return
-    state = _options.opened(arguments)
-    for label in (state.label, state.source, state.note):
-        if label:
-            print(textwrap.fill(" ".join(label.split()), 98))
-    if state.name or state.source or state.note:
-        print()
+    state, label = _options.opened(arguments)
+    for text in (label, state.source, state.note):
+        if text:
+            print(textwrap.fill(" ".join(text.split()), 98))
+    print()
     print(description(state.motion, predictable=True))

@@ -28,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--refine", action="store_true", help="take the periods of least squares near these"
     )
     parser.add_argument("--output", metavar="FILE", help="points as x.csv or x.ecsv")
-    periods.add_figure(parser)
+    _output.add_figure(parser)
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -38,8 +38,7 @@ def run(arguments: argparse.Namespace) -> None:
     from attitude._support import quantity_text, validation
     from attitude.photometry import _folding
 
-    if arguments.figure is not None:
-        _output.kind_of(arguments.figure, _output.PICTURES, "--figure")
+    _output.picture_of(arguments)
     kind = _output.kind_of(arguments.output)
     data = periods.data_of(arguments)
     count = np.size(validation.real(arguments.period, "--period", unit="s"))
@@ -62,9 +61,7 @@ def run(arguments: argparse.Namespace) -> None:
         print(f"period {period / scale:.8g} +- {error / scale:.2g} {unit}, peak to peak {size:.3g}")
     print(f"rms of the residuals {folded.rms:.4g}, order {order}")
     if arguments.output is not None:
-        folded.table().write(
-            arguments.output, format="ascii.csv" if kind == "csv" else "ascii.ecsv", overwrite=True
-        )
+        folded.table().write(arguments.output, format=f"ascii.{kind}", overwrite=True)
         print(arguments.output)
     if arguments.figure is not None:
         folded.plot(arguments.figure)

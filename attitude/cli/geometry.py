@@ -12,7 +12,6 @@ from attitude.cli import _output
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
-    from attitude.cli._options import Grid
     from attitude.formats.mission import Mission
     from attitude.scene._view import View
 
@@ -53,7 +52,8 @@ def run(arguments: argparse.Namespace) -> None:
 
     kind = _output.kind_of(arguments.output)
     mission = formats_mission.read(arguments.file)
-    blocks = _blocks(mission, arguments)
+    views_of_blocks = views(mission, arguments, _BLOCK, ProgressBar("geometry"))
+    blocks = ([*dates(view, digits), *numbers(mission, view)] for view, digits in views_of_blocks)
     first = next(blocks)  # errors are raised before a row is written
     with _output.opened(arguments.output) as file:
         write(file, kind, mission, first, blocks)
@@ -71,12 +71,6 @@ def _list() -> None:
         print(f"{name:{width}}{unit:8}{column.about}{parts}")
 
 
-def _blocks(mission: Mission, arguments: argparse.Namespace) -> Iterator[list[Any]]:
-    """Columns of blocks of rows: texts of UTC, then lists of numbers."""
-    for view, digits in views(mission, arguments, _BLOCK, ProgressBar("geometry")):
-        yield [*dates(view, digits), *numbers(mission, view)]
-
-
 def views(
     mission: Mission,
     arguments: argparse.Namespace,
@@ -88,11 +82,7 @@ def views(
     if "epochs" in mission.times and not any(choices.values()):
         yield mission.scene.at(mission.times["epochs"]), 9
         return
-    times = {
-        name: value if value is not None else mission.times.get(name)
-        for name, value in choices.items()
-    }
-    grid = _grid(mission, times, {name for name, value in choices.items() if value is not None})
+    grid = _grid(mission, {name: value for name, value in choices.items() if value is not None})
     for begin in range(0, grid.count, size):
         yield mission.scene.since(grid.epoch, *grid.block(begin, size)), grid.digits
         if progress is not None:
@@ -107,10 +97,11 @@ def dates(view: View, digits: int) -> tuple[list[str], list[float]]:
     return texts, view.seconds.tolist()
 
 
-def _grid(mission: Mission, times: dict[str, Any], given: set[str]) -> Grid:
-    """The Grid of start, stop and step; `given` are the names of those on the command line."""
+def _grid(mission, given):
+    """The Grid of start, stop and step, of which some are given on the command line."""
     from attitude.cli import _options
 
+    times = {name: given.get(name, mission.times.get(name)) for name in TIMES}
     missing = [name for name, value in times.items() if value is None]
     if missing:
         raise AttitudeError(
@@ -125,7 +116,7 @@ def _grid(mission: Mission, times: dict[str, Any], given: set[str]) -> Grid:
         return _options.grid(epoch, *times.values())
     except AttitudeError as err:
         sentence = str(err)
-        for name in set(TIMES) - given:
+        for name in set(TIMES) - given.keys():
             sentence = sentence.replace(f"--{name}", f"[times] {name}")
         raise AttitudeError(sentence) from err
 
@@ -145,23 +136,9 @@ def numbers(mission: Mission, view: View) -> list[list[float]]:
 
 
 def write(
-    file: IO[str],
-    kind: str,
-    mission: Mission,
-    first: list[Any],
-    blocks: Iterable[list[Any]],
+    file: IO[str], kind: str, mission: Mission, first: list[Any], blocks: Iterable[list[Any]]
 ) -> None:
-    """Write the table of the columns of a mission.
-
-    Parameters
-    ----------
-    file : text file
-    kind : str
-        "csv" or "ecsv".
-    mission : Mission
-    first, blocks : list, and iterable of lists
-        The first block of columns, computed before the file was opened, and the others.
-    """
+    """Write the table of a mission, "csv" or "ecsv", whose `first` block is computed already."""
     from attitude.formats import tables
 
     file.write(_header(kind, mission))
@@ -169,39 +146,18 @@ def write(
         file.write(tables.text(*block))
 
 
-def _labels(mission: Mission) -> list[tuple[str, str, str]]:
-    """Name, unit and description of each column of numbers."""
+def _header(kind, mission):
     from attitude.scene._view import View
 
     known = View.columns()
     # CSV has no description: the part is in the name.
-    return [
-        (
-            f"{column.name}_{component}" if component else column.name,
-            column.unit,
-            known[column.name].about,
-        )
-        for column in mission.columns
-        for component in known[column.name].parts or ("",)
+    labels = [
+        (f"{one.name}_{part}" if part else one.name, one.unit, known[one.name].about)
+        for one in mission.columns
+        for part in known[one.name].parts or ("",)
     ]
-
-
-def _header(kind: str, mission: Mission) -> str:
-    labels = _labels(mission)
     if kind == "csv":
         names = [f"{name} [{unit}]" if unit else name for name, unit, _ in labels]
         return ",".join(["utc", "tdb_seconds", *names]) + "\n"
-    from astropy.units import Quantity
-
-    from attitude._support import quantity_text
-    from attitude.cli import _output
-
-    row = _output.first_row("2000-01-01T00:00:00")
-    for name, unit, about in labels:
-        is_flag = name.startswith("in_")
-        row[name] = (
-            Quantity([1.0], quantity_text.unit_of(unit, name)) if unit else [1 if is_flag else 1.0]
-        )
-        row[name].info.description = about
-    row.meta = {"frame": "ICRF", "scene": repr(mission.scene), "name": mission.name or ""}
-    return _output.head(row)
+    meta = {"frame": "ICRF", "scene": repr(mission.scene), "name": mission.name or ""}
+    return _output.head([("tdb_seconds", "s", None), *labels], meta)

@@ -5,14 +5,13 @@ from __future__ import annotations
 import argparse
 import os
 import re
-from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from attitude._support import validation
 from attitude.cli import _options, _output
+from attitude.epochs import _inputs, _instants
 from attitude.errors import AttitudeError
-
-if TYPE_CHECKING:
-    from attitude.inversion._solution import CurveFit, SpinStates
-
 
 HELP: str = "find the spin states of a tumbling body from a light curve"
 EPILOG: str = """\
@@ -84,70 +83,64 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--budget", default="60 s", help="work, s of one idle core (60 s)")
     parser.add_argument("--seed", type=int, default=0, help="of the random starts (0)")
     parser.add_argument("--output", metavar="FILE.toml", help="spin file of the best solution")
-    kinds = ", ".join(_output.PICTURES)
-    parser.add_argument("--figure", metavar="FILE", help=f"figure, by its ending: {kinds}")
+    _output.add_figure(parser)
     parser.add_argument(
         "--predict", metavar="DATES|FILE", help="magnitudes of the best solution at other dates"
     )
     parser.add_argument(
         "--prediction",
         metavar="FILE",
-        help=f"of --predict: their table (.csv, .ecsv) or a figure with a panel a night ({kinds})",
+        help="of --predict: their table (.csv, .ecsv) or a figure with a panel a night "
+        f"({', '.join(_output.PICTURES)})",
     )
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Search, print verdict and table, write the spin file and the figure."""
-    from attitude._support import validation
     from attitude.inversion import _spin_states
-    from attitude.photometry._curve import LightCurve
 
-    if arguments.figure is not None:
-        _output.kind_of(arguments.figure, _output.PICTURES, "--figure")
-    curve = LightCurve.read(
-        arguments.file,
-        frame=arguments.frame,
-        zero_points=_zero_points(arguments.zero_points),
-        **_geometry(arguments),
-        **({} if arguments.exposure is None else {"exposure": arguments.exposure}),
-    )
+    _output.picture_of(arguments)
+    exposure = {} if arguments.exposure is None else {"exposure": arguments.exposure}
+    zero_points = _zero_points(arguments.zero_points)
+    curve = _curve(arguments, arguments.file, zero_points=zero_points, **exposure)
     kind, dates = _prediction_of(arguments)
-    moments = _moments(arguments.moments)
+    period = arguments.period
+    if period is not None and "," in period:
+        period = tuple(word.strip() for word in period.split(","))
     states = _spin_states.spin_states(
         curve,
         arguments.max_frequency,
-        period=_period(arguments.period),
+        period=period,
         modes=tuple(mode.strip() for mode in arguments.modes.split(",")),
-        moments=moments,
+        moments=_moments(arguments.moments),
         **_surface(arguments),
         budget=validation.positive(arguments.budget, "--budget", unit="s"),
         seed=arguments.seed,
     )
     print(curve)
     print(states)
-    _write(states, arguments)
+    if arguments.output or arguments.figure:
+        if len(states) == 0:
+            raise AttitudeError("nothing was found, so that --output and --figure have no content.")
+        if arguments.output:
+            states[0].write(arguments.output, name=states[0].curve.name)
+            print(arguments.output)
+        if arguments.figure:
+            states.plot(arguments.figure)
+            print(arguments.figure)
     if arguments.predict is not None:
         _predict(states, dates, kind, arguments.prediction)
 
 
-def _write(found: SpinStates[CurveFit], arguments: argparse.Namespace) -> None:
-    if not (arguments.output or arguments.figure):
-        return
-    if len(found) == 0:
-        raise AttitudeError("nothing was found, so that --output and --figure have no content.")
-    if arguments.output:
-        found[0].write(arguments.output, name=found[0].curve.name)
-        print(arguments.output)
-    if arguments.figure:
-        found.plot(arguments.figure)
-        print(arguments.figure)
+def _curve(arguments, file, **settings):
+    """The light curve of a file, with the geometry of --orbit and --site."""
+    from attitude.photometry._curve import LightCurve
 
-
-def _period(text: str | None) -> Any:
-    """The period, or both ends."""
-    if text is None or "," not in text:
-        return text
-    return tuple(word.strip() for word in text.split(","))
+    path, site = _options.path_of(arguments), _options.site_of(arguments)
+    geometry = {
+        name: value for name, value in (("path", path), ("site", site)) if value is not None
+    }
+    return LightCurve.read(file, frame=arguments.frame, **geometry, **settings)
 
 
 # A span of dates: "START .. STOP, STEP"; without a step it has 200.
@@ -157,7 +150,7 @@ _STEPS, _MOST_EPOCHS = 200, 1_000_000
 _PRINTED = 40
 
 
-def _prediction_of(arguments: argparse.Namespace) -> tuple[str | None, Any]:
+def _prediction_of(arguments):
     """What --prediction writes, and the epochs of --predict, or a light curve."""
     if arguments.predict is None:
         if arguments.prediction is not None:
@@ -170,47 +163,43 @@ def _prediction_of(arguments: argparse.Namespace) -> tuple[str | None, Any]:
     return kind, _dates(arguments.predict, arguments)
 
 
-def _dates(text: str, arguments: argparse.Namespace) -> Any:
-    import numpy as np
-
-    from attitude._support import validation
-    from attitude.epochs import _inputs, _instants
+def _dates(text, arguments):
     from attitude.photometry import _files
-    from attitude.photometry._curve import LightCurve
 
     if os.path.isfile(text):
         lines = [line.strip() for line in _files.text_of(text).splitlines()]
-        rows = [line for line in lines if line and not line.startswith("#")]
-        if rows and all("," not in row for row in rows):
-            _inputs.past_j2000(rows)
-            return rows
-        return LightCurve.read(text, frame=arguments.frame, **_geometry(arguments))
-    span = _SPAN.fullmatch(text)
-    if span is None:
+        dates = [line for line in lines if line and not line.startswith("#")]
+        if not dates or any("," in line for line in dates):
+            return _curve(arguments, text)
+    elif span := _SPAN.fullmatch(text):
+        return _dates_of_span(text, *span.groups())
+    else:
         dates = [date.strip() for date in text.split(",")]
-        _inputs.past_j2000(dates)
-        return dates
-    start, stop = (_inputs.instant(date) for date in span.groups()[:2])
+    _inputs.past_j2000(dates)
+    return dates
+
+
+def _dates_of_span(text, first, last, step):
+    start, stop = _inputs.instant(first), _inputs.instant(last)
     length = stop.seconds - start.seconds
-    step = length / _STEPS
-    if span.group(3):
-        step = validation.positive(span.group(3), "the step of --predict", unit="s")
-    if not length > 0.0 or length / step > _MOST_EPOCHS:
+    seconds = length / _STEPS
+    if step:
+        seconds = validation.positive(step, "the step of --predict", unit="s")
+    if not length > 0.0 or length / seconds > _MOST_EPOCHS:
         raise AttitudeError(
-            f"--predict is {text!r}: {length / 86400.0:.6g} d in steps of {step:.6g} s; give a "
+            f"--predict is {text!r}: {length / 86400.0:.6g} d in steps of {seconds:.6g} s; give a "
             f"stop after the start, and at most {_MOST_EPOCHS} epochs."
         )
-    return _instants.times(start, np.arange(int(length / step + 1e-9) + 1) * step)
+    return _instants.times(start, np.arange(int(length / seconds + 1e-9) + 1) * seconds)
 
 
-def _predict(found: SpinStates[CurveFit], dates: Any, kind: str | None, output: str | None) -> None:
+def _predict(states, dates, kind, output):
     """Print the magnitudes of the best solution at dates; write their table or figure."""
     from attitude.photometry._curve import LightCurve
 
-    if len(found) == 0:
+    if len(states) == 0:
         raise AttitudeError("nothing was found, so that nothing is predicted.")
-    is_curve = isinstance(dates, LightCurve)
-    prediction = found[0].predict(dates)
+    prediction = states[0].predict(dates)
     print(f"predicted: {repr(prediction)[1:-1]}")
     table = prediction.table()
     print(f"{'UTC':<24}{'mag':>9}{'sigma':>8}{'form':>8}{'level':>8}{'phase deg':>11}")
@@ -222,7 +211,7 @@ def _predict(found: SpinStates[CurveFit], dates: Any, kind: str | None, output: 
     if output is None:
         return
     if kind in _output.PICTURES:
-        prediction.plot(output, observed=dates if is_curve else None)
+        prediction.plot(output, observed=dates if isinstance(dates, LightCurve) else None)
     else:
         table["time"] = table["time"].isot
         table.rename_column("time", "utc")
@@ -230,17 +219,14 @@ def _predict(found: SpinStates[CurveFit], dates: Any, kind: str | None, output: 
     print(output)
 
 
-def _zero_points(text: str) -> Any:
-    from attitude._support import validation
-
+def _zero_points(text):
     if text in ("auto", "shared", "free"):
         return text
     return validation.positive(text if " " in text else f"{text} mag", "--zero-points", unit="mag")
 
 
-def _moments(text: str) -> Any:
+def _moments(text):
     """ "shape", "free", a tolerance, three moments, or the body of a spin file."""
-    from attitude._support import validation
     from attitude.formats import spin_file
 
     if text in ("shape", "free"):
@@ -258,7 +244,7 @@ def _moments(text: str) -> Any:
         ) from None
 
 
-def _surface(arguments: argparse.Namespace) -> dict[str, Any]:
+def _surface(arguments):
     """The keywords of a known shape from --shape and --law."""
     if arguments.shape is None:
         if arguments.law is not None:
@@ -268,7 +254,7 @@ def _surface(arguments: argparse.Namespace) -> dict[str, Any]:
     from attitude.shape import _files
     from attitude.shape._ellipsoid import Ellipsoid
 
-    shape, law = None, None
+    law = None
     if arguments.shape.endswith(".toml"):
         shape, law = surface.of_file(arguments.shape)
     else:
@@ -280,12 +266,3 @@ def _surface(arguments: argparse.Namespace) -> dict[str, Any]:
     elif arguments.law is not None:
         law = surface.law_of({"law": arguments.law}, shape)
     return {"shape": shape} if law is None else {"shape": shape, "law": law}
-
-
-def _geometry(arguments: argparse.Namespace) -> dict[str, Any]:
-    """The keywords of the geometry from --orbit and --site."""
-
-    path, site = _options.path_of(arguments), _options.site_of(arguments)
-    if path is None:
-        return {}
-    return {"path": path} if site is None else {"path": path, "site": site}

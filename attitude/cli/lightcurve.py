@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable, Iterator
 from contextlib import ExitStack
 from dataclasses import replace
 from itertools import chain
@@ -22,9 +21,8 @@ if TYPE_CHECKING:
 
     from attitude._support.annotations import BoolArray, FloatArray, IntArray
     from attitude.epochs._instants import Instant
-    from attitude.formats.mission import Mission, MissionColumn
+    from attitude.formats.mission import Mission
     from attitude.scene._scene import Scene
-    from attitude.scene._view import View
 
 
 # ---- The figure of a light curve: magnitude and phase angle against time
@@ -148,8 +146,6 @@ def run_observed(mission: Mission, observed: str, target: str | None, figure: st
     """Write observed and computed magnitudes with a zero point a session; print each session's
     rms.
     """
-    import numpy as np
-
     from attitude.photometry import _files
 
     columns = _files.opened(observed, bad="refuse")
@@ -185,8 +181,6 @@ def _compared(
     given: FloatArray, computed: FloatArray, session: Any
 ) -> tuple[FloatArray, list[str]]:
     """Residuals without the mean of each session, and a line about each."""
-    import numpy as np
-
     residual = np.empty_like(given)
     lines = []
     for name in dict.fromkeys(session.tolist()):
@@ -210,7 +204,6 @@ def _write(file: IO[str], dates: list[str], session: Any, *columns: FloatArray) 
 
 def _draw(days: Any, given: FloatArray, residual: FloatArray, session: Any, figure: str) -> None:
     """Observed and computed magnitudes, and residuals, a colour a session."""
-    from attitude import plots
     from attitude._textfiles.atomic_write import written_whole
 
     kind = _output.kind_of(figure, _output.PICTURES, "--figure")
@@ -271,10 +264,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="observations to compare with, in place of the times of the file: residuals with a "
         "zero point a session, and their rms",
     )
-    kinds = ", ".join(_output.PICTURES)
-    parser.add_argument(
-        "--figure", metavar="FILE", help=f"figure, its format by its ending: {kinds}"
-    )
+    _output.add_figure(parser)
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -283,7 +273,7 @@ def run(arguments: argparse.Namespace) -> None:
     from attitude.formats import mission as formats_mission
 
     kind = _output.kind_of(arguments.output, ("csv", "ecsv", "txt"))
-    picture = _figure_kind(arguments.figure)
+    picture = _output.picture_of(arguments)
     mission = formats_mission.read(arguments.file)
     if mission.magnitude is None:
         raise AttitudeError(
@@ -300,7 +290,8 @@ def run(arguments: argparse.Namespace) -> None:
     views = geometry.views(mission, arguments, _BLOCK, ProgressBar("light curve"))
     first = next(views)  # errors are raised before anything is written
     mission = replace(mission, columns=_columns(mission, first[0]))
-    curve = _Curve(mission, chain([first], views), kind, is_drawn=picture is not None)
+    curve = _Curve(mission, kind, is_drawn=picture is not None)
+    views = chain([first], views)
     # Contexts end in reverse order: an error with the figure leaves no table either.
     with ExitStack() as stack:
         # Opened before the table, so that an error names the file that it concerns.
@@ -308,11 +299,14 @@ def run(arguments: argparse.Namespace) -> None:
             written_whole(arguments.figure, "--figure", binary=True)
         )
         if kind == "txt" or (picture and arguments.output is None):
-            curve.run()
+            for view, _ in views:
+                curve.magnitude_of(view)
         else:
-            curve.write(stack.enter_context(_output.opened(arguments.output)))
-        if drawn and picture:
-            curve.draw(drawn, picture)
+            file = stack.enter_context(_output.opened(arguments.output))
+            blocks = (curve.block(view, digits) for view, digits in views)
+            geometry.write(file, kind, mission, next(blocks), blocks)
+        if drawn:
+            curve.figure().savefig(drawn, format=picture, dpi=150)
         if kind == "txt":
             curve.write_damit(arguments.output)
     if picture is not None:
@@ -320,44 +314,57 @@ def run(arguments: argparse.Namespace) -> None:
 
 
 class _Curve:
-    """The light curve of a mission, block by block, and the arrays of a figure or file of DAMIT."""
+    """The light curve of a mission, and the arrays of a figure or file of DAMIT, by blocks."""
 
-    def __init__(
-        self,
-        mission: Mission,
-        views: Iterable[tuple[View, int]],
-        kind: str,
-        *,
-        is_drawn: bool,
-    ) -> None:
-        assert mission.magnitude is not None
-        self._magnitude = mission.magnitude
-        self._mission, self._views, self._kind = mission, views, kind
-        self._is_drawn = is_drawn
-        self._parts: list[dict[str, Any]] = []
+    def __init__(self, mission, kind, *, is_drawn):
+        self._mission, self._kind, self._is_drawn = mission, kind, is_drawn
+        self._others = replace(mission, columns=mission.columns[1:])
+        self._parts = []
 
-    def write(self, file: IO[str]) -> None:
-        """Compute all blocks and write each at once."""
-        blocks = self._blocks()
-        geometry.write(file, self._kind, self._mission, next(blocks), blocks)
+    def block(self, view, digits):
+        """The columns of a View, after its dates."""
+        magnitude = self.magnitude_of(view).tolist()
+        return [*geometry.dates(view, digits), magnitude, *geometry.numbers(self._others, view)]
 
-    def run(self) -> None:
-        """Compute all blocks for the arrays that are kept."""
-        for view, _ in self._views:
-            self._keep(view, self._magnitude.of(view))
+    def magnitude_of(self, view):
+        """The magnitudes of a View, whose arrays are kept."""
+        magnitude = self._mission.magnitude.of(view)
+        kept = {}
+        if self._is_drawn:
+            kept = {"epoch": view.epoch, "seconds": view.seconds, "magnitude": magnitude}
+            kept["phase_angle"] = view.phase_angle
+            if view.scene.shadow_of:
+                kept["lit_fraction"] = view.lit_fraction
+            if view.scene.observer.has_horizon:
+                kept["elevation"] = view.elevation
+                kept["sun_elevation"] = view.sun_elevation
+        if self._kind == "txt":
+            kept |= {"epoch": view.epoch, **self._of_damit(view)}
+        self._parts.append(kept)
+        return magnitude
 
-    def draw(self, file: IO[bytes], kind: str) -> None:
-        """Save the figure to a binary file in one of the formats of `PICTURES`."""
+    def _of_damit(self, view):
+        from attitude._support.pairs import Seconds
+        from attitude.light_curve._magnitudes import dimming
 
+        left = Seconds(*view.emission)
+        reduced = replace(self._mission.magnitude, kind="reduced").of(view)
+        if view.scene.shadow_of:  # reduced magnitudes are those in full sunlight
+            reduced = reduced + dimming(view.lit_fraction)
+        places = (
+            (view.sun_direction_icrf, view.sun_distance),
+            (view.observer_direction_icrf, view.observer_distance),
+        )
+        vectors = (np.asarray(unit) * np.asarray(far)[:, None] for unit, far in places)
+        return dict(zip(_DAMIT, (reduced, left.hi, left.low, *vectors), strict=True))
+
+    def figure(self):
         names = [name for name in self._parts[0] if name not in _DAMIT]
-        kept = {name: self._joined(name) for name in names}
-        of(self._mission, **kept).savefig(file, format=kind, dpi=150)
+        return of(self._mission, **{name: self._joined(name) for name in names})
 
-    def write_damit(self, path: str) -> None:
+    def write_damit(self, path):
         """Write one calibrated curve, in units of magnitude 0 at unit distances."""
-        import numpy as np
-
-        from attitude.epochs import _instants as epochs_instants
+        from attitude.epochs import _instants
         from attitude.formats import damit_light_curve
 
         kept = [self._joined(name) for name in _DAMIT]
@@ -369,84 +376,33 @@ class _Curve:
                 "of the body is both lit and seen, which DAMIT's files cannot hold; give other "
                 "times, or an --output x.csv."
             )
-        left = epochs_instants.times(self._parts[0]["epoch"], hi, lo)
+        left = _instants.times(self._parts[0]["epoch"], hi, lo)
         curve = damit_light_curve.from_positions(
             left, 10.0 ** (-0.4 * reduced), sun, observer, calibrated=True
         )
         damit_light_curve.write_damit_light_curves(path, curve)
 
-    def _blocks(self) -> Iterator[list[Any]]:
-        others = replace(self._mission, columns=self._mission.columns[1:])
-        for view, digits in self._views:
-            magnitude = self._magnitude.of(view)
-            self._keep(view, magnitude)
-            columns = [magnitude.tolist(), *geometry.numbers(others, view)]
-            yield [*geometry.dates(view, digits), *columns]
-
-    def _keep(self, view: View, magnitude: FloatArray) -> None:
-        kept: dict[str, Any] = {}
-        if self._is_drawn:
-            kept = {"epoch": view.epoch, "seconds": view.seconds, "magnitude": magnitude}
-            kept["phase_angle"] = view.phase_angle
-            if view.scene.shadow_of:
-                kept["lit_fraction"] = view.lit_fraction
-            if view.scene.observer.has_horizon:
-                kept["elevation"] = view.elevation
-                kept["sun_elevation"] = view.sun_elevation
-        if self._kind == "txt":
-            import numpy as np
-
-            from attitude._support.pairs import Seconds
-            from attitude.light_curve._magnitudes import dimming
-
-            left = Seconds(*view.emission)
-            reduced = replace(self._magnitude, kind="reduced").of(view)
-            if view.scene.shadow_of:  # reduced magnitudes are those in full sunlight
-                reduced = reduced + dimming(view.lit_fraction)
-            vectors = (
-                np.asarray(unit) * np.asarray(distance)[:, None]
-                for unit, distance in (
-                    (view.sun_direction_icrf, view.sun_distance),
-                    (view.observer_direction_icrf, view.observer_distance),
-                )
-            )
-            kept |= {
-                "epoch": view.epoch,
-                **dict(zip(_DAMIT, (reduced, left.hi, left.low, *vectors), strict=True)),
-            }
-        self._parts.append(kept)
-
-    def _joined(self, name: str) -> Any:
-        import numpy as np
-
-        parts = [part_of_all[name] for part_of_all in self._parts]
+    def _joined(self, name):
+        parts = [kept[name] for kept in self._parts]
         return parts[0] if name == "epoch" else np.concatenate(parts)
 
 
-def _columns(mission: Mission, view: View) -> tuple[MissionColumn, ...]:
+def _columns(mission, view):
     """The columns of every light curve, then those of the file."""
     from attitude.formats.mission import MissionColumn
 
-    scene = view.scene
-    assert mission.magnitude is not None
-    is_apparent = mission.magnitude.kind == "apparent"
-    names = [
-        ("magnitude" if is_apparent else "reduced_magnitude", "mag"),
-        ("brightness", "m2 / sr"),
-    ]
-    names.append(("phase_angle", "deg"))
+    scene, is_apparent = view.scene, mission.magnitude.kind == "apparent"
+    units = {"magnitude" if is_apparent else "reduced_magnitude": "mag", "brightness": "m2 / sr"}
+    units["phase_angle"] = "deg"
     for name, place in (("sun_distance", scene.sun), ("observer_distance", scene.observer)):
         if not place.is_direction:
-            names.append((name, "au" if getattr(view, name)[0] > _FAR else "km"))
+            units[name] = "au" if getattr(view, name)[0] > _FAR else "km"
     if scene.shadow_of:
-        names.append(("lit_fraction", ""))
+        units["lit_fraction"] = ""
     if scene.observer.has_horizon:
-        names.append(("elevation", "deg"))
-    by_name = {column.name: column for column in mission.columns}
-    first = [
-        by_name.pop(name) if name in by_name else MissionColumn(name, unit) for name, unit in names
-    ]
-    return (*first, *by_name.values())
+        units["elevation"] = "deg"
+    columns = {name: MissionColumn(name, unit) for name, unit in units.items()}
+    return tuple((columns | {column.name: column for column in mission.columns}).values())
 
 
 def _require_paths(scene: Scene, output: str) -> None:
@@ -457,8 +413,3 @@ def _require_paths(scene: Scene, output: str) -> None:
                 f"--output {output!r}: the {name} is a direction, but DAMIT's files hold vectors "
                 "to Sun and observer; give it as a path, or an --output x.csv."
             )
-
-
-def _figure_kind(figure: str | None) -> str | None:
-    """The format of --figure, or None without it."""
-    return None if figure is None else _output.kind_of(figure, _output.PICTURES, "--figure")

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from attitude.cli import _options, _output
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
     from attitude.events._windows import Timetable
-    from attitude.formats.mission import Mission
 
 HELP: dict[str, str] = {
     "passes": "list the passes of a satellite over a ground site",
@@ -75,16 +74,17 @@ def add_arguments(parser: argparse.ArgumentParser, command: str) -> None:
 
 def run(arguments: argparse.Namespace, command: str) -> None:
     """Search, and print or write the table."""
-    from attitude.events import glints, passes
+    from attitude import events
+    from attitude._textfiles.atomic_write import made_whole
     from attitude.formats import mission as formats_mission
 
     if arguments.output is not None:
         _output.kind_of(arguments.output)
     mission = formats_mission.read(arguments.file)
-    ends = _span(mission, arguments)
+    ends = [_end(mission, arguments, name, place) for name, place in (("start", 0), ("stop", -1))]
     timetable: Timetable
     if command == "passes":
-        timetable = passes(
+        timetable = events.passes(
             mission.scene,
             *ends,
             elevation=arguments.elevation,
@@ -92,52 +92,34 @@ def run(arguments: argparse.Namespace, command: str) -> None:
             night=arguments.night,
         )
     else:
-        timetable = glints(
+        timetable = events.glints(
             mission.scene,
             *ends,
             sides=arguments.side,
             fraction=arguments.fraction,
             visible=not arguments.all,
         )
+    count = len(timetable)
+    counted = f"{count or 'no'} {command if count != 1 else command.removesuffix('s')}"
     if arguments.output is not None:
-        _write(timetable, arguments.output)
-        print(f"{arguments.output}: {_counted(timetable, command)}")
-    elif len(timetable):
+        with made_whole(arguments.output, "--output") as temporary:
+            timetable.table().write(temporary)
+        print(f"{arguments.output}: {counted}")
+    elif count:
         print(timetable)
     else:
-        print(f"{_counted(timetable, command)} from {arguments.start or 'the start'} on.")
+        print(f"{counted} from {arguments.start or 'the start'} on.")
 
 
-def _counted(found: Timetable, command: str) -> str:
-    count = len(found)
-    return f"{count or 'no'} {command if count != 1 else command.removesuffix('s')}"
-
-
-def _span(mission: Mission, arguments: argparse.Namespace) -> list[Any]:
-    """Start and stop of the search: of the options, else of the file."""
-    dates = mission.times.get("epochs")
-    ends = []
-    for name, end in (("start", 0), ("stop", -1)):
-        option = getattr(arguments, name)
-        text = option or mission.times.get(name) or (dates[end] if dates else None)
-        if text is None:
-            raise AttitudeError(f"the file has no {name}; give --{name}.")
-        ends.append(_moment(mission, str(text), f"--{name}" if option else f"[times] {name}"))
-    return ends
-
-
-def _moment(mission: Mission, text: str, name: str) -> Any:
-    """A date, or a time after the epoch of the spin."""
-    epoch = mission.scene.epoch
-    if epoch is None:
+def _end(mission, arguments, name, place):
+    """The start or stop of the search: that of the option, else of the file."""
+    option, dates = getattr(arguments, name), mission.times.get("epochs")
+    text = option or mission.times.get(name) or (dates[place] if dates else None)
+    if text is None:
+        raise AttitudeError(f"the file has no {name}; give --{name}.")
+    said = f"--{name}" if option else f"[times] {name}"
+    if mission.scene.epoch is None:
         from attitude.epochs import _inputs
 
-        return _inputs.instant(text, name)
-    return _options.one(epoch, text, name)
-
-
-def _write(found: Timetable, name: str) -> None:
-    from attitude._textfiles.atomic_write import made_whole
-
-    with made_whole(name, "--output") as temporary:
-        found.table().write(temporary)
+        return _inputs.instant(str(text), said)
+    return _options.one(mission.scene.epoch, str(text), said)

@@ -46,7 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--bootstrap", type=int, metavar="N", help="errors of the best periods from N draws too"
     )
-    add_figure(parser)
+    _output.add_figure(parser)
 
 
 def add_data(parser: argparse.ArgumentParser) -> None:
@@ -64,16 +64,9 @@ def add_data(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--g", type=float, help="slope of the phase function (H, G) to take off")
 
 
-def add_figure(parser: argparse.ArgumentParser) -> None:
-    """Add --figure."""
-    kinds = ", ".join(_output.PICTURES)
-    parser.add_argument("--figure", metavar="FILE", help=f"figure, by its ending: {kinds}")
-
-
 def run(arguments: argparse.Namespace) -> None:
     """Print the periods with their errors and aliases; write the figure."""
-    if arguments.figure is not None:
-        _output.kind_of(arguments.figure, _output.PICTURES, "--figure")
+    _output.picture_of(arguments)
     data = data_of(arguments)
     print(repr(data)[1:-1])
     for note in data.notes:

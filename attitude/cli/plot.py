@@ -39,13 +39,13 @@ def run(arguments: argparse.Namespace) -> None:
     from attitude import plots
     from attitude._support import validation
 
-    state = _options.opened(arguments)
-    name = arguments.output or _file_name(state.name, arguments.target)
+    state, label = _options.opened(arguments)
+    name = arguments.output or _file_name(state.name or "", arguments.target)
     _output.kind_of(name, _output.PICTURES)
     span = None
     if arguments.span is not None:
         span = validation.real(arguments.span, "--span", unit="s")
-    figure = plots.overview(state.motion, span=span, frame=arguments.sky, title=state.label)
+    figure = plots.overview(state.motion, span=span, frame=arguments.sky, title=label)
     try:
         figure.savefig(name, dpi=150)
     except OSError as err:

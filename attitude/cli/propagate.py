@@ -145,8 +145,7 @@ def _add_arguments_of_evolve(parser: argparse.ArgumentParser) -> None:
         choices=(1, 2),
         help="means of first (the default) or second order in the torques: 2 follows all paths",
     )
-    kinds = ", ".join(_output.PICTURES)
-    parser.add_argument("--figure", metavar="FILE", help=f"figure: {kinds}")
+    _output.add_figure(parser)
     parser.add_argument(
         "--output",
         metavar="FILE",
@@ -189,9 +188,7 @@ def _evolve(arguments: argparse.Namespace) -> None:
     from attitude._textfiles.atomic_write import written_whole
 
     kind = _output.kind_of(arguments.output)
-    picture = None
-    if arguments.figure is not None:
-        picture = _output.kind_of(arguments.figure, _output.PICTURES, "--figure")
+    picture = _output.picture_of(arguments)
     motion = _averaged(arguments)
     epochs = _epochs(motion, arguments)
     hi, low = epochs.block(0, epochs.count)
@@ -258,9 +255,7 @@ def _epochs(motion: AveragedMotion, arguments: argparse.Namespace) -> Grid:
         if span == 0.0:
             raise AttitudeError("--until is the epoch of the spin; give another epoch.")
         least = abs(span) / _ROWS
-        length = next(
-            (length_of_step for length_of_step in _STEPS if length_of_step >= least), _STEPS[-1]
-        )
+        length = next((seconds for seconds in _STEPS if seconds >= least), _STEPS[-1])
         step = f"{'-' if span < 0.0 else ''}{length} s"
     times = _options.grid(start, "0", until, step, last_name="--until")
     if times.count > _MOST_ROWS:

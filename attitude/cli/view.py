@@ -15,9 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from attitude._support.annotations import FloatArray
-    from attitude.formats.mission import Mission
     from attitude.motions._motion import Motion
-    from attitude.scattering._law import Law
     from attitude.scene._scene import Scene
     from attitude.scene._view import View
     from attitude.shape._ellipsoid import Ellipsoid
@@ -39,131 +37,99 @@ class ViewSource(NamedTuple):
     shape: Ellipsoid | Mesh | None
     title: str
     magnitude: tuple[Callable[[View], FloatArray], str] | None
-    law: Law | None = None
 
 
 def opened(arguments: argparse.Namespace) -> ViewSource:
     """The ViewSource of parsed arguments."""
     from attitude.shape import _files
 
-    target = arguments.target
-    mesh = None
+    target: str = arguments.target
+    mesh: Any = None
     if arguments.shape is not None:
         mesh = _files.read(arguments.shape, unit=arguments.unit)
-    if _options.is_file(target) and target.endswith(".toml"):
-        content = _content(target)
-        spin = content.get("spin")
-        named = isinstance(spin, str) or (isinstance(spin, dict) and "catalog" in spin)
-        if set(content) - _OF_SPIN_FILES or named:
-            return _of_mission(arguments, mesh)
-    scene = _scene_of(arguments)
-    if scene is not None:
-        arguments.target = scene
-        return _of_mission(arguments, mesh)
-    motion, title, shape, law = _motion(arguments)
-    shown = shape if mesh is None else mesh
-    source = ViewSource(motion, arguments.start, arguments.stop, shown, title, None, law)
-    return _lit(arguments, source)
+    is_file = _options.is_file(target)
+    if is_file and target.endswith(".toml") and _is_mission(target):
+        return _of_mission(arguments, target, mesh)
+    if not is_file and (scene := _scene_of(arguments)) is not None:
+        return _of_mission(arguments, scene, mesh)
+    law: Any = None
+    if is_file and not target.endswith((".toml", ".spin", ".apm")):
+        from attitude.formats import detect
+
+        motion = detect.opened(target, body=arguments.body, kernels=arguments.kernels or ()).motion
+        title = _stem(target)
+    else:
+        state = _options.opened(arguments)[0]
+        motion, law, mesh = state.motion, state.law, mesh or state.shape
+        # A spin file without a name shows that of the file, not the path typed.
+        title = _stem(target) if state.name in (target, None) else str(state.name)
+    lit = _lit(arguments, motion, mesh, law)
+    return ViewSource(lit, arguments.start, arguments.stop, mesh, title, None)
 
 
-def _scene_of(arguments: argparse.Namespace) -> str | None:
+def _is_mission(path):
+    from attitude._textfiles import toml
+
+    content = toml.parsed(toml.read(path, "spin file or mission file"), path)
+    spin = content.get("spin")
+    is_named = isinstance(spin, str) or (isinstance(spin, dict) and "catalog" in spin)
+    return is_named or bool(content.keys() - _OF_SPIN_FILES)
+
+
+def _scene_of(arguments):
     """The mission file of an entry of the catalogue that is shown as it stands; else None."""
     from attitude import catalog
 
-    if _options.is_file(arguments.target) or _options.completes(arguments):
-        return None
     options = ("shape", "sun", "observer", "start", "stop")
-    if any(getattr(arguments, name) is not None for name in options):
+    if _options.completing(arguments) or any(getattr(arguments, x) is not None for x in options):
         return None
     return catalog.entry(arguments.target).scene
 
 
-def _content(path: str) -> dict[str, Any]:
-    from attitude._textfiles import toml
-
-    return toml.parsed(toml.read(path, "spin file or mission file"), path)
-
-
-def _of_mission(arguments: argparse.Namespace, mesh: Mesh | None) -> ViewSource:
+def _of_mission(arguments, path, mesh):
     from attitude.formats import mission
 
     for name in ("sun", "observer"):
         if getattr(arguments, name) is not None:
-            raise AttitudeError(
-                f"--{name} is given, but {arguments.target} is a mission file; write it there."
-            )
-    content = mission.read(arguments.target)
+            raise AttitudeError(f"--{name} is given, but {path} is a mission file; write it there.")
+    content = mission.read(path)
     if content.scene.motion is None:
-        raise AttitudeError(
-            f"{arguments.target}: has no spin, without which nothing turns; give spin = ..."
-        )
-    start, stop = _times(content)
-    title = content.name or _stem(arguments.target)
+        raise AttitudeError(f"{path}: has no spin, without which nothing turns; give spin = ...")
+    dates = content.times.get("epochs", [None])
+    start = arguments.start or content.times.get("start", dates[0])
+    stop = arguments.stop or content.times.get("stop", dates[-1])
     magnitude = None
     if content.magnitude is not None:
         label = "magnitude" if content.magnitude.kind == "apparent" else "reduced magnitude"
         magnitude = content.magnitude.of, label
-    return ViewSource(
-        content.scene,
-        start if arguments.start is None else arguments.start,
-        stop if arguments.stop is None else arguments.stop,
-        mesh,
-        title,
-        magnitude,
-    )
+    title = content.name or _stem(path)
+    return ViewSource(content.scene, start, stop, mesh, title, magnitude)
 
 
-def _times(found: Mission) -> tuple[Any, Any]:
-    """Start and stop of a mission file, as far as it has them."""
-    if "epochs" in found.times:
-        return found.times["epochs"][0], found.times["epochs"][-1]
-    return found.times.get("start"), found.times.get("stop")
-
-
-def _motion(
-    arguments: argparse.Namespace,
-) -> tuple[Motion, str, Ellipsoid | Mesh | None, Law | None]:
-    """The motion, its title, and the shape and law of a spin file."""
-    target = arguments.target
-    if _options.is_file(target) and not target.endswith((".toml", ".spin", ".apm")):
-        from attitude.formats import detect
-
-        source = detect.opened(target, body=arguments.body, kernels=arguments.kernels or ())
-        return source.motion, _stem(target), None, None
-    one = _options.opened(arguments)
-    # A spin file without a name shows that of the file, not the path typed.
-    name = _stem(target) if one.name == target else one.name
-    return one.motion, name, one.shape, one.law
-
-
-def _stem(path: str) -> str:
+def _stem(path):
     """The name of a file without folder and ending."""
     return os.path.splitext(os.path.basename(path))[0]
 
 
-def _lit(arguments: argparse.Namespace, source: ViewSource) -> ViewSource:
+def _lit(arguments, motion, shape, law):
     """With --sun and --observer the scene of the motion, lit and seen from these directions."""
-    directions = {name: getattr(arguments, name) for name in ("sun", "observer")}
-    if not any(directions.values()):
-        return source
+    words = {name: getattr(arguments, name) for name in ("sun", "observer")}
+    if not any(words.values()):
+        return motion
     from attitude.paths import _path
     from attitude.scene._scene import Scene
     from attitude.shape._ellipsoid import Ellipsoid
 
-    for name, words in directions.items():
-        if words is None:
+    directions = []
+    for name, given in words.items():
+        if given is None:
             raise AttitudeError(f'--{name} is missing; give both, as in --{name} "1, 0, 0".')
-    sun, observer = (
-        _path.direction(validation.real(" ".join(words), f"--{name}", shape=(3,)), name=name)
-        for name, words in directions.items()
-    )
-    motion: Any = source.motion
-    shape: Any = source.shape
+        direction = validation.real(" ".join(given), f"--{name}", shape=(3,))
+        directions.append(_path.direction(direction, name=name))
     if shape is None and motion.body is not None:
         shape = Ellipsoid.of_moments(motion.body.moments)
-    law = "lommel-seeliger" if source.law is None else source.law
-    scene = Scene(motion, None, observer, sun, shape=shape, law=law)
-    return source._replace(motion=scene)
+    law = "lommel-seeliger" if law is None else law
+    return Scene(motion, None, *directions[::-1], shape=shape, law=law)
 
 
 HELP: str = "write a page on which the body turns, an animation, or a file for other viewers"
@@ -232,18 +198,17 @@ def run(arguments: argparse.Namespace) -> None:
         "title": source.title,
     }
     if arguments.animate is not None:
-        _output.kind_of(arguments.animate, _ANIMATIONS, "--animate")
+        name, is_animation = arguments.animate, True
+        kind = _output.kind_of(name, _ANIMATIONS, "--animate")
+    else:
+        name, is_animation = arguments.output or _file_name(source.title), False
+        kind = _output.kind_of(name, _ENDINGS)
+    if is_animation or kind == "html":
         settings["magnitude"] = source.magnitude
-        settings["frames"] = arguments.frames
-        bar = ProgressBar("animation")
-        _animation.animate(source.motion, arguments.animate, progress=bar, **settings)
-        print(arguments.animate)
-        return
-    name = arguments.output or _file_name(source.title)
-    kind = _output.kind_of(name, _ENDINGS)
-    if kind == "html":
-        settings["magnitude"] = source.magnitude
-        settings["progress"] = ProgressBar("light curve")
+        settings["progress"] = ProgressBar("animation" if is_animation else "light curve")
+    if is_animation:
+        _animation.animate(source.motion, name, frames=arguments.frames, **settings)
+    elif kind == "html":
         _page.view(source.motion, output=name, **settings)
     else:
         writers: dict[str, Any] = {
@@ -255,17 +220,12 @@ def run(arguments: argparse.Namespace) -> None:
     print(name)
 
 
-def _epoch(motion: Motion | Scene, given: Any, name: str) -> Any:
+def _epoch(motion, given, name):
     """An epoch of the command line or of a mission file: a date, or a time such as "3 d"."""
-    if not isinstance(given, str):
-        return given
-    from attitude.cli import _options
-
-    assert motion.epoch is not None  # a scene that is shown has a motion
-    return _options.one(motion.epoch, given, f"--{name}")
+    return _options.one(motion.epoch, given, f"--{name}") if isinstance(given, str) else given
 
 
-def _file_name(title: str) -> str:
+def _file_name(title):
     """A page in the working directory, named after what it shows."""
     words = re.findall(r"[a-z0-9]+", title.lower())
     return "-".join(words[:8] or ["motion"]) + ".html"
