@@ -68,18 +68,13 @@ def overview(
     _warn_of_coarse(motion, seconds)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", AttitudeWarning)  # said once
-        _draw(figure, motion, seconds, frame)
+        polhode(figure.add_subplot(2, 2, 1, projection="3d"), motion)
+        sky(figure.add_subplot(2, 2, 2, projection="mollweide"), motion, seconds, frame=frame)
+        rates(figure.add_subplot(2, 2, 3), motion, seconds)
+        angles(figure.add_subplot(2, 2, 4), motion, seconds)
     if title:
         figure.suptitle(title)
     return figure
-
-
-def _draw(figure: Figure, motion: FreeRotation, seconds: FloatArray, frame: str) -> None:
-    """Draw the four plots of `overview`."""
-    polhode(figure.add_subplot(2, 2, 1, projection="3d"), motion)
-    sky(figure.add_subplot(2, 2, 2, projection="mollweide"), motion, seconds, frame=frame)
-    rates(figure.add_subplot(2, 2, 3), motion, seconds)
-    angles(figure.add_subplot(2, 2, 4), motion, seconds)
 
 
 def _warn_of_coarse(motion: FreeRotation, seconds: ArrayLike) -> None:
@@ -147,9 +142,7 @@ def time_span(motion: FreeRotation, span: Real | None = None) -> float:
     if span is not None:
         return validation.positive(span, "span", unit="s")
     regime = motion.regime
-    slowest = [
-        period for period in (regime.P_psi, regime.P_phi_L, regime.P_phi_S) if np.isfinite(period)
-    ]
+    slowest = [x for x in (regime.P_psi, regime.P_phi_L, regime.P_phi_S) if np.isfinite(x)]
     if not slowest:
         raise AttitudeError("the body is at rest; there is no motion to draw. Give a span of time.")
     # On the separatrix the body turns over once.
@@ -305,10 +298,8 @@ def _legend(axes: Axes, height: float) -> None:
 
 def time_unit(longest: float) -> tuple[float, str]:
     """The unit that suits a span of seconds: its length in s, and its name."""
-    for least, unit, name in _UNITS:
-        if longest >= least:
-            return unit, name
-    raise AssertionError("the last unit applies to every span")
+    # The last unit applies to every span.
+    return next((unit, name) for least, unit, name in _UNITS if longest >= least)
 
 
 def _time(given: ArrayLike, epoch: Instant) -> tuple[FloatArray, str]:
@@ -324,9 +315,7 @@ def _map(vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
     return np.arctan2(y, x), np.arctan2(z, np.hypot(x, y))
 
 
-def _unbroken(
-    x: FloatArray, y: FloatArray, jump: float | None = None
-) -> tuple[FloatArray, FloatArray]:
+def _unbroken(x, y, jump=None):
     """The line with gaps where an angle jumps: x of a map, or y by more than `jump`."""
     x, y = np.array(x, dtype=float), np.array(y, dtype=float)
     leap = np.abs(np.diff(x)) > np.pi if jump is None else np.abs(np.diff(y)) > jump

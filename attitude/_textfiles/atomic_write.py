@@ -48,21 +48,14 @@ def written_whole(
     """
     target = _target(path, name)
     direct = os.path.exists(target) and not os.path.isfile(target)
-    file: IO[Any]
     with _temporary(target, direct) as temporary:
+        how: dict[str, Any] = {"mode": "wb"}
+        if not binary:
+            how = {"mode": "w", "encoding": "utf-8", "newline": ""}
         try:
-            if binary:
-                file = open(temporary, "wb")  # noqa: SIM115
-            else:
-                file = open(temporary, "w", encoding="utf-8", newline="")  # noqa: SIM115
-        except OSError as err:
-            raise _not_writable(path, name, err) from err
-        try:
-            try:
+            with open(temporary, **how) as file:
                 _lock(file)
                 yield file
-            finally:
-                file.close()
             if not direct:
                 _rename(temporary, target)
         except BrokenPipeError:
@@ -167,7 +160,7 @@ def _lives(process: int) -> bool:
     except ProcessLookupError:
         return False
     except (PermissionError, OverflowError):
-        return True
+        pass
     return True
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import io
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, TypeAlias
 
@@ -31,11 +31,7 @@ Fault: TypeAlias = Callable[[str, int | None], AttitudeError]
 
 
 class Lines:
-    """Iterator over the lines of an open file as bytes, without their line ends.
-
-    path: name of the file in error messages.
-    number: number of the last line that was read, counted from 1; 0 before the first.
-    """
+    """Iterator over the lines of an open file as bytes; `number` is that of the last, from 1."""
 
     def __init__(self, file: BinaryIO | _ReturnsAsFeeds, path: str | os.PathLike[str]):
         self._file = file
@@ -155,17 +151,17 @@ def unreadable(path: str | os.PathLike[str], err: OSError) -> AttitudeError:
 
 def numbers(tokens: Sequence[bytes], step: int, places: Sequence[int]) -> NDArray[np.float64]:
     """Columns of numbers (N, columns) from the entries of N lines."""
-    try:
-        if b"_" in b"".join(tokens):  # which Python takes for a separator of digits
-            raise ValueError("underscore")
-        return np.array([list(map(float, tokens[place::step])) for place in places]).T
-    except ValueError:
+    columns = None
+    with suppress(ValueError):
+        columns = np.array([list(map(float, tokens[place::step])) for place in places]).T
+    # Python takes an underscore for a separator of digits; in an epoch or a name it is allowed.
+    if columns is None or b"_" in b"".join(tokens):
         for line in range(len(tokens) // step):
             for column, place in enumerate(places):
                 if not is_number(tokens[line * step + place]):
-                    raise NoNumber(line, column, tokens[line * step + place]) from None
-    # An underscore elsewhere in the line, in an epoch or a name, is allowed.
-    return np.array([list(map(float, tokens[place::step])) for place in places]).T
+                    raise NoNumber(line, column, tokens[line * step + place])
+    assert columns is not None
+    return columns
 
 
 # Rows that are converted to numbers at a time.
@@ -256,11 +252,7 @@ def cut(value: object, mark: str | None = None) -> str:
 
 
 class NoNumber(Exception):
-    """An entry of a column that is not a number.
-
-    line, column: its line and its column among those that `numbers` was given, counted from 0.
-    shown: the entry in quotes, at most 40 characters of it.
-    """
+    """An entry that is not a number: line and column, from 0, and its text in quotes."""
 
     def __init__(self, line: int, column: int, token: bytes):
         super().__init__(line, column, token)

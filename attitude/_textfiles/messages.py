@@ -88,10 +88,7 @@ Leaf: TypeAlias = tuple[str, str, Mapping[str, str]]
 
 
 class MessageRows(BulkRows):
-    """The rows of a block: base of the classes that collect them.
-
-    unread: names of numbers in XML that are not read.
-    """
+    """The rows of a block: base of classes that collect them, but numbers of XML in `unread`."""
 
     unread: Sequence[str] = ()
 
@@ -105,13 +102,9 @@ BeginRows: TypeAlias = Callable[["Block", "int | None"], MessageRows]
 
 
 class Block(dict[str, str]):
-    """Keywords and values of a part of a message.
+    """Keywords and values of a part of a message, which begins in a line, and its rows.
 
-    name, line: the name, and the number of the line in which the block begins.
-    lines: keyword -> number of its line.
-    order: list of (keyword, value, line), all keywords in the order of the file, repeated ones too.
-    rows: its rows; None before the first.
-    message, meta: the message that holds the block, and the meta data before it.
+    lines: keyword -> number of its line; order: (keyword, value, line) of all, repeated ones too.
     """
 
     def __init__(self, name: str, line: int, message: Message, meta: Block | None = None):
@@ -164,24 +157,24 @@ class Block(dict[str, str]):
     def needed(self, keyword: str) -> str:
         """The value of a keyword; AttitudeError if it is missing or empty."""
         if not self.get(keyword):
-            raise self.fault(f"the {self.title} lack{'s' * self.is_block} {keyword}.")
+            raise self.fault(f"{self._lacks} {keyword}.")
         return self[keyword]
 
     @property
-    def is_block(self) -> bool:
-        """Whether this is a block, not the header or the meta data."""
-        return self.name.isupper()
-
-    @property
-    def title(self) -> str:
-        """The name in sentences."""
-        return f"block {self.name}" if self.is_block else self.name
+    def _lacks(self):
+        """The beginning of a sentence; header and meta data have names in lower case."""
+        is_block = self.name.isupper()
+        return f"the block {self.name} lacks" if is_block else f"the {self.name} lack"
 
     def numbers(self, keyword: str, count: int = 1) -> list[float]:
         """The finite numbers of a keyword; a unit other than the standard's is refused."""
-        value, unit = _without_unit(self.needed(keyword))
+        value, unit = self.needed(keyword), ""
+        if match := _UNIT.fullmatch(value):
+            value, unit = match.groups()
         self.message.refuse_unit(keyword, unit.replace(" ", ""), self.lines[keyword])
-        values = [_finite(word) for word in value.split()]
+        words = value.split()
+        are_numbers = all(is_number(word.encode("ascii", "replace")) for word in words)
+        values = list(map(float, words)) if are_numbers else []
         if len(values) != count or not all(map(math.isfinite, values)):
             what = "a finite number" if count == 1 else f"{count} finite numbers"
             raise self.fault(f"{keyword} is {cut(value)}; give {what}.", keyword)
@@ -195,30 +188,19 @@ class Block(dict[str, str]):
         """The value of a keyword in upper case, out of some choices; AttitudeError for another."""
         value = self.get(keyword, usual)
         if value is None or value.upper() not in choices:
-            what = f"the {self.title} lack{'s' * self.is_block} {keyword}"
+            what = f"{self._lacks} {keyword}"
             if value is not None:
-                what = f"{keyword}{f' of the {self.title}' * self.is_block} is {cut(value)}"
-            raise self.fault(
-                f"{what}; it must be one of {', '.join(cut(choice, '') for choice in choices)}.",
-                keyword,
-            )
+                of_block = f" of the block {self.name}" if self.name.isupper() else ""
+                what = f"{keyword}{of_block} is {cut(value)}"
+            known = ", ".join(cut(choice, "") for choice in choices)
+            raise self.fault(f"{what}; it must be one of {known}.", keyword)
         return value.upper()
 
 
-def _finite(word):
-    return float(word) if is_number(word.encode("ascii", "replace")) else math.nan
-
-
 class Message:
-    """A message while it is read: header, meta data and blocks.
+    """A message while it is read: header, meta data of the last segment, and blocks, open or not.
 
-    fault: makes the error for a sentence and the number of a line.
-    begin_rows: makes the rows of a block before the first row.
-
-    meta: the meta data, of several segments those of the last.
-    open: those that have begun and not ended.
     where: "header", "meta data" or "data"; "" in messages without marks between these.
-    assumed: what a lenient form lets the reader assume.
     """
 
     def __init__(
@@ -463,8 +445,7 @@ def read(path: FilePath, form: Form, begin_rows: BeginRows | None = None) -> Mes
     reader.run()
     if reader.message is None:
         raise reader.fault(f"there is no <{form.kind.lower()}> message in it.")
-    message: Message = reader.message
-    return message
+    return reader.message
 
 
 # ---- Tokens of KVN: lines of KEYWORD = value
@@ -559,12 +540,6 @@ def values(lines: Lines) -> dict[str, str]:
     }
 
 
-def _without_unit(value):
-    """Value and unit of ``1.5 [deg]``; the unit is "" if none is given."""
-    match = _UNIT.fullmatch(value)
-    return (match.group(1), match.group(2).strip()) if match else (value, "")
-
-
 def _shown(text):
     """A line as it appears in an error message: in quotes, at most 40 characters."""
     return cut(text.strip())
@@ -585,19 +560,17 @@ _MOST_PATTERNS = 50
 
 
 class _MessageReader(ElementReader):
-    """Collects the message; rows that differ from the last one in their texts match a pattern.
-
-    `_tags` are the tags of the open elements and the blocks they begin; `_leaves` and `_texts`
-    those of the open row; `_rest` are the bytes that are kept back from the parser.
-    """
+    """Collects the message; rows that differ from the last one in their texts match a pattern."""
 
     def __init__(self, path, form, begin_rows):
         super().__init__(path)
         self._form, self._begin_rows = form, begin_rows
+        # Tags of the open elements with the blocks they begin; then those of the open row.
         self._tags, self._attributes, self._comments = [], {}, []
         self._is_leaf, self._leaves, self._texts = False, None, []
         row = form.rows.get(_DATA, "")
         self._begin, self._end = f"<{row}>".encode(), f"</{row}>".encode()
+        # Bytes that are kept back from the parser.
         self._rest, self._pattern, self._patterns, self._ended_at = b"", None, {}, 0
 
     def begin(self, tag, attributes):
@@ -793,13 +766,9 @@ def pattern_of(row: bytes, texts: int) -> bytes | None:
     for tag in _TAG.finditer(row):
         between = row[end : tag.start()]
         text = between.strip()
-        if text:
-            texts -= 1
-            before, _, after = between.partition(text)
-            pieces += [re.escape(before), _TEXT, re.escape(after)]
-        else:
-            pieces.append(re.escape(between))
-        pieces.append(re.escape(tag.group()))
+        before, _, after = between.partition(text) if text else (between, b"", b"")
+        texts -= bool(text)
+        pieces += [re.escape(before), _TEXT * bool(text), re.escape(after + tag.group())]
         end = tag.end()
     return b"".join(pieces) if texts == 0 and end == len(row) else None
 

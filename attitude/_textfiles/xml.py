@@ -25,16 +25,10 @@ _LONGEST = 20_000
 
 
 class ElementReader:
-    """Base of readers of XML: calls `begin` and `end` of a subclass for each element.
+    """Base of readers of XML: calls `begin` and `end` of a subclass, tags without namespaces.
 
-    Tags are given without the prefix of their namespace: ``<n:aem xmlns:n="...">`` is ``aem``.
-
-    A subclass may interpret parts of the file without the parser: it overrides `take`, and adds the
-    lines of these parts to `skipped`.
-
-    path: name of the file in error messages.
-    message: what a subclass makes of the file; None before the message begins.
-    fed, skipped: bytes that the parser was given; lines that it was not.
+    A subclass that interprets parts of the file itself overrides `take`, and adds the lines of
+    these parts to `skipped`.  `message` is what it makes of the file.
     """
 
     def __init__(self, path: str | os.PathLike[str]):
@@ -159,21 +153,7 @@ class ElementReader:
 
 
 def records(text: str, name: str, tag: str) -> list[dict[str, str]]:
-    """The texts of the leaves of each element with a tag, as [{leaf tag: text}, ...].
-
-    If a leaf is repeated in an element, the last one counts.
-
-    Parameters
-    ----------
-    text : str
-    name : str
-        Name of the file in error messages.
-    tag : str
-
-    Raises
-    ------
-    AttitudeError
-        If the text is not well-formed or has a document type.
+    """The texts of the leaves of each element with a tag; of repeated leaves the last one counts.
 
     >>> records("<a><b><c>1</c><d>x &amp; y</d></b><b/></a>", "text", "b")
     [{'c': '1', 'd': 'x & y'}, {'b': ''}]

@@ -29,33 +29,27 @@ from typing import Any, NamedTuple, NoReturn
 
 from attitude.errors import AttitudeError, AttitudeWarning
 
-COMMANDS: tuple[str, ...] = (
-    "propagate",
-    "evolve",
-    "describe",
-    "catalog",
-    "geometry",
-    "lightcurve",
-    "passes",
-    "glints",
-    "invert",
-    "periods",
-    "fold",
-    "plot",
-    "view",
-    "convert",
-    "check",
-    "warm-up",
-    "completion",
-)
-# Commands that share a module with another one.
+# The commands, and the module of each.
 _MODULES = {
+    "propagate": "propagate",
     "evolve": "propagate",
+    "describe": "describe",
     "catalog": "describe",
+    "geometry": "geometry",
+    "lightcurve": "lightcurve",
+    "passes": "passes",
     "glints": "passes",
+    "invert": "invert",
+    "periods": "periods",
+    "fold": "fold",
+    "plot": "plot",
+    "view": "view",
+    "convert": "convert",
+    "check": "check",
     "warm-up": "installation",
     "completion": "installation",
 }
+COMMANDS: tuple[str, ...] = tuple(_MODULES)
 
 _DESCRIPTION = "Exact attitude of freely tumbling spacecraft and asteroids at any epoch."
 _EPILOG = """\
@@ -123,12 +117,11 @@ class _Parser(argparse.ArgumentParser):
 
 def _parsed(argv: list[str]) -> argparse.Namespace:
     parser = _Parser(prog="attitude", description=_DESCRIPTION, epilog=_EPILOG)
+    version = "attitude"
     if "--version" in argv or "-V" in argv:
         from attitude import __version__  # not there where another project has replaced the file
 
         version = f"attitude {__version__}"
-    else:
-        version = "attitude"
     parser.add_argument("-V", "--version", action="version", version=version)
     first = argv[0] if argv else None
     if first is None:
@@ -165,7 +158,7 @@ class Command(NamedTuple):
 
 def command_of(name: str) -> Command:
     """The Command of one of `COMMANDS`."""
-    module = import_module(f"attitude.cli.{_MODULES.get(name, name)}")
+    module = import_module(f"attitude.cli.{_MODULES[name]}")
     epilog: Any = getattr(module, "EPILOG", "")
     if isinstance(module.HELP, str):
         return Command(module.HELP, epilog, module.add_arguments, module.run)
@@ -186,13 +179,7 @@ def _joined(argv: list[str]) -> list[str]:
     return joined
 
 
-def _said(
-    other: Callable[..., None],
-    message: Warning | str,
-    category: type[Warning],
-    *rest: Any,
-    **more: Any,
-) -> None:
+def _said(other, message, category, *rest, **more):
     """Print a warning of the package as one sentence on stderr; `other` prints all others."""
     if issubclass(category, AttitudeWarning):
         print(f"attitude: warning: {message}", file=sys.stderr)

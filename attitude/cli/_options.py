@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from attitude import catalog
 from attitude._support import pairs, quantity_text
 from attitude.epochs import _inputs, _instants, _time_scales
 from attitude.errors import AttitudeError
@@ -334,8 +335,6 @@ def add_target_arguments(parser: argparse.ArgumentParser, files: str = _FILES) -
 
 def is_file(text: str) -> bool:
     """Whether a target is a file: one that exists, or a name of the form of a path."""
-    from attitude import catalog
-
     written_so = re.search(r"\.[A-Za-z]\w*$|[/\\]", text) is not None
     return os.path.isfile(text) or (written_so and not catalog.has(text))
 
@@ -351,7 +350,6 @@ def motion_of(arguments: argparse.Namespace) -> FreeRotation | TorquedRotation:
 
 def opened(arguments: argparse.Namespace) -> tuple[SpinFile, str]:
     """The state of parsed arguments, and its name with what is not that of its sources."""
-    from attitude import catalog
     from attitude.formats.spin_file import SpinFile
 
     if is_file(arguments.target):
@@ -374,8 +372,6 @@ def incomplete(arguments: argparse.Namespace) -> Entry | None:
     """The entry of the catalogue, if values are missing in it and no option gives one."""
     if is_file(arguments.target) or completing(arguments):
         return None
-    from attitude import catalog
-
     entry = catalog.entry(arguments.target)
     return entry if entry.missing else None
 

@@ -67,11 +67,8 @@ def script(shell: str) -> str:
     options = _options_of_commands()
     if shell == "fish":
         return _fish(options)
-    return (
-        _bash(options)
-        if shell == "bash"
-        else f"autoload -Uz bashcompinit && bashcompinit\n{_bash(options)}"
-    )
+    first = "" if shell == "bash" else "autoload -Uz bashcompinit && bashcompinit\n"
+    return first + _bash(options)
 
 
 def _options_of_commands() -> dict[str, dict[str, str]]:

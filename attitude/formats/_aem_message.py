@@ -25,7 +25,8 @@ from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
 from attitude.formats import _attitude_types, _messages, _recipes
 from attitude.formats import _ccsds_epochs as ccsds_epochs
-from attitude.formats._messages import GROUPS, HEADER, Q_DOT, VERSIONS, written_body
+from attitude.formats._attitude_types import ANGVEL, Q_DOT
+from attitude.formats._messages import GROUPS, HEADER, VERSIONS, written_body
 from attitude.formats._records import TOLERANCE, Rows, columns_of, known_tolerance
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
@@ -36,7 +37,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from attitude._support.annotations import FilePath
-    from attitude._textfiles.messages import Block, Leaf
     from attitude.formats._sampling import Records
     from attitude.paths._path import Path
 
@@ -44,30 +44,23 @@ if TYPE_CHECKING:
 # ---- The table of keywords, in the order in which they are written
 
 # Version -> attitude type -> element of a record.
-_ELEMENTS: dict[str, dict[str, str]] = {
-    "2.0": {
-        "QUATERNION": "quaternionEphemeris",
-        "QUATERNION/DERIVATIVE": "quaternionDerivative",
-        "QUATERNION/ANGVEL": "quaternionAngVel",
-        "EULER_ANGLE": "eulerAngle",
-        "EULER_ANGLE/DERIVATIVE": "eulerAngleDerivative",
-        "EULER_ANGLE/ANGVEL": "eulerAngleAngVel",
-        "SPIN": "spin",
-        "SPIN/NUTATION": "spinNutation",
-        "SPIN/NUTATION_MOM": "spinNutationMom",
-    },
-    "1.0": {
-        "QUATERNION": "quaternionState",
-        "QUATERNION/DERIVATIVE": "quaternionDerivative",
-        "QUATERNION/ANGVEL": "quaternionEulerRate",
-        "EULER_ANGLE": "eulerAngle",
-        "EULER_ANGLE/ANGVEL": "eulerAngleRate",
-        "SPIN": "spin",
-        "SPIN/NUTATION": "spinNutation",
-    },
+_NEW = {
+    "QUATERNION": "quaternionEphemeris",
+    "QUATERNION/DERIVATIVE": "quaternionDerivative",
+    "QUATERNION/ANGVEL": "quaternionAngVel",
+    "EULER_ANGLE": "eulerAngle",
+    "EULER_ANGLE/DERIVATIVE": "eulerAngleDerivative",
+    "EULER_ANGLE/ANGVEL": "eulerAngleAngVel",
+    "SPIN": "spin",
+    "SPIN/NUTATION": "spinNutation",
+    "SPIN/NUTATION_MOM": "spinNutationMom",
 }
+_OLD = {
+    **{"QUATERNION": "quaternionState", "QUATERNION/ANGVEL": "quaternionEulerRate"},
+    "EULER_ANGLE/ANGVEL": "eulerAngleRate",
+}
+_ELEMENTS = {"2.0": _NEW, "1.0": {**{k: _NEW[k] for k in _attitude_types.IN_VERSION_1}, **_OLD}}
 _RECORDS = {element for names in _ELEMENTS.values() for element in names.values()}
-_ANGVEL = ("ANGVEL_X", "ANGVEL_Y", "ANGVEL_Z")
 
 FORM = Form(
     "AEM",
@@ -102,16 +95,7 @@ FORM = Form(
 
 @dataclass
 class Options:
-    """Arguments of `aem.read` that supplement the file.
-
-    tolerance: largest deviation from 1 of the length of a quaternion.
-    frame: the external axes, if their name in the file is not known.
-    orbit: path of the body about its center, for axes of an orbit.
-    rates: what the rates of version 1 are: "body", "euler", or None: "body" with a warning.
-    object: OBJECT_ID or OBJECT_NAME of the segments that are read.
-    segment: the place of the one segment that is read, counted from 0.
-    lenient: whether missing parts of a message in KVN are assumed.
-    """
+    """Arguments of `aem.read` that supplement the file."""
 
     tolerance: float = TOLERANCE
     frame: str | None = None
@@ -142,8 +126,7 @@ def read(path: FilePath, form: Form, options: Options) -> AttitudeTable:
             raise block.fault("the segment has no attitudes.")
     if not segments:
         raise message.fault("the message has no segment.", None)
-    guessed = next((segment for segment in segments if segment.has_guessed_rates), None)
-    if guessed is not None:
+    for guessed in [segment for segment in segments if segment.has_guessed_rates()][:1]:
         name = f"ATTITUDE_TYPE {guessed.block.meta['ATTITUDE_TYPE']}"
         _attitude_types.warn(message.path, name)
     tables = [segment.finished() for segment in segments]
@@ -155,18 +138,17 @@ def read(path: FilePath, form: Form, options: Options) -> AttitudeTable:
 # Columns of MMS, and those of them that are read: epoch, Q1, Q2, Q3, QC, rates X, Y, Z.
 _MMS = 21
 _READ = (0, 2, 3, 4, 5, 6, 7, 8)
-# Keyword -> what stands for it if it is missing; version 1 only, or both.
+# Keyword -> what stands for it if it is missing.
 _MISSING = {
     **{"OBJECT_NAME": "UNKNOWN", "OBJECT_ID": "UNKNOWN", "TIME_SYSTEM": "UTC"},
     "ATTITUDE_TYPE": "QUATERNION",
 }
-_MISSING_1 = {"ATTITUDE_DIR": "A2B", "QUATERNION_TYPE": "LAST"}
 
 
 class _Segment(Rows):
     """The records of a segment while they are read, by the conventions of its meta data."""
 
-    def __init__(self, block: Block, options: Options, count: int | None):
+    def __init__(self, block, options, count):
         meta, form = block.meta, block.message.form
         self.block, self._options = block, options
         self._is_cic = form.family == "CIC"  # whose versions have the keywords of AEM 1.0
@@ -202,14 +184,14 @@ class _Segment(Rows):
     def _fill(self):
         """Assume the keywords that are missing; START_TIME, STOP_TIME follow from records."""
         meta, assume = self.block.meta, self.block.message.assume
-        missing = {**_MISSING, **(_MISSING_1 if self._is_old else {})}
-        if self._is_cic:  # whose scalar stands first by default
-            missing.pop("QUATERNION_TYPE")
-        kind = meta.get("ATTITUDE_TYPE", "").upper()
+        missing, kind = dict(_MISSING), meta.get("ATTITUDE_TYPE", "").upper()
+        if self._is_old:
+            missing["ATTITUDE_DIR"] = "A2B"
+            # The scalar of CIC stands first by default.
+            if not self._is_cic and (not kind or kind.startswith("QUATERNION")):
+                missing["QUATERNION_TYPE"] = "LAST"
         if kind.endswith(("/RATE", "/ANGVEL")):
             missing["RATE_FRAME" if self._is_old else "ANGVEL_FRAME"] = meta["REF_FRAME_B"]
-        if kind and not kind.startswith("QUATERNION"):
-            missing.pop("QUATERNION_TYPE", None)
         for keyword, value in missing.items():
             if not meta.get(keyword):
                 meta[keyword] = value
@@ -274,7 +256,7 @@ class _Segment(Rows):
             raise meta.fault(f"{keyword} is {cut(meta.get(keyword))}: {reason}", keyword) from err
         return method, degree
 
-    def named(self, leaves: Sequence[Leaf]) -> list[str]:
+    def named(self, leaves):
         """Names of the numbers of a record in XML; those of version 1 are numbered."""
         names, letters = [], {}
         for tag, above, attributes in leaves:
@@ -285,7 +267,7 @@ class _Segment(Rows):
                 names.append(f"ANGLE_{place + 1}")
             else:
                 letters[place] = attributes.get("rate", "")[:1].upper()
-                names.append(_ANGVEL[place])
+                names.append(ANGVEL[place])
         if letters:
             by_axis = self._axes_of_rates("".join(letters.get(k, "") for k in range(3)))
             names = [by_axis.get(name, name) for name in names]
@@ -303,16 +285,15 @@ class _Segment(Rows):
             raise self.block.message.fault(
                 f"the rates are those of {', '.join(letters)}, not of {usual}.", None
             )
-        return {name: _ANGVEL[places.index(k)] for k, name in enumerate(_ANGVEL)}
+        return {name: ANGVEL[places.index(k)] for k, name in enumerate(ANGVEL)}
 
-    @property
-    def has_guessed_rates(self) -> bool:
+    def has_guessed_rates(self):
         """Whether the file does not say what its rates of version 1 are, nor does the caller."""
         stated = self.block.meta["ATTITUDE_TYPE"].upper().endswith("/RATE")
         is_rated = self._is_old and self._kind.endswith("/ANGVEL") and stated
         return is_rated and self._options.rates is None and not self._how.rates_of_angles
 
-    def finished(self) -> AttitudeTable:
+    def finished(self):
         """The AttitudeTable of the complete records."""
         meta, message, options = self.block.meta, self.block.message, self._options
         self.refuse_outside(*self._limits)
@@ -370,20 +351,20 @@ def _chosen(tables, path, options):
                 f"{len(tables) - 1}, give one."
             )
         tables = tables[segment : segment + 1]
+    objects = ("object_id", "object_name")
     if name is not None:
-        names = [(table.meta["object_id"], table.meta["object_name"]) for table in tables]
-        of_object = [t for t, known in zip(tables, names, strict=True) if name in known]
-        if not of_object:
+        names = _values(tables, objects)
+        tables = [t for t, known in zip(tables, names, strict=True) if name in known]
+        if not tables:
             raise AttitudeError(
                 f"{path}: object is {cut(name)}; the segments are those of {_listed(names)}."
             )
-        tables = of_object
     for what, keys, advice in (
-        ("objects", ("object_id", "object_name"), "choose one with object= or segment="),
+        ("objects", objects, "choose one with object= or segment="),
         ("body frames", ("body_frame",), "choose one segment with segment="),
     ):
         # The identifier decides; names may be written differently.
-        values = [tuple(table.meta[key] for key in keys) for table in tables]
+        values = _values(tables, keys)
         if len({value[0].upper() for value in values}) > 1:
             raise AttitudeError(
                 f"{path}: its segments are those of several {what}: {_listed(values)}; {advice} "
@@ -391,6 +372,10 @@ def _chosen(tables, path, options):
             )
     _refuse_contradictions(tables, path, _CONTRADICTING * options.tolerance)
     return AttitudeTable.joined(tables)
+
+
+def _values(tables, keys):
+    return [tuple(table.meta[key] for key in keys) for table in tables]
 
 
 def _listed(names):
@@ -443,11 +428,6 @@ class WrittenSegment:
 
     settings: arguments of `aem.write`, by name; `names` are object_name, object_id, center,
         body_frame; `epochs`, if given, the function that writes epochs, as `_ccsds_epochs.texts`.
-
-    keywords: keyword of the meta data -> value, in their order.
-    comments, data_comments: comments of the meta data and of the data.
-    AttitudeError for names of types, axes or time systems that are not known or not in this
-        version.
     """
 
     def __init__(self, records: Records, settings: Mapping[str, Any]):
@@ -466,8 +446,7 @@ class WrittenSegment:
                 'rates="body" (components of the angular velocity) or rates="euler" (derivatives '
                 "of the angles), or kind QUATERNION/DERIVATIVE, which all readers understand."
             )
-        name = settings["frame"] or records.meta.get("frame") or "ICRF"
-        self._axes = _axes.named(name)
+        self._axes = _axes.named(settings["frame"] or records.meta.get("frame") or "ICRF")
         self._scale = ccsds_epochs.writable(
             settings["time_system"] or records.meta.get("time_system") or "UTC"
         )
@@ -519,35 +498,28 @@ class WrittenSegment:
             sequence = self._settings["sequence"]
             rates = sequence if self._how.rates_of_angles else "XYZ"
             names = {f"ANGLE_{k + 1}": f"{axis}_ANGLE" for k, axis in enumerate(sequence)}
-            names |= {_ANGVEL[k]: f"{axis}_RATE" for k, axis in enumerate(rates)}
+            names |= {ANGVEL[k]: f"{axis}_RATE" for k, axis in enumerate(rates)}
             keys = [names.get(key, key) for key in keys]
         else:
             groups = GROUPS | dict.fromkeys(Q_DOT, "quaternionDot")
             if kind.startswith("QUATERNION"):
-                groups |= dict.fromkeys(_ANGVEL, "angVel")
+                groups |= dict.fromkeys(ANGVEL, "angVel")
         with out.part("attitudeState"), out.part(_ELEMENTS[version][kind]):
             out.entry("EPOCH", "%s")
             out.grouped([(key, "%r") for key in keys], groups)
 
     def _texts(self, epoch, seconds, low):
         written = self._settings.get("epochs", ccsds_epochs.texts)
-        texts: list[str] = written(epoch, seconds, low, self._scale, self._settings["digits"])
-        return texts
+        return written(epoch, seconds, low, self._scale, self._settings["digits"])
 
     def _keywords(self, version):
-        records, settings, meta = self._records, self._settings, self._records.meta
-        names = zip(
-            settings["names"], ("object_name", "object_id", "center", "body_frame"), strict=True
-        )
-        name, number, center, body = (value or meta.get(key) for value, key in names)
+        records, how, kind, is_old = self._records, self._how, self._kind, version == "1.0"
+        keys = ("object_name", "object_id", "center", "body_frame")
+        given = zip(self._settings["names"], keys, strict=True)
+        name, number, center, body = (value or records.meta.get(key) for value, key in given)
         body = written_body(body, {})
         frame = _axes.WRITTEN.get(self._axes.kind) if self._axes.name.islower() else self._axes.name
         start, stop = self._texts(records.epoch, *records.first_and_last())
-        method, degree = self._interpolation()
-        rate_frame = "REF_FRAME_B" if version == "1.0" else body
-        if not self._how.rates_over_body:
-            rate_frame = "REF_FRAME_A" if version == "1.0" else frame
-        digits, rated = str.maketrans("XYZ", "123"), self._kind.endswith("/ANGVEL")
         known = {
             "OBJECT_NAME": name or "UNKNOWN",
             "OBJECT_ID": number or "UNKNOWN",
@@ -557,49 +529,41 @@ class WrittenSegment:
             "ATTITUDE_DIR": "A2B",
             "TIME_SYSTEM": self._scale.upper(),
             "START_TIME": start,
-            "USEABLE_START_TIME": None,
-            "USEABLE_STOP_TIME": None,
             "STOP_TIME": stop,
-            "ATTITUDE_TYPE": _attitude_types.IN_VERSION_1[self._kind]
-            if version == "1.0"
-            else self._kind,
-            "QUATERNION_TYPE": ("FIRST" if self._how.scalar_first else "LAST")
-            if self._kind.startswith("QUATERNION")
-            else None,
-            "EULER_ROT_SEQ": (
-                self._how.sequence.translate(digits) if version == "1.0" else self._how.sequence
-            )
-            if self._kind.startswith("EULER") or (version == "1.0" and rated)
-            else None,
-            "RATE_FRAME": rate_frame if rated else None,
-            "ANGVEL_FRAME": rate_frame if rated else None,
-            "INTERPOLATION_METHOD": method,
-            "INTERPOLATION_DEGREE": str(degree),
+            "ATTITUDE_TYPE": _attitude_types.IN_VERSION_1[kind] if is_old else kind,
         }
-        if records.table is not None:
-            known.update(self._usable(records.table))
-        return {key: known[key] for key in FORM.meta_of(version) if known[key] is not None}
+        if kind.startswith("QUATERNION"):
+            known["QUATERNION_TYPE"] = "FIRST" if how.scalar_first else "LAST"
+        is_rated = kind.endswith("/ANGVEL")
+        if kind.startswith("EULER") or (is_old and is_rated):
+            digits = str.maketrans("XYZ", "123") if is_old else {}
+            known["EULER_ROT_SEQ"] = how.sequence.translate(digits)
+        if is_rated and is_old:
+            known["RATE_FRAME"] = "REF_FRAME_B" if how.rates_over_body else "REF_FRAME_A"
+        elif is_rated:
+            known["ANGVEL_FRAME"] = body if how.rates_over_body else frame
+        known |= self._interpolation() | self._usable()
+        return {key: known[key] for key in FORM.meta_of(version) if known.get(key) is not None}
 
     def _interpolation(self):
         """Recommended interpolation: that of a table, of a degree for which there are records."""
-        method, degree, table = (
-            self._settings["method"],
-            self._settings["degree"],
-            self._records.table,
-        )
+        settings, count, table = self._settings, len(self._records), self._records.table
+        method, degree = settings["method"], settings["degree"]
         if method is None and table is not None:
             method, degree = table.method, degree or table.degree
         has_rates = _attitude_types.has_rates(self._kind)
-        count = len(self._records)
         method, degree = _table.settled(method, degree, count, has_rates)
-        degree = _recipes.degree_of(self._settings["for_"], degree, count)
-        return "LINEAR" if method == "slerp" else method.upper(), degree
+        degree = _recipes.degree_of(settings["for_"], degree, count)
+        method = "LINEAR" if method == "slerp" else method.upper()
+        return {"INTERPOLATION_METHOD": method, "INTERPOLATION_DEGREE": str(degree)}
 
-    def _usable(self, table):
+    def _usable(self):
+        table = self._records.table
+        if table is None:
+            return {}
         ends = list(zip(*self._records.first_and_last(), strict=True))
         limits = max(table._limits[0], ends[0]), min(table._limits[1], ends[1])
         if limits == tuple(ends):
             return {}
-        hi, lo = np.array(limits).T
         names = ("USEABLE_START_TIME", "USEABLE_STOP_TIME")
-        return dict(zip(names, self._texts(table.epoch, hi, lo), strict=True))
+        return dict(zip(names, self._texts(table.epoch, *np.array(limits).T), strict=True))

@@ -72,61 +72,45 @@ def warn(path: str, what: str) -> None:
     )
 
 
-_Q = ("Q1", "Q2", "Q3", "QC")
-_Q_DOT = tuple(f"{name}_DOT" for name in _Q)
-_ANGVEL = ("ANGVEL_X", "ANGVEL_Y", "ANGVEL_Z")
-_ANGLE = ("ANGLE_1", "ANGLE_2", "ANGLE_3")
-_ANGLE_DOT = tuple(f"{name}_DOT" for name in _ANGLE)
-_SPIN = ("SPIN_ALPHA", "SPIN_DELTA", "SPIN_ANGLE", "SPIN_ANGLE_VEL")
+Q: tuple[str, ...] = ("Q1", "Q2", "Q3", "QC")
+Q_DOT: tuple[str, ...] = ("Q1_DOT", "Q2_DOT", "Q3_DOT", "QC_DOT")
+ANGVEL: tuple[str, ...] = ("ANGVEL_X", "ANGVEL_Y", "ANGVEL_Z")
+ANGLES: tuple[str, ...] = ("ANGLE_1", "ANGLE_2", "ANGLE_3")
+ANGLES_DOT: tuple[str, ...] = ("ANGLE_1_DOT", "ANGLE_2_DOT", "ANGLE_3_DOT")
+SPIN: tuple[str, ...] = ("SPIN_ALPHA", "SPIN_DELTA", "SPIN_ANGLE", "SPIN_ANGLE_VEL")
 
 # The columns of each type, under its name in version 2.
 COLUMNS: dict[str, tuple[str, ...]] = {
-    "QUATERNION": _Q,
-    "QUATERNION/DERIVATIVE": (*_Q, *_Q_DOT),
-    "QUATERNION/ANGVEL": (*_Q, *_ANGVEL),
-    "EULER_ANGLE": _ANGLE,
-    "EULER_ANGLE/DERIVATIVE": (*_ANGLE, *_ANGLE_DOT),
-    "EULER_ANGLE/ANGVEL": (*_ANGLE, *_ANGVEL),
-    "SPIN": _SPIN,
-    "SPIN/NUTATION": (*_SPIN, "NUTATION", "NUTATION_PER", "NUTATION_PHASE"),
-    "SPIN/NUTATION_MOM": (*_SPIN, "MOMENTUM_ALPHA", "MOMENTUM_DELTA", "NUTATION_VEL"),
+    "QUATERNION": Q,
+    "QUATERNION/DERIVATIVE": (*Q, *Q_DOT),
+    "QUATERNION/ANGVEL": (*Q, *ANGVEL),
+    "EULER_ANGLE": ANGLES,
+    "EULER_ANGLE/DERIVATIVE": (*ANGLES, *ANGLES_DOT),
+    "EULER_ANGLE/ANGVEL": (*ANGLES, *ANGVEL),
+    "SPIN": SPIN,
+    "SPIN/NUTATION": (*SPIN, "NUTATION", "NUTATION_PER", "NUTATION_PHASE"),
+    "SPIN/NUTATION_MOM": (*SPIN, "MOMENTUM_ALPHA", "MOMENTUM_DELTA", "NUTATION_VEL"),
 }
 # Name in version 2 -> name in version 1, and the inverse.
 IN_VERSION_1: dict[str, str] = {
-    "QUATERNION": "QUATERNION",
-    "QUATERNION/DERIVATIVE": "QUATERNION/DERIVATIVE",
-    "QUATERNION/ANGVEL": "QUATERNION/RATE",
-    "EULER_ANGLE": "EULER_ANGLE",
-    "EULER_ANGLE/ANGVEL": "EULER_ANGLE/RATE",
-    "SPIN": "SPIN",
-    "SPIN/NUTATION": "SPIN/NUTATION",
+    kind: kind.replace("/ANGVEL", "/RATE")
+    for kind in COLUMNS
+    if kind not in ("EULER_ANGLE/DERIVATIVE", "SPIN/NUTATION_MOM")
 }
 OUT_OF_VERSION_1: dict[str, str] = {old: new for new, old in IN_VERSION_1.items()}
 
 
 @dataclass(frozen=True)
 class Convention:
-    """Directions, axes and units of the columns of an attitude type.
+    """Directions, axes and units of the columns of an attitude type."""
 
-    to_body: whether the rotation goes from the external axes to the body (the default) or back.
-    rates_over_body: whether ANGVEL components are over the body axes or over the external ones.
-    rates_follow: whether rates belong to the rotation A to B (version 2) or always to the body
-        (version 1).
-    scalar_first: whether QC stands before Q1, Q2, Q3 (version 1).
-    sequence: axes of the Euler angles, such as "ZXZ".
-    in_radians: whether ANGVEL components are rad/s, as in CSV tables, or deg/s, as in CCSDS
-        messages.
-    rates_of_angles: whether the three numbers of ANGVEL are derivatives of the Euler angles of
-        `sequence` of the rotation of the file (version 1).
-    """
-
-    to_body: bool = True
-    rates_over_body: bool = True
-    rates_follow: bool = True
-    scalar_first: bool = False
-    sequence: str | None = None
-    in_radians: bool = False
-    rates_of_angles: bool = False
+    to_body: bool = True  # whether the rotation goes from the external axes to the body
+    rates_over_body: bool = True  # whether ANGVEL is over the body axes
+    rates_follow: bool = True  # whether rates are those of B relative to A, not of the body
+    scalar_first: bool = False  # whether QC stands before Q1, Q2, Q3
+    sequence: str | None = None  # axes of the Euler angles, such as "ZXZ"
+    in_radians: bool = False  # whether ANGVEL is in rad/s, as in CSV, or deg/s
+    rates_of_angles: bool = False  # whether ANGVEL are derivatives of the Euler angles
 
 
 def known_type(name: str, version: str) -> str:
@@ -148,18 +132,15 @@ def has_rates(kind: str) -> bool:
 
 def decoded(kind: str, rows: FloatArray, how: Convention) -> tuple[FloatArray, FloatArray | None]:
     """Attitudes wxyz (N, 4) and angular velocities (N, 3) from the rows (N, columns) of a file."""
-    family = kind.partition("/")[0]
-    wxyz, rates = {"QUATERNION": _of_quaternions, "EULER_ANGLE": _of_angles, "SPIN": _of_spin}[
-        family
-    ](kind, rows, how)
+    families = {"QUATERNION": _of_quaternions, "EULER_ANGLE": _of_angles, "SPIN": _of_spin}
+    wxyz, rates = families[kind.partition("/")[0]](kind, rows, how)
     if kind.endswith("/ANGVEL") and how.rates_of_angles:
         rates = of_euler_derivatives(wxyz, np.radians(rows[:, -3:]), how)
     elif kind.endswith("/ANGVEL"):
         rates = rows[:, -3:] if how.in_radians else np.radians(rows[:, -3:])
         if not how.rates_over_body:
-            rates = frames_quaternion.rotate(
-                frames_quaternion.conjugate(frames_quaternion.unit(wxyz)), rates
-            )
+            unit = frames_quaternion.unit(wxyz)
+            rates = frames_quaternion.rotate(frames_quaternion.conjugate(unit), rates)
         if how.rates_follow and not how.to_body:
             rates = -rates
     return wxyz, rates
@@ -195,9 +176,8 @@ def encoded(
     elif kind == "QUATERNION/DERIVATIVE":
         assert rates is not None
         change = forms.quaternion_rate(wxyz, rates)
-        columns.append(
-            _ordered(change if how.to_body else frames_quaternion.conjugate(change), how)
-        )
+        change = change if how.to_body else frames_quaternion.conjugate(change)
+        columns.append(_ordered(change, how))
     return np.concatenate(columns, axis=1)
 
 
@@ -220,34 +200,24 @@ def _of_quaternions(kind, rows, how):
 def of_euler_derivatives(wxyz: FloatArray, change: FloatArray, how: Convention) -> FloatArray:
     """Rates (N, 3), rad/s over the body, from wxyz (N, 4) and the change (N, 3) of angles."""
     assert how.sequence is not None
-    of_file = (
-        frames_quaternion.unit(wxyz)
-        if how.to_body
-        else frames_quaternion.conjugate(frames_quaternion.unit(wxyz))
-    )
+    of_file = frames_quaternion.unit(wxyz)
+    of_file = of_file if how.to_body else frames_quaternion.conjugate(of_file)
     angles = forms.to_euler(how.sequence, of_file)
     rates = forms.angular_velocity_from_euler_rates(how.sequence, angles, change)
     return rates if how.to_body else -frames_quaternion.rotate(of_file, rates)
 
 
 def rates_by_axis(letters: str, sequence: str | None) -> list[int] | None:
-    """The places of rates with the names of axes, as derivatives of the angles of a sequence.
-
-    Repeated letters, such as Y, X, Y under sequence 212, are the derivatives in their order.
-    Returns for each angle of the sequence the place of its rate; None if the letters are not those
-        of the sequence.
+    """For each angle of a sequence the place of its rate; None if the letters are not its axes.
 
     >>> rates_by_axis("YXY", "YXY"), rates_by_axis("XYZ", "ZYX"), rates_by_axis("XYZ", "ZXZ")
     ([0, 1, 2], [2, 1, 0], None)
     """
     if sequence is None or sorted(letters) != sorted(sequence):
         return None
-    left = list(enumerate(letters))
-    places = []
+    places: list[int] = []
     for axis in sequence:
-        item_of_axis = next(item for item in left if item[1] == axis)
-        left.remove(item_of_axis)
-        places.append(item_of_axis[0])
+        places.append(next(k for k, x in enumerate(letters) if x == axis and k not in places))
     return places
 
 

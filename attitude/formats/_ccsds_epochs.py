@@ -90,12 +90,12 @@ def parsed(tokens: Sequence[bytes], scale: str) -> tuple[FloatArray, FloatArray]
             day[rows], second[rows], fraction[rows] = group
         else:
             raise BadEpoch(int(rows[np.argmax(group)]), "write it like 2026-01-01T00:00:00.000")
-    _refuse_false_leaps(scale, day, second, fraction)
-    try:
-        hi, lo = _inputs.tdb_of_day(scale, day, second, fraction, "an epoch")
-    except AttitudeError as err:
-        raise BadEpoch(0, str(err)) from err
-    return np.asarray(hi), np.asarray(lo)
+    false = second >= _time_scales.DAY
+    if scale == "utc" and np.any(false):
+        false &= fraction >= _time_scales.leap_of_day(day)
+    if np.any(false):
+        raise BadEpoch(int(np.argmax(false)), "there was no leap second then")
+    return _tdb(scale, day, second, fraction)
 
 
 def parsed_days(
@@ -114,27 +114,22 @@ def parsed_days(
     whole = np.floor(second_of_day)
     fraction = second_of_day - whole
     # Of plain decimals the fraction is a double of its own: of 86400 s one double has 1e-11.
-    parts = [column.partition(b".") for column in seconds]
-    plain = np.array(
-        [first.isdigit() and (not decimals or decimals.isdigit()) for first, _, decimals in parts]
-    )
-    whole[plain] = [float(first) for k, (first, _, _) in enumerate(parts) if plain[k]]
-    fraction[plain] = [
-        float(b"0." + decimals) for k, (_, _, decimals) in enumerate(parts) if plain[k]
-    ]
+    for k, (first, _, decimals) in enumerate(column.partition(b".") for column in seconds):
+        if first.isdigit() and (not decimals or decimals.isdigit()):
+            whole[k], fraction[k] = float(first), float(b"0." + decimals)
+    return _tdb(scale, date, whole, fraction)
+
+
+def _tdb(scale, day, second, fraction):
     try:
-        hi, lo = _inputs.tdb_of_day(scale, date, whole, fraction, "an epoch")
+        hi, lo = _inputs.tdb_of_day(scale, day, second, fraction, "an epoch")
     except AttitudeError as err:
         raise BadEpoch(0, str(err)) from err
     return np.asarray(hi), np.asarray(lo)
 
 
 class BadEpoch(Exception):
-    """An epoch that cannot be read.
-
-    index: its place in the sequence that `parsed` was given.
-    reason: what is wrong with it.
-    """
+    """An epoch that cannot be read: its place among those that `parsed` was given, the reason."""
 
     def __init__(self, index: int, reason: str):
         super().__init__(index, reason)
@@ -201,12 +196,10 @@ def days_and_seconds(
     """Modified Julian date and seconds of the day of N epochs; parameters as in `texts`."""
     hi, lo = pairs.Seconds(np.asarray(seconds), low).plus(epoch.seconds, epoch.low)
     day, whole, ticks = _civil(hi, lo, scale, digits)
-    point = "." if digits else ""
     rows = zip(day.astype(np.int64).tolist(), whole.tolist(), ticks.tolist(), strict=True)
-    return [
-        f"{date} {second}{point}{str(ticks_left).zfill(digits) if digits else ''}"
-        for date, second, ticks_left in rows
-    ]
+    if not digits:
+        return [f"{date} {second}" for date, second, _ in rows]
+    return [f"{date} {second}.{left:0{digits}d}" for date, second, left in rows]
 
 
 def _fields(chars, calendar):
@@ -248,15 +241,6 @@ def _fields(chars, calendar):
     fraction = number(start + 1, start + 1 + decimals) / 10.0**decimals if decimals > 0 else 0.0
     whole = hour * 3600 + minute * 60 + second
     return day.astype(float), whole.astype(float), np.broadcast_to(fraction, whole.shape)
-
-
-def _refuse_false_leaps(scale, day, second, fraction):
-    over = second >= _time_scales.DAY
-    if not np.any(over):
-        return
-    false = over if scale != "utc" else over & (fraction >= _time_scales.leap_of_day(day))
-    if np.any(false):
-        raise BadEpoch(int(np.argmax(false)), "there was no leap second then")
 
 
 def _day_number(year, month, date):

@@ -20,6 +20,7 @@ from attitude._support import pairs, validation
 from attitude._textfiles.lines import unreadable
 from attitude.epochs import _inputs, _time_scales
 from attitude.errors import AttitudeError
+from attitude.formats._sampling import apart
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.motions import _table
@@ -88,23 +89,31 @@ class LoadedKernels:
     """
 
     def __init__(self, names: Iterable[FilePath]):
-        self._spice = spiceypy()
-        self._count = self._spice.ktotal("ALL")
-        self._known = self._variables()
-        self._own: set[str] = set()
+        self._spice = spice = spiceypy()
         self._names: list[str] = []
-        for kernel in names:
-            # whole, since the folder of the process may be another one when it is unloaded
-            name = os.path.abspath(os.fspath(kernel))
-            self._refuse_broken(name)
+        self._own: set[str] = set()
+        count, known = spice.ktotal("ALL"), self._variables()
+        # whole, since the folder of the process may be another one when a kernel is unloaded
+        for name in [os.path.abspath(os.fspath(kernel)) for kernel in names]:
             try:
-                self._spice.furnsh(name)
-            except self._spice.exceptions.SpiceyError as err:
-                self._spice.reset()
-                self._roll_back()
-                raise AttitudeError(f"SPICE cannot load {name}: {err.short}.") from err
-            self._names.append(name)
-        self._own = self._variables() - self._known
+                broken = fault(name)
+                if broken is None:
+                    spice.furnsh(name)
+                    self._names.append(name)
+                    continue
+                error = AttitudeError(f"{name}: it is a broken kernel: {broken}.")
+            except OSError as err:
+                error = unreadable(name, err)
+            except spice.exceptions.SpiceyError as err:
+                spice.reset()
+                error = AttitudeError(f"SPICE cannot load {name}: {err.short}.")
+            # Unload the loaded part of a meta-kernel, too.
+            self._names = [spice.kdata(k, "ALL")[0] for k in range(count, spice.ktotal("ALL"))]
+            self.close()
+            for variable in self._variables() - known:
+                spice.dvpool(variable)
+            raise error
+        self._own = self._variables() - known
 
     def close(self) -> None:
         """Unload these kernels, and no others; a second call does nothing."""
@@ -115,32 +124,14 @@ class LoadedKernels:
         for name in reversed(names):
             self._spice.unload(name)
         for name in kept.keys() - self._variables():
-            self._put(name, *kept[name])
+            put, values = kept[name]
+            put(name, values)
 
     def __enter__(self):
         return self
 
     def __exit__(self, *_):
         self.close()
-
-    def _refuse_broken(self, name):
-        """AttitudeError for a kernel at which SPICE would end the process."""
-        try:
-            broken = fault(name)
-        except OSError as err:
-            self._roll_back()
-            raise unreadable(name, err) from err
-        if broken is not None:
-            self._roll_back()
-            raise AttitudeError(f"{name}: it is a broken kernel: {broken}.")
-
-    def _roll_back(self):
-        """Unload after a failure, including the loaded part of a meta-kernel."""
-        total = self._spice.ktotal("ALL")
-        self._names = [self._spice.kdata(k, "ALL")[0] for k in range(self._count, total)]
-        self.close()
-        for name in self._variables() - self._known:
-            self._spice.dvpool(name)
 
     def _variables(self):
         """The names of all variables in the pool."""
@@ -156,13 +147,11 @@ class LoadedKernels:
         return names
 
     def _values(self, name):
-        """Type ("N" for numbers, "C" for text) and values of a variable."""
-        count, kind = self._spice.dtpool(name)
-        get = self._spice.gdpool if kind == "N" else self._spice.gcpool
-        return kind, list(get(name, 0, count))
-
-    def _put(self, name, kind, values):
-        (self._spice.pdpool if kind == "N" else self._spice.pcpool)(name, values)
+        """The function that sets a variable of numbers or of text, and its values."""
+        spice = self._spice
+        count, kind = spice.dtpool(name)
+        get, put = (spice.gdpool, spice.pdpool) if kind == "N" else (spice.gcpool, spice.pcpool)
+        return put, list(get(name, 0, count))
 
 
 # ---- The motion on the clock of a C-kernel, and the step between records
@@ -185,19 +174,7 @@ _BESIDE = 100.0
 class Plan:
     """The span of a kernel on its clock, the motion there, and the step between records.
 
-    The clock counts seconds of TDB, or of TT, from `first`.
-
-    motion, start, stop, kind, tolerance, rate_tolerance: as in `ck.write`.
-    scale: time scale of the clock, "tdb" or "tt".
-
-    kind: type of the C-kernel, 5 or 3.
-    tolerance, rate_tolerance: rad and rad/s.
-    first: start of the clock, seconds of its time scale since J2000.
-    begin, end: the span, s on the clock.
-    bounds: (S + 1,), `begin`, the jumps of the angular velocity in between, and `end`, s on the
-        clock: stretch k runs from bounds[k] to bounds[k + 1].
-    step: time between records, s.
-    AttitudeError for an unknown kind, tolerances out of range, and an empty span.
+    The clock counts seconds of TDB or TT from `first`; stretch k runs from bounds[k] to the next.
     """
 
     def __init__(
@@ -345,8 +322,7 @@ class Plan:
         # In the middle itself the error of a steady rotation is one of the length only.
         middle = first + (0.5 * (width - 1) + _OFF_MIDDLE) * steps
         true = self.history(middle, stretch)
-        q = [nodes.wxyz[:, k] for k in range(width)]
-        w = [nodes.angular_velocity_inertial[:, k] for k in range(width)]
+        q, w = (np.moveaxis(a, 1, 0) for a in (nodes.wxyz, nodes.angular_velocity_inertial))
         if self.kind == 3:
             turn = quaternion.multiply(quaternion.conjugate(q[0]), q[1])
             share = 0.5 + _OFF_MIDDLE
@@ -356,27 +332,19 @@ class Plan:
         else:
             at = np.broadcast_to(np.arange(width), (len(first), width)).astype(float)
             x = (middle - first) / steps
-            bends = quaternion.rotate(nodes.wxyz, nodes.angular_acceleration)
             speed = self.speed(first[:, None] + place)[..., None]
-            bends = speed * bends
             change = speed * forms.quaternion_rate(nodes.wxyz, nodes.angular_velocity)
+            bends = speed * quaternion.rotate(nodes.wxyz, nodes.angular_acceleration)
             slopes = [[one[:, k] * steps[:, None] for k in range(width)] for one in (change, bends)]
             interpolated = [
-                _table.polynomial(at, values, slope, x)
+                _table.polynomial(at, list(values), slope, x)
                 for values, slope in zip((q, w), slopes, strict=True)
             ]
-        off = longest(interpolated[1] - true.angular_velocity_inertial)
+        off = _longest(interpolated[1] - true.angular_velocity_inertial)
         return apart(quaternion.unit(interpolated[0]), true.wxyz), off
 
 
-def apart(p: FloatArray, q: FloatArray) -> float:
-    """The largest angle, rad, between attitudes (N, 4)."""
-    return float(
-        np.max(forms.to_axis_angle(quaternion.multiply(quaternion.conjugate(p), q))[1], initial=0.0)
-    )
-
-
-def longest(vectors: FloatArray) -> float:
+def _longest(vectors):
     """The largest length of vectors (N, 3)."""
     return float(np.max(np.linalg.norm(vectors, axis=-1), initial=0.0))
 
@@ -413,84 +381,48 @@ def opened(path: str) -> Iterator[tuple[Any, int]]:
 
 
 def write(path: str, plan: Plan, clock: KernelClock, instrument: int) -> None:
-    """Write the C-kernel of a `Plan` to a new file.
-
-    path: must not exist.
-    instrument: NAIF number.
-    AttitudeError: as `opened`.
-    """
-    stretches = plan.records()
+    """Write the C-kernel of a `Plan` to a new file, for the NAIF number of an instrument."""
     with opened(path) as (spice, handle):
-        for number, seconds in enumerate(stretches):
+        for number, seconds in enumerate(plan.records()):
             for start in range(0, max(len(seconds) - 1, 1), _PIECE):
-                _write_segment(spice, handle, plan, clock, instrument, number, seconds, start)
+                stop = min(start + _PIECE, len(seconds) - 1)
+                pad = _PAD if plan.kind == 5 else 0
+                window = slice(max(start - pad, 0), stop + 1 + pad)
+                history = plan.history(seconds[window], number)
+                ticks = clock.ticks(seconds[window])
+                ends = ticks[start - window.start], ticks[stop - window.start]
+                wxyz, rates = history.wxyz, history.angular_velocity_inertial
+                if plan.kind == 3:
+                    _put_3(spice, handle, instrument, ends, ticks, wxyz, rates)
+                    continue
+                # SPICE differentiates by the clock; d/dt of R w is R w', since w x w vanishes.
+                speed = plan.speed(seconds[window])[:, None]
+                change = speed * forms.quaternion_rate(wxyz, history.angular_velocity)
+                bends = speed * quaternion.rotate(wxyz, history.angular_acceleration)
+                parts = quaternion.conjugate(wxyz), quaternion.conjugate(change), rates, bends
+                packets = np.concatenate(parts, axis=1)
+                _put_5(spice, handle, instrument, ends, ticks, packets, clock, (2, DEGREE))
+
+
+def _put_3(spice, handle, instrument, ends, ticks, wxyz, rates):
+    """Write a segment of type 3; `rates` (N, 3) over J2000, or None."""
+    has_rates = rates is not None
+    rates = np.ascontiguousarray(rates) if has_rates else np.zeros((len(ticks), 3))
+    quats = np.ascontiguousarray(quaternion.conjugate(wxyz))
+    about = (instrument, REFERENCE, has_rates, "attitude")
+    spice.ckw03(handle, *map(float, ends), *about, len(ticks), ticks, quats, rates, 1, ticks[:1])
+
+
+def _put_5(spice, handle, instrument, ends, ticks, packets, clock, form, has_rates=True):
+    """Write a segment of type 5, whose form is its subtype and degree."""
+    packets = np.ascontiguousarray(packets)
+    about = (*map(float, ends), instrument, REFERENCE, has_rates, "attitude")
+    spice.ckw05(handle, *form, *about, ticks, packets, clock.per_tick, 1, ticks[:1])
 
 
 def cannot(sentence: str) -> AttitudeError:
     """The error for a kernel that cannot be written."""
     return AttitudeError(f"{sentence} Is the disk full? Give a file in a folder with free space.")
-
-
-def _write_segment(spice, handle, plan, clock, instrument, number, seconds, start):
-    stop = min(start + _PIECE, len(seconds) - 1)
-    pad = _PAD if plan.kind == 5 else 0
-    window = slice(max(start - pad, 0), stop + 1 + pad)
-    history = plan.history(seconds[window], number)
-    ticks = clock.ticks(seconds[window])
-    ends = float(ticks[start - window.start]), float(ticks[stop - window.start])
-    if plan.kind == 5:
-        packets = _packets(history, plan.speed(seconds[window])[:, None])
-        spice.ckw05(
-            handle,
-            2,
-            DEGREE,
-            *ends,
-            instrument,
-            REFERENCE,
-            True,
-            "attitude",
-            ticks,
-            packets,
-            clock.per_tick,
-            1,
-            ticks[:1],
-        )
-    else:
-        quats = np.ascontiguousarray(quaternion.conjugate(history.wxyz))
-        rates = np.ascontiguousarray(history.angular_velocity_inertial)
-        spice.ckw03(
-            handle,
-            *ends,
-            instrument,
-            REFERENCE,
-            True,
-            "attitude",
-            len(ticks),
-            ticks,
-            quats,
-            rates,
-            1,
-            ticks[:1],
-        )
-
-
-def _packets(history, speed):
-    """Subtype 2 of type 5: quaternion, its rate, angular velocity in J2000, its rate.
-
-    `speed` (N, 1) are seconds of TDB in a second of the clock, in which SPICE differentiates.
-    """
-    return np.concatenate(
-        [
-            quaternion.conjugate(history.wxyz),
-            quaternion.conjugate(
-                speed * forms.quaternion_rate(history.wxyz, history.angular_velocity)
-            ),
-            history.angular_velocity_inertial,
-            # d/dt of R w is R w', since w x w vanishes
-            speed * quaternion.rotate(history.wxyz, history.angular_acceleration),
-        ],
-        axis=1,
-    )
 
 
 def measured(path: str, plan: Plan, clock: KernelClock, instrument: int) -> tuple[float, float]:
@@ -502,7 +434,7 @@ def measured(path: str, plan: Plan, clock: KernelClock, instrument: int) -> tupl
     true = plan.history(seconds)
     matrices, rates = measured_at(path, clock.ticks(seconds), instrument)
     error = apart(forms.from_dcm(matrices), true.wxyz)
-    return error, longest(rates - true.angular_velocity_inertial)
+    return error, _longest(rates - true.angular_velocity_inertial)
 
 
 def measured_at(
@@ -656,34 +588,25 @@ _MOST_DEGREE = 23
 class TableSegments:
     """The stretches of a table on the clock of a kernel, which counts TDB seconds from `first`.
 
-    first: TDB seconds since J2000, before the first record.
-    span: s from there to the last record.
-    step: greatest time between records of a stretch, s.
+    `span` and `step` are s to the last record, and the most between records of a stretch.
     """
 
     def __init__(self, table: AttitudeTable):
-        self._parts = [segment for segment in table.segments]
-        starts = [
-            pairs.add((p.seconds[0], p.low[0]), p.epoch.seconds, p.epoch.low) for p in self._parts
+        self._parts = list(table.segments)
+        epochs = [
+            pairs.add((part.seconds, part.low), part.epoch.seconds, part.epoch.low)
+            for part in self._parts
         ]
-        start = min(float(hi) for hi, _ in starts)
-        steps = [np.max(np.diff(segment.seconds), initial=0.0) for segment in self._parts]
         # The clock counts from before the records beyond the ends, of which there are at most 11.
-        margin = 12.0 * float(max(steps))
+        margin = 12.0 * max(float(np.max(np.diff(p.seconds), initial=0.0)) for p in self._parts)
+        start = min(float(hi[0]) for hi, _ in epochs)
         self.first: float = float(np.nextafter(start - margin, -np.inf))
-        self._clock = [self._seconds(segment) for segment in self._parts]
-        ends = [float(seconds[-1]) for seconds in self._clock]
-        if any(np.any(np.diff(seconds) <= 0.0) for seconds in self._clock):
+        self._clock = [pairs.add(pair, -self.first)[0] for pair in epochs]
+        steps = [np.diff(seconds) for seconds in self._clock]
+        if any(np.any(step <= 0.0) for step in steps):
             raise AttitudeError("two records of the table fall on one double of time.")
-        self.span: float = max(ends)
-        self.step: float = float(
-            max(np.max(np.diff(seconds), initial=0.0) for seconds in self._clock)
-        )
-
-    def _seconds(self, segment):
-        """Seconds of a segment's records on the clock."""
-        hi, lo = pairs.add((segment.seconds, segment.low), segment.epoch.seconds, segment.epoch.low)
-        return pairs.add((hi, lo), -self.first)[0]
+        self.span: float = max(float(seconds[-1]) for seconds in self._clock)
+        self.step: float = float(max(np.max(step, initial=0.0) for step in steps))
 
     def write(self, path: str, clock: KernelClock, instrument: int) -> None:
         """Write the C-kernel to a new file; AttitudeError for errors of SPICE."""
@@ -705,7 +628,7 @@ class TableSegments:
             true = segment.at(since_segment[0], since_segment[1])
             worst[0] = max(worst[0], apart(forms.from_dcm(matrices), true.wxyz))
             if has_rates:
-                worst[1] = max(worst[1], longest(rates - true.angular_velocity_inertial))
+                worst[1] = max(worst[1], _longest(rates - true.angular_velocity_inertial))
         return worst[0], worst[1]
 
 
@@ -716,55 +639,25 @@ def _degree(table: AttitudeTable) -> int:
     return min(table.degree - (table.degree + 1) % 2, _MOST_DEGREE)
 
 
-def _write_part(
-    spice: Any,
-    handle: int,
-    segment: AttitudeTable,
-    ticks: FloatArray,
-    clock: KernelClock,
-    instrument: int,
-) -> None:
-    has_rates = segment.angular_velocity is not None
-    quats = np.ascontiguousarray(quaternion.conjugate(segment.nodes))
-    ends = float(ticks[0]), float(ticks[-1])
-    about = (instrument, REFERENCE, has_rates, "attitude")
+def _write_part(spice, handle, segment, ticks, clock, instrument):
+    wxyz, has_rates = segment.nodes, segment.angular_velocity is not None
+    rates = quaternion.rotate(wxyz, segment.angular_velocity) if has_rates else None
+    ends = ticks[0], ticks[-1]
     if segment.method == "slerp":
-        rates = np.zeros((len(ticks), 3))
-        if has_rates:
-            rates = np.ascontiguousarray(_inertial(segment))
-        spice.ckw03(handle, *ends, *about, len(ticks), ticks, quats, rates, 1, ticks[:1])
+        _put_3(spice, handle, instrument, ends, ticks, wxyz, rates)
         return
-    degree = _degree(segment)
+    degree, quats = _degree(segment), quaternion.conjugate(wxyz)
     if segment.method == "hermite":
-        assert segment.angular_velocity is not None
-        change = forms.quaternion_rate(segment.nodes, segment.angular_velocity)
+        change = forms.quaternion_rate(wxyz, segment.angular_velocity)
         slopes = quaternion.conjugate(change) * clock.per_tick
         ticks, quats, slopes = _padded(ticks, quats, slopes, (degree + 1) // 2)
         subtype, packets = 0, np.concatenate([quats, slopes / clock.per_tick], axis=1)
     else:
-        packets = quats
-        if has_rates:
-            packets = np.concatenate([quats, _inertial(segment)], axis=1)
         subtype = 3 if has_rates else 1
+        packets = np.concatenate([quats, rates], axis=1) if has_rates else quats
         ticks, packets, _ = _padded(ticks, packets, None, degree + 1)
-    spice.ckw05(
-        handle,
-        subtype,
-        degree,
-        *ends,
-        *about,
-        ticks,
-        np.ascontiguousarray(packets),
-        clock.per_tick,
-        1,
-        ticks[:1],
-    )
-
-
-def _inertial(segment: AttitudeTable) -> FloatArray:
-    """Angular velocities (N, 3) over ICRF axes."""
-    assert segment.angular_velocity is not None
-    return quaternion.rotate(segment.nodes, segment.angular_velocity)
+    form = subtype, degree
+    _put_5(spice, handle, instrument, ends, ticks, packets, clock, form, has_rates)
 
 
 def _padded(ticks, values, slopes, width):

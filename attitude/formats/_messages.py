@@ -19,6 +19,7 @@ from attitude._textfiles.lines import cut
 from attitude._textfiles.messages import refuse_line_breaks
 from attitude.errors import AttitudeError
 from attitude.formats import _ccsds_epochs as ccsds_epochs
+from attitude.formats._attitude_types import ANGLES, ANGLES_DOT, ANGVEL, Q_DOT, Q
 from attitude.frames import quaternion
 from attitude.motions import _axes
 from attitude.motions._body import Body
@@ -37,8 +38,6 @@ VERSIONS: tuple[str, ...] = ("1.0", "2.0")
 HEADER: tuple[str, ...] = ("CREATION_DATE", "ORIGINATOR", "MESSAGE_ID", "CLASSIFICATION")
 INERTIA: tuple[str, ...] = ("IXX", "IYY", "IZZ", "IXY", "IXZ", "IYZ")
 OLD_INERTIA: tuple[str, ...] = ("I11", "I22", "I33", "I12", "I13", "I23")
-Q: tuple[str, ...] = ("Q1", "Q2", "Q3", "QC")
-Q_DOT: tuple[str, ...] = ("Q1_DOT", "Q2_DOT", "Q3_DOT", "QC_DOT")
 OLD_ANGLES: tuple[str, ...] = ("X_ANGLE", "Y_ANGLE", "Z_ANGLE")
 OLD_RATES: tuple[str, ...] = ("X_RATE", "Y_RATE", "Z_RATE")
 # Keyword -> the element of XML that groups it with others.
@@ -50,11 +49,11 @@ GROUPS: dict[str, str | None] = {
 }
 # Keyword or column -> units that may stand with it; without one, a number is in the first.
 UNITS: dict[str, tuple[str, ...]] = {
-    **dict.fromkeys(("ANGLE_1", "ANGLE_2", "ANGLE_3", *OLD_ANGLES), ("deg",)),
+    **dict.fromkeys((*ANGLES, *OLD_ANGLES), ("deg",)),
     **dict.fromkeys(("SPIN_ALPHA", "SPIN_DELTA", "SPIN_ANGLE", "SENSOR_NOISE_STDDEV"), ("deg",)),
     **dict.fromkeys(("NUTATION", "NUTATION_PHASE", "MOMENTUM_ALPHA", "MOMENTUM_DELTA"), ("deg",)),
-    **dict.fromkeys(("ANGLE_1_DOT", "ANGLE_2_DOT", "ANGLE_3_DOT"), ("deg/s",)),
-    **dict.fromkeys(("ANGVEL_X", "ANGVEL_Y", "ANGVEL_Z", *OLD_RATES), ("deg/s",)),
+    **dict.fromkeys(ANGLES_DOT, ("deg/s",)),
+    **dict.fromkeys((*ANGVEL, *OLD_RATES), ("deg/s",)),
     **dict.fromkeys(("SPIN_ANGLE_VEL", "NUTATION_VEL"), ("deg/s",)),
     **dict.fromkeys(Q_DOT, ("1/s",)),
     **dict.fromkeys((*INERTIA, *OLD_INERTIA), ("kg*m**2", "kg*m^2", "kg.m**2")),

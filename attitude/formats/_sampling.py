@@ -17,6 +17,7 @@ import numpy as np
 from attitude._support import pairs
 from attitude._support.pairs import Seconds
 from attitude._textfiles.atomic_write import made_whole
+from attitude.catalog import motion_of
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
@@ -68,8 +69,6 @@ def _only(source, t, holder):
 
 def known_of(source: AttitudeSource, t: Epochs | None) -> tuple[dict[str, Any], bool]:
     """Names and comments of what a writer was given, and whether it has angular velocities."""
-    from attitude.catalog import motion_of
-
     of_records = (Records, AttitudeHistory, AttitudeTable, list, tuple)
     if t is None and not isinstance(source, of_records) and callable(getattr(source, "at", None)):
         return dict(motion_of(cast("HasAttitudes", source), "source").meta), True
@@ -160,16 +159,12 @@ def segments(source: AttitudeSource, t: Epochs | None = None) -> list[Records]:
 
 
 def _of_history(history):
-    from attitude.catalog import motion_of
-
     if len(history.shape) != 1:
         raise AttitudeError(f"the epochs have shape {history.shape}; give a row of epochs, (N,).")
     return Records(motion_of(history.motion), history.epoch, history.seconds, history.low, history)
 
 
 def _of_motion(motion, t):
-    from attitude.catalog import motion_of
-
     motion = motion_of(motion, "source")
     seconds, low = _inputs.seconds_since(motion.epoch, t)
     if seconds.ndim != 1:
@@ -348,8 +343,6 @@ def _window(method, degree):
 
 def stretches_of(source: AttitudeSource, span: Sequence[EpochOrSeconds | None]) -> list[_Stretch]:
     """The stretches without jumps and gaps of a motion, by default over the span of a table."""
-    from attitude.catalog import motion_of
-
     if isinstance(source, (Records, AttitudeHistory, list, tuple)):
         raise AttitudeError(
             f"{type(source).__name__} is given with tolerance=; give the motion or the "

@@ -12,6 +12,7 @@ import numpy as np
 from attitude._support import validation
 from attitude._support.quoting import quoted
 from attitude._textfiles import toml
+from attitude._textfiles.lines import prefixed
 from attitude._textfiles.toml import refuse_unknown, way_of
 from attitude.errors import AttitudeError
 from attitude.light_curve import _magnitudes
@@ -42,17 +43,18 @@ _SHAPES = {
 }
 _ANY_SHAPE = ("divided", "shadows")
 # Units of the numbers in tables of dimensions; None for words and whole numbers.
-_CYLINDER: dict[str, str | None] = {"radius": "m", "height": "m", "sides": None, "axis": None}
-_BOX_WING: dict[str, str | None] = {
-    "body": "m",
-    "wing": "m",
-    "gap": "m",
-    "thickness": "m",
-    "wing_axis": None,
-    "wing_angle": "rad",
-    "wings": None,
+_CYLINDER = {"radius": "m", "height": "m", "sides": None, "axis": None}
+_BOX_WING = {
+    **{"body": "m", "wing": "m", "gap": "m", "thickness": "m"},
+    **{"wing_axis": None, "wing_angle": "rad", "wings": None},
 }
-_MESH: dict[str, str | None] = {"vertices": "m", "facets": None, "materials": None}
+_MESH = {"vertices": "m", "facets": None, "materials": None}
+# What makes a shape from a table of dimensions, these, and those that must be given.
+_TABLES: dict[str, tuple[Callable[..., Any], Mapping[str, str | None], tuple[str, ...]]] = {
+    "cylinder": (_solids.cylinder, _CYLINDER, ("radius", "height")),
+    "box_wing": (_solids.box_wing, _BOX_WING, ("body", "wing")),
+    "mesh": (lambda **table: _mesh.Mesh(**table).require_closed(), _MESH, ("vertices", "facets")),
+}
 # Facets of an ellipsoid by default.
 FACETS = 1000
 
@@ -82,7 +84,7 @@ class MagnitudeScale:
         magnitudes = self._everywhere(view)
         return magnitudes if everywhere else view.as_observed(magnitudes)
 
-    def _everywhere(self, view: View) -> FloatArray:
+    def _everywhere(self, view):
         if self.kind == "reduced":
             return view.reduced_magnitude
         if self.sun_distance is None and self.observer_distance is None:
@@ -91,11 +93,9 @@ class MagnitudeScale:
         sun = view.sun_distance if distances[0] is None else distances[0]
         observer = view.observer_distance if distances[1] is None else distances[1]
         magnitudes = view.reduced_magnitude + _magnitudes.distance_modulus(sun, observer)
-        return (
-            magnitudes + _magnitudes.dimming(view.lit_fraction)
-            if view.scene.shadow_of
-            else magnitudes
-        )
+        if view.scene.shadow_of:
+            magnitudes = magnitudes + _magnitudes.dimming(view.lit_fraction)
+        return magnitudes
 
 
 def shape_of(
@@ -125,19 +125,9 @@ def shape_of(
         settings["shape"] = _ellipsoid(section, body)
     elif way == "box":
         settings["shape"] = _solids.box(number_of(section["box"], "[shape] box", "m"))
-    elif way == "mesh":
-        table = table_of(section[way], "[shape] mesh", _MESH, ("vertices", "facets"))
-        settings["shape"] = _mesh.Mesh(**table).require_closed()
-    elif way == "cylinder":
-        needed = ("radius", "height")
-        settings["shape"] = _solids.cylinder(
-            **table_of(section[way], "[shape] cylinder", _CYLINDER, needed)
-        )
     else:
-        needed = ("body", "wing")
-        settings["shape"] = _solids.box_wing(
-            **table_of(section[way], "[shape] box_wing", _BOX_WING, needed)
-        )
+        make, units, needed = _TABLES[way]
+        settings["shape"] = make(**table_of(section[way], f"[shape] {way}", units, needed))
     if "divided" in section:
         if way == "ellipsoid":
             raise AttitudeError("[shape] divided does not go with ellipsoid; give facets.")
@@ -149,15 +139,14 @@ def facets_for(
     section: Mapping[str, Any], shape: shape_ellipsoid.Ellipsoid | _mesh.Mesh, law: Law
 ) -> shape_ellipsoid.Ellipsoid | _mesh.Mesh:
     """The shape, or facets of an ellipsoid if the law has no closed form, or `section` says so."""
-    if isinstance(shape, shape_ellipsoid.Ellipsoid) and not law.has_ellipsoid_form:
+    is_cut = "facets" in section or not law.has_ellipsoid_form
+    if isinstance(shape, shape_ellipsoid.Ellipsoid) and is_cut:
         return shape.facets(section.get("facets", FACETS))
-    if "facets" in section and isinstance(shape, shape_ellipsoid.Ellipsoid):
-        return shape.facets(section["facets"])
     return shape
 
 
 def law_of(section: Any, shape: shape_ellipsoid.Ellipsoid | _mesh.Mesh) -> Law:
-    """The law of a section [scattering], for the shape `found`."""
+    """The law of a section [scattering], for a shape."""
     if not isinstance(section, dict):
         raise AttitudeError(
             f"scattering is {quoted(section)}; give a section that begins [scattering]."
@@ -183,24 +172,24 @@ def scale_of(section: Any) -> dict[str, Any]:
         )
     known = ("kind", "sun_magnitude", "h", "g", "g1", "g2", "sun_distance", "observer_distance")
     refuse_unknown(section, known, "[magnitude]")
-    arguments: dict[str, Any] = {"phase_function": _phase_function(section)}
-    if "sun_magnitude" in section:
-        band = section["sun_magnitude"]
-        arguments["sun_magnitude"] = validation.number(
-            band, "[magnitude] sun_magnitude", unit="mag"
-        )
-    if arguments["phase_function"] is not None and "sun_magnitude" in section:
+    function = _phase_function(section)
+    if "sun_magnitude" not in section:
+        return {"phase_function": function}
+    band = validation.number(section["sun_magnitude"], "[magnitude] sun_magnitude", unit="mag")
+    if function is not None:
         raise AttitudeError(
             "[magnitude] has both h and sun_magnitude, but h alone sets the scale of magnitudes; "
             "leave one out."
         )
-    return arguments
+    return {"phase_function": function, "sun_magnitude": band}
 
 
 def magnitude_of(section: Mapping[str, Any], scene: Scene) -> MagnitudeScale:
     """The `MagnitudeScale` of a section [magnitude], for a Scene."""
-    distances = {}
+    distances, far = {}, []
     for key, place in (("sun_distance", scene.sun), ("observer_distance", scene.observer)):
+        if place.is_direction and key not in section:
+            far.append(key)
         if key in section:
             if not place.is_direction:
                 raise AttitudeError(
@@ -209,11 +198,6 @@ def magnitude_of(section: Mapping[str, Any], scene: Scene) -> MagnitudeScale:
                 )
             value = number_of(section[key], f"[magnitude] {key}", "m")
             distances[key] = validation.positive(value, f"[magnitude] {key}", unit="m")
-    far = [
-        key
-        for key, place in (("sun_distance", scene.sun), ("observer_distance", scene.observer))
-        if place.is_direction and key not in distances
-    ]
     kind = section.get("kind", "reduced" if far else "apparent")
     validation.one_of(kind, "[magnitude] kind", ("apparent", "reduced"))
     if kind == "apparent" and far:
@@ -224,7 +208,7 @@ def magnitude_of(section: Mapping[str, Any], scene: Scene) -> MagnitudeScale:
     return MagnitudeScale(kind, **distances)
 
 
-def _ellipsoid(section: Mapping[str, Any], body: Body | None) -> shape_ellipsoid.Ellipsoid:
+def _ellipsoid(section, body):
     axes = section["ellipsoid"]
     if axes != "moments":
         if "diameter" in section:
@@ -244,7 +228,7 @@ def _ellipsoid(section: Mapping[str, Any], body: Body | None) -> shape_ellipsoid
     return shape_ellipsoid.Ellipsoid.of_moments(np.diag(body.tensor), diameter=diameter)
 
 
-def _law(kind: type[Law], section: Mapping[str, Any], where: str) -> Law:
+def _law(kind, section, where):
     """A law of a class from a table whose keys are the fields of the class."""
     parameters = kind.parameters()
     refuse_unknown(section, list(parameters), f"{where} ({kind.name})")
@@ -263,9 +247,7 @@ def _law(kind: type[Law], section: Mapping[str, Any], where: str) -> Law:
         raise AttitudeError(f"{where} {err}") from err
 
 
-def _materials(
-    section: Any, shape: shape_ellipsoid.Ellipsoid | _mesh.Mesh
-) -> scattering_materials.Materials:
+def _materials(section, shape):
     if not isinstance(section, dict) or not all(
         isinstance(material, dict) for material in section.values()
     ):
@@ -291,18 +273,13 @@ def _materials(
                 f"[scattering] materials has no {quoted(name)}, which facets of the shape carry; "
                 "give it."
             )
+    kind = scattering_materials.Material
     return scattering_materials.Materials(
-        {key: _material(value, f"[scattering] {key}") for key, value in section.items()}
+        {key: _law(kind, value, f"[scattering] {key}") for key, value in section.items()}
     )
 
 
-def _material(section: Mapping[str, Any], where: str) -> scattering_materials.Material:
-    material = _law(scattering_materials.Material, section, where)
-    assert isinstance(material, scattering_materials.Material)
-    return material
-
-
-def _phase_function(section: Mapping[str, Any]) -> Callable[[FloatArray], FloatArray] | None:
+def _phase_function(section):
     """Reduced magnitude as a function of the phase angle (rad); None without h."""
     names = [key for key in ("g", "g1", "g2") if key in section]
     if "h" not in section:
@@ -311,14 +288,12 @@ def _phase_function(section: Mapping[str, Any]) -> Callable[[FloatArray], FloatA
                 f"[magnitude] has {names[0]} but no h; give the absolute magnitude."
             )
         return None
-    numbers = {
-        key: validation.number(
-            number_of(section[key], f"[magnitude] {key}", None), f"[magnitude] {key}"
-        )
-        for key in ("h", *names)
-    }
+    numbers = {}
+    for key in ("h", *names):
+        where = f"[magnitude] {key}"
+        numbers[key] = validation.number(number_of(section[key], where, None), where)
     if names in ([], ["g"]):
-        form: Callable[..., FloatArray] = _weighted.hg
+        form = _weighted.hg
     elif names == ["g1", "g2"]:
         form = _weighted.hg1g2
     else:
@@ -326,9 +301,7 @@ def _phase_function(section: Mapping[str, Any]) -> Callable[[FloatArray], FloatA
             f"[magnitude] has h with {' and '.join(names)}; give h and g, or h, g1 and g2."
         )
 
-    def function(alpha: FloatArray) -> FloatArray:
-        return form(alpha, **numbers)
-
+    function = partial(form, **numbers)
     function(np.zeros(1))  # raises now for parameters out of range
     return function
 
@@ -367,11 +340,10 @@ def of_file(path: str) -> tuple[shape_ellipsoid.Ellipsoid | _mesh.Mesh, Law]:
         raise AttitudeError(f"{path}: has no section [shape]; give a file with one, or a mesh.")
     if isinstance(content["shape"], dict) and content["shape"].get("ellipsoid") == "moments":
         raise AttitudeError(f'{path}: [shape] ellipsoid is "moments"; give three semi-axes here.')
-    try:
-        shape = shape_of(content["shape"], None, _beside(path))["shape"]
+    file = partial(beside, folder=os.path.dirname(path))
+    with prefixed(path):
+        shape = shape_of(content["shape"], None, file)["shape"]
         return shape, law_of(content.get("scattering", {}), shape)
-    except AttitudeError as err:
-        raise AttitudeError(f"{path}: {err}") from err
 
 
 def law_of_file(path: str, shape: shape_ellipsoid.Ellipsoid | _mesh.Mesh) -> Law:
@@ -379,15 +351,8 @@ def law_of_file(path: str, shape: shape_ellipsoid.Ellipsoid | _mesh.Mesh) -> Law
     content = toml.parsed(toml.read(path, "file with a section [scattering]"), path)
     if "scattering" not in content:
         raise AttitudeError(f"{path}: has no section [scattering]; give a file with one.")
-    try:
+    with prefixed(path):
         return law_of(content["scattering"], shape)
-    except AttitudeError as err:
-        raise AttitudeError(f"{path}: {err}") from err
-
-
-def _beside(path: str) -> Callable[[Any, str], FilePath]:
-    """How a file names other files: relative to its folder."""
-    return partial(beside, folder=os.path.dirname(path))
 
 
 def beside(value: Any, name: str, folder: str) -> str:

@@ -23,22 +23,22 @@ import math
 import os
 import re
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from attitude._support import pairs
 from attitude._textfiles import messages
 from attitude._textfiles.lines import NoNumber, cut, is_number, numbers
-from attitude._textfiles.messages import Block, Form, Generator, refuse_line_breaks
+from attitude._textfiles.messages import Form, Generator, refuse_line_breaks
 from attitude.epochs import _time_scales
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
 from attitude.formats import _attitude_types, _messages, _sampling
 from attitude.formats import _ccsds_epochs as ccsds_epochs
-from attitude.formats._attitude_types import Convention
+from attitude.formats._attitude_types import ANGLES, ANGLES_DOT, ANGVEL, Q_DOT, Convention, Q
 from attitude.formats._format import of_table, refuse_foreign, register_message
-from attitude.formats._messages import INERTIA, Q_DOT, Q
+from attitude.formats._messages import INERTIA
 from attitude.formats._records import (
     TOLERANCE,
     Rows,
@@ -119,24 +119,23 @@ _FORM = Form(
     marks={"metadata": "META"},
 )
 # ATT_TYPE and RATE_TYPE -> columns.
-_ANGLES, _ANGVEL = ("ANGLE_1", "ANGLE_2", "ANGLE_3"), ("ANGVEL_X", "ANGVEL_Y", "ANGVEL_Z")
 _ATTITUDES = {
     "QUATERNION": Q,
-    "EULER_ANGLES": _ANGLES,
+    "EULER_ANGLES": ANGLES,
     "DCM": tuple(f"entry {i} {j}" for i in (1, 2, 3) for j in (1, 2, 3)),
 }
 _RATES = {
     "NONE": (),
-    "ANGVEL": _ANGVEL,
+    "ANGVEL": ANGVEL,
     "Q_DOT": Q_DOT,
-    "EULER_RATE": tuple(f"{angle}_DOT" for angle in _ANGLES),
+    "EULER_RATE": ANGLES_DOT,
     "GYRO_BIAS": tuple(f"the bias {k}" for k in "XYZ"),
 }
 # COV_TYPE -> columns, of which those of the attitude stand first.
 _COVARIANCES = {
     f"{kind}{rates}": (*columns, *more)
-    for kind, columns in (("ANGLE", _ANGLES), ("QUATERNION", Q))
-    for rates, more in (("", ()), ("_GYROBIAS", _RATES["GYRO_BIAS"]), ("_ANGVEL", _ANGVEL))
+    for kind, columns in (("ANGLE", ANGLES), ("QUATERNION", Q))
+    for rates, more in (("", ()), ("_GYROBIAS", _RATES["GYRO_BIAS"]), ("_ANGVEL", ANGVEL))
 }
 
 
@@ -384,31 +383,24 @@ class Comprehensive:
 # A to B, column by column, as Orekit reads it; the components of ANGVEL are over the axes of B.
 
 
-class TimeTags:
-    """The times of rows: dates, or seconds since EPOCH_TZERO.
+class _TimeTags:
+    """The times of rows: dates, or seconds since EPOCH_TZERO; `scale` in lower case."""
 
-    scale: time scale of the message in lower case.
-    zero: EPOCH_TZERO.
-    """
-
-    def __init__(self, scale: str, zero: Instant):
-        self.scale: str = scale
-        self.zero: Instant = zero
+    def __init__(self, scale, zero):
+        self.scale, self.zero = scale, zero
         hi, lo = np.float64(zero.seconds), np.float64(zero.low)
         # Seconds of UTC, TAI, TT and GPS are the same; those of TDB, TCB, TCG and UT1 are not.
         self._uniform = scale in ("utc", "tai", "tt", "gps")
         self._base = _time_scales.tt_from_tdb(hi, lo) if self._uniform else (hi, lo)
 
-    def after(
-        self, seconds: FloatArray, low: FloatArray | float = 0.0
-    ) -> tuple[FloatArray, FloatArray]:
+    def after(self, seconds, low=0.0):
         """TDB seconds since J2000, hi and lo, of seconds + low since EPOCH_TZERO."""
         hi, lo = pairs.add(self._base, seconds, low)
         if self._uniform:
             hi, lo = _time_scales.tdb_from("tt", hi, lo)
         return np.asarray(hi), np.asarray(lo)
 
-    def text(self, hi: FloatArray, lo: FloatArray, digits: int | None) -> list[str]:
+    def text(self, hi, lo, digits):
         """Seconds since EPOCH_TZERO, as decimal texts, of TDB seconds since J2000."""
         digits = ccsds_epochs.DIGITS if digits is None else digits
         pair = _time_scales.tt_from_tdb(hi, lo) if self._uniform else (hi, lo)
@@ -420,11 +412,8 @@ class TimeTags:
         both = zip(whole.astype(np.int64).tolist(), ticks.astype(np.int64).tolist(), strict=True)
         return [f"{n}.{fraction:0{digits}d}" if digits else f"{n}" for n, fraction in both]
 
-    def parsed(self, tokens: list[bytes]) -> tuple[FloatArray, FloatArray]:
-        """TDB seconds since J2000 of tags; BadEpoch for those that cannot be read.
-
-        A decimal number is read in two doubles.
-        """
+    def parsed(self, tokens):
+        """TDB seconds since J2000 of tags; BadEpoch for those that cannot be read."""
         dated = np.array([b"T" in token for token in tokens])
         hi, lo = np.empty(len(tokens)), np.empty(len(tokens))
         for which in (True, False):
@@ -464,7 +453,7 @@ _DECIMAL = re.compile(rb"[+-]?\d{1,15}\.\d{1,18}")
 class _TimedRows(Rows):
     """The rows of a block, at dates or at seconds since EPOCH_TZERO."""
 
-    def __init__(self, block: Block, names: Sequence[str]):
+    def __init__(self, block, names):
         super().__init__(_messages.scale_of(block.meta), block.message.fault, names)
         self.holds = f"{block.name} of this type has a time and {len(names)} numbers"
         self._tags = _tags(block.message)
@@ -477,7 +466,7 @@ def _reader(block, count):
     """The rows of a block ATT or COV."""
     if block.name == "COV":
         return _TimedRows(block, _COVARIANCES[block.one_of("COV_TYPE", _COVARIANCES)])
-    kind, rate = block.one_of("ATT_TYPE", _ATTITUDES), block.one_of("RATE_TYPE", _RATES, "NONE")
+    kind, rate = _types(block)
     names, states = (*_ATTITUDES[kind], *_RATES[rate]), block.get("NUMBER_STATES")
     if states is not None and states != str(len(names)):
         raise block.fault(
@@ -487,17 +476,23 @@ def _reader(block, count):
     return _TimedRows(block, names)
 
 
+def _types(block):
+    return block.one_of("ATT_TYPE", _ATTITUDES), block.one_of("RATE_TYPE", _RATES, "NONE")
+
+
 def _rows(block):
-    """The complete rows of a block."""
+    """Epoch, seconds and low since then, values and lines of the complete rows of a block."""
     if block.rows is None:
         raise block.fault(f"the block {block.name} has no rows.")
-    return block.rows.joined()
+    hi, lo, values, lines = block.rows.joined()
+    epoch = Instant(float(hi[0]), float(lo[0]))
+    return epoch, *pairs.add((hi, lo), -epoch.seconds, -epoch.low), values, lines
 
 
 def _table(block, tolerance, frame, orbit):
     """The AttitudeTable of a block ATT; the last three as in `read`."""
-    hi, lo, values, lines = _rows(block)
-    kind, rate = block.one_of("ATT_TYPE", _ATTITUDES), block.one_of("RATE_TYPE", _RATES, "NONE")
+    epoch, seconds, low, values, lines = _rows(block)
+    kind, rate = _types(block)
     axes, body, body_is_a = _messages.axes_of(block, frame)
     euler = kind == "EULER_ANGLES" or rate == "EULER_RATE"
     sequence = _messages.sequence_of(block) if euler else None
@@ -512,8 +507,6 @@ def _table(block, tolerance, frame, orbit):
     }
     if rate == "GYRO_BIAS":
         meta["gyro_bias"] = np.radians(rates)
-    epoch = Instant(float(hi[0]), float(lo[0]))
-    seconds, low = pairs.add((hi, lo), -epoch.seconds, -epoch.low)
     fault = block.message.fault
     with block.located():
         if kind == "DCM":
@@ -558,7 +551,7 @@ def _quaternions(entries, lines, tolerance, fault):
 
 def _covariance(block):
     """The AttitudeCovariance of a block COV."""
-    hi, lo, variances, lines = _rows(block)
+    epoch, seconds, low, variances, lines = _rows(block)
     kind = block.one_of("COV_TYPE", _COVARIANCES)
     if np.any(variances < 0.0):
         row = int(np.argmax(np.any(variances < 0.0, axis=1)))
@@ -566,8 +559,6 @@ def _covariance(block):
     # All but the components of quaternions.
     variances[:, 0 if kind.startswith("ANGLE") else len(Q) :] *= np.radians(1.0) ** 2
     meta = {"keywords": dict(block), "data_comments": tuple(block.comments)}
-    epoch = Instant(float(hi[0]), float(lo[0]))
-    seconds, low = pairs.add((hi, lo), -epoch.seconds, -epoch.low)
     frame = block.get("COV_REF_FRAME")
     return AttitudeCovariance(epoch, seconds, low, kind, variances, frame, meta)
 
@@ -612,7 +603,7 @@ def _tags(message):
     for keyword in ("START_TIME", "STOP_TIME", "NEXT_LEAP_EPOCH"):
         if keyword in meta and not is_number(meta[keyword].encode()):
             _messages.epoch_of(meta, keyword, scale)
-    return TimeTags(scale, _messages.epoch_of(meta, "EPOCH_TZERO", scale))
+    return _TimeTags(scale, _messages.epoch_of(meta, "EPOCH_TZERO", scale))
 
 
 def _body(block, products):
@@ -678,15 +669,14 @@ def _maneuver(block, tags):
     def values(keyword, count=1):
         return np.array(block.numbers(keyword, count)) if keyword in block else None
 
-    def number(keyword):
-        return block.number(keyword) if keyword in block else None
-
-    first, last = block.number("MAN_BEGIN_TIME"), number("MAN_END_TIME")
+    first, last = block.number("MAN_BEGIN_TIME"), values("MAN_END_TIME")
+    duration = values("MAN_DURATION")
     if last is None:
-        last = first + (number("MAN_DURATION") or 0.0)
+        last = first + (0.0 if duration is None else duration)
+    first, last = float(first), float(np.reshape(last, ()))
     if last < first or max(abs(first), abs(last)) > 1e15:
         raise block.fault("the maneuver ends before it begins.")
-    attitude, rate = values("TARGET_ATTITUDE", 4), number("TARGET_SPINRATE")
+    attitude, rate = values("TARGET_ATTITUDE", 4), values("TARGET_SPINRATE")
     if attitude is not None:
         if not abs(float(np.linalg.norm(attitude)) - 1.0) < 1e-3:
             raise block.fault("TARGET_ATTITUDE is no quaternion of unit length.", "TARGET_ATTITUDE")
@@ -700,7 +690,7 @@ def _maneuver(block, tags):
         values("TARGET_MOMENTUM", 3),
         block.get("TARGET_MOM_FRAME"),
         attitude,
-        None if rate is None else math.radians(rate),
+        None if rate is None else math.radians(rate[0]),
         dict(block),
         tuple(block.comments),
     )
@@ -709,31 +699,30 @@ def _maneuver(block, tags):
 # ---- Blocks to be written: name, keywords, comments, and epochs and columns of rows piece by piece
 
 
-@dataclass
-class _WrittenBlock:
+class _WrittenBlock(NamedTuple):
     name: str
     entries: list[tuple[str, str | float]]
-    rows: Callable[[], Iterator[tuple[list[str], Any]]] | None = None
+    rows: Callable[[], Iterator[tuple[list[str], Any]]] = lambda: iter(())
     comments: tuple[str, ...] = ()
 
-    def write(self, out: Generator) -> None:
-        """Write the block, its rows piece by piece."""
-        with out.part(self.name.lower(), self.name):
-            out.comments(self.comments)
-            out.entries(self.entries)
-            for epochs, columns in () if self.rows is None else self.rows():
-                row = out.row(_FORM.rows[self.name], columns.shape[1])
-                out.table(epochs, columns, row)
+
+def _write_block(out, block):
+    """Write a block, its rows piece by piece."""
+    with out.part(block.name.lower(), block.name):
+        out.comments(block.comments)
+        out.entries(block.entries)
+        for epochs, columns in block.rows():
+            row = out.row(_FORM.rows[block.name], columns.shape[1])
+            out.table(epochs, columns, row)
 
 
 def _attitudes(records, frame, axes, body, texts, orbit):
     """The block ATT of a segment: quaternions, with angular velocities if it has them."""
-    entries = [("REF_FRAME_A", frame), ("REF_FRAME_B", body)]
-    entries += [("NUMBER_STATES", "7" if records.has_rates else "4"), ("ATT_TYPE", "QUATERNION")]
-    kind = "QUATERNION"
+    states, rated, kind = "4", [], "QUATERNION"
     if records.has_rates:
-        entries.append(("RATE_TYPE", "ANGVEL"))
-        kind = "QUATERNION/ANGVEL"
+        states, rated, kind = "7", [("RATE_TYPE", "ANGVEL")], "QUATERNION/ANGVEL"
+    entries = [("REF_FRAME_A", frame), ("REF_FRAME_B", body)]
+    entries += [("NUMBER_STATES", states), ("ATT_TYPE", "QUATERNION"), *rated]
 
     def rows():
         for history in records.pieces():
@@ -870,7 +859,7 @@ def write(
     begin, end = parts[0].first_and_last(), parts[-1].first_and_last()
     start, _ = ccsds_epochs.texts(parts[0].epoch, *begin, scale, digits)
     _, stop = ccsds_epochs.texts(parts[-1].epoch, *end, scale, digits)
-    tags = TimeTags(scale, ccsds_epochs.instant(start, scale))
+    tags = _TimeTags(scale, ccsds_epochs.instant(start, scale))
 
     def texts(history: AttitudeHistory) -> list[str]:
         epoch = history.epoch
@@ -896,7 +885,7 @@ def write(
 
     def write_data(out: Generator) -> None:
         for block in blocks:
-            block.write(out)
+            _write_block(out, block)
 
     names = _messages.written_names(
         meta, object_name, object_id, center, "INTERNATIONAL_DESIGNATOR"

@@ -12,7 +12,7 @@ used, and for the rates the first of ANGVEL, derivatives of the quaternion, of t
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,18 +22,9 @@ from attitude._textfiles.messages import Form, Generator
 from attitude.errors import AttitudeError
 from attitude.formats import _attitude_types, _messages
 from attitude.formats import _ccsds_epochs as ccsds_epochs
-from attitude.formats._attitude_types import Convention
+from attitude.formats._attitude_types import ANGLES, ANGLES_DOT, ANGVEL, Q_DOT, SPIN, Convention, Q
 from attitude.formats._format import OpenedFile, message_labels, refuse_foreign, register_message
-from attitude.formats._messages import (
-    GROUPS,
-    INERTIA,
-    OLD_ANGLES,
-    OLD_INERTIA,
-    OLD_RATES,
-    Q_DOT,
-    VERSIONS,
-    Q,
-)
+from attitude.formats._messages import GROUPS, INERTIA, OLD_ANGLES, OLD_INERTIA, OLD_RATES, VERSIONS
 from attitude.formats._records import TOLERANCE, known_tolerance, refuse_length, to_icrf
 from attitude.formats._sampling import refuse_breaks
 from attitude.frames import quaternion as forms
@@ -56,9 +47,6 @@ __all__ = ["Parameters", "read", "write"]
 
 # ---- The table of keywords; blocks have those of version 2, and some of version 1 that it lacks
 
-_ANGLES = ("ANGLE_1", "ANGLE_2", "ANGLE_3")
-_ANGLES_DOT = ("ANGLE_1_DOT", "ANGLE_2_DOT", "ANGLE_3_DOT")
-_SPIN = ("SPIN_ALPHA", "SPIN_DELTA", "SPIN_ANGLE", "SPIN_ANGLE_VEL")
 _NUTATION = ("NUTATION", "NUTATION_PER", "NUTATION_PHASE")
 _MOMENTUM = ("MOMENTUM_ALPHA", "MOMENTUM_DELTA", "NUTATION_VEL")
 _FRAMES = ("REF_FRAME_A", "REF_FRAME_B")
@@ -69,7 +57,7 @@ _OLD: dict[str, tuple[str, str]] = {
     **{name: ("QUAT", name) for name in (*Q, *Q_DOT)},
     **{name: ("EULER", name) for name in ("EULER_ROT_SEQ", "RATE_FRAME")},
     **{name: ("EULER", name) for name in (*OLD_ANGLES, *OLD_RATES)},
-    **{name: ("SPIN", name) for name in (*_SPIN, *_NUTATION)},
+    **{name: ("SPIN", name) for name in (*SPIN, *_NUTATION)},
     **{name: ("MAN", name) for name in _MANEUVER},
     **{f"MAN_TOR_{k + 1}": ("MAN", name) for k, name in enumerate(_TORQUE)},
     **{old: ("INERTIA", new) for old, new in zip(OLD_INERTIA, INERTIA, strict=True)},
@@ -86,9 +74,9 @@ _FORM = Form(
     meta=("OBJECT_NAME", "OBJECT_ID", "CENTER_NAME", "TIME_SYSTEM", "EPOCH"),
     blocks={
         "QUAT": (*_FRAMES, *Q, *Q_DOT),
-        "EULER": (*_FRAMES, "EULER_ROT_SEQ", *_ANGLES, *_ANGLES_DOT),
-        "ANGVEL": (*_FRAMES, "ANGVEL_FRAME", "ANGVEL_X", "ANGVEL_Y", "ANGVEL_Z"),
-        "SPIN": (*_FRAMES, *_SPIN, *_NUTATION, *_MOMENTUM),
+        "EULER": (*_FRAMES, "EULER_ROT_SEQ", *ANGLES, *ANGLES_DOT),
+        "ANGVEL": (*_FRAMES, "ANGVEL_FRAME", *ANGVEL),
+        "SPIN": (*_FRAMES, *SPIN, *_NUTATION, *_MOMENTUM),
         "INERTIA": ("INERTIA_REF_FRAME", *INERTIA),
         "MAN": (*_MANEUVER, *_TORQUE, "MAN_DELTA_MASS"),
     },
@@ -114,7 +102,7 @@ _FORM = Form(
 # Block -> attitude types, and keywords of which one says that it is of this type.
 _KINDS: dict[str, tuple[tuple[str, tuple[str, ...]], ...]] = {
     "QUAT": (("QUATERNION/DERIVATIVE", Q_DOT), ("QUATERNION", ())),
-    "EULER": (("EULER_ANGLE/DERIVATIVE", _ANGLES_DOT), ("EULER_ANGLE", ())),
+    "EULER": (("EULER_ANGLE/DERIVATIVE", ANGLES_DOT), ("EULER_ANGLE", ())),
     "SPIN": (
         ("SPIN/NUTATION", ("NUTATION",)),
         ("SPIN/NUTATION_MOM", ("MOMENTUM_ALPHA",)),
@@ -144,19 +132,19 @@ class _State:
                 attitude, of_attitude = wxyz, block
             if rates is None and speeds is not None:
                 rates, of_rates = speeds, block
-        if attitude is None and message.all("INERTIA") and not message.all("ANGVEL"):
-            return None, None, None
         if attitude is None:
+            if message.all("INERTIA") and not message.all("ANGVEL"):
+                return None, None, None
             raise message.fault("the message has no attitude.", None)
         for block in message.all("ANGVEL")[:1]:
             with block.located():
                 rates, of_rates = self._angvel(block), block
         body = self._bodies[of_attitude.name]
-        if rates is not None and self._bodies[of_rates.name].upper() != body.upper():
+        other = body if rates is None else self._bodies[of_rates.name]
+        if other.upper() != body.upper():
             raise of_rates.fault(
-                f"the block {of_rates.name} has the rates of "
-                f"{cut(self._bodies[of_rates.name], '')}, but the block {of_attitude.name} the "
-                f"attitude of {cut(body, '')}; a message is read for one "
+                f"the block {of_rates.name} has the rates of {cut(other, '')}, but the block "
+                f"{of_attitude.name} the attitude of {cut(body, '')}; a message is read for one "
                 "body: delete one of the blocks."
             )
         with message.meta.located():
@@ -171,11 +159,8 @@ class _State:
         how = Convention(to_body=to_body, sequence=sequence)
         if block.name == "EULER" and self._is_old:
             return self._old_euler(block, how, axes, body_is_a)
-        kind = next(
-            kind
-            for kind, words in _KINDS[block.name]
-            if not words or any(w in block for w in words)
-        )
+        kinds = _KINDS[block.name]
+        kind = next(kind for kind, words in kinds if not words or block.keys() & set(words))
         row = [block.number(name) for name in _attitude_types.COLUMNS[kind]]
         if block.name == "QUAT":
             place = [block.lines["QC"]]
@@ -185,10 +170,8 @@ class _State:
     def _axes(self, block):
         """The external axes; whether the rotation leads from them to the body; whether A is it."""
         axes, self._bodies[block.name], body_is_a = _messages.axes_of(block, self._frame)
-        to_body = not body_is_a
-        if self._is_old and block.one_of("DIR", ("A2B", "B2A")) == "B2A":
-            to_body = not to_body
-        return axes, to_body, body_is_a
+        is_turned = self._is_old and block.one_of("DIR", ("A2B", "B2A")) == "B2A"
+        return axes, body_is_a == is_turned, body_is_a
 
     def _relative(self, kind, row, how, axes):
         """Attitude (4,) and rates (3,) relative to ICRF from the numbers of an attitude type."""
@@ -220,7 +203,7 @@ class _State:
     def _angvel(self, block):
         """The rates of a block of version 2, as a function of the attitude."""
         axes, to_body, body_is_a = self._axes(block)
-        values = [block.number(f"ANGVEL_{axis}") for axis in "XYZ"]
+        values = [block.number(name) for name in ANGVEL]
         a, b = block["REF_FRAME_A"].upper(), block["REF_FRAME_B"].upper()
         choices = {a: body_is_a, b: not body_is_a}
         over_body = choices[block.one_of("ANGVEL_FRAME", choices)]
@@ -268,9 +251,6 @@ def _by_axis(block, what, sequence):
 
 # ---- Writing
 
-# Name of a block, and its keywords.
-WrittenBlock: TypeAlias = tuple[str, list[tuple[str, str | float]]]
-
 # Block -> its element in each version.
 _ELEMENTS = {
     "1.0": {
@@ -284,15 +264,8 @@ _ELEMENTS = {
 }
 
 
-def _blocks(
-    version: str,
-    frame: str,
-    body: str,
-    wxyz: FloatArray,
-    rates: FloatArray,
-    meaning: str | None,
-) -> list[WrittenBlock]:
-    """The blocks of attitude (4,) and rates (3,)."""
+def _blocks(version, frame, body, wxyz, rates, meaning):
+    """The blocks, names and entries, of attitude (4,) and rates (3,)."""
     quaternions = [*zip(Q, np.roll(wxyz, -1).tolist(), strict=True)]
     if version == "1.0":
         dots = np.roll(frames_representations.quaternion_rate(wxyz, rates), -1).tolist()
@@ -302,12 +275,9 @@ def _blocks(
             blocks.append(("EULER", _euler(frame, body, wxyz, rates, meaning)))
         return blocks
     frames = [("REF_FRAME_A", frame), ("REF_FRAME_B", body)]
-    speeds = np.degrees(rates).tolist()
-    components = [*zip(("ANGVEL_X", "ANGVEL_Y", "ANGVEL_Z"), speeds, strict=True)]
-    return [
-        ("QUAT", [*frames, *quaternions]),
-        ("ANGVEL", [*frames, ("ANGVEL_FRAME", body), *components]),
-    ]
+    speeds = zip(ANGVEL, np.degrees(rates).tolist(), strict=True)
+    rated = [*frames, ("ANGVEL_FRAME", body), *speeds]
+    return [("QUAT", [*frames, *quaternions]), ("ANGVEL", rated)]
 
 
 def _euler(frame, body, wxyz, rates, meaning):
@@ -327,7 +297,7 @@ def _euler(frame, body, wxyz, rates, meaning):
     ]
 
 
-def _inertia(version: str, body: Body, frame: str, products: str | None) -> WrittenBlock:
+def _inertia(version, body, frame, products):
     """The block of inertia."""
     if body.relative:
         raise AttitudeError(
@@ -338,13 +308,6 @@ def _inertia(version: str, body: Body, frame: str, products: str | None) -> Writ
     values = _messages.inertia_values(body.tensor, products)
     names = OLD_INERTIA if version == "1.0" else INERTIA
     return "INERTIA", [("INERTIA_REF_FRAME", frame), *zip(names, values, strict=True)]
-
-
-def _write_block(out: Generator, version: str, block: WrittenBlock) -> None:
-    """Write a block; quaternions, angles and rates each have an element around them."""
-    name, entries = block
-    with out.part(_ELEMENTS[version][name], "" if version == "1.0" else name):
-        out.grouped(entries, GROUPS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -373,14 +336,10 @@ class Parameters:
     @property
     def spin(self) -> Spin:
         """The Spin, in ICRF; AttitudeError if the message has no attitude or angular velocity."""
-        if self.wxyz is None:
+        if self.wxyz is None or self.angular_velocity is None:
+            lacking = "attitude" if self.wxyz is None else "angular velocity"
             raise AttitudeError(
-                "the message has no attitude; a Spin needs one: "
-                "Spin(epoch=..., wxyz=..., angular_velocity=...)."
-            )
-        if self.angular_velocity is None:
-            raise AttitudeError(
-                "the message has no angular velocity; a Spin needs one: "
+                f"the message has no {lacking}; a Spin needs one: "
                 "Spin(epoch=..., wxyz=..., angular_velocity=...)."
             )
         return Spin(self.epoch, self.wxyz, self.angular_velocity)
@@ -398,9 +357,7 @@ class Parameters:
     def refuse_other_axes(self) -> None:
         """AttitudeError if the inertia is over other axes than those whose attitude is given."""
         inertia, body = self.meta["inertia_frame"], self.meta["body_frame"]
-        if body is None:
-            return
-        if inertia.upper() != body.upper():
+        if body is not None and inertia.upper() != body.upper():
             raise AttitudeError(
                 f"the inertia is over the axes {cut(inertia, '')}, but the attitude is that of "
                 f"{cut(body, '')}; give a Body over the axes of the attitude: "
@@ -440,16 +397,16 @@ def read(
     products = _messages.known_products(products, message.version)
     epoch = _messages.epoch_of(message.meta, "EPOCH", _messages.scale_of(message.meta))
     wxyz, speeds, body = _State(message, epoch, tolerance, frame, orbit, rates).result()
-    inertia = next(iter(message.all("INERTIA")), None)
     meta = _messages.said_by(message, message.meta, f"APM {message.version}", "OBJECT_ID") | {
         "blocks": tuple((b.name, dict(b), tuple(b.comments)) for b in message.blocks),
         "body_frame": body,
         "inertia_frame": None,
     }
-    if inertia is None:
-        return Parameters(epoch, wxyz, speeds, None, meta)
-    meta["inertia_frame"] = inertia.get("INERTIA_REF_FRAME") or body
-    return Parameters(epoch, wxyz, speeds, _messages.body_of(inertia, products), meta)
+    inertia = None
+    for block in message.all("INERTIA")[:1]:
+        meta["inertia_frame"] = block.get("INERTIA_REF_FRAME") or body
+        inertia = _messages.body_of(block, products)
+    return Parameters(epoch, wxyz, speeds, inertia, meta)
 
 
 def write(
@@ -531,8 +488,9 @@ def write(
     def write_data(out: Generator) -> None:
         if not in_block:
             out.entry("EPOCH", epoch)
-        for block in blocks:
-            _write_block(out, version, block)
+        for name, entries in blocks:
+            with out.part(_ELEMENTS[version][name], "" if version == "1.0" else name):
+                out.grouped(entries, GROUPS)
 
     names = _messages.written_names(meta, object_name, object_id, center)
     messages.write(

@@ -295,13 +295,14 @@ def write(
     if frame_kernel is not None:
         instrument = _instrument_of(frame_kernel, name)
     with ExitStack() as stack:
+        files: list[FilePath] = []
         if isinstance(clock, int):
             scale = "tt" if time_scale == "spice" else "tdb"
             ticking = _ck_files.own(clock, plan.first, scale)
         else:
             files = [clock] if isinstance(clock, (str, os.PathLike)) else list(clock)
             ticking = stack.enter_context(_ck_files.of_mission(files, plan.first, span))
-        return _written(path, plan, ticking, name, instrument, center, frame_kernel, clock)
+        return _written(path, plan, ticking, name, instrument, center, frame_kernel, files)
 
 
 def _instrument_of(frame_kernel, name):
@@ -318,7 +319,7 @@ def _instrument_of(frame_kernel, name):
     return int(info[2])
 
 
-def _written(path, plan, clock, name, instrument, center, frame_kernel, given_clock):
+def _written(path, plan, clock, name, instrument, center, frame_kernel, files):
     """Write the files of a kernel, and halve its step until it is within the tolerances."""
     stem = os.path.splitext(os.fspath(path))[0]
     kernels = [os.fspath(path)]
@@ -334,8 +335,7 @@ def _written(path, plan, clock, name, instrument, center, frame_kernel, given_cl
             file.write(clock.text)
             kernels.append(stem + ".tsc")
         else:
-            one = isinstance(given_clock, (str, os.PathLike))
-            kernels += [os.fspath(kernel) for kernel in ([given_clock] if one else given_clock)]
+            kernels += map(os.fspath, files)
         if isinstance(plan, TableSegments):
             plan.write(temporary, clock, instrument)
             error, rate_error = plan.measured(temporary, clock, instrument)

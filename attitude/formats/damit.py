@@ -20,6 +20,7 @@ import numpy as np
 from attitude import frames
 from attitude._textfiles.atomic_write import written_whole
 from attitude._textfiles.lines import is_number, opened
+from attitude.epochs import _inputs, _time_scales
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
 from attitude.formats import _ccsds_epochs as ccsds_epochs
@@ -75,16 +76,12 @@ class RelaxedRotator:
     @property
     def spin(self) -> Spin:
         """The Spin at JD0, with the ecliptic of J2000 as its frame."""
-        from attitude.epochs import _inputs
-
         scale = ccsds_epochs.known(self.time_system, "time_system")
         if scale in ("utc", "ut1"):
             from astropy.time import Time
 
             epoch = _inputs.instant(Time(self.jd0, format="jd", scale=scale))
         else:
-            from attitude.epochs import _time_scales
-
             pair = _time_scales.seconds_from_jd(np.float64(self.jd0), np.float64(0.0))
             epoch = Instant(*map(float, _time_scales.tdb_from(scale, *pair)))
         angles = np.radians([self.longitude_deg, 90.0 - self.latitude_deg, self.phi0_deg])
@@ -177,7 +174,8 @@ def write(path: FilePath, motion: FreeRotation, *, scattering: Iterable[str] = (
         wxyz = motion.spin.wxyz
     longitude, tilt, phi0 = np.degrees(forms.to_euler("ZYZ", wxyz)).tolist()
     # JD0 is one double, which rounds by up to 2e-5 s: phi0 is the angle at the rounded epoch.
-    jd1, jd2 = _jd(motion.spin.epoch)
+    epoch = np.float64(motion.spin.epoch.seconds), np.float64(motion.spin.epoch.low)
+    jd1, jd2 = map(float, _time_scales.jd_from_seconds(*epoch))
     jd0 = jd1 + jd2
     rounding = ((jd0 - jd1) - jd2) * 86400.0
     phi0 = (phi0 + float(np.degrees(z * rounding))) % 360.0
@@ -185,14 +183,6 @@ def write(path: FilePath, motion: FreeRotation, *, scattering: Iterable[str] = (
     lines = [f"{longitude % 360.0!r} {90.0 - tilt!r} {period!r}", f"{jd0!r} {phi0!r}", *scattering]
     with written_whole(path, "the spin file") as file:
         file.writelines(f"{line}\n" for line in lines)
-
-
-def _jd(epoch):
-    from attitude.epochs import _time_scales
-
-    return map(
-        float, _time_scales.jd_from_seconds(np.float64(epoch.seconds), np.float64(epoch.low))
-    )
 
 
 def _opened(path):

@@ -96,10 +96,10 @@ class DamitLightCurve(Immutable):
             raise AttitudeError(f"jd has shape {self.jd.shape}; give (N,), one point or more.")
         count = len(self.jd)
         low = np.zeros(count) if jd_low is None else jd_low
-        self._set("jd_low", frozen(validation.real(low, "jd_low", shape=(count,))))
-        self._set("brightness", frozen(validation.real(brightness, "brightness", shape=(count,))))
-        for name, vectors in (("sun", sun), ("earth", earth)):
-            self._set(name, frozen(validation.real(vectors, name, shape=(count, 3))))
+        columns = {"jd_low": low, "brightness": brightness, "sun": sun, "earth": earth}
+        for name, values in columns.items():
+            shape = (count, 3) if name in ("sun", "earth") else (count,)
+            self._set(name, frozen(validation.real(values, name, shape=shape)))
         _astropy_scale(time_system)
         self._set("time_system", time_system)
         if not isinstance(calibrated, (bool, np.bool_)):
@@ -203,15 +203,7 @@ def from_positions(
         for v, name in ((sun, "sun"), (earth, "earth"))
     )
     jd, low = pairs.two_sum(dates.jd1, dates.jd2)
-    return DamitLightCurve(
-        jd,
-        brightness,
-        to_sun,
-        to_earth,
-        calibrated=calibrated,
-        time_system=time_system,
-        jd_low=low,
-    )
+    return DamitLightCurve(jd, brightness, to_sun, to_earth, calibrated, time_system, low)
 
 
 def _astropy_scale(time_system):
@@ -394,16 +386,12 @@ def _curve(lines, rows, number, count, time_system):
         if tokens is None:
             raise lines.fault(f"the file ends after {k} of the {points} points of {where}.")
         table.append(_point(lines, tokens, f"point {k + 1} of {where}"))
-        low.append(_rest(tokens[0], table[-1][0]))
-    table = np.array(table)
+        # The difference between the decimals of a date and its double, exact before rounding.
+        low.append(float(Decimal(tokens[0].decode("ascii")) - Decimal(table[-1][0])))
+    jd, brightness, sun, earth = np.split(np.array(table), [1, 2, 5], axis=1)
+    is_calibrated = header[1] == b"1"
     return DamitLightCurve(
-        table[:, 0],
-        table[:, 1],
-        table[:, 2:5],
-        table[:, 5:8],
-        calibrated=header[1] == b"1",
-        time_system=time_system,
-        jd_low=np.array(low),
+        jd[:, 0], brightness[:, 0], sun, earth, is_calibrated, time_system, np.array(low)
     )
 
 
@@ -434,11 +422,6 @@ def _count(lines, token, name):
     if not token.isdigit() or not 0 < int(token[:20]) <= _MOST:
         raise lines.fault(f"{name} is {cut(shown)}; it must be a whole number above zero.")
     return int(token)
-
-
-def _rest(token, jd):
-    """The difference between the decimals of a date and its double, exact before rounding."""
-    return float(Decimal(token.decode("ascii")) - Decimal(jd))
 
 
 def _date(jd, low):

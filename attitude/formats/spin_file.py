@@ -64,7 +64,7 @@ from attitude._support.arrays import Immutable
 from attitude._support.quoting import quoted
 from attitude._textfiles import toml
 from attitude._textfiles.atomic_write import written_whole
-from attitude._textfiles.lines import cut
+from attitude._textfiles.lines import cut, prefixed
 from attitude._textfiles.toml import listed, refuse_unknown
 from attitude.epochs import _inputs, _instants
 from attitude.errors import AttitudeError
@@ -142,17 +142,16 @@ def with_errors(content: Mapping[str, Any], body: Body, spin: Spin) -> Spin:
             "[errors] is empty; give standard deviations (attitude, angular_velocity, moments) or "
             "covariance, or leave the section out."
         )
-    if "covariance" in section:
-        for key in _ERRORS:
-            if key in section:
-                raise AttitudeError(
-                    f"[errors] has both covariance and {cut(key, '')}; give one of them."
-                )
-        rows = _numbers(section, "errors", "covariance", None, None)
-        return spin.with_covariance(covariances.known(rows, "[errors] covariance"))
-    units = {**covariances.UNITS, "moments": None if body.relative else "kg m2"}
+    for key in _ERRORS:
+        if "covariance" in section and key in section:
+            raise AttitudeError(f"[errors] has both covariance and {key}; give one of them.")
+    units = {**covariances.UNITS, "moments": None if body.relative else "kg m2", "covariance": None}
     errors = {key: _numbers(section, "errors", key, None, units[key]) for key in section}
-    return spin.with_covariance(covariances.known(errors, "[errors]"))
+    if "covariance" in errors:
+        known = covariances.known(errors["covariance"], "[errors] covariance")
+    else:
+        known = covariances.known(errors, "[errors]")
+    return spin.with_covariance(known)
 
 
 def _body(section):
@@ -160,34 +159,33 @@ def _body(section):
     relative = section.get("relative", False)
     if not isinstance(relative, bool):
         raise AttitudeError(f"[body] relative is {quoted(relative)}; give true or false.")
-    inertia, length = (None, None) if relative else ("kg m2", "m")
+
+    def value(key, shape, unit=None):
+        return _numbers(section, "body", key, shape, None if relative and unit != "m" else unit)
+
     extra = {}
     if "mass" in section:
         extra["mass"] = _numbers(section, "body", "mass", (), "kg")
     if "center_of_mass" in section:
-        extra["center_of_mass"] = _numbers(section, "body", "center_of_mass", (3,), "m")
+        extra["center_of_mass"] = value("center_of_mass", (3,), "m")
     if way == "moments":
-        moments = _numbers(section, "body", "moments", (3,), inertia)
-        return Body(moments=moments, relative=relative, **extra)
+        return Body(moments=value("moments", (3,), "kg m2"), relative=relative, **extra)
     if way == "tensor":
-        tensor = _numbers(section, "body", "tensor", (3, 3), inertia)
-        return Body(tensor=tensor, relative=relative, **extra)
+        return Body(tensor=value("tensor", (3, 3), "kg m2"), relative=relative, **extra)
     if way == "ellipsoid":
-        axes = _numbers(section, "body", "ellipsoid", (3,), "m")
-        return Body.from_ellipsoid(axes, **extra)
+        return Body.from_ellipsoid(value("ellipsoid", (3,), "m"), **extra)
     if way == "A_over_C":
-        ratios = (_numbers(section, "body", key, (), None) for key in ("A_over_C", "B_over_C"))
-        return Body(moments=moments_from_ratios(*map(float, ratios)), relative=True)
-    masses = _numbers(section, "body", "masses", None, None if relative else "kg")
+        ratios = (float(value(key, ())) for key in ("A_over_C", "B_over_C"))
+        return Body(moments=moments_from_ratios(*ratios), relative=True)
+    masses = value("masses", None, "kg")
+    length = None if relative else "m"
     positions = _numbers(section, "body", "positions", (..., 3), length)
     return Body.from_points(masses, positions, relative=relative)
 
 
 def _spin(section):
     way = _way(section, _ATTITUDES, (*_SPIN, "frame"), "spin")
-    for key in _SPIN:
-        if key not in section:
-            raise AttitudeError(_lacking("spin", key))
+    _require(section, "spin", _SPIN)
     values = {
         "epoch": _epoch(section["epoch"]),
         "angular_velocity": _numbers(section, "spin", "angular_velocity", (3,), "rad/s"),
@@ -211,18 +209,11 @@ def _published(section, body):
                 f"[spin] {key} does not go with a published state (mode, convention, P_psi ...); "
                 "leave one of them out."
             )
-    for key in needed:
-        if key not in section:
-            raise AttitudeError(_lacking("spin", key))
-    shapes = {"pole": (2,)}
-    numbers = {
-        key: _numbers(section, "spin", key, shapes.get(key, ()), unit)
-        for key, unit in _PUBLISHED.items()
-    }
-    values = {key: value if key == "pole" else float(value) for key, value in numbers.items()}
-    for key in (*_PUBLISHED_WORDS, *_OF_PUBLISHED):
-        if key in section:
-            values[key] = section[key]
+    _require(section, "spin", needed)
+    values = {key: section[key] for key in (*_PUBLISHED_WORDS, *_OF_PUBLISHED) if key in section}
+    for key, unit in _PUBLISHED.items():
+        number = _numbers(section, "spin", key, (2,) if key == "pole" else (), unit)
+        values[key] = number if key == "pole" else float(number)
     return Spin.from_periods(body, epoch=_epoch(section["epoch"]), **values)
 
 
@@ -247,14 +238,13 @@ def _way(section, ways, common, name):
         # Half of a pair was given: the message names the other half.
         for way, (needed, _) in ways.items():
             if any(key in section for key in needed):
-                raise AttitudeError(_lacking(name, way))
-        raise AttitudeError(f"[{name}] has none of {listed(_spelled(ways))}; give one of them.")
+                _require(section, name, [way])
+        spelled = [" with ".join((way, *needed)) for way, (needed, _) in ways.items()]
+        raise AttitudeError(f"[{name}] has none of {listed(spelled)}; give one of them.")
     if len(taken) > 1:
         raise AttitudeError(f"[{name}] has both {taken[0]} and {taken[1]}; give one of them.")
     needed, optional = ways[taken[0]]
-    for key in needed:
-        if key not in section:
-            raise AttitudeError(_lacking(name, key))
+    _require(section, name, needed)
     for key in section:
         if key not in (*common, taken[0], *needed, *optional):
             raise AttitudeError(
@@ -263,12 +253,13 @@ def _way(section, ways, common, name):
     return taken[0]
 
 
-def _lacking(section, key):
-    return f"[{section}] has no {key}; give it, for example as {key} = {_EXAMPLES[key]}."
-
-
-def _spelled(ways):
-    return [" with ".join((way, *needed)) for way, (needed, _) in ways.items()]
+def _require(section, name, keys):
+    """AttitudeError for the first key that a section lacks."""
+    for key in keys:
+        if key not in section:
+            raise AttitudeError(
+                f"[{name}] has no {key}; give it, for example as {key} = {_EXAMPLES[key]}."
+            )
 
 
 def _epoch(value):
@@ -390,7 +381,7 @@ def parse(text: str, origin: str = "text", *, folder: str = ".") -> SpinFile:
     <Spin at 2026-01-01T00:00:00 UTC: angular velocity 0.10472, 1.5708, 0.10472 rad/s in body axes>
     '''
     content = toml.parsed(text, origin)
-    try:
+    with prefixed(origin):
         of_mission = OF_MISSIONS & content.keys()
         if of_mission:
             raise AttitudeError(
@@ -398,11 +389,9 @@ def parse(text: str, origin: str = "text", *, folder: str = ".") -> SpinFile:
                 "attitude.formats.mission reads it (read_motion its motion); a spin file has the "
                 "sections [body], [spin], [errors] and [shape]."
             )
-        toml.refuse_unknown(content, _KEYS, "the file")
+        refuse_unknown(content, _KEYS, "the file")
         labels = {key: toml.text_of(content, key) for key in ("name", "source", "note")}
         return of_sections(content, folder, **labels)
-    except AttitudeError as err:
-        raise AttitudeError(f"{origin}: {err}") from err
 
 
 def of_sections(content: Mapping[str, Any], folder: str = ".", **labels: str | None) -> SpinFile:
@@ -535,22 +524,15 @@ def _error_lines(covariance):
         return []
     sigma = covariances.components(covariance)
     if sigma is not None:
-        rows = {key: deviations for key, deviations in sigma.items() if np.any(deviations)} or {
-            "attitude": np.zeros(3)
-        }
+        rows = {key: deviations for key, deviations in sigma.items() if np.any(deviations)}
+        rows = rows or {"attitude": np.zeros(3)}
         return ["", "[errors]", *(f"{key} = {_listed(row)}" for key, row in rows.items())]
-    of_state = covariance[:6, :6]
     whole = np.zeros((9, 9))
-    whole[:6, :6] = of_state
-    kept = of_state if whole.tobytes() == covariance.tobytes() else covariance
+    whole[:6, :6] = covariance[:6, :6]
+    kept = whole[:6, :6] if whole.tobytes() == covariance.tobytes() else covariance
     unit = "rad, axes of the frame; rad/s, body axes" + ("; moments" if len(kept) == 9 else "")
-    return [
-        "",
-        "[errors]",
-        f"covariance = [  # {unit}",
-        *(f"    {_listed(row)}," for row in kept),
-        "]",
-    ]
+    rows = [f"    {_listed(row)}," for row in kept]
+    return ["", "[errors]", f"covariance = [  # {unit}", *rows, "]"]
 
 
 def _surface_lines(motion, shape, law):

@@ -19,8 +19,9 @@ from __future__ import annotations
 import datetime
 import os
 import re
+from contextlib import contextmanager
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -92,11 +93,7 @@ def iso(text: str) -> str | None:
 
 
 def instant(text: str, what: str) -> Instant:
-    """The Instant of a date in UTC.
-
-    `what` is the name of the keyword in the error message.
-    AttitudeError if it cannot be read.
-    """
+    """The Instant of a date in UTC; `what` is the name of the keyword in the error message."""
     code = iso(text)
     if code is None:
         shown = repr(text[:40]) if text else "not given"
@@ -110,20 +107,9 @@ def instant(text: str, what: str) -> Instant:
         raise AttitudeError(f"{what} is {text[:40]!r}: {err.reason}.") from err
 
 
-def tai_of(epoch: Instant) -> tuple[FloatArray, FloatArray]:
-    """TAI seconds since J2000, hi and lo, of an Instant."""
-    tt = _time_scales.tt_from_tdb(np.float64(epoch.seconds), np.float64(epoch.low))
-    return pairs.add(tt, -_time_scales.TT_MINUS_TAI)
-
-
-def of_rows(leads: Sequence[Sequence[bytes]]) -> list[bytes]:
-    """The dates of N rows, whose words are (words, N), as CCSDS time codes."""
-    dates = []
-    for words in zip(*leads, strict=True):
-        text = b" ".join(words).decode("ascii", "replace")
-        # A date that STK does not write stays as it is; the reader of time codes refuses it.
-        dates.append((iso(text) or text).encode("ascii", "replace"))
-    return dates
+def _tai_of(hi, lo):
+    """TAI seconds since J2000, hi and lo, of TDB seconds since J2000."""
+    return pairs.add(_time_scales.tt_from_tdb(hi, lo), -_time_scales.TT_MINUS_TAI)
 
 
 # ---- The sections of an STK attitude file: the columns of each, as attitudes
@@ -138,13 +124,9 @@ def of_rows(leads: Sequence[Sequence[bytes]]) -> list[bytes]:
 
 
 class Section(NamedTuple):
-    """What stands in the rows of a section.
+    """What stands in the rows of a section: a CCSDS attitude type, numbers behind the time, form.
 
-    kind: CCSDS attitude type of the attitudes.
-    width: numbers behind the time.
-    form: "quaternion", "matrix", "euler", "ypr", "euler rates", "ypr rates" or "vector".
-    initial: keyword of the angles at the first record.
-    axes: the axes, if CoordinateAxes has no effect.
+    initial: keyword of the angles at the first record; axes: those that CoordinateAxes cannot set.
     """
 
     kind: str
@@ -182,12 +164,9 @@ USUAL: dict[str, str] = {"euler": "313", "ypr": "321"}
 
 
 class Decoder:
-    """Rows of a section to the columns of its CCSDS attitude type.
+    """Rows of a section to the columns of its CCSDS attitude type, with Euler angles of `sequence`.
 
-    sequence: the order of rotations, as in `quaternion.known_sequence`.
     initial: the angles at the first record, deg, in the order of the section's columns.
-
-    section, sequence: as given; the sequence is that of the Euler angles of `columns`.
     """
 
     def __init__(
@@ -208,10 +187,7 @@ class Decoder:
         self._before: tuple[float, FloatArray] | None = None
 
     def columns(self, seconds: FloatArray, values: FloatArray) -> FloatArray:
-        """The columns (N, columns) of the attitude type.
-
-        Shapes: seconds (N,), values (N, width).
-        """
+        """The columns (N, columns) of the attitude type, at seconds (N,) from values (N, width)."""
         form = self.section.form
         if form == "matrix":
             wxyz = forms.from_dcm(values[:, :9].reshape(-1, 3, 3))
@@ -236,13 +212,8 @@ class Decoder:
         return integrals[1:] if first else integrals
 
 
-def pointed(
-    values: FloatArray, axes: Axes, epoch: Instant, hi: FloatArray, lo: FloatArray, orbit: Path
-) -> FloatArray:
-    """Quaternions (N, 4), scalar last, of body x along vectors and body z nearest to the center.
-
-    Shapes: values (N, 3), hi, lo (N,).
-    """
+def _pointed(values, axes, epoch, hi, lo, orbit):
+    """Quaternions (N, 4), scalar last, of body x along values (N, 3), body z nearest the center."""
     position = motions_axes.state(hi, lo, orbit, "the direction to the center")[0]
     outer = axes.to_icrf(epoch, hi, lo, orbit)
     nadir = -quaternion.rotate(quaternion.conjugate(outer), position)
@@ -280,19 +251,9 @@ _AXES = {"fixed": "ITRF", "vvlh": "LVLH", "inertial": "ICRF"}
 _ICRF_BODIES = ("earth", "sun", "")
 
 
-def named(name: str) -> Axes:
-    """The Axes of a name of STK; AttitudeError for another name."""
-    return motions_axes.named(_AXES.get(name.lower(), name))
-
-
 class Header:
-    """The keywords of a file up to the name of its section.
+    """The keywords of a file up to the name of its section, which are read from its lines.
 
-    lines: at the beginning of the file; they are read up to the first record.
-
-    count: NumberOfAttitudePoints.
-    method, degree: interpolation, as of AttitudeTable.
-    time_format: TimeFormat in lower case.
     AttitudeError for a file that is no STK attitude file, and keywords or values that are not
         known.
     """
@@ -304,46 +265,46 @@ class Header:
         _read_banner(lines)
         self.section: Section = SECTIONS[self._read_keywords()]
         self.count: int | None = self._whole("NumberOfAttitudePoints", None)
-        self.method: str
-        self.degree: int
-        self.method, self.degree = self._interpolation()
+        self.interpolation: dict[str, Any] = self._interpolation()
         time_format = self.keywords.get("TimeFormat", "EpSec").strip("\"'")
         self.time_format: str = time_format.lower()
         if self.time_format not in (*UNITS, *DATES):
-            raise self.fault(
+            raise self._fault(
                 "TimeFormat", f"TimeFormat is {time_format[:40]!r}; known are {FORMATS}."
             )
         # Checked before the records are read.
         self.decoder: Decoder = self._decoder()
 
-    def fault(self, keyword: str, sentence: str) -> AttitudeError:
+    def _fault(self, keyword, sentence):
         """The error for the value of a keyword."""
         return self._lines.fault(sentence, self._where.get(keyword))
 
-    def start(self) -> tuple[float, float]:
-        """ScenarioEpoch: TAI seconds since J2000 in two doubles."""
+    @contextmanager
+    def _located(self, keyword, begin=""):
+        """AttitudeErrors inside are those of a keyword."""
         try:
-            start = instant(self.keywords.get("ScenarioEpoch", ""), "ScenarioEpoch")
+            yield
         except AttitudeError as err:
-            raise self.fault("ScenarioEpoch", str(err)) from err
-        hi, lo = tai_of(start)
-        return float(hi), float(lo)
+            raise self._fault(keyword, f"{begin}{err}") from err
+
+    def start(self) -> tuple[np.float64, np.float64]:
+        """ScenarioEpoch: TAI seconds since J2000 in two doubles."""
+        with self._located("ScenarioEpoch"):
+            start = instant(self.keywords.get("ScenarioEpoch", ""), "ScenarioEpoch")
+        hi, lo = _tai_of(np.float64(start.seconds), np.float64(start.low))
+        return np.float64(hi), np.float64(lo)
 
     def axes(self, frame: str | None) -> Axes:
         """The reference axes; `frame` replaces CoordinateAxes."""
-        try:
-            if self.section.axes is not None:
-                return motions_axes.named(self.section.axes)
-            if frame is not None:
-                return motions_axes.named(frame)
+        with self._located("CoordinateAxes"):
+            if self.section.axes is not None or frame is not None:
+                return motions_axes.named(self.section.axes or str(frame))
             if "CoordinateAxes" not in self.keywords:
                 raise AttitudeError(
                     "the file has no CoordinateAxes, which names the axes that the attitudes are "
                     "relative to; add it to the file, or give frame=, such as frame='ICRF'."
                 )
             return self._axes(self.keywords["CoordinateAxes"])
-        except AttitudeError as err:
-            raise self.fault("CoordinateAxes", str(err)) from err
 
     def _axes(self, name):
         words = name.split()
@@ -359,13 +320,12 @@ class Header:
                 "CoordinateAxes is LVLH, in which STK's x points away from the center, as that of "
                 'RTN, and that of CCSDS along the orbit; give frame="RTN" or frame="LVLH".'
             )
-        if lower == "inertial":
-            body = self.keywords.get("CentralBody", "").lower()
-            if body not in _ICRF_BODIES:
-                raise AttitudeError(
-                    f"CoordinateAxes is Inertial of {body[:40]!r}; these axes are known for the "
-                    "Earth and the Sun only: give what they are with frame=."
-                )
+        body = self.keywords.get("CentralBody", "").lower()
+        if lower == "inertial" and body not in _ICRF_BODIES:
+            raise AttitudeError(
+                f"CoordinateAxes is Inertial of {body[:40]!r}; these axes are known for the "
+                "Earth and the Sun only: give what they are with frame=."
+            )
         kind = motions_axes.OF_EPOCH.get(motions_axes.normal(lower))
         if kind is not None:
             epoch = instant(self.keywords.get("CoordinateAxesEpoch", ""), "CoordinateAxesEpoch")
@@ -402,36 +362,35 @@ class Header:
             return default
         # MATLAB's %f, with which many write these files, writes 3.000000.
         if not re.fullmatch(r"\d{1,12}(\.0*)?", text, re.ASCII):
-            raise self.fault(keyword, f"{keyword} is {text[:40]!r}; give a whole number.")
+            raise self._fault(keyword, f"{keyword} is {text[:40]!r}; give a whole number.")
         return int(text.partition(".")[0])
 
     def _interpolation(self):
+        """Method and degree, as of AttitudeTable."""
         degree, most = self._whole("InterpolationOrder", 1), _table.MOST_DEGREE
         if degree > most:
-            raise self.fault(
-                "InterpolationOrder",
-                f"InterpolationOrder is {degree}; it must be 0 to {most}.",
+            raise self._fault(
+                "InterpolationOrder", f"InterpolationOrder is {degree}; it must be 0 to {most}."
             )
         method = self.keywords.get("InterpolationMethod", "Lagrange")
         if method.lower() not in ("lagrange", "hermite"):
-            raise self.fault(
+            raise self._fault(
                 "InterpolationMethod",
                 f"InterpolationMethod is {method[:40]!r}; give Lagrange or Hermite.",
             )
-        if method.lower() == "hermite" and degree > 1:
-            return "hermite", degree
-        return ("slerp", 1) if degree < 2 else ("lagrange", degree)
+        if degree < 2:
+            return {"method": "slerp", "degree": 1}
+        return {"method": method.lower(), "degree": degree}
 
     def _decoder(self):
         """The Decoder of the section, from Sequence and the angles at the first record."""
-        section, keyword = self.section, "Sequence"
+        section, keyword = self.section, self.section.initial or "Sequence"
         form = section.form.partition(" ")[0]
         if form not in USUAL:
             return Decoder(section, None)
         sequence, initial = self.keywords.get("Sequence", USUAL[form]), None
-        try:
+        with self._located(keyword, f"{keyword}: "):
             if section.initial is not None:
-                keyword = section.initial
                 words = self.keywords.get(keyword, "").split()
                 if len(words) != 4 or not all(map(is_number, (w.encode() for w in words[1:]))):
                     raise AttitudeError(
@@ -444,8 +403,6 @@ class Header:
             if form == "ypr":
                 sequence = sequence.upper().translate(str.maketrans("RPY", "XYZ"))
             return Decoder(section, quaternion.known_sequence(sequence), initial)
-        except AttitudeError as err:
-            raise self.fault(keyword, f"{keyword}: {err}") from err
 
 
 def _read_banner(lines):
@@ -511,9 +468,8 @@ def read(
                 records.axes,
                 tolerance=tolerance,
                 orbit=orbit,
-                method=header.method,
-                degree=header.degree,
                 meta=meta,
+                **header.interpolation,
             )
         except AttitudeError as err:
             if str(err).startswith(lines.path):
@@ -564,7 +520,7 @@ class _Records(Rows):
                 seconds = (hi - self._origin[0]) + (lo - self._origin[1])
                 values = self._header.decoder.columns(seconds, values)
                 if self._header.section.form == "vector":
-                    values = pointed(values, self.axes, Instant(0.0), hi, lo, self._orbit)
+                    values = _pointed(values, self.axes, Instant(0.0), hi, lo, self._orbit)
         except AttitudeError as err:
             raise self.fault(f"in the records from here on, {err}", lines[0]) from err
         self.add_times(hi, lo, values, lines)
@@ -572,7 +528,11 @@ class _Records(Rows):
     def _epochs(self, leads, lines):
         """TDB seconds since J2000, hi and lo, of some rows."""
         if self._start is None:
-            codes = of_rows(leads)
+            texts = (
+                b" ".join(words).decode("ascii", "replace") for words in zip(*leads, strict=True)
+            )
+            # A date that STK does not write stays as it is; the reader of time codes refuses it.
+            codes = [(iso(text) or text).encode("ascii", "replace") for text in texts]
             try:
                 return ccsds_epochs.parsed(codes, "utc")
             except ccsds_epochs.BadEpoch as err:
@@ -588,8 +548,7 @@ class _Records(Rows):
             raise self.fault("its time is not finite.", lines[int(np.argmin(np.isfinite(seconds)))])
         unit = UNITS[self._header.time_format]
         pair = (seconds, 0.0) if unit == 1.0 else pairs.product(seconds, unit)
-        tai = pairs.add((np.float64(self._start[0]), np.float64(self._start[1])), *pair)
-        return _time_scales.tdb_from("tai", *tai)
+        return _time_scales.tdb_from("tai", *pairs.add(self._start, *pair))
 
 
 _END = [b"end", b"attitude"]
@@ -654,13 +613,18 @@ def write(
     section = section or ("AttitudeTimeQuatAngVels" if has_rates else "AttitudeTimeQuaternions")
     if section not in WRITTEN:
         raise AttitudeError(f"section is {section!r}; it must be one of {', '.join(WRITTEN)}.")
-    axes = named(frame)
+    axes = motions_axes.named(_AXES.get(frame.lower(), frame))
+    if axes.kind not in _NAMES:
+        raise AttitudeError(
+            f"frame is {frame!r}, which STK attitude files do not know; give one of "
+            f"{', '.join(_NAMES.values())}."
+        )
     sequence = quaternion.known_sequence(sequence).upper()
     if order is not None and not (isinstance(order, int) and 1 <= order <= _table.MOST_DEGREE):
         raise AttitudeError(
             f"order is {order!r}; give a whole number from 1 to {_table.MOST_DEGREE}."
         )
-    head = {"CentralBody": center, "CoordinateAxes": _name_in_stk(axes, frame)}
+    head = {"CentralBody": center, "CoordinateAxes": _NAMES[axes.kind]}
     if SECTIONS[section].kind == "EULER_ANGLE":
         head["Sequence"] = sequence.translate(str.maketrans("XYZ", "123"))
     how = Convention(scalar_first=SECTIONS[section].scalar_first, sequence=sequence)
@@ -728,15 +692,6 @@ def _write(path, records, *, section, axes, how, head, order, orbit):
         file.write("\nEND Attitude\n")
 
 
-def _name_in_stk(axes, name):
-    if axes.kind not in _NAMES:
-        raise AttitudeError(
-            f"frame is {name!r}, which STK attitude files do not know; give one of "
-            f"{', '.join(_NAMES.values())}."
-        )
-    return _NAMES[axes.kind]
-
-
 def _whole_second(records):
     """ScenarioEpoch (a whole second) as text, and a function: history -> seconds of TAI since."""
     seconds, low = records.first_and_last()
@@ -744,14 +699,13 @@ def _whole_second(records):
     text = ccsds_epochs.texts(Instant(0.0), np.array([hi]), np.array([lo]), "utc", 12)[0]
     text = text.partition(".")[0]
     whole = ccsds_epochs.instant(text, "utc")
-    tai0 = tai_of(whole)
+    tai0 = _tai_of(np.float64(whole.seconds), np.float64(whole.low))
     date = datetime.date.fromisoformat(text[:10])
     shown = f"{date.day} {MONTHS[date.month - 1][:3]} {date.year:04d} {text[11:]}.000000000"
 
     def shift(history):
         epoch = history.epoch
-        epochs = pairs.Seconds.of(history).plus(epoch.seconds, epoch.low)
-        tai = pairs.add(_time_scales.tt_from_tdb(*epochs), -_time_scales.TT_MINUS_TAI)
+        tai = _tai_of(*pairs.Seconds.of(history).plus(epoch.seconds, epoch.low))
         hi, lo = pairs.add(tai, -tai0[0], -tai0[1])
         return hi + lo
 

@@ -18,6 +18,7 @@ import io
 import json
 import os
 import warnings
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,7 +26,7 @@ import numpy as np
 from attitude._support import pairs, validation
 from attitude._support.quoting import quoted
 from attitude._textfiles.atomic_write import written_whole
-from attitude._textfiles.lines import opened, whole
+from attitude._textfiles.lines import opened, prefixed, whole
 from attitude.epochs import _inputs, _instants, _time_scales
 from attitude.errors import AttitudeError
 from attitude.formats import _ccsds_epochs as ccsds_epochs
@@ -38,12 +39,12 @@ from attitude.motions._axes import named
 from attitude.motions._table import AttitudeTable
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Mapping
 
     from astropy.table import QTable, Table
 
     from attitude._support.annotations import EpochOrSeconds, Epochs, FilePath, FloatArray
-    from attitude.formats._sampling import AttitudeSource, Records, SampledFile
+    from attitude.formats._sampling import AttitudeSource, SampledFile
     from attitude.motions._history import AttitudeHistory
 
 __all__ = [
@@ -69,25 +70,17 @@ SIGMA_RATES: tuple[str, ...] = ("sigma_omega_x", "sigma_omega_y", "sigma_omega_z
 
 
 def names(*, rates: bool, sigma: bool = False) -> list[str]:
-    """Names of the columns: UTC, TDB seconds, then those of `numbers`."""
-    return ["utc", "tdb_seconds", *names_of_numbers(rates=rates, sigma=sigma)]
-
-
-def names_of_numbers(*, rates: bool, sigma: bool = False) -> list[str]:
-    """Names of the columns of `numbers`."""
-    names = [*ATTITUDE, *(RATES if rates else ())]
-    if sigma:
-        names += [*SIGMA, *(SIGMA_RATES if rates else ())]
-    return names
+    """Names of the columns: UTC, TDB seconds, then those of `columns_of_numbers`."""
+    attitude, deviations = (ATTITUDE, SIGMA)
+    if rates:
+        attitude, deviations = attitude + RATES, deviations + SIGMA_RATES
+    return ["utc", "tdb_seconds", *attitude, *(deviations if sigma else ())]
 
 
 def columns_of_numbers(
     history: AttitudeHistory, *, rates: bool, sigma: bool = False
 ) -> list[FloatArray]:
-    """Columns (N,) of a history.
-
-    The attitude; with `rates` the angular velocity; with `sigma` their standard deviations.
-    """
+    """Columns (N,) of a history: attitude, angular velocity, and their standard deviations."""
     columns = [*history.wxyz.T, *(history.angular_velocity.T if rates else ())]
     if sigma:
         # First the one from which the other one follows.
@@ -97,19 +90,11 @@ def columns_of_numbers(
 
 
 def of_history(
-    dates: Iterable[str],
-    seconds: FloatArray,
-    history: AttitudeHistory,
-    *,
-    rates: bool,
-    sigma: bool = False,
+    dates: Iterable[str], seconds: FloatArray, history: AttitudeHistory, **columns: bool
 ) -> str:
-    """The text of N rows with the columns `names`.
-
-    Shapes: seconds (N,).
-    """
-    columns = columns_of_numbers(history, rates=rates, sigma=sigma)
-    return text(dates, seconds.tolist(), *(column.tolist() for column in columns))
+    """The text of N rows with the columns `names`, at seconds (N,)."""
+    numbers = columns_of_numbers(history, **columns)
+    return text(dates, seconds.tolist(), *(column.tolist() for column in numbers))
 
 
 def text(dates: Iterable[str], *columns: Iterable[float]) -> str:
@@ -122,22 +107,19 @@ def text(dates: Iterable[str], *columns: Iterable[float]) -> str:
 # The first line names the columns, in any order; readers skip unknown ones.
 
 
-def write_csv(path: FilePath, part: Records, *, rates: bool, sigma: bool = False) -> None:
+def _write_csv(path, part, **columns):
     """Write one segment piece by piece."""
     ends, low_ends = part.first_and_last()
     with written_whole(path, "the table") as file:
-        file.write(",".join(names(rates=rates, sigma=sigma)) + "\n")
+        file.write(",".join(names(**columns)) + "\n")
         for history in part.pieces():
             dates = ccsds_epochs.texts(history.epoch, history.seconds, history.low, "utc")
             since = (history.seconds - ends[0]) + (pairs.Seconds.of(history).low - low_ends[0])
-            file.write(of_history(dates, since, history, rates=rates, sigma=sigma))
+            file.write(of_history(dates, since, history, **columns))
 
 
-def read_csv(path: FilePath, *, tolerance: float) -> AttitudeTable:
-    """The attitudes of a file.
-
-    `tolerance` is the largest deviation from 1 of the length of a quaternion.
-    """
+def _read_csv(path, tolerance):
+    """The attitudes of a file."""
     with opened(path) as lines:
         names = _names(lines)
         kind = "QUATERNION/ANGVEL" if RATES[0] in names else "QUATERNION"
@@ -193,33 +175,23 @@ def _names(lines):
 _GROUP = 1 << 17
 
 
-def write_parquet(
-    path: FilePath,
-    parts: Sequence[Records],
-    *,
-    rates: bool,
-    meta: Mapping[str, Any],
-    sigma: bool = False,
-) -> None:
+def _write_parquet(path, parts, meta, **columns):
     """Write segments piece by piece."""
     pyarrow = _pyarrow()
-    names = ["tdb_jd1", "tdb_jd2", *names_of_numbers(rates=rates, sigma=sigma)]
     schema = pyarrow.schema(
-        [(name, pyarrow.float64()) for name in names],
+        [(name, pyarrow.float64()) for name in ("tdb_jd1", "tdb_jd2", *names(**columns)[2:])],
         metadata={"attitude": json.dumps(meta), "wxyz": "body to ICRF, scalar first"},
     )
-    with (
-        written_whole(path, "the table", binary=True) as file,
-        pyarrow.parquet.ParquetWriter(file, schema) as writer,
-    ):
-        for segment in parts:
-            for history in segment.pieces():
-                epoch = history.epoch
-                time = pairs.Seconds.of(history).plus(epoch.seconds, epoch.low)
-                columns_of = columns_of_numbers(history, rates=rates, sigma=sigma)
-                columns = [*_time_scales.jd_from_seconds(*time), *columns_of]
-                arrays = [pyarrow.array(np.ascontiguousarray(column)) for column in columns]
-                writer.write_table(pyarrow.Table.from_arrays(arrays, schema=schema))
+    with _parquet(path, schema) as writer:
+        for history in (piece for segment in parts for piece in segment.pieces()):
+            epoch = history.epoch
+            time = pairs.Seconds.of(history).plus(epoch.seconds, epoch.low)
+            numbers = [
+                *_time_scales.jd_from_seconds(*time),
+                *columns_of_numbers(history, **columns),
+            ]
+            arrays = [pyarrow.array(np.ascontiguousarray(column)) for column in numbers]
+            writer.write_table(pyarrow.Table.from_arrays(arrays, schema=schema))
 
 
 def write_parquet_columns(
@@ -229,33 +201,42 @@ def write_parquet_columns(
     pyarrow = _pyarrow()
     arrays = {name: pyarrow.array(np.ascontiguousarray(column)) for name, column in columns.items()}
     table = pyarrow.table(arrays).replace_schema_metadata({"attitude": json.dumps(dict(meta))})
+    with _parquet(path, table.schema) as writer:
+        writer.write_table(table, row_group_size=_GROUP)
+
+
+@contextmanager
+def _parquet(path, schema):
     with (
         written_whole(path, "the table", binary=True) as file,
-        pyarrow.parquet.ParquetWriter(file, table.schema) as writer,
+        _pyarrow().parquet.ParquetWriter(file, schema) as writer,
     ):
-        writer.write_table(table, row_group_size=_GROUP)
+        yield writer
 
 
 def read_parquet(path: FilePath) -> Table:
     """The columns of a file as an astropy Table, with the meta data that `write` has written."""
+    from astropy.table import Table
+
     pyarrow = _pyarrow()
     origin = os.fspath(path)
     try:
         table = pyarrow.parquet.read_table(origin)
         meta = meta_of(table)
     except OSError as err:
-        reason = " ".join(str(err).split())[:120]
-        raise AttitudeError(f"{origin}: it cannot be read: {reason}.") from err
+        raise AttitudeError(f"{origin}: it cannot be read: {_reason(err)}.") from err
     except (pyarrow.ArrowException, ValueError, TypeError) as err:
-        reason = " ".join(str(err).split())[:120]
-        raise AttitudeError(f"{origin}: it cannot be read as parquet: {reason}.") from err
-    from astropy.table import Table
-
+        raise AttitudeError(f"{origin}: it cannot be read as parquet: {_reason(err)}.") from err
     try:
         columns = {name: table[name].to_numpy() for name in table.column_names}
         return Table(columns, meta=meta if isinstance(meta, dict) else {})
     except (ValueError, TypeError, pyarrow.ArrowException) as err:
         raise AttitudeError(f"{origin}: its columns cannot be read ({err}).") from err
+
+
+def _reason(err):
+    """The message of another package in one line."""
+    return " ".join(str(err).split())[:120]
 
 
 def meta_of(table: Any) -> Any:
@@ -319,13 +300,9 @@ def from_table(
         raise AttitudeError(f"{origin}: it has no attitudes; give a column wxyz, or w, x, y, z.")
     rates = _columns(table, "angular_velocity", RATES, origin, unit="rad/s")
     meta = {str(key).lower(): value for key, value in table.meta.items()}
-    starts = meta.get("segment", [0])
-    method, degree = meta.get("method"), meta.get("degree")
-    try:
+    with prefixed(origin):
         wxyz = forms.unit(wxyz, tolerance=tolerance)
-    except AttitudeError as err:
-        raise AttitudeError(f"{origin}: {err}") from err
-    return _segmented(time, wxyz, rates, starts, method, degree, meta, origin)
+        return _segmented(time, wxyz, rates, meta)
 
 
 def read(path: FilePath, *, tolerance: float = TOLERANCE) -> AttitudeTable:
@@ -344,7 +321,7 @@ def read(path: FilePath, *, tolerance: float = TOLERANCE) -> AttitudeTable:
     """
     known_tolerance(tolerance)
     if kind_of(path) == "csv":
-        return read_csv(path, tolerance=tolerance)
+        return _read_csv(path, tolerance)
     return from_table(columns_of(path), os.fspath(path), tolerance=tolerance)
 
 
@@ -353,33 +330,24 @@ def columns_of(path: FilePath) -> Table:
     kind, origin = kind_of(path), os.fspath(path)
     if kind == "parquet":
         return read_parquet(path)
-    readers = {"ecsv": _of_ecsv, "fits": _of_fits, "csv": _of_csv}
     try:
-        return readers[kind](path)
+        return _of_fits(path) if kind == "fits" else _of_text(path, kind)
     except AttitudeError:
         raise
     except OSError as err:
         raise AttitudeError(f"{origin}: it cannot be read: {err.strerror or err}.") from err
     except Exception as err:  # astropy raises exceptions of any type for broken files
-        reason = " ".join(str(err).split())[:120] or type(err).__name__
+        reason = _reason(err) or type(err).__name__
         raise AttitudeError(f"{origin}: it cannot be read as {kind.upper()}: {reason}.") from None
 
 
-def _of_ecsv(path):
-    return _of_text(path, "give a table in ECSV", "ascii.ecsv")
-
-
-def _of_csv(path):
-    return _of_text(path, "give a table in CSV", "ascii.csv")
-
-
-def _of_text(path, advice, notation):
+def _of_text(path, kind):
     from astropy.table import QTable
 
-    lines = whole(path, advice).split("\n")
+    lines = whole(path, f"give a table in {kind.upper()}").split("\n")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        return QTable.read(lines, format=notation)
+        return QTable.read(lines, format=f"ascii.{kind}")
 
 
 def _of_fits(path):
@@ -451,11 +419,11 @@ def write(
 def _write(path, kind, parts, rates, sigma):
     rates = rates and all(segment.has_rates for segment in parts)
     if kind == "csv":
-        write_csv(path, parts[0], rates=rates, sigma=sigma)
+        _write_csv(path, parts[0], rates=rates, sigma=sigma)
     elif kind == "parquet":
         starts = np.cumsum([0, *map(len, parts)])[:-1].tolist()
         meta = {"frame": "ICRF", "segment": starts, **_interpolation(parts[0])}
-        write_parquet(path, parts, rates=rates, meta=meta, sigma=sigma)
+        _write_parquet(path, parts, meta, rates=rates, sigma=sigma)
     else:
         table = qtable(parts, rates=rates, sigma=sigma)
         if kind == "fits":
@@ -510,31 +478,22 @@ def _times(table, origin):
     """TDB in two doubles since J2000."""
     from astropy.time import Time
 
-    for name in table.colnames:
-        if isinstance(table[name], Time):
-            column = table[name]
-            break
-    else:
-        dates = [("tdb_jd1", "tdb_jd2"), ("jd1", "jd2"), ("JD1", "JD2")]
-        pairs_of_names = [pair for pair in dates if set(pair) <= set(table.colnames)]
-        if pairs_of_names:
-            jd1, jd2 = (np.asarray(table[name], dtype=np.float64) for name in pairs_of_names[0])
-            return _time_scales.seconds_from_jd(jd1, jd2)
+    column = next((table[x] for x in table.colnames if isinstance(table[x], Time)), None)
+    if column is None:
+        for names in (("tdb_jd1", "tdb_jd2"), ("jd1", "jd2"), ("JD1", "JD2")):
+            if set(names) <= set(table.colnames):
+                dates = (np.asarray(table[name], dtype=np.float64) for name in names)
+                return _time_scales.seconds_from_jd(*dates)
         if "utc" not in table.colnames:
             raise AttitudeError(
                 f"{origin}: it has no epochs; give a Time column, or jd1 and jd2 (TDB), or utc."
             )
         column = [str(text) for text in table["utc"]]
-    try:
-        hi, lo = _inputs.seconds_since(_instants.Instant(0.0), column)
-    except AttitudeError as err:
-        raise AttitudeError(f"{origin}: {err}") from err
-    return hi, lo
+    with prefixed(origin):
+        return _inputs.seconds_since(_instants.Instant(0.0), column)
 
 
 def _columns(table, name, names, origin, unit):
-    from attitude._support import validation
-
     try:
         if name in table.colnames:
             column = table[name]
@@ -542,12 +501,14 @@ def _columns(table, name, names, origin, unit):
             column = np.stack([_plain(table[one], unit) for one in names], axis=-1)
         else:
             return None
-        return validation.real(column, name, shape=(len(table), len(names)), unit=unit)
-    except AttitudeError as err:
-        raise AttitudeError(f"{origin}: {err}") from err
+        with prefixed(origin):
+            return validation.real(column, name, shape=(len(table), len(names)), unit=unit)
     except (ValueError, TypeError) as err:  # from astropy, for unknown units
-        reason = " ".join(str(err).split())[:120]
-        raise AttitudeError(f"{origin}: the column {name} cannot be read ({reason}).") from None
+        if isinstance(err, AttitudeError):
+            raise
+        raise AttitudeError(
+            f"{origin}: the column {name} cannot be read ({_reason(err)})."
+        ) from None
 
 
 def _plain(column, unit):
@@ -555,36 +516,34 @@ def _plain(column, unit):
     return np.asarray(value(unit) if value is not None and unit else column, dtype=np.float64)
 
 
-def _segmented(time, wxyz, rates, starts, method, degree, meta, origin):
-    hi, lo = time
+def _segmented(time, wxyz, rates, meta):
+    """The AttitudeTable of rows with the meta data segment, method and degree."""
+    (hi, lo), starts, degree = time, meta.get("segment", [0]), meta.get("degree")
     try:
         starts = starts.split(",") if isinstance(starts, str) else starts
         starts = [int(start) for start in np.atleast_1d(starts)]
         if starts[0] != 0 or np.any(np.diff([*starts, len(hi)]) <= 0):
             raise AttitudeError("the first rows of its segments do not increase within the table.")
-        degree = None if degree is None else int(degree)
         epoch = _instants.Instant(float(hi[0]), float(lo[0]))
         hi, lo = pairs.add((hi, lo), -epoch.seconds, -epoch.low)
-        parts = []
-        for start, stop in zip(starts, [*starts[1:], len(hi)], strict=True):
-            k = slice(start, stop)
-            parts.append(
-                AttitudeTable(
-                    epoch,
-                    np.array(hi[k]),
-                    wxyz[k],
-                    low=np.array(lo[k]),
-                    angular_velocity=None if rates is None else rates[k],
-                    method=method,
-                    degree=degree,
-                    meta=meta,
-                )
+        settings = {"method": meta.get("method"), "meta": meta}
+        settings["degree"] = None if degree is None else int(degree)
+        parts = [
+            AttitudeTable(
+                epoch,
+                np.array(hi[k]),
+                wxyz[k],
+                low=np.array(lo[k]),
+                angular_velocity=None if rates is None else rates[k],
+                **settings,
             )
+            for k in map(slice, starts, [*starts[1:], len(hi)])
+        ]
         return AttitudeTable.joined(parts)
-    except AttitudeError as err:
-        raise AttitudeError(f"{origin}: {err}") from err
     except (ValueError, TypeError, IndexError, AttributeError) as err:
-        raise AttitudeError(f"{origin}: its epochs or its meta data are broken ({err}).") from err
+        if isinstance(err, AttitudeError):
+            raise
+        raise AttitudeError(f"its epochs or its meta data are broken ({err}).") from err
 
 
 register(

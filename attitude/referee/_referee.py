@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 import time
+import timeit
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -48,17 +49,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Run(Immutable):
-    """The errors and the cost of one integrator at one step or tolerance.
+    """The errors (rad, and relative) and wall time, s, of one integrator at one step, s.
 
-    name: of the integrator.
-    step: s; of an adaptive integrator its relative tolerance.
-    attitude_error: rad, the largest over the epochs compared; the sign of the quaternion is
-        ignored.
-    rate_error: of the angular velocity, relative to its largest component.
-    energy_drift, momentum_drift: largest relative change of the energy, and of the momentum as a
-        vector in ICRF.
-    seconds: wall time of the whole run.
-    seconds_per_step: NaN for an adaptive integrator.
+    Of an adaptive integrator: at a relative tolerance; its seconds per step are NaN.
     """
 
     name: str
@@ -501,10 +494,8 @@ class _Reference:
         name = getattr(step, "__name__", type(step).__name__)
         self._states(step, name, h, 1, out[:2])
 
-        def run() -> None:
-            self._states(step, name, h, every, out)
-
-        return self._run(name, h, out, _best(run, repeats=1), every * self.epochs)
+        cost = _best(lambda: self._states(step, name, h, every, out), repeats=1)
+        return self._run(name, h, out, cost, every * self.epochs)
 
     def _states(self, step: Step, name: str, h: float, every: int, out: FloatArray) -> None:
         q, w = self.start[:4].copy(), self.start[4:].copy()
@@ -540,19 +531,9 @@ class _Reference:
                 k3 * x * y_,
             )
 
-        def run():
-            return solve_ivp(
-                slope,
-                (0.0, self.span),
-                self.start,
-                method=name,
-                rtol=tolerance,
-                atol=1e-3 * tolerance,
-                t_eval=self.times,
-            )
-
+        settings = {"method": name, "rtol": tolerance, "atol": 1e-3 * tolerance}
         begin = time.perf_counter()
-        solved = run()
+        solved = solve_ivp(slope, (0.0, self.span), self.start, t_eval=self.times, **settings)
         cost = time.perf_counter() - begin
         if not solved.success or solved.y.shape[1] != len(self.times):
             raise AttitudeError(
@@ -594,15 +575,15 @@ class _Reference:
         )
 
 
-def _pair(returned: Any, name: str) -> tuple[FloatArray, FloatArray]:
+def _pair(returned, name):
     """What a step returned, as two arrays."""
     try:
         q, w = (np.asarray(array, dtype=float) for array in returned)
+        return q, w
     except (TypeError, ValueError):
         raise AttitudeError(
             f"{name} returned {returned!r}; it must return wxyz (4,) and omega (3,)."
         ) from None
-    return q, w
 
 
 def _refuse(name: str, seconds: float, h: float) -> NoReturn:
@@ -612,11 +593,6 @@ def _refuse(name: str, seconds: float, h: float) -> NoReturn:
     )
 
 
-def _best(run: Callable[[], object], repeats: int = _REPEATS) -> float:
+def _best(run, repeats=_REPEATS):
     """The least wall time of some runs, s."""
-    costs = []
-    for _ in range(repeats):
-        begin = time.perf_counter()
-        run()
-        costs.append(time.perf_counter() - begin)
-    return min(costs)
+    return min(timeit.repeat(run, number=1, repeat=repeats))

@@ -54,8 +54,6 @@ from attitude.shape._mesh import Mesh
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from numpy.typing import NDArray
-
     from attitude._support.annotations import FloatArray, IntArray, Reals
     from attitude.scattering._law import Law
 
@@ -152,31 +150,26 @@ class Rotators:
             raise AttitudeError(
                 f"law is {law!r}; magnitudes about a mean need Lambert's or Lommel-Seeliger's law."
             )
+        axes: Any = None
         if shape is None:
-            self._of_ellipsoids(columns, names)
+            self._shapes, moments = rotator_moments(columns, names)
+            self.area = _areas(self._shapes)
+            body: dict[str, Any] = {"moments": moments, "relative": True}
         else:
-            self._of_meshes(columns, shape, names)
-
-    def __len__(self) -> int:
-        return len(self.epochs)
-
-    def _of_ellipsoids(self, columns: Any, names: Any) -> None:
-        axes, moments = rotator_moments(columns, names)
-        self._shapes: Any = axes
-        self.area = _areas(axes)
-        self._of_states(columns, names, moments, None, {"moments": moments, "relative": True})
-
-    def _of_states(self, columns: Any, names: Any, moments: Any, axes: Any, body: Any) -> None:
+            moments, axes, body = self._of_meshes(columns, shape, names)
         states, self.epochs = rotator_states(columns, moments, axes, names)
         self.ensemble = Ensemble(
             wxyz=states.wxyz, angular_velocity=states.angular_velocity, epoch=Instant(0.0),
             frame="ecliptic", **body,
         )  # fmt: skip
 
-    def _of_meshes(self, columns: Any, shape: Any, names: Any) -> None:
-        """One shape for all, or one of several for each object, with its own inertia."""
+    def __len__(self) -> int:
+        return len(self.epochs)
+
+    def _of_meshes(self, columns, shape, names):
+        """Moments, axes and body of one shape for all, or one of several for each object."""
         if isinstance(shape, Mesh):
-            shapes: list[Mesh] = [shape]
+            shapes = [shape]
             which = np.zeros(len(rotator_numbers(columns, "phi0_deg")), dtype=np.int64)
         else:
             if "shape" not in columns:
@@ -195,8 +188,7 @@ class Rotators:
         self.area = np.array([mesh.area for mesh in shapes])[which]
         moments = np.array([body.moments for body in bodies])[which]
         axes = np.array([body.principal_axes for body in bodies])[which]
-        body = {"body": [bodies[k] for k in which]}
-        self._of_states(columns, names, moments, axes, body)
+        return moments, axes, {"body": [bodies[k] for k in which]}
 
     def shifts(
         self,
@@ -277,15 +269,13 @@ def emission(mjd_tai: Reals, distance_km: Reals) -> FloatArray:
     return emitted
 
 
-def _tdb_minus_tt(mjd: FloatArray) -> FloatArray:
+def _tdb_minus_tt(mjd):
     """TDB - TT in s, to 1e-7 s: linear between values of each half of a day."""
-    if not mjd.size or not np.isfinite(mjd).all():
-        return _time_scales.tdb_minus_tt(_MJD, mjd)
-    first, last = math.floor(mjd.min()), math.floor(mjd.max()) + 1
-    if last - first > mjd.size:
+    is_finite = mjd.size and np.isfinite(mjd).all()
+    first, last = (math.floor(mjd.min()), math.floor(mjd.max()) + 1) if is_finite else (0, 1)
+    if not is_finite or last - first > mjd.size:
         return _time_scales.tdb_minus_tt(_MJD, mjd)
     table = _time_scales.tdb_minus_tt(_MJD, first + 0.5 * np.arange(2 * (last - first) + 1))
-
     difference = np.empty(mjd.shape)
     flat = read_only(np.ascontiguousarray(mjd).reshape(-1))
     interpolated(flat, float(first), read_only(table), difference.reshape(-1))
@@ -295,13 +285,8 @@ def _tdb_minus_tt(mjd: FloatArray) -> FloatArray:
 def drawn(
     names: Any, column: str, seed: int, distribution: Callable[[FloatArray], Reals] | Any
 ) -> FloatArray:
-    """Numbers (N,) of objects, drawn from a distribution.
-
-    names: (N,) array_like, names of the objects.
-    column: name of the number.
-    distribution: (low, high), number or callable, uniform between two numbers; the same number for
-        all; or the inverse of the distribution function, which takes an array of numbers from 0 to
-        1.
+    """Numbers (N,) of a column for objects (N,): of a number, (low, high), or an inverse of a
+    distribution function.
 
     >>> drawn(["A", "B"], "period_h", 1, (2.0, 2.0))
     array([2., 2.])
@@ -322,7 +307,7 @@ def drawn(
     return low + (high - low) * uniform
 
 
-def _phase(sun: FloatArray, observer: FloatArray) -> FloatArray:
+def _phase(sun, observer):
     """Phase angles (R,), rad, of vectors (R, 3)."""
     a, b = sun.T, observer.T
     cross = np.array(
@@ -332,11 +317,10 @@ def _phase(sun: FloatArray, observer: FloatArray) -> FloatArray:
     return np.arctan2(np.sqrt(cross[0] ** 2 + cross[1] ** 2 + cross[2] ** 2), dot)
 
 
-def _areas(axes: FloatArray) -> NDArray[np.float64]:
+def _areas(axes):
     """Surface areas (N,) of ellipsoids with semi-axes (N, 3), by Carlson's R_G."""
     from scipy.special import elliprg
 
     squares = axes**2
     x, y, z = (squares[:, i] * squares[:, j] for i, j in ((0, 1), (0, 2), (1, 2)))
-    areas: FloatArray = 4.0 * math.pi * elliprg(x, y, z)
-    return areas
+    return 4.0 * math.pi * elliprg(x, y, z)

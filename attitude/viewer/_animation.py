@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,13 +18,11 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from attitude._support.annotations import EpochOrSeconds, FilePath, FloatArray
-    from attitude.motions._history import AttitudeHistory
     from attitude.motions._motion import HasAttitudes
     from attitude.scene._scene import Scene
     from attitude.scene._view import View
     from attitude.shape._ellipsoid import Ellipsoid
     from attitude.shape._mesh import Mesh
-    from attitude.viewer._subject import Subject, Surface
 
 
 _ENDINGS = ("webp", "gif", "mp4")
@@ -99,61 +96,50 @@ def animate(
     count = validation.count(frames, "frames", 2)
     validation.positive(rate, "rate")
     what = subject(motion, start, stop, shape=shape, title=title, magnitude=magnitude)
-    picture = _Picture.of(what, count, size)
+    picture = _Picture(what, count, size)
     if ending == "mp4":
         _write_film(path, picture, rate, progress)
     else:
         _write_images(path, ending, picture, rate, progress)
 
 
-@dataclass
 class _Picture:
     """A figure of one frame after the other."""
 
-    figure: Any
-    facets: Any
-    arrows: list[Any]
-    clock: Any
-    line: Any
-    surface: Surface
-    curve: dict[str, Any] | None
-    times: FloatArray
-    wxyz: FloatArray
-    toward: FloatArray
-    sun: FloatArray
-    momentum: FloatArray
-    utc: list[str]
-    lit: FloatArray
-
-    @classmethod
-    def of(cls, what: Subject, count: int, size: tuple[int, int]) -> _Picture:
-        times = np.linspace(0.0, what.duration, count)
-        figure = plots.new_figure((size[0] / _PER_INCH, size[1] / _PER_INCH))
+    def __init__(self, what, count, size):
+        self.times = times = np.linspace(0.0, what.duration, count)
+        self.figure = figure = plots.new_figure((size[0] / _PER_INCH, size[1] / _PER_INCH))
         figure.set(dpi=_PER_INCH, facecolor=_GROUND)
-        curve = _subject.light_curve(what)
+        self.curve = curve = _subject.light_curve(what)
         grid = figure.add_gridspec(2 if curve else 1, 1, height_ratios=(2, 1) if curve else (1,))
         above = figure.add_subplot(grid[0])
         above.set(xlim=(-1.5, 1.5), ylim=(-1.5, 1.5), aspect="equal", facecolor=_GROUND)
         above.set_axis_off()
         above.set_title(what.title, color=_TEXT, fontsize=11)
-        line = None if curve is None else _axes_of(figure.add_subplot(grid[1]), curve)
-        toward = _toward(what, "observer", times)
-        sun = _toward(what, "sun", times)
-        surface = _subject.surface(what, _FACETS)
+        self.line = None if curve is None else _axes_of(figure.add_subplot(grid[1]), curve)
+        self.toward = _toward(what, "observer", times)
+        self.sun = _toward(what, "sun", times)
+        self.surface = _subject.surface(what, _FACETS)
         shade = _subject.shade(what)
-        lit = np.ones(count) if shade is None else np.interp(times, shade.times, shade.lit)
+        self.lit = np.ones(count) if shade is None else np.interp(times, shade.times, shade.lit)
         history = what.at(times)
-        arrows = [_arrow(above, *arrow) for arrow in (*_AXES, _MOMENTUM)]
-        clock = figure.text(0.02, 0.94, "", color=_TEXT, fontsize=10, family="monospace", va="top")
+        self.wxyz, self.momentum = history.wxyz, _momenta(what, history)
+        self.arrows = [_arrow(above, *arrow) for arrow in (*_AXES, _MOMENTUM)]
+        style = {"color": _TEXT, "fontsize": 10, "family": "monospace", "va": "top"}
+        self.clock = figure.text(0.02, 0.94, "", **style)
         short = what.duration < _SHORT
-        utc = [date.replace("T", " ")[: 19 if short else 16] for date in what.utc(times)]
-        facets = _empty(above)
-        return cls(
-            figure, facets, arrows, clock, line, surface, curve, times, history.wxyz, toward, sun,
-            _momenta(what, history), utc, lit,
-        )  # fmt: skip
+        self.utc = [date.replace("T", " ")[: 19 if short else 16] for date in what.utc(times)]
+        self.facets = _empty(above)
 
-    def draw(self, k: int) -> None:
+    def frames(self, progress):
+        """Draw one frame after the other."""
+        for k in range(len(self.times)):
+            self.draw(k)
+            yield
+            if progress is not None:
+                progress(k + 1, len(self.times))
+
+    def draw(self, k):
         """Frame k: facets that face the observer, from the farthest to the nearest."""
         corners = quaternion.rotate(self.wxyz[k], self.surface.vertices)[self.surface.facets]
         normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -170,19 +156,19 @@ class _Picture:
         self._draw_arrows(k, across)
         dark = "" if self.lit[k] == 1.0 else ", in shadow"
         self.clock.set_text(f"{self.utc[k]} UTC{dark}")
-        if self.line is not None and self.curve is not None:
+        if self.curve is not None:
             done = self.curve["times"] <= self.times[k]
             unit = self.curve["unit"]
             self.line.set_data(self.curve["times"][done] / unit, self.curve["magnitudes"][done])
 
-    def _paint(self) -> FloatArray:
+    def _paint(self):
         """Colours (F, 3) of the facets in full light."""
         if self.surface.kind == "mesh":
             return np.broadcast_to(_SURFACE, (len(self.surface.facets), 3))
         x = self.surface.vertices[self.surface.facets].mean(axis=1)[:, 0]
         return _HALVES[(x >= 0.0).astype(np.int64)]
 
-    def _draw_arrows(self, k: int, across: FloatArray) -> None:
+    def _draw_arrows(self, k, across):
         """Body axes and momentum; those that point away lie behind the body."""
         tips = [*quaternion.rotate(self.wxyz[k], np.eye(3)), self.momentum[k]]
         for (line, label), tip, (length, _, _) in zip(
@@ -195,23 +181,22 @@ class _Picture:
             label.set(visible=shown, position=(1.06 * x, 1.06 * y))
 
 
-def _arrow(axes: Any, length: float, color: str, name: str) -> tuple[Any, Any]:
+def _arrow(axes, length, color, name):
     """A line from the centre and the label at its end."""
     line = axes.plot([], [], color=color, linewidth=1.2)[0]
     return line, axes.text(0, 0, name, color=color, fontsize=10, ha="center", va="center")
 
 
-def _momenta(what: Subject, history: AttitudeHistory) -> FloatArray:
+def _momenta(what, history):
     """Unit vectors (N, 3) of the momentum, ICRF; zeros where there is none, or no body."""
     if what.motion.body is None:
         return np.zeros((*history.wxyz.shape[:1], 3))
     momentum = quaternion.rotate(history.wxyz, what.motion.momentum_in_body(history))
     size = np.linalg.norm(momentum, axis=1)[:, None]
-    units: FloatArray = momentum / np.where(size > 0.0, size, 1.0)
-    return units
+    return momentum / np.where(size > 0.0, size, 1.0)
 
 
-def _empty(axes: Any) -> Any:
+def _empty(axes):
     from matplotlib.collections import PolyCollection
 
     polygons = PolyCollection([], linewidths=0.3)
@@ -219,7 +204,7 @@ def _empty(axes: Any) -> Any:
     return polygons
 
 
-def _axes_of(axes: Any, curve: dict[str, Any]) -> Any:
+def _axes_of(axes, curve):
     """The axes of a light curve with its full range, and a line without points."""
     unit, name = plots.time_unit(float(curve["times"][-1]))
     curve["unit"] = unit
@@ -236,12 +221,10 @@ def _axes_of(axes: Any, curve: dict[str, Any]) -> Any:
     return axes.plot([], [], color=_LINE, linewidth=1.2)[0]
 
 
-def _toward(what: Subject, which: str, times: FloatArray) -> FloatArray:
+def _toward(what, which, times):
     """Unit vectors (N, 3) to observer or Sun; without a scene a side view, and zeros."""
     if what.scene is not None:
-        view = what.view(times)
-        name = "observer_direction_icrf" if which == "observer" else "sun_direction_icrf"
-        return np.broadcast_to(np.asarray(getattr(view, name)), (len(times), 3))
+        return what.toward(which, times)
     if which == "sun":
         return np.zeros((len(times), 3))
     momentum = what.motion.momentum
@@ -250,7 +233,7 @@ def _toward(what: Subject, which: str, times: FloatArray) -> FloatArray:
     return np.broadcast_to(side / np.linalg.norm(side), (len(times), 3))
 
 
-def _screen(toward: FloatArray) -> FloatArray:
+def _screen(toward):
     """Rows: right, up (north of ICRF) and towards the observer."""
     right = np.cross([0.0, 0.0, 1.0], toward)
     if np.linalg.norm(right) < 1e-9:
@@ -259,7 +242,7 @@ def _screen(toward: FloatArray) -> FloatArray:
     return np.stack([right, np.cross(toward, right), toward])
 
 
-def _write_images(path: str, ending: str, picture: _Picture, rate: float, progress: Any) -> None:
+def _write_images(path, ending, picture, rate, progress):
     """All frames as one WebP or GIF."""
     try:
         from PIL import Image
@@ -274,12 +257,9 @@ def _write_images(path: str, ending: str, picture: _Picture, rate: float, progre
 
     canvas = FigureCanvasAgg(picture.figure)
     images = []
-    for k in range(len(picture.times)):
-        picture.draw(k)
+    for _ in picture.frames(progress):
         canvas.draw()
         images.append(Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy()))
-        if progress is not None:
-            progress(k + 1, len(picture.times))
     options = {"quality": 70, "method": 4} if ending == "webp" else {"optimize": True}
     with made_whole(path) as temporary:
         images[0].save(
@@ -293,7 +273,7 @@ def _write_images(path: str, ending: str, picture: _Picture, rate: float, progre
         )
 
 
-def _write_film(path: str, picture: _Picture, rate: float, progress: Any) -> None:
+def _write_film(path, picture, rate, progress):
     """All frames as an MP4, by ffmpeg."""
     from matplotlib.animation import FFMpegWriter
 
@@ -311,8 +291,5 @@ def _write_film(path: str, picture: _Picture, rate: float, progress: Any) -> Non
         made_whole(path) as temporary,
         writer.saving(picture.figure, temporary, dpi=_PER_INCH),
     ):
-        for k in range(len(picture.times)):
-            picture.draw(k)
+        for _ in picture.frames(progress):
             writer.grab_frame(facecolor=_GROUND)
-            if progress is not None:
-                progress(k + 1, len(picture.times))

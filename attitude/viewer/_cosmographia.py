@@ -14,11 +14,10 @@ from attitude.viewer import _subject
 from attitude.viewer._subject import subject
 
 if TYPE_CHECKING:
-    from attitude._support.annotations import EpochOrSeconds, FilePath, FloatArray
+    from attitude._support.annotations import EpochOrSeconds, FilePath
     from attitude.motions._motion import HasAttitudes
     from attitude.shape._ellipsoid import Ellipsoid
     from attitude.shape._mesh import Mesh
-    from attitude.viewer._subject import Subject, Surface
 
 
 # States of the trajectory.
@@ -73,9 +72,9 @@ def write_cosmographia(
     trajectory: dict[str, Any] = {"type": "FixedPoint", "position": [0.0, 0.0, 0.0]}
     center = "Sun"
     if scene is not None and scene.center is not None:
-        center = _center(scene)
+        center = _center(scene.center)
         with written_whole(f"{base}.xyzv") as file:
-            file.write(_states(what, scene))
+            file.write(_states(what, scene.center))
         trajectory = {"type": "InterpolatedStates", "source": f"{os.path.basename(base)}.xyzv"}
     name = os.path.basename(base)
     begin, end = (f"{date} UTC" for date in what.utc(np.array([0.0, what.duration])))
@@ -106,38 +105,36 @@ def write_cosmographia(
         file.write(toml.written(catalogue, indent=2) + "\n")
 
 
-def _end(what: Subject) -> _instants.Instant:
+def _end(what):
     return what.start.after(what.duration)
 
 
-def _size(surface: Surface) -> float:
+def _size(surface):
     """Radius in km to which Cosmographia scales the mesh."""
     return surface.size / 1000.0 if np.isfinite(surface.size) else _SIZE
 
 
-def _obj(surface: Surface) -> str:
+def _obj(surface):
     rows = [f"v {x:.7g} {y:.7g} {z:.7g}" for x, y, z in surface.vertices.tolist()]
     rows += [f"f {a} {b} {c}" for a, b, c in (surface.facets + 1).tolist()]
     return "\n".join(rows) + "\n"
 
 
-def _center(scene: Scene) -> str:
-    assert scene.center is not None
-    about = scene.center.center
+def _center(path):
+    about = path.center
     if not isinstance(about, str) or about not in _CENTERS:
         raise AttitudeError(
-            f"the path of {scene.center.name} is about {about}; Cosmographia's catalogue takes a "
+            f"the path of {path.name} is about {about}; Cosmographia's catalogue takes a "
             f"path about one of {', '.join(_CENTERS)}."
         )
     return _CENTERS[about]
 
 
-def _states(what: Subject, scene: Scene) -> str:
+def _states(what, center):
     """Rows of a Julian date (TDB), km and km/s."""
     times = np.linspace(0.0, what.duration, _STATES)
-    assert scene.center is not None
-    position, velocity = scene.center.state(what.start, times)
-    dates: FloatArray = _instants.times(what.start, times).tdb.jd
+    position, velocity = center.state(what.start, times)
+    dates = _instants.times(what.start, times).tdb.jd
     table = np.column_stack([dates, position / 1000.0, velocity / 1000.0])
     return "".join(
         f"{row[0]:.9f} {' '.join(f'{number:.12g}' for number in row[1:])}\n" for row in table

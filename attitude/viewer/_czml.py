@@ -6,7 +6,7 @@ on ICRF axes ("INERTIAL").
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from attitude.epochs._instants import Instant
     from attitude.shape._ellipsoid import Ellipsoid
     from attitude.shape._mesh import Mesh
-    from attitude.viewer._subject import Subject
 
 
 # Positions: seconds between them, the degree of Cesium's polynomials, and the most of them.
@@ -79,35 +78,18 @@ def write_czml(
     if scene.motion is None:
         raise AttitudeError("the scene has no motion; give Scene(motion, ...) to write one.")
     what = subject(scene.motion, start, stop, title=title or scene.center.name)
-    document = _document(what)
     with written_whole(path) as file:
-        file.write(toml.written([document, _body(what, scene, model)]))
+        file.write(toml.written(_packets(what, scene.center, model)))
 
 
-def _document(what: Subject) -> dict[str, Any]:
+def _packets(what, center, model):
+    """The packets of the document and of the body."""
     begin, end = (f"{date}Z" for date in what.utc(np.array([0.0, what.duration])))
-    return {
-        "id": "document",
-        "name": what.title,
-        "version": "1.0",
-        "clock": {
-            "interval": f"{begin}/{end}",
-            "currentTime": begin,
-            "multiplier": 1,
-            "range": "LOOP_STOP",
-        },
-    }
-
-
-def _body(what: Subject, scene: Scene, model: str | None) -> dict[str, Any]:
-    begin, end = (f"{date}Z" for date in what.utc(np.array([0.0, what.duration])))
-    assert scene.center is not None
+    clock = {"interval": f"{begin}/{end}", "currentTime": begin}
+    clock |= {"multiplier": 1, "range": "LOOP_STOP"}
     count = int(np.clip(np.ceil(what.duration / _STEP), _DEGREE + 1, _MOST)) + 1
     times = np.linspace(0.0, what.duration, count)
-    positions = scene.center.position(what.start, times)
-    drawn = {"gltf": model, "minimumPixelSize": 64} if model else None
-    box = {"dimensions": {"cartesian": [10.0, 4.0, 4.0]}} if drawn is None else None
-    packet: dict[str, Any] = {
+    packet = {
         "id": what.title,
         "name": what.title,
         "availability": f"{begin}/{end}",
@@ -116,7 +98,7 @@ def _body(what: Subject, scene: Scene, model: str | None) -> dict[str, Any]:
             "interpolationDegree": _DEGREE,
             "referenceFrame": "INERTIAL",
             "epoch": begin,
-            "cartesian": np.column_stack([times, positions]).ravel(),
+            "cartesian": np.column_stack([times, center.position(what.start, times)]).ravel(),
         },
         "orientation": {
             "interpolationAlgorithm": "LINEAR",
@@ -126,10 +108,14 @@ def _body(what: Subject, scene: Scene, model: str | None) -> dict[str, Any]:
         },
         "path": {"width": 1, "leadTime": 3000, "trailTime": 3000},
     }
-    return packet | ({"model": drawn} if drawn else {"box": box})
+    if model:
+        packet["model"] = {"gltf": model, "minimumPixelSize": 64}
+    else:
+        packet["box"] = {"dimensions": {"cartesian": [10.0, 4.0, 4.0]}}
+    return [{"id": "document", "name": what.title, "version": "1.0", "clock": clock}, packet]
 
 
-def _orientation(what: Subject) -> FloatArray:
+def _orientation(what):
     """Rows of time in s, x, y, z, w: body to ITRS."""
     rows = []
     for piece in _subject.pieces(what, _TOLERANCE):

@@ -14,7 +14,6 @@ import numpy as np
 
 from attitude._support import markup
 from attitude._textfiles import lines, toml
-from attitude.errors import AttitudeError
 from attitude.shape._mesh import Mesh
 from attitude.viewer import _subject
 from attitude.viewer._subject import subject
@@ -24,8 +23,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike
 
-    from attitude._support.annotations import EpochOrSeconds, FilePath, FloatArray, IntArray
-    from attitude.motions._motion import HasAttitudes, Motion
+    from attitude._support.annotations import EpochOrSeconds, FilePath, FloatArray
+    from attitude.motions._motion import HasAttitudes
     from attitude.scene._scene import Scene
     from attitude.scene._view import View
     from attitude.shape._ellipsoid import Ellipsoid
@@ -132,22 +131,14 @@ def content(
 def facts(subject: Subject) -> tuple[str, list[tuple[str, str]]]:
     """The kind of a motion, and names and values of what is known: periods, momentum, scene."""
     motion = subject.motion
-    kind, rows = markup.rows_of(str(motion)) if _is_free(motion) else _other_facts(subject)
+    kind, rows = markup.rows_of(str(motion)) if _subject.is_free(motion) else _other_facts(subject)
     if subject.scene is not None:
         rows.append(("seen from", subject.scene.observer.name))
         rows.append(("lit by", subject.scene.sun.name))
     return kind, rows
 
 
-def _is_free(motion: Motion) -> bool:
-    try:
-        _ = motion.regime
-    except AttitudeError:
-        return False
-    return True
-
-
-def _other_facts(subject: Subject) -> tuple[str, list[tuple[str, str]]]:
+def _other_facts(subject):
     motion = subject.motion
     times = np.linspace(0.0, subject.duration, 257)
     rates = np.degrees(np.linalg.norm(subject.at(times).angular_velocity, axis=1))
@@ -165,7 +156,7 @@ def _other_facts(subject: Subject) -> tuple[str, list[tuple[str, str]]]:
     return type(motion).__name__, rows
 
 
-def _piece(piece: _subject.PosePiece) -> dict[str, Any]:
+def _piece(piece):
     return {
         "start": piece.start,
         "step": piece.step,
@@ -174,14 +165,14 @@ def _piece(piece: _subject.PosePiece) -> dict[str, Any]:
     }
 
 
-def _momentum(motion: Motion) -> list[float] | None:
+def _momentum(motion):
     """The direction of the constant momentum, ICRF; None for a body at rest."""
     momentum = np.asarray(motion.momentum, dtype=float)
     size = float(np.linalg.norm(momentum))
     return (momentum / size).tolist() if size > 0.0 else None
 
 
-def _surface(subject: Subject) -> dict[str, Any]:
+def _surface(subject):
     drawn = _subject.surface(subject)
     data = {
         "kind": drawn.kind,
@@ -198,7 +189,7 @@ def _surface(subject: Subject) -> dict[str, Any]:
     return data
 
 
-def _triangles(vertices: FloatArray, facets: IntArray) -> dict[str, Any]:
+def _triangles(vertices, facets):
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     width = np.where(high > low, high - low, 1.0)
     return {
@@ -209,7 +200,7 @@ def _triangles(vertices: FloatArray, facets: IntArray) -> dict[str, Any]:
     }
 
 
-def _poinsot(subject: Subject) -> dict[str, Any] | None:
+def _poinsot(subject):
     drawn = _subject.construction(subject)
     if drawn is not None:
         for name in ("polhode", "herpolhode"):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from dataclasses import dataclass
 from itertools import pairwise
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -76,12 +77,19 @@ def pieces(subject: Subject, tolerance: float = TOLERANCE) -> list[PosePiece]:
     return poses
 
 
-def _piece(subject: Subject, begin: float, end: float, tolerance: float, most: int) -> PosePiece:
+def _piece(subject, begin, end, tolerance, most):
+    """The PosePiece of a stretch, of at most `most` attitudes."""
     length = end - begin
-    count = _first_count(subject, begin, length)
+    inner = begin + length * np.linspace(0.5 / 64.0, 63.5 / 64.0, 64)
+    fastest = float(np.max(np.linalg.norm(subject.at(inner).angular_velocity, axis=-1)))
+    count = max(1, int(np.ceil(fastest * length / _TURN)))
     while True:
         if count + 1 > most:
-            raise _too_many(subject, length, count, most)
+            raise AttitudeError(
+                f"a span of {length:.6g} s needs {count:.2g} attitudes, so that what is drawn "
+                f"stays within 0.1 degree of the motion; {MOST_POSES} can be shown. Give a stop at "
+                f"most {0.9 * length * most / count:.4g} s after the start."
+            )
         error = _error(subject, begin, length, count)
         if error <= _SHARE * tolerance:
             break
@@ -93,14 +101,6 @@ def _piece(subject: Subject, begin: float, end: float, tolerance: float, most: i
     history = subject.at(times)
     rates = np.asarray(history.angular_velocity)
     return PosePiece(begin, length / count, np.asarray(history.wxyz), rates)
-
-
-def _first_count(subject: Subject, begin: float, length: float) -> int:
-    """Steps over which the body turns by at most `_TURN`, by its rate at some epochs."""
-    inner = begin + length * np.linspace(0.5 / 64.0, 63.5 / 64.0, 64)
-    rates = np.linalg.norm(subject.at(inner).angular_velocity, axis=-1)
-    fastest = float(np.max(rates))
-    return max(1, int(np.ceil(fastest * length / _TURN)))
 
 
 def _error(subject: Subject, begin: float, length: float, count: int) -> float:
@@ -120,16 +120,6 @@ def _error(subject: Subject, begin: float, length: float, count: int) -> float:
     return worst
 
 
-def _too_many(subject: Subject, length: float, count: int, most: int) -> AttitudeError:
-    longest = 0.9 * length * most / count
-    return AttitudeError(
-        f"a span of {length:.6g} s needs {count:.2g} attitudes, so that what is drawn stays within "
-        f"0.1 degree of the motion; {MOST_POSES} can be shown. Give a stop at most {longest:.4g} s "
-        "after "
-        "the start."
-    )
-
-
 # ---- Directions to Sun and observer and the light curve, at epochs close enough for lines between
 
 # Epochs of directions: at first, and at most.
@@ -143,14 +133,13 @@ _BLOCK = 250
 
 
 def directions(subject: Subject, which: str) -> FloatArray:
-    """Unit vectors (N, 3), ICRF, from the body at equal steps over the span.
+    """Unit vectors (N, 3), ICRF, to "sun" or "observer" at equal steps over the span.
 
-    `which` is "sun" or "observer".  Lines between neighbours stay within 0.1 degree, up to the
-    largest number of epochs; a fixed direction is one row.
+    Lines between neighbours stay within 0.1 degree; a fixed direction is one row.
     """
     count = _FIRST
     while True:
-        vectors = _icrf(subject, which, count)
+        vectors = subject.toward(which, np.linspace(0.0, subject.duration, count))
         if np.ptp(vectors, axis=0).max() == 0.0:
             return vectors[:1]
         middle = vectors[:-2:2] + vectors[2::2]
@@ -161,12 +150,6 @@ def directions(subject: Subject, which: str) -> FloatArray:
         ):
             return vectors
         count = 2 * count - 1
-
-
-def _icrf(subject: Subject, which: str, count: int) -> FloatArray:
-    view = subject.view(np.linspace(0.0, subject.duration, count))
-    name = "sun_direction_icrf" if which == "sun" else "observer_direction_icrf"
-    return np.broadcast_to(np.asarray(getattr(view, name)), (count, 3))
 
 
 def light_curve(
@@ -250,20 +233,13 @@ _LONGEST = 8.0
 _POLHODE, _A_TURN, _MOST = 361, 48.0, 6000
 
 
-class InertiaEllipsoid(NamedTuple):
-    """Semi-axes (3,), the longest 1, and their directions as columns (3, 3), body axes."""
-
-    semi_axes: FloatArray
-    axes: FloatArray
-
-
-def inertia_ellipsoid(body: Body | None) -> InertiaEllipsoid | None:
-    """The ellipsoid of inertia; None without a body or if all moments are zero."""
+def inertia_ellipsoid(body: Body | None) -> tuple[FloatArray, FloatArray] | None:
+    """Semi-axes (3,), the longest 1, and axes (3, 3) in columns; None if all moments are zero."""
     if body is None or not np.any(body.moments > 0.0):
         return None
     least = np.max(body.moments) / _LONGEST**2
     semi = 1.0 / np.sqrt(np.maximum(body.moments, least))
-    return InertiaEllipsoid(semi / semi.max(), np.asarray(body.principal_axes))
+    return semi / semi.max(), np.asarray(body.principal_axes)
 
 
 def construction(subject: Subject) -> dict[str, Any] | None:
@@ -283,11 +259,10 @@ def construction(subject: Subject) -> dict[str, Any] | None:
         return None
     # s / sqrt(2 E), with s such that the longest semi-axis s / sqrt(least moment) is 1.
     per_rate = float(np.sqrt(np.min(motion.body.moments) / (2.0 * energy)))
-    times = np.linspace(0.0, *_herpolhode_span(subject))
-    history = subject.at(times)
+    history = subject.at(_times_of_herpolhode(subject))
     return {
-        "semi_axes": ellipsoid.semi_axes,
-        "axes": ellipsoid.axes,
+        "semi_axes": ellipsoid[0],
+        "axes": ellipsoid[1],
         "distance": per_rate * 2.0 * energy / size,
         "pole": momentum / size,
         "rate": 1.0 / per_rate,
@@ -296,15 +271,13 @@ def construction(subject: Subject) -> dict[str, Any] | None:
     }
 
 
-def _herpolhode_span(subject: Subject) -> tuple[float, int]:
-    """Seconds and number of points of the herpolhode: as much of the span as is drawn finely."""
+def _times_of_herpolhode(subject):
+    """Times (N,), s, of the points of the herpolhode: as much of the span as is drawn finely."""
     regime = subject.motion.regime
     periods = [abs(period) for period in (regime.P_psi, regime.P_phi_L, regime.P_phi_S)]
-    shortest = min(
-        (period for period in periods if 0.0 < period < np.inf), default=subject.duration
-    )
+    shortest = min((x for x in periods if 0.0 < x < np.inf), default=subject.duration)
     span = min(subject.duration, shortest * _MOST / _A_TURN)
-    return span, int(np.clip(_A_TURN * span / shortest, 64, _MOST))
+    return np.linspace(0.0, span, int(np.clip(_A_TURN * span / shortest, 64, _MOST)))
 
 
 # ---- The surface that is drawn: the facets of a shape, the ellipsoid of inertia, or a box
@@ -352,14 +325,13 @@ def surface(subject: Subject, most: int = MOST_FACETS) -> Surface:
     if ellipsoid is None:
         return _scaled(box(_BOX), "box")._replace(size=np.nan)
     ball = Ellipsoid((1.0, 1.0, 1.0)).facets(min(_FACETS, most))
-    stretched = ball.vertices * ellipsoid.semi_axes @ ellipsoid.axes.T
+    stretched = ball.vertices * ellipsoid[0] @ ellipsoid[1].T
     drawn = _scaled((stretched, ball.facets), "ellipsoid of inertia")
     return drawn._replace(size=np.nan)
 
 
-def _scaled(
-    mesh: Mesh | tuple[FloatArray, IntArray], kind: str, size: float | None = None
-) -> Surface:
+def _scaled(mesh, kind, size=None):
+    """The Surface of a Mesh, or of vertices and facets."""
     vertices, facets = (mesh.vertices, mesh.facets) if isinstance(mesh, Mesh) else mesh
     if size is None:
         size = np.linalg.norm(vertices, axis=1).max()
@@ -367,7 +339,7 @@ def _scaled(
     return Surface(vertices / size, facets, kind, float(size), closed=True, smooth=smooth)
 
 
-def _is_smooth(vertices: FloatArray, facets: IntArray) -> bool:
+def _is_smooth(vertices, facets):
     """Whether nearly all facets turn little from the mean of those about their corners."""
     a, b, c = (vertices[facets[:, k]] for k in range(3))
     normals = np.cross(b - a, c - a)
@@ -381,7 +353,7 @@ def _is_smooth(vertices: FloatArray, facets: IntArray) -> bool:
     return bool(np.mean(cosines > np.cos(_CREASE)) > _SMOOTH_SHARE)
 
 
-def _drawn(mesh: Mesh, most: int) -> Mesh | tuple[FloatArray, IntArray]:
+def _drawn(mesh, most):
     """The mesh, or vertices and facets of a coarser one, with a warning."""
     if len(mesh) <= most:
         return mesh
@@ -411,9 +383,7 @@ def coarser(vertices: FloatArray, facets: IntArray, most: int) -> tuple[FloatArr
     return best
 
 
-def _clustered(
-    vertices: FloatArray, facets: IntArray, low: FloatArray, side: float
-) -> tuple[FloatArray, IntArray]:
+def _clustered(vertices, facets, low, side):
     """Vertices in cubes of a side, each cube's as one, and the facets that keep three corners."""
     cubes = np.floor((vertices - low) / side).astype(np.int64)
     key = (cubes[:, 0] << 42) | (cubes[:, 1] << 21) | cubes[:, 2]
@@ -436,14 +406,9 @@ _AT_REST = 3600.0
 
 @dataclass(frozen=True)
 class Subject:
-    """What is shown; made by `subject`.
+    """What is shown, at seconds of TDB from `start`; made by `subject`.
 
-    Times are seconds of TDB from `start`.  In a scene they are those at which light is received:
-    the attitude shown is the one that the light shows.
-
-    duration: s
-    magnitude: magnitudes (N,) of a View, and `label` on their axis; None without a shape in the
-        scene.
+    In a scene these are times at which light is received: the attitude is the one that it shows.
     """
 
     motion: Motion
@@ -466,6 +431,12 @@ class Subject:
         """The scene at times (N,), s from the start."""
         assert self.scene is not None
         return self.scene.since(self.start, times)
+
+    def toward(self, which: str, times: FloatArray) -> FloatArray:
+        """Unit vectors (N, 3), ICRF, to "sun" or "observer" of the scene at times (N,)."""
+        view = self.view(times)
+        unit = view.sun_direction_icrf if which == "sun" else view.observer_direction_icrf
+        return np.broadcast_to(np.asarray(unit), (len(times), 3))
 
     def breaks(self) -> FloatArray:
         """Times within the span at which the angular velocity jumps, s from the start."""
@@ -506,41 +477,28 @@ def subject(
             "as shape.read(file)."
         )
     scene = given if isinstance(given, Scene) else None
-    if isinstance(given, Scene):
-        if given.motion is None:
-            raise AttitudeError("the scene has no motion; give Scene(motion, ...) to show one.")
-        motion = given.motion
-    else:
-        motion = motion_of(given)
+    motion = given.motion if isinstance(given, Scene) else motion_of(given)
+    if motion is None:
+        raise AttitudeError("the scene has no motion; give Scene(motion, ...) to show one.")
     first, last = _span(motion, start, stop)
-    label = "magnitude"
     if scene is not None and scene.shape is not None and magnitude is None:
         is_far = scene.sun.is_direction or scene.observer.is_direction
-        label = "reduced magnitude" if is_far else label
-        magnitude = (_reduced if is_far else _apparent), label
+        name = "reduced_magnitude" if is_far else "magnitude"
+        magnitude = attrgetter(name), name.replace("_", " ")
     drawn = shape if shape is not None or scene is None else scene.shape
-    name = type(motion).__name__ if title is None else title
-    of_view, label = magnitude if magnitude is not None else (None, label)
-    return Subject(motion, scene, drawn, first, last.since(first), name, of_view, label)
+    title = type(motion).__name__ if title is None else title
+    of_view, label = magnitude or (None, "magnitude")
+    return Subject(motion, scene, drawn, first, last.since(first), title, of_view, label)
 
 
-def _apparent(view: View) -> FloatArray:
-    return view.magnitude
-
-
-def _reduced(view: View) -> FloatArray:
-    return view.reduced_magnitude
-
-
-def _span(motion: Motion, start: Any, stop: Any) -> tuple[_instants.Instant, _instants.Instant]:
-    first = motion.epoch if motion.span is None else motion.span[0]
-    if start is not None:
-        first = _instant(motion, start, "start")
-    if stop is not None:
-        last = _instant(motion, stop, "stop")
-    elif motion.span is not None:
-        last = motion.span[1]
-    else:
+def _span(motion, start, stop):
+    """The first and the last Instant."""
+    span = motion.span or (motion.epoch, None)
+    first, last = (
+        end if value is None else motion.epoch.after(*_inputs.one_since(motion.epoch, value, name))
+        for name, value, end in zip(("start", "stop"), (start, stop), span, strict=True)
+    )
+    if last is None:
         last = first.after(_typical(motion))
     if not last.since(first) > 0.0:
         raise AttitudeError(
@@ -549,17 +507,19 @@ def _span(motion: Motion, start: Any, stop: Any) -> tuple[_instants.Instant, _in
     return first, last
 
 
-def _instant(motion: Motion, value: Any, name: str) -> _instants.Instant:
-    return motion.epoch.after(*_inputs.one_since(motion.epoch, value, name))
-
-
-def _typical(motion: Motion) -> float:
-    """Seconds that show what a motion without a span does."""
+def is_free(motion: Motion) -> bool:
+    """Whether a motion has the periods of a free rotation."""
     try:
         _ = motion.regime
     except AttitudeError:
-        rate = float(np.linalg.norm(motion.at(0.0).angular_velocity))
-        turns = _TURNS * 2.0 * np.pi / rate if rate > 0.0 else _AT_REST
-        return float(np.max(motion.joints, initial=0.0)) + turns
-    rates = motion.angular_velocity_at(np.zeros(1))
-    return plots.time_span(motion) if np.any(rates) else _AT_REST  # type: ignore[arg-type]
+        return False
+    return True
+
+
+def _typical(motion):
+    """Seconds that show what a motion without a span does."""
+    rate = float(np.linalg.norm(motion.at(0.0).angular_velocity))
+    if is_free(motion):
+        return plots.time_span(motion) if rate > 0.0 else _AT_REST
+    turns = _TURNS * 2.0 * np.pi / rate if rate > 0.0 else _AT_REST
+    return float(np.max(motion.joints, initial=0.0)) + turns
