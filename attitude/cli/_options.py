@@ -169,9 +169,7 @@ def _moment(text: str, name: str) -> _instants.Instant | Fraction:
         ) from err
 
 
-def _instant(
-    moment: _instants.Instant | Fraction, epoch: _instants.Instant, scale: str, name: str, text: str
-) -> _instants.Instant:
+def _instant(moment, epoch, scale, name, text):
     if isinstance(moment, _instants.Instant):
         instant = moment
     else:

@@ -6,7 +6,7 @@ import argparse
 from contextlib import ExitStack
 from dataclasses import replace
 from itertools import chain
-from typing import IO, TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -80,13 +80,7 @@ def of(
     return figure
 
 
-def _shade(
-    axes: Axes,
-    t: FloatArray,
-    lit_fraction: FloatArray | None,
-    elevation: FloatArray | None,
-    sun_elevation: FloatArray | None,
-) -> None:
+def _shade(axes, t, lit_fraction, elevation, sun_elevation):
     """Shade day, twilight, umbra, and the epochs at which the body is below the horizon."""
     shades: list[tuple[BoolArray, str, dict[str, Any]]] = []
     if sun_elevation is not None:
@@ -163,23 +157,19 @@ def run_observed(mission: Mission, observed: str, target: str | None, figure: st
         )
     session = np.asarray(columns.get("session", [""] * len(magnitude)), dtype=str)
     residual, lines = _compared(magnitude, computed, session)
-    dates = [instant.utc_iso for instant in _instants(view)]
+    columns_of_numbers = magnitude, magnitude - residual, residual
     with _output.opened(target) as file:
-        _write(file, dates, session, magnitude, magnitude - residual, residual)
+        file.write("utc,session,observed,computed,residual\n")
+        for seconds, name, *numbers in zip(view.seconds, session, *columns_of_numbers, strict=True):
+            date = view.epoch.after(float(seconds)).utc_iso
+            file.write(f"{date},{name}," + ",".join(f"{x:.4f}" for x in numbers) + "\n")
     print("\n".join(lines))
     if figure is not None:
         _draw(view.seconds / _DAY, magnitude, residual, session, figure)
         print(figure)
 
 
-def _instants(view: Any) -> list[Any]:
-    """The epochs of reception."""
-    return [view.epoch.after(float(seconds)) for seconds in view.seconds]
-
-
-def _compared(
-    given: FloatArray, computed: FloatArray, session: Any
-) -> tuple[FloatArray, list[str]]:
+def _compared(given, computed, session):
     """Residuals without the mean of each session, and a line about each."""
     residual = np.empty_like(given)
     lines = []
@@ -196,13 +186,7 @@ def _compared(
     return residual, [*lines, f"rms of all {len(given)} points: {total:.3f} mag"]
 
 
-def _write(file: IO[str], dates: list[str], session: Any, *columns: FloatArray) -> None:
-    file.write("utc,session,observed,computed,residual\n")
-    for date, name, *numbers in zip(dates, session.tolist(), *columns, strict=True):
-        file.write(f"{date},{name}," + ",".join(f"{number:.4f}" for number in numbers) + "\n")
-
-
-def _draw(days: Any, given: FloatArray, residual: FloatArray, session: Any, figure: str) -> None:
+def _draw(days, given, residual, session, figure):
     """Observed and computed magnitudes, and residuals, a colour a session."""
     from attitude._textfiles.atomic_write import written_whole
 

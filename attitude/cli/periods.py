@@ -10,7 +10,6 @@ from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
     from attitude.photometry._curve import LightCurve
-    from attitude.photometry._periods import Periods
 
 
 HELP: str = "find the periods of a body from photometry: one period, or two of a tumbler"
@@ -66,12 +65,23 @@ def add_data(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Print the periods with their errors and aliases; write the figure."""
+    from attitude.photometry import _periods
+
     _output.picture_of(arguments)
     data = data_of(arguments)
     print(repr(data)[1:-1])
     for note in data.notes:
         print(f"note: {note}")
-    periods = _found(data, arguments)
+    periods = _periods.periods(
+        data,
+        count=2 if arguments.two else 1,
+        min_period=arguments.min,
+        max_period=arguments.max,
+        order=arguments.order,
+        method=arguments.method,
+        keep=max(arguments.count, _ROWS) if arguments.two else arguments.count,
+        zero_points=arguments.zero_points,
+    )
     _print(periods, arguments)
     if arguments.figure is not None:
         periods.plot(arguments.figure)
@@ -96,22 +106,7 @@ def data_of(arguments: argparse.Namespace) -> LightCurve:
     return data
 
 
-def _found(data: LightCurve, arguments: argparse.Namespace) -> Periods:
-    from attitude.photometry import _periods
-
-    return _periods.periods(
-        data,
-        count=2 if arguments.two else 1,
-        min_period=arguments.min,
-        max_period=arguments.max,
-        order=arguments.order,
-        method=arguments.method,
-        keep=max(arguments.count, _ROWS) if arguments.two else arguments.count,
-        zero_points=arguments.zero_points,
-    )
-
-
-def _print(found: Periods, arguments: argparse.Namespace) -> None:
+def _print(found, arguments):
     """Print a table of the peaks in the unit of the best one, and what it may mean."""
     from attitude._support.quantity_text import TIME_UNITS, time_unit
 

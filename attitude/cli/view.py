@@ -5,22 +5,11 @@ from __future__ import annotations
 import argparse
 import os
 import re
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any
 
 from attitude._support import validation
 from attitude.cli import _options, _output
 from attitude.errors import AttitudeError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from attitude._support.annotations import FloatArray
-    from attitude.motions._motion import Motion
-    from attitude.scene._scene import Scene
-    from attitude.scene._view import View
-    from attitude.shape._ellipsoid import Ellipsoid
-    from attitude.shape._mesh import Mesh
-
 
 # ---- What ``attitude view`` shows: the motion or scene of a file, or of a name in the catalogue
 
@@ -28,19 +17,8 @@ if TYPE_CHECKING:
 _OF_SPIN_FILES = {"name", "source", "note", "body", "spin", "errors", "shape", "scattering"}
 
 
-class ViewSource(NamedTuple):
-    """A motion or scene with its span and title, as `viewer.view` takes them."""
-
-    motion: Motion | Scene
-    start: Any
-    stop: Any
-    shape: Ellipsoid | Mesh | None
-    title: str
-    magnitude: tuple[Callable[[View], FloatArray], str] | None
-
-
-def opened(arguments: argparse.Namespace) -> ViewSource:
-    """The ViewSource of parsed arguments."""
+def opened(arguments: argparse.Namespace) -> dict[str, Any]:
+    """The arguments of `viewer.view`: motion or scene, span, shape, title, magnitude."""
     from attitude.shape import _files
 
     target: str = arguments.target
@@ -63,8 +41,8 @@ def opened(arguments: argparse.Namespace) -> ViewSource:
         motion, law, mesh = state.motion, state.law, mesh or state.shape
         # A spin file without a name shows that of the file, not the path typed.
         title = _stem(target) if state.name in (target, None) else str(state.name)
-    lit = _lit(arguments, motion, mesh, law)
-    return ViewSource(lit, arguments.start, arguments.stop, mesh, title, None)
+    ends = {"start": arguments.start, "stop": arguments.stop}
+    return {"motion": _lit(arguments, motion, mesh, law), **ends, "shape": mesh, "title": title}
 
 
 def _is_mission(path):
@@ -96,14 +74,17 @@ def _of_mission(arguments, path, mesh):
     if content.scene.motion is None:
         raise AttitudeError(f"{path}: has no spin, without which nothing turns; give spin = ...")
     dates = content.times.get("epochs", [None])
-    start = arguments.start or content.times.get("start", dates[0])
-    stop = arguments.stop or content.times.get("stop", dates[-1])
-    magnitude = None
+    source = {
+        "motion": content.scene,
+        "start": arguments.start or content.times.get("start", dates[0]),
+        "stop": arguments.stop or content.times.get("stop", dates[-1]),
+        "shape": mesh,
+        "title": content.name or _stem(path),
+    }
     if content.magnitude is not None:
         label = "magnitude" if content.magnitude.kind == "apparent" else "reduced magnitude"
-        magnitude = content.magnitude.of, label
-    title = content.name or _stem(path)
-    return ViewSource(content.scene, start, stop, mesh, title, magnitude)
+        source["magnitude"] = content.magnitude.of, label
+    return source
 
 
 def _stem(path):
@@ -190,39 +171,32 @@ def run(arguments: argparse.Namespace) -> None:
 
     if arguments.animate is not None and arguments.output is not None:
         raise AttitudeError("--animate and --output are given; give one of them.")
-    source = opened(arguments)
-    settings: dict[str, Any] = {
-        "start": _epoch(source.motion, source.start, "start"),
-        "stop": _epoch(source.motion, source.stop, "stop"),
-        "shape": source.shape,
-        "title": source.title,
-    }
+    settings = opened(arguments)
+    motion, magnitude = settings.pop("motion"), settings.pop("magnitude", None)
+    for end in ("start", "stop"):  # dates, or times such as "3 d"
+        if isinstance(settings[end], str):
+            settings[end] = _options.one(motion.epoch, settings[end], f"--{end}")
     if arguments.animate is not None:
         name, is_animation = arguments.animate, True
         kind = _output.kind_of(name, _ANIMATIONS, "--animate")
     else:
-        name, is_animation = arguments.output or _file_name(source.title), False
+        name, is_animation = arguments.output or _file_name(settings["title"]), False
         kind = _output.kind_of(name, _ENDINGS)
     if is_animation or kind == "html":
-        settings["magnitude"] = source.magnitude
+        settings["magnitude"] = magnitude
         settings["progress"] = ProgressBar("animation" if is_animation else "light curve")
     if is_animation:
-        _animation.animate(source.motion, name, frames=arguments.frames, **settings)
+        _animation.animate(motion, name, frames=arguments.frames, **settings)
     elif kind == "html":
-        _page.view(source.motion, output=name, **settings)
+        _page.view(motion, output=name, **settings)
     else:
         writers: dict[str, Any] = {
             "czml": _czml.write_czml,
             "glb": _gltf.write_glb,
             "json": _cosmographia.write_cosmographia,
         }
-        writers[kind](name, source.motion, **settings)
+        writers[kind](name, motion, **settings)
     print(name)
-
-
-def _epoch(motion, given, name):
-    """An epoch of the command line or of a mission file: a date, or a time such as "3 d"."""
-    return _options.one(motion.epoch, given, f"--{name}") if isinstance(given, str) else given
 
 
 def _file_name(title):

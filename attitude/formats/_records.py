@@ -8,6 +8,7 @@ import numpy as np
 
 from attitude._support import pairs
 from attitude._textfiles.messages import MessageRows
+from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
 from attitude.formats import _attitude_types
 from attitude.formats import _ccsds_epochs as ccsds_epochs
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
     from attitude._support.annotations import FloatArray, IntArray
     from attitude._textfiles.lines import Fault
-    from attitude.epochs._instants import Instant
     from attitude.formats._attitude_types import Convention
     from attitude.motions._axes import Axes
     from attitude.motions._history import AttitudeHistory
@@ -47,23 +47,14 @@ def known_tolerance(tolerance: float) -> float:
 
 
 class Rows(MessageRows):
-    """The records of one segment while they are read: epochs, columns and their lines.
-
-    scale: time scale of the epochs in lower case.
-    fault, names, lead: as in `BulkRows`.
-
-    count: records that were added.
-    """
+    """The records of one segment while they are read, with epochs in a scale in lower case."""
 
     def __init__(self, scale: str, fault: Fault, names: Sequence[str], lead: int = 1):
         super().__init__(fault, names, lead)
         self.scale: str = scale
         self.count: int = 0
-        self._hi: list[FloatArray] = []
-        self._lo: list[FloatArray] = []
-        self._values: list[FloatArray] = []
-        self._lines: list[IntArray] = []
-        self._last: tuple[FloatArray, FloatArray] | None = None
+        # Epochs hi and lo, values and lines of some rows each.
+        self._parts: list[tuple[FloatArray, FloatArray, FloatArray, IntArray]] = []
 
     def add(
         self, leads: Sequence[Sequence[bytes]], values: FloatArray, lines: Sequence[int]
@@ -92,30 +83,23 @@ class Rows(MessageRows):
         if not np.all(finite):
             k = int(np.argmin(finite))
             raise self.fault("it holds a number that is not finite or too large.", lines[k])
-        before = (
-            (hi, lo)
-            if self._last is None
-            else (np.append(self._last[0], hi), np.append(self._last[1], lo))
-        )
-        steps = np.diff(before[0]) + np.diff(before[1])
+        last = self._parts[-1] if self._parts else (hi[:0], lo[:0])
+        last_hi, last_lo = last[0][-1:], last[1][-1:]
+        steps = np.diff(np.append(last_hi, hi)) + np.diff(np.append(last_lo, lo))
         if np.any(steps <= 0.0):
             k = int(np.argmax(steps <= 0.0))
             what = "is that of the record before" if steps[k] == 0.0 else "goes backwards"
             raise self.fault(
                 f"the epoch {what}; records must follow each other in time.",
-                lines[k + (self._last is None)],
+                lines[k + (not self._parts)],
             )
         if len(hi):
-            self._last = hi[-1:], lo[-1:]
-        self._hi.append(hi)
-        self._lo.append(lo)
-        self._values.append(values)
-        self._lines.append(np.asarray(lines))
-        self.count += len(hi)
+            self._parts.append((hi, lo, values, np.asarray(lines)))
+            self.count += len(hi)
 
     def refuse_outside(self, start: Instant | None, stop: Instant | None) -> None:
         """AttitudeError for a record before START_TIME or after STOP_TIME by more than 1 ms."""
-        for hi, lo, lines in zip(self._hi, self._lo, self._lines, strict=True):
+        for hi, lo, _, lines in self._parts:
             for end, sign, what in ((start, 1.0, "before START"), (stop, -1.0, "after STOP")):
                 if end is None:
                     continue
@@ -129,12 +113,8 @@ class Rows(MessageRows):
 
     def joined(self) -> tuple[FloatArray, FloatArray, FloatArray, IntArray]:
         """Epochs as TDB seconds since J2000, hi and lo (N,), columns (N, width) and lines (N,)."""
-        return (
-            np.concatenate(self._hi),
-            np.concatenate(self._lo),
-            np.concatenate(self._values),
-            np.concatenate(self._lines),
-        )
+        hi, lo, values, lines = map(np.concatenate, zip(*self._parts, strict=True))
+        return hi, lo, values, lines
 
     def table(
         self,
@@ -147,20 +127,15 @@ class Rows(MessageRows):
         **settings: Any,
     ) -> AttitudeTable:
         """The AttitudeTable of the records, relative to ICRF."""
-        from attitude.epochs._instants import Instant
-
         hi, lo, values, lines = self.joined()
         epoch = Instant(float(hi[0]), float(lo[0]))
-        seconds = pairs.add((hi, lo), -epoch.seconds, -epoch.low)
+        seconds, low = pairs.add((hi, lo), -epoch.seconds, -epoch.low)
         if kind.startswith("QUATERNION"):
             refuse_length(values[:, :4], lines, tolerance, self.fault)
         with np.errstate(over="ignore", invalid="ignore"):  # refuse_speed refuses overflow
             wxyz, rates = _attitude_types.decoded(kind, values, how)
-        wxyz = quaternion.unit(wxyz)
-        wxyz, rates = to_icrf(wxyz, rates, axes, epoch, seconds[0], seconds[1], orbit)
-        return AttitudeTable(
-            epoch, seconds[0], wxyz, low=seconds[1], angular_velocity=rates, **settings
-        )
+        wxyz, rates = to_icrf(quaternion.unit(wxyz), rates, axes, epoch, seconds, low, orbit)
+        return AttitudeTable(epoch, seconds, wxyz, low=low, angular_velocity=rates, **settings)
 
 
 def to_icrf(

@@ -10,14 +10,13 @@ and, for a table, at its gaps: no reader interpolates across.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from attitude._support import pairs
 from attitude._support.pairs import Seconds
 from attitude._textfiles.atomic_write import made_whole
-from attitude.catalog import motion_of
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
@@ -67,11 +66,18 @@ def _only(source, t, holder):
     return parts[0]
 
 
+def _motion_of(source, name="source"):
+    """A motion itself, or that of an entry of the catalogue, which is loaded late, by its name."""
+    from attitude.catalog import motion_of
+
+    return motion_of(source, name)
+
+
 def known_of(source: AttitudeSource, t: Epochs | None) -> tuple[dict[str, Any], bool]:
     """Names and comments of what a writer was given, and whether it has angular velocities."""
     of_records = (Records, AttitudeHistory, AttitudeTable, list, tuple)
     if t is None and not isinstance(source, of_records) and callable(getattr(source, "at", None)):
-        return dict(motion_of(cast("HasAttitudes", source), "source").meta), True
+        return dict(_motion_of(source).meta), True
     parts = segments(source, t)
     return dict(parts[0].meta), all(records.has_rates for records in parts)
 
@@ -161,11 +167,13 @@ def segments(source: AttitudeSource, t: Epochs | None = None) -> list[Records]:
 def _of_history(history):
     if len(history.shape) != 1:
         raise AttitudeError(f"the epochs have shape {history.shape}; give a row of epochs, (N,).")
-    return Records(motion_of(history.motion), history.epoch, history.seconds, history.low, history)
+    return Records(
+        _motion_of(history.motion, "motion"), history.epoch, history.seconds, history.low, history
+    )
 
 
 def _of_motion(motion, t):
-    motion = motion_of(motion, "source")
+    motion = _motion_of(motion)
     seconds, low = _inputs.seconds_since(motion.epoch, t)
     if seconds.ndim != 1:
         raise AttitudeError(f"t has shape {seconds.shape}; give a row of epochs, (N,).")
@@ -348,7 +356,7 @@ def stretches_of(source: AttitudeSource, span: Sequence[EpochOrSeconds | None]) 
             f"{type(source).__name__} is given with tolerance=; give the motion or the "
             "AttitudeTable, with start= and stop=."
         )
-    motion = motion_of(cast("HasAttitudes", source), "source")
+    motion = _motion_of(source)
     ends = []
     for which, value, end in zip(("start", "stop"), span, motion.span or (None, None), strict=True):
         value = end if value is None else value

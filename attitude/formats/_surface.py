@@ -335,9 +335,7 @@ def number_of(value: Any, name: str, unit: str | None) -> Any:
 
 def of_file(path: str) -> tuple[shape_ellipsoid.Ellipsoid | _mesh.Mesh, Law]:
     """Shape and law of the sections [shape] and [scattering] of a file in TOML."""
-    content = toml.parsed(toml.read(path, "file with a section [shape]"), path)
-    if "shape" not in content:
-        raise AttitudeError(f"{path}: has no section [shape]; give a file with one, or a mesh.")
+    content = _with_section(path, "shape", "a file with one, or a mesh")
     if isinstance(content["shape"], dict) and content["shape"].get("ellipsoid") == "moments":
         raise AttitudeError(f'{path}: [shape] ellipsoid is "moments"; give three semi-axes here.')
     file = partial(beside, folder=os.path.dirname(path))
@@ -348,11 +346,16 @@ def of_file(path: str) -> tuple[shape_ellipsoid.Ellipsoid | _mesh.Mesh, Law]:
 
 def law_of_file(path: str, shape: shape_ellipsoid.Ellipsoid | _mesh.Mesh) -> Law:
     """The law of the section [scattering] of a file in TOML, for a shape."""
-    content = toml.parsed(toml.read(path, "file with a section [scattering]"), path)
-    if "scattering" not in content:
-        raise AttitudeError(f"{path}: has no section [scattering]; give a file with one.")
+    content = _with_section(path, "scattering", "a file with one")
     with prefixed(path):
         return law_of(content["scattering"], shape)
+
+
+def _with_section(path, name, advice):
+    content = toml.parsed(toml.read(path, f"file with a section [{name}]"), path)
+    if name not in content:
+        raise AttitudeError(f"{path}: has no section [{name}]; give {advice}.")
+    return content
 
 
 def beside(value: Any, name: str, folder: str) -> str:

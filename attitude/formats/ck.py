@@ -274,21 +274,20 @@ def write(
         )
     if time_scale not in ("tdb", "spice"):
         raise AttitudeError(f'time_scale is {time_scale!r}; give "tdb" or "spice".')
-    of_mission = not isinstance(clock, int)
-    if time_scale == "spice" and (of_mission or of_records):
+    of_mission, of_spice = not isinstance(clock, int), time_scale == "spice"
+    if of_spice and (of_mission or of_records):
         raise AttitudeError(
             'time_scale="spice" is for the clock that is written beside a kernel of a motion; '
             "leave clock= out, and give start= and stop=."
         )
     spiceypy()
+    scale = "tt" if of_spice else "tdb"
     plan: Plan | TableSegments
-    if of_records:
+    if start is None or stop is None:
         assert isinstance(motion, AttitudeTable)
         plan = TableSegments(motion)
         span = plan.span
     else:
-        assert start is not None and stop is not None
-        scale = "tt" if time_scale == "spice" else "tdb"
         plan = Plan(motion, start, stop, kind, tolerance, rate_tolerance, scale)
         span = plan.end
     _check_names(path, name, instrument, clock if isinstance(clock, int) else -1, center)
@@ -297,7 +296,6 @@ def write(
     with ExitStack() as stack:
         files: list[FilePath] = []
         if isinstance(clock, int):
-            scale = "tt" if time_scale == "spice" else "tdb"
             ticking = _ck_files.own(clock, plan.first, scale)
         else:
             files = [clock] if isinstance(clock, (str, os.PathLike)) else list(clock)

@@ -35,9 +35,7 @@ from attitude.formats._records import TOLERANCE, Rows, columns_of, known_toleran
 from attitude.motions._axes import named
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from attitude._support.annotations import EpochOrSeconds, Epochs, FilePath, FloatArray
+    from attitude._support.annotations import EpochOrSeconds, Epochs, FilePath
     from attitude.epochs._instants import Instant
     from attitude.formats._sampling import AttitudeSource, SampledFile
     from attitude.motions._table import AttitudeTable
@@ -129,9 +127,7 @@ class _Records(Rows):
     holds = "a record has a time and 4 numbers"
     epoch: Instant | None = None
 
-    def add(
-        self, leads: Sequence[Sequence[bytes]], values: FloatArray, lines: Sequence[int]
-    ) -> None:
+    def add(self, leads, values, lines):
         """Add N records, whose times are seconds if that of the first is a number."""
         if not is_number(leads[0][0]):
             super().add(leads, values, lines)

@@ -61,10 +61,11 @@ def write_cosmographia(
 
     scene = motion if isinstance(motion, Scene) else None
     seen = subject(motion, start, stop, shape=shape, title=title)
-    what = subject(seen.motion, seen.start.time, _end(seen).time, shape=seen.shape)
+    ends = seen.start.time, seen.start.after(seen.duration).time
+    what = subject(seen.motion, *ends, shape=seen.shape)
     base = os.path.splitext(os.fspath(path))[0]
     frame = "".join(letter if letter.isalnum() else "_" for letter in seen.title.upper())[:26]
-    ck.write(f"{base}.bc", what.motion, what.start.time, _end(what).time,
+    ck.write(f"{base}.bc", what.motion, what.start.time, what.start.after(what.duration).time,
              tolerance=tolerance, name=frame)  # fmt: skip
     surface = _subject.surface(what, _MOST)
     with written_whole(f"{base}.obj") as file:
@@ -95,7 +96,8 @@ def write_cosmographia(
                 "geometry": {
                     "type": "Mesh",
                     "source": f"{name}.obj",
-                    "size": _size(surface),
+                    # Radius in km to which Cosmographia scales the mesh.
+                    "size": surface.size / 1000.0 if np.isfinite(surface.size) else _SIZE,
                     "meshRotation": [1, 0, 0, 0],
                 },
             }
@@ -103,15 +105,6 @@ def write_cosmographia(
     }
     with written_whole(path) as file:
         file.write(toml.written(catalogue, indent=2) + "\n")
-
-
-def _end(what):
-    return what.start.after(what.duration)
-
-
-def _size(surface):
-    """Radius in km to which Cosmographia scales the mesh."""
-    return surface.size / 1000.0 if np.isfinite(surface.size) else _SIZE
 
 
 def _obj(surface):
