@@ -355,13 +355,13 @@ def opened(arguments: argparse.Namespace) -> tuple[SpinFile, str]:
         state = replace(state, name=state.name or arguments.target)
         return state, str(state.name)
     entry, label = catalog.entry(arguments.target), ""
-    given, options = _given(arguments), completing(arguments)
-    if entry.is_propagated({name: value for name, value in given.items() if value is not None}):
+    values, options = _given(arguments), completing(arguments)
+    if entry.is_propagated({name: value for name, value in values.items() if value is not None}):
         options.remove("--epoch")
         label = ", propagated to --epoch"
     if options:
         label = f", with {', '.join(options)} as given here{label}"
-    motion, sources = entry.motion(**given), "; ".join(entry.sources)
+    motion, sources = entry.motion(**values), "; ".join(entry.sources)
     state = SpinFile(motion.body, motion.spin, entry.name, sources, entry.note)
     return state, entry.name + label
 

@@ -152,9 +152,9 @@ def _header(kind, mission):
     known = View.columns()
     # CSV has no description: the part is in the name.
     labels = [
-        (f"{one.name}_{part}" if part else one.name, one.unit, known[one.name].about)
+        (f"{one.name}_{axis}" if axis else one.name, one.unit, known[one.name].about)
         for one in mission.columns
-        for part in known[one.name].parts or ("",)
+        for axis in known[one.name].parts or ("",)
     ]
     if kind == "csv":
         names = [f"{name} [{unit}]" if unit else name for name, unit, _ in labels]

@@ -102,10 +102,10 @@ def _lit(arguments, motion, shape, law):
     from attitude.shape._ellipsoid import Ellipsoid
 
     directions = []
-    for name, given in words.items():
-        if given is None:
+    for name, texts in words.items():
+        if texts is None:
             raise AttitudeError(f'--{name} is missing; give both, as in --{name} "1, 0, 0".')
-        direction = validation.real(" ".join(given), f"--{name}", shape=(3,))
+        direction = validation.real(" ".join(texts), f"--{name}", shape=(3,))
         directions.append(_path.direction(direction, name=name))
     if shape is None and motion.body is not None:
         shape = Ellipsoid.of_moments(motion.body.moments)

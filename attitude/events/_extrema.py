@@ -273,13 +273,13 @@ def _extrema(start, stop, f, step, epoch, sign):
         # Interpolated attitudes have kinks: there the slope has no bounded derivative.
         limit = pieces(f.source, begin, end)[0][2]
         if not isinstance(limit, Sampled) or limit.smooth:
-            found = []
+            extrema = []
             # The slope is that of the cosine: where it changes to positive, the angle is largest.
             for hi, lo, _, rising in crossings(f.source, [f.slope], begin, end):
                 chosen = rising if sign > 0.0 else ~rising
                 hi, lo = hi[chosen], lo[chosen]
-                found.append((hi, lo, f(hi, lo)))
-            return _joined(f.epoch, found, f.unit)
+                extrema.append((hi, lo, f(hi, lo)))
+            return _joined(f.epoch, extrema, f.unit)
     spacing = f.spacing(begin, end) if step is None else plain_step(step)
     return _joined(f.epoch, _peaks(f, begin, end, spacing, sign), f.unit)
 

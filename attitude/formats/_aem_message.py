@@ -515,8 +515,8 @@ class WrittenSegment:
     def _keywords(self, version):
         records, how, kind, is_old = self._records, self._how, self._kind, version == "1.0"
         keys = ("object_name", "object_id", "center", "body_frame")
-        given = zip(self._settings["names"], keys, strict=True)
-        name, number, center, body = (value or records.meta.get(key) for value, key in given)
+        stated = zip(self._settings["names"], keys, strict=True)
+        name, number, center, body = (value or records.meta.get(key) for value, key in stated)
         body = written_body(body, {})
         frame = _axes.WRITTEN.get(self._axes.kind) if self._axes.name.islower() else self._axes.name
         start, stop = self._texts(records.epoch, *records.first_and_last())

@@ -401,7 +401,7 @@ def write(path: str, plan: Plan, clock: KernelClock, instrument: int) -> None:
                 bends = speed * quaternion.rotate(wxyz, history.angular_acceleration)
                 parts = quaternion.conjugate(wxyz), quaternion.conjugate(change), rates, bends
                 packets = np.concatenate(parts, axis=1)
-                _put_5(spice, handle, instrument, ends, ticks, packets, clock, (2, DEGREE))
+                _put_5(spice, handle, instrument, ends, ticks, packets, clock, form=(2, DEGREE))
 
 
 def _put_3(spice, handle, instrument, ends, ticks, wxyz, rates):
@@ -413,7 +413,7 @@ def _put_3(spice, handle, instrument, ends, ticks, wxyz, rates):
     spice.ckw03(handle, *map(float, ends), *about, len(ticks), ticks, quats, rates, 1, ticks[:1])
 
 
-def _put_5(spice, handle, instrument, ends, ticks, packets, clock, form, has_rates=True):
+def _put_5(spice, handle, instrument, ends, ticks, packets, clock, *, form, has_rates=True):
     """Write a segment of type 5, whose form is its subtype and degree."""
     packets = np.ascontiguousarray(packets)
     about = (*map(float, ends), instrument, REFERENCE, has_rates, "attitude")
@@ -594,8 +594,8 @@ class TableSegments:
     def __init__(self, table: AttitudeTable):
         self._parts = list(table.segments)
         epochs = [
-            pairs.add((part.seconds, part.low), part.epoch.seconds, part.epoch.low)
-            for part in self._parts
+            pairs.add((segment.seconds, segment.low), segment.epoch.seconds, segment.epoch.low)
+            for segment in self._parts
         ]
         # The clock counts from before the records beyond the ends, of which there are at most 11.
         margin = 12.0 * max(float(np.max(np.diff(p.seconds), initial=0.0)) for p in self._parts)
@@ -657,7 +657,7 @@ def _write_part(spice, handle, segment, ticks, clock, instrument):
         packets = np.concatenate([quats, rates], axis=1) if has_rates else quats
         ticks, packets, _ = _padded(ticks, packets, None, degree + 1)
     form = subtype, degree
-    _put_5(spice, handle, instrument, ends, ticks, packets, clock, form, has_rates)
+    _put_5(spice, handle, instrument, ends, ticks, packets, clock, form=form, has_rates=has_rates)
 
 
 def _padded(ticks, values, slopes, width):

@@ -10,7 +10,7 @@ and, for a table, at its gaps: no reader interpolates across.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -260,35 +260,41 @@ class _Stretch:
         return Records(self.motion, self.motion.epoch, hi, lo)
 
 
+class Writing(NamedTuple):
+    """How a format writes records, and reads a file, which interpolates by a method and degree.
+
+    `name` is the file in errors; `holder` is its kind, where that holds one segment only.
+    """
+
+    stated: tuple[str, int]
+    write: Callable[[FilePath, list[Records]], None]
+    read: Callable[[FilePath], AttitudeTable]
+    name: str
+    holder: str | None = None
+
+
 def write(
     path: FilePath,
     source: AttitudeSource,
     t: Epochs | None,
     span: Sequence[EpochOrSeconds | None],
     tolerance: float | None,
-    stated: tuple[str, int],
-    write_records: Callable[[FilePath, list[Records]], None],
-    read: Callable[[FilePath], AttitudeTable],
-    name: str,
-    holder: str | None = None,
+    how: Writing,
 ) -> SampledFile | None:
-    """Write the records at `t`, or a motion over `span` (start, stop) to a tolerance, rad.
-
-    `read` interpolates as `stated`: method and degree.  `name` is the file in errors; `holder` is
-    its kind, where that holds one segment only.
-    """
+    """Write the records at `t`, or a motion over `span` (start, stop) to a tolerance, rad."""
     if tolerance is not None:
         if t is not None:
             raise AttitudeError(
                 "t and tolerance are given; the epochs of records follow from the tolerance: give "
                 "one of both."
             )
-        return sampled(path, source, span, tolerance, stated, write_records, read, name, holder)
+        return sampled(path, source, span, tolerance, how)
     if span[0] is not None or span[1] is not None:
         raise AttitudeError(
             "start or stop is given without tolerance=; give tolerance=, or the epochs t=."
         )
-    write_records(path, segments(source, t) if holder is None else [_only(source, t, holder)])
+    of_one = how.holder is not None
+    how.write(path, [_only(source, t, how.holder)] if of_one else segments(source, t))
     return None
 
 
@@ -297,11 +303,7 @@ def sampled(
     source: AttitudeSource,
     span: Sequence[EpochOrSeconds | None],
     tolerance: float,
-    stated: tuple[str, int],
-    write_records: Callable[[FilePath, list[Records]], None],
-    read: Callable[[FilePath], AttitudeTable],
-    name: str,
-    holder: str | None = None,
+    how: Writing,
     stretch: int | None = None,
 ) -> SampledFile:
     """As `write`; of all stretches, or of the one with a number, counted from 0."""
@@ -311,14 +313,14 @@ def sampled(
     stretches = stretches_of(source, span)
     if stretch is not None:
         stretches = stretches[stretch : stretch + 1]
-    if holder is not None and len(stretches) > 1:
+    if how.holder is not None and len(stretches) > 1:
         raise AttitudeError(
             f"the angular velocity of the motion jumps, or the table has a gap, "
-            f"{stretches[1].begin[0]:.9g} s after its epoch, and {name} holds one segment; write a "
-            "file for each stretch (start=, stop=; of STK also split=True)."
+            f"{stretches[1].begin[0]:.9g} s after its epoch, and {how.name} holds one segment; "
+            "write a file for each stretch (start=, stop=; of STK also split=True)."
         )
-    step = _first_step(stretches, tolerance, *stated)
-    with made_whole(path, name) as temporary:
+    step = _first_step(stretches, tolerance, *how.stated)
+    with made_whole(path, how.name) as temporary:
         for _ in range(_REPEATED):
             count = sum(piece.length / step for piece in stretches)
             if count > _MOST_RECORDS:
@@ -326,19 +328,19 @@ def sampled(
                     f"the tolerance needs {count:.3g} records, more than {_MOST_RECORDS}; give a "
                     "larger one, a shorter span, or another method or degree of interpolation."
                 )
-            records = [piece.records(step, _window(*stated)) for piece in stretches]
-            write_records(temporary, records)
-            error = _measured(stretches, read(temporary), step)
+            records = [piece.records(step, _window(*how.stated)) for piece in stretches]
+            how.write(temporary, records)
+            error = _measured(stretches, how.read(temporary), step)
             if error <= tolerance:
                 break
             step *= 0.5
         else:
             raise AttitudeError(
-                f"{name} deviates by {error:.2g} rad from the motion at steps of {2 * step:.3g} s, "
-                f"more than the tolerance {tolerance:g}; give a larger one, or another method or "
-                "degree of interpolation."
+                f"{how.name} deviates by {error:.2g} rad from the motion at steps of "
+                f"{2 * step:.3g} s, more than the tolerance {tolerance:g}; give a larger one, "
+                "or another method or degree of interpolation."
             )
-    longest = float(max(np.max(np.diff(part.seconds), initial=0.0) for part in records))
+    longest = float(max(np.max(np.diff(segment.seconds), initial=0.0) for segment in records))
     return SampledFile(sum(map(len, records)), len(records), longest, error)
 
 

@@ -230,17 +230,13 @@ def write(
         written = [WrittenSegment(records, settings).parts for records in segments]
         messages.write(target, _aem_message.FORM, version, header, written, xml=xml)
 
-    return _sampling.write(
-        path,
-        source,
-        t,
-        (start, stop),
-        tolerance,
+    how = _sampling.Writing(
         stated,
         write_records,
         lambda target: read(target, orbit=orbit, rates=rates),
         "the AEM",
     )
+    return _sampling.write(path, source, t, (start, stop), tolerance, how)
 
 
 _OPTIONS = (

@@ -152,17 +152,14 @@ def write(
         written = [(keywords, segment.comments, segment.write)]
         messages.write(target, _FORM, "1.0", header, written)
 
-    return _sampling.write(
-        path,
-        source,
-        t,
-        (start, stop),
-        tolerance,
+    how = _sampling.Writing(
         ("slerp", 1),
         write_records,
         lambda target: read(target, orbit=orbit),
-        *("a CIC file", "a CIC file"),
+        name="a CIC file",
+        holder="a CIC file",
     )
+    return _sampling.write(path, source, t, (start, stop), tolerance, how)
 
 
 def _labels(motion, said):

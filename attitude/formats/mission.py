@@ -283,8 +283,8 @@ def column(text: str) -> MissionColumn:
     if unit and unit != usual:
         from astropy.units import Unit
 
-        given = quantity_text.unit_of(unit, "columns") if usual else None
-        if given is None or not Unit(usual).is_equivalent(given):
+        to = quantity_text.unit_of(unit, "columns") if usual else None
+        if to is None or not Unit(usual).is_equivalent(to):
             what = f"in {usual}; give a unit that converts to it." if usual else "a pure number."
             raise AttitudeError(f"columns holds {quoted(text)}, but {name} is {what}")
     return MissionColumn(name, unit or usual)

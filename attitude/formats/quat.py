@@ -189,17 +189,14 @@ def write(
                     "".join([f"{date} {w!r} {x!r} {y!r} {z!r}\n" for date, w, x, y, z in records])
                 )
 
-    return _sampling.write(
-        path,
-        source,
-        t,
-        (start, stop),
-        tolerance,
+    how = _sampling.Writing(
         _sampling.stated(None, None, has_rates=False),
         write_records,
         lambda target: read(target, orbit=orbit),
-        *("the table of quaternions", "a table of quaternions"),
+        name="the table of quaternions",
+        holder="a table of quaternions",
     )
+    return _sampling.write(path, source, t, (start, stop), tolerance, how)
 
 
 register(

@@ -637,18 +637,19 @@ def write(
     degree = source.degree if isinstance(source, AttitudeTable) else _table.USUAL_DEGREE
     degree = order or degree
     kept = order if tolerance is None else degree
-    how_written = (
+    how_written = _sampling.Writing(
         ("slerp" if degree == 1 else "lagrange", degree),
         lambda target, parts: write_file(target, parts[0], order=kept),
         lambda target: read(target, orbit=orbit),
-        *("an STK file", "an STK file"),
+        name="an STK file",
+        holder="an STK file",
     )
     span = start, stop
     if tolerance is None or t is not None or not split:
-        return _sampling.write(path, source, t, span, tolerance, *how_written)
+        return _sampling.write(path, source, t, span, tolerance, how_written)
     count = len(_sampling.stretches_of(source, span))
     files = [
-        _sampling.sampled(name, source, span, tolerance, *how_written, stretch=k)
+        _sampling.sampled(name, source, span, tolerance, how_written, stretch=k)
         for k, name in enumerate(_names(path, count))
     ]
     return _sampling.SampledFile(

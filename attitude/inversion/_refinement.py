@@ -150,9 +150,9 @@ def model(problem: CurveProblem, state: FloatArray) -> ShapeModel:
 def _over_body(state, r, suns, observers, over_sun, over_observer):
     """Directions (3, N) over the axes of the body, into arrays (N, 3); r as in `at_epochs`."""
     c = state[5:14]
-    for given, over in ((suns, over_sun), (observers, over_observer)):
+    for vectors, over in ((suns, over_sun), (observers, over_observer)):
         for i in range(r.shape[1]):
-            x, y, z = given[0, i], given[1, i], given[2, i]
+            x, y, z = vectors[0, i], vectors[1, i], vectors[2, i]
             u = c[0] * x + c[3] * y + c[6] * z
             v = c[1] * x + c[4] * y + c[7] * z
             w = c[2] * x + c[5] * y + c[8] * z

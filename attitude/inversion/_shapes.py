@@ -411,9 +411,9 @@ def _light(sun, observer, normals, areas, lambert, by_areas, magnitude, across):
             m = max(o0 * x + o1 * y + o2 * z, 0.0)
             area = areas[j] if m0 * m > 0.0 else 0.0
             over = 1.0 / max(m0 + m, 1e-9)
-            part = area * m0 * m * (over + lambert)
-            by_areas[i, j] = part
-            total += part
+            light = area * m0 * m * (over + lambert)
+            by_areas[i, j] = light
+            total += light
             by_m0 = area * m * (m * over * over + lambert)
             by_m = area * m0 * (m0 * over * over + lambert)
             a0 += by_m0 * x

@@ -595,8 +595,8 @@ def _brightness(magnitude: Any, flux: Any, sigma: Any, count: int) -> tuple[Floa
     if (magnitude is None) == (flux is None):
         raise AttitudeError("give either magnitude or flux, of each epoch.")
     name, brightness = ("magnitude", magnitude) if flux is None else ("flux", flux)
-    unit, own = (None, "mag") if flux is None else (getattr(flux, "unit", None), None)
-    values = _plain(brightness, name, unit, own)
+    unit, usual = (None, "mag") if flux is None else (getattr(flux, "unit", None), None)
+    values = _plain(brightness, name, unit, usual)
     if values.shape != (count,):
         raise AttitudeError(f"{name} has shape {values.shape}; give one for each of {count} times.")
     wrong = np.flatnonzero(~np.isfinite(values))
@@ -607,7 +607,7 @@ def _brightness(magnitude: Any, flux: Any, sigma: Any, count: int) -> tuple[Floa
         )
     if sigma is None:
         return values, np.full(count, np.nan)
-    errors = _of_each(_plain(sigma, "sigma", unit, own), "sigma", count, "times").copy()
+    errors = _of_each(_plain(sigma, "sigma", unit, usual), "sigma", count, "times").copy()
     if np.any(errors < 0.0):
         raise AttitudeError("sigma has entries below zero; give standard errors.")
     errors[~np.isfinite(errors) | (errors == 0.0)] = np.nan

@@ -239,7 +239,7 @@ class BestPairs(NamedTuple):
 def tables(t: FloatArray, weights: FloatArray, y: FloatArray, spacing: float, count: int) -> Tables:
     """The tables of `_decreases` at `count` multiples of a spacing; t, weights, y (N,)."""
     both = sums(t, np.stack([weights, weights * y]), spacing, count)
-    parts = (np.ascontiguousarray(part) for row in both for part in (row.real, row.imag))
+    parts = (np.ascontiguousarray(values) for row in both for values in (row.real, row.imag))
     wr, wi, yr, yi = parts
     return Tables(wr, wi, yr, yi, float(weights @ y**2))
 

@@ -233,12 +233,12 @@ def _scales(view):
     paths = [(place, _OF_ORBIT) for place in places]
     if len(places) == 2:
         paths.append((_composed.relative(*places, scene.ephemeris), _OF_RANGE))
-    for path, part in paths:
+    for path, share in paths:
         state = path.state(view.epoch, view.seconds, view.low)
         size, speed = (np.sqrt(np.sum(vectors * vectors, axis=-1)) for vectors in state)
         moving = (speed > 0.0) & (size > 0.0)
         if np.any(moving):
-            scales.append(part * float(np.min(size[moving] / speed[moving])))
+            scales.append(share * float(np.min(size[moving] / speed[moving])))
     return scales
 
 

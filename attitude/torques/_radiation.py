@@ -319,9 +319,9 @@ def _occulters(shadow_of: Any) -> tuple[tuple[Path, float], ...]:
     """Paths from the Sun, and radii in m, of bodies that eclipse it."""
     if isinstance(shadow_of, Path):
         shadow_of = (shadow_of,)
-    given = shadow_of.items() if isinstance(shadow_of, Mapping) else [(p, None) for p in shadow_of]
+    named = shadow_of.items() if isinstance(shadow_of, Mapping) else [(p, None) for p in shadow_of]
     bodies = []
-    for path, radius in given:
+    for path, radius in named:
         if not isinstance(path, Path):
             raise AttitudeError(
                 f"shadow_of holds {validation.shown(path)}; give the path of a body from the Sun, "

@@ -309,8 +309,8 @@ class System:
         last = np.array(pairs.add(begin, *pairs.product(steps.astype(np.float64), h)))
         within = self.sampled(self.kick_times(last, parts))
         out = np.empty((len(place), 7))
-        given = states, numbers, h, place, steps, parts, samples, within
-        self.run(revisit, h, *self.setup, *given, out)
+        arguments = states, numbers, h, place, steps, parts, samples, within
+        self.run(revisit, h, *self.setup, *arguments, out)
         return out
 
     def acceleration(self, seconds: FloatArray, low: FloatArray, motion: FloatArray) -> FloatArray:
