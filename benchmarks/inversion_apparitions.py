@@ -119,8 +119,6 @@ def judged(found, curve, period: float, pole: np.ndarray) -> tuple[bool, float, 
     truth = matrix_to_icrf("ecliptic") @ pole
     listed, own, right = 180.0, 180.0, False
     for each in found:
-        if each.evidence > found[0].evidence + 12.0:
-            break
         here = SearchState.of(each.state).pole
         other = _pole_map.mirrored(here, _pole_map.plane_of(each.weighted.problem))
         cosines = np.clip([here @ truth, other @ truth], -1.0, 1.0)
