@@ -2,10 +2,10 @@
 
 1. Every apparition gives spin states with errors: orientation, phase and rates at its middle.
 2. A common motion carries those of one apparition to another one.  What is not known is how often
-   the long axis turned about the momentum (n_phi) and the body about its axis (n_psi) in between:
-   a lattice of pairs of whole numbers, and that lattice moved by half a turn of both, which is the
-   body turned about its axis.  For each pair of numbers the residuals of the common motion are
-   linear in it (`counts`), so that all pairs within the errors are listed at once.
+   the long axis turned about the momentum (n_phi) and the body about its axis (n_psi) in between,
+   and which axes of the body the two states call the first and the second: four lattices of pairs
+   of whole numbers.  For each pair of numbers the residuals of the common motion are linear in it
+   (`counts`), so that all pairs within the errors are listed at once.
 3. From each of them a convex body is fitted to all apparitions together, and these are ranked by
    their evidence.
 
@@ -39,9 +39,12 @@ if TYPE_CHECKING:
 
 # Gap, s, between two apparitions.
 _GAP = 60.0 * 86400.0
-# Among the parameters of a motion: the turn about the momentum, precession, nutation, phase.
-_AZIMUTH, _PRECESSION, _NUTATION, _PHASE = 2, 3, 4, 5
+# Among the parameters of a motion: the turn about the momentum, precession, nutation, phase, ln
+# rho and X.
+_AZIMUTH, _PRECESSION, _NUTATION, _PHASE, _RHO, _X = 2, 3, 4, 5, 6, 7
 _TURN = 2.0 * math.pi
+# Ways to call axes of a body the first and the second, and the turn from one to the next.
+_LABELS, _QUARTER = 4, np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 # Standard errors by which numbers of turns are tried to either side, and the most of one side.
 _SIDE, _MOST = 4.0, 400
 
@@ -126,13 +129,39 @@ class Count(NamedTuple):
     state: FloatArray
 
 
-def counts(first: Alone, second: Alone, within: float) -> Iterator[Count]:
+def counts(first: Alone, second: Alone, within: float) -> list[Count]:
     """Common motions of two solutions for all numbers of turns within the errors.
 
     `within`: chi-squared above the least one.
     """
     if (first.state[1] > 0.0) != (second.state[1] > 0.0):
-        return
+        return []
+    trials: list[Count] = []
+    for _ in range(_LABELS):
+        trials += _whole_counts(first, second, within)
+        second = _relabelled(second)
+    most = min(trial.chi_squared for trial in trials) + within
+    return [trial for trial in trials if trial.chi_squared < most]
+
+
+def _relabelled(one: Alone) -> Alone:
+    """The same motion of a body whose axes are a quarter turn about its third one further on.
+
+    The first two change places, and with them X its sign: one curve does not tell which is which,
+    for the shape turns with its axes (docs/derivation.md, section 15: E by i E).
+    """
+    fields = SearchState.of(one.state)
+    turned = fields._replace(
+        phase=fields.phase + 0.25, x=-fields.x, frame=fields.frame @ _QUARTER
+    ).vector
+    over = np.eye(MOTION)
+    over[:3, :3] = _QUARTER.T
+    over[_X, _X] = -1.0
+    return one._replace(state=turned, covariance=over @ one.covariance @ over.T)
+
+
+def _whole_counts(first: Alone, second: Alone, within: float) -> Iterator[Count]:
+    """`counts` of two solutions that have the same axes of the body."""
     length = second.middle - first.middle
     one, two = SearchState.of(first.state), SearchState.of(second.state)
     between = one.frame.T @ two.frame
@@ -149,7 +178,7 @@ def counts(first: Alone, second: Alone, within: float) -> Iterator[Count]:
     off[_AZIMUTH] = 4.0 * math.pi * one.precession * length - angle
     off[[_PRECESSION, _NUTATION]] = one.precession - two.precession, one.nutation - two.nutation
     off[_PHASE] = one.phase + one.nutation * length - two.phase
-    off[6:] = one.log_rho - two.log_rho, one.x - two.x
+    off[_RHO:] = one.log_rho - two.log_rho, one.x - two.x
     total = carried @ first.covariance @ carried.T + second.covariance
     weight = np.linalg.inv(total)
     numbers = _numbers(off, total)
@@ -165,18 +194,14 @@ def counts(first: Alone, second: Alone, within: float) -> Iterator[Count]:
 
 
 def _numbers(off: FloatArray, total: FloatArray) -> FloatArray:
-    """Numbers of turns (K, 2) within the errors, whole ones and those of the body turned about."""
+    """Pairs of whole numbers of turns (K, 2) within the errors."""
     middles = off[_AZIMUTH] / _TURN, off[_PHASE]
     widths = math.sqrt(total[_AZIMUTH, _AZIMUTH]) / _TURN, math.sqrt(total[_PHASE, _PHASE])
-    pairs_of_numbers = []
-    for fraction in (0.0, 0.5):
-        axes = []
-        for middle, width in zip(middles, widths, strict=True):
-            side = min(_SIDE * width + 1.0, float(_MOST))
-            low, high = math.ceil(middle - side - fraction), math.floor(middle + side - fraction)
-            axes.append(np.arange(low, high + 1) + fraction)
-        pairs_of_numbers.append(np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2))
-    return np.concatenate(pairs_of_numbers)
+    axes = []
+    for middle, width in zip(middles, widths, strict=True):
+        side = min(_SIDE * width + 1.0, float(_MOST))
+        axes.append(np.arange(math.ceil(middle - side), math.floor(middle + side) + 1))
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
 
 
 @dataclass(eq=False)
