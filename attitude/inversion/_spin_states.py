@@ -553,6 +553,8 @@ def _results(curve, searched):
     weighted = [solution.weighted for solution in solutions]
     arguments = weighted, search.problem, search.is_complete, search.most
     verdict, criterion = _verdicts.verdict(*arguments)
+    if verdict == _verdicts.SOLVED:
+        verdict, criterion = _verdicts.of_pole(criterion, solutions[0].pole_sigma, search.settings)
     if searched.rival is not None:
         period = curve.span / searched.rival.problem.orbit / _DAY
         arguments = (verdict, criterion), period, ahead, search.settings.alone

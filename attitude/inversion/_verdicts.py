@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray
     from attitude.inversion._evidence import Weighted
     from attitude.inversion._problem import CurveProblem
-    from attitude.inversion._settings import Tally
+    from attitude.inversion._settings import Settings, Tally
 
 
 # ---- How one spin state relates to another that fits the same light curve, in words
@@ -175,6 +175,8 @@ SOLVED, PERIODS, OPEN = "solved", "periods only", "not solved"
 SATELLITE = "a satellite of period"
 # Parameters of a nutation.
 _NUTATION = 4
+# Degrees from which an error of the pole says nothing.
+_WHOLE_SKY = 180.0
 # Of the iteration for what chance explains.
 _STEPS = 40
 
@@ -300,6 +302,21 @@ def _competes(other: Weighted, best: Weighted, problem: CurveProblem) -> bool:
 def _is_near(other: Weighted, best: Weighted, width: float) -> bool:
     cosine = SearchState.of(other.refined.state).pole @ SearchState.of(best.refined.state).pole
     return bool(cosine > math.cos(width))
+
+
+def of_pole(criterion: str, sigma: float, settings: Settings) -> tuple[str, str]:
+    """The verdict and its criterion where no other pole competes: solved, if the pole is known.
+
+    `sigma`, rad, is the standard error of the pole: two of them lie within the angle of one pole.
+    """
+    if 2.0 * sigma < settings.near_pole:
+        return SOLVED, criterion
+    twice, most = (math.degrees(angle) for angle in (2.0 * sigma, settings.near_pole))
+    size = f"{twice:.0f} degrees" if twice < _WHOLE_SKY else "the whole sky"
+    return (
+        PERIODS,
+        f"{criterion[:-1]}; two standard errors of the pole are {size} ({most:.0f} at most).",
+    )
 
 
 def of_satellite(
