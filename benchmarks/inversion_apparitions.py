@@ -5,6 +5,7 @@
     python benchmarks/inversion_apparitions.py damit FILE P LONGITUDE LATITUDE [FOLDER]
     python benchmarks/inversion_apparitions.py each FILE P LONGITUDE LATITUDE
     python benchmarks/inversion_apparitions.py two 6 SEED            tumblers, 2012-13 and 2020-21
+    python benchmarks/inversion_apparitions.py drift 6 SEED          the same under a torque
 
 `rotators`: relative nights and calibrated sparse points of another forward model
 (`inversion_cases`), blind from 2 to 24 h.  `damit`: a file of relative light curves in DAMIT's
@@ -12,7 +13,8 @@ format, blind from 2 to 24 h and between P -+ 0.01 %, against the published peri
 (ecliptic, deg); with FOLDER, in which `convexinv` is built, the same curves by that program from
 the published values.  `each`: every apparition of the file alone.  `two`: tumbling bodies of
 `inversion_cases` on the orbit of (99942) Apophis, seen on 40 nights from 23 December 2012 to 15
-April 2013 and on 60 from 15 November 2020 to 10 May 2021, three points an hour, errors of 0.03 mag.
+April 2013 and on 60 from 15 November 2020 to 10 May 2021, three points an hour, errors of 0.03 mag;
+`drift`: under a torque fixed in the body that changes its rates by 2 to 6 turns per span^2.
 Processor seconds.
 """
 
@@ -240,23 +242,24 @@ _EARTH += (inversion_cases.GAUSS,)
 _SEEN = [(2456284.5, 2456397.5, 40), (2459168.5, 2459344.5, 60)]
 
 
-def tumbler(seed: int, mode: str) -> inversion_cases.Case:
-    """A tumbling body on the orbit of Apophis."""
+def tumbler(seed: int, mode: str, drift: float = 0.0) -> inversion_cases.Case:
+    """A tumbling body on the orbit of Apophis; drift: of its rates, turns per span^2."""
     style = {
         "mode": mode, "P": 1.1, "span": 3060, "hours": (2, 6), "per_hour": 3, "noise": 0.03,
-        "orbits": (_APOPHIS, _EARTH), "apparitions": _SEEN,
+        "orbits": (_APOPHIS, _EARTH), "apparitions": _SEEN, "drift": drift,
     }  # fmt: skip
     return inversion_cases.case(seed, style)
 
 
-def two(count: int, seed: int) -> str:
+def two(count: int, seed: int, drifts: bool = False) -> str:
     """Two apparitions of tumbling bodies, short- and long-axis mode in turn; the sums, printed."""
     rows = []
     for number in range(count):
-        case = tumbler(seed + number, ("SAM", "LAM")[number % 2])
+        drift = (-1.0) ** (number // 2) * (2.0 + number % 5) if drifts else 0.0
+        case = tumbler(seed + number, ("SAM", "LAM")[number % 2], drift)
         curve = inversion_benchmark.curve_of(case, "shared")
         begin = time.process_time()
-        found = inversion.spin_states(curve, f"{case.most} /d", budget=BUDGET)
+        found = inversion.spin_states(curve, f"{case.most} /d", budget=BUDGET, drift=drifts)
         spent = time.process_time() - begin
         right = [k for k, each in enumerate(found) if inversion_benchmark.judged(each, case)[0]]
         rank = right[0] if right else None
@@ -268,6 +271,12 @@ def two(count: int, seed: int) -> str:
             f"{len(found)} pairs listed, {near} within 13; {found.verdict}, {spent:.1f} s",
             flush=True,
         )
+        if drifts and len(found):
+            best, square = found[0], curve.span**2
+            print(
+                f"    drift of phi and psi {best.drift * square} +- {best.drift_sigma * square}, "
+                f"true {case.drift} turns per span^2"
+            )
         print("   ", str(found).replace("\n", "\n    ")[:1800], flush=True)
         rows.append((rank, behind, found.verdict, spent))
     sums = (
@@ -285,8 +294,8 @@ def main(arguments: list[str]) -> None:
     what, *given = arguments or ["rotators", "2", "1"]
     if what in ("rotators", "near"):
         rotators(int(given[0]), int(given[1]), what == "rotators")
-    elif what == "two":
-        two(int(given[0]), int(given[1]))
+    elif what in ("two", "drift"):
+        two(int(given[0]), int(given[1]), what == "drift")
     elif what == "damit":
         damit(given[0], *map(float, given[1:4]), *given[4:5])
     else:

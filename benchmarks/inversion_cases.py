@@ -40,6 +40,7 @@ class Case:
     filter: np.ndarray | None = None
     orbit: float | None = None  # period of a moon
     exposure: float = 0.0  # d
+    drift: np.ndarray | None = None  # of the frequencies of phi and psi, turns per span^2
 
 
 def hull(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -112,18 +113,19 @@ def encounter(rng: np.random.Generator, span: float):
             return body, earth
 
 
-def _rates(t, y, moments):
+def _rates(t, y, moments, torque=(0.0, 0.0, 0.0)):
     w, x, yy, z, a, b, c = y
     i, j, k = moments
+    along_x, along_y, along_z = np.divide(torque, moments)
     return np.array(
         [
             0.5 * (-x * a - yy * b - z * c),
             0.5 * (w * a + yy * c - z * b),
             0.5 * (w * b + z * a - x * c),
             0.5 * (w * c + x * b - yy * a),
-            (j - k) * b * c / i,
-            (k - i) * c * a / j,
-            (i - j) * a * b / k,
+            (j - k) * b * c / i + along_x,
+            (k - i) * c * a / j + along_y,
+            (i - j) * a * b / k + along_z,
         ]
     )
 
@@ -138,9 +140,9 @@ def _matrices(q):
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
-def _integrated(moments, start, t):
+def _integrated(moments, start, t, torque=(0.0, 0.0, 0.0)):
     return solve_ivp(
-        _rates, (t[0], t[-1]), start, "DOP853", t, args=(moments,), rtol=1e-12, atol=1e-13
+        _rates, (t[0], t[-1]), start, "DOP853", t, args=(moments, torque), rtol=1e-12, atol=1e-13
     ).y.T
 
 
@@ -197,7 +199,10 @@ def case(seed: int, style: dict) -> Case:
         light = np.linalg.norm(place - _kepler(earth, t), axis=1) / LIGHT_DAY_AU
     to_sun, to_observer = -place, _kepler(earth, t) - place
     left = t - light
-    y = _integrated(moments, start, left)
+    # per moment, along the long and the short axis: rates change by some turns per span^2
+    change = 2.0 * math.pi * style.get("drift", 0.0) / span**2
+    torque = change * moments * np.array([1.0, 0.0, 1.0])
+    y = _integrated(moments, start, left, torque)
     turn = _matrices(y[:, :4])
     r, d = np.linalg.norm(to_sun, axis=1), np.linalg.norm(to_observer, axis=1)
     lambert = rng.uniform(0.05, 0.15)
@@ -216,14 +221,20 @@ def case(seed: int, style: dict) -> Case:
     magnitude = 20.0 - 2.5 * np.log10(flux / areas.sum()) + 5.0 * np.log10(r * d)
     exact = magnitude.copy()
     magnitude += sigma * rng.normal(size=t.size) + zero[session]
+    drift = np.zeros(2)
     if style["mode"] == "PA":
         mode, P_psi, P_phi = "PA", math.inf, style["P"]
         pole = turn[0][:, 2]
     else:
-        mode, P_psi, P_phi, pole = _periods(moments, start)
+        at = np.array([left[0], 0.5 * (left[0] + left[-1]), left[-1]])
+        states = _integrated(moments, start, at, torque) if change else [start] * 3
+        mode, P_psi, P_phi, pole = _periods(moments, states[1])
+        if change:
+            ends = [1.0 / np.array(_periods(moments, states[k])[2:0:-1]) for k in (0, 2)]
+            drift = (ends[1] - ends[0]) * np.ptp(left)
     most = style.get("most", 3.2) / style["P"]
     geometry = jd, magnitude, sigma, session, to_sun, to_observer
-    return Case(*geometry, mode, P_psi, P_phi, pole, moments, most, exact)
+    return Case(*geometry, mode, P_psi, P_phi, pole, moments, most, exact, drift=drift)
 
 
 def variation(made: Case) -> float:

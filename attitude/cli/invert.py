@@ -80,6 +80,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="with --shape: a scattering law, or a TOML file with [scattering] (default: that of "
         "the file of the shape)",
     )
+    parser.add_argument(
+        "--drift",
+        action="store_true",
+        help="of a body that tumbles over several apparitions: both rates may change, as by YORP",
+    )
     parser.add_argument("--budget", default="60 s", help="work, s of one idle core (60 s)")
     parser.add_argument("--seed", type=int, default=0, help="of the random starts (0)")
     parser.add_argument("--output", metavar="FILE.toml", help="spin file of the best solution")
@@ -114,6 +119,7 @@ def run(arguments: argparse.Namespace) -> None:
         modes=tuple(mode.strip() for mode in arguments.modes.split(",")),
         moments=_moments(arguments.moments),
         **_surface(arguments),
+        drift=arguments.drift,
         budget=validation.positive(arguments.budget, "--budget", unit="s"),
         seed=arguments.seed,
     )

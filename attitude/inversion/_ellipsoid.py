@@ -286,7 +286,7 @@ class SearchState(NamedTuple):
     precession (lambda / 2 pi), nutation (f, signed by the mode), turns per span, and phase, turns,
     at the middle of the span; log_rho, x of the normal form; frame (3, 3): axes along the momentum,
     columns, ICRF; flat (2,): logarithms of squared ratios of axes; modes (M,) of the areas, none
-    for an ellipsoid.
+    for an ellipsoid, and a drift of the rates, if the state has one.
     """
 
     precession: float

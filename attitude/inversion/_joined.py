@@ -9,6 +9,9 @@
 3. From each of them a convex body is fitted to all apparitions together, and these are ranked by
    their evidence.
 
+Where both rates may drift, as on average under a weak torque that is fixed in the body, two more
+parameters are common to all apparitions: precession and nutation change at constant speed.
+
 Source: by hand, Pravec et al., Icarus 233, 48 (2014); Lee et al., A&A 661, L3 (2022), of (99942)
 Apophis.
 """
@@ -43,10 +46,12 @@ _GAP = 60.0 * 86400.0
 # rho and X.
 _AZIMUTH, _PRECESSION, _NUTATION, _PHASE, _RHO, _X = 2, 3, 4, 5, 6, 7
 _TURN = 2.0 * math.pi
+# The drift of precession and nutation behind them, and the number of all.
+_DRIFTS, _ALL = [8, 9], MOTION + _refinement.DRIFT
 # Ways to call axes of a body the first and the second, and the turn from one to the next.
 _LABELS, _QUARTER = 4, np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 # Standard errors by which numbers of turns are tried to either side, and the most of one side.
-_SIDE, _MOST = 4.0, 400
+_SIDE, _MOST = 5.0, 400.0
 
 
 def apparitions(curve: LightCurve) -> list[LightCurve]:
@@ -60,10 +65,10 @@ def apparitions(curve: LightCurve) -> list[LightCurve]:
 class Alone(NamedTuple):
     """A spin state of one apparition, or of several that are joined.
 
-    state (WIDTH,) has its rates in turns per span of the whole curve, and its orientation and phase
-    at `middle`, spans from the middle of the whole curve; covariance (8, 8) is that of the turn
-    (rad, axes along the momentum), precession, nutation, phase, ln rho and X; evidence is that
-    behind the best.
+    state (WIDTH, or with a drift) has its rates in turns per span of the whole curve, and its
+    orientation and phase at `middle`, spans from the middle of the whole curve; covariance (10, 10)
+    is that of the turn (rad, axes along the momentum), precession, nutation, phase, ln rho, X and
+    the drift, 0 where none is found; evidence is that behind the best.
     """
 
     state: FloatArray
@@ -80,8 +85,13 @@ class Apparition(NamedTuple):
     solutions: list[Alone]
 
 
-def alone(curve: LightCurve, part: LightCurve, found: Search, settings: Settings) -> Apparition:
-    """The tumbling solutions of an apparition that compete, the best first."""
+def alone(
+    curve: LightCurve, part: LightCurve, found: Search, settings: Settings, drift: int = 0
+) -> Apparition:
+    """The tumbling solutions of an apparition that compete, the best first.
+
+    `drift` is the size of that of the joined motion, which one apparition says nothing of.
+    """
     ratio = curve.span / part.span
     middle = (part.epoch.seconds - curve.epoch.seconds) / curve.span
     scale = np.ones(MOTION)
@@ -94,21 +104,22 @@ def alone(curve: LightCurve, part: LightCurve, found: Search, settings: Settings
         state = one.refined.state.copy()
         if not SearchState.of(state).is_axial:
             state[:2] *= ratio
-            formal = _formal(one.refined) * np.outer(scale, scale)
-            solutions.append(Alone(state, settings.joined_wider**2 * formal, behind, middle))
+            covariance = np.zeros((_ALL, _ALL))
+            formal = inverse(one.refined.normal)[:MOTION, :MOTION] * np.outer(scale, scale)
+            covariance[:MOTION, :MOTION] = settings.joined_wider**2 * formal
+            covariance[_DRIFTS[:drift], _DRIFTS[:drift]] = _refinement.DRIFT_WIDTH**2
+            state = np.append(state, np.zeros(drift))
+            solutions.append(Alone(state, covariance, behind, middle))
     ends = part.emission / curve.span + middle
     return Apparition(float(ends.min()), float(ends.max()), solutions)
 
 
-def _formal(found: Refined) -> FloatArray:
-    """The covariance (8, 8) of a motion that the curvature gives."""
-    return inverse(found.normal)[:MOTION, :MOTION]
-
-
 def at_middle(state: FloatArray, middle: float) -> FloatArray:
     """A state whose orientation and phase are those of an epoch, carried to that of the curve."""
-    fields = SearchState.of(state)
-    back = -4.0 * math.pi * fields.precession * middle
+    fields, time = SearchState.of(state), -middle
+    drift = _refinement.drift_of(state)
+    precession, nutation = state[:2] + 0.5 * drift * time
+    back = 4.0 * math.pi * precession * time
     turn = np.array(
         [
             [math.cos(back), -math.sin(back), 0.0],
@@ -116,8 +127,11 @@ def at_middle(state: FloatArray, middle: float) -> FloatArray:
             [0.0, 0.0, 1.0],
         ]
     )
-    phase = math.remainder(fields.phase - fields.nutation * middle, 1.0)
-    return fields._replace(frame=fields.frame @ turn, phase=phase).vector
+    carried = fields._replace(
+        frame=fields.frame @ turn, phase=math.remainder(fields.phase + nutation * time, 1.0)
+    ).vector
+    carried[:2] += drift * time
+    return carried
 
 
 class Count(NamedTuple):
@@ -154,7 +168,7 @@ def _relabelled(one: Alone) -> Alone:
     turned = fields._replace(
         phase=fields.phase + 0.25, x=-fields.x, frame=fields.frame @ _QUARTER
     ).vector
-    over = np.eye(MOTION)
+    over = np.eye(_ALL)
     over[:3, :3] = _QUARTER.T
     over[_X, _X] = -1.0
     return one._replace(state=turned, covariance=over @ one.covariance @ over.T)
@@ -166,20 +180,24 @@ def _whole_counts(first: Alone, second: Alone, within: float) -> Iterator[Count]
     one, two = SearchState.of(first.state), SearchState.of(second.state)
     between = one.frame.T @ two.frame
     angle = math.atan2(between[1, 0] - between[0, 1], between[0, 0] + between[1, 1])
+    drift = _refinement.drift_of(first.state)
     # the parameters of the second solution, as those of the first one give them
-    carried = np.eye(MOTION)
+    carried = np.eye(MOTION, _ALL)
     cosine, sine = math.cos(angle), math.sin(angle)
     carried[:2, :2] = [[cosine, sine], [-sine, cosine]]
     carried[_AZIMUTH, _PRECESSION] = 4.0 * math.pi * length
     carried[_PHASE, _NUTATION] = length
+    carried[[_PRECESSION, _NUTATION], _DRIFTS] = length
+    carried[[_AZIMUTH, _PHASE], _DRIFTS] = 2.0 * math.pi * length**2, 0.5 * length**2
+    precession, nutation = first.state[:2] + 0.5 * drift * length
     tilt = np.array([-between[1, 2], between[0, 2]])
     off = np.zeros(MOTION)
     off[:2] = -carried[:2, :2] @ tilt
-    off[_AZIMUTH] = 4.0 * math.pi * one.precession * length - angle
-    off[[_PRECESSION, _NUTATION]] = one.precession - two.precession, one.nutation - two.nutation
-    off[_PHASE] = one.phase + one.nutation * length - two.phase
+    off[_AZIMUTH] = 4.0 * math.pi * precession * length - angle
+    off[[_PRECESSION, _NUTATION]] = first.state[:2] + drift * length - second.state[:2]
+    off[_PHASE] = one.phase + nutation * length - two.phase
     off[_RHO:] = one.log_rho - two.log_rho, one.x - two.x
-    total = carried @ first.covariance @ carried.T + second.covariance
+    total = carried @ first.covariance @ carried.T + second.covariance[:MOTION, :MOTION]
     weight = np.linalg.inv(total)
     numbers = _numbers(off, total)
     left = np.repeat(off[None], len(numbers), axis=0)
@@ -188,19 +206,23 @@ def _whole_counts(first: Alone, second: Alone, within: float) -> Iterator[Count]
     square = np.einsum("ni,ij,nj->n", left, weight, left)
     steps = -left @ weight @ carried @ first.covariance
     for k in np.flatnonzero(square < square.min() + within):
-        step = np.concatenate([steps[k], np.zeros(2)])
-        moved = _ellipsoid.moved(first.state, step)
+        moved = _ellipsoid.moved(first.state, np.append(steps[k, :MOTION], np.zeros(2)))
+        moved[_refinement.WIDTH :] += steps[k, MOTION : MOTION + len(moved) - _refinement.WIDTH]
         yield Count(float(square[k]), at_middle(moved, first.middle))
 
 
 def _numbers(off: FloatArray, total: FloatArray) -> FloatArray:
-    """Pairs of whole numbers of turns (K, 2) within the errors."""
-    middles = off[_AZIMUTH] / _TURN, off[_PHASE]
-    widths = math.sqrt(total[_AZIMUTH, _AZIMUTH]) / _TURN, math.sqrt(total[_PHASE, _PHASE])
-    axes = []
-    for middle, width in zip(middles, widths, strict=True):
-        side = min(_SIDE * width + 1.0, float(_MOST))
-        axes.append(np.arange(math.ceil(middle - side), math.floor(middle + side) + 1))
+    """Pairs of whole numbers of turns (K, 2) within the errors that are left by what is known."""
+    turns, known = [_AZIMUTH, _PHASE], [0, 1, _PRECESSION, _NUTATION, _RHO, _X]
+    follow = np.linalg.solve(total[np.ix_(known, known)], total[np.ix_(known, turns)]).T
+    unit = np.array([_TURN, 1.0])
+    middles = (off[turns] - follow @ off[known]) / unit
+    left = total[np.ix_(turns, turns)] - follow @ total[np.ix_(known, turns)]
+    sides = np.minimum(_SIDE * np.sqrt(np.diag(left)) / unit + 1.0, _MOST)
+    axes = [
+        np.arange(math.ceil(middle - side), math.floor(middle + side) + 1)
+        for middle, side in zip(middles, sides, strict=True)
+    ]
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
 
 
@@ -272,12 +294,12 @@ class JoinedSearch(Search):
 
 def _joined(found: Sequence[Refined], settings: Settings) -> list[Alone]:
     """Fits of several apparitions as the solutions of one, at the middle of the curve."""
-    return [
-        Alone(
-            fit.state,
-            settings.joined_wider**2 * _formal(fit),
-            fit.cost - found[0].cost,
-            0.0,
-        )
-        for fit in found[: settings.joined_solutions]
-    ]
+    solutions = []
+    for fit in found[: settings.joined_solutions]:
+        drift = len(fit.state) - _refinement.WIDTH
+        kept = [*range(MOTION), *range(_refinement.SIZE, _refinement.SIZE + drift)]
+        covariance = np.zeros((_ALL, _ALL))
+        covariance[: len(kept), : len(kept)] = inverse(fit.normal)[np.ix_(kept, kept)]
+        behind = fit.cost - found[0].cost
+        solutions.append(Alone(fit.state, settings.joined_wider**2 * covariance, behind, 0.0))
+    return solutions

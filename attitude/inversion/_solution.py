@@ -510,7 +510,10 @@ class Solution(CurveFit):
 
     @cached_property
     def motion(self) -> FreeRotation:
-        """The free rotation, with the covariance of its state; moments are relative."""
+        """The free rotation, with the covariance of its state; moments are relative.
+
+        With a drift it is that at the epoch of the curve, its middle.
+        """
         return _states.motion(self.state, self.curve.span, self.curve.epoch, self.covariance)
 
     @property
@@ -554,19 +557,40 @@ class Solution(CurveFit):
         return self.curve.span / SearchState.of(self.state).rates[0]
 
     @property
+    def drift(self) -> FloatArray:
+        """(2,) how fast the frequencies 1/P_phi (long axis) and 1/P_psi change, 1/s^2.
+
+        Zeros where no drift was searched.
+        """
+        return self._frequencies_by @ _refinement.drift_of(self.state) / self.curve.span**2
+
+    @property
+    def drift_sigma(self) -> FloatArray:
+        """(2,) standard errors of `drift`, those of the curvature alone."""
+        begin, normal = _refinement.SIZE, self.weighted.refined.normal
+        if len(normal) == begin:
+            return np.zeros(_refinement.DRIFT)
+        inner = inverse(normal)[begin:, begin:]
+        by = self._frequencies_by
+        sigma: FloatArray = np.sqrt(np.diag(by @ inner @ by.T)) / self.curve.span**2
+        return sigma
+
+    @property
+    def _frequencies_by(self) -> FloatArray:
+        """Derivatives (2, 2) of the frequencies of phi and psi by precession and nutation."""
+        nutation = 1.0 if self.state[1] > 0.0 else -1.0
+        return np.array([[2.0, -max(nutation, 0.0)], [0.0, nutation]])
+
+    @property
     def periods_sigma(self) -> tuple[float, float]:
         """Standard errors of P_psi and P_phi (long axis), s."""
         c = self._covariances[1].covariance
         phi, psi = SearchState.of(self.state).rates
         if self.is_axial:
             return math.inf, 2.0 * math.sqrt(c[3, 3]) * self.curve.span / phi**2
-        sign = 1.0 if self.state[1] > 0.0 else -1.0
-        by = np.array([2.0, -sign if sign > 0.0 else 0.0])
-        variance = float(by @ c[3:5, 3:5] @ by)
-        return (
-            math.sqrt(c[4, 4]) * self.curve.span / psi**2,
-            math.sqrt(variance) * self.curve.span / phi**2,
-        )
+        by = self._frequencies_by
+        of_phi, of_psi = np.sqrt(np.diag(by @ c[3:5, 3:5] @ by.T)).tolist()
+        return of_psi * self.curve.span / psi**2, of_phi * self.curve.span / phi**2
 
     @property
     def pole(self) -> FloatArray:

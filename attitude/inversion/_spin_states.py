@@ -66,6 +66,7 @@ def spin_states(
     shape: str = ...,
     law: str | Law | None = ...,
     moments: str | float | Body | Sequence[float] = ...,
+    drift: bool = ...,
     budget: Real = ...,
     seed: int = ...,
     threads: int = ...,
@@ -84,6 +85,7 @@ def spin_states(
     shape: Mesh,
     law: str | Law | None = ...,
     moments: str | float | Body | Sequence[float] = ...,
+    drift: bool = ...,
     budget: Real = ...,
     seed: int = ...,
     threads: int = ...,
@@ -109,6 +111,7 @@ def spin_states(
     shape: str | Mesh = "convex",
     law: str | Law | None = None,
     moments: str | float | Body | Sequence[float] = "shape",
+    drift: bool = False,
     budget: Real = 60.0,
     seed: int = 0,
     threads: int = 1,
@@ -139,6 +142,9 @@ def spin_states(
         to 0.05; a number replaces this tolerance; "free": any moments of a body; three principal
         moments, of which the ratios count, or a Body: known moments, with any shape.  Of a known
         mesh "shape" is homogeneous, and three moments are about its own axes.
+    drift : bool
+        Of a body that tumbles over several apparitions: both its frequencies may change at constant
+        speed, as on average under a weak torque that is fixed in the body, or YORP.
     budget : float or text
         Work, s of one idle core of 3 GHz, after which the best so far is returned.  Work is counted
         by steps and points, so that load and speed of the machine change no result.
@@ -167,6 +173,7 @@ def spin_states(
     Ctrl-C ends the search, and the best so far is returned.
     """
     curve = usable(curve)
+    _check_drift(drift, curve, modes, period, shape)
     if isinstance(shape, Mesh):
         most = _checked_turns(curve, max_frequency, settings, True, [curve])
         seconds = validation.positive(budget, "budget", unit="s")
@@ -216,11 +223,22 @@ def spin_states(
         if tuple(modes) == _ROTATION:
             prepared = prepared_of(curve, _apparitions.RotatorSearch)
             search = _rotator(curve, prepared, (window[0], most))
-        elif most * curve.span > settings.most_turns:
-            search = _joined_search(curve, prepared_of, settings)
+        elif drift or most * curve.span > settings.most_turns:
+            search = _joined_search(curve, prepared_of, settings, drift)
         else:
             search = _searched(curve, prepared_of(curve, _search.Search))
     return _results(curve, search)
+
+
+def _check_drift(drift, curve, modes, period, shape):
+    if not drift:
+        return
+    is_tumbling = period is None and "PA" not in modes and not isinstance(shape, Mesh)
+    if not (is_tumbling and len(_joined.apparitions(curve)) > 1):
+        raise AttitudeError(
+            "drift=True is for a body of unknown shape that tumbles over several apparitions, with "
+            "gaps above 60 d between them; leave it out."
+        )
 
 
 def _rotator(curve: LightCurve, prepared: Prepared, window: Window) -> _search.Search:
@@ -236,16 +254,17 @@ def _rotator(curve: LightCurve, prepared: Prepared, window: Window) -> _search.S
 
 
 def _joined_search(
-    curve: LightCurve, prepared_of: PreparedOf, settings: Settings
+    curve: LightCurve, prepared_of: PreparedOf, settings: Settings, drift: bool
 ) -> _search.Search:
     """A search for motions that all apparitions have in common; each is solved first."""
+    size = _refinement.DRIFT if drift else 0
     known: list[_joined.Apparition] = []
     words: list[str] = []
 
     def alone() -> list[_joined.Apparition]:
         for number, apparition in enumerate(() if known else _joined.apparitions(curve), 1):
             one = _searched(apparition, prepared_of(apparition, _search.Search))
-            known.append(_joined.alone(curve, apparition, one, settings))
+            known.append(_joined.alone(curve, apparition, one, settings, size))
             weighted = one.solutions, one.problem, one.is_complete, one.most
             verdict = _verdicts.verdict(*weighted)[0] if one.solutions else _verdicts.OPEN
             words.append(
@@ -561,6 +580,17 @@ def _results(curve, searched):
         verdict, criterion = _verdicts.of_satellite(*arguments)
     if searched.constant:
         verdict, criterion = _verdicts.OPEN, f"{searched.constant}; {criterion}"
+    notes = list(searched.notes)
+    if solutions and np.any(solutions[0].drift):
+        notes.append(_words_of_drift(solutions[0]))
     if verdict == _verdicts.OPEN and search.is_over:
         criterion += _verdicts.ended_by(search.problem.tally)
-    return SpinStates(solutions, verdict, criterion, tuple(searched.notes))
+    return SpinStates(solutions, verdict, criterion, tuple(notes))
+
+
+def _words_of_drift(best: Solution) -> str:
+    phi, psi = (
+        f"{value * _DAY**2:.4g} +- {sigma * _DAY**2:.2g} /d^2"
+        for value, sigma in zip(best.drift, best.drift_sigma, strict=True)
+    )
+    return f"1/P_phi of the long axis changes by {phi}, 1/P_psi by {psi}."

@@ -203,15 +203,20 @@ def _alone(problem, state, inside):
         part.t - middle, part.span, part.sun, part.observer, part.magnitude, part.sigma,
         part.terms, part.prior, part.model_error,
     )  # fmt: skip
-    start = _joined.at_middle(state, -middle)
+    start = _joined.at_middle(state, -middle)[: _refinement.WIDTH]
     # to the minimum itself: the counts that compete depend on where an iteration stops
     fit = _refinement.refine(about, start, tie=_shapes.Tie(math.inf), iterations=80, gain=1e-9)
-    found = _joined.Alone(fit.state, 4.0 * inverse(fit.normal)[:8, :8], 0.0, middle)
+    covariance = np.pad(4.0 * inverse(fit.normal)[:8, :8], (0, 2))
+    drift = np.zeros(len(state) - _refinement.WIDTH)
+    covariance[range(8, 8 + len(drift)), range(8, 8 + len(drift))] = _refinement.DRIFT_WIDTH**2
+    found = _joined.Alone(np.append(fit.state, drift), covariance, 0.0, middle)
     return _joined.Apparition(float(part.t.min()), float(part.t.max()), [found])
 
 
-def test_a_state_is_carried_to_the_middle_and_back(tumbling):
+@pytest.mark.parametrize("drift", [[], [3.0, -4.0]])
+def test_a_state_is_carried_to_the_middle_and_back(tumbling, drift):
     problem, state = tumbling
+    state = np.append(state, drift)
     there = _joined.at_middle(state, 0.37)
     back = _joined.at_middle(there, -0.37)
     a, b = (_refinement.model(problem, each).magnitude for each in (state, back))
@@ -220,6 +225,40 @@ def test_a_state_is_carried_to_the_middle_and_back(tumbling):
     moved = replace(problem, t=problem.t + 0.37)
     assert _refinement.model(problem, there).magnitude != pytest.approx(a, abs=1e-3)
     assert _refinement.model(moved, there).magnitude == pytest.approx(a, abs=1e-8)
+
+
+def test_slopes_by_the_drift_are_differences(tumbling):
+    problem, state = tumbling
+    state = np.append(state, [3.0, -4.0])
+    slopes = _refinement.model(problem, state).jacobian[-2:]
+    for number, slope in enumerate(slopes):
+        step = np.zeros(len(state))
+        step[_refinement.WIDTH + number] = 1e-6
+        ends = [_refinement.model(problem, state + sign * step).magnitude for sign in (1, -1)]
+        assert slope == pytest.approx((ends[0] - ends[1]) / 2e-6, abs=1e-5)
+
+
+def test_a_drift_of_the_rates_is_found_with_their_numbers_of_turns(tumbling):
+    free, state = tumbling
+    state = np.append(state, [3.0, -4.0])
+    noise = free.magnitude - _refinement.model(free, state[: _refinement.WIDTH]).magnitude
+    problem = replace(free, magnitude=_refinement.model(free, state).magnitude + noise)
+    apparitions = [_alone(problem, state, side) for side in (problem.t < 0.0, problem.t > 0.0)]
+    search = _joined.JoinedSearch(
+        problem, 4000.0, ("LAM", "SAM"), _shapes.Tie(math.inf), (), np.random.default_rng(0),
+        lambda _: None, alone=lambda: apparitions,
+    )  # fmt: skip
+    search.run()
+    best = search.solutions[0].refined
+    assert best.state[:2] == pytest.approx(state[:2], abs=0.1)
+    errors = np.sqrt(np.diag(inverse(best.normal))[-2:])
+    assert np.all(errors < 1.0)
+    assert best.state[_refinement.WIDTH :] == pytest.approx([3.0, -4.0], abs=3.0 * errors.max())
+
+
+def test_a_drift_is_refused_where_it_is_not_searched(known):
+    with pytest.raises(AttitudeError, match="drift=True is for a body of unknown shape that tum"):
+        inversion.spin_states(known[0], period="5 h", drift=True)
 
 
 def test_the_true_numbers_of_turns_are_listed_and_best(tumbling):
@@ -267,7 +306,7 @@ def test_axes_of_the_body_may_change_places(tumbling, quarters):
         for each in (early.state, turned)
     )  # fmt: skip
     assert after == pytest.approx(before @ turn, abs=1e-6)
-    over = np.eye(8)
+    over = np.eye(10)
     over[:3, :3], over[7, 7] = turn.T, sign
     other = early._replace(state=turned, covariance=over @ early.covariance @ over.T)
     pairs = [
