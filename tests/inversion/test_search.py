@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from attitude import Body, inversion
+from attitude.frames import matrix_to_icrf
 from attitude.inversion import (
     _apparitions,
     _ellipsoid,
@@ -336,6 +337,35 @@ def test_poles_with_the_same_rates_contain_the_true_one():
     assert len(found[0]) == _refinement.WIDTH > len(found[1])  # a body, then an ellipsoid
     poles = np.array([each[[7, 10, 13]] for each in found[:5]])
     assert np.max(poles @ state[[7, 10, 13]]) > math.cos(math.radians(8.0))
+
+
+def test_the_pole_of_a_body_of_two_lobes_is_found_by_convex_bodies():
+    """Every ellipsoid leaves the pole of this body, which a convex body fits far better there."""
+    row = "SAM", 0.5, 60, 30, (2, 6), 3, 0.03
+    style = {**dict(zip(figures._NAMES, row, strict=True)), "kind": "bilobed"}
+    case = inversion_meshes.case(30, style)
+    curve = figures.curve_of(case, "shared")
+    problem, _ = _problem.problem(curve, case.most / 86400.0, 0.07, "shared")
+    generator = np.random.default_rng(30)
+    span = np.ptp(case.jd)
+    rates = [_lattices.Candidate(0.5 * span / case.P_phi, -span / case.P_psi)]
+    tie, held = _shapes.Tie(), _ellipsoid.Held(problem.settings.tie)
+    pool = _ellipsoid.around(problem, generator, rates, 200, iterations=40, tie=held)
+    problem = problem.with_model_error(0.03)
+    start = _refinement.refine(problem, pool.states[0], tie=tie).state
+    states = _pole_map.of_rates(
+        problem.with_model_error(0.07), generator, start, held, tie, lambda: False
+    )
+    true = matrix_to_icrf("ecliptic") @ case.pole
+    costs, cosines = [], []
+    for is_body in (True, False):
+        chosen = [each for each in states if (len(each) == _refinement.WIDTH) is is_body][:12]
+        bodies = [_refinement.refine(problem, each, tie=tie) for each in chosen]
+        best = min(bodies, key=lambda body: body.cost)
+        costs.append(best.cost)
+        cosines.append(best.state[[7, 10, 13]] @ true)
+    assert costs[0] + 100.0 < costs[1]
+    assert cosines[0] > math.cos(math.radians(8.0)) > cosines[1]
 
 
 def test_additive_pairs_of_rotation_and_dips():
