@@ -80,11 +80,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="with --shape: a scattering law, or a TOML file with [scattering] (default: that of "
         "the file of the shape)",
     )
-    parser.add_argument(
-        "--drift",
-        action="store_true",
-        help="of a body that tumbles over several apparitions: both rates may change, as by YORP",
-    )
+    words = "both rates of a body that tumbles over several apparitions may change, as by YORP"
+    parser.add_argument("--drift", action="store_true", help=words)
     parser.add_argument("--budget", default="60 s", help="work, s of one idle core (60 s)")
     parser.add_argument("--seed", type=int, default=0, help="of the random starts (0)")
     parser.add_argument("--output", metavar="FILE.toml", help="spin file of the best solution")

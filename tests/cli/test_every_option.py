@@ -74,6 +74,7 @@ CASES = {
         f"asteroid.csv {_INVERT} --orbit {OEM} --site {_GROUND} --seed 1 --zero-points shared "
         "--frame icrf --output OUT.toml --figure OUT.png --exposure '60 s' --predict "
         "'2013-02-01T00:00 .. 2013-02-01T06:00, 1 h' --prediction OUT2.png",
+        f'apparitions.csv {_INVERT} --drift --budget "1 s" --orbit {OEM} --site {_GROUND}',
         f'asteroid.csv --period "20 h, 40 h" --budget "0.5 s" --orbit {OEM} --site {_GROUND}',
         f'satellite.csv {_INVERT} --max-frequency "20 mHz" --orbit {TLE} --orbit-of ENVISAT '
         f"--site {_GROUND}",
@@ -170,6 +171,11 @@ def files(tmp_path_factory):
     for name, days, turns in (
         ("asteroid", 2456270.5 + 0.37 * k, 0.37 * k / 1.27),
         ("satellite", 2456588.5 + k / 8640.0, k / 6.0),
+        (
+            "apparitions",
+            2456285.5 + 0.2 * k + 80.0 * (k >= 30),
+            (0.2 * k + 80.0 * (k >= 30)) / 1.27,
+        ),
     ):
         magnitudes = 15.0 + 0.3 * np.cos(2 * np.pi * turns) + 0.1 * np.sin(np.pi * turns * 1.3)
         rows = [f"{a:.9f},{b:.4f},0.02,V" for a, b in zip(days, magnitudes, strict=True)]
