@@ -566,11 +566,13 @@ class Solution(CurveFit):
 
     @property
     def drift_sigma(self) -> FloatArray:
-        """(2,) standard errors of `drift`, those of the curvature alone."""
+        """(2,) standard errors of `drift`: of the curvature, widened as those of the rates are."""
         begin, normal = _refinement.SIZE, self.weighted.refined.normal
         if len(normal) == begin:
             return np.zeros(_refinement.DRIFT)
-        inner = inverse(normal)[begin:, begin:]
+        curvature, rates = inverse(normal), slice(3, 5)
+        wider = np.diag(self._covariances[1].covariance)[rates] / np.diag(curvature)[rates]
+        inner = float(wider.max()) * curvature[begin:, begin:]
         by = self._frequencies_by
         sigma: FloatArray = np.sqrt(np.diag(by @ inner @ by.T)) / self.curve.span**2
         return sigma
