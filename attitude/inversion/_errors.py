@@ -22,7 +22,7 @@ import numpy as np
 from attitude._support.least_squares import inverse
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
-from attitude.inversion import _ellipsoid, _motions, _refinement
+from attitude.inversion import _ellipsoid, _motions, _neighbours, _refinement
 from attitude.inversion._refinement import MOTION
 from attitude.motions._propagation import propagate
 
@@ -38,8 +38,8 @@ if TYPE_CHECKING:
 
 # Groups of one kind at least, and refits at most.
 _LEAST_GROUPS, _REFITS = 5, 12
-# Parts of the span, and epochs closer than this, s, which belong to one night.
-_PARTS, _NIGHT = 10, 0.3 * 86400.0
+# Parts of the span.
+_PARTS = 10
 
 
 class Modelled(Protocol):
@@ -166,23 +166,18 @@ def groupings(t: FloatArray, span: float, session: IntArray | None) -> tuple[Int
     Shapes: t (N,), session (N,).
     """
     parts = np.floor((t - t.min()) * (_PARTS * 0.999999 / max(float(np.ptp(t)), 1e-12)))
-    sessions_of = [_nights(t * span), _dense(parts)]
+    night = np.zeros(len(t), np.int64)
+    for number, points in enumerate(_neighbours.nights_of(t * span)):
+        night[points] = number
+    groups = [night, _dense(parts)]
     if session is not None and len(session) == len(t):
-        sessions_of.append(_dense(session))
-    return tuple(sessions_of)
+        groups.append(_dense(session))
+    return tuple(groups)
 
 
 def _dense(numbers: FloatArray | IntArray) -> IntArray:
     """The same groups numbered without gaps."""
     return np.unique(numbers, return_inverse=True)[1].reshape(-1).astype(np.int64)
-
-
-def _nights(emission: FloatArray) -> IntArray:
-    """The number of the night of each epoch (s)."""
-    order = np.argsort(emission, kind="stable")
-    number = np.zeros(len(emission), np.int64)
-    number[order[1:]] = np.cumsum(np.diff(emission[order]) > _NIGHT)
-    return number
 
 
 # ---- The covariance of a posterior density that is not normal: population Monte Carlo
