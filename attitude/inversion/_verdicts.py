@@ -125,16 +125,22 @@ def as_rotators(found: list[Weighted], problem: CurveProblem) -> list[Weighted]:
 
     Where both rates are multiples of one frequency within the accuracy of lines, tumbling has no
     line that a rotation about one axis has not: four parameters more fit what its shape lacks.
-    It counts as that rotation, if chi-squared of this is not far larger.
+    It counts as that rotation, if chi-squared of this is not far larger, and unless a tumbling
+    state of the same rates about another pole, which is on no comb, is ahead of it: the resolution
+    decides on rates, not on poles.
     """
+    behind = [
+        [rotator.evidence for rotator in found if counts_as(one, rotator, problem)] for one in found
+    ]
+    alone = [one for one, rotators in zip(found, behind, strict=True) if not rotators]
     out = []
-    for one in found:
-        behind = [
-            rotator.evidence + 1.0 - one.evidence
-            for rotator in found
-            if counts_as(one, rotator, problem)
-        ]
-        out.append(replace(one, evidence=one.evidence + max([0.0, *behind])))
+    for one, rotators in zip(found, behind, strict=True):
+        state, least = one.refined.state, max(rotators, default=-math.inf) + 1.0
+        is_held = least > one.evidence and not any(
+            other.evidence < least and _has_rates(other.refined.state, state, problem)
+            for other in alone
+        )
+        out.append(replace(one, evidence=least) if is_held else one)
     return out
 
 

@@ -561,6 +561,25 @@ def test_a_tumbler_on_the_comb_of_a_rotator_counts_as_it(nutation, chi_squared, 
     assert [each.evidence for each in ranked] == [expected, 100.0]
 
 
+@pytest.mark.parametrize(
+    ("evidence", "nutation", "expected"),
+    [
+        (10.0, -17.5, 0.0),  # the same rates as seen, about another pole, ahead of the rotation
+        (110.0, -17.5, 101.0),  # behind it
+        (10.0, -15.0, 101.0),  # other rates
+    ],
+)
+def test_poles_of_one_pair_of_rates_are_all_on_a_comb_or_none(evidence, nutation, expected):
+    """The pole that fits best was set behind the rotation, and another one was called solved."""
+    found = [
+        _weighted(-17.3, 0.0, 1.0),
+        _weighted(nutation, evidence, 1.0),
+        _weighted(0.0, 100.0, 1.0),
+    ]
+    ranked = _verdicts.as_rotators(found, _given(np.zeros(COUNT)))
+    assert [each.evidence for each in ranked] == [expected, evidence, 100.0]
+
+
 @pytest.mark.parametrize(("turns", "expected"), [(0.0, 101.0), (0.3, 101.0), (-0.3, 0.0)])
 def test_a_comb_is_that_of_the_lines_that_the_scene_sees(turns, expected):
     """Of a precession that is 0.2 above the comb, from a scene that turns about the momentum."""
