@@ -80,7 +80,7 @@ def still_rows(k, n, block):
 
 @elementwise
 @force_inlined
-def attitude_column(d, j, block, x, y, z):
+def attitude_column(c, d, j, block, x, y, z):
     """Fill the change of attitude of a motion that tumbles."""
     weights = d.weights
     time, rate, start = weights[TIME, j], weights[RATE, j], weights[PHASE, j]

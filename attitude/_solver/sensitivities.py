@@ -176,7 +176,7 @@ def covariances(
     if len(short):
         factors = np.moveaxis(of.factors, 1, 2)[short["motion"]]
         short["series"] = factors[:, None] @ short["series"]
-    body = _in_blocks(constants, of.tangents, short, t, t_low, 2, (out,), None)
+    body = _in_blocks(constants, of.tangents, short, t, t_low, 2, (out, out), None)
     _refuse(constants, of.tangents, body, t, t_low)
 
 

@@ -26,7 +26,7 @@ import math
 import numpy as np
 
 from attitude._compilation.decorators import force_inlined, named, slowly_compiled, subroutine
-from attitude._compilation.simd import LINE, finish_stores
+from attitude._compilation.simd import finish_stores
 from attitude._solver import codes
 from attitude._solver.columns import (
     add_products,
@@ -155,7 +155,7 @@ def tumbling_setup(moments, wxyz, principal, constants, tangents, block):
             x, y, z = found_rows(block, count)
             d.spans[0], d.spans[1] = 1, 0
             for j in range(COLUMNS):
-                attitude_column(d, j, block, x, y, z)
+                attitude_column(c, d, j, block, x, y, z)
                 for k in range(3):
                     d.offset[k, j] = (1.0 if j == k else 0.0) - block[FOUND + k * BLOCK]
                 if j >= TURNS and d.slow[0] == 0.0:
@@ -267,16 +267,17 @@ def _lows(t_low, zeros, k, first, end):
     return zeros[: end - first]
 
 
-def _columns_of(name, form, fill_block, fill_attitudes, fill_rates):
-    """The loop of the columns of a form of motions that tumble; see the module docstring.
+@force_inlined
+def no_fill(c, d, n, block):
+    """The attitudes, or the angular velocities, of a block whose columns need none."""
 
-    The functions fill a block with the changes of attitude, the attitudes, and the changes of the
-    angular velocity.
-    """
 
-    def loop(constants, tangents, short, t, t_low, block, attitude, omega, edges):
+def _loop_of(name, form, fill_block, fill_attitudes, fill_rates, has_rates, again_of, store):
+    """The loop of the columns or covariances of a form, by the functions of both."""
+
+    def loop(constants, tangents, short, t, t_low, block, out, rates, edges):
         fill_still_rows(block)
-        zeros = np.zeros(BLOCK)
+        zeros, with_rates = np.zeros(BLOCK), has_rates(out, rates)
         for b in range(len(constants)):
             c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
             first, end = edges[b, 0], edges[b, 1]
@@ -284,218 +285,136 @@ def _columns_of(name, form, fill_block, fill_attitudes, fill_rates):
                 continue
             if _is_beyond(c, t, t_low, k, first, end):
                 return b
-            again = epochs_again(attitude, end - first)
+            again = again_of(out, end - first)
             for start in range(first, end, BLOCK - again):
                 stop = min(start + BLOCK - again, end)
                 head = max(start - again, first)
                 times, low = t[k, head:stop], _lows(t_low, zeros, k, head, stop)
                 fill_block(c, d, times, low, block)
-                by_series = len(short) > 0 and any_near(times, short[b].reach)
-                if by_series or omega is not None:
-                    fill_attitudes(c, stop - head, block)
-                if omega is not None:
+                near = len(short) > 0 and any_near(times, short[b].reach)
+                if near or with_rates:
+                    fill_attitudes(c, d, stop - head, block)
+                if rates is not None and with_rates:
                     fill_rates(c, d, stop - head, block)
-                if again and not by_series and not any_missing(stop - head, block):
-                    _stream(d, b, block, (first, start, stop, end), attitude)
-                    if omega is not None:
-                        _stream_rates(c, d, b, block, (first, start, stop, end), omega)
-                else:
-                    _store(d, short, b, by_series, block, (head, stop), attitude)
-                    if omega is not None:
-                        _store_rates(c, d, short, b, by_series, block, (head, stop), omega)
+                store(c, d, short, b, near, block, (first, start, stop, end), again, out, rates)
         finish_stores()
         return -1
 
     return slowly_compiled(named(loop, name))
 
 
-trigonometric = _columns_of(
-    "trigonometric",
-    codes.TRIGONOMETRIC,
-    trigonometric_block,
-    trigonometric_attitudes_block,
-    trigonometric_rates_block,
-)
-hyperbolic = _columns_of(
-    "hyperbolic",
-    codes.HYPERBOLIC,
-    hyperbolic_block,
-    hyperbolic_attitudes_block,
-    hyperbolic_rates_block,
-)
+@force_inlined
+def _has_columns(out, rates):
+    """Whether the changes of the angular velocity are to be filled beside those of attitude."""
+    return rates is not None
 
 
 @force_inlined
-def _store(d, short, b, near, block, span, attitude):
-    """Store the changes of attitude of a block of a motion that tumbles, for a span of epochs."""
-    row = b if len(attitude) > 1 else 0
-    for j in range(attitude.shape[2]):
-        x, y, z = rows_of(attitude, row, j, *span)
+def _has_sums(out, rates):
+    """Whether sums are of the changes of the angular velocity too."""
+    return out.shape[1] == 6
+
+
+@force_inlined
+def _never_again(out, count):
+    """As `epochs_again`, where nothing is stored past the caches."""
+    return 0
+
+
+@force_inlined
+def _again_for_sums(out, count):
+    """As `epochs_again`; sums of the changes of attitude alone need none."""
+    return epochs_again(out, count) if out.shape[1] == 6 else 0
+
+
+def _storing_columns(name, attitude_column, rate_column, by_lines):
+    """The function that stores the columns of a block, by those that fill one."""
+
+    def store(c, d, short, b, near, block, spans, again, attitude, omega):
+        first, start, stop, _ = spans
+        head = max(start - again, first)
+        if by_lines and again and not near and not any_missing(stop - head, block):
+            _stream(attitude_column, True, (c, d, b, block, spans, head), attitude)
+            if omega is not None:
+                _stream(rate_column, False, (c, d, b, block, spans, head), omega)
+        else:
+            filled = c, d, short, b, near, block, head, stop
+            _store(attitude_column, near_column, True, filled, attitude)
+            if omega is not None:
+                _store(rate_column, near_rate_column, False, filled, omega)
+
+    return force_inlined(named(store, name))
+
+
+@force_inlined
+def _store(column, near_column, turned, filled, out):
+    """Store the columns of a block: of attitude, the first being unit vectors, or of rates."""
+    c, d, short, b, near, block, head, stop = filled
+    row = b if len(out) > 1 else 0
+    for j in range(out.shape[2]):
+        x, y, z = rows_of(out, row, j, head, stop)
         if j < TURNS:
-            still_column(j, block, x, y, z)
+            still_column(j if turned else -1, block, x, y, z)
             continue
-        attitude_column(d, j, block, x, y, z)
+        column(c, d, j, block, x, y, z)
         if near:
             near_column(d, short, b, j, block, x, y, z)
 
 
 @force_inlined
-def _stream(d, b, block, spans, attitude):
+def _stream(column, turned, filled, out):
     """As `_store`, past the caches: whole lines of them, and the ends of the rows."""
-    row, (first, start, stop, _) = b if len(attitude) > 1 else 0, spans
-    head = max(start - LINE, first)
-    for j in range(min(attitude.shape[2], TURNS)):
-        x, y, z = still_rows(j, stop - head, block)
-        stream_rows(x, y, z, rows_of(attitude, row, j, 0, attitude.shape[3]), head, spans)
-    x, y, z = found_rows(block, stop - head)
-    for j in range(TURNS, attitude.shape[2]):
-        attitude_column(d, j, block, x, y, z)
-        stream_rows(x, y, z, rows_of(attitude, row, j, 0, attitude.shape[3]), head, spans)
+    c, d, b, block, spans, head = filled
+    row, n = b if len(out) > 1 else 0, spans[2] - head
+    for j in range(min(out.shape[2], TURNS)):
+        x, y, z = still_rows(j if turned else -1, n, block)
+        stream_rows(x, y, z, rows_of(out, row, j, 0, out.shape[3]), head, spans)
+    x, y, z = found_rows(block, n)
+    for j in range(TURNS, out.shape[2]):
+        column(c, d, j, block, x, y, z)
+        stream_rows(x, y, z, rows_of(out, row, j, 0, out.shape[3]), head, spans)
+
+
+def _storing_sums(name, attitude_column, rate_column, triangular):
+    """The function that stores the covariances of a block, by those that fill a column.
+
+    Columns in triangular form are added at once; see `columns`.
+    """
+
+    def store(c, d, short, b, near, block, spans, again, out, rates):
+        o, length, flat = b if len(out) > 1 else 0, out.shape[3], out.reshape(out.size)
+        first, start, stop, _ = spans
+        n = stop - max(start - again, first)
+        if triangular and not near and out.shape[1] == 3:
+            whole = n - n % 8
+            places, streams = places_of_rows(9 * o * length + start, length), has_whole_lines(out)
+            sums_of_columns(c, d, block, 0, whole, places, flat, streams)
+            if whole < n:
+                sums_of_columns(c, d, block, whole, n, places_of_sums(), block, False)
+                copy_sums(block, o, whole, start + whole, stop, out)
+            return
+        _sum(attitude_column, rate_column, (c, d, short, b, near, block, n), out.shape[1] == 6)
+        if triangular:
+            keep_near_sums(n, block)
+            sums_of_columns(c, d, block, 0, n, places_of_sums(), block, False)
+            if near:
+                use_near_sums(n, short[b].reach, block)
+        if again:
+            stream_sums(block, o, spans, out)
+        else:
+            copy_sums(block, o, 0, start, stop, out)
+
+    return force_inlined(named(store, name))
 
 
 @force_inlined
-def _stream_rates(c, d, b, block, spans, omega):
-    """As `_store_rates`, past the caches."""
-    row, (first, start, stop, _) = b if len(omega) > 1 else 0, spans
-    head = max(start - LINE, first)
-    for j in range(min(omega.shape[2], TURNS)):
-        x, y, z = still_rows(-1, stop - head, block)
-        stream_rows(x, y, z, rows_of(omega, row, j, 0, omega.shape[3]), head, spans)
-    x, y, z = found_rows(block, stop - head)
-    for j in range(TURNS, omega.shape[2]):
-        rate_column(c, d, j, block, x, y, z)
-        stream_rows(x, y, z, rows_of(omega, row, j, 0, omega.shape[3]), head, spans)
-
-
-@force_inlined
-def _store_rates(c, d, short, b, near, block, span, omega):
-    """Store the changes of the angular velocity, as `_store`."""
-    row = b if len(omega) > 1 else 0
-    for j in range(omega.shape[2]):
-        x, y, z = rows_of(omega, row, j, *span)
-        if j < TURNS:
-            still_column(-1, block, x, y, z)
-            continue
-        rate_column(c, d, j, block, x, y, z)
-        if near:
-            near_rate_column(short, b, j, block, x, y, z)
-
-
-@slowly_compiled
-def uniform(constants, tangents, short, t, t_low, block, attitude, omega, edges):
-    """Fill the columns of motions of constant angular velocity; see the module docstring."""
-    columns, zeros = attitude.shape[2], np.zeros(BLOCK)
-    for b in range(len(constants)):
-        c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
-        o = b if len(attitude) > 1 else 0
-        first, end = edges[b, 0], edges[b, 1]
-        if c.form != codes.UNIFORM:
-            continue
-        if _is_beyond(c, t, t_low, k, first, end):
-            return b
-        for start in range(first, end, BLOCK):
-            stop = min(start + BLOCK, end)
-            times, low = t[k, start:stop], _lows(t_low, zeros, k, start, stop)
-            uniform_block(c, d, times, low, block)
-            by_series = len(short) > 0 and any_near(times, short[b].reach)
-            for j in range(columns):
-                x, y, z = rows_of(attitude, o, j, start, stop)
-                uniform_column(d, j, block, x, y, z)
-                if omega is not None:
-                    x, y, z = rows_of(omega, o, j, start, stop)
-                    uniform_rate_column(d, j, block, x, y, z)
-            if by_series:
-                for j in range(columns):
-                    x, y, z = rows_of(attitude, o, j, start, stop)
-                    near_column(d, short, b, j, block, x, y, z)
-                    if omega is not None:
-                        x, y, z = rows_of(omega, o, j, start, stop)
-                        near_rate_column(short, b, j, block, x, y, z)
-    return -1
-
-
-def _covariances_of(name, form, fill_block, fill_attitudes, fill_rates):
-    """The loop of the covariances of a form of motions that tumble, as `_columns_of`."""
-
-    def loop(constants, tangents, short, t, t_low, block, out, edges):
-        rates, zeros = out.shape[1] == 6, np.zeros(BLOCK)
-        for b in range(len(constants)):
-            c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
-            first, end = edges[b, 0], edges[b, 1]
-            if c.form != form:
-                continue
-            if _is_beyond(c, t, t_low, k, first, end):
-                return b
-            again = epochs_again(out, end - first) if rates else 0
-            for start in range(first, end, BLOCK - again):
-                stop = min(start + BLOCK - again, end)
-                head = max(start - again, first)
-                n = stop - head
-                times, low = t[k, head:stop], _lows(t_low, zeros, k, head, stop)
-                fill_block(c, d, times, low, block)
-                by_series = len(short) > 0 and any_near(times, short[b].reach)
-                if by_series or rates:
-                    fill_attitudes(c, n, block)
-                if rates:
-                    fill_rates(c, d, n, block)
-                _store_covariances(
-                    c, d, short, b, by_series, block, (first, start, stop, end), again, out
-                )
-        finish_stores()
-        return -1
-
-    return slowly_compiled(named(loop, name))
-
-
-trigonometric_covariance = _covariances_of(
-    "trigonometric_covariance",
-    codes.TRIGONOMETRIC,
-    trigonometric_block,
-    trigonometric_attitudes_block,
-    trigonometric_rates_block,
-)
-hyperbolic_covariance = _covariances_of(
-    "hyperbolic_covariance",
-    codes.HYPERBOLIC,
-    hyperbolic_block,
-    hyperbolic_attitudes_block,
-    hyperbolic_rates_block,
-)
-
-
-@force_inlined
-def _store_covariances(c, d, short, b, near, block, spans, again, out):
-    """Store the covariances of a block of a motion that tumbles, whose tangents are filled."""
-    o, length, flat = b if len(out) > 1 else 0, out.shape[3], out.reshape(out.size)
-    first, start, stop, _ = spans
-    if not near and out.shape[1] == 3:
-        n = stop - start
-        whole = n - n % 8
-        places, streams = places_of_rows(9 * o * length + start, length), has_whole_lines(out)
-        sums_of_columns(c, d, block, 0, whole, places, flat, streams)
-        if whole < n:
-            sums_of_columns(c, d, block, whole, n, places_of_sums(), block, False)
-            copy_sums(block, o, whole, start + whole, stop, out)
-        return
-    n = stop - max(start - again, first)
-    _sum(c, d, short, b, near, block, n, out.shape[1] == 6)
-    keep_near_sums(n, block)
-    sums_of_columns(c, d, block, 0, n, places_of_sums(), block, False)
-    if near:
-        use_near_sums(n, short[b].reach, block)
-    if again:
-        stream_sums(block, o, spans, out)
-    else:
-        copy_sums(block, o, 0, start, stop, out)
-
-
-@force_inlined
-def _sum(c, d, short, b, near, block, n, rates):
-    """Sum the products of the columns of a block of a motion that tumbles, for n epochs."""
+def _sum(attitude_column, rate_column, filled, rates):
+    """Sum the products of the columns of a block."""
+    c, d, short, b, near, block, n = filled
     start_sums(n, 21 if rates else 6, block)
     x, y, z = found_rows(block, n)
     for j in range(COLUMNS):
-        attitude_column(d, j, block, x, y, z)
+        attitude_column(c, d, j, block, x, y, z)
         if near:
             near_column(d, short, b, j, block, x, y, z)
         add_products(n, block)
@@ -503,40 +422,33 @@ def _sum(c, d, short, b, near, block, n, rates):
             keep_turn(n, block)
             rate_column(c, d, j, block, x, y, z)
             if near:
-                near_rate_column(short, b, j, block, x, y, z)
+                near_rate_column(d, short, b, j, block, x, y, z)
             add_products_of_rates(n, block)
 
 
-@slowly_compiled
-def uniform_covariance(constants, tangents, short, t, t_low, block, out, edges):
-    """Fill the covariances of motions of the uniform form; see the module docstring."""
-    rates, zeros = out.shape[1] == 6, np.zeros(BLOCK)
-    for b in range(len(constants)):
-        c, d, k = constants[b], tangents[b], b if len(t) > 1 else 0
-        o = b if len(out) > 1 else 0
-        first, end = edges[b, 0], edges[b, 1]
-        if c.form != codes.UNIFORM:
-            continue
-        if _is_beyond(c, t, t_low, k, first, end):
-            return b
-        for start in range(first, end, BLOCK):
-            stop = min(start + BLOCK, end)
-            n = stop - start
-            times, low = t[k, start:stop], _lows(t_low, zeros, k, start, stop)
-            uniform_block(c, d, times, low, block)
-            by_series = len(short) > 0 and any_near(times, short[b].reach)
-            start_sums(n, 21 if rates else 6, block)
-            x, y, z = found_rows(block, n)
-            for j in range(COLUMNS):
-                uniform_column(d, j, block, x, y, z)
-                if by_series:
-                    near_column(d, short, b, j, block, x, y, z)
-                add_products(n, block)
-                if rates:
-                    keep_turn(n, block)
-                    uniform_rate_column(d, j, block, x, y, z)
-                    if by_series:
-                        near_rate_column(short, b, j, block, x, y, z)
-                    add_products_of_rates(n, block)
-            copy_sums(block, o, 0, start, stop, out)
-    return -1
+_OF_UNIFORM = uniform_column, uniform_rate_column
+_OF_TUMBLING = attitude_column, rate_column
+_store_columns = _storing_columns("_store_columns", *_OF_TUMBLING, True)
+_store_uniform = _storing_columns("_store_uniform", *_OF_UNIFORM, False)
+_store_sums = _storing_sums("_store_sums", *_OF_TUMBLING, True)
+_store_uniform_sums = _storing_sums("_store_uniform_sums", *_OF_UNIFORM, False)
+
+_UNIFORM = codes.UNIFORM, uniform_block, no_fill, no_fill
+_TRIGONOMETRIC = (
+    *(codes.TRIGONOMETRIC, trigonometric_block),
+    *(trigonometric_attitudes_block, trigonometric_rates_block),
+)
+_HYPERBOLIC = (
+    *(codes.HYPERBOLIC, hyperbolic_block),
+    *(hyperbolic_attitudes_block, hyperbolic_rates_block),
+)
+_COLUMNS = _has_columns, epochs_again, _store_columns
+_SUMS = _has_sums, _again_for_sums, _store_sums
+uniform = _loop_of("uniform", *_UNIFORM, _has_columns, _never_again, _store_uniform)
+trigonometric = _loop_of("trigonometric", *_TRIGONOMETRIC, *_COLUMNS)
+hyperbolic = _loop_of("hyperbolic", *_HYPERBOLIC, *_COLUMNS)
+uniform_covariance = _loop_of(
+    "uniform_covariance", *_UNIFORM, _has_sums, _never_again, _store_uniform_sums
+)
+trigonometric_covariance = _loop_of("trigonometric_covariance", *_TRIGONOMETRIC, *_SUMS)
+hyperbolic_covariance = _loop_of("hyperbolic_covariance", *_HYPERBOLIC, *_SUMS)

@@ -691,7 +691,7 @@ def near_column(d, short, b, j, block, x, y, z):
 
 
 @force_inlined
-def near_rate_column(short, b, j, block, x, y, z):
+def near_rate_column(d, short, b, j, block, x, y, z):
     """Replace the change of the angular velocity at the epochs within reach."""
     for i in range(len(x)):
         t = block[SECONDS + i]

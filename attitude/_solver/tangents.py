@@ -260,7 +260,7 @@ def _higher(c, x):
 
 @elementwise
 @force_inlined
-def trigonometric_attitudes_block(c, n, block):
+def trigonometric_attitudes_block(c, d, n, block):
     """Fill the attitudes of a block after `trigonometric_block`, and the rows of no passage."""
     alpha, beta = (four(c.alpha[0]), four(c.alpha[1])), (four(c.beta[0]), four(c.beta[1]))
     frame = frame_of(c)
@@ -273,7 +273,7 @@ def trigonometric_attitudes_block(c, n, block):
 
 @elementwise
 @force_inlined
-def hyperbolic_attitudes_block(c, n, block):
+def hyperbolic_attitudes_block(c, d, n, block):
     """Fill the attitudes of a block after `hyperbolic_block`."""
     alpha, ratio = (four(c.alpha[0]), four(c.alpha[1])), c.beta[0, 0]
     frame, decay, nome = frame_of(c), c.decay, c.nome

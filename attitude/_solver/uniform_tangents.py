@@ -276,7 +276,7 @@ def _sum(u, k, j, first, swing, lift, seconds):
 
 @elementwise
 @force_inlined
-def uniform_column(d, j, block, x, y, z):
+def uniform_column(c, d, j, block, x, y, z):
     """Fill the change of attitude over inertial axes with parameter j (columns)."""
     u = d.uniform
     if d.beats[1, 0] != 0.0:
@@ -289,13 +289,13 @@ def uniform_column(d, j, block, x, y, z):
         cosine, sine = block[COSINE + i], block[SINE + i]
         a = fma(u[1, 0, j], seconds, u[0, 0, j])
         b = fma(u[1, 1, j], seconds, u[0, 1, j])
-        c = fma(u[1, 2, j], seconds, u[0, 2, j])
+        e = fma(u[1, 2, j], seconds, u[0, 2, j])
         a = fma(sine, _sum(u, 0, j, 6, swing, lift, seconds), a)
         b = fma(sine, _sum(u, 1, j, 6, swing, lift, seconds), b)
-        c = fma(sine, _sum(u, 2, j, 6, swing, lift, seconds), c)
+        e = fma(sine, _sum(u, 2, j, 6, swing, lift, seconds), e)
         x[i] = fma(cosine, _sum(u, 0, j, 2, swing, lift, seconds), a)
         y[i] = fma(cosine, _sum(u, 1, j, 2, swing, lift, seconds), b)
-        z[i] = fma(cosine, _sum(u, 2, j, 2, swing, lift, seconds), c)
+        z[i] = fma(cosine, _sum(u, 2, j, 2, swing, lift, seconds), e)
 
 
 @elementwise
@@ -312,7 +312,7 @@ def _beat_row(u, k, j, block, x):
 
 @elementwise
 @force_inlined
-def uniform_rate_column(d, j, block, x, y, z):
+def uniform_rate_column(c, d, j, block, x, y, z):
     """Fill the change of the angular velocity, rad/s over the given body axes."""
     u = d.uniform_rates
     for i in range(len(x)):
