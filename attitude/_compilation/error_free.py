@@ -87,11 +87,11 @@ def _two_product(builder, a, b):
     26 bits, and their products 53.
     """
     product = builder.fmul(a, b)
-    integers = _like(a.type, _INTEGER)
-    masked = builder.and_(builder.bitcast(a, integers), _constant(integers, -(1 << 27)))
+    integers = like(a.type, _INTEGER)
+    masked = builder.and_(builder.bitcast(a, integers), constant(integers, -(1 << 27)))
     a_high = builder.bitcast(masked, a.type)
     a_low = builder.fsub(a, a_high)
-    scaled = builder.fmul(b, _constant(b.type, 134217729.0))  # 2^27 + 1
+    scaled = builder.fmul(b, constant(b.type, 134217729.0))  # 2^27 + 1
     b_high = builder.fsub(scaled, builder.fsub(scaled, b))
     b_low = builder.fsub(b, b_high)
     error = builder.fsub(builder.fmul(a_high, b_high), product)
@@ -155,10 +155,11 @@ def _magnitude(builder, x):
     return builder.call(builder.module.declare_intrinsic("llvm.fabs", [_DOUBLE], kind), [x])
 
 
-def _like(kind, element):
+def like(kind: Any, element: Any) -> Any:
     """The type of the elements, in a vector as long as that of another type, if it is one."""
     return ir.VectorType(element, kind.count) if isinstance(kind, ir.VectorType) else element
 
 
-def _constant(kind, value):
+def constant(kind: Any, value: float) -> Any:
+    """A number, in each lane of a vector if the type is one."""
     return ir.Constant(kind, [value] * kind.count if isinstance(kind, ir.VectorType) else value)

@@ -17,10 +17,10 @@ from numba.core import cgutils
 from numba.extending import lower_builtin, models, register_model, type_callable
 
 from attitude._compilation import error_free, simd
-from attitude._compilation.error_free import is_instruction
+from attitude._compilation.error_free import constant, is_instruction, like
 
 _DOUBLE = ir.DoubleType()
-_INDEX = ir.IntType(32)
+_INDEX, _INTEGER = ir.IntType(32), ir.IntType(64)
 # LLVM has `llvm.experimental.vector.compress` from this version on.  An earlier one takes the name
 # for a function of another library, whose address is zero.
 _COMPRESSES = 19
@@ -50,20 +50,27 @@ def instruction(function: Callable[..., Any], kind: Any) -> Callable[..., Any]:
 
     A typer makes the type, or the signature, from the types of the arguments.
     """
-    typer: Any = kind if inspect.isfunction(kind) else lambda *arguments: kind
-    typer.pysig = inspect.signature(function)
+
+    def typer(*arguments: Any) -> Any:
+        return kind(*arguments) if inspect.isfunction(kind) else kind
+
+    typer.pysig = inspect.signature(function)  # type: ignore[attr-defined]
     type_callable(function)(lambda context: typer)
     return lower_builtin(function, types.VarArg(types.Any))
+
+
+def _vector_of(builder, kind, numbers):
+    vector = ir.Constant(kind.vector, ir.Undefined)
+    for k, number in enumerate(numbers):
+        vector = builder.insert_element(vector, number, _INDEX(k))
+    return vector
 
 
 @instruction(simd.lanes, lambda numbers: LanesType(len(numbers)))
 def _lanes(context, builder, signature, arguments):
     kind = signature.return_type
-    vector = ir.Constant(kind.vector, ir.Undefined)
-    for k in range(kind.count):
-        one = builder.extract_value(arguments[0], k)
-        vector = builder.insert_element(vector, one, _INDEX(k))
-    return vector
+    numbers = (builder.extract_value(arguments[0], k) for k in range(kind.count))
+    return _vector_of(builder, kind, numbers)
 
 
 @instruction(simd.doubles_of, lambda a: types.UniTuple(types.float64, a.count))
@@ -86,16 +93,15 @@ def _every_lane(context, builder, signature, arguments):
     return _spread(builder, signature.return_type, arguments[0])
 
 
-@instruction(simd.at_least, lambda a, least: a)
-def _at_least(context, builder, signature, arguments):
-    arguments = [_spread(builder, signature.return_type, operand) for operand in arguments]
-    return builder.select(builder.fcmp_ordered(">", *arguments), *arguments)
+def _register_bound(function, relation):
+    @instruction(function, lambda a, bound: a)
+    def bounded(context, builder, signature, arguments):
+        arguments = [_spread(builder, signature.return_type, operand) for operand in arguments]
+        return builder.select(builder.fcmp_ordered(relation, *arguments), *arguments)
 
 
-@instruction(simd.at_most, lambda a, most: a)
-def _at_most(context, builder, signature, arguments):
-    arguments = [_spread(builder, signature.return_type, operand) for operand in arguments]
-    return builder.select(builder.fcmp_ordered("<", *arguments), *arguments)
+_register_bound(simd.at_least, ">")
+_register_bound(simd.at_most, "<")
 
 
 @instruction(simd.chosen, lambda by, a, b: a)
@@ -120,7 +126,7 @@ def _packed(context, builder, signature, arguments):
     shape = ir.FunctionType(kind, [kind, mask.type, kind])
     name = f"llvm.experimental.vector.compress.v{kind.count}f64"
     function = builder.module.globals.get(name) or ir.Function(builder.module, shape, name)
-    return builder.call(function, [arguments[0], mask, ir.Constant(kind, [0.0] * kind.count)])
+    return builder.call(function, [arguments[0], mask, constant(kind, 0.0)])
 
 
 def _packed_one_by_one(builder, a, mask):
@@ -128,7 +134,7 @@ def _packed_one_by_one(builder, a, mask):
     count, place = a.type.count, ir.Constant(_INDEX, 0)
     memory = cgutils.alloca_once(builder, a.type)
     zero = ir.Constant(_DOUBLE, 0.0)
-    builder.store(ir.Constant(a.type, [0.0] * count), memory)
+    builder.store(constant(a.type, 0.0), memory)
     first = builder.bitcast(memory, _DOUBLE.as_pointer())
     for k in range(count):
         kept = builder.extract_element(mask, _INDEX(k))
@@ -139,12 +145,8 @@ def _packed_one_by_one(builder, a, mask):
 
 
 @instruction(simd.summed_up, lambda a: types.float64)
-def _summed_up(context, builder, signature, arguments):
-    return builder.extract_element(_added(builder, arguments[0], 1), _INDEX(0))
-
-
 @instruction(simd.summed_for_each, lambda a, like: like(a, like))
-def _summed_for_each(context, builder, signature, arguments):
+def _summed(context, builder, signature, arguments):
     kind = signature.return_type
     if isinstance(kind, LanesType):
         return _added(builder, arguments[0], kind.count)
@@ -169,11 +171,9 @@ def _added(builder, left, count):
 )
 def _for_each(context, builder, signature, arguments):
     kind = signature.return_type
-    vector, count = ir.Constant(kind.vector, ir.Undefined), kind.count // len(signature.args[0])
-    for k in range(kind.count):
-        one = builder.extract_value(arguments[0], k // count)
-        vector = builder.insert_element(vector, one, _INDEX(k))
-    return vector
+    count = kind.count // len(signature.args[0])
+    numbers = (builder.extract_value(arguments[0], k // count) for k in range(kind.count))
+    return _vector_of(builder, kind, numbers)
 
 
 @instruction(simd.largest_lane, lambda a: types.float64)
@@ -190,11 +190,11 @@ def _largest(context, builder, signature, arguments):
 @instruction(simd.positive_bits, lambda a: types.int64)
 def _positive(context, builder, signature, arguments):
     above = builder.bitcast(_above_zero(builder, arguments[0]), ir.IntType(signature.args[0].count))
-    return builder.zext(above, ir.IntType(64))
+    return builder.zext(above, _INTEGER)
 
 
 def _above_zero(builder, x):
-    return builder.fcmp_ordered(">", x, ir.Constant(x.type, [0.0] * x.type.count))
+    return builder.fcmp_ordered(">", x, constant(x.type, 0.0))
 
 
 def fused(builder: Any, kind: LanesType, arguments: Sequence[Any]) -> Any:
@@ -285,10 +285,15 @@ def _negative(context, builder, signature, arguments):
 def _register_read(function, count):
     @instruction(function, lambda array, i: LanesType(count) if array.is_contig else None)
     def read(context, builder, signature, arguments):
-        kind = signature.return_type
-        data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
-        first = builder.gep(data, [arguments[1]])
-        return builder.load(builder.bitcast(first, kind.vector.as_pointer()), align=8)
+        vector = signature.return_type.vector
+        place = _place(context, builder, signature.args[0], *arguments, vector)
+        return builder.load(place, align=8)
+
+
+def _place(context, builder, kind, array, i, vector):
+    """A pointer to the vector that starts at array[i]."""
+    data = context.make_array(kind)(context, builder, array).data
+    return builder.bitcast(builder.gep(data, [i]), vector.as_pointer())
 
 
 _register_read(simd.four, 4)
@@ -296,31 +301,26 @@ _register_read(simd.eight, 8)
 _register_read(simd.sixteen, 16)
 
 
-@instruction(
-    simd.put_eight,
-    lambda array, i, a: types.void(array, types.intp, a) if array.is_contig else None,
-)
+def _put_type(array, i, *vectors):
+    return types.void(array, types.intp, *vectors) if array.is_contig else None
+
+
+@instruction(simd.put_eight, _put_type)
 def _put_eight(context, builder, signature, arguments):
-    data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
-    pointer = builder.gep(data, [arguments[1]])
-    numbers = arguments[2]
-    builder.store(numbers, builder.bitcast(pointer, numbers.type.as_pointer()), align=8)
+    array, i, numbers = arguments
+    place = _place(context, builder, signature.args[0], array, i, numbers.type)
+    builder.store(numbers, place, align=8)
     return context.get_dummy_value()
 
 
-@instruction(
-    simd.add_in_columns,
-    lambda array, i, rows, amounts: (
-        types.void(array, types.intp, rows, amounts) if array.is_contig else None
-    ),
-)
+@instruction(simd.add_in_columns, _put_type)
 def _add_in_columns(context, builder, signature, arguments):
     data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
     count = signature.args[2].count
     numbers = [builder.fptosi(operand, ir.VectorType(_INDEX, count)) for operand in arguments[2:]]
     for k in range(count):
         row, amount = (builder.extract_element(vector, _INDEX(k)) for vector in numbers)
-        row = builder.zext(builder.mul(row, _INDEX(count)), ir.IntType(64))
+        row = builder.zext(builder.mul(row, _INDEX(count)), _INTEGER)
         pointer = builder.gep(data, [builder.add(arguments[1], row)])
         pointer = builder.gep(pointer, [_INDEX(k)])
         amount = builder.trunc(amount, ir.IntType(8))
@@ -345,31 +345,29 @@ def _truncated(context, builder, signature, arguments):
 def _nearest_eighth(context, builder, signature, arguments):
     kind = signature.return_type
     total = _in_low_bits(builder, kind, arguments[0], _EIGHTHS)
-    return _fenced(builder, kind, builder.fsub(total, _all(kind, _EIGHTHS)))
+    return _fenced(builder, kind, builder.fsub(total, constant(kind.vector, _EIGHTHS)))
 
 
 @instruction(simd.inverse_power, lambda a: a)
 def _inverse_power(context, builder, signature, arguments):
     kind = signature.return_type
-    integers = ir.VectorType(ir.IntType(64), kind.count)
+    integers = like(kind.vector, _INTEGER)
     low = builder.bitcast(_in_low_bits(builder, kind, arguments[0], _EIGHTHS), integers)
-    place = builder.and_(low, ir.Constant(integers, [7] * kind.count))
+    place = builder.and_(low, constant(integers, 7))
     table = ir.Constant(ir.VectorType(_DOUBLE, 8), [2.0 ** (-k / 8.0) for k in range(8)])
-    power = ir.Constant(kind.vector, ir.Undefined)
     # LLVM makes one permutation of eight such lanes where the processor has it.
-    for k in range(kind.count):
-        one = builder.extract_element(table, builder.extract_element(place, _INDEX(k)))
-        power = builder.insert_element(power, one, _INDEX(k))
-    whole = builder.shl(builder.sub(low, place), ir.Constant(integers, [49] * kind.count))
+    places = (builder.extract_element(place, _INDEX(k)) for k in range(kind.count))
+    power = _vector_of(builder, kind, (builder.extract_element(table, k) for k in places))
+    whole = builder.shl(builder.sub(low, place), constant(integers, 49))
     return builder.bitcast(builder.sub(builder.bitcast(power, integers), whole), kind.vector)
 
 
 @instruction(simd.halved, lambda a, times: a)
 def _halved(context, builder, signature, arguments):
     kind = signature.return_type
-    integers = ir.VectorType(ir.IntType(64), kind.count)
+    integers = like(kind.vector, _INTEGER)
     times = builder.bitcast(_in_low_bits(builder, kind, arguments[1], _WHOLE), integers)
-    shifted = builder.shl(times, ir.Constant(integers, [52] * kind.count))
+    shifted = builder.shl(times, constant(integers, 52))
     bits = builder.sub(builder.bitcast(arguments[0], integers), shifted)
     return builder.bitcast(bits, kind.vector)
 
@@ -377,17 +375,17 @@ def _halved(context, builder, signature, arguments):
 @instruction(simd.exponent, lambda a: a)
 def _exponent(context, builder, signature, arguments):
     kind = signature.return_type
-    integers = ir.VectorType(ir.IntType(64), kind.count)
+    integers = like(kind.vector, _INTEGER)
     # the bits of 3/4, by which the exponents of 3/4 to 3/2 become zero
-    first = ir.Constant(integers, [0x3FE8 << 48] * kind.count)
+    first = constant(integers, 0x3FE8 << 48)
     above = builder.sub(builder.bitcast(arguments[0], integers), first)
-    shifted = builder.ashr(above, ir.Constant(integers, [52] * kind.count))
+    shifted = builder.ashr(above, constant(integers, 52))
     return builder.sitofp(shifted, kind.vector)
 
 
 def _in_low_bits(builder, kind, a, number):
     """The sum with a number that rounds to a multiple of a power of two in the low bits."""
-    return _fenced(builder, kind, builder.fadd(a, _all(kind, number)))
+    return _fenced(builder, kind, builder.fadd(a, constant(kind.vector, number)))
 
 
 def _fenced(builder, kind, a):
@@ -396,13 +394,9 @@ def _fenced(builder, kind, a):
     return builder.call(function_named(builder, name, kind.vector, 1), [a])
 
 
-def _all(kind, number):
-    return ir.Constant(kind.vector, [number] * kind.count)
-
-
 # ---- Stores past the caches
 
-_INTEGER, _LINE = ir.IntType(64), ir.VectorType(ir.DoubleType(), simd.LINE)
+_LINE = ir.VectorType(_DOUBLE, simd.LINE)
 
 
 @instruction(simd.past_line, lambda array: types.intp(array) if array.is_contig else None)
@@ -420,30 +414,22 @@ def _copy_line_type(source, i, target, j):
 
 @instruction(simd.copy_line, _copy_line_type)
 def _copy_line(context, builder, signature, arguments):
-    places = []
-    for k in (0, 2):
-        data = context.make_array(signature.args[k])(context, builder, arguments[k]).data
-        place = builder.gep(data, [arguments[k + 1]])
-        places.append(builder.bitcast(place, _LINE.as_pointer()))
-    source, target = places
+    source, target = (
+        _place(context, builder, signature.args[k], *arguments[k : k + 2], _LINE) for k in (0, 2)
+    )
     _store_line(builder, builder.load(source, align=8), target)
     return context.get_dummy_value()
 
 
 def _store_line(builder, line, target):
     stored = builder.store(line, target, align=8 * simd.LINE)
-    stored.set_metadata("nontemporal", builder.module.add_metadata([ir.IntType(32)(1)]))
+    stored.set_metadata("nontemporal", builder.module.add_metadata([_INDEX(1)]))
 
 
-@instruction(
-    simd.put_line,
-    lambda array, i, a: types.void(array, types.intp, a) if array.is_contig else None,
-)
+@instruction(simd.put_line, _put_type)
 def _put_line(context, builder, signature, arguments):
     array, i, line = arguments
-    data = context.make_array(signature.args[0])(context, builder, array).data
-    place = builder.bitcast(builder.gep(data, [i]), _LINE.as_pointer())
-    _store_line(builder, line, place)
+    _store_line(builder, line, _place(context, builder, signature.args[0], array, i, _LINE))
     return context.get_dummy_value()
 
 
