@@ -19,7 +19,7 @@ from attitude._compilation.decorators import entry_point, force_inlined, subrout
 from attitude._compilation.pointers import scratch
 from attitude._compilation.simd import doubles_of, lanes, positive_bits
 from attitude._solver import march_layout as layout
-from attitude._solver.step import BOTH, advance_two, gains, kicked, loaded, stored
+from attitude._solver.step import BOTH, advance_two, gains, kicked, loaded, put_motion, stored
 from attitude._solver.torqued_step import (
     FASTEST,
     accelerations_by,
@@ -86,23 +86,17 @@ def two_steps(
         if fraction != 0.0:
             if linear and not is_short(body, longest):
                 return states, (False, one), ONE_BY_ONE, 0.0
-            q, w = _at(state, 0)
-            when = times[0][1] if j == last else times[0][0] + done * lengths[0]
             if not known:
-                set_input(body, (q, w, q, w), work, 0.0, 0.0, 0.0)
-                torque = torque_of(torques, when, samples[0] + j * row, work, False)
-                if not is_finite(torque):
+                when = times[0][1] if j == last else times[0][0] + done * lengths[0]
+                one, well = _accelerated(body, torques, state, 0, when, samples[0] + j * row, work)
+                if not well:
                     return states, (False, one), layout.BAD_TORQUE, when
-                one = accelerations_by(body, torque)
             two = one
             if second == OTHER or (second == SAME_START and j > 0):
                 when = times[1][1] if j == last else times[1][0] + done * lengths[1]
-                q, w = _at(state, 1)
-                set_input(body, (q, w, q, w), work, 0.0, 0.0, 0.0)
-                torque = torque_of(torques, when, samples[1] + j * row, work, False)
-                if not is_finite(torque):
+                two, well = _accelerated(body, torques, state, 1, when, samples[1] + j * row, work)
+                if not well:
                     return states, (False, one), layout.BAD_TORQUE, when
-                two = accelerations_by(body, torque)
             both, size = _pair_of_three(one, two), abs(fraction) * longest
             if linear:
                 both = gained_by(body[5], both, state[1])
@@ -159,9 +153,12 @@ def _four_of(a, k):
 
 
 @subroutine
-def _at(state, k):
-    """The attitude and the angular velocity in lane k of a state."""
-    return _four_of(state[0], k), _three_of(state[1], k)
+def _accelerated(body, torques, state, k, when, samples, work):
+    """The acceleration in lane k of a state by torques that are not LINEAR; whether finite."""
+    q, w = _four_of(state[0], k), _three_of(state[1], k)
+    set_input(body, (q, w, q, w), work, 0.0, 0.0, 0.0)
+    torque = torque_of(torques, when, samples, work, False)
+    return accelerations_by(body, torque), is_finite(torque)
 
 
 @subroutine
@@ -345,18 +342,18 @@ def _judged(clock, counts, error, h, length, order, longest):
     longest   s, to which the step may grow
     """
     tolerance = clock[layout.TOLERANCE]
-    if error <= tolerance < _same(order) * error and abs(h) <= abs(length):
+    accepted = error <= tolerance
+    if accepted:
         counts[layout.REFUSALS] = 0
         counts[layout.TAKEN] += 1
+    if accepted and tolerance < _same(order) * error and abs(h) <= abs(length):
         return length, True
     ratio = math.pow(tolerance / max(error, 1e-300), 1.0 / (order + 1.0))
     factor = min(max(_SAFETY * ratio, _SHRINK), _GROW)
-    if not error <= tolerance:
+    if not accepted:
         counts[layout.REFUSALS] += 1
         # an error of NaN has no factor
         return (h * factor if factor < 1.0 else h * _SHRINK), False
-    counts[layout.REFUSALS] = 0
-    counts[layout.TAKEN] += 1
     longer = min(abs(h) * factor, longest)
     if longer > _WORTH_GROWING * abs(length):
         length = math.copysign(longer, h)
@@ -407,11 +404,7 @@ def between(c, scheme, models, states, times, place, parts, within, out):
             )
             if fault != layout.FINE:
                 return fault, when, turn
-        q, w, _, _ = state
-        for k in range(4):
-            out[i, k] = q[k]
-        for k in range(3):
-            out[i, 4 + k] = w[k]
+        put_motion(state, out[i])
     return layout.FINE, 0.0, 0.0
 
 

@@ -5,10 +5,10 @@
 
 from __future__ import annotations
 
-from attitude._compilation.decorators import entry_point, sized_entry_point
+from attitude._compilation.decorators import entry_point, force_inlined, sized_entry_point
 from attitude._compilation.pointers import scratch
 from attitude._solver import march_layout as layout
-from attitude._solver.step import gains, loaded, stored
+from attitude._solver.step import gains, loaded, put_motion, stored
 from attitude._solver.torqued_step import (
     accelerations_of,
     body_of,
@@ -78,38 +78,53 @@ def revisit(c, scheme, models, states, starts, h, place, steps, parts, given, wi
     work, row = scratch(), layout.ENTRY_BYTES * given.shape[2]
     samples, inner = given.ctypes.data, within.ctypes.data
     body, plan, torques = body_of(c), (scheme.ctypes.data, n), torques_of(models)
-    at, done = -1, 0
-    now = kept = loaded(states[0])
-    i = 0
-    while i < len(place):
-        if place[i] != at:
-            at, done = place[i], 0
-            now = loaded(states[at])
-        # whole steps, then a part of one from the state after them: one call, compiled once
-        t = (starts[at] + done) * h
-        last = done == steps[i]
-        if last:
+    first = last = 0
+    while first < len(place):
+        at = place[first]
+        while last < len(place) and place[last] == at:
+            last += 1
+        kicks_of = samples + at * given.shape[1] * row, inner + first * (n + 1) * row, row, work
+        _, fault, when, turn = _walked(
+            *(body, plan, torques, loaded(states[at]), starts[at], h, 0, kicks_of),
+            *(steps[first:last], parts[first:last], out[first:last]),
+        )
+        if fault != layout.FINE:
+            return fault, when, turn
+        first = last
+    return layout.FINE, 0.0, 0.0
+
+
+@force_inlined
+def _walked(body, plan, torques, now, start, h, steps, kicks_of, number, parts, out):
+    """The state after `steps` steps, and what `march` returns; fills out as `march_members`.
+
+    kicks_of   addresses of the samples of whole steps and of parts, bytes of a row, and `scratch`
+    """
+    n, kept = plan[1], now
+    samples, inner, row, work = kicks_of
+    step, i, follows = 0, 0, False
+    while step < steps or i < len(number):
+        # a whole step, or a part of one to an epoch: one call, compiled once
+        t = (start + step) * h
+        sampled = i < len(number) and number[i] == step
+        if sampled:
             kept, first, length = now, inner + i * (n + 1) * row, parts[i]
-            end = t + length
+            end, follows = t + length, False
         else:
-            first, length = samples + (at * given.shape[1] + done * n) * row, h
-            end = (starts[at] + (done + 1)) * h
-        if not last or length != 0.0:
+            first, length = samples + step * n * row, h
+            end = (start + (step + 1)) * h
+        if not sampled or length != 0.0:
             now, fault, when, turn = torqued_step(
-                body, plan, torques, now, t, end, length, first, row, work, False
+                body, plan, torques, now, t, end, length, first, row, work, follows
             )
             if fault != layout.FINE:
-                return fault, when, turn
-        if last:
-            q, w, _, _ = now
-            for k in range(4):
-                out[i, k] = q[k]
-            for k in range(3):
-                out[i, 4 + k] = w[k]
+                return now, fault, when, turn
+        if sampled:
+            put_motion(now, out[i])
             now, i = kept, i + 1
         else:
-            done += 1
-    return layout.FINE, 0.0, 0.0
+            step, follows = step + 1, True
+    return now, layout.FINE, 0.0, 0.0
 
 
 @entry_point
@@ -198,37 +213,16 @@ def march_members(c, scheme, models, states, start, h, steps, number, parts, giv
         FINE, BAD_TORQUE or TOO_LONG; the seconds at which; for TOO_LONG the angle turned between
         torques over the step, rad/s; and the member
     """
-    n = scheme.shape[1] - 1
     work, row = scratch(), layout.ENTRY_BYTES * given.shape[1]
-    samples, inner, plan = given.ctypes.data, within.ctypes.data, (scheme.ctypes.data, n)
+    plan = scheme.ctypes.data, scheme.shape[1] - 1
+    kicks_of = given.ctypes.data, within.ctypes.data, row, work
     for m in range(len(states)):
         body, torques = body_of(c[m if len(c) > 1 else 0]), torques_of(models[m % len(models)])
-        now = kept = loaded(states[m])
-        step, i, follows = 0, 0, False
-        while step < steps or i < len(number):
-            # a whole step, or a part of one to an epoch: one call, compiled once
-            t = (start + step) * h
-            sampled = i < len(number) and number[i] == step
-            if sampled:
-                kept, first, length = now, inner + i * (n + 1) * row, parts[i]
-                end, follows = t + length, False
-            else:
-                first, length = samples + step * n * row, h
-                end = (start + (step + 1)) * h
-            if not sampled or length != 0.0:
-                now, fault, when, turn = torqued_step(
-                    body, plan, torques, now, t, end, length, first, row, work, follows
-                )
-                if fault != layout.FINE:
-                    return fault, when, turn, m
-            if sampled:
-                q, w, _, _ = now
-                for k in range(4):
-                    out[m, i, k] = q[k]
-                for k in range(3):
-                    out[m, i, 4 + k] = w[k]
-                now, i = kept, i + 1
-            else:
-                step, follows = step + 1, True
+        now, fault, when, turn = _walked(
+            *(body, plan, torques, loaded(states[m]), start, h, steps, kicks_of),
+            *(number, parts, out[m]),
+        )
+        if fault != layout.FINE:
+            return fault, when, turn, m
         stored(now, states[m])
     return layout.FINE, 0.0, 0.0, 0

@@ -37,8 +37,7 @@ MODEL_BYTES: Final = ENTRY_BYTES * MODEL_ENTRIES
 # State: 14 doubles, over the principal axes in ascending order.
 WXYZ: Final = slice(0, 4)
 OMEGA: Final = slice(4, 7)  # rad/s
-WXYZ_LOW: Final = slice(7, 11)  # what the doubles of WXYZ leave out
-OMEGA_LOW: Final = slice(11, 14)
+OMEGA_LOW: Final = slice(11, 14)  # what the doubles of OMEGA leave out, after that of WXYZ
 STATE_ENTRIES: Final = 14
 
 # Scratch memory of the torques: 13 of the 16 doubles of `pointers.scratch`.

@@ -86,6 +86,16 @@ def stored(state, row):
         row[4 + n], row[11 + n] = w[n], w_low[n]
 
 
+@subroutine
+def put_motion(state, row):
+    """Attitude and angular velocity of a state into a row of 7."""
+    q, w, _, _ = state
+    for k in range(4):
+        row[k] = q[k]
+    for k in range(3):
+        row[4 + k] = w[k]
+
+
 @force_inlined
 def moved_by(state, by):
     """A state plus an increment."""
