@@ -12,7 +12,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from attitude._compilation.decorators import quickly_compiled, sized_entry_point, subroutine
+from attitude._compilation.decorators import (
+    force_inlined,
+    named,
+    quickly_compiled,
+    sized_entry_point,
+    subroutine,
+)
 from attitude._solver.kernel import product
 
 if TYPE_CHECKING:
@@ -50,39 +56,47 @@ def quaternion_of(r, wxyz):
     wxyz[0], wxyz[1], wxyz[2], wxyz[3] = w / size, x / size, y / size, z / size
 
 
+@force_inlined
+def _one(a, k):
+    """The number of all epochs."""
+    return a
+
+
+@force_inlined
+def _each(a, k):
+    """The number of epoch k."""
+    return a[k]
+
+
 def to_body(wxyz: FloatArray, vectors: FloatArray, out: FloatArray) -> None:
     """Fill components over the body axes (3, N) of inertial vectors (3, 1 or N): out = q* v q."""
     # Two loops, of which a scene mostly compiles one.
     if vectors.shape[1] == 1:
         _one_to_body(wxyz, vectors[0, 0], vectors[1, 0], vectors[2, 0], out)
     else:
-        _each_to_body(wxyz, vectors, out)
+        _each_to_body(wxyz, vectors[0], vectors[1], vectors[2], out)
 
 
-@quickly_compiled
-def _one_to_body(wxyz, a, b, c, out):
-    for k in range(wxyz.shape[1]):
-        w, x, y, z = wxyz[0, k], wxyz[1, k], wxyz[2, k], wxyz[3, k]
-        # v - 2 w (u x v) + 2 u x (u x v), u being the vector part of q
-        d = 2.0 * (y * c - z * b)
-        e = 2.0 * (z * a - x * c)
-        f = 2.0 * (x * b - y * a)
-        out[0, k] = a - w * d + (y * f - z * e)
-        out[1, k] = b - w * e + (z * d - x * f)
-        out[2, k] = c - w * f + (x * e - y * d)
+def _to_body_of(name, number):
+    """The loop over attitudes (4, N), of one vector or of each."""
+
+    def loop(wxyz, p, q, r, out):
+        for k in range(wxyz.shape[1]):
+            w, x, y, z = wxyz[0, k], wxyz[1, k], wxyz[2, k], wxyz[3, k]
+            a, b, c = number(p, k), number(q, k), number(r, k)
+            # v - 2 w (u x v) + 2 u x (u x v), u being the vector part of q
+            d = 2.0 * (y * c - z * b)
+            e = 2.0 * (z * a - x * c)
+            f = 2.0 * (x * b - y * a)
+            out[0, k] = a - w * d + (y * f - z * e)
+            out[1, k] = b - w * e + (z * d - x * f)
+            out[2, k] = c - w * f + (x * e - y * d)
+
+    return quickly_compiled(named(loop, name))
 
 
-@quickly_compiled
-def _each_to_body(wxyz, vectors, out):
-    for k in range(wxyz.shape[1]):
-        w, x, y, z = wxyz[0, k], wxyz[1, k], wxyz[2, k], wxyz[3, k]
-        a, b, c = vectors[0, k], vectors[1, k], vectors[2, k]
-        d = 2.0 * (y * c - z * b)
-        e = 2.0 * (z * a - x * c)
-        f = 2.0 * (x * b - y * a)
-        out[0, k] = a - w * d + (y * f - z * e)
-        out[1, k] = b - w * e + (z * d - x * f)
-        out[2, k] = c - w * f + (x * e - y * d)
+_one_to_body = _to_body_of("_one_to_body", _one)
+_each_to_body = _to_body_of("_each_to_body", _each)
 
 
 def separation(
@@ -112,24 +126,22 @@ def separation(
     return angle
 
 
-@quickly_compiled
-def _from_one(ax, ay, az, bx, by, bz, near, far):
-    """Fill |a - b| and |a + b| for one vector b."""
-    for k in range(near.size):
-        x, y, z = ax[k] - bx, ay[k] - by, az[k] - bz
-        near[k] = math.sqrt(x * x + y * y + z * z)
-        x, y, z = ax[k] + bx, ay[k] + by, az[k] + bz
-        far[k] = math.sqrt(x * x + y * y + z * z)
+def _distances_from(name, number):
+    """The loop that fills |a - b| and |a + b|, of one vector b or of each."""
+
+    def loop(ax, ay, az, bx, by, bz, near, far):
+        for k in range(near.size):
+            p, q, r = number(bx, k), number(by, k), number(bz, k)
+            x, y, z = ax[k] - p, ay[k] - q, az[k] - r
+            near[k] = math.sqrt(x * x + y * y + z * z)
+            x, y, z = ax[k] + p, ay[k] + q, az[k] + r
+            far[k] = math.sqrt(x * x + y * y + z * z)
+
+    return quickly_compiled(named(loop, name))
 
 
-@quickly_compiled
-def _from_each(ax, ay, az, bx, by, bz, near, far):
-    """Fill |a - b| and |a + b|."""
-    for k in range(near.size):
-        x, y, z = ax[k] - bx[k], ay[k] - by[k], az[k] - bz[k]
-        near[k] = math.sqrt(x * x + y * y + z * z)
-        x, y, z = ax[k] + bx[k], ay[k] + by[k], az[k] + bz[k]
-        far[k] = math.sqrt(x * x + y * y + z * z)
+_from_one = _distances_from("_from_one", _one)
+_from_each = _distances_from("_from_each", _each)
 
 
 # ---- Attitudes and rates of bodies from pole and angles of labelled axes, as papers give them
