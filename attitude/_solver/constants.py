@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude._compilation.decorators import sized_entry_point, subroutine
+from attitude._compilation.decorators import named, sized_entry_point, subroutine
 from attitude._compilation.instructions import larger
 from attitude._solver import codes
 from attitude._solver.elliptic import complete_and_phase, quarter_and_fraction
@@ -418,41 +418,23 @@ COS_ODD = np.array(
 )
 
 
-@sized_entry_point
-def trigonometric_all(constants):
-    """Fill the series of alpha and beta, and q_int(0), of the trigonometric ones of B motions."""
-    for b in range(len(constants)):
-        c = constants[b]
-        if c.fault == codes.FINE and c.form == codes.TRIGONOMETRIC:
-            _trigonometric_series(c, c.alpha, c.beta)
-            _trigonometric_start(c)
-
-
-@sized_entry_point
-def hyperbolic_all(constants):
-    """Fill the series of alpha and beta, and q_int(0), of the hyperbolic ones of B motions."""
-    for b in range(len(constants)):
-        c = constants[b]
-        if c.fault == codes.FINE and c.form == codes.HYPERBOLIC:
-            _hyperbolic_series(c, c.alpha)
-            _hyperbolic_start(c)
+@subroutine
+def ellipticity_of(c):
+    """X = exp(-2 delta), 1 - X and P = Q exp(2 delta) of the trigonometric form."""
+    if c.stretch == math.inf:  # symmetric
+        return 0.0, 1.0, 0.0
+    double_delta = 0.5 * math.pi * c.stretch * c.fraction
+    x, one_minus_x = math.exp(-double_delta), -math.expm1(-double_delta)
+    return x, one_minus_x, math.exp(double_delta - math.pi * c.stretch)
 
 
 @subroutine
-def _trigonometric_series(c, alpha, beta):
-    """Theta functions of nome Q by X = exp(-2 delta) and P = Q exp(2 delta): every term is a
-    product of numbers of at most 1, also for a symmetric body, whose delta is infinite and whose Q
-    is 0.
+def _trigonometric_series(c):
+    """Theta functions of nome Q by X and P: every term is a product of numbers of at most 1, also
+    for a symmetric body, whose delta is infinite and whose Q is 0.
     """
-    if c.stretch < math.inf:
-        double_delta = 0.5 * math.pi * c.stretch * c.fraction
-        x = math.exp(-double_delta)
-        one_minus_x = -math.expm1(-double_delta)
-        nome = math.exp(-math.pi * c.stretch)
-        p = math.exp(double_delta - math.pi * c.stretch)
-    else:  # symmetric
-        x, one_minus_x, nome, p = 0.0, 1.0, 0.0, 0.0
-    c.nome = nome
+    alpha, beta, (x, one_minus_x, p) = c.alpha, c.beta, ellipticity_of(c)
+    c.nome = nome = math.exp(-math.pi * c.stretch)
     # Term by term: P^n Q^(n(n-1)), P^n Q^(n^2), X^(2n), and 1 - X^(2n), 1 - X^(2n+1) without the
     # cancellation at small delta (a needle's).
     outer = inner = even_x = sign = 1.0
@@ -483,12 +465,13 @@ def _trigonometric_series(c, alpha, beta):
     for k in range(4):
         beta[0, k] *= ratio
         beta[1, k] *= ratio
+    _trigonometric_start(c)
 
 
 @subroutine
-def _hyperbolic_series(c, alpha):
+def _hyperbolic_series(c):
     """Theta functions after the modular transformation: nome Q', 0 on the exact separatrix."""
-    d = 0.25 * math.pi * c.fraction
+    d, alpha = 0.25 * math.pi * c.fraction, c.alpha
     c.nome = nome = math.exp(-math.pi / c.stretch)
     sign = weight = step = 1.0
     cosines = sines = 0.0
@@ -502,6 +485,7 @@ def _hyperbolic_series(c, alpha):
         step *= nome
         sign = -sign
     c.beta[0, 0] = c.wobble * cosines / sines
+    _hyperbolic_start(c)
 
 
 @subroutine
@@ -531,29 +515,12 @@ def _store(pair, internal):
     internal[0], internal[3], internal[1], internal[2] = pair
 
 
-@sized_entry_point
-def trigonometric_rates_all(constants):
-    """Fill the series of the angular velocity of the trigonometric ones of B motions."""
-    for b in range(len(constants)):
-        c = constants[b]
-        if c.fault == codes.FINE and c.form == codes.TRIGONOMETRIC:
-            _trigonometric_rates(math.sqrt(c.nome), c, c.rates)
-
-
-@sized_entry_point
-def hyperbolic_rates_all(constants):
-    """Fill the series of the angular velocity of the hyperbolic ones of B motions."""
-    for b in range(len(constants)):
-        c = constants[b]
-        if c.fault == codes.FINE and c.form == codes.HYPERBOLIC:
-            _hyperbolic_rates(c.nome, c)
-
-
 @subroutine
-def _trigonometric_rates(q, c, rates):
+def _trigonometric_rates(c):
     """Amplitudes times cn, sn, dn as theta quotients, nome q; theta1, theta2 without their 2
     q^(1/4).
     """
+    q, rates = math.sqrt(c.nome), c.rates
     theta2 = theta3 = theta4 = 0.0
     sign = even = odd = step = 1.0
     for n in range(5):
@@ -577,9 +544,9 @@ def _trigonometric_rates(q, c, rates):
 
 
 @subroutine
-def _hyperbolic_rates(nome, c):
+def _hyperbolic_rates(c):
     """Amplitudes times cn, sn, dn after the modular transformation, nome Q'^2."""
-    q = nome * nome
+    q = c.nome * c.nome
     qq = q * q
     theta2 = 1.0 + qq + qq * qq * qq
     theta3 = 1.0 + 2.0 * (q + qq * qq)
@@ -595,6 +562,27 @@ def _hyperbolic_rates(nome, c):
         c.rates[1, n] = sn * sign * odd
         c.rates[2, n] = dn * even
         c.rates[3, n] = odd
+
+
+def _stage_of(name, form, fill):
+    """The stage that fills the records of those of B motions that have a form."""
+
+    def stage(constants):
+        for b in range(len(constants)):
+            c = constants[b]
+            if c.fault == codes.FINE and c.form == form:
+                fill(c)
+
+    return sized_entry_point(named(stage, name))
+
+
+# Series of alpha and beta with q_int(0), then those of the angular velocity.
+trigonometric_all = _stage_of("trigonometric_all", codes.TRIGONOMETRIC, _trigonometric_series)
+hyperbolic_all = _stage_of("hyperbolic_all", codes.HYPERBOLIC, _hyperbolic_series)
+trigonometric_rates_all = _stage_of(
+    "trigonometric_rates_all", codes.TRIGONOMETRIC, _trigonometric_rates
+)
+hyperbolic_rates_all = _stage_of("hyperbolic_rates_all", codes.HYPERBOLIC, _hyperbolic_rates)
 
 
 # ---- Constants of rotations about a fixed axis: spheres, principal axes, rest

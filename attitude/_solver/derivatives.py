@@ -34,6 +34,7 @@ import math
 
 from attitude._compilation.decorators import subroutine
 from attitude._solver import codes
+from attitude._solver.constants import ellipticity_of
 from attitude._solver.elliptic import by_parameter, integrals
 from attitude._solver.series import exp2_of_minus, four
 from attitude._solver.twofloat import ONE, TWO_PI, ZERO, add, mul, pair, scale, sqrt, square, sub
@@ -304,12 +305,7 @@ def _nome_over(m, mc):
 @subroutine
 def ellipticity(c):
     """X, 1 - X, rho and s = rho^4 of a record of the trigonometric form."""
-    if c.stretch < math.inf:
-        double_delta = 0.5 * math.pi * c.stretch * c.fraction
-        x, one_minus_x = math.exp(-double_delta), -math.expm1(-double_delta)
-        p = math.exp(double_delta - math.pi * c.stretch)  # s X
-    else:
-        x, one_minus_x, p = 0.0, 1.0, 0.0
+    x, one_minus_x, p = ellipticity_of(c)  # p = s X
     # rho by tan of half the nutation at v = 0, which keeps its digits where X is tiny
     # sums of (-1)^n s^(n^2) X^(2n^2-n) (1 + X^(2n)) and (-1)^n s^(n^2+n) X^(2n^2+n) (1 - X^(2n+1))
     x2, x3, p2, p3 = x * x, x * x * x, p * p, p * p * p

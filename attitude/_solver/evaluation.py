@@ -45,56 +45,6 @@ _NO_LOW = np.zeros((1, 4))
 _SIZE = CONSTANTS.itemsize
 
 
-def prepare_all(
-    moments: FloatArray,
-    wxyz: FloatArray,
-    omega: FloatArray,
-    principal: FloatArray,
-    constants: NDArray[Any],
-    differences: FloatArray | None = None,
-    rates: bool = True,
-    wxyz_low: FloatArray | None = None,
-) -> int:
-    """Fill the constants of B motions.
-
-    Given
-        moments    (B, 3, 2) principal moments, pairs
-        wxyz       (B, 4) body to inertial at the epoch, any length
-        omega      (B, 3, 2) rad/s over the principal axes, pairs
-        principal  (1 or B, 4) unit quaternion, principal axes to given body axes
-        differences  (B, 3, 2) B - A, C - B and D2, pairs, where principal_axes has them to more
-                   digits than follow from the pairs above; NaN for motions without; or None
-        rates      whether the series of the angular velocity are filled too
-        wxyz_low   (B, 4) second doubles of wxyz, then of unit length; or None
-    Filled
-        constants  (B,) of records.CONSTANTS.CONSTANTS, zeros at first; `fault` is the code of what
-                   is not physical
-    Returned
-        how many have a fault
-    """
-    low = _NO_LOW if wxyz_low is None else wxyz_low
-    faults, uniform, cancelled = classify_all.run(moments, wxyz, omega, constants)
-    if uniform:
-        uniform_all.run(wxyz, low, principal, constants)
-    tumbling = len(constants) - faults - uniform
-    if tumbling:
-        if differences is not None:
-            cancelled = _take_differences(differences, constants) and cancelled
-        if cancelled:
-            refine_all(constants)
-        hyperbolic = solve_all.run(constants)
-        if hyperbolic < tumbling:
-            trigonometric_all.run(constants)
-            if rates:
-                trigonometric_rates_all.run(constants)
-        if hyperbolic:
-            hyperbolic_all.run(constants)
-            if rates:
-                hyperbolic_rates_all.run(constants)
-        attach_all.run(wxyz, low, principal, constants)
-    return faults
-
-
 def _take_differences(differences, constants):
     """Fill differences (B, 3, 2) of the motions that have them and tumble; whether any other may.
 
@@ -192,8 +142,17 @@ def prepared(
     rates: bool = True,
     wxyz_low: FloatArray | None = None,
 ) -> tuple[NDArray[Any], int]:
-    """Constants (B,) of motions, and how many are not physical: moments, omega (B, 3, 2), wxyz,
-    wxyz_low (B, 4), principal (1 or B, 4), differences (B, 3, 2).
+    """Constants (B,) of motions, and how many have a fault: what is not physical.
+
+    Given
+        moments    (B, 3, 2) principal moments, pairs
+        wxyz       (B, 4) body to inertial at the epoch, any length
+        omega      (B, 3, 2) rad/s over the principal axes, pairs
+        principal  (1 or B, 4) unit quaternion, principal axes to given body axes
+        differences  (B, 3, 2) B - A, C - B and D2, pairs, where principal_axes has them to more
+                   digits than follow from the pairs above; NaN for motions without; or None
+        rates      whether the series of the angular velocity are filled too
+        wxyz_low   (B, 4) second doubles of wxyz, then of unit length; or None
     """
     # zeros, two microseconds faster than np.zeros of a record with so many fields
     count = len(moments)
@@ -202,8 +161,27 @@ def prepared(
     moments, wxyz, omega, principal = [
         array if array.flags.carray else array.copy() for array in (moments, wxyz, omega, principal)
     ]
-    state = moments, wxyz, omega, principal
-    return constants, prepare_all(*state, constants, differences, rates, wxyz_low)
+    low = _NO_LOW if wxyz_low is None else wxyz_low
+    faults, uniform, cancelled = classify_all.run(moments, wxyz, omega, constants)
+    if uniform:
+        uniform_all.run(wxyz, low, principal, constants)
+    tumbling = count - faults - uniform
+    if tumbling:
+        if differences is not None:
+            cancelled = _take_differences(differences, constants) and cancelled
+        if cancelled:
+            refine_all(constants)
+        hyperbolic = solve_all.run(constants)
+        if hyperbolic < tumbling:
+            trigonometric_all.run(constants)
+            if rates:
+                trigonometric_rates_all.run(constants)
+        if hyperbolic:
+            hyperbolic_all.run(constants)
+            if rates:
+                hyperbolic_rates_all.run(constants)
+        attach_all.run(wxyz, low, principal, constants)
+    return constants, faults
 
 
 def faults_of(moments: FloatArray, wxyz: FloatArray, omega: FloatArray) -> IntArray:
@@ -231,10 +209,6 @@ def evaluate(
     rates: FloatArray | None,
 ) -> None:
     """Fill wxyz (B, 4, T) and rates (B, 3, T) of B motions at epochs t, t_low (1 or B, T)."""
-    if t.flags.writeable:
-        t = read_only(t)
-    if t_low is not None and t_low.flags.writeable:
-        t_low = read_only(t_low)
     count = t.shape[1]
     block = max(EPOCHS // len(constants), 1) if len(constants) > 1 else EPOCHS
     for first in range(0, count, block):

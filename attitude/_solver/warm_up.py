@@ -47,10 +47,10 @@ def compile_stages() -> None:
     """Compile the stages from a state to rates and phases."""
     with uncollected(), compiling():
         from attitude._solver.constants import refine_all, solve_all, uniform_all
-        from attitude._solver.evaluation import prepare_all
+        from attitude._solver.evaluation import prepared
 
         constants, wxyz, principal = _no_bodies()
-        prepare_all(_no_pairs(), wxyz, _no_pairs(), principal, constants)
+        prepared(_no_pairs(), wxyz, _no_pairs(), principal)
         refine_all(constants)
         solve_all(constants)
         uniform_all(wxyz, wxyz, principal, constants)

@@ -215,7 +215,7 @@ def test_another_process_reads_the_cache():
         "from attitude._compilation import disk_cache as source_stamp\n"
         "from attitude._solver import evaluation as motion\n"
         "stats = [f.dispatcher.stats for f in vars(motion).values() if hasattr(f, 'run')]\n"
-        "print(source_stamp.stamp_of(motion.prepare_all), "
+        "print(source_stamp.stamp_of(motion.prepared), "
         "sum(sum(s.cache_misses.values()) for s in stats), "
         "sum(sum(s.cache_hits.values()) for s in stats))"
     )
