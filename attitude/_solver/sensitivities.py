@@ -55,9 +55,9 @@ def tangents_without_rods(
     arrays = [evaluation.writable(array) for array in (moments, wxyz, principal, constants)]
     forms = set(constants["form"].tolist())
     if codes.UNIFORM in forms:
-        _compiled(True)[0](*arrays, tangents)
+        _compiled()[0].uniform_setup(*arrays, tangents)
     if forms != {codes.UNIFORM}:
-        _compiled(False)[0](*arrays, tangents, np.empty(ROWS * BLOCK))
+        _compiled()[0].tumbling_setup(*arrays, tangents, np.empty(ROWS * BLOCK))
     return tangents
 
 
@@ -112,7 +112,7 @@ def evaluate_all(
         of their terms, and series only where these cancel to 4e-12.
     """
     short = _short_of(constants, tangents, t, edges, omega is not None, near)
-    return _in_blocks(constants, tangents, short, t, t_low, 1, (attitude, omega), edges)
+    return _in_blocks(constants, tangents, short, t, t_low, 0, (attitude, omega), edges)
 
 
 def refusal(
@@ -160,7 +160,17 @@ class Factored(NamedTuple):
 
 def factored(constants: NDArray[Any], tangents: NDArray[Any], factors: FloatArray) -> Factored:
     """The `Factored` of motions for factors W (B, 9, 9) of covariances W W^T."""
-    return Factored(*_triangular(constants, tangents, factors))
+    turned, order = factors.copy(), list(_compiled()[2].ORDER)
+    members = np.flatnonzero(constants["form"] != codes.UNIFORM)
+    if members.size:
+        weights, offset = tangents["weights"][members], tangents["offset"][members]
+        stacked = np.concatenate([weights[:, order], offset], axis=1) @ factors[members]
+        turns = np.linalg.qr(np.swapaxes(stacked, 1, 2), mode="complete")[0]
+        turned[members] = factors[members] @ turns
+    mixed = _mixed(tangents, turned)
+    for column, row in enumerate(order):  # what is zero but for rounding
+        mixed["weights"][members, row, column + 1 :] = 0.0
+    return Factored(turned, mixed)
 
 
 def covariances(
@@ -176,7 +186,7 @@ def covariances(
     if len(short):
         factors = np.moveaxis(of.factors, 1, 2)[short["motion"]]
         short["series"] = factors[:, None] @ short["series"]
-    body = _in_blocks(constants, of.tangents, short, t, t_low, 2, (out, out), None)
+    body = _in_blocks(constants, of.tangents, short, t, t_low, 1, (out, out), None)
     _refuse(constants, of.tangents, body, t, t_low)
 
 
@@ -185,12 +195,12 @@ def _short_of(constants, tangents, t, edges, rates, every):
 
     Those of every motion, or of those whose terms cancel.
     """
-    span = np.empty(len(constants))
-    _short().spans_of(evaluation.writable(constants), span)
+    loops, span = _compiled()[1], np.empty(len(constants))
+    loops.spans_of(evaluation.writable(constants), span)
     of_terms = tangents["spans"][:, 0 if every else 1]
     spans = np.maximum(of_terms, 1)
     reach = np.empty(len(constants))
-    _short().reaches(evaluation.writable(tangents), span * spans, reach)
+    loops.reaches(evaluation.writable(tangents), span * spans, reach)
     if not every:
         few = (constants["form"] != codes.UNIFORM) & (of_terms == 0)
         reach[few & (tangents["slow"][:, 0] == 0.0)] = -1.0
@@ -199,7 +209,7 @@ def _short_of(constants, tangents, t, edges, rates, every):
     with np.errstate(invalid="ignore"):
         within = rows <= far
     if not np.any(within if rates else within & (rows != 0.0)):
-        return np.empty(0, _short().SHORT)
+        return np.empty(0, loops.SHORT)
     # series reach as far as the epochs on each side; motions without such epochs have none
     later = t if edges is None else t[:, edges[0] : edges[-1]]
     sides = [
@@ -209,9 +219,9 @@ def _short_of(constants, tangents, t, edges, rates, every):
     span = np.where(np.any(farthest >= 0.0, axis=1), span, -1.0)
     steps = np.ceil(farthest / np.maximum(span, 1e-300)[:, None])
     spans = np.clip(steps, 1, spans[:, None]).astype(np.int64)
-    short = np.zeros(len(constants) + int(np.sum(spans - 1)), _short().SHORT)
+    short = np.zeros(len(constants) + int(np.sum(spans - 1)), loops.SHORT)
     records = evaluation.writable(constants), evaluation.writable(tangents)
-    _short().short_setup(*records, span, spans, short)
+    loops.short_setup(*records, span, spans, short)
     return short
 
 
@@ -223,21 +233,6 @@ def _farthest(distances, edges):
     if np.any(filled):
         largest[filled] = np.maximum.reduceat(distances[0], (edges[:-1] - edges[0])[filled])
     return largest
-
-
-def _triangular(constants, tangents, factors):
-    """Factors W Q with an orthogonal Q, and records with the zeros of columns."""
-    turned, order = factors.copy(), _order()
-    members = np.flatnonzero(constants["form"] != codes.UNIFORM)
-    if members.size:
-        weights, offset = tangents["weights"][members], tangents["offset"][members]
-        stacked = np.concatenate([weights[:, order], offset], axis=1) @ factors[members]
-        turns = np.linalg.qr(np.swapaxes(stacked, 1, 2), mode="complete")[0]
-        turned[members] = factors[members] @ turns
-    mixed = _mixed(tangents, turned)
-    for column, row in enumerate(order):  # what is zero but for rounding
-        mixed["weights"][members, row, column + 1 :] = 0.0
-    return turned, mixed
 
 
 def _mixed(tangents, factors):
@@ -263,7 +258,7 @@ def _in_blocks(constants, tangents, short, t, t_low, kind, outputs, runs):
     forms = set(constants["form"].tolist())
     for edges in _parts(runs, len(constants), t.shape[1]):
         for form in forms:
-            loop = _compiled(form == codes.UNIFORM)[kind][form]
+            loop = _compiled()[0].OF_FORM[form][kind]
             body = loop(*records, short, *times, block, *outputs, edges)
             if body >= 0:
                 return body
@@ -397,42 +392,9 @@ class Sensitivity(Derivatives):
 
 
 @cache
-def _short():
+def _compiled():
+    """The modules of set-up and loops, of series for short times, and of columns."""
     with uncollected():
-        from attitude._solver import short_times
+        from attitude._solver import columns, sensitivity, short_times
 
-    return short_times
-
-
-@cache
-def _order():
-    """The rows of the weights in the order in which columns lose them."""
-    with uncollected():
-        from attitude._solver import columns
-
-    return list(columns.ORDER)
-
-
-@cache
-def _compiled(uniform):
-    """Set-up of uniform, or of other, motions, and the loops of each form."""
-    with uncollected():
-        from attitude._solver import sensitivity
-
-    if uniform:
-        return (
-            sensitivity.uniform_setup,
-            {codes.UNIFORM: sensitivity.uniform},
-            {codes.UNIFORM: sensitivity.uniform_covariance},
-        )
-    return (
-        sensitivity.tumbling_setup,
-        {
-            codes.TRIGONOMETRIC: sensitivity.trigonometric,
-            codes.HYPERBOLIC: sensitivity.hyperbolic,
-        },
-        {
-            codes.TRIGONOMETRIC: sensitivity.trigonometric_covariance,
-            codes.HYPERBOLIC: sensitivity.hyperbolic_covariance,
-        },
-    )
+    return sensitivity, short_times, columns

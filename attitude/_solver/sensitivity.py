@@ -89,6 +89,7 @@ from attitude._solver.tangents import (
 )
 from attitude._solver.uniform_tangents import (
     fill_uniform,
+    omega_of,
     uniform_block,
     uniform_column,
     uniform_rate_column,
@@ -186,11 +187,7 @@ def _state(c, d, moments, wxyz, to_body):
     start = unit(wxyz)
     for k in range(4):
         d.start[k] = start[k]
-    omega = (
-        math.ldexp(c.omega[0, 0], c.tempo),
-        math.ldexp(c.omega[1, 0], c.tempo),
-        math.ldexp(c.omega[2, 0], c.tempo),
-    )
+    omega = omega_of(c)
     to_inertial = product(start, to_body)
     momentum = turned_by(
         to_inertial, (moments[0] * omega[0], moments[1] * omega[1], moments[2] * omega[2])
@@ -452,3 +449,10 @@ uniform_covariance = _loop_of(
 )
 trigonometric_covariance = _loop_of("trigonometric_covariance", *_TRIGONOMETRIC, *_SUMS)
 hyperbolic_covariance = _loop_of("hyperbolic_covariance", *_HYPERBOLIC, *_SUMS)
+
+# The loops of columns and of covariances of each form.
+OF_FORM = {
+    codes.UNIFORM: (uniform, uniform_covariance),
+    codes.TRIGONOMETRIC: (trigonometric, trigonometric_covariance),
+    codes.HYPERBOLIC: (hyperbolic, hyperbolic_covariance),
+}

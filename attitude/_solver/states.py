@@ -349,16 +349,7 @@ class Evaluation:
         if count <= BLOCK and count * length <= rows:
             # nothing to divide: one body at one epoch takes half the time without slices
             self._fill(range(first, first + count), t, out, (0, length))
-        else:
-            self._fill_in_blocks(t, out, rows, threads, first)
-
-    def _fill_in_blocks(
-        self, t: Seconds, out: Results, rows: int, threads: int, first: int
-    ) -> None:
-        """As `grid`, in pieces of work of so many rows at most."""
-        largest = out.columns if out.wxyz is None else out.wxyz
-        assert largest is not None
-        count, length = len(largest), t.hi.shape[1]
+            return
 
         def work(part: slice, epochs: tuple[int, int]) -> None:
             times = t.taken(part) if len(t.hi) > 1 else t
@@ -367,7 +358,7 @@ class Evaluation:
 
         # A piece of work is some milliseconds long, and writes to few pages of memory.
         span = evaluation.EPOCHS if out.columns is None else max(length, 1)
-        bar = ProgressBar("derivatives" if out.wxyz is None else "attitudes")
+        bar = ProgressBar("derivatives" if only_columns else "attitudes")
         in_rectangles(work, count, length, BLOCK, span, rows, threads, bar)
 
     def rows(
