@@ -25,7 +25,6 @@ from attitude._solver.twofloat import (
     ZERO,
     add,
     div,
-    less,
     mul,
     neg,
     pair,
@@ -84,7 +83,9 @@ def flow(c, moments, t, q, w):
     if c.form == codes.UNIFORM:
         _turn(q, pair(w[0]), pair(w[1]), pair(w[2]), mul(precession, t))
         return
-    order, sign = _ascending(moments)
+    # axes by ascending moment, all of them reversed if that order is left-handed
+    order = c.order
+    sign = 1.0 if (order[1] - order[0]) % 3 == 1 else -1.0
     p, o, i = np.zeros((4, 2)), np.zeros((3, 2)), np.zeros((3, 2))
     p[0, 0] = 1.0
     for k in range(3):
@@ -115,20 +116,6 @@ def flow(c, moments, t, q, w):
         put(back[1 + order[k]], scale(pair(p[1 + k]), sign))
         put(w[order[k]], scale(pair(o[k]), sign))
     multiply(q, pair(back[0]), pair(back[1]), pair(back[2]), pair(back[3]))
-
-
-@subroutine
-def _ascending(moments):
-    """Axes by ascending moment, and the factor -1 of all of them if that order is left-handed."""
-    a, b, d = 0, 1, 2
-    sign = 1.0
-    if less(pair(moments[b]), pair(moments[a])):
-        a, b, sign = b, a, -sign
-    if less(pair(moments[d]), pair(moments[b])):
-        b, d, sign = d, b, -sign
-    if less(pair(moments[b]), pair(moments[a])):
-        a, b, sign = b, a, -sign
-    return (a, b, d), sign
 
 
 @subroutine

@@ -43,12 +43,13 @@ from attitude._solver.series import (
     hyperbolic_rates,
     phase,
     sincos,
+    sincos_at,
     trigonometric_pair,
     trigonometric_rates,
     triple,
     turned,
 )
-from attitude._solver.twofloat import two_sum
+from attitude._solver.twofloat import ZERO, pair, two_sum
 
 if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray
@@ -236,12 +237,6 @@ def rate_series_of(c):
 
 
 @force_inlined
-def axes_of(c):
-    """The matrix from internal to given body axes, as rows."""
-    return rows_of_matrix(c.axes)
-
-
-@force_inlined
 def rows_of_matrix(a):
     """A matrix (3, 3) as a tuple of rows."""
     return triple(a[0]), triple(a[1]), triple(a[2])
@@ -265,9 +260,9 @@ def _four_rows(array, b, first, end):
 
 
 @force_inlined
-def _store_attitude(frame, pair, rows, i):
+def _store_attitude(frame, internal, rows, i):
     """The unit quaternion of an internal pair, over the given axes, into entry i of four rows."""
-    ar, ai, br, bi = pair
+    ar, ai, br, bi = internal
     norm = loop_fma(ar, ar, ai * ai) + loop_fma(br, br, bi * bi)
     scale = 1.0 / math.sqrt(norm)
     w, x, y, z = ar * scale, br * scale, bi * scale, ai * scale
@@ -288,13 +283,12 @@ def _store_rates(axes, w, rows, i):
 @force_inlined
 def _fill_uniform(c, times, lows, rows, omega):
     """Fill the rows of a motion, and those of its angular velocity if given."""
-    gh, gl = c.precession[0], c.precession[1]
+    precession = pair(c.precession)
     start, turn = four(c.frame[0]), four(c.frame[1])
     constant = c.rates[0, 0], c.rates[0, 1], c.rates[0, 2]
     for i in range(len(times)):
         t_hi, t_lo = epoch_pair(times, lows, i)
-        s, lo, _ = phase(gh, gl, 0.0, 0.0, t_hi, t_lo, 1.0)
-        sine, cosine = sincos(s, lo)
+        sine, cosine = sincos_at(precession, ZERO, t_hi, t_lo)
         for j in range(4):
             rows[j][i] = loop_fma(start[j], cosine, turn[j] * sine)
         if omega is not None:
@@ -307,20 +301,16 @@ def _fill_uniform(c, times, lows, rows, omega):
 @force_inlined
 def _fill_trigonometric(c, times, lows, rows, omega):
     """As `_fill_uniform`."""
-    gh, gl = c.precession[0], c.precession[1]
-    fh, fl = c.nutation[0], c.nutation[1]
-    xh, xl = c.nutation0[0], c.nutation0[1]
+    precession, nutation, nutation0 = pair(c.precession), pair(c.nutation), pair(c.nutation0)
     alpha = four(c.alpha[0]), four(c.alpha[1])
     beta = four(c.beta[0]), four(c.beta[1])
-    frame, series, axes = frame_of(c), rate_series_of(c), axes_of(c)
+    frame, series, axes = frame_of(c), rate_series_of(c), rows_of_matrix(c.axes)
     for i in range(len(times)):
         t_hi, t_lo = epoch_pair(times, lows, i)
-        s, lo, _ = phase(fh, fl, xh, xl, t_hi, t_lo, 1.0)
-        sn, cn = sincos(s, lo)
-        pair = trigonometric_pair(alpha, beta, sn, cn)
-        s, lo, _ = phase(gh, gl, 0.0, 0.0, t_hi, t_lo, 1.0)
-        sine, cosine = sincos(s, lo)
-        _store_attitude(frame, turned(pair, sine, cosine), rows, i)
+        sn, cn = sincos_at(nutation, nutation0, t_hi, t_lo)
+        sine, cosine = sincos_at(precession, ZERO, t_hi, t_lo)
+        internal = turned(trigonometric_pair(alpha, beta, sn, cn), sine, cosine)
+        _store_attitude(frame, internal, rows, i)
         if omega is not None:
             _store_rates(axes, trigonometric_rates(series, sn, cn), omega, i)
 
@@ -334,17 +324,17 @@ def _fill_hyperbolic(c, times, lows, rows, omega):
     xh, xl = c.nutation0[0], c.nutation0[1]
     winds, decay, nome, tilt, ratio = c.winds, c.decay, c.nome, c.tilt, c.beta[0, 0]
     alpha = four(c.alpha[0]), four(c.alpha[1])
-    frame, series, axes = frame_of(c), rate_series_of(c), axes_of(c)
+    frame, series, axes = frame_of(c), rate_series_of(c), rows_of_matrix(c.axes)
     for i in range(len(times)):
         t_hi, t_lo = epoch_pair(times, lows, i)
         s, lo, half_turns = phase(fh, fl, xh, xl, t_hi, t_lo, winds)
         dx = s + lo
         arguments = hyperbolic_arguments(dx, decay, nome)
-        pair = hyperbolic_pair(alpha, ratio, dx, half_turns, arguments)
+        internal = hyperbolic_pair(alpha, ratio, dx, half_turns, arguments)
         s, lo, _ = phase(gh, gl, 0.0, 0.0, t_hi, t_lo, 1.0)
         s, more = two_sum(s, -tilt * dx)
         sine, cosine = sincos(s, lo + more)
-        _store_attitude(frame, turned(pair, sine, cosine), rows, i)
+        _store_attitude(frame, turned(internal, sine, cosine), rows, i)
         if omega is not None:
             _store_rates(axes, hyperbolic_rates(series, dx, half_turns, arguments), omega, i)
 

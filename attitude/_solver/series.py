@@ -103,6 +103,13 @@ def sincos(s, lo):
 
 
 @force_inlined
+def sincos_at(rate, start, t, t_low):
+    """Sine and cosine of rate (t + t_low) + start, pairs in turns and turns per second."""
+    s, lo, _ = phase(rate[0], rate[1], start[0], start[1], t, t_low, 1.0)
+    return sincos(s, lo)
+
+
+@force_inlined
 def sincos_of_eighth(r):
     """Sine and cosine of 2 pi r for |r| <= 1/8, a double or a SIMD vector."""
     z = r * r

@@ -27,12 +27,12 @@ from attitude._compilation.decorators import force_inlined, slowly_compiled, sub
 from attitude._compilation.instructions import fma
 from attitude._compilation.simd import Lanes, doubles_of, eight, lanes, put_eight
 from attitude._solver import codes
+from attitude._solver.columns import four_at
 from attitude._solver.derivatives import ellipticity, state_of
 from attitude._solver.elliptic import integrals
 from attitude._solver.kernel import turned_by
 from attitude._solver.records import (
     ARGUMENTS,
-    BLOCK,
     COLUMNS,
     PHASE,
     RATE,
@@ -677,17 +677,13 @@ def near_column(d, short, b, j, block, x, y, z):
             span = short[_record(short, b, t)]
             series, at = span.series, (t - span.centre) / span.span
             now = _sum(series, 0, j, at), _sum(series, 1, j, at), _sum(series, 2, j, at)
-            qw, qx = block[WXYZ + i], block[WXYZ + BLOCK + i]
-            qy, qz = block[WXYZ + 2 * BLOCK + i], block[WXYZ + 3 * BLOCK + i]
-            now = turned_by((qw, qx, qy, qz), now)
+            now = turned_by(four_at(block, WXYZ + i), now)
             zeta = length * _sum(series, _ZETA, j, at)
             x[i] = fma(over, first[0] - now[0], fma(zeta, lx, s.series[_ETA, j, 0]))
             y[i] = fma(over, first[1] - now[1], fma(zeta, ly, s.series[_ETA + 1, j, 0]))
             z[i] = fma(over, first[2] - now[2], fma(zeta, lz, s.series[_ETA + 2, j, 0]))
         elif abs(t) <= s.reach:
-            sn, cn = block[ARGUMENTS + i], block[ARGUMENTS + BLOCK + i]
-            sine, cosine = block[ARGUMENTS + 2 * BLOCK + i], block[ARGUMENTS + 3 * BLOCK + i]
-            x[i], y[i], z[i] = _slow_column(d, s, j, t, (sn, cn, sine, cosine))
+            x[i], y[i], z[i] = _slow_column(d, s, j, t, four_at(block, ARGUMENTS + i))
 
 
 @force_inlined

@@ -22,10 +22,11 @@ import math
 from attitude._compilation.decorators import elementwise, force_inlined, subroutine
 from attitude._compilation.instructions import chosen_if, fma, rint
 from attitude._solver import codes
+from attitude._solver.columns import four_at, put_four, put_three
 from attitude._solver.constants import COS_EVEN, COS_ODD, SIN_EVEN, SIN_ODD
 from attitude._solver.derivatives import ellipticity, state_of
 from attitude._solver.elliptic import integrals
-from attitude._solver.kernel import axes_of, epoch_pair, frame_of, rate_series_of, rows_of_matrix
+from attitude._solver.kernel import epoch_pair, frame_of, rate_series_of, rows_of_matrix
 from attitude._solver.records import (
     ARGUMENTS,
     BASIS,
@@ -54,12 +55,13 @@ from attitude._solver.series import (
     quadratic,
     quartic,
     sincos,
+    sincos_at,
     trigonometric_pair,
     trigonometric_rates,
     triple,
     turned,
 )
-from attitude._solver.twofloat import quick_two_sum, two_sum
+from attitude._solver.twofloat import ZERO, pair, quick_two_sum, two_sum
 
 LOG_2 = math.log(2.0)
 _TINY = 1e-300
@@ -82,56 +84,34 @@ def _applied(axes, v):
 
 
 @subroutine
-def _store_attitude(frame, pair, block, i):
+def _store_attitude(frame, internal, block, i):
     """As `kernel._store_attitude`, in the same order of operations, into epoch i of a block."""
-    ar, ai, br, bi = pair
+    ar, ai, br, bi = internal
     norm = fma(ar, ar, ai * ai) + fma(br, br, bi * bi)
     scale = 1.0 / math.sqrt(norm)
     unit = ar * scale, br * scale, bi * scale, ai * scale
-    block[WXYZ + i] = _combined(frame[0], unit)
-    block[WXYZ + BLOCK + i] = _combined(frame[1], unit)
-    block[WXYZ + 2 * BLOCK + i] = _combined(frame[2], unit)
-    block[WXYZ + 3 * BLOCK + i] = _combined(frame[3], unit)
-
-
-@subroutine
-def _store(block, place, v):
-    """A vector into three rows of a block, from a place of the first on."""
-    block[place] = v[0]
-    block[place + BLOCK] = v[1]
-    block[place + 2 * BLOCK] = v[2]
+    w, x = _combined(frame[0], unit), _combined(frame[1], unit)
+    put_four(block, WXYZ + i, (w, x, _combined(frame[2], unit), _combined(frame[3], unit)))
 
 
 @subroutine
 def _precessed(invariant, sine, cosine):
     """The columns of a matrix, turned about its z by twice the angle of this sine and cosine."""
     c, s = fma(-2.0 * sine, sine, 1.0), 2.0 * sine * cosine
-    return (
-        (
-            fma(invariant[0][0], c, invariant[0][1] * s),
-            fma(invariant[0][1], c, -invariant[0][0] * s),
-            invariant[0][2],
-        ),
-        (
-            fma(invariant[1][0], c, invariant[1][1] * s),
-            fma(invariant[1][1], c, -invariant[1][0] * s),
-            invariant[1][2],
-        ),
-        (
-            fma(invariant[2][0], c, invariant[2][1] * s),
-            fma(invariant[2][1], c, -invariant[2][0] * s),
-            invariant[2][2],
-        ),
-    )
+    one, two, three = invariant
+    return _row_turned(one, c, s), _row_turned(two, c, s), _row_turned(three, c, s)
+
+
+@subroutine
+def _row_turned(row, c, s):
+    return fma(row[0], c, row[1] * s), fma(row[1], c, -row[0] * s), row[2]
 
 
 @elementwise
 @force_inlined
 def trigonometric_block(c, d, t, t_low, block):
     """Fill a block of a motion of the trigonometric form: by v, ln rho and X."""
-    gh, gl = c.precession[0], c.precession[1]
-    fh, fl = c.nutation[0], c.nutation[1]
-    xh, xl = c.nutation0[0], c.nutation0[1]
+    precession, nutation, nutation0 = pair(c.precession), pair(c.nutation), pair(c.nutation0)
     theta4, upright = five(d.series[0]), four(d.series[1])
     by_v, by_rho = (
         (five(d.series[2]), five(d.series[3])),
@@ -142,10 +122,8 @@ def trigonometric_block(c, d, t, t_low, block):
     invariant = rows_of_matrix(d.invariant)
     for i in range(len(t)):
         time, low = epoch_pair(t, t_low, i)
-        s, lo, _ = phase(fh, fl, xh, xl, time, low, 1.0)
-        sn, cn = sincos(s, lo)
-        s, lo, _ = phase(gh, gl, 0.0, 0.0, time, low, 1.0)
-        sine, cosine = sincos(s, lo)
+        sn, cn = sincos_at(nutation, nutation0, time, low)
+        sine, cosine = sincos_at(precession, ZERO, time, low)
         to = _precessed(invariant, sine, cosine)
         double_cosine = fma(-2.0 * sn, sn, 1.0)
         over = 1.0 / quartic(theta4, double_cosine)
@@ -157,23 +135,20 @@ def trigonometric_block(c, d, t, t_low, block):
             sine_over * quartic(by_v[1], double_cosine),
             along,
         )
-        _store(block, BASIS + i, _applied(to, turn))
+        put_three(block, BASIS + i, _applied(to, turn))
         turn = (
             sine_over * quartic(by_rho[0], double_cosine),
             cosine_over * quartic(by_rho[1], double_cosine),
             along_rho * z,
         )
-        _store(block, BASIS + 3 * BLOCK + i, _applied(to, turn))
+        put_three(block, BASIS + 3 * BLOCK + i, _applied(to, turn))
         turn = (
             sine_over * quartic(by_x[0], double_cosine),
             cosine_over * quartic(by_x[1], double_cosine),
             along_x * z,
         )
-        _store(block, BASIS + 6 * BLOCK + i, _applied(to, turn))
-        block[ARGUMENTS + i] = sn
-        block[ARGUMENTS + BLOCK + i] = cn
-        block[ARGUMENTS + 2 * BLOCK + i] = sine
-        block[ARGUMENTS + 3 * BLOCK + i] = cosine
+        put_three(block, BASIS + 6 * BLOCK + i, _applied(to, turn))
+        put_four(block, ARGUMENTS + i, (sn, cn, sine, cosine))
         block[PASSED + i] = 0.0
         block[SCALED + i] = 0.0
 
@@ -227,9 +202,9 @@ def hyperbolic_block(c, d, t, t_low, block):
             upright,
         )
         first = _applied(to, turn)
-        _store(block, BASIS + i, first)
+        put_three(block, BASIS + i, first)
         # the series are analytic in y + i d: i times the change
-        _store(block, BASIS + 3 * BLOCK + i, _applied(to, (-turn[1], turn[0], along)))
+        put_three(block, BASIS + 3 * BLOCK + i, _applied(to, (-turn[1], turn[0], along)))
         # The number of the passage: whole turns of 2 x, which parity alone does not tell.
         passed = winds * rint(fma(fh, time, fma(fl, time, fh * low)) + xh - dx)
         block[PASSED + i] = fma(4.0, passed, 2.0 * side) - passed_first
@@ -242,14 +217,10 @@ def hyperbolic_block(c, d, t, t_low, block):
             upright_nome * fma(2.0, side, along),
         )
         x, y, z = _applied(to, turn)
-        block[BASIS + 6 * BLOCK + i] = fma(by_first, first[0], x)
-        block[BASIS + 7 * BLOCK + i] = fma(by_first, first[1], y)
-        block[BASIS + 8 * BLOCK + i] = fma(by_first, first[2], z)
-        block[ARGUMENTS + i] = dx
+        x, y = fma(by_first, first[0], x), fma(by_first, first[1], y)
+        put_three(block, BASIS + 6 * BLOCK + i, (x, y, fma(by_first, first[2], z)))
+        put_four(block, ARGUMENTS + i, (dx, half_turns, sine, cosine))
         block[DECAYED + i] = e
-        block[ARGUMENTS + BLOCK + i] = half_turns
-        block[ARGUMENTS + 2 * BLOCK + i] = sine
-        block[ARGUMENTS + 3 * BLOCK + i] = cosine
 
 
 @subroutine
@@ -265,10 +236,9 @@ def trigonometric_attitudes_block(c, d, n, block):
     alpha, beta = (four(c.alpha[0]), four(c.alpha[1])), (four(c.beta[0]), four(c.beta[1]))
     frame = frame_of(c)
     for i in range(n):
-        sn, cn = block[ARGUMENTS + i], block[ARGUMENTS + BLOCK + i]
-        sine, cosine = block[ARGUMENTS + 2 * BLOCK + i], block[ARGUMENTS + 3 * BLOCK + i]
-        pair = trigonometric_pair(alpha, beta, sn, cn)
-        _store_attitude(frame, turned(pair, sine, cosine), block, i)
+        sn, cn, sine, cosine = four_at(block, ARGUMENTS + i)
+        internal = trigonometric_pair(alpha, beta, sn, cn)
+        _store_attitude(frame, turned(internal, sine, cosine), block, i)
 
 
 @elementwise
@@ -278,18 +248,17 @@ def hyperbolic_attitudes_block(c, d, n, block):
     alpha, ratio = (four(c.alpha[0]), four(c.alpha[1])), c.beta[0, 0]
     frame, decay, nome = frame_of(c), c.decay, c.nome
     for i in range(n):
-        dx, half_turns = block[ARGUMENTS + i], block[ARGUMENTS + BLOCK + i]
-        sine, cosine = block[ARGUMENTS + 2 * BLOCK + i], block[ARGUMENTS + 3 * BLOCK + i]
+        dx, half_turns, sine, cosine = four_at(block, ARGUMENTS + i)
         arguments = hyperbolic_arguments(dx, decay, nome)
-        pair = hyperbolic_pair(alpha, ratio, dx, half_turns, arguments)
-        _store_attitude(frame, turned(pair, sine, cosine), block, i)
+        internal = hyperbolic_pair(alpha, ratio, dx, half_turns, arguments)
+        _store_attitude(frame, turned(internal, sine, cosine), block, i)
 
 
 @elementwise
 @force_inlined
 def trigonometric_rates_block(c, d, n, block):
     """Fill the angular velocities of a block after `trigonometric_block`, and their derivatives."""
-    series, axes, by_phase = rate_series_of(c), axes_of(c), triple(d.by_phase)
+    series, axes, by_phase = rate_series_of(c), rows_of_matrix(c.axes), triple(d.by_phase)
     one, two = five(d.by_nome[0]), five(d.by_nome[1])
     three, low = five(d.by_nome[2]), five(d.by_nome[3])
     for i in range(n):
@@ -313,7 +282,12 @@ def hyperbolic_rates_block(c, d, n, block):
     Term n of the series has Q'^(2 n^2) exp(+-4 n y), in those of sn and of the denominator times
     Q'^(2 n): each is differentiated by Q'^2.
     """
-    series, axes, by_phase, nome = rate_series_of(c), axes_of(c), triple(d.by_phase), d.nome
+    series, axes, by_phase, nome = (
+        rate_series_of(c),
+        rows_of_matrix(c.axes),
+        triple(d.by_phase),
+        d.nome,
+    )
     cn, sn, dn, low = series
     sixth = 6.0 * nome**6
     for i in range(n):
@@ -343,9 +317,9 @@ def hyperbolic_rates_block(c, d, n, block):
 def _store_changes(axes, by_phase, w, change, block, i):
     """Store angular velocity (internal axes), and its derivatives by the phase and the nome."""
     turn = by_phase[0] * w[1] * w[2], by_phase[1] * w[2] * w[0], by_phase[2] * w[0] * w[1]
-    _store(block, OMEGA + i, w)
-    _store(block, BY_PHASE + i, _applied(axes, turn))
-    _store(block, BY_NOME + i, _applied(axes, change))
+    put_three(block, OMEGA + i, w)
+    put_three(block, BY_PHASE + i, _applied(axes, turn))
+    put_three(block, BY_NOME + i, _applied(axes, change))
 
 
 # ---- Series of the changes of attitude with nutation phase, amplitude and ellipticity

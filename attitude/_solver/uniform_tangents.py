@@ -24,8 +24,20 @@ from attitude._compilation.decorators import elementwise, force_inlined, subrout
 from attitude._compilation.instructions import fma
 from attitude._solver.kernel import epoch_pair, turned_by, unit
 from attitude._solver.records import BASIS, BLOCK, COLUMNS, SECONDS
-from attitude._solver.series import phase, sincos, triple
-from attitude._solver.twofloat import TWO_PI, add, div, mul, neg, pair, scale, sqrt, square, sub
+from attitude._solver.series import sincos_at, triple
+from attitude._solver.twofloat import (
+    TWO_PI,
+    ZERO,
+    add,
+    div,
+    mul,
+    neg,
+    pair,
+    scale,
+    sqrt,
+    square,
+    sub,
+)
 
 # Rows of a block.
 COSINE, SINE, SWING, LIFT = BASIS, BASIS + BLOCK, BASIS + 2 * BLOCK, BASIS + 3 * BLOCK
@@ -33,6 +45,13 @@ COSINE, SINE, SWING, LIFT = BASIS, BASIS + BLOCK, BASIS + 2 * BLOCK, BASIS + 3 *
 SLOW, FAST = BASIS + 4 * BLOCK, BASIS + 6 * BLOCK
 # The moment about a spun principal axis over each of the other two, below which it is a needle.
 _SLENDER = 0.5
+
+
+@subroutine
+def omega_of(c):
+    """The angular velocity at the epoch (3), rad/s over the principal axes."""
+    x, y, z, tempo = c.omega[0, 0], c.omega[1, 0], c.omega[2, 0], c.tempo
+    return math.ldexp(x, tempo), math.ldexp(y, tempo), math.ldexp(z, tempo)
 
 
 @subroutine
@@ -119,17 +138,13 @@ def fill_uniform(c, d, moments, wxyz, principal):
     pairs_of = couplings_of(c)
     _wobble(c, d, pairs_of)
     couplings = pairs_of[0][0], pairs_of[1][0], pairs_of[2][0]
-    omega = (
-        math.ldexp(c.omega[0, 0], c.tempo),
-        math.ldexp(c.omega[1, 0], c.tempo),
-        math.ldexp(c.omega[2, 0], c.tempo),
-    )
+    omega = omega_of(c)
     speed = math.sqrt(_dot(omega, omega))
     _beats(c, d, moments, omega)
     over = 0.0 if speed == 0.0 else 1.0 / speed
     axis = omega[0] * over, omega[1] * over, omega[2] * over
-    start = unit(wxyz)
-    along = turned_by(start, turned_by(principal, axis))
+    turns = unit(wxyz), principal
+    along = _to_inertial(turns, axis)
     momentum = triple(d.momentum)
     squared = _dot(momentum, momentum)
     back = principal[0], -principal[1], -principal[2], -principal[3]
@@ -144,16 +159,13 @@ def fill_uniform(c, d, moments, wxyz, principal):
         u2 = _applied(couplings, omega, u1)
         more = _applied(couplings, omega, u3)
         u2 = u2[0] + more[0], u2[1] + more[1], u2[2] + more[2]
-        _put_rates(d, j, 0, principal, u0)
-        _put_rates(d, j, 1, principal, u1)
-        _put_rates(d, j, 2, principal, u2)
-        _put_rates(d, j, 3, principal, u3)
-        _put_turn(d, j, 0, (start, principal), moments, axis, (u0, omega, moment))
-        _put_turn(d, j, 1, (start, principal), moments, axis, (u1, omega, (0.0, 0.0, 0.0)))
-        _put_turn(d, j, 2, (start, principal), moments, axis, (u2, omega, (0.0, 0.0, 0.0)))
-        _put_turn(d, j, 3, (start, principal), moments, axis, (u3, omega, (0.0, 0.0, 0.0)))
+        row = 0
+        for u in (u0, u1, u2, u3):
+            _put_rates(d, j, row, principal, u)
+            _put_turn(d, j, row, turns, moments, axis, (u, omega, moment))
+            row, moment = row + 1, (0.0, 0.0, 0.0)
         rate = _dot(axis, u0)
-        still = turned_by(start, turned_by(principal, u0))
+        still = _to_inertial(turns, u0)
         for k in range(3):
             if squared == 0.0:
                 d.uniform[0, k, j] = 1.0 if j == k else 0.0
@@ -163,20 +175,24 @@ def fill_uniform(c, d, moments, wxyz, principal):
                 d.uniform[0, k, j] = one - d.uniform[2, k, j]
                 d.uniform[1, k, j] = along[k] * rate
         if d.beats[1, 0] != 0.0:
-            _put_beats(d, j, (start, principal), axis, u0, u1)
+            _put_beats(d, j, turns, axis, u0, u1)
+
+
+@subroutine
+def _to_inertial(turns, v):
+    """A vector over the principal axes, over the inertial ones at the epoch."""
+    start, principal = turns
+    return turned_by(start, turned_by(principal, v))
 
 
 @subroutine
 def _put_beats(d, j, turns, axis, u0, u1):
     """Fill, in place of the rows of `_put_turn`, what the functions of the two beats multiply."""
-    start, principal = turns
     rate, over = _dot(axis, u0), 1.0 / (4.0 * math.pi * d.wobble[0])
     across = u0[0] - rate * axis[0], u0[1] - rate * axis[1], u0[2] - rate * axis[2]
     later, wobble = _cross(axis, across), (over * u1[0], over * u1[1], over * u1[2])
-    across = turned_by(start, turned_by(principal, across))
-    later = turned_by(start, turned_by(principal, later))
-    behind = turned_by(start, turned_by(principal, _cross(axis, wobble)))
-    wobble = turned_by(start, turned_by(principal, wobble))
+    across, later = _to_inertial(turns, across), _to_inertial(turns, later)
+    behind, wobble = _to_inertial(turns, _cross(axis, wobble)), _to_inertial(turns, wobble)
     for k in range(3):
         d.uniform[0, k, j] = 1.0 if j == k else 0.0
         d.uniform[2, k, j] = 0.5 * (across[k] + behind[k])
@@ -196,7 +212,6 @@ def _put_rates(d, j, row, principal, v):
 def _put_turn(d, j, row, turns, moments, axis, change):
     """Fill -L x R0 v / L^2 and the same of v a quarter turn later, v = I u + dI w across L."""
     u, omega, moment = change
-    start, principal = turns
     v = (
         moments[0] * u[0] + moment[0] * omega[0],
         moments[1] * u[1] + moment[1] * omega[1],
@@ -206,9 +221,8 @@ def _put_turn(d, j, row, turns, moments, axis, change):
     momentum = moments[0] * omega[0], moments[1] * omega[1], moments[2] * omega[2]
     squared = _dot(momentum, momentum)
     over = 0.0 if squared == 0.0 else -1.0 / squared
-    now = turned_by(start, turned_by(principal, _cross(momentum, v)))
-    later = _cross(momentum, _cross(axis, v))
-    later = turned_by(start, turned_by(principal, later))
+    now = _to_inertial(turns, _cross(momentum, v))
+    later = _to_inertial(turns, _cross(momentum, _cross(axis, v)))
     for k in range(3):
         d.uniform[2 + row, k, j] = over * now[k]
         d.uniform[6 + row, k, j] = over * later[k]
@@ -218,50 +232,47 @@ def _put_turn(d, j, row, turns, moments, axis, change):
 @force_inlined
 def uniform_block(c, d, t, t_low, block):
     """Fill seconds, cosine and sine of the turn, S and V of a block; arguments as in tangents."""
-    gh, gl = c.precession[0], c.precession[1]
+    precession = pair(c.precession)
     for i in range(len(t)):
         time, low = epoch_pair(t, t_low, i)
-        s, lo, _ = phase(gh, gl, 0.0, 0.0, time, low, 1.0)
-        sine, cosine = sincos(s, lo)
+        sine, cosine = sincos_at(precession, ZERO, time, low)
         block[SECONDS + i] = time + low
         block[COSINE + i] = fma(-2.0 * sine, sine, 1.0)
         block[SINE + i] = 2.0 * sine * cosine
     _wobbles(d, t, t_low, block)
     if d.beats[1, 0] != 0.0:
-        _beat(d.beats[0, 0], d.beats[0, 1], t, t_low, block, SLOW)
-        _beat(d.beats[1, 0], d.beats[1, 1], t, t_low, block, FAST)
+        _beat(pair(d.beats[0]), t, t_low, block, SLOW)
+        _beat(pair(d.beats[1]), t, t_low, block, FAST)
 
 
 @force_inlined
-def _beat(fh, fl, t, t_low, block, row):
-    """Fill the rows of sin(n t)/n and (1 - cos(n t))/n, n = 4 pi (fh + fl)."""
-    over = 0.0 if fh == 0.0 else 0.5 / (math.pi * fh)
+def _beat(rate, t, t_low, block, row):
+    """Fill the rows of sin(n t)/n and (1 - cos(n t))/n, n = 4 pi times the rate."""
+    over = 0.0 if rate[0] == 0.0 else 0.5 / (math.pi * rate[0])
     for i in range(len(t)):
         time, low = epoch_pair(t, t_low, i)
-        s, lo, _ = phase(fh, fl, 0.0, 0.0, time, low, 1.0)
-        sine, cosine = sincos(s, lo)
-        block[row + i] = time + low if fh == 0.0 else over * sine * cosine
+        sine, cosine = sincos_at(rate, ZERO, time, low)
+        block[row + i] = time + low if rate[0] == 0.0 else over * sine * cosine
         block[row + BLOCK + i] = over * sine * sine
 
 
 @subroutine
 def _wobbles(d, t, t_low, block):
     """Fill the rows of S and V."""
-    fh, fl = d.wobble[0], d.wobble[1]
-    half = 2.0 * math.pi * fh
-    over = 0.0 if fh == 0.0 else 1.0 / half
+    rate = pair(d.wobble)
+    half = 2.0 * math.pi * rate[0]
+    over = 0.0 if rate[0] == 0.0 else 1.0 / half
     for i in range(len(t)):
         time, low = epoch_pair(t, t_low, i)
         seconds = time + low
-        if fh == 0.0:
+        if rate[0] == 0.0:
             swing, lift = seconds, 0.5 * seconds * seconds
         else:
             if d.grows != 0.0:
                 sine = math.sinh(half * seconds)
                 cosine = math.sqrt(1.0 + sine * sine)
             else:
-                s, lo, _ = phase(fh, fl, 0.0, 0.0, time, low, 1.0)
-                sine, cosine = sincos(s, lo)
+                sine, cosine = sincos_at(rate, ZERO, time, low)
             swing, lift = over * sine * cosine, 0.5 * (over * sine) * (over * sine)
         block[SWING + i] = swing
         block[LIFT + i] = lift
