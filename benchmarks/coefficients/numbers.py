@@ -30,7 +30,6 @@ def _inside(file, function, definition, remake, **more):
 
 def _circle():
     return [
-        _exact("_solver/twofloat.py", ("PI",), "pi", lambda: [mp.pi], pairs=True),
         _exact("_solver/twofloat.py", ("HALF_PI",), "pi/2", lambda: [mp.pi / 2], pairs=True),
         _exact("_solver/twofloat.py", ("TWO_PI",), "2 pi", lambda: [2 * mp.pi], pairs=True),
         _exact(
