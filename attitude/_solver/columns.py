@@ -44,12 +44,6 @@ STREAMED = 1 << 19
 
 
 @force_inlined
-def three_at(block, place):
-    """A vector from three rows of a block, from a place of the first on."""
-    return block[place], block[place + BLOCK], block[place + 2 * BLOCK]
-
-
-@force_inlined
 def put_three(block, place, v):
     """A vector into three rows of a block."""
     block[place] = v[0]
@@ -60,8 +54,8 @@ def put_three(block, place, v):
 @force_inlined
 def four_at(block, place):
     """Four numbers from as many rows of a block."""
-    x, y, z = three_at(block, place)
-    return x, y, z, block[place + 3 * BLOCK]
+    w, x = block[place], block[place + BLOCK]
+    return w, x, block[place + 2 * BLOCK], block[place + 3 * BLOCK]
 
 
 @force_inlined
@@ -118,12 +112,15 @@ def attitude_column(c, d, j, block, x, y, z):
     for i in range(len(x)):
         seconds = block[SECONDS + i]
         a, along = fma(rate, seconds, start), fma(time, seconds, second * block[PASSED + i])
-        p, q, r = three_at(block, BASIS + 6 * BLOCK + i)
-        u, v, w = fma(p, third, lx * along), fma(q, third, ly * along), fma(r, third, lz * along)
-        p, q, r = three_at(block, BASIS + 3 * BLOCK + i)
-        u, v, w = fma(p, second, u), fma(q, second, v), fma(r, second, w)
-        p, q, r = three_at(block, BASIS + i)
-        x[i], y[i], z[i] = fma(p, a, u) + ox, fma(q, a, v) + oy, fma(r, a, w) + oz
+        u = fma(block[BASIS + 6 * BLOCK + i], third, lx * along)
+        v = fma(block[BASIS + 7 * BLOCK + i], third, ly * along)
+        w = fma(block[BASIS + 8 * BLOCK + i], third, lz * along)
+        u = fma(block[BASIS + i], a, fma(block[BASIS + 3 * BLOCK + i], second, u))
+        v = fma(block[BASIS + BLOCK + i], a, fma(block[BASIS + 4 * BLOCK + i], second, v))
+        w = fma(block[BASIS + 2 * BLOCK + i], a, fma(block[BASIS + 5 * BLOCK + i], second, w))
+        x[i] = u + ox
+        y[i] = v + oy
+        z[i] = w + oz
 
 
 @elementwise
@@ -139,9 +136,10 @@ def rate_column(c, d, j, block, x, y, z):
     m20, m21, m22 = axes[2, 0] * one, axes[2, 1] * two, axes[2, 2] * three
     for i in range(len(x)):
         a = fma(third, block[SCALED + i], fma(rate, block[SECONDS + i], start))
-        p, q, r = three_at(block, OMEGA + i)
-        (u, v, w), (e, f, g) = three_at(block, BY_PHASE + i), three_at(block, BY_NOME + i)
-        u, v, w = fma(a, u, nome * e), fma(a, v, nome * f), fma(a, w, nome * g)
+        p, q, r = block[OMEGA + i], block[OMEGA + BLOCK + i], block[OMEGA + 2 * BLOCK + i]
+        u = fma(a, block[BY_PHASE + i], nome * block[BY_NOME + i])
+        v = fma(a, block[BY_PHASE + BLOCK + i], nome * block[BY_NOME + BLOCK + i])
+        w = fma(a, block[BY_PHASE + 2 * BLOCK + i], nome * block[BY_NOME + 2 * BLOCK + i])
         x[i] = fma(m00, p, fma(m01, q, fma(m02, r, u)))
         y[i] = fma(m10, p, fma(m11, q, fma(m12, r, v)))
         z[i] = fma(m20, p, fma(m21, q, fma(m22, r, w)))
@@ -225,7 +223,9 @@ def start_sums(n, rows, block):
 def keep_turn(n, block):
     """Keep the change of attitude while that of the angular velocity is found."""
     for i in range(n):
-        put_three(block, TURNED + i, three_at(block, FOUND + i))
+        block[TURNED + i] = block[FOUND + i]
+        block[TURNED + BLOCK + i] = block[FOUND + BLOCK + i]
+        block[TURNED + 2 * BLOCK + i] = block[FOUND + 2 * BLOCK + i]
 
 
 @elementwise
@@ -233,7 +233,7 @@ def keep_turn(n, block):
 def add_products(n, block):
     """Add the products of the rows found: xx, xy, yy, xz, yz, zz."""
     for i in range(n):
-        x, y, z = three_at(block, FOUND + i)
+        x, y, z = block[FOUND + i], block[FOUND + BLOCK + i], block[FOUND + 2 * BLOCK + i]
         block[SUMS + i] = fma(x, x, block[SUMS + i])
         block[SUMS + BLOCK + i] = fma(x, y, block[SUMS + BLOCK + i])
         block[SUMS + 2 * BLOCK + i] = fma(y, y, block[SUMS + 2 * BLOCK + i])
@@ -247,16 +247,19 @@ def add_products(n, block):
 def add_products_of_rates(n, block):
     """Add the products of the change of angular velocity with that of attitude and with itself."""
     for i in range(n):
-        (x, y, z), (u, v, w) = three_at(block, TURNED + i), three_at(block, FOUND + i)
+        x, y, z = block[TURNED + i], block[TURNED + BLOCK + i], block[TURNED + 2 * BLOCK + i]
+        u = block[FOUND + i]
         block[SUMS + 6 * BLOCK + i] = fma(x, u, block[SUMS + 6 * BLOCK + i])
         block[SUMS + 7 * BLOCK + i] = fma(y, u, block[SUMS + 7 * BLOCK + i])
         block[SUMS + 8 * BLOCK + i] = fma(z, u, block[SUMS + 8 * BLOCK + i])
         block[SUMS + 9 * BLOCK + i] = fma(u, u, block[SUMS + 9 * BLOCK + i])
+        v = block[FOUND + BLOCK + i]
         block[SUMS + 10 * BLOCK + i] = fma(x, v, block[SUMS + 10 * BLOCK + i])
         block[SUMS + 11 * BLOCK + i] = fma(y, v, block[SUMS + 11 * BLOCK + i])
         block[SUMS + 12 * BLOCK + i] = fma(z, v, block[SUMS + 12 * BLOCK + i])
         block[SUMS + 13 * BLOCK + i] = fma(u, v, block[SUMS + 13 * BLOCK + i])
         block[SUMS + 14 * BLOCK + i] = fma(v, v, block[SUMS + 14 * BLOCK + i])
+        w = block[FOUND + 2 * BLOCK + i]
         block[SUMS + 15 * BLOCK + i] = fma(x, w, block[SUMS + 15 * BLOCK + i])
         block[SUMS + 16 * BLOCK + i] = fma(y, w, block[SUMS + 16 * BLOCK + i])
         block[SUMS + 17 * BLOCK + i] = fma(z, w, block[SUMS + 17 * BLOCK + i])
