@@ -203,19 +203,23 @@ def propagate(
             results.append((result_memory(None, "", shape, (3, 9), scalar), None))
     elif sensitivity_out is not None:
         raise AttitudeError("sensitivity_out is given without sensitivity=True; give both.")
-    flat = [_bodies(memory, len(lead), count) for memory, _ in results]
-    attitudes, rates = _flat(wxyz0, lead, count), _flat(omega0, lead, count)
     bodies = _flat(inertia, lead, count, inner)
-    states: States | StatesOfTensors = States(bodies, IDENTITY, rates, None, attitudes)
-    if inner == 2:
-        states = StatesOfTensors(bodies, attitudes, rates)
-    low = None if t_low is None else _epochs(t_low, lead, count)
-    filled = Results(flat[0], flat[1] if angular_velocity else None)
-    if sensitivity:
-        filled = Results(*filled[:2], *flat[-2 if angular_velocity else -1 :])
-    evaluation = Evaluation(states, lambda k: f"State {k} of {count}" if count > 1 else "")
-    evaluation.grid(Seconds(_epochs(t, lead, count), low), filled, threads)
-    views = [result(memory, array, scalar, len(lead)) for memory, array in results]
+    attitudes, rates = _flat(wxyz0, lead, count), _flat(omega0, lead, count)
+    source: States | StatesOfTensors
+    if inner == 1:
+        source = States(bodies, IDENTITY, rates, None, attitudes)
+    else:
+        source = StatesOfTensors(bodies, attitudes, rates)
+    times = Seconds(_epochs(t, lead, count), None if t_low is None else _epochs(t_low, lead, count))
+    flat, views = [], []
+    for memory, _ in results:
+        flat.append(memory.reshape(count, *memory.shape[len(lead) :]) if lead else memory[None])
+    if not angular_velocity:
+        flat.insert(1, None)
+    evaluation = Evaluation(source, lambda k: f"State {k} of {count}" if count > 1 else "")
+    evaluation.grid(times, Results(*flat), threads)
+    for memory, array in results:
+        views.append(result(memory, array, scalar, len(lead)))
     return tuple(views) if len(views) > 1 else views[0]
 
 
@@ -243,13 +247,6 @@ def linearized(
     Evaluation(states, near=False).grid(Seconds(frozen(t[None])), filled)
     results = [array for array in filled if array is not None]
     return tuple(np.moveaxis(array, -1, 1) for array in results)
-
-
-def _bodies(memory, leading, count):
-    """The memory with its leading axes as one, of bodies."""
-    if not leading:
-        return memory[None]
-    return memory.reshape(count, *memory.shape[leading:])
 
 
 def _low_parts(t_low, t):
@@ -299,22 +296,17 @@ def _leading_shape(inertia, wxyz0, omega0, t):
 def _flat(array, lead, count, inner=1):
     """The rows of the bodies (count, ...), each of the last `inner` axes of an array."""
     if array.ndim == inner and not lead:
-        return np.ascontiguousarray(array)[None]
+        return array[None]
     row = array.shape[array.ndim - inner :]
     if array.shape[:-inner] != lead:
         array = np.broadcast_to(array, (*lead, *row))
-    if not array.flags.c_contiguous:
-        array = np.ascontiguousarray(array)
     return array.reshape(count, *row)
 
 
 def _epochs(t, lead, count):
     """A read-only view (1, T) if all bodies share the epochs, else (B, T)."""
-    if t.ndim == 1:
-        return frozen(np.ascontiguousarray(t)[None])
-    if t.size == t.shape[-1]:
-        return frozen(np.ascontiguousarray(t).reshape(1, t.size))
-    return frozen(_flat(t, lead, count))
+    rows = t.reshape(1, t.size) if t.size == t.shape[-1] else _flat(t, lead, count)
+    return frozen(rows if rows.flags.c_contiguous else np.ascontiguousarray(rows))
 
 
 def result_memory(
