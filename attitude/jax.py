@@ -22,6 +22,7 @@ import numpy as np
 
 from attitude._support import validation
 from attitude.errors import AttitudeError
+from attitude.motions._propagation import of_arrays
 from attitude.motions._propagation import propagate as _compiled
 
 try:
@@ -76,25 +77,7 @@ def propagate(
             'jax.config.update("jax_enable_x64", True).'
         )
     arrays = [jnp.asarray(argument, dtype=jnp.float64) for argument in (moments, wxyz0, omega0, t)]
-    for name, array, width in zip(("moments", "wxyz0", "omega0"), arrays, (3, 4, 3), strict=False):
-        if array.shape[-1:] != (width,):
-            raise AttitudeError(f"{name} has shape {array.shape}; give (..., {width}).")
-    scalar = arrays[3].ndim == 0
-    times = arrays[3].reshape(1) if scalar else arrays[3]
-    try:
-        shapes = [rows.shape[:-1] for rows in (*arrays[:3], times)]
-        lead = np.broadcast_shapes(*shapes)
-    except ValueError as err:
-        raise AttitudeError(
-            f"the leading axes {shapes} of moments, wxyz0, omega0 and t do not broadcast."
-        ) from err
-    bodies = [jnp.broadcast_to(rows, (*lead, rows.shape[-1])) for rows in arrays[:3]]
-    # Axes of length 1 keep the epochs shared under vmap.
-    times = times.reshape((1,) * (len(lead) + 1 - times.ndim) + times.shape)
-    wxyz, omega = _propagate(*bodies, times)
-    if scalar:
-        wxyz, omega = wxyz[..., 0, :], omega[..., 0, :]
-    return (wxyz, omega) if angular_velocity else wxyz
+    return of_arrays(arrays, jnp.broadcast_to, _propagate, angular_velocity)
 
 
 @jax.custom_jvp

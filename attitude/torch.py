@@ -20,6 +20,7 @@ import numpy as np
 
 from attitude._support import validation
 from attitude.errors import AttitudeError
+from attitude.motions._propagation import of_arrays
 from attitude.motions._propagation import propagate as _compiled
 
 try:
@@ -67,26 +68,8 @@ def propagate(
     itself, whose length changes nothing, they vanish.
     """
     arguments = (("moments", moments), ("wxyz0", wxyz0), ("omega0", omega0), ("t", t))
-    *bodies, times = (_tensor(value, name) for name, value in arguments)
-    for (name, _), tensor, width in zip(arguments, bodies, (3, 4, 3), strict=False):
-        if tensor.shape[-1:] != (width,):
-            raise AttitudeError(f"{name} has shape {tuple(tensor.shape)}; give (..., {width}).")
-    scalar = times.ndim == 0
-    times = times.reshape(1) if scalar else times
-    shapes = [tuple(array.shape[:-1]) for array in (*bodies, times)]
-    try:
-        lead = np.broadcast_shapes(*shapes)
-    except ValueError as err:
-        raise AttitudeError(
-            f"the leading axes {shapes} of moments, wxyz0, omega0 and t do not broadcast."
-        ) from err
-    bodies = [body.expand(*lead, body.shape[-1]) for body in bodies]
-    # Axes of length 1 keep shared epochs shared.
-    times = times.reshape((1,) * (len(lead) + 1 - times.ndim) + tuple(times.shape))
-    wxyz, omega = _Propagation.apply(*bodies, times)
-    if scalar:
-        wxyz, omega = wxyz[..., 0, :], omega[..., 0, :]
-    return (wxyz, omega) if angular_velocity else wxyz
+    tensors = [_tensor(value, name) for name, value in arguments]
+    return of_arrays(tensors, torch.broadcast_to, _Propagation.apply, angular_velocity)
 
 
 def _tensor(value, name):

@@ -15,6 +15,8 @@ from attitude._support.synonyms import arguments
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     from attitude._support.annotations import FloatArray, Reals
 
 
@@ -247,6 +249,39 @@ def linearized(
     Evaluation(states, near=False).grid(Seconds(frozen(t[None])), filled)
     results = [array for array in filled if array is not None]
     return tuple(np.moveaxis(array, -1, 1) for array in results)
+
+
+def of_arrays(
+    arrays: Sequence[Any],
+    broadcast_to: Callable[..., Any],
+    run: Callable[..., tuple[Any, Any]],
+    rates: bool,
+) -> Any:
+    """Attitudes, and with rates angular velocities, of arrays or tensors of another library.
+
+    arrays: moments (..., 3), wxyz0 (..., 4), omega0 (..., 3) and t (..., T) or a number.
+    broadcast_to: that of the library.  run: both results, of bodies (L, ...) and epochs (L or 1, T).
+    """
+    *bodies, times = arrays
+    for name, array, width in zip(("moments", "wxyz0", "omega0"), bodies, (3, 4, 3), strict=True):
+        if array.shape[-1:] != (width,):
+            raise AttitudeError(f"{name} has shape {tuple(array.shape)}; give (..., {width}).")
+    scalar = times.ndim == 0
+    times = times.reshape(1) if scalar else times
+    shapes = [tuple(array.shape[:-1]) for array in (*bodies, times)]
+    try:
+        lead = np.broadcast_shapes(*shapes)
+    except ValueError as err:
+        raise AttitudeError(
+            f"the leading axes {shapes} of moments, wxyz0, omega0 and t do not broadcast."
+        ) from err
+    bodies = [broadcast_to(rows, (*lead, rows.shape[-1])) for rows in bodies]
+    # Axes of length 1 keep the epochs shared.
+    times = times.reshape((1,) * (len(lead) + 1 - times.ndim) + tuple(times.shape))
+    wxyz, omega = run(*bodies, times)
+    if scalar:
+        wxyz, omega = wxyz[..., 0, :], omega[..., 0, :]
+    return (wxyz, omega) if rates else wxyz
 
 
 def _low_parts(t_low, t):
