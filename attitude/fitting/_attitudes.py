@@ -66,10 +66,7 @@ def velocities(wxyz: FloatArray, t: FloatArray) -> tuple[FloatArray, FloatArray]
 def inertia_of_attitudes(
     wxyz: FloatArray, omega: FloatArray, axes: str, *, robust: bool
 ) -> FloatArray:
-    """The tensor (3, 3) of unit trace for which R I w varies least.
-
-    Shapes: wxyz, omega (K, 4) rad/s.
-    """
+    """The tensor (3, 3) of unit trace for which R I w varies least; wxyz, omega (K, 4) rad/s."""
     wxyz, omega = wxyz[:_ENOUGH], omega[:_ENOUGH]
     basis = _basis(axes)
     vectors = quaternion.matrix(wxyz) @ np.tensordot(omega, basis, axes=(1, 2)).transpose(0, 2, 1)
@@ -127,10 +124,7 @@ def point_of(model: Model, observed: Observations, start: object) -> Point:
 def states_at_first(
     model: Model, shape: FloatArray, states: tuple[FloatArray, FloatArray, FloatArray]
 ) -> list[Point]:
-    """Points (K) at the first record of states at other epochs.
-
-    Shapes: shape (k,), states (K,).
-    """
+    """Points (K) at the first record of states at other epochs; shape (k,), states (K,)."""
     t, wxyz, omega = states
     moments, axes = model.principal(shape)
     to_body = quaternion.from_matrix(axes)
@@ -298,10 +292,7 @@ def fit(
 
 
 def guess(problem: Problem, given: tuple[FloatArray, FloatArray, FloatArray]) -> Point:
-    """The first guess from attitudes.
-
-    Shapes: given (K,).
-    """
+    """The first guess from attitudes; given (K,)."""
     model, shape = problem.model, np.zeros(0)
     if model.body is None:
         robust = problem.loss.robust
@@ -345,16 +336,16 @@ def _observed(
     if not count:
         raise AttitudeError(_too_few(0))
     seconds, low = Seconds.of(history).flat
-    attitudes = Attitudes(np.asarray(history.wxyz), weights(sigma, count, "sigma", "rad"))
+    attitudes = Attitudes(weights(sigma, count, "sigma", "rad"), np.asarray(history.wxyz))
     kinds: tuple[Measured, ...] = (attitudes,)
     omega = table.angular_velocity
     if omega is not None:
-        rates = Rates(np.asarray(omega), attitudes.weight)
+        rates = Rates(attitudes.weight, np.asarray(omega))
         if rate_sigma is None:
             with np.errstate(divide="ignore"):
                 usual = float(np.mean(1.0 / attitudes.weight)) * rates.scale()
             rate_sigma = usual if np.any(rates.omega) else np.inf
-        kinds = (attitudes, Rates(rates.omega, weights(rate_sigma, count, "rate_sigma", "rad/s")))
+        kinds = (attitudes, Rates(weights(rate_sigma, count, "rate_sigma", "rad/s"), rates.omega))
     epoch = history.epoch.after(seconds[0], low[0])
     return Observations(epoch, (seconds - seconds[0]) + (low - low[0]), kinds)
 
@@ -438,7 +429,7 @@ def fit_rates(
             f"there {'is' if count == 1 else 'are'} {count} angular "
             f"velocit{'y' if count == 1 else 'ies'}; give three or more (one with body=)."
         )
-    rates = Rates(omega, weights(sigma, count, "sigma", "rad/s"))
+    rates = Rates(weights(sigma, count, "sigma", "rad/s"), omega)
     observed = Observations(first_epoch, seconds, (rates,))
     speed = float(np.mean(np.linalg.norm(omega, axis=1)))
     first = first_stage(seconds, speed, FEWEST_ROBUST if how.robust else FEWEST)
@@ -475,10 +466,7 @@ _FASTEST, _SPACING, _BEST = 1.5, 0.4, 8
 
 
 def attitudes(t: FloatArray, directions: Directions) -> tuple[FloatArray, FloatArray]:
-    """Epochs (K,) with directions that determine an attitude, and these attitudes (K, 4).
-
-    Shapes: t (N,).
-    """
+    """Epochs (K,), of t (N,), with directions that determine an attitude, and these (K, 4)."""
     times, group = np.unique(t, return_inverse=True)
     products = np.einsum("n,ni,nj->nij", directions.weight, directions.known, directions.measured)
     sums = np.zeros((len(times), 3, 3))
@@ -645,9 +633,9 @@ def fit_directions(
     measured = _unit(body_directions, "body_directions", count)
     known = _unit(inertial_directions, "inertial_directions", count)
     directions = Directions(
+        weights(sigma, count, "sigma", "rad"),
         measured,
         known @ frames.matrix_to_icrf(frames.known(frame)).T,
-        weights(sigma, count, "sigma", "rad"),
     )
     if 2 * count < model.count:
         raise AttitudeError(

@@ -383,7 +383,7 @@ def _spin_covariance(model: Model, body: Body, best: Linearised) -> FloatArray:
     speed = float(np.linalg.norm(point.omega)) or 1.0
     factor = bounded_factor(best.normal, best.variance, speed)
     axes = body.principal_axes
-    chain = model.chain(point, _logarithms(model, point.shape, axes), axes)
+    chain = model.chain(point, model.logarithms(point.shape, axes), axes)
     state, turns = chain.state.copy(), chain.turns.copy()
     with np.errstate(over="ignore", invalid="ignore"):
         spread = np.sum((turns @ factor) ** 2, axis=1)
@@ -395,10 +395,6 @@ def _spin_covariance(model: Model, body: Body, best: Linearised) -> FloatArray:
     errors = state @ factor
     product: FloatArray = errors @ errors.T
     return 0.5 * (product + product.T)
-
-
-def _logarithms(model: Model, shape: FloatArray, axes: FloatArray) -> FloatArray:
-    return np.zeros(3) if model.body is not None else model.logarithms(shape, axes)
 
 
 def _rms(vectors: FloatArray) -> float:

@@ -25,7 +25,7 @@ from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.motions import _propagation
-from attitude.motions._body import Body
+from attitude.motions._body import Body, tensors_of
 
 if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray
@@ -125,8 +125,7 @@ class Model:
         moments = _moments(values)
         if self.axes == "principal":
             return Body(moments=moments, relative=True)
-        tensor = (axes * moments) @ axes.T
-        return Body(tensor=0.5 * (tensor + tensor.T), relative=True)
+        return Body(tensor=tensors_of(moments, axes), relative=True)
 
     def principal(self, shape: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Principal moments (3,) of a shape, and the axes (3, 3), columns, right-handed."""
@@ -165,10 +164,7 @@ class Model:
         return Prediction(wxyz, omega, axes, to_body, columns, rate_columns)
 
     def chain(self, point: Point, values: FloatArray, axes: FloatArray) -> Chain:
-        """The chain rule from the parameters to the motion of the principal axes.
-
-        Shapes: values (3,), axes (3, 3).
-        """
+        """The chain rule to the motion of the principal axes (3, 3), of eigenvalues (3,)."""
         state, turns = np.zeros((9, self.count)), np.zeros((3, self.count))
         matrix = quaternion.matrix(point.wxyz)
         state[:3, :3] = matrix
@@ -189,11 +185,13 @@ class Model:
             )
         if np.any(turns):
             state[:3] += matrix @ axes @ turns
-            state[3:6] += _cross_matrix(point.omega @ axes) @ turns
+            state[3:6] += np.cross(point.omega @ axes, turns.T).T
         return Chain(state, turns)
 
     def logarithms(self, shape: FloatArray, axes: FloatArray) -> FloatArray:
-        """The eigenvalues (3,) of a shape that belong to given principal axes."""
+        """The eigenvalues (3,) of a shape for given principal axes; zeros for a known body."""
+        if self.body is not None:
+            return np.zeros(3)
         return np.einsum("ik,ij,jk->k", axes, _logarithm(shape), axes)
 
     def _eigen(self, shape: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -217,12 +215,6 @@ def _moments(values: FloatArray) -> FloatArray:
     return (np.array([mass[1] + mass[2], mass[2] + mass[0], mass[0] + mass[1]])) / (
         2.0 * mass.sum()
     )
-
-
-def _cross_matrix(vector: FloatArray) -> FloatArray:
-    """The matrix (3, 3) that multiplies as a vector (3,) does in a cross product."""
-    x, y, z = vector
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
 def _logarithm(shape: FloatArray) -> FloatArray:

@@ -7,7 +7,7 @@ in which they are not turned by the weights: each record has one standard error.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -31,41 +31,38 @@ if TYPE_CHECKING:
 _ROUNDING, _OF_ANGLE = 4e-15, 4e-16
 
 
-class Measured(Protocol):
-    """What a kind of N records defines."""
-
-    @property
-    def weight(self) -> FloatArray:
-        """1 / standard errors (N,)."""
-
-    @property
-    def dimensions(self) -> int:
-        """Numbers that one record measures."""
-
-    def at(self, index: Any) -> Self:
-        """Some of the records."""
-
-    def compare(self, predicted: Prediction) -> tuple[FloatArray, FloatArray]:
-        """Residuals (3, N), and the derivatives (3, P, N) of what is predicted."""
-
-    def residuals(self, predicted: Prediction) -> FloatArray:
-        """Residuals (N, 3) over the body axes."""
-
-    def scale(self) -> float:
-        """The size of a residual that stands for 1 rad."""
-
-
 @dataclass(frozen=True)
-class Attitudes:
-    """Attitudes (N, 4), body to ICRF; residuals are turns from the model to the record, rad."""
+class Measured:
+    """Base of the kinds of N records, with their weights, 1 / standard errors (N,).
 
-    wxyz: FloatArray
+    `dimensions` are the numbers that one record measures.
+    """
+
     weight: FloatArray
     dimensions = 3
 
-    def at(self, index: Any) -> Attitudes:
+    def at(self, index: Any) -> Self:
         """Some of the records."""
-        return Attitudes(self.wxyz[index], self.weight[index])
+        return type(self)(**{name: array[index] for name, array in vars(self).items()})
+
+    def compare(self, predicted: Prediction) -> tuple[FloatArray, FloatArray]:
+        """Residuals (3, N), and the derivatives (3, P, N) of what is predicted."""
+        raise NotImplementedError(f"{type(self).__name__} defines no compare")
+
+    def residuals(self, predicted: Prediction) -> FloatArray:
+        """Residuals (N, 3) over the body axes."""
+        raise NotImplementedError(f"{type(self).__name__} defines no residuals")
+
+    def scale(self) -> float:
+        """The size of a residual that stands for 1 rad."""
+        return 1.0
+
+
+@dataclass(frozen=True)
+class Attitudes(Measured):
+    """Attitudes (N, 4), body to ICRF; residuals are turns from the model to the record, rad."""
+
+    wxyz: FloatArray
 
     def compare(self, predicted: Prediction) -> tuple[FloatArray, FloatArray]:
         """Residuals over ICRF axes, and derivatives."""
@@ -77,10 +74,6 @@ class Attitudes:
         turn = quaternion.multiply(quaternion.conjugate(predicted.wxyz), self._records(predicted))
         return forms.to_rotation_vector(turn) @ predicted.axes.T
 
-    def scale(self) -> float:
-        """1 rad."""
-        return 1.0
-
     def _records(self, predicted: Prediction) -> FloatArray:
         """The attitudes (N, 4) of the principal axes."""
         if predicted.to_body is None:
@@ -89,16 +82,10 @@ class Attitudes:
 
 
 @dataclass(frozen=True)
-class Rates:
+class Rates(Measured):
     """Angular velocities (N, 3), rad/s over the body axes; residuals are records less model."""
 
     omega: FloatArray
-    weight: FloatArray
-    dimensions = 3
-
-    def at(self, index: Any) -> Rates:
-        """Some of the records."""
-        return Rates(self.omega[index], self.weight[index])
 
     def compare(self, predicted: Prediction) -> tuple[FloatArray, FloatArray]:
         """Residuals over the principal axes, and derivatives."""
@@ -116,7 +103,7 @@ class Rates:
 
 
 @dataclass(frozen=True)
-class Directions:
+class Directions(Measured):
     """Directions, unit vectors (N, 3) over the body axes and over ICRF axes.
 
     A residual is the least turn that takes the measured direction, as the model places it in
@@ -125,12 +112,7 @@ class Directions:
 
     measured: FloatArray
     known: FloatArray
-    weight: FloatArray
     dimensions = 2
-
-    def at(self, index: Any) -> Directions:
-        """Some of the records."""
-        return Directions(self.measured[index], self.known[index], self.weight[index])
 
     def compare(self, predicted: Prediction) -> tuple[FloatArray, FloatArray]:
         """Residuals over ICRF axes, and derivatives without the turn about the direction."""
@@ -145,10 +127,6 @@ class Directions:
         turn = self._turns(predicted).T
         turned = quaternion.rotate(quaternion.conjugate(predicted.wxyz), turn)
         return turned @ predicted.axes.T
-
-    def scale(self) -> float:
-        """1 rad."""
-        return 1.0
 
     def _turns(self, predicted: Prediction) -> FloatArray:
         """The turns (3, N) from the measured directions in inertial space to the known ones."""
@@ -190,10 +168,7 @@ class Observations:
 def epochs_of(
     t: Epochs, epoch: Epoch | None, *, repeated: bool = False
 ) -> tuple[Instant, FloatArray]:
-    """The first epoch of records, and the TDB seconds (N,) of all of them since then.
-
-    Shapes: t (N,).
-    """
+    """The first epoch of records, and the TDB seconds (N,) of all of them since then; t (N,)."""
     origin = _inputs.instant(epoch, "epoch") if epoch is not None else _first(t)
     hi, lo = _inputs.seconds_since(origin, t)
     if hi.ndim != 1 or not len(hi):

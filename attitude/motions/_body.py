@@ -333,6 +333,12 @@ class Body(Valued):
         return self._moments
 
 
+def tensors_of(moments: FloatArray, axes: FloatArray) -> FloatArray:
+    """Symmetric tensors (..., 3, 3) of moments (..., 3) about axes, the columns of (3, 3)."""
+    products: FloatArray = (axes * moments[..., None, :]) @ axes.T
+    return 0.5 * (products + np.swapaxes(products, -1, -2))
+
+
 def _check(moments: FloatArray, name: str) -> None:
     """AttitudeError for principal moments that no body has."""
     x, y, z = moments.tolist()

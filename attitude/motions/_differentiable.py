@@ -15,7 +15,7 @@ from attitude.epochs import _inputs
 from attitude.errors import AttitudeError, CovarianceWarning
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
-from attitude.motions._body import Body
+from attitude.motions._body import Body, tensors_of
 from attitude.motions._motion import Motion
 
 if TYPE_CHECKING:
@@ -57,9 +57,7 @@ def changed(body: Body, spin: Spin, changes: FloatArray) -> tuple[Body, Spin]:
     }
     if np.array_equal(body.principal_axes, np.eye(3)):
         return Body(moments=moments, **more), moved
-    axes = body.principal_axes
-    tensor = (axes * moments) @ axes.T
-    return Body(tensor=0.5 * (tensor + tensor.T), **more), moved
+    return Body(tensor=tensors_of(moments, body.principal_axes), **more), moved
 
 
 # Squares of turns, rad2, that are rounding errors of attitudes.
