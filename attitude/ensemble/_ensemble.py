@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, Self, cast
 
 import numpy as np
@@ -18,7 +18,7 @@ from attitude import frames
 from attitude._solver import regime as solver_regime
 from attitude._solver import sensitivities, states
 from attitude._solver.march_layout import OMEGA, STATE_ENTRIES, WXYZ
-from attitude._solver.regime import Regime
+from attitude._solver.regime import Mode, Regime
 from attitude._solver.states import Evaluation, Results, Solved, States
 from attitude._support import markup, pairs, validation
 from attitude._support.arrays import Immutable, frozen, read_only
@@ -33,7 +33,7 @@ from attitude.formats import tables
 from attitude.frames import quaternion
 from attitude.light_curve._magnitudes import SUN_V
 from attitude.motions import _published
-from attitude.motions._body import Body
+from attitude.motions._body import Body, tensors_of
 from attitude.motions._free_rotation import FreeRotation
 from attitude.motions._history import AttitudeHistory
 from attitude.motions._spin import Spin
@@ -250,14 +250,14 @@ class Ensemble(Immutable):
                 "an Ensemble takes one of body=, moments= (N, 3) and tensors= (N, 3, 3)."
             )
         if moments is not None:
-            inertia = _members.of_moments(moments, relative)
+            inertia = _members.of_arrays(moments, "moments", (3,), relative)
         elif body is not None:
             inertia = _members.of_bodies(
                 [body] if isinstance(body, Body) else list(_members.listed(body))
             )
         else:
             assert tensors is not None
-            inertia = _members.of_tensors(tensors, relative)
+            inertia = _members.of_arrays(tensors, "tensors", (3, 3), relative)
         argument = {2: "moments", 3: "tensors"}[inertia.array.ndim] if body is None else "body"
         sizes = {
             argument: inertia.size,
@@ -524,7 +524,7 @@ class Ensemble(Immutable):
             return cls(body, **shared)
         if body.has_given_axes:
             return cls(moments=drawn.moments, relative=body.relative, **shared)
-        tensors = _tables.tensors(body, drawn.moments)
+        tensors = tensors_of(drawn.moments, body.principal_axes)
         return cls(tensors=tensors, relative=body.relative, **shared)
 
     @classmethod
@@ -698,8 +698,6 @@ class Ensemble(Immutable):
 
     def _repr_html_(self) -> str:
         """A table for notebooks: periods and rates of the first members."""
-        from attitude._solver.regime import Mode
-
         few = self[:8]
         rows: list[tuple[str, ...]] = [("member", "mode", "period psi, s", "period phi, s")]
         for k, mode in enumerate(few.mode.tolist()):
@@ -1267,9 +1265,7 @@ class Ensemble(Immutable):
         count, length = which.stop - which.start, epochs.stop - epochs.start
         wxyz = np.empty((count, 4, length))
         evaluation.grid(t, Results(wxyz), first=which.start)
-        numbers = np.broadcast_to(np.arange(which.start, which.stop)[:, None], (count, length))
-        seconds = t.mapped(lambda array: np.broadcast_to(array, (count, length)))
-        history = EnsembleHistory(self, numbers, *seconds, np.moveaxis(wxyz, 1, 2))
+        history = EnsembleHistory._of_all(self, t, np.moveaxis(wxyz, 1, 2), first=which.start)
         values: FloatArray = known.measured(history, epochs)
         return values
 
@@ -1376,6 +1372,24 @@ class EnsembleHistory(AttitudeHistory):
         super().__init__(ensemble, ensemble.start_of_seconds, seconds, low, wxyz)
         self._set("ensemble", ensemble)
         self._set("member", frozen(member))
+
+    @classmethod
+    def _of_all(
+        cls,
+        ensemble: Ensemble,
+        t: Seconds,
+        wxyz: FloatArray,
+        rates: FloatArray | None = None,
+        first: int = 0,
+    ) -> Self:
+        """Attitudes and rates (N, T, ...) of members from `first` on, at epochs (T,) or (N, T)."""
+        shape = wxyz.shape[:2]
+        member = np.broadcast_to(np.arange(first, first + shape[0])[:, None], shape)
+        spread = t.mapped(lambda array: np.broadcast_to(array, shape))
+        history = cls(ensemble, member, *spread, wxyz)
+        if rates is not None:
+            history.__dict__["angular_velocity"] = frozen(rates)
+        return history
 
     def __getitem__(self, index: Any) -> EnsembleHistory:
         """Some of the attitudes: history[3], history[:, 10:20], history[mask]."""
@@ -1535,14 +1549,8 @@ class ArcsEnsemble(Immutable):
                 self._chains.fill(Seconds(hi, lo), wxyz, rates, threads)
             except _arcs.Failed as failed:
                 self._evaluate_singles(hi, lo, wxyz, rates, 1, only=failed.member)
-        shape = count, length
-        member = np.broadcast_to(np.arange(count)[:, None], shape)
-        spread = Seconds(hi.copy(), lo).mapped(lambda array: np.broadcast_to(array, shape))
-        history = EnsembleHistory(
-            self.ensemble, member, *spread, read_only(np.moveaxis(wxyz, 1, 2))
-        )
-        history.__dict__["angular_velocity"] = read_only(np.moveaxis(rates, 1, 2))
-        return history
+        attitudes, turning = (read_only(np.moveaxis(array, 1, 2)) for array in (wxyz, rates))
+        return EnsembleHistory._of_all(self.ensemble, Seconds(hi.copy(), lo), attitudes, turning)
 
     def _evaluate_singles(
         self,
@@ -1679,10 +1687,7 @@ class TorquedEnsemble(Immutable):
         return f"<TorquedEnsemble of {len(self)} members: {names}; step {self.step:g} s>"
 
     def at(self, t: Epochs, low: ArrayLike | None = None, *, threads: int = 1) -> TorquedHistory:
-        """The attitudes and angular velocities of all members at some epochs.
-
-        Shapes: t (T,).
-        """
+        """The attitudes and angular velocities of all members at some epochs; t (T,)."""
         times = _inputs.seconds_since(self.ensemble.start_of_seconds, t, low).mapped(np.array)
         hi = times.hi
         if hi.ndim != 1 or np.isinf(hi).any():
@@ -1698,12 +1703,7 @@ class TorquedEnsemble(Immutable):
             for k, states in enumerate(out):
                 system = self._systems[0 if shared else k]
                 states[:, 4:] = system.turning(seconds, lo, states[:, 4:])
-        shape = len(self), len(seconds)
-        member = np.broadcast_to(np.arange(len(self))[:, None], shape)
-        spread = times.mapped(lambda array: np.broadcast_to(array, shape))
-        history = TorquedHistory(self.ensemble, member, *spread, out[..., :4])
-        history.__dict__["angular_velocity"] = frozen(out[..., 4:])
-        return history
+        return TorquedHistory._of_all(self.ensemble, times, out[..., :4], out[..., 4:])
 
     def _integrate(
         self,
@@ -1737,9 +1737,6 @@ class TorquedEnsemble(Immutable):
             in_blocks(work, len(self), size, threads)
             bar(start + steps + 1, int(number[-1]) + 1)
 
-    def _label(self, first: int, k: int) -> str:
-        return self.ensemble.label(first + k)
-
     def _marched(
         self, first: int, states: FloatArray, start: int, h: float, here: Any, samples: Any
     ) -> FloatArray:
@@ -1754,8 +1751,12 @@ class TorquedEnsemble(Immutable):
             np.array([system.setup[2] for system in systems]),
         )
         number, parts = here
+
+        def label(k: int) -> str:
+            return self.ensemble.label(first + k)
+
         advanced = systems[0].march_members(
-            setup, states, start, h, number, parts, samples, label=partial(self._label, first)
+            setup, states, start, h, number, parts, samples, label=label
         )
         for k in range(len(advanced)):
             advanced[k] = systems[0 if shared else k].over_body_axes(advanced[k])

@@ -279,10 +279,7 @@ class Light:
 def known_shapes(
     shape: Any, count: int, label: Callable[[int], str]
 ) -> FloatArray | list[Ellipsoid | Mesh]:
-    """Semi-axes (1 or N, 3) in m if all shapes are ellipsoids, else a list of 1 or N shapes.
-
-    Shapes: shape (3,).
-    """
+    """Semi-axes (1 or N, 3) in m if all shapes are ellipsoids, else a list of 1 or N shapes."""
     if shape is None:
         raise AttitudeError(
             "shape is missing; give an Ellipsoid or a Mesh, or one for each member."

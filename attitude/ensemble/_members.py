@@ -60,10 +60,7 @@ def of_members(given: Any) -> FloatArray:
 def shared(
     start: FloatArray, t: Any, low: ArrayLike | None, count: int
 ) -> tuple[support_pairs.Seconds, bool]:
-    """Epochs (1 or N, T) of all of N members, and if T is one.
-
-    Shapes: start (2, 1), t (T,).
-    """
+    """Epochs (1 or N, T) of all of N members, and if T is one; start (2, 1), t (T,)."""
     dates = _dates(start, t, low)
     hi, lo = _plain(start, t, low) if dates is None else dates
     if hi.ndim > 2 or (hi.ndim == 2 and len(hi) != count):
@@ -167,10 +164,7 @@ class Given(NamedTuple):
     def resolved(
         self, omega: FloatArray, raises: bool
     ) -> tuple[Inertia, FloatArray, FloatArray | None]:
-        """The inertia, and `omega` and `differences` of the `States` of N members.
-
-        Shapes: omega (N, 3), rad/s over the body axes.
-        """
+        """The inertia, and `omega` and `differences` of the `States` of rates (N, 3), body axes."""
         count = len(self.array)
         moments, axes = np.zeros((count, 3, 2)), np.broadcast_to(np.eye(3), (count, 3, 3))
         if self.array.ndim == 2:
@@ -245,18 +239,16 @@ class Inertia:
         return self.given if self.has_tensors else self.given[:, :, None] * np.eye(3)
 
 
-def of_moments(moments: Reals, relative: bool) -> Given:
-    """Principal moments (3,) or (N, 3) about the body axes."""
+def of_arrays(inertia: Reals, name: str, last: tuple[int, ...], relative: bool) -> Given:
+    """Principal moments (3,) or (N, 3) about the body axes, or tensors (3, 3) or (N, 3, 3)."""
     unit = None if relative else "kg m2"
-    array = validation.real(moments, "moments", unit=unit, finite=False)
-    return Given(_leading(array, "moments", (3,)), relative, None)
-
-
-def of_tensors(tensors: Reals, relative: bool) -> Given:
-    """Tensors (3, 3) or (N, 3, 3) in body axes."""
-    unit = None if relative else "kg m2"
-    array = validation.real(tensors, "tensors", unit=unit, finite=False)
-    return Given(_leading(array, "tensors", (3, 3)), relative, None)
+    array = validation.real(inertia, name, unit=unit, finite=False)
+    if array.shape == last:
+        array = array[None]
+    if array.ndim != len(last) + 1 or array.shape[1:] != last:
+        shape = ", ".join(map(str, last))
+        raise AttitudeError(f"{name} has shape {array.shape}; give ({shape}) or (N, {shape}).")
+    return Given(array, relative, None)
 
 
 def of_bodies(bodies: Sequence[Body]) -> Given:
@@ -305,23 +297,10 @@ def joined_inertia(parts: Sequence[Inertia], counts: Sequence[int]) -> Inertia:
     return Inertia(array, first.relative, bodies, *arrays)
 
 
-def _leading(array: FloatArray, name: str, last: tuple[int, ...]) -> FloatArray:
-    """The array with one leading axis."""
-    if array.shape == last:
-        return array[None]
-    if array.ndim == len(last) + 1 and array.shape[1:] == last:
-        return array
-    shape = ", ".join(map(str, last))
-    raise AttitudeError(f"{name} has shape {array.shape}; give ({shape}) or (N, {shape}).")
-
-
 def to_icrf(
     frame: str, wxyz: FloatArray, low: FloatArray | None
 ) -> tuple[FloatArray, FloatArray | None]:
-    """Attitudes (N, 4) and their second doubles (or None) in ICRF, as `Spin` has them.
-
-    Shapes: wxyz (N, 4), low (N, 4).
-    """
+    """Attitudes (N, 4) and their second doubles (or None) in ICRF, as `Spin` has them."""
     if low is None:
         wxyz, low = quaternion.all_unit_in_pairs(wxyz)
     if frame == "icrf":

@@ -111,10 +111,7 @@ class PartitionedEnsemble(Immutable):
         return int(total)
 
     def at(self, t: Epochs, *, angular_velocity: bool = False) -> Any:
-        """Attitudes (N, T, 4), a dask array with a chunk for each partition.
-
-        Shapes: t (T,).
-        """
+        """Attitudes (N, T, 4), a dask array with a chunk for each partition; t (T,)."""
         both = validation.flag(angular_velocity, "angular_velocity")
         times, length = self._epochs(t)
         tasks = self._mapped(_attitudes, [(time, both) for time in times])
@@ -122,10 +119,7 @@ class PartitionedEnsemble(Immutable):
         return (parts, self._arrays(tasks, 1, (length, 3))) if both else parts
 
     def brightness(self, t: Epochs, sun: Reals, observer: Reals, **options: Any) -> Any:
-        """Brightness (N, T), m2/sr, a dask array with a chunk for each partition.
-
-        Shapes: sun, observer (3,).
-        """
+        """Brightness (N, T), m2/sr, a dask array with a chunk for each partition; sun (3,)."""
         times, length = self._epochs(t)
         keywords = {"sun": sun, "observer": observer, **options}
         options_of_parts = [{"t": time} for time in times]

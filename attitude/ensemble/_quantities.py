@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from copy import copy
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,63 +20,10 @@ from attitude.scene._scene import Scene
 from attitude.scene._view import View, kept, quantity
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
-    from attitude._support.annotations import Epochs, FloatArray, IntArray, Reals
-    from attitude.ensemble._members import Inertia
-    from attitude.epochs._instants import Instant
+    from attitude._support.annotations import FloatArray, Reals
     from attitude.motions._body import Body
+    from attitude.motions._history import AttitudeHistory
     from attitude.motions._motion import Motion
-
-
-# ---- What quantities need of an ensemble and of attitudes of its members
-
-
-class Members(Protocol):
-    """The members: an `Ensemble`."""
-
-    @property
-    def _inertia(self) -> Inertia: ...
-
-    @property
-    def epoch(self) -> Instant | None:
-        """That of all members, or None."""
-
-    @property
-    def start_of_seconds(self) -> Instant:
-        """The epoch from which seconds count."""
-
-    @property
-    def momentum(self) -> FloatArray:
-        """(N, 3), ICRF."""
-
-    def __len__(self) -> int: ...
-
-    def epochs_of(self, member: IntArray) -> tuple[FloatArray, FloatArray]:
-        """Epochs of members, TDB seconds past J2000 in two doubles."""
-
-    def grid_of(self, t: Epochs, low: ArrayLike | None = None) -> MemberGrid:
-        """All members at given epochs."""
-
-
-class MemberHistory(Protocol):
-    """Attitudes (N, T) of members: an `EnsembleHistory`."""
-
-    @property
-    def ensemble(self) -> Members:
-        """Whose members they are."""
-
-    @property
-    def member(self) -> IntArray:
-        """Their numbers (N, T)."""
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """(N, T)."""
-
-    @property
-    def wxyz(self) -> FloatArray:
-        """(N, T, 4), body to ICRF."""
 
 
 # ---- A scene in which members of an ensemble take the place of its motion
@@ -92,21 +39,17 @@ class MemberView(View):
     history: (N, T), attitudes of the members at the epochs of emission.
     """
 
-    def __init__(self, base: View, epochs: slice, history: MemberHistory) -> None:
+    def __init__(self, base: View, epochs: slice, history: Any) -> None:
         self._base: View
         self._epochs: slice
-        self._history: MemberHistory
+        self._history: Any
         times = pairs.Seconds.of(base).taken(epochs)
-        spread = times.mapped(lambda array: np.array(self._tiled(array, history.shape)))
+        spread = times.mapped(lambda array: np.array(np.broadcast_to(array, history.shape)))
         super().__init__(base.scene, base.epoch, *spread)
         self._set("_base", base)
         self._set("_epochs", epochs)
         self._set("_history", history)
         self.__dict__["attitude"] = history
-
-    @staticmethod
-    def _tiled(array: Any, shape: tuple[int, ...]) -> Any:
-        return np.broadcast_to(array, shape)
 
     def _line(self, name: str) -> LineOfSight:
         """A line of sight of the base, repeated for each member."""
@@ -144,7 +87,9 @@ class MemberView(View):
     @quantity()
     def lit_fraction(self) -> FloatArray:
         """Fraction of the Sun's disc that the bodies of `scene.shadow_of` leave free, 0 to 1."""
-        return np.array(self._tiled(np.asarray(self._base.lit_fraction)[self._epochs], self.shape))
+        return np.array(
+            np.broadcast_to(np.asarray(self._base.lit_fraction)[self._epochs], self.shape)
+        )
 
     @kept
     def momentum_direction_icrf(self) -> FloatArray:
@@ -169,12 +114,9 @@ class MemberView(View):
 
 
 def bound(
-    scene: Scene, ensemble: Members, seconds: FloatArray, low: FloatArray | None
+    scene: Scene, ensemble: Any, seconds: FloatArray, low: FloatArray | None
 ) -> tuple[View, MemberGrid]:
-    """The scene at epochs of reception (T,), and the grid of all members at those of emission.
-
-    Shapes: seconds, low (T,).
-    """
+    """The scene at epochs of reception (T,), and the grid of all members at those of emission."""
     free = copy(scene)
     free._set("motion", None)
     shared = ensemble.epoch
@@ -303,7 +245,7 @@ class AngleTo(Immutable):
         vectors = vectors / largest
         self._set("_target", frozen(vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)))
 
-    def measured(self, history: MemberHistory, epochs: slice) -> FloatArray:
+    def measured(self, history: AttitudeHistory, epochs: slice) -> FloatArray:
         """Numbers (N, T) that grow with the angle, of a history at some epochs of all."""
 
         count, length = history.shape
@@ -337,7 +279,7 @@ class Computed:
     def __init__(self, function: Callable[[Any], Any]) -> None:
         self._function = function
 
-    def measured(self, history: MemberHistory, epochs: slice) -> FloatArray:
+    def measured(self, history: AttitudeHistory, epochs: slice) -> FloatArray:
         """The numbers (N, T)."""
         values = np.asarray(self._function(history), dtype=np.float64)
         if values.shape != history.shape:
@@ -362,7 +304,7 @@ class Seen:
     def __init__(self, name: str, base: View) -> None:
         self._name, self._base = name, base
 
-    def measured(self, history: MemberHistory, epochs: slice) -> FloatArray:
+    def measured(self, history: AttitudeHistory, epochs: slice) -> FloatArray:
         """The numbers (N, T)."""
         view = MemberView(self._base, epochs, history)
         return np.asarray(getattr(view, self._name), dtype=np.float64)
@@ -373,7 +315,7 @@ class Seen:
 
 
 def known(
-    quantity: Any, scene: Any, ensemble: Members, t: Any, low: Any
+    quantity: Any, scene: Any, ensemble: Any, t: Any, low: Any
 ) -> tuple[AngleTo | Computed | Seen, MemberGrid]:
     """The quantity that a caller gave, and the epochs at which the members are evaluated."""
     if isinstance(quantity, str):

@@ -41,7 +41,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from attitude._support.annotations import BoolArray, FloatArray
-    from attitude.motions._body import Body
     from attitude.motions._free_rotation import FreeRotation
 
 
@@ -340,13 +339,6 @@ def drawn(
     arrays = (np.concatenate([batch[k] for batch in parts]) for k in (0, 1))
     wxyz, rates = arrays
     return Drawn(wxyz, rates, moments)
-
-
-def tensors(body: Body, moments: FloatArray) -> FloatArray:
-    """Inertia tensors (N, 3, 3) of moments (N, 3) about the principal axes of a body."""
-    axes = body.principal_axes
-    products: FloatArray = (axes * moments[:, None, :]) @ axes.T
-    return 0.5 * (products + np.swapaxes(products, 1, 2))
 
 
 def _of_covariance(
