@@ -337,7 +337,7 @@ class Plan:
             bends = speed * quaternion.rotate(nodes.wxyz, nodes.angular_acceleration)
             slopes = [[one[:, k] * steps[:, None] for k in range(width)] for one in (change, bends)]
             interpolated = [
-                _table.polynomial(at, list(values), slope, x)
+                _table.polynomials(at, list(values), slope, x, 0)[0]
                 for values, slope in zip((q, w), slopes, strict=True)
             ]
         off = _longest(interpolated[1] - true.angular_velocity_inertial)
@@ -678,7 +678,7 @@ def _padded(ticks, values, slopes, width):
         bends = None
         if slopes is not None:
             bends = [np.broadcast_to(v * scale, (count, 4)) for v in slopes[window]]
-        p, dp = _table.with_slope(at, rows, bends, x)
+        p, dp, _ = _table.polynomials(at, rows, bends, x, 1)
         more = ticks[end] + beyond * step, p, None if slopes is None else dp / scale
         blocks.insert(0 if end == 0 else 2, more)
     return tuple(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -74,10 +75,7 @@ def settled(method: str | None, degree: int | None, count: int, has_rates: bool)
 def evaluate(
     table: AttitudeTable, row: IntArray, ahead: FloatArray, *, order: int
 ) -> list[FloatArray]:
-    """Attitudes of unit length and their derivatives.
-
-    Shapes: row (T,), ahead (T,).
-    """
+    """Attitudes of unit length and their derivatives; row (T,), ahead (T,)."""
     parts = [
         _evaluate(table, row[k : k + _CHUNK], ahead[k : k + _CHUNK], order)
         for k in range(0, max(len(row), 1), _CHUNK)
@@ -106,7 +104,7 @@ def _by_polynomial(table, row, ahead, order):
             scale[:, None] * forms.quaternion_rate(q, w)
             for q, w in zip(columns, rates, strict=True)
         ]
-    p, dp, ddp = _newton(at, columns, slopes, x, order)
+    p, dp, ddp = polynomials(at, columns, slopes, x, order)
     square = np.sum(p * p, axis=1, keepdims=True)
     out = [p / np.sqrt(square)]
     if order:
@@ -134,33 +132,16 @@ def _window(table, row, ahead, width):
     return first, ahead / scale, scale, offsets / scale[:, None]
 
 
-def polynomial(
+def polynomials(
     at: FloatArray,
     values: Sequence[FloatArray],
-    slopes: Sequence[FloatArray] | None,
+    slopes: Any,
     x: FloatArray,
-) -> FloatArray:
-    """The polynomials (T, ...) through rows of values and slopes, at x.
-
-    Shapes: at (T, width), values, slopes (T, ...), x (T,).
+    order: int,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """The polynomials (T, ...) through rows of values (and slopes) at x, and two derivatives, of
+    which those above `order` are 0; at (T, width), values, slopes (T, ...), x (T,).
     """
-    values_at: FloatArray = _newton(at, values, slopes, x, 0)[0]
-    return values_at
-
-
-def with_slope(
-    at: FloatArray,
-    values: Sequence[FloatArray],
-    slopes: Sequence[FloatArray] | None,
-    x: FloatArray,
-) -> tuple[FloatArray, FloatArray]:
-    """The polynomials of `polynomial` at x, and their derivatives, both (T, ...)."""
-    both = _newton(at, values, slopes, x, 1)
-    return both[0], both[1]
-
-
-def _newton(at, values, slopes, x, order):
-    """The polynomial through values (and slopes) at the columns of `at`, and two derivatives."""
     repeat = 1 if slopes is None else 2
     node = np.repeat(at, repeat, axis=1)
     level = [value for value in values for _ in range(repeat)]
@@ -177,12 +158,12 @@ def _newton(at, values, slopes, x, order):
         coefficients.append(level[0])
     p, dp, ddp = coefficients[-1], 0.0 * coefficients[-1], 0.0 * coefficients[-1]
     for k in range(len(coefficients) - 2, -1, -1):
-        step = (x - node[:, k])[:, None]
+        ahead = (x - node[:, k])[:, None]
         if order > 1:
-            ddp = ddp * step + 2.0 * dp
+            ddp = ddp * ahead + 2.0 * dp
         if order:
-            dp = dp * step + p
-        p = p * step + coefficients[k]
+            dp = dp * ahead + p
+        p = p * ahead + coefficients[k]
     return p, dp, ddp
 
 
@@ -211,7 +192,7 @@ def _interpolated_rates(table, row, ahead):
     width = 2 if table.method == "slerp" else table.degree + 1
     first, x, scale, at = _window(table, row, ahead, width)
     values = [table.angular_velocity[first + k] for k in range(width)]
-    p, dp, _ = _newton(at, values, None, x, 1)
+    p, dp, _ = polynomials(at, values, None, x, 1)
     return [p, dp / scale[:, None]]
 
 
@@ -323,16 +304,18 @@ class AttitudeTable(Motion):
             refuse_speed(rates)
             rates = frozen(rates)
         method, degree = settled(method, degree, len(hi), rates is not None)
-        self._set("epoch", start)
-        self._set("seconds", frozen(hi))
-        self._set("low", frozen(np.asarray(lo)))
-        self._set("wxyz", frozen(attitudes))
-        self._set("angular_velocity", rates)
-        self._set("method", method)
-        self._set("degree", degree)
-        self._set("meta", dict(meta or {}))
+        self._set_all(
+            epoch=start,
+            seconds=frozen(hi),
+            low=frozen(np.asarray(lo)),
+            wxyz=frozen(attitudes),
+            angular_velocity=rates,
+            method=method,
+            degree=degree,
+            meta=dict(meta or {}),
+            _parts=None,
+        )
         self._set("_limits", self._usable(usable))
-        self._set("_parts", None)
 
     @classmethod
     def from_history(
@@ -382,21 +365,18 @@ class AttitudeTable(Motion):
         epoch = segments[0].epoch
         parts = tuple(table._counted_from(epoch) for table in segments)
         self = object.__new__(cls)
-        rates = [segment.angular_velocity for segment in parts]
-        joined = {
-            "epoch": epoch,
-            "seconds": np.concatenate([segment.seconds for segment in parts]),
-            "low": np.concatenate([segment.low for segment in parts]),
-            "wxyz": np.concatenate([segment.wxyz for segment in parts]),
-            "angular_velocity": _concatenated(rates),
-            "method": parts[0].method,
-            "degree": parts[0].degree,
-            "meta": dict(parts[0].meta if meta is None else meta),
-            "_parts": parts,
-            "_limits": None,
-        }
-        for name, value in joined.items():
-            self._set(name, frozen(value) if isinstance(value, np.ndarray) else value)
+        for name in ("seconds", "low", "wxyz", "angular_velocity"):
+            columns = [getattr(segment, name) for segment in parts]
+            known = all(column is not None for column in columns)
+            self._set(name, frozen(np.concatenate(columns)) if known else None)
+        self._set_all(
+            epoch=epoch,
+            method=parts[0].method,
+            degree=parts[0].degree,
+            meta=dict(parts[0].meta if meta is None else meta),
+            _parts=parts,
+            _limits=None,
+        )
         return self
 
     def __len__(self) -> int:
@@ -527,23 +507,13 @@ class AttitudeTable(Motion):
         if epoch == self.epoch:
             return self
         shift = pairs.add((self.epoch.seconds, self.epoch.low), -epoch.seconds, -epoch.low)
-        other = object.__new__(AttitudeTable)
-        for name, value in self.__dict__.items():
-            if name != "history":
-                other._set(name, value)
+        other = copy(self)
+        other.__dict__.pop("history", None)
         hi, lo = pairs.add((self.seconds, self.low), *shift)
         limits = (pairs.add(end, *shift) for end in self._limits)
-        other._set("epoch", epoch)
-        other._set("seconds", frozen(hi))
-        other._set("low", frozen(lo))
-        other._set("_limits", tuple((float(a), float(b)) for a, b in limits))
+        ends = tuple((float(a), float(b)) for a, b in limits)
+        other._set_all(epoch=epoch, seconds=frozen(hi), low=frozen(lo), _limits=ends)
         return other
-
-
-def _concatenated(rates: list[FloatArray | None]) -> FloatArray | None:
-    """The rates of all segments, or None if one has none."""
-    known = [array for array in rates if array is not None]
-    return np.concatenate(known) if len(known) == len(rates) else None
 
 
 def refuse_speed(rates: FloatArray | None) -> None:
