@@ -42,11 +42,15 @@ class Drift(NamedTuple):
 
 
 class Source:
-    """The motion or the scene that is searched, and the epoch from which its seconds count."""
+    """The motion or the scene that is searched, and the epoch from which its seconds count.
 
-    motion: Motion | None
-    epoch: _instants.Instant
-    scene: Any = None  # a Scene, which is a module above this one
+    Those of a scene are epochs of reception of light.
+    """
+
+    def __init__(self, motion: Motion | None, scene: Any = None) -> None:
+        self.motion, self.scene = motion, scene  # a Scene, which is a module above this one
+        owner: Any = motion if scene is None else scene
+        self.epoch = _instants.Instant(0.0) if owner.epoch is None else owner.epoch
 
     def at(self, hi: FloatArray, lo: FloatArray, step: float | None = None) -> Moment:
         """The block of epochs hi + lo (N,), TDB seconds since the epoch; see `Moment`."""
@@ -57,22 +61,6 @@ class Source:
         """The motion, for what needs one; a scene without a motion has been refused before."""
         assert self.motion is not None
         return self.motion
-
-
-class OfMotion(Source):
-    """A motion that is searched; its epochs are those of the attitude."""
-
-    def __init__(self, motion: Motion) -> None:
-        self.motion = motion
-        self.epoch = motion.epoch
-
-
-class OfReception(Source):
-    """A scene that is searched; its epochs are those of reception of light."""
-
-    def __init__(self, scene: Any) -> None:
-        self.scene, self.motion = scene, scene.motion
-        self.epoch = _instants.Instant(0.0) if scene.epoch is None else scene.epoch
 
 
 def same_source(one: Source, other: Source) -> bool:

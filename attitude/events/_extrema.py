@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -153,19 +153,13 @@ def separation(motion: AnyMotion, axis: Reals | None, direction: AnyDirection) -
     source = source_of(motion)
     unit = axis_or_long(axis, source)
     seen = direction_of(direction, "direction", source)
-    return Observable(source, _Angle(unit, seen), Receding(unit, seen), unit="rad")
+    return Observable(source, partial(_angle, unit, seen), Receding(unit, seen), unit="rad")
 
 
-@dataclass(frozen=True, eq=False)
-class _Angle:
+def _angle(axis: FloatArray, direction: SearchDirection, moment: Moment) -> FloatArray:
     """The angle (N,) between a body axis and a direction, rad."""
-
-    axis: FloatArray
-    direction: SearchDirection
-
-    def __call__(self, moment: Moment) -> FloatArray:
-        u, a = moment.body(self.direction), self.axis
-        return 2.0 * np.arctan2(np.sqrt(chord_squared(u, a)), np.sqrt(chord_squared(u, -a)))
+    u = moment.body(direction)
+    return 2.0 * np.arctan2(np.sqrt(chord_squared(u, axis)), np.sqrt(chord_squared(u, -axis)))
 
 
 def brightness(scene: Scene) -> Observable:
@@ -184,16 +178,12 @@ def brightness(scene: Scene) -> Observable:
             f"{type(scene).__name__} is given, which has no brightness; give a Scene with a shape, "
             "or a function of seconds to the search."
         )
-    lit = _lit_brightness if source.scene.shadow_of else _full_brightness
-    return Observable(source, lit, unit="m2 / sr")
+    return Observable(source, _brightness, unit="m2 / sr")
 
 
-def _full_brightness(moment: Moment) -> FloatArray:
-    return moment.view.brightness
-
-
-def _lit_brightness(moment: Moment) -> FloatArray:
-    return moment.view.brightness * moment.view.lit_fraction
+def _brightness(moment: Moment) -> FloatArray:
+    view = moment.view
+    return view.brightness * view.lit_fraction if moment.source.scene.shadow_of else view.brightness
 
 
 def find_maxima(

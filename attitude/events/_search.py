@@ -20,7 +20,7 @@ from attitude._support import pairs, validation
 from attitude._support.arrays import Immutable, frozen
 from attitude.catalog import motion_of
 from attitude.conditions._conditions import Joinable, Level, condition_of, undecided
-from attitude.conditions._moments import OfMotion, OfReception, same_source
+from attitude.conditions._moments import Source, same_source
 from attitude.conditions._search import Advance, crossings, difference, isolated, refined, shifted
 from attitude.epochs import _inputs, _instants
 from attitude.errors import AttitudeError
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     )
     from attitude._support.tables import FlatTable
     from attitude.conditions._conditions import Condition
-    from attitude.conditions._moments import Pair, Source
+    from attitude.conditions._moments import Pair
     from attitude.motions._motion import HasAttitudes
 
     Changes: TypeAlias = tuple[FloatArray, FloatArray, IntArray, BoolArray]
@@ -268,13 +268,13 @@ def _changed(condition, channels, moment, number, rising):
 def source_of(given: AnyMotion) -> Source:
     """The Source of a motion, of any other object with ``.at(t)``, or of a Scene."""
     if not isinstance(given, Scene):
-        return OfMotion(motion_of(given))
+        return Source(motion_of(given))
     if given.motion is None:
         raise AttitudeError(
             "the scene has no motion, and this event is one of a rotation; give a scene with a "
             "motion, or compare quantities that need none: scene.quantity(...)."
         )
-    return OfReception(given)
+    return Source(given.motion, given)
 
 
 # ---- The result of a search: epochs in two doubles, and what happens at each

@@ -9,7 +9,7 @@ import numpy as np
 from attitude._support import markup, validation
 from attitude._support.arrays import Immutable, frozen
 from attitude.conditions._conditions import condition_of
-from attitude.conditions._moments import OfReception
+from attitude.conditions._moments import Source
 from attitude.conditions._search import difference
 from attitude.epochs import _instants
 from attitude.errors import AttitudeError
@@ -436,7 +436,7 @@ def site_of(scene: Scene) -> None:
 
 
 def _columns(scene: Scene, up: Windows, kept: IntArray) -> dict[str, TimetableColumn]:
-    source = OfReception(scene)
+    source = Source(scene.motion, scene)
     begin, end = up.begin[kept], up.end[kept]
 
     def elevations(seconds: FloatArray) -> FloatArray:

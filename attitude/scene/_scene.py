@@ -15,7 +15,7 @@ from attitude._support.arrays import Immutable, copied
 from attitude._support.synonyms import arguments, named
 from attitude.catalog import motion_of
 from attitude.conditions._conditions import Observable
-from attitude.conditions._moments import OfReception
+from attitude.conditions._moments import Source
 from attitude.epochs import _inputs, _instants
 from attitude.errors import AttitudeError
 from attitude.paths import _composed, _path, _solar_system
@@ -197,7 +197,7 @@ class OfView(Observable):
         is_flag: bool = False,
         **options: Any,
     ) -> None:
-        super().__init__(OfReception(scene), value, **options)
+        super().__init__(Source(scene.motion, scene), value, **options)
         self.name, self.is_flag = name, is_flag
 
     @property
