@@ -151,8 +151,7 @@ def Pi(n: Reals, m: Reals, *, mc: Reals | None = None) -> FloatArray:
     characteristic = validation.real(n, "n")
     if np.any(characteristic > 0.0):
         raise AttitudeError("n is greater than 0; give a characteristic that is not above 0.")
-    other = parameters(m, mc)[1]
-    characteristic, other = (np.array(x) for x in np.broadcast_arrays(characteristic, other))
+    characteristic, other = _broadcast(characteristic, parameters(m, mc)[1])
     out = np.full(characteristic.size, np.inf)
     kept = other.ravel() > 0.0
     third_kind = np.empty(np.count_nonzero(kept))
@@ -209,12 +208,25 @@ def parameters(m: Reals, mc: Reals | None) -> tuple[FloatArray, FloatArray]:
     """m and 1 - m as arrays of one shape, checked."""
     param = validation.real(m, "m")
     other = 1.0 - param if mc is None else validation.real(mc, "mc")
-    param, other = (np.array(array) for array in np.broadcast_arrays(param, other))
+    param, other = _broadcast(param, other)
     if np.any(~((param >= 0.0) & (param <= 1.0))) or np.any(~((other >= 0.0) & (other <= 1.0))):
         raise AttitudeError("m, or mc = 1 - m, is outside of 0 to 1; give the parameter m = k^2.")
     if np.any(np.abs((param + other) - 1.0) > 1e-12):
         raise AttitudeError("m + mc is not 1; give mc = 1 - m, or leave it out.")
     return param, other
+
+
+def _broadcast(*arrays: FloatArray) -> tuple[FloatArray, ...]:
+    """Copies of arrays in the shape to which they broadcast."""
+    return tuple(np.array(array) for array in np.broadcast_arrays(*arrays))
+
+
+def _not_one(argument: FloatArray, m: Reals, mc: Reals | None) -> tuple[FloatArray, ...]:
+    """An argument, m and 1 - m as arrays of one shape; AttitudeError for m = 1."""
+    parameter, other = parameters(m, mc)
+    if np.any(other == 0.0):
+        raise AttitudeError("m is 1, where F and am are elementary; give m < 1, or mc > 0.")
+    return _broadcast(argument, parameter, other)
 
 
 def _complete(m: Reals, mc: Reals | None) -> tuple[Any, Any]:
@@ -229,11 +241,7 @@ def _complete(m: Reals, mc: Reals | None) -> tuple[Any, Any]:
 
 def _incomplete(phi: Reals, m: Reals, mc: Reals | None) -> tuple[Any, Any]:
     """F and E of any amplitude: whole half turns add 2 K and 2 E, the rest is odd."""
-    angle = validation.real(phi, "phi")
-    parameter, other = parameters(m, mc)
-    if np.any(other == 0.0):
-        raise AttitudeError("m is 1, where F and am are elementary; give m < 1, or mc > 0.")
-    angle, parameter, other = (np.array(x) for x in np.broadcast_arrays(angle, parameter, other))
+    angle, parameter, other = _not_one(validation.real(phi, "phi"), m, mc)
     turns = np.rint(angle / np.pi)
     remainder = angle - np.pi * turns
     sine, cosine = np.abs(np.sin(remainder)).ravel(), np.maximum(np.cos(remainder), 0.0).ravel()
@@ -277,13 +285,7 @@ def am(u: Reals, m: Reals, *, mc: Reals | None = None) -> FloatArray:
     >>> float(am(0.510467135628, 0.5).round(9))
     0.5
     """
-    argument = validation.real(u, "u")
-    parameter, other = parameters(m, mc)
-    if np.any(other == 0.0):
-        raise AttitudeError("m is 1, where F and am are elementary; give m < 1, or mc > 0.")
-    argument, parameter, other = (
-        np.array(array) for array in np.broadcast_arrays(argument, parameter, other)
-    )
+    argument, parameter, other = _not_one(validation.real(u, "u"), m, mc)
     half = 2.0 * K(parameter, mc=other)
     turns = np.rint(argument / half)
     remainder = argument - half * turns
