@@ -22,6 +22,7 @@ import numpy as np
 
 from attitude._support import validation
 from attitude.errors import AttitudeError
+from attitude.frames import quaternion
 from attitude.motions._propagation import of_arrays
 from attitude.motions._propagation import propagate as _compiled
 
@@ -128,14 +129,5 @@ def _in_numpy(sensitivity, *arguments):
 
 def _product(a, b):
     """The product of quaternions (..., 4), scalar first."""
-    aw, ax, ay, az = jnp.moveaxis(a, -1, 0)
-    bw, bx, by, bz = jnp.moveaxis(b, -1, 0)
-    return jnp.stack(
-        [
-            aw * bw - ax * bx - ay * by - az * bz,
-            aw * bx + ax * bw + ay * bz - az * by,
-            aw * by - ax * bz + ay * bw + az * bx,
-            aw * bz + ax * by - ay * bx + az * bw,
-        ],
-        axis=-1,
-    )
+    parts = (jnp.moveaxis(array, -1, 0) for array in (a, b))
+    return jnp.stack(quaternion.product(*parts), axis=-1)

@@ -21,6 +21,8 @@ from attitude._support.arrays import components_first, components_last
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import ArrayLike
 
     from attitude._support.annotations import FloatArray, Reals
@@ -41,17 +43,19 @@ def multiply(p: ArrayLike, q: ArrayLike) -> FloatArray:
 
     Leading axes broadcast.
     """
-    pw, px, py, pz = _parts(p)
-    qw, qx, qy, qz = _parts(q)
-    return np.stack(
-        [
-            pw * qw - px * qx - py * qy - pz * qz,
-            pw * qx + px * qw + py * qz - pz * qy,
-            pw * qy - px * qz + py * qw + pz * qx,
-            pw * qz + px * qy - py * qx + pz * qw,
-        ],
-        axis=-1,
-    )
+    return np.stack(product(_parts(p), _parts(q)), axis=-1)
+
+
+def product(p: Sequence[Any], q: Sequence[Any]) -> list[Any]:
+    """The four components of the product p q of quaternions by component."""
+    pw, px, py, pz = p
+    qw, qx, qy, qz = q
+    return [
+        pw * qw - px * qx - py * qy - pz * qz,
+        pw * qx + px * qw + py * qz - pz * qy,
+        pw * qy - px * qz + py * qw + pz * qx,
+        pw * qz + px * qy - py * qx + pz * qw,
+    ]
 
 
 def conjugate(q: ArrayLike) -> FloatArray:
@@ -244,12 +248,18 @@ def from_euler(sequence: str | int, angles: Reals) -> FloatArray:
     out = np.zeros((*angles.shape[:-1], 4))
     out[..., 0] = 1.0
     for k, letter in enumerate(letters):
-        turn = np.zeros((*angles.shape[:-1], 4))
-        turn[..., 0] = np.cos(0.5 * angles[..., k])
-        turn[..., 1 + "XYZ".index(letter.upper())] = np.sin(0.5 * angles[..., k])
+        turn = about("XYZ".index(letter.upper()), angles[..., k])
         pair = (out, turn) if letter.isupper() else (turn, out)
         out = multiply(*pair)
     return out
+
+
+def about(axis: int, angle: ArrayLike) -> FloatArray:
+    """Rotations (..., 4) by angles (...) in rad about the coordinate axis 0, 1 or 2."""
+    half = 0.5 * np.asarray(angle)
+    turn = np.zeros((*half.shape, 4))
+    turn[..., 0], turn[..., 1 + axis] = np.cos(half), np.sin(half)
+    return turn
 
 
 def known_sequence(sequence: str | int) -> str:

@@ -84,14 +84,14 @@ def axes_wxyz(body: Body, convention: str) -> FloatArray:
 def pole_wxyz(pole: ArrayLike) -> FloatArray:
     """Rz(lambda) Ry(90 deg - beta) as quaternions (..., 4), of poles (..., 2) in rad."""
     longitude, latitude = np.moveaxis(np.asarray(pole), -1, 0)
-    turn = _about(2, longitude)
-    return quaternion.multiply(turn, _about(1, 0.5 * math.pi - latitude))
+    turn = quaternion.about(2, longitude)
+    return quaternion.multiply(turn, quaternion.about(1, 0.5 * math.pi - latitude))
 
 
 def euler_wxyz(phi: ArrayLike, theta: ArrayLike, psi: ArrayLike) -> FloatArray:
     """Rz(phi) Rx(theta) Rz(psi) as quaternions (..., 4), of angles (...) in rad."""
-    turn = quaternion.multiply(_about(2, phi), _about(0, theta))
-    return quaternion.multiply(turn, _about(2, psi))
+    turn = quaternion.multiply(quaternion.about(2, phi), quaternion.about(0, theta))
+    return quaternion.multiply(turn, quaternion.about(2, psi))
 
 
 def momentum_direction(theta: float, psi: float) -> FloatArray:
@@ -161,13 +161,6 @@ def _check(value: float, name: str, limit: float, spelled: str) -> None:
             f"{spelled}. Plain numbers are radians: give degrees as a Quantity or as "
             '"250 deg".'
         )
-
-
-def _about(axis, angle):
-    """The rotation by angles (...) about a coordinate axis, as quaternions (..., 4)."""
-    turn = np.zeros((*np.shape(angle), 4))
-    turn[..., 0], turn[..., 1 + axis] = np.cos(0.5 * angle), np.sin(0.5 * angle)
-    return turn
 
 
 def _positive(angle):
