@@ -130,6 +130,8 @@ def _refrozen(value: Any) -> Any:
 _PAGE = 1 << 21
 _LARGE = 1 << 22
 _DOUBLE = 8
+# Directions at a time, so that temporary arrays stay in the second-level cache.
+_TURNED = 1 << 13
 
 
 def new_array(*shape: int) -> FloatArray:
@@ -154,6 +156,17 @@ def two_across(unit: FloatArray) -> tuple[FloatArray, FloatArray]:
     first = np.cross(unit, np.eye(3)[np.argmin(np.abs(unit))])
     first = first / np.linalg.norm(first)
     return first, np.cross(unit, first)
+
+
+def between(a: FloatArray, b: FloatArray) -> FloatArray:
+    """The angle (N,) between directions (3, N) of any length, 0 to pi rad, exact at both ends."""
+    out = new_array(a.shape[1])
+    for begin in range(0, out.size, _TURNED):
+        block = slice(begin, begin + _TURNED)
+        (x, y, z), (u, v, w) = a[:, block], b[:, block]
+        p, q, r = y * w - z * v, z * u - x * w, x * v - y * u
+        np.arctan2(np.sqrt(p * p + q * q + r * r), x * u + y * v + z * w, out=out[block])
+    return out
 
 
 def components_last(array: FloatArray) -> FloatArray:

@@ -19,11 +19,13 @@ array([[ 0.,  1.,  0.],
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from attitude._support import validation
+from attitude._support.arrays import Immutable, frozen
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.frames.quaternion import from_euler, from_matrix, unit
@@ -342,3 +344,65 @@ def _positive(angle):
     """Angles within one turn of [0, 2 pi) brought into it."""
     angle = np.where(angle < 0.0, angle + 2.0 * np.pi, angle)
     return np.where(angle >= 2.0 * np.pi, 0.0, angle)
+
+
+# ---- Objects that hold attitudes
+
+
+class Attitudes(Immutable):
+    """Base of histories: attitudes (S, 4) of a body at epochs of shape S, in other forms."""
+
+    seconds: FloatArray
+    wxyz: FloatArray
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The shape S of the epochs; () for one scalar epoch."""
+        return self.seconds.shape
+
+    def __len__(self) -> int:
+        if not self.shape:
+            raise TypeError("a history of one scalar epoch has no length")
+        return self.shape[0]
+
+    @property
+    def xyzw(self) -> FloatArray:
+        """(S, 4) unit quaternions, as `wxyz`, scalar last."""
+        return frozen(np.moveaxis(np.moveaxis(self.wxyz, -1, 0)[[1, 2, 3, 0]], 0, -1))
+
+    @cached_property
+    def matrix(self) -> FloatArray:
+        """(S, 3, 3) rotation matrices, body to ICRF (or frame): v_icrf = matrix @ v_body."""
+        return frozen(quaternion.matrix(self.wxyz))
+
+    @property
+    def dcm(self) -> FloatArray:
+        """(S, 3, 3) ICRF (or frame) to body, the paper's attitude matrix A: `matrix` transposed."""
+        return np.swapaxes(self.matrix, -1, -2)
+
+    def as_rotation(self) -> Rotation:
+        """The attitudes as a scipy Rotation, as `wxyz`, of shape S; AttitudeError for NaN."""
+        from scipy.spatial.transform import Rotation
+
+        self._refuse_nan("a scipy Rotation")
+        flat = Rotation.from_quat(np.array(self.xyzw).reshape(-1, 4))
+        return flat[0] if not self.shape else flat
+
+    def euler(self, sequence: str) -> FloatArray:
+        """Euler angles (S, 3) in rad: "ZXZ" or "313" is matrix = Rz(a) Rx(b) Rz(c).
+
+        Raises
+        ------
+        AttitudeError
+            For a sequence without three axes of which neighbours differ, and NaN epochs.
+        """
+        self._refuse_nan("Euler angles")
+        angles: FloatArray = self.as_rotation().as_euler(quaternion.known_sequence(sequence))
+        return angles.reshape(*self.shape, 3)
+
+    def _refuse_nan(self, what: str) -> None:
+        if np.any(np.isnan(self.seconds)):
+            raise AttitudeError(
+                f"some epochs are NaN, which {what} cannot represent; leave them out, for example "
+                "with history[~np.isnan(history.seconds)]."
+            )

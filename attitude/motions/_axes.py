@@ -29,21 +29,20 @@ import numpy as np
 
 from attitude import frames
 from attitude._support import pairs, validation
-from attitude._support.arrays import Immutable, frozen
+from attitude._support.arrays import between, frozen
 from attitude._textfiles.lines import cut
 from attitude.epochs import _instants
 from attitude.errors import AttitudeError
 from attitude.frames import _earth
 from attitude.frames import quaternion as forms
 from attitude.frames import representations as frames_representations
+from attitude.frames.representations import Attitudes
 from attitude.paths._composed import relative
 from attitude.paths._foreign import place_of
 from attitude.paths._path import Path
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-
-    from scipy.spatial.transform import Rotation
 
     from attitude._support.annotations import FloatArray, Reals
     from attitude._support.tables import FlatTable
@@ -163,10 +162,7 @@ _SAME = 1e-12
 
 
 def to_icrf(kind: str, hi: FloatArray, lo: FloatArray, orbit: Path | None, name: str) -> FloatArray:
-    """Quaternions (N, 4) to ICRF from axes of an orbit.
-
-    Shapes: hi, lo (N,).
-    """
+    """Quaternions (N, 4) to ICRF from axes of an orbit; hi, lo (N,)."""
     position, velocity = state(hi, lo, orbit, name)
     normal = _unit(np.cross(position, velocity))
     if kind in ("rtn", "lvlh"):
@@ -252,10 +248,7 @@ class Axes:
         lo: FloatArray | None,
         orbit: Path | None = None,
     ) -> FloatArray:
-        """Quaternions from these axes to ICRF, scalar first.
-
-        Shapes: hi, lo (N,).
-        """
+        """Quaternions from these axes to ICRF, scalar first; hi, lo (N,)."""
         if self._at is not None:
             one = np.array([self._at.seconds]), np.array([self._at.low])
             return _turned(self.kind, *one, orbit, self.name)[0]
@@ -385,52 +378,39 @@ def _one_sided(turned, side):
 _BLOCK = 1 << 13
 
 
-class FramedHistory(Immutable):
+class FramedHistory(Attitudes):
     """Attitudes and rates relative to named axes; made by ``history.in_frame``.
 
     S is the shape of the epochs.
 
     history: relative to ICRF.
+    seconds: TDB seconds (S) since the epoch of the history.
     frame: as given, in lower case.
     wxyz: (S, 4), body to frame, scalar first; continuous in sign along one row of epochs.
     """
 
     history: Any
     frame: str
-    wxyz: FloatArray
 
     def __init__(self, history: Any, frame: str, orbit: Any = None) -> None:
         known = named(frame)
         self._set("history", history)
+        self._set("seconds", history.seconds)
         self._set("frame", str(frame).lower())
         self._set("_axes", known)
         self._axes: Axes
         self._orbit: Path | None
         self._set("_orbit", _orbit_of(orbit, known.kind, frame))
         to_icrf = known.to_icrf(history.epoch, *self._flat_epochs(), orbit=self._orbit)
-        self._set("_to_icrf", np.broadcast_to(to_icrf, (history.seconds.size, 4)))
+        self._set("_to_icrf", np.broadcast_to(to_icrf, (self.seconds.size, 4)))
         self._to_icrf: FloatArray
         wxyz = forms.multiply(forms.conjugate(self._to_icrf), history.wxyz.reshape(-1, 4))
-        if history.seconds.ndim == 1:
+        if self.seconds.ndim == 1:
             wxyz = frames_representations.continuous(wxyz)
-        self._set("wxyz", frozen(wxyz.reshape(*history.seconds.shape, 4)))
+        self._set("wxyz", frozen(wxyz.reshape(*self.shape, 4)))
 
     def _flat_epochs(self) -> tuple[FloatArray, FloatArray]:
         return pairs.Seconds.of(self.history).flat
-
-    @property
-    def seconds(self) -> FloatArray:
-        """TDB seconds (S) since the epoch of the history."""
-        times: FloatArray = self.history.seconds
-        return times
-
-    def __len__(self) -> int:
-        return len(self.history)
-
-    @property
-    def xyzw(self) -> FloatArray:
-        """(S, 4) unit quaternions, body to frame, scalar last."""
-        return frozen(np.roll(self.wxyz, -1, axis=-1))
 
     @cached_property
     def angular_velocity(self) -> FloatArray:
@@ -441,23 +421,13 @@ class FramedHistory(Immutable):
         )
         if turning is None:
             return frozen(np.array(rates))
-        in_icrf = turning.reshape(*self.history.seconds.shape, 3)
+        in_icrf = turning.reshape(*self.shape, 3)
         return frozen(rates - self.history.inertial_to_body(in_icrf))
 
     @cached_property
     def angular_velocity_in_frame(self) -> FloatArray:
         """(S, 3) rad/s relative to the frame, over the axes of the frame."""
         return frozen(self.body_to_frame(self.angular_velocity))
-
-    @cached_property
-    def matrix(self) -> FloatArray:
-        """(S, 3, 3) rotation matrices: v_frame = matrix @ v_body."""
-        return frozen(forms.matrix(self.wxyz))
-
-    @property
-    def dcm(self) -> FloatArray:
-        """(S, 3, 3) frame to body: the transpose of `matrix`."""
-        return np.swapaxes(self.matrix, -1, -2)
 
     def body_to_frame(self, v: Reals) -> FloatArray:
         """Components (S, 3) in the frame of vectors (3,) or (S, 3) in body axes."""
@@ -466,18 +436,6 @@ class FramedHistory(Immutable):
     def frame_to_body(self, v: Reals) -> FloatArray:
         """Components (S, 3) in body axes of vectors (3,) or (S, 3) in the frame."""
         return forms.rotate(forms.conjugate(self.wxyz), validation.rows(v, "v", 3))
-
-    def as_rotation(self) -> Rotation:
-        """The attitudes as a scipy Rotation, body to frame, of shape S."""
-        from scipy.spatial.transform import Rotation
-
-        flat = Rotation.from_quat(np.array(self.xyzw).reshape(-1, 4))
-        return flat[0] if not self.history.seconds.shape else flat
-
-    def euler(self, sequence: str) -> FloatArray:
-        """Euler angles (S, 3) in rad: "ZXZ" or "313" is matrix = Rz(a) Rx(b) Rz(c)."""
-        angles: FloatArray = self.as_rotation().as_euler(forms.known_sequence(sequence))
-        return angles.reshape(*self.history.seconds.shape, 3)
 
     def table(self, *, rates: bool = True) -> FlatTable:
         """An astropy QTable: time (TDB), wxyz, angular_velocity (rad/s, over the body axes).
@@ -499,7 +457,7 @@ class FramedHistory(Immutable):
         return self.table(rates=rates).to_pandas().set_index("time")
 
     def __repr__(self) -> str:
-        return f"<FramedHistory of {self.history.seconds.size} epochs in {self.frame.upper()}>"
+        return f"<FramedHistory of {self.seconds.size} epochs in {self.frame.upper()}>"
 
 
 def _orbit_of(orbit: Any, kind: str, frame: str) -> Path | None:
@@ -525,10 +483,7 @@ def _orbit_of(orbit: Any, kind: str, frame: str) -> Path | None:
 def obliquity(
     pole: FloatArray, orbit: Any, instant: _instants.Instant, hi: FloatArray, lo: FloatArray
 ) -> FloatArray:
-    """Angles, of the shape of hi, between a pole and the momentum of an orbit, 0 to pi rad.
-
-    Shapes: pole (3,).
-    """
+    """Angles, of the shape of hi, of a pole (3,) to the momentum of an orbit, 0 to pi rad."""
     place = place_of(orbit, "orbit")
     known = orbit if place is None else place
     if not isinstance(known, Path):
@@ -545,17 +500,12 @@ def obliquity(
         block = slice(begin, begin + _BLOCK)
         position, velocity = known.state(instant, hi[block], lo[block])
         normal = _cross(position.T, velocity.T)
-        pole_of_block = pole if pole.shape[1] == 1 else pole[:, block]
-        x, y, z = _cross(pole_of_block, normal)
-        along = (
-            pole_of_block[0] * normal[0]
-            + pole_of_block[1] * normal[1]
-            + pole_of_block[2] * normal[2]
-        )
-        angles[block] = np.arctan2(np.sqrt(x * x + y * y + z * z), along)
+        angles[block] = between(normal, pole if pole.shape[1] == 1 else pole[:, block])
     return angles.reshape(shape)
 
 
 def _cross(a, b):
-    """The components of a x b for rows of components, which numpy's cross would copy."""
-    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+    """a x b (3, N) of rows of components, which numpy's cross would copy."""
+    return np.array(
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    )

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude._support import markup, validation
-from attitude._support.arrays import Immutable, frozen
+from attitude._support.arrays import frozen
 from attitude.epochs import _instants
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
+from attitude.frames.representations import Attitudes
 
 if TYPE_CHECKING:
     from astropy.time import Time
-    from scipy.spatial.transform import Rotation
 
     from attitude._support.annotations import FloatArray, Reals
     from attitude._support.tables import FlatTable
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 _MANY = 1 << 17
 
 
-class AttitudeHistory(Immutable):
+class AttitudeHistory(Attitudes):
     """The rotation of one body at each of some epochs.
 
     Made by ``motion.at(t)``; S is the shape of t.  All arrays are read-only.
@@ -54,9 +54,7 @@ class AttitudeHistory(Immutable):
 
     motion: Any
     epoch: _instants.Instant
-    seconds: FloatArray
     low: FloatArray | None
-    wxyz: FloatArray
 
     def __init__(
         self,
@@ -74,16 +72,6 @@ class AttitudeHistory(Immutable):
             low=None if low is None else frozen(low),
             wxyz=frozen(wxyz),
         )
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """The shape S of the epochs; () for one scalar epoch."""
-        return self.seconds.shape
-
-    def __len__(self) -> int:
-        if not self.shape:
-            raise TypeError("a history of one scalar epoch has no length")
-        return self.shape[0]
 
     def __getitem__(self, index: Any) -> AttitudeHistory:
         """The history of some of the epochs: history[10:20], history[mask]."""
@@ -107,11 +95,6 @@ class AttitudeHistory(Immutable):
     def time(self) -> Time:
         """The epochs as an astropy Time in TDB, rounded to 5e-12 s; NaN epochs are masked."""
         return _instants.times(self.epoch, self.seconds, self.low)
-
-    @property
-    def xyzw(self) -> FloatArray:
-        """(S, 4) unit quaternions, body to ICRF, scalar last."""
-        return frozen(np.moveaxis(np.moveaxis(self.wxyz, -1, 0)[[1, 2, 3, 0]], 0, -1))
 
     @cached_property
     def angular_velocity(self) -> FloatArray:
@@ -257,36 +240,6 @@ class AttitudeHistory(Immutable):
             ) from err
         return vectors
 
-    @cached_property
-    def matrix(self) -> FloatArray:
-        """(S, 3, 3) rotation matrices, body to ICRF: v_icrf = matrix @ v_body."""
-        return frozen(quaternion.matrix(self.wxyz))
-
-    @property
-    def dcm(self) -> FloatArray:
-        """(S, 3, 3) ICRF to body, the paper's attitude matrix A: the transpose of `matrix`."""
-        return np.swapaxes(self.matrix, -1, -2)
-
-    def as_rotation(self) -> Rotation:
-        """The attitudes as a scipy Rotation, body to ICRF, of shape S; AttitudeError for NaN."""
-        from scipy.spatial.transform import Rotation
-
-        self._refuse_nan("a scipy Rotation")
-        flat = Rotation.from_quat(np.array(self.xyzw).reshape(-1, 4))
-        return flat[0] if not self.shape else flat
-
-    def euler(self, sequence: str) -> FloatArray:
-        """Euler angles (S, 3) in rad: "ZXZ" or "313" is matrix = Rz(a) Rx(b) Rz(c).
-
-        Raises
-        ------
-        AttitudeError
-            For a sequence without three axes of which neighbours differ, and NaN epochs.
-        """
-        self._refuse_nan("Euler angles")
-        angles: FloatArray = self.as_rotation().as_euler(quaternion.known_sequence(sequence))
-        return angles.reshape(*self.shape, 3)
-
     def table(self, *, rates: bool = True, sigma: bool = False) -> FlatTable:
         """The history as an astropy QTable: time (TDB), wxyz, angular_velocity (rad/s).
 
@@ -366,13 +319,6 @@ class AttitudeHistory(Immutable):
         if not rates:
             places.pop("xyz")
         return xarray.Dataset(variables, places, {"epoch": f"{self.epoch.utc_iso} UTC"})
-
-    def _refuse_nan(self, what: str) -> None:
-        if np.any(np.isnan(self.seconds)):
-            raise AttitudeError(
-                f"some epochs are NaN, which {what} cannot represent; leave them out, for example "
-                "with history[~np.isnan(history.seconds)]."
-            )
 
 
 def _deviations(covariance):

@@ -24,16 +24,6 @@ TURN: Final = 2.0 * np.pi
 _BLOCK = 1 << 13
 
 
-def between(a: FloatArray, b: FloatArray) -> FloatArray:
-    """The angle (N,) between directions (3, N) of any length, 0 to pi rad, exact at both ends."""
-    out = new_array(a.shape[1])
-    for block in parts(out.size):
-        (x, y, z), (u, v, w) = a[:, block], b[:, block]
-        p, q, r = y * w - z * v, z * u - x * w, x * v - y * u
-        np.arctan2(np.sqrt(p * p + q * q + r * r), x * u + y * v + z * w, out=out[block])
-    return out
-
-
 def between_units(a: FloatArray, b: FloatArray) -> FloatArray:
     """The angle (N,) between unit vectors (3, N) or (3, 1), as `between`, in half of the time."""
     from attitude._solver.vectors import separation

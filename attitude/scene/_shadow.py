@@ -312,7 +312,7 @@ def lit_fraction(
 
 def _limb_and_distance(to_occulter, radius, sun, flattening):
     """Angular radius of the occulter and angle from its centre to the Sun, in stretched space."""
-    from attitude.scene._angles import between
+    from attitude._support.arrays import between
 
     stretch = np.array([[1.0], [1.0], [1.0 / (1.0 - flattening)]])
     middle = to_occulter * stretch

@@ -32,7 +32,7 @@ import numpy as np
 
 from attitude._compilation.decorators import entry_point, sized_entry_point
 from attitude._support import validation
-from attitude._support.arrays import read_only
+from attitude._support.arrays import between, read_only
 from attitude._support.constants import SPEED_OF_LIGHT_M_S
 from attitude.ensemble._ensemble import Ensemble
 from attitude.ensemble._tables import (
@@ -231,7 +231,8 @@ class Rotators:
         areas = (self.area / _SPHERE.area)[who]
         assert self._law.weights is not None  # the constructor refuses others
         if self._law.has_phase or self._law.weights[1] != 0.0:
-            bright /= mean_brightness(_SPHERE, self._law, _phase(sun, observer)) * areas
+            phase = between(sun.T, observer.T)
+            bright /= mean_brightness(_SPHERE, self._law, phase) * areas
         else:
             by_parts = (read_only(np.ascontiguousarray(rows.T)) for rows in (sun, observer))
             over_mean(areas, float(self._law.weights[0]), *by_parts, bright)
@@ -305,16 +306,6 @@ def drawn(
         return np.asarray(distribution(uniform), dtype=np.float64)
     low, high = np.broadcast_to(validation.real(distribution, column), 2)
     return low + (high - low) * uniform
-
-
-def _phase(sun, observer):
-    """Phase angles (R,), rad, of vectors (R, 3)."""
-    a, b = sun.T, observer.T
-    cross = np.array(
-        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-    )
-    dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-    return np.arctan2(np.sqrt(cross[0] ** 2 + cross[1] ** 2 + cross[2] ** 2), dot)
 
 
 def _areas(axes):
