@@ -213,10 +213,7 @@ class Entry(Answering):
         return tuple(dict.fromkeys(quantity.source for quantity in self._values()))
 
     def body(self, *, moments: Reals | None = None) -> Body:
-        """The Body; relative if only ratios of the moments are known.
-
-        Shapes: moments (3,).
-        """
+        """The Body; relative if only ratios of the moments are known; moments (3,)."""
         if moments is not None:
             relative = not hasattr(moments, "unit")
             return Body(moments=moments, relative=relative)
@@ -407,16 +404,11 @@ def _entries() -> dict[str, Entry]:
 
 def _entry(name: str, table: Mapping[str, Any], sources: Mapping[str, str]) -> Entry:
     """One entry from its TOML table."""
+    absent: dict[str, Any] = {"unit": None, "error": None}
 
     def values(rows: list[dict[str, Any]]) -> dict[str, Value]:
         return {
-            row["name"]: Value(
-                row["name"],
-                row["value"],
-                row.get("unit"),
-                row.get("error"),
-                sources[row["source"]],
-            )
+            row["name"]: Value(**{**absent, **row, "source": sources[row["source"]]})
             for row in rows
         }
 

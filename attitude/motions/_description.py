@@ -250,11 +250,10 @@ def _momentum(motion: FreeRotation, errors: _Errors) -> Rows:
 
 def _angles(vector: FloatArray) -> tuple[float, float]:
     """Longitude in [0, 360) and latitude of a vector, degrees."""
-    x, y, z = vector / np.max(np.abs(vector))
-    longitude = math.degrees(math.atan2(y, x))
+    longitude, latitude = map(math.degrees, _longitude_and_latitude(vector))
     # A tiny negative angle plus 360 rounds to 360.
     longitude = round(longitude + 360.0 if longitude < 0.0 else longitude, 9) % 360.0
-    return longitude, math.degrees(math.atan2(z, math.hypot(x, y)))
+    return longitude, latitude
 
 
 def _separatrix(motion: FreeRotation, errors: _Errors) -> str:

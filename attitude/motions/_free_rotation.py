@@ -17,7 +17,7 @@ from attitude._solver.sensitivities import Sensitivity
 from attitude._solver.states import States
 from attitude._support import markup, pairs, validation
 from attitude._support.arrays import frozen, new_array
-from attitude._support.synonyms import arguments, checks_arguments
+from attitude._support.synonyms import checks_arguments
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
@@ -475,33 +475,12 @@ class FreeRotation(Differentiable):
 
     # ---- Forms of papers, and curves
 
-    @arguments({}, 'published("L")')
-    def published(
-        self, convention: str, frame: str | None = None, at: EpochOrSeconds | None = None
-    ) -> Published:
-        """The motion in the form of papers: mode, periods, pole, angles at the epoch.
+    def _free_at(self, at: EpochOrSeconds | None) -> FreeRotation:
+        free: FreeRotation = self if at is None else super()._free_at(at)
+        return free
 
-        Parameters
-        ----------
-        convention : "L" or "S"
-            Whether phi is the angle of the long or of the short axis about the momentum.
-        frame : str, optional
-            Of the pole; by default the frame of the spin.
-        at : epoch or seconds, optional
-            Epoch of the angles; that of the spin by default.
-
-        Returns
-        -------
-        Published
-            ``Spin.from_periods(body, **published.keywords())`` makes the same spin.
-
-        Raises
-        ------
-        AttitudeError
-            For a body at rest, and an unknown convention or frame.
-        """
-        if at is not None:
-            return FreeRotation(self.body, self.spin_at(at)).published(convention, frame)
+    def _published(self, convention: str, frame: str | None) -> Published:
+        """The state in the form of papers, see `published`."""
         frame = self.spin.frame if frame is None else frames.known(frame)
         wxyz = quaternion.multiply(
             quaternion.conjugate(frames.wxyz_to_icrf(frame)), self.spin.wxyz_icrf

@@ -286,21 +286,33 @@ class Motion(Valued):
     def published(
         self, convention: str, frame: str | None = None, at: EpochOrSeconds | None = None
     ) -> Published:
-        """The free rotation at one epoch in the form of papers; see `FreeRotation.published`.
+        """The free rotation at one epoch in the form of papers: mode, periods, pole, angles.
 
         Parameters
         ----------
         convention : "L" or "S"
+            Whether phi is the angle of the long or of the short axis about the momentum.
         frame : str, optional
+            Of the pole; by default the frame of the spin.
         at : epoch or seconds, optional
-            By default the epoch of the motion.  Under torques, or along arcs, it is the free
-            rotation that would follow from the state there.
+            Epoch of the angles; by default that of the motion.  Under torques, or along arcs, it is
+            the free rotation that would follow from the state there.
+
+        Returns
+        -------
+        Published
+            ``Spin.from_periods(body, **published.keywords())`` makes the same spin.
 
         Raises
         ------
         AttitudeError
-            For a motion without a body, and as `FreeRotation.published`.
+            For a motion without a body, a body at rest, and an unknown convention or frame.
         """
+        record: Published = self._free_at(at)._published(convention, frame)
+        return record
+
+    def _free_at(self, at: EpochOrSeconds | None) -> Any:
+        """The free rotation that would follow from the state at an epoch, by default the first."""
         time = 0.0 if at is None else at
         body = self.body_at(time)
         if body is None:
@@ -309,8 +321,7 @@ class Motion(Valued):
                 "has none; give a motion with a body."
             )
         free = synonyms.named("attitude.motions._free_rotation:FreeRotation")
-        record: Published = free(body, self.spin_at(time)).published(convention, frame)
-        return record
+        return free(body, self.spin_at(time))
 
     def constant_body(self, what: str) -> Body:
         """The Body that the motion has at all epochs.

@@ -45,10 +45,7 @@ def predictable_time(
     rates_error: Reals = 0.0,
     tolerance: Real = 0.1,
 ) -> float:
-    """Seconds until the error of the attitude reaches a tolerance.
-
-    Shapes: moments, omega (3, 2), moments_error (3,), rates_error (3,).
-    """
+    """Seconds until errors (3,) of moments and rates (3, 2) reach a tolerance of the attitude."""
     angle = validation.positive(tolerance, "tolerance", unit="rad")
     of_moments = _error(moments_error, "moments_error")
     of_rates = _error(rates_error, "rates_error")

@@ -213,13 +213,14 @@ def propagate(
     else:
         source = StatesOfTensors(bodies, attitudes, rates)
     times = Seconds(_epochs(t, lead, count), None if t_low is None else _epochs(t_low, lead, count))
-    flat, views = [], []
+    flat: list[FloatArray | None] = []
     for memory, _ in results:
         flat.append(memory.reshape(count, *memory.shape[len(lead) :]) if lead else memory[None])
     if not angular_velocity:
         flat.insert(1, None)
     evaluation = Evaluation(source, lambda k: f"State {k} of {count}" if count > 1 else "")
     evaluation.grid(times, Results(*flat), threads)
+    views = []
     for memory, array in results:
         views.append(result(memory, array, scalar, len(lead)))
     return tuple(views) if len(views) > 1 else views[0]
@@ -260,7 +261,7 @@ def of_arrays(
     """Attitudes, and with rates angular velocities, of arrays or tensors of another library.
 
     arrays: moments (..., 3), wxyz0 (..., 4), omega0 (..., 3) and t (..., T) or a number.
-    broadcast_to: that of the library.  run: both results, of bodies (L, ...) and epochs (L or 1, T).
+    broadcast_to: of that library.  run: both results, of bodies (L, ...) and epochs (L or 1, T).
     """
     *bodies, times = arrays
     for name, array, width in zip(("moments", "wxyz0", "omega0"), bodies, (3, 4, 3), strict=True):

@@ -176,10 +176,7 @@ def cycle(moments: ArrayLike, mode: str, position: Sequence[float]) -> FloatArra
 def dynamic_inertia_from_periods(
     moments: FloatArray, mode: str, convention: str, P_psi: float, P_phi: float
 ) -> FloatArray:
-    """The position (y, 1 - y) of two periods, and P_psi for a momentum of 1.
-
-    Shapes: moments (3,).
-    """
+    """The position (y, 1 - y) of two periods, and P_psi for a momentum of 1; moments (3,)."""
     ratio = P_psi / P_phi - (convention == "S")
     place = _solved(moments, mode, ratio)
     if not math.isnan(place[0]):
@@ -283,10 +280,7 @@ class Labels(NamedTuple):
         return cls(moments, order, axes, flags[0], flags[1], np.array([known]))
 
     def states(self, angles: FloatArray, rates: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Attitudes (N, 4) and angular velocities (N, 3).
-
-        Shapes: angles (N, 5) rad, rates (N, 3).
-        """
+        """Attitudes (N, 4) and angular velocities (N, 3); angles (N, 5) rad, rates (N, 3)."""
         from attitude._solver.vectors import states_all
 
         wxyz, omega = np.empty((len(rates), 4)), np.empty((len(rates), 3))
@@ -295,10 +289,7 @@ class Labels(NamedTuple):
         return wxyz, omega
 
     def rates(self, places: FloatArray, momenta: FloatArray, angles: FloatArray) -> FloatArray:
-        """Angular velocities (N, 3), rad/s over the labelled axes, and theta, filled into `angles`.
-
-        Shapes: momenta (N,), angles (N, 5) rad.
-        """
+        """Rates (N, 3), rad/s, labelled axes, of momenta (N,); theta, filled into angles (N, 5)."""
         from attitude._solver.vectors import rates_all
 
         rates = np.empty((len(places), 3))

@@ -193,12 +193,11 @@ def _rates(moments, mode, y, rest):
 def _with_errors(value: Reals, name: str, unit: str | None) -> tuple[float, float, float]:
     """A value and its errors downward and upward, both positive."""
     sigmas = validation.real(value, name, unit=unit)
-    if sigmas.shape == ():
-        return float(sigmas), 0.0, 0.0
-    if sigmas.shape == (2,):
-        return float(sigmas[0]), abs(float(sigmas[1])), abs(float(sigmas[1]))
-    if sigmas.shape == (3,):
-        return float(sigmas[0]), abs(float(sigmas[1])), abs(float(sigmas[2]))
-    raise AttitudeError(
-        f"{name} has shape {sigmas.shape}; give a value, (value, error) or (value, minus, plus)."
-    )
+    if sigmas.shape not in ((), (2,), (3,)):
+        raise AttitudeError(
+            f"{name} has shape {sigmas.shape}; give a value, (value, error) or (value, minus, "
+            "plus)."
+        )
+    known, *errors = np.atleast_1d(sigmas).tolist()
+    minus, plus = (abs(errors[0]), abs(errors[-1])) if errors else (0.0, 0.0)
+    return known, minus, plus
