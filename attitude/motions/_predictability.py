@@ -18,7 +18,7 @@ from attitude._solver import codes
 from attitude._solver import covariance as covariances
 from attitude._solver.regime import Mode, regime_of
 from attitude._solver.states import Evaluation, States
-from attitude._support import validation
+from attitude._support import pairs, validation
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
@@ -59,7 +59,8 @@ def predictable_time(
     if len(shifts) == 0:
         return math.inf
     state_given = np.stack([moments, omega])[None]
-    states = np.concatenate([state_given, _shifted(state_given, shifts)])
+    shifted = pairs.add((state_given[..., 0], state_given[..., 1]), shifts)
+    states = np.concatenate([state_given, np.stack(shifted, axis=-1)])
     constants = _constants(states, of_moments)
     middle = regime_of(states[:1, 0], constants[:1])
     changed = [regime_of(states[k : k + 1, 0], constants[k : k + 1]) for k in range(1, len(states))]
@@ -176,9 +177,9 @@ def _drift_time(constants: Any, regime: Regime, tolerance: float) -> float:
     return tolerance / rate if rate > 0.0 else math.inf
 
 
-def _half_difference(pairs):
+def _half_difference(values):
     """Half of the change from minus to plus one error (N,), of pairs (1 + 2 N, 2)."""
-    plus, minus = pairs[1::2], pairs[2::2]
+    plus, minus = values[1::2], values[2::2]
     return 0.5 * ((plus[:, 0] - minus[:, 0]) + (plus[:, 1] - minus[:, 1]))
 
 
@@ -190,16 +191,6 @@ def _flip(given: Regime, changed: Regime) -> float:
     if given.mode is Mode.PRINCIPAL_AXIS and given.one_minus_m == 1.0:
         return math.inf  # the equator of a symmetric body: nothing turns over
     return 0.5 * min(given.P_psi, changed.P_psi)
-
-
-def _shifted(given, shifts):
-    """Sums of pairs and doubles, as pairs."""
-    hi, lo = given[..., 0], given[..., 1]
-    total = hi + shifts
-    back = total - hi
-    low_part = (hi - (total - back)) + (shifts - back) + lo
-    high = total + low_part
-    return np.stack([high, low_part - (high - total)], axis=-1)
 
 
 def _constants(states, moments_error):
