@@ -1271,6 +1271,18 @@ class Ensemble(Immutable):
 
     # ---- Impulses and torques
 
+    def _refuse_epochs(self, what: str) -> None:
+        if self.epoch is None:
+            raise AttitudeError(
+                f"the members have epochs of their own; {what} need one epoch for all members."
+            )
+
+    def _refuse_bad(self) -> None:
+        if len(self._bad):
+            raise AttitudeError(
+                "some members are not physical; leave them out: ensemble[ensemble.is_physical]."
+            )
+
     def arcs(self, changes: Any) -> ArcsEnsemble:
         """The same states with impulses or changes of inertia: an `ArcsEnsemble`."""
         return ArcsEnsemble(self, changes)
@@ -1296,10 +1308,7 @@ class Ensemble(Immutable):
             For members with epochs of their own or that are not physical, and as
             `AveragedEnsemble`.
         """
-        if not self.is_physical.all():
-            raise AttitudeError(
-                "some members are not physical; leave them out: ensemble[ensemble.is_physical]."
-            )
+        self._refuse_bad()
         names = None if self.names is None else self.names.tolist()
         motions = [self[k] for k in range(len(self))]
         return AveragedEnsemble(motions, torques, names=names, **settings)
@@ -1484,10 +1493,7 @@ class ArcsEnsemble(Immutable):
     _singles: tuple[Arcs, ...] | None
 
     def __init__(self, ensemble: Ensemble, changes: Any) -> None:
-        if ensemble.epoch is None:
-            raise AttitudeError(
-                "the members have epochs of their own; changes need one epoch for all members."
-            )
+        ensemble._refuse_epochs("changes")
         changes_given = tuple(changes) if isinstance(changes, (list, tuple)) else (changes,)
         self._set("ensemble", ensemble)
         self._set("changes", changes_given)
@@ -1621,14 +1627,8 @@ class TorquedEnsemble(Immutable):
     ) -> None:
         self._systems: list[System]
         self._states: FloatArray
-        if ensemble.epoch is None:
-            raise AttitudeError(
-                "the members have epochs of their own; torques need one epoch for all members."
-            )
-        if not ensemble.is_physical.all():
-            raise AttitudeError(
-                "some members are not physical; leave them out: ensemble[ensemble.is_physical]."
-            )
+        ensemble._refuse_epochs("torques")
+        ensemble._refuse_bad()
         self._set("ensemble", ensemble)
         self._set("step", validation.positive(step, "step", unit="s"))
         self._set("scheme", _schemes.scheme(scheme))
@@ -1650,13 +1650,14 @@ class TorquedEnsemble(Immutable):
         shared = len(ensemble.principal_moments) == 1
         kept = [ensemble[k] for k in range(1 if shared else len(ensemble))]
         systems = [System(member.body, member.spin, self.torques, self.scheme) for member in kept]
+        self._set("_systems", systems)
         states = np.zeros((len(ensemble), STATE_ENTRIES))
-        states[:, WXYZ] = self._over(systems, ensemble.wxyz_icrf)
+        turns = np.array([system.turn for system in systems])
+        states[:, WXYZ] = quaternion.multiply(ensemble.wxyz_icrf, turns)
         # By the products of single vectors, so that the bits are those of a TorquedRotation.
         for k, state in enumerate(states):
             state[WXYZ] /= np.sqrt(state[WXYZ] @ state[WXYZ])
-            axes = systems[0 if shared else k].axes
-            state[OMEGA] = ensemble.angular_velocity[k] @ axes
+            state[OMEGA] = ensemble.angular_velocity[k] @ self._system(k).axes
         speeds = np.sum(states[:, OMEGA] ** 2, axis=1)
         worst = int(np.argmax(speeds))
         try:
@@ -1664,13 +1665,11 @@ class TorquedEnsemble(Immutable):
             System(motion.body, motion.spin, self.torques, self.scheme).check_step(self.step)
         except AttitudeError as err:
             raise AttitudeError(f"{ensemble.label(worst)}: {err}") from err
-        self._set("_systems", systems)
         self._set("_states", frozen(states))
 
-    @staticmethod
-    def _over(systems: list[System], wxyz: FloatArray) -> FloatArray:
-        turns = np.array([system.turn for system in systems])
-        return quaternion.multiply(wxyz, turns)
+    def _system(self, k: int) -> System:
+        """That of member k: all share one, or have one each."""
+        return self._systems[0 if len(self._systems) == 1 else k]
 
     def __len__(self) -> int:
         return len(self.ensemble)
@@ -1699,10 +1698,8 @@ class TorquedEnsemble(Immutable):
             if side.any() and len(self):
                 self._integrate(sign * self.step, seconds, lo, np.flatnonzero(side), out, threads)
         if any(system.inertia is not None for system in self._systems):
-            shared = len(self._systems) == 1
             for k, states in enumerate(out):
-                system = self._systems[0 if shared else k]
-                states[:, 4:] = system.turning(seconds, lo, states[:, 4:])
+                states[:, 4:] = self._system(k).turning(seconds, lo, states[:, 4:])
         return TorquedHistory._of_all(self.ensemble, times, out[..., :4], out[..., 4:])
 
     def _integrate(
@@ -1742,9 +1739,7 @@ class TorquedEnsemble(Immutable):
     ) -> FloatArray:
         """States (n, T, 7) over body axes of some members, which are advanced in place."""
         shared = len(self._systems) == 1
-        systems: Sequence[System] = (
-            self._systems if shared else self._systems[first : first + len(states)]
-        )
+        systems = self._systems if shared else self._systems[first : first + len(states)]
         setup = (
             np.array([system.setup[0] for system in systems]),
             systems[0].setup[1],

@@ -61,8 +61,7 @@ def shared(
     start: FloatArray, t: Any, low: ArrayLike | None, count: int
 ) -> tuple[support_pairs.Seconds, bool]:
     """Epochs (1 or N, T) of all of N members, and if T is one; start (2, 1), t (T,)."""
-    dates = _dates(start, t, low)
-    hi, lo = _plain(start, t, low) if dates is None else dates
+    hi, lo, are_dates = _epochs(start, t, low)
     if hi.ndim > 2 or (hi.ndim == 2 and len(hi) != count):
         raise AttitudeError(
             f"t has shape {hi.shape}; give (T,) for all members or ({count}, T), one row for each; "
@@ -71,7 +70,7 @@ def shared(
     scalar = hi.ndim == 0
     hi = np.atleast_2d(hi)
     lo = None if lo is None else np.atleast_2d(lo)
-    if dates is not None and lo is not None:
+    if are_dates and lo is not None:
         hi, lo = support_pairs.add((hi, lo), -start[0][:, None], -start[1][:, None])
     return support_pairs.Seconds(hi, lo), scalar
 
@@ -93,8 +92,7 @@ def of_rows(
     start: FloatArray, t: Any, low: ArrayLike | None, member: IntArray
 ) -> tuple[support_pairs.Seconds, IntArray]:
     """Epochs of rows and their members, of any shape S."""
-    dates = _dates(start, t, low)
-    hi, lo = _plain(start, t, low) if dates is None else dates
+    hi, lo, are_dates = _epochs(start, t, low)
     if hi.shape != member.shape:
         if hi.ndim and member.ndim:
             raise AttitudeError(
@@ -104,40 +102,34 @@ def of_rows(
         hi = np.array(np.broadcast_to(hi, shape))
         member = np.array(np.broadcast_to(member, shape))
         lo = None if lo is None else np.array(np.broadcast_to(lo, shape))
-    if dates is not None and lo is not None:
+    if are_dates and lo is not None:
         hi, lo = support_pairs.add((hi, lo), -start[0][member], -start[1][member])
     return support_pairs.Seconds(hi, lo), member
 
 
-def _plain(
+def _epochs(
     start: FloatArray, t: Any, low: ArrayLike | None
-) -> tuple[FloatArray, FloatArray | None]:
-    """Seconds as given, or since the one epoch of all members."""
+) -> tuple[FloatArray, FloatArray | None, bool]:
+    """Epochs in two doubles, and whether they are dates past J2000, of members with epochs of their
+    own; otherwise they are seconds as given, or since the one epoch.
+    """
+    if start.shape[1] != 1 and not (type(t) is np.ndarray and t.dtype == np.float64):
+        kind, _, _ = _inputs.entries(t, "t", _DATES)
+        if kind == "TimeDelta":
+            raise AttitudeError(
+                "t is a TimeDelta, but the members have epochs of their own; give seconds, a "
+                "Quantity or dates."
+            )
+        if kind not in _inputs.LENGTHS:
+            if low is not None:
+                raise AttitudeError(
+                    f"low is given, but t is {validation.shown(t)}; leave out low, the second "
+                    "double of plain seconds."
+                )
+            return *_inputs.past_j2000(t, "t"), True
     # Without members any epoch will do.
     first = _instants.Instant(*start[:, 0]) if start.shape[1] else _instants.Instant(0.0)
-    return _inputs.seconds_since(first, t, low)
-
-
-def _dates(
-    start: FloatArray, t: Any, low: ArrayLike | None
-) -> tuple[FloatArray, FloatArray] | None:
-    """Dates past J2000 if the members have epochs of their own; None for seconds."""
-    if start.shape[1] == 1 or (type(t) is np.ndarray and t.dtype == np.float64):
-        return None
-    kind, _, _ = _inputs.entries(t, "t", _DATES)
-    if kind == "TimeDelta":
-        raise AttitudeError(
-            "t is a TimeDelta, but the members have epochs of their own; give seconds, a Quantity "
-            "or dates."
-        )
-    if kind in _inputs.LENGTHS:
-        return None
-    if low is not None:
-        raise AttitudeError(
-            f"low is given, but t is {validation.shown(t)}; leave out low, the second double of "
-            "plain seconds."
-        )
-    return _inputs.past_j2000(t, "t")
+    return *_inputs.seconds_since(first, t, low), False
 
 
 # ---- The inertia of N bodies as arrays, one row for all of them or one each
