@@ -134,18 +134,18 @@ def unit(wxyz: Reals, name: str = "wxyz", *, tolerance: float | None = None) -> 
     return np.where(off <= 16.0 * np.finfo(float).eps, rows, scaled / length)
 
 
-def unit_in_pairs(wxyz: Reals, name: str = "wxyz") -> FloatArray:
+def unit_in_pairs(wxyz: Reals) -> FloatArray:
     """One quaternion (4,) of any length as a unit quaternion (4, 2), exact to 1e-31.
 
     One of unit length within rounding is kept bit for bit, as files are read back, its low parts
     zero.
     """
-    components = validation.real(wxyz, name, shape=(4,))
+    components = validation.real(wxyz, "wxyz", shape=(4,))
     pairs = np.zeros((4, 2))
     w, x, y, z = q = components.tolist()
     largest = max(abs(w), abs(x), abs(y), abs(z))
     if largest == 0.0:
-        _refuse_no_attitude(components, name)
+        _refuse_no_attitude(components, "wxyz")
     # a large one overflows when squared
     if largest < 2.0 and abs(w * w + x * x + y * y + z * z - 1.0) <= _UNIT:
         pairs[:, 0] = components

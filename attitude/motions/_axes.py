@@ -80,10 +80,8 @@ OF_ORBIT: tuple[str, ...] = ("rtn", "lvlh", "tnw", "ntw", "vnc")
 OF_EPOCH: dict[str, str] = {"TRUEOFEPOCH": "tod", "MEANOFEPOCH": "mod", "TEMEOFEPOCH": "teme"}
 # Kind -> name in written files.
 WRITTEN: dict[str, str] = {
-    **{"icrf": "ICRF", "gcrf": "GCRF", "eme2000": "EME2000", "ecliptic": "ECLIPTICJ2000"},
-    **{"b1950": "B1950", "itrf": "ITRF", "teme": "TEME", "tod": "TOD", "mod": "MOD"},
-    **{"gtod": "GTOD", "cirs": "CIRS", "tirs": "TIRS", "rtn": "RTN", "lvlh": "LVLH"},
-    **{"tnw": "TNW", "ntw": "NTW", "vnc": "VNC"},
+    **{kind: kind.upper() for kind in ("gcrf", *FIXED.values(), *TURNING.values())},
+    "ecliptic": "ECLIPTICJ2000",
 }
 # Axes that the registries name and that are not computed here.
 _ELSEWHERE = re.compile(

@@ -121,17 +121,17 @@ def angles_of(
     return pole, _positive(phi), theta, _positive(psi)
 
 
-def known_pole(pole: Reals, name: str = "pole") -> FloatArray:
+def known_pole(pole: Reals) -> FloatArray:
     """Longitude and latitude (2,) in rad; AttitudeError beyond a turn or 90 degrees."""
     longitude: float
     latitude: float
     if isinstance(pole, (list, tuple)) and len(pole) == 2:
-        longitude = validation.number(pole[0], f"{name} longitude", unit="rad")
-        latitude = validation.number(pole[1], f"{name} latitude", unit="rad")
+        longitude = validation.number(pole[0], "pole longitude", unit="rad")
+        latitude = validation.number(pole[1], "pole latitude", unit="rad")
     else:
-        longitude, latitude = validation.real(pole, name, shape=(2,), unit="rad")
-    _check(longitude, f"{name} longitude", TURN, "-360 and 360 deg")
-    _check(latitude, f"{name} latitude", QUARTER, "-90 and 90 deg")
+        longitude, latitude = validation.real(pole, "pole", shape=(2,), unit="rad")
+    _check(longitude, "pole longitude", TURN, "-360 and 360 deg")
+    _check(latitude, "pole latitude", QUARTER, "-90 and 90 deg")
     return np.array([longitude, latitude])
 
 

@@ -77,11 +77,9 @@ class AttitudeHistory(Attitudes):
         """The history of some of the epochs: history[10:20], history[mask]."""
         seconds = np.asarray(self.seconds[index])
         low = None if self.low is None else np.asarray(self.low[index])
-        wxyz = np.moveaxis(np.moveaxis(self.wxyz, -1, 0)[(slice(None), *_tuple(index))], 0, -1)
-        history = AttitudeHistory(self.motion, self.epoch, seconds, low, wxyz)
+        history = AttitudeHistory(self.motion, self.epoch, seconds, low, _taken(self.wxyz, index))
         if "angular_velocity" in self.__dict__:
-            rates = np.moveaxis(self.angular_velocity, -1, 0)[(slice(None), *_tuple(index))]
-            history.__dict__["angular_velocity"] = frozen(np.moveaxis(rates, 0, -1))
+            history.__dict__["angular_velocity"] = frozen(_taken(self.angular_velocity, index))
         return history
 
     def __repr__(self) -> str:
@@ -347,5 +345,7 @@ def _one_for_many(v: FloatArray, wxyz: FloatArray) -> FloatArray:
     return out.T
 
 
-def _tuple(index):
-    return index if isinstance(index, tuple) else (index,)
+def _taken(vectors, index):
+    """Some of the vectors (S, k), by an index of S."""
+    whole = (slice(None), *(index if isinstance(index, tuple) else (index,)))
+    return np.moveaxis(np.moveaxis(vectors, -1, 0)[whole], 0, -1)

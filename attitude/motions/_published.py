@@ -334,7 +334,11 @@ def states_from_two_periods(
                 "P is the one period of a relaxed rotator; leave out mode, convention, P_psi, "
                 "P_phi, psi0 and theta_branch, or give P_psi and P_phi."
             )
-        return _relaxed(body, P=P, pole=pole, phi0=phi0)
+        # About the short axis, or z: R = Rz(lambda) Ry(90 deg - beta) Rz(phi0).
+        rate = 2.0 * math.pi / validation.positive(P, "P", unit="s")
+        phi = _conventions.known_angle(phi0, "phi0")
+        known = _conventions.known_pole(pole)
+        return from_labelled(body, "S", (*known, phi, 0.0, 0.0), (0.0, 0.0, rate))
     if mode is None or convention is None or P_psi is None or P_phi is None or psi0 is None:
         raise _missing(mode=mode, convention=convention, P_psi=P_psi, P_phi=P_phi, psi0=psi0)
     if body is None:
@@ -342,7 +346,7 @@ def states_from_two_periods(
     mode, convention = known_mode(mode), known_convention(convention)
     P_psi = validation.positive(P_psi, "P_psi", unit="s")
     P_phi = validation.positive(P_phi, "P_phi", unit="s")
-    moments = body.moments[_conventions.order(body)]
+    moments = _ascending(body)
     refuse_missing_mode(moments, mode)
     place = dynamic_inertia_from_periods(moments, mode, convention, P_psi, P_phi)
     state = body, mode, convention, place, P_psi, pole, phi0, psi0
@@ -397,20 +401,6 @@ def from_labelled(
     arguments = np.array([angles], dtype=float), np.array([rates], dtype=float)
     wxyz, omega = labels.states(*arguments)
     return wxyz[0], omega[0]
-
-
-def _relaxed(
-    body: Body | None, *, P: Real, pole: Reals, phi0: Real
-) -> tuple[FloatArray, FloatArray]:
-    """Attitude (4,) and angular velocity (3,) of a relaxed rotator.
-
-    About the short axis of the body, or with body=None about its z axis, as in DAMIT:
-    R = Rz(lambda) Ry(90 deg - beta) Rz(phi0).
-    """
-    rate = 2.0 * math.pi / validation.positive(P, "P", unit="s")
-    phi = _conventions.known_angle(phi0, "phi0")
-    known = _conventions.known_pole(pole)
-    return from_labelled(body, "S", (*known, phi, 0.0, 0.0), (0.0, 0.0, rate))
 
 
 def _missing(**given: object) -> AttitudeError:
@@ -555,7 +545,7 @@ def published(
     momentum = axes.T @ (body.tensor @ (angular_velocity / np.max(np.abs(angular_velocity))))
     attitude = quaternion.multiply(wxyz, _conventions.axes_wxyz(body, convention))
     pole, phi, theta, psi = _conventions.angles_of(attitude, momentum)
-    a, b, c = body.moments[_conventions.order(body)]
+    a, b, c = _ascending(body)
     return Published(
         mode={1: "SAM", -1: "LAM", 0: None}[regime.circulates],
         convention=convention,
