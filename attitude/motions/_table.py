@@ -125,11 +125,14 @@ def _window(table, row, ahead, width):
     """
     first = np.clip(row - (width - 1) // 2, 0, len(table.seconds) - width)
     index = first[:, None] + np.arange(width)
-    offsets = (table.seconds[index] - table.seconds[row][:, None]) + (
-        table.low[index] - table.low[row][:, None]
-    )
+    offsets = _apart(table, row[:, None], index)
     scale = offsets[:, -1] - offsets[:, 0] if width > 1 else np.ones(len(row))
     return first, ahead / scale, scale, offsets / scale[:, None]
+
+
+def _apart(table, row, later):
+    """Seconds from records to later ones."""
+    return (table.seconds[later] - table.seconds[row]) + (table.low[later] - table.low[row])
 
 
 def polynomials(
@@ -172,12 +175,7 @@ def _along_circles(table, row, ahead, order):
     if len(table.seconds) == 1:
         return [table.nodes[row], np.zeros((len(row), 3)), np.zeros((len(row), 3))][: order + 1]
     start = np.minimum(row, len(table.seconds) - 2)
-    step = (table.seconds[start + 1] - table.seconds[start]) + (
-        table.low[start + 1] - table.low[start]
-    )
-    since = ahead + (
-        (table.seconds[row] - table.seconds[start]) + (table.low[row] - table.low[start])
-    )
+    step, since = _apart(table, start, start + 1), ahead + _apart(table, start, row)
     p, q = table.nodes[start], table.nodes[start + 1]
     turn = forms.to_rotation_vector(quaternion.multiply(quaternion.conjugate(p), q))
     turned = forms.from_rotation_vector(turn * (since / step)[:, None])
