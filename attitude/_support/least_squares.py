@@ -41,11 +41,13 @@ class Problem:
     moved(states, steps): the states after steps (S, P), and which of them are within the bounds.
     costs(states): costs alone, for the last step, behind which no derivatives are needed; None
         where the result has to have them.
+    enough(states): decreases of half the cost; the iteration ends where no step promises more.
     """
 
     linearised: Callable[[NDArray[Any]], Near]
     moved: Callable[[NDArray[Any], FloatArray], tuple[NDArray[Any], BoolArray]]
     costs: Callable[[NDArray[Any]], FloatArray] | None = None
+    enough: Callable[[NDArray[Any]], FloatArray] | None = None
 
 
 class Rule(NamedTuple):
@@ -92,7 +94,13 @@ def minimum(
     count = 1
     while on.size and count < evaluations:
         active = best if len(on) == len(starts) else Near(*(column[on] for column in best))
-        new, allowed = problem.moved(active.states, _steps(active, damping[on] + rule.ridge))
+        steps = _steps(active, damping[on] + rule.ridge)
+        if problem.enough is not None:
+            bend = (active.normal @ steps[:, :, None])[:, :, 0]
+            promised = np.sum(steps * (active.gradient - 0.5 * bend), axis=1)
+            if np.all(promised <= problem.enough(active.states)):
+                break
+        new, allowed = problem.moved(active.states, steps)
         cost = np.full(len(on), np.inf)
         is_inside = bool(allowed.any())
         count += is_inside or rule.bounds_count

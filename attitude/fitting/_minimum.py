@@ -7,13 +7,13 @@ evaluated with them: most are accepted.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude._support import markup, validation
+from attitude._support import least_squares, markup, validation
 from attitude._support.arrays import Immutable, frozen
-from attitude._support.least_squares import Decomposed
+from attitude._support.least_squares import Decomposed, Near
 from attitude.errors import AttitudeError
 from attitude.fitting import _observations as records
 from attitude.fitting._observations import Rates
@@ -22,7 +22,9 @@ from attitude.motions._free_rotation import FreeRotation
 from attitude.motions._spin import Spin
 
 if TYPE_CHECKING:
-    from attitude._support.annotations import FloatArray, IntArray, Real, Reals
+    from numpy.typing import NDArray
+
+    from attitude._support.annotations import BoolArray, FloatArray, IntArray, Real, Reals
     from attitude.fitting._model import Model, Point, Prediction
     from attitude.fitting._observations import Observations
     from attitude.motions._body import Body
@@ -83,16 +85,23 @@ def known_loss(name: str, f_scale: Real | None, sigma: Reals | None) -> Loss:
     return Loss(name, 1.0 if f_scale is None else validation.positive(f_scale, "f_scale"))
 
 
-# Eigenvalues of the scaled normal matrix, relative to 1, that are zero within rounding: for steps,
-# and for the covariance.
-_SINGULAR, _LOST = 1e-13, 1e-12
-# Damping, relative to the diagonal, at which the iteration ends: no step lowers the loss.
-_STUCK = 1e12
+# Eigenvalues of the scaled normal matrix, relative to 1, that are zero within rounding.
+_LOST = 1e-12
+# Damped so little that most steps are those of Gauss and Newton; ended by the gain they promise.
+_RULE = least_squares.Rule(
+    start=1e-7,
+    least=1e-10,
+    stuck=1e12,
+    larger=30.0,
+    gain=-1.0,
+    settled=0,
+    bounds_count=False,
+)
 # Least mean of the second derivative of the loss, of that for small residuals, in the variance.
 _LEAST_BEND = 1e-3
 # Largest step: rad of attitude, angular velocity relative to its size, logarithms of the shape.
 _LONGEST = (0.5, 0.3, 1.0)
-# Iterations of the last stage and of those before, at most.
+# Evaluations of the last stage and of those before, at most.
 _MOST, _MOST_EARLY = 100, 12
 # Gain of a step, in variances of a record, below which the iteration ends: 1e-3 standard errors of
 # the parameters in the last stage, 0.3 before.
@@ -114,8 +123,8 @@ class Linearised:
     gradient: (P,), the direction of descent: minus the derivative of the cost.
     variance: of the records, in units of their standard errors: that of residuals as large as
         these.
-    bending, normal: the second derivatives of the cost, from first ones of the residuals: with the
-        weights of the loss, and with those of the standard errors alone.
+    bending, normal: the second derivatives (P, P) of the cost, from first ones of the residuals:
+        with the weights of the loss, and with those of the standard errors alone.
     """
 
     point: Point
@@ -123,7 +132,7 @@ class Linearised:
     cost: float
     gradient: FloatArray
     variance: float
-    bending: Decomposed
+    bending: FloatArray
     normal: Decomposed
 
 
@@ -159,36 +168,40 @@ class Problem:
         # Huber's variance of a robust estimate; that of least squares with a linear loss.
         variance = score / max(numbers - int(np.count_nonzero(by_errors.values > _LOST)), 1)
         variance /= max(bend / max(numbers, 1), _LEAST_BEND) ** 2
-        bending = Decomposed(weighted) if robust else by_errors
+        bending = weighted if robust else normal
         return Linearised(point, predicted, cost, gradient, variance, bending, by_errors)
 
     def minimum(self, point: Point, *, last: bool = True) -> Linearised:
         """The loss near the point of least loss, from a point near it."""
-        now = self.linearised(point)
         lowest = 0.5 * records.floor(self.observed, float(np.linalg.norm(point.omega)))
-        enough = _LAST if last else _LAST_EARLY
-        damping = 0.0
-        for _ in range(_MOST if last else _MOST_EARLY):
-            step, gain, damping = _step(now, damping)
-            if gain <= max(enough * now.variance, lowest) or damping > _STUCK:
-                break
-            trial = self._trial(now.point.moved(step))
-            if trial is None or not trial.cost <= now.cost:
-                damping = max(10.0 * damping, 1e-4)
-                continue
-            won = now.cost - trial.cost
-            damping = damping / 10.0 if won > 0.75 * gain else damping
-            damping = 4.0 * damping if won < 0.25 * gain else damping
-            damping = 0.0 if damping < 1e-7 else damping
-            now = trial
-        return now
+        share = _LAST if last else _LAST_EARLY
 
-    def _trial(self, point: Point) -> Linearised | None:
-        """The loss near a point, or None for a motion that has no derivatives."""
+        def enough(states: NDArray[Any]) -> FloatArray:
+            return np.array([max(share * states[0].variance, lowest)])
+
+        problem = least_squares.Problem(self._near, _moved, enough=enough)
+        start, most = np.array([point], dtype=object), _MOST if last else _MOST_EARLY
+        best = least_squares.minimum(problem, start, _RULE, most)
+        near: Linearised = best.states[0] if np.isfinite(best.cost[0]) else self.linearised(point)
+        return near
+
+    def _near(self, points: NDArray[Any]) -> Near:
+        """The loss near the one point (1,), infinite for a motion that has no derivatives."""
         try:
-            return self.linearised(point)
+            near = self.linearised(points[0])
         except AttitudeError:
-            return None
+            return Near(points, np.array([np.inf]), np.zeros((1, 1, 1)), np.zeros((1, 1)))
+        states = np.array([near], dtype=object)
+        return Near(states, np.array([near.cost]), near.bending[None], near.gradient[None])
+
+
+def _moved(states: NDArray[Any], steps: FloatArray) -> tuple[NDArray[Any], BoolArray]:
+    """The point after a step (1, P) from the loss near another, and whether the step is short."""
+    point, step = states[0].point, steps[0]
+    longest = np.repeat(_LONGEST, (3, 3, len(step) - 6))
+    longest[3:6] *= float(np.linalg.norm(point.omega)) or np.inf
+    is_short = np.all(np.abs(step) <= longest)
+    return np.array([point.moved(step)], dtype=object), np.array([is_short])
 
 
 def _minimum(
@@ -239,22 +252,6 @@ def bounded_factor(normal: Decomposed, variance: float, speed: float) -> FloatAr
     directions *= unit[:, None] / length
     factor: FloatArray = directions * np.sqrt(spread)
     return factor
-
-
-def _step(now: Linearised, damping: float) -> tuple[FloatArray, float, float]:
-    """A step that is not too long, the gain that it promises, and its damping."""
-    values, vectors, scale = now.bending.values, now.bending.vectors, now.bending.scale
-    slope = vectors.T @ (now.gradient / scale)
-    usable = values > _SINGULAR
-    slope, values, vectors = slope[usable], values[usable], vectors[:, usable] / scale[:, None]
-    longest = np.repeat(_LONGEST, (3, 3, len(scale) - 6))
-    longest[3:6] *= float(np.linalg.norm(now.point.omega)) or np.inf
-    while True:
-        along = slope / (values + damping)
-        step = vectors @ along
-        if damping > _STUCK or np.all(np.abs(step) <= longest):
-            return step, float(slope @ along - 0.5 * along**2 @ values), damping
-        damping = max(3.0 * damping, 1e-6)
 
 
 def thinned(count: int) -> IntArray:
