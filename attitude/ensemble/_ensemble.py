@@ -969,9 +969,7 @@ class Ensemble(Immutable):
         return MemberRows(len(self), who, seconds, in_runs)
 
     def _members_of(self, member: ArrayLike) -> tuple[IntArray, bool]:
-        """Numbers of members, of the shape given, and whether equal ones stand in long runs; errors
-        out of range.
-        """
+        """Numbers of members, of the shape given, and whether equal ones stand in long runs."""
         try:
             array = np.asarray(member)
         except ValueError as err:

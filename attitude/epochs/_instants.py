@@ -97,9 +97,7 @@ def _offset(zone: str | None) -> int:
 
 
 def utc_text(day: float, second: float, low: float) -> str:
-    """ISO 8601 text, to the nanosecond, of a civil day of UTC and the seconds since its
-    midnight.
-    """
+    """ISO 8601 text, to the nanosecond, of a civil day of UTC and seconds since its midnight."""
     import erfa
 
     whole = int(second // 1.0)

@@ -264,9 +264,7 @@ class Axes:
         lo: FloatArray | None,
         orbit: Path | None = None,
     ) -> FloatArray | None:
-        """Angular velocity (N, 3), rad/s in ICRF; None for fixed axes, and rates relative to
-        inertial space.
-        """
+        """Angular velocity (N, 3), rad/s in ICRF; None for fixed axes and for inertial rates."""
         if not self.turning or self._inertial:
             return None
         hi, lo = pairs.Seconds(hi, lo).plus(epoch.seconds, epoch.low)
@@ -359,9 +357,7 @@ def _central(turned):
 
 
 def _one_sided(turned, side):
-    """Angular velocity from two steps to one side, to 4e-11 rad/s in a low orbit of eccentricity
-    0.05.
-    """
+    """Angular velocity from two steps to one side, to 4e-11 rad/s in a low orbit."""
     step, now = side * _STEP, forms.conjugate(turned(0.0))
     one, two = (
         frames_representations.to_rotation_vector(forms.multiply(turned(k * step), now))

@@ -293,9 +293,7 @@ class Body(Valued):
         return self._found is None
 
     def over_principal_axes(self, omega: FloatArray) -> tuple[FloatArray, FloatArray | None]:
-        """`rates_about_principal_axes` and `differences`, each (1, 3, 2), of an angular velocity
-        (3,), rad/s.
-        """
+        """Rates over principal axes and `differences` (1, 3, 2) of an angular velocity (3,)."""
         if self._found is None:
             rates = np.zeros((1, 3, 2))
             rates[..., 0] = omega

@@ -58,9 +58,7 @@ def polhode(constants: Any, principal_axes: FloatArray, points: int = 361) -> Fl
 
 
 def pictures(body: Body, energy: float, curve: Callable[[int], FloatArray]) -> list[str]:
-    """An SVG of the polhode on the ellipsoid of its energy from `curve`, which returns (n, 3)
-    rad/s; none at rest and for a rod.
-    """
+    """An SVG of the polhode (n, 3), of `curve`, on its ellipsoid; none at rest and for a rod."""
     if not energy > 0.0 or np.min(body.moments) <= 0.0:
         return []
     axes = body.principal_axes

@@ -144,9 +144,7 @@ def _is_rounding(motion: Differentiable, seconds: float, angle: float) -> bool:
 
 
 def flip_within_errors(motion: Differentiable) -> float:
-    """The time to the next turn-over if one standard deviation of the spin crosses the separatrix,
-    or inf.
-    """
+    """Time to the next turn-over if one standard deviation crosses the separatrix, or inf."""
     time = math.inf
     covariance = motion.spin.covariance_icrf
     assert covariance is not None  # as the caller has found

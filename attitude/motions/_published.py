@@ -95,9 +95,7 @@ def possible(moments: ArrayLike, P_psi: float, P_phi: float) -> list[tuple[str, 
 
 
 def longest_P_phi(moments: ArrayLike, mode: str | Mode, convention: str, P_psi: float) -> float:
-    """The longest mean P_phi, in units of P_psi: that of rotation about the axis; shorter ones are
-    possible.
-    """
+    """The longest mean P_phi, in units of P_psi, that of rotation about the axis."""
     turns, _ = cycle(moments, known_mode(mode), (1.0, 0.0))
     return P_psi / (turns + (known_convention(convention) == "S"))
 
@@ -162,9 +160,7 @@ def _solved(moments: ArrayLike, mode: str, ratio: float) -> FloatArray:
 
 
 def cycle(moments: ArrayLike, mode: str, position: Sequence[float]) -> FloatArray:
-    """P_psi / P_phi_L of a position (y, 1 - y) of moments (3,), ascending, and P_psi for a momentum
-    of 1.
-    """
+    """P_psi / P_phi_L at (y, 1 - y) of ascending moments (3,), and P_psi for a momentum of 1."""
     from attitude._solver.regimes import cycles_all
 
     out = np.empty((1, 2))

@@ -118,9 +118,7 @@ def spread(
 
 
 def in_quadrature(found: FloatArray) -> list[Uncertain]:
-    """The values (K,) of the first row of (1 + N, K), with errors down and up from the rows of the
-    ends of N.
-    """
+    """The first of rows (1 + N, K), with errors down and up from those of the N ends."""
     with np.errstate(invalid="ignore"):
         change = found[1:] - found[0]
         minus = np.sqrt(np.sum(np.minimum(change, 0.0) ** 2, axis=0))
