@@ -26,22 +26,6 @@ if TYPE_CHECKING:
     from attitude.motions._spin import Spin
 
 
-def of_momentum(body: Body, spin: Spin) -> FloatArray:
-    """Changes (3, 9) of the angular momentum, ICRF axes, for unit changes of the parameters."""
-    to_icrf, axes = quaternion.matrix(spin.wxyz_icrf), body.principal_axes
-    momentum = to_icrf @ body.tensor @ spin.angular_velocity
-    by_turn = np.cross(np.eye(3), momentum).T
-    by_moment = axes * (spin.angular_velocity @ axes)
-    return np.concatenate([by_turn, to_icrf @ body.tensor, to_icrf @ by_moment], axis=1)
-
-
-def to_body_axes(wxyz: FloatArray, start: FloatArray, attitude: FloatArray) -> FloatArray:
-    """Changes of attitude (S, 3, 9) over inertial axes, over the body axes then and at first."""
-    turned: FloatArray = np.swapaxes(quaternion.matrix(wxyz), -1, -2) @ attitude
-    turned[..., :3] = turned[..., :3] @ quaternion.matrix(start)
-    return turned
-
-
 def changed(body: Body, spin: Spin, changes: FloatArray) -> tuple[Body, Spin]:
     """Body and Spin with one change (9,) of the parameters (ICRF axes)."""
     turn = forms.from_rotation_vector(changes[:3])
@@ -163,9 +147,10 @@ class Differentiable(Motion):
         attitude, omega = self._sensitivity.at(seconds, lo, rates)
         if axes == "body":
             wxyz = self._evaluate(seconds, lo, 0)[0]
-            attitude = to_body_axes(wxyz, self.spin.wxyz_icrf, attitude)
-            if omega is not None:
-                omega[..., :3] = omega[..., :3] @ quaternion.matrix(self.spin.wxyz_icrf)
+            start = quaternion.matrix(self.spin.wxyz_icrf)
+            attitude = np.swapaxes(quaternion.matrix(wxyz), -1, -2) @ attitude
+            for columns in (attitude,) if omega is None else (attitude, omega):
+                columns[..., :3] = columns[..., :3] @ start
         if by == "elements":
             change = self._sensitivity.by_elements()
             attitude = _combined(attitude, change)
@@ -226,7 +211,13 @@ class Differentiable(Motion):
     @property
     def momentum_covariance(self) -> FloatArray:
         """(3, 3) covariance of the momentum over ICRF axes; see `Motion.momentum_covariance`."""
-        changes = of_momentum(self.body, self.spin) @ covariances.factor(self._errors())
+        body, spin, axes = self.body, self.spin, self.body.principal_axes
+        to_icrf = quaternion.matrix(spin.wxyz_icrf)
+        momentum = to_icrf @ body.tensor @ spin.angular_velocity
+        by_turn = np.cross(np.eye(3), momentum).T
+        by_moment = axes * (spin.angular_velocity @ axes)
+        by_state = [by_turn, to_icrf @ body.tensor, to_icrf @ by_moment]
+        changes = np.concatenate(by_state, axis=1) @ covariances.factor(self._errors())
         return changes @ changes.T
 
     def nonlinearity_at(self, seconds: ArrayLike, low: ArrayLike | None = None) -> FloatArray:
