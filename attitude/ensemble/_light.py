@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude._compilation.decorators import entry_point, force_inlined, reduction_inlined
-from attitude._compilation.deferral import uncollected
 from attitude._solver import states
 from attitude._solver.chains import evaluate_part
 from attitude._solver.states import Results
@@ -155,9 +154,6 @@ class Light:
         self._has_axes = isinstance(shapes, np.ndarray)
         if self._has_axes:
             require_ellipsoid_form(self._law)
-            with uncollected():
-                pass
-            self._loop, self._piece = ellipsoid_runs, PIECE
         self._kernels: dict[int, Callable[..., object]] = {}
 
     def fill(
@@ -210,20 +206,18 @@ class Light:
         self, piece: Piece, sun: FloatArray, observer: FloatArray, out: FloatArray
     ) -> None:
         assert isinstance(self._shapes, np.ndarray) and self._law.weights is not None
-        work = np.empty((1, 10, self._piece))
+        work = np.empty((1, 10, PIECE))
         vectors, factor = (*_memory(sun), *_memory(observer)), self._law.weights[0]
         t = piece.t.mapped(read_only).taken(None)
 
-        def fill(numbers: IntArray, edges: IntArray, shapes: FloatArray) -> None:
+        for numbers, edges in states.blocks_of_runs(piece.member, 0, len(piece.member)):
+            shapes = self._shapes if len(self._shapes) == 1 else self._shapes[numbers]
             solved = self._evaluation.prepared(numbers)
             records, others = read_only(solved.constants), (*vectors, shapes, factor, work, out)
-            failed = self._loop(records, edges, *t, *others)
+            failed = ellipsoid_runs(records, edges, *t, *others)
             if failed >= 0:
                 times = self._evaluation.reachable(failed, solved, numbers, t, edges)
-                self._loop(records, edges, *times, *others)
-
-        for numbers, edges in states.blocks_of_runs(piece.member, 0, len(piece.member)):
-            fill(numbers, edges, self._shapes if len(self._shapes) == 1 else self._shapes[numbers])
+                ellipsoid_runs(records, edges, *times, *others)
 
     def _make_kernels(self, member: IntArray, threads: int) -> None:
         """The functions that sum over the facets of each shape that occurs."""

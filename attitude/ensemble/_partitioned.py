@@ -93,7 +93,7 @@ class PartitionedEnsemble(Immutable):
         chunks = wxyz.chunks[0]
         common = {name: value for name, value in arrays.items() if not _is_lazy(value)}
         blocks = {
-            name: _blocks(value, name, chunks, _ROWS)
+            name: _blocks(value, name, chunks, _ROWS.get(name))
             for name, value in arrays.items()
             if _is_lazy(value)
         }
@@ -124,7 +124,9 @@ class PartitionedEnsemble(Immutable):
         keywords = {"sun": sun, "observer": observer, **options}
         options_of_parts = [{"t": time} for time in times]
         for name, value in keywords.items():
-            split = self._split(value, name) if _is_lazy(value) else [value] * len(options_of_parts)
+            split = [value] * len(options_of_parts)
+            if _is_lazy(value):
+                split = _blocks(value, name, self.lengths)
             for options_of_part, piece in zip(options_of_parts, split, strict=True):
                 options_of_part[name] = piece
         tasks = self._mapped(_brightness, [(options,) for options in options_of_parts])
@@ -183,13 +185,10 @@ class PartitionedEnsemble(Immutable):
     def _epochs(self, t: Any) -> tuple[list[Any], float]:
         """The epochs of each partition, and how many they are."""
         if _is_lazy(t):
-            return self._split(t, "t"), t.shape[1]
+            return _blocks(t, "t", self.lengths), t.shape[1]
         if isinstance(t, (int, float, str)):
             raise AttitudeError("t is a single epoch; give an array (T,).")
         return [t] * len(self.parts), len(t)
-
-    def _split(self, array: Any, name: str) -> list[Any]:
-        return _blocks(array, name, self.lengths, {})
 
     def _arrays(self, found: list[Any], k: int | None, row: tuple[Any, ...]) -> Any:
         """The dask array of the results of the partitions, or of their k-th entries."""
@@ -245,10 +244,12 @@ def _written(ensemble: Ensemble, t: Any, file: str, rates: bool) -> str:
     return file
 
 
-def _blocks(array: Any, name: str, chunks: Sequence[float], rows: Mapping[str, Any]) -> list[Any]:
+def _blocks(
+    array: Any, name: str, chunks: Sequence[float], row: tuple[int, ...] | None = None
+) -> list[Any]:
     """The delayed blocks of a dask array, one for each partition of the members."""
-    if name in rows and array.shape[1:] != rows[name]:
-        raise AttitudeError(f"{name} has shape {array.shape}; give (N, {rows[name]}).")
+    if row is not None and array.shape[1:] != row:
+        raise AttitudeError(f"{name} has shape {array.shape}; give (N, {row}).")
     if any(math.isnan(length) for length in chunks):
         raise AttitudeError("the members are not counted; make the ensemble with count=True.")
     if array.shape[0] != sum(chunks):
