@@ -772,7 +772,7 @@ class Arcs(Differentiable):
             end = next((t[0] for t in times if t is not None), np.inf)
             time = first_crossing(change.at, self, start, end, name), 0.0
         try:
-            self.wxyz_at(*time)
+            self._evaluate(*map(np.asarray, time), 0)
         except AttitudeError as err:
             raise AttitudeError(f"{name}.at: {err}") from err
         return time
