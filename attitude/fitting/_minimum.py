@@ -182,17 +182,18 @@ class Problem:
         problem = least_squares.Problem(self._near, _moved, enough=enough)
         start, most = np.array([point], dtype=object), _MOST if last else _MOST_EARLY
         best = least_squares.minimum(problem, start, _RULE, most)
-        near: Linearised = best.states[0] if np.isfinite(best.cost[0]) else self.linearised(point)
-        return near
+        known = np.isfinite(best.cost[0])
+        linear: Linearised = best.states[0] if known else self.linearised(point)
+        return linear
 
     def _near(self, points: NDArray[Any]) -> Near:
         """The loss near the one point (1,), infinite for a motion that has no derivatives."""
         try:
-            near = self.linearised(points[0])
+            linear = self.linearised(points[0])
         except AttitudeError:
             return Near(points, np.array([np.inf]), np.zeros((1, 1, 1)), np.zeros((1, 1)))
-        states = np.array([near], dtype=object)
-        return Near(states, np.array([near.cost]), near.bending[None], near.gradient[None])
+        states = np.array([linear], dtype=object)
+        return Near(states, np.array([linear.cost]), linear.bending[None], linear.gradient[None])
 
 
 def _moved(states: NDArray[Any], steps: FloatArray) -> tuple[NDArray[Any], BoolArray]:
