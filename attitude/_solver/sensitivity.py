@@ -288,12 +288,14 @@ def _loop_of(name, form, fill_block, fill_attitudes, fill_rates, has_rates, agai
                 head = max(start - again, first)
                 times, low = t[k, head:stop], _lows(t_low, zeros, k, head, stop)
                 fill_block(c, d, times, low, block)
-                near = len(short) > 0 and any_near(times, short[b].reach)
-                if near or with_rates:
+                by_series = len(short) > 0 and any_near(times, short[b].reach)
+                if by_series or with_rates:
                     fill_attitudes(c, d, stop - head, block)
                 if rates is not None and with_rates:
                     fill_rates(c, d, stop - head, block)
-                store(c, d, short, b, near, block, (first, start, stop, end), again, out, rates)
+                store(
+                    c, d, short, b, by_series, block, (first, start, stop, end), again, out, rates
+                )
         finish_stores()
         return -1
 
@@ -327,15 +329,15 @@ def _again_for_sums(out, count):
 def _storing_columns(name, attitude_column, rate_column, by_lines):
     """The function that stores the columns of a block, by those that fill one."""
 
-    def store(c, d, short, b, near, block, spans, again, attitude, omega):
+    def store(c, d, short, b, by_series, block, spans, again, attitude, omega):
         first, start, stop, _ = spans
         head = max(start - again, first)
-        if by_lines and again and not near and not any_missing(stop - head, block):
+        if by_lines and again and not by_series and not any_missing(stop - head, block):
             _stream(attitude_column, True, (c, d, b, block, spans, head), attitude)
             if omega is not None:
                 _stream(rate_column, False, (c, d, b, block, spans, head), omega)
         else:
-            filled = c, d, short, b, near, block, head, stop
+            filled = c, d, short, b, by_series, block, head, stop
             _store(attitude_column, near_column, True, filled, attitude)
             if omega is not None:
                 _store(rate_column, near_rate_column, False, filled, omega)
@@ -346,7 +348,7 @@ def _storing_columns(name, attitude_column, rate_column, by_lines):
 @force_inlined
 def _store(column, near_column, turned, filled, out):
     """Store the columns of a block: of attitude, the first being unit vectors, or of rates."""
-    c, d, short, b, near, block, head, stop = filled
+    c, d, short, b, by_series, block, head, stop = filled
     row = b if len(out) > 1 else 0
     for j in range(out.shape[2]):
         x, y, z = rows_of(out, row, j, head, stop)
@@ -354,7 +356,7 @@ def _store(column, near_column, turned, filled, out):
             still_column(j if turned else -1, block, x, y, z)
             continue
         column(c, d, j, block, x, y, z)
-        if near:
+        if by_series:
             near_column(d, short, b, j, block, x, y, z)
 
 
@@ -378,11 +380,11 @@ def _storing_sums(name, attitude_column, rate_column, triangular):
     Columns in triangular form are added at once; see `columns`.
     """
 
-    def store(c, d, short, b, near, block, spans, again, out, rates):
+    def store(c, d, short, b, by_series, block, spans, again, out, rates):
         o, length, flat = b if len(out) > 1 else 0, out.shape[3], out.reshape(out.size)
         first, start, stop, _ = spans
         n = stop - max(start - again, first)
-        if triangular and not near and out.shape[1] == 3:
+        if triangular and not by_series and out.shape[1] == 3:
             whole = n - n % 8
             places, streams = places_of_rows(9 * o * length + start, length), has_whole_lines(out)
             sums_of_columns(c, d, block, 0, whole, places, flat, streams)
@@ -390,11 +392,11 @@ def _storing_sums(name, attitude_column, rate_column, triangular):
                 sums_of_columns(c, d, block, whole, n, places_of_sums(), block, False)
                 copy_sums(block, o, whole, start + whole, stop, out)
             return
-        _sum(attitude_column, rate_column, (c, d, short, b, near, block, n), out.shape[1] == 6)
+        _sum(attitude_column, rate_column, (c, d, short, b, by_series, block, n), out.shape[1] == 6)
         if triangular:
             keep_near_sums(n, block)
             sums_of_columns(c, d, block, 0, n, places_of_sums(), block, False)
-            if near:
+            if by_series:
                 use_near_sums(n, short[b].reach, block)
         if again:
             stream_sums(block, o, spans, out)
@@ -407,18 +409,18 @@ def _storing_sums(name, attitude_column, rate_column, triangular):
 @force_inlined
 def _sum(attitude_column, rate_column, filled, rates):
     """Sum the products of the columns of a block."""
-    c, d, short, b, near, block, n = filled
+    c, d, short, b, by_series, block, n = filled
     start_sums(n, 21 if rates else 6, block)
     x, y, z = found_rows(block, n)
     for j in range(COLUMNS):
         attitude_column(c, d, j, block, x, y, z)
-        if near:
+        if by_series:
             near_column(d, short, b, j, block, x, y, z)
         add_products(n, block)
         if rates:
             keep_turn(n, block)
             rate_column(c, d, j, block, x, y, z)
-            if near:
+            if by_series:
                 near_rate_column(d, short, b, j, block, x, y, z)
             add_products_of_rates(n, block)
 
