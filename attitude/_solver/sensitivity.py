@@ -327,7 +327,11 @@ def _again_for_sums(out, count):
 
 
 def _storing_columns(name, attitude_column, rate_column, by_lines):
-    """The function that stores the columns of a block, by those that fill one."""
+    """The function that stores the columns of a block, by those that fill one.
+
+    Columns of a uniform rotation are all filled: those by a turn are NaN where it has none.
+    """
+    still = TURNS if by_lines else 0
 
     def store(c, d, short, b, by_series, block, spans, again, attitude, omega):
         first, start, stop, _ = spans
@@ -338,21 +342,21 @@ def _storing_columns(name, attitude_column, rate_column, by_lines):
                 _stream(rate_column, False, (c, d, b, block, spans, head), omega)
         else:
             filled = c, d, short, b, by_series, block, head, stop
-            _store(attitude_column, near_column, True, filled, attitude)
+            _store(attitude_column, near_column, True, still, filled, attitude)
             if omega is not None:
-                _store(rate_column, near_rate_column, False, filled, omega)
+                _store(rate_column, near_rate_column, False, still, filled, omega)
 
     return force_inlined(named(store, name))
 
 
 @force_inlined
-def _store(column, near_column, turned, filled, out):
+def _store(column, near_column, turned, still, filled, out):
     """Store the columns of a block: of attitude, the first being unit vectors, or of rates."""
     c, d, short, b, by_series, block, head, stop = filled
     row = b if len(out) > 1 else 0
     for j in range(out.shape[2]):
         x, y, z = rows_of(out, row, j, head, stop)
-        if j < TURNS:
+        if j < still:
             still_column(j if turned else -1, block, x, y, z)
             continue
         column(c, d, j, block, x, y, z)
