@@ -206,16 +206,40 @@ def _nearest(
     """How far other periods lie behind the best solution, and how far they have to.
 
     Of those with the least margin.  A difference that few nights make is no evidence: it has to be
-    so many of its standard errors between nights, but no more than where the model errs.
+    so many of its standard errors between nights, but no more than where the model errs.  Half a
+    period needs as much where its curve has one maximum: any simple shape fits half of two alike.
     """
     settings, least = problem.settings, needed(best, problem)
     margins = []
     for other in others:
         wide = settings.pole_errors * _evidence.standard_error(best, other, problem)
+        if _is_half_of(best, other, problem) and _has_one_maximum(best, problem):
+            wide = settings.alone
         behind = max(least, min(wide, settings.alone))
         gap = other.evidence - best.evidence
         margins.append((gap - behind, gap, behind))
     return min(margins)[1:] if margins else (math.inf, least)
+
+
+def _is_half_of(best: Weighted, other: Weighted, problem: CurveProblem) -> bool:
+    """Whether a rotation about one axis has half the period of another one, as the scene sees."""
+    states = [SearchState.of(one.refined.state) for one in (best, other)]
+    if not all(state.is_axial for state in states):
+        return False
+    turns = _pole_map.turn_of_scene(problem, np.stack([state.pole for state in states]))
+    rate, half = (state.rates[0] - float(turn) for state, turn in zip(states, turns, strict=True))
+    return abs(rate - 2.0 * half) < 2.0 * problem.settings.comb_width
+
+
+def _has_one_maximum(best: Weighted, problem: CurveProblem) -> bool:
+    """Whether the magnitudes of a rotation vary most with one maximum a turn."""
+    state, magnitude = SearchState.of(best.refined.state), best.refined.magnitude
+    rate = state.rates[0] - float(_pole_map.turn_of_scene(problem, state.pole[None])[0])
+    angle = 2.0 * math.pi * rate * problem.t
+    waves = np.stack([np.exp(1j * angle), np.exp(2j * angle)], axis=1)
+    terms = np.concatenate([waves.real, waves.imag, np.ones((len(angle), 1))], axis=1)
+    series = np.linalg.lstsq(terms, magnitude, rcond=None)[0]
+    return bool(np.hypot(series[0], series[2]) > np.hypot(series[1], series[3]))
 
 
 def gap(found: Sequence[Weighted], problem: CurveProblem) -> float:

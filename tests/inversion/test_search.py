@@ -26,6 +26,7 @@ from attitude.inversion import (
     _shapes,
     _verdicts,
 )
+from attitude.inversion._ellipsoid import SearchState
 from attitude.scattering import LommelSeeligerLambert
 from attitude.shape import Mesh, box
 from benchmarks import inversion as figures
@@ -592,6 +593,28 @@ def test_a_comb_is_that_of_the_lines_that_the_scene_sees(turns, expected):
     given = _given(np.zeros(COUNT), sun=scene, observer=scene)
     assert _pole_map.turn_of_scene(given, pole[None]) == pytest.approx([turns], abs=1e-6)
     assert _verdicts.as_rotators(found, given)[0].evidence == expected
+
+
+@pytest.mark.parametrize(
+    ("maxima", "turns", "needed"),
+    [
+        (1, 2.0, 120.0),  # half the period, of one maximum
+        (2, 2.0, 13.0),  # of two, as most bodies
+        (1, 1.7, 13.0),  # another period
+    ],
+)
+def test_half_a_period_of_one_maximum_needs_more(maxima, turns, needed):
+    """Half of 2.16 h was claimed, 13.2 ahead: simple shapes fit half of a curve of two maxima."""
+    generator = np.random.default_rng(4)
+    t = np.linspace(-0.5, 0.5, COUNT)
+    given = _given(np.zeros(COUNT), t)
+    best, other = _weighted(0.0, 0.0, 1.0), _weighted(0.0, 14.0, 1.0)
+    rate = SearchState.of(best.refined.state).rates[0]
+    best.refined.magnitude = 0.2 * np.cos(2.0 * np.pi * maxima * rate * t)
+    other.refined.state[0] /= turns
+    residual = 0.01 * generator.normal(size=COUNT)
+    both = [replace(one, residual=residual) for one in (best, other)]
+    assert _verdicts._nearest(both[1:], both[0], given) == (14.0, needed)
 
 
 def test_rates_many_turns_apart_are_not_one():
