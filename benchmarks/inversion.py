@@ -345,14 +345,16 @@ def run(cases: Iterable[inversion_cases.Case], zero_points: str, first: int = 0)
     # the first call compiles
     cpu = [row.spent for row in rows[1:]] or [row.spent for row in rows]
     errors = np.concatenate([row.errors for row in rows])
+    inside = ", ".join(str(np.sum(np.abs(errors) < k)) for k in (1, 2, 3))
     sums = (
         f"mode and periods at rank 1 in {firsts} of {total}, among the first ten in {tens}; pole "
         f"or mirror within 15 degrees listed in {sum(row.listed < 15.0 for row in rows)} (by "
         f"chance {sum(row.share for row in rows):.1f}; poles listed: median "
         f"{np.median([row.count for row in rows]):.0f}, at most {max(row.count for row in rows)}), "
         f"pole at rank 1 in {sum(row.own < 15.0 for row in rows)}; false claims {claims}, solved "
-        f"with another pole {wrong}, not solved {opened}; {np.sum(np.abs(errors) < 3.0)} of "
-        f"{len(errors)} parameters within 3 sigma; processor median {np.median(cpu):.1f}, at most "
+        f"with another pole {wrong}, not solved {opened}; {inside} of {len(errors)} "
+        f"parameters within 1, 2, 3 sigma; processor median {np.median(cpu):.1f}, 90 % within "
+        f"{np.percentile(cpu, 90):.1f}, at most "
         f"{max(cpu):.1f} s"
     )
     named = [row.orbit for row in rows if row.orbit]

@@ -253,7 +253,7 @@ def tumbler(seed: int, mode: str, drift: float = 0.0) -> inversion_cases.Case:
 
 def two(count: int, seed: int, drifts: bool = False) -> str:
     """Two apparitions of tumbling bodies, short- and long-axis mode in turn; the sums, printed."""
-    rows = []
+    rows, off = [], []
     for number in range(count):
         drift = (-1.0) ** (number // 2) * (2.0 + number % 5) if drifts else 0.0
         case = tumbler(seed + number, ("SAM", "LAM")[number % 2], drift)
@@ -273,6 +273,7 @@ def two(count: int, seed: int, drifts: bool = False) -> str:
         )
         if drifts and len(found):
             best, square = found[0], curve.span**2
+            off.append((best.drift * square - case.drift) / (best.drift_sigma * square))
             print(
                 f"    drift of phi and psi {best.drift * square} +- {best.drift_sigma * square}, "
                 f"true {case.drift} turns per span^2"
@@ -285,6 +286,11 @@ def two(count: int, seed: int, drifts: bool = False) -> str:
         f"{sum(row[2] != 'not solved' and row[0] != 0 for row in rows)}; processor median "
         f"{np.median([row[3] for row in rows]):.1f}, at most {max(row[3] for row in rows):.1f} s"
     )
+    if off:
+        sums += (
+            f"; drifts off by {np.sqrt(np.mean(np.square(off))):.2f} standard errors rms, at most "
+            f"{np.abs(off).max():.2f}"
+        )
     print(sums)
     return sums
 

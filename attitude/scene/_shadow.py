@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from attitude._support import validation
+from attitude._support.arrays import between
 from attitude._support.constants import (
     EARTH_FLATTENING,
     EARTH_RADIUS_M,
@@ -312,8 +313,6 @@ def lit_fraction(
 
 def _limb_and_distance(to_occulter, radius, sun, flattening):
     """Angular radius of the occulter and angle from its centre to the Sun, in stretched space."""
-    from attitude._support.arrays import between
-
     stretch = np.array([[1.0], [1.0], [1.0 / (1.0 - flattening)]])
     middle = to_occulter * stretch
     distance = np.sqrt(np.sum(middle * middle, axis=0))

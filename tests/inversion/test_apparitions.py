@@ -3,6 +3,7 @@
 import itertools
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -24,7 +25,9 @@ from attitude.inversion import (
     _verdicts,
 )
 from attitude.inversion._ellipsoid import SearchState
+from attitude.inversion._errors import GroupErrors
 from attitude.inversion._problem import CurveProblem
+from attitude.inversion._solution import Solution
 from attitude.torques import ConstantTorque
 from benchmarks import inversion as inversion_benchmark
 from benchmarks import inversion_apparitions
@@ -252,8 +255,28 @@ def test_a_drift_of_the_rates_is_found_with_their_numbers_of_turns(tumbling):
     best = search.solutions[0].refined
     assert best.state[:2] == pytest.approx(state[:2], abs=0.1)
     errors = np.sqrt(np.diag(inverse(best.normal))[-2:])
-    assert np.all(errors < 1.0)
-    assert best.state[_refinement.WIDTH :] == pytest.approx([3.0, -4.0], abs=3.0 * errors.max())
+    assert np.all(errors < 0.3)
+    assert np.all(np.abs(best.state[_refinement.WIDTH :] - [3.0, -4.0]) < 3.0 * errors)
+
+
+@pytest.mark.parametrize("nutation", [251.0, -251.0])
+def test_a_drift_is_that_of_the_frequencies(tumbling, nutation):
+    """In both modes: the change of 1/P_phi and 1/P_psi in half the span, and errors to scale."""
+    _, state = tumbling
+    state = np.append(state, [3.0, -4.0])
+    state[1] = nutation
+    curve = SimpleNamespace(span=1e7)
+    normal = np.diag(np.full(_refinement.SIZE + 2, 4.0))
+    refined = SimpleNamespace(state=state, normal=normal)
+    solution = Solution(curve, SimpleNamespace(refined=refined, evidence=0.0), None, None, 0)
+    later = SearchState.of(_joined.at_middle(state, -0.5)).rates
+    change = (np.array(later) - SearchState.of(state).rates) / (0.5 * curve.span**2)
+    assert solution.drift == pytest.approx(change, rel=1e-9)
+    # rates whose errors are three times those of the curvature, 1/2
+    errors = GroupErrors(np.eye(8), np.diag(np.full(8, 9.0 / 4.0)), np.eye(8))
+    solution.__dict__["_covariances"] = (np.eye(9), errors)
+    by_mode = [math.sqrt(5.0) if nutation > 0.0 else 2.0, 1.0]
+    assert solution.drift_sigma * curve.span**2 == pytest.approx(1.5 * np.array(by_mode))
 
 
 def test_a_drift_is_refused_where_it_is_not_searched(known):

@@ -12,6 +12,7 @@ import pytest
 from attitude.inversion import _ellipsoid, _evidence, _refinement, _spin_states, _verdicts
 from attitude.inversion import _problem as inversion_problem
 from attitude.inversion._problem import CALIBRATED
+from attitude.inversion._settings import DEFAULT
 from attitude.inversion._spin_states import is_constant
 
 COUNT = 100
@@ -207,3 +208,17 @@ def test_motions_that_were_best_with_offsets_are_compared_again(monkeypatch):
     assert own.begun == [(35.0, -3.0), (30.0, -9.0), (35.0, -23.0)]
     assert not _spin_states._asks_for_offsets(one, own, 20.5)
     assert not _spin_states._asks_for_offsets(Search(), own, 13.0)
+
+
+@pytest.mark.parametrize(
+    ("degrees", "verdict", "words"),
+    [
+        (7.4, _verdicts.SOLVED, "far behind."),
+        (7.6, _verdicts.PERIODS, "two standard errors of the pole are 15 degrees (15 at most)."),
+        (500.0, _verdicts.PERIODS, "are the whole sky"),
+    ],
+)
+def test_a_pole_is_solved_within_two_standard_errors(degrees, verdict, words):
+    """One whose standard error was 7.9 degrees was called solved, 16 degrees off."""
+    word, criterion = _verdicts.of_pole("Others are far behind.", math.radians(degrees), DEFAULT)
+    assert word == verdict and words in criterion
