@@ -517,7 +517,7 @@ class RotatorSearch(Search):
                     gain=_GAIN,
                 )
             )
-        self.axial = self._most_probable(problem)
+        self.axial = self._most_probable(self.axial, problem)
         self.progress(f"{len(self.axial)} poles that compete")
 
     def _words(self, chosen: list[tuple[float, float]]) -> str:

@@ -108,16 +108,23 @@ def refined(
     iterations: int = 20,
     gain: float = 1e-4,
     trials: float = 1.0,
+    held: BoolArray | None = None,
 ) -> Weighted:
-    """The state of largest posterior density near a start, with Student's errors."""
+    """The state of largest posterior density near a start, with Student's errors.
+
+    `held` (K,): parameters that stay in the fit, in place of `fixed`, and count as free.
+    """
 
     def fit(own: CurveProblem, state: FloatArray) -> Refined:
-        return _refinement.refine(
-            own, state, tie=tie, fixed=fixed, iterations=iterations, gain=gain
-        )
+        stay = fixed if held is None else held
+        return _refinement.refine(own, state, tie=tie, fixed=stay, iterations=iterations, gain=gain)
 
     free = MOTION if fixed is None else int(np.count_nonzero(~fixed[:MOTION]))
     robust = student(problem, start, fit, free, trials)
+    if held is not None:
+        arguments = robust.problem, robust.refined.state
+        there = _refinement.refine(*arguments, tie=tie, fixed=fixed, iterations=0)
+        robust = replace(robust, refined=there)
     return replace(robust, evidence=robust.evidence + occam(robust.refined.normal, len(problem)))
 
 

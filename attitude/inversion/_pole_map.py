@@ -40,12 +40,14 @@ _HELD, _FREE = (25, 1e-3), (40, 3e-4)
 # Those of tumbling bodies at held poles.
 _BODIES = (8, 1e-3)
 # Iterations at held poles after which those go on whose cost is at most so far above the least,
-# and so many of them: poles of final lists were 235 above it after four iterations and at most the
-# 89th, 63 and the 20th after six; others were 250 to 1700 above it.
+# and so many of them beside the best of each pole: poles of final lists were 235 above it after
+# four iterations and at most the 89th, 63 and the 20th after six; others were 250 to 1700 above it.
 _STAGES = ((4, 700.0, 160), (4, 200.0, 100))
 # Rates of one turn, turns per span; the angle, rad, to minima that are errors of a pole, and the
 # cosine of that to those that are the same entry of a list.
 _SAME_RATE, _LOBE, _ENTRY = 0.35, math.radians(60.0), math.cos(math.radians(15.0))
+# The cosine of the angle between directions that are one pole of the map.
+_ONE_POLE = 1.0 - 1e-9
 
 
 def sphere(count: int) -> FloatArray:
@@ -224,8 +226,10 @@ def minima(
     fixed: BoolArray,
     redundancy: float,
     is_over: Callable[[], bool],
-) -> list[Refined]:
+) -> tuple[list[Refined], list[Refined]]:
     """Rotations about one axis at all poles that compete, the most probable first.
+
+    Minima, whose pole is free, and the bodies of poles of the map that compete, which are held.
 
     Shapes: best (WIDTH,), fixed (SIZE,).  `redundancy` points count as one where poles compete.
     """
@@ -240,13 +244,27 @@ def minima(
     for iterations, above, most in _STAGES:
         fits = list(_refined(problem, held_states, tie, held, (iterations, _HELD[1]), is_over))
         fits.sort(key=lambda fit: fit.cost)
-        held_states = np.array(
-            [fit.state for fit in fits[:most] if fit.cost < fits[0].cost + above]
-        )
+        fits = [fit for fit in fits if fit.cost < fits[0].cost + above]
+        best_ones = [fit.state for fit in fits[:most]]
+        rest = apart(fits[most:], best_ones, _ONE_POLE)
+        held_states = np.array([*best_ones, *(fit.state for fit in rest)])
     at_poles = _refined(problem, held_states, tie, held, _HELD, is_over)
-    chosen = most_probable(at_poles, problem, behind)[: settings.axial_freed]
-    states = np.array([fit.state for fit in chosen])
-    return most_probable(_refined(problem, states, tie, fixed, _FREE, is_over), problem, behind)
+    chosen = most_probable(at_poles, problem, behind)
+    states = np.array([fit.state for fit in chosen[: settings.axial_freed]])
+    free = most_probable(_refined(problem, states, tie, fixed, _FREE, is_over), problem, behind)
+    return free, chosen
+
+
+def apart(
+    found: Sequence[Refined], others: Sequence[FloatArray], cosine: float = _ENTRY
+) -> list[Refined]:
+    """Those whose pole no better one has, nor one of others (WIDTH,): within a cosine of angles."""
+    states, chosen = list(others), []
+    for fit in found:
+        if not any(_is_entry(fit.state, state, cosine) for state in states):
+            states.append(fit.state)
+            chosen.append(fit)
+    return chosen
 
 
 def _refined(
@@ -290,8 +308,8 @@ def listed(found: Sequence[Weighted], behind: float) -> tuple[list[Weighted], li
     return entries, beside
 
 
-def _is_entry(a: FloatArray, b: FloatArray) -> bool:
+def _is_entry(a: FloatArray, b: FloatArray, cosine: float = _ENTRY) -> bool:
     return bool(
         2.0 * abs(a[0] - b[0]) < _SAME_RATE
-        and a[_ellipsoid.OF_POLE] @ b[_ellipsoid.OF_POLE] > _ENTRY
+        and a[_ellipsoid.OF_POLE] @ b[_ellipsoid.OF_POLE] > cosine
     )

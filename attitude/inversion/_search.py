@@ -84,6 +84,8 @@ class Search:
         The best first; those of the last `finish`.
     axial : list of Refined
         Rotations about one axis from a map of poles, the most probable first.
+    held_poles : list of Refined
+        The best bodies at held poles that compete with those, the most probable first.
     beside : list of Weighted
         Those that are not among `solutions`, for a better pole lies near.
     rival : Search
@@ -108,6 +110,7 @@ class Search:
     convex: list[Refined] = field(default_factory=list)
     solutions: list[Weighted] = field(default_factory=list)
     axial: list[Refined] = field(default_factory=list)
+    held_poles: list[Refined] = field(default_factory=list)
     beside: list[Weighted] = field(default_factory=list)
     is_complete: bool = False
     rival: Search | None = None
@@ -246,7 +249,7 @@ class Search:
             rival = replace(
                 self,
                 problem=problem,
-                convex=[], solutions=[], axial=[], beside=[], notes=[],
+                convex=[], solutions=[], axial=[], held_poles=[], beside=[], notes=[],
             )  # fmt: skip
             rival._axial(rates[rates < 2.0 * self.most])
             rival.finish()
@@ -446,7 +449,8 @@ class Search:
                     and _pole_map.has_turn(problem, leading.state, state)
                 ):
                     self._mapped(one, best.problem, problem)
-        self.axial = self._most_probable(problem)
+        self.axial = self._most_probable(self.axial, problem)
+        self.held_poles = self._most_probable(self.held_poles, problem)
         for minimum in self.axial[: self.settings.axial_others]:
             self.convex.append(self._fit(minimum.state))
         self.convex.sort(key=lambda each: each.cost)
@@ -457,14 +461,16 @@ class Search:
         """The most probable rotation about one axis, after a map of poles at the rate of one."""
         state, fixed = one.refined.state, self._fixed(one.refined.state)
         arguments = state, self.generator, self.tie, fixed, self.redundancy, lambda: self.is_over
-        self.axial += _pole_map.minima(mapping, self.problem, *arguments)
+        free, held = _pole_map.minima(mapping, self.problem, *arguments)
+        self.axial += free
+        self.held_poles += held
         self.progress(f"{len(self.axial)} poles of rotations about one axis")
-        return next(iter(self._most_probable(problem)), None)
+        return next(iter(self._most_probable(self.axial, problem)), None)
 
-    def _most_probable(self, problem: CurveProblem) -> list[Refined]:
+    def _most_probable(self, found: list[Refined], problem: CurveProblem) -> list[Refined]:
         """Rotations about one axis that compete, the best first."""
         behind = self.settings.axial_pole_behind * self.redundancy
-        return _pole_map.most_probable(self.axial, problem, behind)
+        return _pole_map.most_probable(found, problem, behind)
 
     def _is_far_behind(self, rotator: Weighted, problem: CurveProblem, width: float) -> bool:
         """Whether a tumbling body that has other lines is ahead of a rotation by a width."""
@@ -693,6 +699,8 @@ class Search:
         listed_ones = [replace(one, evidence=one.evidence + more) for one in listed_ones]
         behind = self.settings.axial_behind * _evidence.redundancy(best, problem)
         listed_ones, self.beside = _pole_map.listed(listed_ones, behind)
+        if not is_behind:
+            listed_ones += self._between(problem, listed_ones, more, behind)
         listed_ones = listed_ones[: self.settings.axial_finals]
         # the next period decides whether this one is accepted, however far it lies behind
         rates = np.array([one.refined.state[0] for one in listed_ones])
@@ -725,6 +733,35 @@ class Search:
             fixed=self._fixed(given.state),
             trials=trials,
         )
+
+    def _between(
+        self, problem: CurveProblem, entries: Sequence[Weighted], more: float, behind: float
+    ) -> list[Weighted]:
+        """Rotations at held poles that compete with the entries of a list, and are none of these.
+
+        Where nearly any pole fits, minima alone do not say so.  None of them comes first, for the
+        best were started from with the pole free.  `more` is added to their evidence.
+        """
+        places = max(0, self.settings.axial_finals - len(entries))
+        far = _pole_map.apart(self.held_poles, [entry.refined.state for entry in entries])
+        held = [self._at_pole(problem, fit) for fit in far[:places]]
+        least = entries[0].evidence
+        return [
+            replace(one, evidence=max(one.evidence + more, least))
+            for one in held
+            if one.evidence + more < least + behind
+        ]
+
+    def _at_pole(self, problem: CurveProblem, given: Refined) -> Weighted:
+        """The rotation about one axis of largest posterior density at the pole of a body."""
+        fixed = self._fixed(given.state)
+        held = fixed.copy()
+        held[:2] = True
+
+        def fit() -> Weighted:
+            return _evidence.refined(problem, given.state, tie=self.tie, fixed=fixed, held=held)
+
+        return self._known_fits.of(fit, problem, given, "held")
 
     def _fixed(self, state: FloatArray) -> BoolArray:
         """Parameters that stay: of the axis for rotation about one, of areas for ellipsoids."""

@@ -145,6 +145,36 @@ def test_a_list_has_poles_fifteen_degrees_apart_of_each_rate():
     assert entries == [best, far, other] and beside == [near]
 
 
+def test_poles_apart_from_better_and_from_other_ones():
+    def at(degrees):
+        angle, state = math.radians(degrees), np.zeros(_refinement.WIDTH)
+        c, s = math.cos(angle), math.sin(angle)
+        state[5:14] = np.array([[1, 0, 0], [0, c, -s], [0, s, c]]).ravel()
+        return SimpleNamespace(state=state)
+
+    best, near, far, taken = at(0.0), at(14.0), at(16.0), at(-10.0)
+    assert _pole_map.apart([best, near, far], []) == [best, far]
+    assert _pole_map.apart([best, near, far], [taken.state]) == [near]
+    assert _pole_map.apart([best, near, far], [taken.state], 1.0 - 1e-9) == [best, near, far]
+
+
+def test_where_nearly_any_pole_fits_the_list_says_so():
+    """Six nights of ten: minima are a fifth of the sky, and the truth lies between them."""
+    case = inversion_cases.case(2, {**figures.AXIAL[0], "per_hour": 2})
+    curve = figures.curve_of(case, "shared")
+    curve = curve[case.jd < case.jd[0] + 10.2]
+    settings = inversion.Settings(axial_poles=100, axial_freed=20)
+    found = inversion.spin_states(curve, f"{1.3 / case.P_phi} /d", modes=("PA",), settings=settings)
+    assert found.verdict == "periods only" and figures.judged(found[0], case)[0]
+    poles = np.array([_ellipsoid.SearchState.of(each.state).pole for each in found])
+    assert figures.share_of_sky(poles) > 0.5
+    assert min(figures.judged(each, case)[1] for each in found) < 10.0
+    # those of the map have no free pole, fit as well, and none comes first
+    held = (poles @ _pole_map.sphere(100).T).max(axis=1) > 1.0 - 1e-9
+    assert np.count_nonzero(held) > 20 and not held[0]
+    assert all(each.rms < 1.2 * found[0].rms for each in np.array(found, object)[held])
+
+
 @pytest.fixture(scope="module")
 def solved():
     """A synthetic rotator of an independent model, and a search of fewer poles and pairs."""
@@ -196,8 +226,10 @@ def test_a_map_of_poles_ends_early_where_a_pole_is_far_behind(solved, monkeypatc
         problem.tally.spent = 0.0
         generator = np.random.default_rng(0)
         arguments = problem, problem, weighted.refined.state, generator, _shapes.Tie(), fixed
-        fits = _pole_map.minima(*arguments, 1.0, lambda: False)
-        poles.append(fits[0].state[_ellipsoid.OF_POLE])
+        free, held = _pole_map.minima(*arguments, 1.0, lambda: False)
+        poles.append(free[0].state[_ellipsoid.OF_POLE])
+        turned = np.array([fit.state[_ellipsoid.OF_POLE] for fit in held])
+        assert (turned @ _pole_map.sphere(40).T).max(axis=1) == pytest.approx(1.0, abs=1e-12)
         spent.append(problem.tally.spent)
     assert poles[0] @ poles[1] > math.cos(math.radians(2.0))
     assert spent[0] < 0.8 * spent[1]

@@ -204,7 +204,7 @@ def test_another_rate_of_rotation_has_a_coarser_map(monkeypatch, costs, ahead, e
     def minima(mapping, rough, state, *given):
         maps.append(mapping.settings.axial_poles)
         fit = SimpleNamespace(state=state, cost=next(left), normal=np.eye(_refinement.SIZE))
-        return [fit]
+        return [fit], [fit]
 
     def robust(self, problem, fit, *, is_wide=False):
         return _evidence.Weighted(fit, problem, float(fit.state[0]), np.zeros(COUNT), 1.0)
