@@ -553,9 +553,8 @@ def _results(curve, searched):
     ]
     for k, solution in enumerate(solutions):
         solution.rank = k
-        best = solutions[0].state
         solution.relation = _verdicts.relation(
-            solution.state, best, solution._problem, search.length
+            solution.state, solutions[0].state, solution._problem, search.length
         )
         solution._rivals = [solution] + [
             other
@@ -573,7 +572,10 @@ def _results(curve, searched):
     arguments = weighted, search.problem, search.is_complete, search.most
     verdict, criterion = _verdicts.verdict(*arguments)
     if verdict == _verdicts.SOLVED:
-        verdict, criterion = _verdicts.of_pole(criterion, solutions[0].pole_sigma, search.settings)
+        best, settings = solutions[0], search.settings
+        verdict, criterion = _verdicts.of_pole(
+            criterion, best.pole_sigma, settings, is_axial=best.is_axial
+        )
     if searched.rival is not None:
         period = curve.span / searched.rival.problem.orbit / _DAY
         arguments = (verdict, criterion), period, ahead, search.settings.alone

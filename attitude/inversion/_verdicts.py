@@ -334,18 +334,19 @@ def _is_near(other: Weighted, best: Weighted, width: float) -> bool:
     return bool(cosine > math.cos(width))
 
 
-def of_pole(criterion: str, sigma: float, settings: Settings) -> tuple[str, str]:
+def of_pole(criterion: str, sigma: float, settings: Settings, *, is_axial: bool) -> tuple[str, str]:
     """The verdict and its criterion where no other pole competes: solved, if the pole is known.
 
-    `sigma`, rad, is the standard error of the pole: two of them lie within the angle of one pole.
+    `sigma`, rad, is the standard error of the pole: some of them lie within the angle of one pole.
     """
-    if 2.0 * sigma < settings.near_pole:
+    count = settings.pole_widths[is_axial]
+    if count * sigma < settings.near_pole:
         return SOLVED, criterion
-    twice, most = (math.degrees(angle) for angle in (2.0 * sigma, settings.near_pole))
-    size = f"{twice:.0f} degrees" if twice < _WHOLE_SKY else "the whole sky"
+    width, most = (math.degrees(angle) for angle in (count * sigma, settings.near_pole))
+    size = f"{width:.0f} degrees" if width < _WHOLE_SKY else "the whole sky"
     return (
         PERIODS,
-        f"{criterion[:-1]}; two standard errors of the pole are {size} ({most:.0f} at most).",
+        f"{criterion[:-1]}; {count:g} standard errors of the pole are {size} ({most:.0f} at most).",
     )
 
 

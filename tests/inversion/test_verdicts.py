@@ -211,14 +211,22 @@ def test_motions_that_were_best_with_offsets_are_compared_again(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("degrees", "verdict", "words"),
+    ("degrees", "is_axial", "verdict", "words"),
     [
-        (7.4, _verdicts.SOLVED, "far behind."),
-        (7.6, _verdicts.PERIODS, "two standard errors of the pole are 15 degrees (15 at most)."),
-        (500.0, _verdicts.PERIODS, "are the whole sky"),
+        (7.4, False, _verdicts.SOLVED, "s behind."),
+        (7.6, False, _verdicts.PERIODS, "2 standard errors of the pole are 15 degrees (15 at"),
+        (2.9, True, _verdicts.SOLVED, "s behind."),
+        (
+            3.7,
+            True,
+            _verdicts.PERIODS,
+            "5 standard errors of the pole are 18 degrees (15 at most).",
+        ),
+        (500.0, False, _verdicts.PERIODS, "are the whole sky"),
     ],
 )
-def test_a_pole_is_solved_within_two_standard_errors(degrees, verdict, words):
-    """One whose standard error was 7.9 degrees was called solved, 16 degrees off."""
-    word, criterion = _verdicts.of_pole("Others are far behind.", math.radians(degrees), DEFAULT)
+def test_a_pole_is_solved_within_some_standard_errors(degrees, is_axial, verdict, words):
+    """Two were called solved, 16 degrees off: errors of 7.9 degrees, and of 3.7 about one axis."""
+    sigma = math.radians(degrees)
+    word, criterion = _verdicts.of_pole("Others behind.", sigma, DEFAULT, is_axial=is_axial)
     assert word == verdict and words in criterion
