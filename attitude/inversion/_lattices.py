@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 
 # Least frequency, turns per span.
 LEAST = 0.7
+# Order of the series of a pair.
+_ORDER = 2
 # Step of scans over nutations, turns per span, and the largest one over the largest frequency.
 STEP, _MOST_NUTATION = 0.4, 0.6
-# Unknowns of a series of order 2, by which the cost of a pair is scaled.
-_UNKNOWN = 25
 # 1/P_psi in short-axis mode over 1/P_phi: bodies whose moments are possible have less.
 _SHORT_AXIS = 1.4
 # Distances at which two candidates are one: of lambda/pi and of f, turns per span.
@@ -47,46 +47,22 @@ def tables(problem: CurveProblem, count: int) -> Tables:
     )
 
 
-def lattice_pairs(
-    problem: CurveProblem, most: float, keep: int, order: int = 2
-) -> tuple[FloatArray, FloatArray]:
+def lattice_pairs(problem: CurveProblem, most: float, keep: int) -> tuple[FloatArray, FloatArray]:
     """The best pairs of frequencies (P, 2), turns per span, and the share of chi-squared left
     (P,).
     """
     count = int(most * OVERSAMPLING) + 1
     least = max(2, int(LEAST * OVERSAMPLING))
     end = least + max(count - least, 3)
-    sums = tables(problem, 4 * order * end + 2)
-    lines = _spectrum.harmonics(order)
+    sums = tables(problem, 4 * _ORDER * end + 2)
+    lines = _spectrum.harmonics(_ORDER)
     settings, grid = problem.settings, (least, end)
     best_pairs = _spectrum.best(sums, grid, grid, lines, RIDGE, keep, fitted=settings.pairs_fitted)
-    unknown = 2 * len(lines) - 1
     fitted = min(best_pairs.tried, settings.pairs_fitted)
-    problem.tally.add(fitted, settings.pair_cost * (unknown / _UNKNOWN) ** 3)
+    problem.tally.add(fitted, settings.pair_cost)
     problem.tally.add(best_pairs.tried - fitted, settings.power_cost)
     both = np.stack([best_pairs.first, best_pairs.second], axis=-1) / OVERSAMPLING
     return both, best_pairs.left
-
-
-def exactly(problem: CurveProblem, found: FloatArray, order: int) -> tuple[FloatArray, FloatArray]:
-    """Pairs (P, 2) and the share of chi-squared left, the linear terms projected out exactly.
-
-    `pairs` takes them off the magnitudes only: zero points of sessions have parts along the lines
-    of a series, which a fit of both at once finds.  The best pair is first.
-    """
-    lines = _spectrum.harmonics(order)[1:]
-    y = problem.y * problem.root
-    y = y - problem.u.T @ (problem.u @ y)
-    total, left = float(y @ y), np.empty(len(found))
-    for k, pair in enumerate(found):
-        angle = 2.0 * np.pi * np.outer(lines @ pair, problem.t)
-        basis = np.concatenate([np.cos(angle), np.sin(angle)]) * problem.root
-        basis -= (basis @ problem.u.T) @ problem.u
-        along = basis @ y
-        normal = basis @ basis.T + RIDGE * np.eye(len(basis))
-        left[k] = 1.0 - float(along @ np.linalg.solve(normal, along)) / total
-    best = np.argsort(left, kind="stable")
-    return found[best], left[best]
 
 
 def candidates(

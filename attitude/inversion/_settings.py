@@ -41,7 +41,7 @@ class Settings:
     """
 
     # ---- Costs, s of one core of 3 GHz (`benchmarks/inversion.py costs`), by which work is counted
-    # A pair of frequencies at order 2; other orders in proportion to the cube of their unknowns.
+    # A pair of frequencies.
     pair_cost: float = 2.2e-6
     # A pair of which the powers of the lines alone are summed.
     power_cost: float = 1.0e-7
