@@ -1,5 +1,5 @@
 """Values that do not change: read-only arrays, immutable classes; memory for results; components
-of vectors.
+of vectors; distinct ones of many values.
 
 An immutable object stays so after copying, pickling and unpickling.
 
@@ -21,10 +21,13 @@ from numpy.typing import NDArray
 from attitude._support.synonyms import Answering
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
     from attitude._support.annotations import FloatArray
 
 
 Array = TypeVar("Array", bound=NDArray[Any])
+Item = TypeVar("Item")
 
 # Entries that are copied at a time.
 _PART = 1 << 20
@@ -177,3 +180,19 @@ def components_last(array: FloatArray) -> FloatArray:
 def components_first(array: FloatArray) -> FloatArray:
     """A view (k, ...) of an array (..., k), as ``numpy.moveaxis(array, -1, 0)``, by few calls."""
     return array.T if array.ndim <= 2 else array.transpose(-1, *range(array.ndim - 1))
+
+
+# ---- Distinct ones of many values
+
+
+def distinct(
+    items: Iterable[Item], are_one: Callable[[Item, Item], bool], most: float = math.inf
+) -> list[Item]:
+    """The first items, so many at most, that are not one with an item before them."""
+    chosen: list[Item] = []
+    for item in items:
+        if not any(are_one(item, other) for other in chosen):
+            chosen.append(item)
+            if len(chosen) >= most:
+                break
+    return chosen

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from attitude._support.arrays import two_across
+from attitude._support.arrays import distinct, two_across
 from attitude._support.least_squares import Decomposed
 from attitude.inversion import _ellipsoid, _pole_map, _refinement
 from attitude.inversion._search import Search, never
@@ -491,13 +491,8 @@ class RotatorSearch(Search):
         pool = _ellipsoid.minimised(self.problem, starts, _ITERATIONS, fixed=fixed)
         ordered = _ellipsoid.in_order(pool)
         self.progress(f"{len(starts)} ellipsoids")
-        states: list[FloatArray] = []
-        for cost, state in zip(ordered.cost, ordered.states, strict=True):
-            if cost > _WORSE * ordered.cost[0] + _BESIDE or len(states) >= _CONVEX:
-                break
-            if not any(self.is_same(state, other) for other in states):
-                states.append(state)
-        return states
+        good = ordered.cost <= _WORSE * ordered.cost[:1] + _BESIDE
+        return distinct(ordered.states[good], self.is_same, _CONVEX)
 
     def _at_poles(self) -> None:
         """Convex bodies with the errors that the best one shows."""

@@ -15,6 +15,7 @@ from attitude._compilation.decorators import reduction, reduction_within
 from attitude._compilation.elementary import binary_logarithm
 from attitude._compilation.simd import at_least, at_most, chosen, eight, put_eight, root, summed_up
 from attitude._support import least_squares
+from attitude._support.arrays import distinct
 from attitude._support.least_squares import Near
 from attitude.inversion import _motions
 from attitude.inversion._lattices import Candidate
@@ -329,6 +330,11 @@ class SearchState(NamedTuple):
         return twice - max(self.nutation, 0.0), abs(self.nutation)
 
 
+def is_axial(state: FloatArray) -> bool:
+    """Whether a state (16 or more,) is rotation about one axis."""
+    return bool(state[3] == AXIAL)
+
+
 def have_rates(states: FloatArray, state: FloatArray, width: float) -> BoolArray:
     """Which of the states (..., 16 or more) have the mode and the rates of one (16 or more,).
 
@@ -336,7 +342,7 @@ def have_rates(states: FloatArray, state: FloatArray, width: float) -> BoolArray
     """
     alike = 2.0 * np.abs(states[..., 0] - state[0]) < width
     axial = states[..., 3] == AXIAL
-    if state[3] == AXIAL:
+    if is_axial(state):
         return np.asarray(alike & axial)
     return np.asarray(alike & ~axial & (np.abs(states[..., 1] - state[1]) < width))
 
@@ -673,15 +679,10 @@ def axial_at_poles(
 
 def rates_of(pool: Pool, keep: int) -> list[Candidate]:
     """The rates of the best states, without repetition."""
-    rates: list[Candidate] = []
-    for state in pool.states:
-        candidate = Candidate(float(state[0]), float(state[1]))
-        if not any(
-            2.0 * abs(candidate.precession - other.precession) < 0.4
-            and abs(candidate.nutation - other.nutation) < 0.4
-            for other in rates
-        ):
-            rates.append(candidate)
-            if len(rates) >= keep:
-                break
-    return rates
+
+    def are_one(one: Candidate, other: Candidate) -> bool:
+        is_close = 2.0 * abs(one.precession - other.precession) < 0.4
+        return is_close and abs(one.nutation - other.nutation) < 0.4
+
+    rates = (Candidate(float(state[0]), float(state[1])) for state in pool.states)
+    return distinct(rates, are_one, keep)

@@ -26,7 +26,7 @@ import numpy as np
 
 from attitude._support.least_squares import inverse
 from attitude.inversion import _ellipsoid, _problem, _refinement
-from attitude.inversion._ellipsoid import SearchState
+from attitude.inversion._ellipsoid import SearchState, is_axial
 from attitude.inversion._refinement import MOTION
 from attitude.inversion._search import Search, never
 
@@ -102,7 +102,7 @@ def alone(
         if behind > settings.mapped_behind or len(solutions) == settings.joined_solutions:
             break
         state = one.refined.state.copy()
-        if not SearchState.of(state).is_axial:
+        if not is_axial(state):
             state[:2] *= ratio
             covariance = np.zeros((_ALL, _ALL))
             formal = inverse(one.refined.normal)[:MOTION, :MOTION] * np.outer(scale, scale)

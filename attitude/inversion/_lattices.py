@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from attitude._support.arrays import distinct
 from attitude.photometry import _spectrum
 from attitude.photometry._spectrum import OVERSAMPLING, RIDGE
 
@@ -31,6 +32,8 @@ STEP, _MOST_NUTATION = 0.4, 0.6
 _SHORT_AXIS = 1.4
 # Distances at which two candidates are one: of lambda/pi and of f, turns per span.
 _SAME_RATE, _SAME_NUTATION = 0.7, 0.5
+# Distance, turns per span, at which two lines are one.
+_SAME_LINE = 0.8
 
 
 class Candidate(NamedTuple):
@@ -124,11 +127,5 @@ def lines(problem: CurveProblem, most: float, keep: int) -> FloatArray:
     harmonics = np.array([(i, 0) for i in range(5)])
     gain = np.empty(len(grid))
     _spectrum.decreases(*sums[:4], grid, grid, harmonics, RIDGE, gain)
-    frequencies: list[float] = []
-    for k in np.argsort(-gain, kind="stable"):
-        frequency = float(grid[k]) / OVERSAMPLING
-        if all(abs(frequency - other) > 0.8 for other in frequencies):
-            frequencies.append(frequency)
-            if len(frequencies) >= keep:
-                break
-    return np.array(frequencies)
+    frequencies = (float(grid[k]) / OVERSAMPLING for k in np.argsort(-gain, kind="stable"))
+    return np.array(distinct(frequencies, lambda a, b: abs(a - b) <= _SAME_LINE, keep))

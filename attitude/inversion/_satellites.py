@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from attitude._support.arrays import distinct
 from attitude.inversion import _lattices
 from attitude.photometry import _spectrum
 
@@ -38,8 +39,8 @@ _ROTATIONS, _ORBITS, _FITTED, _FREE = 12, 12, 80, 24
 _BESIDE = 4
 # Rates of bodies over that of a series: one of six lines of it is the body's second.
 RATIOS = (0.5, 1.0, 1.5, 2.0, 3.0)
-# Rates, turns per span, that are two.
-_APART = 0.3
+# Distance of frequencies, turns per span, at which two orbits are one; of rates that are two.
+_CLOSE, _APART = 0.5, 0.3
 # Ratios of two numbers up to this are those of one comb, whose lines are a shape's.
 _COMB = 4
 # Steps of the fit of both frequencies, and the longest one, turns per span.
@@ -175,11 +176,7 @@ def additive_pairs(problem: CurveProblem, most: float, keep: int = 4) -> list[Ad
     rotation, turns per span.
     """
     pairs = _scanned(problem, _rotations(problem, most))
-    orbits: list[float] = []
-    for pair in pairs:
-        if all(abs(pair.orbit - other) > 0.5 for other in orbits) and len(orbits) < _BESIDE:
-            orbits.append(pair.orbit)
-    for orbit in orbits:
+    for orbit in distinct((pair.orbit for pair in pairs), _are_one, _BESIDE):
         terms = series(orbit, ORDERS[1], problem.t)
         without = problem.with_terms(terms, np.full(terms.shape[1], _AMPLITUDES[0]), orbit)
         # the first ones are near pairs that were scanned
@@ -195,15 +192,18 @@ def additive_pairs(problem: CurveProblem, most: float, keep: int = 4) -> list[Ad
     return _distinct(pairs)[:keep]
 
 
+def _are_one(orbit: float, other: float) -> bool:
+    return abs(orbit - other) <= _CLOSE
+
+
 def _distinct(found: list[AdditivePair]) -> list[AdditivePair]:
     """Pairs with dips whose frequencies form no comb, each once, the best first."""
-    out: list[AdditivePair] = []
-    for pair in sorted(found, key=lambda each: each.left):
-        is_close = [max(abs(pair[0] - one[0]), abs(pair[1] - one[1])) < 0.5 for one in out]
-        is_comb = bool(_is_comb(np.array([pair.orbit]), pair.rotation)[0])
-        if pair.are_dips and not any(is_close) and not is_comb:
-            out.append(pair)
-    return out
+    dips = (
+        pair
+        for pair in sorted(found, key=lambda each: each.left)
+        if pair.are_dips and not _is_comb(np.array([pair.orbit]), pair.rotation)[0]
+    )
+    return distinct(dips, lambda a, b: max(abs(a[0] - b[0]), abs(a[1] - b[1])) < _CLOSE)
 
 
 def _rotations(problem: CurveProblem, most: float, count: int = _ROTATIONS) -> FloatArray:
@@ -236,12 +236,9 @@ def _scanned(problem: CurveProblem, rotations: FloatArray) -> list[AdditivePair]
         gain = np.empty(len(orbits))
         _spectrum.decreases(*sums[:4], first, orbits, lines, _spectrum.RIDGE, gain)
         problem.tally.add(len(orbits), problem.settings.pair_cost)
-        chosen: list[float] = []
-        for k in np.argsort(-gain, kind="stable")[: 8 * _ORBITS]:
-            orbit = float(orbits[k]) / _FINE
-            if all(abs(orbit - other) > 0.5 for other in chosen) and len(chosen) < _ORBITS:
-                chosen.append(orbit)
-                scanned.append((-float(gain[k]), float(rotation), orbit))
+        best = np.argsort(-gain, kind="stable")[: 8 * _ORBITS]
+        rows = ((-float(gain[k]), float(rotation), float(orbits[k]) / _FINE) for k in best)
+        scanned += distinct(rows, lambda a, b: _are_one(a[2], b[2]), _ORBITS)
     fits = [_fitted(problem, *pair[1:], steps=2) for pair in sorted(scanned)[:_FITTED]]
     fits.sort(key=lambda each: each.left)
     return [_fitted(problem, fit.rotation, fit.orbit) for fit in fits[:_FREE]]
@@ -249,15 +246,8 @@ def _scanned(problem: CurveProblem, rotations: FloatArray) -> list[AdditivePair]
 
 def rivals(problem: CurveProblem, most: float, keep: int) -> list[AdditivePair]:
     """The best pairs, as `additive_pairs`, each with the period of its orbit and that once."""
-    distinct: list[AdditivePair] = []
-    for pair in additive_pairs(problem, most, keep):
-        one = with_orbit(problem, pair)
-        same = [
-            abs(one.orbit - other.orbit) < 0.5 and _is_multiple(one, other) for other in distinct
-        ]
-        if not any(same):
-            distinct.append(one)
-    return distinct
+    pairs = (with_orbit(problem, pair) for pair in additive_pairs(problem, most, keep))
+    return distinct(pairs, lambda a, b: abs(a.orbit - b.orbit) < _CLOSE and _is_multiple(a, b))
 
 
 def rates_of(pairs: list[AdditivePair]) -> FloatArray:
@@ -267,8 +257,8 @@ def rates_of(pairs: list[AdditivePair]) -> FloatArray:
     """
     rates = np.sort(np.outer([pair.rotation for pair in pairs], RATIOS), axis=None)
     apart = np.diff(rates, prepend=-math.inf) > _APART
-    distinct: FloatArray = rates[apart]
-    return distinct
+    distinct_ones: FloatArray = rates[apart]
+    return distinct_ones
 
 
 def _is_multiple(one: AdditivePair, other: AdditivePair) -> bool:

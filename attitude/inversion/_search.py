@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, TypeVar, cast
 
 import numpy as np
 
+from attitude._support.arrays import distinct
 from attitude.inversion import (
     _ellipsoid,
     _evidence,
@@ -22,7 +23,7 @@ from attitude.inversion import (
     _shapes,
     _verdicts,
 )
-from attitude.inversion._ellipsoid import SearchState
+from attitude.inversion._ellipsoid import SearchState, is_axial
 from attitude.inversion._refinement import MOTION
 
 if TYPE_CHECKING:
@@ -298,12 +299,12 @@ class Search:
 
     def _is_clear(self) -> bool:
         """Whether a tumbling state is at the floor and others are far behind: none is sought."""
-        if self.is_over or not self.convex or SearchState.of(self.convex[0].state).is_axial:
+        if self.is_over or not self.convex or is_axial(self.convex[0].state):
             return False
         self.finish(self.settings.compared)
         best = self.solutions[0]
         return (
-            not SearchState.of(best.refined.state).is_axial
+            not is_axial(best.refined.state)
             and _evidence.floor_ratio(best, self.problem) < self.settings.floor
             and _verdicts.gap(self.solutions, self.problem) > self.settings.clear
         )
@@ -379,9 +380,7 @@ class Search:
         rates: list[_lattices.Candidate] = []
         states: list[FloatArray] = []
         for fit in self.convex:
-            if SearchState.of(fit.state).is_axial or any(
-                self.has_rates(fit.state, other) for other in states
-            ):
+            if is_axial(fit.state) or any(self.has_rates(fit.state, other) for other in states):
                 continue
             states.append(fit.state)
             nutation = abs(float(fit.state[1]))
@@ -416,7 +415,7 @@ class Search:
 
     def _axial_poles(self) -> None:
         """Rotations about one axis from poles all over the sky, if one explains the curve."""
-        axial = [fit for fit in self.convex if SearchState.of(fit.state).is_axial]
+        axial = [fit for fit in self.convex if is_axial(fit.state)]
         if not axial or self.is_over:
             return
         if axial[0].chi_squared > self.settings.axial_worse * self.convex[0].chi_squared:
@@ -475,7 +474,7 @@ class Search:
     def _is_far_behind(self, rotator: Weighted, problem: CurveProblem, width: float) -> bool:
         """Whether a tumbling body that has other lines is ahead of a rotation by a width."""
         best = self.convex[0]
-        if SearchState.of(best.state).is_axial:
+        if is_axial(best.state):
             return False
         one = self._robust(problem, best)
         behind = rotator.evidence - one.evidence
@@ -488,20 +487,25 @@ class Search:
         Ellipsoids misjudge bodies that are far from one: pairs of rates, not single states, go on,
         in the order of convex bodies that are fitted in a few steps.
         """
-        most = self.settings.convex if keep is None else keep
-        chosen: list[FloatArray] = []
+        states = self._by_short_fits(pool, problem)
+        chosen = self._various(states, self.settings.convex if keep is None else keep)
+        self._add(self._worthy([states[k] for k in chosen]))
+        self.progress(f"{len(self.convex)} convex bodies")
+
+    def _various(self, states: Sequence[FloatArray], most: int) -> list[int]:
+        """Numbers of states, `most` of them, of few poles for each pair of rates, each once."""
+        chosen: list[int] = []
         motions = np.empty((0, _ellipsoid.WIDTH))
-        for state in self._by_short_fits(pool, problem):
+        for number, state in enumerate(states):
             alike = motions[self._with_rates(motions, state)]
             if len(alike) < self.settings.poles and not any(
                 _has_pole(state, other, self.settings.same_pole) for other in alike
             ):
-                chosen.append(state)
+                chosen.append(number)
                 motions = np.concatenate([motions, state[None, : _ellipsoid.WIDTH]])
                 if len(chosen) >= most:
                     break
-        self._add(self._worthy(chosen))
-        self.progress(f"{len(self.convex)} convex bodies")
+        return chosen
 
     def _worthy(self, states: list[FloatArray]) -> list[FloatArray]:
         """States after a few convex steps, the best first, without those that stay far behind."""
@@ -584,7 +588,7 @@ class Search:
             one
             for one in self.solutions[: self.settings.mapped]
             if one.evidence < self.solutions[0].evidence + self.settings.mapped_behind
-            and not SearchState.of(one.refined.state).is_axial
+            and not is_axial(one.refined.state)
         ]
         before = len(self.convex)
         for one in leading:
@@ -596,11 +600,12 @@ class Search:
             with_rates = _pole_map.of_rates(
                 self.problem, self.generator, state, self._held, self.tie, lambda: self.is_over
             )
-            chosen = [state]
-            for other in (*images, *with_rates):
-                if not any(_has_pole(other, known, self.settings.same_pole) for known in chosen):
-                    chosen.append(other)
-            self._add(chosen[1 : 1 + self.settings.map_bodies])
+            poles = distinct(
+                (state, *images, *with_rates),
+                lambda a, b: _has_pole(a, b, self.settings.same_pole),
+                1 + self.settings.map_bodies,
+            )
+            self._add(poles[1:])
         self.progress(f"{len(self.convex) - before} bodies at other poles")
         return len(self.convex) > before
 
@@ -609,28 +614,17 @@ class Search:
         if not self.convex:
             return
         most = self.settings.finals if most is None else most
-        chosen: list[Refined] = []
-        for fit in self.convex:
-            alike = [other for other in chosen if self.has_rates(fit.state, other.state)]
-            if len(alike) < self.settings.poles and not any(
-                self.is_same(fit.state, o.state) for o in alike
-            ):
-                chosen.append(fit)
-                if len(chosen) >= most:
-                    break
+        chosen = [self.convex[k] for k in self._various([fit.state for fit in self.convex], most)]
         problem = self._with_own_error(chosen[0])
         if self._takes_noise(problem, chosen[0]):
             problem = self._with_own_error(chosen[0])
-        solutions = [
-            self._robust(problem, fit) for fit in chosen if not SearchState.of(fit.state).is_axial
-        ]
+        solutions = [self._robust(problem, fit) for fit in chosen if not is_axial(fit.state)]
         solutions += self._axial_solutions(problem, solutions)
         solutions = _verdicts.as_rotators(solutions, problem)
         solutions.sort(key=lambda each: each.evidence)
-        self.solutions = []
-        for one in solutions:
-            if not any(self.is_same(one.refined.state, o.refined.state) for o in self.solutions):
-                self.solutions.append(one)
+        self.solutions = distinct(
+            solutions, lambda a, b: self.is_same(a.refined.state, b.refined.state)
+        )
         error = problem.model_error
         self.progress(f"{len(self.solutions)} solutions, model error {error:.3f} mag")
 
@@ -725,7 +719,7 @@ class Search:
 
     def _weighted(self, problem: CurveProblem, given: Refined, *, is_wide: bool) -> Weighted:
         # the more frequencies of nutation were tried, the better one fits by chance
-        trials = 1.0 if SearchState.of(given.state).is_axial else self.most / self.settings.tumblers
+        trials = 1.0 if is_axial(given.state) else self.most / self.settings.tumblers
         return _evidence.refined(
             problem,
             given.state,
@@ -766,7 +760,7 @@ class Search:
     def _fixed(self, state: FloatArray) -> BoolArray:
         """Parameters that stay: of the axis for rotation about one, of areas for ellipsoids."""
         fixed = np.zeros(_refinement.SIZE, bool)
-        if SearchState.of(state).is_axial:
+        if is_axial(state):
             fixed[:MOTION] = _ellipsoid.AXIAL_FIXED[:MOTION]
         if self.is_ellipsoid:
             fixed[10:] = True

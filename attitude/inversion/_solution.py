@@ -30,7 +30,7 @@ from attitude.inversion import (
     _shapes,
     _states,
 )
-from attitude.inversion._ellipsoid import SearchState
+from attitude.inversion._ellipsoid import SearchState, is_axial
 from attitude.inversion._shapes import sphere
 from attitude.motions._free_rotation import FreeRotation
 from attitude.paths import _places
@@ -506,7 +506,7 @@ class Solution(CurveFit):
     @property
     def is_axial(self) -> bool:
         """Whether the body rotates about one principal axis."""
-        return SearchState.of(self.state).is_axial
+        return is_axial(self.state)
 
     @cached_property
     def motion(self) -> FreeRotation:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, overload
 import numpy as np
 
 from attitude._support import validation
+from attitude._support.arrays import distinct
 from attitude._support.blocks import timed
 from attitude._support.synonyms import arguments
 from attitude.errors import AttitudeError
@@ -476,12 +477,8 @@ def _asks_for_offsets(one: _search.Search, own: _search.Search, needed: float) -
     """
     if not one.solutions:
         return False
-    states: list[FloatArray] = []
-    for solution in (*one.solutions, *own.solutions[:1]):
-        state = solution.refined.state
-        if not any(one.has_rates(state, other) for other in states):
-            states.append(state)
-    own.begin(states)
+    solutions = *one.solutions, *own.solutions[:1]
+    own.begin(distinct((each.refined.state for each in solutions), one.has_rates))
     better = _with_volume(one.solutions[0]) - _with_volume(own.solutions[0])
     return better > needed
 

@@ -13,7 +13,7 @@ from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.inversion import _ellipsoid, _errors, _motions, _pole_map, _refinement, _shapes
-from attitude.inversion._ellipsoid import SearchState
+from attitude.inversion._ellipsoid import is_axial
 from attitude.inversion._refinement import MOTION
 from attitude.inversion._shapes import Tie
 from attitude.motions._body import Body
@@ -81,7 +81,7 @@ def physical(state: FloatArray) -> PhysicalState:
     """The state of motion of the parameters of a search; the largest moment is 1."""
     body = _motions.at_epochs(state, np.zeros(1)).matrix.reshape(3, 3)
     matrix = state[5:14].reshape(3, 3) @ body
-    if SearchState.of(state).is_axial:
+    if is_axial(state):
         held = _shapes.constraints(state[14:16], *_shapes.areas(state[14:16], state[16:]))
         ratios = np.exp(np.append(held.log_ratios, 0.0))
         ratios[2] = max(ratios[2], 1.0001 * float(ratios[:2].max()))
@@ -95,7 +95,7 @@ def physical(state: FloatArray) -> PhysicalState:
 
 def is_admissible(state: FloatArray) -> bool:
     """Whether a body has the moments of a state."""
-    if SearchState.of(state).is_axial:
+    if is_axial(state):
         return True
     return bool(_motions.moments(state[_ellipsoid.OF_MOMENTS]).exists)
 
@@ -132,11 +132,11 @@ def covariance(
     shape_model = _refinement.model(problem, state)
     formal = _errors.covariance_of_motion(found, tie)
     errors_of = _errors.errors(found, shape_model, groups, MOTION, refitted, formal)
-    if SearchState.of(state).is_axial:
+    if is_axial(state):
         others = [
             (rival.refined.state, rival.evidence)
             for rival in rivals
-            if SearchState.of(rival.refined.state).is_axial
+            if is_axial(rival.refined.state)
             and _pole_map.has_turn(problem, rival.refined.state, state)
         ]
         wider = errors_of.covariance + _pole_map.spread(state, found.evidence, others)
@@ -157,7 +157,7 @@ def _slopes(state: FloatArray) -> FloatArray:
     slopes = np.zeros((9, MOTION))
     scale = np.array([1.0, 1.0, 1.0, abs(state[0]), max(abs(state[1]), 1.0), 1.0, 1.0, 1.0])
     for p in range(MOTION):
-        if SearchState.of(state).is_axial and p >= 4:
+        if is_axial(state) and p >= 4:
             continue
         ends = []
         for sign in (1.0, -1.0):

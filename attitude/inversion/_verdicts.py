@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from attitude.inversion import _ellipsoid, _evidence, _pole_map
-from attitude.inversion._ellipsoid import SearchState
+from attitude.inversion._ellipsoid import SearchState, is_axial
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -45,8 +45,8 @@ def relation(
     Shapes: state, best (WIDTH,).
     """
     words = []
-    if SearchState.of(state).is_axial != SearchState.of(best).is_axial:
-        words.append("rotation about one axis" if SearchState.of(state).is_axial else "tumbling")
+    if is_axial(state) != is_axial(best):
+        words.append("rotation about one axis" if is_axial(state) else "tumbling")
     elif not (_has_rates(state, best, problem) or _sees_one_turn(state, best, problem)):
         turns = _of_turns(state, best, length)
         words.append(turns or _of_rates(state, best, problem.span))
@@ -61,7 +61,7 @@ def relation(
 
 
 def _sees_one_turn(state: FloatArray, best: FloatArray, problem: CurveProblem) -> bool:
-    return SearchState.of(best).is_axial and _pole_map.has_turn(problem, state, best)
+    return is_axial(best) and _pole_map.has_turn(problem, state, best)
 
 
 def _of_turns(state: FloatArray, best: FloatArray, length: float) -> str:
@@ -284,18 +284,17 @@ def verdict(
     )
     accepted = (floor < settings.floor or left < settings.left) and gap_to_next > behind
     turns = abs(float(state[0]))
-    if not SearchState.of(state).is_axial:
+    if not is_axial(state):
         turns = min(turns, abs(float(state[1])))
     if not is_complete:
         return OPEN, f"The budget ended before all periods were tried; give a larger one. {words}."
     if not accepted or turns < settings.least_turns:
         return OPEN, words + "."
-    if SearchState.of(state).is_axial:
+    if is_axial(state):
         tumbling = [
             other
             for other in found[1:]
-            if not SearchState.of(other.refined.state).is_axial
-            and not counts_as(other, best, problem)
+            if not is_axial(other.refined.state) and not counts_as(other, best, problem)
         ]
         least = needed(best, problem)
         close = sum(other.evidence - best.evidence < least for other in tumbling)
@@ -385,7 +384,7 @@ def _better_by_nutation(
     gains = [
         _evidence.gain(other, best, problem)
         for other in found[1:]
-        if not SearchState.of(other.refined.state).is_axial
+        if not is_axial(other.refined.state)
         and other.refined.state[3] > math.log(settings.wide)
         and other.evidence - best.evidence < behind + counted
     ]
@@ -400,14 +399,14 @@ def _better_by_nutation(
 
 def _has_periods(state: FloatArray, best: FloatArray, problem: CurveProblem) -> bool:
     """Whether two states have the same periods; about one axis, as the scene sees them."""
-    if SearchState.of(state).is_axial and SearchState.of(best).is_axial:
+    if is_axial(state) and is_axial(best):
         return _pole_map.has_turn(problem, state, best)
     return _has_rates(state, best, problem)
 
 
 def _is_motion_of(state: FloatArray, best: FloatArray, problem: CurveProblem) -> bool:
     """Whether a state has the rates of the best one, or adds a nutation to its one axis."""
-    if SearchState.of(best).is_axial and not SearchState.of(state).is_axial:
+    if is_axial(best) and not is_axial(state):
         return True
     return _has_periods(state, best, problem)
 
