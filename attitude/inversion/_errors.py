@@ -81,10 +81,7 @@ def errors(
     if formal is None:
         formal = inverse(normal)[:count, :count]
     free = np.diag(normal)[:count] != 1.0
-    r = (problem.y - here.magnitude) * problem.root
-    r = r - problem.u.T @ (problem.u @ r)
-    jacobian = here.jacobian * problem.root
-    jacobian = jacobian - (jacobian @ problem.u.T) @ problem.u
+    r, jacobian = problem.projected(problem.y - here.magnitude), problem.projected(here.jacobian)
     scale = np.sqrt(np.diag(normal))
     jacobian /= scale[:, None]
     jacobian[:count][~free] = 0.0

@@ -178,6 +178,12 @@ class CurveProblem:
         by = jacobian.reshape(len(jacobian), len(_NODES), -1)
         return mean, np.einsum("pkn,kn->pn", by, share)
 
+    def projected(self, rows: FloatArray) -> FloatArray:
+        """Weighted rows (..., N), the linear terms taken off."""
+        weighted = rows * self.root
+        without_terms: FloatArray = weighted - (weighted @ self.u.T) @ self.u
+        return without_terms
+
     def coefficients(self, model: FloatArray) -> FloatArray:
         """Coefficients (L,) of the linear terms for model magnitudes (N,)."""
         b = self.terms * self.root[:, None]

@@ -119,8 +119,8 @@ def beside(problem: CurveProblem, pair: AdditivePair) -> CurveProblem:
     """
     rotation = series(pair.rotation, ORDERS[0], problem.t)
     terms = changing(pair.orbit, problem.t)
-    joint = _projected(problem, np.concatenate([rotation, terms], axis=1))
-    y = _without_terms(problem)
+    joint = problem.projected(np.concatenate([rotation, terms], axis=1).T)
+    y = problem.projected(problem.y)
     wide = np.full(rotation.shape[1], _spectrum.RIDGE**-0.5)
     # in units of the errors with the model error
     least = float(np.mean((problem.sigma * problem.root) ** 2))
@@ -138,11 +138,11 @@ def only_dims(problem: CurveProblem, beside: CurveProblem, pair: AdditivePair) -
     """
     count = 4 * DIPS
     rotation = series(pair.rotation, ORDERS[0], problem.t)
-    joint = _projected(problem, np.concatenate([rotation, beside.terms[:, -count:]], axis=1))
+    joint = problem.projected(np.concatenate([rotation, beside.terms[:, -count:]], axis=1).T)
     held = np.full(rotation.shape[1], _spectrum.RIDGE)
     held = np.concatenate([held, beside.prior[-count:] ** -2.0])
     inner = joint @ joint.T + np.diag(held)
-    amplitudes = np.linalg.solve(inner, joint @ _without_terms(problem))[-count:]
+    amplitudes = np.linalg.solve(inner, joint @ problem.projected(problem.y))[-count:]
     mean, change = amplitudes.reshape(2, -1)
     phase = np.arange(_PHASES) / _PHASES
     dims = np.array([series(1.0, DIPS, phase) @ (mean + x * change) for x in _TIMES])
@@ -303,7 +303,7 @@ def _fitted(
     problem: CurveProblem, rotation: float, orbit: float, *, steps: int = _STEPS
 ) -> AdditivePair:
     """The pair near two frequencies whose series fit best, linear terms projected out exactly."""
-    y = _without_terms(problem)
+    y = problem.projected(problem.y)
     total = float(y @ y)
     pair = np.array([rotation, orbit])
     best = AdditivePair(rotation, orbit, math.inf)
@@ -314,7 +314,7 @@ def _fitted(
     problem.tally.add(steps * len(problem), problem.settings.series_cost)
     for step in range(steps):
         bases = [series(pair[0], ORDERS[0], problem.t), changing(pair[1], problem.t, ORDERS[1])]
-        joint = _projected(problem, np.concatenate(bases, axis=1))
+        joint = problem.projected(np.concatenate(bases, axis=1).T)
         inner = joint @ joint.T + np.diag(held)
         along = joint @ y
         amplitudes: FloatArray = np.asarray(np.linalg.solve(inner, along), np.float64)
@@ -331,7 +331,7 @@ def _fitted(
             _slope(bases[1][:, : len(mean)], mean) + _slope(bases[1][:, len(mean) :], change),
         ]
         residual = y - joint.T @ amplitudes
-        both = _projected(problem, 2.0 * math.pi * problem.t[:, None] * np.stack(slopes, axis=1))
+        both = problem.projected((2.0 * math.pi * problem.t[:, None] * np.stack(slopes, axis=1)).T)
         # amplitudes follow: they are eliminated
         across = np.linalg.solve(inner, joint @ both.T)
         normal = both @ both.T - (both @ joint.T) @ across
@@ -350,13 +350,6 @@ def _slope(base: FloatArray, amplitudes: FloatArray) -> FloatArray:
     return slope
 
 
-def _without_terms(problem: CurveProblem) -> FloatArray:
-    """Weighted magnitudes (N,) with the linear terms of the problem taken off."""
-    y = problem.y * problem.root
-    without: FloatArray = y - problem.u.T @ (problem.u @ y)
-    return without
-
-
 def _dips(amplitudes: FloatArray) -> tuple[float, float, float]:
     """Range and skewness of a series in the orbit, and the depth of its second dip, mag."""
     dips = series(1.0, ORDERS[1], np.arange(_PHASES) / _PHASES) @ amplitudes
@@ -368,9 +361,3 @@ def _dips(amplitudes: FloatArray) -> tuple[float, float, float]:
     between = np.abs(np.abs(phase - 0.5) - 0.25) < _OFF_HALF
     second = float(from_deepest[is_half_away].max() - np.median(from_deepest[between]))
     return float(np.ptp(dips)), skewness, second
-
-
-def _projected(problem: CurveProblem, terms: FloatArray) -> FloatArray:
-    """Weighted terms (K, N) of terms (N, K), the linear terms of the problem taken off."""
-    weighted = terms.T * problem.root
-    return weighted - (weighted @ problem.u.T) @ problem.u

@@ -206,7 +206,7 @@ def _linear(noise, count=400):
     normal = weighted @ weighted.T
     best = np.linalg.solve(normal, weighted @ (y * root))
     here = SimpleNamespace(magnitude=best @ jacobian, jacobian=jacobian)
-    curve = SimpleNamespace(y=y, root=root, u=np.zeros((0, count)))
+    curve = SimpleNamespace(y=y, root=root, projected=lambda rows: rows * root)
     found = SimpleNamespace(problem=curve, refined=SimpleNamespace(normal=normal))
     return t, found, here
 
