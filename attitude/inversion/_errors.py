@@ -86,9 +86,7 @@ def errors(
     jacobian /= scale[:, None]
     jacobian[:count][~free] = 0.0
     scaled = normal / np.outer(scale, scale)
-    factor: FloatArray = np.asarray(
-        np.linalg.cholesky(_regular(formal[np.ix_(free, free)])), dtype=np.float64
-    )
+    factor = _factor(_regular(formal[np.ix_(free, free)]))
     inflation = np.eye(len(factor))
     for group in groupings:
         total = int(group.max()) + 1
@@ -200,7 +198,7 @@ def second_moments(
     points, logs = [], []
     mixture: list[FloatArray] = []
     for _ in range(_ROUNDS):
-        factor: FloatArray = _WIDER * np.asarray(np.linalg.cholesky(matrix), dtype=np.float64)
+        factor = _WIDER * _factor(matrix)
         mixture.append(factor)
         chi = generator.chisquare(_FREEDOM, _SAMPLES) / _FREEDOM
         z = generator.standard_normal((_SAMPLES, size)) / np.sqrt(chi)[:, None]
@@ -220,10 +218,13 @@ def second_moments(
     return matrix
 
 
-def conditioned(covariance: FloatArray) -> FloatArray:
-    """A covariance whose factor exists."""
-    conditioned_matrix: FloatArray = covariance + 1e-12 * np.diag(np.diag(covariance))
-    return conditioned_matrix
+def factor_of(covariance: FloatArray) -> FloatArray:
+    """Cholesky's factor of a covariance, whose diagonal is enlarged so that it exists."""
+    return _factor(covariance + 1e-12 * np.diag(np.diag(covariance)))
+
+
+def _factor(matrix: FloatArray) -> FloatArray:
+    return np.asarray(np.linalg.cholesky(matrix), dtype=np.float64)
 
 
 def _log_student(points: FloatArray, factor: FloatArray) -> FloatArray:
@@ -247,7 +248,7 @@ def covariance_of_motion(found: Weighted, tie: Tie) -> FloatArray:
     """Second moments (8, 8) of the parameters about those of a solution; 0 of those that stay."""
     at = np.ix_(*2 * [free(found)])
     curvature = inverse(found.refined.normal)[:MOTION, :MOTION][at]
-    factor: FloatArray = np.asarray(np.linalg.cholesky(conditioned(curvature)), dtype=np.float64)
+    factor = factor_of(curvature)
     density = log_density(found, tie, factor)
 
     def densities(points: FloatArray) -> FloatArray:
@@ -373,7 +374,7 @@ def covariance_of_state(
     Shapes: seconds (N,) s.
     """
     formal = inverse(found.refined.normal)[:STATE_SIZE, :STATE_SIZE]
-    factor: FloatArray = np.asarray(np.linalg.cholesky(conditioned(formal)), dtype=np.float64)
+    factor = factor_of(formal)
     wxyz, omega = point.spin.wxyz_icrf, point.spin.angular_velocity
     block = max(BLOCK // len(seconds), 1)
 

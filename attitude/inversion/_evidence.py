@@ -228,9 +228,8 @@ def standard_error(solution: Weighted, other: Weighted, problem: CurveProblem) -
     Residuals of a model that errs are correlated within a night: a difference counts as many
     points as one.  Source: Vuong, Econometrica 57, 307 (1989), with nights as samples.
     """
-    size = problem.sigma**2 + problem.model_error**2
-    logs = [np.log1p(one.residual**2 / size / FREEDOM) for one in (solution, other)]
-    gains = (FREEDOM + 1.0) * (logs[1] - logs[0])
+    less = _less_likely(solution, other, problem.sigma**2 + problem.model_error**2)
+    gains = (FREEDOM + 1.0) * less
     nights = _neighbours.nights_of(problem.t * problem.span)
     parts = [np.sum(gains[night]) for night in nights]
     if len(parts) < _FEWEST:
@@ -257,5 +256,13 @@ def gain(solution: Weighted, other: Weighted, problem: CurveProblem) -> float:
     size = max(1.0, floor_ratio(solution, problem)) * (
         problem.sigma**2 + problem.settings.floor_error**2
     )
+    return (FREEDOM + 1.0) * float(np.sum(_less_likely(solution, other, size)))
+
+
+def _less_likely(solution: Weighted, other: Weighted, size: FloatArray) -> FloatArray:
+    """-2 ln of Student's density (N,) of another solution less that of one, over FREEDOM + 1.
+
+    size (N,): squares of the errors.
+    """
     logs = [np.log1p(one.residual**2 / size / FREEDOM) for one in (solution, other)]
-    return (FREEDOM + 1.0) * float(np.sum(logs[1] - logs[0]))
+    return logs[1] - logs[0]

@@ -346,10 +346,7 @@ class MovingFit:
         """The cost near a state."""
         computed = self.model(problem, state)
         priors = self._priors(state, computed)
-        linear = _refinement.linearised(
-            problem, computed.magnitude, computed.jacobian, priors, self.fixed
-        )
-        return Fitted(state, *linear, computed.areas, computed.magnitude)
+        return _refinement.linearised(problem, state, computed, priors, self.fixed)
 
     def _priors(self, state: MovingState, here: ShapeModel) -> _shapes.Priors:
         point = state.point

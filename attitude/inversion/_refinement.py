@@ -236,13 +236,18 @@ def profiled_cost(
     problem: CurveProblem, state: FloatArray, tie: _shapes.Tie, is_axial: bool
 ) -> float:
     """The cost of a motion after one Gauss-Newton step of its shape."""
+    held = np.arange(len(state) - WIDTH + SIZE) < MOTION
+    near = _near(problem, state, tie, held, is_axial)
+    return near.cost - float(near.gradient @ np.linalg.solve(near.normal, near.gradient))
+
+
+def _near(
+    problem: CurveProblem, state: FloatArray, tie: _shapes.Tie, held: BoolArray, is_axial: bool
+) -> Refined:
+    """The cost near a state, where some parameters (P,) are held."""
     shape_model = model(problem, state)
     priors = _penalties(state, shape_model, tie, is_axial)
-    held = np.arange(len(shape_model.jacobian)) < MOTION
-    cost, _, _, normal, gradient = linearised(
-        problem, shape_model.magnitude, shape_model.jacobian, priors, held
-    )
-    return cost - float(gradient @ np.linalg.solve(normal, gradient))
+    return linearised(problem, state, shape_model, priors, held)
 
 
 def refine(
@@ -280,31 +285,27 @@ def refine(
     if fixed is not None:
         held[: len(fixed)] = fixed[: len(held)]
 
-    def at(trial: FloatArray) -> Refined:
-        shape_model = model(problem, trial)
-        priors = _penalties(trial, shape_model, tie, bool(held[6]))
-        linear = linearised(problem, shape_model.magnitude, shape_model.jacobian, priors, held)
-        return Fitted(trial, *linear, shape_model.areas, shape_model.magnitude)
-
+    is_axial = bool(held[6])
     return minimum(
-        at, lambda trial, step: _moved(trial, step, bool(held[6])), state, iterations, gain
+        lambda trial: _near(problem, trial, tie, held, is_axial),
+        lambda trial, step: _moved(trial, step, is_axial),
+        state,
+        iterations,
+        gain,
     )
 
 
 def linearised(
     problem: CurveProblem,
-    magnitude: FloatArray,
-    jacobian: FloatArray,
+    state: State,
+    here: ShapeModel,
     priors: _shapes.Priors,
     held: BoolArray,
-) -> tuple[float, float, float, FloatArray, FloatArray]:
-    """Cost, chi-squared, strain, normal matrix (P, P) and gradient (P,) of magnitudes.
-
-    Shapes: magnitude (N,), jacobian (P, N), held (P,).
-    """
-    r = (problem.y - magnitude) * problem.root
+) -> Fitted[State]:
+    """The cost near a state with magnitudes of its own, where some parameters (P,) are held."""
+    r = (problem.y - here.magnitude) * problem.root
     along = problem.u @ r
-    weighted = jacobian * problem.root
+    weighted = here.jacobian * problem.root
     across = weighted @ problem.u.T
     by_prior, offsets, weights = priors.slopes, priors.offsets, priors.weights
     normal = weighted @ weighted.T
@@ -318,7 +319,8 @@ def linearised(
         normal[held, held] = 1.0
     chi = float(r @ r - along @ along)
     prior = float(priors.residuals @ priors.residuals + offsets @ offsets)
-    return chi + prior, chi, priors.strain, normal, gradient
+    cost = chi + prior
+    return Fitted(state, cost, chi, priors.strain, normal, gradient, here.areas, here.magnitude)
 
 
 def _moved(state: FloatArray, step: FloatArray, is_axial: bool) -> FloatArray | None:

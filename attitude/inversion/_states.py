@@ -283,10 +283,7 @@ def sampled(
     generator = validation.generator(seed)
     parts, numbers, logs, accepted = [], [], [], []
     for number, solution in enumerate(solutions):
-        factor: FloatArray = np.asarray(
-            np.linalg.cholesky(_errors.conditioned(solution._covariances[1].formal)),
-            dtype=np.float64,
-        )
+        factor = _errors.factor_of(solution._covariances[1].formal)
         density = _errors.log_density(solution.weighted, solution.tie, factor)
         sampler = emcee.EnsembleSampler(walkers, MOTION, density)
         sampler.random_state = np.random.RandomState(int(generator.integers(2**32))).get_state()
