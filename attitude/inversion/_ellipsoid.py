@@ -29,7 +29,7 @@ from attitude.inversion._motions import (
 )
 
 if TYPE_CHECKING:
-    from attitude._support.annotations import BoolArray, FloatArray
+    from attitude._support.annotations import BoolArray, FloatArray, IntArray
     from attitude.inversion._problem import CurveProblem
 
 
@@ -466,7 +466,7 @@ _FREE = np.zeros(10, bool)
 # Ratios of axes, rho and X of the starts; X in long- and in short-axis mode.
 _AXES, _RHO, _X = (1.1, 3.0), (0.08, 0.9), (0.3, 0.65)
 _FREELY = Held()
-# Starts about a pole, each the best of so many random ones.
+# Starts about a pole; random ones of which a start is the best.
 _AROUND, _SCREENS = 8, 8
 # Relative difference of costs of two minima.
 _DISTINCT = 1e-3
@@ -477,6 +477,10 @@ class Pool(NamedTuple):
 
     cost: FloatArray
     states: FloatArray
+
+    def rows(self, chosen: IntArray) -> Pool:
+        """Some of them."""
+        return Pool(self.cost[chosen], self.states[chosen])
 
 
 def rotations(generator: np.random.Generator, count: int) -> FloatArray:
@@ -552,10 +556,7 @@ def minimised(
 
 def screened(problem: CurveProblem, states: FloatArray, groups: int) -> FloatArray:
     """The best state (groups, 16) of each of so many equal groups."""
-    cost = costs(problem, states)
-    size = len(states) // groups
-    best = np.argmin(np.where(np.isfinite(cost), cost, np.inf).reshape(groups, size), axis=1)
-    return states[best + size * np.arange(groups)]
+    return best_of_each(Pool(costs(problem, states), states), groups).states
 
 
 def around(
@@ -564,7 +565,7 @@ def around(
     rates: list[Candidate],
     count: int,
     *,
-    screens: int = 8,
+    screens: int = _SCREENS,
     iterations: int = 8,
     tie: Held = _FREELY,
     poles: FloatArray | None = None,
@@ -602,15 +603,13 @@ def narrowed(
     rates a quarter of them take six more, and the best of these ten more.  poles (R, P, 3) as in
     `around`.
     """
-    groups = len(rates)
     arguments = problem, generator, rates, count
     pool = around(*arguments, screens=4, iterations=4, tie=tie, poles=poles)
     for kept, steps in ((max(count // 4, 1), 6), (1, 10)):
-        size = len(pool.cost) // groups
-        order = np.argsort(pool.cost.reshape(groups, size), axis=1, kind="stable")[:, :kept]
-        chosen = (order + size * np.arange(groups)[:, None]).ravel()
-        least = pool.cost.reshape(groups, size).min(axis=1)
-        pool = Pool(pool.cost[chosen], pool.states[chosen])
+        cost = pool.cost.reshape(len(rates), -1)
+        order = np.argsort(cost, axis=1, kind="stable")[:, :kept]
+        least = cost.min(axis=1)
+        pool = pool.rows((order + cost.shape[1] * np.arange(len(rates))[:, None]).ravel())
         on = np.flatnonzero(np.repeat(least <= np.median(least), kept))
         more = minimised(problem, pool.states[on], steps, tie=tie)
         is_better = more.cost < pool.cost[on]
@@ -621,29 +620,31 @@ def narrowed(
 
 def best_of_each(pool: Pool, groups: int) -> Pool:
     """The best state of each of so many equal groups."""
-    size = len(pool.cost) // groups
-    at = np.argmin(pool.cost.reshape(groups, size), axis=1) + size * np.arange(groups)
-    return Pool(pool.cost[at], pool.states[at])
+    cost = np.where(np.isfinite(pool.cost), pool.cost, np.inf).reshape(groups, -1)
+    return pool.rows(np.argmin(cost, axis=1) + cost.shape[1] * np.arange(groups))
 
 
 def in_order(*pools: Pool) -> Pool:
     """All states of pools, the best first."""
-    cost = np.concatenate([pool.cost for pool in pools])
-    states = np.concatenate([pool.states for pool in pools])
-    order = np.argsort(cost, kind="stable")
-    order = order[np.isfinite(cost[order])]
-    return Pool(cost[order], states[order])
+    pool = Pool(*(np.concatenate(columns) for columns in zip(*pools, strict=True)))
+    order = np.argsort(pool.cost, kind="stable")
+    return pool.rows(order[np.isfinite(pool.cost[order])])
 
 
 def axial(
     problem: CurveProblem, generator: np.random.Generator, rates: FloatArray, count: int
 ) -> Pool:
     """Rotations about one axis at rates (turns per span), from `count` starts for each."""
-    rate_of_start = np.repeat(rates, count * 8)
-    first_states = starts(generator, 0.5 * rate_of_start, -np.ones(len(rate_of_start)))
-    first_states[:, 2], first_states[:, 3], first_states[:, 4] = 0.0, AXIAL, 0.0
+    first_states = _axial_starts(generator, 0.5 * np.repeat(rates, count * _SCREENS))
     chosen = screened(problem, first_states, len(rates) * count)
     return minimised(problem, chosen, 30, fixed=AXIAL_FIXED)
+
+
+def _axial_starts(generator: np.random.Generator, precession: FloatArray) -> FloatArray:
+    """A random start (S, 16) about one axis for each rate (S,)."""
+    states = starts(generator, precession, np.full(len(precession), -1.0))
+    states[:, 2], states[:, 3], states[:, 4] = 0.0, AXIAL, 0.0
+    return states
 
 
 def axial_at_poles(
@@ -658,9 +659,7 @@ def axial_at_poles(
     `keep` for each, the best of some starts, in the order of the poles.
     """
     count, size = len(poles), _AROUND * _SCREENS
-    rate_of_start = np.repeat(0.5 * rates, size)
-    first_states = starts(generator, rate_of_start, -np.ones(len(rate_of_start)))
-    first_states[:, 2], first_states[:, 3], first_states[:, 4] = 0.0, AXIAL, 0.0
+    first_states = _axial_starts(generator, np.repeat(0.5 * rates, size))
     first_states[:, 5:14] = frames_of(generator, np.repeat(poles, size, axis=0))
     chosen = screened(problem, first_states, count * _AROUND)
     fixed = AXIAL_FIXED.copy()
@@ -673,8 +672,7 @@ def axial_at_poles(
     new = np.diff(ordered, axis=1, prepend=-np.inf) > _DISTINCT * np.abs(ordered)
     rank = np.where(new & np.isfinite(ordered), np.cumsum(new, axis=1), keep + 1)
     row, column = np.nonzero(rank <= keep)
-    chosen_at = row * _AROUND + at[row, column]
-    return Pool(pool.cost[chosen_at], pool.states[chosen_at])
+    return pool.rows(row * _AROUND + at[row, column])
 
 
 def rates_of(pool: Pool, keep: int) -> list[Candidate]:
