@@ -25,7 +25,7 @@ import numpy as np
 
 from attitude._support.arrays import distinct, two_across
 from attitude._support.least_squares import Decomposed
-from attitude.inversion import _ellipsoid, _pole_map, _refinement
+from attitude.inversion import _ellipsoid, _pole_map
 from attitude.inversion._search import Search, never
 
 if TYPE_CHECKING:
@@ -427,15 +427,7 @@ class RotatorSearch(Search):
         low, high = self.window[0], min(self.window[1], self.most)
         self.tie = replace(self.tie, is_wide=self._has_several)
         chosen = windows(self.problem, low, high)
-        states = self._from_trials(self._trials(chosen.bounds))
-        for state in states:
-            fixed = self._fixed(state)
-            self.convex.append(
-                _refinement.refine(self.problem, state, tie=self.tie, fixed=fixed, gain=1e-3)
-            )
-            if self.is_over and len(self.convex) > 4:
-                break
-        self.convex.sort(key=lambda each: each.cost)
+        self._add(self._from_trials(self._trials(chosen.bounds)), gain=1e-3)
         self.progress(f"{len(self.convex)} convex bodies")
         if self._has_several:
             self._at_poles()
@@ -502,16 +494,7 @@ class RotatorSearch(Search):
         for candidate in self.convex:
             if self.is_over:
                 break
-            self.axial.append(
-                _refinement.refine(
-                    problem,
-                    candidate.state,
-                    tie=self.tie,
-                    fixed=self._fixed(candidate.state),
-                    iterations=_STEPS_FREE,
-                    gain=_GAIN,
-                )
-            )
+            self.axial.append(self._fit(candidate.state, _STEPS_FREE, problem, gain=_GAIN))
         self.axial = self._most_probable(self.axial, problem)
         self.progress(f"{len(self.axial)} poles that compete")
 

@@ -565,8 +565,8 @@ def around(
     rates: list[Candidate],
     count: int,
     *,
+    iterations: int,
     screens: int = _SCREENS,
-    iterations: int = 8,
     tie: Held = _FREELY,
     poles: FloatArray | None = None,
 ) -> Pool:
@@ -603,8 +603,7 @@ def narrowed(
     rates a quarter of them take six more, and the best of these ten more.  poles (R, P, 3) as in
     `around`.
     """
-    arguments = problem, generator, rates, count
-    pool = around(*arguments, screens=4, iterations=4, tie=tie, poles=poles)
+    pool = around(problem, generator, rates, count, screens=4, iterations=4, tie=tie, poles=poles)
     for kept, steps in ((max(count // 4, 1), 6), (1, 10)):
         cost = pool.cost.reshape(len(rates), -1)
         order = np.argsort(cost, axis=1, kind="stable")[:, :kept]

@@ -217,8 +217,11 @@ class Search:
         """Whether the verdict is met."""
         if self.rival is not None:
             return self.satellite_is_ahead() > self.settings.alone
-        arguments = self.solutions, self.problem, self.is_complete, self.most
-        return _verdicts.verdict(*arguments)[0] != _verdicts.OPEN
+        return self.verdict_of(self.solutions)[0] != _verdicts.OPEN
+
+    def verdict_of(self, solutions: Sequence[Weighted]) -> tuple[str, str]:
+        """The verdict of solutions of this search, and its criterion in words."""
+        return _verdicts.verdict(solutions, self.problem, self.is_complete, self.most)
 
     def satellite_is_ahead(self) -> float:
         """By how much the evidence of the rival with a moon is better than that of the best."""
@@ -558,22 +561,23 @@ class Search:
         iterations: int = 20,
         problem: CurveProblem | None = None,
         modes: int = _shapes.MODES,
+        gain: float = 3e-3,
     ) -> Refined:
-        """The convex body near a state; of a part of the problem, or with fewer modes, if given."""
+        """The convex body near a state; of another problem, or with fewer modes, if given."""
         return _refinement.refine(
             self.problem if problem is None else problem,
             state,
             iterations=iterations,
             tie=self.tie,
             fixed=self._fixed(state),
-            gain=3e-3,
+            gain=gain,
             modes=modes,
         )
 
-    def _add(self, states: Iterable[FloatArray]) -> None:
+    def _add(self, states: Iterable[FloatArray], gain: float = 3e-3) -> None:
         """Add the convex bodies near states."""
         for state in states:
-            self.convex.append(self._fit(state))
+            self.convex.append(self._fit(state, gain=gain))
             if self.is_over and len(self.convex) > 4:
                 break
         self.convex.sort(key=lambda body: body.cost)
