@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, overload
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
@@ -39,14 +40,13 @@ if TYPE_CHECKING:
     from attitude.inversion._evidence import Weighted
     from attitude.inversion._problem import CurveProblem
     from attitude.inversion._refine import Refinement
+    from attitude.inversion._shapes import Tie
     from attitude.motions._body import Body
     from attitude.photometry._curve import LightCurve
     from attitude.scattering._law import Law
 
     ZeroPoints = str | float | tuple[str, ...]
     Prepared = Callable[[ZeroPoints], _search.Search]
-    PreparedOf = Callable[[LightCurve, type[_search.Search]], Prepared]
-    Window = tuple[float, float]
 
 
 _MODES, _ROTATION = ("LAM", "SAM"), ("PA",)
@@ -200,35 +200,70 @@ def spin_states(
     validation.count(threads, "threads")
     _compile(curve, most)
     with _refinement.limited(threads), timed(_LABEL, seconds, progress) as report:
-
-        def prepared_of(part: LightCurve, kind: type[_search.Search]) -> Prepared:
-            tally = Tally(seconds)
-
-            def prepared(zero_points: ZeroPoints) -> _search.Search:
-                return _prepared(
-                    part,
-                    most,
-                    zero_points,
-                    modes=modes,
-                    tie=tie,
-                    seed=seed,
-                    settings=settings,
-                    tally=tally,
-                    progress=report,
-                    kind=kind,
-                    is_ellipsoid=shape == "ellipsoid",
-                )
-
-            return prepared
-
-        if tuple(modes) == _ROTATION:
-            prepared = prepared_of(curve, _apparitions.RotatorSearch)
-            search = _rotator(curve, prepared, (window[0], most))
+        wanted = _Wanted(
+            most, tuple(modes), tie, shape == "ellipsoid", seconds, seed, settings, report
+        )
+        if wanted.modes == _ROTATION:
+            rates = window[0] * curve.span, most * curve.span
+            rotator = wanted.searches(curve, _apparitions.RotatorSearch, window=rates)
+            search = _searched(curve, rotator)
         elif drift or most * curve.span > settings.most_turns:
-            search = _joined_search(curve, prepared_of, settings, drift)
+            search = _joined_search(curve, wanted, drift)
         else:
-            search = _searched(curve, prepared_of(curve, _search.Search))
+            search = _searched(curve, wanted.searches(curve))
     return _results(curve, search)
+
+
+@dataclass(frozen=True)
+class _Wanted:
+    """What searches for unknown shapes have in common; most in Hz, seconds those of the budget."""
+
+    most: float
+    modes: tuple[str, ...]
+    tie: Tie
+    is_ellipsoid: bool
+    seconds: float
+    seed: int
+    settings: Settings
+    progress: Callable[[str], object]
+
+    def searches(
+        self, curve: LightCurve, kind: type[_search.Search] = _search.Search, **more: Any
+    ) -> Prepared:
+        """Makes a search of a curve from zero points; those of one curve share the budget."""
+        tally = Tally(self.seconds)
+
+        def prepared(zero_points: ZeroPoints) -> _search.Search:
+            turns, settings = self.most * curve.span, self.settings
+            problem, bins = _problem.problem(
+                curve,
+                self.most,
+                settings.ellipsoid_error,
+                zero_points,
+                settings=settings,
+                tally=tally,
+            )
+            problem, outliers = _neighbours.without_outliers(problem, turns)
+            search = kind(
+                problem,
+                turns,
+                self.modes,
+                self.tie,
+                _shifts(curve, settings.one_site),
+                validation.generator(self.seed),
+                self.progress,
+                is_ellipsoid=self.is_ellipsoid,
+                notes=list(curve.notes),
+                **more,
+            )
+            if outliers:
+                words = f"{outliers} points lie far off both neighbours; they hardly count."
+                search.notes.append(words)
+            if bins is not None:
+                search.notes.append(f"{len(curve)} points were averaged to {len(problem)}.")
+            return search
+
+        return prepared
 
 
 def _check_drift(drift, curve, modes, period, shape):
@@ -242,21 +277,7 @@ def _check_drift(drift, curve, modes, period, shape):
         )
 
 
-def _rotator(curve: LightCurve, prepared: Prepared, window: Window) -> _search.Search:
-    """A search for rotations about one axis in a window of frequencies, Hz."""
-
-    def within(zero_points: ZeroPoints) -> _search.Search:
-        search = prepared(zero_points)
-        assert isinstance(search, _apparitions.RotatorSearch)
-        search.window = window[0] * curve.span, window[1] * curve.span
-        return search
-
-    return _searched(curve, within)
-
-
-def _joined_search(
-    curve: LightCurve, prepared_of: PreparedOf, settings: Settings, drift: bool
-) -> _search.Search:
+def _joined_search(curve: LightCurve, wanted: _Wanted, drift: bool) -> _search.Search:
     """A search for motions that all apparitions have in common; each is solved first."""
     size = _refinement.DRIFT if drift else 0
     known: list[_joined.Apparition] = []
@@ -264,25 +285,16 @@ def _joined_search(
 
     def alone() -> list[_joined.Apparition]:
         for number, apparition in enumerate(() if known else _joined.apparitions(curve), 1):
-            one = _searched(apparition, prepared_of(apparition, _search.Search))
-            known.append(_joined.alone(curve, apparition, one, settings, size))
-            weighted = one.solutions, one.problem, one.is_complete, one.most
-            verdict = _verdicts.verdict(*weighted)[0] if one.solutions else _verdicts.OPEN
+            one = _searched(apparition, wanted.searches(apparition))
+            known.append(_joined.alone(curve, apparition, one, wanted.settings, size))
             words.append(
                 f"Apparition {number} ({apparition.span / _DAY:.0f} d, {len(apparition)} points): "
-                f"{verdict}, {len(known[-1].solutions)} tumbling states go on."
+                f"{one.verdict_of(one.solutions)[0]}, {len(known[-1].solutions)} tumbling states "
+                "go on."
             )
         return known
 
-    prepared = prepared_of(curve, _joined.JoinedSearch)
-
-    def joined(zero_points: ZeroPoints) -> _search.Search:
-        search = prepared(zero_points)
-        assert isinstance(search, _joined.JoinedSearch)
-        search.alone = alone
-        return search
-
-    search = _searched(curve, joined)
+    search = _searched(curve, wanted.searches(curve, _joined.JoinedSearch, alone=alone))
     search.notes += words
     return search
 
@@ -370,30 +382,6 @@ def _checked(curve, max_frequency, modes, shape, moments, settings):
     most = _checked_turns(curve, max_frequency, settings, not is_rotation, parts)
     validation.one_of(shape, "shape", ("convex", "ellipsoid"))
     return most, _states.of(moments)
-
-
-def _prepared(
-    curve, most, zero_points, *, modes, tie, seed, settings, tally, progress, kind, is_ellipsoid
-):
-    arguments = curve, most, settings.ellipsoid_error, zero_points
-    problem, bins = _problem.problem(*arguments, settings=settings, tally=tally)
-    problem, outliers = _neighbours.without_outliers(problem, most * curve.span)
-    search = kind(
-        problem,
-        most * curve.span,
-        tuple(modes),
-        tie,
-        _shifts(curve, settings.one_site),
-        validation.generator(seed),
-        progress,
-        is_ellipsoid=is_ellipsoid,
-    )
-    search.notes = list(curve.notes)
-    if outliers:
-        search.notes.append(f"{outliers} points lie far off both neighbours; they hardly count.")
-    if bins is not None:
-        search.notes.append(f"{len(curve)} points were averaged to {len(problem)}.")
-    return search
 
 
 def _searched(curve, prepared):
@@ -565,9 +553,7 @@ def _results(curve, searched):
             if solution.is_axial
             and abs(one.evidence - solution.evidence) < search.settings.competing_poles
         ]
-    weighted = [solution.weighted for solution in solutions]
-    arguments = weighted, search.problem, search.is_complete, search.most
-    verdict, criterion = _verdicts.verdict(*arguments)
+    verdict, criterion = search.verdict_of([solution.weighted for solution in solutions])
     if verdict == _verdicts.SOLVED:
         best, settings = solutions[0], search.settings
         verdict, criterion = _verdicts.of_pole(
