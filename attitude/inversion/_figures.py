@@ -11,6 +11,7 @@ from attitude._support.quantity_text import TIME_UNITS, time_unit
 from attitude.errors import AttitudeError
 from attitude.inversion import _lattices, _neighbours
 from attitude.inversion._ellipsoid import SearchState
+from attitude.inversion._solution import interpolated
 from attitude.photometry import _folding, _spectrum
 from attitude.photometry._curve import LightCurve, dimming
 from attitude.photometry._spectrum import OVERSAMPLING
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from attitude._support.annotations import FilePath, FloatArray
+    from attitude.epochs._instants import Instant
     from attitude.inversion._solution import CurveFit, Prediction, Solution, SpinStates
 
 
@@ -58,14 +60,16 @@ def of_nights(solution: CurveFit, path: FilePath | None = None) -> Any:
     nights = []
     for points in sorted(chosen, key=lambda each: each[0]):
         fine = np.linspace(seconds[points[0]], seconds[points[-1]], _FINE)
-        there = _between(curve, fine)
-        model = _reduced(solution.predict(there), curve)
+        predicted = solution.predict(_at(curve, fine))
+        model = predicted.magnitude
+        if not curve.unit_distances:
+            model = model - dimming(predicted.sun, predicted.observer)
         computed = problem.magnitude[points] - solution.residuals[points]
         at = np.interp(seconds[points], fine, model)
         start = seconds[points[0]]
         nights.append(
             _Night(
-                curve.epoch.after(float(start)).utc_iso[:16].replace("T", " "),
+                _date(curve.epoch.after(float(start))),
                 (seconds[points] - start) / 3600.0,
                 problem.magnitude[points],
                 problem.sigma[points],
@@ -88,7 +92,7 @@ def of_prediction(
     nights = []
     for points in _neighbours.nights_of(found.seconds)[:_NIGHTS]:
         start = float(found.seconds[points[0]])
-        title = found.epoch.after(start).utc_iso[:16].replace("T", " ")
+        title = _date(found.epoch.after(start))
         hours = (found.seconds[points] - start) / 3600.0
         line = hours, found.magnitude[points], found.form[points]
         seen = value = error = residual = np.zeros(0)
@@ -108,28 +112,21 @@ def of_prediction(
     return _saved(_panels(nights, "magnitude", words), path)
 
 
-def _between(curve: LightCurve, emission: FloatArray) -> LightCurve:
+def _at(curve: LightCurve, emission: FloatArray) -> LightCurve:
     """The geometry of a curve, interpolated at epochs of emission."""
-    known, first = np.unique(curve.emission, return_index=True)
-    both = [
-        np.stack([np.interp(emission, known, vectors[first, k]) for k in range(3)], axis=1)
-        for vectors in curve.vectors
-    ]
+    sun, observer = interpolated(curve, curve.emission, emission)
     return LightCurve(
         emission,
         np.zeros(len(emission)),
-        sun=both[0],
-        observer=both[1],
+        sun=sun,
+        observer=observer,
         epoch=curve.epoch,
         time_of="emission",
     )
 
 
-def _reduced(found: Prediction, curve: LightCurve) -> FloatArray:
-    """Predicted magnitudes at 1 au."""
-    if curve.unit_distances:
-        return found.magnitude
-    return found.magnitude - dimming(found.sun, found.observer)
+def _date(epoch: Instant, digits: int = 16) -> str:
+    return epoch.utc_iso[:digits].replace("T", " ")
 
 
 def _panels(nights: Sequence[_Night], name: str, title: str) -> Any:
@@ -292,8 +289,7 @@ def _fit(above: Any, below: Any, solution: CurveFit) -> None:
         below.plot(t[chosen], solution.residuals[chosen], ".", color=f"C{number % 10}")
     below.axhline(0.0, color=_OTHER)
     below.invert_yaxis()
-    epoch = solution.curve.epoch.utc_iso[:19].replace("T", " ")
-    below.set_xlabel(f"{unit} from {epoch} UTC")
+    below.set_xlabel(f"{unit} from {_date(solution.curve.epoch, 19)} UTC")
     below.set_ylabel("residual, mag")
 
 

@@ -129,8 +129,8 @@ class CurveProblem:
             orbit=orbit,
         )
 
-    def part(self, chosen: BoolArray) -> CurveProblem:
-        """Some of the points (N,) alone."""
+    def part(self, chosen: BoolArray | IntArray) -> CurveProblem:
+        """Some of the points alone, by a mask (N,) or numbers."""
         return replace(
             self,
             t=self.t[chosen],
@@ -190,6 +190,10 @@ class CurveProblem:
         inverse = _inverse_factor(b, self.prior)
         offsets: FloatArray = inverse @ (inverse.T @ (b.T @ ((self.magnitude - model) * self.root)))
         return offsets
+
+    def offsets(self, model: FloatArray) -> FloatArray:
+        """Zero points (S,), mag, of the calibrated sessions for model magnitudes (N,)."""
+        return self.coefficients(model)[self.prior == CALIBRATED]
 
     @property
     def detrended(self) -> FloatArray:
@@ -287,15 +291,10 @@ def problem(
     bins = _bins(curve, most_frequency)
     values = _averaged(curve, bins)
     t = values["emission"] / span
-    alpha = values["alpha"]
-    terms = [] if is_known else list(phase_terms(alpha, t).T)
+    terms = common_terms(curve, values["alpha"], t, values["filter"], is_known=is_known)
     prior = [] if is_known else [np.inf, np.inf, _CURVATURE, _DRIFT]
-    filters = [(values["filter"] == k).astype(float) for k in range(len(curve.filters))]
-    terms += filters
-    prior += [np.inf] * len(filters)
-    if has_own_slopes(curve) and not is_known:
-        terms += [by_phase(alpha) * in_filter for in_filter in filters]
-        prior += [_REDDENING] * len(filters)
+    prior += [np.inf] * len(curve.filters)
+    prior += [_REDDENING] * (len(terms) - len(prior))
     for k, width in enumerate(session_widths(curve, zero_points)):
         if width > 0.0:
             terms.append((values["session"] == k).astype(float))
@@ -322,21 +321,22 @@ def are_free(offsets: FloatArray) -> bool:
     return bool(len(offsets) > 2 and offsets.std() > _UNCALIBRATED)
 
 
-def phase_terms(alpha: FloatArray, t: FloatArray) -> FloatArray:
-    """Terms (N, 4) of the phase angle (rad) and of the epoch (spans) in the magnitude."""
-    return np.stack(
-        [by_phase(alpha), np.exp(-alpha / _SURGE), (alpha / _WIDE) ** 2, 2.0 * t], axis=1
-    )
+def common_terms(
+    curve: LightCurve, alpha: FloatArray, t: FloatArray, filter: IntArray, *, is_known: bool
+) -> list[FloatArray]:
+    """Terms (N,) in which magnitudes of all sessions are linear.
 
-
-def has_own_slopes(curve: LightCurve) -> bool:
-    """Whether each filter has a slope of its own with the phase angle: where there are several."""
-    return len(curve.filters) > 1
-
-
-def by_phase(alpha: FloatArray) -> FloatArray:
-    """The term (N,) of the phase angle (rad) in which filters differ."""
-    return alpha / _WIDE
+    Of the phase angle (rad) and the epoch (spans), but for a known law; of each filter, and where
+    there are several its slope with the phase angle.
+    """
+    in_filters = [(filter == k).astype(float) for k in range(len(curve.filters))]
+    if is_known:
+        return in_filters
+    slope = alpha / _WIDE
+    terms = [slope, np.exp(-alpha / _SURGE), slope**2, 2.0 * t, *in_filters]
+    if len(in_filters) > 1:
+        terms += [slope * in_filter for in_filter in in_filters]
+    return terms
 
 
 def session_widths(curve: LightCurve, zero_points: Any) -> FloatArray:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude._support import validation
-from attitude.inversion import _errors, _evidence, _moving, _problem, _refinement, _shapes, _states
-from attitude.inversion._problem import CALIBRATED, usable
+from attitude.inversion import _errors, _moving, _problem, _refinement, _shapes, _states
+from attitude.inversion._problem import usable
 from attitude.inversion._settings import DEFAULT
 from attitude.inversion._shapes import MODES
 from attitude.inversion._solution import CurveFit, Solution
@@ -68,8 +68,8 @@ class Refinement(CurveFit):
         self.rivals: tuple[tuple[FloatArray, float], ...] = ()
 
     @property
-    def _has_phase_terms(self) -> bool:  # type: ignore[override]
-        return self._fit.known is None
+    def _is_known(self) -> bool:  # type: ignore[override]
+        return self._fit.known is not None
 
     @property
     def moments(self) -> FloatArray:
@@ -263,8 +263,7 @@ def refine(
         fit = _moving.moving_fit(curve.epoch, problem, point, known, tie, shape == "ellipsoid")
         with _refinement.limited():
             fitted = fit.weighted(problem, _moving.MovingState(point, params))
-        offsets = _evidence.residuals(problem, fitted.refined.magnitude)[1]
-        offsets = offsets[problem.prior == CALIBRATED]
+        offsets = problem.offsets(fitted.refined.magnitude)
         if zero_points != "auto" or not _problem.are_free(offsets):
             break
         zero_points = "free"

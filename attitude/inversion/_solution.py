@@ -239,21 +239,29 @@ def _geometry(
         raise AttitudeError(
             "site is given, but the curve has vectors in place of a path; give path= too."
         )
-    known, first = np.unique(curve.seconds, return_index=True)
-    outside = (t < known[0]) | (t > known[-1])
+    outside = (t < curve.seconds.min()) | (t > curve.seconds.max())
     if np.any(outside):
         raise AttitudeError(
             f"{np.count_nonzero(outside)} of {len(t)} epochs lie outside of the light curve, whose "
             "geometry, given as vectors, ends there; give path= (the orbit) and site=, as in "
             'predict(dates, path="orbit.oem", site="568").'
         )
+    sun, observer = interpolated(curve, curve.seconds, t)
+    late = float(np.median(curve.seconds - curve.emission))
+    light = np.linalg.norm(observer, axis=1) / SPEED_OF_LIGHT_M_S if late > 0.0 else 0.0
+    return t, t - light, sun, observer
+
+
+def interpolated(
+    curve: LightCurve, epochs: FloatArray, t: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Vectors (T, 3) to Sun and observer at epochs (T,), from those of the points (N,)."""
+    known, first = np.unique(epochs, return_index=True)
     sun, observer = (
         np.stack([np.interp(t, known, vectors[first, k]) for k in range(3)], axis=1)
         for vectors in curve.vectors
     )
-    late = float(np.median(curve.seconds - curve.emission))
-    light = np.linalg.norm(observer, axis=1) / SPEED_OF_LIGHT_M_S if late > 0.0 else 0.0
-    return t, t - light, sun, observer
+    return sun, observer
 
 
 def _scene(curve: LightCurve, site: Any) -> Scene:
@@ -272,22 +280,16 @@ def _terms(
     solution: CurveFit, emission: FloatArray, alpha: FloatArray, filter: str | None
 ) -> FloatArray:
     """Linear terms (T, L) at other epochs: of a filter, the first, sessions at their mean."""
-    fitted_problem = solution.weighted.problem
-    terms = np.zeros((len(emission), fitted_problem.terms.shape[1]))
-    count = 0
-    if solution._has_phase_terms:
-        phase = _problem.phase_terms(alpha, emission / fitted_problem.span)
-        count = phase.shape[1]
-        terms[:, :count] = phase
-    names = solution.curve.filters
+    curve, fitted_problem = solution.curve, solution.weighted.problem
     if filter is not None:
-        validation.one_of(filter, "filter", names)
-    number = 0 if filter is None else names.index(filter)
-    terms[:, count + number] = 1.0
-    if count and _problem.has_own_slopes(solution.curve):
-        terms[:, count + len(names) + number] = _problem.by_phase(alpha)
+        validation.one_of(filter, "filter", curve.filters)
+    number = 0 if filter is None else curve.filters.index(filter)
+    numbers, t = np.full(len(emission), number), emission / fitted_problem.span
+    common = _problem.common_terms(curve, alpha, t, numbers, is_known=solution._is_known)
+    terms = np.zeros((len(emission), fitted_problem.terms.shape[1]))
+    terms[:, : len(common)] = np.stack(common, axis=-1)
     if fitted_problem.orbit:
-        series = _satellites.changing(fitted_problem.orbit, emission / fitted_problem.span)
+        series = _satellites.changing(fitted_problem.orbit, t)
         terms[:, -series.shape[1] :] = series
     return terms
 
@@ -311,9 +313,9 @@ class CurveFit(Answering, ABC):
         To the best of them, in words.
     """
 
-    # What a spin file says of its origin, and whether terms of the phase angle are fitted.
+    # What a spin file says of its origin, and whether shape and law are known.
     _made = "by a fit to a light curve"
-    _has_phase_terms = True
+    _is_known = False
 
     def __init__(
         self, curve: LightCurve, weighted: Weighted, problem: CurveProblem, rank: int, relation: str
@@ -715,6 +717,12 @@ class SpinStates(Answering, Sequence[Fit]):
     def __len__(self) -> int:
         return len(self._solutions)
 
+    @property
+    def _unit(self) -> tuple[str, float]:
+        """The unit of time of the periods, and its seconds."""
+        unit = quantity_text.time_unit(self._solutions[0].P_phi if self._solutions else math.inf)
+        return unit, TIME_UNITS[unit]
+
     def table(self) -> FlatTable:
         """A row for each solution: mode, periods, pole, moments, fit, relation to the best."""
         from astropy import units
@@ -725,8 +733,7 @@ class SpinStates(Answering, Sequence[Fit]):
         first = rows[0].evidence if rows else 0.0
         moments = np.array([row.moments for row in rows]).reshape(-1, 3)
         poles = np.array([row.pole for row in rows]).reshape(-1, 2)
-        unit = quantity_text.time_unit(rows[0].P_phi if rows else math.inf)
-        size = quantity_text.TIME_UNITS[unit]
+        unit, size = self._unit
         return FlatTable(
             {
                 "rank": np.arange(len(rows)),
@@ -761,8 +768,7 @@ class SpinStates(Answering, Sequence[Fit]):
 
     def __str__(self) -> str:
         lines = [f"{self.verdict}: {self.criterion}", *self.notes]
-        unit = quantity_text.time_unit(self._solutions[0].P_phi if self._solutions else math.inf)
-        size = quantity_text.TIME_UNITS[unit]
+        unit, size = self._unit
         for k, solution in enumerate(self._solutions[:10]):
             psi, phi = solution.P_psi / size, solution.P_phi / size
             longitude, latitude = np.degrees(solution.pole)

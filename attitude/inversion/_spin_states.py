@@ -27,7 +27,7 @@ from attitude.inversion import (
     _states,
     _verdicts,
 )
-from attitude.inversion._problem import CALIBRATED, usable
+from attitude.inversion._problem import usable
 from attitude.inversion._settings import DEFAULT, Settings, Tally
 from attitude.inversion._solution import Solution, SpinStates
 from attitude.photometry._samples import is_plain, warn_of_plain
@@ -524,8 +524,7 @@ def _shifts(curve: LightCurve, share: float) -> tuple[float, ...]:
 
 def _offsets_of(found: Weighted) -> FloatArray:
     """Fitted zero points of the calibrated sessions of a solution, mag."""
-    coefficients = found.problem.coefficients(found.refined.magnitude)
-    return coefficients[found.problem.prior == CALIBRATED]
+    return found.problem.offsets(found.refined.magnitude)
 
 
 def _results(curve, searched):

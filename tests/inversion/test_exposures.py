@@ -169,7 +169,7 @@ def test_bands_have_their_own_slopes_with_the_phase_angle():
     assert given.chi_squared(np.zeros(t.size)) < 1.0
     found = given.coefficients(np.zeros(t.size))
     # phase terms (4), filters (2), their slopes (2)
-    reddening = (found[6] - found[7]) * float(_problem.by_phase(math.radians(1.0)))
+    reddening = (found[6] - found[7]) * math.radians(1.0) / _problem._WIDE
     assert reddening == pytest.approx(0.004, abs=1e-4)
     one = curve.replaced(magnitude=magnitude - excess)
     same, _ = _problem.problem(one, 1.0 / DAY, 0.0, "shared")
