@@ -225,7 +225,7 @@ def each(file: str, period: float, longitude: float, latitude: float) -> None:
     curve = inversion.LightCurve.read(file)
     problem, _ = _problem.problem(curve, 12.0 / 86400.0, 0.07, curve.zero_points)
     for on in _apparitions.apparitions(problem):
-        if np.count_nonzero(on) < 40:
+        if len(on) < 40:
             continue
         part = curve[on]
         solved(part, period, _unit(longitude, latitude), max_frequency="12 /d", modes=("PA",))

@@ -25,7 +25,7 @@ import numpy as np
 
 from attitude._support.arrays import distinct, two_across
 from attitude._support.least_squares import Decomposed
-from attitude.inversion import _ellipsoid, _pole_map
+from attitude.inversion import _ellipsoid, _neighbours, _pole_map
 from attitude.inversion._search import Search, never
 
 if TYPE_CHECKING:
@@ -41,8 +41,8 @@ if TYPE_CHECKING:
 
 
 _DAY = 86400.0
-# Epochs within so many seconds are one cell; gaps, s, between apparitions.
-_CELL, _GAP = 0.4 * _DAY, 60.0 * _DAY
+# Epochs within so many seconds are one cell.
+_CELL = 0.4 * _DAY
 # Steps of a rate in one turn per span, and of a rate in one turn per apparition.
 _STEPS = 8.0
 # The largest error, rad, of the phase of the fourth harmonic at the ends of a cell.
@@ -229,12 +229,9 @@ def _first_of_cells(t: FloatArray, width: float) -> NDArray[np.bool_]:
     return new
 
 
-def apparitions(problem: CurveProblem, gap: float = _GAP) -> list[NDArray[np.bool_]]:
-    """The points (N,) of each apparition: parts of the curve with longer gaps between them."""
-    order = np.argsort(problem.t, kind="stable")
-    number = np.zeros(len(problem), np.int64)
-    number[order[1:]] = np.cumsum(np.diff(problem.t[order]) * problem.span > gap)
-    return [number == k for k in range(int(number.max()) + 1)]
+def apparitions(problem: CurveProblem) -> list[IntArray]:
+    """Numbers of the points of each apparition, ascending."""
+    return _neighbours.apparitions_of(problem.t * problem.span)
 
 
 # ---- Rates of the apparitions, each with a series of its own
@@ -261,7 +258,7 @@ class Windows(NamedTuple):
 
 def windows(problem: CurveProblem, low: float, high: float) -> Windows:
     """Windows of rates from `low` to `high`, turns per span."""
-    spans = [inside for inside in apparitions(problem) if np.count_nonzero(inside) >= _LEAST_POINTS]
+    spans = [inside for inside in apparitions(problem) if len(inside) >= _LEAST_POINTS]
     length = max((float(np.ptp(problem.t[inside])) for inside in spans), default=0.0)
     if length == 0.0 or high - low < _WHOLE:
         return Windows([(low, high)])
@@ -300,7 +297,7 @@ def windows(problem: CurveProblem, low: float, high: float) -> Windows:
     return Windows(bounds, len(peaks) >= count)
 
 
-def _fastest(problem: CurveProblem, spans: Sequence[NDArray[np.bool_]]) -> float:
+def _fastest(problem: CurveProblem, spans: Sequence[IntArray]) -> float:
     """How much the scene may change the rate that is seen, turns per span."""
     fastest = 0.0
     for chosen in spans:

@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from attitude._support.least_squares import inverse
-from attitude.inversion import _ellipsoid, _problem, _refinement
+from attitude.inversion import _ellipsoid, _neighbours, _problem, _refinement
 from attitude.inversion._ellipsoid import SearchState, is_axial
 from attitude.inversion._refinement import MOTION
 from attitude.inversion._search import Search, never
@@ -40,8 +40,6 @@ if TYPE_CHECKING:
     from attitude.photometry._curve import LightCurve
 
 
-# Gap, s, between two apparitions.
-_GAP = 60.0 * 86400.0
 # Among the parameters of a motion: the turn about the momentum, precession, nutation, phase, ln
 # rho and X.
 _AZIMUTH, _PRECESSION, _NUTATION, _PHASE, _RHO, _X = 2, 3, 4, 5, 6, 7
@@ -56,10 +54,8 @@ _SIDE, _MOST = 5.0, 400.0
 
 def apparitions(curve: LightCurve) -> list[LightCurve]:
     """The parts of a curve that long gaps divide, each with enough points for a search."""
-    order = np.argsort(curve.emission, kind="stable")
-    ends = np.flatnonzero(np.diff(curve.emission[order]) > _GAP) + 1
-    parts = [np.sort(indices) for indices in np.split(order, ends)]
-    return [curve[indices] for indices in parts if len(indices) >= _problem.LEAST_POINTS]
+    parts = _neighbours.apparitions_of(curve.emission)
+    return [curve[numbers] for numbers in parts if len(numbers) >= _problem.LEAST_POINTS]
 
 
 class Alone(NamedTuple):

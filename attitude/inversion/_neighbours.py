@@ -20,8 +20,8 @@ _OFF, _CLOSE = 6.0, 0.2
 _TRIPLES, _NORMAL = 20, 1.4826
 # Relative error of a night's noise times the root of its triples, which share points, thrice.
 _BY_CHANCE = 4.5
-# Gap of the epochs, s, between two nights.
-_NIGHT = 0.3 * 86400.0
+# Gaps of the epochs, s, between two nights, and between two apparitions.
+_NIGHT, _APPARITION = 0.3 * 86400.0, 60.0 * 86400.0
 
 
 def off_neighbours(
@@ -123,7 +123,15 @@ def too_large(problem: CurveProblem) -> float:
 
 
 def nights_of(seconds: FloatArray) -> list[IntArray]:
-    """Numbers of the epochs (T,) of each night."""
+    """Numbers of the epochs (T,) of each night, in time order."""
+    return _parts(seconds, _NIGHT)
+
+
+def apparitions_of(seconds: FloatArray) -> list[IntArray]:
+    """Numbers of the epochs (T,) of each apparition, ascending."""
+    return [np.sort(numbers) for numbers in _parts(seconds, _APPARITION)]
+
+
+def _parts(seconds: FloatArray, gap: float) -> list[IntArray]:
     order = np.argsort(seconds, kind="stable")
-    gaps = np.flatnonzero(np.diff(seconds[order]) > _NIGHT) + 1
-    return np.split(order, gaps)
+    return np.split(order, np.flatnonzero(np.diff(seconds[order]) > gap) + 1)
