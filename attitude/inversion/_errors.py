@@ -15,7 +15,7 @@ Graph. Stat. 23, 801 (2014) for the adjustment of samples.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from attitude.inversion._evidence import Weighted
     from attitude.inversion._moving import MovingPoint
     from attitude.inversion._problem import CurveProblem
+    from attitude.inversion._refinement import ShapeModel
     from attitude.inversion._shapes import KnownShape, Tie
 
 
@@ -40,18 +41,6 @@ if TYPE_CHECKING:
 _LEAST_GROUPS, _REFITS = 5, 12
 # Parts of the span.
 _PARTS = 10
-
-
-class Modelled(Protocol):
-    """Magnitudes (N,) and their Jacobian (P, N)."""
-
-    @property
-    def magnitude(self) -> FloatArray:
-        """The predicted magnitude of each point (N,)."""
-
-    @property
-    def jacobian(self) -> FloatArray:
-        """By all parameters, those of the motion first."""
 
 
 class GroupErrors(NamedTuple):
@@ -67,7 +56,7 @@ class GroupErrors(NamedTuple):
 
 def errors(
     found: Weighted,
-    here: Modelled,
+    here: ShapeModel,
     groupings: Sequence[IntArray],
     count: int,
     refitted: Callable[[BoolArray], FloatArray | None],

@@ -11,7 +11,9 @@ from attitude._support.quantity_text import TIME_UNITS, time_unit
 from attitude.errors import AttitudeError
 from attitude.inversion import _lattices, _neighbours
 from attitude.inversion._ellipsoid import SearchState
+from attitude.inversion._refinement import MOTION
 from attitude.inversion._solution import interpolated
+from attitude.inversion._states import NAMES
 from attitude.photometry import _folding, _spectrum
 from attitude.photometry._curve import LightCurve, dimming
 from attitude.photometry._spectrum import OVERSAMPLING
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FilePath, FloatArray
     from attitude.epochs._instants import Instant
     from attitude.inversion._solution import CurveFit, Prediction, Solution, SpinStates
+    from attitude.inversion._states import Posterior
 
 
 # Grid frequencies of the map to either side.
@@ -219,6 +222,28 @@ def of_states(found: SpinStates[Solution], path: FilePath | None = None) -> Any:
         axes[0, 2].plot([], [], mark, mfc="none", color=_MODEL, label=mode)
     axes[0, 2].legend(fontsize=9, loc="upper right")
     figure.suptitle(f"{found.verdict}: {repr(best)[1:-1]}", fontsize=9)
+    return _saved(figure, path)
+
+
+def of_posterior(found: Posterior, path: FilePath | None = None) -> Any:
+    """A corner figure of the first solution's parameters."""
+    figure = plots.new_figure((9.0, 9.0))
+    axes = figure.subplots(MOTION, MOTION, sharex="col")
+    of_best = found.offsets[found.solution == 0]
+    for row in range(MOTION):
+        for column in range(MOTION):
+            panel = axes[row, column]
+            if column > row:
+                panel.set_visible(False)
+            elif column == row:
+                panel.hist(of_best[:, row], 30, color=_DATA)
+            else:
+                panel.plot(of_best[:, column], of_best[:, row], ",", color=_DATA)
+            if row == MOTION - 1:
+                panel.set_xlabel(NAMES[column], fontsize=9)
+            panel.locator_params(nbins=2)
+            panel.tick_params(labelsize=9, labelleft=column == 0 < row)
+            panel.tick_params("x", rotation=60)
     return _saved(figure, path)
 
 

@@ -116,13 +116,8 @@ def at_middle(state: FloatArray, middle: float) -> FloatArray:
     drift = _refinement.drift_of(state)
     precession, nutation = state[:2] + 0.5 * drift * time
     back = 4.0 * math.pi * precession * time
-    turn = np.array(
-        [
-            [math.cos(back), -math.sin(back), 0.0],
-            [math.sin(back), math.cos(back), 0.0],
-            [0.0, 0.0, 1.0],
-        ]
-    )
+    c, s = math.cos(back), math.sin(back)
+    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     carried = fields._replace(
         frame=fields.frame @ turn, phase=math.remainder(fields.phase + nutation * time, 1.0)
     ).vector

@@ -539,10 +539,8 @@ def _verdict(found: Sequence[Refinement]) -> tuple[str, str]:
     others = (
         f"the next rates are {gap:.1f} behind in -2 ln(evidence) ({settings.competing:g} needed)"
     )
-    words = (
-        f"chi2/N is {floor:.2f} with errors of sigma and {settings.floor_error:g} mag (floor "
-        f"{_FLOOR:g}); {others if math.isfinite(gap) else 'no other rates come near'}."
-    )
+    near = others if math.isfinite(gap) else "no other rates come near"
+    words = f"{_verdicts.of_floor(floor, _FLOOR, settings)}; {near}."
     if floor < _FLOOR and gap > settings.competing:
         return _verdicts.SOLVED, words
     return _verdicts.OPEN, words

@@ -110,14 +110,20 @@ def of_line(line: float, most: float, modes: tuple[str, ...]) -> list[Candidate]
 
 def _rates(g, f, most, modes):
     """lambda/pi and signed f on a lattice, within the bounds of frequencies."""
+    if not LEAST <= f <= most:
+        return
     for k in range(-2, 2):
         rate = g + (2 * k + 1) * f
-        if f < LEAST or f > most:
-            continue
         if "LAM" in modes and rate - f >= LEAST and rate <= most:
             yield rate, f
         if "SAM" in modes and rate >= LEAST and rate + f <= most and f < _SHORT_AXIS * rate:
             yield rate, -f
+
+
+def rotations(problem: CurveProblem, most: float, keep: int) -> FloatArray:
+    """Rates (R,), turns per span, of the best lines, `keep` of them, and half of each."""
+    strong = lines(problem, most, keep)
+    return np.unique(np.concatenate([strong, 0.5 * strong]))
 
 
 def lines(problem: CurveProblem, most: float, keep: int) -> FloatArray:

@@ -183,9 +183,10 @@ class MovingPoint:
         values = self.values
         length = max(self.reach[1] - self.reach[0], 1e-9)
         momentum = float(np.linalg.norm(self.body.tensor @ self.spin.angular_velocity))
+        owners = [torque for torque in self.torques for _ in range(_numbers(torque))]
         pairs_of = []
-        for k, value in enumerate(values):
-            is_flux = _numbers(self._owner(k)) == 1
+        for k, (value, owner) in enumerate(zip(values, owners, strict=True)):
+            is_flux = isinstance(owner, SolarRadiation)
             size = _SHARE * (max(abs(float(value)), 1e-9) if is_flux else momentum / length)
             many = []
             for node in NODES:
@@ -194,15 +195,6 @@ class MovingPoint:
                 many.append(self._changed(other)[1])
             pairs_of.append((size, many))
         return pairs_of
-
-    def _owner(self, number: int) -> Torque:
-        """The torque to which a number belongs."""
-        end = 0
-        for torque in self.torques:
-            end += _numbers(torque)
-            if number < end:
-                return torque
-        raise AssertionError(number)
 
 
 def moving_point(
@@ -406,12 +398,10 @@ class MovingFit:
             residual, _ = _evidence.residuals(whole, best.magnitude)
             whole = problem.with_model_error(_evidence.model_error(problem, residual))
             best = self.minimum(whole, best.state)
-
-        def fit(own: CurveProblem, state: MovingState) -> Fitted[MovingState]:
-            return self.minimum(own, state, _LAST, 1e-5)
-
         free = int(np.count_nonzero(~self.fixed[: start.point.size]))
-        return _evidence.student(whole, best.state, fit, free)
+        return _evidence.student(
+            whole, best.state, lambda own, state: self.minimum(own, state, _LAST, 1e-5), free
+        )
 
     def _in_stages(self, problem: CurveProblem, start: MovingState) -> Fitted[MovingState]:
         """The least cost from fits of points near the epoch of the start, then of more."""

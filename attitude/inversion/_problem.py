@@ -368,10 +368,7 @@ def _bins(curve: LightCurve, most_frequency: float) -> IntArray | None:
 
 
 def _averaged(curve: LightCurve, bins: IntArray | None) -> dict[str, Any]:
-    unit = {}
-    for name in ("sun", "observer"):
-        vectors = getattr(curve, name)
-        unit[name] = vectors / np.linalg.norm(vectors, axis=1)[:, None]
+    """Columns of the points of a curve, or of their averages."""
     values: dict[str, Any] = {
         "emission": curve.emission,
         "reduced": curve.reduced_magnitude,
@@ -379,7 +376,8 @@ def _averaged(curve: LightCurve, bins: IntArray | None) -> dict[str, Any]:
         "session": curve.session,
         "filter": curve.filter,
         "exposure": curve.exposure,
-        **unit,
+        "sun": _unit(curve.vectors[0]),
+        "observer": _unit(curve.vectors[1]),
     }
     if bins is not None:
         weight = 1.0 / curve.sigma**2
@@ -388,10 +386,8 @@ def _averaged(curve: LightCurve, bins: IntArray | None) -> dict[str, Any]:
         for name in ("emission", "reduced"):
             values[name] = np.bincount(bins, weight * values[name]) / total
         for name in ("sun", "observer"):
-            mean = np.stack(
-                [np.bincount(bins, weight * values[name][:, k]) / total for k in range(3)], axis=1
-            )
-            values[name] = mean / np.linalg.norm(mean, axis=1)[:, None]
+            mean = [np.bincount(bins, weight * component) / total for component in values[name].T]
+            values[name] = _unit(np.stack(mean, axis=1))
         values["sigma"] = 1.0 / np.sqrt(total)
         for name in ("session", "filter", "exposure"):
             values[name] = values[name][first]
@@ -399,3 +395,8 @@ def _averaged(curve: LightCurve, bins: IntArray | None) -> dict[str, Any]:
         values = {name: column[order] for name, column in values.items()}
     values["alpha"] = angle_between(values["sun"], values["observer"])
     return values
+
+
+def _unit(vectors: FloatArray) -> FloatArray:
+    unit: FloatArray = vectors / np.linalg.norm(vectors, axis=1)[:, None]
+    return unit

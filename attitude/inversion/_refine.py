@@ -110,14 +110,8 @@ class Refinement(CurveFit):
         """The motion, with the covariance of its state."""
         by = self.point.by_state()
         by_state = by @ self.covariance @ by.T
-        spin = self.point.spin
-        with_errors = Spin(
-            spin.epoch,
-            spin.wxyz_icrf,
-            spin.angular_velocity,
-            covariance=0.5 * (by_state + by_state.T),
-        )
-        return self.point.motion_of(with_errors)
+        spin = self.point.spin.with_covariance(0.5 * (by_state + by_state.T))
+        return self.point.motion_of(spin)
 
     @property
     def mode(self) -> str:

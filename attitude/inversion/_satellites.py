@@ -208,8 +208,7 @@ def _distinct(found: list[AdditivePair]) -> list[AdditivePair]:
 
 def _rotations(problem: CurveProblem, most: float, count: int = _ROTATIONS) -> FloatArray:
     """Rates (R,), turns per span, of strong lines and half of them."""
-    strong = _lattices.lines(problem, most, count)
-    rotations = np.unique(np.concatenate([strong, 0.5 * strong]))
+    rotations = _lattices.rotations(problem, most, count)
     long_ones: FloatArray = rotations[rotations > 2.0 * _lattices.LEAST]
     return long_ones
 

@@ -381,13 +381,9 @@ class Search:
         Lines lie at even numbers of psi: a shift of a line moves psi by half of it.
         """
         rates: list[_lattices.Candidate] = []
-        states: list[FloatArray] = []
-        for fit in self.convex:
-            if is_axial(fit.state) or any(self.has_rates(fit.state, other) for other in states):
-                continue
-            states.append(fit.state)
-            nutation = abs(float(fit.state[1]))
-            phi = 2.0 * float(fit.state[0]) - max(float(fit.state[1]), 0.0)
+        tumbling = (fit.state for fit in self.convex if not is_axial(fit.state))
+        for state in distinct(tumbling, self.has_rates, self.settings.scanned):
+            phi, nutation = SearchState.of(state).rates
             for shift in (0.0, *self.shifts):
                 for fraction in (-1.0, -0.5, 0.5, 1.0) if shift else (0.0,):
                     moved = [
@@ -402,15 +398,12 @@ class Search:
                         and rate + max(-f, 0.0) < self.most
                         and ("LAM" if f > 0.0 else "SAM") in self.modes
                     ]
-            if len(states) == self.settings.scanned:
-                break
         return list(dict.fromkeys(rates))
 
     def _axial(self, rates: FloatArray | None = None) -> None:
         """Rotations about one axis at rates (R,), turns per span, or at those of strong lines."""
         if rates is None:
-            lines_found = _lattices.lines(self.problem, self.most, self.settings.axial_rates)
-            rates = np.unique(np.concatenate([lines_found, 0.5 * lines_found]))
+            rates = _lattices.rotations(self.problem, self.most, self.settings.axial_rates)
         rates = rates[rates > _lattices.LEAST]
         pool = _ellipsoid.axial(self.problem, self.generator, rates, self.settings.axial_starts)
         self._refine(_ellipsoid.in_order(pool), self.problem, keep=self.settings.convex // 2)

@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 
     from attitude._support.annotations import Epochs, FilePath, FloatArray, IntArray
     from attitude._support.tables import FlatTable
-    from attitude.inversion._errors import GroupErrors, Modelled
+    from attitude.inversion._errors import GroupErrors
     from attitude.inversion._evidence import Weighted
     from attitude.inversion._problem import CurveProblem
     from attitude.inversion._shapes import Tie
@@ -155,12 +155,14 @@ def predicted(
     seconds, emission, sun, observer = _geometry(curve, times, path, site)
     fitted_problem = solution.weighted.problem
     terms = _terms(solution, emission, angle_between(sun, observer), filter)
-    unit = [(vectors / np.linalg.norm(vectors, axis=1)[:, None]).T for vectors in (sun, observer)]
+    to_sun, to_observer = (
+        (vectors / np.linalg.norm(vectors, axis=1)[:, None]).T for vectors in (sun, observer)
+    )
     there = replace(
         fitted_problem,
         t=emission / fitted_problem.span,
-        sun=unit[0].copy(),
-        observer=unit[1].copy(),
+        sun=to_sun,
+        observer=to_observer,
         exposure=_exposures(curve, times, len(emission), fitted_problem.span),
     )
     fitted = solution._model(fitted_problem)
@@ -389,7 +391,7 @@ class CurveFit(Answering, ABC):
         )
 
     @abstractmethod
-    def _model(self, problem: CurveProblem) -> Modelled:
+    def _model(self, problem: CurveProblem) -> _refinement.ShapeModel:
         """Magnitudes and their derivatives at the epochs of a problem."""
 
     def predict(
@@ -435,9 +437,7 @@ class CurveFit(Answering, ABC):
     @property
     def _groups(self) -> tuple[IntArray, ...]:
         """Numbers of the groups of points by which errors are found, by several groupings."""
-        problem = self._problem
-        session = None if len(problem) < len(self.curve) else self.curve.session
-        return _errors.groupings(problem.t, problem.span, session)
+        return _errors.groupings(self._problem.t, self._problem.span, self.curve.session)
 
     def plot(self, path: FilePath | None = None) -> Any:
         """A figure with a panel a night: points, model, residuals; saved if a path is given."""

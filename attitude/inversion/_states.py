@@ -236,28 +236,9 @@ class Posterior:
 
     def plot(self, path: FilePath | None = None) -> Any:
         """A corner figure of the first solution's parameters; saved if a path is given."""
-        from attitude import plots
+        from attitude.inversion import _figures
 
-        figure = plots.new_figure((9.0, 9.0))
-        axes = figure.subplots(MOTION, MOTION, sharex="col")
-        of_best = self.offsets[self.solution == 0]
-        for row in range(MOTION):
-            for column in range(MOTION):
-                panel = axes[row, column]
-                if column > row:
-                    panel.set_visible(False)
-                elif column == row:
-                    panel.hist(of_best[:, row], 30, color="#0072b2")
-                else:
-                    panel.plot(of_best[:, column], of_best[:, row], ",", color="#0072b2")
-                if row == 7:
-                    panel.set_xlabel(NAMES[column], fontsize=9)
-                panel.locator_params(nbins=2)
-                panel.tick_params(labelsize=9, labelleft=column == 0 < row)
-                panel.tick_params("x", rotation=60)
-        if path is not None:
-            figure.savefig(path, dpi=130)
-        return figure
+        return _figures.of_posterior(self, path)
 
 
 def sampled(

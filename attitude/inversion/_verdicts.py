@@ -44,24 +44,17 @@ def relation(
 
     Shapes: state, best (WIDTH,).
     """
+    if state is best:
+        return "best"
     words = []
     if is_axial(state) != is_axial(best):
         words.append("rotation about one axis" if is_axial(state) else "tumbling")
-    elif not (_has_rates(state, best, problem) or _sees_one_turn(state, best, problem)):
+    elif not (_has_rates(state, best, problem) or _has_periods(state, best, problem)):
         turns = _of_turns(state, best, length)
         words.append(turns or _of_rates(state, best, problem.span))
-    if state is best:
-        return "best"
-    words.append(
-        _of_poles(
-            SearchState.of(state).pole, SearchState.of(best).pole, _pole_map.plane_of(problem)
-        )
-    )
+    poles = SearchState.of(state).pole, SearchState.of(best).pole
+    words.append(_of_poles(*poles, _pole_map.plane_of(problem)))
     return ", ".join(words)
-
-
-def _sees_one_turn(state: FloatArray, best: FloatArray, problem: CurveProblem) -> bool:
-    return is_axial(best) and _pole_map.has_turn(problem, state, best)
 
 
 def _of_turns(state: FloatArray, best: FloatArray, length: float) -> str:
@@ -192,6 +185,12 @@ def ended_by(tally: Tally) -> str:
     return f" The budget of {tally.budget:g} s ended the search."
 
 
+def of_floor(ratio: float, most: float, settings: Settings) -> str:
+    """The ratio of the residuals to the errors of the floor, in words."""
+    errors = f"errors of sigma and {settings.floor_error:g} mag"
+    return f"chi2/N is {ratio:.2f} with {errors} (floor {most:g})"
+
+
 def needed(best: Weighted, problem: CurveProblem) -> float:
     """By how much other periods have to lie behind a solution in evidence, at least."""
     settings, state = problem.settings, SearchState.of(best.refined.state)
@@ -277,10 +276,9 @@ def verdict(
         if _has_periods(other.refined.state, state, problem) and _competes(other, best, problem)
     ]
     words = (
-        f"chi2/N is {floor:.2f} with errors of sigma and {settings.floor_error:g} mag (floor "
-        f"{settings.floor:g}); {100.0 * left:.1f} % of the variance is left; the next periods "
-        "are "
-        f"{gap_to_next:.1f} behind in -2 ln(evidence) ({behind:.3g} needed)"
+        f"{of_floor(floor, settings.floor, settings)}; {100.0 * left:.1f} % of the variance is "
+        f"left; the next periods are {gap_to_next:.1f} behind in -2 ln(evidence) ({behind:.3g} "
+        "needed)"
     )
     accepted = (floor < settings.floor or left < settings.left) and gap_to_next > behind
     turns = abs(float(state[0]))
