@@ -99,6 +99,12 @@ def model_error(problem: CurveProblem, residual: FloatArray) -> float:
     return low if high > _LEAST_ERROR * 1.01 else _LEAST_ERROR
 
 
+def with_error_of(problem: CurveProblem, magnitude: FloatArray) -> CurveProblem:
+    """The problem with the model error that the residuals of model magnitudes (N,) show."""
+    residual, _ = residuals(problem, magnitude)
+    return problem.with_model_error(model_error(problem, residual))
+
+
 def refined(
     problem: CurveProblem,
     start: FloatArray,
@@ -181,8 +187,7 @@ def constant(problem: CurveProblem) -> Weighted:
         return Fitted(None, chi, chi, 0.0, nothing[:, None], nothing, nothing, zeros)
 
     for _ in range(2):
-        residual, _ = residuals(problem, zeros)
-        problem = problem.with_model_error(model_error(problem, residual))
+        problem = with_error_of(problem, zeros)
     return student(problem, None, fit, 0)
 
 

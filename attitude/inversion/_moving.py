@@ -75,7 +75,12 @@ class MovingPoint:
     @property
     def size(self) -> int:
         """The number of parameters."""
-        return STATE + 3 * len(self.impulses) + sum(_numbers(torque) for torque in self.torques)
+        return STATE + len(self.values)
+
+    @property
+    def changes(self) -> tuple[Impulse | Torque, ...]:
+        """The impulses and torques."""
+        return (*self.impulses, *self.torques)
 
     @property
     def axis(self) -> int | None:
@@ -109,13 +114,7 @@ class MovingPoint:
     @property
     def values(self) -> FloatArray:
         """The numbers of the changes: momenta, torques (3 each), flux of sunlight in W/m2."""
-        numbers = [np.asarray(impulse.angular_momentum, float) for impulse in self.impulses]
-        for torque in self.torques:
-            if isinstance(torque, ConstantTorque):
-                numbers.append(np.asarray(torque.torque, float))
-            elif isinstance(torque, SolarRadiation):
-                numbers.append(np.array([torque.flux]))
-        return np.concatenate(numbers) if numbers else np.zeros(0)
+        return np.concatenate([np.zeros(0), *map(_numbers, self.changes)])
 
     def attitudes(self, seconds: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Rotation matrices (N, 3, 3) to ICRF and rotation vectors (N, 3, P) by the parameters."""
@@ -167,23 +166,20 @@ class MovingPoint:
 
     def _changed(self, values: FloatArray) -> tuple[tuple[Impulse, ...], tuple[Torque, ...]]:
         """The changes with other numbers."""
-        count = len(self.impulses)
-        impulses = tuple(
-            Impulse(impulse.at, values[3 * k : 3 * k + 3], impulse.frame)
-            for k, impulse in enumerate(self.impulses)
-        )
-        torques, at = [], 3 * count
-        for torque in self.torques:
-            torques.append(_with_numbers(torque, values[at : at + _numbers(torque)]))
-            at += _numbers(torque)
-        return impulses, tuple(torques)
+        changes: list[Any] = []
+        for change in self.changes:
+            count = len(_numbers(change))
+            changes.append(_with_numbers(change, values[:count]))
+            values = values[count:]
+        first = len(self.impulses)
+        return tuple(changes[:first]), tuple(changes[first:])
 
     def _others(self) -> list[tuple[float, list[tuple[Torque, ...]]]]:
         """A step for each number of the torques, and the torques there."""
         values = self.values
         length = max(self.reach[1] - self.reach[0], 1e-9)
         momentum = float(np.linalg.norm(self.body.tensor @ self.spin.angular_velocity))
-        owners = [torque for torque in self.torques for _ in range(_numbers(torque))]
+        owners = [change for change in self.changes for _ in _numbers(change)]
         pairs_of = []
         for k, (value, owner) in enumerate(zip(values, owners, strict=True)):
             is_flux = isinstance(owner, SolarRadiation)
@@ -257,19 +253,25 @@ def _listed(changes: Any, kind: type, name: str) -> tuple[Any, ...]:
     return items
 
 
-def _numbers(torque: Torque) -> int:
-    """How many numbers of a torque are found; others than these two kinds are known."""
-    return 3 if isinstance(torque, ConstantTorque) else int(isinstance(torque, SolarRadiation))
+def _numbers(change: Impulse | Torque) -> FloatArray:
+    """The numbers of a change that are found; torques of other kinds are known."""
+    if isinstance(change, Impulse):
+        return np.asarray(change.angular_momentum, float)
+    if isinstance(change, ConstantTorque):
+        return np.asarray(change.torque, float)
+    return np.array([change.flux]) if isinstance(change, SolarRadiation) else np.zeros(0)
 
 
-def _with_numbers(torque: Torque, values: FloatArray) -> Torque:
-    if isinstance(torque, ConstantTorque):
+def _with_numbers(change: Impulse | Torque, values: FloatArray) -> Impulse | Torque:
+    if isinstance(change, Impulse):
+        return Impulse(change.at, values, change.frame)
+    if isinstance(change, ConstantTorque):
         return ConstantTorque(values)
-    if isinstance(torque, SolarRadiation):
-        radiation = SolarRadiation(torque.shape, torque.path, torque.diffuse, torque.mirrored)
+    if isinstance(change, SolarRadiation):
+        radiation = SolarRadiation(change.shape, change.path, change.diffuse, change.mirrored)
         radiation._set("flux", float(values[0]))  # a fit may make the strength negative
         return radiation
-    return torque
+    return change
 
 
 # ---- Least squares of a motion with parameters and a shape, convex or known, to a light curve
@@ -395,8 +397,7 @@ class MovingFit:
         if not math.isfinite(best.cost):
             raise AttitudeError("the start has no magnitudes at the epochs of the curve.")
         for _ in range(2):
-            residual, _ = _evidence.residuals(whole, best.magnitude)
-            whole = problem.with_model_error(_evidence.model_error(problem, residual))
+            whole = _evidence.with_error_of(whole, best.magnitude)
             best = self.minimum(whole, best.state)
         free = int(np.count_nonzero(~self.fixed[: start.point.size]))
         return _evidence.student(
@@ -435,11 +436,11 @@ def moving_fit(
     if axis is not None:
         across = [k for k in range(3) if k != axis]
         fixed[[3 + k for k in across]] = True
-        at = STATE + 3 * len(point.impulses)
-        for torque in point.torques:
-            if isinstance(torque, ConstantTorque):
+        at = STATE
+        for change in point.changes:
+            if isinstance(change, ConstantTorque):
                 fixed[[at + k for k in across]] = True
-            at += _numbers(torque)
+            at += len(_numbers(change))
     if is_ellipsoid:
         fixed[point.size + _shapes.ELLIPSOID :] = True
     least = 0.0 if known is None else known.floor(problem.sun.T, problem.observer.T)

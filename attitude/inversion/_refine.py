@@ -152,7 +152,7 @@ class Refinement(CurveFit):
     @property
     def changes(self) -> tuple[Impulse | Torque, ...]:
         """The impulses or torques with the numbers that were found."""
-        return (*self.point.impulses, *self.point.torques)
+        return self.point.changes
 
     @property
     def values(self) -> FloatArray:
