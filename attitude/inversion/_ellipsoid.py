@@ -335,6 +335,11 @@ def is_axial(state: FloatArray) -> bool:
     return bool(state[3] == AXIAL)
 
 
+def is_admissible(state: FloatArray) -> bool:
+    """Whether a body has the moments of a state (16 or more,)."""
+    return is_axial(state) or bool(moments(state[OF_MOMENTS]).exists)
+
+
 def have_rates(states: FloatArray, state: FloatArray, width: float) -> BoolArray:
     """Which of the states (..., 16 or more) have the mode and the rates of one (16 or more,).
 
@@ -345,6 +350,11 @@ def have_rates(states: FloatArray, state: FloatArray, width: float) -> BoolArray
     if is_axial(state):
         return np.asarray(alike & axial)
     return np.asarray(alike & ~axial & (np.abs(states[..., 1] - state[1]) < width))
+
+
+def have_pole(a: FloatArray, b: FloatArray, width: float) -> bool:
+    """Whether the poles of two states lie within an angle, rad."""
+    return bool(SearchState.of(a).pole @ SearchState.of(b).pole > math.cos(width))
 
 
 class Held(NamedTuple):

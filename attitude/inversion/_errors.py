@@ -22,7 +22,7 @@ import numpy as np
 from attitude._support.least_squares import inverse
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
-from attitude.inversion import _ellipsoid, _motions, _neighbours, _refinement
+from attitude.inversion import _ellipsoid, _neighbours, _refinement
 from attitude.inversion._refinement import MOTION
 from attitude.motions._propagation import propagate
 
@@ -269,14 +269,11 @@ def log_density(found: Weighted, tie: Tie, factor: FloatArray) -> Callable[[Floa
         offsets[which] = factor @ scaled
         trial = moved(state, offsets)
         trial[14:] += follow @ offsets
-        if is_axial:
-            return -0.5 * _refinement.profiled_cost(problem, trial, tie, True)
         inside = _ellipsoid.LEAST_X < trial[4] < _ellipsoid.MOST_X
-        if not (inside and _ellipsoid.LEAST_RHO < trial[3] < _ellipsoid.MOST_RHO):
+        inside &= _ellipsoid.LEAST_RHO < trial[3] < _ellipsoid.MOST_RHO
+        if not is_axial and not (inside and _ellipsoid.is_admissible(trial)):
             return -math.inf
-        if not _motions.moments(trial[_ellipsoid.OF_MOMENTS]).exists:
-            return -math.inf
-        return -0.5 * _refinement.profiled_cost(problem, trial, tie, False)
+        return -0.5 * _refinement.profiled_cost(problem, trial, tie, is_axial)
 
     return density
 

@@ -361,13 +361,10 @@ def found(
     axes = body.principal_axes
     known = _shapes.known(mesh, law).over(axes)
     zero_points = curve.zero_points
-    problem, bins = _problem.problem(
+    problem, averaged = _problem.problem(
         curve, most, settings.ellipsoid_error, zero_points, is_known=True, settings=settings,
         tally=Tally(seconds),
     )  # fmt: skip
-    notes = list(curve.notes)
-    if bins is not None:
-        notes.append(f"{len(curve)} points were averaged to {len(problem)}.")
     search = PassSearch(
         problem,
         known,
@@ -387,9 +384,11 @@ def found(
     kept: list[Refinement] = []
     turned = 0
     for solution in solutions:
+        if any(_is_same(solution, other) for other in kept):
+            continue
         if any(_looks_same(solution, other, symmetry) for other in kept):
-            turned += not any(_is_same(solution, other) for other in kept)
-        elif not any(_is_same(solution, other) for other in kept):
+            turned += 1
+        else:
             solution.rank = len(kept)
             solution.relation = _relation(solution, kept[0]) if kept else "best"
             solution.rivals = _rivals(solution, solutions)
@@ -402,7 +401,7 @@ def found(
             f" {turned} states differ from these by a turn about the axis of symmetry of the "
             "shape, which brightness does not show, and are not listed."
         )
-    return kept, verdict, criterion, tuple(notes)
+    return kept, verdict, criterion, (*curve.notes, *averaged)
 
 
 def _fitted(curve, problem, known, body, search, k):

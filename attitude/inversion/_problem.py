@@ -282,11 +282,8 @@ def problem(
     is_known: bool = False,
     settings: Settings = DEFAULT,
     tally: Tally | None = None,
-) -> Any:
-    """The problem of a curve, and its points (N,) or None where they are averages.
-
-    Shapes: error in mag.
-    """
+) -> tuple[CurveProblem, list[str]]:
+    """The problem of a curve, error in mag, and a sentence where its points are averaged."""
     span = curve.span
     bins = _bins(curve, most_frequency)
     values = _averaged(curve, bins)
@@ -313,7 +310,9 @@ def problem(
         tally=Tally() if tally is None else tally,
         exposure=values["exposure"] / span if np.any(values["exposure"]) else None,
     )
-    return whole_problem, bins
+    if bins is None:
+        return whole_problem, []
+    return whole_problem, [f"{len(curve)} points were averaged to {len(whole_problem)}."]
 
 
 def are_free(offsets: FloatArray) -> bool:

@@ -136,7 +136,7 @@ class Search:
 
     def is_same(self, a: FloatArray, b: FloatArray) -> bool:
         """Whether two states have one mode, the same rates and the same pole."""
-        return self.has_rates(a, b) and _has_pole(a, b, self.settings.same_pole)
+        return self.has_rates(a, b) and _ellipsoid.have_pole(a, b, self.settings.same_pole)
 
     def has_rates(self, a: FloatArray, b: FloatArray) -> bool:
         """Whether two states have one mode and the same rates."""
@@ -172,14 +172,7 @@ class Search:
                     return
             if self.shifts and not self.is_over:
                 rates = self._displaced()
-                pool = _ellipsoid.around(
-                    thinned,
-                    self.generator,
-                    rates,
-                    self.settings.alias_starts,
-                    iterations=30,
-                    tie=self._held,
-                )
+                pool = self._around(thinned, rates, self.settings.alias_starts, 30)
                 best_of_each = _ellipsoid.best_of_each(pool, len(rates))
                 self._refine(_ellipsoid.in_order(best_of_each), thinned)
             if number == 0:
@@ -296,7 +289,6 @@ class Search:
         yield self._ellipsoids(problem, rates, None, starts, more, "periods of the lines")
         if number == 0 and self._is_clear():
             return
-        self.convex.sort(key=lambda each: each.cost)
         starts = self.settings.scan_starts * more
         yield self._ellipsoids(problem, *self._scan(), starts, more, "periods of psi")
 
@@ -340,17 +332,16 @@ class Search:
         for rate in _ellipsoid.rates_of(pool, self.settings.classes):
             if self.is_over:
                 break
-            deep.append(
-                _ellipsoid.around(
-                    problem,
-                    self.generator,
-                    [rate],
-                    self.settings.deep_starts * more,
-                    iterations=40,
-                    tie=self._held,
-                )
-            )
+            deep.append(self._around(problem, [rate], self.settings.deep_starts * more, 40))
         return _ellipsoid.in_order(*deep)
+
+    def _around(
+        self, problem: CurveProblem, rates: list[_lattices.Candidate], count: int, iterations: int
+    ) -> Pool:
+        """Ellipsoids from so many random starts for each pair of rates."""
+        return _ellipsoid.around(
+            problem, self.generator, rates, count, iterations=iterations, tie=self._held
+        )
 
     def _scan(self) -> tuple[list[_lattices.Candidate], FloatArray]:
         """Rates with a line of the best solutions, of phi or of phi and psi, and every nutation.
@@ -495,7 +486,7 @@ class Search:
         for number, state in enumerate(states):
             alike = motions[self._with_rates(motions, state)]
             if len(alike) < self.settings.poles and not any(
-                _has_pole(state, other, self.settings.same_pole) for other in alike
+                _ellipsoid.have_pole(state, other, self.settings.same_pole) for other in alike
             ):
                 chosen.append(number)
                 motions = np.concatenate([motions, state[None, : _ellipsoid.WIDTH]])
@@ -599,7 +590,7 @@ class Search:
             )
             poles = distinct(
                 (state, *images, *with_rates),
-                lambda a, b: _has_pole(a, b, self.settings.same_pole),
+                lambda a, b: _ellipsoid.have_pole(a, b, self.settings.same_pole),
                 1 + self.settings.map_bodies,
             )
             self._add(poles[1:])
@@ -652,17 +643,16 @@ class Search:
 
     def _with_error_of(self, best: Refined) -> CurveProblem:
         """That, or the one of another body with nearly the same error, whose fits are known."""
-        residual, _ = _evidence.residuals(self.problem, best.magnitude)
-        error = _evidence.model_error(self.problem, residual)
+        problem = _evidence.with_error_of(self.problem, best.magnitude)
         for _ in range(2):
-            fitted = self._weighted(self.problem.with_model_error(error), best, is_wide=False)
-            error = _evidence.model_error(self.problem, fitted.residual)
+            residual = self._weighted(problem, best, is_wide=False).residual
+            problem = problem.with_model_error(_evidence.model_error(problem, residual))
         for other in self._own_problems:
-            is_alike = abs(other.model_error / error - 1.0) < self.settings.same_error
-            if is_alike and other.sigma is self.problem.sigma and other.terms is self.problem.terms:
+            is_alike = abs(other.model_error / problem.model_error - 1.0) < self.settings.same_error
+            if is_alike and other.sigma is problem.sigma and other.terms is problem.terms:
                 return other
-        self._own_problems.append(self.problem.with_model_error(error))
-        return self._own_problems[-1]
+        self._own_problems.append(problem)
+        return problem
 
     def _axial_solutions(
         self, problem: CurveProblem, tumbling: Sequence[Weighted]
@@ -762,8 +752,3 @@ class Search:
         if self.is_ellipsoid:
             fixed[10:] = True
         return fixed
-
-
-def _has_pole(a: FloatArray, b: FloatArray, width: float) -> bool:
-    """Whether the poles of two states lie within an angle, rad."""
-    return bool(SearchState.of(a).pole @ SearchState.of(b).pole > math.cos(width))

@@ -235,7 +235,7 @@ class _Wanted:
 
         def prepared(zero_points: ZeroPoints) -> _search.Search:
             turns, settings = self.most * curve.span, self.settings
-            problem, bins = _problem.problem(
+            problem, averaged = _problem.problem(
                 curve,
                 self.most,
                 settings.ellipsoid_error,
@@ -259,8 +259,7 @@ class _Wanted:
             if outliers:
                 words = f"{outliers} points lie far off both neighbours; they hardly count."
                 search.notes.append(words)
-            if bins is not None:
-                search.notes.append(f"{len(curve)} points were averaged to {len(problem)}.")
+            search.notes += averaged
             return search
 
         return prepared
@@ -530,31 +529,27 @@ def _offsets_of(found: Weighted) -> FloatArray:
 def _results(curve, searched):
     ahead = searched.satellite_is_ahead()
     search = searched.rival if ahead > 0.0 else searched
+    settings = search.settings
+    admissible = [one for one in search.solutions if _ellipsoid.is_admissible(one.refined.state)]
     solutions = [
-        Solution(curve, solution, search.problem, search.tie, k)
-        for k, solution in enumerate(search.solutions)
-        if _states.is_admissible(solution.refined.state)
+        Solution(curve, one, search.problem, search.tie, k) for k, one in enumerate(admissible)
     ]
-    for k, solution in enumerate(solutions):
-        solution.rank = k
+
+    def competing(solution, others):
+        width = settings.competing_poles
+        return [one for one in others if abs(one.evidence - solution.evidence) < width]
+
+    for solution in solutions:
         solution.relation = _verdicts.relation(
-            solution.state, solutions[0].state, solution._problem, search.length
+            solution.state, solutions[0].state, search.problem, search.length
         )
-        solution._rivals = [solution] + [
-            other
-            for other in solutions
-            if other is not solution
-            and abs(other.evidence - solution.evidence) < search.settings.competing_poles
-        ]
-        solution._beside = [
-            one
-            for one in search.beside
-            if solution.is_axial
-            and abs(one.evidence - solution.evidence) < search.settings.competing_poles
-        ]
-    verdict, criterion = search.verdict_of([solution.weighted for solution in solutions])
+        others = [other for other in solutions if other is not solution]
+        solution._rivals = [solution, *competing(solution, others)]
+        if solution.is_axial:
+            solution._beside = competing(solution, search.beside)
+    verdict, criterion = search.verdict_of(admissible)
     if verdict == _verdicts.SOLVED:
-        best, settings = solutions[0], search.settings
+        best = solutions[0]
         verdict, criterion = _verdicts.of_pole(
             criterion, best.pole_sigma, settings, is_axial=best.is_axial
         )

@@ -93,13 +93,6 @@ def physical(state: FloatArray) -> PhysicalState:
     return PhysicalState(matrix, moments_of.momentum * body[2] / ratios, ratios / ratios.max())
 
 
-def is_admissible(state: FloatArray) -> bool:
-    """Whether a body has the moments of a state."""
-    if is_axial(state):
-        return True
-    return bool(_motions.moments(state[_ellipsoid.OF_MOMENTS]).exists)
-
-
 def motion(
     state: FloatArray, span: float, epoch: Instant, covariance: FloatArray | None
 ) -> FreeRotation:

@@ -323,12 +323,8 @@ def _competes(other: Weighted, best: Weighted, problem: CurveProblem) -> bool:
     if behind < _width_of_poles(best, problem):
         return True
     width = settings.pole_errors * _evidence.standard_error(best, other, problem)
-    return behind < width and not _is_near(other, best, settings.near_pole)
-
-
-def _is_near(other: Weighted, best: Weighted, width: float) -> bool:
-    cosine = SearchState.of(other.refined.state).pole @ SearchState.of(best.refined.state).pole
-    return bool(cosine > math.cos(width))
+    states = other.refined.state, best.refined.state
+    return behind < width and not _ellipsoid.have_pole(*states, settings.near_pole)
 
 
 def of_pole(criterion: str, sigma: float, settings: Settings, *, is_axial: bool) -> tuple[str, str]:
