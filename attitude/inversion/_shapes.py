@@ -129,8 +129,10 @@ def constraints(flat: FloatArray, area: FloatArray, slopes: FloatArray) -> Const
 # ---- Magnitudes of a convex body, with derivatives, and what its shape has to satisfy
 # The parameters of a shape are two of an ellipsoid and the coefficients of the modes of the areas.
 
-# Share of Lambert's law in the scattering, to that of Lommel and Seeliger.
+# Share of Lambert's law in the scattering, to that of Lommel and Seeliger; the law, without a phase
+# function.
 LAMBERT = 0.1
+LAW = LommelSeeligerLambert(c=LAMBERT, a=0.0, k=0.0)
 # Parameters of the ellipsoid, and of a shape.
 ELLIPSOID = 2
 SIZE = ELLIPSOID + MODES
@@ -507,7 +509,7 @@ def known(mesh: Mesh, law: str | Law | None) -> KnownShape:
     """The mesh with a law, or with its name; by default Lommel-Seeliger's and a tenth of
     Lambert's.
     """
-    chosen = LommelSeeligerLambert(c=0.1, a=0.0, k=0.0) if law is None else known_law(law)
+    chosen = LAW if law is None else known_law(law)
     if not isinstance(mesh, Mesh):
         raise AttitudeError(f"shape is {mesh!r}; give a Mesh.")
     shape_known = KnownShape(mesh, chosen)

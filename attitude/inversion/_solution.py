@@ -35,7 +35,6 @@ from attitude.inversion._shapes import sphere
 from attitude.motions._free_rotation import FreeRotation
 from attitude.paths import _places
 from attitude.photometry._curve import LightCurve, angle_between, dimming, vectors_of
-from attitude.scattering._weighted import LommelSeeligerLambert
 from attitude.scene._scene import Scene
 
 if TYPE_CHECKING:
@@ -334,7 +333,7 @@ class CurveFit(Answering, ABC):
     @property
     def law(self) -> Law:
         """The scattering law without its phase function, which the linear terms replace."""
-        return LommelSeeligerLambert(c=_shapes.LAMBERT, a=0.0, k=0.0)
+        return _shapes.LAW
 
     @property
     def residuals(self) -> FloatArray:
@@ -652,21 +651,16 @@ class Solution(CurveFit):
             ("moments", " : ".join(f"{moment:.4g}" for moment in self.moments / self.moments[0])),
             ("rms", f"{self.rms:.4f} mag"),
         ]
+        t = self.weighted.problem.t
+        days = (t - t.min()) * self.curve.span / TIME_UNITS["d"]
+        fit = markup.line_plot(
+            [(days, self.residuals)],
+            f"residuals over {np.ptp(days):.4g} d, {np.ptp(self.residuals):.3g} mag in all",
+            is_downward=True,
+            is_dotted=True,
+        )
         shape = markup.solid(self.shape.corners, self.shape.normals, "shape, from x, y, z > 0")
-        return markup.table("Solution", rows, *self._fit_picture(), shape)
-
-    def _fit_picture(self) -> list[str]:
-        """Observed and computed magnitudes, less the mean of each, against time."""
-        problem = self.weighted.problem
-        days = (problem.t - problem.t.min()) * self.curve.span / TIME_UNITS["d"]
-        return [
-            markup.line_plot(
-                [(days, self.residuals)],
-                f"residuals over {np.ptp(days):.4g} d, {np.ptp(self.residuals):.3g} mag in all",
-                is_downward=True,
-                is_dotted=True,
-            )
-        ]
+        return markup.table("Solution", rows, fit, shape)
 
 
 # Of a search: `Solution`, or `Refinement` for a known shape.
