@@ -368,15 +368,12 @@ class Held(NamedTuple):
     moments: tuple[float, float, float] = (math.nan, math.nan, math.nan)
 
 
-def are_allowed(states: FloatArray, is_axial: bool) -> BoolArray:
+def are_allowed(states: FloatArray) -> BoolArray:
     """Which of the states (..., 16 or more) are within the bounds."""
-    allowed_states = np.all(np.abs(states[..., 14:16]) < MOST_RATIO, axis=-1)
-    if not is_axial:
-        log_rho, x = states[..., 3], states[..., 4]
-        allowed_states &= (
-            (x > LEAST_X) & (x < MOST_X) & (log_rho > LEAST_RHO) & (log_rho < MOST_RHO)
-        )
-    return np.asarray(allowed_states)
+    log_rho, x = states[..., 3], states[..., 4]
+    inside = (x > LEAST_X) & (x < MOST_X) & (log_rho > LEAST_RHO) & (log_rho < MOST_RHO)
+    is_body = np.all(np.abs(states[..., 14:16]) < MOST_RATIO, axis=-1)
+    return np.asarray(is_body & (inside | (log_rho == AXIAL)))
 
 
 def moved(states: FloatArray, steps: FloatArray) -> FloatArray:
@@ -550,14 +547,14 @@ def minimised(
         size = np.abs(steps[:, 5:]) * (6.0, 2.0, 4.0, 1.0, 1.0)
         longest = np.maximum(np.sqrt(np.sum(steps[:, :3] ** 2, axis=1)), size.max(axis=1))
         new = moved(states, steps * (_LONGEST / np.maximum(longest, _LONGEST))[:, None])
-        return new, are_allowed(new, bool(fixed[6]))
+        return new, are_allowed(new)
 
     fitted = least_squares.Problem(
         lambda states: _linearised(curve, states, fixed, tie),
         stepped,
         lambda states: _cost(curve, states, tie),
     )
-    on = are_allowed(starts, bool(fixed[6]))
+    on = are_allowed(starts)
     pool = Pool(np.full(len(starts), np.inf), starts.copy())
     best = least_squares.minimum(fitted, starts[on], _RULE, iterations)
     pool.cost[on], pool.states[on] = best.cost, best.states

@@ -261,7 +261,6 @@ def log_density(found: Weighted, tie: Tie, factor: FloatArray) -> Callable[[Floa
     """
     problem, state, normal = found.problem, found.refined.state, found.refined.normal
     which = free(found)
-    is_axial = len(which) < MOTION
     follow = -np.linalg.solve(normal[MOTION:, MOTION:], normal[MOTION:, :MOTION])
 
     def density(scaled: FloatArray) -> float:
@@ -271,9 +270,9 @@ def log_density(found: Weighted, tie: Tie, factor: FloatArray) -> Callable[[Floa
         trial[14:] += follow @ offsets
         inside = _ellipsoid.LEAST_X < trial[4] < _ellipsoid.MOST_X
         inside &= _ellipsoid.LEAST_RHO < trial[3] < _ellipsoid.MOST_RHO
-        if not is_axial and not (inside and _ellipsoid.is_admissible(trial)):
+        if not _ellipsoid.is_axial(trial) and not (inside and _ellipsoid.is_admissible(trial)):
             return -math.inf
-        return -0.5 * _refinement.profiled_cost(problem, trial, tie, is_axial)
+        return -0.5 * _refinement.profiled_cost(problem, trial, tie)
 
     return density
 

@@ -209,12 +209,10 @@ def _by_motion(t, r, g, across, jacobian):
         jacobian[7, i] = a * g[6, i] + b * g[7, i] + c * g[8, i]
 
 
-def _penalties(
-    state: FloatArray, here: ShapeModel, tie: _shapes.Tie, is_axial: bool
-) -> _shapes.Priors:
+def _penalties(state: FloatArray, here: ShapeModel, tie: _shapes.Tie) -> _shapes.Priors:
     """The priors of a state."""
     moments = None
-    if not is_axial:
+    if not _ellipsoid.is_axial(state):
         ratios, slopes = np.empty((1, 2)), np.empty((1, 2, 4))
         _motions.with_slopes(state[None], ratios, slopes)
         by_motion = np.zeros((2, MOTION))
@@ -232,22 +230,16 @@ def _penalties(
     )
 
 
-def profiled_cost(
-    problem: CurveProblem, state: FloatArray, tie: _shapes.Tie, is_axial: bool
-) -> float:
+def profiled_cost(problem: CurveProblem, state: FloatArray, tie: _shapes.Tie) -> float:
     """The cost of a motion after one Gauss-Newton step of its shape."""
-    held = np.arange(len(state) - WIDTH + SIZE) < MOTION
-    near = _near(problem, state, tie, held, is_axial)
+    near = _near(problem, state, tie, np.arange(len(state) - WIDTH + SIZE) < MOTION)
     return near.cost - float(near.gradient @ np.linalg.solve(near.normal, near.gradient))
 
 
-def _near(
-    problem: CurveProblem, state: FloatArray, tie: _shapes.Tie, held: BoolArray, is_axial: bool
-) -> Refined:
+def _near(problem: CurveProblem, state: FloatArray, tie: _shapes.Tie, held: BoolArray) -> Refined:
     """The cost near a state, where some parameters (P,) are held."""
     shape_model = model(problem, state)
-    priors = _penalties(state, shape_model, tie, is_axial)
-    return linearised(problem, state, shape_model, priors, held)
+    return linearised(problem, state, shape_model, _penalties(state, shape_model, tie), held)
 
 
 def refine(
@@ -284,15 +276,7 @@ def refine(
     held = np.zeros(MOTION + _shapes.ELLIPSOID + modes + len(drift), bool)
     if fixed is not None:
         held[: len(fixed)] = fixed[: len(held)]
-
-    is_axial = bool(held[6])
-    return minimum(
-        lambda trial: _near(problem, trial, tie, held, is_axial),
-        lambda trial, step: _moved(trial, step, is_axial),
-        state,
-        iterations,
-        gain,
-    )
+    return minimum(lambda trial: _near(problem, trial, tie, held), _moved, state, iterations, gain)
 
 
 def linearised(
@@ -323,7 +307,7 @@ def linearised(
     return Fitted(state, cost, chi, priors.strain, normal, gradient, here.areas, here.magnitude)
 
 
-def _moved(state: FloatArray, step: FloatArray, is_axial: bool) -> FloatArray | None:
+def _moved(state: FloatArray, step: FloatArray) -> FloatArray | None:
     """The state after a step of limited length; None outside of the bounds."""
     longest = max(
         float(np.linalg.norm(step[:3])),
@@ -338,4 +322,4 @@ def _moved(state: FloatArray, step: FloatArray, is_axial: bool) -> FloatArray | 
         step = step * (0.5 / longest)
     trial = _ellipsoid.moved(state, step)
     trial[16:] += step[10:]
-    return trial if _ellipsoid.are_allowed(trial, is_axial) else None
+    return trial if _ellipsoid.are_allowed(trial) else None
