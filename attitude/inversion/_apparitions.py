@@ -306,9 +306,8 @@ def _fastest(problem: CurveProblem, spans: Sequence[IntArray]) -> float:
         both = both / np.linalg.norm(both, axis=0)
         angle = math.acos(max(-1.0, float((both.T @ both).min())))
         # less than a full turn about a pole close by
-        fastest = (
-            max(fastest, min(angle / math.pi, 0.5) / max(length, 1e-9)) if length > 0.0 else fastest
-        )
+        if length > 0.0:
+            fastest = max(fastest, min(angle / math.pi, 0.5) / max(length, 1e-9))
     return min(fastest, 2.0 * problem.span / (365.25 * _DAY))
 
 

@@ -180,7 +180,7 @@ class PassSearch:
         turns = self.most * 2.0 * span / (2.0 * math.pi)
         count = int(_STARTS * 4.2 * (turns / _CELL + 0.5) ** 3)
         count = min(max(count, _FEWEST), _MOST)
-        best: States | None = None
+        best = States(np.empty((0, 4)), np.empty((0, 3)), np.empty(0))
         block = max(_errors.BLOCK // len(problem), 1)
         for begin in range(0, count, block):
             size = min(block, count - begin)
@@ -189,14 +189,12 @@ class PassSearch:
             omega = self.generator.standard_normal((size, 3))
             omega /= np.linalg.norm(omega, axis=1)[:, None]
             omega *= self.most * self.generator.random((size, 1)) ** (1.0 / 3.0)
-            new = States(wxyz, omega, self._costs(problem, wxyz, omega).cost)
-            both = new if best is None else _joined(best, new)
+            both = _joined(best, States(wxyz, omega, self._costs(problem, wxyz, omega).cost))
             best = both.rows(np.argsort(both.cost, kind="stable")[:_REFINED])
             if begin % (50 * block) == 0:
                 self.progress(f"{begin + size} of {count} random states")
             if self.problem.tally.is_over:
                 break
-        assert best is not None
         return best
 
     def _costs(self, problem: CurveProblem, wxyz: FloatArray, omega: FloatArray) -> _errors.Costs:

@@ -119,8 +119,9 @@ def covariance(
     def refitted(keep: BoolArray) -> FloatArray | None:
         again = _refinement.refine(
             problem.part(keep), state, tie=tie, fixed=fixed, iterations=_REFITTED, gain=1e-5
-        )
-        return _difference(again.state, state)
+        ).state
+        turn = quaternion.from_matrix(state[5:14].reshape(3, 3).T @ again[5:14].reshape(3, 3))
+        return np.concatenate([forms.to_rotation_vector(turn), again[:5] - state[:5]])
 
     shape_model = _refinement.model(problem, state)
     formal = _errors.covariance_of_motion(found, tie)
@@ -139,24 +140,14 @@ def covariance(
     return 0.5 * (total + total.T), errors_of
 
 
-def _difference(state: FloatArray, origin: FloatArray) -> FloatArray:
-    """The parameters (8,) of the motion of a state from those of another."""
-    turn = quaternion.from_matrix(origin[5:14].reshape(3, 3).T @ state[5:14].reshape(3, 3))
-    return np.concatenate([forms.to_rotation_vector(turn), state[:5] - origin[:5]])
-
-
 def _slopes(state: FloatArray) -> FloatArray:
     """Derivatives (9, 8) of rotation vector (ICRF), rates and moments by the parameters."""
     slopes = np.zeros((9, MOTION))
     scale = np.array([1.0, 1.0, 1.0, abs(state[0]), max(abs(state[1]), 1.0), 1.0, 1.0, 1.0])
-    for p in range(MOTION):
-        if is_axial(state) and p >= 4:
-            continue
-        ends = []
-        for sign in (1.0, -1.0):
-            step = np.zeros(_refinement.SIZE)
-            step[p] = sign * _STEP * scale[p]
-            ends.append(physical(_ellipsoid.moved(state, step)))
+    for p in range(4 if is_axial(state) else MOTION):
+        step = np.zeros(MOTION)
+        step[p] = _STEP * scale[p]
+        ends = [physical(_errors.moved(state, sign * step)) for sign in (1.0, -1.0)]
         turn = ends[0].matrix @ ends[1].matrix.T
         vector = 0.5 * np.array(
             [turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]
