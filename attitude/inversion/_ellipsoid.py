@@ -416,15 +416,21 @@ def _wanted(states: FloatArray, tie: Held) -> FloatArray:
     return np.where(states[:, 4] >= 0.0, both, both[::-1])
 
 
+def log_ratios(states: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """ln I1/I3 and ln I2/I3 (S, 2) of the motions of states, and slopes (S, 2, 10)."""
+    ratios, by_elements = np.empty((len(states), 2)), np.empty((len(states), 2, 4))
+    with_slopes(states, ratios, by_elements)
+    slopes = np.zeros((len(states), 2, PARAMETERS))
+    slopes[:, :, 3:5], slopes[:, :, 6:8] = by_elements[:, :, :2], by_elements[:, :, 2:]
+    return ratios, slopes
+
+
 def _tied(states: FloatArray, tie: Held) -> tuple[FloatArray, FloatArray]:
     """Differences of the logarithms of the moments of the motions from those wanted, over the tie.
 
     An array (S, 2), and its derivatives (S, 2, 10) by the parameters.
     """
-    ratios, slopes = np.empty((len(states), 2)), np.empty((len(states), 2, 4))
-    with_slopes(states, ratios, slopes)
-    rows = np.zeros((len(states), 2, PARAMETERS))
-    rows[:, :, 3:5], rows[:, :, 6:8] = slopes[:, :, :2], slopes[:, :, 2:]
+    ratios, rows = log_ratios(states)
     if math.isnan(tie.moments[0]):
         a, b = np.exp(-states[:, 14:16]).T
         rows[:, 0, 8], rows[:, 0, 9] = -a / (a + b), b / (b + 1.0) - b / (a + b)

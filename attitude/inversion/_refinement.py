@@ -213,12 +213,9 @@ def _penalties(state: FloatArray, here: ShapeModel, tie: _shapes.Tie) -> _shapes
     """The priors of a state."""
     moments = None
     if not _ellipsoid.is_axial(state):
-        ratios, slopes = np.empty((1, 2)), np.empty((1, 2, 4))
-        _motions.with_slopes(state[None], ratios, slopes)
-        by_motion = np.zeros((2, MOTION))
-        by_motion[:, 3:5], by_motion[:, 6:8] = slopes[0, :, :2], slopes[0, :, 2:]
+        ratios, slopes = _ellipsoid.log_ratios(state[None])
         modes = bool(state[1] > 0.0), bool(state[4] < 0.0)
-        moments = _shapes.MotionMoments(ratios[0], by_motion, *modes)
+        moments = _shapes.MotionMoments(ratios[0], slopes[0, :, :MOTION], *modes)
     shape, drift = state[14:WIDTH], state[WIDTH:]
     priors = _shapes.penalties(shape, here.areas, here.slopes, moments, MOTION, tie)
     if not drift.size:
