@@ -110,9 +110,7 @@ def refined(
     start: FloatArray,
     *,
     tie: Tie,
-    fixed: BoolArray | None = None,
-    iterations: int = 20,
-    gain: float = 1e-4,
+    fixed: BoolArray,
     trials: float = 1.0,
     held: BoolArray | None = None,
 ) -> Weighted:
@@ -120,16 +118,16 @@ def refined(
 
     `held` (K,): parameters that stay in the fit, in place of `fixed`, and count as free.
     """
+    stay = fixed if held is None else held
 
     def fit(own: CurveProblem, state: FloatArray) -> Refined:
-        stay = fixed if held is None else held
-        return _refinement.refine(own, state, tie=tie, fixed=stay, iterations=iterations, gain=gain)
+        return _refinement.refine(own, state, tie=tie, fixed=stay, gain=1e-4)
 
-    free = MOTION if fixed is None else int(np.count_nonzero(~fixed[:MOTION]))
-    robust = student(problem, start, fit, free, trials)
+    robust = student(problem, start, fit, int(np.count_nonzero(~fixed[:MOTION])), trials)
     if held is not None:
-        arguments = robust.problem, robust.refined.state
-        there = _refinement.refine(*arguments, tie=tie, fixed=fixed, iterations=0)
+        there = _refinement.refine(
+            robust.problem, robust.refined.state, tie=tie, fixed=fixed, iterations=0
+        )
         robust = replace(robust, refined=there)
     return replace(robust, evidence=robust.evidence + occam(robust.refined.normal, len(problem)))
 
