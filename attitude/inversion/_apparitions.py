@@ -231,7 +231,7 @@ def _first_of_cells(t: FloatArray, width: float) -> NDArray[np.bool_]:
 
 def apparitions(problem: CurveProblem) -> list[IntArray]:
     """Numbers of the points of each apparition, ascending."""
-    return _neighbours.apparitions_of(problem.t * problem.span)
+    return _neighbours.apparitions_of(problem.seconds)
 
 
 # ---- Rates of the apparitions, each with a series of its own

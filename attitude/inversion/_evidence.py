@@ -157,8 +157,7 @@ def student(
     trials: float = 1.0,
 ) -> Weighted:
     """The state of largest posterior density near a start, with Student's errors."""
-    state, reweighted = start, problem
-    size = np.hypot(problem.sigma, problem.model_error)
+    state, reweighted, size = start, problem, problem.errors
     for turn in range(_ROUNDS + 1):
         fitted = fit(reweighted, state)
         state = fitted.state
@@ -233,7 +232,7 @@ def standard_error(solution: Weighted, other: Weighted, problem: CurveProblem) -
     """
     less = _less_likely(solution, other, problem.sigma**2 + problem.model_error**2)
     gains = (FREEDOM + 1.0) * less
-    nights = _neighbours.nights_of(problem.t * problem.span)
+    nights = _neighbours.nights_of(problem.seconds)
     parts = [np.sum(gains[night]) for night in nights]
     if len(parts) < _FEWEST:
         return 0.0

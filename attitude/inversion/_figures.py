@@ -55,7 +55,7 @@ def of_nights(solution: CurveFit, path: FilePath | None = None) -> Any:
     Of curves of few points a night, one panel of the whole curve.
     """
     problem, curve = solution.weighted.problem, solution.curve
-    seconds = problem.t * problem.span
+    seconds = problem.seconds
     groups = _neighbours.nights_of(seconds)
     if np.median([len(group) for group in groups]) < _FEW:
         return of_fit(solution, path)
@@ -298,7 +298,7 @@ def _map(axes: Any, best: Solution) -> None:
 
 def _fit(above: Any, below: Any, solution: CurveFit) -> None:
     problem = solution.weighted.problem
-    seconds = problem.t * problem.span
+    seconds = problem.seconds
     unit = time_unit(float(np.ptp(seconds)))
     t = seconds / TIME_UNITS[unit]
     shown = problem.magnitude

@@ -115,7 +115,7 @@ class PassSearch:
         It also ends where several searches have found one state that the model fits roughly.
         """
         problem = self.problem
-        seconds = problem.t * problem.span
+        seconds = problem.seconds
         self.least = self.known.floor(problem.sun.T, problem.observer.T)
         best: States | None = None
         origin = 0.0
@@ -147,7 +147,7 @@ class PassSearch:
         """Search from one first span: its middle and half its length, s."""
         problem = self.problem
         self.origin = middle
-        away = np.abs(problem.t * problem.span - middle)
+        away = np.abs(problem.seconds - middle)
         early = problem.part(away <= span).with_model_error(_ERRORS[0])
         self.states = self._screened(early, span)
         self.states = self._refined(early, self.states, _ITERATIONS)
@@ -199,7 +199,7 @@ class PassSearch:
 
     def _costs(self, problem: CurveProblem, wxyz: FloatArray, omega: FloatArray) -> _errors.Costs:
         """Costs of states."""
-        t = problem.t * problem.span - self.origin
+        t = problem.seconds - self.origin
         return _errors.costs(problem, self.known, self.moments, wxyz, omega, t, self.least)
 
     def _near(self, problem: CurveProblem, states: FloatArray) -> Near:
@@ -212,7 +212,7 @@ class PassSearch:
         return Near(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
     def _near_block(self, problem: CurveProblem, states: FloatArray) -> Near:
-        t = problem.t * problem.span - self.origin
+        t = problem.seconds - self.origin
         # six magnitudes for differences beside the own
         _errors.count_states(problem, self.known, 7 * len(states))
         problem.tally.add(len(states), problem.settings.slopes_cost)
@@ -392,8 +392,7 @@ def found(
             solution.rivals = _rivals(solution, solutions)
             kept.append(solution)
     verdict, criterion = _verdict(kept)
-    if verdict == _verdicts.OPEN and problem.tally.is_over:
-        criterion += _verdicts.ended_by(problem.tally)
+    criterion += _verdicts.ended_by(verdict, problem.tally)
     if turned:
         criterion += (
             f" {turned} states differ from these by a turn about the axis of symmetry of the "

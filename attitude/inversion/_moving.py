@@ -322,7 +322,7 @@ class MovingFit:
     def model(self, problem: CurveProblem, state: MovingState) -> ShapeModel:
         """The magnitudes of a state, means over exposures, with derivatives."""
         point, nodes = state.point, problem.at_nodes()
-        seconds = seconds_of(point, self.epoch, nodes.t * nodes.span)
+        seconds = seconds_of(point, self.epoch, nodes.seconds)
         matrix, slopes = point.attitudes(seconds)
         sun = np.ascontiguousarray(np.einsum("nij,in->nj", matrix, nodes.sun))
         observer = np.ascontiguousarray(np.einsum("nij,in->nj", matrix, nodes.observer))
@@ -406,7 +406,7 @@ class MovingFit:
 
     def _in_stages(self, problem: CurveProblem, start: MovingState) -> Fitted[MovingState]:
         """The least cost from fits of points near the epoch of the start, then of more."""
-        seconds = seconds_of(start.point, self.epoch, problem.t * problem.span)
+        seconds = seconds_of(start.point, self.epoch, problem.seconds)
         away = np.abs(seconds)
         state = start
         for share in _STAGES:

@@ -78,7 +78,7 @@ def noise(problem: CurveProblem, residual: FloatArray, turns: float) -> FloatArr
     scaled, whole = _beside_errors(problem, residual, turns)
     whole = 1.0 if math.isnan(whole) else max(1.0, whole)
     factors = np.full(len(problem), whole)
-    for night in nights_of(problem.t * problem.span):
+    for night in nights_of(problem.seconds):
         values_of_night = scaled[night][np.isfinite(scaled[night])]
         if len(values_of_night) >= _TRIPLES:
             factor = _NORMAL * float(np.median(values_of_night))

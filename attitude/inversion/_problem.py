@@ -86,10 +86,15 @@ class CurveProblem:
         for name in ("t", "sun", "observer"):
             object.__setattr__(self, name, np.ascontiguousarray(getattr(self, name)))
 
+    @property
+    def errors(self) -> FloatArray:
+        """Errors (N,) of the magnitudes, that of the model in quadrature."""
+        return np.hypot(self.sigma, self.model_error)
+
     @cached_property
     def root(self) -> FloatArray:
         """Roots (N,) of the weights."""
-        return 1.0 / np.hypot(self.sigma, self.model_error)
+        return 1.0 / self.errors
 
     @cached_property
     def u(self) -> FloatArray:
@@ -115,7 +120,7 @@ class CurveProblem:
 
     def with_weights(self, weights: FloatArray) -> CurveProblem:
         """The same magnitudes, whose squared errors are divided by weights (N,)."""
-        size = np.hypot(self.sigma, self.model_error) / np.sqrt(weights)
+        size = self.errors / np.sqrt(weights)
         # the model error stays: sigma takes up what the weights change
         sigma = np.sqrt(np.maximum(size**2 - self.model_error**2, self.sigma**2))
         return self.with_errors(sigma)
@@ -144,6 +149,11 @@ class CurveProblem:
 
     def __len__(self) -> int:
         return len(self.t)
+
+    @property
+    def seconds(self) -> FloatArray:
+        """Epochs (N,) of emission, s from the middle of the span."""
+        return self.t * self.span
 
     def at_nodes(self) -> CurveProblem:
         """The problem at the nodes of the exposures, (K, N) in one row; without any, itself.

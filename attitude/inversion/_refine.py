@@ -102,7 +102,7 @@ class Refinement(CurveFit):
         fit, problem = self._fit, self.weighted.problem
         if fit.known is None or self.changes:
             return None
-        seconds = _moving.seconds_of(self.point, fit.epoch, problem.t * problem.span)
+        seconds = _moving.seconds_of(self.point, fit.epoch, problem.seconds)
         return _errors.covariance_of_state(self.weighted, self.point, seconds, fit.known, fit.least)
 
     @cached_property

@@ -267,8 +267,7 @@ class Search:
 
         Outliers turn least squares to other rates; by Student's distribution they hardly count.
         """
-        size = np.hypot(self.problem.sigma, self.problem.model_error)
-        square = (self.solutions[0].residual / size) ** 2
+        square = (self.solutions[0].residual / self.problem.errors) ** 2
         return self.problem.with_weights(_evidence.weights(square))
 
     def _thinned(self, number: int) -> CurveProblem:

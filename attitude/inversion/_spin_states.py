@@ -506,9 +506,8 @@ def _as_constant(problem: CurveProblem, found: Sequence[Weighted]) -> str:
     words = f"a constant brightness with zero points of the sessions of {size:.3f} mag rms"
     if not found:
         return f"{words} explains the curve"
-    side = "ahead of" if ahead > 0.0 else "behind"
     needed = f"({problem.settings.competing:g} needed)"
-    return f"{words} is {abs(ahead):.1f} {side} the best state in -2 ln(evidence) {needed}"
+    return f"{words} is {_verdicts.ahead_by(ahead)} the best state in -2 ln(evidence) {needed}"
 
 
 def _shifts(curve: LightCurve, share: float) -> tuple[float, ...]:
@@ -562,8 +561,7 @@ def _results(curve, searched):
     notes = list(searched.notes)
     if solutions and np.any(solutions[0].drift):
         notes.append(_words_of_drift(solutions[0]))
-    if verdict == _verdicts.OPEN and search.is_over:
-        criterion += _verdicts.ended_by(search.problem.tally)
+    criterion += _verdicts.ended_by(verdict, search.problem.tally)
     return SpinStates(solutions, verdict, criterion, tuple(notes))
 
 

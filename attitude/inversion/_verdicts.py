@@ -180,9 +180,15 @@ _WHOLE_SKY = 180.0
 _STEPS = 40
 
 
-def ended_by(tally: Tally) -> str:
-    """A sentence on the budget, where it and not the data ended a search."""
-    return f" The budget of {tally.budget:g} s ended the search."
+def ended_by(verdict: str, tally: Tally) -> str:
+    """A sentence on the budget, where it and not the data ended a search; else ""."""
+    is_ended = verdict == OPEN and tally.is_over
+    return f" The budget of {tally.budget:g} s ended the search." if is_ended else ""
+
+
+def ahead_by(ahead: float) -> str:
+    """By how much evidence is ahead of another one, or behind, in words."""
+    return f"{abs(ahead):.1f} {'ahead of' if ahead > 0.0 else 'behind'}"
 
 
 def of_floor(ratio: float, most: float, settings: Settings) -> str:
@@ -358,8 +364,7 @@ def of_satellite(
         words = f"{rival} is {ahead:.1f} ahead of every body alone; of the rotation: {verdict[1]}"
         return f"{SATELLITE} {period:.6g} d", words
     if ahead > -needed:
-        side = "ahead of" if ahead > 0.0 else "behind"
-        words = f"{rival} is {abs(ahead):.1f} {side} the best body alone ({needed:g} needed)."
+        words = f"{rival} is {ahead_by(ahead)} the best body alone ({needed:g} needed)."
         return OPEN, f"{words} {verdict[1]}"
     return verdict
 
