@@ -81,29 +81,24 @@ class Combs:
 
     def __init__(self, problem: CurveProblem) -> None:
         self.problem = problem
-        order = np.argsort(problem.t, kind="stable")
-        self._order, t = order, problem.t[order]
-        new = _first_of_cells(t, _CELL / problem.span)
-        self._first = np.flatnonzero(new)
-        counts = np.diff(np.append(self._first, len(t)))
-        self.centre = np.add.reduceat(t, self._first) / counts
-        self._within = t - np.repeat(self.centre, counts)
-        self.width = 2.0 * float(np.abs(self._within).max(initial=0.0))
-        self._t = t
-        self._root = problem.root[order]
-        self._cell = np.repeat(np.arange(len(counts)), counts)
+        self._order = np.argsort(problem.t, kind="stable")
+        self._t, self._root = problem.t[self._order], problem.root[self._order]
+        self._y = problem.y[self._order] * self._root
+        self._first = _first_of_cells(self._t, _CELL / problem.span)
+        counts = np.diff(np.append(self._first, len(problem)))
+        self.centre = np.add.reduceat(self._t, self._first) / counts
+        within = self._t - np.repeat(self.centre, counts)
+        self.width = 2.0 * float(np.abs(within).max(initial=0.0))
         self._terms()
 
     def _terms(self) -> None:
         """Split the linear terms into those of one cell each and those of several."""
-        order, problem, size = self._order, self.problem, len(self._first)
-        weighted = problem.terms[order] * self._root[:, None]
-        used = np.zeros((size, weighted.shape[1]), bool)
-        np.logical_or.at(used, self._cell, weighted != 0.0)
+        problem, y = self.problem, self._y
+        weighted = problem.terms[self._order] * self._root[:, None]
+        used = np.logical_or.reduceat(weighted != 0.0, self._first, axis=0)
         one = used.sum(axis=0) == 1
         local = weighted[:, one]
         self._local = local / np.sqrt(1.0 / problem.prior[one] ** 2 + np.sum(local**2, axis=0))
-        y = problem.y[order] * self._root
         left = y - self._local @ (self._local.T @ y)
         others, prior = weighted[:, ~one], problem.prior[~one]
         across = others - self._local @ (self._local.T @ others)
@@ -196,9 +191,8 @@ class Combs:
         # what the zero points of single cells take off
         left = z - (z @ self._local) @ self._local.T
         z, left = z.T, left.T
-        y = self.problem.y[self._order] * self._root
         along = np.concatenate(
-            [(left * y[:, None])[:, :, None], z[:, :, None] * self._whole[:, None, :]], axis=2
+            [(left * self._y[:, None])[:, :, None], z[:, :, None] * self._whole[:, None, :]], axis=2
         )
         straight, crossed, terms = (
             np.add.reduceat(products, self._first, axis=0)
@@ -219,14 +213,13 @@ class _Sums(NamedTuple):
     terms: ComplexArray
 
 
-def _first_of_cells(t: FloatArray, width: float) -> NDArray[np.bool_]:
-    """Which of ascending epochs (N,) begin a cell: none is wider than `width`."""
-    new = np.zeros(len(t), bool)
-    start = -math.inf
+def _first_of_cells(t: FloatArray, width: float) -> IntArray:
+    """Numbers of the ascending epochs (N,) that begin a cell: none is wider than `width`."""
+    first: list[int] = []
     for k, epoch in enumerate(t):
-        if epoch - start > width:
-            new[k], start = True, epoch
-    return new
+        if not first or epoch - t[first[-1]] > width:
+            first.append(k)
+    return np.array(first)
 
 
 def apparitions(problem: CurveProblem) -> list[IntArray]:
