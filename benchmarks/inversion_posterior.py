@@ -15,7 +15,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from attitude import inversion
-from attitude.inversion._states import NAMES
+from attitude.inversion._refinement import NAMES
 from benchmarks import inversion as figures
 from benchmarks import inversion_cases
 

@@ -11,9 +11,8 @@ from attitude._support.quantity_text import TIME_UNITS, time_unit
 from attitude.errors import AttitudeError
 from attitude.inversion import _lattices, _neighbours
 from attitude.inversion._ellipsoid import SearchState
-from attitude.inversion._refinement import MOTION
-from attitude.inversion._solution import interpolated
-from attitude.inversion._states import NAMES
+from attitude.inversion._problem import interpolated
+from attitude.inversion._refinement import MOTION, NAMES
 from attitude.photometry import _folding, _spectrum
 from attitude.photometry._curve import LightCurve, dimming
 from attitude.photometry._spectrum import OVERSAMPLING

@@ -325,6 +325,18 @@ def problem(
     return whole_problem, [f"{len(curve)} points were averaged to {len(whole_problem)}."]
 
 
+def interpolated(
+    curve: LightCurve, epochs: FloatArray, t: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Vectors (T, 3) to Sun and observer at epochs (T,), from those of the points (N,)."""
+    known, first = np.unique(epochs, return_index=True)
+    sun, observer = (
+        np.stack([np.interp(t, known, vectors[first, k]) for k in range(3)], axis=1)
+        for vectors in curve.vectors
+    )
+    return sun, observer
+
+
 def are_free(offsets: FloatArray) -> bool:
     """Whether fitted zero points (S,), mag, are those of sessions that share no system."""
     return bool(len(offsets) > 2 and offsets.std() > _UNCALIBRATED)

@@ -113,7 +113,8 @@ def _alone(state: object) -> NDArray[Any]:
 
 
 # Parameters of the motion.
-MOTION = 8
+NAMES: tuple[str, ...] = ("x", "y", "z", "precession", "nutation", "phase", "ln rho", "X")
+MOTION = len(NAMES)
 SIZE = MOTION + _shapes.SIZE
 WIDTH = _ellipsoid.WIDTH - _shapes.ELLIPSOID + _shapes.SIZE
 # Behind them, where rates drift: how fast precession and nutation change, turns per span^2, and

@@ -247,22 +247,10 @@ def _geometry(
             "geometry, given as vectors, ends there; give path= (the orbit) and site=, as in "
             'predict(dates, path="orbit.oem", site="568").'
         )
-    sun, observer = interpolated(curve, curve.seconds, t)
+    sun, observer = _problem.interpolated(curve, curve.seconds, t)
     late = float(np.median(curve.seconds - curve.emission))
     light = np.linalg.norm(observer, axis=1) / SPEED_OF_LIGHT_M_S if late > 0.0 else 0.0
     return t, t - light, sun, observer
-
-
-def interpolated(
-    curve: LightCurve, epochs: FloatArray, t: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Vectors (T, 3) to Sun and observer at epochs (T,), from those of the points (N,)."""
-    known, first = np.unique(epochs, return_index=True)
-    sun, observer = (
-        np.stack([np.interp(t, known, vectors[first, k]) for k in range(3)], axis=1)
-        for vectors in curve.vectors
-    )
-    return sun, observer
 
 
 def _scene(curve: LightCurve, site: Any) -> Scene:

@@ -165,8 +165,6 @@ def _slopes(state: FloatArray) -> FloatArray:
 # density is that of independent errors; its samples are widened as the covariance is, see
 # `_errors`.
 
-NAMES: tuple[str, ...] = ("x", "y", "z", "precession", "nutation", "phase", "ln rho", "X")
-
 
 @dataclass(frozen=True, eq=False)
 class Posterior:
