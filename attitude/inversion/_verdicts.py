@@ -308,7 +308,8 @@ def verdict(
         if close:
             return PERIODS, f"{words}; {close} tumbling states with this period lie within them."
     errors = f"{settings.pole_errors:g} standard errors between nights"
-    within = f"within {_width_of_poles(best, problem):.3g} or {errors}"
+    width = _width_of_poles(best, problem)
+    within = f"within {width:.3g}, {2.0 * width:.3g} if that in likelihood, or {errors}"
     if poles:
         return PERIODS, f"{words}; {len(poles)} other poles lie {within}."
     return SOLVED, f"{words}; no other pole lies {within}."
@@ -322,15 +323,19 @@ def _width_of_poles(best: Weighted, problem: CurveProblem) -> float:
 def _competes(other: Weighted, best: Weighted, problem: CurveProblem) -> bool:
     """Whether another pole with the same periods competes with the best one.
 
-    Within a difference of evidence, or within the standard errors of the difference between nights.
+    Within a difference of evidence; or, if it is no neighbour, within as much in likelihood and
+    twice that in evidence, since a prior of shapes alone decides on no pole, or within the standard
+    errors between nights.
     """
-    settings = problem.settings
+    settings, width = problem.settings, _width_of_poles(best, problem)
     behind = other.evidence - best.evidence
-    if behind < _width_of_poles(best, problem):
+    if behind < width:
         return True
-    width = settings.pole_errors * _evidence.standard_error(best, other, problem)
-    states = other.refined.state, best.refined.state
-    return behind < width and not _ellipsoid.have_pole(*states, settings.near_pole)
+    if _ellipsoid.have_pole(other.refined.state, best.refined.state, settings.near_pole):
+        return False
+    errors = settings.pole_errors * _evidence.standard_error(best, other, problem)
+    fits_alike = behind < 2.0 * width and _evidence.gain(best, other, problem) < width
+    return fits_alike or behind < errors
 
 
 def of_pole(criterion: str, sigma: float, settings: Settings, *, is_axial: bool) -> tuple[str, str]:

@@ -649,6 +649,30 @@ def test_a_difference_counts_by_nights():
     assert _verdicts._competes(worse, one, given)
 
 
+def test_a_prior_decides_on_no_pole():
+    """Two poles called solved were wrong: mirror images 15 and 13 ahead, 5 and 6 in likelihood."""
+    given = _given(np.zeros(COUNT))
+    best = _weighted(-9.0, 0.0, 1.0, np.full(COUNT, 0.01))
+
+    def other(size, degrees, behind):
+        angle, entry = math.radians(degrees), _weighted(-9.0, behind, 1.0, np.full(COUNT, size))
+        c, s = math.cos(angle), math.sin(angle)
+        state = entry.refined.state.copy()
+        turn = np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
+        state[5:14] = (turn @ state[5:14].reshape(3, 3)).ravel()
+        return replace(entry, refined=SimpleNamespace(state=state))
+
+    for size, degrees, behind, competes in (
+        (0.0101, 120.0, 15.4, True),
+        (0.0101, 10.0, 15.4, False),  # a neighbour
+        (0.0101, 120.0, 24.1, False),  # its shape is too improbable
+        (0.02, 120.0, 15.4, False),  # fits worse
+    ):
+        alone = other(size, degrees, behind)
+        assert (_evidence.gain(best, alone, given) < 12.0) == (size < 0.02)
+        assert _verdicts._competes(alone, best, given) == competes
+
+
 def test_the_symmetry_of_a_shape():
     angle = 2.0 * math.pi * np.arange(48) / 48
     ring = np.stack([1.2 * np.cos(angle), 1.2 * np.sin(angle), 0.0 * angle], axis=-1)
