@@ -19,12 +19,13 @@ residuals of the best solution as large as expected.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from attitude.inversion import _neighbours, _refinement
+from attitude.inversion import _neighbours, _refinement, _shapes
 from attitude.inversion._ellipsoid import SearchState
 from attitude.inversion._refinement import MOTION, Fitted
 
@@ -51,6 +52,8 @@ _MOST_COMMON = 0.9
 _FEWEST = 5
 # Singular values of linear terms, relative to the largest, below which one is a copy.
 _COPY = 1e-7
+# Widths of the prior of the modes that are tried, over the one of tumbling bodies.
+_NARROWER = (0.7, 0.5)
 # Parameters of the motion: orientation and rate, of every motion, and those of the nutation.
 _ALWAYS, _NUTATION = 4, 4
 
@@ -129,7 +132,10 @@ def refined(
             robust.problem, robust.refined.state, tie=tie, fixed=fixed, iterations=0
         )
         robust = replace(robust, refined=there)
-    return replace(robust, evidence=robust.evidence + occam(robust.refined.normal, len(problem)))
+    evidence = robust.evidence + occam(robust.refined.normal, len(problem))
+    if tie.is_wide or not fixed[:MOTION].any():
+        evidence += of_narrower_prior(robust.refined, fixed)
+    return replace(robust, evidence=evidence)
 
 
 def occam(normal: FloatArray, points: int) -> float:
@@ -141,6 +147,28 @@ def occam(normal: FloatArray, points: int) -> float:
     inner = normal[np.ix_(kept, kept)].copy()
     inner[range(_ALWAYS), range(_ALWAYS)] += 1.0
     return float(np.linalg.slogdet(inner)[1]) - _ALWAYS * float(np.log(points))
+
+
+def of_narrower_prior(fitted: Refined, fixed: BoolArray) -> float:
+    """By how much the evidence changes, 0 at most, with the most probable width of the modes' prior.
+
+    Under a prior as wide as that of bodies with few modes, a motion that shows all sides of a body
+    counts as improbable what it says of its shape.  Of the maximum, by its second derivatives.
+    """
+    state, normal = fitted.state, fitted.normal
+    modes = np.arange(MOTION + _shapes.ELLIPSOID, min(_refinement.SIZE, len(normal)))
+    if fixed[modes].any():
+        return 0.0
+    values, least = state[modes + len(state) - len(normal)], 0.0
+    for scale in _NARROWER:
+        more = (scale**-2 - 1.0) / _shapes.widths(is_axial=False)[modes - MOTION] ** 2
+        narrower, pull = normal.copy(), np.zeros(len(normal))
+        narrower[modes, modes] += more
+        pull[modes] = more * values
+        cost = float(more @ values**2 - pull @ np.linalg.solve(narrower, pull))
+        volume = occam(narrower, 1) - occam(normal, 1) + 2.0 * len(modes) * math.log(scale)
+        least = min(least, cost + volume)
+    return least
 
 
 def weights(square: FloatArray) -> FloatArray:
