@@ -216,8 +216,8 @@ class Settings:
     # Poles closer than this, rad, are errors of one pole, not rivals of it.
     near_pole: float = math.radians(15.0)
     # Standard errors of a pole within that angle where it is known: of a tumbling body, and of
-    # rotation about one axis, where the convex body of a concave one fits as well, up to 4.6 off.
-    pole_widths: tuple[float, float] = (2.0, 5.0)
+    # rotation about one axis, where the convex body of a concave one fits as well, up to 5.6 off.
+    pole_widths: tuple[float, float] = (2.0, 6.0)
     # Distance, turns per span, within which lines are those of a rotation's comb: the resolution.
     comb_width: float = 1.0
     # Neighbouring residuals over the errors from which the errors are taken to be too small.
