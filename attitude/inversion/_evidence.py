@@ -9,6 +9,7 @@
 | ln N for each free parameter of the motion | `student` |
 | 2 ln of the frequencies tried over the share of tumbling bodies | `student`, its `trials` |
 | ln det of the Hessian of orientation, rate and shape, in place of their ln N | `occam` |
+| the most probable of three widths of the prior of modes | `of_narrower_prior` |
 | the prior of the shape of tumbling bodies, for rotation about one axis | `_search._compared` |
 | ln det of the terms with a prior, where fits differ in these | `volume_of_offsets` |
 
@@ -150,7 +151,7 @@ def occam(normal: FloatArray, points: int) -> float:
 
 
 def of_narrower_prior(fitted: Refined, fixed: BoolArray) -> float:
-    """By how much the evidence changes, 0 at most, with the most probable width of the modes' prior.
+    """What the evidence loses, 0 or less, with the most probable width of the prior of modes.
 
     Under a prior as wide as that of bodies with few modes, a motion that shows all sides of a body
     counts as improbable what it says of its shape.  Of the maximum, by its second derivatives.

@@ -649,6 +649,41 @@ def test_a_difference_counts_by_nights():
     assert _verdicts._competes(worse, one, given)
 
 
+def test_the_width_of_the_prior_of_modes_is_the_most_probable_one():
+    """Of Gaussian densities, whose evidence is exact: by integrals over all parameters."""
+    generator = np.random.default_rng(3)
+    size = _refinement.SIZE
+    modes = np.arange(_refinement.MOTION + _shapes.ELLIPSOID, size)
+    jacobian = generator.normal(size=(60, size))
+    free = np.zeros(size, bool)
+
+    def evidence(values, scale):
+        """-2 ln of the integral of exp(-|y - J x|^2/2) times the prior, but for a constant."""
+        prior = np.zeros(size)
+        prior[_refinement.MOTION :] = _shapes.widths(is_axial=False) ** -2.0
+        prior[modes] /= scale**2
+        normal = jacobian.T @ jacobian + np.diag(prior)
+        best = np.linalg.solve(normal, jacobian.T @ values)
+        cost = np.sum((values - jacobian @ best) ** 2) + prior @ best**2
+        volume = _evidence.occam(normal, 1) + 2.0 * len(modes) * math.log(scale)
+        return cost + volume, best, normal
+
+    for spread, is_narrow in ((0.2, True), (3.0, False)):
+        shape = spread * generator.normal(size=size)
+        values = jacobian @ shape + 0.1 * generator.normal(size=60)
+        wide, best, normal = evidence(values, 1.0)
+        state = np.zeros(_refinement.WIDTH)
+        state[14:] = best[_refinement.MOTION :]
+        fitted = SimpleNamespace(state=state, normal=normal)
+        expected = min(0.0, *(evidence(values, scale)[0] - wide for scale in (0.7, 0.5)))
+        change = _evidence.of_narrower_prior(fitted, free)
+        assert change == pytest.approx(expected, abs=1e-6)
+        assert (change < -5.0) == is_narrow
+        held = free.copy()
+        held[10:] = True
+        assert _evidence.of_narrower_prior(fitted, held) == 0.0
+
+
 def test_a_prior_decides_on_no_pole():
     """Two poles called solved were wrong: mirror images 15 and 13 ahead, 5 and 6 in likelihood."""
     given = _given(np.zeros(COUNT))

@@ -220,7 +220,7 @@ def test_motions_that_were_best_with_offsets_are_compared_again(monkeypatch):
             3.7,
             True,
             _verdicts.PERIODS,
-            "5 standard errors of the pole are 18 degrees (15 at most).",
+            "6 standard errors of the pole are 22 degrees (15 at most).",
         ),
         (500.0, False, _verdicts.PERIODS, "are the whole sky"),
     ],
