@@ -203,6 +203,9 @@ class Settings:
     # 400 to 1.
     competing: float = 13.0
     competing_poles: float = 12.0
+    # Difference of likelihoods within which poles compete that are up to twice as far behind in
+    # evidence, by a prior of shapes: two wrong ones were 5 and 6.5 ahead, right ones 10 and 13.
+    likely_poles: float = 8.0
     # Turns in the span, of the slower period of a tumbling state, below which other periods have to
     # lie `alone` behind: zero points, phase angles and directions change as slowly.  The two wrong
     # states of docs/inversion.md that were claimed without this had 3 and 4 turns.
@@ -215,8 +218,9 @@ class Settings:
     correlated: float = 0.3
     # Poles closer than this, rad, are errors of one pole, not rivals of it.
     near_pole: float = math.radians(15.0)
-    # Standard errors of a pole within that angle where it is known: of a tumbling body, and of
-    # rotation about one axis, where the convex body of a concave one fits as well, up to 5.6 off.
+    # Standard errors of a pole within that angle where it is known: of a tumbling body or in
+    # several apparitions, and of rotation about one axis in one, where the convex body of a
+    # concave one fits as well and was up to 5.6 of them off.
     pole_widths: tuple[float, float] = (2.0, 6.0)
     # Distance, turns per span, within which lines are those of a rotation's comb: the resolution.
     comb_width: float = 1.0

@@ -549,8 +549,9 @@ def _results(curve, searched):
     verdict, criterion = search.verdict_of(admissible)
     if verdict == _verdicts.SOLVED:
         best = solutions[0]
+        is_hidden = best.is_axial and not search.tie.is_wide
         verdict, criterion = _verdicts.of_pole(
-            criterion, best.pole_sigma, settings, is_axial=best.is_axial
+            criterion, best.pole_sigma, settings, is_hidden=is_hidden
         )
     if searched.rival is not None:
         period = curve.span / searched.rival.problem.orbit / _DAY

@@ -308,42 +308,47 @@ def verdict(
         if close:
             return PERIODS, f"{words}; {close} tumbling states with this period lie within them."
     errors = f"{settings.pole_errors:g} standard errors between nights"
-    width = _width_of_poles(best, problem)
-    within = f"within {width:.3g}, {2.0 * width:.3g} if that in likelihood, or {errors}"
+    width, likely = _widths_of_poles(best, problem)
+    within = f"within {width:.3g}, {2.0 * width:.3g} if {likely:.3g} in likelihood, or {errors}"
     if poles:
         return PERIODS, f"{words}; {len(poles)} other poles lie {within}."
     return SOLVED, f"{words}; no other pole lies {within}."
 
 
-def _width_of_poles(best: Weighted, problem: CurveProblem) -> float:
-    """The difference of evidence within which other poles compete."""
-    return problem.settings.competing_poles * _evidence.redundancy(best, problem)
+def _widths_of_poles(best: Weighted, problem: CurveProblem) -> tuple[float, float]:
+    """The differences of evidence and of likelihood within which other poles compete."""
+    settings, points = problem.settings, _evidence.redundancy(best, problem)
+    return settings.competing_poles * points, settings.likely_poles * points
 
 
 def _competes(other: Weighted, best: Weighted, problem: CurveProblem) -> bool:
     """Whether another pole with the same periods competes with the best one.
 
-    Within a difference of evidence; or, if it is no neighbour, within as much in likelihood and
-    twice that in evidence, since a prior of shapes alone decides on no pole, or within the standard
-    errors between nights.
+    Within a difference of evidence; or, if it is no neighbour, within twice that and one of
+    likelihood, since a prior of shapes alone decides on no pole, or within the standard errors
+    between nights.
     """
-    settings, width = problem.settings, _width_of_poles(best, problem)
+    settings = problem.settings
+    width, likely = _widths_of_poles(best, problem)
     behind = other.evidence - best.evidence
     if behind < width:
         return True
     if _ellipsoid.have_pole(other.refined.state, best.refined.state, settings.near_pole):
         return False
     errors = settings.pole_errors * _evidence.standard_error(best, other, problem)
-    fits_alike = behind < 2.0 * width and _evidence.gain(best, other, problem) < width
-    return fits_alike or behind < errors
+    fits_alike = _evidence.gain(best, other, problem) < likely
+    return (behind < 2.0 * width and fits_alike) or behind < errors
 
 
-def of_pole(criterion: str, sigma: float, settings: Settings, *, is_axial: bool) -> tuple[str, str]:
+def of_pole(
+    criterion: str, sigma: float, settings: Settings, *, is_hidden: bool
+) -> tuple[str, str]:
     """The verdict and its criterion where no other pole competes: solved, if the pole is known.
 
-    `sigma`, rad, is the standard error of the pole: some of them lie within the angle of one pole.
+    `sigma`, rad, is the standard error of the pole: some of them lie within the angle of one pole,
+    more where concave parts of the body are hidden: about one axis in one apparition.
     """
-    count = settings.pole_widths[is_axial]
+    count = settings.pole_widths[is_hidden]
     if count * sigma < settings.near_pole:
         return SOLVED, criterion
     width, most = (math.degrees(angle) for angle in (count * sigma, settings.near_pole))

@@ -211,7 +211,7 @@ def test_motions_that_were_best_with_offsets_are_compared_again(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("degrees", "is_axial", "verdict", "words"),
+    ("degrees", "is_hidden", "verdict", "words"),
     [
         (7.4, False, _verdicts.SOLVED, "s behind."),
         (7.6, False, _verdicts.PERIODS, "2 standard errors of the pole are 15 degrees (15 at"),
@@ -225,8 +225,8 @@ def test_motions_that_were_best_with_offsets_are_compared_again(monkeypatch):
         (500.0, False, _verdicts.PERIODS, "are the whole sky"),
     ],
 )
-def test_a_pole_is_solved_within_some_standard_errors(degrees, is_axial, verdict, words):
+def test_a_pole_is_solved_within_some_standard_errors(degrees, is_hidden, verdict, words):
     """Two were called solved, 16 degrees off: errors of 7.9 degrees, and of 2.9 about one axis."""
     sigma = math.radians(degrees)
-    word, criterion = _verdicts.of_pole("Others behind.", sigma, DEFAULT, is_axial=is_axial)
+    word, criterion = _verdicts.of_pole("Others behind.", sigma, DEFAULT, is_hidden=is_hidden)
     assert word == verdict and words in criterion
