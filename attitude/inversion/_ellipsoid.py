@@ -354,7 +354,7 @@ def have_rates(states: FloatArray, state: FloatArray, width: float) -> BoolArray
 
 def have_pole(a: FloatArray, b: FloatArray, width: float) -> bool:
     """Whether the poles of two states lie within an angle, rad."""
-    return bool(SearchState.of(a).pole @ SearchState.of(b).pole > math.cos(width))
+    return bool(a[OF_POLE] @ b[OF_POLE] > math.cos(width))
 
 
 class Held(NamedTuple):

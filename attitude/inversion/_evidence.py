@@ -151,23 +151,24 @@ def occam(normal: FloatArray, points: int) -> float:
 
 
 def of_narrower_prior(fitted: Refined, fixed: BoolArray) -> float:
-    """What the evidence loses, 0 or less, with the most probable width of the prior of modes.
+    """What the most probable width of the prior of modes adds to the evidence, 0 or less.
 
-    Under a prior as wide as that of bodies with few modes, a motion that shows all sides of a body
-    counts as improbable what it says of its shape.  Of the maximum, by its second derivatives.
+    Under a wide prior alone, a motion that shows all sides of a body is the less probable, the more
+    it says of the shape.  Another width moves the maximum: by the second derivatives there.
     """
     state, normal = fitted.state, fitted.normal
     modes = np.arange(MOTION + _shapes.ELLIPSOID, min(_refinement.SIZE, len(normal)))
     if fixed[modes].any():
         return 0.0
     values, least = state[modes + len(state) - len(normal)], 0.0
+    wide, weights_of = occam(normal, 1), _shapes.widths(is_axial=False)[modes - MOTION] ** -2.0
     for scale in _NARROWER:
-        more = (scale**-2 - 1.0) / _shapes.widths(is_axial=False)[modes - MOTION] ** 2
+        more = (scale**-2 - 1.0) * weights_of
         narrower, pull = normal.copy(), np.zeros(len(normal))
         narrower[modes, modes] += more
         pull[modes] = more * values
         cost = float(more @ values**2 - pull @ np.linalg.solve(narrower, pull))
-        volume = occam(narrower, 1) - occam(normal, 1) + 2.0 * len(modes) * math.log(scale)
+        volume = occam(narrower, 1) - wide + 2.0 * len(modes) * math.log(scale)
         least = min(least, cost + volume)
     return least
 

@@ -535,8 +535,8 @@ def _verdict(found: Sequence[Refinement]) -> tuple[str, str]:
     others = (
         f"the next rates are {gap:.1f} behind in -2 ln(evidence) ({settings.competing:g} needed)"
     )
-    near = others if math.isfinite(gap) else "no other rates come near"
-    words = f"{_verdicts.of_floor(floor, _FLOOR, settings)}; {near}."
+    nearest = others if math.isfinite(gap) else "no other rates come near"
+    words = f"{_verdicts.of_floor(floor, _FLOOR, settings)}; {nearest}."
     if floor < _FLOOR and gap > settings.competing:
         return _verdicts.SOLVED, words
     return _verdicts.OPEN, words

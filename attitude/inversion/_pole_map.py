@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from attitude._support.arrays import distinct
 from attitude.inversion import _ellipsoid, _evidence, _refinement, _shapes
 from attitude.inversion._refinement import MOTION
 
@@ -43,11 +44,9 @@ _BODIES = (8, 1e-3)
 # and so many of them beside the best of each pole: poles of final lists were 235 above it after
 # four iterations and at most the 89th, 63 and the 20th after six; others were 250 to 1700 above it.
 _STAGES = ((4, 700.0, 160), (4, 200.0, 100))
-# Rates of one turn, turns per span; the angle, rad, to minima that are errors of a pole, and the
-# cosine of that to those that are the same entry of a list.
-_SAME_RATE, _LOBE, _ENTRY = 0.35, math.radians(60.0), math.cos(math.radians(15.0))
-# The cosine of the angle between directions that are one pole of the map.
-_ONE_POLE = 1.0 - 1e-9
+# Rates of one turn, turns per span; angles, rad, to minima that are errors of a pole, to those that
+# are the same entry of a list, and between directions that are one pole of the map.
+_SAME_RATE, _LOBE, _ENTRY, _ONE_POLE = 0.35, math.radians(60.0), math.radians(15.0), 1e-4
 
 
 def sphere(count: int) -> FloatArray:
@@ -246,8 +245,8 @@ def minima(
         fits.sort(key=lambda fit: fit.cost)
         fits = [fit for fit in fits if fit.cost < fits[0].cost + above]
         best_ones = [fit.state for fit in fits[:most]]
-        rest = apart(fits[most:], best_ones, _ONE_POLE)
-        held_states = np.array([*best_ones, *(fit.state for fit in rest)])
+        of_others = apart(fits[most:], best_ones, _ONE_POLE)
+        held_states = np.array([*best_ones, *(fit.state for fit in of_others)])
     at_poles = _refined(problem, held_states, tie, held, _HELD, is_over)
     chosen = most_probable(at_poles, problem, behind)
     states = np.array([fit.state for fit in chosen[: settings.axial_freed]])
@@ -256,15 +255,11 @@ def minima(
 
 
 def apart(
-    found: Sequence[Refined], others: Sequence[FloatArray], cosine: float = _ENTRY
+    found: Sequence[Refined], others: Sequence[FloatArray], width: float = _ENTRY
 ) -> list[Refined]:
-    """Those whose pole no better one has, nor one of others (WIDTH,): within a cosine of angles."""
-    states, chosen = list(others), []
-    for fit in found:
-        if not any(_is_entry(fit.state, state, cosine) for state in states):
-            states.append(fit.state)
-            chosen.append(fit)
-    return chosen
+    """Those whose pole no better one has, nor one of others (WIDTH,), within an angle, rad."""
+    new = (fit for fit in found if not any(_is_entry(fit.state, state, width) for state in others))
+    return distinct(new, lambda a, b: _is_entry(a.state, b.state, width))
 
 
 def _refined(
@@ -308,8 +303,5 @@ def listed(found: Sequence[Weighted], behind: float) -> tuple[list[Weighted], li
     return entries, beside
 
 
-def _is_entry(a: FloatArray, b: FloatArray, cosine: float = _ENTRY) -> bool:
-    return bool(
-        2.0 * abs(a[0] - b[0]) < _SAME_RATE
-        and a[_ellipsoid.OF_POLE] @ b[_ellipsoid.OF_POLE] > cosine
-    )
+def _is_entry(a: FloatArray, b: FloatArray, width: float = _ENTRY) -> bool:
+    return bool(2.0 * abs(a[0] - b[0]) < _SAME_RATE) and _ellipsoid.have_pole(a, b, width)

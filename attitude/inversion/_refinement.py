@@ -230,8 +230,8 @@ def _penalties(state: FloatArray, here: ShapeModel, tie: _shapes.Tie) -> _shapes
 
 def profiled_cost(problem: CurveProblem, state: FloatArray, tie: _shapes.Tie) -> float:
     """The cost of a motion after one Gauss-Newton step of its shape."""
-    near = _near(problem, state, tie, np.arange(len(state) - WIDTH + SIZE) < MOTION)
-    return near.cost - float(near.gradient @ np.linalg.solve(near.normal, near.gradient))
+    fit = _near(problem, state, tie, np.arange(len(state) - WIDTH + SIZE) < MOTION)
+    return fit.cost - float(fit.gradient @ np.linalg.solve(fit.normal, fit.gradient))
 
 
 def _near(problem: CurveProblem, state: FloatArray, tie: _shapes.Tie, held: BoolArray) -> Refined:

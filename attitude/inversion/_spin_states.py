@@ -465,7 +465,7 @@ def _asks_for_offsets(one: _search.Search, own: _search.Search, needed: float) -
     if not one.solutions:
         return False
     solutions = *one.solutions, *own.solutions[:1]
-    own.begin(distinct((each.refined.state for each in solutions), one.has_rates))
+    own.begin(distinct((solution.refined.state for solution in solutions), one.has_rates))
     better = _with_volume(one.solutions[0]) - _with_volume(own.solutions[0])
     return better > needed
 
