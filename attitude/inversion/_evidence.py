@@ -173,6 +173,32 @@ def of_narrower_prior(fitted: Refined, fixed: BoolArray) -> float:
     return least
 
 
+def gain_of_nutation(solution: Weighted) -> float:
+    """By how much a nutation of the body, fitted, would reduce chi-squared.
+
+    Of a rotation about one axis; the nutation is that of the settings, of the rate and the phase
+    that show least, less what pole, rotation and shape make up for.
+    """
+    problem, state = solution.problem, solution.refined.state.copy()
+    fixed = np.zeros(_refinement.SIZE, bool)
+    fixed[[_refinement.NUTATION, _refinement.X]] = True
+    # a small nutation is linear in rho: its slopes by phase, rad, and ln rho are its two halves
+    halves, scale = [_refinement.PHASE, _refinement.LN_RHO], np.array([0.5 / math.pi, 1.0])
+    others = np.setdiff1d(np.arange(_refinement.SIZE), halves)
+    state[2:4] = 0.0, math.log(problem.settings.noticed)
+    gains = []
+    for rate in problem.settings.noticed_rates:
+        state[1] = -2.0 * rate * state[0]
+        normal = _refinement.refine(
+            problem, state, tie=_shapes.Tie(math.inf), fixed=fixed, iterations=0
+        ).normal
+        along = normal[np.ix_(others, halves)]
+        made_up = along.T @ np.linalg.lstsq(normal[np.ix_(others, others)], along, rcond=None)[0]
+        left = (normal[np.ix_(halves, halves)] - made_up) * np.outer(scale, scale)
+        gains.append(float(np.linalg.eigvalsh(left)[0]))
+    return min(gains)
+
+
 def weights(square: FloatArray) -> FloatArray:
     """Weights (N,) of Student's distribution for squares of residuals over their errors."""
     of_points: FloatArray = (FREEDOM + 1.0) / (FREEDOM + square)

@@ -115,6 +115,7 @@ def _alone(state: object) -> NDArray[Any]:
 # Parameters of the motion.
 NAMES: tuple[str, ...] = ("x", "y", "z", "precession", "nutation", "phase", "ln rho", "X")
 MOTION = len(NAMES)
+NUTATION, PHASE, LN_RHO, X = range(4, MOTION)
 SIZE = MOTION + _shapes.SIZE
 WIDTH = _ellipsoid.WIDTH - _shapes.ELLIPSOID + _shapes.SIZE
 # Behind them, where rates drift: how fast precession and nutation change, turns per span^2, and

@@ -214,7 +214,10 @@ class Search:
 
     def verdict_of(self, solutions: Sequence[Weighted]) -> tuple[str, str]:
         """The verdict of solutions of this search, and its criterion in words."""
-        return _verdicts.verdict(solutions, self.problem, self.is_complete, self.most)
+        return _verdicts.verdict(
+            solutions, self.problem, self.is_complete, self.most,
+            is_given_axis=self.modes == ("PA",),
+        )  # fmt: skip
 
     def satellite_is_ahead(self) -> float:
         """By how much the evidence of the rival with a moon is better than that of the best."""

@@ -262,11 +262,14 @@ def verdict(
     problem: CurveProblem,
     is_complete: bool = True,
     most: float = 0.0,
+    *,
+    is_given_axis: bool = False,
 ) -> tuple[str, str]:
     """The verdict and its criterion in words.
 
     A search that is not complete has not seen what competes: its best solution is not solved.
-    `most`, turns per span, is the largest frequency of the search.
+    `most`, turns per span, is the largest frequency of the search; `is_given_axis`: rotation about
+    one axis is not found, but given.
     """
     if not found:
         return OPEN, "No solution was found."
@@ -303,6 +306,8 @@ def verdict(
         least = needed(best, problem)
         close = sum(other.evidence - best.evidence < least for other in tumbling)
         better = _better_by_nutation([best, *tumbling], problem, least, most)
+        if not (better or is_given_axis):
+            better = _nutation_unnoticed(best, problem, most)
         if better:
             return OPEN, f"{words}; {better}."
         if close:
@@ -397,12 +402,31 @@ def _better_by_nutation(
         and other.refined.state[3] > math.log(settings.wide)
         and other.evidence - best.evidence < behind + counted
     ]
-    chance = exceeded_by_chance(settings.by_chance * min(1.0, settings.same_rate / most))
+    chance = _of_chance(most, settings)
     if max(gains, default=0.0) < chance:
         return ""
     return (
         f"a tumbling state fits better by {max(gains):.1f} in -2 ln(likelihood), more than the "
         f"{chance:.1f} of chance"
+    )
+
+
+def _of_chance(most: float, settings: Settings) -> float:
+    """By how much the best nutation among frequencies up to the largest fits better by chance."""
+    return exceeded_by_chance(settings.by_chance * min(1.0, settings.same_rate / most))
+
+
+def _nutation_unnoticed(best: Weighted, problem: CurveProblem, most: float) -> str:
+    """In words: a nutation that would be hidden by the errors; "" where it would be noticed."""
+    settings = problem.settings
+    gain, least = _evidence.gain_of_nutation(best), _of_chance(most, settings)
+    least *= settings.noticed_by
+    if gain > least:
+        return ""
+    tilt = math.degrees(2.0 * math.atan(settings.noticed))
+    return (
+        f"a nutation of {tilt:.0f} degrees would improve the fit by {gain:.1f} in chi-squared "
+        f"({least:.1f} needed to tell it from chance)"
     )
 
 

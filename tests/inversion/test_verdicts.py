@@ -19,9 +19,13 @@ COUNT = 100
 
 
 def _problem(sigma):
+    """A curve of a body that is seen from its equator, at a phase angle of 20 to 60 degrees."""
     y = np.sin(np.arange(COUNT))
     ones = np.ones((COUNT, 1))
-    given = np.linspace(-0.5, 0.5, COUNT), 1.0, np.zeros((3, COUNT)), np.zeros((3, COUNT)), y
+    angle = np.radians(np.linspace(20.0, 60.0, COUNT))
+    sun = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle])
+    observer = np.repeat([[1.0], [0.0], [0.0]], COUNT, axis=1)
+    given = np.linspace(-0.5, 0.5, COUNT), 1.0, sun, observer, y
     return inversion_problem.CurveProblem(
         *given, np.full(COUNT, sigma), ones, np.full(1, np.inf), 0.0
     )
@@ -31,8 +35,12 @@ def _solution(nutation, evidence, residual, pole=0):
     state, signs = np.zeros(_refinement.WIDTH), np.where(np.arange(COUNT) % 2, 1.0, -1.0)
     state[:5] = 20.0, nutation, 0.0, -1.0 if nutation else _ellipsoid.AXIAL, 0.0
     state[5:14] = np.roll(np.eye(3), pole, axis=0).ravel()
+    state[14:16] = 1.5, 0.5
     return SimpleNamespace(
-        refined=SimpleNamespace(state=state), evidence=evidence, residual=residual * signs
+        refined=SimpleNamespace(state=state),
+        problem=_problem(0.02),
+        evidence=evidence,
+        residual=residual * signs,
     )
 
 
@@ -92,6 +100,17 @@ def test_a_nutation_that_fits_better_than_by_chance(tumbling, behind, ln_rho, ex
     found = [_solution(0.0, 0.0, 0.02), _solution(-7.0, behind, tumbling)]
     found[1].refined.state[3] = ln_rho
     assert _verdicts.verdict(found, _problem(0.02), True, 70.0)[0] == expected
+
+
+def test_one_axis_is_claimed_where_a_nutation_would_be_noticed():
+    """Of an elongated body, not of one that is nearly a sphere: it hides how it turns."""
+    found = [_solution(0.0, 0.0, 0.01)]
+    assert _verdicts.verdict(found, _problem(0.02), True, 70.0)[0] == _verdicts.SOLVED
+    found[0].refined.state[14:16] = 0.1, 0.05
+    verdict, words = _verdicts.verdict(found, _problem(0.02), True, 70.0)
+    assert verdict == _verdicts.OPEN and "a nutation of 18 degrees would improve" in words
+    given = _verdicts.verdict(found, _problem(0.02), True, 70.0, is_given_axis=True)
+    assert given[0] == _verdicts.SOLVED
 
 
 def test_other_poles_leave_the_periods():
