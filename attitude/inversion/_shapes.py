@@ -38,6 +38,10 @@ _AMPLITUDE, _LENGTH = 1.0, 0.35
 _CLOSURE = 0.01
 # Standard deviations of ln I1/I3 and ln I2/I3 of the motion from those of the homogeneous shape.
 TOLERANCE = 0.05
+# Of a concave body the least moment is smaller than that of its convex one, by so many of these
+# that its square counts as s^2 ln(1 + u^2/s^2): of 24 bodies with shapes by radar and spacecraft it
+# is 1 to 11 for the ten that are elongated, below 1 for the others.
+_CONCAVE = 1.7
 # Turn of the axes of the shape against those of the motion, rad; least relative split of axes.
 _TURN, _SPLIT = 0.07, 0.02
 # The last step of logarithms of ratios of axes.
@@ -252,11 +256,31 @@ def penalties(
             r[6:8] = (moments.log_ratios - held.log_ratios) / tie.tolerance
             by[6:8, :motion] = moments.slopes / tie.tolerance
             by[6:8, motion:] = -of_ratios / tie.tolerance
+            _allow_concave(r[6:8], by[6:8], moments)
         strain = float(r[3:] @ r[3:])
     offsets, weights = np.zeros(size), np.zeros(size)
     weights[motion:] = 1.0 / widths(moments is None and not tie.is_wide)[: len(shape)]
     offsets[motion:] = weights[motion:] * shape
     return Priors(r, by, strain, offsets, weights)
+
+
+def _allow_concave(r: FloatArray, by: FloatArray, moments: MotionMoments) -> None:
+    """Make less of the part of two residuals (2,) and slopes (2, P) that a concave body has.
+
+    The least moment of the motion is smaller than that of the shape.
+    """
+    if moments.is_long_axis:
+        along = np.full(2, math.sqrt(0.5))
+    else:
+        along = np.array([0.0, -1.0] if moments.is_swapped else [-1.0, 0.0])
+    size = float(along @ r)
+    if size <= 0.0:
+        return
+    square = (size / _CONCAVE) ** 2
+    less = _CONCAVE * math.sqrt(math.log1p(square))
+    slope = size / ((1.0 + square) * less) if square else 1.0
+    by += np.outer(along, (slope - 1.0) * (along @ by))
+    r += (less - size) * along
 
 
 def widths(is_axial: bool) -> FloatArray:
