@@ -140,9 +140,10 @@ def spin_states(
         and a tenth of Lambert's.
     moments : str, float, three floats or Body
         "shape": the logarithms of the ratios of moments agree with those of the homogeneous shape
-        to 0.05; a number replaces this tolerance; "free": any moments of a body; three principal
-        moments, of which the ratios count, or a Body: known moments, with any shape.  Of a known
-        mesh "shape" is homogeneous, and three moments are about its own axes.
+        to 0.05, the least one less strictly downward, as in concave bodies; a number replaces this
+        tolerance; "free": any moments of a body; three principal moments, of which the ratios
+        count, or a Body: known moments, with any shape.  Of a known mesh "shape" is homogeneous,
+        and three moments are about its own axes.
     drift : bool
         Of a body that tumbles over several apparitions: both its frequencies may change at constant
         speed, as on average under a weak torque that is fixed in the body, or YORP.

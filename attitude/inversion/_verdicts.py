@@ -4,7 +4,7 @@ The verdicts are: solved, periods only, not solved.  A solution is accepted if i
 small as the errors (the floor), or, where errors are those of a telescope only, if it explains all
 but a small part of the variance and no other periods come near.  Other solutions compete within a
 difference of evidence.  A rotation about one axis is claimed only where a nutation improves the fit
-by no more than chance.
+by no more than chance, and one of 18 degrees would improve it by more.
 """
 
 from __future__ import annotations

@@ -159,6 +159,44 @@ def test_derivatives_of_the_convex_model():
         assert np.ptp(slope) < 1e-5 * np.abs(here.jacobian[p]).max()
 
 
+@pytest.mark.parametrize("is_long_axis", [True, False])
+@pytest.mark.parametrize("is_swapped", [True, False])
+def test_a_concave_body_has_a_smaller_least_moment(is_long_axis, is_swapped):
+    """A third smaller than that of the shape counts little, another moment as a square."""
+    flat = np.array([1.0, 0.6] if is_long_axis else [-1.0, -0.6])
+    if is_swapped:
+        flat = flat[::-1]
+    areas, slopes = _shapes.areas(flat, np.zeros(_shapes.MODES))
+    shape = np.concatenate([flat, np.zeros(_shapes.MODES)])
+    ratios = _shapes.constraints(flat, areas, slopes).log_ratios
+    least, width = np.argmin(np.append(ratios, 0.0)), _shapes.TOLERANCE
+
+    def priors(shift):
+        change = np.zeros(3)
+        change[list(shift)] = list(shift.values())
+        new = ratios + change[:2] - change[2]
+        moments = _shapes.MotionMoments(new, np.eye(2), is_long_axis, is_swapped)
+        return _shapes.penalties(shape, areas, slopes, moments, 2, _shapes.Tie())
+
+    exact = priors({}).strain
+    assert priors({least: 1e-3}).strain - exact < 2.5 * (1e-3 / width) ** 2
+    scale = 2.0 if is_long_axis else 1.0
+    square = scale * (math.log(1.5) / width) ** 2
+    expected = 1.7**2 * math.log1p(square / 1.7**2)
+    assert priors({least: -math.log(1.5)}).strain - exact == pytest.approx(expected, rel=1e-9)
+    assert priors({least: math.log(1.5)}).strain - exact == pytest.approx(square, rel=1e-9)
+    h = 1e-6
+    for k in range(2):
+        ends = []
+        for sign in (1.0, -1.0):
+            new = ratios + sign * h * np.eye(2)[k]
+            new[list({0, 1} if least == 2 else {least})] += 0.2 if least == 2 else -0.2
+            moments = _shapes.MotionMoments(new, np.eye(2), is_long_axis, is_swapped)
+            ends.append(_shapes.penalties(shape, areas, slopes, moments, 2, _shapes.Tie()))
+        slope = (ends[0].residuals - ends[1].residuals) / (2.0 * h)
+        assert slope == pytest.approx(ends[0].slopes[:, k], rel=1e-4, abs=1e-4)
+
+
 def test_moments_of_elements_are_those_of_the_body():
     generator = np.random.default_rng(3)
     for _ in range(40):

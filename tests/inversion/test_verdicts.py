@@ -9,7 +9,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from attitude.inversion import _ellipsoid, _evidence, _refinement, _spin_states, _verdicts
+from attitude.inversion import (
+    _ellipsoid,
+    _evidence,
+    _refinement,
+    _shapes,
+    _spin_states,
+    _verdicts,
+)
 from attitude.inversion import _problem as inversion_problem
 from attitude.inversion._problem import CALIBRATED
 from attitude.inversion._settings import DEFAULT
@@ -18,16 +25,16 @@ from attitude.inversion._spin_states import is_constant
 COUNT = 100
 
 
-def _problem(sigma):
+def _problem(sigma, count=COUNT):
     """A curve of a body that is seen from its equator, at a phase angle of 20 to 60 degrees."""
-    y = np.sin(np.arange(COUNT))
-    ones = np.ones((COUNT, 1))
-    angle = np.radians(np.linspace(20.0, 60.0, COUNT))
+    y = np.sin(np.arange(count))
+    ones = np.ones((count, 1))
+    angle = np.radians(np.linspace(20.0, 60.0, count))
     sun = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle])
-    observer = np.repeat([[1.0], [0.0], [0.0]], COUNT, axis=1)
-    given = np.linspace(-0.5, 0.5, COUNT), 1.0, sun, observer, y
+    observer = np.repeat([[1.0], [0.0], [0.0]], count, axis=1)
+    given = np.linspace(-0.5, 0.5, count), 1.0, sun, observer, y
     return inversion_problem.CurveProblem(
-        *given, np.full(COUNT, sigma), ones, np.full(1, np.inf), 0.0
+        *given, np.full(count, sigma), ones, np.full(1, np.inf), 0.0
     )
 
 
@@ -111,6 +118,32 @@ def test_one_axis_is_claimed_where_a_nutation_would_be_noticed():
     assert verdict == _verdicts.OPEN and "a nutation of 18 degrees would improve" in words
     given = _verdicts.verdict(found, _problem(0.02), True, 70.0, is_given_axis=True)
     assert given[0] == _verdicts.SOLVED
+
+
+@pytest.mark.parametrize("rate", [0.2, 0.4, 0.8])
+def test_the_gain_of_a_nutation_is_what_a_fit_without_it_lacks(rate):
+    """A rotation about one axis is fitted to the light of the body with a small nutation."""
+    rho, state = 0.1, _solution(0.0, 0.0, 0.01).refined.state
+    settings = dataclasses.replace(DEFAULT, noticed=rho, noticed_rates=(rate,))
+    problem = dataclasses.replace(_problem(0.02, 500), settings=settings)
+    axial = np.zeros(_refinement.SIZE, bool)
+    axial[: _refinement.MOTION] = _ellipsoid.AXIAL_FIXED[: _refinement.MOTION]
+    tie = _shapes.Tie(math.inf, is_wide=True)
+
+    def cost_of(motion):
+        seen = _refinement.model(problem, motion).magnitude
+        given = dataclasses.replace(problem, magnitude=seen)
+        return _refinement.refine(given, state, fixed=axial, tie=tie, gain=1e-6).cost
+
+    lacking = []
+    for phase in np.linspace(0.0, 0.5, 5)[:-1]:
+        nutating = state.copy()
+        nutating[1:4] = -2.0 * rate * state[0], phase, math.log(rho)
+        lacking.append(cost_of(nutating) - cost_of(state))
+    found = _evidence.gain_of_nutation(
+        SimpleNamespace(problem=problem, refined=SimpleNamespace(state=state))
+    )
+    assert found == pytest.approx(min(lacking), rel=0.25)
 
 
 def test_other_poles_leave_the_periods():
