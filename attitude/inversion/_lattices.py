@@ -108,6 +108,16 @@ def of_line(line: float, most: float, modes: tuple[str, ...]) -> list[Candidate]
     return out
 
 
+def mistaken(phi: float, psi: float, most: float, modes: tuple[str, ...]) -> list[Candidate]:
+    """Rates whose lines are those of others or lie next to them: phi moves by psi, in any mode."""
+    return [
+        Candidate(0.5 * rate, f)
+        for moved in (phi, phi - psi, phi + psi)
+        for rate, f in ((moved + psi, psi), (moved, -psi))
+        if moved >= LEAST and moved + psi <= most and ("LAM" if f > 0.0 else "SAM") in modes
+    ]
+
+
 def _rates(g, f, most, modes):
     """lambda/pi and signed f on a lattice, within the bounds of frequencies."""
     if not LEAST <= f <= most:

@@ -188,6 +188,12 @@ class Search:
                 self._compare_with_satellite()
             if self.is_over or self.is_decided or is_ended(False):
                 break
+            if number == 0 and self._other_rates():
+                self.finish()
+                if self._other_poles():
+                    self.finish()
+                if self.is_over or self.is_decided:
+                    break
             self.problem = self._clipped()
 
     def _ends(self, is_ended: Callable[[bool], bool], *, is_early: bool) -> bool:
@@ -583,21 +589,46 @@ class Search:
         before = len(self.convex)
         for one in leading:
             state = one.refined.state
-            if self.is_over or any(self.has_rates(state, other) for other in self._mapped_rates):
-                continue
-            self._mapped_rates.append(state)
-            images = _pole_map.images(self.problem, state)
-            with_rates = _pole_map.of_rates(
-                self.problem, self.generator, state, self._held, self.tie, lambda: self.is_over
-            )
-            poles = distinct(
-                (state, *images, *with_rates),
-                lambda a, b: _ellipsoid.have_pole(a, b, self.settings.same_pole),
-                1 + self.settings.map_bodies,
-            )
-            self._add(poles[1:])
+            if self._is_to_be_mapped(state):
+                self._add_mapped(state, state, *_pole_map.images(self.problem, state))
         self.progress(f"{len(self.convex) - before} bodies at other poles")
         return len(self.convex) > before
+
+    def _other_rates(self) -> bool:
+        """Add bodies from maps of poles at rates that are mistaken for others; whether any.
+
+        Lines of those of the best tumbling body and of these are the same or next to each other:
+        where a body is far from an ellipsoid, ellipsoids take one for the other.
+        """
+        tumbling = [fit.state for fit in self.convex if not is_axial(fit.state)]
+        before = len(self.convex)
+        for state in tumbling[:1]:
+            fields = SearchState.of(state)
+            for rate in _lattices.mistaken(*fields.rates, self.most, self.modes):
+                moved = fields._replace(precession=rate.precession, nutation=rate.nutation).vector
+                if self._is_to_be_mapped(moved):
+                    self._add_mapped(moved)
+        self.progress(f"{len(self.convex) - before} bodies at other rates")
+        return len(self.convex) > before
+
+    def _is_to_be_mapped(self, state: FloatArray) -> bool:
+        """Whether there is work left for the poles of a state, and its rates have no map yet."""
+        return not (
+            self.is_over or any(self.has_rates(state, other) for other in self._mapped_rates)
+        )
+
+    def _add_mapped(self, state: FloatArray, *known: FloatArray) -> None:
+        """Add the bodies of a map of poles at the rates of a state, behind known ones."""
+        self._mapped_rates.append(state)
+        with_rates = _pole_map.of_rates(
+            self.problem, self.generator, state, self._held, self.tie, lambda: self.is_over
+        )
+        poles = distinct(
+            (*known, *with_rates),
+            lambda a, b: _ellipsoid.have_pole(a, b, self.settings.same_pole),
+            bool(known) + self.settings.map_bodies,
+        )
+        self._add(poles[bool(known) :])
 
     def finish(self, most: int | None = None) -> None:
         """Make `solutions` of the best convex bodies, `most` of them, with robust errors."""
