@@ -326,7 +326,7 @@ def solved(case: inversion_cases.Case, zero_points: str, budget: float) -> Judge
         print("   ", str(found).replace("\n", "\n    ")[:900], flush=True)
     share = share_of_sky(poles)
     named = found.verdict.startswith(_verdicts.SATELLITE) and case.orbit is not None
-    orbit = float(found.verdict.split()[-2]) / case.orbit if named else 0.0
+    orbit = float(found.verdict.split()[4]) / case.orbit if named else 0.0
     return Judgement(rank, pole, own, found.verdict, spent, errors, len(listed), share, orbit)
 
 
@@ -339,7 +339,7 @@ def run(cases: Iterable[inversion_cases.Case], zero_points: str, first: int = 0)
     total = len(rows)
     firsts = sum(row.rank == 0 for row in rows)
     tens = sum(row.rank is not None and row.rank < 10 for row in rows)
-    claims = sum(row.verdict != "not solved" and row.rank != 0 for row in rows)
+    claims = sum(not row.verdict.endswith("not solved") and row.rank != 0 for row in rows)
     wrong = sum(row.verdict == "solved" and row.own >= 15.0 for row in rows)
     opened = sum(row.verdict == "not solved" for row in rows)
     # the first call compiles

@@ -668,7 +668,8 @@ class SpinStates(Answering, Sequence[Fit]):
     ----------
     verdict : str
         "solved", "periods only" (the pole is not decided), "not solved", or "a satellite of period"
-        and that period: rotation about one axis, beside dips at the period of a moon.
+        and that period: rotation about one axis, beside dips at the period of a moon; it ends with
+        "the rotation not solved" where other rotations compete.
     criterion : str
         The numbers that led to the verdict.
     notes : tuple of str

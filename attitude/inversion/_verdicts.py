@@ -377,7 +377,8 @@ def of_satellite(
     )
     if ahead > needed:
         words = f"{rival} is {ahead:.1f} ahead of every body alone; of the rotation: {verdict[1]}"
-        return f"{SATELLITE} {period:.6g} d", words
+        rotation = f", the rotation {OPEN}" if verdict[0] == OPEN else ""
+        return f"{SATELLITE} {period:.6g} d{rotation}", words
     if ahead > -needed:
         words = f"{rival} is {ahead_by(ahead)} the best body alone ({needed:g} needed)."
         return OPEN, f"{words} {verdict[1]}"

@@ -123,6 +123,19 @@ def test_every_nutation_is_tried_with_a_line():
     assert all(one.nutation > 0.0 for one in _lattices.of_line(80.4, 257.3, ("LAM",)))
 
 
+@pytest.mark.parametrize(("modes", "count"), [(("LAM", "SAM"), 6), (("SAM",), 3)])
+def test_rates_with_lines_of_others_or_next_to_them(modes, count):
+    """Of a body whose true rates are 84.94 and 4.86 ellipsoids fitted 80.11 and 4.79."""
+    candidates = _lattices.mistaken(80.11, 4.79, 200.0, modes)
+    assert len(candidates) == count
+    states = [np.r_[one.precession, one.nutation, 0.0, -1.0, np.zeros(12)] for one in candidates]
+    rates = [_ellipsoid.SearchState.of(state).rates for state in states]
+    for moved in (-4.79, 0.0, 4.79):
+        alike = [pair for pair in rates if pair == pytest.approx((80.11 + moved, 4.79))]
+        assert len(alike) == len(modes)
+    assert len(_lattices.mistaken(80.11, 4.79, 87.0, modes)) == count * 2 // 3
+
+
 def test_few_modes_make_a_lopsided_body():
     """As the body of all modes of which the others are zero; two steps leave a tenth."""
     generator = np.random.default_rng(4)

@@ -219,6 +219,20 @@ def test_the_volume_of_a_minimum_counts():
     assert _evidence.occam(narrow, COUNT) == first
 
 
+@pytest.mark.parametrize(
+    ("rotation", "ahead", "expected"),
+    [
+        ("periods only", 200.0, "a satellite of period 0.55 d"),
+        ("not solved", 200.0, "a satellite of period 0.55 d, the rotation not solved"),
+        ("periods only", 50.0, "not solved"),
+        ("periods only", -50.0, "not solved"),
+        ("periods only", -200.0, "periods only"),
+    ],
+)
+def test_a_satellite_is_named_beside_what_is_known_of_the_rotation(rotation, ahead, expected):
+    assert _verdicts.of_satellite((rotation, "-"), 0.55, ahead, 120.0)[0] == expected
+
+
 @pytest.mark.parametrize("probability", [0.1, 1e-3, 1e-12])
 def test_what_chance_exceeds_is_a_quantile_of_chi_squared(probability):
     from scipy import special
