@@ -188,10 +188,8 @@ class Search:
                 self._compare_with_satellite()
             if self.is_over or self.is_decided or is_ended(False):
                 break
-            if number == 0 and self._other_rates():
-                self.finish()
-                if self._other_poles():
-                    self.finish()
+            if number == 0:
+                self._other_rates()
                 if self.is_over or self.is_decided:
                     break
             self.problem = self._clipped()
@@ -594,22 +592,26 @@ class Search:
         self.progress(f"{len(self.convex) - before} bodies at other poles")
         return len(self.convex) > before
 
-    def _other_rates(self) -> bool:
-        """Add bodies from maps of poles at rates that are mistaken for others; whether any.
+    def _other_rates(self) -> None:
+        """Map poles at rates that are mistaken for those of the best tumbling bodies.
 
-        Lines of those of the best tumbling body and of these are the same or next to each other:
-        where a body is far from an ellipsoid, ellipsoids take one for the other.
+        Lines of both are the same or next to each other: where a body is far from an ellipsoid,
+        ellipsoids take one for the other.  Ends with `solutions` made anew, or where they decide.
         """
         tumbling = [fit.state for fit in self.convex if not is_axial(fit.state)]
-        before = len(self.convex)
-        for state in tumbling[:1]:
-            fields = SearchState.of(state)
+        for state in distinct(tumbling, self.has_rates, self.settings.mapped):
+            fields, before = SearchState.of(state), len(self.convex)
             for rate in _lattices.mistaken(*fields.rates, self.most, self.modes):
                 moved = fields._replace(precession=rate.precession, nutation=rate.nutation).vector
                 if self._is_to_be_mapped(moved):
                     self._add_mapped(moved)
-        self.progress(f"{len(self.convex) - before} bodies at other rates")
-        return len(self.convex) > before
+            self.progress(f"{len(self.convex) - before} bodies at other rates")
+            if len(self.convex) > before:
+                self.finish()
+                if self._other_poles():
+                    self.finish()
+                if self.is_decided:
+                    break
 
     def _is_to_be_mapped(self, state: FloatArray) -> bool:
         """Whether there is work left for the poles of a state, and its rates have no map yet."""

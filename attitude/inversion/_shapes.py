@@ -38,10 +38,10 @@ _AMPLITUDE, _LENGTH = 1.0, 0.35
 _CLOSURE = 0.01
 # Standard deviations of ln I1/I3 and ln I2/I3 of the motion from those of the homogeneous shape.
 TOLERANCE = 0.05
-# Of a concave body the least moment is smaller than that of its convex one, by so many of these
-# that its square counts as s^2 ln(1 + u^2/s^2): of 24 bodies with shapes by radar and spacecraft it
-# is 1 to 11 for the ten that are elongated, below 1 for the others.
-_CONCAVE = 1.7
+# Of a concave body the least moment is smaller than that of its convex one: beyond so many of these
+# the square grows as the difference.  Of 24 bodies with shapes by radar and spacecraft they are 1
+# to 5, once 11, for the ten that are elongated, below 1 for the others.
+_CONCAVE = 1.5
 # Turn of the axes of the shape against those of the motion, rad; least relative split of axes.
 _TURN, _SPLIT = 0.07, 0.02
 # The last step of logarithms of ratios of axes.
@@ -274,12 +274,10 @@ def _allow_concave(r: FloatArray, by: FloatArray, moments: MotionMoments) -> Non
     else:
         along = np.array([0.0, -1.0] if moments.is_swapped else [-1.0, 0.0])
     size = float(along @ r)
-    if size <= 0.0:
+    if size <= _CONCAVE:
         return
-    square = (size / _CONCAVE) ** 2
-    less = _CONCAVE * math.sqrt(math.log1p(square))
-    slope = size / ((1.0 + square) * less) if square else 1.0
-    by += np.outer(along, (slope - 1.0) * (along @ by))
+    less = math.sqrt(_CONCAVE * (2.0 * size - _CONCAVE))
+    by += np.outer(along, (_CONCAVE / less - 1.0) * (along @ by))
     r += (less - size) * along
 
 
