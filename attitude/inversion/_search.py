@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from attitude.inversion._evidence import Weighted
     from attitude.inversion._problem import CurveProblem
     from attitude.inversion._refinement import Refined
+    from attitude.inversion._satellites import AdditivePair
     from attitude.inversion._settings import Settings
     from attitude.inversion._shapes import Tie
 
@@ -89,6 +90,8 @@ class Search:
         The best bodies at held poles that compete with those, the most probable first.
     beside : list of Weighted
         Those that are not among `solutions`, for a better pole lies near.
+    dips : list of AdditivePair
+        Additive series that fit about as well as the best body, and only dim it.
     rival : Search
         For a rotation about one axis with a moon, if that competes.
     constant : str
@@ -113,6 +116,7 @@ class Search:
     axial: list[Refined] = field(default_factory=list)
     held_poles: list[Refined] = field(default_factory=list)
     beside: list[Weighted] = field(default_factory=list)
+    dips: list[AdditivePair] = field(default_factory=list)
     is_complete: bool = False
     rival: Search | None = None
     constant: str = ""
@@ -218,10 +222,11 @@ class Search:
 
     def verdict_of(self, solutions: Sequence[Weighted]) -> tuple[str, str]:
         """The verdict of solutions of this search, and its criterion in words."""
-        return _verdicts.verdict(
+        verdict = _verdicts.verdict(
             solutions, self.problem, self.is_complete, self.most,
             is_given_axis=self.modes == ("PA",),
         )  # fmt: skip
+        return _verdicts.of_dips(verdict, solutions, self.problem, self.dips)
 
     def satellite_is_ahead(self) -> float:
         """By how much the evidence of the rival with a moon is better than that of the best."""
@@ -250,10 +255,11 @@ class Search:
             problem = _satellites.beside(self.problem, pair)
             if not _satellites.only_dims(self.problem, problem, pair):
                 continue
+            self.dips.append(pair)
             rival = replace(
                 self,
                 problem=problem,
-                convex=[], solutions=[], axial=[], held_poles=[], beside=[], notes=[],
+                convex=[], solutions=[], axial=[], held_poles=[], beside=[], dips=[], notes=[],
             )  # fmt: skip
             rival._axial(rates[rates < 2.0 * self.most])
             rival.finish()

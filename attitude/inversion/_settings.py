@@ -174,6 +174,8 @@ class Settings:
     # best solution, above which none does: for binaries 0.9 to 1.3, for tumbling bodies 1.4 to 11.
     orbits: int = 4
     orbit_worse: float = 2.0
+    # The same, up to which no body that tumbles is claimed above the floor.
+    orbit_alike: float = 1.2
 
     # ---- Several apparitions of a tumbling body
     # Solutions of each apparition that are joined with those of another, and by how much their

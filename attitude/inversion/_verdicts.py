@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray
     from attitude.inversion._evidence import Weighted
     from attitude.inversion._problem import CurveProblem
+    from attitude.inversion._satellites import AdditivePair
     from attitude.inversion._settings import Settings, Tally
 
 
@@ -138,15 +139,19 @@ def as_rotators(found: list[Weighted], problem: CurveProblem) -> list[Weighted]:
 
 
 def counts_as(one: Weighted, rotator: Weighted, problem: CurveProblem) -> bool:
-    """Whether a tumbling state is on the comb of a rotator that explains the curve too."""
+    """Whether a tumbling state is on the comb of a rotator that explains the curve too.
+
+    It does not, if its residuals alone are above the errors, and its likelihood is far less.
+    """
     settings = problem.settings
     state, other = SearchState.of(one.refined.state), SearchState.of(rotator.refined.state)
-    return (
-        other.is_axial
-        and not state.is_axial
-        and _is_comb(state, other, problem)
-        and rotator.chi_squared < settings.axial_worse * one.chi_squared
-    )
+    if not other.is_axial or state.is_axial or not _is_comb(state, other, problem):
+        return False
+    if rotator.chi_squared > settings.axial_worse * one.chi_squared:
+        return False
+    floor, of_rotator = (_evidence.floor_ratio(either, problem) for either in (one, rotator))
+    is_at_floor_alone = floor < settings.floor < of_rotator
+    return not (is_at_floor_alone and _evidence.gain(one, rotator, problem) > settings.alone)
 
 
 def _is_comb(state: SearchState, rotator: SearchState, problem: CurveProblem) -> bool:
@@ -362,6 +367,31 @@ def of_pole(
         PERIODS,
         f"{criterion[:-1]}; {count:g} standard errors of the pole are {size} ({most:.0f} at most).",
     )
+
+
+def of_dips(
+    verdict: tuple[str, str],
+    found: Sequence[Weighted],
+    problem: CurveProblem,
+    pairs: Sequence[AdditivePair],
+) -> tuple[str, str]:
+    """The verdict and its criterion on a tumbling body, where additive series may explain it.
+
+    Not solved, if the residuals of the body are above the errors, and those of a rotation with
+    dips in another period hardly larger.
+    """
+    settings = problem.settings
+    if verdict[0] == OPEN or not pairs or is_axial(found[0].refined.state):
+        return verdict
+    if _evidence.floor_ratio(found[0], problem) < settings.floor:
+        return verdict
+    most = settings.orbit_alike**2 * _evidence.share_left(found[0], problem)
+    alike = [pair for pair in pairs if pair.left < most]
+    if not alike:
+        return verdict
+    period = problem.span / alike[0].orbit / _DAY
+    words = f"rotation with an additive series of period {period:.6g} d, as of a moon, fits as well"
+    return OPEN, f"{verdict[1]} {words}."
 
 
 def of_satellite(

@@ -551,6 +551,7 @@ def test_each_night_has_its_own_noise():
 
 
 def _weighted(nutation, evidence, chi_squared, residual=None):
+    residual = np.zeros(COUNT) if residual is None else residual
     state = _body(nutation=nutation)
     if nutation == 0.0:
         state[3] = _ellipsoid.AXIAL
@@ -572,6 +573,25 @@ def _weighted(nutation, evidence, chi_squared, residual=None):
 def test_a_tumbler_on_the_comb_of_a_rotator_counts_as_it(nutation, chi_squared, expected):
     found = [_weighted(nutation, 0.0, chi_squared), _weighted(0.0, 100.0, 1.0)]
     ranked = _verdicts.as_rotators(found, _given(np.zeros(COUNT)))
+    assert [each.evidence for each in ranked] == [expected, 100.0]
+
+
+@pytest.mark.parametrize(
+    ("size", "of_rotation", "expected"),
+    [
+        (0.018, 0.026, 0.0),  # the rotation leaves more than the errors, and is far less likely
+        (0.018, 0.020, 101.0),
+        (0.030, 0.040, 101.0),  # neither explains the curve
+    ],
+)
+def test_a_rotation_above_the_errors_takes_no_comb(size, of_rotation, expected):
+    signs = np.where(np.arange(COUNT) % 2, 1.0, -1.0)
+    found = [
+        _weighted(-17.3, 0.0, 1.0, size * signs),
+        _weighted(0.0, 100.0, 1.0, of_rotation * signs),
+    ]
+    given = _given(np.zeros(COUNT))
+    ranked = _verdicts.as_rotators(found, replace(given, sigma=np.full(COUNT, 0.02)))
     assert [each.evidence for each in ranked] == [expected, 100.0]
 
 

@@ -13,6 +13,7 @@ from attitude.inversion import (
     _ellipsoid,
     _evidence,
     _refinement,
+    _satellites,
     _shapes,
     _spin_states,
     _verdicts,
@@ -231,6 +232,24 @@ def test_the_volume_of_a_minimum_counts():
 )
 def test_a_satellite_is_named_beside_what_is_known_of_the_rotation(rotation, ahead, expected):
     assert _verdicts.of_satellite((rotation, "-"), 0.55, ahead, 120.0)[0] == expected
+
+
+@pytest.mark.parametrize(
+    ("nutation", "residual", "left", "expected"),
+    [
+        (-7.0, 0.05, 1.0, "not solved"),  # dips fit as well as the body, which leaves too much
+        (-7.0, 0.05, 2.0, "solved"),
+        (-7.0, 0.01, 1.0, "solved"),  # it leaves no more than the errors
+        (0.0, 0.05, 1.0, "solved"),  # a rotation
+    ],
+)
+def test_dips_of_a_moon_compete_with_tumbling(nutation, residual, left, expected):
+    found, problem = [_solution(nutation, 0.0, residual)], _problem(0.02)
+    pairs = [_satellites.AdditivePair(40.0, 9.0, left * _evidence.share_left(found[0], problem))]
+    verdict, words = _verdicts.of_dips(("solved", "-"), found, problem, pairs)
+    assert verdict == expected
+    assert ("an additive series" in words) == (expected == "not solved")
+    assert _verdicts.of_dips(("solved", "-"), found, problem, []) == ("solved", "-")
 
 
 @pytest.mark.parametrize("probability", [0.1, 1e-3, 1e-12])
