@@ -183,7 +183,8 @@ def gain_of_nutation(solution: Weighted) -> float:
     fixed = np.zeros(_refinement.SIZE, bool)
     fixed[[_refinement.NUTATION, _refinement.X]] = True
     # a small nutation is linear in rho: its slopes by phase, rad, and ln rho are its two halves
-    halves, scale = [_refinement.PHASE, _refinement.LN_RHO], np.array([0.5 / math.pi, 1.0])
+    halves = np.array([_refinement.PHASE, _refinement.LN_RHO])
+    scale = np.array([0.5 / math.pi, 1.0])
     others = np.setdiff1d(np.arange(_refinement.SIZE), halves)
     state[2:4] = 0.0, math.log(problem.settings.noticed)
     gains = []

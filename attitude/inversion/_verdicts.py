@@ -207,7 +207,9 @@ def needed(best: Weighted, problem: CurveProblem) -> float:
     settings, state = problem.settings, SearchState.of(best.refined.state)
     is_at_floor = _evidence.floor_ratio(best, problem) < settings.floor
     is_slow = not state.is_axial and min(state.rates) < settings.few_turns
-    return settings.alone if is_slow or not is_at_floor else settings.competing
+    is_strained = not state.is_axial and best.refined.strain > settings.strained
+    is_doubtful = is_slow or is_strained or not is_at_floor
+    return settings.alone if is_doubtful else settings.competing
 
 
 def _nearest(

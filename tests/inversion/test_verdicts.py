@@ -45,7 +45,7 @@ def _solution(nutation, evidence, residual, pole=0):
     state[5:14] = np.roll(np.eye(3), pole, axis=0).ravel()
     state[14:16] = 1.5, 0.5
     return SimpleNamespace(
-        refined=SimpleNamespace(state=state),
+        refined=SimpleNamespace(state=state, strain=0.0),
         problem=_problem(0.02),
         evidence=evidence,
         residual=residual * signs,
@@ -76,6 +76,16 @@ def test_a_period_of_few_turns_has_to_be_alone(turns, behind, expected):
         other = nutation + math.copysign(3.0, nutation)
         found = [_solution(nutation, 0.0, 0.01), _solution(other, behind, 0.01)]
         assert _verdicts.verdict(found, _problem(0.02))[0] == expected
+
+
+@pytest.mark.parametrize(
+    ("strain", "behind", "expected"),
+    [(10.0, 30.0, _verdicts.SOLVED), (20.0, 30.0, _verdicts.OPEN), (20.0, 130.0, _verdicts.SOLVED)],
+)
+def test_moments_far_from_those_of_the_shape_have_to_be_alone(strain, behind, expected):
+    found = [_solution(-7.0, 0.0, 0.01), _solution(-10.0, behind, 0.01)]
+    found[0].refined.strain = strain
+    assert _verdicts.verdict(found, _problem(0.02))[0] == expected
 
 
 @pytest.mark.parametrize(("nights", "expected"), [(1, "not solved"), (25, "solved")])
