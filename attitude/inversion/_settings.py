@@ -208,8 +208,8 @@ class Settings:
     # Difference of likelihoods within which poles compete that are up to twice as far behind in
     # evidence, by a prior of shapes: two wrong ones were 5 and 6.5 ahead, right ones 10 and 13.
     likely_poles: float = 8.0
-    # Cost of axes and moments of a tumbling body beside those of its shape above which other periods
-    # have to lie `alone` behind: a wrong state with 34 was 23 ahead, the right one not found yet.
+    # Cost of axes and moments of a tumbling body beside those of its shape, above which others have
+    # to lie `alone` behind: a wrong state with 34 was 23 ahead, the right one not found yet.
     strained: float = 16.0
     # Turns in the span, of the slower period of a tumbling state, below which other periods have to
     # lie `alone` behind: zero points, phase angles and directions change as slowly.  The two wrong
