@@ -555,7 +555,7 @@ def _weighted(nutation, evidence, chi_squared, residual=None):
     state = _body(nutation=nutation)
     if nutation == 0.0:
         state[3] = _ellipsoid.AXIAL
-    refined = SimpleNamespace(state=state)
+    refined = SimpleNamespace(state=state, strain=0.0)
     return _evidence.Weighted(refined, None, evidence, residual, chi_squared)
 
 
