@@ -97,25 +97,32 @@ def of_line(line: float, most: float, modes: tuple[str, ...]) -> list[Candidate]
 
     These are the strongest lines of both modes.  Every nutation is tried with each.
     """
-    out: list[Candidate] = []
-    for f in np.arange(LEAST, _MOST_NUTATION * most, STEP).tolist():
-        for phi in (line, line - f):
-            if phi >= LEAST and phi + f <= most:
-                if "LAM" in modes:
-                    out.append(Candidate(0.5 * (phi + f), f))
-                if "SAM" in modes and f < _SHORT_AXIS * phi:
-                    out.append(Candidate(0.5 * phi, -f))
-    return out
+    return [
+        candidate
+        for f in np.arange(LEAST, _MOST_NUTATION * most, STEP).tolist()
+        for phi in (line, line - f)
+        for candidate in _in_modes(phi, f, most, modes)
+    ]
 
 
 def mistaken(phi: float, psi: float, most: float, modes: tuple[str, ...]) -> list[Candidate]:
     """Rates whose lines are those of others or lie next to them: phi moves by psi, in any mode."""
     return [
-        Candidate(0.5 * rate, f)
+        candidate
         for moved in (phi, phi - psi, phi + psi)
-        for rate, f in ((moved + psi, psi), (moved, -psi))
-        if moved >= LEAST and moved + psi <= most and ("LAM" if f > 0.0 else "SAM") in modes
+        for candidate in _in_modes(moved, psi, most, modes)
     ]
+
+
+def _in_modes(phi: float, psi: float, most: float, modes: tuple[str, ...]) -> list[Candidate]:
+    """The rates of each mode with frequencies of phi and psi, within the bounds of frequencies."""
+    out: list[Candidate] = []
+    if phi >= LEAST and phi + psi <= most:
+        if "LAM" in modes:
+            out.append(Candidate(0.5 * (phi + psi), psi))
+        if "SAM" in modes and psi < _SHORT_AXIS * phi:
+            out.append(Candidate(0.5 * phi, -psi))
+    return out
 
 
 def _rates(g, f, most, modes):

@@ -91,7 +91,7 @@ class Search:
     beside : list of Weighted
         Those that are not among `solutions`, for a better pole lies near.
     dips : list of AdditivePair
-        Additive series that fit about as well as the best body, and only dim it.
+        Additive series that leave at most twice the residuals of the best, and only dim it.
     rival : Search
         For a rotation about one axis with a moon, if that competes.
     constant : str

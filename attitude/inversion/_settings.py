@@ -239,7 +239,7 @@ class Settings:
     by_chance: float = 0.1
     # Rho of a nutation that would be noticed where rotation about one axis is claimed, its rates
     # over that of the rotation, and by how much more than by chance it would fit better, for noise
-    # to hide one in twenty: of two tumbling bodies with the rate of one axis it gained 7 and 12.
+    # to hide one in twenty: of two tumbling bodies with the rate of one axis it gained 13 and 24.
     noticed: float = 0.16
     noticed_rates: tuple[float, ...] = (0.2, 0.4, 0.8)
     noticed_by: float = 2.0
