@@ -8,6 +8,7 @@
 | priors of the linear terms, of the shape, of the moments | `student`, from the cost of the fit |
 | ln N for each free parameter of the motion | `student` |
 | 2 ln of the frequencies tried over the share of tumbling bodies | `student`, its `trials` |
+| a prior of the tilt of a nutation | `of_tilt` |
 | ln det of the Hessian of orientation, rate and shape, in place of their ln N | `occam` |
 | the most probable of three widths of the prior of modes | `of_narrower_prior` |
 | the prior of the shape of tumbling bodies, for rotation about one axis | `_search._compared` |
@@ -27,7 +28,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from attitude.inversion import _neighbours, _refinement, _shapes
-from attitude.inversion._ellipsoid import SearchState
+from attitude.inversion._ellipsoid import SearchState, is_axial
 from attitude.inversion._refinement import MOTION, Fitted
 
 if TYPE_CHECKING:
@@ -134,6 +135,7 @@ def refined(
         )
         robust = replace(robust, refined=there)
     evidence = robust.evidence + occam(robust.refined.normal, len(problem))
+    evidence += of_tilt(robust.refined.state)
     if tie.is_wide or not fixed[:MOTION].any():
         evidence += of_narrower_prior(robust.refined, fixed)
     return replace(robust, evidence=evidence)
@@ -148,6 +150,15 @@ def occam(normal: FloatArray, points: int) -> float:
     inner = normal[np.ix_(kept, kept)].copy()
     inner[range(_ALWAYS), range(_ALWAYS)] += 1.0
     return float(np.linalg.slogdet(inner)[1]) - _ALWAYS * float(np.log(points))
+
+
+def of_tilt(state: FloatArray) -> float:
+    """What a prior that is uniform in the tilt of a nutation, 2 atan(rho), adds to the evidence.
+
+    0 for rotation about one axis.  By ln rho alone a tilt of one degree would be as probable as one
+    between 40 and 90, and noise looks like small ones.
+    """
+    return 0.0 if is_axial(state) else 2.0 * math.log(0.5 * math.pi * math.cosh(float(state[3])))
 
 
 def of_narrower_prior(fitted: Refined, fixed: BoolArray) -> float:

@@ -427,6 +427,7 @@ class Search:
                 rates.append(self._robust(problem, fit))
                 if len(rates) > self.settings.axial_others:
                     break
+        rates = _verdicts.behind_twice_the_period(rates, problem)
         rates.sort(key=lambda each: each.evidence)
         best, settings = rates[0], self.settings
         self.redundancy = _evidence.redundancy(best, problem)
@@ -649,6 +650,7 @@ class Search:
             problem = self._with_own_error(chosen[0])
         solutions = [self._robust(problem, fit) for fit in chosen if not is_axial(fit.state)]
         solutions += self._axial_solutions(problem, solutions)
+        solutions = _verdicts.behind_twice_the_period(solutions, problem)
         solutions = _verdicts.as_rotators(solutions, problem)
         solutions.sort(key=lambda each: each.evidence)
         self.solutions = distinct(
@@ -719,6 +721,7 @@ class Search:
         best = min(listed_ones, key=lambda each: each.evidence)
         more = self._compared(problem, best.refined).evidence - best.evidence
         listed_ones = [replace(one, evidence=one.evidence + more) for one in listed_ones]
+        listed_ones = _verdicts.behind_twice_the_period(listed_ones, problem)
         behind = self.settings.axial_behind * _evidence.redundancy(best, problem)
         listed_ones, self.beside = _pole_map.listed(listed_ones, behind)
         if not is_behind:

@@ -173,6 +173,35 @@ def _is_comb(state: SearchState, rotator: SearchState, problem: CurveProblem) ->
     return apart < problem.settings.same_rate and off < problem.settings.comb_width
 
 
+# ---- Rotations with one maximum a turn
+
+
+def behind_twice_the_period(found: list[Weighted], problem: CurveProblem) -> list[Weighted]:
+    """The solutions, where one maximum a turn stands behind two, if these fit as well.
+
+    Few bodies have one, and it is ahead by evidence alone: half of a curve says less of a shape.
+    """
+    axial = [one for one in found if is_axial(one.refined.state)]
+    best = min(axial, key=lambda one: one.evidence, default=None)
+    doubled = [
+        one.evidence
+        for one in axial
+        if best
+        and _is_half_of(best, one, problem)
+        and _evidence.gain(best, one, problem) < problem.settings.doubled
+    ]
+    if best is None or not doubled or not _has_one_maximum(best, problem):
+        return found
+    more = min(doubled) + 1.0 - best.evidence
+    return [
+        replace(one, evidence=one.evidence + more)
+        if is_axial(one.refined.state)
+        and _pole_map.has_turn(problem, one.refined.state, best.refined.state)
+        else one
+        for one in found
+    ]
+
+
 # ---- The verdict
 
 SOLVED, PERIODS, OPEN = "solved", "periods only", "not solved"
@@ -227,10 +256,15 @@ def _nearest(
         wide = settings.pole_errors * _evidence.standard_error(best, other, problem)
         if _is_half_of(best, other, problem) and _has_one_maximum(best, problem):
             wide = settings.alone
-        behind = max(least, min(wide, settings.alone))
+        more = settings.against_axis if _is_nutation_of(best, other) else 0.0
+        behind = max(least + more, min(wide, settings.alone))
         gap = other.evidence - best.evidence
         margins.append((gap - behind, gap, behind))
     return min(margins)[1:] if margins else (math.inf, least)
+
+
+def _is_nutation_of(best: Weighted, other: Weighted) -> bool:
+    return is_axial(other.refined.state) and not is_axial(best.refined.state)
 
 
 def _is_half_of(best: Weighted, other: Weighted, problem: CurveProblem) -> bool:

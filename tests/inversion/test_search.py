@@ -650,6 +650,33 @@ def test_half_a_period_of_one_maximum_needs_more(maxima, turns, needed):
     assert _verdicts._nearest(both[1:], both[0], given) == (14.0, needed)
 
 
+@pytest.mark.parametrize(
+    ("maxima", "size", "expected"),
+    [
+        (1, 0.01, [29.0, 32.0, 28.0, 5.0]),  # twice the period fits as well
+        (1, 0.012, [0.0, 3.0, 28.0, 5.0]),  # it fits worse
+        (2, 0.01, [0.0, 3.0, 28.0, 5.0]),
+    ],
+)
+def test_one_maximum_a_turn_stands_behind_two_that_fit_as_well(maxima, size, expected):
+    """Half of 7.2 h was 28 ahead by its simple shape alone."""
+    signs = np.where(np.arange(COUNT) % 2, 1.0, -1.0)
+    t = np.linspace(-0.5, 0.5, COUNT)
+    given = replace(_given(np.zeros(COUNT), t), sigma=np.full(COUNT, 0.01))
+    found = [
+        _weighted(0.0, 0.0, 1.0, 0.01 * signs),
+        _weighted(0.0, 3.0, 1.0, 0.01 * signs),
+        _weighted(0.0, 28.0, 1.0, size * signs),
+        _weighted(-9.0, 5.0, 1.0, 0.01 * signs),
+    ]
+    rate = SearchState.of(found[0].refined.state).rates[0]
+    found[0].refined.magnitude = 0.2 * np.cos(2.0 * np.pi * maxima * rate * t)
+    found[2].refined.state[0] /= 2.0
+    ranked = _verdicts.behind_twice_the_period(found, given)
+    assert [one.evidence for one in ranked] == expected
+    assert _verdicts.behind_twice_the_period(found[3:], given) == found[3:]
+
+
 def test_rates_many_turns_apart_are_not_one():
     """None of the drifts near zero keeps the angle: which of them is best is chance."""
     generator = np.random.default_rng(12)

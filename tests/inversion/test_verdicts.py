@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy import integrate
 
 from attitude.inversion import (
     _ellipsoid,
@@ -86,6 +87,27 @@ def test_moments_far_from_those_of_the_shape_have_to_be_alone(strain, behind, ex
     found = [_solution(-7.0, 0.0, 0.01), _solution(-10.0, behind, 0.01)]
     found[0].refined.strain = strain
     assert _verdicts.verdict(found, _problem(0.02))[0] == expected
+
+
+@pytest.mark.parametrize(("behind", "expected"), [(19.0, _verdicts.OPEN), (23.0, _verdicts.SOLVED)])
+def test_tumbling_is_claimed_against_one_axis_by_odds_of_a_catalogue(behind, expected):
+    found = [_solution(-7.0, 0.0, 0.01), _solution(0.0, behind, 0.01)]
+    assert _verdicts.verdict(found, _problem(0.02))[0] == expected
+
+
+def test_small_tilts_of_a_nutation_are_less_probable():
+    """Of a density that is uniform from 0 to 90 degrees: 2/pi of each rad."""
+    state = _solution(-7.0, 0.0, 0.01).refined.state
+    tilts = np.radians(np.linspace(0.01, 89.99, 9000))
+    added = []
+    for tilt in tilts:
+        state[3] = math.log(math.tan(0.5 * tilt))
+        added.append(_evidence.of_tilt(state))
+    by_ln_rho = np.exp(-0.5 * np.array(added))
+    ln_rho = np.log(np.tan(0.5 * tilts))
+    assert integrate.trapezoid(by_ln_rho, ln_rho) == pytest.approx(1.0, abs=1e-3)
+    assert added[0] > added[1000] > added[-1]
+    assert _evidence.of_tilt(_solution(0.0, 0.0, 0.01).refined.state) == 0.0
 
 
 @pytest.mark.parametrize(("nights", "expected"), [(1, "not solved"), (25, "solved")])
