@@ -348,7 +348,7 @@ def verdict(
         close = sum(other.evidence - best.evidence < least for other in tumbling)
         better = _better_by_nutation([best, *tumbling], problem, least, most)
         if not (better or is_given_axis):
-            better = _nutation_unnoticed(best, problem, most)
+            better = _nutation_unnoticed([best, *poles], problem, most)
         if better:
             return OPEN, f"{words}; {better}."
         if close:
@@ -483,10 +483,13 @@ def _of_chance(most: float, settings: Settings) -> float:
     return exceeded_by_chance(settings.by_chance * min(1.0, settings.same_rate / most))
 
 
-def _nutation_unnoticed(best: Weighted, problem: CurveProblem, most: float) -> str:
-    """In words: a nutation that would be hidden by the errors; "" where it would be noticed."""
+def _nutation_unnoticed(poles: Sequence[Weighted], problem: CurveProblem, most: float) -> str:
+    """In words: a nutation that would be hidden by the errors; "" where it would be noticed.
+
+    `poles`: rotations about one axis that compete, for what is seen of a nutation depends on it.
+    """
     settings = problem.settings
-    gain, least = _evidence.gain_of_nutation(best), _of_chance(most, settings)
+    gain, least = min(map(_evidence.gain_of_nutation, poles)), _of_chance(most, settings)
     least *= settings.noticed_by
     if gain > least:
         return ""

@@ -151,6 +151,13 @@ def test_one_axis_is_claimed_where_a_nutation_would_be_noticed():
     assert verdict == _verdicts.OPEN and "a nutation of 18 degrees would improve" in words
     given = _verdicts.verdict(found, _problem(0.02), True, 70.0, is_given_axis=True)
     assert given[0] == _verdicts.SOLVED
+    # a pole that competes is enough: which of them is true is not known
+    sphere, elongated = found[0], _solution(0.0, 0.0, 0.01)
+    sphere.evidence = 5.0
+    both = [elongated, sphere]
+    assert _verdicts.verdict(both, _problem(0.02), True, 70.0)[0] == _verdicts.OPEN
+    sphere.evidence = 50.0
+    assert _verdicts.verdict(both, _problem(0.02), True, 70.0)[0] == _verdicts.SOLVED
 
 
 @pytest.mark.parametrize("rate", [0.2, 0.4, 0.8])
