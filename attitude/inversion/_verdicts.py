@@ -155,10 +155,11 @@ def counts_as(one: Weighted, rotator: Weighted, problem: CurveProblem) -> bool:
 
 
 def _is_comb(state: SearchState, rotator: SearchState, problem: CurveProblem) -> bool:
-    """Whether the lines of a tumbling state are multiples of a rotation or of half of it.
+    """Whether the lines of a tumbling state are multiples of a rotation, psi also of half of it.
 
-    Lines are those that the scene sees: it turns about the momentum, not about the long axis.  The
-    resolution is that of a line of the rotation and one of the tumbling state; the two lines of
+    Half a turn about its axis leaves an ellipsoid as it is, half a turn about the momentum does
+    not.  Lines are those that the scene sees: it turns about the momentum, not about the long axis.
+    The resolution is that of a line of the rotation and one of the tumbling state; the two lines of
     this that are one in the comb are measured together, which is more accurate.
     """
     turns = _pole_map.turn_of_scene(problem, np.stack([state.pole, rotator.pole]))
@@ -166,7 +167,7 @@ def _is_comb(state: SearchState, rotator: SearchState, problem: CurveProblem) ->
     phi -= float(turns[0])
     base = rotator.precession - 0.5 * float(turns[1])
     of_phi, of_psi = round(phi / base), round(psi / base)
-    if not (1 <= of_phi <= _COMB and 1 <= of_psi <= _COMB):
+    if of_phi % 2 or not (1 <= of_phi <= _COMB and 1 <= of_psi <= _COMB):
         return False
     apart = abs(phi * of_psi - psi * of_phi) / math.gcd(of_phi, of_psi)
     off = max(abs(phi - of_phi * base), abs(psi - of_psi * base))

@@ -576,6 +576,15 @@ def test_a_tumbler_on_the_comb_of_a_rotator_counts_as_it(nutation, chi_squared, 
     assert [each.evidence for each in ranked] == [expected, 100.0]
 
 
+@pytest.mark.parametrize(("precession", "expected"), [(17.3, 101.0), (25.95, 0.0), (34.6, 101.0)])
+def test_half_a_turn_about_the_momentum_is_no_comb(precession, expected):
+    """A tumbling body with P_psi 3.004 P_phi was held behind a rotation of 3/2 P_phi."""
+    found = [_weighted(-17.3, 0.0, 1.0), _weighted(0.0, 100.0, 1.0)]
+    found[0].refined.state[0] = precession
+    ranked = _verdicts.as_rotators(found, _given(np.zeros(COUNT)))
+    assert [each.evidence for each in ranked] == [expected, 100.0]
+
+
 @pytest.mark.parametrize(
     ("size", "of_rotation", "expected"),
     [
