@@ -525,7 +525,7 @@ def starts(
     x[:, 0], x[:, 1] = precession, nutation
     x[:, 2] = generator.random(count)
     x[:, 3] = np.log(generator.uniform(*_RHO, count))
-    x[:, 4] = generator.random(count) * np.where(long_axis, *_X)
+    x[:, 4] = any_x(generator, nutation)
     x[:, 5:14] = rotations(generator, count)
     ratios = np.sort(generator.uniform(*_AXES, (count, 2)), axis=1)
     ratios = np.concatenate([np.ones((count, 1)), ratios], axis=1)
@@ -533,6 +533,12 @@ def starts(
     flat = -2.0 * np.log(axes)
     x[:, 14:] = flat[:, :2] - flat[:, 2:]
     return x
+
+
+def any_x(generator: np.random.Generator, nutation: FloatArray) -> FloatArray:
+    """A random X of a start for each nutation (S,), turns per span."""
+    out: FloatArray = generator.random(len(nutation)) * np.where(nutation > 0.0, *_X)
+    return out
 
 
 def minimised(

@@ -106,12 +106,12 @@ def of_line(line: float, most: float, modes: tuple[str, ...]) -> list[Candidate]
 
 
 def mistaken(phi: float, psi: float, most: float, modes: tuple[str, ...]) -> list[Candidate]:
-    """Rates whose lines are those of others or lie next to them: phi moves by psi, in any mode."""
-    return [
-        candidate
-        for moved in (phi, phi - psi, phi + psi)
-        for candidate in _in_modes(moved, psi, most, modes)
-    ]
+    """Rates whose lines are those of others or lie next to them, in any mode.
+
+    phi moves by psi, or psi is half or twice as large.
+    """
+    pairs = (phi, psi), (phi - psi, psi), (phi + psi, psi), (phi, 0.5 * psi), (phi, 2.0 * psi)
+    return [candidate for pair in pairs for candidate in _in_modes(*pair, most, modes)]
 
 
 def _in_modes(phi: float, psi: float, most: float, modes: tuple[str, ...]) -> list[Candidate]:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from attitude._support.annotations import BoolArray, FloatArray
-    from attitude.inversion._ellipsoid import Held
+    from attitude.inversion._ellipsoid import Held, Pool
     from attitude.inversion._evidence import Weighted
     from attitude.inversion._problem import CurveProblem
     from attitude.inversion._refinement import Refined
@@ -40,6 +40,8 @@ _TURNS, _STEPS = 6, 12
 _HELD, _FREE = (25, 1e-3), (40, 3e-4)
 # Those of tumbling bodies at held poles.
 _BODIES = (8, 1e-3)
+# What stays where the pole is held.
+_POLE_HELD = np.arange(_refinement.SIZE) < 2
 # Iterations at held poles after which those go on whose cost is at most so far above the least,
 # and so many of them beside the best of each pole: poles of final lists were 235 above it after
 # four iterations and at most the 89th, 63 and the 20th after six; others were 250 to 1700 above it.
@@ -189,24 +191,10 @@ def of_rates(
     one, and ellipsoids with free poles, in turn.
     """
     settings = problem.settings
-    poles = sphere(settings.map_poles)
-    turns = turn_of_scene(problem, np.concatenate([state[None, _ellipsoid.OF_POLE], poles]))
-    size = settings.map_starts * _TURNS
-    starts = np.repeat(state[None, : _ellipsoid.WIDTH], len(poles) * size, axis=0)
-    starts[:, 0] += 0.5 * np.repeat(turns[1:] - turns[0], size)
-    starts[:, 2] = generator.random(len(starts))
-    starts[:, 3] = np.clip(starts[:, 3] + generator.normal(0.0, 0.3, len(starts)), -4.0, -0.1)
-    starts[:, 5:14] = _ellipsoid.frames_of(generator, np.repeat(poles, size, axis=0))
-    starts[:, 14:] += generator.normal(0.0, 0.3, (len(starts), 2))
-    chosen = _ellipsoid.screened(problem, starts, len(poles) * settings.map_starts)
-    fixed = np.zeros(_ellipsoid.PARAMETERS, bool)
-    fixed[[0, 1, 3, 4]] = True
-    pool = _ellipsoid.minimised(problem, chosen, _STEPS, tie=held, fixed=fixed)
-    at_poles = _ellipsoid.in_order(_ellipsoid.best_of_each(pool, len(poles)))
-    free = _ellipsoid.minimised(problem, at_poles.states[: len(poles) // 2], 2 * _STEPS, tie=held)
-    at_pole = np.zeros(_refinement.SIZE, bool)
-    at_pole[:2] = True
-    bodies = list(_refined(problem, at_poles.states, tie, at_pole, _BODIES, is_over))
+    count, starts = settings.map_poles, settings.map_starts
+    at_poles = _at_poles(problem, generator, state, held, count, starts, has_x=True)
+    free = _ellipsoid.minimised(problem, at_poles.states[: count // 2], 2 * _STEPS, tie=held)
+    bodies = list(_refined(problem, at_poles.states, tie, _POLE_HELD, _BODIES, is_over))
     bodies.sort(key=lambda body: body.cost)
     both = zip_longest((body.state for body in bodies), _ellipsoid.in_order(free).states)
     return [
@@ -214,6 +202,72 @@ def of_rates(
         for candidate in chain.from_iterable(both)
         if candidate is not None and _has_rates(problem, candidate, state)
     ]
+
+
+def _at_poles(
+    problem: CurveProblem,
+    generator: np.random.Generator,
+    state: FloatArray,
+    held: Held,
+    count: int,
+    starts_of_each: int,
+    *,
+    has_x: bool,
+) -> Pool:
+    """The best ellipsoid at each of `count` poles with the rates of a tumbling state, in order.
+
+    `has_x`: with the X of the state too.
+    """
+    poles = sphere(count)
+    turns = turn_of_scene(problem, np.concatenate([state[None, _ellipsoid.OF_POLE], poles]))
+    size = starts_of_each * _TURNS
+    starts = np.repeat(state[None, : _ellipsoid.WIDTH], count * size, axis=0)
+    starts[:, 0] += 0.5 * np.repeat(turns[1:] - turns[0], size)
+    starts[:, 2] = generator.random(len(starts))
+    starts[:, 3] = np.clip(starts[:, 3] + generator.normal(0.0, 0.3, len(starts)), -4.0, -0.1)
+    starts[:, 5:14] = _ellipsoid.frames_of(generator, np.repeat(poles, size, axis=0))
+    starts[:, 14:] += generator.normal(0.0, 0.3, (len(starts), 2))
+    if not has_x:
+        starts[:, 4] = _ellipsoid.any_x(generator, starts[:, 1])
+    chosen = _ellipsoid.screened(problem, starts, count * starts_of_each)
+    fixed = np.zeros(_ellipsoid.PARAMETERS, bool)
+    fixed[[0, 1, 3, 4]] = True
+    pool = _ellipsoid.minimised(problem, chosen, _STEPS, tie=held, fixed=fixed)
+    return _ellipsoid.in_order(_ellipsoid.best_of_each(pool, count))
+
+
+def in_few_steps(
+    problem: CurveProblem,
+    generator: np.random.Generator,
+    state: FloatArray,
+    held: Held,
+    tie: Tie,
+) -> list[Refined]:
+    """Bodies of few modes at other poles with the rates of a tumbling state, the best first.
+
+    In few steps, with the error of bodies in place of that of ellipsoids.
+    """
+    settings = problem.settings
+    count, starts = settings.class_poles, settings.class_starts
+    at_poles = _at_poles(problem, generator, state, held, count, starts, has_x=False)
+    problem, states = problem.with_model_error(settings.body_error), list(at_poles.states)
+    bodies: list[Refined] = []
+    for most, iterations in settings.class_bodies:
+        bodies = [
+            _refinement.refine(
+                problem,
+                start,
+                tie=tie,
+                fixed=_POLE_HELD,
+                iterations=iterations,
+                gain=_BODIES[1],
+                modes=settings.short_modes,
+            )
+            for start in states[:most]
+        ]
+        bodies.sort(key=lambda body: body.cost)
+        states = [body.state for body in bodies]
+    return bodies
 
 
 def minima(

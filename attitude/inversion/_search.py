@@ -121,6 +121,7 @@ class Search:
     rival: Search | None = None
     constant: str = ""
     _mapped_rates: list[FloatArray] = field(default_factory=list)
+    _short_fits: list[Refined] = field(default_factory=list, init=False)
     _known_fits: _KnownFits = field(default_factory=_KnownFits, init=False)
     _own_problems: list[CurveProblem] = field(default_factory=list, init=False)
     is_ellipsoid: bool = False
@@ -170,6 +171,7 @@ class Search:
         self._axial()
         for number in range(self.settings.rounds):
             thinned = self._thinned(number)
+            self._short_fits = []
             for stage, pool in enumerate(self._pools(thinned, number)):
                 self._refine(pool, thinned)
                 if number == stage == 0 and self._ends(is_ended, is_early=True):
@@ -188,14 +190,14 @@ class Search:
             self.finish()
             if self._other_poles():
                 self.finish()
+            if not self.is_over and (self._is_doubtful or not self.is_decided):
+                if is_ended(False):
+                    break
+                self._poles_of_classes(thinned)
             if number == 0:
                 self._compare_with_satellite()
             if self.is_over or self.is_decided or is_ended(False):
                 break
-            if number == 0:
-                self._other_rates()
-                if self.is_over or self.is_decided:
-                    break
             self.problem = self._clipped()
 
     def _ends(self, is_ended: Callable[[bool], bool], *, is_early: bool) -> bool:
@@ -219,6 +221,14 @@ class Search:
         if self.rival is not None:
             return self.satellite_is_ahead() > self.settings.alone
         return self.verdict_of(self.solutions)[0] != _verdicts.OPEN
+
+    @property
+    def _is_doubtful(self) -> bool:
+        """Whether a tumbling body is the best that hardly fits."""
+        if not self.solutions or is_axial(self.solutions[0].refined.state):
+            return False
+        ratio = _evidence.floor_ratio(self.solutions[0], self.problem)
+        return ratio > self.settings.doubtful
 
     def verdict_of(self, solutions: Sequence[Weighted]) -> tuple[str, str]:
         """The verdict of solutions of this search, and its criterion in words."""
@@ -548,6 +558,8 @@ class Search:
                 fit = self._fit(members[0], steps, points, modes)
                 members[0] = fit.state
                 costs.append(fit.cost)
+                if modes < _shapes.MODES and not is_axial(fit.state):
+                    self._short_fits.append(fit)
             classes = [classes[k] for k in np.argsort(costs, kind="stable")]
         most = self.settings.short_members
         return [state for members in classes for state in members[:most]] + list(pool.states)
@@ -599,26 +611,72 @@ class Search:
         self.progress(f"{len(self.convex) - before} bodies at other poles")
         return len(self.convex) > before
 
-    def _other_rates(self) -> None:
-        """Map poles at rates that are mistaken for those of the best tumbling bodies.
+    def _poles_of_classes(self, thinned: CurveProblem) -> None:
+        """Add the best bodies of short maps of poles at many pairs of rates, to thinned points.
 
-        Lines of both are the same or next to each other: where a body is far from an ellipsoid,
-        ellipsoids take one for the other.  Ends with `solutions` made anew, or where they decide.
+        Where a body is far from an ellipsoid, ellipsoids with the true rates have wrong poles, or
+        they mistake its rates: those of the best are tried too, and once more those of the new
+        best.  Ends with `solutions` made anew.
         """
-        tumbling = [fit.state for fit in self.convex if not is_axial(fit.state)]
-        for state in distinct(tumbling, self.has_rates, self.settings.mapped):
-            fields, before = SearchState.of(state), len(self.convex)
+        ranked = self._by_either_error(thinned)
+        rates = distinct(ranked, self.has_rates, self.settings.mapped_classes)
+        mapped: list[FloatArray] = []
+        for _ in range(2):
+            rates = [
+                state
+                for state in distinct((*rates, *self._mistaken()), self.has_rates)
+                if not any(self.has_rates(state, other) for other in mapped)
+            ]
+            self._add_classes(thinned, rates)
+            mapped += rates
+            rates = []
+
+    def _add_classes(self, thinned: CurveProblem, rates: list[FloatArray]) -> None:
+        """Add the best bodies of short maps of poles at the rates of states."""
+        settings = self.settings
+        problem = self.problem.with_model_error(settings.body_error)
+        fits: list[Refined] = []
+        for state in rates:
+            if self.problem.tally.left < settings.class_reserve:
+                break
+            bodies = _pole_map.in_few_steps(thinned, self.generator, state, self._held, self.tie)
+            fits += [
+                self._fit(body.state, settings.short_steps, problem)
+                for body in bodies[: settings.class_members]
+            ]
+        if not fits:
+            return
+        fits.sort(key=lambda fit: fit.cost)
+        found = [fit.state for fit in fits]
+        best = [
+            *distinct(found, self.has_rates, settings.class_finals),
+            *distinct(found, self.is_same, settings.class_finals),
+        ]
+        self._add(self._fit(state, problem=problem).state for state in distinct(best, self.is_same))
+        self.progress(f"{len(self.convex)} convex bodies after maps of many pairs of rates")
+        self.finish()
+        if self._other_poles():
+            self.finish()
+
+    def _by_either_error(self, thinned: CurveProblem) -> list[FloatArray]:
+        """The states of short fits, the best with the error of ellipsoids or of bodies first."""
+        rough = thinned.with_model_error(self.settings.body_error)
+        steps, modes = self.settings.first_steps, self.settings.short_modes
+        costs = [
+            (fit.cost, self._fit(fit.state, steps, rough, modes).cost) for fit in self._short_fits
+        ]
+        places = np.argsort(np.argsort(np.array(costs).reshape(-1, 2), axis=0), axis=0)
+        order = np.argsort(places.min(axis=1), kind="stable")
+        return [self._short_fits[k].state for k in order]
+
+    def _mistaken(self) -> Iterator[FloatArray]:
+        """States at rates that ellipsoids mistake for those of the best tumbling bodies."""
+        states = (one.refined.state for one in self.solutions)
+        tumbling = (state for state in states if not is_axial(state))
+        for state in distinct(tumbling, self.has_rates, self.settings.mistaken):
+            fields = SearchState.of(state)
             for rate in _lattices.mistaken(*fields.rates, self.most, self.modes):
-                moved = fields._replace(precession=rate.precession, nutation=rate.nutation).vector
-                if self._is_to_be_mapped(moved):
-                    self._add_mapped(moved)
-            self.progress(f"{len(self.convex) - before} bodies at other rates")
-            if len(self.convex) > before:
-                self.finish()
-                if self._other_poles():
-                    self.finish()
-                if self.is_decided:
-                    break
+                yield fields._replace(precession=rate.precession, nutation=rate.nutation).vector
 
     def _is_to_be_mapped(self, state: FloatArray) -> bool:
         """Whether there is work left for the poles of a state, and its rates have no map yet."""
@@ -644,10 +702,13 @@ class Search:
         if not self.convex:
             return
         most = self.settings.finals if most is None else most
-        chosen = [self.convex[k] for k in self._various([fit.state for fit in self.convex], most)]
+        states = [fit.state for fit in self.convex]
+        chosen = [self.convex[k] for k in self._various(states, most * self.settings.ranked)]
         problem = self._with_own_error(chosen[0])
         if self._takes_noise(problem, chosen[0]):
             problem = self._with_own_error(chosen[0])
+        chosen = sorted((self._ranked(problem, fit) for fit in chosen), key=lambda fit: fit.cost)
+        chosen = chosen[:most]
         solutions = [self._robust(problem, fit) for fit in chosen if not is_axial(fit.state)]
         solutions += self._axial_solutions(problem, solutions)
         solutions = _verdicts.behind_twice_the_period(solutions, problem)
@@ -658,6 +719,14 @@ class Search:
         )
         error = problem.model_error
         self.progress(f"{len(self.solutions)} solutions, model error {error:.3f} mag")
+
+    def _ranked(self, problem: CurveProblem, given: Refined) -> Refined:
+        """A body after some steps with the errors of a problem."""
+
+        def fit() -> Refined:
+            return self._fit(given.state, self.settings.ranked_steps, problem)
+
+        return self._known_fits.of(fit, problem, given, "ranked")
 
     def _takes_noise(self, problem: CurveProblem, best: Refined) -> bool:
         """Whether errors are enlarged, where neighbouring residuals of a good body exceed them."""
@@ -708,8 +777,11 @@ class Search:
         if not self.axial:
             return [self._compared(problem, fit) for fit in axial[: self.settings.axial_others]]
         listed_ones: list[Weighted] = []
-        ahead = min((one.evidence for one in tumbling), default=math.inf)
-        behind = self._compared(problem, self.axial[0]).evidence - ahead
+        rotator = self._compared(problem, self.axial[0])
+        # those on its comb count as this rotation
+        others = (one for one in tumbling if not _verdicts.counts_as(one, rotator, problem))
+        ahead = min((one.evidence for one in others), default=math.inf)
+        behind = rotator.evidence - ahead
         is_behind = behind > self.settings.mapped_behind
         most = self.settings.axial_others if is_behind else self.settings.axial_freed
         for fit in self.axial:
@@ -729,13 +801,13 @@ class Search:
         listed_ones = listed_ones[: self.settings.axial_finals]
         # the next period decides whether this one is accepted, however far it lies behind
         rates = np.array([one.refined.state[0] for one in listed_ones])
-        others = [
+        next_ones = [
             fit
             for fit in axial
             if 2.0 * np.abs(rates - fit.state[0]).min() > self.settings.axial_width
         ]
         return listed_ones + [
-            self._compared(problem, fit) for fit in others[: self.settings.axial_others]
+            self._compared(problem, fit) for fit in next_ones[: self.settings.axial_others]
         ]
 
     def _compared(self, problem: CurveProblem, given: Refined) -> Weighted:
