@@ -190,13 +190,13 @@ class Search:
             self.finish()
             if self._other_poles():
                 self.finish()
-            if not self.is_over and (self._is_doubtful or not self.is_decided):
-                if is_ended(False):
-                    break
-                self._poles_of_classes(thinned)
             if number == 0:
                 self._compare_with_satellite()
-            if self.is_over or self.is_decided or is_ended(False):
+            is_decided = self.is_decided and not self._is_doubtful
+            if self.is_over or is_decided or is_ended(False):
+                break
+            self._poles_of_classes(thinned)
+            if self.is_over or self.is_decided:
                 break
             self.problem = self._clipped()
 
@@ -225,7 +225,7 @@ class Search:
     @property
     def _is_doubtful(self) -> bool:
         """Whether a tumbling body is the best that hardly fits."""
-        if not self.solutions or is_axial(self.solutions[0].refined.state):
+        if self.rival or not self.solutions or is_axial(self.solutions[0].refined.state):
             return False
         ratio = _evidence.floor_ratio(self.solutions[0], self.problem)
         return ratio > self.settings.doubtful
