@@ -647,10 +647,10 @@ class Search:
         if not fits:
             return
         fits.sort(key=lambda fit: fit.cost)
-        found = [fit.state for fit in fits]
+        states = [fit.state for fit in fits]
         best = [
-            *distinct(found, self.has_rates, settings.class_finals),
-            *distinct(found, self.is_same, settings.class_finals),
+            *distinct(states, self.has_rates, settings.class_finals),
+            *distinct(states, self.is_same, settings.class_finals),
         ]
         self._add(self._fit(state, problem=problem).state for state in distinct(best, self.is_same))
         self.progress(f"{len(self.convex)} convex bodies after maps of many pairs of rates")
