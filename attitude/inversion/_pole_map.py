@@ -250,23 +250,15 @@ def in_few_steps(
     settings = problem.settings
     count, starts = settings.class_poles, settings.class_starts
     at_poles = _at_poles(problem, generator, state, held, count, starts, has_x=False)
-    problem, states = problem.with_model_error(settings.body_error), list(at_poles.states)
+    problem, states = problem.with_model_error(settings.body_error), at_poles.states
     bodies: list[Refined] = []
     for most, iterations in settings.class_bodies:
-        bodies = [
-            _refinement.refine(
-                problem,
-                start,
-                tie=tie,
-                fixed=_POLE_HELD,
-                iterations=iterations,
-                gain=_BODIES[1],
-                modes=settings.short_modes,
-            )
-            for start in states[:most]
-        ]
+        accuracy, modes = (iterations, _BODIES[1]), settings.short_modes
+        bodies = list(
+            _refined(problem, states[:most], tie, _POLE_HELD, accuracy, lambda: False, modes)
+        )
         bodies.sort(key=lambda body: body.cost)
-        states = [body.state for body in bodies]
+        states = np.array([body.state for body in bodies])
     return bodies
 
 
@@ -323,13 +315,14 @@ def _refined(
     fixed: BoolArray,
     accuracy: tuple[int, float],
     is_over: Callable[[], bool],
+    modes: int = _shapes.MODES,
 ) -> Iterator[Refined]:
     iterations, gain = accuracy
     for state in states:
         if is_over():
             return
         yield _refinement.refine(
-            problem, state, tie=tie, fixed=fixed, iterations=iterations, gain=gain
+            problem, state, tie=tie, fixed=fixed, iterations=iterations, gain=gain, modes=modes
         )
 
 

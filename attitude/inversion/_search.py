@@ -192,8 +192,8 @@ class Search:
                 self.finish()
             if number == 0:
                 self._compare_with_satellite()
-            is_decided = self.is_decided and not self._is_doubtful
-            if self.is_over or is_decided or is_ended(False):
+            is_accepted = self.is_decided and not self._is_doubtful
+            if self.is_over or is_accepted or is_ended(False):
                 break
             self._poles_of_classes(thinned)
             if self.is_over or self.is_decided:
