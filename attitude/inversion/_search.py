@@ -227,8 +227,7 @@ class Search:
         """Whether a tumbling body is the best that hardly fits."""
         if self.rival or not self.solutions or is_axial(self.solutions[0].refined.state):
             return False
-        ratio = _evidence.floor_ratio(self.solutions[0], self.problem)
-        return ratio > self.settings.doubtful
+        return _verdicts.is_doubtful(self.solutions[0], self.problem)
 
     def verdict_of(self, solutions: Sequence[Weighted]) -> tuple[str, str]:
         """The verdict of solutions of this search, and its criterion in words."""
@@ -794,7 +793,9 @@ class Search:
         more = self._compared(problem, best.refined).evidence - best.evidence
         listed_ones = [replace(one, evidence=one.evidence + more) for one in listed_ones]
         listed_ones = _verdicts.behind_twice_the_period(listed_ones, problem)
-        behind = self.settings.axial_behind * _evidence.redundancy(best, problem)
+        is_doubtful = _verdicts.is_doubtful(best, problem)
+        behind = self.settings.alone if is_doubtful else self.settings.axial_behind
+        behind *= _evidence.redundancy(best, problem)
         listed_ones, self.beside = _pole_map.listed(listed_ones, behind)
         if not is_behind:
             listed_ones += self._between(problem, listed_ones, more, behind)
@@ -822,7 +823,7 @@ class Search:
 
     def _weighted(self, problem: CurveProblem, given: Refined, *, is_wide: bool) -> Weighted:
         # the more frequencies of nutation were tried, the better one fits by chance
-        trials = 1.0 if is_axial(given.state) else self.most / self.settings.tumblers
+        trials = 1.0 if is_axial(given.state) else self.most / self.settings.odds
         return _evidence.refined(
             problem,
             given.state,

@@ -232,6 +232,11 @@ def of_floor(ratio: float, most: float, settings: Settings) -> str:
     return f"chi2/N is {ratio:.2f} with {errors} (floor {most:g})"
 
 
+def is_doubtful(best: Weighted, problem: CurveProblem) -> bool:
+    """Whether a solution hardly fits: differences of evidence are then those of a wrong model."""
+    return _evidence.floor_ratio(best, problem) > problem.settings.doubtful
+
+
 def needed(best: Weighted, problem: CurveProblem) -> float:
     """By how much other periods have to lie behind a solution in evidence, at least."""
     settings, state = problem.settings, SearchState.of(best.refined.state)
@@ -339,7 +344,11 @@ def verdict(
         return OPEN, f"The budget ended before all periods were tried; give a larger one. {words}."
     if not accepted or turns < settings.least_turns:
         return OPEN, words + "."
-    if is_axial(state):
+    if not is_axial(state):
+        unseen = _unseen_phases(state, problem)
+        if unseen > settings.unseen:
+            return OPEN, f"{words}; {100.0 * unseen:.0f} % of a period of phi or psi is not seen."
+    else:
         tumbling = [
             other
             for other in found[1:]
@@ -362,10 +371,20 @@ def verdict(
     return SOLVED, f"{words}; no other pole lies {within}."
 
 
+def _unseen_phases(state: FloatArray, problem: CurveProblem) -> float:
+    """The largest gap between the phases of the epochs in the two periods of a tumbling state."""
+    gaps = []
+    for rate in SearchState.of(state).rates:
+        phases = np.sort(problem.t * rate % 1.0)
+        gaps.append(np.diff(phases, append=phases[0] + 1.0).max())
+    return float(max(gaps))
+
+
 def _widths_of_poles(best: Weighted, problem: CurveProblem) -> tuple[float, float]:
     """The differences of evidence and of likelihood within which other poles compete."""
     settings, points = problem.settings, _evidence.redundancy(best, problem)
-    return settings.competing_poles * points, settings.likely_poles * points
+    width = settings.alone if is_doubtful(best, problem) else settings.competing_poles
+    return width * points, settings.likely_poles * points
 
 
 def _competes(other: Weighted, best: Weighted, problem: CurveProblem) -> bool:
@@ -414,21 +433,33 @@ def of_dips(
 ) -> tuple[str, str]:
     """The verdict and its criterion on a tumbling body, where additive series may explain it.
 
-    Not solved, if the residuals of the body are above the errors, and those of a rotation with
-    dips in another period hardly larger.
+    Not solved, if the residuals of a rotation with dips in another period are hardly larger than
+    those of the body, and these above the errors, or both periods of the body those of the series.
     """
     settings = problem.settings
     if verdict[0] == OPEN or not pairs or is_axial(found[0].refined.state):
         return verdict
-    if _evidence.floor_ratio(found[0], problem) < settings.floor:
-        return verdict
+    rates = SearchState.of(found[0].refined.state).rates
+    is_at_floor = _evidence.floor_ratio(found[0], problem) < settings.floor
     most = settings.orbit_alike**2 * _evidence.share_left(found[0], problem)
-    alike = [pair for pair in pairs if pair.left < most]
+    alike = [
+        pair
+        for pair in pairs
+        if pair.left < most and (not is_at_floor or _has_frequencies(pair, rates, settings))
+    ]
     if not alike:
         return verdict
     period = problem.span / alike[0].orbit / _DAY
     words = f"rotation with an additive series of period {period:.6g} d, as of a moon, fits as well"
     return OPEN, f"{verdict[1]} {words}."
+
+
+def _has_frequencies(pair: AdditivePair, rates: tuple[float, float], settings: Settings) -> bool:
+    """Whether phi turns with the rotation of a pair and psi with its orbit, or twice or half."""
+    return all(
+        min(abs(rate - ratio * other) for ratio in (0.5, 1.0, 2.0)) < settings.comb_width
+        for rate, other in zip(rates, (pair.rotation, pair.orbit), strict=True)
+    )
 
 
 def of_satellite(
@@ -462,7 +493,7 @@ def _better_by_nutation(
     by chance among the frequencies tried, a claim would rest on the prior.
     """
     settings, best = problem.settings, found[0]
-    counted = _NUTATION * math.log(len(problem)) + 2.0 * math.log(most / settings.tumblers)
+    counted = _NUTATION * math.log(len(problem)) + 2.0 * math.log(most / settings.odds)
     gains = [
         _evidence.gain(other, best, problem)
         for other in found[1:]

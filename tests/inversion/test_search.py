@@ -432,7 +432,7 @@ def test_rotation_is_found_beside_deep_dips():
 
 
 @pytest.mark.parametrize("depths", [(0.3, 0.3), (0.3, 0.12)])
-@pytest.mark.parametrize("factor", [0.5, 1.0, 2.0])
+@pytest.mark.parametrize("factor", [1.0 / 3.0, 0.5, 1.0, 2.0])
 def test_an_orbit_has_two_eclipses(depths, factor):
     """Whichever multiple of the frequency the series was found at."""
     given = _eclipses(np.random.default_rng(5), 61.37, 13.21, depths)

@@ -114,9 +114,10 @@ def test_small_tilts_of_a_nutation_are_less_probable():
 def test_a_difference_that_one_night_makes_is_no_evidence(nights, expected):
     """Other periods lie 30 behind: in one of 25 nights, or in all of them alike."""
     problem = dataclasses.replace(
-        _problem(0.02), t=np.repeat(np.arange(25.0), 4) + np.tile(0.01 * np.arange(4), 25),
-        span=86400.0,
-    )  # fmt: skip
+        _problem(0.02),
+        t=(np.repeat(np.arange(25.0), 4) + np.tile(0.01 * np.arange(4), 25)) / 25.0,
+        span=25.0 * 86400.0,
+    )
     found = [_solution(-7.0, 0.0, 0.01), _solution(-9.0, 30.0, 0.01)]
     points = slice(0, 4 * nights)
     least = 0.01**2 / (0.02**2 * 5.0)
@@ -191,6 +192,38 @@ def test_other_poles_leave_the_periods():
     assert _verdicts.verdict(found, _problem(0.02))[0] == _verdicts.PERIODS
     found[1].evidence = 50.0
     assert _verdicts.verdict(found, _problem(0.02))[0] == _verdicts.SOLVED
+
+
+@pytest.mark.parametrize(
+    ("residual", "behind", "expected"),
+    [
+        (0.02, 50.0, _verdicts.SOLVED),
+        (0.021, 50.0, _verdicts.PERIODS),  # 0.88 of the floor: the model errs
+        (0.021, 250.0, _verdicts.SOLVED),
+    ],
+)
+def test_poles_of_a_body_that_hardly_fits_have_to_be_alone(residual, behind, expected):
+    found = [_solution(7.0, 0.0, residual), _solution(7.0, behind, residual, pole=1)]
+    assert _verdicts.verdict(found, _problem(0.02))[0] == expected
+
+
+@pytest.mark.parametrize(("nutation", "expected"), [(25.0, "not solved"), (24.0, "solved")])
+def test_a_period_of_a_day_at_one_time_of_the_day_is_not_claimed(nutation, expected):
+    """25 nights of eight hours: a nutation of a day is seen in a third of its phases."""
+    problem = dataclasses.replace(
+        _problem(0.02), t=(np.repeat(np.arange(25.0), 4) + np.tile(np.arange(4) / 9.0, 25)) / 25.0
+    )
+    verdict, words = _verdicts.verdict([_solution(-nutation, 0.0, 0.01)], problem)
+    assert verdict == expected
+    assert ("67 % of a period of phi or psi is not seen" in words) == (expected == "not solved")
+
+
+def test_even_odds_prefer_no_motion():
+    assert DEFAULT.tumblers == 0.5 and DEFAULT.odds == 1.0
+    catalogued = dataclasses.replace(DEFAULT, tumblers=0.01)
+    assert 2.0 * math.log(DEFAULT.odds / catalogued.odds) == pytest.approx(
+        DEFAULT.against_axis, abs=0.05
+    )
 
 
 def test_a_search_that_was_cut_off_claims_nothing():
@@ -274,17 +307,20 @@ def test_a_satellite_is_named_beside_what_is_known_of_the_rotation(rotation, ahe
 
 
 @pytest.mark.parametrize(
-    ("nutation", "residual", "left", "expected"),
+    ("nutation", "residual", "orbit", "left", "expected"),
     [
-        (-7.0, 0.05, 1.0, "not solved"),  # dips fit as well as the body, which leaves too much
-        (-7.0, 0.05, 2.0, "solved"),
-        (-7.0, 0.01, 1.0, "solved"),  # it leaves no more than the errors
-        (0.0, 0.05, 1.0, "solved"),  # a rotation
+        (-7.0, 0.05, 9.0, 1.0, "not solved"),  # dips fit as well as the body, which errs
+        (-7.0, 0.05, 9.0, 2.0, "solved"),
+        (-7.0, 0.01, 9.0, 1.0, "solved"),  # it leaves no more than the errors
+        (-7.0, 0.01, 7.5, 1.0, "not solved"),  # nor do dips with both of its periods
+        (-7.0, 0.01, 14.5, 1.0, "not solved"),
+        (-7.0, 0.01, 7.5, 2.0, "solved"),
+        (0.0, 0.05, 9.0, 1.0, "solved"),  # a rotation
     ],
 )
-def test_dips_of_a_moon_compete_with_tumbling(nutation, residual, left, expected):
+def test_dips_of_a_moon_compete_with_tumbling(nutation, residual, orbit, left, expected):
     found, problem = [_solution(nutation, 0.0, residual)], _problem(0.02)
-    pairs = [_satellites.AdditivePair(40.0, 9.0, left * _evidence.share_left(found[0], problem))]
+    pairs = [_satellites.AdditivePair(40.0, orbit, left * _evidence.share_left(found[0], problem))]
     verdict, words = _verdicts.of_dips(("solved", "-"), found, problem, pairs)
     assert verdict == expected
     assert ("an additive series" in words) == (expected == "not solved")
