@@ -16,10 +16,10 @@ from numpy.polynomial import chebyshev as polynomials
 
 from attitude._solver import chebyshev
 from attitude._support import pairs, validation
-from attitude._support.arrays import Immutable, frozen, read_only
+from attitude._support.arrays import frozen, read_only
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
-from attitude.paths._path import Path, since, spelled
+from attitude.paths._path import FrozenArrays, Path, since, spelled
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Pieces(Immutable):
+class Pieces(FrozenArrays):
     """Chebyshev polynomials of a vector on pieces of time, from `start` on, `widths` long, s.
 
     A row of `records` is a piece: `skip` numbers, then `count` coefficients of each component;
@@ -45,11 +45,6 @@ class Pieces(Immutable):
     count: int
     skip: int = 0
     factor: float = 1.0
-
-    def __post_init__(self) -> None:
-        for array in vars(self).values():
-            if isinstance(array, np.ndarray):
-                frozen(array)
 
     def _fill(self, hi, lo, base_hi, base_lo, piece, x):
         """Fill piece and x; -1, or the index of an epoch outside of all pieces."""
@@ -287,7 +282,7 @@ def compress(path: Path, start: Epoch, stop: Epoch, tolerance: Real = 1e-3) -> C
         width=width,
         cells=cells,
         # The same doubles from which the epochs of the samples were computed.
-        starts=np.array([_begin(length, piece[0], piece[1]) for piece in fit]),
+        starts=np.array([number * (length / 2**level) for level, number, *_ in fit]),
         widths=length / 2.0**levels,
         records=np.array([piece[2] for piece in fit]),
         count=_COUNT,
@@ -303,11 +298,6 @@ def compress(path: Path, start: Epoch, stop: Epoch, tolerance: Real = 1e-3) -> C
         source=f"{path.source}, compressed to {limit:g} m",
         span=(first, last),
     )
-
-
-def _begin(length, level, number):
-    """The start in s of a piece of a level."""
-    return number * (length / 2**level)
 
 
 def _halved(path, start, length, tolerance):

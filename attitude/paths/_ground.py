@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from attitude._support import pairs, validation
-from attitude._support.arrays import Immutable, frozen
+from attitude._support.arrays import frozen
 from attitude._support.constants import EARTH_FLATTENING, EARTH_RADIUS_M
 from attitude._support.synonyms import arguments
 from attitude._textfiles.lines import packaged
@@ -19,7 +19,7 @@ from attitude.epochs import _time_scales
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
 from attitude.frames._earth import pole_of_date, timescale, to_gcrs
-from attitude.paths._path import Path, spelled
+from attitude.paths._path import FrozenArrays, Path, spelled
 
 if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray, Real
@@ -178,7 +178,7 @@ _POLE = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Site(Immutable, Path):
+class Site(FrozenArrays, Path):
     """A place at rest on the rotating Earth: itrs (3,), m, with a zenith `up` (3,), ITRS axes.
 
     Made by `site` and `observatory`; `long_term`: whether a model follows beyond the IERS table.
@@ -192,10 +192,6 @@ class Site(Immutable, Path):
 
     center = "earth"
     has_horizon = True
-
-    def __post_init__(self) -> None:
-        frozen(self.itrs)
-        frozen(self.up)
 
     @property
     def span(self) -> tuple[Instant, Instant] | None:  # type: ignore[override]  # computed
@@ -372,7 +368,7 @@ def _site_of(code: str, entry: Observatory, long_term: bool) -> Site:
     # The normal of the ellipsoid at the place; its height is small compared with the radius.
     up = rho_cos * direction + np.array([0.0, 0.0, rho_sin / (1.0 - EARTH_FLATTENING) ** 2])
     size = math.sqrt(up @ up)
-    up = up / size if size else np.array([0.0, 0.0, 1.0])
+    up = up / size if size else _POLE.copy()
     return Site(itrs, up, label, "MPC observatory list, IERS Earth rotation", bool(long_term))
 
 

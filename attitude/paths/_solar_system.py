@@ -191,13 +191,12 @@ class SeriesBody(Path):
 
 # ---- The ephemeris that is built into astropy: the series of ERFA
 
-_PLANETS_BY_SYSTEM = ("mars", "jupiter", "saturn", "uranus", "neptune")
 # The name in astropy of each body, by its name in `_path`.
 _ASTROPY_NAMES = {
     **{name: name for name in ("sun", "earth", "moon")},
     "emb": "earth-moon-barycenter",
     **{name: name for name in ("mercury", "venus")},
-    **{f"{name} barycenter": name for name in _PLANETS_BY_SYSTEM},
+    **{f"{name} barycenter": name for name in ("mars", "jupiter", "saturn", "uranus", "neptune")},
 }
 
 

@@ -433,7 +433,7 @@ class View(Immutable):
         sun, observer = read_only(self.sun_line.unit), read_only(self.observer_line.unit)
         return self._numbers(separation(*sun, *observer))
 
-    @quantity("rad", ("longitude", "latitude"))
+    @quantity("rad", _PLACE)
     def phase_angle_bisector(self) -> FloatArray:
         """Ecliptic (J2000) longitude and latitude of -(s + o), s and o the two unit vectors."""
         return self._rows(_angles.bisector(self.sun_line.unit, self.observer_line.unit))
@@ -469,8 +469,12 @@ class View(Immutable):
         ICRF.
         """
         hi, lo = (np.broadcast_to(array, self.seconds.size)[part] for array in self._emission())
+        return self._velocity(body, hi[where], lo[where])
+
+    def _velocity(self, body: str | Path, hi: FloatArray, lo: FloatArray) -> FloatArray:
+        """Barycentric velocities (3, N) at epochs hi + lo (N,), m/s, ICRF."""
         path = _composed.relative(body, "ssb", self.scene.ephemeris)
-        return np.moveaxis(path.velocity(self.epoch, hi[where], lo[where]), -1, 0)
+        return np.moveaxis(path.velocity(self.epoch, hi, lo), -1, 0)
 
     @quantity()
     def in_umbra(self) -> BoolArray:
@@ -635,12 +639,8 @@ class View(Immutable):
     @kept
     def observer_velocity(self) -> FloatArray:
         """Barycentric velocity (3, N) of the observer at the epochs of reception, m/s, ICRF."""
-        scene = self.scene
-        hi, lo = self._reception()
         # An observer that is a direction is refused by `relative`.
-        observer = cast("Path", scene.observer)
-        path = _composed.relative(observer, "ssb", scene.ephemeris)
-        return np.moveaxis(path.velocity(self.epoch, hi, lo), -1, 0)
+        return self._velocity(cast("Path", self.scene.observer), *self._reception())
 
     def _seen(self, unit: FloatArray) -> FloatArray:
         """Directions (3, N) from the observer, aberrated if the scene has aberration=True."""
@@ -648,7 +648,7 @@ class View(Immutable):
             return unit
         return _angles.aberrated(unit, self.observer_velocity, SPEED_OF_LIGHT_M_S)
 
-    @quantity("", ("x", "y", "z"))
+    @quantity("", _XYZ)
     def apparent_direction(self) -> FloatArray:
         """Unit vector from the observer to the body, ICRF; aberrated if aberration=True."""
         return self._rows(self._seen(-self.observer_line.unit))
@@ -798,9 +798,8 @@ class View(Immutable):
         if not known.any():
             return self._numbers(out)
         if scene.phase_function is None:
-            band = scene.sun_magnitude
-            keywords = {} if band is None else {"sun_magnitude": band}
-            out[known] = _magnitudes.reduced_magnitude(bright[known], **keywords)
+            band = _magnitudes.SUN_V if scene.sun_magnitude is None else scene.sun_magnitude
+            out[known] = _magnitudes.reduced_magnitude(bright[known], sun_magnitude=band)
         else:
             assert scene.shape is not None  # `brightness` refuses a scene without one
             angles = np.asarray(self.phase_angle).reshape(-1)[known]
