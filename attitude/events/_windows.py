@@ -14,14 +14,13 @@ from attitude.conditions._search import difference
 from attitude.epochs import _instants
 from attitude.errors import AttitudeError
 from attitude.events._channels import SUN_RADIUS, Mirrored, glint
-from attitude.events._search import source_of, span, stream
+from attitude.events._search import Events, source_of, span, stream
 from attitude.paths._path import common_span
 from attitude.scene._scene import Scene
 from attitude.shape._mesh import Mesh, flat_sides
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
-    from typing import Any
 
     from astropy.time import Time
     from numpy.typing import NDArray
@@ -156,7 +155,7 @@ class Timetable(Immutable):
     def __str__(self) -> str:
         shown = self.table()
         for name in shown.colnames:
-            if shown[name].dtype.kind == "f" if hasattr(shown[name], "dtype") else False:
+            if getattr(getattr(shown[name], "dtype", None), "kind", "") == "f":
                 shown[name].info.format = ".3f"
         return "\n".join(shown.pformat(max_lines=-1, max_width=-1))
 
@@ -273,21 +272,18 @@ def windows_of(conditions: Sequence[Condition], start: Pair, stop: Pair) -> list
     """The windows of each of several conditions of one source, searched together."""
     source = conditions[0].source
     first_epoch, last_epoch = (source.epoch.after(*instant) for instant in (start, stop))
-    blocks = list(stream(first_epoch, last_epoch, list(conditions)))
+    changes = Events.joined(source.epoch, list(stream(first_epoch, last_epoch, list(conditions))))
     first = source.at(np.array([start[0]]), np.array([start[1]]))
     windows = []
     for k, condition in enumerate(conditions):
-        blocks_of = [block[block.which == k] for block in blocks]
-        begins = [_edge(start)] if condition.states(condition.signs(first))[0] else []
-        ends = []
-        for block in blocks_of:
-            pairs_of = np.stack([block.seconds, block.low])
-            begins.append(pairs_of[:, block.values.astype(bool)])
-            ends.append(pairs_of[:, ~block.values.astype(bool)])
-        edges = [np.concatenate([np.zeros((2, 0)), *times], axis=1) for times in (begins, ends)]
-        if edges[0].shape[1] > edges[1].shape[1]:
-            edges[1] = np.concatenate([edges[1], _edge(stop)], axis=1)
-        windows.append(_of_edges(source.epoch, edges[0], edges[1], start, stop))
+        changes_of = changes[changes.which == k]
+        edges = np.stack([changes_of.seconds, changes_of.low])
+        begins, ends = edges[:, changes_of.values], edges[:, ~changes_of.values]
+        if condition.states(condition.signs(first))[0]:
+            begins = np.concatenate([_edge(start), begins], axis=1)
+        if begins.shape[1] > ends.shape[1]:
+            ends = np.concatenate([ends, _edge(stop)], axis=1)
+        windows.append(_of_edges(source.epoch, begins, ends, start, stop))
     return windows
 
 

@@ -104,12 +104,8 @@ def compare(
     >>> round(compare(box((1, 2, 3)), box((3, 1, 2)), turned=False).overlap, 6)
     0.2
     """
-    bodies, axes, turns = [], [], []
-    for body_given, name in ((first, "first"), (second, "second")):
-        body, semi_axes, turn = _normal(body_given, name)
-        bodies.append(body)
-        axes.append(semi_axes)
-        turns.append(turn)
+    pair = _normal(first, "first"), _normal(second, "second")
+    bodies, axes, turns = zip(*pair, strict=True)
     counted = _Common(*bodies)
     if not validation.flag(turned, "turned"):
         return ShapeComparison(counted.best(np.eye(3)), np.array(axes), np.eye(3))
