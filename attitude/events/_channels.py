@@ -276,7 +276,12 @@ class Mirrored(Channel):
 
     def value(self, moment: Moment) -> FloatArray:
         """r.s - cos(radius) (N,)."""
-        return self._one_minus_cosine(moment) - 0.5 * self._chord_squared(moment)
+        if self._radius is None:
+            sine = SUN_RADIUS_M / moment.view.sun_distance
+            one_minus_cosine = sine * sine / (1.0 + np.sqrt(1.0 - sine * sine))
+        else:
+            one_minus_cosine = 2.0 * np.sin(0.5 * self._radius) ** 2
+        return one_minus_cosine - 0.5 * self._chord_squared(moment)
 
     def off_mirror(self, moment: Moment) -> FloatArray:
         """The angle (N,) between the mirrored observer and the Sun, rad."""
@@ -291,13 +296,6 @@ class Mirrored(Channel):
             along = twice * self._normal[k] - observer[..., k] - sun[..., k]
             square = square + along * along
         return square
-
-    def _one_minus_cosine(self, moment: Moment) -> FloatArray | float:
-        """1 - cos(radius)."""
-        if self._radius is not None:
-            return 2.0 * np.sin(0.5 * self._radius) ** 2
-        sine = SUN_RADIUS_M / moment.view.sun_distance
-        return sine * sine / (1.0 + np.sqrt(1.0 - sine * sine))
 
     def bounds(self, rates: RateBounds, drifts: Sequence[Drift]) -> tuple[float, float]:
         """Bounds of two derivatives: r.s = 2 (n.o)(n.s) - o.s; o.s changes by the drifts alone."""

@@ -306,7 +306,7 @@ def _span_of(source, start, stop):
 
 def _edge(pair: Pair) -> FloatArray:
     """A pair as (2, 1)."""
-    return np.array([[pair[0]], [pair[1]]])
+    return np.array(pair)[:, None]
 
 
 def _edges(column: TimetableColumn) -> FloatArray:
@@ -543,7 +543,11 @@ def glints(
     chosen = _sides(scene, sides, fraction)
     more = [] if where is None else [condition_of(where, "where")]
     if validation.flag(visible, "visible"):
-        more += _visible(scene)
+        if scene.shadow_of:
+            more.append(scene.quantity("lit_fraction") > 0.0)
+        if scene.observer.has_horizon:
+            more.append(scene.quantity("elevation") > 0.0)
+            more.append(scene.quantity("sun_elevation") < scene.night)
     conditions = []
     for side, width in chosen:
         reach = min(width + SUN_RADIUS, _WIDEST)
@@ -590,16 +594,6 @@ def _sides(scene, names, fraction):
     return sides
 
 
-def _visible(scene: Scene) -> list[Condition]:
-    more = []
-    if scene.shadow_of:
-        more.append(scene.quantity("lit_fraction") > 0.0)
-    if scene.observer.has_horizon:
-        more.append(scene.quantity("elevation") > 0.0)
-        more.append(scene.quantity("sun_elevation") < scene.night)
-    return more
-
-
 def _rows(scene, sides, conditions, found):
     """The rows of all sides in order of time."""
     source = conditions[0].source
@@ -623,13 +617,15 @@ def _rows(scene, sides, conditions, found):
     duration = np.concatenate([one.duration for one in found])
     order = np.argsort(begin[0], kind="stable")
     view = source.at(peak[order], np.zeros(len(peak))).view
+    is_far = scene.sun.is_direction or scene.observer.is_direction
+    magnitude = np.asarray(view.reduced_magnitude if is_far else view.magnitude_everywhere)
     columns = {
         "side": TimetableColumn(side[order]),
         "start": TimetableColumn(begin[0, order], "time", low=begin[1, order]),
         "peak": TimetableColumn(peak[order], "time"),
         "stop": TimetableColumn(end[0, order], "time", low=end[1, order]),
         "duration": TimetableColumn(duration[order], "s"),
-        "magnitude": TimetableColumn(_magnitude(scene, view), "mag"),
+        "magnitude": TimetableColumn(magnitude, "mag"),
         "off_mirror": TimetableColumn(off_mirror[order], "rad", "deg"),
         "phase_angle": TimetableColumn(view.phase_angle, "rad", "deg"),
         "lit_fraction": TimetableColumn(view.lit_fraction),
@@ -637,9 +633,3 @@ def _rows(scene, sides, conditions, found):
     if scene.observer.has_horizon:
         columns["elevation"] = TimetableColumn(view.elevation, "rad", "deg")
     return Glints(source.epoch, columns)
-
-
-def _magnitude(scene: Scene, view: Any) -> FloatArray:
-    if scene.sun.is_direction or scene.observer.is_direction:
-        return np.asarray(view.reduced_magnitude)
-    return np.asarray(view.magnitude_everywhere)

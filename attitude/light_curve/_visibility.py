@@ -44,7 +44,7 @@ from attitude._compilation.simd import (
     root,
     truncated,
 )
-from attitude._support.blocks import ProgressBar
+from attitude._support.blocks import ProgressBar, in_blocks
 from attitude.errors import AttitudeError
 from attitude.light_curve._sums import SIZE, clusters_of, evened
 from attitude.shape._mesh import Mesh, edges_of, parts
@@ -918,8 +918,6 @@ def plane_filling(
 
 def _painted(mesh, clusters, resolution, threads, progress):
     """The masks of a `Visibility`."""
-    from attitude._support.blocks import in_blocks
-
     cells = 6 * resolution**2
     masks = np.empty((cells, clusters.count * SIZE), dtype=np.uint8)
     # With the mean of the centroids as origin, heights keep their digits wherever the mesh lies.

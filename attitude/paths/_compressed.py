@@ -127,6 +127,22 @@ class KnotPieces(Pieces):
         return chebyshev.place_knots(hi, lo, base_hi, base_lo, knots, low, piece, x)
 
 
+class PiecewisePath(Path):
+    """The base of paths by polynomials, which replace `_placed` where pieces need a check."""
+
+    pieces: Pieces
+
+    def _placed(self, instant, hi, lo):
+        """Numbers of the pieces (N,) of the epochs, and coordinates in them (N,)."""
+        return self.pieces.place(self, instant, hi, lo)
+
+    def _position(self, instant, hi, lo):
+        return self.pieces.values(*self._placed(instant, hi, lo))
+
+    def _state(self, instant, hi, lo):
+        return self.pieces.values_and_rates(*self._placed(instant, hi, lo))
+
+
 # Degree 15: the fewest numbers, within 20 %, for orbits of 1e7 to 1e11 m at a tolerance of 1e-3 m;
 # 16 coefficients are a power of two.
 _COUNT = 16
@@ -146,7 +162,7 @@ _BATCH = 1 << 18
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Compressed(Path):
+class Compressed(PiecewisePath):
     """A path as Chebyshev pieces on a span.  Made by `compress`.
 
     Attributes
@@ -178,12 +194,6 @@ class Compressed(Path):
         rows = np.zeros((len(self.pieces.records), count, 4))
         rows[:, :, :3] = self.pieces.records.reshape(-1, 3, count).transpose(0, 2, 1)
         return frozen(rows.reshape(-1))
-
-    def _position(self, instant, hi, lo):
-        return self.pieces.values(*self.pieces.place(self, instant, hi, lo))
-
-    def _state(self, instant, hi, lo):
-        return self.pieces.values_and_rates(*self.pieces.place(self, instant, hi, lo))
 
     def directions(
         self,

@@ -52,7 +52,7 @@ def to_celestial(
     rates: bool = True,
 ) -> tuple[FloatArray, FloatArray | None]:
     """GCRS components (3, N) and their rates of a vector (3,) in ITRS, at hi, lo (N,)."""
-    earth = _earth_at(hi, lo, long_term, name)
+    earth = _Earth(hi, lo, long_term, name)
     position, intermediate = earth(vector)
     if not rates:
         return position, None
@@ -62,41 +62,31 @@ def to_celestial(
 
 def axes_to_celestial(hi: FloatArray, lo: FloatArray) -> FloatArray:
     """GCRS components of the axes of ITRS, (axis, component, N), at hi, lo (N,) of any year."""
-    earth = _earth_at(hi, lo, True, "the Earth")
+    earth = _Earth(hi, lo, True, "the Earth")
     return np.array([earth(axis)[0] for axis in np.eye(3)])
 
 
-@dataclass(frozen=True)
 class _Earth:
-    """The Earth's orientation at N epochs: pole of date, angle of rotation, polar motion, rad."""
+    """The Earth's orientation at epochs hi, lo (N,): pole of date, rotation, polar motion, rad."""
 
-    x: FloatArray
-    y: FloatArray
-    angle: FloatArray
-    x_pole: FloatArray
-    y_pole: FloatArray
-    locator: FloatArray
+    def __init__(self, hi: FloatArray, lo: FloatArray, long_term: bool, name: str) -> None:
+        tt = pairs.add((hi, lo), -_time_scales.difference_at(hi, lo))
+        tai = pairs.add(tt, -_time_scales.TT_MINUS_TAI)
+        ut1_minus_tai, *pole = _orientation(tai, tt, long_term, name)
+        x, y, s = pole_of_date(hi, lo)
+        self._of_date = x, y, rotation_angle(*pairs.add(tai, ut1_minus_tai)) - s
+        # Polar motion with the locator s': IERS Conventions (2010), eq. 5.3 and 5.13.
+        centuries = tt[0] / (36525.0 * _time_scales.DAY)
+        self._polar_motion = *pole, -47e-6 * _ARCSEC * centuries
 
     def __call__(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
         """A vector (3,) of ITRS over GCRS (3, N), and over the terrestrial intermediate frame."""
-        fixed = _without_polar_motion(vector, self.x_pole, self.y_pole, self.locator)
+        fixed = _without_polar_motion(vector, *self._polar_motion)
         return self.to_gcrs(fixed), fixed
 
     def to_gcrs(self, intermediate: FloatArray) -> FloatArray:
         """Vectors (3, N) of the terrestrial intermediate frame over GCRS."""
-        return to_gcrs(self.x, self.y, self.angle, intermediate)
-
-
-def _earth_at(hi: FloatArray, lo: FloatArray, long_term: bool, name: str) -> _Earth:
-    tt = pairs.add((hi, lo), -_time_scales.difference_at(hi, lo))
-    tai = pairs.add(tt, -_time_scales.TT_MINUS_TAI)
-    ut1_minus_tai, x_pole, y_pole = _orientation(tai, tt, long_term, name)
-    ut1 = pairs.add(tai, ut1_minus_tai)
-    x, y, s = pole_of_date(hi, lo)
-    # Polar motion with the locator s': IERS Conventions (2010), eq. 5.3 and 5.13.
-    centuries = tt[0] / (36525.0 * _time_scales.DAY)
-    locator = -47e-6 * _ARCSEC * centuries
-    return _Earth(x, y, rotation_angle(*ut1) - s, x_pole, y_pole, locator)
+        return to_gcrs(*self._of_date, intermediate)
 
 
 def rotation_angle(hi: FloatArray, lo: FloatArray) -> FloatArray:
@@ -314,10 +304,7 @@ def observatory(code: str, *, long_term: bool = False) -> Site:
             '"568".'
         )
     text = code.strip()
-    entry = _observatories().get(text.upper())
-    if entry is not None:
-        return _site_of(text.upper(), entry, long_term)
-    known = named(text)
+    known = _site_of(text.upper()) if text.upper() in _observatories() else named(text)
     if known is None:
         date = re.search(r"\d{4}-\d{2}-\d{2}", packaged(_LIST).partition("\n")[0])
         raise AttitudeError(
@@ -344,7 +331,7 @@ def named(text: str) -> Site | None:
             f"{validation.shown(text)} is in the names of {len(codes)} observatories "
             f"({some}{more}); give the code of one."
         )
-    return _site_of(codes[0], listed[codes[0]], False) if codes else None
+    return _site_of(codes[0]) if codes else None
 
 
 class Observatory(NamedTuple):
@@ -354,8 +341,9 @@ class Observatory(NamedTuple):
     numbers: tuple[float, float, float] | None
 
 
-def _site_of(code: str, entry: Observatory, long_term: bool) -> Site:
+def _site_of(code: str) -> Site:
     """The place of a row of the list."""
+    entry = _observatories()[code]
     label = f"{code} {entry.name}"
     if entry.numbers is None:
         raise AttitudeError(
@@ -369,7 +357,7 @@ def _site_of(code: str, entry: Observatory, long_term: bool) -> Site:
     up = rho_cos * direction + np.array([0.0, 0.0, rho_sin / (1.0 - EARTH_FLATTENING) ** 2])
     size = math.sqrt(up @ up)
     up = up / size if size else _POLE.copy()
-    return Site(itrs, up, label, "MPC observatory list, IERS Earth rotation", bool(long_term))
+    return Site(itrs, up, label, "MPC observatory list, IERS Earth rotation")
 
 
 _LIST = "data/observatories.txt"

@@ -462,11 +462,9 @@ class Uniform(FrozenArrays, Path):
         if self.is_fixed:
             return np.repeat(self.start[:, None], hi.size, axis=1)
         base = since(instant, self.epoch)
-        seconds = (base[0] + hi) + (base[1] + lo)
+        whole, elapsed = pairs.two_sum(hi, base[0])
+        seconds = whole + (base[1] + lo)
         # The rounding error of that sum: at 1e9 s, 1e-7 s at a velocity of 30 km/s are 3 mm.
-        whole = base[0] + hi
-        remainder = whole - hi
-        elapsed = (base[0] - remainder) + (hi - (whole - remainder))
         elapsed += (whole - seconds) + (base[1] + lo)
         return self.start[:, None] + (self.speed[:, None] * seconds + self.speed[:, None] * elapsed)
 

@@ -23,7 +23,7 @@ from attitude._solver import chebyshev
 from attitude._support.arrays import read_only
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
-from attitude.paths._compressed import EqualPieces
+from attitude.paths._compressed import EqualPieces, PiecewisePath
 from attitude.paths._path import SSB, Ephemeris, Path, julian, since
 
 if TYPE_CHECKING:
@@ -138,7 +138,7 @@ _PIECES, _COUNT = 9131, 16
 _LO = np.zeros(1)
 
 
-class SeriesBody(Path):
+class SeriesBody(PiecewisePath):
     """The path of an `AstropyBody` with a span, by Chebyshev pieces.  Made by `built_in().step`.
 
     Positions differ by up to 0.1 m, its roughness, velocities of plan94 by up to 26 m/s.
@@ -164,12 +164,6 @@ class SeriesBody(Path):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return SeriesBody, (self.series,)
-
-    def _position(self, instant, hi, lo):
-        return self.pieces.values(*self._placed(instant, hi, lo))
-
-    def _state(self, instant, hi, lo):
-        return self.pieces.values_and_rates(*self._placed(instant, hi, lo))
 
     def _placed(self, instant, hi, lo):
         """Numbers of the pieces (N,), which are fitted now if need be, and places in them (N,)."""

@@ -76,7 +76,6 @@ class SpiceSegment(Segment):
                 f"{kernel.source} has {name} in a segment of type {segment.data_type}, which needs "
                 f"SPICE; install it by {validation.installing('spice')}."
             )
-        self._arguments = (kernel.file, number)
 
     def _state(self, instant, hi, lo):
         import spiceypy
@@ -84,7 +83,7 @@ class SpiceSegment(Segment):
         self.check_span(instant, hi, lo)
         seconds, remainder = pairs.add((hi, lo), instant.seconds, instant.low)
         seconds, remainder = np.broadcast_arrays(seconds, remainder)
-        handle, descriptor = _handle(*self._arguments)
+        handle, descriptor = _handle(self.kernel.file, self.number)
         states = np.empty((seconds.size, 6))
         for k, second in enumerate(seconds.tolist()):
             try:

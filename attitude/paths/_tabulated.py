@@ -12,7 +12,7 @@ from attitude._solver import chebyshev
 from attitude._support import pairs, validation
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
-from attitude.paths._compressed import KnotPieces
+from attitude.paths._compressed import KnotPieces, PiecewisePath
 from attitude.paths._path import Path, known_center, spelled
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ _HIGHEST_DEGREE = 31
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class TabulatedPath(Path):
+class TabulatedPath(PiecewisePath):
     """An interpolated table; `rates` are polynomials of the velocities alone.  Made by `table`."""
 
     pieces: KnotPieces
@@ -105,15 +105,12 @@ class TabulatedPath(Path):
 
     def _placed(self, instant, hi, lo):
         self.check_span(instant, hi, lo)
-        return self.pieces.place(self, instant, hi, lo)
-
-    def _position(self, instant, hi, lo):
-        return self.pieces.values(*self._placed(instant, hi, lo))
+        return super()._placed(instant, hi, lo)
 
     def _state(self, instant, hi, lo):
-        piece, x = self._placed(instant, hi, lo)
         if self.rates is None:
-            return self.pieces.values_and_rates(piece, x)
+            return super()._state(instant, hi, lo)
+        piece, x = self._placed(instant, hi, lo)
         return self.pieces.values(piece, x), self.rates.values(piece, x)
 
 

@@ -428,10 +428,7 @@ class View(Immutable):
     @quantity("rad")
     def phase_angle(self) -> FloatArray:
         """Angle at the body between Sun and observer, 0 to pi."""
-        from attitude._solver.vectors import separation
-
-        sun, observer = read_only(self.sun_line.unit), read_only(self.observer_line.unit)
-        return self._numbers(separation(*sun, *observer))
+        return self._numbers(_angles.between_units(self.sun_line.unit, self.observer_line.unit))
 
     @quantity("rad", _PLACE)
     def phase_angle_bisector(self) -> FloatArray:
