@@ -304,12 +304,9 @@ class Events(Immutable):
         which: IntArray | None = None,
         unit: str = "",
     ) -> None:
-        self._set("unit", unit)
-        self._set("epoch", epoch)
-        self._set("seconds", frozen(seconds))
-        self._set("low", frozen(low))
-        self._set("values", frozen(values))
-        self._set("which", frozen(np.zeros(len(seconds), int) if which is None else which))
+        which = np.zeros(len(seconds), int) if which is None else which
+        self._set_all(unit=unit, epoch=epoch, seconds=frozen(seconds), low=frozen(low))
+        self._set_all(values=frozen(values), which=frozen(which))
 
     @classmethod
     def joined(

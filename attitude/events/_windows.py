@@ -69,10 +69,8 @@ class Timetable(Immutable):
     columns: dict[str, TimetableColumn]
 
     def __init__(self, epoch: _instants.Instant, columns: Mapping[str, TimetableColumn]) -> None:
-        self._set("epoch", epoch)
-        self._set("columns", dict(columns))
-        for name, column in columns.items():
-            self._set(name, frozen(np.asarray(column.values)))
+        self._set_all(epoch=epoch, columns=dict(columns))
+        self._set_all(**{name: frozen(np.asarray(c.values)) for name, c in columns.items()})
 
     if not TYPE_CHECKING:
 
@@ -205,8 +203,7 @@ class Windows(Timetable):
         stop: Pair,
     ) -> None:
         super().__init__(epoch, columns)
-        self._set("start", start)
-        self._set("stop", stop)
+        self._set_all(start=start, stop=stop)
 
     def _with(self, columns: Mapping[str, TimetableColumn]) -> Windows:
         return Windows(self.epoch, columns, self.start, self.stop)

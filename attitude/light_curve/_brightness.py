@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from attitude._support.arrays import read_only
+from attitude._support.arrays import frozen, read_only
 from attitude._support.blocks import ProgressBar, in_blocks
 from attitude.errors import AttitudeError
 from attitude.light_curve import _sums
@@ -340,9 +340,8 @@ def cells_of_directions(resolution: int, directions: Sequence[FloatArray]) -> Fl
         return np.zeros(directions[0].size)
     missing = -directions[0].size % SIZE
     if missing:
-        directions = [np.append(one, np.ones(missing)) for one in directions]
-        for one in directions:
-            one.flags.writeable = False  # as `components` gives them: one compiled version
+        # read-only as `components` gives them: one compiled version
+        directions = [frozen(np.append(one, np.ones(missing))) for one in directions]
     cells = np.empty(directions[0].size)
     _sums.cells_of(*directions, float(resolution), cells)
     return cells
@@ -359,8 +358,7 @@ def _facet_kernel(mesh, law, table):
     if packs is not None and law.elements is not None:
         return _few_kernel(law, rows, packs, table)
     which = np.where(clusters.order < 0, -1, number[clusters.order])
-    masks, resolution = np.zeros((1, clusters.count), dtype=np.uint64), 0
-    masks.flags.writeable = False
+    masks, resolution = frozen(np.zeros((1, clusters.count), dtype=np.uint64)), 0
     if table is not None:
         masks, resolution = table.masks.view(np.uint64), table.resolution
     facets = clusters.blocks, clusters.axes, clusters.sky, clusters.cells

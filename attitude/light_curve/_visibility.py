@@ -44,6 +44,7 @@ from attitude._compilation.simd import (
     root,
     truncated,
 )
+from attitude._support.arrays import frozen
 from attitude._support.blocks import ProgressBar, in_blocks
 from attitude.errors import AttitudeError
 from attitude.light_curve._sums import SIZE, clusters_of, evened
@@ -787,7 +788,7 @@ class Visibility:
 
     def __post_init__(self) -> None:
         for array in (self.masks, self.corners):
-            array.flags.writeable = False
+            frozen(array)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Visibility, (self.masks, self.resolution, self.clusters, self.corners)

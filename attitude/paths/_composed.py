@@ -93,7 +93,7 @@ class NamedBody(Path):
 
     def __eq__(self, other: object) -> bool:
         if isinstance(other, (str, NamedBody)):
-            return self.name == (other if isinstance(other, str) else other.name)
+            return self.name == label_of(other)
         return NotImplemented
 
     def __hash__(self) -> int:

@@ -281,27 +281,24 @@ def compress(path: Path, start: Epoch, stop: Epoch, tolerance: Real = 1e-3) -> C
         )
     fit = _halved(path, first, length, limit)
     depth = max(level for level, *_ in fit)
-    width = length / 2**depth
     # Pieces in the order of time; their numbers are scaled to count the finest cells.
     fit.sort(key=lambda piece: piece[1] << (depth - piece[0]))
-    levels = np.array([piece[0] for piece in fit])
-    spans = 1 << (depth - levels)
-    cells = np.repeat(np.arange(len(fit), dtype=np.int32), spans)
+    levels, _, records, errors, speed_errors = zip(*fit, strict=True)
     pieces = CellPieces(
         start=first,
-        width=width,
-        cells=cells,
+        width=length / 2**depth,
+        cells=np.repeat(np.arange(len(fit), dtype=np.int32), 1 << (depth - np.array(levels))),
         # The same doubles from which the epochs of the samples were computed.
         starts=np.array([number * (length / 2**level) for level, number, *_ in fit]),
-        widths=length / 2.0**levels,
-        records=np.array([piece[2] for piece in fit]),
+        widths=length / 2.0 ** np.array(levels),
+        records=np.array(records),
         count=_COUNT,
         most=length,
     )
     return Compressed(
         pieces=pieces,
-        error=max(piece[3] for piece in fit),
-        speed_error=max(piece[4] for piece in fit),
+        error=max(errors),
+        speed_error=max(speed_errors),
         tolerance=limit,
         name=path.name,
         center=path.center,

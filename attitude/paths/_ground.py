@@ -6,7 +6,7 @@ import math
 import re
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -321,11 +321,11 @@ def named(text: str) -> Site | None:
     if not words:
         return None
     listed = _observatories()
-    names = {code: re.findall(r"\w+", known.name.lower()) for code, known in listed.items()}
+    names = {code: re.findall(r"\w+", name.lower()) for code, (name, _) in listed.items()}
     codes = [code for code, known in names.items() if known == words]
     codes = codes or [code for code, known in names.items() if set(words) <= set(known)]
     if len(codes) > 1:
-        some = "; ".join(f"{code} {listed[code].name}" for code in codes[:6])
+        some = "; ".join(f"{code} {listed[code][0]}" for code in codes[:6])
         more = "; ..." if len(codes) > 6 else ""
         raise AttitudeError(
             f"{validation.shown(text)} is in the names of {len(codes)} observatories "
@@ -334,22 +334,15 @@ def named(text: str) -> Site | None:
     return _site_of(codes[0]) if codes else None
 
 
-class Observatory(NamedTuple):
-    """A row of the list: longitude in degrees, rho cos phi', rho sin phi'; None in space."""
-
-    name: str
-    numbers: tuple[float, float, float] | None
-
-
 def _site_of(code: str) -> Site:
     """The place of a row of the list."""
-    entry = _observatories()[code]
-    label = f"{code} {entry.name}"
-    if entry.numbers is None:
+    name, numbers = _observatories()[code]
+    label = f"{code} {name}"
+    if numbers is None:
         raise AttitudeError(
             f"{label} does not rest on the ground; give its path by tle, oem or spk."
         )
-    longitude, rho_cos, rho_sin = entry.numbers
+    longitude, rho_cos, rho_sin = numbers
     angle = math.radians(longitude)
     direction = np.array([math.cos(angle), math.sin(angle), 0.0])
     itrs = EARTH_RADIUS_M * (rho_cos * direction + np.array([0.0, 0.0, rho_sin]))
@@ -364,11 +357,11 @@ _LIST = "data/observatories.txt"
 
 
 @lru_cache(maxsize=1)
-def _observatories() -> dict[str, Observatory]:
-    """The list of observatories by code."""
+def _observatories() -> dict[str, tuple[str, tuple[float, float, float] | None]]:
+    """By code: name; longitude in degrees, rho cos phi' and rho sin phi', None in space."""
     by_code = {}
     for line in packaged(_LIST).splitlines()[1:]:
         code, longitude, cosine, sine, name = line.split(" ", 4)
         numbers = None if sine == "-" else (float(longitude), float(cosine), float(sine))
-        by_code[code] = Observatory(name, numbers)
+        by_code[code] = name, numbers
     return by_code

@@ -453,13 +453,8 @@ class Uniform(FrozenArrays, Path):
     name: str
     source: str = "uniform motion"
 
-    @property
-    def is_fixed(self) -> bool:
-        """Whether the point rests relative to its center."""
-        return not self.speed.any()
-
     def _position(self, instant, hi, lo):
-        if self.is_fixed:
+        if not self.speed.any():
             return np.repeat(self.start[:, None], hi.size, axis=1)
         base = since(instant, self.epoch)
         whole, elapsed = pairs.two_sum(hi, base[0])

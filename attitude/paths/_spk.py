@@ -234,9 +234,8 @@ def _segment_path(kernel, name, number, segment):
             f"{kernel.source} gives {name} in the frame number {segment.frame}; only inertial "
             "frames are read: J2000 (1) and ECLIPJ2000 (17)."
         )
-    if segment.data_type in (2, 3):
-        return KernelSegment(kernel, number, name, segment)
-    return SpiceSegment(kernel, number, name, segment)
+    kind = KernelSegment if segment.data_type in (2, 3) else SpiceSegment
+    return kind(kernel, number, name, segment)
 
 
 class KernelSegment(Segment):

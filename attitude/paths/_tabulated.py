@@ -33,16 +33,14 @@ def _interval_polynomials(knots, knots_low, values, rates, degree):
     """Chebyshev coefficients between rows at knots (N,) s, of values and rates (N, 3)."""
     window = rows_needed(degree, rates is not None)
     first = np.arange(len(knots) - 1) - (window - 1) // 2
-    first = np.clip(first, 0, len(knots) - window)
-    rows = first[:, None] + np.arange(window)
-    interval = np.arange(len(knots) - 1)
+    rows = np.clip(first, 0, len(knots) - window)[:, None] + np.arange(window)
     width = np.diff(knots) + np.diff(knots_low)
     # Time from the start of the interval in units of its length.
-    nodes = (knots[rows] - knots[interval, None]) + (knots_low[rows] - knots_low[interval, None])
+    nodes = (knots[rows] - knots[:-1, None]) + (knots_low[rows] - knots_low[:-1, None])
     nodes /= width[:, None]
     # Differences from the value at the start: the rounding errors of the divided differences are
     # then relative to these, not to the size of the orbit.
-    start = values[interval][:, None, :]
+    start = values[:-1, None, :]
     known = values[rows] - start
     slopes = None
     if rates is not None:
@@ -53,7 +51,7 @@ def _interval_polynomials(knots, knots_low, values, rates, degree):
     sampled = np.stack([_newton_at(array, nodes, newton) for array in x])
     table = chebyshev.coefficients(sampled)
     table[0] += start[:, 0]
-    return np.ascontiguousarray(table.transpose(1, 2, 0)).reshape(len(interval), -1)
+    return np.ascontiguousarray(table.transpose(1, 2, 0)).reshape(len(width), -1)
 
 
 def rows_needed(degree: int, with_rates: bool) -> int:
@@ -173,11 +171,10 @@ def table(
         v = None if v is None else v @ matrix.T
 
     def polynomials(rows, slopes):
-        records = _interval_polynomials(knots, low, rows, slopes, degree)
         return KnotPieces(
             start=first,
             widths=np.diff(knots) + np.diff(low),
-            records=records,
+            records=_interval_polynomials(knots, low, rows, slopes, degree),
             count=degree + 1,
             knots=knots,
             knots_low=low,

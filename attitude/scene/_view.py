@@ -171,11 +171,8 @@ class View(Immutable):
     def __init__(
         self, scene: Scene, epoch: Instant, seconds: FloatArray, low: FloatArray | None
     ) -> None:
-        self._set("scene", scene)
-        self._set("epoch", epoch)
-        self._set("seconds", frozen(seconds))
-        self._set("low", None if low is None else frozen(low))
-        self._set("_evaluated", [])
+        self._set_all(scene=scene, epoch=epoch, seconds=frozen(seconds))
+        self._set_all(low=None if low is None else frozen(low), _evaluated=[])
 
     def __len__(self) -> int:
         if not self.shape:
@@ -732,7 +729,7 @@ class View(Immutable):
     def moon_separation(self) -> FloatArray:
         """Angle at the observer between the Moon's centre and the body, 0 to pi."""
         body = self._flat(self.apparent_direction)
-        moon = self._seen(np.broadcast_to(self.moon_line.unit, body.shape))
+        moon = self._seen(self.moon_line.unit)
         return self._numbers(_angles.between_units(body, moon))
 
     @quantity()
@@ -765,13 +762,11 @@ class View(Immutable):
             )
         sun, observer = (self._flat(v) for v in (self.sun_direction, self.observer_direction))
         known = np.flatnonzero(np.isfinite(sun[0]))
-        is_whole = known.size == self.seconds.size
-        if not is_whole:
-            sun, observer = np.ascontiguousarray(sun[:, known]), observer[:, known]
-        brightness = self._brightness_of(sun.T, observer.T)
-        if not is_whole:
-            brightness, some = np.full(self.seconds.size, np.nan), brightness
-            brightness[known] = some
+        if known.size == self.seconds.size:
+            return self._numbers(self._brightness_of(sun.T, observer.T))
+        sun, observer = np.ascontiguousarray(sun[:, known]), observer[:, known]
+        brightness = np.full(self.seconds.size, np.nan)
+        brightness[known] = self._brightness_of(sun.T, observer.T)
         return self._numbers(brightness)
 
     def _brightness_of(self, sun: FloatArray, observer: FloatArray) -> FloatArray:
@@ -851,10 +846,6 @@ class View(Immutable):
     def turn_covariance(self) -> FloatArray:
         """Covariance (N, 3, 3) of the attitudes at emission: rotation vectors, rad, ICRF axes."""
         return self.attitude.attitude_covariance.reshape(-1, 3, 3)
-
-    def _deviations(self, gradient: FloatArray) -> FloatArray:
-        """Standard deviations (S) of numbers with gradients (N, 3) by turns, ICRF axes."""
-        return self._numbers(turned_deviations(self.turn_covariance, gradient))
 
     def _in_rows(self, direction: FloatArray) -> FloatArray:
         """Directions (3, N) or (3, 1) as (N, 3)."""
@@ -947,10 +938,9 @@ class View(Immutable):
         across_sight = axis - np.sum(axis * sight, axis=-1, keepdims=True) * sight
         across = np.cross(sight, across_sight)
         with np.errstate(divide="ignore", invalid="ignore"):
-            gradient = np.cross(axis, across) / np.sum(
-                across_sight * across_sight, axis=-1, keepdims=True
-            )
-        return self._deviations(gradient)
+            square = np.sum(across_sight * across_sight, axis=-1, keepdims=True)
+            gradient = np.cross(axis, across) / square
+        return self._numbers(turned_deviations(self.turn_covariance, gradient))
 
     # ---- Those of brightness
 

@@ -172,7 +172,7 @@ def winding_number(point: FloatArray, corners: FloatArray) -> float:
 _BLOCK = 1 << 16
 
 
-def _is_convex(corners, normals, mates, tolerance, rounding=0.0):
+def _is_convex(corners, normals, mates, tolerance, rounding):
     """Whether no vertex of facets (F, 3, 3) m, normals (F, 3), rises above the plane of another."""
     middle = np.mean(corners, axis=(0, 1))
     corners = corners - middle
@@ -250,20 +250,22 @@ def solid_moments(corners: FloatArray) -> tuple[float, FloatArray, FloatArray]:
     """Volume, first and second moments of the solid that triangles (F, 3, 3) enclose."""
     a, b, c = np.moveaxis(corners, 1, 0)
     six = np.einsum("fi,fi->f", a, np.cross(b, c))
-    total = a + b + c
-    first = np.einsum("f,fi->i", six, total) / 24.0
-    second = _outer(six, a, b, c, total) / 120.0
-    return float(np.sum(six) / 6.0), first, second
+    return float(np.sum(six) / 6.0), *_moments(six, a, b, c, 24.0, 120.0)
 
 
 def shell_moments(corners: FloatArray) -> tuple[float, FloatArray, FloatArray]:
     """Area, first and second moments of the surface: m2, m3, m4; see `solid_moments`."""
     a, b, c = np.moveaxis(corners, 1, 0)
     area = np.linalg.norm(np.cross(b - a, c - a), axis=-1) / 2.0
+    return float(np.sum(area)), *_moments(area, a, b, c, 3.0, 12.0)
+
+
+def _moments(weight, a, b, c, of_first, of_second):
+    """First and second moments of facets with weights and corners (F, 3), over two divisors."""
     total = a + b + c
-    first = np.einsum("f,fi->i", area, total) / 3.0
-    second = _outer(area, a, b, c, total) / 12.0
-    return float(np.sum(area)), first, second
+    first = np.einsum("f,fi->i", weight, total) / of_first
+    second = sum(np.einsum("f,fi,fj->ij", weight, v, v) for v in (a, b, c, total))
+    return first, second / of_second
 
 
 def _about_center(density, measure, first, second, origin):
@@ -272,11 +274,6 @@ def _about_center(density, measure, first, second, origin):
     spread = density * (second - measure * np.outer(mean, mean))
     inertia = np.trace(spread) * np.eye(3) - spread
     return MassProperties(density * measure, origin + mean, (inertia + inertia.T) / 2.0)
-
-
-def _outer(weight, a, b, c, total):
-    """Sum over facets of weight times (a a^T + b b^T + c c^T + total total^T)."""
-    return sum(np.einsum("f,fi,fj->ij", weight, v, v) for v in (a, b, c, total))
 
 
 # ---- Checks of the vertices, facets and materials of a mesh, each with the facets at fault named
