@@ -112,7 +112,7 @@ class Logic:
 
     def __call__(self, signs: Sequence[BoolArray]) -> BoolArray:
         """Whether the condition holds (N,), from the signs (N,) of its channels."""
-        raise NotImplementedError(f"{type(self).__name__} defines no __call__")
+        return self.possible([(sign, ~sign) for sign in signs])[0]
 
     def possible(self, signs: Sequence[Possible]) -> Possible:
         """Whether the condition can hold and can fail, where some signs are not known."""
@@ -129,10 +129,6 @@ class Sign(Logic):
 
     number: int
 
-    def __call__(self, signs: Sequence[BoolArray]) -> BoolArray:
-        """The sign itself."""
-        return signs[self.number]
-
     def possible(self, signs: Sequence[Possible]) -> Possible:
         """What the sign can be."""
         return signs[self.number]
@@ -147,10 +143,6 @@ class Not(Logic):
     """The opposite of a logic."""
 
     one: Logic
-
-    def __call__(self, signs: Sequence[BoolArray]) -> BoolArray:
-        """Whether it fails."""
-        return ~self.one(signs)
 
     def possible(self, signs: Sequence[Possible]) -> Possible:
         """Can hold where the other can fail."""
@@ -168,10 +160,6 @@ class Both(Logic):
 
     one: Logic
     other: Logic
-
-    def __call__(self, signs: Sequence[BoolArray]) -> BoolArray:
-        """Whether both hold."""
-        return self.one(signs) & self.other(signs)
 
     def possible(self, signs: Sequence[Possible]) -> Possible:
         """Can hold where both can, can fail where either can."""
@@ -406,11 +394,11 @@ class Observable(Joinable):
                 "returns their difference, and compare that with 0."
             )
         number = validation.number(threshold, "the threshold", unit=self.unit or None)
+        logic: Logic = Sign(0)
         if self.is_smooth and comparison.startswith("<"):
             # One channel for both comparisons, so that a change of both is one event.
-            opposite = {"<": ">=", "<=": ">"}[comparison]
-            return Condition(self.source, (Level(self, opposite, number),), Not(Sign(0)))
-        return Condition(self.source, (Level(self, comparison, number),), Sign(0))
+            comparison, logic = {"<": ">=", "<=": ">"}[comparison], Not(logic)
+        return Condition(self.source, (Level(self, comparison, number),), logic)
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}{f' in {self.unit}' if self.unit else ''}>"

@@ -25,6 +25,7 @@ import numpy as np
 
 from attitude._support import pairs
 from attitude._support.blocks import ProgressBar
+from attitude.conditions._moments import lengths
 from attitude.errors import AttitudeError
 from attitude.motions._motion import RateBounds
 
@@ -199,7 +200,7 @@ def _bounds_at(motion: Motion, seconds: float) -> RateBounds:
 
 def _length(vectors: FloatArray) -> float:
     """The largest length of vectors (N, 3)."""
-    largest = float(np.max(np.sqrt(np.sum(np.asarray(vectors) ** 2, axis=-1))))
+    largest = float(np.max(lengths(np.asarray(vectors))))
     if not np.isfinite(largest):
         raise AttitudeError(
             "the motion has no finite angular velocity at some epoch of the search; give a span in "

@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from attitude.conditions._moments import Moment, Pair, Source
     from attitude.events._search import AnyMotion
     from attitude.motions._motion import RateBounds
-    from attitude.scene._view import View
 
     VectorFunction: TypeAlias = Callable[[FloatArray], ArrayLike]
     AnyDirection: TypeAlias = Reals | Direction | SearchDirection | VectorFunction
@@ -177,8 +176,12 @@ class Aberrated(SearchDirection):
         return _units(u / g + b + (g / (g + 1.0)) * along * b, self.name)
 
     def _velocity_at(self, moment: Moment) -> FloatArray:
+        """The velocity (N, 3) or (3,), m/s, ICRF."""
         if isinstance(self._velocity, str):
-            return _center_velocity(moment.view)
+            # That of the scene's center at the epochs of emission.
+            view, scene = moment.view, moment.source.scene
+            path = _composed.relative(scene.center, "ssb", scene.ephemeris)
+            return path.velocity(view.epoch, *view.emission)
         if callable(self._velocity):
             return np.asarray(self._velocity(moment.hi + moment.lo), dtype=np.float64)
         return self._velocity
@@ -196,25 +199,17 @@ def direction_of(given: AnyDirection | None, name: str, source: Source) -> Searc
     """The SearchDirection of what a caller gives."""
     if isinstance(given, SearchDirection):
         return given
-    if source.scene is not None and (given is None or isinstance(given, str)):
+    if given is None or isinstance(given, str):
+        if source.scene is None:
+            raise AttitudeError(
+                f"{name} is {given!r}, but a motion without a scene has no position; give an ICRF "
+                "vector, a function of seconds, or a Scene instead of the motion."
+            )
         chosen = name if given is None else given
         return OfScene(validation.one_of(chosen, name, ("sun", "observer")))
-    if given is None or isinstance(given, str):
-        raise AttitudeError(
-            f"{name} is {given!r}, but a motion without a scene has no position; give an ICRF "
-            "vector, a function of seconds, or a Scene instead of the motion."
-        )
     if callable(given):
         return Moving(given, name=name)
     return Fixed(given, name)
-
-
-def _center_velocity(view: View) -> FloatArray:
-    """Barycentric velocity (N, 3) of the scene's center at the epochs of emission, m/s, ICRF."""
-    scene = view.scene
-    assert scene.center is not None
-    hi, lo = view.emission
-    return _composed.relative(scene.center, "ssb", scene.ephemeris).velocity(view.epoch, hi, lo)
 
 
 def _units(vectors, name):
@@ -281,7 +276,12 @@ class Mirrored(Channel):
 
     def value(self, moment: Moment) -> FloatArray:
         """r.s - cos(radius) (N,)."""
-        return self._one_minus_cosine(moment) - 0.5 * self._chord_squared(moment)
+        if self._radius is None:
+            sine = SUN_RADIUS_M / moment.view.sun_distance
+            one_minus_cosine = sine * sine / (1.0 + np.sqrt(1.0 - sine * sine))
+        else:
+            one_minus_cosine = 2.0 * np.sin(0.5 * self._radius) ** 2
+        return one_minus_cosine - 0.5 * self._chord_squared(moment)
 
     def off_mirror(self, moment: Moment) -> FloatArray:
         """The angle (N,) between the mirrored observer and the Sun, rad."""
@@ -296,13 +296,6 @@ class Mirrored(Channel):
             along = twice * self._normal[k] - observer[..., k] - sun[..., k]
             square = square + along * along
         return square
-
-    def _one_minus_cosine(self, moment: Moment) -> FloatArray | float:
-        """1 - cos(radius)."""
-        if self._radius is not None:
-            return 2.0 * np.sin(0.5 * self._radius) ** 2
-        sine = SUN_RADIUS_M / moment.view.sun_distance
-        return sine * sine / (1.0 + np.sqrt(1.0 - sine * sine))
 
     def bounds(self, rates: RateBounds, drifts: Sequence[Drift]) -> tuple[float, float]:
         """Bounds of two derivatives: r.s = 2 (n.o)(n.s) - o.s; o.s changes by the drifts alone."""

@@ -301,12 +301,13 @@ class Receding(Channel):
                 + u[..., 1] * (w[..., 2] * a[0] - w[..., 0] * a[2])
                 + u[..., 2] * (w[..., 0] * a[1] - w[..., 1] * a[0])
             )
-        return self._by_differences(moment)
-
-    def _by_differences(self, moment: Moment) -> FloatArray:
-        source, direction = moment.source, self.directions[0]
-        rate = self._stencil_rate(moment)
-        d = _STENCIL / rate
+        source = moment.source
+        if self._rate is None:
+            # The same spacing in all blocks, so that an epoch has the same value in each.
+            start = (float(moment.hi.flat[0]), float(moment.lo.flat[0]))
+            limit = pieces(source, start, start)[0][2]
+            self._rate = limit.guess(source, start) or 1.0
+        d = _STENCIL / self._rate
         total = np.zeros(moment.hi.shape)
         for k, weight in _WEIGHTS:
             ahead, behind = (
@@ -315,14 +316,6 @@ class Receding(Channel):
             )
             total = total + weight * (ahead - behind)
         return total / d
-
-    def _stencil_rate(self, moment: Moment) -> float:
-        # The same spacing in all blocks, so that an epoch has the same value in each.
-        if self._rate is None:
-            start = (float(moment.hi.flat[0]), float(moment.lo.flat[0]))
-            limit = pieces(moment.source, start, start)[0][2]
-            self._rate = limit.guess(moment.source, start) or 1.0
-        return self._rate
 
     def bounds(self, rates: RateBounds, drifts: Sequence[Drift]) -> tuple[float, float]:
         """Upper bounds of the first two derivatives, those of u.a one order higher."""

@@ -151,16 +151,6 @@ def _sectioned(sign, knots, signs):
 # in the open parts only: glints above the horizon at night cost the time of the nights.
 
 
-def one_source(conditions: Sequence[Condition]) -> Source:
-    """The source that all conditions share."""
-    for condition in conditions:
-        if not same_source(condition.source, conditions[0].source):
-            raise AttitudeError(
-                "the conditions are of different motions or scenes; search each separately."
-            )
-    return conditions[0].source
-
-
 def _sign_changes(conditions, channels, start, stop):
     """Blocks of changes that can change a condition: seconds hi + lo, channel, to True (N,)."""
     source = conditions[0].source
@@ -314,12 +304,9 @@ class Events(Immutable):
         which: IntArray | None = None,
         unit: str = "",
     ) -> None:
-        self._set("unit", unit)
-        self._set("epoch", epoch)
-        self._set("seconds", frozen(seconds))
-        self._set("low", frozen(low))
-        self._set("values", frozen(values))
-        self._set("which", frozen(np.zeros(len(seconds), int) if which is None else which))
+        which = np.zeros(len(seconds), int) if which is None else which
+        self._set_all(unit=unit, epoch=epoch, seconds=frozen(seconds), low=frozen(low))
+        self._set_all(values=frozen(values), which=frozen(which))
 
     @classmethod
     def joined(
@@ -511,7 +498,11 @@ def stream(
     if not functions:
         raise AttitudeError("the list of conditions is empty; give one or more.")
     conditions = [condition_of(condition, "the list of conditions") for condition in functions]
-    source = one_source(conditions)
+    source = conditions[0].source
+    if not all(same_source(condition.source, source) for condition in conditions):
+        raise AttitudeError(
+            "the conditions are of different motions or scenes; search each separately."
+        )
     begin, end = span(source.epoch, start, stop)
     channels = list(dict.fromkeys(channel for one in conditions for channel in one.channels))
     for hi, lo, number, rising in _sign_changes(conditions, channels, begin, end):

@@ -14,14 +14,13 @@ from attitude.conditions._search import difference
 from attitude.epochs import _instants
 from attitude.errors import AttitudeError
 from attitude.events._channels import SUN_RADIUS, Mirrored, glint
-from attitude.events._search import source_of, span, stream
+from attitude.events._search import Events, source_of, span, stream
 from attitude.paths._path import common_span
 from attitude.scene._scene import Scene
 from attitude.shape._mesh import Mesh, flat_sides
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
-    from typing import Any
 
     from astropy.time import Time
     from numpy.typing import NDArray
@@ -70,10 +69,8 @@ class Timetable(Immutable):
     columns: dict[str, TimetableColumn]
 
     def __init__(self, epoch: _instants.Instant, columns: Mapping[str, TimetableColumn]) -> None:
-        self._set("epoch", epoch)
-        self._set("columns", dict(columns))
-        for name, column in columns.items():
-            self._set(name, frozen(np.asarray(column.values)))
+        self._set_all(epoch=epoch, columns=dict(columns))
+        self._set_all(**{name: frozen(np.asarray(c.values)) for name, c in columns.items()})
 
     if not TYPE_CHECKING:
 
@@ -156,7 +153,7 @@ class Timetable(Immutable):
     def __str__(self) -> str:
         shown = self.table()
         for name in shown.colnames:
-            if shown[name].dtype.kind == "f" if hasattr(shown[name], "dtype") else False:
+            if getattr(getattr(shown[name], "dtype", None), "kind", "") == "f":
                 shown[name].info.format = ".3f"
         return "\n".join(shown.pformat(max_lines=-1, max_width=-1))
 
@@ -206,8 +203,7 @@ class Windows(Timetable):
         stop: Pair,
     ) -> None:
         super().__init__(epoch, columns)
-        self._set("start", start)
-        self._set("stop", stop)
+        self._set_all(start=start, stop=stop)
 
     def _with(self, columns: Mapping[str, TimetableColumn]) -> Windows:
         return Windows(self.epoch, columns, self.start, self.stop)
@@ -273,21 +269,18 @@ def windows_of(conditions: Sequence[Condition], start: Pair, stop: Pair) -> list
     """The windows of each of several conditions of one source, searched together."""
     source = conditions[0].source
     first_epoch, last_epoch = (source.epoch.after(*instant) for instant in (start, stop))
-    blocks = list(stream(first_epoch, last_epoch, list(conditions)))
+    changes = Events.joined(source.epoch, list(stream(first_epoch, last_epoch, list(conditions))))
     first = source.at(np.array([start[0]]), np.array([start[1]]))
     windows = []
     for k, condition in enumerate(conditions):
-        blocks_of = [block[block.which == k] for block in blocks]
-        begins = [_edge(start)] if condition.states(condition.signs(first))[0] else []
-        ends = []
-        for block in blocks_of:
-            pairs_of = np.stack([block.seconds, block.low])
-            begins.append(pairs_of[:, block.values.astype(bool)])
-            ends.append(pairs_of[:, ~block.values.astype(bool)])
-        edges = [np.concatenate([np.zeros((2, 0)), *times], axis=1) for times in (begins, ends)]
-        if edges[0].shape[1] > edges[1].shape[1]:
-            edges[1] = np.concatenate([edges[1], _edge(stop)], axis=1)
-        windows.append(_of_edges(source.epoch, edges[0], edges[1], start, stop))
+        changes_of = changes[changes.which == k]
+        edges = np.stack([changes_of.seconds, changes_of.low])
+        begins, ends = edges[:, changes_of.values], edges[:, ~changes_of.values]
+        if condition.states(condition.signs(first))[0]:
+            begins = np.concatenate([_edge(start), begins], axis=1)
+        if begins.shape[1] > ends.shape[1]:
+            ends = np.concatenate([ends, _edge(stop)], axis=1)
+        windows.append(_of_edges(source.epoch, begins, ends, start, stop))
     return windows
 
 
@@ -310,7 +303,7 @@ def _span_of(source, start, stop):
 
 def _edge(pair: Pair) -> FloatArray:
     """A pair as (2, 1)."""
-    return np.array([[pair[0]], [pair[1]]])
+    return np.array(pair)[:, None]
 
 
 def _edges(column: TimetableColumn) -> FloatArray:
@@ -547,7 +540,11 @@ def glints(
     chosen = _sides(scene, sides, fraction)
     more = [] if where is None else [condition_of(where, "where")]
     if validation.flag(visible, "visible"):
-        more += _visible(scene)
+        if scene.shadow_of:
+            more.append(scene.quantity("lit_fraction") > 0.0)
+        if scene.observer.has_horizon:
+            more.append(scene.quantity("elevation") > 0.0)
+            more.append(scene.quantity("sun_elevation") < scene.night)
     conditions = []
     for side, width in chosen:
         reach = min(width + SUN_RADIUS, _WIDEST)
@@ -594,16 +591,6 @@ def _sides(scene, names, fraction):
     return sides
 
 
-def _visible(scene: Scene) -> list[Condition]:
-    more = []
-    if scene.shadow_of:
-        more.append(scene.quantity("lit_fraction") > 0.0)
-    if scene.observer.has_horizon:
-        more.append(scene.quantity("elevation") > 0.0)
-        more.append(scene.quantity("sun_elevation") < scene.night)
-    return more
-
-
 def _rows(scene, sides, conditions, found):
     """The rows of all sides in order of time."""
     source = conditions[0].source
@@ -627,13 +614,15 @@ def _rows(scene, sides, conditions, found):
     duration = np.concatenate([one.duration for one in found])
     order = np.argsort(begin[0], kind="stable")
     view = source.at(peak[order], np.zeros(len(peak))).view
+    is_far = scene.sun.is_direction or scene.observer.is_direction
+    magnitude = np.asarray(view.reduced_magnitude if is_far else view.magnitude_everywhere)
     columns = {
         "side": TimetableColumn(side[order]),
         "start": TimetableColumn(begin[0, order], "time", low=begin[1, order]),
         "peak": TimetableColumn(peak[order], "time"),
         "stop": TimetableColumn(end[0, order], "time", low=end[1, order]),
         "duration": TimetableColumn(duration[order], "s"),
-        "magnitude": TimetableColumn(_magnitude(scene, view), "mag"),
+        "magnitude": TimetableColumn(magnitude, "mag"),
         "off_mirror": TimetableColumn(off_mirror[order], "rad", "deg"),
         "phase_angle": TimetableColumn(view.phase_angle, "rad", "deg"),
         "lit_fraction": TimetableColumn(view.lit_fraction),
@@ -641,9 +630,3 @@ def _rows(scene, sides, conditions, found):
     if scene.observer.has_horizon:
         columns["elevation"] = TimetableColumn(view.elevation, "rad", "deg")
     return Glints(source.epoch, columns)
-
-
-def _magnitude(scene: Scene, view: Any) -> FloatArray:
-    if scene.sun.is_direction or scene.observer.is_direction:
-        return np.asarray(view.reduced_magnitude)
-    return np.asarray(view.magnitude_everywhere)

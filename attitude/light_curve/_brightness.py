@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from attitude._support.arrays import read_only
+from attitude._support.arrays import frozen, read_only
 from attitude._support.blocks import ProgressBar, in_blocks
 from attitude.errors import AttitudeError
+from attitude.light_curve import _sums
 from attitude.light_curve._few_facets import arranged, packs_of, summed_few_facets
 from attitude.light_curve._sums import SIZE, WORD, aligned, clusters_of
 from attitude.light_curve._visibility import POINTS, Visibility
@@ -65,8 +66,6 @@ def paired(
 
 def components(sun: NDArray[Any], observer: NDArray[Any], begin: int, end: int) -> list[FloatArray]:
     """Six contiguous float64 arrays of a block: x, y, z of the Sun, then of the observer."""
-    from attitude.light_curve._sums import stray
-
     parts = []
     for array, name in ((sun, "sun"), (observer, "observer")):
         # read-only everywhere: one compiled version
@@ -74,7 +73,7 @@ def components(sun: NDArray[Any], observer: NDArray[Any], begin: int, end: int) 
             read_only(np.ascontiguousarray(array[begin:end, k], dtype=np.float64)) for k in range(3)
         ]
         # The sum of (|v|^2 - 1)^2 exceeds the bound if any single vector does; NaN stays NaN.
-        if not stray(*parts_of) <= _UNIT**2:
+        if not _sums.stray(*parts_of) <= _UNIT**2:
             _refuse_the_first(parts_of, name, begin)
         parts.extend(parts_of)
     return parts
@@ -272,10 +271,8 @@ def kernel_of(
 
 def _ellipsoid_kernel(shape, law):
     require_ellipsoid_form(law)
-    from attitude.light_curve._sums import ellipsoid
-
     axes, factor = tuple(float(axis) for axis in shape.semi_axes), law.weights[0]
-    return lambda *arrays: ellipsoid(*axes, factor, *arrays)
+    return lambda *arrays: _sums.ellipsoid(*axes, factor, *arrays)
 
 
 def require_ellipsoid_form(law: Law) -> None:
@@ -309,8 +306,6 @@ def _table(mesh: Mesh, shadows: bool | Visibility, threads: int) -> Visibility |
 
 def _fused_kernel(mesh, law, table):
     """The sum for laws with weights: the weights are part of the rows of each facet."""
-    from attitude.light_curve import _sums
-
     clusters = clusters_of(mesh)
     blocks = clusters.rows()
     height, area = blocks[:, 2], blocks[:, 3] / (1 if table is None else POINTS)
@@ -334,8 +329,6 @@ def _cells(resolution, arrays):
 
 def _halves(directions):
     """Cosines and sines (2, N) of half the phase angles, of directions by component."""
-    from attitude.light_curve import _sums
-
     half = np.empty((2, directions[0].size))
     _sums.halves(*directions, *half)
     return half
@@ -343,15 +336,12 @@ def _halves(directions):
 
 def cells_of_directions(resolution: int, directions: Sequence[FloatArray]) -> FloatArray:
     """The indices (N,) of the cells of directions by component (N,), as `_sums` takes them."""
-    from attitude.light_curve import _sums
-
     if resolution == 0:
         return np.zeros(directions[0].size)
     missing = -directions[0].size % SIZE
     if missing:
-        directions = [np.append(one, np.ones(missing)) for one in directions]
-        for one in directions:
-            one.flags.writeable = False  # as `components` gives them: one compiled version
+        # read-only as `components` gives them: one compiled version
+        directions = [frozen(np.append(one, np.ones(missing))) for one in directions]
     cells = np.empty(directions[0].size)
     _sums.cells_of(*directions, float(resolution), cells)
     return cells
@@ -359,8 +349,6 @@ def cells_of_directions(resolution: int, directions: Sequence[FloatArray]) -> Fl
 
 def _facet_kernel(mesh, law, table):
     """The sum for laws that are evaluated facet by facet, over facets that `gather` finds."""
-    from attitude.light_curve import _sums
-
     clusters = clusters_of(mesh)
     rows, number = law.rows(mesh.materials)
     # Names of the same material are one row: fewer facets are filled up.
@@ -370,8 +358,7 @@ def _facet_kernel(mesh, law, table):
     if packs is not None and law.elements is not None:
         return _few_kernel(law, rows, packs, table)
     which = np.where(clusters.order < 0, -1, number[clusters.order])
-    masks, resolution = np.zeros((1, clusters.count), dtype=np.uint64), 0
-    masks.flags.writeable = False
+    masks, resolution = frozen(np.zeros((1, clusters.count), dtype=np.uint64)), 0
     if table is not None:
         masks, resolution = table.masks.view(np.uint64), table.resolution
     facets = clusters.blocks, clusters.axes, clusters.sky, clusters.cells

@@ -24,6 +24,7 @@ from attitude._compilation.simd import (
     positive_bits,
     summed_up,
 )
+from attitude._support.arrays import frozen
 from attitude.light_curve._sums import SIZE, aligned
 from attitude.scattering._law import TERMS
 
@@ -93,9 +94,7 @@ def arranged(
         column[order[is_used]] = np.flatnonzero(is_used)
         used = packs.order >= 0
         arranged_masks[:, used] = masks[:, column[packs.order[used]]]
-    words: NDArray[np.uint64] = arranged_masks.view(np.uint64)
-    words.flags.writeable = False
-    return words
+    return frozen(arranged_masks.view(np.uint64))
 
 
 @cache

@@ -56,9 +56,11 @@ def reduced_magnitude(brightness: Reals, *, sun_magnitude: Real = SUN_V) -> Floa
     0.0
     """
     array: FloatArray = validation.real(brightness, "brightness", unit="m2/sr", finite=False)
-    if not np.all((array >= 0.0) & (array < np.inf)):
-        bad = array[~((array >= 0.0) & (array < np.inf))].flat[0]
-        raise AttitudeError(f"brightness holds {bad}; it must be finite and not negative, m2/sr.")
+    wrong = array[~((array >= 0.0) & (array < np.inf))]
+    if wrong.size:
+        raise AttitudeError(
+            f"brightness holds {wrong.flat[0]}; it must be finite and not negative, m2/sr."
+        )
     return of_brightness(array, validation.number(sun_magnitude, "sun_magnitude", unit="mag"))
 
 

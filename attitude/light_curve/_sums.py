@@ -38,6 +38,7 @@ from attitude._compilation.simd import (
     summed_up,
     truncated,
 )
+from attitude._support.arrays import frozen
 from attitude.scattering._law import TERMS
 
 if TYPE_CHECKING:
@@ -103,7 +104,7 @@ class Clusters:
 
     def __post_init__(self) -> None:
         for array in (self.blocks, self.axes, self.sky, self.order):
-            array.flags.writeable = False
+            frozen(array)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Clusters, (self.blocks, self.axes, self.sky, self.cells, self.order, self.area)
@@ -153,8 +154,7 @@ def aligned(blocks: FloatArray) -> FloatArray:
     skip = -padded.ctypes.data // 8 % 8
     copy = padded[skip : skip + blocks.size]
     copy[:] = blocks.reshape(-1)
-    copy.flags.writeable = False
-    return copy
+    return frozen(copy)
 
 
 def cell_scale(cells: int) -> float:

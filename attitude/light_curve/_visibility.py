@@ -44,7 +44,8 @@ from attitude._compilation.simd import (
     root,
     truncated,
 )
-from attitude._support.blocks import ProgressBar
+from attitude._support.arrays import frozen
+from attitude._support.blocks import ProgressBar, in_blocks
 from attitude.errors import AttitudeError
 from attitude.light_curve._sums import SIZE, clusters_of, evened
 from attitude.shape._mesh import Mesh, edges_of, parts
@@ -787,7 +788,7 @@ class Visibility:
 
     def __post_init__(self) -> None:
         for array in (self.masks, self.corners):
-            array.flags.writeable = False
+            frozen(array)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Visibility, (self.masks, self.resolution, self.clusters, self.corners)
@@ -918,8 +919,6 @@ def plane_filling(
 
 def _painted(mesh, clusters, resolution, threads, progress):
     """The masks of a `Visibility`."""
-    from attitude._support.blocks import in_blocks
-
     cells = 6 * resolution**2
     masks = np.empty((cells, clusters.count * SIZE), dtype=np.uint8)
     # With the mean of the centroids as origin, heights keep their digits wherever the mesh lies.

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from attitude.errors import AttitudeError
-from attitude.paths._path import SSB, Path, Place, body_name, common_span
+from attitude.paths._path import SSB, Path, Place, body_name, common_span, label_of
 from attitude.paths._solar_system import ephemeris
 
 if TYPE_CHECKING:
@@ -49,20 +49,18 @@ class Composed(Path):
         return any(path.is_slow for path in self.plus + self.minus)
 
     def _position(self, instant, hi, lo):
-        total = np.zeros((3, hi.size))
-        for path in self.plus:
-            total += path._position(instant, hi, lo)
-        for path in self.minus:
-            total -= path._position(instant, hi, lo)
-        return total
+        return self._added(np.zeros((3, hi.size)), lambda path: path._position(instant, hi, lo))
 
     def _state(self, instant, hi, lo):
-        total = np.zeros((2, 3, hi.size))
+        return self._added(np.zeros((2, 3, hi.size)), lambda path: path._state(instant, hi, lo))
+
+    def _added(self, total, vectors_of):
+        """A total to which the vectors of the parts are added, each with its sign."""
         for path in self.plus:
-            total += path._state(instant, hi, lo)
+            total += vectors_of(path)
         for path in self.minus:
-            total -= path._state(instant, hi, lo)
-        return total[0], total[1]
+            total -= vectors_of(path)
+        return total
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -95,7 +93,7 @@ class NamedBody(Path):
 
     def __eq__(self, other: object) -> bool:
         if isinstance(other, (str, NamedBody)):
-            return self.name == (other if isinstance(other, str) else other.name)
+            return self.name == label_of(other)
         return NotImplemented
 
     def __hash__(self) -> int:
@@ -137,10 +135,7 @@ def relative(
     to the Earth has no rounding of their distance to the Sun.
     """
     target_chain, origin_chain = _Chain(target, ephemeris), _Chain(origin, ephemeris)
-    while True:
-        shared = target_chain.meeting(origin_chain)
-        if shared is not None:
-            break
+    while (shared := target_chain.meeting(origin_chain)) is None:
         # The chains grow in turn, the target's first; names of bodies lead to the barycentre.
         if not target_chain.extend() and not origin_chain.extend():
             raise AttitudeError(
@@ -152,9 +147,7 @@ def relative(
     plus, minus = target_chain.parts[: shared[0]], origin_chain.parts[: shared[1]]
     if len(plus) == 1 and not minus:
         return plus[0]
-    start = target_chain.start
-    name = start.name if isinstance(start, Path) else start
-    return Composed(tuple(plus), tuple(minus), name, origin_chain.start)
+    return Composed(tuple(plus), tuple(minus), label_of(target_chain.start), origin_chain.start)
 
 
 def body(
@@ -218,7 +211,9 @@ class _Chain:
         if last == SSB:
             return False
         if isinstance(last, Composed):
-            steps = self._opened(last)
+            # Single parts, where these are a chain, can cancel against the other chain.
+            is_chain = all(before.center == after.name for before, after in pairwise(last.plus))
+            steps = list(last.plus) if is_chain and not last.minus else [last]
         else:
             steps = [last if isinstance(last, Path) else self._ephemeris().step(last)]
         for step in steps:
@@ -231,12 +226,6 @@ class _Chain:
             self.parts.append(step)
             self.places.append(center)
         return True
-
-    def _opened(self, path):
-        """The steps of a sum: its parts where these are a chain, else the sum itself."""
-        # Single parts can cancel against the other chain.
-        is_chain = all(before.center == after.name for before, after in pairwise(path.plus))
-        return list(path.plus) if is_chain and not path.minus else [path]
 
     def _ephemeris(self):
         """The ephemeris, opened at the first call."""

@@ -16,10 +16,10 @@ from numpy.polynomial import chebyshev as polynomials
 
 from attitude._solver import chebyshev
 from attitude._support import pairs, validation
-from attitude._support.arrays import Immutable, frozen, read_only
+from attitude._support.arrays import frozen, read_only
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
-from attitude.paths._path import Path, since, spelled
+from attitude.paths._path import FrozenArrays, Path, since, spelled
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Pieces(Immutable):
+class Pieces(FrozenArrays):
     """Chebyshev polynomials of a vector on pieces of time, from `start` on, `widths` long, s.
 
     A row of `records` is a piece: `skip` numbers, then `count` coefficients of each component;
@@ -45,11 +45,6 @@ class Pieces(Immutable):
     count: int
     skip: int = 0
     factor: float = 1.0
-
-    def __post_init__(self) -> None:
-        for array in vars(self).values():
-            if isinstance(array, np.ndarray):
-                frozen(array)
 
     def _fill(self, hi, lo, base_hi, base_lo, piece, x):
         """Fill piece and x; -1, or the index of an epoch outside of all pieces."""
@@ -132,6 +127,22 @@ class KnotPieces(Pieces):
         return chebyshev.place_knots(hi, lo, base_hi, base_lo, knots, low, piece, x)
 
 
+class PiecewisePath(Path):
+    """The base of paths by polynomials, which replace `_placed` where pieces need a check."""
+
+    pieces: Pieces
+
+    def _placed(self, instant, hi, lo):
+        """Numbers of the pieces (N,) of the epochs, and coordinates in them (N,)."""
+        return self.pieces.place(self, instant, hi, lo)
+
+    def _position(self, instant, hi, lo):
+        return self.pieces.values(*self._placed(instant, hi, lo))
+
+    def _state(self, instant, hi, lo):
+        return self.pieces.values_and_rates(*self._placed(instant, hi, lo))
+
+
 # Degree 15: the fewest numbers, within 20 %, for orbits of 1e7 to 1e11 m at a tolerance of 1e-3 m;
 # 16 coefficients are a power of two.
 _COUNT = 16
@@ -151,7 +162,7 @@ _BATCH = 1 << 18
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Compressed(Path):
+class Compressed(PiecewisePath):
     """A path as Chebyshev pieces on a span.  Made by `compress`.
 
     Attributes
@@ -183,12 +194,6 @@ class Compressed(Path):
         rows = np.zeros((len(self.pieces.records), count, 4))
         rows[:, :, :3] = self.pieces.records.reshape(-1, 3, count).transpose(0, 2, 1)
         return frozen(rows.reshape(-1))
-
-    def _position(self, instant, hi, lo):
-        return self.pieces.values(*self.pieces.place(self, instant, hi, lo))
-
-    def _state(self, instant, hi, lo):
-        return self.pieces.values_and_rates(*self.pieces.place(self, instant, hi, lo))
 
     def directions(
         self,
@@ -276,38 +281,30 @@ def compress(path: Path, start: Epoch, stop: Epoch, tolerance: Real = 1e-3) -> C
         )
     fit = _halved(path, first, length, limit)
     depth = max(level for level, *_ in fit)
-    width = length / 2**depth
     # Pieces in the order of time; their numbers are scaled to count the finest cells.
     fit.sort(key=lambda piece: piece[1] << (depth - piece[0]))
-    levels = np.array([piece[0] for piece in fit])
-    spans = 1 << (depth - levels)
-    cells = np.repeat(np.arange(len(fit), dtype=np.int32), spans)
+    levels, _, records, errors, speed_errors = zip(*fit, strict=True)
     pieces = CellPieces(
         start=first,
-        width=width,
-        cells=cells,
+        width=length / 2**depth,
+        cells=np.repeat(np.arange(len(fit), dtype=np.int32), 1 << (depth - np.array(levels))),
         # The same doubles from which the epochs of the samples were computed.
-        starts=np.array([_begin(length, piece[0], piece[1]) for piece in fit]),
-        widths=length / 2.0**levels,
-        records=np.array([piece[2] for piece in fit]),
+        starts=np.array([number * (length / 2**level) for level, number, *_ in fit]),
+        widths=length / 2.0 ** np.array(levels),
+        records=np.array(records),
         count=_COUNT,
         most=length,
     )
     return Compressed(
         pieces=pieces,
-        error=max(piece[3] for piece in fit),
-        speed_error=max(piece[4] for piece in fit),
+        error=max(errors),
+        speed_error=max(speed_errors),
         tolerance=limit,
         name=path.name,
         center=path.center,
         source=f"{path.source}, compressed to {limit:g} m",
         span=(first, last),
     )
-
-
-def _begin(length, level, number):
-    """The start in s of a piece of a level."""
-    return number * (length / 2**level)
 
 
 def _halved(path, start, length, tolerance):

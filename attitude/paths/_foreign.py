@@ -145,9 +145,7 @@ def _of_coordinates(value: Any, name: str) -> Place:
     if icrs.shape != ():
         raise AttitudeError(f"{name} holds {icrs.size} coordinates; give one of them.")
     vector = icrs.cartesian.xyz
-    if issubclass(type(icrs.data), UnitSphericalRepresentation) or not vector.unit.is_equivalent(
-        "m"
-    ):
+    if isinstance(icrs.data, UnitSphericalRepresentation) or not vector.unit.is_equivalent("m"):
         return direction(vector.value)
     return fixed(vector.to_value("m"), name="point of a SkyCoord")
 

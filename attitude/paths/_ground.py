@@ -6,12 +6,12 @@ import math
 import re
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from attitude._support import pairs, validation
-from attitude._support.arrays import Immutable, frozen
+from attitude._support.arrays import frozen
 from attitude._support.constants import EARTH_FLATTENING, EARTH_RADIUS_M
 from attitude._support.synonyms import arguments
 from attitude._textfiles.lines import packaged
@@ -19,7 +19,7 @@ from attitude.epochs import _time_scales
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
 from attitude.frames._earth import pole_of_date, timescale, to_gcrs
-from attitude.paths._path import Path, spelled
+from attitude.paths._path import FrozenArrays, Path, spelled
 
 if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray, Real
@@ -52,7 +52,7 @@ def to_celestial(
     rates: bool = True,
 ) -> tuple[FloatArray, FloatArray | None]:
     """GCRS components (3, N) and their rates of a vector (3,) in ITRS, at hi, lo (N,)."""
-    earth = _earth_at(hi, lo, long_term, name)
+    earth = _Earth(hi, lo, long_term, name)
     position, intermediate = earth(vector)
     if not rates:
         return position, None
@@ -62,41 +62,31 @@ def to_celestial(
 
 def axes_to_celestial(hi: FloatArray, lo: FloatArray) -> FloatArray:
     """GCRS components of the axes of ITRS, (axis, component, N), at hi, lo (N,) of any year."""
-    earth = _earth_at(hi, lo, True, "the Earth")
+    earth = _Earth(hi, lo, True, "the Earth")
     return np.array([earth(axis)[0] for axis in np.eye(3)])
 
 
-@dataclass(frozen=True)
 class _Earth:
-    """The Earth's orientation at N epochs: pole of date, angle of rotation, polar motion, rad."""
+    """The Earth's orientation at epochs hi, lo (N,): pole of date, rotation, polar motion, rad."""
 
-    x: FloatArray
-    y: FloatArray
-    angle: FloatArray
-    x_pole: FloatArray
-    y_pole: FloatArray
-    locator: FloatArray
+    def __init__(self, hi: FloatArray, lo: FloatArray, long_term: bool, name: str) -> None:
+        tt = pairs.add((hi, lo), -_time_scales.difference_at(hi, lo))
+        tai = pairs.add(tt, -_time_scales.TT_MINUS_TAI)
+        ut1_minus_tai, *pole = _orientation(tai, tt, long_term, name)
+        x, y, s = pole_of_date(hi, lo)
+        self._of_date = x, y, rotation_angle(*pairs.add(tai, ut1_minus_tai)) - s
+        # Polar motion with the locator s': IERS Conventions (2010), eq. 5.3 and 5.13.
+        centuries = tt[0] / (36525.0 * _time_scales.DAY)
+        self._polar_motion = *pole, -47e-6 * _ARCSEC * centuries
 
     def __call__(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
         """A vector (3,) of ITRS over GCRS (3, N), and over the terrestrial intermediate frame."""
-        fixed = _without_polar_motion(vector, self.x_pole, self.y_pole, self.locator)
+        fixed = _without_polar_motion(vector, *self._polar_motion)
         return self.to_gcrs(fixed), fixed
 
     def to_gcrs(self, intermediate: FloatArray) -> FloatArray:
         """Vectors (3, N) of the terrestrial intermediate frame over GCRS."""
-        return to_gcrs(self.x, self.y, self.angle, intermediate)
-
-
-def _earth_at(hi: FloatArray, lo: FloatArray, long_term: bool, name: str) -> _Earth:
-    tt = pairs.add((hi, lo), -_time_scales.difference_at(hi, lo))
-    tai = pairs.add(tt, -_time_scales.TT_MINUS_TAI)
-    ut1_minus_tai, x_pole, y_pole = _orientation(tai, tt, long_term, name)
-    ut1 = pairs.add(tai, ut1_minus_tai)
-    x, y, s = pole_of_date(hi, lo)
-    # Polar motion with the locator s': IERS Conventions (2010), eq. 5.3 and 5.13.
-    centuries = tt[0] / (36525.0 * _time_scales.DAY)
-    locator = -47e-6 * _ARCSEC * centuries
-    return _Earth(x, y, rotation_angle(*ut1) - s, x_pole, y_pole, locator)
+        return to_gcrs(*self._of_date, intermediate)
 
 
 def rotation_angle(hi: FloatArray, lo: FloatArray) -> FloatArray:
@@ -178,7 +168,7 @@ _POLE = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Site(Immutable, Path):
+class Site(FrozenArrays, Path):
     """A place at rest on the rotating Earth: itrs (3,), m, with a zenith `up` (3,), ITRS axes.
 
     Made by `site` and `observatory`; `long_term`: whether a model follows beyond the IERS table.
@@ -192,10 +182,6 @@ class Site(Immutable, Path):
 
     center = "earth"
     has_horizon = True
-
-    def __post_init__(self) -> None:
-        frozen(self.itrs)
-        frozen(self.up)
 
     @property
     def span(self) -> tuple[Instant, Instant] | None:  # type: ignore[override]  # computed
@@ -318,10 +304,7 @@ def observatory(code: str, *, long_term: bool = False) -> Site:
             '"568".'
         )
     text = code.strip()
-    entry = _observatories().get(text.upper())
-    if entry is not None:
-        return _site_of(text.upper(), entry, long_term)
-    known = named(text)
+    known = _site_of(text.upper()) if text.upper() in _observatories() else named(text)
     if known is None:
         date = re.search(r"\d{4}-\d{2}-\d{2}", packaged(_LIST).partition("\n")[0])
         raise AttitudeError(
@@ -338,53 +321,47 @@ def named(text: str) -> Site | None:
     if not words:
         return None
     listed = _observatories()
-    names = {code: re.findall(r"\w+", known.name.lower()) for code, known in listed.items()}
+    names = {code: re.findall(r"\w+", name.lower()) for code, (name, _) in listed.items()}
     codes = [code for code, known in names.items() if known == words]
     codes = codes or [code for code, known in names.items() if set(words) <= set(known)]
     if len(codes) > 1:
-        some = "; ".join(f"{code} {listed[code].name}" for code in codes[:6])
+        some = "; ".join(f"{code} {listed[code][0]}" for code in codes[:6])
         more = "; ..." if len(codes) > 6 else ""
         raise AttitudeError(
             f"{validation.shown(text)} is in the names of {len(codes)} observatories "
             f"({some}{more}); give the code of one."
         )
-    return _site_of(codes[0], listed[codes[0]], False) if codes else None
+    return _site_of(codes[0]) if codes else None
 
 
-class Observatory(NamedTuple):
-    """A row of the list: longitude in degrees, rho cos phi', rho sin phi'; None in space."""
-
-    name: str
-    numbers: tuple[float, float, float] | None
-
-
-def _site_of(code: str, entry: Observatory, long_term: bool) -> Site:
+def _site_of(code: str) -> Site:
     """The place of a row of the list."""
-    label = f"{code} {entry.name}"
-    if entry.numbers is None:
+    name, numbers = _observatories()[code]
+    label = f"{code} {name}"
+    if numbers is None:
         raise AttitudeError(
             f"{label} does not rest on the ground; give its path by tle, oem or spk."
         )
-    longitude, rho_cos, rho_sin = entry.numbers
+    longitude, rho_cos, rho_sin = numbers
     angle = math.radians(longitude)
     direction = np.array([math.cos(angle), math.sin(angle), 0.0])
     itrs = EARTH_RADIUS_M * (rho_cos * direction + np.array([0.0, 0.0, rho_sin]))
     # The normal of the ellipsoid at the place; its height is small compared with the radius.
     up = rho_cos * direction + np.array([0.0, 0.0, rho_sin / (1.0 - EARTH_FLATTENING) ** 2])
     size = math.sqrt(up @ up)
-    up = up / size if size else np.array([0.0, 0.0, 1.0])
-    return Site(itrs, up, label, "MPC observatory list, IERS Earth rotation", bool(long_term))
+    up = up / size if size else _POLE.copy()
+    return Site(itrs, up, label, "MPC observatory list, IERS Earth rotation")
 
 
 _LIST = "data/observatories.txt"
 
 
 @lru_cache(maxsize=1)
-def _observatories() -> dict[str, Observatory]:
-    """The list of observatories by code."""
+def _observatories() -> dict[str, tuple[str, tuple[float, float, float] | None]]:
+    """By code: name; longitude in degrees, rho cos phi' and rho sin phi', None in space."""
     by_code = {}
     for line in packaged(_LIST).splitlines()[1:]:
         code, longitude, cosine, sine, name = line.split(" ", 4)
         numbers = None if sine == "-" else (float(longitude), float(cosine), float(sine))
-        by_code[code] = Observatory(name, numbers)
+        by_code[code] = name, numbers
     return by_code

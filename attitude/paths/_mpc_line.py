@@ -10,6 +10,7 @@ import re
 from typing import TYPE_CHECKING
 
 from attitude._support.constants import ASTRONOMICAL_UNIT_M
+from attitude.epochs._inputs import instant
 from attitude.errors import AttitudeError
 from attitude.paths._two_body import GM, kepler
 
@@ -78,20 +79,15 @@ def mpc_orbit(line: str, *, gm: Real = GM["sun"]) -> Kepler:
 def is_line(text: str) -> bool:
     """Whether a text begins as a line of MPCORB.DAT or is one of CometEls.txt."""
     text = text.rstrip("\r\n")
-    if "\n" in text:
+    if "\n" in text or len(text) < 79:
         return False
-    if _PACKED_DATE.fullmatch(text[20:25]):
-        return len(text) >= 79
-    return len(text) >= 79 and bool(re.fullmatch(r"\s*-?\d+ \d\d [ \d]\d\.\d+\s*", text[14:29]))
+    is_comet = re.fullmatch(r"\s*-?\d+ \d\d [ \d]\d\.\d+\s*", text[14:29])
+    return bool(_PACKED_DATE.fullmatch(text[20:25]) or is_comet)
 
 
 def names(line: str) -> set[str]:
     """Number, name, designation of the body of a line, in lower case."""
-    if _PACKED_DATE.fullmatch(line[20:25]):
-        label = line[166:194].strip()
-        packed = line[:7].strip()
-    else:
-        label, packed = line[102:158].strip(), line[:12].strip()
+    label, packed = _labels(line)
     numbered = re.match(r"\((\d+)\)\s*(.*)", label)
     words = {label, packed, packed.lstrip("0")}
     if numbered:
@@ -99,18 +95,25 @@ def names(line: str) -> set[str]:
     return {word.lower() for word in words} - {""}
 
 
+def _labels(line):
+    """The number and name of the body of a line as it prints them, and the packed designation."""
+    if _PACKED_DATE.fullmatch(line[20:25]):
+        return line[166:194].strip(), line[:7].strip()
+    return line[102:158].strip(), line[:12].strip()
+
+
 def _minor_planet(line, gm):
     """The path of a line of MPCORB.DAT."""
     value = _numbers(line, _MINOR_PLANET)
     packed = line[20:25]
-    year = 100 * _digit(packed[0]) + int(packed[1:3])
-    name = line[166:194].strip() or line[:7].strip()
+    # The letters of a packed date are digits from 10 on.
+    century, month, day = (int(packed[k], 36) for k in (0, 3, 4))
     return kepler(
         semi_major_axis=value["semi-major axis"] * ASTRONOMICAL_UNIT_M,
         mean_anomaly=f"{value['mean anomaly']!r} deg",
-        epoch=f"{year:04d}-{_digit(packed[3]):02d}-{_digit(packed[4]):02d} TT",
+        epoch=f"{100 * century + int(packed[1:3]):04d}-{month:02d}-{day:02d} TT",
         source="MPC orbit line",
-        **_shared(value, gm, name),
+        **_shared(value, gm, line),
     )
 
 
@@ -119,28 +122,26 @@ def _comet(line, gm):
     value = _numbers(line, _COMET)
     day = value["day of perihelion"]
     midnight = f"{int(value['year of perihelion']):04d}-{int(value['month of perihelion']):02d}"
-    from attitude.epochs._inputs import instant
-
     start = instant(f"{midnight}-{int(day):02d} TT", "the time of perihelion")
-    name = line[102:158].strip() or line[:12].strip()
     return kepler(
         pericenter_distance=value["perihelion distance"] * ASTRONOMICAL_UNIT_M,
         # A second of TT equals one of TDB to 3e-10, and the day is printed to 9 s.
         epoch=start.after((day - int(day)) * 86400.0),
         source="MPC comet orbit line",
-        **_shared(value, gm, name),
+        **_shared(value, gm, line),
     )
 
 
-def _shared(value, gm, name):
+def _shared(value, gm, line):
     """Arguments of `kepler` that both kinds of lines have."""
+    label, packed = _labels(line)
     return {
         "eccentricity": value["eccentricity"],
         "inclination": f"{value['inclination']!r} deg",
         "node": f"{value['longitude of the node']!r} deg",
         "pericenter_argument": f"{value['argument of perihelion']!r} deg",
         "gm": gm,
-        "name": name,
+        "name": label or packed,
         "center": "sun",
         "frame": "ecliptic",
     }
@@ -159,8 +160,3 @@ def _numbers(line, columns):
                 f"{first + 1}-{last}; it must be a number."
             ) from err
     return numbers
-
-
-def _digit(letter):
-    """The number for a character of a packed date."""
-    return int(letter) if letter.isdigit() else ord(letter) - 55

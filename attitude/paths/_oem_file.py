@@ -185,15 +185,15 @@ def _useable(meta, times, where):
     """The span of a segment: its useable time, which lies within its states."""
     first = meta.get("USEABLE_START_TIME", times[0])
     last = meta.get("USEABLE_STOP_TIME", times[-1])
-    span = tuple(_inputs.instant(_dated(time, meta), "epoch") for time in (first, last))
-    ends = [_inputs.instant(_dated(times[k], meta), "epoch") for k in (0, -1)]
-    first_end, begin, end, last_end = ((t.seconds, t.low) for t in (ends[0], *span, ends[1]))
+    texts = first, last, times[0], times[-1]
+    instants = tuple(_inputs.instant(_dated(time, meta), "epoch") for time in texts)
+    begin, end, first_end, last_end = ((t.seconds, t.low) for t in instants)
     if begin < first_end or last_end < end:
         raise AttitudeError(
             f"{where}: the useable time {first} to {last} is not within the states, "
             f"{times[0]} to {times[-1]}."
         )
-    return span
+    return instants[:2]
 
 
 def _dated(text, meta):

@@ -182,23 +182,19 @@ class Ephemeris:
         if name not in self._steps:
             path = self._step(name)
             if path is None:
-                raise AttitudeError(self._lacks(name))
+                hint = ""
+                if f"{name} barycenter" in self.bodies:
+                    hint = f' It has the barycentre of its system: "{name} barycenter".'
+                raise AttitudeError(
+                    f"the ephemeris ({self.source}) has no {name}; it has "
+                    f"{', '.join(self.bodies)}.{hint} {self.advice}"
+                )
             self._steps[name] = path
         return self._steps[name]
 
     def _step(self, name: str) -> Path | None:
         """The path of a body by its name, or None for a body that the source lacks."""
         raise NotImplementedError(f"{type(self).__name__} defines no _step")
-
-    def _lacks(self, name: str) -> str:
-        """The error message for a body that the source lacks."""
-        hint = ""
-        if f"{name} barycenter" in self.bodies:
-            hint = f' It has the barycentre of its system: "{name} barycenter".'
-        return (
-            f"the ephemeris ({self.source}) has no {name}; it has {', '.join(self.bodies)}.{hint} "
-            f"{self.advice}"
-        )
 
     def __repr__(self) -> str:
         return f"<{self.source}: {', '.join(self.bodies)}>"
@@ -361,13 +357,16 @@ class Path(Place):
 
     def refuse_outside(self, instant: Instant, seconds: float) -> NoReturn:
         """Raise the AttitudeError for the epoch instant + seconds, which is outside of the span."""
-        assert self.span is not None
-        first, last = self.span
+        listed = ", ".join(f"{spelled(first)} to {spelled(last)}" for first, last in self._spans())
         raise AttitudeError(
-            f"{self.name} is known from {spelled(first)} to {spelled(last)} ({self.source}), but "
-            f"an epoch is {spelled(instant.after(float(seconds)))}; leave that epoch out, or give "
-            "a path that covers it."
+            f"{self.name} is known from {listed} ({self.source}), but an epoch is "
+            f"{spelled(instant.after(float(seconds)))}; leave that epoch out, or give a path that "
+            "covers it."
         )
+
+    def _spans(self) -> list[tuple[Instant, Instant]]:
+        """The spans in which the path is known: one, or several with gaps between them."""
+        return [] if self.span is None else [self.span]
 
     def check_span(self, instant: Instant, hi: FloatArray, lo: FloatArray) -> None:
         """Raise an AttitudeError if an epoch instant + hi + lo lies outside of the span."""
@@ -385,8 +384,12 @@ class Path(Place):
                 self.refuse_outside(instant, hi[np.argmin(beyond)])
 
     def __repr__(self) -> str:
-        center = self.center if isinstance(self.center, str) else self.center.name
-        return f"<path of {self.name} from {center}: {self.source}>"
+        return f"<path of {self.name} from {label_of(self.center)}: {self.source}>"
+
+
+def label_of(center: str | Path) -> str:
+    """The name of a center: of a body, or of a path."""
+    return center if isinstance(center, str) else center.name
 
 
 def _later(one, other):
@@ -420,9 +423,9 @@ def common_span(paths: Iterable[Any]) -> tuple[Instant, Instant] | None:
     spans = [path.span for path in paths if path.span is not None]
     if not spans:
         return None
-    first = max((span[0] for span in spans), key=lambda end: (end.seconds, end.low))
-    last = min((span[1] for span in spans), key=lambda end: (end.seconds, end.low))
-    return first, last
+    order = operator.attrgetter("seconds", "low")
+    firsts, lasts = zip(*spans, strict=True)
+    return max(firsts, key=order), min(lasts, key=order)
 
 
 # ---- The simplest paths: a point at rest or in uniform motion; and directions without a distance
@@ -430,8 +433,17 @@ def common_span(paths: Iterable[Any]) -> tuple[Instant, Instant] | None:
 _J2000 = Instant(0.0)
 
 
+class FrozenArrays(Immutable):
+    """The base of dataclasses that make the arrays among their fields read-only."""
+
+    def __post_init__(self) -> None:
+        for value in vars(self).values():
+            if isinstance(value, np.ndarray):
+                frozen(value)
+
+
 @dataclass(frozen=True, eq=False, repr=False)
-class Uniform(Immutable, Path):
+class Uniform(FrozenArrays, Path):
     """Uniform motion start + speed (t - epoch), m and m/s.  Made by `uniform` and `fixed`."""
 
     start: FloatArray
@@ -441,24 +453,13 @@ class Uniform(Immutable, Path):
     name: str
     source: str = "uniform motion"
 
-    def __post_init__(self) -> None:
-        frozen(self.start)
-        frozen(self.speed)
-
-    @property
-    def is_fixed(self) -> bool:
-        """Whether the point rests relative to its center."""
-        return not self.speed.any()
-
     def _position(self, instant, hi, lo):
-        if self.is_fixed:
+        if not self.speed.any():
             return np.repeat(self.start[:, None], hi.size, axis=1)
         base = since(instant, self.epoch)
-        seconds = (base[0] + hi) + (base[1] + lo)
+        whole, elapsed = pairs.two_sum(hi, base[0])
+        seconds = whole + (base[1] + lo)
         # The rounding error of that sum: at 1e9 s, 1e-7 s at a velocity of 30 km/s are 3 mm.
-        whole = base[0] + hi
-        remainder = whole - hi
-        elapsed = (base[0] - remainder) + (hi - (whole - remainder))
         elapsed += (whole - seconds) + (base[1] + lo)
         return self.start[:, None] + (self.speed[:, None] * seconds + self.speed[:, None] * elapsed)
 
@@ -528,7 +529,7 @@ def fixed(
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Direction(Immutable, Place):
+class Direction(FrozenArrays, Place):
     """Something infinitely far away: a Sun or an observer in a constant direction.
 
     A direction has no position; `is_direction` distinguishes it from a path, so that a scene opens
@@ -545,9 +546,6 @@ class Direction(Immutable, Place):
     name: str = "direction"
 
     is_direction = True
-
-    def __post_init__(self) -> None:
-        frozen(self.unit)
 
     def __repr__(self) -> str:
         x, y, z = self.unit.tolist()

@@ -177,8 +177,7 @@ def tle(
     <path of ENVISAT from earth: TLE of 2013-10-23T03:59:27.596 TDB>
     """
     lines, label = _text_lines(text)
-    satellites = _pairs(lines, label)
-    title, first, second = _chosen(satellites, _names_of_lines, name, label)
+    title, first, second = _chosen(_pairs(lines, label), _names_of_lines, name, label)
     _check_line(first, "1", label)
     _check_line(second, "2", label)
     if first[2:7] != second[2:7]:

@@ -23,7 +23,7 @@ from attitude._solver import chebyshev
 from attitude._support.arrays import read_only
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
-from attitude.paths._compressed import EqualPieces
+from attitude.paths._compressed import EqualPieces, PiecewisePath
 from attitude.paths._path import SSB, Ephemeris, Path, julian, since
 
 if TYPE_CHECKING:
@@ -138,7 +138,7 @@ _PIECES, _COUNT = 9131, 16
 _LO = np.zeros(1)
 
 
-class SeriesBody(Path):
+class SeriesBody(PiecewisePath):
     """The path of an `AstropyBody` with a span, by Chebyshev pieces.  Made by `built_in().step`.
 
     Positions differ by up to 0.1 m, its roughness, velocities of plan94 by up to 26 m/s.
@@ -165,12 +165,6 @@ class SeriesBody(Path):
     def __reduce__(self) -> tuple[Any, ...]:
         return SeriesBody, (self.series,)
 
-    def _position(self, instant, hi, lo):
-        return self.pieces.values(*self._placed(instant, hi, lo))
-
-    def _state(self, instant, hi, lo):
-        return self.pieces.values_and_rates(*self._placed(instant, hi, lo))
-
     def _placed(self, instant, hi, lo):
         """Numbers of the pieces (N,), which are fitted now if need be, and places in them (N,)."""
         piece, x = self.pieces.place(self, instant, hi, lo)
@@ -191,13 +185,12 @@ class SeriesBody(Path):
 
 # ---- The ephemeris that is built into astropy: the series of ERFA
 
-_PLANETS_BY_SYSTEM = ("mars", "jupiter", "saturn", "uranus", "neptune")
 # The name in astropy of each body, by its name in `_path`.
 _ASTROPY_NAMES = {
     **{name: name for name in ("sun", "earth", "moon")},
     "emb": "earth-moon-barycenter",
     **{name: name for name in ("mercury", "venus")},
-    **{f"{name} barycenter": name for name in _PLANETS_BY_SYSTEM},
+    **{f"{name} barycenter": name for name in ("mars", "jupiter", "saturn", "uranus", "neptune")},
 }
 
 

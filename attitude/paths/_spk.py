@@ -14,7 +14,7 @@ import os
 from dataclasses import dataclass
 from functools import lru_cache
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,7 +24,7 @@ from attitude._support.arrays import read_only
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
 from attitude.paths._compressed import EqualPieces
-from attitude.paths._path import Ephemeris, Path, body_name, since, spelled
+from attitude.paths._path import Ephemeris, Path, body_name, since
 
 if TYPE_CHECKING:
     from attitude._support.annotations import FilePath
@@ -76,7 +76,6 @@ class SpiceSegment(Segment):
                 f"{kernel.source} has {name} in a segment of type {segment.data_type}, which needs "
                 f"SPICE; install it by {validation.installing('spice')}."
             )
-        self._arguments = (kernel.file, number)
 
     def _state(self, instant, hi, lo):
         import spiceypy
@@ -84,7 +83,7 @@ class SpiceSegment(Segment):
         self.check_span(instant, hi, lo)
         seconds, remainder = pairs.add((hi, lo), instant.seconds, instant.low)
         seconds, remainder = np.broadcast_arrays(seconds, remainder)
-        handle, descriptor = _handle(*self._arguments)
+        handle, descriptor = _handle(self.kernel.file, self.number)
         states = np.empty((seconds.size, 6))
         for k, second in enumerate(seconds.tolist()):
             try:
@@ -235,9 +234,8 @@ def _segment_path(kernel, name, number, segment):
             f"{kernel.source} gives {name} in the frame number {segment.frame}; only inertial "
             "frames are read: J2000 (1) and ECLIPJ2000 (17)."
         )
-    if segment.data_type in (2, 3):
-        return KernelSegment(kernel, number, name, segment)
-    return SpiceSegment(kernel, number, name, segment)
+    kind = KernelSegment if segment.data_type in (2, 3) else SpiceSegment
+    return kind(kernel, number, name, segment)
 
 
 class KernelSegment(Segment):
@@ -301,20 +299,13 @@ class Succession(Path):
     @property
     def span(self) -> tuple[Instant, Instant]:  # type: ignore[override]  # computed
         """The first and last epoch of all parts; there may be gaps between them."""
-        first, last = zip(*(path.span for path in self.parts if path.span is not None), strict=True)
+        first, last = zip(*self._spans(), strict=True)
         order = attrgetter("seconds", "low")
         return min(first, key=order), max(last, key=order)
 
-    def refuse_outside(self, instant: Instant, seconds: float) -> NoReturn:
-        """Raise the AttitudeError for the epoch instant + seconds, which no part covers."""
+    def _spans(self) -> list[tuple[Instant, Instant]]:
         spans = [path.span for path in self.parts if path.span is not None]
-        spans.sort(key=lambda span: span[0].seconds)
-        listed = ", ".join(f"{spelled(first)} to {spelled(last)}" for first, last in spans)
-        raise AttitudeError(
-            f"{self.name} is known from {listed} ({self.source}), but an epoch is "
-            f"{spelled(instant.after(float(seconds)))}; leave that epoch out, or give a path that "
-            "covers it."
-        )
+        return sorted(spans, key=lambda span: span[0].seconds)
 
     def _position(self, instant, hi, lo):
         position = np.empty((3, hi.size))

@@ -12,7 +12,7 @@ from attitude._solver import chebyshev
 from attitude._support import pairs, validation
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
-from attitude.paths._compressed import KnotPieces
+from attitude.paths._compressed import KnotPieces, PiecewisePath
 from attitude.paths._path import Path, known_center, spelled
 
 if TYPE_CHECKING:
@@ -33,16 +33,14 @@ def _interval_polynomials(knots, knots_low, values, rates, degree):
     """Chebyshev coefficients between rows at knots (N,) s, of values and rates (N, 3)."""
     window = rows_needed(degree, rates is not None)
     first = np.arange(len(knots) - 1) - (window - 1) // 2
-    first = np.clip(first, 0, len(knots) - window)
-    rows = first[:, None] + np.arange(window)
-    interval = np.arange(len(knots) - 1)
+    rows = np.clip(first, 0, len(knots) - window)[:, None] + np.arange(window)
     width = np.diff(knots) + np.diff(knots_low)
     # Time from the start of the interval in units of its length.
-    nodes = (knots[rows] - knots[interval, None]) + (knots_low[rows] - knots_low[interval, None])
+    nodes = (knots[rows] - knots[:-1, None]) + (knots_low[rows] - knots_low[:-1, None])
     nodes /= width[:, None]
     # Differences from the value at the start: the rounding errors of the divided differences are
     # then relative to these, not to the size of the orbit.
-    start = values[interval][:, None, :]
+    start = values[:-1, None, :]
     known = values[rows] - start
     slopes = None
     if rates is not None:
@@ -53,7 +51,7 @@ def _interval_polynomials(knots, knots_low, values, rates, degree):
     sampled = np.stack([_newton_at(array, nodes, newton) for array in x])
     table = chebyshev.coefficients(sampled)
     table[0] += start[:, 0]
-    return np.ascontiguousarray(table.transpose(1, 2, 0)).reshape(len(interval), -1)
+    return np.ascontiguousarray(table.transpose(1, 2, 0)).reshape(len(width), -1)
 
 
 def rows_needed(degree: int, with_rates: bool) -> int:
@@ -91,7 +89,7 @@ _HIGHEST_DEGREE = 31
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class TabulatedPath(Path):
+class TabulatedPath(PiecewisePath):
     """An interpolated table; `rates` are polynomials of the velocities alone.  Made by `table`."""
 
     pieces: KnotPieces
@@ -105,15 +103,12 @@ class TabulatedPath(Path):
 
     def _placed(self, instant, hi, lo):
         self.check_span(instant, hi, lo)
-        return self.pieces.place(self, instant, hi, lo)
-
-    def _position(self, instant, hi, lo):
-        return self.pieces.values(*self._placed(instant, hi, lo))
+        return super()._placed(instant, hi, lo)
 
     def _state(self, instant, hi, lo):
-        piece, x = self._placed(instant, hi, lo)
         if self.rates is None:
-            return self.pieces.values_and_rates(piece, x)
+            return super()._state(instant, hi, lo)
+        piece, x = self._placed(instant, hi, lo)
         return self.pieces.values(piece, x), self.rates.values(piece, x)
 
 
@@ -176,11 +171,10 @@ def table(
         v = None if v is None else v @ matrix.T
 
     def polynomials(rows, slopes):
-        records = _interval_polynomials(knots, low, rows, slopes, degree)
         return KnotPieces(
             start=first,
             widths=np.diff(knots) + np.diff(low),
-            records=records,
+            records=_interval_polynomials(knots, low, rows, slopes, degree),
             count=degree + 1,
             knots=knots,
             knots_low=low,

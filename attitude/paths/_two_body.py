@@ -13,11 +13,11 @@ from attitude._compilation.decorators import quickly_compiled, subroutine
 from attitude._compilation.instructions import fma
 from attitude._solver.twofloat import two_sum
 from attitude._support import validation
-from attitude._support.arrays import Immutable, frozen, read_only
+from attitude._support.arrays import read_only
 from attitude._support.synonyms import arguments
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
-from attitude.paths._path import Path, known_center, since
+from attitude.paths._path import FrozenArrays, Path, known_center, label_of, since
 
 if TYPE_CHECKING:
     from attitude._support.annotations import Epoch, FloatArray, Real
@@ -143,7 +143,7 @@ GM: dict[str, float] = {
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Kepler(Immutable, Path):
+class Kepler(FrozenArrays, Path):
     """Two-body motion.  Made by `kepler` and `mpc_orbit`.
 
     Attributes
@@ -166,9 +166,6 @@ class Kepler(Immutable, Path):
     name: str
     center: str | Path
     source: str
-
-    def __post_init__(self) -> None:
-        frozen(self.basis)
 
     @property
     def period(self) -> float:
@@ -281,8 +278,7 @@ def _gm(center):
     """The GM in m3/s2 of a center by name."""
     if center in GM:
         return GM[center]
-    label = center if isinstance(center, str) else center.name
-    raise AttitudeError(f"the GM of {label} is not known here; give gm in m3/s2.")
+    raise AttitudeError(f"the GM of {label_of(center)} is not known here; give gm in m3/s2.")
 
 
 def _pericenter_distance(axis, distance, e):

@@ -101,19 +101,6 @@ def parameter(
     return field(default=usual, metadata={"parameter": kept})
 
 
-def geometry(mu0: Reals, mu: Reals, alpha: Reals) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Cosines of incidence and emission and the phase angle (rad) as arrays of one shape.
-
-    Each range is checked; whether the three angles belong to one geometry is not.
-    """
-    cosines = {"mu0": validation.real(mu0, "mu0"), "mu": validation.real(mu, "mu")}
-    for name, array in cosines.items():
-        if np.any(np.abs(array) > 1.0 + 1e-9):
-            raise AttitudeError(f"{name} holds {np.max(np.abs(array))}; cosines lie from -1 to 1.")
-    mu0, mu, alpha = together(**cosines, alpha=phase_angles(alpha))
-    return mu0, mu, alpha
-
-
 def phase_angles(alpha: Reals) -> FloatArray:
     """Phase angles (...) in rad; AttitudeError beyond 0 to pi."""
     angles = validation.real(alpha, "alpha", unit="rad")
@@ -313,7 +300,13 @@ class Law:
             For cosines beyond -1 to 1, phase angles beyond 0 to pi, or shapes that do not
             broadcast.
         """
-        mu0, mu, alpha = geometry(mu0, mu, alpha)
+        # Each range is checked; whether the three angles belong to one geometry is not.
+        cosines = {"mu0": validation.real(mu0, "mu0"), "mu": validation.real(mu, "mu")}
+        for name, array in cosines.items():
+            if np.any(np.abs(array) > 1.0 + 1e-9):
+                largest = np.max(np.abs(array))
+                raise AttitudeError(f"{name} holds {largest}; cosines lie from -1 to 1.")
+        mu0, mu, alpha = together(**cosines, alpha=phase_angles(alpha))
         weights = self.weights
         if weights is None:
             function = self.element or self.elements
@@ -324,9 +317,9 @@ class Law:
             evaluated(self.row(), *flat, out.reshape(-1))
             return out
         shown = (mu0 > 0.0) & (mu > 0.0)
-        together = np.where(shown, mu0 + mu, 1.0)
+        both = np.where(shown, mu0 + mu, 1.0)
         a, b = weights
-        value = self.phase(alpha) * (a * (mu0 / together) + b * mu0)
+        value = self.phase(alpha) * (a * (mu0 / both) + b * mu0)
         return np.where(shown, value, 0.0)
 
 

@@ -24,12 +24,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from attitude._support import pairs
-from attitude._support.arrays import Immutable, frozen, new_array, read_only
+from attitude._support.arrays import new_array, read_only
 from attitude._support.constants import SPEED_OF_LIGHT_M_S
 from attitude.errors import AttitudeError
+from attitude.paths import _path
 from attitude.paths._composed import relative
 from attitude.paths._compressed import compress
-from attitude.paths._path import SSB, Direction, Path, common_span, since, spelled
+from attitude.paths._path import SSB, Direction, Path, common_span, label_of, since, spelled
+from attitude.scene import _angles
 
 if TYPE_CHECKING:
     from typing import TypeAlias
@@ -111,8 +113,6 @@ class Sightline(Path):
 
     def _solved(self, instant, hi, lo):
         """The vectors (3, N) from viewer to target in m, and their light times (N,) in s."""
-        from attitude.scene import _angles
-
         at = self._near if self.is_near else self._far
         vectors_at, size = at(instant, hi, lo)
         seen, epochs = vectors_at(None, (hi, lo)), (read_only(hi), read_only(lo))
@@ -204,7 +204,7 @@ _SAMPLE = 65
 
 
 @dataclass(frozen=True, eq=False)
-class LineOfSight(Immutable):
+class LineOfSight(_path.FrozenArrays):
     """A line of sight: unit vectors (3, N), or (3, 1) if constant, ICRF, and distances (N,), m.
 
     The distance is None for a direction; `error`: of a compression, m.
@@ -214,11 +214,6 @@ class LineOfSight(Immutable):
     distance: FloatArray | None
     source: str
     error: float | None = None
-
-    def __post_init__(self) -> None:
-        frozen(self.unit)
-        if self.distance is not None:
-            frozen(self.distance)
 
     def some(self, part: slice) -> LineOfSight:
         """The line of sight at some of the epochs."""
@@ -295,8 +290,6 @@ def _compressed(path, instant, hi, lo, some, tolerance, sign):
 
 def _evaluated(path, instant, hi, lo, sign):
     """The LineOfSight of a path, evaluated at every epoch."""
-    from attitude.scene import _angles
-
     unit, distance = new_array(3, hi.size), new_array(hi.size)
     for begin in range(0, hi.size, _BLOCK):
         block = slice(begin, begin + _BLOCK)
@@ -311,15 +304,11 @@ def _line(path, instant, hi, unit, distance, error=None):
     if distance.size and np.nanmin(distance, initial=np.inf) == 0.0:
         at = int(np.argmax(distance == 0.0))
         raise AttitudeError(
-            f"{path.name} and {_named(path.center)} are in one place at "
+            f"{path.name} and {label_of(path.center)} are in one place at "
             f"{spelled(instant.after(float(hi[at])))}, where the direction from one to the "
             "other is undefined; give two different ones."
         )
     return LineOfSight(unit, distance, path.source, error)
-
-
-def _named(center):
-    return center if isinstance(center, str) else center.name
 
 
 class Metered(Path):

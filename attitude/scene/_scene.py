@@ -15,7 +15,7 @@ from attitude._support.arrays import Immutable, copied
 from attitude._support.synonyms import arguments, named
 from attitude.catalog import motion_of
 from attitude.conditions._conditions import Observable
-from attitude.conditions._moments import Source
+from attitude.conditions._moments import Source, lengths
 from attitude.epochs import _inputs, _instants
 from attitude.errors import AttitudeError
 from attitude.paths import _composed, _path, _solar_system
@@ -93,14 +93,16 @@ def place(
     )
 
 
-def known_shape(shape: Any) -> Ellipsoid | Mesh | None:
-    """The shape itself; AttitudeError for anything else."""
+def known_shape(shape: Any, law: Law) -> Ellipsoid | Mesh | None:
+    """The shape itself; AttitudeError for anything else, and a material that the law lacks."""
     if shape is None:
         return None
     from attitude.shape._ellipsoid import Ellipsoid
     from attitude.shape._mesh import Mesh
 
-    if not isinstance(shape, (Ellipsoid, Mesh)):
+    if isinstance(shape, Mesh):
+        law.rows(shape.materials)
+    elif not isinstance(shape, Ellipsoid):
         raise AttitudeError(
             f"shape is {type(shape).__name__}; give an Ellipsoid or Mesh of attitude.shape, "
             "such as attitude.shape.read(file)."
@@ -119,16 +121,6 @@ def known_shadows(shadows: Any) -> bool | Visibility:
             f"shadows is {validation.shown(shadows)}; give True, False or a Visibility."
         )
     return shadows
-
-
-def check_surface(shape: Ellipsoid | Mesh | None, law: Law) -> None:
-    """AttitudeError for facets whose material the law does not have."""
-    if shape is None:
-        return
-    from attitude.shape._mesh import Mesh
-
-    if isinstance(shape, Mesh):
-        law.rows(shape.materials)
 
 
 # ---- Quantities of a view as observables: with extrema, and conditions by comparison
@@ -235,7 +227,7 @@ def _scales(view):
         paths.append((_composed.relative(*places, scene.ephemeris), _OF_RANGE))
     for path, share in paths:
         state = path.state(view.epoch, view.seconds, view.low)
-        size, speed = (np.sqrt(np.sum(vectors * vectors, axis=-1)) for vectors in state)
+        size, speed = (lengths(vectors) for vectors in state)
         moving = (speed > 0.0) & (size > 0.0)
         if np.any(moving):
             scales.append(share * float(np.min(size[moving] / speed[moving])))
@@ -379,8 +371,7 @@ class Scene(Immutable):
         self._set("observer", place(observer, "observer", source, is_direction_allowed=True))
         self._set("sun", place(sun, "sun", source, is_direction_allowed=True))
         self._require_center()
-        self._set("shape", known_shape(shape))
-        check_surface(self.shape, self.law)
+        self._set("shape", known_shape(shape, self.law))
         self._set("night", validation.number(night, "night", unit="rad"))
         flags = {"site_limits": site_limits, "light_time": light_time, "aberration": aberration}
         for name, value in flags.items():

@@ -112,22 +112,20 @@ class _Outlines:
 
     def _outline(self, rows, phi: FloatArray) -> FloatArray:
         """Unit vectors (3, R, ...) to points of the outlines of the discs `rows` (R,)."""
-        more = (None,) * (phi.ndim - 1)
-        at = (slice(None), rows, *more)
-        sine, cosine = (f(self.half_angle[rows])[(slice(None), *more)] for f in (np.sin, np.cos))
-        across = self.right[at] * np.cos(phi) + self.up[at] * np.sin(phi)
-        return self.disc[at] * cosine + across * sine
+        right, up, disc = (_at(axis, rows, phi) for axis in (self.right, self.up, self.disc))
+        half_angle = self.half_angle[rows]
+        sine, cosine = (_at(f(half_angle), slice(None), phi) for f in (np.sin, np.cos))
+        return disc * cosine + (right * np.cos(phi) + up * np.sin(phi)) * sine
 
     def _depth(self, rows, phi: FloatArray) -> FloatArray:
         """Positive where the outlines of the discs `rows` (R,) are covered, for phi (R, ...)."""
-        more = (None,) * (phi.ndim - 1)
         seen = self._outline(rows, phi) * self.scale[(slice(None), *(None,) * phi.ndim)]
-        center = self.center[(slice(None), rows, *more)]
+        center = _at(self.center, rows, phi)
         along = np.sum(seen * center, axis=0)
         across = np.cross(seen, center, axis=0)
         # The sine of the angle by which the point is inside of the limb, times the length.
         off = np.sqrt(np.sum(across * across, axis=0))
-        sine, cosine = (array[rows][(slice(None), *more)] for array in (self.sine, self.cosine))
+        sine, cosine = (_at(array, rows, phi) for array in (self.sine, self.cosine))
         return sine * along - cosine * off
 
     def _is_in_disc(self, rows) -> BoolArray:
@@ -137,14 +135,11 @@ class _Outlines:
 
     def _limb(self, rows, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Unit vectors (3, R, ...) to points of the limb, and their derivatives by theta."""
-        more = (None,) * (theta.ndim - 1)
-        at = (slice(None), rows, *more)
-        sine, cosine = (array[rows][(slice(None), *more)] for array in (self.sine, self.cosine))
+        sine, cosine = (_at(array, rows, theta) for array in (self.sine, self.cosine))
         back = 1.0 / self.scale[(slice(None), *(None,) * theta.ndim)]
-        right, up = self.limb_right[at], self.limb_up[at]
-        point = back * (
-            self.center[at] * cosine + (right * np.cos(theta) + up * np.sin(theta)) * sine
-        )
+        axes = self.limb_right, self.limb_up, self.center
+        right, up, center = (_at(axis, rows, theta) for axis in axes)
+        point = back * (center * cosine + (right * np.cos(theta) + up * np.sin(theta)) * sine)
         change = back * (up * np.cos(theta) - right * np.sin(theta)) * sine
         length = np.sqrt(np.sum(point * point, axis=0))
         unit, change = point / length, change / length
@@ -156,11 +151,8 @@ class _Outlines:
 
     def _projected(self, rows, unit: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Coordinates of directions (3, R, ...) in the projections about the discs `rows`."""
-        more = (None,) * (unit.ndim - 2)
-        x, y, z = (
-            np.sum(unit * axis[(slice(None), rows, *more)], axis=0)
-            for axis in (self.right, self.up, self.disc)
-        )
+        axes = self.right, self.up, self.disc
+        x, y, z = (np.sum(unit * _at(axis, rows, unit[0]), axis=0) for axis in axes)
         factor = np.sqrt(2.0 / (1.0 + z))
         return factor * x, factor * y
 
@@ -168,9 +160,9 @@ class _Outlines:
         """The integral of (x dy - y dx) / 2 along arcs of the limb that begin at theta `first`."""
         theta = first[:, None] + 0.5 * length[:, None] * (1.0 + _NODES)
         unit, change = self._limb(rows, theta)
-        at = (slice(None), rows, None)
-        x, y, z = (np.sum(unit * axis[at], axis=0) for axis in (self.right, self.up, self.disc))
-        dx, dy = (np.sum(change * axis[at], axis=0) for axis in (self.right, self.up))
+        axes = [_at(axis, rows, theta) for axis in (self.right, self.up, self.disc)]
+        x, y, z = (np.sum(unit * axis, axis=0) for axis in axes)
+        dx, dy = (np.sum(change * axis, axis=0) for axis in axes[:2])
         # The factor of the projection is the same for x and y: its change cancels.
         return 0.5 * length * (((x * dy - y * dx) / (1.0 + z)) @ _WEIGHTS)
 
@@ -217,6 +209,11 @@ class _Outlines:
         return b
 
 
+def _at(array, rows, like):
+    """An array (..., K) at `rows` (R,), with further axes as `like` (R, ...) has them."""
+    return array[(..., rows, *(None,) * (like.ndim - 1))]
+
+
 def _axes(z: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Unit vectors x, y (3, K) that make a right-handed system with unit vectors z."""
     helper = np.where(np.abs(z[2]) < 0.9, 1.0, 0.0)
@@ -257,16 +254,13 @@ def occulters(given: Any) -> dict[str, float]:
     known_radii = {}
     for body, radius in radii.items():
         name = body_name(body, "shadow_of")
-        known = radius_of(name)
-        if radius is not None:
-            known_radii[name] = validation.positive(radius, f"the radius of {name}", unit="m")
-        elif known is None:
+        known = radius_of(name) if radius is None else radius
+        if known is None:
             raise AttitudeError(
                 f"shadow_of holds {body!r}, whose radius is not known here; give it in m, as in "
                 f"shadow_of={{{body!r}: 1e6}}, or one of {', '.join(RADII)}."
             )
-        else:
-            known_radii[name] = known
+        known_radii[name] = validation.positive(known, f"the radius of {name}", unit="m")
     return known_radii
 
 
@@ -287,12 +281,12 @@ def lit_fraction(
     """
     sun = np.broadcast_to(sun, to_occulter.shape)
     limb, apart = _limb_and_distance(to_occulter, radius, sun, flattening)
+    shares = np.where(np.isnan(apart), np.nan, (apart > limb) * 1.0)
     if sun_distance is None:
-        return np.where(np.isnan(apart), np.nan, (apart > limb) * 1.0)
+        return shares
     disc = _angular_radius(SUN_RADIUS_M, sun_distance)
     # The stretch and the velocity change these angles by less.
     margin = 2.0 * flattening * disc + (0.0 if velocity is None else _FASTEST)
-    shares = np.where(np.isnan(apart), np.nan, (apart > limb) * 1.0)
     is_near = np.abs(apart - limb) < disc + margin
     if np.any(is_near):
         center, seen, far = to_occulter[:, is_near], sun[:, is_near], sun_distance[is_near]

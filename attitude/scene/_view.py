@@ -171,11 +171,8 @@ class View(Immutable):
     def __init__(
         self, scene: Scene, epoch: Instant, seconds: FloatArray, low: FloatArray | None
     ) -> None:
-        self._set("scene", scene)
-        self._set("epoch", epoch)
-        self._set("seconds", frozen(seconds))
-        self._set("low", None if low is None else frozen(low))
-        self._set("_evaluated", [])
+        self._set_all(scene=scene, epoch=epoch, seconds=frozen(seconds))
+        self._set_all(low=None if low is None else frozen(low), _evaluated=[])
 
     def __len__(self) -> int:
         if not self.shape:
@@ -428,12 +425,9 @@ class View(Immutable):
     @quantity("rad")
     def phase_angle(self) -> FloatArray:
         """Angle at the body between Sun and observer, 0 to pi."""
-        from attitude._solver.vectors import separation
+        return self._numbers(_angles.between_units(self.sun_line.unit, self.observer_line.unit))
 
-        sun, observer = read_only(self.sun_line.unit), read_only(self.observer_line.unit)
-        return self._numbers(separation(*sun, *observer))
-
-    @quantity("rad", ("longitude", "latitude"))
+    @quantity("rad", _PLACE)
     def phase_angle_bisector(self) -> FloatArray:
         """Ecliptic (J2000) longitude and latitude of -(s + o), s and o the two unit vectors."""
         return self._rows(_angles.bisector(self.sun_line.unit, self.observer_line.unit))
@@ -469,8 +463,12 @@ class View(Immutable):
         ICRF.
         """
         hi, lo = (np.broadcast_to(array, self.seconds.size)[part] for array in self._emission())
+        return self._velocity(body, hi[where], lo[where])
+
+    def _velocity(self, body: str | Path, hi: FloatArray, lo: FloatArray) -> FloatArray:
+        """Barycentric velocities (3, N) at epochs hi + lo (N,), m/s, ICRF."""
         path = _composed.relative(body, "ssb", self.scene.ephemeris)
-        return np.moveaxis(path.velocity(self.epoch, hi[where], lo[where]), -1, 0)
+        return np.moveaxis(path.velocity(self.epoch, hi, lo), -1, 0)
 
     @quantity()
     def in_umbra(self) -> BoolArray:
@@ -635,12 +633,8 @@ class View(Immutable):
     @kept
     def observer_velocity(self) -> FloatArray:
         """Barycentric velocity (3, N) of the observer at the epochs of reception, m/s, ICRF."""
-        scene = self.scene
-        hi, lo = self._reception()
         # An observer that is a direction is refused by `relative`.
-        observer = cast("Path", scene.observer)
-        path = _composed.relative(observer, "ssb", scene.ephemeris)
-        return np.moveaxis(path.velocity(self.epoch, hi, lo), -1, 0)
+        return self._velocity(cast("Path", self.scene.observer), *self._reception())
 
     def _seen(self, unit: FloatArray) -> FloatArray:
         """Directions (3, N) from the observer, aberrated if the scene has aberration=True."""
@@ -648,7 +642,7 @@ class View(Immutable):
             return unit
         return _angles.aberrated(unit, self.observer_velocity, SPEED_OF_LIGHT_M_S)
 
-    @quantity("", ("x", "y", "z"))
+    @quantity("", _XYZ)
     def apparent_direction(self) -> FloatArray:
         """Unit vector from the observer to the body, ICRF; aberrated if aberration=True."""
         return self._rows(self._seen(-self.observer_line.unit))
@@ -735,7 +729,7 @@ class View(Immutable):
     def moon_separation(self) -> FloatArray:
         """Angle at the observer between the Moon's centre and the body, 0 to pi."""
         body = self._flat(self.apparent_direction)
-        moon = self._seen(np.broadcast_to(self.moon_line.unit, body.shape))
+        moon = self._seen(self.moon_line.unit)
         return self._numbers(_angles.between_units(body, moon))
 
     @quantity()
@@ -768,13 +762,11 @@ class View(Immutable):
             )
         sun, observer = (self._flat(v) for v in (self.sun_direction, self.observer_direction))
         known = np.flatnonzero(np.isfinite(sun[0]))
-        is_whole = known.size == self.seconds.size
-        if not is_whole:
-            sun, observer = np.ascontiguousarray(sun[:, known]), observer[:, known]
-        brightness = self._brightness_of(sun.T, observer.T)
-        if not is_whole:
-            brightness, some = np.full(self.seconds.size, np.nan), brightness
-            brightness[known] = some
+        if known.size == self.seconds.size:
+            return self._numbers(self._brightness_of(sun.T, observer.T))
+        sun, observer = np.ascontiguousarray(sun[:, known]), observer[:, known]
+        brightness = np.full(self.seconds.size, np.nan)
+        brightness[known] = self._brightness_of(sun.T, observer.T)
         return self._numbers(brightness)
 
     def _brightness_of(self, sun: FloatArray, observer: FloatArray) -> FloatArray:
@@ -798,9 +790,8 @@ class View(Immutable):
         if not known.any():
             return self._numbers(out)
         if scene.phase_function is None:
-            band = scene.sun_magnitude
-            keywords = {} if band is None else {"sun_magnitude": band}
-            out[known] = _magnitudes.reduced_magnitude(bright[known], **keywords)
+            band = _magnitudes.SUN_V if scene.sun_magnitude is None else scene.sun_magnitude
+            out[known] = _magnitudes.reduced_magnitude(bright[known], sun_magnitude=band)
         else:
             assert scene.shape is not None  # `brightness` refuses a scene without one
             angles = np.asarray(self.phase_angle).reshape(-1)[known]
@@ -855,10 +846,6 @@ class View(Immutable):
     def turn_covariance(self) -> FloatArray:
         """Covariance (N, 3, 3) of the attitudes at emission: rotation vectors, rad, ICRF axes."""
         return self.attitude.attitude_covariance.reshape(-1, 3, 3)
-
-    def _deviations(self, gradient: FloatArray) -> FloatArray:
-        """Standard deviations (S) of numbers with gradients (N, 3) by turns, ICRF axes."""
-        return self._numbers(turned_deviations(self.turn_covariance, gradient))
 
     def _in_rows(self, direction: FloatArray) -> FloatArray:
         """Directions (3, N) or (3, 1) as (N, 3)."""
@@ -951,10 +938,9 @@ class View(Immutable):
         across_sight = axis - np.sum(axis * sight, axis=-1, keepdims=True) * sight
         across = np.cross(sight, across_sight)
         with np.errstate(divide="ignore", invalid="ignore"):
-            gradient = np.cross(axis, across) / np.sum(
-                across_sight * across_sight, axis=-1, keepdims=True
-            )
-        return self._deviations(gradient)
+            square = np.sum(across_sight * across_sight, axis=-1, keepdims=True)
+            gradient = np.cross(axis, across) / square
+        return self._numbers(turned_deviations(self.turn_covariance, gradient))
 
     # ---- Those of brightness
 

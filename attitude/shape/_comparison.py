@@ -51,9 +51,7 @@ class ShapeComparison(Immutable):
     turn: float
 
     def __init__(self, overlap: float, axes: FloatArray, matrix: FloatArray) -> None:
-        self._set("overlap", overlap)
-        self._set("axes", frozen(axes))
-        self._set("matrix", frozen(matrix))
+        self._set_all(overlap=overlap, axes=frozen(axes), matrix=frozen(matrix))
         # The angle from its sine and cosine: the cosine alone loses half of the digits near 0.
         sine = 0.5 * np.linalg.norm((matrix - matrix.T)[[2, 0, 1], [1, 2, 0]])
         self._set("turn", math.atan2(float(sine), 0.5 * (float(np.trace(matrix)) - 1.0)))
@@ -104,23 +102,20 @@ def compare(
     >>> round(compare(box((1, 2, 3)), box((3, 1, 2)), turned=False).overlap, 6)
     0.2
     """
-    bodies, axes, turns = [], [], []
-    for body_given, name in ((first, "first"), (second, "second")):
-        body, semi_axes, turn = _normal(body_given, name)
-        bodies.append(body)
-        axes.append(semi_axes)
-        turns.append(turn)
-    counted = _Common(*bodies)
+    one, one_axes, one_turn = _normal(first, "first")
+    other, other_axes, other_turn = _normal(second, "second")
+    axes = np.array([one_axes, other_axes])
+    counted = _Common(one, other)
     if not validation.flag(turned, "turned"):
-        return ShapeComparison(counted.best(np.eye(3)), np.array(axes), np.eye(3))
-    starts = [turns[0] @ np.diag(signs) @ turns[1].T for signs in _TURNS]
+        return ShapeComparison(counted.best(np.eye(3)), axes, np.eye(3))
+    starts = [one_turn @ np.diag(signs) @ other_turn.T for signs in _TURNS]
     start = max(starts, key=counted)
     # First by cells, then as exactly as the common volume is known; equal bodies need no search.
     matrix = start
     if counted.best(start) < 1.0 - 1e-9:
         matrix = _best(counted.best, _best(counted, start, 0.1, 200), 0.01, 60)
         matrix = max((start, matrix), key=counted.best)
-    return ShapeComparison(counted.best(matrix), np.array(axes), matrix)
+    return ShapeComparison(counted.best(matrix), axes, matrix)
 
 
 def _normal(shape: Any, name: str) -> tuple[Mesh, FloatArray, FloatArray]:

@@ -67,7 +67,7 @@ def read(
     file, kind = _file_and_kind(path, format, "read")
     if not file.is_file():
         raise AttitudeError(f"{file}: there is no such file; give the path of a shape.")
-    factor, rounding = _metres(unit), 0.0
+    factor = _metres(unit)
     if kind in ("stl", "ply"):
         parts = _through_trimesh(file, kind)
         rounding = of_single_precision(parts[0])

@@ -80,11 +80,6 @@ def height_errors(corners: FloatArray, points: FloatArray, rounding: float) -> F
 # holds for two plates back to back and for parts that touch along an edge, which are legal; it
 # fails at holes and where a facet runs against its neighbour.
 
-# Weights by which the coordinates of a corner, and the corners of a facet, become one number that
-# differs between facets; equal numbers are compared in full.
-_OF_AXES = np.sqrt([2.0, 3.0, 5.0])
-_OF_CORNERS = np.sqrt([7.0, 11.0, 13.0])
-
 
 @dataclass(frozen=True, eq=False)
 class Edges:
@@ -120,23 +115,6 @@ def edges_of(facets: IntArray, count: int) -> Edges:
         return frozen(np.unique(order[np.repeat(groups, passes)] // 3))
 
     return Edges(owners(wrong), owners(twice), frozen(mates.reshape(-1, 3)))
-
-
-def doubled_facets(corners: FloatArray) -> tuple[int, int] | None:
-    """Two of the facets (F, 3, 3) with the same corners in the same cyclic order, if any."""
-    numbers = corners @ _OF_AXES
-    turn = (np.argmin(numbers, axis=1)[:, None] + np.arange(3)) % 3
-    key = np.take_along_axis(numbers, turn, axis=1) @ _OF_CORNERS
-    order = np.argsort(key)
-    alike = np.flatnonzero(key[order[1:]] == key[order[:-1]])
-    one, other = order[alike], order[alike + 1]
-    turned = [np.take_along_axis(corners[f], turn[f, :, None], axis=1) for f in (one, other)]
-    same = np.flatnonzero(np.all(turned[0] == turned[1], axis=(1, 2)))
-    if len(same) == 0:
-        return None
-    pairs = np.sort(np.stack([one[same], other[same]], axis=1), axis=1)
-    low, high = pairs[np.argmin(pairs[:, 0])]
-    return int(low), int(high)
 
 
 def inward_facets(vertices: FloatArray, facets: IntArray) -> IntArray:
@@ -194,7 +172,7 @@ def winding_number(point: FloatArray, corners: FloatArray) -> float:
 _BLOCK = 1 << 16
 
 
-def _is_convex(corners, normals, mates, tolerance, rounding=0.0):
+def _is_convex(corners, normals, mates, tolerance, rounding):
     """Whether no vertex of facets (F, 3, 3) m, normals (F, 3), rises above the plane of another."""
     middle = np.mean(corners, axis=(0, 1))
     corners = corners - middle
@@ -272,20 +250,22 @@ def solid_moments(corners: FloatArray) -> tuple[float, FloatArray, FloatArray]:
     """Volume, first and second moments of the solid that triangles (F, 3, 3) enclose."""
     a, b, c = np.moveaxis(corners, 1, 0)
     six = np.einsum("fi,fi->f", a, np.cross(b, c))
-    total = a + b + c
-    first = np.einsum("f,fi->i", six, total) / 24.0
-    second = _outer(six, a, b, c, total) / 120.0
-    return float(np.sum(six) / 6.0), first, second
+    return float(np.sum(six) / 6.0), *_moments(six, a, b, c, 24.0, 120.0)
 
 
 def shell_moments(corners: FloatArray) -> tuple[float, FloatArray, FloatArray]:
     """Area, first and second moments of the surface: m2, m3, m4; see `solid_moments`."""
     a, b, c = np.moveaxis(corners, 1, 0)
     area = np.linalg.norm(np.cross(b - a, c - a), axis=-1) / 2.0
+    return float(np.sum(area)), *_moments(area, a, b, c, 3.0, 12.0)
+
+
+def _moments(weight, a, b, c, of_first, of_second):
+    """First and second moments of facets with weights and corners (F, 3), over two divisors."""
     total = a + b + c
-    first = np.einsum("f,fi->i", area, total) / 3.0
-    second = _outer(area, a, b, c, total) / 12.0
-    return float(np.sum(area)), first, second
+    first = np.einsum("f,fi->i", weight, total) / of_first
+    second = sum(np.einsum("f,fi,fj->ij", weight, v, v) for v in (a, b, c, total))
+    return first, second / of_second
 
 
 def _about_center(density, measure, first, second, origin):
@@ -294,11 +274,6 @@ def _about_center(density, measure, first, second, origin):
     spread = density * (second - measure * np.outer(mean, mean))
     inertia = np.trace(spread) * np.eye(3) - spread
     return MassProperties(density * measure, origin + mean, (inertia + inertia.T) / 2.0)
-
-
-def _outer(weight, a, b, c, total):
-    """Sum over facets of weight times (a a^T + b b^T + c c^T + total total^T)."""
-    return sum(np.einsum("f,fi,fj->ij", weight, v, v) for v in (a, b, c, total))
 
 
 # ---- Checks of the vertices, facets and materials of a mesh, each with the facets at fault named
@@ -371,12 +346,27 @@ def refuse_degenerate(corners: FloatArray, areas: FloatArray) -> None:
         )
 
 
+# Weights by which the coordinates of a corner, and the corners of a facet, become one number that
+# differs between facets; equal numbers are compared in full.
+_OF_AXES = np.sqrt([2.0, 3.0, 5.0])
+_OF_CORNERS = np.sqrt([7.0, 11.0, 13.0])
+
+
 def refuse_doubled(corners: FloatArray) -> None:
-    """Raise the AttitudeError for two facets among (F, 3, 3) that are the same."""
-    pair = doubled_facets(corners)
-    if pair is not None:
+    """Raise the AttitudeError for two facets (F, 3, 3) of the same corners in one cyclic order."""
+    numbers = corners @ _OF_AXES
+    turn = (np.argmin(numbers, axis=1)[:, None] + np.arange(3)) % 3
+    key = np.take_along_axis(numbers, turn, axis=1) @ _OF_CORNERS
+    order = np.argsort(key)
+    alike = np.flatnonzero(key[order[1:]] == key[order[:-1]])
+    one, other = order[alike], order[alike + 1]
+    turned = [np.take_along_axis(corners[f], turn[f, :, None], axis=1) for f in (one, other)]
+    same = np.flatnonzero(np.all(turned[0] == turned[1], axis=(1, 2)))
+    if len(same):
+        pairs = np.sort(np.stack([one[same], other[same]], axis=1), axis=1)
+        low, high = pairs[np.argmin(pairs[:, 0])]
         raise AttitudeError(
-            f"facets {pair[0]} and {pair[1]} are doubled: they have the same corners in the same "
+            f"facets {low} and {high} are doubled: they have the same corners in the same "
             "order, so that their area would count twice. Remove one of them, or read the file "
             "with repair=True."
         )
@@ -506,10 +496,10 @@ class Mesh(Immutable):
             rows.append(("convex", "yes" if self.is_convex else "no"))
         if set(self.materials) != {SURFACE}:
             rows.append(("materials", ", ".join(sorted(set(self.materials)))))
-        picture = ""
+        pictures = []
         if len(self) <= _DRAWN:
-            picture = markup.solid(self.corners, self.normals, "seen from x, y, z > 0")
-        return markup.table("Mesh", rows, *([picture] if picture else []))
+            pictures.append(markup.solid(self.corners, self.normals, "seen from x, y, z > 0"))
+        return markup.table("Mesh", rows, *pictures)
 
     def __len__(self) -> int:
         """The number of facets."""
