@@ -145,10 +145,6 @@ def _periods(rates: FloatArray) -> FloatArray:
         return frozen(np.abs(1.0 / rates))
 
 
-def _listed_names(names: Any) -> list[str] | None:
-    return None if names is None else [str(name) for name in np.asarray(names).ravel().tolist()]
-
-
 class Ensemble(Immutable):
     """The free rotations of N bodies, as arrays.
 
@@ -260,7 +256,7 @@ class Ensemble(Immutable):
             inertia = _members.of_arrays(tensors, "tensors", (3, 3), relative)
         argument = {2: "moments", 3: "tensors"}[inertia.array.ndim] if body is None else "body"
         sizes = {
-            argument: inertia.size,
+            argument: len(inertia.array),
             "wxyz": len(attitudes),
             "angular_velocity": len(rates),
             "epoch": start.shape[1],
@@ -396,7 +392,9 @@ class Ensemble(Immutable):
         """
         if (body is None) == (moments is None):
             raise AttitudeError("from_periods takes either body= or moments= (N, 3).")
-        known = _listed_names(names)
+        known = names
+        if names is not None:
+            known = [str(name) for name in np.asarray(names).ravel().tolist()]
         states = _published.states_from_periods(
             body if moments is None else moments, pole=pole, phi0=phi0, mode=mode,
             convention=convention, P_psi=P_psi, P_phi=P_phi, psi0=psi0, theta_branch=theta_branch,
@@ -635,8 +633,7 @@ class Ensemble(Immutable):
                 f"member {array.ravel()[bad[0]]} (entry {bad[0]}) is out of range: the ensemble "
                 f"has {len(self)} members, 0 to {len(self) - 1}."
             )
-        numbers: IntArray = np.where(array < 0, array + len(self), array).astype(np.int64)
-        return numbers
+        return np.where(array < 0, array + len(self), array).astype(np.int64)
 
     def _member(self, k: int) -> FreeRotation:
         if k in self._bad:
@@ -672,14 +669,11 @@ class Ensemble(Immutable):
             )
         return int(member) % len(self)
 
-    @property
+    @cached_property
     def _numbers(self) -> dict[str, int]:
         """The number of each name."""
-        if "_by_name" not in self.__dict__:
-            assert self.names is not None
-            self._set("_by_name", {name: k for k, name in enumerate(self.names.tolist())})
-        numbers: dict[str, int] = self.__dict__["_by_name"]
-        return numbers
+        assert self.names is not None
+        return {name: k for k, name in enumerate(self.names.tolist())}
 
     def label(self, k: int) -> str:
         """The name of member k in error messages."""
@@ -727,7 +721,7 @@ class Ensemble(Immutable):
     @property
     def start_of_seconds(self) -> _instants.Instant:
         """The epoch that all members share, or J2000."""
-        return self.epoch_of(0) if self._start.shape[1] == 1 else _instants.Instant(0.0)
+        return self.epoch or _instants.Instant(0.0)
 
     # ---- States, periods and invariants
 
@@ -783,8 +777,7 @@ class Ensemble(Immutable):
     @property
     def mode(self) -> NDArray[np.int64]:
         """(N,) codes of `Mode`; -1 for a member that is not physical."""
-        modes: NDArray[np.int64] = self.regime.mode
-        return modes
+        return self.regime.mode
 
     @cached_property
     def period_psi(self) -> FloatArray:
@@ -799,8 +792,7 @@ class Ensemble(Immutable):
     @property
     def energy_ratio(self) -> FloatArray:
         """(N,) E/E0 = 2 E C / L^2: 1 for rotation about the short axis, NaN at rest."""
-        ratios: FloatArray = self.regime.energy_ratio
-        return ratios
+        return self.regime.energy_ratio
 
     def nutation(self, convention: str) -> FloatArray:
         """Ranges (N, 2), rad, of the angle of the long ("L") or short axis to the momentum."""
@@ -1264,8 +1256,7 @@ class Ensemble(Immutable):
         wxyz = np.empty((count, 4, length))
         evaluation.grid(t, Results(wxyz), first=which.start)
         history = EnsembleHistory._of_all(self, t, np.moveaxis(wxyz, 1, 2), first=which.start)
-        values: FloatArray = known.measured(history, epochs)
-        return values
+        return known.measured(history, epochs)
 
     # ---- Impulses and torques
 
@@ -1455,7 +1446,11 @@ class EnsembleHistory(AttitudeHistory):
         """
         if sigma:
             raise AttitudeError("an ensemble has no standard deviations; leave out sigma=True.")
-        flat = self if len(self.shape) == 1 else self._flattened()
+        flat = self
+        if len(self.shape) != 1:
+            times = Seconds.of(self).mapped(np.ravel)
+            wxyz = self.wxyz.reshape(-1, 4)
+            flat = EnsembleHistory(self.ensemble, np.ravel(self.member), *times, wxyz)
         columns = super(EnsembleHistory, flat).table(rates=rates)
         columns.add_column(np.array(flat.member), index=0, name="member")
         if self.ensemble.names is not None:
@@ -1463,11 +1458,6 @@ class EnsembleHistory(AttitudeHistory):
         if self.ensemble.epoch is None:
             del columns.meta["epoch"]
         return columns
-
-    def _flattened(self) -> EnsembleHistory:
-        times = Seconds.of(self).mapped(np.ravel)
-        wxyz = self.wxyz.reshape(-1, 4)
-        return EnsembleHistory(self.ensemble, np.ravel(self.member), *times, wxyz)
 
 
 # ---- The same members with impulses, and under torques

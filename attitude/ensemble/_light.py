@@ -345,8 +345,7 @@ def output(out: Any, shape: tuple[int, ...]) -> FloatArray:
         raise AttitudeError(
             f"out is {validation.shown(out)}; give a writable float64 array {shape} in C order."
         )
-    values: FloatArray = out
-    return values
+    return out
 
 
 def _modulus(sun: FloatArray, observer: FloatArray) -> FloatArray:

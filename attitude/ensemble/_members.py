@@ -148,11 +148,6 @@ class Given(NamedTuple):
     relative: bool
     bodies: NDArray[np.object_] | None
 
-    @property
-    def size(self) -> int:
-        """1, or the number of bodies."""
-        return self.array.shape[0]
-
     def resolved(
         self, omega: FloatArray, raises: bool
     ) -> tuple[Inertia, FloatArray, FloatArray | None]:
@@ -208,8 +203,7 @@ class Inertia:
         """The Body of member k."""
         k = k if len(self) > 1 else 0
         if self.bodies is not None:
-            body: Body = self.bodies[k]
-            return body
+            return self.bodies[k]
         kind = "moments" if self.given.ndim == 2 else "tensor"
         return Body(**{kind: self.given[k]}, relative=self.relative)
 

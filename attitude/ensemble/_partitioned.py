@@ -153,9 +153,9 @@ class PartitionedEnsemble(Immutable):
         if missing:
             raise AttitudeError(f"frame has no column {missing[0]!r}.")
         both = validation.flag(angular_velocity, "angular_velocity")
-        added = dict.fromkeys(_ATTITUDE + _RATE * both, "f8")
+        added = {name: np.empty(0, "f8") for name in _ATTITUDE + _RATE * both}
         tasks = self._mapped(_rows, [(row, member, seconds, both) for row in rows])
-        return dataframe.from_delayed(tasks, meta=frame._meta.assign(**_empty(added)))
+        return dataframe.from_delayed(tasks, meta=frame._meta.assign(**added))
 
     def map(self, function: Callable[..., Any], *others: Sequence[Any]) -> list[Any]:
         """Delayed ``function(ensemble, *values)`` of each partition.
@@ -258,10 +258,6 @@ def _blocks(
         )
     whole = {axis: -1 for axis in range(1, array.ndim)}
     return list(array.rechunk({0: tuple(map(int, chunks)), **whole}).to_delayed().reshape(-1))
-
-
-def _empty(columns: Mapping[str, str]) -> dict[str, Any]:
-    return {name: np.empty(0, kind) for name, kind in columns.items()}
 
 
 def _is_lazy(value: Any) -> bool:

@@ -109,8 +109,7 @@ class MemberView(View):
         inertia = self._history.ensemble._inertia
         if len(inertia) > 1:
             raise AttitudeError(f"{what} differs between the members, which have bodies each.")
-        body: Body = inertia.body(0)
-        return body
+        return inertia.body(0)
 
 
 def bound(
@@ -119,11 +118,10 @@ def bound(
     """The scene at epochs of reception (T,), and the grid of all members at those of emission."""
     free = copy(scene)
     free._set("motion", None)
-    shared = ensemble.epoch
     start = ensemble.start_of_seconds
     base = free.since(start, seconds, low)
     times = pairs.Seconds(*base.emission).taken(None)
-    if shared is None:
+    if ensemble.epoch is None:
         starts = ensemble.epochs_of(np.arange(len(ensemble)))
         past = times.plus(start.seconds, start.low)
         times = pairs.Seconds(*pairs.add(past, -starts[0][:, None], -starts[1][:, None]))
@@ -294,7 +292,7 @@ class Computed:
         return measured
 
 
-class Seen:
+class Seen(Computed):
     """A quantity of a scene by its name, such as "magnitude" or "aspect_angle".
 
     name: a quantity of `attitude.scene.View` with one number for each epoch.
@@ -309,14 +307,10 @@ class Seen:
         view = MemberView(self._base, epochs, history)
         return np.asarray(getattr(view, self._name), dtype=np.float64)
 
-    def finished(self, measured: FloatArray) -> FloatArray:
-        """The same numbers."""
-        return measured
-
 
 def known(
     quantity: Any, scene: Any, ensemble: Any, t: Any, low: Any
-) -> tuple[AngleTo | Computed | Seen, MemberGrid]:
+) -> tuple[AngleTo | Computed, MemberGrid]:
     """The quantity that a caller gave, and the epochs at which the members are evaluated."""
     if isinstance(quantity, str):
         if not isinstance(scene, Scene):

@@ -184,8 +184,7 @@ def _least_varying(
         size = np.linalg.norm(centred @ candidate, axis=1)
         weight = 1.0 / np.maximum(size, 0.1 * np.median(size) + 1e-300)
         weight /= weight.max()
-    tensor: FloatArray = np.tensordot(candidate, basis, axes=1)
-    return tensor
+    return np.tensordot(candidate, basis, axes=1)
 
 
 def _sums(vectors: FloatArray, group: IntArray, weight: FloatArray) -> FloatArray:

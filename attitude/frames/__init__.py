@@ -157,15 +157,9 @@ def _matrix(frame: str) -> FloatArray:
 
 
 @cache
-def _exact(frame: str) -> NDArray[Any]:
-    """The quaternion (4,) to ICRF as fractions, to 40 digits."""
-    return _fractions(_WXYZ[frame])
-
-
-@cache
 def _exact_matrix(frame: str) -> NDArray[Any]:
     """The matrix (3, 3) to ICRF as fractions."""
-    w, x, y, z = _exact(frame)
+    w, x, y, z = _fractions(_WXYZ[frame])
     return np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -178,7 +172,7 @@ def _exact_matrix(frame: str) -> NDArray[Any]:
 @cache
 def _exact_in_pairs(frame: str) -> list[list[float]]:
     """The quaternion to ICRF as four pairs of floats."""
-    return _pairs(_exact(frame)).tolist()
+    return _pairs(_fractions(_WXYZ[frame])).tolist()
 
 
 def _sum(*terms: tuple[float, float], signs: tuple[int, ...]) -> tuple[float, float]:

@@ -159,9 +159,8 @@ def pole_of_teme(hi: FloatArray, lo: FloatArray) -> FloatArray:
 # Sources: IERS Conventions (2010), chapter 5, as in ERFA's c2t06a, pnm06a, pmat06, gst06a; Vallado
 # et al., AIAA 2006-6753 (TEME); Lieske, A&A 73, 282 (1979), as in ERFA's prec76 (B1950).
 
-# The Besselian epoch 1950.0 as Julian date, and J2000.
+# The Besselian epoch 1950.0 as Julian date.
 _B1950 = 2433282.42345905
-_J2000 = 2451545.0
 
 
 def to_icrf(kind: str, hi: FloatArray, lo: FloatArray) -> FloatArray:
@@ -177,7 +176,7 @@ def b1950() -> FloatArray:
 
     from attitude import frames
 
-    zeta, z, theta = erfa.prec76(_B1950, 0.0, _J2000, 0.0)
+    zeta, z, theta = erfa.prec76(_B1950, 0.0, _time_scales.J2000, 0.0)
     # From the axes of B1950 to those of J2000.
     matrix = erfa.rz(-z, erfa.ry(theta, erfa.rz(-zeta, np.eye(3))))
     turn = quaternion.from_matrix(matrix)

@@ -279,8 +279,7 @@ class Motion(Valued):
         AttitudeError
             For several epochs, and those that `at` refuses.
         """
-        spin: Spin = synonyms.named("attitude.motions._free_rotation:spin_of")(self, epoch)
-        return spin
+        return synonyms.named("attitude.motions._free_rotation:spin_of")(self, epoch)
 
     @synonyms.arguments({}, 'published("L")')
     def published(
@@ -308,8 +307,7 @@ class Motion(Valued):
         AttitudeError
             For a motion without a body, a body at rest, and an unknown convention or frame.
         """
-        record: Published = self._free_at(at)._published(convention, frame)
-        return record
+        return self._free_at(at)._published(convention, frame)
 
     def _free_at(self, at: EpochOrSeconds | None) -> Any:
         """The free rotation that would follow from the state at an epoch, by default the first."""
@@ -352,8 +350,7 @@ class Motion(Valued):
             If the motion has no body.
         """
         tensor = self.constant_body("the angular momentum").tensor
-        momentum: FloatArray = history.angular_velocity @ tensor
-        return momentum
+        return history.angular_velocity @ tensor
 
     @property
     def regime(self) -> Regime:
@@ -494,8 +491,7 @@ class Foreign(Motion):
 
     def at(self, t: Epochs, low: ArrayLike | None = None) -> AttitudeHistory:
         """The attitudes at some epochs; see `Motion.at`."""
-        history: AttitudeHistory = self.given.at(t) if low is None else self.given.at(t, low=low)
-        return history
+        return self.given.at(t) if low is None else self.given.at(t, low=low)
 
     def at_seconds(self, seconds: FloatArray, low: FloatArray | None) -> AttitudeHistory:
         """See `Motion.at_seconds`."""
