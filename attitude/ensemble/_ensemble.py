@@ -282,14 +282,12 @@ class Ensemble(Immutable):
         """Set the attributes of members, and check them."""
         self._set("on_error", validation.one_of(on_error, "on_error", ("raise", "nan")))
         self._set("frame", frames.known(frame))
-        self._set("_start", frozen(start))
-        self._set("_low", low)
+        self._set_all(_start=frozen(start), _low=low)
         self._set("names", _members.known_names(names, len(wxyz)))
         attitude = _members.to_icrf(self.frame, wxyz, low)
         inertia, omega, differences = given.resolved(rates, on_error == "raise")
-        self._set("_inertia", inertia)
         states = States(inertia.moments, inertia.principal, omega, differences, *attitude)
-        self._set("_members", states)
+        self._set_all(_inertia=inertia, _members=states)
         self._set("wxyz", frozen(np.ascontiguousarray(wxyz)))
         self._set("angular_velocity", frozen(np.ascontiguousarray(rates)))
         self._check()
@@ -638,8 +636,7 @@ class Ensemble(Immutable):
     def _member(self, k: int) -> FreeRotation:
         if k in self._bad:
             raise AttitudeError(f"{self.label(k)}: {self._members.fault(k)}")
-        state = self.epoch_of(k), self.wxyz[k], self.angular_velocity[k], self.frame
-        spin = Spin(*state)
+        spin = Spin(self.epoch_of(k), self.wxyz[k], self.angular_velocity[k], self.frame)
         if self._low is not None:
             spin._set("wxyz_as_pairs", frozen(np.stack([self.wxyz[k], self._low[k]], axis=-1)))
             spin._set("wxyz", frozen(self.wxyz[k].copy()))
@@ -756,8 +753,7 @@ class Ensemble(Immutable):
     def momentum(self) -> FloatArray:
         """(N, 3) angular momenta in ICRF, kg m2/s, or rad/s times the relative unit of inertia."""
         if self._inertia.has_tensors:
-            tensors = self._inertia.tensors()
-            in_body = np.einsum("...ij,...j->...i", tensors, self.angular_velocity)
+            in_body = np.einsum("...ij,...j->...i", self._inertia.tensors(), self.angular_velocity)
         else:
             in_body = self._inertia.given * self.angular_velocity
         return frozen(np.ascontiguousarray(quaternion.rotate(self.wxyz_icrf, in_body)))
@@ -1368,8 +1364,7 @@ class EnsembleHistory(AttitudeHistory):
         wxyz: FloatArray,
     ) -> None:
         super().__init__(ensemble, ensemble.start_of_seconds, seconds, low, wxyz)
-        self._set("ensemble", ensemble)
-        self._set("member", frozen(member))
+        self._set_all(ensemble=ensemble, member=frozen(member))
 
     @classmethod
     def _of_all(
@@ -1483,18 +1478,15 @@ class ArcsEnsemble(Immutable):
     def __init__(self, ensemble: Ensemble, changes: Any) -> None:
         ensemble._refuse_epochs("changes")
         changes_given = tuple(changes) if isinstance(changes, (list, tuple)) else (changes,)
-        self._set("ensemble", ensemble)
-        self._set("changes", changes_given)
+        self._set_all(ensemble=ensemble, changes=changes_given, _chains=None, _singles=None)
         for k, change in enumerate(changes_given):
             if not isinstance(change, Change):
                 raise AttitudeError(
                     f"changes[{k}] is {change!r}; give Impulse or InertiaChange objects."
                 )
-        self._set("_chains", None)
         if len(ensemble) and not _arcs.are_alike(changes_given):
             self._set("_singles", tuple(self._single(k) for k in range(len(ensemble))))
             return
-        self._set("_singles", None)
         with self._named():
             state = ensemble._members, ensemble._inertia, ensemble.start_of_seconds
             self._set("_chains", _arcs.Chains(*state, changes_given))
@@ -1536,28 +1528,9 @@ class ArcsEnsemble(Immutable):
             raise AttitudeError(f"t is {validation.shown(t)}; give a row (T,) of epochs.")
         count, length = len(self), len(hi)
         wxyz, rates = np.empty((count, 4, length)), np.empty((count, 3, length))
-        if self._chains is None:
-            self._evaluate_singles(hi, lo, wxyz, rates, threads)
-        else:
-            try:
-                self._chains.fill(Seconds(hi, lo), wxyz, rates, threads)
-            except _arcs.Failed as failed:
-                self._evaluate_singles(hi, lo, wxyz, rates, 1, only=failed.member)
-        attitudes, turning = (read_only(np.moveaxis(array, 1, 2)) for array in (wxyz, rates))
-        return EnsembleHistory._of_all(self.ensemble, Seconds(hi.copy(), lo), attitudes, turning)
 
-    def _evaluate_singles(
-        self,
-        hi: FloatArray,
-        lo: FloatArray | None,
-        wxyz: FloatArray,
-        rates: FloatArray,
-        threads: int,
-        only: int | None = None,
-    ) -> None:
-        """Fill attitudes and rates of members one by one; errors have the name of the member."""
-
-        def work(begin: int, end: int) -> None:
+        def evaluate_singles(begin: int, end: int) -> None:
+            """Fill the rows of members one by one; errors have the name of the member."""
             for k in range(begin, end):
                 try:
                     history = self[k].at(hi, lo)
@@ -1565,10 +1538,15 @@ class ArcsEnsemble(Immutable):
                 except AttitudeError as err:
                     raise AttitudeError(f"{self.ensemble.label(k)}: {err}") from None
 
-        if only is not None:
-            work(only, only + 1)
+        if self._chains is None:
+            in_blocks(evaluate_singles, count, 64, threads, ProgressBar("chains of arcs"))
         else:
-            in_blocks(work, len(self), 64, threads, ProgressBar("chains of arcs"))
+            try:
+                self._chains.fill(Seconds(hi, lo), wxyz, rates, threads)
+            except _arcs.Failed as failed:
+                evaluate_singles(failed.member, failed.member + 1)
+        attitudes, turning = (read_only(np.moveaxis(array, 1, 2)) for array in (wxyz, rates))
+        return EnsembleHistory._of_all(self.ensemble, Seconds(hi.copy(), lo), attitudes, turning)
 
 
 # Steps for which torques are sampled together, and steps of all members in one compiled call: 50 ms
@@ -1621,9 +1599,7 @@ class TorquedEnsemble(Immutable):
         self._set("step", validation.positive(step, "step", unit="s"))
         self._set("scheme", _schemes.scheme(scheme))
         acting = torques if isinstance(torques, Iterable) else (torques,)
-        self._set("torques", ())
-        self._set("_systems", [])
-        self._set("_states", np.zeros((0, STATE_ENTRIES)))
+        self._set_all(torques=(), _systems=[], _states=np.zeros((0, STATE_ENTRIES)))
         if len(ensemble):
             first = TorquedRotation(
                 ensemble[0].body, ensemble[0].spin, tuple(acting), step=None, scheme=self.scheme,

@@ -227,8 +227,7 @@ class Inertia:
 
 def of_arrays(inertia: Reals, name: str, last: tuple[int, ...], relative: bool) -> Given:
     """Principal moments (3,) or (N, 3) about the body axes, or tensors (3, 3) or (N, 3, 3)."""
-    unit = None if relative else "kg m2"
-    array = validation.real(inertia, name, unit=unit, finite=False)
+    array = validation.real(inertia, name, unit=None if relative else "kg m2", finite=False)
     if array.shape == last:
         array = array[None]
     if array.ndim != len(last) + 1 or array.shape[1:] != last:

@@ -62,8 +62,7 @@ class PartitionedEnsemble(Immutable):
     lengths: tuple[float, ...]
 
     def __init__(self, parts: Sequence[Any], lengths: Sequence[float]) -> None:
-        self._set("parts", tuple(parts))
-        self._set("lengths", tuple(lengths))
+        self._set_all(parts=tuple(parts), lengths=tuple(lengths))
 
     @classmethod
     def of_dataframe(cls, frame: Any, *, count: bool = True, **options: Any) -> PartitionedEnsemble:

@@ -46,10 +46,7 @@ class MemberView(View):
         times = pairs.Seconds.of(base).taken(epochs)
         spread = times.mapped(lambda array: np.array(np.broadcast_to(array, history.shape)))
         super().__init__(base.scene, base.epoch, *spread)
-        self._set("_base", base)
-        self._set("_epochs", epochs)
-        self._set("_history", history)
-        self.__dict__["attitude"] = history
+        self._set_all(_base=base, _epochs=epochs, _history=history, attitude=history)
 
     def _line(self, name: str) -> LineOfSight:
         """A line of sight of the base, repeated for each member."""
@@ -259,8 +256,7 @@ class AngleTo(Immutable):
             for k in range(3)
         )
         out = np.empty((count, length))
-        wxyz = read_only(np.moveaxis(history.wxyz, -1, 1))
-        squared_tangents(wxyz, self._axis, *parts, out)
+        squared_tangents(read_only(np.moveaxis(history.wxyz, -1, 1)), self._axis, *parts, out)
         return out
 
     def finished(self, measured: FloatArray) -> FloatArray:

@@ -182,8 +182,7 @@ class Problem:
         problem = least_squares.Problem(self._near, _moved, enough=enough)
         start, most = np.array([point], dtype=object), _MOST if last else _MOST_EARLY
         best = least_squares.minimum(problem, start, _RULE, most)
-        known = np.isfinite(best.cost[0])
-        return best.states[0] if known else self.linearised(point)
+        return best.states[0] if np.isfinite(best.cost[0]) else self.linearised(point)
 
     def _near(self, points: NDArray[Any]) -> Near:
         """The loss near the one point (1,), infinite for a motion that has no derivatives."""
@@ -334,8 +333,7 @@ class Fit(Immutable):
         unit = "rad" if len(self.residuals) else "rad/s"
         count = len(self.residuals) or len(self.rate_residuals or ())
         head, rows = markup.rows_of(str(self.motion))
-        first = ("records", f"{count}, rms {size:.3g} {unit}")
-        return markup.table(f"Fit. {head}", [first, *rows])
+        return markup.table(f"Fit. {head}", [("records", f"{count}, rms {size:.3g} {unit}"), *rows])
 
     def __repr__(self) -> str:
         if len(self.residuals) or self.rate_residuals is None:

@@ -114,10 +114,10 @@ def attitude_to_icrf(frame: str, wxyz: ArrayLike) -> FloatArray:
 
     Exact to 1e-31, where `quaternion.multiply` rounds to doubles.
     """
-    a, b, c, d = ((hi, lo) for hi, lo in _exact_in_pairs(known(frame)))
+    a, b, c, d = _exact_in_pairs(known(frame))
     pairs = np.asarray(wxyz, dtype=np.float64)
     if pairs.ndim == 2:  # floats are ten times faster than arrays of one number
-        w, x, y, z = ((hi, lo) for hi, lo in pairs.tolist())
+        w, x, y, z = pairs.tolist()
     else:
         w, x, y, z = ((pairs[..., k, 0], pairs[..., k, 1]) for k in range(4))
     turned = np.array(
@@ -170,7 +170,7 @@ def _exact_matrix(frame: str) -> NDArray[Any]:
 
 
 @cache
-def _exact_in_pairs(frame: str) -> list[list[float]]:
+def _exact_in_pairs(frame: str) -> list[Any]:
     """The quaternion to ICRF as four pairs of floats."""
     return _pairs(_fractions(_WXYZ[frame])).tolist()
 

@@ -69,8 +69,7 @@ def _fitted(series, numbers):
         return np.ascontiguousarray(table.transpose(1, 2, 0)).reshape(len(missing), -1)
 
     keys = [(series, int(number)) for number in numbers]
-    rows = _time_scales.known_pieces(_pieces, keys, fitted)
-    return np.array(rows).reshape(len(keys), 3 * _COUNT)
+    return np.array(_time_scales.known_pieces(_pieces, keys, fitted)).reshape(len(keys), 3 * _COUNT)
 
 
 def to_gcrs(x: FloatArray, y: FloatArray, angle: FloatArray, vectors: FloatArray) -> FloatArray:
@@ -108,8 +107,7 @@ def teme_series(jd1: FloatArray, jd2: FloatArray) -> FloatArray:
     """
     from skyfield.sgp4lib import TEME
 
-    time = timescale().tt_jd(*_tt(jd1, jd2))
-    to_teme = TEME.rotation_at(time)
+    to_teme = TEME.rotation_at(timescale().tt_jd(*_tt(jd1, jd2)))
     x, y, z = to_teme[2]
     # The components of the x axis of date along the non-rotating axes.
     cosine = to_teme[0, 0] * (1.0 - x * x / (1.0 + z)) - to_teme[0, 1] * x * y / (1.0 + z)
@@ -196,8 +194,7 @@ def _matrices(kind, tt):
         return erfa.c2i06a(tt1, tt2)
     ut1, ut2, x, y = _orientation(tt)
     if kind == "gtod":
-        angle = erfa.gst06a(ut1, ut2, tt1, tt2)
-        return erfa.rz(angle, np.eye(3)) @ erfa.pnm06a(tt1, tt2)
+        return erfa.rz(erfa.gst06a(ut1, ut2, tt1, tt2), np.eye(3)) @ erfa.pnm06a(tt1, tt2)
     if kind == "tirs":
         return erfa.rz(erfa.era00(ut1, ut2), np.eye(3)) @ erfa.c2i06a(tt1, tt2)
     to_itrf = erfa.c2t06a(tt1, tt2, ut1, ut2, x, y)

@@ -123,8 +123,6 @@ def angles_of(
 
 def known_pole(pole: Reals) -> FloatArray:
     """Longitude and latitude (2,) in rad; AttitudeError beyond a turn or 90 degrees."""
-    longitude: float
-    latitude: float
     if isinstance(pole, (list, tuple)) and len(pole) == 2:
         longitude = validation.number(pole[0], "pole longitude", unit="rad")
         latitude = validation.number(pole[1], "pole latitude", unit="rad")

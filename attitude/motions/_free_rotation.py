@@ -235,8 +235,7 @@ class FreeRotation(Differentiable):
             For elements outside their range, and elements that no body has.
         """
         numbers = validation.real(elements, "elements", shape=(5,), finite=False)
-        with_names = Elements(*numbers.tolist())
-        moments, omega = state_of(with_names)
+        moments, omega = state_of(Elements(*numbers.tolist()))
         if largest_moment is not None:
             moments *= validation.positive(largest_moment, "largest_moment", unit="kg m2")
         body = Body(moments=moments, relative=largest_moment is None)

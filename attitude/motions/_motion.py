@@ -479,8 +479,7 @@ class Foreign(Motion):
     given: Any
 
     def __init__(self, given: Any) -> None:
-        self._set("given", given)
-        self._set("epoch", _epoch_of(given))
+        self._set_all(given=given, epoch=_epoch_of(given))
         for name in ("body", "momentum", "span", "meta"):
             if getattr(given, name, None) is not None:
                 self._set(name, getattr(given, name))
@@ -501,12 +500,8 @@ class Foreign(Motion):
         self, seconds: FloatArray, low: FloatArray | None, order: int
     ) -> list[FloatArray]:
         history = self.at(seconds, low)
-        arrays = [history.wxyz]
-        if order > 0:
-            arrays.append(history.angular_velocity)
-        if order > 1:
-            arrays.append(history.angular_acceleration)
-        return arrays
+        names = ("wxyz", "angular_velocity", "angular_acceleration")
+        return [getattr(history, name) for name in names[: order + 1]]
 
 
 def motion_of(given: HasAttitudes, name: str = "motion") -> Motion:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from attitude.motions._body import Body
 
 
-def polhode(constants: Any, principal_axes: FloatArray, points: int = 361) -> FloatArray:
+def polhode(constants: Any, principal_axes: FloatArray, points: int) -> FloatArray:
     """One circuit of the angular velocity in body axes.
 
     Shapes: principal_axes (3, 3).

@@ -136,8 +136,7 @@ def _crossing(
 
 def _is_rounding(motion: Differentiable, seconds: float, angle: float) -> bool:
     """Whether errors cancel so far that the angle is a rounding error of their sum."""
-    sigma = np.sqrt(np.diag(motion._errors()))
-    alone = motion.sensitivity_at(seconds) * sigma
+    alone = motion.sensitivity_at(seconds) * np.sqrt(np.diag(motion._errors()))
     return bool(angle < _CANCELLED * np.linalg.norm(alone))
 
 

@@ -368,8 +368,7 @@ def from_place(
     angles = np.empty((1, 5))
     angles[0, 2] = _conventions.known_angle(phi0, "phi0")
     angles[0, 4] = psi = _conventions.known_angle(psi0, "psi0")
-    branch = _known_branch(theta_branch, mode, convention)
-    labels = Labels.of(body, convention, mode, branch)
+    labels = Labels.of(body, convention, mode, _known_branch(theta_branch, mode, convention))
     places = np.array([place])
     rates = labels.rates(places, places[:, 2] / P_psi, angles)
     if math.isnan(rates[0, 0]):
@@ -394,8 +393,7 @@ def from_labelled(
     rad/s.  Without a body its axes are the labelled ones of "S".
     """
     labels = Labels.of(body, convention)
-    arguments = np.array([angles], dtype=float), np.array([rates], dtype=float)
-    wxyz, omega = labels.states(*arguments)
+    wxyz, omega = labels.states(np.array([angles], dtype=float), np.array([rates], dtype=float))
     return wxyz[0], omega[0]
 
 
@@ -693,10 +691,9 @@ class PeriodStates(Immutable):
         again: Callable[[int], object],
     ) -> None:
         self._again: Callable[[int], object]
-        self._set("wxyz", frozen(wxyz))
-        self._set("angular_velocity", frozen(angular_velocity))
-        self._set("bad", frozen(bad))
-        self._set("_again", again)
+        for array in (wxyz, angular_velocity, bad):
+            frozen(array)
+        self._set_all(wxyz=wxyz, angular_velocity=angular_velocity, bad=bad, _again=again)
 
     def reason(self, k: int) -> str:
         """Why member k is bad, as the sentence of `Spin.from_periods`; "" for a good one."""
@@ -889,8 +886,7 @@ def _bodies(moments: Any, principal_axes: Any) -> tuple[FloatArray, Any, FloatAr
 def _poles(pole: Any) -> FloatArray:
     """Poles (1 or N, 2) in rad; a pair of values may have different units."""
     if isinstance(pole, (list, tuple)) and len(pole) == 2 and np.ndim(pole[0]) == 0:
-        parts = [validation.number(angle, "pole", unit="rad") for angle in pole]
-        return np.array([parts])
+        return np.array([[validation.number(angle, "pole", unit="rad") for angle in pole]])
     poles = validation.real(pole, "pole", shape=(..., 2), unit="rad", finite=False)
     return poles.reshape(1, 2) if poles.ndim == 1 else poles
 
