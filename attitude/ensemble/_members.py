@@ -68,8 +68,7 @@ def shared(
             "for other rows give member=."
         )
     scalar = hi.ndim == 0
-    hi = np.atleast_2d(hi)
-    lo = None if lo is None else np.atleast_2d(lo)
+    hi, lo = support_pairs.Seconds(hi, lo).mapped(np.atleast_2d)
     if are_dates and lo is not None:
         hi, lo = support_pairs.add((hi, lo), -start[0][:, None], -start[1][:, None])
     return support_pairs.Seconds(hi, lo), scalar
@@ -99,9 +98,8 @@ def of_rows(
                 f"t has shape {hi.shape} and member {member.shape}; give one member for each epoch."
             )
         shape = hi.shape if hi.ndim else member.shape
-        hi = np.array(np.broadcast_to(hi, shape))
+        hi, lo = support_pairs.Seconds(hi, lo).mapped(lambda a: np.array(np.broadcast_to(a, shape)))
         member = np.array(np.broadcast_to(member, shape))
-        lo = None if lo is None else np.array(np.broadcast_to(lo, shape))
     if are_dates and lo is not None:
         hi, lo = support_pairs.add((hi, lo), -start[0][member], -start[1][member])
     return support_pairs.Seconds(hi, lo), member

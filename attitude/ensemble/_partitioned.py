@@ -16,7 +16,7 @@ import numpy as np
 
 from attitude._support import validation
 from attitude._support.arrays import Immutable
-from attitude.ensemble._ensemble import Ensemble
+from attitude.ensemble._ensemble import Ensemble, EnsembleHistory
 from attitude.errors import AttitudeError
 from attitude.formats import tables
 
@@ -221,10 +221,7 @@ def _brightness(ensemble: Ensemble, options: Mapping[str, Any]) -> Any:
 def _rows(ensemble: Ensemble, rows: Any, member: str, seconds: str, rates: bool) -> Any:
     t = np.array(rows[seconds], dtype=np.float64)
     history = ensemble.at(t, member=rows[member].to_numpy(), angular_velocity=rates)
-    table = rows.assign(**dict(zip(_ATTITUDE, history.wxyz.T, strict=True)))
-    if rates:
-        table = table.assign(**dict(zip(_RATE, history.angular_velocity.T, strict=True)))
-    return table
+    return rows.assign(**_columns(history, rates))
 
 
 def _written(ensemble: Ensemble, t: Any, file: str, rates: bool) -> str:
@@ -235,12 +232,18 @@ def _written(ensemble: Ensemble, t: Any, file: str, rates: bool) -> str:
     columns = {
         "member" if ensemble.names is None else "name": np.repeat(who, length),
         "seconds": seconds.reshape(-1),
-        **dict(zip(_ATTITUDE, history.wxyz.reshape(-1, 4).T, strict=True)),
+        **_columns(history, rates),
     }
-    if rates:
-        columns |= dict(zip(_RATE, history.angular_velocity.reshape(-1, 3).T, strict=True))
     tables.write_parquet_columns(file, columns, {"wxyz": "body to ICRF, scalar first"})
     return file
+
+
+def _columns(history: EnsembleHistory, rates: bool) -> dict[str, Any]:
+    """Columns of the attitudes, and with rates of the angular velocities, of a history."""
+    columns = dict(zip(_ATTITUDE, history.wxyz.reshape(-1, 4).T, strict=True))
+    if rates:
+        columns |= dict(zip(_RATE, history.angular_velocity.reshape(-1, 3).T, strict=True))
+    return columns
 
 
 def _blocks(
