@@ -60,8 +60,7 @@ class Chains:
     def __init__(
         self, members: States, inertia: Inertia, start: Instant, changes: Sequence[Change]
     ) -> None:
-        times = _arcs.times_of(changes, start)
-        known_times = [time for time in times if time is not None]
+        known_times = [time for time in _arcs.times_of(changes, start) if time is not None]
         self._starts = frozen(np.array([(0.0, 0.0), *known_times]))
         self._records = np.empty((len(members), len(self._starts)), dtype=CONSTANTS)
         for first in range(0, len(members), BLOCK):

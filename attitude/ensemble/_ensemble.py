@@ -145,10 +145,6 @@ def _periods(rates: FloatArray) -> FloatArray:
         return frozen(np.abs(1.0 / rates))
 
 
-def _listed_names(names: Any) -> list[str] | None:
-    return None if names is None else [str(name) for name in np.asarray(names).ravel().tolist()]
-
-
 class Ensemble(Immutable):
     """The free rotations of N bodies, as arrays.
 
@@ -260,7 +256,7 @@ class Ensemble(Immutable):
             inertia = _members.of_arrays(tensors, "tensors", (3, 3), relative)
         argument = {2: "moments", 3: "tensors"}[inertia.array.ndim] if body is None else "body"
         sizes = {
-            argument: inertia.size,
+            argument: len(inertia.array),
             "wxyz": len(attitudes),
             "angular_velocity": len(rates),
             "epoch": start.shape[1],
@@ -286,14 +282,12 @@ class Ensemble(Immutable):
         """Set the attributes of members, and check them."""
         self._set("on_error", validation.one_of(on_error, "on_error", ("raise", "nan")))
         self._set("frame", frames.known(frame))
-        self._set("_start", frozen(start))
-        self._set("_low", low)
+        self._set_all(_start=frozen(start), _low=low)
         self._set("names", _members.known_names(names, len(wxyz)))
         attitude = _members.to_icrf(self.frame, wxyz, low)
         inertia, omega, differences = given.resolved(rates, on_error == "raise")
-        self._set("_inertia", inertia)
         states = States(inertia.moments, inertia.principal, omega, differences, *attitude)
-        self._set("_members", states)
+        self._set_all(_inertia=inertia, _members=states)
         self._set("wxyz", frozen(np.ascontiguousarray(wxyz)))
         self._set("angular_velocity", frozen(np.ascontiguousarray(rates)))
         self._check()
@@ -396,7 +390,9 @@ class Ensemble(Immutable):
         """
         if (body is None) == (moments is None):
             raise AttitudeError("from_periods takes either body= or moments= (N, 3).")
-        known = _listed_names(names)
+        known = names
+        if names is not None:
+            known = [str(name) for name in np.asarray(names).ravel().tolist()]
         states = _published.states_from_periods(
             body if moments is None else moments, pole=pole, phi0=phi0, mode=mode,
             convention=convention, P_psi=P_psi, P_phi=P_phi, psi0=psi0, theta_branch=theta_branch,
@@ -635,14 +631,12 @@ class Ensemble(Immutable):
                 f"member {array.ravel()[bad[0]]} (entry {bad[0]}) is out of range: the ensemble "
                 f"has {len(self)} members, 0 to {len(self) - 1}."
             )
-        numbers: IntArray = np.where(array < 0, array + len(self), array).astype(np.int64)
-        return numbers
+        return np.where(array < 0, array + len(self), array).astype(np.int64)
 
     def _member(self, k: int) -> FreeRotation:
         if k in self._bad:
             raise AttitudeError(f"{self.label(k)}: {self._members.fault(k)}")
-        state = self.epoch_of(k), self.wxyz[k], self.angular_velocity[k], self.frame
-        spin = Spin(*state)
+        spin = Spin(self.epoch_of(k), self.wxyz[k], self.angular_velocity[k], self.frame)
         if self._low is not None:
             spin._set("wxyz_as_pairs", frozen(np.stack([self.wxyz[k], self._low[k]], axis=-1)))
             spin._set("wxyz", frozen(self.wxyz[k].copy()))
@@ -672,14 +666,11 @@ class Ensemble(Immutable):
             )
         return int(member) % len(self)
 
-    @property
+    @cached_property
     def _numbers(self) -> dict[str, int]:
         """The number of each name."""
-        if "_by_name" not in self.__dict__:
-            assert self.names is not None
-            self._set("_by_name", {name: k for k, name in enumerate(self.names.tolist())})
-        numbers: dict[str, int] = self.__dict__["_by_name"]
-        return numbers
+        assert self.names is not None
+        return {name: k for k, name in enumerate(self.names.tolist())}
 
     def label(self, k: int) -> str:
         """The name of member k in error messages."""
@@ -727,7 +718,7 @@ class Ensemble(Immutable):
     @property
     def start_of_seconds(self) -> _instants.Instant:
         """The epoch that all members share, or J2000."""
-        return self.epoch_of(0) if self._start.shape[1] == 1 else _instants.Instant(0.0)
+        return self.epoch or _instants.Instant(0.0)
 
     # ---- States, periods and invariants
 
@@ -762,8 +753,7 @@ class Ensemble(Immutable):
     def momentum(self) -> FloatArray:
         """(N, 3) angular momenta in ICRF, kg m2/s, or rad/s times the relative unit of inertia."""
         if self._inertia.has_tensors:
-            tensors = self._inertia.tensors()
-            in_body = np.einsum("...ij,...j->...i", tensors, self.angular_velocity)
+            in_body = np.einsum("...ij,...j->...i", self._inertia.tensors(), self.angular_velocity)
         else:
             in_body = self._inertia.given * self.angular_velocity
         return frozen(np.ascontiguousarray(quaternion.rotate(self.wxyz_icrf, in_body)))
@@ -783,8 +773,7 @@ class Ensemble(Immutable):
     @property
     def mode(self) -> NDArray[np.int64]:
         """(N,) codes of `Mode`; -1 for a member that is not physical."""
-        modes: NDArray[np.int64] = self.regime.mode
-        return modes
+        return self.regime.mode
 
     @cached_property
     def period_psi(self) -> FloatArray:
@@ -799,8 +788,7 @@ class Ensemble(Immutable):
     @property
     def energy_ratio(self) -> FloatArray:
         """(N,) E/E0 = 2 E C / L^2: 1 for rotation about the short axis, NaN at rest."""
-        ratios: FloatArray = self.regime.energy_ratio
-        return ratios
+        return self.regime.energy_ratio
 
     def nutation(self, convention: str) -> FloatArray:
         """Ranges (N, 2), rad, of the angle of the long ("L") or short axis to the momentum."""
@@ -1264,8 +1252,7 @@ class Ensemble(Immutable):
         wxyz = np.empty((count, 4, length))
         evaluation.grid(t, Results(wxyz), first=which.start)
         history = EnsembleHistory._of_all(self, t, np.moveaxis(wxyz, 1, 2), first=which.start)
-        values: FloatArray = known.measured(history, epochs)
-        return values
+        return known.measured(history, epochs)
 
     # ---- Impulses and torques
 
@@ -1377,8 +1364,7 @@ class EnsembleHistory(AttitudeHistory):
         wxyz: FloatArray,
     ) -> None:
         super().__init__(ensemble, ensemble.start_of_seconds, seconds, low, wxyz)
-        self._set("ensemble", ensemble)
-        self._set("member", frozen(member))
+        self._set_all(ensemble=ensemble, member=frozen(member))
 
     @classmethod
     def _of_all(
@@ -1455,7 +1441,11 @@ class EnsembleHistory(AttitudeHistory):
         """
         if sigma:
             raise AttitudeError("an ensemble has no standard deviations; leave out sigma=True.")
-        flat = self if len(self.shape) == 1 else self._flattened()
+        flat = self
+        if len(self.shape) != 1:
+            times = Seconds.of(self).mapped(np.ravel)
+            wxyz = self.wxyz.reshape(-1, 4)
+            flat = EnsembleHistory(self.ensemble, np.ravel(self.member), *times, wxyz)
         columns = super(EnsembleHistory, flat).table(rates=rates)
         columns.add_column(np.array(flat.member), index=0, name="member")
         if self.ensemble.names is not None:
@@ -1463,11 +1453,6 @@ class EnsembleHistory(AttitudeHistory):
         if self.ensemble.epoch is None:
             del columns.meta["epoch"]
         return columns
-
-    def _flattened(self) -> EnsembleHistory:
-        times = Seconds.of(self).mapped(np.ravel)
-        wxyz = self.wxyz.reshape(-1, 4)
-        return EnsembleHistory(self.ensemble, np.ravel(self.member), *times, wxyz)
 
 
 # ---- The same members with impulses, and under torques
@@ -1493,18 +1478,15 @@ class ArcsEnsemble(Immutable):
     def __init__(self, ensemble: Ensemble, changes: Any) -> None:
         ensemble._refuse_epochs("changes")
         changes_given = tuple(changes) if isinstance(changes, (list, tuple)) else (changes,)
-        self._set("ensemble", ensemble)
-        self._set("changes", changes_given)
+        self._set_all(ensemble=ensemble, changes=changes_given, _chains=None, _singles=None)
         for k, change in enumerate(changes_given):
             if not isinstance(change, Change):
                 raise AttitudeError(
                     f"changes[{k}] is {change!r}; give Impulse or InertiaChange objects."
                 )
-        self._set("_chains", None)
         if len(ensemble) and not _arcs.are_alike(changes_given):
             self._set("_singles", tuple(self._single(k) for k in range(len(ensemble))))
             return
-        self._set("_singles", None)
         with self._named():
             state = ensemble._members, ensemble._inertia, ensemble.start_of_seconds
             self._set("_chains", _arcs.Chains(*state, changes_given))
@@ -1546,28 +1528,9 @@ class ArcsEnsemble(Immutable):
             raise AttitudeError(f"t is {validation.shown(t)}; give a row (T,) of epochs.")
         count, length = len(self), len(hi)
         wxyz, rates = np.empty((count, 4, length)), np.empty((count, 3, length))
-        if self._chains is None:
-            self._evaluate_singles(hi, lo, wxyz, rates, threads)
-        else:
-            try:
-                self._chains.fill(Seconds(hi, lo), wxyz, rates, threads)
-            except _arcs.Failed as failed:
-                self._evaluate_singles(hi, lo, wxyz, rates, 1, only=failed.member)
-        attitudes, turning = (read_only(np.moveaxis(array, 1, 2)) for array in (wxyz, rates))
-        return EnsembleHistory._of_all(self.ensemble, Seconds(hi.copy(), lo), attitudes, turning)
 
-    def _evaluate_singles(
-        self,
-        hi: FloatArray,
-        lo: FloatArray | None,
-        wxyz: FloatArray,
-        rates: FloatArray,
-        threads: int,
-        only: int | None = None,
-    ) -> None:
-        """Fill attitudes and rates of members one by one; errors have the name of the member."""
-
-        def work(begin: int, end: int) -> None:
+        def evaluate_singles(begin: int, end: int) -> None:
+            """Fill the rows of members one by one; errors have the name of the member."""
             for k in range(begin, end):
                 try:
                     history = self[k].at(hi, lo)
@@ -1575,10 +1538,15 @@ class ArcsEnsemble(Immutable):
                 except AttitudeError as err:
                     raise AttitudeError(f"{self.ensemble.label(k)}: {err}") from None
 
-        if only is not None:
-            work(only, only + 1)
+        if self._chains is None:
+            in_blocks(evaluate_singles, count, 64, threads, ProgressBar("chains of arcs"))
         else:
-            in_blocks(work, len(self), 64, threads, ProgressBar("chains of arcs"))
+            try:
+                self._chains.fill(Seconds(hi, lo), wxyz, rates, threads)
+            except _arcs.Failed as failed:
+                evaluate_singles(failed.member, failed.member + 1)
+        attitudes, turning = (read_only(np.moveaxis(array, 1, 2)) for array in (wxyz, rates))
+        return EnsembleHistory._of_all(self.ensemble, Seconds(hi.copy(), lo), attitudes, turning)
 
 
 # Steps for which torques are sampled together, and steps of all members in one compiled call: 50 ms
@@ -1631,9 +1599,7 @@ class TorquedEnsemble(Immutable):
         self._set("step", validation.positive(step, "step", unit="s"))
         self._set("scheme", _schemes.scheme(scheme))
         acting = torques if isinstance(torques, Iterable) else (torques,)
-        self._set("torques", ())
-        self._set("_systems", [])
-        self._set("_states", np.zeros((0, STATE_ENTRIES)))
+        self._set_all(torques=(), _systems=[], _states=np.zeros((0, STATE_ENTRIES)))
         if len(ensemble):
             first = TorquedRotation(
                 ensemble[0].body, ensemble[0].spin, tuple(acting), step=None, scheme=self.scheme,

@@ -56,8 +56,7 @@ class MemberGrid:
         self.t = Seconds(hi, t.lo).mapped(np.ascontiguousarray)
         self.length: int = t.hi.shape[1]
         self.shape: tuple[int, ...] = (count,) if scalar else (count, self.length)
-        numbers = np.arange(first, first + count)
-        self.member = self._over_epochs(numbers[:, None])
+        self.member = self._over_epochs(np.arange(first, first + count)[:, None])
         self.seconds = self.t.mapped(self._over_epochs)
 
     def _over_epochs(self, array):
@@ -92,9 +91,7 @@ class MemberGrid:
 
     def vectors(self, given: FloatArray, part: tuple[slice, slice]) -> FloatArray:
         """The rows (K, 3) of vectors (S, 3) in one of the `pieces`."""
-        if self.scalar:
-            return given[part[0]]
-        return given[part].reshape(-1, 3)
+        return given[part[0]] if self.scalar else given[part].reshape(-1, 3)
 
     def parts(self, most: int) -> Iterator[tuple[Any, MemberGrid]]:
         """Grids of at most `most` attitudes, each after its place among the answers."""

@@ -221,12 +221,10 @@ class Light:
 
     def _make_kernels(self, member: IntArray, threads: int) -> None:
         """The functions that sum over the facets of each shape that occurs."""
-        one = len(self._shapes) == 1
-        for k in [0] if one else np.unique(member).tolist():
+        for k in [0] if len(self._shapes) == 1 else np.unique(member).tolist():
             shape = self._shapes[k]
             if id(shape) not in self._kernels:
-                kernel = kernel_of(shape, self._law, self._shadows, threads)
-                self._kernels[id(shape)] = kernel
+                self._kernels[id(shape)] = kernel_of(shape, self._law, self._shadows, threads)
 
     def _of_meshes(
         self, piece: Piece, sun: FloatArray, observer: FloatArray, out: FloatArray
@@ -345,8 +343,7 @@ def output(out: Any, shape: tuple[int, ...]) -> FloatArray:
         raise AttitudeError(
             f"out is {validation.shown(out)}; give a writable float64 array {shape} in C order."
         )
-    values: FloatArray = out
-    return values
+    return out
 
 
 def _modulus(sun: FloatArray, observer: FloatArray) -> FloatArray:

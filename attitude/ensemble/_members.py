@@ -68,8 +68,7 @@ def shared(
             "for other rows give member=."
         )
     scalar = hi.ndim == 0
-    hi = np.atleast_2d(hi)
-    lo = None if lo is None else np.atleast_2d(lo)
+    hi, lo = support_pairs.Seconds(hi, lo).mapped(np.atleast_2d)
     if are_dates and lo is not None:
         hi, lo = support_pairs.add((hi, lo), -start[0][:, None], -start[1][:, None])
     return support_pairs.Seconds(hi, lo), scalar
@@ -99,9 +98,8 @@ def of_rows(
                 f"t has shape {hi.shape} and member {member.shape}; give one member for each epoch."
             )
         shape = hi.shape if hi.ndim else member.shape
-        hi = np.array(np.broadcast_to(hi, shape))
+        hi, lo = support_pairs.Seconds(hi, lo).mapped(lambda a: np.array(np.broadcast_to(a, shape)))
         member = np.array(np.broadcast_to(member, shape))
-        lo = None if lo is None else np.array(np.broadcast_to(lo, shape))
     if are_dates and lo is not None:
         hi, lo = support_pairs.add((hi, lo), -start[0][member], -start[1][member])
     return support_pairs.Seconds(hi, lo), member
@@ -147,11 +145,6 @@ class Given(NamedTuple):
     array: FloatArray
     relative: bool
     bodies: NDArray[np.object_] | None
-
-    @property
-    def size(self) -> int:
-        """1, or the number of bodies."""
-        return self.array.shape[0]
 
     def resolved(
         self, omega: FloatArray, raises: bool
@@ -208,8 +201,7 @@ class Inertia:
         """The Body of member k."""
         k = k if len(self) > 1 else 0
         if self.bodies is not None:
-            body: Body = self.bodies[k]
-            return body
+            return self.bodies[k]
         kind = "moments" if self.given.ndim == 2 else "tensor"
         return Body(**{kind: self.given[k]}, relative=self.relative)
 
@@ -233,8 +225,7 @@ class Inertia:
 
 def of_arrays(inertia: Reals, name: str, last: tuple[int, ...], relative: bool) -> Given:
     """Principal moments (3,) or (N, 3) about the body axes, or tensors (3, 3) or (N, 3, 3)."""
-    unit = None if relative else "kg m2"
-    array = validation.real(inertia, name, unit=unit, finite=False)
+    array = validation.real(inertia, name, unit=None if relative else "kg m2", finite=False)
     if array.shape == last:
         array = array[None]
     if array.ndim != len(last) + 1 or array.shape[1:] != last:

@@ -16,7 +16,7 @@ import numpy as np
 
 from attitude._support import validation
 from attitude._support.arrays import Immutable
-from attitude.ensemble._ensemble import Ensemble
+from attitude.ensemble._ensemble import Ensemble, EnsembleHistory
 from attitude.errors import AttitudeError
 from attitude.formats import tables
 
@@ -62,8 +62,7 @@ class PartitionedEnsemble(Immutable):
     lengths: tuple[float, ...]
 
     def __init__(self, parts: Sequence[Any], lengths: Sequence[float]) -> None:
-        self._set("parts", tuple(parts))
-        self._set("lengths", tuple(lengths))
+        self._set_all(parts=tuple(parts), lengths=tuple(lengths))
 
     @classmethod
     def of_dataframe(cls, frame: Any, *, count: bool = True, **options: Any) -> PartitionedEnsemble:
@@ -153,9 +152,9 @@ class PartitionedEnsemble(Immutable):
         if missing:
             raise AttitudeError(f"frame has no column {missing[0]!r}.")
         both = validation.flag(angular_velocity, "angular_velocity")
-        added = dict.fromkeys(_ATTITUDE + _RATE * both, "f8")
+        added = {name: np.empty(0, "f8") for name in _ATTITUDE + _RATE * both}
         tasks = self._mapped(_rows, [(row, member, seconds, both) for row in rows])
-        return dataframe.from_delayed(tasks, meta=frame._meta.assign(**_empty(added)))
+        return dataframe.from_delayed(tasks, meta=frame._meta.assign(**added))
 
     def map(self, function: Callable[..., Any], *others: Sequence[Any]) -> list[Any]:
         """Delayed ``function(ensemble, *values)`` of each partition.
@@ -222,10 +221,7 @@ def _brightness(ensemble: Ensemble, options: Mapping[str, Any]) -> Any:
 def _rows(ensemble: Ensemble, rows: Any, member: str, seconds: str, rates: bool) -> Any:
     t = np.array(rows[seconds], dtype=np.float64)
     history = ensemble.at(t, member=rows[member].to_numpy(), angular_velocity=rates)
-    table = rows.assign(**dict(zip(_ATTITUDE, history.wxyz.T, strict=True)))
-    if rates:
-        table = table.assign(**dict(zip(_RATE, history.angular_velocity.T, strict=True)))
-    return table
+    return rows.assign(**_columns(history, rates))
 
 
 def _written(ensemble: Ensemble, t: Any, file: str, rates: bool) -> str:
@@ -236,12 +232,18 @@ def _written(ensemble: Ensemble, t: Any, file: str, rates: bool) -> str:
     columns = {
         "member" if ensemble.names is None else "name": np.repeat(who, length),
         "seconds": seconds.reshape(-1),
-        **dict(zip(_ATTITUDE, history.wxyz.reshape(-1, 4).T, strict=True)),
+        **_columns(history, rates),
     }
-    if rates:
-        columns |= dict(zip(_RATE, history.angular_velocity.reshape(-1, 3).T, strict=True))
     tables.write_parquet_columns(file, columns, {"wxyz": "body to ICRF, scalar first"})
     return file
+
+
+def _columns(history: EnsembleHistory, rates: bool) -> dict[str, Any]:
+    """Columns of the attitudes, and with rates of the angular velocities, of a history."""
+    columns = dict(zip(_ATTITUDE, history.wxyz.reshape(-1, 4).T, strict=True))
+    if rates:
+        columns |= dict(zip(_RATE, history.angular_velocity.reshape(-1, 3).T, strict=True))
+    return columns
 
 
 def _blocks(
@@ -258,10 +260,6 @@ def _blocks(
         )
     whole = {axis: -1 for axis in range(1, array.ndim)}
     return list(array.rechunk({0: tuple(map(int, chunks)), **whole}).to_delayed().reshape(-1))
-
-
-def _empty(columns: Mapping[str, str]) -> dict[str, Any]:
-    return {name: np.empty(0, kind) for name, kind in columns.items()}
 
 
 def _is_lazy(value: Any) -> bool:

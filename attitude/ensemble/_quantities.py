@@ -46,10 +46,7 @@ class MemberView(View):
         times = pairs.Seconds.of(base).taken(epochs)
         spread = times.mapped(lambda array: np.array(np.broadcast_to(array, history.shape)))
         super().__init__(base.scene, base.epoch, *spread)
-        self._set("_base", base)
-        self._set("_epochs", epochs)
-        self._set("_history", history)
-        self.__dict__["attitude"] = history
+        self._set_all(_base=base, _epochs=epochs, _history=history, attitude=history)
 
     def _line(self, name: str) -> LineOfSight:
         """A line of sight of the base, repeated for each member."""
@@ -109,8 +106,7 @@ class MemberView(View):
         inertia = self._history.ensemble._inertia
         if len(inertia) > 1:
             raise AttitudeError(f"{what} differs between the members, which have bodies each.")
-        body: Body = inertia.body(0)
-        return body
+        return inertia.body(0)
 
 
 def bound(
@@ -119,11 +115,10 @@ def bound(
     """The scene at epochs of reception (T,), and the grid of all members at those of emission."""
     free = copy(scene)
     free._set("motion", None)
-    shared = ensemble.epoch
     start = ensemble.start_of_seconds
     base = free.since(start, seconds, low)
     times = pairs.Seconds(*base.emission).taken(None)
-    if shared is None:
+    if ensemble.epoch is None:
         starts = ensemble.epochs_of(np.arange(len(ensemble)))
         past = times.plus(start.seconds, start.low)
         times = pairs.Seconds(*pairs.add(past, -starts[0][:, None], -starts[1][:, None]))
@@ -261,8 +256,7 @@ class AngleTo(Immutable):
             for k in range(3)
         )
         out = np.empty((count, length))
-        wxyz = read_only(np.moveaxis(history.wxyz, -1, 1))
-        squared_tangents(wxyz, self._axis, *parts, out)
+        squared_tangents(read_only(np.moveaxis(history.wxyz, -1, 1)), self._axis, *parts, out)
         return out
 
     def finished(self, measured: FloatArray) -> FloatArray:
@@ -294,7 +288,7 @@ class Computed:
         return measured
 
 
-class Seen:
+class Seen(Computed):
     """A quantity of a scene by its name, such as "magnitude" or "aspect_angle".
 
     name: a quantity of `attitude.scene.View` with one number for each epoch.
@@ -309,14 +303,10 @@ class Seen:
         view = MemberView(self._base, epochs, history)
         return np.asarray(getattr(view, self._name), dtype=np.float64)
 
-    def finished(self, measured: FloatArray) -> FloatArray:
-        """The same numbers."""
-        return measured
-
 
 def known(
     quantity: Any, scene: Any, ensemble: Any, t: Any, low: Any
-) -> tuple[AngleTo | Computed | Seen, MemberGrid]:
+) -> tuple[AngleTo | Computed, MemberGrid]:
     """The quantity that a caller gave, and the epochs at which the members are evaluated."""
     if isinstance(quantity, str):
         if not isinstance(scene, Scene):

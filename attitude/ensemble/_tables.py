@@ -336,8 +336,7 @@ def drawn(
     moments = None
     if parts[0].moments is not None:
         moments = np.concatenate([batch.moments for batch in parts if batch.moments is not None])
-    arrays = (np.concatenate([batch[k] for batch in parts]) for k in (0, 1))
-    wxyz, rates = arrays
+    wxyz, rates = (np.concatenate([batch[k] for batch in parts]) for k in (0, 1))
     return Drawn(wxyz, rates, moments)
 
 

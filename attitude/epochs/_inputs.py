@@ -63,6 +63,7 @@ _TYPES = (
     ("duration", (datetime.timedelta, np.timedelta64)),
     ("number", numbers.Real),
 )
+_ARRAYS = {"M": "datetime64", "m": "duration", **dict.fromkeys("fiu", "number")}
 
 
 def entries(value: Any, name: str, allowed: str) -> tuple[str, list[Any], tuple[int, ...]]:
@@ -141,9 +142,7 @@ def _kind(value: Any) -> str | None:
         if isinstance(value, types):
             return kind
     if isinstance(value, np.ndarray):
-        return {"M": "datetime64", "m": "duration"}.get(
-            value.dtype.kind, "number" if value.dtype.kind in "fiu" else None
-        )
+        return _ARRAYS.get(value.dtype.kind)
     if hasattr(value, "whole") and hasattr(value, "tt_fraction"):
         return "skyfield Time"
     # A caller who holds a Time has imported astropy already; other callers need not load it.

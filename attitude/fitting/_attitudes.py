@@ -184,8 +184,7 @@ def _least_varying(
         size = np.linalg.norm(centred @ candidate, axis=1)
         weight = 1.0 / np.maximum(size, 0.1 * np.median(size) + 1e-300)
         weight /= weight.max()
-    tensor: FloatArray = np.tensordot(candidate, basis, axes=1)
-    return tensor
+    return np.tensordot(candidate, basis, axes=1)
 
 
 def _sums(vectors: FloatArray, group: IntArray, weight: FloatArray) -> FloatArray:
@@ -295,8 +294,7 @@ def guess(problem: Problem, given: tuple[FloatArray, FloatArray, FloatArray]) ->
     """The first guess from attitudes; given (K,)."""
     model, shape = problem.model, np.zeros(0)
     if model.body is None:
-        robust = problem.loss.robust
-        tensor = inertia_of_attitudes(*given[1:], model.axes, robust=robust)
+        tensor = inertia_of_attitudes(*given[1:], model.axes, robust=problem.loss.robust)
         shape = model.shape_of(tensor)
     return best_state(problem, shape, given)
 
@@ -423,8 +421,7 @@ def fit_rates(
     first_epoch, seconds = epochs_of(t, epoch)
     count = len(seconds)
     omega = validation.real(angular_velocity, "angular_velocity", shape=(count, 3), unit="rad/s")
-    fewest = 3 if body is None else 1
-    if count < fewest:
+    if count < (3 if body is None else 1):
         raise AttitudeError(
             f"there {'is' if count == 1 else 'are'} {count} angular "
             f"velocit{'y' if count == 1 else 'ies'}; give three or more (one with body=)."
@@ -689,5 +686,4 @@ def _unit(value: Reals, name: str, count: int) -> FloatArray:
     if np.any(size == 0.0):
         raise AttitudeError(f"{name} holds a vector of length zero, which has no direction.")
     scaled = vectors / size
-    unit = scaled / np.linalg.norm(scaled, axis=-1, keepdims=True)
-    return np.broadcast_to(unit, (count, 3))
+    return np.broadcast_to(scaled / np.linalg.norm(scaled, axis=-1, keepdims=True), (count, 3))

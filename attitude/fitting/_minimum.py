@@ -182,9 +182,7 @@ class Problem:
         problem = least_squares.Problem(self._near, _moved, enough=enough)
         start, most = np.array([point], dtype=object), _MOST if last else _MOST_EARLY
         best = least_squares.minimum(problem, start, _RULE, most)
-        known = np.isfinite(best.cost[0])
-        linear: Linearised = best.states[0] if known else self.linearised(point)
-        return linear
+        return best.states[0] if np.isfinite(best.cost[0]) else self.linearised(point)
 
     def _near(self, points: NDArray[Any]) -> Near:
         """The loss near the one point (1,), infinite for a motion that has no derivatives."""
@@ -214,16 +212,14 @@ def _minimum(
     next stage extends to where attitudes are predicted to `_REACH`.
     """
     total, count = len(observed), min(first, len(observed))
-    while True:
-        stage_records = observed.at(thinned(count))
-        if len(stage_records) == total:
-            return Problem(model, observed, loss).minimum(point)
-        stage = Problem(model, stage_records, loss).minimum(point, last=False)
+    while count < total or total > _MOST_RECORDS:
+        stage = Problem(model, observed.at(thinned(count)), loss).minimum(point, last=False)
         point = stage.point
         if count == total:
-            return Problem(model, observed, loss).minimum(point)
+            break
         count = max(_reach(model, observed, stage, count), int(1.5 * count), count + 1)
         count = min(count, total)
+    return Problem(model, observed, loss).minimum(point)
 
 
 def covariance_at_minimum(normal: Decomposed, variance: float) -> FloatArray:
@@ -251,24 +247,18 @@ def bounded_factor(normal: Decomposed, variance: float, speed: float) -> FloatAr
     known = np.where(normal.values > _LOST, normal.values, np.nan)
     spread = np.fmin(variance * length**2 / known, UNKNOWN)
     directions *= unit[:, None] / length
-    factor: FloatArray = directions * np.sqrt(spread)
-    return factor
+    return directions * np.sqrt(spread)
 
 
-def thinned(count: int) -> IntArray:
-    """Numbers of the records of a stage among the first `count`."""
-    return _thinned(0, count, _MOST_RECORDS)
-
-
-def _thinned(first: int, end: int, most: int) -> IntArray:
-    """At most so many of the numbers first .. end - 1, evenly."""
+def thinned(end: int, first: int = 0, most: int = _MOST_RECORDS) -> IntArray:
+    """At most so many of the numbers first .. end - 1, evenly; by default those of a stage."""
     chosen = np.linspace(first, end - 1, min(end - first, most))
     return np.unique(chosen.round().astype(np.int64))
 
 
 def _reach(model: Model, observed: Observations, stage: Linearised, count: int) -> int:
     """The number of first records that are predicted to `_REACH`."""
-    ahead = _thinned(count, len(observed), _PREDICTED)
+    ahead = thinned(len(observed), count, _PREDICTED)
     records_ahead = observed.at(ahead)
     try:
         predicted = model.predict(stage.point, records_ahead.t, rates=records_ahead.with_rates)
@@ -343,8 +333,7 @@ class Fit(Immutable):
         unit = "rad" if len(self.residuals) else "rad/s"
         count = len(self.residuals) or len(self.rate_residuals or ())
         head, rows = markup.rows_of(str(self.motion))
-        first = ("records", f"{count}, rms {size:.3g} {unit}")
-        return markup.table(f"Fit. {head}", [first, *rows])
+        return markup.table(f"Fit. {head}", [("records", f"{count}, rms {size:.3g} {unit}"), *rows])
 
     def __repr__(self) -> str:
         if len(self.residuals) or self.rate_residuals is None:

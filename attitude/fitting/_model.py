@@ -121,18 +121,15 @@ class Model:
         """The body of a shape: the known one, or one whose relative moments have the sum 1."""
         if self.body is not None:
             return self.body
-        values, axes = self._eigen(shape)
-        moments = _moments(values)
+        moments, axes = self.principal(shape)
         if self.axes == "principal":
             return Body(moments=moments, relative=True)
         return Body(tensor=tensors_of(moments, axes), relative=True)
 
     def principal(self, shape: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Principal moments (3,) of a shape, and the axes (3, 3), columns, right-handed."""
-        if self.body is not None:
-            return self.body.moments, self.body.principal_axes
         values, axes = self._eigen(shape)
-        return _moments(values), axes
+        return self._moments_of(values), axes
 
     def predict(self, point: Point, t: FloatArray, *, rates: bool) -> Prediction:
         """The motion of a point at seconds t (N,) since its attitude, with derivatives."""
@@ -192,7 +189,7 @@ class Model:
         """The eigenvalues (3,) of a shape for given principal axes; zeros for a known body."""
         if self.body is not None:
             return np.zeros(3)
-        return np.einsum("ik,ij,jk->k", axes, _logarithm(shape), axes)
+        return np.einsum("ik,ij,jk->k", axes, self._logarithm(shape), axes)
 
     def _eigen(self, shape: FloatArray) -> tuple[FloatArray, FloatArray]:
         if self.body is not None:
@@ -200,26 +197,22 @@ class Model:
             return np.zeros(3), _BODY_AXES if np.array_equal(axes, _BODY_AXES) else axes
         if self.axes == "principal":
             return np.array([shape[0], shape[1], -shape[0] - shape[1]]), _BODY_AXES
-        values, axes = np.linalg.eigh(_logarithm(shape))
+        values, axes = np.linalg.eigh(self._logarithm(shape))
         if np.linalg.det(axes) < 0.0:
             axes[:, 2] *= -1.0
         return values, axes
 
+    def _logarithm(self, shape: FloatArray) -> FloatArray:
+        """The symmetric matrix (3, 3) of a shape, of trace zero."""
+        return np.tensordot(shape, self._directions, axes=1)
+
     def _moments_of(self, values: FloatArray) -> FloatArray:
-        return self.body.moments if self.body is not None else _moments(values)
-
-
-def _moments(values: FloatArray) -> FloatArray:
-    """Principal moments, with the sum 1, of logarithms of second moments of mass."""
-    mass = np.exp(values - values.max())
-    return (np.array([mass[1] + mass[2], mass[2] + mass[0], mass[0] + mass[1]])) / (
-        2.0 * mass.sum()
-    )
-
-
-def _logarithm(shape: FloatArray) -> FloatArray:
-    """The symmetric matrix (3, 3) of a shape, of trace zero."""
-    return np.tensordot(shape, _directions(len(shape)), axes=1)
+        """Principal moments of the known body, or with the sum 1 of logarithms of second ones."""
+        if self.body is not None:
+            return self.body.moments
+        mass = np.exp(values - values.max())
+        sums = np.array([mass[1] + mass[2], mass[2] + mass[0], mass[0] + mass[1]])
+        return sums / (2.0 * mass.sum())
 
 
 def _directions(count: int) -> FloatArray:

@@ -114,10 +114,10 @@ def attitude_to_icrf(frame: str, wxyz: ArrayLike) -> FloatArray:
 
     Exact to 1e-31, where `quaternion.multiply` rounds to doubles.
     """
-    a, b, c, d = ((hi, lo) for hi, lo in _exact_in_pairs(known(frame)))
+    a, b, c, d = _exact_in_pairs(known(frame))
     pairs = np.asarray(wxyz, dtype=np.float64)
     if pairs.ndim == 2:  # floats are ten times faster than arrays of one number
-        w, x, y, z = ((hi, lo) for hi, lo in pairs.tolist())
+        w, x, y, z = pairs.tolist()
     else:
         w, x, y, z = ((pairs[..., k, 0], pairs[..., k, 1]) for k in range(4))
     turned = np.array(
@@ -157,15 +157,9 @@ def _matrix(frame: str) -> FloatArray:
 
 
 @cache
-def _exact(frame: str) -> NDArray[Any]:
-    """The quaternion (4,) to ICRF as fractions, to 40 digits."""
-    return _fractions(_WXYZ[frame])
-
-
-@cache
 def _exact_matrix(frame: str) -> NDArray[Any]:
     """The matrix (3, 3) to ICRF as fractions."""
-    w, x, y, z = _exact(frame)
+    w, x, y, z = _fractions(_WXYZ[frame])
     return np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -176,9 +170,9 @@ def _exact_matrix(frame: str) -> NDArray[Any]:
 
 
 @cache
-def _exact_in_pairs(frame: str) -> list[list[float]]:
+def _exact_in_pairs(frame: str) -> list[Any]:
     """The quaternion to ICRF as four pairs of floats."""
-    return _pairs(_exact(frame)).tolist()
+    return _pairs(_fractions(_WXYZ[frame])).tolist()
 
 
 def _sum(*terms: tuple[float, float], signs: tuple[int, ...]) -> tuple[float, float]:

@@ -69,8 +69,7 @@ def _fitted(series, numbers):
         return np.ascontiguousarray(table.transpose(1, 2, 0)).reshape(len(missing), -1)
 
     keys = [(series, int(number)) for number in numbers]
-    rows = _time_scales.known_pieces(_pieces, keys, fitted)
-    return np.array(rows).reshape(len(keys), 3 * _COUNT)
+    return np.array(_time_scales.known_pieces(_pieces, keys, fitted)).reshape(len(keys), 3 * _COUNT)
 
 
 def to_gcrs(x: FloatArray, y: FloatArray, angle: FloatArray, vectors: FloatArray) -> FloatArray:
@@ -108,8 +107,7 @@ def teme_series(jd1: FloatArray, jd2: FloatArray) -> FloatArray:
     """
     from skyfield.sgp4lib import TEME
 
-    time = timescale().tt_jd(*_tt(jd1, jd2))
-    to_teme = TEME.rotation_at(time)
+    to_teme = TEME.rotation_at(timescale().tt_jd(*_tt(jd1, jd2)))
     x, y, z = to_teme[2]
     # The components of the x axis of date along the non-rotating axes.
     cosine = to_teme[0, 0] * (1.0 - x * x / (1.0 + z)) - to_teme[0, 1] * x * y / (1.0 + z)
@@ -159,9 +157,8 @@ def pole_of_teme(hi: FloatArray, lo: FloatArray) -> FloatArray:
 # Sources: IERS Conventions (2010), chapter 5, as in ERFA's c2t06a, pnm06a, pmat06, gst06a; Vallado
 # et al., AIAA 2006-6753 (TEME); Lieske, A&A 73, 282 (1979), as in ERFA's prec76 (B1950).
 
-# The Besselian epoch 1950.0 as Julian date, and J2000.
+# The Besselian epoch 1950.0 as Julian date.
 _B1950 = 2433282.42345905
-_J2000 = 2451545.0
 
 
 def to_icrf(kind: str, hi: FloatArray, lo: FloatArray) -> FloatArray:
@@ -177,7 +174,7 @@ def b1950() -> FloatArray:
 
     from attitude import frames
 
-    zeta, z, theta = erfa.prec76(_B1950, 0.0, _J2000, 0.0)
+    zeta, z, theta = erfa.prec76(_B1950, 0.0, _time_scales.J2000, 0.0)
     # From the axes of B1950 to those of J2000.
     matrix = erfa.rz(-z, erfa.ry(theta, erfa.rz(-zeta, np.eye(3))))
     turn = quaternion.from_matrix(matrix)
@@ -197,8 +194,7 @@ def _matrices(kind, tt):
         return erfa.c2i06a(tt1, tt2)
     ut1, ut2, x, y = _orientation(tt)
     if kind == "gtod":
-        angle = erfa.gst06a(ut1, ut2, tt1, tt2)
-        return erfa.rz(angle, np.eye(3)) @ erfa.pnm06a(tt1, tt2)
+        return erfa.rz(erfa.gst06a(ut1, ut2, tt1, tt2), np.eye(3)) @ erfa.pnm06a(tt1, tt2)
     if kind == "tirs":
         return erfa.rz(erfa.era00(ut1, ut2), np.eye(3)) @ erfa.c2i06a(tt1, tt2)
     to_itrf = erfa.c2t06a(tt1, tt2, ut1, ut2, x, y)

@@ -243,14 +243,15 @@ def from_euler(sequence: str | int, angles: Reals) -> FloatArray:
     angles : (..., 1 to 3) array_like
         rad, or a Quantity, in the order of the turns.
     """
-    letters = _letters(sequence)
+    letters = _axes(sequence)
+    if not 1 <= len(letters) <= 2:
+        letters = known_sequence(sequence)
     angles = validation.real(angles, "angles", shape=(..., len(letters)), unit="rad")
     out = np.zeros((*angles.shape[:-1], 4))
     out[..., 0] = 1.0
     for k, letter in enumerate(letters):
         turn = about("XYZ".index(letter.upper()), angles[..., k])
-        pair = (out, turn) if letter.isupper() else (turn, out)
-        out = multiply(*pair)
+        out = multiply(out, turn) if letter.isupper() else multiply(turn, out)
     return out
 
 
@@ -272,12 +273,6 @@ def known_sequence(sequence: str | int) -> str:
         f"sequence is {repr(sequence)[:42]}; give three axes, no two neighbours equal, like "
         '"ZXZ" or "313".'
     )
-
-
-def _letters(sequence):
-    """A sequence of one to three axes in scipy's letters."""
-    letters = _axes(sequence)
-    return letters if 1 <= len(letters) <= 2 else known_sequence(sequence)
 
 
 def _axes(sequence):

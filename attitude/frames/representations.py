@@ -197,9 +197,9 @@ def _turning_axes(sequence, angles):
         return _turning_axes(letters[::-1].upper(), angles[..., ::-1])[..., ::-1]
     columns = []
     for k, letter in enumerate(letters):
-        following = from_euler(letters[k + 1 :], angles[..., k + 1 :]) if k < 2 else None
         axis = np.broadcast_to(np.eye(3)["XYZ".index(letter)], (*angles.shape[:-1], 3))
-        if following is not None:
+        if k < 2:
+            following = from_euler(letters[k + 1 :], angles[..., k + 1 :])
             axis = quaternion.rotate(quaternion.conjugate(following), axis)
         columns.append(axis)
     return np.stack(columns, axis=-1)

@@ -388,10 +388,9 @@ class FramedHistory(Attitudes):
 
     def __init__(self, history: Any, frame: str, orbit: Any = None) -> None:
         known = named(frame)
-        self._set("history", history)
-        self._set("seconds", history.seconds)
-        self._set("frame", str(frame).lower())
-        self._set("_axes", known)
+        self._set_all(
+            history=history, seconds=history.seconds, frame=str(frame).lower(), _axes=known
+        )
         self._axes: Axes
         self._orbit: Path | None
         self._set("_orbit", _orbit_of(orbit, known.kind, frame))
@@ -415,8 +414,7 @@ class FramedHistory(Attitudes):
         )
         if turning is None:
             return frozen(np.array(rates))
-        in_icrf = turning.reshape(*self.shape, 3)
-        return frozen(rates - self.history.inertial_to_body(in_icrf))
+        return frozen(rates - self.history.inertial_to_body(turning.reshape(*self.shape, 3)))
 
     @cached_property
     def angular_velocity_in_frame(self) -> FloatArray:

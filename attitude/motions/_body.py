@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -104,9 +104,10 @@ class Body(Valued):
         self._axes: FloatArray
         self._found: PrincipalAxes | None
         if isinstance(moments, (int, float)):
+            three = all(isinstance(number, (int, float)) for number in (moments, tensor, mass))
+            listed = ", ".join(map(str, (moments, tensor, mass) if three else (10, 20, 26)))
             raise AttitudeError(
-                "Body takes its moments together: "
-                f"Body(moments=({_three_numbers((moments, tensor, mass))})), or a tensor: "
+                f"Body takes its moments together: Body(moments=({listed})), or a tensor: "
                 "Body(tensor=(3 x 3))."
             )
         relative = validation.flag(relative, "relative")
@@ -375,9 +376,3 @@ def _refuse_overflow(largest: float, name: str) -> None:
 
 def _listed(row: Iterable[float]) -> str:
     return "(" + ", ".join(f"{x:.17g}" for x in row) + ")"
-
-
-def _three_numbers(given: tuple[Any, ...]) -> str:
-    """Three moments as text; those of an example if there are not three numbers."""
-    three = len(given) == 3 and all(isinstance(number, (int, float)) for number in given)
-    return ", ".join(map(str, given if three else (10, 20, 26)))

@@ -123,43 +123,39 @@ def angles_of(
 
 def known_pole(pole: Reals) -> FloatArray:
     """Longitude and latitude (2,) in rad; AttitudeError beyond a turn or 90 degrees."""
-    longitude: float
-    latitude: float
     if isinstance(pole, (list, tuple)) and len(pole) == 2:
         longitude = validation.number(pole[0], "pole longitude", unit="rad")
         latitude = validation.number(pole[1], "pole latitude", unit="rad")
     else:
         longitude, latitude = validation.real(pole, "pole", shape=(2,), unit="rad")
-    _check(longitude, "pole longitude", TURN, "-360 and 360 deg")
-    _check(latitude, "pole latitude", QUARTER, "-90 and 90 deg")
+    _check(longitude, "pole longitude", (-TURN, TURN), "-360 and 360 deg")
+    _check(latitude, "pole latitude", (-QUARTER, QUARTER), "-90 and 90 deg")
     return np.array([longitude, latitude])
 
 
 def known_angle(value: Real, name: str) -> float:
     """One angle in rad; AttitudeError beyond a turn."""
     angle = validation.number(value, name, unit="rad")
-    _check(angle, name, TURN, "-360 and 360 deg")
+    _check(angle, name, (-TURN, TURN), "-360 and 360 deg")
     return angle
 
 
 def known_tilt(value: Real, name: str) -> float:
     """One angle in rad; AttitudeError outside of 0 to 180 degrees."""
     angle = validation.number(value, name, unit="rad")
-    if not 0.0 <= angle <= math.pi * (1.0 + 1e-12):
-        raise AttitudeError(
-            f"{name} is {angle:.9g} rad ({math.degrees(angle):.6g} deg); it must lie between 0 and "
-            '180 deg. Plain numbers are radians: give degrees as a Quantity or as "65.9 deg".'
-        )
+    _check(angle, name, (0.0, math.pi * (1.0 + 1e-12)), "0 and 180 deg", "65.9 deg")
     return angle
 
 
-def _check(value: float, name: str, limit: float, spelled: str) -> None:
-    """AttitudeError for an angle whose magnitude exceeds a limit."""
-    if abs(value) > limit:
+def _check(
+    value: float, name: str, limits: tuple[float, float], spelled: str, example: str = "250 deg"
+) -> None:
+    """AttitudeError for an angle outside of its limits."""
+    if not limits[0] <= value <= limits[1]:
         raise AttitudeError(
             f"{name} is {value:.9g} rad ({math.degrees(value):.6g} deg); it must lie between "
             f"{spelled}. Plain numbers are radians: give degrees as a Quantity or as "
-            '"250 deg".'
+            f'"{example}".'
         )
 
 

@@ -259,8 +259,7 @@ class Differentiable(Motion):
         AttitudeError
             If the spin has no covariance, or its errors lead to moments that are no body's.
         """
-        columns = covariances.factor(self._errors()).T
-        points = [column for column in columns if np.any(column)]
+        points = [column for column in covariances.factor(self._errors()).T if np.any(column)]
         return [self.changed(sign * point) for point in points for sign in (1.0, -1.0)]
 
     def sample(self, count: int, seed: int | np.random.Generator = 0) -> list[Self]:

@@ -52,12 +52,16 @@ def spin_of(motion: Any, epoch: EpochOrSeconds) -> Spin:
     at: Instant = motion.epoch.after(hi, lo)
     spin = getattr(motion, "spin", None)
     frame = "icrf" if spin is None else spin.frame
-    back = quaternion.conjugate(frames.wxyz_to_icrf(frame))
-    wxyz = history.wxyz if frame == "icrf" else quaternion.multiply(back, history.wxyz)
+    wxyz = history.wxyz if frame == "icrf" else _over_axes(frame, history.wxyz)
     spin_then = Spin(at, wxyz, history.angular_velocity, frame)
     if spin is None or spin.covariance is None:
         return spin_then
     return spin_then.with_covariance(_covariance(motion, hi, lo, frame))
+
+
+def _over_axes(frame: str, wxyz: FloatArray) -> FloatArray:
+    """Attitudes (..., 4), body to a frame, of those to ICRF."""
+    return quaternion.multiply(quaternion.conjugate(frames.wxyz_to_icrf(frame)), wxyz)
 
 
 def _covariance(motion: Any, hi: float, lo: float, frame: str) -> FloatArray:
@@ -231,8 +235,7 @@ class FreeRotation(Differentiable):
             For elements outside their range, and elements that no body has.
         """
         numbers = validation.real(elements, "elements", shape=(5,), finite=False)
-        with_names = Elements(*numbers.tolist())
-        moments, omega = state_of(with_names)
+        moments, omega = state_of(Elements(*numbers.tolist()))
         if largest_moment is not None:
             moments *= validation.positive(largest_moment, "largest_moment", unit="kg m2")
         body = Body(moments=moments, relative=largest_moment is None)
@@ -343,8 +346,7 @@ class FreeRotation(Differentiable):
         for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
             if moments[i] > 0.0:
                 rate[i] = (moments[j] - moments[k]) / moments[i] * w[j] * w[k]
-        accelerations: FloatArray = np.moveaxis(rate, 0, -1) @ axes.T
-        return accelerations
+        return np.moveaxis(rate, 0, -1) @ axes.T
 
     def rate_bounds(self, seconds: float) -> RateBounds:
         """`RateBounds` of a body-fixed direction, the same at all epochs."""
@@ -476,22 +478,19 @@ class FreeRotation(Differentiable):
     # ---- Forms of papers, and curves
 
     def _free_at(self, at: EpochOrSeconds | None) -> FreeRotation:
-        free: FreeRotation = self if at is None else super()._free_at(at)
-        return free
+        return self if at is None else super()._free_at(at)
 
     def _published(self, convention: str, frame: str | None) -> Published:
         """The state in the form of papers, see `published`."""
         frame = self.spin.frame if frame is None else frames.known(frame)
-        wxyz = quaternion.multiply(
-            quaternion.conjugate(frames.wxyz_to_icrf(frame)), self.spin.wxyz_icrf
-        )
+        spin = self.spin
         return _published.published(
             self.body,
             self.regime,
-            self.spin.wxyz if frame == self.spin.frame else wxyz,
-            self.spin.angular_velocity,
+            spin.wxyz if frame == spin.frame else _over_axes(frame, spin.wxyz_icrf),
+            spin.angular_velocity,
             convention=convention,
-            epoch=self.spin.epoch,
+            epoch=spin.epoch,
             frame=frame,
         )
 
@@ -503,9 +502,7 @@ class FreeRotation(Differentiable):
         [0, 2 pi).
         """
         frame = self.spin.frame if frame is None else frame
-        wxyz = quaternion.multiply(
-            quaternion.conjugate(frames.wxyz_to_icrf(frame)), self.at(t).wxyz
-        )
+        wxyz = _over_axes(frame, self.at(t).wxyz)
         wxyz = quaternion.multiply(wxyz, _conventions.axes_wxyz(self.body, convention))
         momentum = frames.matrix_to_icrf(frame).T @ self.momentum
         momentum = quaternion.rotate(quaternion.conjugate(wxyz), momentum)

@@ -152,8 +152,7 @@ class AttitudeHistory(Attitudes):
                 f"{type(self.motion).__name__} has no derivatives; standard deviations and "
                 "covariances follow from a FreeRotation whose spin has a covariance."
             ) from err
-        covariances: FloatArray = covariance_at(self.seconds, self.low, rates=rates)
-        return covariances
+        return covariance_at(self.seconds, self.low, rates=rates)
 
     @cached_property
     def nonlinearity(self) -> FloatArray:

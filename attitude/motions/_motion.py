@@ -279,8 +279,7 @@ class Motion(Valued):
         AttitudeError
             For several epochs, and those that `at` refuses.
         """
-        spin: Spin = synonyms.named("attitude.motions._free_rotation:spin_of")(self, epoch)
-        return spin
+        return synonyms.named("attitude.motions._free_rotation:spin_of")(self, epoch)
 
     @synonyms.arguments({}, 'published("L")')
     def published(
@@ -308,8 +307,7 @@ class Motion(Valued):
         AttitudeError
             For a motion without a body, a body at rest, and an unknown convention or frame.
         """
-        record: Published = self._free_at(at)._published(convention, frame)
-        return record
+        return self._free_at(at)._published(convention, frame)
 
     def _free_at(self, at: EpochOrSeconds | None) -> Any:
         """The free rotation that would follow from the state at an epoch, by default the first."""
@@ -352,8 +350,7 @@ class Motion(Valued):
             If the motion has no body.
         """
         tensor = self.constant_body("the angular momentum").tensor
-        momentum: FloatArray = history.angular_velocity @ tensor
-        return momentum
+        return history.angular_velocity @ tensor
 
     @property
     def regime(self) -> Regime:
@@ -482,8 +479,7 @@ class Foreign(Motion):
     given: Any
 
     def __init__(self, given: Any) -> None:
-        self._set("given", given)
-        self._set("epoch", _epoch_of(given))
+        self._set_all(given=given, epoch=_epoch_of(given))
         for name in ("body", "momentum", "span", "meta"):
             if getattr(given, name, None) is not None:
                 self._set(name, getattr(given, name))
@@ -494,8 +490,7 @@ class Foreign(Motion):
 
     def at(self, t: Epochs, low: ArrayLike | None = None) -> AttitudeHistory:
         """The attitudes at some epochs; see `Motion.at`."""
-        history: AttitudeHistory = self.given.at(t) if low is None else self.given.at(t, low=low)
-        return history
+        return self.given.at(t) if low is None else self.given.at(t, low=low)
 
     def at_seconds(self, seconds: FloatArray, low: FloatArray | None) -> AttitudeHistory:
         """See `Motion.at_seconds`."""
@@ -505,12 +500,8 @@ class Foreign(Motion):
         self, seconds: FloatArray, low: FloatArray | None, order: int
     ) -> list[FloatArray]:
         history = self.at(seconds, low)
-        arrays = [history.wxyz]
-        if order > 0:
-            arrays.append(history.angular_velocity)
-        if order > 1:
-            arrays.append(history.angular_acceleration)
-        return arrays
+        names = ("wxyz", "angular_velocity", "angular_acceleration")
+        return [getattr(history, name) for name in names[: order + 1]]
 
 
 def motion_of(given: HasAttitudes, name: str = "motion") -> Motion:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from attitude.motions._body import Body
 
 
-def polhode(constants: Any, principal_axes: FloatArray, points: int = 361) -> FloatArray:
+def polhode(constants: Any, principal_axes: FloatArray, points: int) -> FloatArray:
     """One circuit of the angular velocity in body axes.
 
     Shapes: principal_axes (3, 3).
@@ -53,8 +53,7 @@ def polhode(constants: Any, principal_axes: FloatArray, points: int = 361) -> Fl
     signs[1] = signs[0] * signs[2] * (1.0 if even else -1.0)
     over_principal = np.empty((3, count))
     over_principal[[first, second, third]] = signs[:, None] * inner
-    curve: FloatArray = (principal_axes @ over_principal).T
-    return curve
+    return (principal_axes @ over_principal).T
 
 
 def pictures(body: Body, energy: float, curve: Callable[[int], FloatArray]) -> list[str]:
@@ -94,5 +93,4 @@ def herpolhode(momentum: FloatArray, angular_velocity: FloatArray) -> FloatArray
     """
     if not np.any(momentum):
         raise AttitudeError("the body is at rest; without momentum there is no invariable plane.")
-    components: FloatArray = angular_velocity @ plane(momentum).T
-    return components
+    return angular_velocity @ plane(momentum).T

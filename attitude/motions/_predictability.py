@@ -136,19 +136,14 @@ def _crossing(
 
 def _is_rounding(motion: Differentiable, seconds: float, angle: float) -> bool:
     """Whether errors cancel so far that the angle is a rounding error of their sum."""
-    covariance = motion.spin.covariance_icrf
-    assert covariance is not None  # as the caller has found
-    sigma = np.sqrt(np.diag(covariance))
-    alone = motion.sensitivity_at(seconds) * sigma
+    alone = motion.sensitivity_at(seconds) * np.sqrt(np.diag(motion._errors()))
     return bool(angle < _CANCELLED * np.linalg.norm(alone))
 
 
 def flip_within_errors(motion: Differentiable) -> float:
     """Time to the next turn-over if one standard deviation crosses the separatrix, or inf."""
     time = math.inf
-    covariance = motion.spin.covariance_icrf
-    assert covariance is not None  # as the caller has found
-    for column in covariances.factor(covariance).T:
+    for column in covariances.factor(motion._errors()).T:
         for sign in (1.0, -1.0):
             # Moments that are no body's have no turn-over.
             with suppress(AttitudeError):

@@ -213,16 +213,15 @@ def propagate(
     else:
         source = StatesOfTensors(bodies, attitudes, rates)
     times = Seconds(_epochs(t, lead, count), None if t_low is None else _epochs(t_low, lead, count))
-    flat: list[FloatArray | None] = []
-    for memory, _ in results:
-        flat.append(memory.reshape(count, *memory.shape[len(lead) :]) if lead else memory[None])
+    flat: list[FloatArray | None] = [
+        memory.reshape(count, *memory.shape[len(lead) :]) if lead else memory[None]
+        for memory, _ in results
+    ]
     if not angular_velocity:
         flat.insert(1, None)
     evaluation = Evaluation(source, lambda k: f"State {k} of {count}" if count > 1 else "")
     evaluation.grid(times, Results(*flat), threads)
-    views = []
-    for memory, array in results:
-        views.append(result(memory, array, scalar, len(lead)))
+    views = [result(memory, array, scalar, len(lead)) for memory, array in results]
     return tuple(views) if len(views) > 1 else views[0]
 
 

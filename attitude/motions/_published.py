@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -155,8 +156,7 @@ def places_of_dynamic_inertia(
 def _solved(moments: ArrayLike, mode: str, ratio: float) -> FloatArray:
     """The position (3,) of `places` of one body, in a mode."""
     arguments = np.array([moments], dtype=float), np.array([mode == "LAM"])
-    place: FloatArray = places_of_dynamic_inertia(*arguments, np.array([ratio], dtype=float))[0]
-    return place
+    return places_of_dynamic_inertia(*arguments, np.array([ratio], dtype=float))[0]
 
 
 def cycle(moments: ArrayLike, mode: str, position: Sequence[float]) -> FloatArray:
@@ -368,8 +368,7 @@ def from_place(
     angles = np.empty((1, 5))
     angles[0, 2] = _conventions.known_angle(phi0, "phi0")
     angles[0, 4] = psi = _conventions.known_angle(psi0, "psi0")
-    branch = _known_branch(theta_branch, mode, convention)
-    labels = Labels.of(body, convention, mode, branch)
+    labels = Labels.of(body, convention, mode, _known_branch(theta_branch, mode, convention))
     places = np.array([place])
     rates = labels.rates(places, places[:, 2] / P_psi, angles)
     if math.isnan(rates[0, 0]):
@@ -394,8 +393,7 @@ def from_labelled(
     rad/s.  Without a body its axes are the labelled ones of "S".
     """
     labels = Labels.of(body, convention)
-    arguments = np.array([angles], dtype=float), np.array([rates], dtype=float)
-    wxyz, omega = labels.states(*arguments)
+    wxyz, omega = labels.states(np.array([angles], dtype=float), np.array([rates], dtype=float))
     return wxyz[0], omega[0]
 
 
@@ -425,10 +423,9 @@ def _beyond(psi: float, mode: str, convention: str, moments: FloatArray, place: 
     """The error text for a psi0 outside of its libration."""
     a, b, c = moments
     y, one_minus_y = place[0], place[1]
-    if convention == "L":  # in short-axis mode: C - D over D - B
-        largest, center = math.atan2(math.sqrt(one_minus_y / c), math.sqrt(y / b)), (0, 180)
-    else:  # in long-axis mode: D - A over B - D
-        largest, center = math.atan2(math.sqrt(one_minus_y / a), math.sqrt(y / b)), (90, 270)
+    # "L" in short-axis mode: C - D over D - B; "S" in long-axis mode: D - A over B - D
+    outer, center = (c, (0, 180)) if convention == "L" else (a, (90, 270))
+    largest = math.atan2(math.sqrt(one_minus_y / outer), math.sqrt(y / b))
     return (
         f"psi0 is {math.degrees(psi):.6g} deg; in {mode} with convention "
         f'"{convention}" psi librates within {math.degrees(largest):.6g} deg of {center[0]} or '
@@ -694,10 +691,9 @@ class PeriodStates(Immutable):
         again: Callable[[int], object],
     ) -> None:
         self._again: Callable[[int], object]
-        self._set("wxyz", frozen(wxyz))
-        self._set("angular_velocity", frozen(angular_velocity))
-        self._set("bad", frozen(bad))
-        self._set("_again", again)
+        for array in (wxyz, angular_velocity, bad):
+            frozen(array)
+        self._set_all(wxyz=wxyz, angular_velocity=angular_velocity, bad=bad, _again=again)
 
     def reason(self, k: int) -> str:
         """Why member k is bad, as the sentence of `Spin.from_periods`; "" for a good one."""
@@ -798,7 +794,7 @@ def states_from_periods(
         some = {name: array[block] for name, array in rows.items()}
         wxyz[block], omega[block], bad[block] = _block(some, order[block], turned)
     shared = {"mode": mode, "convention": convention, "theta_branch": theta_branch}
-    states = PeriodStates(wxyz, omega, bad, _again(moments, rows, shared))
+    states = PeriodStates(wxyz, omega, bad, partial(_again, moments, rows, shared))
     if on_error == "raise" and bad.any():
         k = int(np.flatnonzero(bad)[0])
         name = f"Member {k} of {count}" if names is None else f"Member {names[k]!r}"
@@ -890,20 +886,19 @@ def _bodies(moments: Any, principal_axes: Any) -> tuple[FloatArray, Any, FloatAr
 def _poles(pole: Any) -> FloatArray:
     """Poles (1 or N, 2) in rad; a pair of values may have different units."""
     if isinstance(pole, (list, tuple)) and len(pole) == 2 and np.ndim(pole[0]) == 0:
-        parts = [validation.number(angle, "pole", unit="rad") for angle in pole]
-        return np.array([parts])
+        return np.array([[validation.number(angle, "pole", unit="rad") for angle in pole]])
     poles = validation.real(pole, "pole", shape=(..., 2), unit="rad", finite=False)
     return poles.reshape(1, 2) if poles.ndim == 1 else poles
 
 
-def _codes(given: Any, known: Callable[[Any], str | None], allowed: Sequence[str]) -> Any:
+def _codes(given: Any, known: Callable[[Any], str], allowed: Sequence[str]) -> Any:
     """The numbers () or (N,) of words in `allowed`; _UNKNOWN for other words, and none."""
     numbers: dict[object, int] = {}
 
     def code(word: object) -> int:
         if word not in numbers:
             try:
-                numbers[word] = allowed.index(known(word) or "")
+                numbers[word] = allowed.index(known(word))
             except (AttitudeError, ValueError):
                 numbers[word] = _UNKNOWN
         return numbers[word]
@@ -920,13 +915,9 @@ def _codes(given: Any, known: Callable[[Any], str | None], allowed: Sequence[str
         ) from err
 
 
-def _branch_of_row(branch: Any) -> str | None:
-    """A branch of theta, or None where it is not given."""
-    if branch is None or branch == "" or branch != branch:
-        return None
-    if branch in ("acute", "obtuse"):
-        return str(branch)
-    raise AttitudeError("unknown branch")
+def _branch_of_row(branch: Any) -> Any:
+    """A branch of theta as it is, "" where it is None or NaN."""
+    return "" if branch is None or branch != branch else branch
 
 
 def _count(arrays: dict[str, Any]) -> int:
@@ -945,24 +936,18 @@ def _count(arrays: dict[str, Any]) -> int:
     return int(counts.pop()) if counts else 1
 
 
-def _again(moments: Any, rows: dict[str, Any], words: dict[str, Any]) -> Callable[[int], object]:
-    """The call of `states_from_two_periods` for one member, which raises the error of a bad one."""
-
-    def call(k: int) -> object:
-        body = moments
-        if body is not None and not isinstance(body, Body):
-            body = Body(moments=rows["moments"][k], relative=True)
-        numbers = {name: float(rows[name][k]) for name in _NUMBERS}
-        labels = {name: _entry(array, k) for name, array in words.items()}
-        if not math.isnan(numbers["P"]):
-            labels = {}
-        keywords: dict[str, Any] = {
-            name: value for name, value in numbers.items() if not math.isnan(value)
-        }
-        keywords.setdefault("phi0", math.nan)
-        return states_from_two_periods(body, pole=rows["pole"][k], **keywords, **labels)
-
-    return call
+def _again(body: Any, rows: dict[str, Any], words: dict[str, Any], k: int) -> object:
+    """`states_from_two_periods` for one member, which raises the error of a bad one."""
+    if body is not None and not isinstance(body, Body):
+        body = Body(moments=rows["moments"][k], relative=True)
+    numbers = {name: float(rows[name][k]) for name in _NUMBERS}
+    keywords: dict[str, Any] = {
+        name: value for name, value in numbers.items() if not math.isnan(value)
+    }
+    if "P" not in keywords:
+        keywords |= {name: _entry(array, k) for name, array in words.items()}
+    keywords.setdefault("phi0", math.nan)
+    return states_from_two_periods(body, pole=rows["pole"][k], **keywords)
 
 
 def _entry(words: Any, k: int) -> Any:

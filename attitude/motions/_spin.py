@@ -144,7 +144,14 @@ class Spin(Valued):
             raise AttitudeError(f"Spin is given no rates; {_RATES}, as in {_EXAMPLE}.")
         rate = validation.real(angular_velocity, "angular_velocity", unit="rad/s")
         if rate.shape != (3,):
-            _refuse_rate(angular_velocity, rate)
+            if rate.shape == ():
+                raise AttitudeError(
+                    f"angular_velocity is one number, {validation.shown(angular_velocity)}, which "
+                    'has no axis; give its components over the body axes, such as "0, 0, 10 rpm", '
+                    'or use Spin.from_periods(body, P="6 s", pole="180, -52 deg", phi0=0.0, '
+                    "epoch=...)."
+                )
+            raise AttitudeError(f"angular_velocity has shape {rate.shape}; give (3).")
         errors = None if covariance is None else frozen(covariances.known(covariance))
         self._set_all(
             epoch=known_epoch,
@@ -430,17 +437,6 @@ class Spin(Valued):
             rows.append(("sigma of attitude", f"{np.degrees(sigma[:3]).max():.3g} deg"))
             rows.append(("sigma of rates", f"{sigma[3:6].max():.3g} rad/s"))
         return markup.table("Spin", rows)
-
-
-def _refuse_rate(value: Reals, rate: FloatArray) -> None:
-    """AttitudeError for an angular velocity that is not three numbers."""
-    if rate.shape == ():
-        raise AttitudeError(
-            f"angular_velocity is one number, {validation.shown(value)}, which has no axis; give "
-            'its components over the body axes, such as "0, 0, 10 rpm", or use '
-            'Spin.from_periods(body, P="6 s", pole="180, -52 deg", phi0=0.0, epoch=...).'
-        )
-    raise AttitudeError(f"angular_velocity has shape {rate.shape}; give (3).")
 
 
 def _attitude(wxyz: Reals | None, dcm: Reals | None) -> Reals:

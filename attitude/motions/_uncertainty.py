@@ -107,9 +107,9 @@ def spread(
 
     ends = [values]
     for k in range(4):
-        for sign, error in ((-1.0, inputs[k, 1]), (1.0, inputs[k, 2])):
+        for error in (-inputs[k, 1], inputs[k, 2]):
             step = np.zeros(4)
-            step[k] = sign * error
+            step[k] = error
             ends.append(possible_end(values, step, exists))
     results_at = _results(np.array(ends), known, convention)
     if np.isnan(results_at[0]).any():
