@@ -10,6 +10,7 @@ import numpy as np
 from attitude._compilation import deferral
 from attitude._compilation.decorators import entry_point
 from attitude._support import blocks, validation
+from attitude._support.arrays import distinct
 from attitude.errors import AttitudeError
 from attitude.photometry import _spectrum
 
@@ -57,12 +58,12 @@ def spectral_window(samples: Samples, most: float) -> Window:
     inner = np.arange(1, count - 1)
     is_peak = (power[inner] >= power[inner - 1]) & (power[inner] >= power[inner + 1])
     at = inner[is_peak & (power[inner] > _STRONG) & (frequency[inner] > 2.0 / samples.span)]
-    lines: list[WindowLine] = []
-    for k in at[np.argsort(-power[at], kind="stable")]:
-        if all(abs(frequency[k] - line.frequency) > 1.5 / samples.span for line in lines):
-            lines.append(WindowLine(float(frequency[k]), float(power[k])))
-        if len(lines) == _KEPT:
-            break
+    strongest = at[np.argsort(-power[at], kind="stable")]
+    lines = distinct(
+        (WindowLine(float(frequency[k]), float(power[k])) for k in strongest),
+        lambda one, other: abs(one.frequency - other.frequency) <= 1.5 / samples.span,
+        _KEPT,
+    )
     return Window(frequency, power, tuple(lines))
 
 
@@ -280,8 +281,7 @@ def _chance(y, power_of, seed):
     """The power that 1 of 100 light curves of permuted values y (N,) exceeds."""
     generator = validation.generator(seed)
     largest = [power_of(y[generator.permutation(len(y))]).max() for _ in range(_PERMUTATIONS)]
-    place, scale = _spectrum.gumbel(largest)
-    return float(min(1.0, place - scale * np.log(-np.log(0.99))))
+    return min(1.0, _spectrum.by_chance(largest))
 
 
 def refined(data: Samples, frequency: float, order: int) -> _spectrum.RefinedSeries:

@@ -531,10 +531,14 @@ _MANY = 20
 _EULER = 0.5772
 
 
-def gumbel(largest: Sequence[float]) -> tuple[float, float]:
-    """Place and scale of Gumbel's distribution of the largest of many values."""
+def by_chance(largest: Sequence[float], times: float = 1.0) -> float:
+    """What the largest of `times` as many values exceeds in 1 of 100 cases, as Gumbel's law has it.
+
+    largest: those of several samples of values.
+    """
     scale = max(float(np.std(largest)) * np.sqrt(6.0) / np.pi, 1e-6)
-    return float(np.mean(largest)) - _EULER * scale, scale
+    place = float(np.mean(largest)) - _EULER * scale + scale * np.log(times)
+    return float(place - scale * np.log(-np.log(0.99)))
 
 
 def share_of_chance(
@@ -542,7 +546,7 @@ def share_of_chance(
 ) -> float:
     """The share of chi-squared left that 1 of 100 light curves of permuted values reaches.
 
-    From Gumbel's distribution of the largest decrease among some pairs, extended to all.
+    From the largest decrease among some pairs, extended to all.
     """
     generator = validation.generator(seed)
     count = int(turns * OVERSAMPLING) + 1
@@ -557,6 +561,4 @@ def share_of_chance(
         gain = np.empty(tried)
         decreases(*sums_of[:4], pair[0], pair[1], lines, RIDGE, gain)
         best.append(float(gain.max() / sums_of.total))
-    place, scale = gumbel(best)
-    place += scale * np.log(all_pairs / tried)
-    return float(max(0.0, 1.0 - (place - scale * np.log(-np.log(0.99)))))
+    return max(0.0, 1.0 - by_chance(best, all_pairs / tried))
