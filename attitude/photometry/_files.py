@@ -653,8 +653,7 @@ def _names_of_width(width: int, name: str) -> list[str]:
 def _geometry(table: Mapping[str, list[str]], keywords: Keywords, name: str) -> dict[str, Any]:
     """Vectors to Sun and observer, if the table has them."""
     more: dict[str, Any] = {}
-    for place in ("sun", "observer"):
-        keys = [f"{place}_{axis}" for axis in "xyz"]
+    for place, keys in (("sun", _AXES[:3]), ("observer", _AXES[3:])):
         if all(key in table for key in keys):
             vectors = [_numbers(table[key], key, keywords, name) for key in keys]
             more[place] = np.stack(vectors, axis=-1) * ASTRONOMICAL_UNIT_M
