@@ -127,19 +127,17 @@ def fold(
     """
     data = _samples.of(t, values, errors, curve, zero_points)
     periods = np.atleast_1d(validation.real(period, "period", unit="s"))
-    if periods.shape not in ((1,), (2,)) or not np.all(periods > 0.0):
-        validation.one_of(periods.shape, "the shape of period", ((1,), (2,)))
-        for one in periods:
-            validation.positive(one, "period", unit="s")
+    validation.one_of(periods.shape, "the shape of period", ((1,), (2,)))
+    for one in periods:
+        validation.positive(one, "period", unit="s")
     if isinstance(t, LightCurve) or values is not None:
         _samples.warn_of_plain(period, "period", data.t)
-    number = validation.count(order, "order")
-    numbers = _spectrum.series_numbers(number, len(periods))
-
-    def folded(own: Samples) -> Folded:
-        return _folded(own, periods, numbers, epoch, refine)
-
-    return _samples.settled(data, folded, lambda each: each.series)
+    numbers = _spectrum.series_numbers(validation.count(order, "order"), len(periods))
+    return _samples.settled(
+        data,
+        lambda samples: _folded(samples, periods, numbers, epoch, refine),
+        lambda folded: folded.series,
+    )
 
 
 def _folded(data, periods, numbers, epoch, refine):
