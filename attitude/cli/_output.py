@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import io
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING, Any
 
@@ -41,6 +41,13 @@ def add_figure(parser: argparse.ArgumentParser) -> None:
 def picture_of(arguments: argparse.Namespace) -> str | None:
     """The format of --figure; None without it."""
     return None if arguments.figure is None else kind_of(arguments.figure, PICTURES, "--figure")
+
+
+def draw(name: str | None, plot: Callable[[str], object]) -> None:
+    """Write --figure by a function of its name, and print the name; nothing without it."""
+    if name is not None:
+        plot(name)
+        print(name)
 
 
 def kind_of(
