@@ -215,7 +215,7 @@ class LightCurve(Immutable):
     ) -> None:
         start, t = _seconds(times, epoch)
         values, errors = _brightness(magnitude, flux, sigma, len(t))
-        site, places = _sites(site, places, session, len(t))
+        site, places = _sites(site, places, session)
         named = [
             _numbered(words, word, len(t))
             for words, word in zip((filter, site, session), _WORDS, strict=True)
@@ -673,7 +673,7 @@ def _numbered(given: Any, name: str, count: int) -> tuple[tuple[str, ...], IntAr
     return tuple(words.tolist()), numbers.reshape(-1).astype(np.int64)
 
 
-def _sites(site: Any, places: Any, session: Any, count: int) -> tuple[Any, dict[str, Any]]:
+def _sites(site: Any, places: Any, session: Any) -> tuple[Any, dict[str, Any]]:
     """The names of the sites of the points, and the places that are given by name."""
     known = {} if places is None else {str(key): place for key, place in dict(places).items()}
     if isinstance(site, Mapping):

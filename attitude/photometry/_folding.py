@@ -58,7 +58,7 @@ class Folded(Immutable):
         """The series at phases 0 to 1 of a period, of its own lines alone; of phase's shape."""
         at = validation.real(phase, "phase")
         t = self.zero + at.reshape(-1) * self.periods[which]
-        return self.series.wave(t, _own_lines(self.series.numbers, which)).reshape(at.shape)
+        return self.series.wave(t, which).reshape(at.shape)
 
     def table(self) -> QTable:
         """A row for each point: time, phases, values, residual."""
@@ -146,9 +146,7 @@ def _folded(data, periods, numbers, epoch, refine):
         periods = 1.0 / series.frequencies
     zero = _zero(data, epoch)
     phase = np.mod((data.t - zero) / periods[:, None], 1.0)
-    shown = [
-        series.residuals + series.wave(data.t, _own_lines(numbers, k)) for k in range(len(periods))
-    ]
+    shown = [series.residuals + series.wave(data.t, k) for k in range(len(periods))]
     return Folded(
         frozen(periods),
         frozen(phase),
@@ -159,12 +157,6 @@ def _folded(data, periods, numbers, epoch, refine):
         data,
         zero,
     )
-
-
-def _own_lines(numbers: Any, which: int) -> FloatArray:
-    """1 for the lines that depend on one of the frequencies alone, else 0."""
-    others = np.delete(np.arange(numbers.shape[1]), which)
-    return np.all(numbers[:, others] == 0, axis=1).astype(float)
 
 
 def _zero(data: Samples, epoch: Any) -> float:

@@ -296,19 +296,14 @@ def best_peaks(
     frequency, power = found.frequency, found.power
     closest = 0.7 / (data.span * order)
     rows: list[tuple[float, float, float]] = []
-    taken: list[float] = []
     total = float(np.sum((data.weights * data.detrended) ** 2))
-    for k in np.argsort(-power, kind="stable"):
-        if len(taken) >= 2 * count:
-            break
-        if all(abs(frequency[k] - other) > closest for other in taken):
-            taken.append(float(frequency[k]))
-            best = refined(data, float(frequency[k]), order)
-            f = abs(float(best.frequencies[0]))
-            if not frequency[0] <= f <= frequency[-1]:
-                continue
-            if all(abs(f - other[0]) > 0.5 * closest for other in rows):
-                rows.append((f, float(best.errors[0]), best.chi_squared / total))
+    by_power = (float(frequency[k]) for k in np.argsort(-power, kind="stable"))
+    for start in distinct(by_power, lambda one, other: abs(one - other) <= closest, 2 * count):
+        best = refined(data, start, order)
+        f = abs(float(best.frequencies[0]))
+        is_inside = frequency[0] <= f <= frequency[-1]
+        if is_inside and all(abs(f - other[0]) > 0.5 * closest for other in rows):
+            rows.append((f, float(best.errors[0]), best.chi_squared / total))
     if not rows:
         # no maximum within the range: the power rises towards an end
         f = float(frequency[np.argmax(power)])
