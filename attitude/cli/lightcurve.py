@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from attitude._support.annotations import BoolArray, FloatArray, IntArray
+    from attitude._support.annotations import BoolArray, FloatArray
     from attitude.epochs._instants import Instant
     from attitude.formats.mission import Mission
     from attitude.scene._scene import Scene
@@ -91,7 +91,9 @@ def _shade(axes, t, lit_fraction, elevation, sun_elevation):
         lines = {"facecolor": "none", "edgecolor": "0.65", "hatch": "///"}
         shades.append((elevation <= 0.0, "below the horizon", lines))
     for flags, label, style in shades:
-        for k, (begin, end) in enumerate(_runs(flags)):
+        # begin and end of each run of True
+        runs = np.flatnonzero(np.diff(np.r_[False, flags, False])).reshape(-1, 2)
+        for k, (begin, end) in enumerate(runs):
             last = t[min(end, len(t) - 1)]
             name = label if k == 0 else None
             axes.axvspan(t[begin], last, linewidth=0, zorder=0, label=name, **style)
@@ -106,12 +108,6 @@ def _line(axes: Axes, t: FloatArray, y: FloatArray, color: str, label: str | Non
     if np.any(np.isfinite(y)):
         axes.plot(t, y, color=color, linewidth=0.9, label=label)
         axes.plot(t[alone], y[alone], ".", color=color, markersize=4)
-
-
-def _runs(flags: BoolArray) -> IntArray:
-    """Begin and end of each run of True."""
-    edges = np.flatnonzero(np.diff(np.r_[False, flags, False]))
-    return edges.reshape(-1, 2)
 
 
 # ---- ``--observed CURVE.csv``: the light curve of a mission against observations
