@@ -254,11 +254,7 @@ class Entry(Answering):
         frame = given.get("frame", self.frame)
         if kind == "rates":
             return Loaded(body, self._from_rates(body, given, frame))
-        state = {
-            name: given[name] if name in given else self._published(name)
-            for name in _NEEDED[kind]
-            if name != "moments"
-        }
+        state = {name: self._value(name, given) for name in _NEEDED[kind] if name != "moments"}
         if kind == "angles":
             state["convention"] = self.convention
             return Loaded(body, Spin.from_angles(body, **state, frame=frame))
@@ -323,19 +319,19 @@ class Entry(Answering):
             return bool({"angular_velocity", "principal_rates"} & set(self.given))
         return name in self.given
 
-    def _published(self, name: str) -> Any:
-        """The value under a keyword of `load`, in SI units."""
+    def _value(self, name: str, given: Mapping[str, Any]) -> Any:
+        """The value under a keyword of `load`: that of the caller, or the published one in SI."""
+        if name in given:
+            return given[name]
         return getattr(self, name) if name in ("mode", "convention") else self.given[name].si
 
     def _from_rates(self, body: Body, given: Mapping[str, Any], frame: str) -> Spin:
-        epoch = given["epoch"] if "epoch" in given else self.given["epoch"].si
-        wxyz = given["wxyz"] if "wxyz" in given else self.given["wxyz"].si
         if "angular_velocity" in given:
             rate = given["angular_velocity"]
         else:
             about = self.given["principal_rates"].si
             rate = 2.0 * np.pi / self.printed["spin_period"].si * (body.principal_axes @ about)
-        return Spin(epoch, wxyz, rate, frame)
+        return Spin(self._value("epoch", given), self._value("wxyz", given), rate, frame)
 
     def _values(self) -> tuple[Value, ...]:
         return (*self.given.values(), *self.printed.values())

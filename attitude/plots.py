@@ -50,6 +50,8 @@ _NAMES = ("long axis", "middle axis", "short axis")
 # Least span in s, s in the unit, and its name.
 _UNITS = ((86400.0 * 3.0, 86400.0, "d"), (3.0 * 3600.0, 3600.0, "h"), (0.0, 1.0, "s"))
 _POINTS = 1201
+# Parts of a longer curve that is drawn by its extremes, enough for a figure of 1500 pixels.
+_PARTS = 20_000
 # Fewest points a turn that draw a curve.
 _A_TURN = 8.0
 
@@ -307,6 +309,19 @@ def _time(given: ArrayLike, epoch: Instant) -> tuple[FloatArray, str]:
     seconds = np.asarray(given, dtype=np.float64)
     unit, name = time_unit(float(np.max(np.abs(seconds))))
     return seconds / unit, f"time since {epoch.utc_iso} UTC, {name}"
+
+
+def extremes(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """A long curve as the least and the greatest value of each of many parts; NaN of none."""
+    size = len(x) // _PARTS
+    if size < 2:
+        return x, y
+    count = len(x) // size * size
+    parts = np.where(np.isfinite(y[:count]), y[:count], np.inf).reshape(-1, size)
+    low = np.min(parts, axis=1)
+    high = np.max(np.where(np.isfinite(parts), parts, -np.inf), axis=1)
+    pairs = np.stack([low, high], axis=1).reshape(-1)
+    return np.repeat(x[:count:size], 2), np.where(np.isfinite(pairs), pairs, np.nan)
 
 
 def _map(vectors: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -212,18 +212,13 @@ def _times(number: FloatArray, step: Fraction) -> Pair:
     # 19 bits of the step at a time, so that each product with a number of 34 bits is exact.
     hi, lo, remainder = 0.0 * number, 0.0 * number, step
     while remainder:
-        leading = _leading(remainder)
+        mantissa, exponent = math.frexp(float(remainder))
+        leading = math.ldexp(math.trunc(math.ldexp(mantissa, 19)), exponent - 19)
         remainder -= Fraction(leading)
         hi, lo = pairs.add((hi, lo), number * leading)
         if abs(remainder) * 2**140 < abs(step):
             break
     return hi, lo
-
-
-def _leading(fraction: Fraction) -> float:
-    """The leading 19 bits."""
-    mantissa, exponent = math.frexp(float(fraction))
-    return math.ldexp(math.trunc(math.ldexp(mantissa, 19)), exponent - 19)
 
 
 # ---- ``--orbit PLACE``: the path of a body about its center; ``--site PLACE``: the observer
@@ -296,24 +291,24 @@ def add_site_argument(parser: argparse.ArgumentParser) -> None:
 
 # ---- The motion that a command is run for: that of a file, or a completed entry of the catalogue
 
-# Option of the command line, keyword of catalog.load, unit, help.
-_NUMBERS = (
-    ("--moments", "moments", None, "three moments about the body axes, or their ratios"),
-    ("--P-psi", "P_psi", "s", 'period, such as "6.58 h"'),
-    ("--P-phi", "P_phi", "s", 'period, such as "7.35 h"'),
-    ("--pole", "pole", "rad", 'longitude and latitude, such as "250, -75 deg"'),
-    ("--phi0", "phi0", "rad", 'angle at the epoch, such as "152 deg"'),
-    ("--psi0", "psi0", "rad", 'angle at the epoch, such as "-3 deg"'),
-    ("--wxyz", "wxyz", None, "attitude from body axes to the frame"),
-    ("--angular-velocity", "angular_velocity", "rad/s", 'such as "1, 0, 3 deg/s", body axes'),
-)
-_WORDS = (
-    ("--mode", "mode", "LAM or SAM"),
-    ("--convention", "convention", "L or S: phi of the long or the short axis"),
-    ("--theta-branch", "theta_branch", "acute or obtuse, where psi librates"),
-    ("--epoch", "epoch", "date in UTC; alone: one to which the state is propagated"),
-    ("--frame", "frame", "frame of the pole or of wxyz"),
-)
+# Keyword of catalog.load, with unit and help; and of words, with help.
+_NUMBERS = {
+    "moments": (None, "three moments about the body axes, or their ratios"),
+    "P_psi": ("s", 'period, such as "6.58 h"'),
+    "P_phi": ("s", 'period, such as "7.35 h"'),
+    "pole": ("rad", 'longitude and latitude, such as "250, -75 deg"'),
+    "phi0": ("rad", 'angle at the epoch, such as "152 deg"'),
+    "psi0": ("rad", 'angle at the epoch, such as "-3 deg"'),
+    "wxyz": (None, "attitude from body axes to the frame"),
+    "angular_velocity": ("rad/s", 'such as "1, 0, 3 deg/s", body axes'),
+}
+_WORDS = {
+    "mode": "LAM or SAM",
+    "convention": "L or S: phi of the long or the short axis",
+    "theta_branch": "acute or obtuse, where psi librates",
+    "epoch": "date in UTC; alone: one to which the state is propagated",
+    "frame": "frame of the pole or of wxyz",
+}
 
 
 _FILES = "a body and its state in a file: spin file (.toml), APM, or DAMIT spin file (.spin)"
@@ -325,10 +320,15 @@ def add_target_arguments(parser: argparse.ArgumentParser, files: str = _FILES) -
         "target", metavar="NAME|FILE", help=f"name in the catalogue (or a part of it), or {files}"
     )
     group = parser.add_argument_group("values that an entry of the catalogue lacks")
-    for option, name, _, text in _NUMBERS:
-        group.add_argument(option, dest=name, metavar="NUMBERS", nargs="+", help=text)
-    for option, name, text in _WORDS:
-        group.add_argument(option, dest=name, metavar="WORD", help=text)
+    for name, (_, text) in _NUMBERS.items():
+        group.add_argument(_option(name), metavar="NUMBERS", nargs="+", help=text)
+    for name, text in _WORDS.items():
+        group.add_argument(_option(name), metavar="WORD", help=text)
+
+
+def _option(name: str) -> str:
+    """The option of a keyword, of whose values argparse makes an attribute of that name."""
+    return f"--{name.replace('_', '-')}"
 
 
 def is_file(text: str) -> bool:
@@ -415,17 +415,15 @@ def _given(arguments: argparse.Namespace) -> dict[str, Any]:
     from attitude._support import validation
 
     values: dict[str, Any] = {}
-    for option, name, unit, _ in _NUMBERS:
+    for name, (unit, _) in _NUMBERS.items():
         words = getattr(arguments, name)
         if words is not None:
-            numbers = validation.real(" ".join(words), option, unit=unit)
+            numbers = validation.real(" ".join(words), _option(name), unit=unit)
             values[name] = numbers[()] if numbers.size > 1 else float(numbers.reshape(()))
-    for _, name, _ in _WORDS:
-        values[name] = getattr(arguments, name)
-    return values
+    return values | {name: getattr(arguments, name) for name in _WORDS}
 
 
 def completing(arguments: argparse.Namespace) -> list[str]:
     """The options given that complete an entry of the catalogue."""
-    options = [*(row[:2] for row in _NUMBERS), *(row[:2] for row in _WORDS)]
-    return [option for option, name in options if getattr(arguments, name) is not None]
+    names = (*_NUMBERS, *_WORDS)
+    return [_option(name) for name in names if getattr(arguments, name) is not None]

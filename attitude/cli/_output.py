@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import io
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING, Any
 
@@ -41,6 +41,13 @@ def add_figure(parser: argparse.ArgumentParser) -> None:
 def picture_of(arguments: argparse.Namespace) -> str | None:
     """The format of --figure; None without it."""
     return None if arguments.figure is None else kind_of(arguments.figure, PICTURES, "--figure")
+
+
+def draw(name: str | None, plot: Callable[[str], object]) -> None:
+    """Write --figure by a function of its name, and print the name; nothing without it."""
+    if name is not None:
+        plot(name)
+        print(name)
 
 
 def kind_of(
@@ -99,20 +106,33 @@ def head(labels: Sequence[tuple[str, str, str | None]], meta: Mapping[str, str])
 
     Columns called in_ and so on are flags, 0 or 1.
     """
+    columns = {
+        name: ([1] if name.startswith("in_") else [1.0], unit, about)
+        for name, unit, about in labels
+    }
+    text = ecsv(["2000-01-01T00:00:00"], columns, meta)
+    return "".join(text.splitlines(keepends=True)[:-1])
+
+
+def ecsv(
+    dates: Sequence[str],
+    columns: Mapping[str, tuple[Any, str, str | None]],
+    meta: Mapping[str, str],
+) -> str:
+    """An ECSV: UTC, then columns by name, each with unit ("") and description."""
     from astropy.table import QTable
     from astropy.time import Time
     from astropy.units import Quantity
 
-    table = QTable({"utc": Time(["2000-01-01T00:00:00"], format="isot", scale="utc", precision=9)})
-    for name, unit, about in labels:
-        row = [1] if name.startswith("in_") else [1.0]
-        table[name] = Quantity(row, quantity_text.unit_of(unit, name)) if unit else row
+    table = QTable({"utc": Time(dates, format="isot", scale="utc", precision=9)})
+    for name, (values, unit, about) in columns.items():
+        table[name] = Quantity(values, quantity_text.unit_of(unit, name)) if unit else values
         if about is not None:
             table[name].info.description = about
     table.meta = dict(meta)
     text = io.StringIO()
     table.write(text, format="ascii.ecsv", delimiter=",")
-    return "".join(text.getvalue().splitlines(keepends=True)[:-1])
+    return text.getvalue()
 
 
 def rows(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from functools import wraps
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -53,16 +52,7 @@ def features(everything: bool) -> Iterator[Callable[[], None]]:
     if everything:
         chosen += [derivatives, impulses, torques, scenes_and_events, light_curves]
     for feature in chosen:
-        yield _compiled(feature)
-
-
-def _compiled(feature):
-    @wraps(feature)
-    def run():
-        with compiling():
-            feature()
-
-    return run
+        yield compiling()(feature)
 
 
 def propagation() -> None:

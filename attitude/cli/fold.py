@@ -63,6 +63,4 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.output is not None:
         folded.table().write(arguments.output, format=f"ascii.{kind}", overwrite=True)
         print(arguments.output)
-    if arguments.figure is not None:
-        folded.plot(arguments.figure)
-        print(arguments.figure)
+    _output.draw(arguments.figure, folded.plot)

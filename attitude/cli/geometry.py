@@ -75,7 +75,7 @@ def views(
     mission: Mission,
     arguments: argparse.Namespace,
     size: int,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Callable[[int, int], None],
 ) -> Iterator[tuple[View, int]]:
     """Views of blocks of epochs, each with the decimals of a second that its dates need."""
     choices = {name: getattr(arguments, name) for name in TIMES}
@@ -85,8 +85,7 @@ def views(
     grid = _grid(mission, {name: value for name, value in choices.items() if value is not None})
     for begin in range(0, grid.count, size):
         yield mission.scene.since(grid.epoch, *grid.block(begin, size)), grid.digits
-        if progress is not None:
-            progress(min(begin + size, grid.count), grid.count)
+        progress(min(begin + size, grid.count), grid.count)
 
 
 def dates(view: View, digits: int) -> tuple[list[str], list[float]]:

@@ -128,9 +128,7 @@ def run(arguments: argparse.Namespace) -> None:
         if arguments.output:
             states[0].write(arguments.output, name=states[0].curve.name)
             print(arguments.output)
-        if arguments.figure:
-            states.plot(arguments.figure)
-            print(arguments.figure)
+        _output.draw(arguments.figure, states.plot)
     if arguments.predict is not None:
         _predict(states, dates, kind, arguments.prediction)
 

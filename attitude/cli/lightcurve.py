@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from attitude._support.annotations import BoolArray, FloatArray, IntArray
+    from attitude._support.annotations import BoolArray, FloatArray
     from attitude.epochs._instants import Instant
     from attitude.formats.mission import Mission
     from attitude.scene._scene import Scene
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 # ---- The figure of a light curve: magnitude and phase angle against time
 
 _CURVE, _PHASE, _BELOW = "#0072b2", "#d55e00", "0.45"
-# Points of a curve that a figure of 1500 pixels resolves; longer ones are drawn by their extremes.
-_POINTS = 40_000
 # Elevation of the Sun at the end of astronomical twilight, rad.
 _TWILIGHT = np.radians(-18.0)
 # Least span in s, s in the unit, and its name.
@@ -51,8 +49,7 @@ def of(
 
     Shapes: seconds, magnitude, phase_angle (N,) rad, lit_fraction, elevation, sun_elevation (N,).
     """
-    figure = plots.new_figure((9.0, 6.0))
-    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+    figure, (above, below) = plots.stacked((9.0, 6.0), 2, height_ratios=(3, 1))
     span = np.ptp(seconds)
     _, scale, unit = next(entry for entry in _UNITS if span >= entry[0])
     t = (seconds - seconds[0]) / scale
@@ -74,7 +71,6 @@ def of(
     start = epoch.after(float(seconds[0])).utc_iso[:19].replace("T", " ")
     below.set(ylabel="phase angle (deg)", xlabel=f"{unit} since {start} UTC")
     for axes in (above, below):
-        axes.grid(alpha=0.3)
         axes.margins(x=0.01)
     figure.suptitle(mission.name or "Light curve")
     return figure
@@ -95,7 +91,9 @@ def _shade(axes, t, lit_fraction, elevation, sun_elevation):
         lines = {"facecolor": "none", "edgecolor": "0.65", "hatch": "///"}
         shades.append((elevation <= 0.0, "below the horizon", lines))
     for flags, label, style in shades:
-        for k, (begin, end) in enumerate(_runs(flags)):
+        # begin and end of each run of True
+        runs = np.flatnonzero(np.diff(np.r_[False, flags, False])).reshape(-1, 2)
+        for k, (begin, end) in enumerate(runs):
             last = t[min(end, len(t) - 1)]
             name = label if k == 0 else None
             axes.axvspan(t[begin], last, linewidth=0, zorder=0, label=name, **style)
@@ -103,32 +101,13 @@ def _shade(axes, t, lit_fraction, elevation, sun_elevation):
 
 def _line(axes: Axes, t: FloatArray, y: FloatArray, color: str, label: str | None) -> None:
     """Draw a curve with gaps at NaN; finite values between two gaps are dots."""
-    t, y = _extremes(t, y)
+    t, y = plots.extremes(t, y)
     alone = (
         np.isfinite(y) & ~np.isfinite(np.r_[np.nan, y[:-1]]) & ~np.isfinite(np.r_[y[1:], np.nan])
     )
     if np.any(np.isfinite(y)):
         axes.plot(t, y, color=color, linewidth=0.9, label=label)
         axes.plot(t[alone], y[alone], ".", color=color, markersize=4)
-
-
-def _extremes(t: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """A long curve as the least and the greatest value of each of many parts."""
-    points = len(t) // (_POINTS // 2)
-    if points < 2:
-        return t, y
-    count = len(t) // points * points
-    parts = np.where(np.isfinite(y[:count]), y[:count], np.inf).reshape(-1, points)
-    low = np.min(parts, axis=1)
-    high = np.max(np.where(np.isfinite(parts), parts, -np.inf), axis=1)
-    pairs = np.stack([low, high], axis=1).reshape(-1)
-    return np.repeat(t[:count:points], 2), np.where(np.isfinite(pairs), pairs, np.nan)
-
-
-def _runs(flags: BoolArray) -> IntArray:
-    """Begin and end of each run of True."""
-    edges = np.flatnonzero(np.diff(np.r_[False, flags, False]))
-    return edges.reshape(-1, 2)
 
 
 # ---- ``--observed CURVE.csv``: the light curve of a mission against observations

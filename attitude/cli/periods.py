@@ -83,9 +83,7 @@ def run(arguments: argparse.Namespace) -> None:
         zero_points=arguments.zero_points,
     )
     _print(periods, arguments)
-    if arguments.figure is not None:
-        periods.plot(arguments.figure)
-        print(arguments.figure)
+    _output.draw(arguments.figure, periods.plot)
 
 
 def data_of(arguments: argparse.Namespace) -> LightCurve:

@@ -302,30 +302,16 @@ def _columns(states: AveragedHistory) -> dict[str, tuple[Any, str]]:
 
 def _text_of(states: AveragedHistory, epochs: Grid, kind: str) -> str:
     """The table as CSV or ECSV; numbers are read back as the same doubles."""
-    import io
-
     hi, low = epochs.block(0, states.seconds.shape[-1])
-    dates = ccsds_epochs.texts(epochs.epoch, hi, low, "utc", epochs.digits)
     repeated = states.seconds.size // len(hi)
-    columns = _columns(states)
+    dates = ccsds_epochs.texts(epochs.epoch, hi, low, "utc", epochs.digits) * repeated
+    columns = {"tdb_seconds": (np.tile(hi, repeated), "s"), **_columns(states)}
     if kind == "csv":
-        rows = [[*dates] * repeated, np.tile(hi, repeated).tolist()]
-        rows += [values.tolist() for values, _ in columns.values()]
-        head = ",".join(["utc", "tdb_seconds", *columns])
+        rows = [dates, *(values.tolist() for values, _ in columns.values())]
         lines = [",".join(map(str, row)) for row in zip(*rows, strict=True)]
-        return "\n".join([head, *lines, ""])
-    from astropy.table import QTable
-    from astropy.time import Time
-    from astropy.units import Quantity
-
-    table = QTable({"utc": Time([*dates] * repeated, format="isot", scale="utc", precision=9)})
-    table["tdb_seconds"] = Quantity(np.tile(hi, repeated), "s")
-    for name, (values, unit) in columns.items():
-        table[name] = Quantity(values, unit) if unit else values
-    table.meta = {"frame": "ICRF", "epoch": f"{epochs.epoch.utc_iso} UTC"}
-    text = io.StringIO()
-    table.write(text, format="ascii.ecsv", delimiter=",")
-    return text.getvalue()
+        return "\n".join([",".join(["utc", *columns]), *lines, ""])
+    meta = {"frame": "ICRF", "epoch": f"{epochs.epoch.utc_iso} UTC"}
+    return _output.ecsv(dates, {name: (*column, None) for name, column in columns.items()}, meta)
 
 
 def _print_events(motion: AveragedMotion, last: float) -> None:

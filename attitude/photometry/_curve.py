@@ -215,16 +215,14 @@ class LightCurve(Immutable):
     ) -> None:
         start, t = _seconds(times, epoch)
         values, errors = _brightness(magnitude, flux, sigma, len(t))
-        site, places = _sites(site, places, session, len(t))
+        site, places = _sites(site, places, session)
         named = [
             _numbered(words, word, len(t))
             for words, word in zip((filter, site, session), _WORDS, strict=True)
         ]
         notes = list(notes)
         rows, values, errors = _without_twice(start, t, named, values, errors, labels, notes)
-        self._set("is_flux", flux is not None)
-        for key, array in (("value", values), ("sigma", errors)):
-            self._set(key, frozen(array))
+        self._set_all(is_flux=flux is not None, value=frozen(values), sigma=frozen(errors))
         for key, (words, numbers) in zip(_WORDS, named, strict=True):
             self._set(key, frozen(numbers[rows]))
             self._set(f"{key}s", words)
@@ -559,13 +557,43 @@ class LightCurve(Immutable):
     def write(self, path: FilePath) -> None:
         """Write the points as a CSV with named columns, which `LightCurve.read` reads.
 
+        Dates at the barycenter or the Sun are Julian dates, others ISO dates in UTC; vectors to Sun
+        and observer are in au over the axes of ICRF.  What the dates and the brightness mean stands
+        in the remarks above the names.
+
         Raises
         ------
         AttitudeError
             If the file cannot be written.
         """
-
-        write(path, self)
+        center = _COLUMN_OF_CENTER.get(self.time_of)
+        columns: dict[str, list[str]] = {}
+        if center:
+            time = self.times.tdb if center == "bjd_tdb" else self.times.utc
+            columns[center] = [
+                f"{np.longdouble(a) + np.longdouble(b):.12f}"
+                for a, b in zip(time.jd1, time.jd2, strict=True)
+            ]
+        else:
+            key = "utc_emission" if self.time_of == "emission" else "utc"
+            columns[key] = ccsds_epochs.texts(self.epoch, self.seconds, None, "utc")
+        key = "flux" if self.is_flux else "reduced_mag" if self.unit_distances else "mag"
+        columns[key] = [repr(float(number)) for number in self.value]
+        columns["sigma"] = [repr(float(number)) if number > 0.0 else "" for number in self.sigma]
+        columns |= {key: list(map(_cell, words)) for key, words in self._words().items()}
+        if np.any(self.exposure):
+            columns["exposure"] = [repr(float(t)) if t > 0.0 else "" for t in self.exposure]
+        for key in ("sun", "observer"):
+            vectors = getattr(self, key)
+            if vectors is not None:
+                for axis, numbers in zip("xyz", vectors.T / ASTRONOMICAL_UNIT_M, strict=True):
+                    columns[f"{key}_{axis}"] = [repr(float(x)) for x in numbers]
+        # On one line, whose parts between separators are no formulas.
+        name = re.sub(r"[,;]\s*(?=[=+@-])", " ", " ".join((self.name or "photometry").split()))
+        with written_whole(path, "photometry") as file:
+            file.write(f"# {name}: times of {self.time_of}\n")
+            file.write(",".join(columns) + "\n")
+            file.writelines(",".join(row) + "\n" for row in zip(*columns.values(), strict=True))
 
     def plot(self, path: FilePath | None = None) -> Any:
         """A figure of the points against time; saved if a path is given."""
@@ -645,7 +673,7 @@ def _numbered(given: Any, name: str, count: int) -> tuple[tuple[str, ...], IntAr
     return tuple(words.tolist()), numbers.reshape(-1).astype(np.int64)
 
 
-def _sites(site: Any, places: Any, session: Any, count: int) -> tuple[Any, dict[str, Any]]:
+def _sites(site: Any, places: Any, session: Any) -> tuple[Any, dict[str, Any]]:
     """The names of the sites of the points, and the places that are given by name."""
     known = {} if places is None else {str(key): place for key, place in dict(places).items()}
     if isinstance(site, Mapping):
@@ -896,52 +924,6 @@ _COLUMN_OF_CENTER = {"barycenter": "bjd_tdb", "heliocenter": "hjd"}
 
 # What a spreadsheet runs as a formula; a sign before a number is none.
 _FORMULA = re.compile(r"[=@]|[+-](?![\d., +-]*(deg)?$)")
-
-
-def write(path: FilePath, data: LightCurve) -> None:
-    """Write the points as CSV; see `LightCurve.write`.
-
-    Dates at the barycenter or the Sun are Julian dates, others ISO dates in UTC; vectors to Sun and
-    observer are in au over the axes of ICRF.  What the dates and the brightness mean stands in the
-    remarks above the names.
-    """
-    center = _COLUMN_OF_CENTER.get(data.time_of)
-    brightness = "flux" if data.is_flux else "reduced_mag" if data.unit_distances else "mag"
-    names = [
-        center or ("utc_emission" if data.time_of == "emission" else "utc"),
-        brightness,
-        "sigma",
-    ]
-    if center:
-        time = data.times.tdb if center == "bjd_tdb" else data.times.utc
-        dates = [
-            f"{np.longdouble(a) + np.longdouble(b):.12f}"
-            for a, b in zip(time.jd1, time.jd2, strict=True)
-        ]
-    else:
-        dates = ccsds_epochs.texts(data.epoch, data.seconds, None, "utc")
-    columns: list[list[str]] = [list(dates), [repr(float(number)) for number in data.value]]
-    columns.append([repr(float(number)) if number > 0.0 else "" for number in data.sigma])
-    for key in ("filter", "site", "session"):
-        words = getattr(data, f"{key}s")
-        if any(words):
-            names.append(key)
-            cells = [_cell(word) for word in words]
-            columns.append([cells[k] for k in getattr(data, key)])
-    if np.any(data.exposure):
-        names.append("exposure")
-        columns.append([repr(float(number)) if number > 0.0 else "" for number in data.exposure])
-    for key in ("sun", "observer"):
-        vectors = getattr(data, key)
-        if vectors is not None:
-            names += [f"{key}_{axis}" for axis in "xyz"]
-            columns += [[repr(float(x)) for x in row] for row in vectors.T / ASTRONOMICAL_UNIT_M]
-    # On one line, whose parts between separators are no formulas.
-    name = re.sub(r"[,;]\s*(?=[=+@-])", " ", " ".join((data.name or "photometry").split()))
-    with written_whole(path, "photometry") as file:
-        file.write(f"# {name}: times of {data.time_of}\n")
-        file.write(",".join(names) + "\n")
-        file.writelines(",".join(row) + "\n" for row in zip(*columns, strict=True))
 
 
 def _cell(word: str) -> str:

@@ -10,7 +10,7 @@ from attitude import plots
 from attitude._support import quantity_text
 
 if TYPE_CHECKING:
-    from attitude._support.annotations import FilePath, FloatArray
+    from attitude._support.annotations import FilePath
     from attitude.photometry._curve import LightCurve
     from attitude.photometry._folding import Folded
     from attitude.photometry._periods import Periods
@@ -20,8 +20,6 @@ _DAY = 86400.0
 _DATA, _MODEL, _OTHER, _ALIAS = "#0072b2", "#d55e00", "0.6", "#cc79a7"
 # Peaks that are named, and curves that have colours of their own.
 _NAMED, _COLOURS = 5, 10
-# Points of a curve that a figure resolves.
-_POINTS = 20_000
 
 
 def of_light_curve(data: LightCurve, path: FilePath | None = None) -> Any:
@@ -55,7 +53,7 @@ def _of_one(found, path=None):
     figure = plots.new_figure((9.0, 8.0))
     above, below = figure.subfigures(2, 1, height_ratios=(3, 2))
     axes = above.subplots()
-    frequency, power = _extremes(np.asarray(found.frequency) * _DAY, np.asarray(found.power))
+    frequency, power = plots.extremes(np.asarray(found.frequency) * _DAY, np.asarray(found.power))
     axes.plot(frequency, power, color=_DATA, lw=0.7)
     axes.axhline(1.0 - found.false_alarm, color=_OTHER, ls="--", lw=0.8, label="1 of 100 by chance")
     for rank, peak in enumerate(found.peaks[:_NAMED], 1):
@@ -159,17 +157,6 @@ def _folded(axes: Any, folded: Folded, which: int) -> None:
     if len(folded.periods) > 1:
         title = f"period {which + 1}, without the lines of the other period"
         axes.set_title(title, fontsize=9)
-
-
-def _extremes(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """A long curve as the least and the greatest value of each of many parts."""
-    size = len(x) // _POINTS
-    if size < 2:
-        return x, y
-    count = len(x) // size * size
-    parts = y[:count].reshape(-1, size)
-    both = np.stack([parts.min(axis=1), parts.max(axis=1)], axis=1).reshape(-1)
-    return np.repeat(x[:count:size], 2), both
 
 
 def _saved(figure: Any, path: FilePath | None) -> Any:

@@ -445,7 +445,7 @@ def _mpc_row(number: int, line: str) -> RawPoint:
     return RawPoint(number, date, line[65:70].strip(), "", line[70].strip(), line[77:80].strip())
 
 
-def of_damit(path: FilePath, name: str) -> Keywords:
+def of_damit(path: FilePath) -> Keywords:
     """Keywords of `LightCurve` from DAMIT light curves: sessions at unit distances."""
     from astropy.time import Time
 
@@ -653,8 +653,7 @@ def _names_of_width(width: int, name: str) -> list[str]:
 def _geometry(table: Mapping[str, list[str]], keywords: Keywords, name: str) -> dict[str, Any]:
     """Vectors to Sun and observer, if the table has them."""
     more: dict[str, Any] = {}
-    for place in ("sun", "observer"):
-        keys = [f"{place}_{axis}" for axis in "xyz"]
+    for place, keys in (("sun", _AXES[:3]), ("observer", _AXES[3:])):
         if all(key in table for key in keys):
             vectors = [_numbers(table[key], key, keywords, name) for key in keys]
             more[place] = np.stack(vectors, axis=-1) * ASTRONOMICAL_UNIT_M
@@ -706,7 +705,7 @@ def opened(
     name = os.fspath(path)
     validation.one_of(bad, "bad", ("warn", "refuse", "ignore"))
     text, notes = _decoded(name, encoding)
-    kind = _kind(text, name) if format is None else validation.one_of(format, "format", FORMATS)
+    kind = _kind(text) if format is None else validation.one_of(format, "format", FORMATS)
     if columns and kind not in ("csv", "ecsv"):
         raise AttitudeError(f"columns is given, but {name} is {kind}, whose columns are fixed.")
     if kind == "csv":
@@ -714,7 +713,7 @@ def opened(
     elif kind == "ecsv":
         keywords = _of_table(*_of_ecsv(text, name), name, columns)
     elif kind == "damit":
-        keywords = of_damit(path, name)
+        keywords = of_damit(path)
     else:
         keywords = _READERS[kind](text, name)
     keywords["notes"] += notes
@@ -742,7 +741,7 @@ def _decoded(name: str, encoding: str | None) -> tuple[str, list[str]]:
     return text, ["The file is not in UTF-8 and was read as Latin-1; encoding= says otherwise."]
 
 
-def _kind(text: str, name: str) -> str:
+def _kind(text: str) -> str:
     """The format of a text by its first lines."""
     start = text.lstrip("\ufeff \t\r\n")
     # Records of the MPC begin with blanks, which are columns.

@@ -58,7 +58,7 @@ class Folded(Immutable):
         """The series at phases 0 to 1 of a period, of its own lines alone; of phase's shape."""
         at = validation.real(phase, "phase")
         t = self.zero + at.reshape(-1) * self.periods[which]
-        return self.series.wave(t, _own_lines(self.series.numbers, which)).reshape(at.shape)
+        return self.series.wave(t, which).reshape(at.shape)
 
     def table(self) -> QTable:
         """A row for each point: time, phases, values, residual."""
@@ -127,19 +127,17 @@ def fold(
     """
     data = _samples.of(t, values, errors, curve, zero_points)
     periods = np.atleast_1d(validation.real(period, "period", unit="s"))
-    if periods.shape not in ((1,), (2,)) or not np.all(periods > 0.0):
-        validation.one_of(periods.shape, "the shape of period", ((1,), (2,)))
-        for one in periods:
-            validation.positive(one, "period", unit="s")
+    validation.one_of(periods.shape, "the shape of period", ((1,), (2,)))
+    for one in periods:
+        validation.positive(one, "period", unit="s")
     if isinstance(t, LightCurve) or values is not None:
         _samples.warn_of_plain(period, "period", data.t)
-    number = validation.count(order, "order")
-    numbers = _spectrum.series_numbers(number, len(periods))
-
-    def folded(own: Samples) -> Folded:
-        return _folded(own, periods, numbers, epoch, refine)
-
-    return _samples.settled(data, folded, lambda each: each.series)
+    numbers = _spectrum.series_numbers(validation.count(order, "order"), len(periods))
+    return _samples.settled(
+        data,
+        lambda samples: _folded(samples, periods, numbers, epoch, refine),
+        lambda folded: folded.series,
+    )
 
 
 def _folded(data, periods, numbers, epoch, refine):
@@ -148,9 +146,7 @@ def _folded(data, periods, numbers, epoch, refine):
         periods = 1.0 / series.frequencies
     zero = _zero(data, epoch)
     phase = np.mod((data.t - zero) / periods[:, None], 1.0)
-    shown = [
-        series.residuals + series.wave(data.t, _own_lines(numbers, k)) for k in range(len(periods))
-    ]
+    shown = [series.residuals + series.wave(data.t, k) for k in range(len(periods))]
     return Folded(
         frozen(periods),
         frozen(phase),
@@ -161,12 +157,6 @@ def _folded(data, periods, numbers, epoch, refine):
         data,
         zero,
     )
-
-
-def _own_lines(numbers: Any, which: int) -> FloatArray:
-    """1 for the lines that depend on one of the frequencies alone, else 0."""
-    others = np.delete(np.arange(numbers.shape[1]), which)
-    return np.all(numbers[:, others] == 0, axis=1).astype(float)
 
 
 def _zero(data: Samples, epoch: Any) -> float:

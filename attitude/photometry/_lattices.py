@@ -14,14 +14,17 @@ What remains open: one cycle a day at one site, the mode, and bodies unlike the 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+import math
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from attitude._support import quantity_text
+from attitude._support.arrays import distinct
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
     from attitude._support.annotations import FloatArray
     from attitude.photometry._spectrum import RefinedSeries
@@ -84,13 +87,8 @@ def ranked(
     for rank, left, frequencies in series:
         candidates += _of_series(rank, left, frequencies, resolution)
     candidates.sort(key=lambda each: (-each.score, each.mode != "LAM"))
-    kept: list[PeriodCandidate] = []
-    for candidate in candidates:
-        if all(not _same(candidate, other, resolution) for other in kept):
-            kept.append(candidate)
-        if len(kept) == count:
-            break
-    return kept
+    most = count if count > 0 else math.inf
+    return distinct(candidates, partial(_same, near=resolution), most)
 
 
 def _same(one: PeriodCandidate, other: PeriodCandidate, near: float) -> bool:
@@ -169,12 +167,17 @@ def _likeness(power, places, mean):
 
 def _words(numbers: FloatArray) -> str:
     """A combination of f1 and f2 in words."""
-    parts = []
-    for number, name in zip(numbers, ("f1", "f2"), strict=True):
-        if number:
-            size = "" if abs(number) == 1.0 else f"{abs(number):g} "
-            parts.append(("- " if number < 0 else "+ ") + size + name)
-    return " ".join(parts).removeprefix("+ ")
+    return _summed(numbers, lambda size, name: name if size == 1.0 else f"{size:g} {name}")
+
+
+def _summed(numbers: Iterable[float], term: Callable[[Any, str], str]) -> str:
+    """A sum of multiples of f1 and f2; `term` spells one of them, without its sign."""
+    terms = [
+        ("- " if number < 0 else "+ ") + term(abs(number), name)
+        for number, name in zip(numbers, ("f1", "f2"), strict=True)
+        if number
+    ]
+    return " ".join(terms).removeprefix("+ ")
 
 
 # ---- How one lattice follows from another, in words
@@ -201,13 +204,9 @@ def same_lattice(f: FloatArray, base: FloatArray, near: float) -> str:
 
 def spelled(a: int, b: int) -> str:
     """Halves of whole numbers of f1 and f2: (2, -1) is "f1 - f2/2"."""
-    words = []
-    for number, name in ((a, "f1"), (b, "f2")):
-        if number:
-            whole, half = divmod(abs(number), 2)
-            size = name if (whole, half) == (1, 0) else f"{whole} {name}"
-            if half:
-                size = f"{name}/2" if not whole else f"{abs(number)} {name}/2"
-            words.append(("- " if number < 0 else "+ ") + size)
-    text = " ".join(words)
-    return text.removeprefix("+ ")
+
+    def term(halves: int, name: str) -> str:
+        size, end = (halves, "/2") if halves % 2 else (halves // 2, "")
+        return f"{name}{end}" if size == 1 else f"{size} {name}{end}"
+
+    return _summed((a, b), term)

@@ -10,6 +10,7 @@ import numpy as np
 from attitude._compilation import deferral
 from attitude._compilation.decorators import entry_point
 from attitude._support import blocks, validation
+from attitude._support.arrays import distinct
 from attitude.errors import AttitudeError
 from attitude.photometry import _spectrum
 
@@ -57,12 +58,12 @@ def spectral_window(samples: Samples, most: float) -> Window:
     inner = np.arange(1, count - 1)
     is_peak = (power[inner] >= power[inner - 1]) & (power[inner] >= power[inner + 1])
     at = inner[is_peak & (power[inner] > _STRONG) & (frequency[inner] > 2.0 / samples.span)]
-    lines: list[WindowLine] = []
-    for k in at[np.argsort(-power[at], kind="stable")]:
-        if all(abs(frequency[k] - line.frequency) > 1.5 / samples.span for line in lines):
-            lines.append(WindowLine(float(frequency[k]), float(power[k])))
-        if len(lines) == _KEPT:
-            break
+    strongest = at[np.argsort(-power[at], kind="stable")]
+    lines = distinct(
+        (WindowLine(float(frequency[k]), float(power[k])) for k in strongest),
+        lambda one, other: abs(one.frequency - other.frequency) <= 1.5 / samples.span,
+        _KEPT,
+    )
     return Window(frequency, power, tuple(lines))
 
 
@@ -280,8 +281,7 @@ def _chance(y, power_of, seed):
     """The power that 1 of 100 light curves of permuted values y (N,) exceeds."""
     generator = validation.generator(seed)
     largest = [power_of(y[generator.permutation(len(y))]).max() for _ in range(_PERMUTATIONS)]
-    place, scale = _spectrum.gumbel(largest)
-    return float(min(1.0, place - scale * np.log(-np.log(0.99))))
+    return min(1.0, _spectrum.by_chance(largest))
 
 
 def refined(data: Samples, frequency: float, order: int) -> _spectrum.RefinedSeries:
@@ -296,19 +296,14 @@ def best_peaks(
     frequency, power = found.frequency, found.power
     closest = 0.7 / (data.span * order)
     rows: list[tuple[float, float, float]] = []
-    taken: list[float] = []
     total = float(np.sum((data.weights * data.detrended) ** 2))
-    for k in np.argsort(-power, kind="stable"):
-        if len(taken) >= 2 * count:
-            break
-        if all(abs(frequency[k] - other) > closest for other in taken):
-            taken.append(float(frequency[k]))
-            best = refined(data, float(frequency[k]), order)
-            f = abs(float(best.frequencies[0]))
-            if not frequency[0] <= f <= frequency[-1]:
-                continue
-            if all(abs(f - other[0]) > 0.5 * closest for other in rows):
-                rows.append((f, float(best.errors[0]), best.chi_squared / total))
+    by_power = (float(frequency[k]) for k in np.argsort(-power, kind="stable"))
+    for start in distinct(by_power, lambda one, other: abs(one - other) <= closest, 2 * count):
+        best = refined(data, start, order)
+        f = abs(float(best.frequencies[0]))
+        is_inside = frequency[0] <= f <= frequency[-1]
+        if is_inside and all(abs(f - other[0]) > 0.5 * closest for other in rows):
+            rows.append((f, float(best.errors[0]), best.chi_squared / total))
     if not rows:
         # no maximum within the range: the power rises towards an end
         f = float(frequency[np.argmax(power)])

@@ -16,7 +16,7 @@ from attitude._support.arrays import Immutable, frozen
 from attitude._support.blocks import ProgressBar
 from attitude.errors import AttitudeError
 from attitude.photometry import _folding, _lattices, _periodogram, _samples, _spectrum
-from attitude.photometry._samples import Line
+from attitude.photometry._samples import Line, line_at
 from attitude.photometry._spectrum import OVERSAMPLING
 
 if TYPE_CHECKING:
@@ -190,8 +190,7 @@ class Periods(Immutable):
         for k in np.argsort(-series.amplitudes, kind="stable"):
             j, i = (*(int(n) for n in series.numbers[k]), 0)[:2]
             frequency = abs(float(series.numbers[k] @ series.frequencies))
-            period = 1.0 / frequency if frequency > 0.0 else np.inf
-            strongest.append((Line(i, j, frequency, period), float(series.amplitudes[k])))
+            strongest.append((line_at(i, j, frequency), float(series.amplitudes[k])))
         return strongest
 
     def candidates(self, count: int = 10) -> list[PeriodCandidate]:
@@ -254,13 +253,9 @@ class Periods(Immutable):
 
         return _figures.of_periods(self, path)
 
-    @property
-    def _numbers(self) -> Any:
-        return _numbers(self.order, self.count, self.method == "additive")
-
     def _series(self, rank: int) -> _spectrum.RefinedSeries:
-        frequencies = np.array(self.peaks[rank].frequencies)
-        return _spectrum.fixed(self.samples, frequencies, self._numbers)
+        numbers = _numbers(self.order, self.count, self.method == "additive")
+        return _spectrum.fixed(self.samples, np.array(self.peaks[rank].frequencies), numbers)
 
     def _repr_html_(self) -> str:
         """A table of the peaks for notebooks, and the light curve folded with the best."""
@@ -457,7 +452,12 @@ def _two(data, low, high, number, is_additive, kept, seed, progress):
             f"{len(data.t)} values are given for {data.linear} zero points and {len(numbers)} "
             "lines; give more values, or a lower order."
         )
-    _refuse_many(low, high)
+    count = (low[1] - low[0]) * (high[1] - high[0]) // (2 if low == high else 1)
+    if count > _MOST_PAIRS:
+        raise AttitudeError(
+            f"between the periods lie {count:.2g} pairs, and at most {_MOST_PAIRS:.2g} are "
+            "searched; give a longer min_period, or first= and second=."
+        )
     end = max(low[1], high[1])
     y = data.detrended
     scale = float(np.std(y)) or 1.0
@@ -498,10 +498,9 @@ def _bounds(data: Samples, least: Any, most: Any, first: Any, second: Any, order
         raise AttitudeError("all values are of one epoch; give values of two epochs or more.")
     if (first is None) != (second is None):
         raise AttitudeError("first and second are bounds of one period each; give both.")
-    ranges = (first, second) if first is not None else ((least, most), (least, most))
     if first is None and least is None:
-        by_default = max(_periodogram.shortest(data, order), _FEWEST * data.span)
-        ranges = ((by_default, most), (by_default, most))
+        least = max(_periodogram.shortest(data, order), _FEWEST * data.span)
+    ranges = (first, second) if first is not None else ((least, most), (least, most))
     cells = []
     for name, pair in zip(("first", "second"), ranges, strict=True):
         if first is not None and len(pair) != 2:
@@ -519,15 +518,6 @@ def _bounds(data: Samples, least: Any, most: Any, first: Any, second: Any, order
         cells.append((start, end))
     low, high = sorted(cells)
     return low, high
-
-
-def _refuse_many(low: tuple[int, int], high: tuple[int, int]) -> None:
-    pairs = (low[1] - low[0]) * (high[1] - high[0]) // (2 if low == high else 1)
-    if pairs > _MOST_PAIRS:
-        raise AttitudeError(
-            f"between the periods lie {pairs:.2g} pairs, and at most {_MOST_PAIRS:.2g} are "
-            "searched; give a longer min_period, or first= and second=."
-        )
 
 
 def _refined(data, scan, numbers, count, bounds):
@@ -574,7 +564,7 @@ def _slow_line(series: _spectrum.RefinedSeries, span: float) -> str:
 
 def _relation(f: FloatArray, better: Sequence[Peak], near: float) -> str:
     for rank, pair in enumerate(better, 1):
-        words = _lattices.same_lattice(f, np.array([pair.first, pair.second]), near)
+        words = _lattices.same_lattice(f, np.array(pair.frequencies), near)
         if words:
             return f"same lines as #{rank}: {words}"
     for rank, pair in enumerate(better, 1):

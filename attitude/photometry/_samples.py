@@ -239,10 +239,9 @@ def of(
         raise AttitudeError(f"t has shape {seconds.shape}; give a row of epochs, (N,).")
     shape = seconds.shape
     unit, numbers = _unit(values)
-    numbers_of = validation.real(numbers, "values", shape=shape)
     return Samples(
         seconds,
-        numbers_of,
+        validation.real(numbers, "values", shape=shape),
         _errors(errors, unit, shape),
         _curves(curve, shape),
         epoch,
@@ -318,6 +317,11 @@ class Line(NamedTuple):
     period: float
 
 
+def line_at(i: int, j: int, frequency: float) -> Line:
+    """The line of a frequency, Hz."""
+    return Line(i, j, frequency, 1.0 / frequency if frequency > 0.0 else np.inf)
+
+
 def lines(
     motion: Motion | Sequence[Real],
     order: int | Sequence[int] = 2,
@@ -353,10 +357,8 @@ def lines(
     30.56
     """
     psi, phi = _frequencies(motion, convention)
-    all_lines = []
-    for i, j in line_numbers(known_orders(order)):
-        frequency = abs(i * phi + j * psi)
-        all_lines.append(Line(i, j, frequency, 1.0 / frequency if frequency > 0.0 else np.inf))
+    numbers = line_numbers(known_orders(order))
+    all_lines = (line_at(i, j, abs(i * phi + j * psi)) for i, j in numbers)
     return sorted(all_lines, key=lambda line: line.frequency)
 
 

@@ -17,7 +17,7 @@ from attitude.epochs import _inputs
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.photometry import _samples
-from attitude.photometry._samples import Line, frequencies_of, known_orders
+from attitude.photometry._samples import Line, frequencies_of, known_orders, line_at
 from attitude.photometry._spectrum import line_numbers
 
 if TYPE_CHECKING:
@@ -105,9 +105,8 @@ class SeriesFit(Immutable):
         lines_of = []
         for k in np.argsort(-amplitudes, kind="stable")[:count]:
             i, j = (int(n) for n in self.numbers[k])
-            frequency = abs(i / self.P_phi + j / self.P_psi)
-            period = 1.0 / frequency if frequency > 0.0 else np.inf
-            lines_of.append((Line(i, j, frequency, period), float(amplitudes[k])))
+            line = line_at(i, j, abs(i / self.P_phi + j / self.P_psi))
+            lines_of.append((line, float(amplitudes[k])))
         return lines_of
 
     def __repr__(self) -> str:
@@ -187,7 +186,14 @@ def fit_series(
     least, _, rank, _ = np.linalg.lstsq(*weighted, rcond=_RANK)
     solution = np.asarray(least, dtype=np.float64)
     residuals = data.values - matrix @ solution
-    _warn_of_rank(int(rank), unknowns, np.ptp(data.t))
+    if rank < unknowns:
+        warnings.warn(
+            f"the values determine {rank} of the {unknowns} parameters: within "
+            f"{np.ptp(data.t):.4g} s some lines are not separated, and their amplitudes are those "
+            "of least norm. Give a longer span, more epochs, or a lower order.",
+            AttitudeWarning,
+            stacklevel=2,
+        )
     free = max(1, len(data.t) - int(rank))
     return SeriesFit(
         1.0 / psi,
@@ -204,18 +210,6 @@ def fit_series(
         unknowns,
         data.epoch,
     )
-
-
-def _warn_of_rank(rank: int, parameters: int, span: float) -> None:
-    """Warn of lines that the data do not separate."""
-    if rank < parameters:
-        warnings.warn(
-            f"the values determine {rank} of the {parameters} parameters: within {span:.4g} s some "
-            "lines are not separated, and their amplitudes are those of least norm. Give a longer "
-            "span, more epochs, or a lower order.",
-            AttitudeWarning,
-            stacklevel=3,
-        )
 
 
 def _angles(t, start, P_psi, P_phi, numbers):

@@ -396,11 +396,11 @@ class RefinedSeries:
         """Root of the mean square of the residuals, in the unit of the values."""
         return float(np.sqrt(np.mean(self.residuals**2)))
 
-    def wave(self, t: FloatArray, chosen: FloatArray | None = None) -> FloatArray:
-        """The sum of the lines (of those chosen by a mask) at seconds t, without zero points."""
+    def wave(self, t: FloatArray, which: int) -> FloatArray:
+        """The sum of the lines of one frequency alone at seconds t, without zero points."""
         angles = _angles(t, self.start, self.frequencies, self.numbers)
-        keep = np.ones(len(self.numbers)) if chosen is None else chosen
-        return np.cos(angles) @ (self.cosines * keep) + np.sin(angles) @ (self.sines * keep)
+        chosen = np.all(np.delete(self.numbers, which, axis=1) == 0, axis=1).astype(float)
+        return np.cos(angles) @ (self.cosines * chosen) + np.sin(angles) @ (self.sines * chosen)
 
 
 def refined(
@@ -422,7 +422,7 @@ def refined(
     matrix, solution, residuals = _solved(samples, f, numbers, start, weights)
     chi = float(residuals @ residuals)
     for _ in range(steps):
-        joint = _joint(samples, f, numbers, start, weights, matrix, solution, unit)
+        joint = _joint(samples, numbers, start, matrix, solution, unit)
         step = _least_squares(joint, residuals)[-dimensions:]
         step *= min(1.0, 0.3 / max(float(np.abs(step).max()), 1e-300))
         scale = 1.0
@@ -438,7 +438,7 @@ def refined(
         chi = float(residuals @ residuals)
         if np.abs(scale * step).max() < _LAST:
             break
-    joint = _joint(samples, f, numbers, start, weights, matrix, solution, unit)
+    joint = _joint(samples, numbers, start, matrix, solution, unit)
     freedom = max(1, len(samples.t) - parameters)
     inverse = np.linalg.pinv(joint.T @ joint, hermitian=True)[-dimensions:, -dimensions:]
     first = samples.linear
@@ -474,7 +474,7 @@ def bootstrap(samples: Samples, found: RefinedSeries, draws: int, seed: int) -> 
         f = found.frequencies.copy()
         for _ in range(4):
             matrix, solution, residuals = _solved(samples, f, found.numbers, found.start, weights)
-            joint = _joint(samples, f, found.numbers, found.start, weights, matrix, solution, unit)
+            joint = _joint(samples, found.numbers, found.start, matrix, solution, unit)
             step = _least_squares(joint, residuals)[-dimensions:]
             f = f + np.clip(step, -0.3, 0.3) * unit
         out[draw] = f
@@ -511,7 +511,7 @@ def _least_squares(matrix, right):
     return solution / scale
 
 
-def _joint(samples, f, numbers, start, weights, matrix, solution, unit):
+def _joint(samples, numbers, start, matrix, solution, unit):
     """The matrix of all parameters: linear terms, and frequencies in units of 1/span."""
     lines = len(numbers)
     first = samples.linear
@@ -531,10 +531,14 @@ _MANY = 20
 _EULER = 0.5772
 
 
-def gumbel(largest: Sequence[float]) -> tuple[float, float]:
-    """Place and scale of Gumbel's distribution of the largest of many values."""
+def by_chance(largest: Sequence[float], times: float = 1.0) -> float:
+    """What the largest of `times` as many values exceeds in 1 of 100 cases, as Gumbel's law has it.
+
+    largest: those of several samples of values.
+    """
     scale = max(float(np.std(largest)) * np.sqrt(6.0) / np.pi, 1e-6)
-    return float(np.mean(largest)) - _EULER * scale, scale
+    place = float(np.mean(largest)) - _EULER * scale + scale * np.log(times)
+    return float(place - scale * np.log(-np.log(0.99)))
 
 
 def share_of_chance(
@@ -542,7 +546,7 @@ def share_of_chance(
 ) -> float:
     """The share of chi-squared left that 1 of 100 light curves of permuted values reaches.
 
-    From Gumbel's distribution of the largest decrease among some pairs, extended to all.
+    From the largest decrease among some pairs, extended to all.
     """
     generator = validation.generator(seed)
     count = int(turns * OVERSAMPLING) + 1
@@ -557,6 +561,4 @@ def share_of_chance(
         gain = np.empty(tried)
         decreases(*sums_of[:4], pair[0], pair[1], lines, RIDGE, gain)
         best.append(float(gain.max() / sums_of.total))
-    place, scale = gumbel(best)
-    place += scale * np.log(all_pairs / tried)
-    return float(max(0.0, 1.0 - (place - scale * np.log(-np.log(0.99)))))
+    return max(0.0, 1.0 - by_chance(best, all_pairs / tried))

@@ -107,6 +107,8 @@ class _Picture:
     """A figure of one frame after the other."""
 
     def __init__(self, what, count, size):
+        from matplotlib.collections import PolyCollection
+
         self.times = times = np.linspace(0.0, what.duration, count)
         self.figure = figure = plots.new_figure((size[0] / _PER_INCH, size[1] / _PER_INCH))
         figure.set(dpi=_PER_INCH, facecolor=_GROUND)
@@ -129,7 +131,8 @@ class _Picture:
         self.clock = figure.text(0.02, 0.94, "", **style)
         short = what.duration < _SHORT
         self.utc = [date.replace("T", " ")[: 19 if short else 16] for date in what.utc(times)]
-        self.facets = _empty(above)
+        self.facets = PolyCollection([], linewidths=0.3)
+        above.add_collection(self.facets)
 
     def frames(self, progress):
         """Draw one frame after the other."""
@@ -194,14 +197,6 @@ def _momenta(what, history):
     momentum = quaternion.rotate(history.wxyz, what.motion.momentum_in_body(history))
     size = np.linalg.norm(momentum, axis=1)[:, None]
     return momentum / np.where(size > 0.0, size, 1.0)
-
-
-def _empty(axes):
-    from matplotlib.collections import PolyCollection
-
-    polygons = PolyCollection([], linewidths=0.3)
-    axes.add_collection(polygons)
-    return polygons
 
 
 def _axes_of(axes, curve):

@@ -119,11 +119,10 @@ def _orientation(what):
     """Rows of time in s, x, y, z, w: body to ITRS."""
     rows = []
     for piece in _subject.pieces(what, _TOLERANCE):
-        times = piece.start + piece.step * np.arange(len(piece.wxyz), dtype=np.float64)
-        wxyz = quaternion.multiply(to_itrs(what.start, times), piece.wxyz)
+        wxyz = quaternion.multiply(to_itrs(what.start, piece.times), piece.wxyz)
         signs = np.cumprod(np.where(np.sum(wxyz[1:] * wxyz[:-1], axis=1) < 0.0, -1.0, 1.0))
         wxyz[1:] *= signs[:, None]
-        rows.append(np.column_stack([times, wxyz[:, 1:], wxyz[:, 0]]))
+        rows.append(np.column_stack([piece.times, wxyz[:, 1:], wxyz[:, 0]]))
         # The attitude is continuous where the rate jumps: one row serves both sides.
     joined = [*(rows_of_piece[:-1] for rows_of_piece in rows[:-1]), rows[-1]]
     return np.concatenate(joined)

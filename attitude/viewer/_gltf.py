@@ -100,12 +100,8 @@ def write_glb(
 
 def _keys(found: list[_subject.PosePiece], pace: float) -> tuple[Any, Any]:
     """Times of the animation that increase as float32, and quaternions x, y, z, w."""
-    parts = [
-        (piece.start + piece.step * np.arange(len(piece.wxyz)), piece.wxyz[:, [1, 2, 3, 0]])
-        for piece in found
-    ]
-    times = (np.concatenate([keys[0] for keys in parts]) / pace).astype(np.float32)
-    turns = np.concatenate([keys[1] for keys in parts])
+    times = (np.concatenate([piece.times for piece in found]) / pace).astype(np.float32)
+    turns = np.concatenate([piece.wxyz[:, [1, 2, 3, 0]] for piece in found])
     kept = np.concatenate([[True], np.diff(np.maximum.accumulate(times)) > 0.0])
     return times[kept], turns[kept] / np.linalg.norm(turns[kept], axis=1)[:, None]
 

@@ -66,6 +66,11 @@ class PosePiece:
     wxyz: FloatArray
     angular_velocity: FloatArray
 
+    @property
+    def times(self) -> FloatArray:
+        """Times (N,) of the attitudes, s from the start of the span."""
+        return self.start + self.step * np.arange(len(self.wxyz), dtype=np.float64)
+
 
 def pieces(subject: Subject, tolerance: float = TOLERANCE) -> list[PosePiece]:
     """The attitudes of a subject, each piece with the widest step that keeps the tolerance."""
