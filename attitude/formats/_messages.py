@@ -135,8 +135,9 @@ def body_of(block: Block, products: str) -> Body:
         return Body(tensor=tensor)
 
 
-def inertia_values(tensor: FloatArray, products: str) -> list[float]:
+def inertia_values(tensor: FloatArray, products: str | None, version: str) -> list[float]:
     """IXX, IYY, IZZ, IXY, IXZ, IYZ in kg m2 from an inertia tensor (3, 3) in kg m2."""
+    products = known_products(products, version)
     entries = [(i == j, float(tensor[i, j])) for i, j in _PLACES]
     return [value if diagonal else _signed(value, products) for diagonal, value in entries]
 

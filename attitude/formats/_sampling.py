@@ -397,7 +397,7 @@ def _first_step(stretches, tolerance, method, degree):
     total = sum(piece.length for piece in stretches)
     longest = max(piece.length for piece in stretches)
     probes = [piece.motion.at(*piece.at(np.linspace(0.0, piece.length, 60))) for piece in stretches]
-    fastest = max(_speed(probe) for probe in probes)
+    fastest = max(longest_of(probe.angular_velocity) for probe in probes)
     most = min(longest, 0.8 / fastest) if fastest > 0.0 else longest
     order = 2.0 if method == "slerp" else degree + 1.0
     step = most
@@ -411,8 +411,9 @@ def _first_step(stretches, tolerance, method, degree):
     return first
 
 
-def _speed(history):
-    return float(np.max(np.linalg.norm(history.angular_velocity, axis=-1), initial=0.0))
+def longest_of(vectors: FloatArray) -> float:
+    """The largest length of vectors (N, 3)."""
+    return float(np.max(np.linalg.norm(vectors, axis=-1), initial=0.0))
 
 
 def _trial(stretch, step, total, method, degree):
@@ -442,8 +443,7 @@ def _measured(stretches: list[_Stretch], table: AttitudeTable, step: float) -> f
     """Largest angle between a motion and the file read back, at random epochs and beside ends."""
     random = np.random.default_rng(2006)
     total, worst = sum(piece.length for piece in stretches), 0.0
-    shift = stretches[0].motion.epoch
-    parts = table.segments
+    start = stretches[0].motion.epoch
     for number, piece in enumerate(stretches):
         count = int(np.ceil(_CHECKS * piece.length / total))
         beside = np.minimum(random.uniform(0.0, 2.0, (2, _BESIDE)) * step, piece.length)
@@ -451,17 +451,13 @@ def _measured(stretches: list[_Stretch], table: AttitudeTable, step: float) -> f
             [random.uniform(0.0, piece.length, count), beside[0], piece.length - beside[1]]
         )
         hi, lo = piece.at(np.sort(offsets))
-        segment: AttitudeTable = parts[number]
-        since_segment = pairs.add((hi, lo), *_from(shift, segment.epoch))
-        inside = segment._covers(since_segment[0], since_segment[1])
+        segment: AttitudeTable = table.segments[number]
+        shift = pairs.add((start.seconds, start.low), -segment.epoch.seconds, -segment.epoch.low)
+        since_segment = pairs.add((hi, lo), *shift)
+        inside = segment._covers(*since_segment)
         wxyz = segment.at(since_segment[0][inside], since_segment[1][inside]).wxyz
         worst = max(worst, apart(wxyz, piece.motion.at(hi[inside], lo[inside]).wxyz))
     return worst
-
-
-def _from(first, second):
-    """Seconds, hi and lo, to be added to seconds since `first` to count from `second`."""
-    return pairs.add((first.seconds, first.low), -second.seconds, -second.low)
 
 
 def apart(p: FloatArray, q: FloatArray) -> float:
