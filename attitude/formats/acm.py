@@ -411,12 +411,7 @@ class _TimeTags:
         digits = ccsds_epochs.DIGITS if digits is None else digits
         pair = _time_scales.tt_from_tdb(hi, lo) if self._uniform else (hi, lo)
         hi, lo = pairs.add(pair, -self._base[0], -self._base[1])
-        whole = np.floor(hi)
-        ticks = np.rint(((hi - whole) + lo) * 10.0**digits)
-        carry = np.floor(ticks / 10.0**digits)
-        whole, ticks = whole + carry, ticks - carry * 10.0**digits
-        both = zip(whole.astype(np.int64).tolist(), ticks.astype(np.int64).tolist(), strict=True)
-        return [f"{n}.{fraction:0{digits}d}" if digits else f"{n}" for n, fraction in both]
+        return ccsds_epochs.decimals(*ccsds_epochs.rounded(hi, lo, digits), digits)
 
     def parsed(self, tokens):
         """TDB seconds since J2000 of tags; BadEpoch for those that cannot be read."""

@@ -249,16 +249,14 @@ def _by_axis(block, what, sequence):
 
 # ---- Writing
 
-# Block -> its element in each version.
+# Block -> its element in each version, of the blocks that are written.
 _ELEMENTS = {
     "1.0": {
-        **{"QUAT": "quaternionState", "EULER": "eulerElementsThree"},
-        **{"SPIN": "eulerElementsSpin", "INERTIA": "spacecraftParameters"},
+        "QUAT": "quaternionState",
+        "EULER": "eulerElementsThree",
+        "INERTIA": "spacecraftParameters",
     },
-    "2.0": {
-        **{"QUAT": "quaternionState", "EULER": "eulerAngleState", "ANGVEL": "angularVelocity"},
-        **{"SPIN": "spin", "INERTIA": "inertia"},
-    },
+    "2.0": {"QUAT": "quaternionState", "ANGVEL": "angularVelocity", "INERTIA": "inertia"},
 }
 
 

@@ -220,11 +220,7 @@ def _published(section, body):
 def _section(content, name):
     if name not in content:
         raise AttitudeError(f"the file has no section [{name}]; a spin file has [body] and [spin].")
-    if not isinstance(content[name], dict):
-        raise AttitudeError(
-            f"{name} is {quoted(content[name])}; give a section that begins [{name}]."
-        )
-    return content[name]
+    return toml.section_of(content[name], name)
 
 
 def _way(section, ways, common, name):
