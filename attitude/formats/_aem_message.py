@@ -239,7 +239,7 @@ class _Segment(Rows):
             return _messages.epoch_of(self.block.meta, keyword, scale)
         with _messages.epochs_named(self.block.meta, keyword):
             hi, lo = ccsds_epochs.parsed_days(words[:1], words[1:], scale)
-        return Instant(float(hi[0]), float(lo[0]))
+        return Instant(hi[0], lo[0])
 
     def _recommended(self):
         """Method and degree of interpolation, None if they are not stated."""

@@ -202,7 +202,11 @@ def of_euler_derivatives(wxyz: FloatArray, change: FloatArray, how: Convention) 
     assert how.sequence is not None
     of_file = frames_quaternion.unit(wxyz)
     of_file = of_file if how.to_body else frames_quaternion.conjugate(of_file)
-    angles = forms.to_euler(how.sequence, of_file)
+    return _of_changes(of_file, forms.to_euler(how.sequence, of_file), change, how)
+
+
+def _of_changes(of_file, angles, change, how):
+    """Rates (N, 3) over the body, from the rotation of the file, its angles and their change."""
     rates = forms.angular_velocity_from_euler_rates(how.sequence, angles, change)
     return rates if how.to_body else -frames_quaternion.rotate(of_file, rates)
 
@@ -226,10 +230,7 @@ def _of_angles(kind, rows, how):
     wxyz = frames_quaternion.from_euler(how.sequence, angles)
     rates = None
     if kind == "EULER_ANGLE/DERIVATIVE":
-        change = np.radians(rows[:, 3:6])
-        rates = forms.angular_velocity_from_euler_rates(how.sequence, angles, change)
-        if not how.to_body:
-            rates = -frames_quaternion.rotate(wxyz, rates)
+        rates = _of_changes(wxyz, angles, np.radians(rows[:, 3:6]), how)
     return (wxyz if how.to_body else frames_quaternion.conjugate(wxyz)), rates
 
 

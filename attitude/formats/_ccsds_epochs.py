@@ -144,7 +144,7 @@ class BadEpoch(Exception):
 def instant(text: str, scale: str) -> _instants.Instant:
     """The Instant of a time code in a time scale (lower case); BadEpoch if it cannot be read."""
     hi, lo = parsed([text.encode("ascii", "replace")], scale)
-    return _instants.Instant(float(hi[0]), float(lo[0]))
+    return _instants.Instant(hi[0], lo[0])
 
 
 def texts(
@@ -242,11 +242,11 @@ def _fields(chars, calendar):
         bad |= (month < 1) | (month > 12)
         month = np.clip(month, 1, 12)
         day = _day_number(year, month, date)
-        following = _day_number(year + month // 12, month % 12 + 1, 1)
+        following = _day_number(year, month + 1, 1)
         bad |= (date < 1) | (day >= following)
     else:
         yearday = number(5, 8)
-        first, following = (_day_number(y, np.int64(1), 1) for y in (year, year + 1))
+        first, following = (_day_number(y, 1, 1) for y in (year, year + 1))
         day = first + yearday - 1
         bad |= (yearday < 1) | (day >= following)
     hour, minute, second = (number(start - k, start - k + 2) for k in (8, 5, 2))
@@ -261,7 +261,7 @@ def _fields(chars, calendar):
 
 
 def _day_number(year, month, date):
-    """Modified Julian date of a Gregorian date."""
+    """Modified Julian date of a Gregorian date; month 13 is January of the next year."""
     months = (12 * (year - 1970) + month - 1).astype("datetime64[M]")
     return months.astype("datetime64[D]").astype(np.int64) + (_MJD_OF_1970 + date - 1)
 

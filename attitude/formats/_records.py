@@ -122,7 +122,7 @@ class Rows(MessageRows):
     def joined(self) -> tuple[Instant, FloatArray, FloatArray, FloatArray, IntArray]:
         """First epoch, TDB seconds since it, hi and lo (N,), columns (N, width), lines (N,)."""
         hi, lo, values, lines = map(np.concatenate, zip(*self._parts, strict=True))
-        epoch = Instant(float(hi[0]), float(lo[0]))
+        epoch = Instant(hi[0], lo[0])
         return epoch, *pairs.add((hi, lo), -epoch.seconds, -epoch.low), values, lines
 
     def table(

@@ -51,10 +51,10 @@ _APART = 1e-9
 def _only(source, t, holder):
     """The one segment of what a writer was given; `holder` is the kind of file in sentences."""
     parts = segments(source, t)
-    if any(records.after_break for records in parts):
-        listed = ", ".join(f"{records.seconds[0]:.9g}" for records in parts if records.after_break)
+    jumps = ", ".join(f"{records.seconds[0]:.9g}" for records in parts if records.after_break)
+    if jumps:
         raise AttitudeError(
-            f"the angular velocity of the motion jumps at {listed[:60]} s after "
+            f"the angular velocity of the motion jumps at {jumps[:60]} s after "
             f"{parts[0].epoch.utc_iso} UTC, across which readers would interpolate; {holder} holds "
             "one segment. Write a file for each stretch, or an AEM, ECSV, FITS or parquet file."
         )
@@ -293,8 +293,7 @@ def write(
         raise AttitudeError(
             "start or stop is given without tolerance=; give tolerance=, or the epochs t=."
         )
-    of_one = how.holder is not None
-    how.write(path, [_only(source, t, how.holder)] if of_one else segments(source, t))
+    how.write(path, segments(source, t) if how.holder is None else [_only(source, t, how.holder)])
     return None
 
 

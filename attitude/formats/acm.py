@@ -663,11 +663,11 @@ def _maneuver(block, tags):
     def values(keyword, count=1):
         return np.array(block.numbers(keyword, count)) if keyword in block else None
 
-    first, last = block.number("MAN_BEGIN_TIME"), values("MAN_END_TIME")
-    duration = values("MAN_DURATION")
-    if last is None:
-        last = first + (0.0 if duration is None else duration)
-    first, last = float(first), float(np.reshape(last, ()))
+    first = last = block.number("MAN_BEGIN_TIME")
+    if "MAN_END_TIME" in block:
+        last = block.number("MAN_END_TIME")
+    elif "MAN_DURATION" in block:
+        last = first + block.number("MAN_DURATION")
     if last < first or max(abs(first), abs(last)) > 1e15:
         raise block.fault("the maneuver ends before it begins.")
     attitude, rate = values("TARGET_ATTITUDE", 4), values("TARGET_SPINRATE")
@@ -676,7 +676,7 @@ def _maneuver(block, tags):
             raise block.fault("TARGET_ATTITUDE is no quaternion of unit length.", "TARGET_ATTITUDE")
         attitude = quaternion.unit(np.roll(attitude, 1))
     hi, lo = tags.after(np.array([first, last]))
-    begin, end = (Instant(float(h), float(l)) for h, l in zip(hi, lo, strict=True))
+    begin, end = map(Instant, hi, lo)
     return Maneuver(
         begin,
         end,

@@ -201,12 +201,11 @@ class Decoder:
 
     def _integrated(self, seconds, rates):
         """The angles (N, 3): those of the first record, and the integral of linear rates."""
-        angles = self._angles
         if self._before is not None:
             seconds = np.concatenate([[self._before[0]], seconds])
             rates = np.concatenate([self._before[1][None], rates])
         steps = np.diff(seconds)[:, None] * 0.5 * (rates[1:] + rates[:-1])
-        integrals = angles + np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
+        integrals = self._angles + np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
         self._angles, first = integrals[-1], self._before is not None
         self._before = seconds[-1], rates[-1]
         return integrals[1:] if first else integrals
@@ -624,8 +623,7 @@ def write(
         for name, records in zip(_names(path, len(parts)), parts, strict=True):
             write_file(name, records, order=order)
         return None
-    degree = source.degree if isinstance(source, AttitudeTable) else _table.USUAL_DEGREE
-    degree = order or degree
+    degree = order or (source.degree if isinstance(source, AttitudeTable) else _table.USUAL_DEGREE)
     kept = order if tolerance is None else degree
     how_written = _sampling.Writing(
         ("slerp" if degree == 1 else "lagrange", degree),

@@ -509,7 +509,7 @@ def _segmented(time, wxyz, rates, meta):
         starts = [int(start) for start in np.atleast_1d(starts)]
         if starts[0] != 0 or np.any(np.diff([*starts, len(hi)]) <= 0):
             raise AttitudeError("the first rows of its segments do not increase within the table.")
-        epoch = _instants.Instant(float(hi[0]), float(lo[0]))
+        epoch = _instants.Instant(hi[0], lo[0])
         hi, lo = pairs.add((hi, lo), -epoch.seconds, -epoch.low)
         settings = {"method": meta.get("method"), "meta": meta}
         settings["degree"] = None if degree is None else int(degree)
