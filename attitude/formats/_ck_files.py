@@ -583,7 +583,7 @@ _MOST_DEGREE = 23
 class TableSegments:
     """The stretches of a table on the clock of a kernel, which counts TDB seconds from `first`.
 
-    `span` and `step` are s to the last record, and the most between records of a stretch.
+    `end` and `step` are s to the last record, and the most between records of a stretch.
     """
 
     def __init__(self, table: AttitudeTable):
@@ -600,7 +600,7 @@ class TableSegments:
         steps = [np.diff(seconds) for seconds in self._clock]
         if any(np.any(step <= 0.0) for step in steps):
             raise AttitudeError("two records of the table fall on one double of time.")
-        self.span: float = max(float(seconds[-1]) for seconds in self._clock)
+        self.end: float = max(float(seconds[-1]) for seconds in self._clock)
         self.step: float = float(max(np.max(step, initial=0.0) for step in steps))
 
     def write(self, path: str, clock: KernelClock, instrument: int) -> None:

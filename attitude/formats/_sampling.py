@@ -195,17 +195,15 @@ def _cut(records: Records) -> list[Records]:
         return [records]
     parts: list[Records] = []
     for k in range(len(inside) + 1):
+        # The break at which the segment begins, and that at which it ends, if there are.
+        begin, end = inside[max(k - 1, 0) : k], inside[k : k + 1].copy()
         free = np.ones(len(records), dtype=bool)
-        ends: list[list[tuple[float, float]]] = [[], []]
-        if k > 0:
-            hi, lo = inside[k - 1]
+        for hi, lo in begin:
             free &= (seconds - hi) + (low - lo) > _APART
-            ends[0] = [(hi, lo)]
-        if k < len(inside):
-            hi, lo = inside[k]
+        for hi, lo in end:
             free &= (seconds - hi) + (low - lo) < -_APART
-            ends[1] = [(hi, np.nextafter(lo, -np.inf))]
-        both = np.array([*ends[0], *zip(seconds[free], low[free], strict=True), *ends[1]])
+        end[:, 1] = np.nextafter(end[:, 1], -np.inf)
+        both = np.concatenate([begin, np.stack([seconds[free], low[free]], axis=1), end])
         # A break at the last record leaves nothing behind it.
         if k < len(inside) or len(both) > 1:
             segment = Records(motion, motion.epoch, both[:, 0].copy(), both[:, 1].copy())

@@ -283,10 +283,8 @@ def write(
     if start is None or stop is None:
         assert isinstance(motion, AttitudeTable)
         plan = TableSegments(motion)
-        span = plan.span
     else:
         plan = Plan(motion, start, stop, kind, tolerance, rate_tolerance, scale)
-        span = plan.end
     _check_names(path, name, instrument, clock if isinstance(clock, int) else -1, center)
     if frame_kernel is not None:
         instrument = _instrument_of(frame_kernel, name)
@@ -296,7 +294,7 @@ def write(
             ticking = _ck_files.own(clock, plan.first, scale)
         else:
             files = [clock] if isinstance(clock, (str, os.PathLike)) else list(clock)
-            ticking = stack.enter_context(_ck_files.of_mission(files, plan.first, span))
+            ticking = stack.enter_context(_ck_files.of_mission(files, plan.first, plan.end))
         return _written(path, plan, ticking, name, instrument, center, frame_kernel, files)
 
 
