@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import io
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, TypeAlias
@@ -64,6 +64,13 @@ class Lines:
             raise self.fault("it holds zero bytes; is it a text file?")
         return text.removeprefix("\ufeff")
 
+    def texts(self) -> Iterator[str]:
+        """The lines from here on that are neither empty nor a comment (#), without blanks."""
+        for line in self:
+            text = self.text(line).strip()
+            if text and not text.startswith("#"):
+                yield text
+
 
 @contextmanager
 def opened(path: str | os.PathLike[str]) -> Iterator[Lines]:
@@ -95,6 +102,13 @@ class _ReturnsAsFeeds:
 
     def readline(self, size: int) -> bytes:
         return self._text.readline(size).encode("latin-1")
+
+
+def text_of_rows(first: Iterable[object], columns: Iterable[Iterable[float]], mark: str) -> str:
+    """The text of N rows: an entry of a first column, and numbers with all their digits."""
+    columns = list(columns)
+    pattern = "%s" + f"{mark}%r" * len(columns) + "\n"
+    return "".join([pattern % row for row in zip(first, *columns, strict=True)])
 
 
 def of_text(text: str, name: str) -> Lines:

@@ -468,7 +468,7 @@ def _of_kvn(lines: Lines, message: Message) -> Message:
             message.mark(text.decode("ascii", "replace"), lines.number)
         elif text and not message.is_skipping():
             if b"=" not in text and not text.startswith(b"COMMENT"):
-                message.refuse_between(_shown(lines.text(line)), lines.number)
+                message.refuse_between(cut(lines.text(line).strip()), lines.number)
             message.entry(*pair(lines, line), lines.number)
         line = next(lines, None)
     message.end()
@@ -513,8 +513,8 @@ def _head(lines: Lines, line: bytes, form: Form) -> tuple[Form, str, str]:
     if keyword != wanted or value not in form.versions:
         other = keyword == f"CIC_{form.kind}_VERS" and form.family != "CIC"
         raise lines.fault(
-            f"it begins with {_shown(lines.text(line))}; an {form.kind} begins with {wanted} = "
-            f"{' or '.join(form.versions)}"
+            f"it begins with {cut(lines.text(line).strip())}; an {form.kind} begins with "
+            f"{wanted} = {' or '.join(form.versions)}"
             + ("; attitude.formats.cic reads the dialect of CNES." if other else ".")
         )
     return form, value, lines.path
@@ -528,7 +528,7 @@ def pair(lines: Lines, line: bytes) -> tuple[str, str]:
         return "COMMENT", stripped[7:].removeprefix("=").strip()
     keyword, equals, value = text.partition("=")
     if not equals or not 0 < len(keyword.strip()) <= _LONGEST_KEYWORD:
-        raise lines.fault(f'{_shown(text)} is no "KEYWORD = value".')
+        raise lines.fault(f'{cut(stripped)} is no "KEYWORD = value".')
     return keyword.strip().upper(), value.strip()
 
 
@@ -538,11 +538,6 @@ def values(lines: Lines) -> dict[str, str]:
     return {
         keyword: value.partition("[")[0].strip() for keyword, value in pairs if keyword != "COMMENT"
     }
-
-
-def _shown(text):
-    """A line as it appears in an error message: in quotes, at most 40 characters."""
-    return cut(text.strip())
 
 
 # ---- Tokens of XML: CCSDS 505.0-B-3
@@ -575,16 +570,15 @@ class _MessageReader(ElementReader):
 
     def begin(self, tag, attributes):
         form, message, name = self._form, self.message, None
-        if self._leaves is not None:
-            pass
-        elif tag in _MESSAGES or (message is None and tag not in _OUTSIDE):
-            version = self.version(tag, attributes, form.kind.lower(), form.versions)
-            self.message = Message(form, version, self.path, self.fault, self._begin_rows)
-            self.message.header.comments.extend(self._comments)
-        elif tag in _PARTS and message is not None and message.where:
-            self._enter(tag)
-        if message is not None and self._leaves is None:
-            name = self._started(tag)
+        if self._leaves is None:
+            if tag in _MESSAGES or (message is None and tag not in _OUTSIDE):
+                version = self.version(tag, attributes, form.kind.lower(), form.versions)
+                self.message = Message(form, version, self.path, self.fault, self._begin_rows)
+                self.message.header.comments.extend(self._comments)
+            elif tag in _PARTS and message is not None and message.where:
+                self._enter(tag)
+            if message is not None:
+                name = self._started(tag)
         self._tags.append((tag, name))
         self._attributes, self._is_leaf = attributes, True
 

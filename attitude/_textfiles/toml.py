@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from attitude._support import quoting
 from attitude._textfiles.lines import cut, whole
 from attitude.errors import AttitudeError
 
@@ -65,6 +66,14 @@ def way_of(section: Mapping[str, Any], ways: Iterable[str], where: str) -> str:
             f"{where} has {' and '.join(taken) or 'none'} of {', '.join(ways)}; give one of them."
         )
     return taken[0]
+
+
+def section_of(value: Any, name: str) -> dict[str, Any]:
+    """A section itself; AttitudeError for another value under its name."""
+    if not isinstance(value, dict):
+        shown = quoting.quoted(value)
+        raise AttitudeError(f"{name} is {shown}; give a section that begins [{name}].")
+    return value
 
 
 def text_of(content: Mapping[str, Any], key: str) -> str | None:

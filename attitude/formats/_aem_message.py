@@ -26,7 +26,7 @@ from attitude.errors import AttitudeError
 from attitude.formats import _attitude_types, _messages, _recipes
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._attitude_types import ANGVEL, Q_DOT
-from attitude.formats._messages import GROUPS, HEADER, VERSIONS, written_body
+from attitude.formats._messages import GROUPS, HEADER, VERSIONS, written_body, written_names
 from attitude.formats._records import TOLERANCE, Rows, columns_of, known_tolerance
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
@@ -239,7 +239,7 @@ class _Segment(Rows):
             return _messages.epoch_of(self.block.meta, keyword, scale)
         with _messages.epochs_named(self.block.meta, keyword):
             hi, lo = ccsds_epochs.parsed_days(words[:1], words[1:], scale)
-        return Instant(float(hi[0]), float(lo[0]))
+        return Instant(hi[0], lo[0])
 
     def _recommended(self):
         """Method and degree of interpolation, None if they are not stated."""
@@ -514,16 +514,13 @@ class WrittenSegment:
 
     def _keywords(self, version):
         records, how, kind, is_old = self._records, self._how, self._kind, version == "1.0"
-        keys = ("object_name", "object_id", "center", "body_frame")
-        stated = zip(self._settings["names"], keys, strict=True)
-        name, number, center, body = (value or records.meta.get(key) for value, key in stated)
-        body = written_body(body, {})
+        *names, body = self._settings["names"]
+        body = written_body(body, records.meta)
         frame = _axes.WRITTEN.get(self._axes.kind) if self._axes.name.islower() else self._axes.name
         start, stop = self._texts(records.epoch, *records.first_and_last())
         known = {
-            "OBJECT_NAME": name or "UNKNOWN",
-            "OBJECT_ID": number or "UNKNOWN",
-            "CENTER_NAME": center,
+            **written_names(records.meta, *names),
+            "CENTER_NAME": names[-1] or records.meta.get("center"),  # written even if it is empty
             "REF_FRAME_A": frame,
             "REF_FRAME_B": body,
             "ATTITUDE_DIR": "A2B",

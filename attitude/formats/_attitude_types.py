@@ -51,11 +51,11 @@ if TYPE_CHECKING:
 MEANINGS: tuple[str, ...] = ("body", "euler")
 
 
-def known_rates(rates: str | None, name: str = "rates") -> str | None:
+def known_rates(rates: str | None) -> str | None:
     """The meaning itself; AttitudeError for an unknown one."""
     if rates is not None and rates not in MEANINGS:
         raise AttitudeError(
-            f'{name} is {rates!r}; give "body" for components of the angular velocity, or "euler" '
+            f'rates is {rates!r}; give "body" for components of the angular velocity, or "euler" '
             "for derivatives of the Euler angles."
         )
     return rates
@@ -202,18 +202,22 @@ def of_euler_derivatives(wxyz: FloatArray, change: FloatArray, how: Convention) 
     assert how.sequence is not None
     of_file = frames_quaternion.unit(wxyz)
     of_file = of_file if how.to_body else frames_quaternion.conjugate(of_file)
-    angles = forms.to_euler(how.sequence, of_file)
+    return _of_changes(of_file, forms.to_euler(how.sequence, of_file), change, how)
+
+
+def _of_changes(of_file, angles, change, how):
+    """Rates (N, 3) over the body, from the rotation of the file, its angles and their change."""
     rates = forms.angular_velocity_from_euler_rates(how.sequence, angles, change)
     return rates if how.to_body else -frames_quaternion.rotate(of_file, rates)
 
 
-def rates_by_axis(letters: str, sequence: str | None) -> list[int] | None:
+def rates_by_axis(letters: str, sequence: str) -> list[int] | None:
     """For each angle of a sequence the place of its rate; None if the letters are not its axes.
 
     >>> rates_by_axis("YXY", "YXY"), rates_by_axis("XYZ", "ZYX"), rates_by_axis("XYZ", "ZXZ")
     ([0, 1, 2], [2, 1, 0], None)
     """
-    if sequence is None or sorted(letters) != sorted(sequence):
+    if sorted(letters) != sorted(sequence):
         return None
     places: list[int] = []
     for axis in sequence:
@@ -226,10 +230,7 @@ def _of_angles(kind, rows, how):
     wxyz = frames_quaternion.from_euler(how.sequence, angles)
     rates = None
     if kind == "EULER_ANGLE/DERIVATIVE":
-        change = np.radians(rows[:, 3:6])
-        rates = forms.angular_velocity_from_euler_rates(how.sequence, angles, change)
-        if not how.to_body:
-            rates = -frames_quaternion.rotate(wxyz, rates)
+        rates = _of_changes(wxyz, angles, np.radians(rows[:, 3:6]), how)
     return (wxyz if how.to_body else frames_quaternion.conjugate(wxyz)), rates
 
 
@@ -249,17 +250,12 @@ def _of_spin(kind, rows, how):
         across = np.sin(nutation)
         axis = np.stack([across * np.cos(phase), -across * np.sin(phase), np.cos(nutation)], 1)
     else:
-        axis = frames_quaternion.rotate(
-            frames_quaternion.conjugate(wxyz), _direction(*np.radians(rows[:, 4:6]).T)
-        )
+        alpha, delta = np.radians(rows[:, 4:6]).T
+        across = np.cos(delta)
+        outside = np.stack([across * np.cos(alpha), across * np.sin(alpha), np.sin(delta)], 1)
         turn = np.radians(rows[:, 6])
+        axis = frames_quaternion.rotate(frames_quaternion.conjugate(wxyz), outside)
     return wxyz, rates + turn[:, None] * axis
-
-
-def _direction(alpha, delta):
-    return np.stack(
-        [np.cos(delta) * np.cos(alpha), np.cos(delta) * np.sin(alpha), np.sin(delta)], axis=-1
-    )
 
 
 def _spin_columns(kind, wxyz, rates, acceleration):

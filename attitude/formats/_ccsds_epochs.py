@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import datetime
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,6 +20,8 @@ from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from numpy.typing import NDArray
 
     from attitude._support.annotations import FloatArray
 
@@ -42,6 +44,8 @@ _MOST_DECIMALS = 18
 # A modified Julian date in text, and that of the last day of the year 9999.
 _DAY = re.compile(rb"\d{1,7}(\.0*)?")
 _LAST_DAY = 2973483.0
+# Modified Julian date of 1970-01-01, from which numpy counts days and months.
+_MJD_OF_1970 = 40587
 _0, _9 = ord("0"), ord("9")
 _CALENDAR = {4: "-", 7: "-", 10: "T", 13: ":", 16: ":"}, 19
 _YEARDAY = {4: "-", 8: "T", 11: ":", 14: ":"}, 17
@@ -140,7 +144,7 @@ class BadEpoch(Exception):
 def instant(text: str, scale: str) -> _instants.Instant:
     """The Instant of a time code in a time scale (lower case); BadEpoch if it cannot be read."""
     hi, lo = parsed([text.encode("ascii", "replace")], scale)
-    return _instants.Instant(float(hi[0]), float(lo[0]))
+    return _instants.Instant(hi[0], lo[0])
 
 
 def texts(
@@ -196,10 +200,23 @@ def days_and_seconds(
     """Modified Julian date and seconds of the day of N epochs; parameters as in `texts`."""
     hi, lo = pairs.Seconds(np.asarray(seconds), low).plus(epoch.seconds, epoch.low)
     day, whole, ticks = _civil(hi, lo, scale, digits)
-    rows = zip(day.astype(np.int64).tolist(), whole.tolist(), ticks.tolist(), strict=True)
-    if not digits:
-        return [f"{date} {second}" for date, second, _ in rows]
-    return [f"{date} {second}.{left:0{digits}d}" for date, second, left in rows]
+    days = day.astype(np.int64).tolist()
+    seconds_of_day = decimals(whole, ticks, digits)
+    return [f"{date} {second}" for date, second in zip(days, seconds_of_day, strict=True)]
+
+
+def rounded(second: FloatArray, low: FloatArray, digits: int) -> tuple[FloatArray, FloatArray]:
+    """second + low (N,) as whole seconds, and units of 10^-digits s, rounded."""
+    whole = np.floor(second)
+    ticks = np.rint(((second - whole) + low) * 10.0**digits)
+    carry = np.floor(ticks / 10.0**digits)
+    return whole + carry, ticks - carry * 10.0**digits
+
+
+def decimals(whole: NDArray[Any], ticks: NDArray[Any], digits: int) -> list[str]:
+    """The texts of what `rounded` returns."""
+    rows = zip(whole.astype(np.int64).tolist(), ticks.astype(np.int64).tolist(), strict=True)
+    return [f"{second}.{left:0{digits}d}" if digits else f"{second}" for second, left in rows]
 
 
 def _fields(chars, calendar):
@@ -225,11 +242,11 @@ def _fields(chars, calendar):
         bad |= (month < 1) | (month > 12)
         month = np.clip(month, 1, 12)
         day = _day_number(year, month, date)
-        following = _day_number(year + month // 12, month % 12 + 1, 1)
+        following = _day_number(year, month + 1, 1)
         bad |= (date < 1) | (day >= following)
     else:
         yearday = number(5, 8)
-        first, following = (_day_number(y, np.int64(1), 1) for y in (year, year + 1))
+        first, following = (_day_number(y, 1, 1) for y in (year, year + 1))
         day = first + yearday - 1
         bad |= (yearday < 1) | (day >= following)
     hour, minute, second = (number(start - k, start - k + 2) for k in (8, 5, 2))
@@ -244,24 +261,17 @@ def _fields(chars, calendar):
 
 
 def _day_number(year, month, date):
-    """Modified Julian date of a Gregorian date (Howard Hinnant's days_from_civil)."""
-    year = year - (month <= 2)
-    era = year // 400
-    of_era = year - era * 400
-    of_year = (153 * (month + np.where(month > 2, -3, 9)) + 2) // 5 + date - 1
-    return era * 146097 + of_era * 365 + of_era // 4 - of_era // 100 + of_year - 678881
+    """Modified Julian date of a Gregorian date; month 13 is January of the next year."""
+    months = (12 * (year - 1970) + month - 1).astype("datetime64[M]")
+    return months.astype("datetime64[D]").astype(np.int64) + (_MJD_OF_1970 + date - 1)
 
 
 def _calendar(day):
-    """Gregorian year, month and date of a Modified Julian date (civil_from_days)."""
-    z = day.astype(np.int64) + 678881
-    era = z // 146097
-    of_era = z - era * 146097
-    of_cycle = (of_era - of_era // 1460 + of_era // 36524 - of_era // 146096) // 365
-    of_year = of_era - (365 * of_cycle + of_cycle // 4 - of_cycle // 100)
-    shifted = (5 * of_year + 2) // 153
-    month = np.where(shifted < 10, shifted + 3, shifted - 9)
-    return of_cycle + era * 400 + (month <= 2), month, of_year - (153 * shifted + 2) // 5 + 1
+    """Gregorian year, month and date of a Modified Julian date."""
+    dates = (day.astype(np.int64) - _MJD_OF_1970).astype("datetime64[D]")
+    months = dates.astype("datetime64[M]")
+    count = months.astype(np.int64)
+    return 1970 + count // 12, count % 12 + 1, (dates - months).astype(np.int64) + 1
 
 
 def _civil(hi, lo, scale, digits):
@@ -279,10 +289,7 @@ def _civil(hi, lo, scale, digits):
         day = np.floor((hi + lo) / _time_scales.DAY + 51544.5)
         second, low = pairs.add((hi, lo), (51544.5 - day) * _time_scales.DAY)
         length = _time_scales.DAY
-    whole = np.floor(second)
-    ticks = np.rint(((second - whole) + low) * 10.0**digits)
-    carry = np.floor(ticks / 10.0**digits)
-    whole, ticks = whole + carry, ticks - carry * 10.0**digits
+    whole, ticks = rounded(second, low, digits)
     after = whole >= length
     day, whole = np.where(after, day + 1.0, day), np.where(after, 0.0, whole)
     before = whole < 0.0

@@ -20,7 +20,7 @@ from attitude._support import pairs, validation
 from attitude._textfiles.lines import unreadable
 from attitude.epochs import _inputs, _time_scales
 from attitude.errors import AttitudeError
-from attitude.formats._sampling import apart
+from attitude.formats._sampling import apart, longest_of
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.motions import _table
@@ -207,7 +207,7 @@ class Plan:
             raise AttitudeError("stop is not after start; give a span of time.")
         self._divide()
         probes = self.history(np.linspace(self.begin, self.end, _PROBES)).angular_velocity
-        fastest = float(np.max(np.linalg.norm(probes, axis=1)))
+        fastest = longest_of(probes)
         if rate_tolerance is None:
             rate_tolerance = self.tolerance * max(fastest, 1e-12)
         if not (isinstance(rate_tolerance, (int, float)) and rate_tolerance > 0.0):
@@ -340,13 +340,8 @@ class Plan:
                 _table.polynomials(at, list(values), slope, x, 0)[0]
                 for values, slope in zip((q, w), slopes, strict=True)
             ]
-        off = _longest(interpolated[1] - true.angular_velocity_inertial)
+        off = longest_of(interpolated[1] - true.angular_velocity_inertial)
         return apart(quaternion.unit(interpolated[0]), true.wxyz), off
-
-
-def _longest(vectors):
-    """The largest length of vectors (N, 3)."""
-    return float(np.max(np.linalg.norm(vectors, axis=-1), initial=0.0))
 
 
 # ---- The files of a C-kernel: segments written by SPICE, texts of the frame and clock kernels
@@ -434,7 +429,7 @@ def measured(path: str, plan: Plan, clock: KernelClock, instrument: int) -> tupl
     true = plan.history(seconds)
     matrices, rates = measured_at(path, clock.ticks(seconds), instrument)
     error = apart(forms.from_dcm(matrices), true.wxyz)
-    return error, _longest(rates - true.angular_velocity_inertial)
+    return error, longest_of(rates - true.angular_velocity_inertial)
 
 
 def measured_at(
@@ -588,7 +583,7 @@ _MOST_DEGREE = 23
 class TableSegments:
     """The stretches of a table on the clock of a kernel, which counts TDB seconds from `first`.
 
-    `span` and `step` are s to the last record, and the most between records of a stretch.
+    `end` and `step` are s to the last record, and the most between records of a stretch.
     """
 
     def __init__(self, table: AttitudeTable):
@@ -605,7 +600,7 @@ class TableSegments:
         steps = [np.diff(seconds) for seconds in self._clock]
         if any(np.any(step <= 0.0) for step in steps):
             raise AttitudeError("two records of the table fall on one double of time.")
-        self.span: float = max(float(seconds[-1]) for seconds in self._clock)
+        self.end: float = max(float(seconds[-1]) for seconds in self._clock)
         self.step: float = float(max(np.max(step, initial=0.0) for step in steps))
 
     def write(self, path: str, clock: KernelClock, instrument: int) -> None:
@@ -623,12 +618,11 @@ class TableSegments:
             ticks = clock.ticks(some)
             has_rates = segment.angular_velocity is not None
             matrices, rates = measured_at(path, ticks, instrument, rates=has_rates)
-            hi, lo = pairs.add((some, 0.0), self.first)
-            since_segment = pairs.add((hi, lo), -segment.epoch.seconds, -segment.epoch.low)
-            true = segment.at(since_segment[0], since_segment[1])
+            since_j2000 = pairs.add((some, 0.0), self.first)
+            true = segment.at(*pairs.add(since_j2000, -segment.epoch.seconds, -segment.epoch.low))
             worst[0] = max(worst[0], apart(forms.from_dcm(matrices), true.wxyz))
             if has_rates:
-                worst[1] = max(worst[1], _longest(rates - true.angular_velocity_inertial))
+                worst[1] = max(worst[1], longest_of(rates - true.angular_velocity_inertial))
         return worst[0], worst[1]
 
 

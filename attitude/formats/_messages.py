@@ -52,8 +52,7 @@ UNITS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys((*ANGLES, *OLD_ANGLES), ("deg",)),
     **dict.fromkeys(("SPIN_ALPHA", "SPIN_DELTA", "SPIN_ANGLE", "SENSOR_NOISE_STDDEV"), ("deg",)),
     **dict.fromkeys(("NUTATION", "NUTATION_PHASE", "MOMENTUM_ALPHA", "MOMENTUM_DELTA"), ("deg",)),
-    **dict.fromkeys(ANGLES_DOT, ("deg/s",)),
-    **dict.fromkeys((*ANGVEL, *OLD_RATES), ("deg/s",)),
+    **dict.fromkeys((*ANGLES_DOT, *ANGVEL, *OLD_RATES), ("deg/s",)),
     **dict.fromkeys(("SPIN_ANGLE_VEL", "NUTATION_VEL"), ("deg/s",)),
     **dict.fromkeys(Q_DOT, ("1/s",)),
     **dict.fromkeys((*INERTIA, *OLD_INERTIA), ("kg*m**2", "kg*m^2", "kg.m**2")),
@@ -135,8 +134,9 @@ def body_of(block: Block, products: str) -> Body:
         return Body(tensor=tensor)
 
 
-def inertia_values(tensor: FloatArray, products: str) -> list[float]:
+def inertia_values(tensor: FloatArray, products: str | None, version: str) -> list[float]:
     """IXX, IYY, IZZ, IXY, IXZ, IYZ in kg m2 from an inertia tensor (3, 3) in kg m2."""
+    products = known_products(products, version)
     entries = [(i == j, float(tensor[i, j])) for i, j in _PLACES]
     return [value if diagonal else _signed(value, products) for diagonal, value in entries]
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude._support import pairs
+from attitude._textfiles.lines import NoNumber, numbers
 from attitude._textfiles.messages import MessageRows
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
@@ -75,6 +76,13 @@ class Rows(MessageRows):
             return ccsds_epochs.parsed(tokens, self.scale)
         return ccsds_epochs.parsed_days(tokens, of_day, self.scale)
 
+    def seconds_of(self, tokens: Sequence[bytes], lines: Sequence[int]) -> FloatArray:
+        """Times that are numbers, (N,); AttitudeError for others."""
+        try:
+            return numbers(tokens, 1, [0])[:, 0]
+        except NoNumber as err:
+            raise self.fault(f"{err.shown} is no number.", lines[err.line]) from err
+
     def add_times(
         self, hi: FloatArray, lo: FloatArray, values: FloatArray, lines: Sequence[int]
     ) -> None:
@@ -111,10 +119,11 @@ class Rows(MessageRows):
                         int(lines[k]),
                     )
 
-    def joined(self) -> tuple[FloatArray, FloatArray, FloatArray, IntArray]:
-        """Epochs as TDB seconds since J2000, hi and lo (N,), columns (N, width) and lines (N,)."""
+    def joined(self) -> tuple[Instant, FloatArray, FloatArray, FloatArray, IntArray]:
+        """First epoch, TDB seconds since it, hi and lo (N,), columns (N, width), lines (N,)."""
         hi, lo, values, lines = map(np.concatenate, zip(*self._parts, strict=True))
-        return hi, lo, values, lines
+        epoch = Instant(hi[0], lo[0])
+        return epoch, *pairs.add((hi, lo), -epoch.seconds, -epoch.low), values, lines
 
     def table(
         self,
@@ -127,33 +136,33 @@ class Rows(MessageRows):
         **settings: Any,
     ) -> AttitudeTable:
         """The AttitudeTable of the records, relative to ICRF."""
-        hi, lo, values, lines = self.joined()
-        epoch = Instant(float(hi[0]), float(lo[0]))
-        seconds, low = pairs.add((hi, lo), -epoch.seconds, -epoch.low)
+        epoch, seconds, low, values, lines = self.joined()
         if kind.startswith("QUATERNION"):
             refuse_length(values[:, :4], lines, tolerance, self.fault)
-        with np.errstate(over="ignore", invalid="ignore"):  # refuse_speed refuses overflow
-            wxyz, rates = _attitude_types.decoded(kind, values, how)
-        wxyz, rates = to_icrf(quaternion.unit(wxyz), rates, axes, epoch, seconds, low, orbit)
+        wxyz, rates = in_icrf(kind, values, how, axes, (epoch, seconds, low, orbit))
         return AttitudeTable(epoch, seconds, wxyz, low=low, angular_velocity=rates, **settings)
 
 
-def to_icrf(
-    wxyz: FloatArray,
-    rates: FloatArray | None,
+def in_icrf(
+    kind: str,
+    rows: FloatArray,
+    how: Convention,
     axes: Axes,
-    epoch: Instant,
-    hi: FloatArray,
-    lo: FloatArray,
-    orbit: Path | None = None,
+    where: tuple[Instant, FloatArray, FloatArray, Path | None],
 ) -> tuple[FloatArray, FloatArray | None]:
-    """wxyz (N, 4) and rates (N, 3) relative to ICRF from those in other axes, at hi, lo (N,)."""
+    """wxyz (N, 4) and rates (N, 3) relative to ICRF from rows (N, columns) in some axes.
+
+    where: what axes turn with: epoch, seconds since it, hi and lo (N,), path of the body.
+    """
+    with np.errstate(over="ignore", invalid="ignore"):  # refuse_speed refuses overflow
+        wxyz, rates = _attitude_types.decoded(kind, rows, how)
+    wxyz = quaternion.unit(wxyz)
     if axes.kind in ("icrf", "gcrf"):
         return wxyz, rates
     refuse_speed(rates)
-    wxyz = quaternion.multiply(axes.to_icrf(epoch, hi, lo, orbit), wxyz)
+    wxyz = quaternion.multiply(axes.to_icrf(*where), wxyz)
     if rates is not None:
-        turning = axes.angular_velocity(epoch, hi, lo, orbit)
+        turning = axes.angular_velocity(*where)
         if turning is not None:
             rates = rates + quaternion.rotate(quaternion.conjugate(wxyz), turning)
     return forms.continuous(wxyz) if axes.turning else wxyz, rates
@@ -175,9 +184,10 @@ def columns_of(
             raise AttitudeError(f"{kind} can be written in axes that do not turn, not {axes.name}.")
         acceleration = np.asarray(history.angular_acceleration)
     if axes.kind not in ("icrf", "gcrf"):
-        outer = axes.to_icrf(history.epoch, history.seconds, history.low, orbit)
+        where = history.epoch, history.seconds, history.low, orbit
+        outer = axes.to_icrf(*where)
         if rates is not None:
-            turning = axes.angular_velocity(history.epoch, history.seconds, history.low, orbit)
+            turning = axes.angular_velocity(*where)
             if turning is not None:
                 rates = rates - quaternion.rotate(quaternion.conjugate(wxyz), turning)
         wxyz = quaternion.multiply(quaternion.conjugate(outer), wxyz)

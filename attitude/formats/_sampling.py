@@ -51,10 +51,10 @@ _APART = 1e-9
 def _only(source, t, holder):
     """The one segment of what a writer was given; `holder` is the kind of file in sentences."""
     parts = segments(source, t)
-    if any(records.after_break for records in parts):
-        listed = ", ".join(f"{records.seconds[0]:.9g}" for records in parts if records.after_break)
+    jumps = ", ".join(f"{records.seconds[0]:.9g}" for records in parts if records.after_break)
+    if jumps:
         raise AttitudeError(
-            f"the angular velocity of the motion jumps at {listed[:60]} s after "
+            f"the angular velocity of the motion jumps at {jumps[:60]} s after "
             f"{parts[0].epoch.utc_iso} UTC, across which readers would interpolate; {holder} holds "
             "one segment. Write a file for each stretch, or an AEM, ECSV, FITS or parquet file."
         )
@@ -195,17 +195,15 @@ def _cut(records: Records) -> list[Records]:
         return [records]
     parts: list[Records] = []
     for k in range(len(inside) + 1):
+        # The break at which the segment begins, and that at which it ends, if there are.
+        begin, end = inside[max(k - 1, 0) : k], inside[k : k + 1].copy()
         free = np.ones(len(records), dtype=bool)
-        ends: list[list[tuple[float, float]]] = [[], []]
-        if k > 0:
-            hi, lo = inside[k - 1]
+        for hi, lo in begin:
             free &= (seconds - hi) + (low - lo) > _APART
-            ends[0] = [(hi, lo)]
-        if k < len(inside):
-            hi, lo = inside[k]
+        for hi, lo in end:
             free &= (seconds - hi) + (low - lo) < -_APART
-            ends[1] = [(hi, np.nextafter(lo, -np.inf))]
-        both = np.array([*ends[0], *zip(seconds[free], low[free], strict=True), *ends[1]])
+        end[:, 1] = np.nextafter(end[:, 1], -np.inf)
+        both = np.concatenate([begin, np.stack([seconds[free], low[free]], axis=1), end])
         # A break at the last record leaves nothing behind it.
         if k < len(inside) or len(both) > 1:
             segment = Records(motion, motion.epoch, both[:, 0].copy(), both[:, 1].copy())
@@ -293,8 +291,7 @@ def write(
         raise AttitudeError(
             "start or stop is given without tolerance=; give tolerance=, or the epochs t=."
         )
-    of_one = how.holder is not None
-    how.write(path, [_only(source, t, how.holder)] if of_one else segments(source, t))
+    how.write(path, segments(source, t) if how.holder is None else [_only(source, t, how.holder)])
     return None
 
 
@@ -397,7 +394,7 @@ def _first_step(stretches, tolerance, method, degree):
     total = sum(piece.length for piece in stretches)
     longest = max(piece.length for piece in stretches)
     probes = [piece.motion.at(*piece.at(np.linspace(0.0, piece.length, 60))) for piece in stretches]
-    fastest = max(_speed(probe) for probe in probes)
+    fastest = max(longest_of(probe.angular_velocity) for probe in probes)
     most = min(longest, 0.8 / fastest) if fastest > 0.0 else longest
     order = 2.0 if method == "slerp" else degree + 1.0
     step = most
@@ -411,8 +408,9 @@ def _first_step(stretches, tolerance, method, degree):
     return first
 
 
-def _speed(history):
-    return float(np.max(np.linalg.norm(history.angular_velocity, axis=-1), initial=0.0))
+def longest_of(vectors: FloatArray) -> float:
+    """The largest length of vectors (N, 3)."""
+    return float(np.max(np.linalg.norm(vectors, axis=-1), initial=0.0))
 
 
 def _trial(stretch, step, total, method, degree):
@@ -442,8 +440,7 @@ def _measured(stretches: list[_Stretch], table: AttitudeTable, step: float) -> f
     """Largest angle between a motion and the file read back, at random epochs and beside ends."""
     random = np.random.default_rng(2006)
     total, worst = sum(piece.length for piece in stretches), 0.0
-    shift = stretches[0].motion.epoch
-    parts = table.segments
+    start = stretches[0].motion.epoch
     for number, piece in enumerate(stretches):
         count = int(np.ceil(_CHECKS * piece.length / total))
         beside = np.minimum(random.uniform(0.0, 2.0, (2, _BESIDE)) * step, piece.length)
@@ -451,17 +448,13 @@ def _measured(stretches: list[_Stretch], table: AttitudeTable, step: float) -> f
             [random.uniform(0.0, piece.length, count), beside[0], piece.length - beside[1]]
         )
         hi, lo = piece.at(np.sort(offsets))
-        segment: AttitudeTable = parts[number]
-        since_segment = pairs.add((hi, lo), *_from(shift, segment.epoch))
-        inside = segment._covers(since_segment[0], since_segment[1])
+        segment: AttitudeTable = table.segments[number]
+        shift = pairs.add((start.seconds, start.low), -segment.epoch.seconds, -segment.epoch.low)
+        since_segment = pairs.add((hi, lo), *shift)
+        inside = segment._covers(*since_segment)
         wxyz = segment.at(since_segment[0][inside], since_segment[1][inside]).wxyz
         worst = max(worst, apart(wxyz, piece.motion.at(hi[inside], lo[inside]).wxyz))
     return worst
-
-
-def _from(first, second):
-    """Seconds, hi and lo, to be added to seconds since `first` to count from `second`."""
-    return pairs.add((first.seconds, first.low), -second.seconds, -second.low)
 
 
 def apart(p: FloatArray, q: FloatArray) -> float:

@@ -89,9 +89,9 @@ class MagnitudeScale:
             return view.reduced_magnitude
         if self.sun_distance is None and self.observer_distance is None:
             return view.magnitude_everywhere
-        distances = self.sun_distance, self.observer_distance
-        sun = view.sun_distance if distances[0] is None else distances[0]
-        observer = view.observer_distance if distances[1] is None else distances[1]
+        sun, observer = self.sun_distance, self.observer_distance
+        sun = view.sun_distance if sun is None else sun
+        observer = view.observer_distance if observer is None else observer
         magnitudes = view.reduced_magnitude + _magnitudes.distance_modulus(sun, observer)
         if view.scene.shadow_of:
             magnitudes = magnitudes + _magnitudes.dimming(view.lit_fraction)
@@ -102,8 +102,7 @@ def shape_of(
     section: Any, body: Body | None, opened: Callable[[Any, str], FilePath]
 ) -> dict[str, Any]:
     """The arguments ``shape`` and, if given, ``shadows`` of a Scene from a section [shape]."""
-    if not isinstance(section, dict):
-        raise AttitudeError(f"shape is {quoted(section)}; give a section that begins [shape].")
+    section = toml.section_of(section, "shape")
     known = {*_SHAPES, *_ANY_SHAPE, *(key for words in _SHAPES.values() for key in words)}
     refuse_unknown(section, sorted(known), "[shape]")
     way = way_of(section, _SHAPES, "[shape]")
@@ -136,10 +135,10 @@ def shape_of(
 
 
 def facets_for(
-    section: Mapping[str, Any], shape: shape_ellipsoid.Ellipsoid | _mesh.Mesh, law: Law
+    section: Mapping[str, Any], shape: shape_ellipsoid.Ellipsoid | _mesh.Mesh, law: Law | None
 ) -> shape_ellipsoid.Ellipsoid | _mesh.Mesh:
-    """The shape, or facets of an ellipsoid if the law has no closed form, or `section` says so."""
-    is_cut = "facets" in section or not law.has_ellipsoid_form
+    """The shape, or facets of an ellipsoid: without a law of closed form, or by `section`."""
+    is_cut = law is None or "facets" in section or not law.has_ellipsoid_form
     if isinstance(shape, shape_ellipsoid.Ellipsoid) and is_cut:
         return shape.facets(section.get("facets", FACETS))
     return shape
@@ -147,10 +146,7 @@ def facets_for(
 
 def law_of(section: Any, shape: shape_ellipsoid.Ellipsoid | _mesh.Mesh) -> Law:
     """The law of a section [scattering], for a shape."""
-    if not isinstance(section, dict):
-        raise AttitudeError(
-            f"scattering is {quoted(section)}; give a section that begins [scattering]."
-        )
+    section = toml.section_of(section, "scattering")
     if "materials" in section:
         refuse_unknown(section, ("materials",), "[scattering] with materials")
         return _materials(section["materials"], shape)
@@ -166,10 +162,7 @@ def law_of(section: Any, shape: shape_ellipsoid.Ellipsoid | _mesh.Mesh) -> Law:
 
 def scale_of(section: Any) -> dict[str, Any]:
     """The arguments phase_function and sun_magnitude of a Scene from a [magnitude] section."""
-    if not isinstance(section, dict):
-        raise AttitudeError(
-            f"magnitude is {quoted(section)}; give a section that begins [magnitude]."
-        )
+    section = toml.section_of(section, "magnitude")
     known = ("kind", "sun_magnitude", "h", "g", "g1", "g2", "sun_distance", "observer_distance")
     refuse_unknown(section, known, "[magnitude]")
     function = _phase_function(section)

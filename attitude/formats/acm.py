@@ -29,13 +29,13 @@ import numpy as np
 
 from attitude._support import pairs
 from attitude._textfiles import messages
-from attitude._textfiles.lines import NoNumber, cut, is_number, numbers
+from attitude._textfiles.lines import NoNumber, cut, is_number, numbers, prefixed
 from attitude._textfiles.messages import Form, Generator, refuse_line_breaks
 from attitude.epochs import _time_scales
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
-from attitude.formats import _attitude_types, _messages, _sampling
 from attitude.formats import _ccsds_epochs as ccsds_epochs
+from attitude.formats import _messages, _sampling
 from attitude.formats._attitude_types import ANGLES, ANGLES_DOT, ANGVEL, Q_DOT, Convention, Q
 from attitude.formats._format import of_table, refuse_foreign, register_message
 from attitude.formats._messages import INERTIA
@@ -43,9 +43,9 @@ from attitude.formats._records import (
     TOLERANCE,
     Rows,
     columns_of,
+    in_icrf,
     known_tolerance,
     refuse_length,
-    to_icrf,
 )
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
@@ -130,6 +130,12 @@ _RATES = {
     "Q_DOT": Q_DOT,
     "EULER_RATE": ANGLES_DOT,
     "GYRO_BIAS": tuple(f"the bias {k}" for k in "XYZ"),
+}
+# RATE_TYPE -> the attitude type of a quaternion with such rates, if it is not QUATERNION.
+_DECODED = {
+    "ANGVEL": "QUATERNION/ANGVEL",
+    "Q_DOT": "QUATERNION/DERIVATIVE",
+    "EULER_RATE": "QUATERNION/ANGVEL",
 }
 # COV_TYPE -> columns, of which those of the attitude stand first.
 _COVARIANCES = {
@@ -405,12 +411,7 @@ class _TimeTags:
         digits = ccsds_epochs.DIGITS if digits is None else digits
         pair = _time_scales.tt_from_tdb(hi, lo) if self._uniform else (hi, lo)
         hi, lo = pairs.add(pair, -self._base[0], -self._base[1])
-        whole = np.floor(hi)
-        ticks = np.rint(((hi - whole) + lo) * 10.0**digits)
-        carry = np.floor(ticks / 10.0**digits)
-        whole, ticks = whole + carry, ticks - carry * 10.0**digits
-        both = zip(whole.astype(np.int64).tolist(), ticks.astype(np.int64).tolist(), strict=True)
-        return [f"{n}.{fraction:0{digits}d}" if digits else f"{n}" for n, fraction in both]
+        return ccsds_epochs.decimals(*ccsds_epochs.rounded(hi, lo, digits), digits)
 
     def parsed(self, tokens):
         """TDB seconds since J2000 of tags; BadEpoch for those that cannot be read."""
@@ -484,9 +485,7 @@ def _rows(block):
     """Epoch, seconds and low since then, values and lines of the complete rows of a block."""
     if block.rows is None:
         raise block.fault(f"the block {block.name} has no rows.")
-    hi, lo, values, lines = block.rows.joined()
-    epoch = Instant(float(hi[0]), float(lo[0]))
-    return epoch, *pairs.add((hi, lo), -epoch.seconds, -epoch.low), values, lines
+    return block.rows.joined()
 
 
 def _table(block, tolerance, frame, orbit):
@@ -497,7 +496,12 @@ def _table(block, tolerance, frame, orbit):
     euler = kind == "EULER_ANGLES" or rate == "EULER_RATE"
     sequence = _messages.sequence_of(block) if euler else None
     angles, rates = np.split(values, [len(_ATTITUDES[kind])], axis=1)
-    how = Convention(to_body=not body_is_a, sequence=sequence, rates_over_body=not body_is_a)
+    how = Convention(
+        to_body=not body_is_a,
+        sequence=sequence,
+        rates_over_body=not body_is_a,
+        rates_of_angles=rate == "EULER_RATE",
+    )
     meta = _said(block.message) | {
         "keywords": dict(block),
         "data_comments": tuple(block.comments),
@@ -515,20 +519,10 @@ def _table(block, tolerance, frame, orbit):
             refuse_length(angles, lines, tolerance, fault)
         else:
             angles = forms.to_xyzw(quaternion.from_euler(sequence, np.radians(angles)))
-        with np.errstate(over="ignore", invalid="ignore"):  # AttitudeTable refuses overflow
-            wxyz, speeds = _decoded(rate, angles, rates, how)
-        wxyz, speeds = to_icrf(quaternion.unit(wxyz), speeds, axes, epoch, seconds, low, orbit)
+        columns = np.concatenate((angles, rates), axis=1)
+        where = epoch, seconds, low, orbit
+        wxyz, speeds = in_icrf(_DECODED.get(rate, "QUATERNION"), columns, how, axes, where)
         return AttitudeTable(epoch, seconds, wxyz, low=low, angular_velocity=speeds, meta=meta)
-
-
-def _decoded(rate, quaternions, rates, how):
-    """Attitudes and rates relative to the external axes, from quaternions and a RATE_TYPE."""
-    if rate == "EULER_RATE":
-        how = Convention(to_body=how.to_body, sequence=how.sequence, rates_of_angles=True)
-    names = {"Q_DOT": "QUATERNION/DERIVATIVE"}
-    names |= dict.fromkeys(("ANGVEL", "EULER_RATE"), "QUATERNION/ANGVEL")
-    columns = np.concatenate((quaternions, rates), axis=1) if rate in names else quaternions
-    return _attitude_types.decoded(names.get(rate, "QUATERNION"), columns, how)
 
 
 def _quaternions(entries, lines, tolerance, fault):
@@ -669,11 +663,11 @@ def _maneuver(block, tags):
     def values(keyword, count=1):
         return np.array(block.numbers(keyword, count)) if keyword in block else None
 
-    first, last = block.number("MAN_BEGIN_TIME"), values("MAN_END_TIME")
-    duration = values("MAN_DURATION")
-    if last is None:
-        last = first + (0.0 if duration is None else duration)
-    first, last = float(first), float(np.reshape(last, ()))
+    first = last = block.number("MAN_BEGIN_TIME")
+    if "MAN_END_TIME" in block:
+        last = block.number("MAN_END_TIME")
+    elif "MAN_DURATION" in block:
+        last = first + block.number("MAN_DURATION")
     if last < first or max(abs(first), abs(last)) > 1e15:
         raise block.fault("the maneuver ends before it begins.")
     attitude, rate = values("TARGET_ATTITUDE", 4), values("TARGET_SPINRATE")
@@ -682,7 +676,7 @@ def _maneuver(block, tags):
             raise block.fault("TARGET_ATTITUDE is no quaternion of unit length.", "TARGET_ATTITUDE")
         attitude = quaternion.unit(np.roll(attitude, 1))
     hi, lo = tags.after(np.array([first, last]))
-    begin, end = (Instant(float(h), float(l)) for h, l in zip(hi, lo, strict=True))
+    begin, end = map(Instant, hi, lo)
     return Maneuver(
         begin,
         end,
@@ -748,10 +742,10 @@ def _covariances(records, body, texts):
 
 def _physics(body, frame, products):
     """The block PHYS of a body in kg m2."""
-    products = _messages.known_products(products, "2.0")
+    values = _messages.inertia_values(body.tensor, products, "2.0")
     mass = [] if body.mass is None else [("WET_MASS", float(body.mass))]
-    inertia = zip(INERTIA, _messages.inertia_values(body.tensor, products), strict=True)
-    return _WrittenBlock("PHYS", [*mass, ("INERTIA_REF_FRAME", frame), *inertia])
+    inertia = [("INERTIA_REF_FRAME", frame), *zip(INERTIA, values, strict=True)]
+    return _WrittenBlock("PHYS", [*mass, *inertia])
 
 
 def _maneuvers(motion, seconds, ends, frame, axes):
@@ -926,10 +920,8 @@ def _opened(path, *, segment, **keywords):
                 "blocks of attitudes, counted from 0."
             )
         return of_table(message.tables[segment])
-    try:
+    with prefixed(path):
         return of_table(message.table if message.tables else message.motion)
-    except AttitudeError as err:
-        raise AttitudeError(f"{os.fspath(path)}: {err}") from err
 
 
 register_message(

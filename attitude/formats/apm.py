@@ -25,7 +25,7 @@ from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._attitude_types import ANGLES, ANGLES_DOT, ANGVEL, Q_DOT, SPIN, Convention, Q
 from attitude.formats._format import OpenedFile, message_labels, refuse_foreign, register_message
 from attitude.formats._messages import GROUPS, INERTIA, OLD_ANGLES, OLD_INERTIA, OLD_RATES, VERSIONS
-from attitude.formats._records import TOLERANCE, known_tolerance, refuse_length, to_icrf
+from attitude.formats._records import TOLERANCE, in_icrf, known_tolerance, refuse_length
 from attitude.formats._sampling import refuse_breaks
 from attitude.frames import quaternion as forms
 from attitude.frames import representations as frames_representations
@@ -115,8 +115,9 @@ class _State:
     """The state in the blocks of a message; parameters as in `apm.read`."""
 
     def __init__(self, message, epoch, tolerance, frame, orbit, rates):
-        self._message, self._epoch, self._tolerance = message, epoch, tolerance
-        self._frame, self._orbit, self._rates = frame, orbit, rates
+        self._message, self._tolerance, self._frame, self._rates = message, tolerance, frame, rates
+        # What axes turn with.
+        self._where = epoch, np.zeros(1), np.zeros(1), orbit
         self._is_old = message.version == "1.0"
         # Block -> name of the body's axes in it.
         self._bodies: dict[str, str] = {}
@@ -175,10 +176,7 @@ class _State:
 
     def _relative(self, kind, row, how, axes):
         """Attitude (4,) and rates (3,) relative to ICRF from the numbers of an attitude type."""
-        zero = np.zeros(1)
-        with np.errstate(over="ignore", invalid="ignore"):  # refuse_speed refuses overflow
-            wxyz, rates = _attitude_types.decoded(kind, np.array([row]), how)
-        wxyz, rates = to_icrf(forms.unit(wxyz), rates, axes, self._epoch, zero, zero, self._orbit)
+        wxyz, rates = in_icrf(kind, np.array([row]), how, axes, self._where)
         return wxyz[0], None if rates is None else rates[0]
 
     def _old_euler(self, block, how, axes, body_is_a):
@@ -214,14 +212,14 @@ class _State:
         refuse_speed(rates)
 
         def of(wxyz):
-            zero, body, relative = np.zeros(1), forms.conjugate(wxyz), rates
-            outer = axes.to_icrf(self._epoch, zero, zero, self._orbit).reshape(4)
+            body, relative = forms.conjugate(wxyz), rates
+            outer = axes.to_icrf(*self._where).reshape(4)
             if how is not None:
                 inner = forms.multiply(forms.conjugate(outer), wxyz)[None]
                 relative = _attitude_types.of_euler_derivatives(inner, rates[None], how)[0]
             elif not over_body:
                 relative = forms.rotate(forms.multiply(body, outer), rates)
-            turning = axes.angular_velocity(self._epoch, zero, zero, self._orbit)
+            turning = axes.angular_velocity(*self._where)
             return relative if turning is None else relative + forms.rotate(body, turning[0])
 
         return of
@@ -251,16 +249,14 @@ def _by_axis(block, what, sequence):
 
 # ---- Writing
 
-# Block -> its element in each version.
+# Block -> its element in each version, of the blocks that are written.
 _ELEMENTS = {
     "1.0": {
-        **{"QUAT": "quaternionState", "EULER": "eulerElementsThree"},
-        **{"SPIN": "eulerElementsSpin", "INERTIA": "spacecraftParameters"},
+        "QUAT": "quaternionState",
+        "EULER": "eulerElementsThree",
+        "INERTIA": "spacecraftParameters",
     },
-    "2.0": {
-        **{"QUAT": "quaternionState", "EULER": "eulerAngleState", "ANGVEL": "angularVelocity"},
-        **{"SPIN": "spin", "INERTIA": "inertia"},
-    },
+    "2.0": {"QUAT": "quaternionState", "ANGVEL": "angularVelocity", "INERTIA": "inertia"},
 }
 
 
@@ -304,8 +300,7 @@ def _inertia(version, body, frame, products):
             "the moments of the body are relative, but an APM has kg m2; give moments in kg m2, or "
             "inertia=False."
         )
-    products = _messages.known_products(products, version)
-    values = _messages.inertia_values(body.tensor, products)
+    values = _messages.inertia_values(body.tensor, products, version)
     names = OLD_INERTIA if version == "1.0" else INERTIA
     return "INERTIA", [("INERTIA_REF_FRAME", frame), *zip(names, values, strict=True)]
 

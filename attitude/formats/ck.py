@@ -30,7 +30,7 @@ from attitude._textfiles.atomic_write import made_whole, written_whole
 from attitude.epochs import _instants
 from attitude.errors import AttitudeError
 from attitude.formats import _ck_files
-from attitude.formats._ck_files import LoadedKernels, Plan, TableSegments, spiceypy
+from attitude.formats._ck_files import REFERENCE, LoadedKernels, Plan, TableSegments, spiceypy
 from attitude.formats._format import Format, OpenedFile, Option, refuse_foreign, register
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
@@ -50,8 +50,6 @@ __all__ = ["KernelAttitude", "Written", "write"]
 
 
 # ---- The attitude of a frame from any C-kernel, through SPICE
-
-_REFERENCE = "J2000"
 
 
 class KernelAttitude(Motion):
@@ -141,10 +139,10 @@ class KernelAttitude(Motion):
 
     def _read(self, seconds, low):
         """Attitudes, and rates over the body axes, NaN where the kernels have none."""
-        hi = np.ravel(seconds)
-        extra = np.zeros(hi.size) if low is None else np.ravel(np.broadcast_to(low, seconds.shape))
+        hi, shape = np.ravel(seconds), np.shape(seconds)
+        extra = np.zeros(shape) if low is None else np.array(np.broadcast_to(low, shape))
+        extra = extra.ravel()
         matrices, rates = np.full((hi.size, 3, 3), np.eye(3)), np.full((hi.size, 3), np.nan)
-        extra = np.array(extra)
         for k, second in enumerate(hi.tolist()):
             if not math.isnan(second):
                 matrices[k], rates[k], evaluated = self._state_at(second)
@@ -154,15 +152,14 @@ class KernelAttitude(Motion):
         turned = forms.from_rotation_vector(np.where(np.isnan(omega), 0.0, omega) * extra[:, None])
         wxyz = quaternion.multiply(wxyz, turned)
         wxyz[np.isnan(hi)] = np.nan
-        shape = np.shape(seconds)
         return wxyz.reshape(*shape, 4), omega.reshape(*shape, 3)
 
     def _state_at(self, second):
         """Direction cosine matrix and angular velocity in J2000, and their epoch, s past J2000."""
         spice = spiceypy()
         ways = (
-            lambda t: spice.xf2rav(spice.sxform(_REFERENCE, self.frame, t)),
-            lambda t: (spice.pxform(_REFERENCE, self.frame, t), np.nan),  # no angular velocities
+            lambda t: spice.xf2rav(spice.sxform(REFERENCE, self.frame, t)),
+            lambda t: (spice.pxform(REFERENCE, self.frame, t), np.nan),  # no angular velocities
         )
         for t in (second, math.nextafter(second, math.inf), math.nextafter(second, -math.inf)):
             for way in ways:
@@ -286,10 +283,8 @@ def write(
     if start is None or stop is None:
         assert isinstance(motion, AttitudeTable)
         plan = TableSegments(motion)
-        span = plan.span
     else:
         plan = Plan(motion, start, stop, kind, tolerance, rate_tolerance, scale)
-        span = plan.end
     _check_names(path, name, instrument, clock if isinstance(clock, int) else -1, center)
     if frame_kernel is not None:
         instrument = _instrument_of(frame_kernel, name)
@@ -299,7 +294,7 @@ def write(
             ticking = _ck_files.own(clock, plan.first, scale)
         else:
             files = [clock] if isinstance(clock, (str, os.PathLike)) else list(clock)
-            ticking = stack.enter_context(_ck_files.of_mission(files, plan.first, span))
+            ticking = stack.enter_context(_ck_files.of_mission(files, plan.first, plan.end))
         return _written(path, plan, ticking, name, instrument, center, frame_kernel, files)
 
 

@@ -83,7 +83,7 @@ class RelaxedRotator:
             epoch = _inputs.instant(Time(self.jd0, format="jd", scale=scale))
         else:
             pair = _time_scales.seconds_from_jd(np.float64(self.jd0), np.float64(0.0))
-            epoch = Instant(*map(float, _time_scales.tdb_from(scale, *pair)))
+            epoch = Instant(*_time_scales.tdb_from(scale, *pair))
         angles = np.radians([self.longitude_deg, 90.0 - self.latitude_deg, self.phi0_deg])
         wxyz = quaternion.from_euler("ZYZ", angles)
         rate = 2.0 * np.pi / (self.period_h * _HOUR)
@@ -131,10 +131,9 @@ def _numbers(lines, count, what):
     for line in lines:
         if not line.strip():
             continue
-        parts = line.split()
-        good = len(parts) == count and all(map(is_number, parts))
-        values = [float(word) for word in parts] if good else []
-        if not good or not np.all(np.isfinite(values)):
+        words = line.split()
+        values = [float(word) for word in words if is_number(word)]
+        if not len(words) == len(values) == count or not np.all(np.isfinite(values)):
             raise lines.fault(f"it must hold {what}: {count} numbers.")
         return values
     raise lines.fault(f"the file ends before {what}.")

@@ -269,8 +269,7 @@ def read_damit_light_curves(path: FilePath, *, time_system: str = "TDB") -> list
             raise lines.fault("the file is empty; a light-curve file begins with their number.", 1)
         count = _count(lines, header[0], "the number of light curves")
         curves = [_curve(lines, rows, k, count, time_system) for k in range(count)]
-        extra = next(rows, None)
-        if extra is not None:
+        if next(rows, None) is not None:
             raise lines.fault(
                 f"there is more after the {count} light curves that line 1 announces; is their "
                 "number correct?"

@@ -110,7 +110,6 @@ from attitude.paths import _composed, _places
 from attitude.paths._solar_system import SOURCES
 from attitude.scene._scene import Scene
 from attitude.scene._view import View
-from attitude.shape._ellipsoid import Ellipsoid
 from attitude.torques import _gravity_gradient
 from attitude.torques._torqued import TorquedRotation
 
@@ -435,10 +434,7 @@ class _File:
         keywords = self._shape()
         if keywords is None:
             raise AttitudeError(f"{where} acts on facets; give a section [shape].")
-        shape = keywords["shape"]
-        if isinstance(shape, Ellipsoid):
-            return shape.facets(self.content.get("shape", {}).get("facets", _surface.FACETS))
-        return shape
+        return _surface.facets_for(self.content.get("shape", {}), keywords["shape"], None)
 
     def motion(self):
         """The motion of the state, under the torques of the file; None without a spin."""

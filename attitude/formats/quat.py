@@ -26,7 +26,7 @@ import numpy as np
 
 from attitude._support import pairs
 from attitude._textfiles.atomic_write import written_whole
-from attitude._textfiles.lines import NoNumber, cut, is_number, numbers, opened
+from attitude._textfiles.lines import cut, is_number, opened, text_of_rows
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats import _sampling
 from attitude.formats._attitude_types import Convention
@@ -138,10 +138,7 @@ class _Records(Rows):
                 "epoch=2026-01-01T00:00:00 (UTC) there, or write dates.",
                 lines[0],
             )
-        try:
-            seconds = numbers(leads[0], 1, [0])[:, 0]
-        except NoNumber as err:
-            raise self.fault(f"{err.shown} is no number.", lines[err.line]) from err
+        seconds = self.seconds_of(leads[0], lines)
         start = np.float64(self.epoch.seconds), np.float64(self.epoch.low)
         self.add_times(*pairs.add(start, seconds), values, lines)
 
@@ -184,10 +181,7 @@ def write(
                 dates = ccsds_epochs.texts(history.epoch, history.seconds, history.low, "utc")
                 how = Convention(scalar_first=True)
                 columns = columns_of(history, "QUATERNION", how, axes, orbit).T.tolist()
-                records = zip(dates, *columns, strict=True)
-                file.write(
-                    "".join([f"{date} {w!r} {x!r} {y!r} {z!r}\n" for date, w, x, y, z in records])
-                )
+                file.write(text_of_rows(dates, columns, " "))
 
     how = _sampling.Writing(
         _sampling.stated(None, None, has_rates=False),

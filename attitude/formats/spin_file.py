@@ -178,8 +178,7 @@ def _body(section):
         ratios = (float(value(key, ())) for key in ("A_over_C", "B_over_C"))
         return Body(moments=moments_from_ratios(*ratios), relative=True)
     masses = value("masses", None, "kg")
-    length = None if relative else "m"
-    positions = _numbers(section, "body", "positions", (..., 3), length)
+    positions = _numbers(section, "body", "positions", (..., 3), None if relative else "m")
     return Body.from_points(masses, positions, relative=relative)
 
 
@@ -220,11 +219,7 @@ def _published(section, body):
 def _section(content, name):
     if name not in content:
         raise AttitudeError(f"the file has no section [{name}]; a spin file has [body] and [spin].")
-    if not isinstance(content[name], dict):
-        raise AttitudeError(
-            f"{name} is {quoted(content[name])}; give a section that begins [{name}]."
-        )
-    return content[name]
+    return toml.section_of(content[name], name)
 
 
 def _way(section, ways, common, name):
@@ -303,8 +298,6 @@ def _converted(value, name, unit):
 
 
 def _kind(value):
-    if isinstance(value, bool):
-        return "bool"
     return {int: "number", float: "number"}.get(type(value), type(value).__name__)
 
 

@@ -27,7 +27,7 @@ import numpy as np
 
 from attitude._support import pairs
 from attitude._textfiles.atomic_write import written_whole
-from attitude._textfiles.lines import NoNumber, is_number, numbers, opened
+from attitude._textfiles.lines import is_number, opened, text_of_rows
 from attitude.epochs import _time_scales
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
@@ -201,12 +201,11 @@ class Decoder:
 
     def _integrated(self, seconds, rates):
         """The angles (N, 3): those of the first record, and the integral of linear rates."""
-        angles = self._angles
         if self._before is not None:
             seconds = np.concatenate([[self._before[0]], seconds])
             rates = np.concatenate([self._before[1][None], rates])
         steps = np.diff(seconds)[:, None] * 0.5 * (rates[1:] + rates[:-1])
-        integrals = angles + np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
+        integrals = self._angles + np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
         self._angles, first = integrals[-1], self._before is not None
         self._before = seconds[-1], rates[-1]
         return integrals[1:] if first else integrals
@@ -335,10 +334,7 @@ class Header:
     def _read_keywords(self):
         """The name of the section; sets `keywords`."""
         lines = self._lines
-        for line in lines:
-            text = lines.text(line).strip()
-            if not text or text.startswith("#"):
-                continue
+        for text in lines.texts():
             keyword, value = (*text.split(None, 1), "")[:2]
             known = _BY_LOWER.get(keyword.lower())
             if known in REFUSED:
@@ -406,19 +402,15 @@ class Header:
 
 
 def _read_banner(lines):
-    banner = None
-    for line in lines:
-        text = lines.text(line).strip()
-        if not text or text.startswith("#"):
-            continue
-        if banner is None:
-            banner = re.fullmatch(r"stk\.v\.\d+\.\d+(\.\d+)?", text, re.ASCII | re.IGNORECASE)
-            if banner is None:
-                raise lines.fault(f"it begins with {text[:40]!r}; an STK file begins with stk.v.")
-        elif re.fullmatch(r"BEGIN\s+Attitude", text, re.IGNORECASE):
-            return
-        else:
+    texts = lines.texts()
+    for text in texts:
+        if not re.fullmatch(r"stk\.v\.\d+\.\d+(\.\d+)?", text, re.ASCII | re.IGNORECASE):
+            raise lines.fault(f"it begins with {text[:40]!r}; an STK file begins with stk.v.")
+        break
+    for text in texts:
+        if not re.fullmatch(r"BEGIN\s+Attitude", text, re.IGNORECASE):
             raise lines.fault(f"{text[:40]!r} stands where BEGIN Attitude must be.")
+        return
     raise lines.fault("the file ends before BEGIN Attitude; is it an STK attitude file?")
 
 
@@ -540,10 +532,7 @@ class _Records(Rows):
                 raise self.fault(
                     f"the time {shown!r} cannot be read: {err.reason}.", lines[err.index]
                 ) from err
-        try:
-            seconds = numbers(leads[0], 1, [0])[:, 0]
-        except NoNumber as err:
-            raise self.fault(f"{err.shown} is no number.", lines[err.line]) from err
+        seconds = self.seconds_of(leads[0], lines)
         if not np.all(np.isfinite(seconds)):
             raise self.fault("its time is not finite.", lines[int(np.argmin(np.isfinite(seconds)))])
         unit = UNITS[self._header.time_format]
@@ -634,8 +623,7 @@ def write(
         for name, records in zip(_names(path, len(parts)), parts, strict=True):
             write_file(name, records, order=order)
         return None
-    degree = source.degree if isinstance(source, AttitudeTable) else _table.USUAL_DEGREE
-    degree = order or degree
+    degree = order or (source.degree if isinstance(source, AttitudeTable) else _table.USUAL_DEGREE)
     kept = order if tolerance is None else degree
     how_written = _sampling.Writing(
         ("slerp" if degree == 1 else "lagrange", degree),
@@ -686,10 +674,7 @@ def _write(path, records, *, section, axes, how, head, order, orbit):
         file.write(f"\n{section}\n\n")
         for history in records.pieces():
             columns = columns_of(history, SECTIONS[section].kind, how, axes, orbit)
-            seconds = shift(history)
-            row = "%r" + " %r" * columns.shape[1] + "\n"
-            lists = [seconds.tolist(), *columns.T.tolist()]
-            file.write("".join([row % record for record in zip(*lists, strict=True)]))
+            file.write(text_of_rows(shift(history).tolist(), columns.T.tolist(), " "))
         file.write("\nEND Attitude\n")
 
 

@@ -26,7 +26,7 @@ import numpy as np
 from attitude._support import pairs, validation
 from attitude._support.quoting import quoted
 from attitude._textfiles.atomic_write import written_whole
-from attitude._textfiles.lines import opened, prefixed, whole
+from attitude._textfiles.lines import opened, prefixed, text_of_rows, whole
 from attitude.epochs import _inputs, _instants, _time_scales
 from attitude.errors import AttitudeError
 from attitude.formats import _ccsds_epochs as ccsds_epochs
@@ -71,10 +71,10 @@ SIGMA_RATES: tuple[str, ...] = ("sigma_omega_x", "sigma_omega_y", "sigma_omega_z
 
 def names(*, rates: bool, sigma: bool = False) -> list[str]:
     """Names of the columns: UTC, TDB seconds, then those of `columns_of_numbers`."""
-    attitude, deviations = (ATTITUDE, SIGMA)
-    if rates:
-        attitude, deviations = attitude + RATES, deviations + SIGMA_RATES
-    return ["utc", "tdb_seconds", *attitude, *(deviations if sigma else ())]
+    columns = [*ATTITUDE, *(RATES if rates else ())]
+    if sigma:
+        columns += [*SIGMA, *(SIGMA_RATES if rates else ())]
+    return ["utc", "tdb_seconds", *columns]
 
 
 def columns_of_numbers(
@@ -99,8 +99,7 @@ def of_history(
 
 def text(dates: Iterable[str], *columns: Iterable[float]) -> str:
     """The text of rows: a date, and one number of each column."""
-    pattern = "%s" + ",%r" * len(columns) + "\n"
-    return "".join([pattern % row for row in zip(dates, *columns, strict=True)])
+    return text_of_rows(dates, columns, ",")
 
 
 # ---- CSV files of attitudes
@@ -151,19 +150,18 @@ class _CsvRows(Rows):
 
 
 def _names(lines):
-    for line in lines:
-        text = lines.text(line).strip()
-        if text and not text.startswith("#"):
-            names = [name.strip().strip('"') for name in text.split(",")]
-            lacking = [name for name in ("utc", *ATTITUDE) if name not in names]
-            some = [name for name in RATES if name in names]
-            if lacking or len(set(names)) < len(names) or len(some) not in (0, 3):
-                raise lines.fault(
-                    f"the first line names {quoted(', '.join(names), 120, '')}; it must name utc, "
-                    f"{', '.join(ATTITUDE)} and none or all of {', '.join(RATES)}, each once."
-                )
-            return names
-    raise lines.fault("the file is empty.")
+    text = next(lines.texts(), None)
+    if text is None:
+        raise lines.fault("the file is empty.")
+    names = [name.strip().strip('"') for name in text.split(",")]
+    lacking = [name for name in ("utc", *ATTITUDE) if name not in names]
+    some = [name for name in RATES if name in names]
+    if lacking or len(set(names)) < len(names) or len(some) not in (0, 3):
+        raise lines.fault(
+            f"the first line names {quoted(', '.join(names), 120, '')}; it must name utc, "
+            f"{', '.join(ATTITUDE)} and none or all of {', '.join(RATES)}, each once."
+        )
+    return names
 
 
 # ---- Parquet files of attitudes, by pyarrow
@@ -271,18 +269,10 @@ def qtable(
 
     parts = _sampling.segments(source, t)
     with_rates = rates and all(segment.has_rates for segment in parts)
-    tables: list[QTable] = []
-    first: list[int] = []
-    for segment in parts:
-        first.append(sum(map(len, tables)))
-        tables.extend(piece.table(rates=with_rates, sigma=sigma) for piece in segment.pieces())
+    pieces = (piece for segment in parts for piece in segment.pieces())
+    tables = [piece.table(rates=with_rates, sigma=sigma) for piece in pieces]
     table = tables[0] if len(tables) == 1 else vstack(tables, metadata_conflicts="silent")
-    table.meta = {
-        "frame": "ICRF",
-        "wxyz": "body to ICRF, scalar first",
-        "segment": first,
-        **_interpolation(parts[0]),
-    }
+    table.meta = {"frame": "ICRF", "wxyz": "body to ICRF, scalar first", **_said_of(parts)}
     for key in ("object_name", "object_id", "center"):
         if parts[0].meta.get(key):
             table.meta[key] = parts[0].meta[key]
@@ -417,8 +407,7 @@ def _write(path, kind, parts, rates, sigma):
     if kind == "csv":
         _write_csv(path, parts[0], rates=rates, sigma=sigma)
     elif kind == "parquet":
-        starts = np.cumsum([0, *map(len, parts)])[:-1].tolist()
-        meta = {"frame": "ICRF", "segment": starts, **_interpolation(parts[0])}
+        meta = {"frame": "ICRF", **_said_of(parts)}
         _write_parquet(path, parts, meta, rates=rates, sigma=sigma)
     else:
         table = qtable(parts, rates=rates, sigma=sigma)
@@ -464,10 +453,10 @@ def kind_of(path: FilePath) -> str:
     return KINDS[ending]
 
 
-def _interpolation(part):
-    if part.table is None:
-        return {}
-    return {"method": part.table.method, "degree": part.table.degree}
+def _said_of(parts):
+    """The first rows of segments, and their interpolation if they are those of a table."""
+    meta, table = {"segment": np.cumsum([0, *map(len, parts)])[:-1].tolist()}, parts[0].table
+    return meta if table is None else meta | {"method": table.method, "degree": table.degree}
 
 
 def _times(table, origin):
@@ -520,7 +509,7 @@ def _segmented(time, wxyz, rates, meta):
         starts = [int(start) for start in np.atleast_1d(starts)]
         if starts[0] != 0 or np.any(np.diff([*starts, len(hi)]) <= 0):
             raise AttitudeError("the first rows of its segments do not increase within the table.")
-        epoch = _instants.Instant(float(hi[0]), float(lo[0]))
+        epoch = _instants.Instant(hi[0], lo[0])
         hi, lo = pairs.add((hi, lo), -epoch.seconds, -epoch.low)
         settings = {"method": meta.get("method"), "meta": meta}
         settings["degree"] = None if degree is None else int(degree)
