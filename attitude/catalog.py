@@ -326,8 +326,8 @@ class Entry(Answering):
         return getattr(self, name) if name in ("mode", "convention") else self.given[name].si
 
     def _from_rates(self, body: Body, given: Mapping[str, Any], frame: str) -> Spin:
-        if "angular_velocity" in given:
-            rate = given["angular_velocity"]
+        if "angular_velocity" in {*given, *self.given}:
+            rate = self._value("angular_velocity", given)
         else:
             about = self.given["principal_rates"].si
             rate = 2.0 * np.pi / self.printed["spin_period"].si * (body.principal_axes @ about)

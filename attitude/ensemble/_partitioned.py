@@ -251,7 +251,9 @@ def _blocks(
 ) -> list[Any]:
     """The delayed blocks of a dask array, one for each partition of the members."""
     if row is not None and array.shape[1:] != row:
-        raise AttitudeError(f"{name} has shape {array.shape}; give (N, {row}).")
+        raise AttitudeError(
+            f"{name} has shape {array.shape}; give (N, {', '.join(map(str, row))})."
+        )
     if any(math.isnan(length) for length in chunks):
         raise AttitudeError("the members are not counted; make the ensemble with count=True.")
     if array.shape[0] != sum(chunks):

@@ -190,7 +190,8 @@ class Plan:
         self._scale = scale
         if kind not in (3, 5):
             raise AttitudeError(f"kind is {kind!r}; CK is written in types 3 and 5, give one.")
-        if not (isinstance(tolerance, (int, float)) and 1e-14 <= tolerance <= 1.0):
+        is_number = isinstance(tolerance, (int, float)) and not isinstance(tolerance, bool)
+        if not (is_number and 1e-14 <= tolerance <= 1.0):
             raise AttitudeError(f"tolerance is {tolerance!r}; give a number of rad, 1e-14 to 1.")
         self._motion = motion_of(motion)
         self.kind: int = kind

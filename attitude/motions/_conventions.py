@@ -163,4 +163,4 @@ def _positive(angle):
     """In [0, 2 pi)."""
     angle = np.fmod(angle, 2.0 * np.pi)
     angle = np.where(angle < 0.0, angle + 2.0 * np.pi, angle)
-    return np.where(angle < 2.0 * np.pi, angle, 0.0)[()]
+    return np.where(angle >= 2.0 * np.pi, 0.0, angle)[()]

@@ -127,9 +127,9 @@ def known_shadows(shadows: Any) -> bool | Visibility:
 
 # Quantities that are true or false, that have kinks or jumps, and that may be NaN or infinite: all
 # others are smooth, so that their samples bound their derivatives.
-_FLAGS = ("in_umbra", "in_penumbra", "sky_dark")
+_FLAGS = ("in_umbra", "in_penumbra", "sky_dark", "is_observable")
 _ROUGH = ("lit_fraction", "airmass", "brightness", "reduced_magnitude", "magnitude")
-_JUMPS = ("longitude", "right_ascension")
+_JUMPS = {"longitude", "right_ascension", "azimuth", "long_axis_position_angle"}
 # Parts of |r| / |v| that are the spacing of samples: of a body or observer about its center, and of
 # the two relative to each other.
 _OF_ORBIT, _OF_RANGE = 1.0 / 30.0, 1.0 / 4.0
@@ -534,7 +534,7 @@ class Scene(Immutable):
                 'their units, as in > "10 deg".'
             )
         is_flag = column in _FLAGS
-        is_rough = column in _ROUGH or component in _JUMPS or column.endswith("_sigma")
+        is_rough = column in _ROUGH or column.endswith("_sigma") or {column, component} & _JUMPS
         return OfView(
             self,
             OfColumn(column, parts.index(component) if component else None),

@@ -238,3 +238,11 @@ def test_units_are_converted_as_by_astropy():
             quantity = np.array(each.value) * units.Unit(each.unit)
             expected = quantity.to_value(to.get(each.unit, each.unit))
             assert np.array_equal(each.si, expected), f"{name}: {each}"
+
+
+def test_an_attitude_of_the_caller_goes_with_the_published_rates():
+    published = catalog.load("4179 Toutatis").spin
+    spin = catalog.load("4179 Toutatis", wxyz=(1, 0, 0, 0)).spin
+    np.testing.assert_array_equal(spin.wxyz, (1.0, 0.0, 0.0, 0.0))
+    np.testing.assert_array_equal(spin.angular_velocity, published.angular_velocity)
+    assert spin.epoch == published.epoch

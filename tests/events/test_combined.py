@@ -160,6 +160,13 @@ def test_a_flag_is_a_condition_itself(scene):
     dark = scene.quantity("sky_dark") & ~scene.quantity("in_umbra")
     view = scene.at(t)
     np.testing.assert_array_equal(dark(t), view.sky_dark & ~view.in_umbra)
+    np.testing.assert_array_equal(scene.quantity("is_observable")(t), view.is_observable)
+
+
+@pytest.mark.parametrize("name", ["azimuth", "long_axis_position_angle"])
+def test_angles_that_jump_by_a_turn_are_not_smooth(scene, name):
+    assert not scene.quantity(name).is_smooth
+    assert scene.quantity("elevation").is_smooth
 
 
 def test_parts_units_and_extrema(scene):

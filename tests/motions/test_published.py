@@ -180,6 +180,14 @@ def test_apophis_as_pravec_printed_it():
     assert motion.regime.mean_spin_rate * 263 * 3600 / (2 * math.pi) == pytest.approx(8.7, abs=0.1)
 
 
+def test_angles_of_no_epoch_are_no_numbers():
+    motion = FreeRotation(
+        Body(moments=(1, 2, 3)), Spin("2026-01-01", (1, 0, 0, 0), (0.1, 0.2, 0.3))
+    )
+    angles = motion.angles([0.0, np.nan], "L")
+    assert np.all(np.isfinite(angles[0])) and np.all(np.isnan(angles[1]))
+
+
 def test_toutatis_from_its_state():
     body = Body(moments=(3.0836, 3.235, 1.0), relative=True)
     spin = Spin.from_angles(

@@ -173,7 +173,9 @@ def test_conditions_of_equal_motions_combine():
 # Julian dates -------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("t", [2459000.5, [2459000.5, 2459001.5], np.array([2.41e6, 2.49e6])])
+@pytest.mark.parametrize(
+    "t", [2459000.5, 2459000, [2459000.5, 2459001.5], np.array([2.41e6, 2.49e6])]
+)
 def test_a_julian_date_taken_for_seconds_warns(t):
     with pytest.warns(AttitudeWarning, match="taken for seconds since the epoch, but it"):
         motion().at(t)
