@@ -520,9 +520,9 @@ def seconds_since(
         if low is None and t.size and _FIRST_PLAIN_JD <= t.flat[0] <= _LAST_PLAIN_JD:
             _warn_of_julian_dates(t, name)
         return pairs.Seconds(t, _low(low, t.shape, name))
-    if low is None and type(t) in (float, int) and _FIRST_PLAIN_JD <= t <= _LAST_PLAIN_JD:
-        _warn_of_julian_dates(np.array(t), name)
     if type(t) is float or (type(t) is int and abs(t) < 2**53):
+        if low is None and _FIRST_PLAIN_JD <= t <= _LAST_PLAIN_JD:
+            _warn_of_julian_dates(np.array(t), name)
         return pairs.Seconds(np.array(t, dtype=np.float64), _low(low, (), name))
     kind, leaves, shape = entries(t, name, _DATES_OR_SECONDS)
     if kind == "number":
