@@ -19,8 +19,6 @@ from attitude._support.quoting import quoted
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from attitude._support.annotations import BoolArray, FloatArray, Real, Reals
 
 
