@@ -46,8 +46,6 @@ from attitude.torques._torqued import TorquedRotation
 from attitude.torques._triggers import Trigger, first_crossing
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import ArrayLike
 
     from attitude._support.annotations import (
@@ -279,8 +277,8 @@ class _ChainedSensitivity(Derivatives):
         """Changes of attitude (S, 3, 9), ICRF axes, and of the angular velocity, body axes."""
         return self._chained(self._maps, seconds, low, rates)
 
-    def by_momenta(self, seconds, low, rates=False):
-        """As `at`, by the momenta of the changes: columns (3 N), each in its own frame."""
+    def by_momenta(self, seconds, low):
+        """As `at` without rates, by the momenta of the changes (3 N), each in its own frame."""
         count = len(self._changes)
         maps = [np.zeros((9, 3 * count))]
         for k, change in enumerate(self._changes):
@@ -291,7 +289,7 @@ class _ChainedSensitivity(Derivatives):
                 turn = quaternion.matrix(wxyz).T @ frames.matrix_to_icrf(change.frame)
             after[3:6, 3 * k : 3 * k + 3] += np.linalg.solve(self._bodies[k + 1].tensor, turn)
             maps.append(after)
-        return self._chained(maps, seconds, low, rates)
+        return self._chained(maps, seconds, low, False)
 
     def _chained(self, maps, seconds, low, rates):
         """Changes (S, 3, P) of attitude and rates from those (9, P) of each arc's first state."""
@@ -566,7 +564,7 @@ class Arcs(Differentiable):
     def __repr__(self) -> str:
         names = ", ".join(type(torque).__name__ for torque in self.torques)
         under = f" under {names}" if names else ""
-        return f"<Arcs: {len(self.joints) + 1} from {self.spin.epoch.utc_iso} UTC{under}>"
+        return f"<Arcs: {len(self)} from {self.spin.epoch.utc_iso} UTC{under}>"
 
     def __len__(self) -> int:
         """The number of arcs."""

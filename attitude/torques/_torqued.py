@@ -406,8 +406,6 @@ def _between(system, states, times, place, parts):
 _EPOCHS, _STATES = 1 << 15, 1 << 14
 # States kept in one call: at most.
 _ROWS_KEPT = 1 << 10
-# rad, of an answer.
-_ROUNDING_OF_STATES = 2e-15
 
 
 class VaryingSteps(KeptStates):
@@ -422,7 +420,7 @@ class VaryingSteps(KeptStates):
         last = min(last if sign > 0.0 else -first for first, last in spans)
         self._front = Front(system, sign, tolerance, paired, last)
         super().__init__(self._front.row)
-        self._least = tolerance + _ROUNDING_OF_STATES
+        self._least = tolerance + _ROUNDING
         self._epochs_at_once = Pace(_EPOCHS)
 
     @property
@@ -782,9 +780,8 @@ class TorquedRotation(Differentiable):
         return BoundedSteps(self._system, sign, self.tolerance, self._horizons[side])
 
     def __reduce__(self):
-        limits = {"tolerance": self.tolerance, "step_tolerance": self.step_tolerance}
-        how = {"step": self.step, "scheme": self.scheme, "span": self._span_given, **limits}
-        how["origin"] = self.origin
+        names = "step", "scheme", "tolerance", "step_tolerance", "origin"
+        how = {name: getattr(self, name) for name in names} | {"span": self._span_given}
         return partial(TorquedRotation, **how), (self.body, self.spin, self.torques)
 
     @cached_property
