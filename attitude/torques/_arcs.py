@@ -81,13 +81,12 @@ class Change(Valued):
 
     def _set_change(self, at, angular_momentum, frame):
         """Check and keep the attributes, while the object is constructed."""
-        self._set("at", at)
-        self._set("frame", frame if frame == "body" else frames.known(frame))
+        frame = frame if frame == "body" else frames.known(frame)
         if not callable(angular_momentum):
             angular_momentum = frozen(
                 validation.real(angular_momentum, "angular_momentum", shape=(3,), unit="kg m2/s")
             )
-        self._set("angular_momentum", angular_momentum)
+        self._set_all(at=at, angular_momentum=angular_momentum, frame=frame)
 
     def added_momentum(self, before: Callable[[], AttitudeHistory], name: str) -> FloatArray:
         """Angular momentum (3,) that the change adds, kg m2/s in its frame.
@@ -495,9 +494,7 @@ class Arcs(Differentiable):
                 f"changes is {validation.shown(changes)}; give an Impulse or InertiaChange, or a "
                 "list of them."
             )
-        self._set("body", body)
-        self._set("spin", spin)
-        self._set("changes", tuple(changes))
+        self._set_all(body=body, spin=spin, changes=tuple(changes))
         for k, change in enumerate(self.changes):
             if not isinstance(change, Change):
                 raise AttitudeError(
@@ -512,8 +509,7 @@ class Arcs(Differentiable):
                 raise AttitudeError(
                     f"{name} is for the integration of torques; give torques=, or leave it out."
                 )
-        self._set("torques", ())
-        self._set("_torqued", ())
+        self._set_all(torques=(), _torqued=())
         if torques is None:
             self._build()
             return
@@ -759,8 +755,7 @@ class Arcs(Differentiable):
             yield change, time, added, body
             starts[k + 1] = time
             self._set("_bodies", (*self._bodies, body))
-        self._set("_starts", frozen(starts))
-        self._set("joints", frozen(starts[1:, 0].copy()))
+        self._set_all(_starts=frozen(starts), joints=frozen(starts[1:, 0].copy()))
 
     def _time_of(self, change, times, start, name):
         """The time of a change, the first one, or where its trigger first fires behind a start."""

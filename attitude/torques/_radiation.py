@@ -132,8 +132,7 @@ class SolarRadiation(Torque):
         self._set("path", path_of(path, "path"))
         _set_facets(self, shape, diffuse, mirrored)
         self._set("flux", validation.positive(flux, "flux", unit="W/m2"))
-        self._set("shadows", _visibility_of(shape, shadows))
-        self._set("shadow_of", _occulters(shadow_of))
+        self._set_all(shadows=_visibility_of(shape, shadows), shadow_of=_occulters(shadow_of))
 
     def address(self) -> int:
         """Address of `_compiled.solar_radiation`, or of `shaded_radiation`."""

@@ -79,8 +79,7 @@ class Scheme(Immutable):
         gradients: ArrayLike,
         source: str,
     ) -> None:
-        self._set("name", name)
-        self._set("source", source)
+        self._set_all(name=name, source=source)
         coefficients = {"kicks": kicks, "flights": flights, "gradients": gradients}
         for label, values in coefficients.items():
             self._set(label, frozen(validation.real(values, f"{label} of a Scheme")))

@@ -473,8 +473,7 @@ class CustomTorque(Torque):
     is_of_seconds = True
 
     def __post_init__(self) -> None:
-        self._set("kind", BY_RATE if self.depends_on_rate else BY_ATTITUDE)
-        self._set("_callbacks", {})
+        self._set_all(kind=BY_RATE if self.depends_on_rate else BY_ATTITUDE, _callbacks={})
         self._check("function", "omega")
         if self.slope is None:
             return
