@@ -195,8 +195,7 @@ def state_of(elements: Elements) -> tuple[FloatArray, FloatArray]:
             k = int(np.argmax(constants["fault"] != 0))
             state = pairs[0, k], wxyz[k], pairs[1, k]
             raise AttitudeError(evaluation.fault_of(constants[k], *state))
-        rates: FloatArray = 2.0 * math.pi * constants["precession"][:, 0] - elements.precession_rate
-        return rates
+        return 2.0 * math.pi * constants["precession"][:, 0] - elements.precession_rate
 
     # needles and laminas: the ratio is found to its digits wherever it lies
     u = 0.5 * (1.0 + np.tanh(np.linspace(-18.0, 18.0, _GRID)))
@@ -218,8 +217,7 @@ def _of_bodies(moments_of: Callable[[FloatArray], FloatArray], r: FloatArray) ->
 
     def slack(ratios: FloatArray) -> FloatArray:
         moments = moments_of(ratios)
-        left: FloatArray = moments.sum(axis=1) - 2.0 * moments.max(axis=1)
-        return left
+        return moments.sum(axis=1) - 2.0 * moments.max(axis=1)
 
     inside = slack(r) >= 0.0
     edges = []

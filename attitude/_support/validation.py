@@ -158,8 +158,7 @@ def unit_vector(value: Reals, name: str) -> FloatArray:
             f"{name} is zero, which has no direction; give a vector of any other length."
         )
     vector = vector / size  # so that its square neither overflows nor underflows
-    direction: FloatArray = vector / np.sqrt(vector @ vector)
-    return direction
+    return vector / np.sqrt(vector @ vector)
 
 
 def _floats(value: Any, name: str, unit: str | None) -> FloatArray:
