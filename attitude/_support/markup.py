@@ -120,8 +120,8 @@ def line_plot(
     `is_equal`: one scale for x and y.  `is_downward`: y grows downwards, as magnitudes do.
     `is_dotted`: a dot for each point in place of lines.
     """
-    corners = [np.stack(line, axis=1) for line in lines]
-    finite = np.concatenate([rows[np.isfinite(rows).all(axis=1)] for rows in corners])
+    curves = [np.stack(line, axis=1) for line in lines]
+    finite = np.concatenate([rows[np.isfinite(rows).all(axis=1)] for rows in curves])
     if not finite.size:
         return ""
     low, width = finite.min(axis=0), np.ptp(finite, axis=0)
@@ -129,7 +129,7 @@ def line_plot(
     room = np.array([_WIDTH, _HEIGHT]) - 2.0 * _EDGE
     scale = np.full(2, np.min(room / width)) if is_equal else room / width
     paths = []
-    for k, rows in enumerate(corners):
+    for k, rows in enumerate(curves):
         chosen = np.linspace(0, len(rows) - 1, min(len(rows), _MOST)).astype(np.int64)
         points = (rows[chosen] - low) * scale + _EDGE
         if not is_downward:
