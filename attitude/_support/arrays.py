@@ -82,9 +82,9 @@ class Immutable(Answering):
     def __setstate__(self, state: dict[str, Any]) -> None:
         # A pickle of a numpy array does not record that the array is read-only.
         for name, value in state.items():
-            object.__setattr__(
-                self, name, frozen(value) if isinstance(value, np.ndarray) else value
-            )
+            if isinstance(value, np.ndarray):
+                frozen(value)
+            object.__setattr__(self, name, value)
 
     def _set(self, name: str, value: Any) -> Any:
         """Assign in a constructor, or cache a value computed on demand; return the value."""
