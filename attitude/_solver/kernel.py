@@ -133,12 +133,6 @@ def product(p, q):
 
 
 @subroutine
-def cross(u, v):
-    """The vector product u x v."""
-    return u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
-
-
-@subroutine
 def at_start(wxyz, low):
     """The unit quaternion of the epoch: wxyz of any length, or wxyz + low of unit length if low is
     not zero.

@@ -22,7 +22,7 @@ import math
 
 from attitude._compilation.decorators import elementwise, force_inlined, subroutine
 from attitude._compilation.instructions import fma
-from attitude._solver.kernel import cross, epoch_pair, turned_by, unit
+from attitude._solver.kernel import epoch_pair, turned_by, unit
 from attitude._solver.records import BASIS, BLOCK, COLUMNS, SECONDS
 from attitude._solver.series import sincos_at, triple
 from attitude._solver.twofloat import (
@@ -111,6 +111,11 @@ def forced(couplings, omega, moments, m):
 
 
 @subroutine
+def _cross(a, b):
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@subroutine
 def _dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
@@ -185,9 +190,9 @@ def _put_beats(d, j, turns, axis, u0, u1):
     """Fill, in place of the rows of `_put_turn`, what the functions of the two beats multiply."""
     rate, over = _dot(axis, u0), 1.0 / (4.0 * math.pi * d.wobble[0])
     across = u0[0] - rate * axis[0], u0[1] - rate * axis[1], u0[2] - rate * axis[2]
-    later, wobble = cross(axis, across), (over * u1[0], over * u1[1], over * u1[2])
+    later, wobble = _cross(axis, across), (over * u1[0], over * u1[1], over * u1[2])
     across, later = _to_inertial(turns, across), _to_inertial(turns, later)
-    behind, wobble = _to_inertial(turns, cross(axis, wobble)), _to_inertial(turns, wobble)
+    behind, wobble = _to_inertial(turns, _cross(axis, wobble)), _to_inertial(turns, wobble)
     for k in range(3):
         d.uniform[0, k, j] = 1.0 if j == k else 0.0
         d.uniform[2, k, j] = 0.5 * (across[k] + behind[k])
@@ -216,8 +221,8 @@ def _put_turn(d, j, row, turns, moments, axis, change):
     momentum = moments[0] * omega[0], moments[1] * omega[1], moments[2] * omega[2]
     squared = _dot(momentum, momentum)
     over = 0.0 if squared == 0.0 else -1.0 / squared
-    now = _to_inertial(turns, cross(momentum, v))
-    later = _to_inertial(turns, cross(momentum, cross(axis, v)))
+    now = _to_inertial(turns, _cross(momentum, v))
+    later = _to_inertial(turns, _cross(momentum, _cross(axis, v)))
     for k in range(3):
         d.uniform[2 + row, k, j] = over * now[k]
         d.uniform[6 + row, k, j] = over * later[k]

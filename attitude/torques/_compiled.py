@@ -13,13 +13,18 @@ import math
 from attitude._compilation.callbacks import callback, reduction_callback
 from attitude._compilation.decorators import subroutine
 from attitude._compilation.pointers import number, vector
-from attitude._solver.kernel import cross, turned_by
 
 
 @subroutine
 def _to_body(q, x, y, z):
     """q* v q: a vector (x, y, z) of ICRF axes over the body axes."""
-    return turned_by((q[0], -q[1], -q[2], -q[3]), (x, y, z))
+    w, a, b, c = q[0], -q[1], -q[2], -q[3]
+    d, e, f = 2.0 * (b * z - c * y), 2.0 * (c * x - a * z), 2.0 * (a * y - b * x)
+    return (
+        x + w * d + (b * f - c * e),
+        y + w * e + (c * d - a * f),
+        z + w * f + (a * e - b * d),
+    )
 
 
 @subroutine
@@ -41,11 +46,21 @@ def _symmetric(p, k, v):
     )
 
 
+@subroutine
+def _cross(u, v):
+    """u x v."""
+    return (
+        u[1] * v[2] - u[2] * v[1],
+        u[2] * v[0] - u[0] * v[2],
+        u[0] * v[1] - u[1] * v[0],
+    )
+
+
 @callback
 def gravity_gradient(t, wxyz, omega, given, p, out):
     """3 GM / r^3 u x I u; p: GM, the tensor (6)."""
     u, r = _direction(wxyz, given)
-    n = cross(u, _symmetric(p, 1, u))
+    n = _cross(u, _symmetric(p, 1, u))
     c = 3.0 * p[0] / (r * r * r)
     out[0], out[1], out[2] = c * n[0], c * n[1], c * n[2]
 
@@ -56,8 +71,8 @@ def gravity_gradient_slope(t, wxyz, y, given, p, out):
     u, r = _direction(wxyz, given)
     y = y[0], y[1], y[2]
     # d(u x I u . y)/du = I u x y + I (y x u)
-    one, two = cross(_symmetric(p, 1, u), y), _symmetric(p, 1, cross(y, u))
-    n = cross((one[0] + two[0], one[1] + two[1], one[2] + two[2]), u)
+    one, two = _cross(_symmetric(p, 1, u), y), _symmetric(p, 1, _cross(y, u))
+    n = _cross((one[0] + two[0], one[1] + two[1], one[2] + two[2]), u)
     c = 3.0 * p[0] / (r * r * r)
     out[0], out[1], out[2] = c * n[0], c * n[1], c * n[2]
 
@@ -67,15 +82,15 @@ def eddy_current(t, wxyz, omega, given, p, out):
     """(M (w x B - B')) x B; given: B and B' over ICRF axes; p: M (6)."""
     field = _to_body(wxyz, given[0], given[1], given[2])
     rate = _to_body(wxyz, given[3], given[4], given[5])
-    x, y, z = cross((omega[0], omega[1], omega[2]), field)
-    n = cross(_symmetric(p, 0, (x - rate[0], y - rate[1], z - rate[2])), field)
+    x, y, z = _cross((omega[0], omega[1], omega[2]), field)
+    n = _cross(_symmetric(p, 0, (x - rate[0], y - rate[1], z - rate[2])), field)
     out[0], out[1], out[2] = n[0], n[1], n[2]
 
 
 @callback
 def magnetic_dipole(t, wxyz, omega, given, p, out):
     """m x B; given: B over ICRF axes; p: the moment m (3)."""
-    n = cross((p[0], p[1], p[2]), _to_body(wxyz, given[0], given[1], given[2]))
+    n = _cross((p[0], p[1], p[2]), _to_body(wxyz, given[0], given[1], given[2]))
     out[0], out[1], out[2] = n[0], n[1], n[2]
 
 
@@ -83,8 +98,8 @@ def magnetic_dipole(t, wxyz, omega, given, p, out):
 def magnetic_dipole_slope(t, wxyz, y, given, p, out):
     """Derivatives of N . y by turns about the body axes, N being that of `magnetic_dipole`."""
     # d(m x B . y)/dB = y x m
-    gradient = cross((y[0], y[1], y[2]), (p[0], p[1], p[2]))
-    n = cross(gradient, _to_body(wxyz, given[0], given[1], given[2]))
+    gradient = _cross((y[0], y[1], y[2]), (p[0], p[1], p[2]))
+    n = _cross(gradient, _to_body(wxyz, given[0], given[1], given[2]))
     out[0], out[1], out[2] = n[0], n[1], n[2]
 
 
@@ -97,7 +112,7 @@ def constant(t, wxyz, omega, given, p, out):
 @callback
 def constant_slope(t, wxyz, y, given, p, out):
     """y x N: without a potential, the whole commutator with the free motion; p: the torque N."""
-    n = cross((y[0], y[1], y[2]), (p[0], p[1], p[2]))
+    n = _cross((y[0], y[1], y[2]), (p[0], p[1], p[2]))
     out[0], out[1], out[2] = n[0], n[1], n[2]
 
 
@@ -116,7 +131,7 @@ def internal_dissipation(t, wxyz, omega, given, p, out):
     x, y, z = _symmetric(p, 1, w)
     size = math.sqrt(x * x + y * y + z * z)
     c = p[0] / size if size > 0.0 else 0.0
-    n = cross((x, y, z), w)
+    n = _cross((x, y, z), w)
     out[0], out[1], out[2] = c * n[0], c * n[1], c * n[2]
 
 
@@ -196,7 +211,7 @@ def rheological_dissipation(t, wxyz, omega, given, p, out):
                 row += by_share[m] * values[table, i + k, j + m]
             total += by_rate[k] * row
         strength = math.exp(total) / size
-    n = cross((hu, hv, hw), (u, v, w))
+    n = _cross((hu, hv, hw), (u, v, w))
     out[0] = strength * (p[3] * n[0] + p[6] * n[1] + p[9] * n[2])
     out[1] = strength * (p[4] * n[0] + p[7] * n[1] + p[10] * n[2])
     out[2] = strength * (p[5] * n[0] + p[8] * n[1] + p[11] * n[2])
@@ -228,7 +243,7 @@ def solar_radiation(t, wxyz, omega, given, p, out):
         bx += along_normal * rows[7, k]
         by += along_normal * rows[8, k]
         bz += along_normal * rows[9, k]
-    n = cross((ax, ay, az), (sx, sy, sz))
+    n = _cross((ax, ay, az), (sx, sy, sz))
     pressure = -p[0] / (r * r)
     out[0], out[1], out[2] = pressure * (n[0] + bx), pressure * (n[1] + by), pressure * (n[2] + bz)
 
@@ -296,6 +311,6 @@ def shaded_radiation(t, wxyz, omega, given, p, out):
             bx += along_normal * rows[7, k]
             by += along_normal * rows[8, k]
             bz += along_normal * rows[9, k]
-    n = cross((ax, ay, az), sun)
+    n = _cross((ax, ay, az), sun)
     pressure = -p[2] / (r * r)
     out[0], out[1], out[2] = pressure * (n[0] + bx), pressure * (n[1] + by), pressure * (n[2] + bz)
