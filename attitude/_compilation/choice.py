@@ -76,7 +76,7 @@ def is_worth_python(
     """
     if _forced:
         return False
-    if _is_in_python():
+    if getattr(_running, "depth", 0) > 0:
         # The arguments of nested calls have the types of Python, for which nothing is compiled.
         return True
     if calls >= STEADY_CALLS and steps >= STEADY:
@@ -121,7 +121,3 @@ class InPython:
         _running.depth -= 1
         if not _running.depth:
             _spent += self.seconds
-
-
-def _is_in_python() -> bool:
-    return getattr(_running, "depth", 0) > 0

@@ -36,12 +36,7 @@ if TYPE_CHECKING:
 
 # No caller needs the wrapper for C.
 _EXACT = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
-_ANY_ORDER = {
-    "nogil": True,
-    "error_model": "numpy",
-    "fastmath": {"reassoc", "contract", "arcp", "nsz"},
-    "no_cfunc_wrapper": True,
-}
+_ANY_ORDER = {**_EXACT, "fastmath": {"reassoc", "contract", "arcp", "nsz"}}
 # Functions that only compiled code calls: their machine code is part of the cache entry of the
 # caller, and without the wrapper for Python compilation takes half the time.
 _INNER = {"no_cpython_wrapper": True}

@@ -16,7 +16,7 @@ from numba.extending import overload
 from attitude._compilation import error_free, instructions, pointers, simd_lowering
 from attitude._compilation.disk_cache import is_stamped, kept_on_disk
 from attitude._compilation.error_free import is_instruction
-from attitude._compilation.simd_lowering import instruction
+from attitude._compilation.simd_lowering import function_named, instruction, lanes_signature
 from attitude._compilation.wide_lowering import register_wide
 
 if TYPE_CHECKING:
@@ -87,23 +87,14 @@ class _StampedCFunc(CFunc):
 
 def _llvm(builder, name, arguments):
     """Call LLVM's intrinsic function of doubles with a name."""
-    function = builder.module.declare_intrinsic(
-        name, [_DOUBLE], ir.FunctionType(_DOUBLE, [_DOUBLE] * len(arguments))
-    )
+    function = function_named(builder, f"{name}.f64", _DOUBLE, len(arguments))
     return builder.call(function, arguments)
-
-
-def _fma_type(a, b, c):
-    kind = simd_lowering.lanes_among((a, b, c))
-    if kind is None:
-        return _F8(_F8, _F8, _F8)
-    return kind(*simd_lowering.operands((a, b, c)))
 
 
 def _register_fma(function, by_transforms):
     """The instruction of a b + c, or the functions of doubles that replace it."""
 
-    @instruction(function, _fma_type)
+    @instruction(function, lambda a, b, c: lanes_signature(a, b, c) or _F8(_F8, _F8, _F8))
     def fma(context, builder, signature, arguments):
         if signature.return_type != _F8:
             return simd_lowering.fused(builder, signature.return_type, arguments)

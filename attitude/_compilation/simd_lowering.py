@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import inspect
 import operator
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from llvmlite import ir
@@ -111,11 +111,10 @@ def _chosen(context, builder, signature, arguments):
 
 @instruction(simd.root, lambda a: a)
 def _root(context, builder, signature, arguments):
-    kind = signature.return_type
-    if not isinstance(kind, LanesType):
-        return builder.call(function_named(builder, "llvm.sqrt.f64", _DOUBLE, 1), arguments)
-    function = function_named(builder, f"llvm.sqrt.v{kind.count}f64", kind.vector, 1)
-    return builder.call(function, arguments)
+    kind, name, vector = signature.return_type, "llvm.sqrt.f64", _DOUBLE
+    if isinstance(kind, LanesType):
+        name, vector = f"llvm.sqrt.v{kind.count}f64", kind.vector
+    return builder.call(function_named(builder, name, vector, 1), arguments)
 
 
 @instruction(simd.packed, lambda a, by: a)
@@ -206,17 +205,17 @@ def fused(builder: Any, kind: LanesType, arguments: Sequence[Any]) -> Any:
     return builder.call(function, arguments)
 
 
-def lanes_among(kinds: Iterable[Any]) -> LanesType | None:
-    """The type of the longest vectors among the operands, the others being doubles; else None."""
-    kinds = list(kinds)
+def lanes_signature(*kinds: Any) -> Any:
+    """The signature of an operator on vectors, or on vectors and doubles; else None.
+
+    The result is as long as the longest vector.
+    """
     vectors = [kind for kind in kinds if isinstance(kind, LanesType)]
     others = [kind for kind in kinds if not isinstance(kind, (LanesType, types.Float))]
-    return max(vectors, key=lambda kind: kind.count) if vectors and not others else None
-
-
-def operands(given: Iterable[Any]) -> Iterable[Any]:
-    """The types as which an operator takes its operands: vectors as they are, else doubles."""
-    return (kind if isinstance(kind, LanesType) else types.float64 for kind in given)
+    if others or not vectors:
+        return None
+    longest = max(vectors, key=lambda kind: kind.count)
+    return longest(*(kind if isinstance(kind, LanesType) else types.float64 for kind in kinds))
 
 
 def function_named(builder: Any, name: str, kind: Any, count: int) -> Any:
@@ -243,17 +242,12 @@ def _picked(places):
     return ir.Constant(ir.VectorType(_INDEX, len(places)), places)
 
 
-def _operator_type(a, b):
-    kind = lanes_among((a, b))
-    return kind and kind(*operands((a, b)))
-
-
 def _operator(symbol, instruction):
     """Register the instruction of an operator on vectors, and on a vector and a double."""
 
     @type_callable(symbol)
     def of_context(context):
-        return _operator_type
+        return lambda a, b: lanes_signature(a, b)
 
     def applied(context, builder, signature, arguments):
         kind = signature.return_type

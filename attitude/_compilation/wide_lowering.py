@@ -165,10 +165,7 @@ def _operator(symbol, instruction):
 
     @type_callable(symbol)
     def of_context(context):
-        def typer(a, b):
-            return _KIND(_KIND, _KIND) if a == b == _KIND else None
-
-        return typer
+        return lambda a, b: _KIND(_KIND, _KIND) if a == b == _KIND else None
 
     @lower_builtin(symbol, WideType, WideType)
     def lowered(context, builder, signature, arguments):

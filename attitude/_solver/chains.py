@@ -404,11 +404,9 @@ def _to_body(q, v):
     """The vector q* v q (3, 2), all in pairs."""
     s, x, y, z = pair(q[0]), neg(pair(q[1])), neg(pair(q[2])), neg(pair(q[3]))
     a, b, c = pair(v[0]), pair(v[1]), pair(v[2])
-    d, e, f = (
-        sub(mul(y, c), mul(z, b)),
-        sub(mul(z, a), mul(x, c)),
-        sub(mul(x, b), mul(y, a)),
-    )
+    d = sub(mul(y, c), mul(z, b))
+    e = sub(mul(z, a), mul(x, c))
+    f = sub(mul(x, b), mul(y, a))
     out = np.zeros((3, 2))
     one = add(mul(s, d), sub(mul(y, f), mul(z, e)))
     two = add(mul(s, e), sub(mul(z, d), mul(x, f)))

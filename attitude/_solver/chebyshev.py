@@ -273,9 +273,8 @@ def place_knots(hi, lo, base_hi, base_lo, knots, knots_low, piece, x):
         if (s - knots[last]) + (e - knots_low[last]) > 0.0:
             outside = k
         # Neighbouring epochs mostly share a piece; otherwise bisect.
-        if not (
-            _starts_before(s, e, knots, knots_low, number)
-            and _ends_after(s, e, knots, knots_low, number)
+        if not _starts_before(s, e, knots, knots_low, number) or _starts_before(
+            s, e, knots, knots_low, number + 1
         ):
             below, above = 0, last
             while above - below > 1:
@@ -295,12 +294,6 @@ def place_knots(hi, lo, base_hi, base_lo, knots, knots_low, piece, x):
 def _starts_before(s, e, knots, knots_low, number):
     """Whether a piece starts at or before the epoch s + e."""
     return (s - knots[number]) + (e - knots_low[number]) >= 0.0
-
-
-@subroutine
-def _ends_after(s, e, knots, knots_low, number):
-    """Whether a piece ends after the epoch s + e."""
-    return (s - knots[number + 1]) + (e - knots_low[number + 1]) < 0.0
 
 
 @subroutine

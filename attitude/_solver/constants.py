@@ -613,8 +613,7 @@ def _turn(wxyz, low, principal, c):
     x, y, z = pair(c.omega[0]), pair(c.omega[1]), pair(c.omega[2])
     speed = sqrt(add(add(square(x), square(y)), square(z)))
     turns = div(speed, TWO_PI)
-    c.precession[0] = math.ldexp(0.5 * turns[0], c.tempo)
-    c.precession[1] = math.ldexp(0.5 * turns[1], c.tempo)
+    _store_rate(c.precession, (0.5 * turns[0], 0.5 * turns[1]), c.tempo)
     axis = turned_by(principal, (x[0], y[0], z[0]))
     over = 0.0 if speed[0] == 0.0 else 1.0 / speed[0]
     start = at_start(wxyz, low)

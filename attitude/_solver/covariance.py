@@ -87,8 +87,7 @@ def factor(covariance: FloatArray) -> FloatArray:
     correlations, size = _correlations(covariance)
     values, vectors = np.linalg.eigh(correlations)
     values = np.where(values > _NO_EIGENVALUE, values, 0.0)
-    product: FloatArray = size[:, None] * (vectors * np.sqrt(values))
-    return product
+    return size[:, None] * (vectors * np.sqrt(values))
 
 
 def _correlations(covariance):

@@ -38,6 +38,7 @@ from attitude._solver.constants import ellipticity_of
 from attitude._solver.elliptic import by_parameter, integrals
 from attitude._solver.series import exp2_of_minus, four
 from attitude._solver.twofloat import ONE, TWO_PI, ZERO, add, mul, pair, scale, sqrt, square, sub
+from attitude._solver.uniform_tangents import unit_vector
 
 # 2 / ln 2, a pair.
 TWO_OVER_LOG_2 = (2.8853900817779268, 4.0710547481862066e-17)
@@ -83,7 +84,7 @@ def derive(inertia, c, out):
         for k in range(6):
             out[row, k] = 0.0
     for k in range(6):
-        one = _unit(k)
+        one = unit_vector(k) + unit_vector(k - 3)
         changes = (
             _hyperbolic(state, one, action, c)
             if hyperbolic
@@ -101,18 +102,6 @@ def derive(inertia, c, out):
             else:
                 place = 3 + (first if k == 3 else (second if k == 4 else third))
                 out[row, place] = value * size
-
-
-@subroutine
-def _unit(k):
-    return (
-        1.0 if k == 0 else 0.0,
-        1.0 if k == 1 else 0.0,
-        1.0 if k == 2 else 0.0,
-        1.0 if k == 3 else 0.0,
-        1.0 if k == 4 else 0.0,
-        1.0 if k == 5 else 0.0,
-    )
 
 
 @subroutine

@@ -64,12 +64,11 @@ def elements_of(c: Any) -> Elements:
     if c["form"] == codes.UNIFORM:
         return _of_uniform(c)
     precession = 2.0 * math.pi * float(c["precession"][0])
+    rate, phase = float(c["nutation"][0]), float(c["nutation0"][0])
     if c["form"] == codes.HYPERBOLIC:
         if c["winds"] == 0.0:
             return Elements(precession, 0.0, 0.0, 1.0, 1.0)
-        rate, phase = 0.5 * float(c["nutation"][0]), 0.5 * float(c["nutation0"][0])
-    else:
-        rate, phase = float(c["nutation"][0]), float(c["nutation0"][0])
+        rate, phase = 0.5 * rate, 0.5 * phase
     if c["stretch"] < math.inf:
         delta = 0.25 * math.pi * float(c["stretch"] * c["fraction"])
         x = math.exp(-2.0 * delta)
@@ -95,13 +94,12 @@ def inputs_by_elements(c: Any, by_input: FloatArray) -> FloatArray:
             'separatrix they do not follow from the state. Take by="state".'
         )
     rho, x = elements_of(c)[3:]
-    jacobian = np.empty((5, 6))
     if c["form"] == codes.TRIGONOMETRIC:
-        jacobian[:] = by_input[:5]
+        jacobian = by_input[:5].copy()
         jacobian[0] *= 0.5
         jacobian[3] *= rho
     else:
-        jacobian[:] = _of_hyperbolic(c, by_input, rho, x)
+        jacobian = _of_hyperbolic(c, by_input, rho, x)
     # Rates and moments have different scales: the scale of the moments is the null space.
     size = np.abs(jacobian).max(axis=0)
     size[size == 0.0] = 1.0
@@ -197,8 +195,7 @@ def state_of(elements: Elements) -> tuple[FloatArray, FloatArray]:
             k = int(np.argmax(constants["fault"] != 0))
             state = pairs[0, k], wxyz[k], pairs[1, k]
             raise AttitudeError(evaluation.fault_of(constants[k], *state))
-        rates: FloatArray = 2.0 * math.pi * constants["precession"][:, 0] - elements.precession_rate
-        return rates
+        return 2.0 * math.pi * constants["precession"][:, 0] - elements.precession_rate
 
     # needles and laminas: the ratio is found to its digits wherever it lies
     u = 0.5 * (1.0 + np.tanh(np.linspace(-18.0, 18.0, _GRID)))
@@ -220,8 +217,7 @@ def _of_bodies(moments_of: Callable[[FloatArray], FloatArray], r: FloatArray) ->
 
     def slack(ratios: FloatArray) -> FloatArray:
         moments = moments_of(ratios)
-        left: FloatArray = moments.sum(axis=1) - 2.0 * moments.max(axis=1)
-        return left
+        return moments.sum(axis=1) - 2.0 * moments.max(axis=1)
 
     inside = slack(r) >= 0.0
     edges = []

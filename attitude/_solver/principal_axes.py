@@ -418,11 +418,6 @@ _ZERO_MOMENT = 1e-15
 
 
 @subroutine
-def _is_diagonal(t):
-    return t[0, 1] == 0.0 and t[0, 2] == 0.0 and t[1, 2] == 0.0
-
-
-@subroutine
 def _given_axes(t, kept, moments, axes):
     """Fill the results of a diagonal tensor: its diagonal, in this order, about the body axes."""
     for k in range(KEPT):
@@ -449,7 +444,7 @@ def _principal_all(tensors, w, words, moments, axes, wxyz):
     """Fill the arrays of `PrincipalAxes` of tensors (B, 3, 3); w is memory for NEEDED numbers."""
     for b in range(len(tensors)):
         kept, t = words[b], tensors[b]
-        if _is_diagonal(t):
+        if t[0, 1] == 0.0 and t[0, 2] == 0.0 and t[1, 2] == 0.0:
             _given_axes(t, kept, moments[b], axes[b])
         else:
             size = largest_of(t[0, 0], t[1, 1], t[2, 2])
@@ -482,11 +477,9 @@ def _over_axes_all(words, omega, rates, differences):
                 differences[n, k, 0] = differences[n, k, 1] = math.nan
         else:
             exponent = math.frexp(largest_of(x, y, z))[1]
-            p, q, r = (
-                integer_of(x, exponent),
-                integer_of(y, exponent),
-                integer_of(z, exponent),
-            )
+            p = integer_of(x, exponent)
+            q = integer_of(y, exponent)
+            r = integer_of(z, exponent)
             _resolve(w, p, q, r, exponent, rates[n], differences[n])
 
 

@@ -328,8 +328,7 @@ class Derivatives(ABC):
         attitude, omega = self.at(seconds, low, rates)
         both = attitude if omega is None else np.concatenate([attitude, omega], axis=-2)
         factored = both @ covariance.factor(given)
-        products: FloatArray = factored @ np.swapaxes(factored, -1, -2)
-        return products
+        return factored @ np.swapaxes(factored, -1, -2)
 
 
 class Sensitivity(Derivatives):

@@ -135,7 +135,8 @@ def tumbling_setup(moments, wxyz, principal, constants, tangents, block):
             to_body = four(principal[b if len(principal) > 1 else 0])
             of_moments = moments[b, 0, 0], moments[b, 1, 0], moments[b, 2, 0]
             _state(c, d, of_moments, four(wxyz[b]), to_body)
-            _passage(c, d)
+            if c.form == codes.HYPERBOLIC:
+                (d.decay[0], d.decay[1]), d.nome = passage(c)
             derive(math.frexp(max(of_moments[0], of_moments[1], of_moments[2]))[1], c, d.by_input)
             _invariant(c.frame, d.invariant)
             _weights(c, d)
@@ -195,20 +196,9 @@ def _state(c, d, moments, wxyz, to_body):
     for k in range(3):
         d.momentum[k] = momentum[k]
         d.inverse[k] = 1.0 / moments[k]
-        _put(d.principal, k, turned_by(to_body, unit_vector(k)))
-
-
-@subroutine
-def _passage(c, d):
-    """Fill decay and nome of the hyperbolic form."""
-    if c.form == codes.HYPERBOLIC:
-        (d.decay[0], d.decay[1]), d.nome = passage(c)
-
-
-@subroutine
-def _put(matrix, column, v):
-    for k in range(3):
-        matrix[k, column] = v[k]
+        axis = turned_by(to_body, unit_vector(k))
+        for i in range(3):
+            d.principal[i, k] = axis[i]
 
 
 @subroutine

@@ -576,10 +576,8 @@ def _fill_fast(c, d, s):
     for k in range(3):
         v, dv = first[k], slopes[k]
         change = phase * dv[0] - turning * v[1], phase * dv[1] + turning * v[0], phase * dv[2]
-        v, change = (
-            in_inertial(d.invariant, 0.0, 1.0, v),
-            in_inertial(d.invariant, 0.0, 1.0, change),
-        )
+        v = in_inertial(d.invariant, 0.0, 1.0, v)
+        change = in_inertial(d.invariant, 0.0, 1.0, change)
         for i in range(3):
             s.first[k, i], s.drift[k, i] = v[i], change[i]
 

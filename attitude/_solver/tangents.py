@@ -113,10 +113,8 @@ def trigonometric_block(c, d, t, t_low, block):
     """Fill a block of a motion of the trigonometric form: by v, ln rho and X."""
     precession, nutation, nutation0 = pair(c.precession), pair(c.nutation), pair(c.nutation0)
     theta4, upright = five(d.series[0]), four(d.series[1])
-    by_v, by_rho = (
-        (five(d.series[2]), five(d.series[3])),
-        (five(d.series[4]), five(d.series[5])),
-    )
+    by_v = five(d.series[2]), five(d.series[3])
+    by_rho = five(d.series[4]), five(d.series[5])
     by_x = five(d.series[6]), five(d.series[7])
     along, along_rho, along_x = d.upright[0], d.upright[1], d.upright[2]
     invariant = rows_of_matrix(d.invariant)
@@ -282,12 +280,8 @@ def hyperbolic_rates_block(c, d, n, block):
     Term n of the series has Q'^(2 n^2) exp(+-4 n y), in those of sn and of the denominator times
     Q'^(2 n): each is differentiated by Q'^2.
     """
-    series, axes, by_phase, nome = (
-        rate_series_of(c),
-        rows_of_matrix(c.axes),
-        triple(d.by_phase),
-        d.nome,
-    )
+    series, axes, by_phase = rate_series_of(c), rows_of_matrix(c.axes), triple(d.by_phase)
+    nome = d.nome
     cn, sn, dn, low = series
     sixth = 6.0 * nome**6
     for i in range(n):
@@ -387,11 +381,9 @@ def fill_trigonometric(c, series, upright, fast):
         step *= s
         loss += even * (1.0 + x) * one_minus_x
         even *= x * x
-    upright[0], upright[1], upright[2] = (
-        -2.0 * slope / norm,
-        2.0 * x * slope / norm,
-        -0.5 * both / norm,
-    )
+    upright[0] = -2.0 * slope / norm
+    upright[1] = 2.0 * x * slope / norm
+    upright[2] = -0.5 * both / norm
     # theta4(v | q) and T: term = (-1)^k rho^(2k^2) X^(k^2-1)
     term, step, odd = -square, s * square, x
     for k in range(1, 5):

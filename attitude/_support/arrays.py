@@ -82,7 +82,9 @@ class Immutable(Answering):
     def __setstate__(self, state: dict[str, Any]) -> None:
         # A pickle of a numpy array does not record that the array is read-only.
         for name, value in state.items():
-            object.__setattr__(self, name, _refrozen(value))
+            if isinstance(value, np.ndarray):
+                frozen(value)
+            object.__setattr__(self, name, value)
 
     def _set(self, name: str, value: Any) -> Any:
         """Assign in a constructor, or cache a value computed on demand; return the value."""
@@ -121,10 +123,6 @@ def _comparable(value: Any) -> Any:
     if not isinstance(value, np.ndarray):
         return tuple(map(_comparable, value)) if isinstance(value, (tuple, list)) else value
     return value.shape, np.ascontiguousarray(value + 0.0).tobytes()
-
-
-def _refrozen(value: Any) -> Any:
-    return frozen(value) if isinstance(value, np.ndarray) else value
 
 
 # ---- Memory for results, of large pages where that is cheaper, and views with other orders of axes

@@ -156,12 +156,13 @@ class ProgressBar:
 
     def __call__(self, done: float, total: float, stage: str = "") -> None:
         """Draw, where `done` of `total` are over; `stage` is a text beside the bar."""
+        global _owner
         now = time.monotonic()
         if sys.stderr is None or not sys.stderr.isatty() or not self._is_owner(now):
             return
         ended = done >= total
         if ended:
-            _release()
+            _owner = None
         if now < self._next and not (self._length and ended):
             return
         self._next = math.inf if ended else now + _INTERVAL
@@ -198,8 +199,3 @@ def timed(
 
     yield report
     bar(1, 1)
-
-
-def _release() -> None:
-    global _owner
-    _owner = None

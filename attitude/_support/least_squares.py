@@ -134,10 +134,7 @@ def _steps(near: Near, damping: FloatArray) -> FloatArray:
     scale = np.sqrt(np.maximum(near.normal[:, diagonal, diagonal], 0.0)) + 1e-12
     scaled = near.normal / (scale[:, :, None] * scale[:, None, :])
     scaled[:, diagonal, diagonal] += damping[:, None]
-    steps: FloatArray = (
-        np.linalg.solve(scaled, (near.gradient / scale)[:, :, None])[:, :, 0] / scale
-    )
-    return steps
+    return np.linalg.solve(scaled, (near.gradient / scale)[:, :, None])[:, :, 0] / scale
 
 
 # ---- Normal matrices, whose parameters may have any units
@@ -169,5 +166,4 @@ def inverse(normal: FloatArray) -> FloatArray:
     scale = np.sqrt(np.maximum(np.diag(normal), 0.0))
     scale[scale == 0.0] = 1.0
     size = np.outer(scale, scale)
-    pseudo_inverse: FloatArray = np.linalg.pinv(normal / size, hermitian=True) / size
-    return pseudo_inverse
+    return np.linalg.pinv(normal / size, hermitian=True) / size

@@ -74,12 +74,9 @@ def _texts(column: Any) -> list[str]:
     texts = []
     for entry in column:
         value = getattr(entry, "value", entry)
-        if isinstance(value, (float, np.floating)):
-            texts.append(f"{value:.6g}")
-        elif isinstance(value, np.ndarray) and value.ndim == 0 and value.dtype.kind == "f":
-            texts.append(f"{float(value):.6g}")
-        else:
-            texts.append(str(value))
+        is_array = isinstance(value, np.ndarray) and value.ndim == 0 and value.dtype.kind == "f"
+        is_number = is_array or isinstance(value, (float, np.floating))
+        texts.append(f"{float(value):.6g}" if is_number else str(value))
     return texts
 
 
@@ -123,31 +120,25 @@ def line_plot(
     `is_equal`: one scale for x and y.  `is_downward`: y grows downwards, as magnitudes do.
     `is_dotted`: a dot for each point in place of lines.
     """
-    finite = [np.isfinite(x) & np.isfinite(y) for x, y in lines]
-    if not any(np.any(values) for values in finite):
+    curves = [np.stack(line, axis=1) for line in lines]
+    finite = np.concatenate([rows[np.isfinite(rows).all(axis=1)] for rows in curves])
+    if not finite.size:
         return ""
-    x = np.concatenate([line[0][good] for line, good in zip(lines, finite, strict=True)])
-    y = np.concatenate([line[1][good] for line, good in zip(lines, finite, strict=True)])
-    low = np.array([x.min(), y.min()])
-    width = np.array([np.ptp(x), np.ptp(y)])
+    low, width = finite.min(axis=0), np.ptp(finite, axis=0)
     width = np.where(width > 0.0, width, 1.0)
     room = np.array([_WIDTH, _HEIGHT]) - 2.0 * _EDGE
     scale = np.full(2, np.min(room / width)) if is_equal else room / width
     paths = []
-    for k, (a, b) in enumerate(lines):
-        chosen = np.linspace(0, len(a) - 1, min(len(a), _MOST)).astype(np.int64)
-        points = (np.stack([a, b], axis=1)[chosen] - low) * scale + _EDGE
+    for k, rows in enumerate(curves):
+        chosen = np.linspace(0, len(rows) - 1, min(len(rows), _MOST)).astype(np.int64)
+        points = (rows[chosen] - low) * scale + _EDGE
         if not is_downward:
             points[:, 1] = _HEIGHT - points[:, 1]
         color = colors[k % len(colors)]
         dots = ' stroke-linecap="round" stroke-width="2.5"' if is_dotted else ""
         drawn = _path(points, is_dotted=is_dotted)
         paths.append(f'<path d="{drawn}" fill="none" stroke="{color}"{dots}/>')
-    return (
-        f'<figure style="margin:0"><svg width="{_WIDTH:.0f}" height="{_HEIGHT:.0f}" '
-        f'role="img" aria-label="{html.escape(caption)}">{"".join(paths)}</svg>'
-        f'<figcaption style="font-size:80%">{html.escape(caption)}</figcaption></figure>'
-    )
+    return _figure(_WIDTH, "".join(paths), caption)
 
 
 def solid(corners: NDArray[np.float64], normals: NDArray[np.float64], caption: str) -> str:
@@ -170,10 +161,16 @@ def solid(corners: NDArray[np.float64], normals: NDArray[np.float64], caption: s
         f'stroke="rgb({shade},{shade},{shade})" stroke-width="0.4"/>'
         for points, shade in zip(flat, shades, strict=True)
     )
+    return _figure(_HEIGHT, drawn, caption)
+
+
+def _figure(width: float, drawn: str, caption: str) -> str:
+    """An SVG of paths over its caption."""
+    text = html.escape(caption)
     return (
-        f'<figure style="margin:0"><svg width="{_HEIGHT:.0f}" height="{_HEIGHT:.0f}" role="img" '
-        f'aria-label="{html.escape(caption)}">{drawn}</svg>'
-        f'<figcaption style="font-size:80%">{html.escape(caption)}</figcaption></figure>'
+        f'<figure style="margin:0"><svg width="{width:.0f}" height="{_HEIGHT:.0f}" role="img" '
+        f'aria-label="{text}">{drawn}</svg>'
+        f'<figcaption style="font-size:80%">{text}</figcaption></figure>'
     )
 
 

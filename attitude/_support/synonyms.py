@@ -20,12 +20,6 @@ P = ParamSpec("P")
 R = TypeVar("R")
 Class = TypeVar("Class", bound=type)
 
-
-def _each(hint: str, *names: str) -> dict[str, str]:
-    """The same hint for several names."""
-    return dict.fromkeys(names, hint)
-
-
 _WXYZ = "use .at(t).wxyz, scalar first, or .xyzw, scalar last"
 _AT = "use .at(t), which has wxyz, xyzw, matrix, dcm and angular_velocity"
 _PERIODS = (
@@ -37,346 +31,315 @@ _FILE = "use write(file), whose format follows from the ending, such as m.toml, 
 _TABLE = 'use table().write("x.ecsv") or table().write("x.csv")'
 _RATES = "use angular_velocity, rad/s over the body axes"
 
-# Hints by the name of a class, which hold for its subclasses too.
-ATTRIBUTES: dict[str, dict[str, str]] = {
+# Hints by the name of a class, which hold for its subclasses too, and by absent names.
+_OF_CLASSES = {
     "Motion": {
-        **_each(_WXYZ, "quaternion", "quaternions", "quat", "q", "wxyz", "xyzw"),
-        **_each(
+        "quaternion quaternions quat q wxyz xyzw": _WXYZ,
+        "rotation rotations as_rotation matrix rotation_matrix dcm": (
             "use .at(t).as_rotation(), a scipy Rotation, .at(t).matrix (body to ICRF) or "
-            ".at(t).dcm (ICRF to body)",
-            *("rotation", "rotations", "as_rotation", "matrix", "rotation_matrix", "dcm"),
+            ".at(t).dcm (ICRF to body)"
         ),
-        **_each('use .at(t).euler("ZXZ"), rad', "euler", "euler_angles", "eulers"),
-        **_each(
-            "use .at(t).angular_velocity, rad/s over the body axes",
-            *("omega", "angular_velocity", "rates", "rate", "w"),
+        "euler euler_angles eulers": 'use .at(t).euler("ZXZ"), rad',
+        "omega angular_velocity rates rate w": (
+            "use .at(t).angular_velocity, rad/s over the body axes"
         ),
-        **_each(_AT, "propagate", "evaluate", "attitude", "attitude_at", "state", "states"),
-        **_each(_AT, "history", "integrate", "solve", "interpolate", "orientation"),
-        **_each(_AT, "get_attitude", "get_state", "state_at", "predict"),
-        **_each(_FILE, "to_aem", "to_file", "to_toml", "to_csv", "to_ck", "to_apm", "to_acm"),
-        **_each(_FILE, "save", "export", "dump", "to_stk", "to_spice", "to_bc", "to_dict"),
-        **_each(
-            "use attitude.Scene(motion, ..., shape=mesh).at(times).magnitude",
-            *("lightcurve", "light_curve", "brightness", "magnitude"),
+        "propagate evaluate attitude attitude_at state states history integrate solve": _AT,
+        "interpolate orientation get_attitude get_state state_at predict": _AT,
+        "to_aem to_file to_toml to_csv to_ck to_apm to_acm save export dump to_stk to_spice": _FILE,
+        "to_bc to_dict": _FILE,
+        "lightcurve light_curve brightness magnitude": (
+            "use attitude.Scene(motion, ..., shape=mesh).at(times).magnitude"
         ),
-        **_each(
-            'use attitude.viewer.animate(motion, "m.mp4"), or view(output="m.html")',
-            *("animate", "animation", "movie"),
+        "animate animation movie": (
+            'use attitude.viewer.animate(motion, "m.mp4"), or view(output="m.html")'
         ),
-        **_each('use view(output="m.html"), or plot()', "show", "display", "render"),
-        **_each("use .at(t).table(), an astropy QTable", "table", "to_table", "to_pandas"),
+        "show display render": 'use view(output="m.html"), or plot()',
+        "table to_table to_pandas": "use .at(t).table(), an astropy QTable",
     },
     "FreeRotation": {
-        **_each(_PERIODS, "period", "periods", "P_psi", "P_phi", "rotation_period", "P"),
-        **_each(_PERIODS, "precession_period", "nutation_period", "spin_period"),
-        **_each(_PERIODS, "frequency", "frequencies", "precession_rate"),
-        **_each(
-            "use at(t).angular_velocity; str(motion) has its least, greatest and mean length",
-            *("spin_rate", "rpm", "angular_speed", "mean_rate"),
+        "period periods P_psi P_phi rotation_period P precession_period nutation_period": _PERIODS,
+        "spin_period frequency frequencies precession_rate": _PERIODS,
+        "spin_rate rpm angular_speed mean_rate": (
+            "use at(t).angular_velocity; str(motion) has its least, greatest and mean length"
         ),
-        **_each(
+        "pole spin_axis spin_pole rotation_axis axis momentum_direction": (
             "use momentum / |momentum|, the direction of the angular momentum in ICRF, or "
-            "published('L').pole",
-            *("pole", "spin_axis", "spin_pole", "rotation_axis", "axis", "momentum_direction"),
+            "published('L').pole"
         ),
-        **_each("use momentum, kg m2/s in ICRF", "angular_momentum", "L", "H", "h"),
-        **_each("use energy, J", "kinetic_energy", "E", "T"),
-        **_each(
-            "use angles(t), phi, theta and psi about the momentum, rad: theta is the nutation",
-            *("nutation", "nutation_angle", "theta", "wobble", "wobble_angle"),
+        "angular_momentum L H h": "use momentum, kg m2/s in ICRF",
+        "kinetic_energy E T": "use energy, J",
+        "nutation nutation_angle theta wobble wobble_angle": (
+            "use angles(t), phi, theta and psi about the momentum, rad: theta is the nutation"
         ),
-        **_each(
-            "use mode, a Mode such as SHORT_AXIS", *("is_tumbling", "tumbles", "is_lam", "is_sam")
+        "is_tumbling tumbles is_lam is_sam lam sam": "use mode, a Mode such as SHORT_AXIS",
+        "describe summary info": "print the motion: str(motion) describes it",
+        "separatrix is_near_separatrix": "use separatrix_distance or mode",
+        "flips flip_times flip_period": (
+            "use period_psi / 2, the time between flips, regime.flip_time and regime.dwell_time"
         ),
-        **_each("use mode, a Mode such as SHORT_AXIS", "lam", "sam"),
-        **_each("print the motion: str(motion) describes it", "describe", "summary", "info"),
-        **_each("use separatrix_distance or mode", "separatrix", "is_near_separatrix"),
-        **_each(
-            "use period_psi / 2, the time between flips, regime.flip_time and regime.dwell_time",
-            *("flips", "flip_times", "flip_period"),
-        ),
-        **_each("use body.moments, kg m2", "moments", "inertia", "principal_moments"),
-        **_each("use body.tensor, kg m2", "tensor", "inertia_tensor"),
-        **_each("use at(t).covariance, or at(t).sigma in rad", "covariance", "sigma", "errors"),
-        **_each("use at(t).sensitivity or sensitivity_at(t)", "jacobian", "stm", "derivatives"),
+        "moments inertia principal_moments": "use body.moments, kg m2",
+        "tensor inertia_tensor": "use body.tensor, kg m2",
+        "covariance sigma errors": "use at(t).covariance, or at(t).sigma in rad",
+        "jacobian stm derivatives": "use at(t).sensitivity or sensitivity_at(t)",
     },
     "AttitudeHistory": {
-        **_each("use wxyz, scalar first, or xyzw, scalar last", "quaternion", "quaternions"),
-        **_each("use wxyz, scalar first, or xyzw, scalar last", "quat", "q", "as_quat"),
-        **_each(_ROTATION, "rotation", "rotations", "as_matrix", "rotation_matrix", "matrices"),
-        **_each(_ROTATION, "R", "A", "C"),
-        **_each('use euler("ZXZ"), rad', "euler_angles", "as_euler", "angles"),
-        **_each(_RATES, "omega", "rates", "rate", "w", "angular_rate", "omegas"),
-        **_each("use time, an astropy Time, or seconds since epoch", "times", "t", "epochs"),
-        **_each(_TABLE, "write", "save", "to_csv", "to_ecsv", "to_file", "export"),
-        **_each(
-            "use table(), an astropy QTable, or to_pandas()",
-            *("to_table", "to_frame", "to_dataframe", "dataframe", "df"),
+        "quaternion quaternions quat q as_quat": "use wxyz, scalar first, or xyzw, scalar last",
+        "rotation rotations as_matrix rotation_matrix matrices R A C": _ROTATION,
+        "euler_angles as_euler angles": 'use euler("ZXZ"), rad',
+        "omega rates rate w angular_rate omegas": _RATES,
+        "times t epochs": "use time, an astropy Time, or seconds since epoch",
+        "write save to_csv to_ecsv to_file export": _TABLE,
+        "to_table to_frame to_dataframe dataframe df": (
+            "use table(), an astropy QTable, or to_pandas()"
         ),
-        **_each('use euler("zyx"), rad', "rpy", "ypr", "roll_pitch_yaw", "roll", "pitch", "yaw"),
-        **_each(
+        "rpy ypr roll_pitch_yaw roll pitch yaw": 'use euler("zyx"), rad',
+        "interpolate resample interp": (
             "use the motion's .at(t): every epoch costs the same, and AttitudeTable.from_history "
-            "interpolates",
-            *("interpolate", "resample", "interp"),
+            "interpolates"
         ),
-        **_each("use motion.plot(), or attitude.plots", "plot", "show"),
-        **_each("use body_to_inertial(v)", "apply", "rotate", "to_inertial"),
-        **_each("use inertial_to_body(v)", "to_body", "apply_inverse"),
-        **_each("use sigma (rad), sigma_deg or covariance", "errors", "error", "std"),
+        "plot show": "use motion.plot(), or attitude.plots",
+        "apply rotate to_inertial": "use body_to_inertial(v)",
+        "to_body apply_inverse": "use inertial_to_body(v)",
+        "errors error std": "use sigma (rad), sigma_deg or covariance",
     },
     "Body": {
-        **_each("use tensor (body axes) or moments, kg m2", "inertia", "inertia_tensor", "I"),
-        **_each("use moments, kg m2", "principal_moments", "Ixx", "Iyy", "Izz", "A", "B", "C"),
-        **_each("use principal_axes, the columns are unit vectors", "axes", "principal_frame"),
-        **_each("use center_of_mass, m", "com", "centre_of_mass", "center"),
-        **_each("use Body(moments=(3 numbers))", "from_moments", "from_principal_moments"),
-        **_each("use Body(tensor=(3 x 3))", "from_tensor", "from_inertia", "from_matrix"),
-        **_each(
+        "inertia inertia_tensor I": "use tensor (body axes) or moments, kg m2",
+        "principal_moments Ixx Iyy Izz A B C": "use moments, kg m2",
+        "axes principal_frame": "use principal_axes, the columns are unit vectors",
+        "com centre_of_mass center": "use center_of_mass, m",
+        "from_moments from_principal_moments": "use Body(moments=(3 numbers))",
+        "from_tensor from_inertia from_matrix": "use Body(tensor=(3 x 3))",
+        "from_mesh from_obj from_file from_box from_cuboid box cuboid": (
             "use Body.from_shape(mesh, density=), where mesh is attitude.shape.read(file) or "
-            "attitude.shape.box((a, b, c))",
-            *("from_mesh", "from_obj", "from_file", "from_box", "from_cuboid", "box", "cuboid"),
+            "attitude.shape.box((a, b, c))"
         ),
-        **_each("use Body.from_ellipsoid((a, b, c), mass=)", "sphere", "ellipsoid", "from_sphere"),
-        **_each("use Body.from_points(masses, positions)", "from_masses", "from_particles"),
-        **_each("use attitude.catalog.load(name).body", "from_catalog", "from_name"),
-        **_each(
+        "sphere ellipsoid from_sphere": "use Body.from_ellipsoid((a, b, c), mass=)",
+        "from_masses from_particles": "use Body.from_points(masses, positions)",
+        "from_catalog from_name": "use attitude.catalog.load(name).body",
+        "shape mesh facets": (
             "a Body has its inertia alone: give the shape to Scene(shape=), or make the body by "
-            "Body.from_shape(mesh, density=)",
-            *("shape", "mesh", "facets"),
+            "Body.from_shape(mesh, density=)"
         ),
     },
     "Spin": {
-        **_each("use wxyz, scalar first", "quaternion", "q", "quat", "attitude", "orientation"),
+        "quaternion q quat attitude orientation": "use wxyz, scalar first",
         "xyzw": "use np.roll(spin.wxyz, -1)",
-        **_each(_RATES, "omega", "rates", "rate", "w"),
-        **_each("use epoch", "time", "date", "t", "t0"),
-        **_each(
-            "use FreeRotation(body, spin).at(spin.epoch).matrix (body to ICRF) or .dcm",
-            *("rotation", "matrix", "dcm"),
+        "omega rates rate w": _RATES,
+        "time date t t0": "use epoch",
+        "rotation matrix dcm": (
+            "use FreeRotation(body, spin).at(spin.epoch).matrix (body to ICRF) or .dcm"
         ),
-        **_each(
-            "periods follow from the body too: use FreeRotation(body, spin).period_psi",
-            *("period", "periods", "P_psi", "P_phi", "pole", "from_period"),
+        "period periods P_psi P_phi pole from_period": (
+            "periods follow from the body too: use FreeRotation(body, spin).period_psi"
         ),
-        **_each("use Spin(epoch=, wxyz=, angular_velocity=)", "from_quaternion", "from_quat"),
-        **_each("use Spin(epoch=, dcm=, angular_velocity=)", "from_dcm"),
-        **_each(
-            "use Spin.from_rotation with scipy's Rotation.from_rotvec(axis * angle)",
-            *("from_rotvec", "from_axis_angle", "from_axis", "from_mrp"),
+        "from_quaternion from_quat": "use Spin(epoch=, wxyz=, angular_velocity=)",
+        "from_dcm": "use Spin(epoch=, dcm=, angular_velocity=)",
+        "from_rotvec from_axis_angle from_axis from_mrp": (
+            "use Spin.from_rotation with scipy's Rotation.from_rotvec(axis * angle)"
         ),
-        **_each(
-            'use Spin.from_periods(body, P="6 s", pole=...), or angular_velocity="0, 0, 10 rpm"',
-            *("from_rpm", "from_rate", "from_spin_rate", "about_axis"),
+        "from_rpm from_rate from_spin_rate about_axis": (
+            'use Spin.from_periods(body, P="6 s", pole=...), or angular_velocity="0, 0, 10 rpm"'
         ),
-        **_each(
-            "use attitude.catalog.load(name).spin, or attitude.formats.detect.read(file)",
-            *("from_catalog", "from_name", "from_file", "read"),
+        "from_catalog from_name from_file read": (
+            "use attitude.catalog.load(name).spin, or attitude.formats.detect.read(file)"
         ),
     },
     "Scene": {
-        **_each("use at(times).magnitude", "magnitude", "magnitudes", "light_curve", "lightcurve"),
-        **_each("use at(times).magnitude", "magnitude_at", "mag", "mags"),
-        **_each("use at(times).brightness", "brightness", "flux"),
-        **_each("use at(times).phase_angle, rad", "phase_angle", "phase"),
-        **_each("use at(times)", "observe", "evaluate", "propagate", "geometry"),
-        **_each("use view(output=file)", "plot", "show", "render"),
-        **_each("use attitude.viewer.animate(scene, file)", "animate"),
-        **_each("use attitude.events.passes(scene, ...) or glints", "passes", "glints", "events"),
-        **_each("use at(times).elevation, .in_umbra or .lit_fraction", "visible", "is_visible"),
+        "magnitude magnitudes light_curve lightcurve magnitude_at mag mags": (
+            "use at(times).magnitude"
+        ),
+        "brightness flux": "use at(times).brightness",
+        "phase_angle phase": "use at(times).phase_angle, rad",
+        "observe evaluate propagate geometry": "use at(times)",
+        "plot show render": "use view(output=file)",
+        "animate": "use attitude.viewer.animate(scene, file)",
+        "passes glints events": "use attitude.events.passes(scene, ...) or glints",
+        "visible is_visible": "use at(times).elevation, .in_umbra or .lit_fraction",
     },
     "View": {
-        **_each("use magnitude or reduced_magnitude", "mag", "magnitudes", "mags", "V"),
-        **_each("use phase_angle, rad", "phase", "alpha", "phase_angles"),
-        **_each("use observer_distance, m", "distance", "range", "delta"),
-        **_each("use brightness", "flux", "fluxes", "light_curve"),
-        **_each("use table(), an astropy QTable", "to_table", "write", "save", "to_csv"),
-        **_each("use sun_direction, over the body axes", "sun", "sun_vector"),
-        **_each("use observer_direction, over the body axes", "observer", "observer_vector"),
+        "mag magnitudes mags V": "use magnitude or reduced_magnitude",
+        "phase alpha phase_angles": "use phase_angle, rad",
+        "distance range delta": "use observer_distance, m",
+        "flux fluxes light_curve": "use brightness",
+        "to_table write save to_csv": "use table(), an astropy QTable",
+        "sun sun_vector": "use sun_direction, over the body axes",
+        "observer observer_vector": "use observer_direction, over the body axes",
     },
     "LightCurve": {
-        **_each("use magnitude", "mag", "mags", "magnitudes"),
-        **_each("use sigma", "error", "errors", "err", "uncertainty"),
-        **_each("use times", "time", "t", "jd", "epochs"),
-        **_each("use attitude.photometry.periods(curve)", "periodogram", "period", "periods"),
-        **_each("use attitude.photometry.fold(curve, period)", "fold", "folded"),
-        **_each("use the class's read(file)", "from_file", "load", "open"),
-        **_each("use attitude.inversion.spin_states(curve, ...)", "invert", "solve"),
+        "mag mags magnitudes": "use magnitude",
+        "error errors err uncertainty": "use sigma",
+        "time t jd epochs": "use times",
+        "periodogram period periods": "use attitude.photometry.periods(curve)",
+        "fold folded": "use attitude.photometry.fold(curve, period)",
+        "from_file load open": "use the class's read(file)",
+        "invert solve": "use attitude.inversion.spin_states(curve, ...)",
     },
     "CurveFit": {
-        **_each("use P_psi and P_phi, s, or published('L')", "period", "periods"),
-        **_each("use motion.spin and motion.body", "spin", "body"),
-        **_each("use shape, a Mesh", "mesh", "model"),
-        **_each("use write(file.toml), and shape.write(file.obj)", "save", "to_file", "export"),
-        **_each("use residuals, rms or chi_squared", "chi2", "chisq", "residual"),
+        "period periods": "use P_psi and P_phi, s, or published('L')",
+        "spin body": "use motion.spin and motion.body",
+        "mesh model": "use shape, a Mesh",
+        "save to_file export": "use write(file.toml), and shape.write(file.obj)",
+        "chi2 chisq residual": "use residuals, rms or chi_squared",
     },
     "SpinStates": {
-        **_each("use found[0]", "best", "first", "solution"),
-        **_each("iterate over it, or use table()", "solutions", "candidates", "results"),
-        **_each("use found[0].motion", "motion"),
-        **_each("use found[0].write(file)", "write", "save"),
-        **_each("use found[0].P_psi and found[0].P_phi, s", "period", "periods", "P_psi", "P_phi"),
-        **_each("use found[0].pole", "pole"),
-        **_each("use found[0].predict(times)", "predict"),
+        "best first solution": "use found[0]",
+        "solutions candidates results": "iterate over it, or use table()",
+        "motion": "use found[0].motion",
+        "write save": "use found[0].write(file)",
+        "period periods P_psi P_phi": "use found[0].P_psi and found[0].P_phi, s",
+        "pole": "use found[0].pole",
+        "predict": "use found[0].predict(times)",
     },
     "Ensemble": {
-        **_each("use at(t)", "propagate", "evaluate"),
-        **_each(_WXYZ, "quaternion", "quaternions", "q"),
-        **_each("use period_psi and period_phi, s", "period", "periods", "P_psi", "P_phi"),
-        **_each("use len(ensemble)", "size", "count", "n"),
-        **_each("use Ensemble.of(motions)", "from_motions", "from_list"),
-        **_each(
-            "use Ensemble.sample(motion, ...), of errors, or Ensemble.from_periods",
-            *("random", "from_samples", "monte_carlo", "from_covariance"),
+        "propagate evaluate": "use at(t)",
+        "quaternion quaternions q": _WXYZ,
+        "period periods P_psi P_phi": "use period_psi and period_phi, s",
+        "size count n": "use len(ensemble)",
+        "from_motions from_list": "use Ensemble.of(motions)",
+        "random from_samples monte_carlo from_covariance": (
+            "use Ensemble.sample(motion, ...), of errors, or Ensemble.from_periods"
         ),
     },
     "Entry": {
-        **_each("use body and motion(), whose spin is motion().spin", "spin", "state"),
-        **_each("use motion().published('L') and .published('S')", "period", "periods", "pole"),
-        **_each("use sources, the publication of each number", "source", "reference"),
+        "spin state": "use body and motion(), whose spin is motion().spin",
+        "period periods pole": "use motion().published('L') and .published('S')",
+        "source reference": "use sources, the publication of each number",
     },
     "Mesh": {
-        **_each("use facets", "faces", "triangles"),
-        **_each("use vertices, m", "points", "verts"),
-        **_each("use write(file)", "save", "export", "to_obj"),
-        **_each("use attitude.shape.read(file)", "read", "load", "from_file"),
-        **_each("use scaled(factor)", "scale", "resize"),
-        **_each("use moved(offset)", "move", "translate", "shift"),
-        **_each("use turned(matrix)", "rotate", "rotated", "turn", "apply_transform"),
-        **_each(
+        "faces triangles": "use facets",
+        "points verts": "use vertices, m",
+        "save export to_obj": "use write(file)",
+        "read load from_file": "use attitude.shape.read(file)",
+        "scale resize": "use scaled(factor)",
+        "move translate shift": "use moved(offset)",
+        "rotate rotated turn apply_transform": "use turned(matrix)",
+        "inertia moments moment_inertia centroid center_of_mass mass": (
             "use mass_properties(density=), with mass, center_of_mass and inertia, or "
-            "Body.from_shape(mesh)",
-            *("inertia", "moments", "moment_inertia", "centroid", "center_of_mass", "mass"),
+            "Body.from_shape(mesh)"
         ),
-        **_each(
-            "give it to a scene, Scene(motion, ..., shape=mesh).view(output=file)", "plot", "show"
-        ),
+        "plot show": "give it to a scene, Scene(motion, ..., shape=mesh).view(output=file)",
     },
 }
-
-# Hints by the name of a module.
-MODULES: dict[str, dict[str, str]] = {
+# Hints by the name of a module, and by absent names.
+_OF_MODULES = {
     "attitude": {
-        **_each("use attitude.formats.detect.read(file)", "read", "open", "read_aem", "load_file"),
-        **_each("use attitude.formats.detect.read(file)", "from_file", "read_file"),
-        **_each("use attitude.catalog.load(name)", "load", "get", "toutatis"),
-        **_each("use attitude.plots.overview(motion), or motion.plot()", "plot", "draw"),
-        **_each("use attitude.viewer.view(motion, output=file), or motion.view()", "view", "show"),
-        **_each("use attitude.viewer.animate(motion, file)", "animate"),
-        **_each("use attitude.inversion.spin_states(curve, ...)", "invert", "spin_states"),
-        **_each(
-            "use attitude.photometry.LightCurve or attitude.inversion.LightCurve", "LightCurve"
+        "read open read_aem load_file from_file read_file": (
+            "use attitude.formats.detect.read(file)"
         ),
-        **_each("use attitude.photometry.periods(curve)", "periodogram", "LombScargle"),
-        **_each("use attitude.photometry: lines, fit_series, periods", "spectrum"),
-        **_each("use attitude.shape.Ellipsoid", "Ellipsoid"),
-        **_each("use attitude.shape.Mesh, or attitude.shape.read(file)", "Mesh", "read_shape"),
-        **_each("use attitude.motions.Motion", "Motion"),
-        **_each("use attitude.paths.tle(file)", "TLE", "tle"),
-        **_each("use attitude.paths.site(longitude, latitude)", "Site", "Observer", "Location"),
-        **_each("use attitude.torques.GravityGradient", "GravityGradient"),
-        **_each("use attitude.torques, such as torques.ConstantTorque", "Torque"),
-        **_each(
-            "use Body(moments=) with FreeRotation(body, spin)", "RigidBody", "Asteroid", "Satellite"
+        "load get toutatis": "use attitude.catalog.load(name)",
+        "plot draw": "use attitude.plots.overview(motion), or motion.plot()",
+        "view show": "use attitude.viewer.view(motion, output=file), or motion.view()",
+        "animate": "use attitude.viewer.animate(motion, file)",
+        "invert spin_states": "use attitude.inversion.spin_states(curve, ...)",
+        "LightCurve": "use attitude.photometry.LightCurve or attitude.inversion.LightCurve",
+        "periodogram LombScargle": "use attitude.photometry.periods(curve)",
+        "spectrum": "use attitude.photometry: lines, fit_series, periods",
+        "Ellipsoid": "use attitude.shape.Ellipsoid",
+        "Mesh read_shape": "use attitude.shape.Mesh, or attitude.shape.read(file)",
+        "Motion": "use attitude.motions.Motion",
+        "TLE tle": "use attitude.paths.tle(file)",
+        "Site Observer Location": "use attitude.paths.site(longitude, latitude)",
+        "GravityGradient": "use attitude.torques.GravityGradient",
+        "Torque": "use attitude.torques, such as torques.ConstantTorque",
+        "RigidBody Asteroid Satellite": "use Body(moments=) with FreeRotation(body, spin)",
+        "Rotation FreeMotion Tumbler Rotator": "use FreeRotation(body, spin)",
+        "Trajectory rotation dcm euler integrate simulate solve Simulation": (
+            "use FreeRotation(body, spin).at(t)"
         ),
-        **_each("use FreeRotation(body, spin)", "Rotation", "FreeMotion", "Tumbler", "Rotator"),
-        **_each("use FreeRotation(body, spin).at(t)", "Trajectory", "rotation", "dcm", "euler"),
-        **_each("use plain arrays (..., 4), attitude.frames.quaternion", "Quaternion"),
-        **_each(
-            "use FreeRotation(body, spin).at(t)", "integrate", "simulate", "solve", "Simulation"
-        ),
-        **_each("use Spin(epoch=, wxyz=, angular_velocity=)", "State", "Attitude", "SpinState"),
-        **_each("use Arcs with Impulse", "Maneuver", "Manoeuvre", "Burn", "Thruster"),
-        **_each("use attitude.events.glints(scene, ...)", "glints", "Glint", "find_glints"),
-        **_each("use attitude.events.passes(scene, ...)", "passes", "Pass", "find_passes"),
-        **_each("use attitude.paths.kepler(...), .tle(file) or .oem(file)", "Orbit", "Kepler"),
-        **_each("use attitude.photometry.read(file)", "read_photometry", "Photometry"),
-        **_each("use attitude.__version__", "version", "VERSION"),
-        **_each("use motion.write(file), whose format follows from the ending", "write", "save"),
-        **_each('use text such as "2026-01-01", or attitude.epochs', "Time", "Epoch", "Instant"),
+        "Quaternion": "use plain arrays (..., 4), attitude.frames.quaternion",
+        "State Attitude SpinState": "use Spin(epoch=, wxyz=, angular_velocity=)",
+        "Maneuver Manoeuvre Burn Thruster": "use Arcs with Impulse",
+        "glints Glint find_glints": "use attitude.events.glints(scene, ...)",
+        "passes Pass find_passes": "use attitude.events.passes(scene, ...)",
+        "Orbit Kepler": "use attitude.paths.kepler(...), .tle(file) or .oem(file)",
+        "read_photometry Photometry": "use attitude.photometry.read(file)",
+        "version VERSION": "use attitude.__version__",
+        "write save": "use motion.write(file), whose format follows from the ending",
+        "Time Epoch Instant": 'use text such as "2026-01-01", or attitude.epochs',
     },
     "attitude.catalog": {
-        **_each("use catalog.names()", "list", "all", "keys", "search", "bodies", "objects"),
-        **_each("use catalog.load(name) or catalog.entry(name)", "get", "read", "body", "spin"),
-        **_each("use catalog.entry(name)", "toutatis", "apophis", "oumuamua", "envisat", "halley"),
+        "list all keys search bodies objects": "use catalog.names()",
+        "get read body spin": "use catalog.load(name) or catalog.entry(name)",
+        "toutatis apophis oumuamua envisat halley": "use catalog.entry(name)",
     },
     "attitude.formats": {
-        **_each("use attitude.formats.detect.read(file)", "read", "load", "open"),
-        **_each("use motion.write(file), or attitude.formats.detect.write", "write", "save"),
+        "read load open": "use attitude.formats.detect.read(file)",
+        "write save": "use motion.write(file), or attitude.formats.detect.write",
     },
     "attitude.paths": {
-        **_each('use paths.body("mars")', "planet", "sun", "earth", "moon", "mars"),
-        **_each("use paths.mpc_orbit(line) or paths.kepler(...)", "mpc", "mpcorb", "elements"),
-        **_each(
-            "use paths.mpc_orbit(line), or paths.spk(file) of Horizons", "horizons", "asteroid"
-        ),
-        **_each("use paths.tle(file)", "satellite", "sgp4", "from_tle", "TLE"),
-        **_each("use paths.spk(file, target)", "from_spk", "SPK", "kernel"),
-        **_each(
-            "use paths.site(longitude, latitude) or paths.observatory(code)",
-            "ground",
-            "topos",
-            "Site",
-        ),
+        "planet sun earth moon mars": 'use paths.body("mars")',
+        "mpc mpcorb elements": "use paths.mpc_orbit(line) or paths.kepler(...)",
+        "horizons asteroid": "use paths.mpc_orbit(line), or paths.spk(file) of Horizons",
+        "satellite sgp4 from_tle TLE": "use paths.tle(file)",
+        "from_spk SPK kernel": "use paths.spk(file, target)",
+        "ground topos Site": "use paths.site(longitude, latitude) or paths.observatory(code)",
     },
     "attitude.plots": {
-        **_each("use plots.overview(motion)", "plot", "summary", "show"),
-        **_each("use attitude.viewer.animate(motion, file)", "animate"),
+        "plot summary show": "use plots.overview(motion)",
+        "animate": "use attitude.viewer.animate(motion, file)",
     },
     "attitude.inversion": {
-        **_each(
-            "use photometry.periods(curve, count=2, min_period=...)", "periods", "Periods", "Pair"
-        ),
-        **_each("use inversion.spin_states(curve, ...)", "invert", "solve", "run", "fit"),
-        **_each("use inversion.LightCurve.read(file)", "read", "load"),
+        "periods Periods Pair": "use photometry.periods(curve, count=2, min_period=...)",
+        "invert solve run fit": "use inversion.spin_states(curve, ...)",
+        "read load": "use inversion.LightCurve.read(file)",
     },
     "attitude.photometry": {
-        **_each("use photometry.periods(curve)", "lomb_scargle", "LombScargle"),
-        **_each("use photometry.read(file)", "load", "from_file"),
+        "lomb_scargle LombScargle": "use photometry.periods(curve)",
+        "load from_file": "use photometry.read(file)",
     },
     "attitude.viewer": {
-        **_each("use viewer.view(motion, output=file)", "show", "plot", "render"),
+        "show plot render": "use viewer.view(motion, output=file)",
     },
     "attitude.shape": {
-        **_each("use shape.read(file)", "load", "read_obj", "from_file"),
-        **_each("use shape.Ellipsoid((a, b, c))", "ellipsoid", "Sphere", "sphere"),
-        **_each("use shape.box((a, b, c))", "cube", "Box", "Cuboid", "cuboid", "brick"),
+        "load read_obj from_file": "use shape.read(file)",
+        "ellipsoid Sphere sphere": "use shape.Ellipsoid((a, b, c))",
+        "cube Box Cuboid cuboid brick": "use shape.box((a, b, c))",
     },
     "attitude.events": {
-        **_each("use events.glints(scene, ...)", "find_glints", "flashes"),
-        **_each("use events.passes(scene, ...)", "find_passes", "rise_set"),
-        **_each("use events.find_maxima or find_minima", "extrema", "find_extrema", "find_peaks"),
+        "find_glints flashes": "use events.glints(scene, ...)",
+        "find_passes rise_set": "use events.passes(scene, ...)",
+        "extrema find_extrema find_peaks": "use events.find_maxima or find_minima",
     },
     "attitude.light_curve": {
-        **_each(
-            "use Scene(motion, ..., shape=mesh).at(times).magnitude, or light_curve.brightness",
-            *("magnitude", "magnitudes", "light_curve", "lightcurve", "flux", "compute"),
+        "magnitude magnitudes light_curve lightcurve flux compute": (
+            "use Scene(motion, ..., shape=mesh).at(times).magnitude, or light_curve.brightness"
         ),
     },
     "attitude.scattering": {
-        **_each("use scattering.Lambert()", "lambert", "Lambertian"),
-        **_each("use scattering.Hapke(...)", "hapke"),
-        **_each("use scattering.LommelSeeliger()", "lommel_seeliger", "LS", "lunar"),
+        "lambert Lambertian": "use scattering.Lambert()",
+        "hapke": "use scattering.Hapke(...)",
+        "lommel_seeliger LS lunar": "use scattering.LommelSeeliger()",
     },
     "attitude.torques": {
-        **_each("use torques.SolarRadiation(mesh, path)", "SolarPressure", "SRP", "YORP"),
-        **_each("use torques.AerodynamicTorque", "Drag", "Aerodynamic", "AirDrag"),
-        **_each(
-            "use torques.ConstantTorque, or attitude.arcs.Impulse for a pulse",
-            *("ThrusterTorque", "Thruster", "ControlTorque"),
+        "SolarPressure SRP YORP": "use torques.SolarRadiation(mesh, path)",
+        "Drag Aerodynamic AirDrag": "use torques.AerodynamicTorque",
+        "ThrusterTorque Thruster ControlTorque": (
+            "use torques.ConstantTorque, or attitude.arcs.Impulse for a pulse"
         ),
-        **_each("use torques.InternalDissipation or torques.Rheology", "Dissipation", "Friction"),
+        "Dissipation Friction": "use torques.InternalDissipation or torques.Rheology",
     },
 }
 
 
-def absent(owner: str, name: str, *, obj: Any = None) -> AttributeError:
+def _by_name(table: dict[str, dict[str, str]]) -> dict[str, dict[str, str]]:
+    """The table with an entry for each of the names that stand in one key."""
+    return {
+        owner: {name: hint for names, hint in hints.items() for name in names.split()}
+        for owner, hints in table.items()
+    }
+
+
+ATTRIBUTES: dict[str, dict[str, str]] = _by_name(_OF_CLASSES)
+MODULES: dict[str, dict[str, str]] = _by_name(_OF_MODULES)
+
+
+def absent(owner: str, name: str) -> AttributeError:
     """The AttributeError for a name that a module does not have, with the hint of `MODULES`."""
     hint = MODULES.get(owner, {}).get(name)
     sentence = f"module {owner!r} has no attribute {name!r}"
     if hint is not None:
         sentence += f"; {hint}."
-    return AttributeError(sentence, name=name, obj=obj)
+    return AttributeError(sentence, name=name)
 
 
 def of_module(owner: str, where: Mapping[str, str] | None = None) -> Callable[[str], Any]:

@@ -113,11 +113,10 @@ def _of_times(name: str, time: Time) -> dict[str, Any]:
         text.precision = 9
         masked = np.broadcast_to(np.asarray(time.mask), time.shape)
         return {f"{before}utc": np.where(masked, "", np.asarray(np.ma.getdata(text.value)))}
-    parts = {"jd1": time.jd1, "jd2": time.jd2}
     scale = f"{before}{time.scale}"
     return {
-        f"{scale}_{low_or_high}": np.ma.filled(values, np.nan)
-        for low_or_high, values in parts.items()
+        f"{scale}_jd1": np.ma.filled(time.jd1, np.nan),
+        f"{scale}_jd2": np.ma.filled(time.jd2, np.nan),
     }
 
 

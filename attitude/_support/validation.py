@@ -19,8 +19,6 @@ from attitude._support.quoting import quoted
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from attitude._support.annotations import BoolArray, FloatArray, Real, Reals
 
 
@@ -160,8 +158,7 @@ def unit_vector(value: Reals, name: str) -> FloatArray:
             f"{name} is zero, which has no direction; give a vector of any other length."
         )
     vector = vector / size  # so that its square neither overflows nor underflows
-    direction: FloatArray = vector / np.sqrt(vector @ vector)
-    return direction
+    return vector / np.sqrt(vector @ vector)
 
 
 def _floats(value: Any, name: str, unit: str | None) -> FloatArray:

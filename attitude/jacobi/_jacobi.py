@@ -321,8 +321,7 @@ def dn(u: Reals, m: Reals, *, mc: Reals | None = None) -> FloatArray:
     """
     angle = am(u, m, mc=mc)
     other = parameters(m, mc)[1]
-    delta: Any = np.sqrt(np.cos(angle) ** 2 + other * np.sin(angle) ** 2)
-    return delta
+    return np.sqrt(np.cos(angle) ** 2 + other * np.sin(angle) ** 2)
 
 
 def theta(j: int, z: Any, q: Reals, *, derivative: bool = False) -> Any:

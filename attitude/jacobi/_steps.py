@@ -7,7 +7,7 @@ itself evaluates another form, without the divisions that fail for principal axe
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -146,7 +146,7 @@ def steps(motion: FreeRotation) -> PaperSteps:
         eta, drift, np.eye(3),
     )  # fmt: skip
     start = motion.at(0.0).matrix @ axes.T @ bare._from_momentum(0.0)
-    return PaperSteps(**(bare.__dict__ | {"start": start}))
+    return replace(bare, start=start)
 
 
 def _jacobi_order(motion: FreeRotation) -> tuple[FloatArray, FloatArray, FloatArray]:

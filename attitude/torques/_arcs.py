@@ -46,8 +46,6 @@ from attitude.torques._torqued import TorquedRotation
 from attitude.torques._triggers import Trigger, first_crossing
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import ArrayLike
 
     from attitude._support.annotations import (
@@ -83,13 +81,12 @@ class Change(Valued):
 
     def _set_change(self, at, angular_momentum, frame):
         """Check and keep the attributes, while the object is constructed."""
-        self._set("at", at)
-        self._set("frame", frame if frame == "body" else frames.known(frame))
+        frame = frame if frame == "body" else frames.known(frame)
         if not callable(angular_momentum):
             angular_momentum = frozen(
                 validation.real(angular_momentum, "angular_momentum", shape=(3,), unit="kg m2/s")
             )
-        self._set("angular_momentum", angular_momentum)
+        self._set_all(at=at, angular_momentum=angular_momentum, frame=frame)
 
     def added_momentum(self, before: Callable[[], AttitudeHistory], name: str) -> FloatArray:
         """Angular momentum (3,) that the change adds, kg m2/s in its frame.
@@ -279,8 +276,8 @@ class _ChainedSensitivity(Derivatives):
         """Changes of attitude (S, 3, 9), ICRF axes, and of the angular velocity, body axes."""
         return self._chained(self._maps, seconds, low, rates)
 
-    def by_momenta(self, seconds, low, rates=False):
-        """As `at`, by the momenta of the changes: columns (3 N), each in its own frame."""
+    def by_momenta(self, seconds, low):
+        """As `at` without rates, by the momenta of the changes (3 N), each in its own frame."""
         count = len(self._changes)
         maps = [np.zeros((9, 3 * count))]
         for k, change in enumerate(self._changes):
@@ -291,7 +288,7 @@ class _ChainedSensitivity(Derivatives):
                 turn = quaternion.matrix(wxyz).T @ frames.matrix_to_icrf(change.frame)
             after[3:6, 3 * k : 3 * k + 3] += np.linalg.solve(self._bodies[k + 1].tensor, turn)
             maps.append(after)
-        return self._chained(maps, seconds, low, rates)
+        return self._chained(maps, seconds, low, False)
 
     def _chained(self, maps, seconds, low, rates):
         """Changes (S, 3, P) of attitude and rates from those (9, P) of each arc's first state."""
@@ -497,9 +494,7 @@ class Arcs(Differentiable):
                 f"changes is {validation.shown(changes)}; give an Impulse or InertiaChange, or a "
                 "list of them."
             )
-        self._set("body", body)
-        self._set("spin", spin)
-        self._set("changes", tuple(changes))
+        self._set_all(body=body, spin=spin, changes=tuple(changes))
         for k, change in enumerate(self.changes):
             if not isinstance(change, Change):
                 raise AttitudeError(
@@ -514,8 +509,7 @@ class Arcs(Differentiable):
                 raise AttitudeError(
                     f"{name} is for the integration of torques; give torques=, or leave it out."
                 )
-        self._set("torques", ())
-        self._set("_torqued", ())
+        self._set_all(torques=(), _torqued=())
         if torques is None:
             self._build()
             return
@@ -566,7 +560,7 @@ class Arcs(Differentiable):
     def __repr__(self) -> str:
         names = ", ".join(type(torque).__name__ for torque in self.torques)
         under = f" under {names}" if names else ""
-        return f"<Arcs: {len(self.joints) + 1} from {self.spin.epoch.utc_iso} UTC{under}>"
+        return f"<Arcs: {len(self)} from {self.spin.epoch.utc_iso} UTC{under}>"
 
     def __len__(self) -> int:
         """The number of arcs."""
@@ -761,8 +755,7 @@ class Arcs(Differentiable):
             yield change, time, added, body
             starts[k + 1] = time
             self._set("_bodies", (*self._bodies, body))
-        self._set("_starts", frozen(starts))
-        self._set("joints", frozen(starts[1:, 0].copy()))
+        self._set_all(_starts=frozen(starts), joints=frozen(starts[1:, 0].copy()))
 
     def _time_of(self, change, times, start, name):
         """The time of a change, the first one, or where its trigger first fires behind a start."""

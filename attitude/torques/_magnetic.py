@@ -165,8 +165,7 @@ class IGRF(MagneticField):
         degree = validation.count(degree, "degree")
         if not 1 <= degree <= 13:
             raise AttitudeError(f"degree is {degree}; the model has the degrees 1 to 13.")
-        self._set("degree", degree)
-        self._set("epoch", None if epoch is None else instant_of(epoch))
+        self._set_all(degree=degree, epoch=None if epoch is None else instant_of(epoch))
         if self.epoch is not None:
             _coefficients_in(_years(self.epoch, np.zeros(1), np.zeros(1)))
 
@@ -431,8 +430,7 @@ class _InField(Torque):
     path: Path
 
     def _set_field(self, field: Any, path: Any) -> None:
-        self._set("field", field_of(field))
-        self._set("path", path_of(path, "path"))
+        self._set_all(field=field_of(field), path=path_of(path, "path"))
 
     @property
     def is_of_seconds(self) -> bool:

@@ -25,7 +25,7 @@ from attitude.paths._ground import RATE as EARTH_RATE_RAD_S
 from attitude.paths._path import Path
 from attitude.scene import _shadow
 from attitude.shape._mesh import Mesh
-from attitude.torques._torque import Torque, path_of, positions, refuse_relative
+from attitude.torques._torque import Torque, address_of, path_of, positions, refuse_relative
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -132,16 +132,11 @@ class SolarRadiation(Torque):
         self._set("path", path_of(path, "path"))
         _set_facets(self, shape, diffuse, mirrored)
         self._set("flux", validation.positive(flux, "flux", unit="W/m2"))
-        self._set("shadows", _visibility_of(shape, shadows))
-        self._set("shadow_of", _occulters(shadow_of))
+        self._set_all(shadows=_visibility_of(shape, shadows), shadow_of=_occulters(shadow_of))
 
     def address(self) -> int:
         """Address of `_compiled.solar_radiation`, or of `shaded_radiation`."""
-        from attitude.torques import _compiled
-
-        if self.shadows is None:
-            return _compiled.solar_radiation.address
-        return _compiled.shaded_radiation.address
+        return address_of("solar_radiation" if self.shadows is None else "shaded_radiation")
 
     @cached_property
     def _lit(self) -> FloatArray:

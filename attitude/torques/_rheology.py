@@ -164,32 +164,24 @@ def displacement(axes: FloatArray, poisson: float) -> FloatArray:
 # ---- The polhode over one nutation
 
 
-@dataclass(frozen=True)
-class Polhodes:
-    """Nutations with L = 1 at nodes that are uniform in time.
+def polhodes(
+    moments: FloatArray, share: FloatArray, rest: FloatArray, long: bool
+) -> tuple[FloatArray, FloatArray]:
+    """Nutations with L = 1 at shares (N,) of sin^2 theta from an axis to the separatrix.
 
-    Unit vectors (N, M, 3) of the momentum over the principal axes, ascending; 2 pi over the period
-    (N,).
-    """
-
-    direction: FloatArray
-    rate: FloatArray
-
-
-def polhodes(moments: FloatArray, share: FloatArray, rest: FloatArray, long: bool) -> Polhodes:
-    """Nutations at shares (N,) of sin^2 theta from the short or long axis to the separatrix.
-
-    rest: 1 - share, without cancellation.
+    The axis is the short or the long one; rest: 1 - share, without cancellation.  Returns unit
+    vectors (N, M, 3) of the momentum over the principal axes, ascending, at nodes that are uniform
+    in time, and 2 pi over the period (N,).
     """
     from scipy.special import ellipj, ellipkm1
 
     low, middle, high = moments
     whole = (high - low) / (low * high)
     above, below = (high - middle) / (high * middle), (middle - low) / (low * middle)
-    reach = (below if long else above) / whole  # sin^2 of the separatrix, from the axis
+    narrow = below if long else above
+    reach = narrow / whole  # sin^2 of the separatrix, from the axis
     sine = share * reach  # sin^2 of the angle from the axis
     cosine = rest + share * (1.0 - reach)
-    narrow = below if long else above
     # 1 - m: D (reach - sine) over (narrow cos^2)
     complement = np.minimum(whole * reach * rest / (narrow * cosine), 1.0)
     quarter = ellipkm1(complement)
@@ -203,7 +195,7 @@ def polhodes(moments: FloatArray, share: FloatArray, rest: FloatArray, long: boo
     order = (along, third, across) if long else (across, third, along)
     # the speed of u: sqrt(cos^2 D narrow)
     rate = 0.5 * np.pi * np.sqrt(cosine * whole * narrow) / quarter
-    return Polhodes(np.stack(order, axis=-1), rate)
+    return np.stack(order, axis=-1), rate
 
 
 # Nodes of a nutation: harmonics of the force to 1e-9 of the largest where 1 - m is 1e-10.
@@ -215,6 +207,9 @@ _NODES = 256
 # Table of strengths: logarithms of share/rest, from -24 to 23, and of L/C in rad/s.
 _FIRST, _LAST, _SPACING = -24.0, 23.0, 0.1
 _SLOWEST, _FASTEST, _RATE_SPACING = 1e-11, 1e2, 0.5
+_SHARES = _FIRST + _SPACING * np.arange(round((_LAST - _FIRST) / _SPACING) + 1.0)
+_INTERVALS = math.ceil(math.log(_FASTEST / _SLOWEST) / _RATE_SPACING)
+_RATES = _SLOWEST * np.exp(_RATE_SPACING * np.arange(_INTERVALS + 1))
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -328,9 +323,9 @@ class Rheology(Immutable):
         edge = _separatrix(moments)
         long = p > edge
         share = (1.0 - p) / (1.0 - edge) if long else p / edge
-        motion = polhodes(moments, np.array([share]), np.array([1.0 - share]), long)
-        energy, _ = self._harmonics(moments, motion)
-        rate = size * motion.rate[0] * np.arange(1, energy.shape[1] + 1)
+        direction, pace = polhodes(moments, np.array([share]), np.array([1.0 - share]), long)
+        energy, _ = self._harmonics(moments, direction)
+        rate = size * pace[0] * np.arange(1, energy.shape[1] + 1)
         scale = 2.0 * self.density**2 * size**4
         return float(scale * np.sum(rate * self.loss(rate) * energy[0]))
 
@@ -354,12 +349,12 @@ class Rheology(Immutable):
             if not np.any(on) or not np.all(np.isfinite(table)):
                 strengths[on] = 0.0
                 continue
-            spline = RectBivariateSpline(np.log(_rates()), _shares(), table)
+            spline = RectBivariateSpline(np.log(_RATES), _SHARES, table)
             share, margin = (1.0 - p[on], p[on] - edge) if long else (p[on], edge - p[on])
             with np.errstate(divide="ignore"):
                 logarithm = np.clip(np.log(share) - np.log(margin), _FIRST, _LAST)
             speed = momentum[on] / float(np.max(body.moments))
-            rate = np.clip(np.log(speed), *np.log(_rates()[[0, -1]]))
+            rate = np.clip(np.log(speed), *np.log(_RATES[[0, -1]]))
             strengths[on] = np.exp(spline.ev(rate, logarithm))
         return strengths
 
@@ -374,9 +369,8 @@ class Rheology(Immutable):
         mass = 4.0 / 3.0 * np.pi * self.density * float(np.prod(self.axes))
         return moments * (mass / 5.0 * float(self.axes[0] ** 2 + self.axes[1] ** 2) / moments[2])
 
-    def _harmonics(self, moments: FloatArray, motion: Polhodes) -> tuple[FloatArray, FloatArray]:
+    def _harmonics(self, moments: FloatArray, l: FloatArray) -> tuple[FloatArray, FloatArray]:
         """b_n* G b_n (N, harmonics from 1) and the means (N,) of |l x w|^2, for L = 1."""
-        l = motion.direction
         w = l / moments
         change = np.cross(l, w) / moments  # Euler's equations
         matrix = w[..., :, None] * w[..., None, :] - np.sum(w * w, -1)[..., None, None] * np.eye(3)
@@ -391,7 +385,7 @@ class Rheology(Immutable):
     def strengths(self, body: Body) -> FloatArray:
         """Logarithms (2, rates, shares) of the strength of `InternalDissipation`.
 
-        First axis: from the short, from the long axis.  The others: `_rates`, `_shares`.
+        First axis: from the short, from the long axis.  The others: `_RATES`, `_SHARES`.
         """
         moments = self.moments(body)
         key = moments.tobytes()
@@ -407,22 +401,21 @@ class Rheology(Immutable):
     def _strengths(self, moments: FloatArray) -> FloatArray:
         """`strengths` for ascending moments, kg m2."""
         if moments[2] - moments[0] <= 1e-14 * moments[2]:
-            return np.full((2, len(_rates()), len(_shares())), -np.inf)
-        share, margin = 1.0 / (1.0 + np.exp(-_shares())), 1.0 / (1.0 + np.exp(_shares()))
-        rates = _rates()
+            return np.full((2, len(_RATES), len(_SHARES)), -np.inf)
+        share, margin = 1.0 / (1.0 + np.exp(-_SHARES)), 1.0 / (1.0 + np.exp(_SHARES))
         edge, tables = _separatrix(moments), []
         for long in (False, True):
             reach = 1.0 - edge if long else edge
             if reach <= 0.0:  # a symmetric body has no such motion
-                tables.append(np.full((len(rates), len(share)), -np.inf))
+                tables.append(np.full((len(_RATES), len(share)), -np.inf))
                 continue
-            motion = polhodes(moments, share, margin, long)
-            energy, across = self._harmonics(moments, motion)
-            momentum = rates * moments[2]
+            direction, pace = polhodes(moments, share, margin, long)
+            energy, across = self._harmonics(moments, direction)
+            momentum = _RATES * moments[2]
             harmonics = np.arange(1, energy.shape[1] + 1)
-            power = np.empty((len(rates), len(share)))
+            power = np.empty((len(_RATES), len(share)))
             for row, size in zip(power, momentum, strict=True):
-                frequency = size * motion.rate[:, None] * harmonics
+                frequency = size * pace[:, None] * harmonics
                 row[:] = np.sum(frequency * self.loss(frequency) * energy, axis=1)
             scale = 2.0 * self.density**2 * momentum[:, None]
             with np.errstate(divide="ignore"):
@@ -436,17 +429,6 @@ def _separatrix(moments: FloatArray) -> float:
     if high == low:
         return 1.0
     return float(low * (high - middle) / (middle * (high - low)))
-
-
-def _shares() -> FloatArray:
-    """Nodes of ln(share/rest)."""
-    return _FIRST + _SPACING * np.arange(round((_LAST - _FIRST) / _SPACING) + 1.0)
-
-
-def _rates() -> FloatArray:
-    """Nodes of L/C, rad/s."""
-    count = math.ceil(math.log(_FASTEST / _SLOWEST) / _RATE_SPACING) + 1
-    return _SLOWEST * np.exp(_RATE_SPACING * np.arange(count))
 
 
 def parameters(rheology: Rheology, body: Body) -> FloatArray:

@@ -79,14 +79,10 @@ class Scheme(Immutable):
         gradients: ArrayLike,
         source: str,
     ) -> None:
-        self._set("name", name)
-        self._set("source", source)
-        for label, coefficients in (
-            ("kicks", kicks),
-            ("flights", flights),
-            ("gradients", gradients),
-        ):
-            self._set(label, frozen(validation.real(coefficients, f"{label} of a Scheme")))
+        self._set_all(name=name, source=source)
+        coefficients = {"kicks": kicks, "flights": flights, "gradients": gradients}
+        for label, values in coefficients.items():
+            self._set(label, frozen(validation.real(values, f"{label} of a Scheme")))
         shapes = [array.shape for array in (self.kicks, self.flights, self.gradients)]
         count = self.flights.size
         if count < 1 or shapes != [(count + 1,), (count,), (count + 1,)]:
@@ -94,8 +90,8 @@ class Scheme(Immutable):
                 f"a Scheme has kicks, flights and gradients of shapes {shapes}; give n + 1, n and "
                 "n + 1 numbers, n at least 1."
             )
-        for label, values in (("kicks", self.kicks), ("flights", self.flights)):
-            total = math.fsum(values)
+        for label, shares in (("kicks", self.kicks), ("flights", self.flights)):
+            total = math.fsum(shares)
             if abs(total - 1.0) > _ROUNDING:
                 raise AttitudeError(
                     f"the {label} of a Scheme add up to {total!r}; they are shares of a step: give "

@@ -377,8 +377,7 @@ def _inertia_of(torques: tuple[Torque, ...]) -> InertiaHistory | None:
             "angular velocity or the tensor of the body, which change; give torques that depend on "
             "the attitude alone (a CustomTorque with depends_on_rate=False)."
         )
-    history: InertiaHistory = changing[0]  # type: ignore[assignment]
-    return history
+    return changing[0]  # type: ignore[return-value]
 
 
 # ---- Derivatives of a torqued motion by its state and its moments: the chain of those of its steps

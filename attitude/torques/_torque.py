@@ -74,7 +74,7 @@ class Torque(Immutable):
         """Address of the compiled function of the torque; see `attitude._solver.torqued_step`."""
         if not self._function:
             raise NotImplementedError(f"{type(self).__name__} defines no address")
-        return _address_of(self._function)
+        return address_of(self._function)
 
     def slope_address(self) -> int:
         """Address of the compiled function for the scheme "force-gradient"; 0 without one.
@@ -84,7 +84,7 @@ class Torque(Immutable):
         that depends on the attitude but has no potential it returns (y . d) N - N x y, which
         equals these derivatives where a potential exists.
         """
-        return _address_of(self._slope) if self._slope else 0
+        return address_of(self._slope) if self._slope else 0
 
     def parameters(self, body: Body) -> FloatArray:
         """Constants (P,) that the compiled function takes, for a body."""
@@ -310,11 +310,8 @@ class InternalDissipation(Torque):
 
     def address(self) -> int:
         """Address of `_compiled.internal_dissipation`, or of `rheological_dissipation`."""
-        from attitude.torques import _compiled
-
-        if isinstance(self.strength, float):
-            return _compiled.internal_dissipation.address
-        return _compiled.rheological_dissipation.address
+        is_number = isinstance(self.strength, float)
+        return address_of("internal_dissipation" if is_number else "rheological_dissipation")
 
     def parameters(self, body: Body) -> FloatArray:
         """The strength and the tensor's upper triangle by rows (7,); of a rheology its table."""
@@ -476,8 +473,7 @@ class CustomTorque(Torque):
     is_of_seconds = True
 
     def __post_init__(self) -> None:
-        self._set("kind", BY_RATE if self.depends_on_rate else BY_ATTITUDE)
-        self._set("_callbacks", {})
+        self._set_all(kind=BY_RATE if self.depends_on_rate else BY_ATTITUDE, _callbacks={})
         self._check("function", "omega")
         if self.slope is None:
             return
@@ -512,26 +508,26 @@ class CustomTorque(Torque):
         if name not in self._callbacks:
             function = getattr(self, name)
             is_fast = is_compiled(function)
-            callback = callback_of(function) if is_fast else self._plain(function, name)
-            self._callbacks[name] = callback
+            self._callbacks[name] = callback_of(function) if is_fast else _plain(function, name)
         callback = self._callbacks[name]
         if isinstance(callback, Callback):
             return callback.address
         return ctypes.cast(callback, ctypes.c_void_p).value
 
-    def _plain(self, function, name):
-        """A C function that calls the Python one."""
 
-        @C_FUNCTION
-        def torque(t, wxyz, omega, given, parameters, out):
-            # Copies: the function may store its arguments.
-            q, w = np.array(wxyz[0:4]), np.array(omega[0:3])
-            out[0], out[1], out[2] = _three(function(t + parameters[0], q, w), name)
+def _plain(function, name):
+    """A C function that calls the Python one."""
 
-        return torque
+    @C_FUNCTION
+    def torque(t, wxyz, omega, given, parameters, out):
+        # Copies: the function may store its arguments.
+        q, w = np.array(wxyz[0:4]), np.array(omega[0:3])
+        out[0], out[1], out[2] = _three(function(t + parameters[0], q, w), name)
+
+    return torque
 
 
-def _address_of(name: str) -> int:
+def address_of(name: str) -> int:
     """Address of a function of `_compiled`."""
     from attitude.torques import _compiled
 

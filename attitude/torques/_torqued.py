@@ -406,8 +406,6 @@ def _between(system, states, times, place, parts):
 _EPOCHS, _STATES = 1 << 15, 1 << 14
 # States kept in one call: at most.
 _ROWS_KEPT = 1 << 10
-# rad, of an answer.
-_ROUNDING_OF_STATES = 2e-15
 
 
 class VaryingSteps(KeptStates):
@@ -422,7 +420,7 @@ class VaryingSteps(KeptStates):
         last = min(last if sign > 0.0 else -first for first, last in spans)
         self._front = Front(system, sign, tolerance, paired, last)
         super().__init__(self._front.row)
-        self._least = tolerance + _ROUNDING_OF_STATES
+        self._least = tolerance + _ROUNDING
         self._epochs_at_once = Pace(_EPOCHS)
 
     @property
@@ -726,9 +724,7 @@ class TorquedRotation(Differentiable):
                 "TorquedRotation takes a Body, a Spin and torques; given were "
                 f"{type(body).__name__} and {type(spin).__name__}."
             )
-        self._set("body", body)
-        self._set("spin", spin)
-        self._set("torques", _torques(torques))
+        self._set_all(body=body, spin=spin, torques=_torques(torques))
         if sum(one is not None for one in (step, tolerance, step_tolerance)) > 1:
             raise AttitudeError(
                 "a TorquedRotation takes one of step=(s), tolerance=(rad) and step_tolerance=(rad)."
@@ -747,15 +743,13 @@ class TorquedRotation(Differentiable):
         self._set("step", step)
         for name, bound in (("tolerance", tolerance), ("step_tolerance", step_tolerance)):
             self._set(name, None if bound is None else _checked_tolerance(bound, name))
-        self._set("_span_given", span)
-        self._set("_horizons", self._planned(span))
+        self._set_all(_span_given=span, _horizons=self._planned(span))
         self._forget()
         _living[id(self)] = self
 
     def _forget(self) -> None:
         """Start without integrated states, and with a lock that no thread holds."""
-        self._set("_lock", threading.Lock())
-        self._set("_grids", (self._grid(0), self._grid(1)))
+        self._set_all(_lock=threading.Lock(), _grids=(self._grid(0), self._grid(1)))
 
     def _planned(self, span: Any) -> tuple[float, float]:
         """Seconds after and before the epoch for which steps are planned."""
@@ -782,9 +776,8 @@ class TorquedRotation(Differentiable):
         return BoundedSteps(self._system, sign, self.tolerance, self._horizons[side])
 
     def __reduce__(self):
-        limits = {"tolerance": self.tolerance, "step_tolerance": self.step_tolerance}
-        how = {"step": self.step, "scheme": self.scheme, "span": self._span_given, **limits}
-        how["origin"] = self.origin
+        names = "step", "scheme", "tolerance", "step_tolerance", "origin"
+        how = {name: getattr(self, name) for name in names} | {"span": self._span_given}
         return partial(TorquedRotation, **how), (self.body, self.spin, self.torques)
 
     @cached_property

@@ -228,17 +228,13 @@ def first_crossing(event: Trigger, motion: Motion, start: float, end: float, nam
             return event.values(motion.at(*shifted((base, 0.0), s)))[0]
 
         values = evaluate(knots)
-        noise = 4.0 * np.spacing(event.arm + np.max(np.abs(values)))
         if bounds is None:  # signs at the knots alone
-            changes = np.flatnonzero((values[:-1] < 0.0) != (values[1:] < 0.0))
-            if changes.size:
-                k = changes[0]
-                pairs = (array[m : m + 1] for array in (knots, values) for m in (k, k + 1))
-                return float(left + refined(evaluate, *pairs)[0])
-            left += float(knots[-1])
-            continue
-        bound = event.arm * bounds.second
-        brackets = isolated(evaluate, knots, values, np.inf, bound, TOUCH / rate, noise)
+            k = np.flatnonzero((values[:-1] < 0.0) != (values[1:] < 0.0))[:1]
+            brackets = np.stack([knots[k], knots[k + 1], values[k], values[k + 1]])
+        else:
+            noise = 4.0 * np.spacing(event.arm + np.max(np.abs(values)))
+            bound = event.arm * bounds.second
+            brackets = isolated(evaluate, knots, values, np.inf, bound, TOUCH / rate, noise)
         if brackets.size:
             return float(left + np.min(refined(evaluate, *brackets)))
         left += float(knots[-1])
