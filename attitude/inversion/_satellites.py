@@ -2,9 +2,9 @@
 
 Eclipses and occultations by a moon add dips at the period of its orbit to the magnitudes of a
 rotating body.  A tumbling body has lines at sums and differences of two frequencies; here there are
-none, only multiples of each.  Pairs of periods are found by series (`additive_pairs`); the rival of
-a tumbling state is then a body that rotates about one axis, with the series in the second period
-among the linear terms.
+none, only multiples of each.  Orbits are found by two series (`additive_pairs`), and beside a body
+that rotates about one axis, less all that bodies near it make up for (`orbits_beside`).  The rival
+of a tumbling state is then such a body with the series in the orbit among the linear terms.
 """
 
 from __future__ import annotations
@@ -16,12 +16,17 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from attitude._support.arrays import distinct
-from attitude.inversion import _lattices
+from attitude.inversion import _lattices, _refinement
+from attitude.inversion._ellipsoid import SearchState
 from attitude.photometry import _spectrum
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from attitude._support.annotations import BoolArray, FloatArray
     from attitude.inversion._problem import CurveProblem
+    from attitude.inversion._refinement import Refined
+    from attitude.inversion._shapes import Tie
 
 
 # Lines of the rotation and of the orbit in the scan, and in the fits of its best pairs: rotation is
@@ -35,6 +40,8 @@ _FINE = 12
 # Strong lines whose orbits are scanned, orbits of each, pairs that are fitted in two steps and in
 # more; the best of them also with twice and half the period of the orbit.
 _ROTATIONS, _ORBITS, _FITTED, _FREE = 12, 12, 80, 24
+# Orbits of the scan beside a body that are fitted.
+_ORBITS_BESIDE = 3
 # Orbits beside whose series the rotation is looked for once more: deep dips drown its lines.
 _BESIDE = 4
 # Rates of bodies over that of a series: one of six lines of it is the body's second.
@@ -52,13 +59,15 @@ _STEPS, _LONGEST = 4, 0.1
 # Skewness of dips at least (binaries: 1.2 to 2.1), orbits in the span at least, range at most, mag:
 # half of a pair of equal bodies is 0.75, and noise adds to it.
 _LEAST_SKEWNESS, _LEAST_ORBITS, _DEEPEST = 0.6, 4.0, 1.2
+# The same distances about the best of them, beside a body.
+_FINER = tuple(0.01 * k for k in range(-3, 4))
 # Epochs of an orbit at which its series is evaluated, and those of the span, from its middle in
 # halves of it; how much it brightens at most, over how much it dims: moons 0.05 to 0.25, series
 # that mimic tumbling 0.5 to 2.
 _PHASES = 360
 _TIMES, _BRIGHTEST = (-0.8, 0.0, 0.8), 0.35
 # Depth of the second dip, over the range, from which it is one; an orbit is not always a circle.
-_SECOND, _OFF_HALF = 0.15, 0.06
+_SECOND, _OFF_HALF = 0.2, 0.06
 # Standard deviations, mag, of the amplitudes of a series beside a body before the curve is seen; of
 # their changes in half the span over that; multiples of the frequency that have half of it.  The
 # likeliest are taken, the first in fits of pairs.
@@ -70,7 +79,7 @@ class AdditivePair(NamedTuple):
     """Frequencies of rotation and orbit, turns per span, and the share of chi-squared left.
 
     range, mag, and skewness are those of the series in the orbit; second, mag: the depth of the dip
-    half a period after the deepest one.
+    half a period after the deepest one; brightens: how much it brightens over how much it dims.
     """
 
     rotation: float
@@ -79,6 +88,7 @@ class AdditivePair(NamedTuple):
     range: float = 0.0
     skewness: float = 0.0
     second: float = 0.0
+    brightens: float = 0.0
 
     @property
     def are_dips(self) -> bool:
@@ -89,6 +99,68 @@ class AdditivePair(NamedTuple):
         """
         is_short = self.skewness > _LEAST_SKEWNESS and self.orbit > _LEAST_ORBITS
         return is_short and self.range < _DEEPEST
+
+
+class Explained(NamedTuple):
+    """What a rotation alone explains of the magnitudes of a problem.
+
+    problem: its weights are those of the rows.
+    rate: turns per span.
+    rows: (K, N), combinations whose squares are what the rotation takes up of weighted magnitudes.
+    left: (N,), the weighted magnitudes that it leaves.
+    points: their number less that of its free parameters.
+    total: the sum of squares of all.
+    """
+
+    problem: CurveProblem
+    rate: float
+    rows: FloatArray
+    left: FloatArray
+    points: float
+    total: float
+
+    def beside(self, terms: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Products (M, M) of terms (N, M), and theirs with what is left (M,), the rotation free."""
+        joint = self.problem.projected(terms.T)
+        taken_up = joint @ self.rows.T
+        return joint @ joint.T - taken_up @ taken_up.T, joint @ self.left
+
+
+def of_series(problem: CurveProblem, rate: float) -> Explained:
+    """What the series of a rotation explains."""
+    terms = problem.projected(series(rate, ORDERS[0], problem.t).T)
+    # without it a series reaches many magnitudes where no points are
+    inner = terms @ terms.T + _spectrum.RIDGE * np.eye(len(terms))
+    y = problem.projected(problem.y)
+    return _explained(problem, rate, terms, inner, y, terms @ y)
+
+
+def of_body(problem: CurveProblem, body: Refined, tie: Tie, fixed: BoolArray) -> Explained:
+    """What a body that rotates about one axis, and all near it, explain."""
+    fit = _refinement.refine(problem, body.state, tie=tie, fixed=fixed)
+    model = _refinement.model(problem, fit.state)
+    free = np.ones(len(fit.normal), bool)
+    free[: len(fixed)] = ~fixed[: len(free)]
+    terms = problem.projected(model.jacobian[free])
+    left = problem.projected(problem.y - model.magnitude)
+    inner = fit.normal[np.ix_(free, free)]
+    rate = SearchState.of(fit.state).rates[0]
+    return _explained(problem, rate, terms, inner, left, fit.gradient[free])
+
+
+def _explained(
+    problem: CurveProblem,
+    rate: float,
+    terms: FloatArray,
+    inner: FloatArray,
+    left: FloatArray,
+    gradient: FloatArray,
+) -> Explained:
+    factor = np.linalg.cholesky(inner)
+    rows = np.linalg.solve(factor, terms)
+    left = left - rows.T @ np.linalg.solve(factor, gradient)
+    points, y = len(problem) - float(np.sum(rows**2)), problem.projected(problem.y)
+    return Explained(problem, rate, rows, left, points, float(y @ y))
 
 
 def series(frequency: float, order: int, t: FloatArray) -> FloatArray:
@@ -115,38 +187,30 @@ def _deviations(amplitude: float, change: float, wide: float, order: int = DIPS)
     return np.concatenate([np.tile(falling, 2), np.tile(change * falling, 2)])
 
 
-def beside(problem: CurveProblem, pair: AdditivePair) -> CurveProblem:
+def beside(problem: CurveProblem, pair: AdditivePair, alone: Explained) -> CurveProblem:
     """The problem with the series of an orbit among its linear terms.
 
-    Their amplitudes have the standard deviations that are likeliest beside a series of the
-    rotation, with the errors that it leaves.
+    Their amplitudes have the standard deviations that are likeliest beside what the rotation alone
+    explains, with the errors that it leaves.
     """
-    rotation = series(pair.rotation, ORDERS[0], problem.t)
     terms = changing(pair.orbit, problem.t)
-    joint = problem.projected(np.concatenate([rotation, terms], axis=1).T)
-    y = problem.projected(problem.y)
-    wide = np.full(rotation.shape[1], _spectrum.RIDGE**-0.5)
-    # in units of the errors with the model error
-    least = float(np.mean((problem.sigma * problem.root) ** 2))
+    inner, along = alone.beside(terms)
     likelihoods = []
     for choice in itertools.product(_AMPLITUDES, _CHANGES, _WIDE):
-        held = joint * np.concatenate([wide, _deviations(*choice)])[:, None]
-        likelihoods.append((_evidence_of(held, y, least), choice))
+        wide = _deviations(*choice)
+        held = inner * np.outer(wide, wide), along * wide
+        likelihoods.append((_evidence_of(*held, alone), choice))
     return problem.with_terms(terms, _deviations(*min(likelihoods)[1]), pair.orbit)
 
 
-def only_dims(problem: CurveProblem, beside: CurveProblem, pair: AdditivePair) -> bool:
-    """Whether the series of an orbit, in the problem `beside` it, only dims a body.
+def only_dims(beside: CurveProblem, alone: Explained) -> bool:
+    """Whether the series of an orbit, in the problem `beside` it, only dims a rotating body.
 
     Over the whole span: series that mimic tumbling brighten as much as they dim.
     """
     count = 4 * DIPS
-    rotation = series(pair.rotation, ORDERS[0], problem.t)
-    joint = problem.projected(np.concatenate([rotation, beside.terms[:, -count:]], axis=1).T)
-    held = np.full(rotation.shape[1], _spectrum.RIDGE)
-    held = np.concatenate([held, beside.prior[-count:] ** -2.0])
-    inner = joint @ joint.T + np.diag(held)
-    amplitudes = np.linalg.solve(inner, joint @ problem.projected(problem.y))[-count:]
+    inner, along = alone.beside(beside.terms[:, -count:])
+    amplitudes = np.linalg.solve(inner + np.diag(beside.prior[-count:] ** -2.0), along)
     mean, change = amplitudes.reshape(2, -1)
     phase = np.arange(_PHASES) / _PHASES
     dims = np.array([series(1.0, DIPS, phase) @ (mean + x * change) for x in _TIMES])
@@ -155,22 +219,67 @@ def only_dims(problem: CurveProblem, beside: CurveProblem, pair: AdditivePair) -
     return float(brightest.sum()) < _BRIGHTEST * float(faintest.sum())
 
 
-def _evidence_of(held: FloatArray, y: FloatArray, least: float) -> float:
-    """-2 ln of the evidence of weighted terms (K, N) with amplitudes of unit variance.
+def _evidence_of(inner: FloatArray, along: FloatArray, alone: Explained) -> float:
+    """-2 ln of the evidence of terms with amplitudes of unit variance, from their products.
 
-    Errors are those that the terms leave, of a variance of `least` or more.
+    Errors are those that the terms leave, of a variance of sigma or more.
     """
-    values, vectors = np.linalg.eigh(held @ held.T)
-    along = (vectors.T @ (held @ y)) ** 2
+    values, vectors = np.linalg.eigh(inner)
+    along = (vectors.T @ along) ** 2
+    # in units of the errors with the model error
+    least = float(np.mean((alone.problem.sigma * alone.problem.root) ** 2))
+    total = float(alone.left @ alone.left)
     size = 1.0
     for _ in range(_STEPS):
         # chi-squared over the points less the terms that are not held
-        chi_squared = float(y @ y) - float(
-            np.sum(along * (values + 2.0 * size) / (values + size) ** 2)
-        )
-        size = max(least, chi_squared / (len(y) - float(np.sum(values / (values + size)))))
-    whole = float(y @ y) - float(np.sum(along / (values + size)))
-    return whole / size + len(y) * math.log(size) + float(np.sum(np.log1p(values / size)))
+        chi_squared = total - float(np.sum(along * (values + 2.0 * size) / (values + size) ** 2))
+        size = max(least, chi_squared / (alone.points - float(np.sum(values / (values + size)))))
+    whole = total - float(np.sum(along / (values + size)))
+    return whole / size + alone.points * math.log(size) + float(np.sum(np.log1p(values / size)))
+
+
+def orbits_beside(alone: Explained) -> list[AdditivePair]:
+    """Orbits of dips beside a body, the best first, each with the period of the orbit.
+
+    From a scan of all frequencies below that of the body but those on its comb, with so few lines
+    that no low frequency explains what the body lacks.  Both eclipses of an orbit are alike: often
+    twice its frequency fits best.
+    """
+    orbits = np.arange(int(_LEAST_ORBITS * _FINE), int(alone.rate * _FINE)) / _FINE
+    orbits = orbits[~_is_comb(orbits, alone.rate)]
+    fits = [_beside(alone, orbit, _SCANNED[1]) for orbit in orbits.tolist()]
+    fits = [fit for fit in fits if fit.are_dips and fit.brightens < _BRIGHTEST]
+    fits.sort(key=lambda fit: fit.left)
+    pairs = []
+    for fit in distinct(fits, lambda a, b: _are_one(a.orbit, b.orbit), _ORBITS_BESIDE):
+        pair = _fitted_beside(alone, fit.orbit)
+        has_two = pair.second > _SECOND * pair.range
+        pairs.append(pair if has_two else _fitted_beside(alone, 0.5 * pair.orbit))
+    return distinct(pairs, lambda a, b: _are_one(a.orbit, b.orbit))
+
+
+def _fitted_beside(alone: Explained, orbit: float) -> AdditivePair:
+    """The pair of a body and of the series near an orbit that fits best."""
+    for shifts in (_SHIFTS, _FINER):
+        fits = [_beside(alone, orbit + shift, ORDERS[1], changing) for shift in shifts]
+        best = min(fits, key=lambda fit: fit.left)
+        orbit = best.orbit
+    return best
+
+
+def _beside(
+    alone: Explained, orbit: float, order: int, of_orbit: Callable[..., FloatArray] | None = None
+) -> AdditivePair:
+    """The pair of a body and of the series of an orbit, `series` or `changing`, that fits best."""
+    problem = alone.problem
+    terms = (of_orbit or series)(orbit, t=problem.t, order=order)
+    problem.tally.add(len(problem) * terms.shape[1], problem.settings.orbit_cost)
+    inner, along = alone.beside(terms)
+    deviations = _deviations(_AMPLITUDES[0], _CHANGES[0], _WIDE[0], order)[: len(along)]
+    inner.flat[:: len(inner) + 1] += deviations**-2.0
+    amplitudes: FloatArray = np.asarray(np.linalg.solve(inner, along), np.float64)
+    left = (float(alone.left @ alone.left) - float(amplitudes @ along)) / alone.total
+    return AdditivePair(alone.rate, orbit, left, *_dips(amplitudes[: 2 * order]))
 
 
 def additive_pairs(problem: CurveProblem, most: float, keep: int = 4) -> list[AdditivePair]:
@@ -364,9 +473,9 @@ def _slope(base: FloatArray, amplitudes: FloatArray) -> FloatArray:
     return slope
 
 
-def _dips(amplitudes: FloatArray) -> tuple[float, float, float]:
-    """Range and skewness of a series in the orbit, and the depth of its second dip, mag."""
-    dips = series(1.0, ORDERS[1], np.arange(_PHASES) / _PHASES) @ amplitudes
+def _dips(amplitudes: FloatArray) -> tuple[float, float, float, float]:
+    """Of a series in the orbit, mag: range, skewness, depth of the second dip, and brightening."""
+    dips = series(1.0, len(amplitudes) // 2, np.arange(_PHASES) / _PHASES) @ amplitudes
     off = dips - dips.mean()
     skewness = float(np.mean(off**3) / max(float(np.mean(off**2)) ** 1.5, 1e-30))
     from_deepest = np.roll(dips, -int(np.argmax(dips)))
@@ -374,4 +483,6 @@ def _dips(amplitudes: FloatArray) -> tuple[float, float, float]:
     is_half_away = np.abs(phase - 0.5) < _OFF_HALF
     between = np.abs(np.abs(phase - 0.5) - 0.25) < _OFF_HALF
     second = float(from_deepest[is_half_away].max() - np.median(from_deepest[between]))
-    return float(np.ptp(dips)), skewness, second
+    off = dips - np.median(dips)
+    brightens = -float(off.min()) / max(float(off.max()), 1e-30)
+    return float(np.ptp(dips)), skewness, second, brightens

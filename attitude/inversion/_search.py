@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from attitude.inversion._evidence import Weighted
     from attitude.inversion._problem import CurveProblem
     from attitude.inversion._refinement import Refined
-    from attitude.inversion._satellites import AdditivePair
+    from attitude.inversion._satellites import AdditivePair, Explained
     from attitude.inversion._settings import Settings
     from attitude.inversion._shapes import Tie
 
@@ -253,16 +253,51 @@ class Search:
         """Search for a rotation about one axis beside the series of an orbit, if series fit."""
         if self.is_over or self.problem.orbit or not self.solutions:
             return
-        best = self.solutions[0]
+        rivals = self._beside_the_best()
+        if not any(self._is_ahead(rival) for rival in rivals):
+            rivals += self._beside_series()
+        if not rivals:
+            return
+        rival = min(rivals, key=lambda one: one.evidence())
+        self.progress(f"a satellite is {rival.evidence() - self.evidence():.1f} behind")
+        if rival.evidence() < self.evidence() + self.settings.competing:
+            rival._axial_poles()
+            rival.is_complete = not self.is_over
+            rival.finish()
+            self.rival = rival
+
+    def _is_ahead(self, rival: Search) -> bool:
+        return rival.evidence() + self.settings.alone < self.evidence()
+
+    def _beside_the_best(self) -> list[Search]:
+        """Searches for the best rotation about one axis beside the orbits of what it leaves."""
+        axial = (one.refined for one in self.solutions if is_axial(one.refined.state))
+        others = (fit for fit in self.convex if is_axial(fit.state))
+        body = next(axial, None) or next(others, None)
+        if body is None:
+            return []
+        problem = self.problem.with_model_error(self.settings.body_error)
+        alone = _satellites.of_body(problem, body, self.tie, self._fixed(body.state))
+        rates = alone.rate * np.array([0.5, 1.0, 2.0])
+        return self._rivals([(pair, alone) for pair in _satellites.orbits_beside(alone)], rates)
+
+    def _beside_series(self) -> list[Search]:
+        """Searches for a rotation about one axis beside the orbits of pairs of series."""
         pairs = _satellites.rivals(self.problem, self.most, self.settings.orbits)
-        left = _evidence.share_left(best, self.problem)
-        rates = _satellites.rates_of(pairs)
+        of_pairs = [(pair, _satellites.of_series(self.problem, pair.rotation)) for pair in pairs]
+        return self._rivals(of_pairs, _satellites.rates_of(pairs))
+
+    def _rivals(
+        self, pairs: Sequence[tuple[AdditivePair, Explained]], rates: FloatArray
+    ) -> list[Search]:
+        """Searches for rotations about one axis at rates (R,) beside the orbits of pairs."""
+        left = _evidence.share_left(self.solutions[0], self.problem)
         rivals = []
-        for pair in pairs:
+        for pair, alone in pairs:
             if pair.left > self.settings.orbit_worse**2 * left:
                 continue
-            problem = _satellites.beside(self.problem, pair)
-            if not _satellites.only_dims(self.problem, problem, pair):
+            problem = _satellites.beside(self.problem, pair, alone)
+            if not _satellites.only_dims(problem, alone):
                 continue
             self.dips.append(pair)
             rival = replace(
@@ -274,15 +309,7 @@ class Search:
             rival.finish()
             if rival.solutions:
                 rivals.append(rival)
-        if not rivals:
-            return
-        rival = min(rivals, key=lambda one: one.evidence())
-        self.progress(f"a satellite is {rival.evidence() - self.evidence():.1f} behind")
-        if rival.evidence() < self.evidence() + self.settings.competing:
-            rival._axial_poles()
-            rival.is_complete = not self.is_over
-            rival.finish()
-            self.rival = rival
+        return rivals
 
     def _clipped(self) -> CurveProblem:
         """The problem with the weights that the points have beside the best solution.

@@ -62,6 +62,8 @@ class Settings:
     step_cost: float = 1.5e-4
     # A step of the series of a rotation and an orbit, a point.
     series_cost: float = 3.8e-6
+    # A term of the series of an orbit beside a body, a point.
+    orbit_cost: float = 4.0e-8
     # A linear fit of functions that turn with a body, at one rate, and its part of each night.
     comb_cost: float = 5.0e-6
     cell_cost: float = 1.5e-7

@@ -403,7 +403,8 @@ def test_additive_pairs_of_rotation_and_dips():
     assert all(pair.left > 0.1 for pair in _satellites.additive_pairs(tumbling, 90.0))
     pair = _satellites._fitted(tumbling, rotation, orbit)
     assert pair.left > 0.1
-    assert not _satellites.only_dims(tumbling, _satellites.beside(tumbling, pair), pair)
+    alone = _satellites.of_series(tumbling, pair.rotation)
+    assert not _satellites.only_dims(_satellites.beside(tumbling, pair, alone), alone)
 
 
 def _eclipses(generator, rotation, orbit, depths, size=0.2):
@@ -456,8 +457,9 @@ def test_dips_may_change_over_the_span():
     given = _given(turned + dips + 0.01 * generator.normal(size=700), t)
     pair = _satellites.rivals(given, 90.0, 4)[0]
     assert pair.orbit == pytest.approx(13.21, abs=0.05) and pair.left < 0.05
-    changing = _satellites.beside(given, pair)
-    assert _satellites.only_dims(given, changing, pair)
+    alone = _satellites.of_series(given, pair.rotation)
+    changing = _satellites.beside(given, pair, alone)
+    assert _satellites.only_dims(changing, alone)
     half = len(changing.prior) // 2
     lasting = given.with_terms(
         changing.terms[:, : half + 1], changing.prior[: half + 1], pair.orbit
@@ -469,6 +471,35 @@ def test_dips_may_change_over_the_span():
     assert left(changing) < left(lasting) - 100.0
 
 
+@pytest.mark.parametrize("orbit", [13.37, 26.78])
+def test_shallow_dips_are_found_beside_a_body_seen_from_many_sides(orbit):
+    """Its aspect changes, which the series of a rotation does not: dips of 0.06 mag are less."""
+    generator = np.random.default_rng(11)
+    t = np.sort(generator.uniform(-0.5, 0.5, 600))
+    sun, observer = (
+        np.stack([np.cos(2.0 * t + ahead), np.sin(2.0 * t + ahead), np.full(600, 0.2)])
+        for ahead in (0.0, 0.5)
+    )
+    given = _given(np.zeros(600), t, 0.01, sun / math.sqrt(1.04), observer / math.sqrt(1.04))
+    body = np.zeros(_refinement.WIDTH)
+    body[:16] = _ellipsoid.starts(generator, np.array([60.4]), np.array([-1.0]))[0]
+    body[2:5] = 0.0, _ellipsoid.AXIAL, 0.0
+    body[16:] = 0.3 * generator.normal(size=_shapes.MODES)
+    phase = np.mod(orbit * t, 1.0)
+    dips = sum(0.06 * np.exp(-(((phase - at) / 0.04) ** 2)) for at in (0.2, 0.7))
+    noise = 0.01 * generator.normal(size=600)
+    magnitude = _refinement.model(given, body).magnitude + dips + noise
+    given = replace(given, magnitude=magnitude, model_error=0.03)
+    fixed = np.zeros(_refinement.SIZE, bool)
+    fixed[:8] = _ellipsoid.AXIAL_FIXED[:8]
+    fit = _refinement.refine(given, body, fixed=fixed)
+    alone = _satellites.of_body(given, fit, _shapes.Tie(), fixed)
+    best = _satellites.orbits_beside(alone)[0]
+    assert best.orbit == pytest.approx(orbit, abs=0.05)
+    assert _satellites.only_dims(_satellites.beside(given, best, alone), alone)
+    assert all(abs(pair.orbit - orbit) > 1.0 for pair in _satellites.rivals(given, 2.0 * 60.4, 4))
+
+
 def test_rates_of_bodies_are_those_of_all_pairs():
     pairs = [_satellites.AdditivePair(rate, 3.0, 0.1) for rate in (10.0, 30.1)]
     expected = [5.0, 10.0, 15.0, 20.0, 30.0, 45.15, 60.2, 90.3]
@@ -477,8 +508,8 @@ def test_rates_of_bodies_are_those_of_all_pairs():
 
 def test_a_body_with_an_orbit_predicts_its_dips():
     t = np.linspace(-0.5, 0.5, COUNT)
-    pair = _satellites.AdditivePair(20.0, 7.0, 0.5)
-    given = _satellites.beside(_given(np.zeros(COUNT), t), pair)
+    pair, empty = _satellites.AdditivePair(20.0, 7.0, 0.5), _given(np.zeros(COUNT), t)
+    given = _satellites.beside(empty, pair, _satellites.of_series(empty, pair.rotation))
     assert given.orbit == 7.0 and given.with_model_error(0.1).orbit == 7.0
     assert np.array_equal(given.terms[:, 1:], _satellites.changing(7.0, t))
     lasting = _satellites.series(7.0, _satellites.DIPS, t)
@@ -494,7 +525,9 @@ def test_the_likeliest_widths_are_those_of_the_amplitudes(size, change):
     amplitudes = deviations * generator.normal(size=len(deviations))
     y = _satellites.changing(13.21, t) @ amplitudes + 0.005 * generator.normal(size=900)
     given = _given(y + 0.1 * np.cos(4.0 * math.pi * 61.37 * t), t)
-    prior = _satellites.beside(given, _satellites.AdditivePair(61.37, 13.21, 0.1)).prior[1:]
+    alone = _satellites.of_series(given, 61.37)
+    pair = _satellites.AdditivePair(61.37, 13.21, 0.1)
+    prior = _satellites.beside(given, pair, alone).prior[1:]
     assert np.all(np.abs(np.log2(prior / deviations)) < 1.5)
 
 
