@@ -61,11 +61,11 @@ _STEPS, _LONGEST = 4, 0.1
 _LEAST_SKEWNESS, _LEAST_ORBITS, _DEEPEST = 0.6, 4.0, 1.2
 # The same distances about the best of them, beside a body.
 _FINER = tuple(0.01 * k for k in range(-3, 4))
-# Epochs of an orbit at which its series is evaluated, and those of the span, from its middle in
-# halves of it; how much it brightens at most, over how much it dims: moons 0.05 to 0.25, series
-# that mimic tumbling 0.5 to 2.
+# Epochs of an orbit at which its series is evaluated.
 _PHASES = 360
-_TIMES, _BRIGHTEST = (-0.8, 0.0, 0.8), 0.35
+# How much a series brightens at most, over how much it dims: moons 0.1 to 0.2, series that mimic
+# tumbling 0.4 to 1.4.
+_BRIGHTEST = 0.35
 # Depth of the second dip, over the range, from which it is one; an orbit is not always a circle.
 _SECOND, _OFF_HALF = 0.2, 0.06
 # Standard deviations, mag, of the amplitudes of a series beside a body before the curve is seen; of
@@ -206,17 +206,20 @@ def beside(problem: CurveProblem, pair: AdditivePair, alone: Explained) -> Curve
 def only_dims(beside: CurveProblem, alone: Explained) -> bool:
     """Whether the series of an orbit, in the problem `beside` it, only dims a rotating body.
 
-    Over the whole span: series that mimic tumbling brighten as much as they dim.
+    At the epochs of the curve, and at all phases of the orbit in the middle of the span: series
+    that mimic tumbling brighten as much as they dim.
     """
-    count = 4 * DIPS
-    inner, along = alone.beside(beside.terms[:, -count:])
-    amplitudes = np.linalg.solve(inner + np.diag(beside.prior[-count:] ** -2.0), along)
-    mean, change = amplitudes.reshape(2, -1)
-    phase = np.arange(_PHASES) / _PHASES
-    dims = np.array([series(1.0, DIPS, phase) @ (mean + x * change) for x in _TIMES])
-    dims -= np.median(dims, axis=1)[:, None]
-    faintest, brightest = dims.max(axis=1), -dims.min(axis=1)
-    return float(brightest.sum()) < _BRIGHTEST * float(faintest.sum())
+    terms = beside.terms[:, -4 * DIPS :]
+    inner, along = alone.beside(terms)
+    amplitudes = np.linalg.solve(inner + np.diag(beside.prior[-4 * DIPS :] ** -2.0), along)
+    lasting = series(1.0, DIPS, np.arange(_PHASES) / _PHASES) @ amplitudes[: 2 * DIPS]
+    return max(_brightening(terms @ amplitudes), _brightening(lasting)) < _BRIGHTEST
+
+
+def _brightening(dips: FloatArray) -> float:
+    """How much a series, mag, brightens over how much it dims, from its median."""
+    off = dips - np.median(dips)
+    return -float(off.min()) / max(float(off.max()), 1e-30)
 
 
 def _evidence_of(inner: FloatArray, along: FloatArray, alone: Explained) -> float:
@@ -483,6 +486,4 @@ def _dips(amplitudes: FloatArray) -> tuple[float, float, float, float]:
     is_half_away = np.abs(phase - 0.5) < _OFF_HALF
     between = np.abs(np.abs(phase - 0.5) - 0.25) < _OFF_HALF
     second = float(from_deepest[is_half_away].max() - np.median(from_deepest[between]))
-    off = dips - np.median(dips)
-    brightens = -float(off.min()) / max(float(off.max()), 1e-30)
-    return float(np.ptp(dips)), skewness, second, brightens
+    return float(np.ptp(dips)), skewness, second, _brightening(dips)

@@ -623,12 +623,8 @@ class Search:
         The mirror images of each, in the plane of the scene and in that of its pole, and minima
         all over the sky with both rates held.
         """
-        leading = [
-            one
-            for one in self.solutions[: self.settings.mapped]
-            if one.evidence < self.solutions[0].evidence + self.settings.mapped_behind
-            and not is_axial(one.refined.state)
-        ]
+        tumbling = [one for one in self.solutions if not is_axial(one.refined.state)]
+        leading = [one for one in tumbling[: self.settings.mapped] if self._may_lead(one)]
         before = len(self.convex)
         for one in leading:
             state = one.refined.state
@@ -636,6 +632,14 @@ class Search:
                 self._add_mapped(state, state, *_pole_map.images(self.problem, state))
         self.progress(f"{len(self.convex) - before} bodies at other poles")
         return len(self.convex) > before
+
+    def _may_lead(self, one: Weighted) -> bool:
+        """Whether a tumbling state may be the best with another pole."""
+        best = self.solutions[0]
+        if one.evidence < best.evidence + self.settings.mapped_behind:
+            return True
+        gain = _evidence.gain(one, best, self.problem)
+        return is_axial(best.refined.state) and gain > _verdicts.of_chance(self.most, self.settings)
 
     def _poles_of_classes(self, thinned: CurveProblem) -> None:
         """Add the best bodies of short maps of poles at many pairs of rates, to thinned points.
@@ -733,9 +737,13 @@ class Search:
         problem = self._with_own_error(chosen[0])
         if self._takes_noise(problem, chosen[0]):
             problem = self._with_own_error(chosen[0])
-        chosen = sorted((self._ranked(problem, fit) for fit in chosen), key=lambda fit: fit.cost)
-        chosen = chosen[:most]
-        solutions = [self._robust(problem, fit) for fit in chosen if not is_axial(fit.state)]
+        bodies = [self._ranked(problem, fit) for fit in chosen if not is_axial(fit.state)]
+        tumbling = sorted(bodies, key=lambda fit: fit.cost)[:most]
+        first = distinct(
+            bodies, lambda a, b: self.has_rates(a.state, b.state), self.settings.firsts
+        )
+        tumbling += [fit for fit in first if all(fit is not other for other in tumbling)]
+        solutions = [self._robust(problem, fit) for fit in tumbling]
         solutions += self._axial_solutions(problem, solutions)
         solutions = _verdicts.behind_twice_the_period(solutions, problem)
         solutions = _verdicts.as_rotators(solutions, problem)

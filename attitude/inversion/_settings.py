@@ -146,6 +146,9 @@ class Settings:
     finals: int = 14
     # Poles of one pair of rates among them.
     poles: int = 7
+    # Pairs of rates, the best with the error of ellipsoids, whose first body is fitted so too: the
+    # true one of a curve was first by that error, and by its own behind 14 of a rotation's comb.
+    firsts: int = 3
     # Solutions whose rates get a map of poles, within this difference of evidence of the best;
     # poles of the map, starts at each, and bodies of each map.
     mapped: int = 3

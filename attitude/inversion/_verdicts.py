@@ -501,7 +501,7 @@ def _better_by_nutation(
         and other.refined.state[3] > math.log(settings.wide)
         and other.evidence - best.evidence < behind + counted
     ]
-    chance = _of_chance(most, settings)
+    chance = of_chance(most, settings)
     if max(gains, default=0.0) < chance:
         return ""
     return (
@@ -510,7 +510,7 @@ def _better_by_nutation(
     )
 
 
-def _of_chance(most: float, settings: Settings) -> float:
+def of_chance(most: float, settings: Settings) -> float:
     """By how much the best nutation among frequencies up to the largest fits better by chance."""
     return exceeded_by_chance(settings.by_chance * min(1.0, settings.same_rate / most))
 
@@ -521,7 +521,7 @@ def _nutation_unnoticed(poles: Sequence[Weighted], problem: CurveProblem, most: 
     `poles`: rotations about one axis that compete, for what is seen of a nutation depends on it.
     """
     settings = problem.settings
-    gain, least = min(map(_evidence.gain_of_nutation, poles)), _of_chance(most, settings)
+    gain, least = min(map(_evidence.gain_of_nutation, poles)), of_chance(most, settings)
     least *= settings.noticed_by
     if gain > least:
         return ""
