@@ -1,10 +1,10 @@
 """Figures of docs/photometry.md.
 
-    python benchmarks/photometry.py speed      # two_periods: 1000 points in 40 nights
+    python benchmarks/photometry.py speed      # periods(count=2): 1000 points in 40 nights
     python benchmarks/photometry.py tumblers 12
     python benchmarks/photometry.py toutatis
-    python benchmarks/photometry.py lines 40   # mean powers of lines, for photometry.candidates
-    python benchmarks/photometry.py figures    # docs/figures/toutatis_periods.png ...
+    python benchmarks/photometry.py lines 40   # mean powers of lines, for Periods.candidates
+    python benchmarks/photometry.py figures    # docs/figures/toutatis_periodogram.png ...
 
 Processor time of one core: start with OPENBLAS_NUM_THREADS=1.
 """
@@ -34,11 +34,12 @@ def tables(quick):
     best, tried = speed(2 if quick else 3)
     one, two = toutatis()
     what = (
-        "`two_periods`, 1000 points in 40 nights of 60 days, both periods from 2 to 40 h, order 2"
+        "`periods(count=2)`, 1000 points in 40 nights of 60 days, both periods from 2 to 40 h, "
+        "order 2"
     )
     candidates = two.candidates(1)[0]
     rows = [
-        (f"{what}: {tried:.1e} pairs (`tumblers`)", f"{best:.1f} s"),
+        (f"{what}: {tried:.1e} pairs (`speed`)", f"{best:.1f} s"),
         (
             "Toutatis, 370 magnitudes of 1992 (`toutatis`), one period of 1 to 40 d; published "
             "P_phi 7.40 ± 0.03 d (Zhao et al. 2015)",
@@ -49,7 +50,7 @@ def tables(quick):
             f"rank 1: {candidates.P_phi_long / DAY:.3f} and {candidates.P_psi / DAY:.3f} d",
         ),
     ]
-    costs = {"two_periods": best * 1e6}
+    costs = {"periods(count=2)": best * 1e6}
     yield Table("photometry", markdown(("what", "measured"), rows), costs=costs)
     if not quick:
         rows = [("ellipsoids, 0.02 mag, one site (`tumblers 12`)", tumblers(12))]
@@ -106,7 +107,7 @@ def speed(rounds=3):
     _, t, y = tumbler(0, "LAM")
     made = [_found(t, y) for _ in range(rounds)]
     best = min(seconds for _, seconds in made)
-    print(f"two_periods: {t.size} points, {made[0][0].tried} pairs of 2 to 40 h: {best:.1f} s")
+    print(f"periods(count=2): {t.size} points, {made[0][0].tried} pairs of 2 to 40 h: {best:.1f} s")
     return best, made[0][0].tried
 
 
