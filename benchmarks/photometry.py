@@ -23,9 +23,14 @@ from attitude import Body, FreeRotation, Scene, Spin, photometry, propagate, sha
 from attitude._compilation.choice import compiling
 from benchmarks.doc_tables import Table, markdown
 
-HOUR, DAY = 3600.0, 86400.0
+HOUR = 3600.0
+DAY = 86400.0
 CURVE = ROOT / "data" / "light_curve" / "toutatis-1992-photometry.csv"
-NIGHTS, POINTS, SPAN, NOISE = 40, 1000, 60, 0.02
+# Synthetic light curves: nights, points in all of them, span in days, error in mag.
+NIGHTS = 40
+POINTS = 1000
+SPAN = 60
+NOISE = 0.02
 MAKES = ("photometry", "periods of synthetic tumblers")
 
 

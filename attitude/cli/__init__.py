@@ -59,8 +59,12 @@ example:
 A spin file holds a body and its state of rotation at an epoch. For the options of a command, see
 "attitude COMMAND --help".
 """
-# Exit codes: wrong input; output closed by its reader (128 + SIGPIPE); Ctrl-C (128 + SIGINT).
-_WRONG, _PIPE, _INTERRUPTED = 2, 141, 130
+# Exit codes: wrong input,
+_WRONG = 2
+# output closed by its reader (128 + SIGPIPE),
+_PIPE = 141
+# and Ctrl-C (128 + SIGINT).
+_INTERRUPTED = 130
 
 
 def main(argv: Sequence[str] | None = None) -> int:

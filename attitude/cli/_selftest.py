@@ -91,11 +91,18 @@ def check() -> CheckResult:
     return CheckResult(rows, len(states), epochs, ratio, nanoseconds, elapsed)
 
 
-# States of `more`, the largest turn after which they start again, and accepted errors: a state in
-# doubles is off by 1e-16 of its rate, which 20 rad of turn enlarge, most near the separatrix.
-_RANDOM, _TURN, _RESTART_ERROR = 20_000, 20.0, 1e-12
-# Of an integration to 1e-10 rad, and of the brightness of 20,000 facets in place of an ellipsoid.
-_TORQUE_ERROR, _FACETS, _FACETS_ERROR = 1e-10, 20_000, 1e-4
+# States of `more`.
+_RANDOM = 20_000
+# Largest turn, rad, after which they start again.
+_TURN = 20.0
+# Accepted error, rad: a state in doubles is off by 1e-16 of its rate, which that turn enlarges,
+# most near the separatrix.
+_RESTART_ERROR = 1e-12
+# Accepted error, rad, of an integration to 1e-10 rad.
+_TORQUE_ERROR = 1e-10
+# Facets that stand for an ellipsoid, and the accepted error of their brightness.
+_FACETS = 20_000
+_FACETS_ERROR = 1e-4
 
 
 def more() -> Iterator[tuple[str, float, float]]:

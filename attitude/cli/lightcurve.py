@@ -27,7 +27,10 @@ if TYPE_CHECKING:
 
 # ---- The figure of a light curve: magnitude and phase angle against time
 
-_CURVE, _PHASE, _BELOW = "#0072b2", "#d55e00", "0.45"
+# Colours of the magnitude, of the phase angle, and of epochs below the horizon.
+_CURVE = "#0072b2"
+_PHASE = "#d55e00"
+_BELOW = "0.45"
 # Elevation of the Sun at the end of astronomical twilight, rad.
 _TWILIGHT = np.radians(-18.0)
 # Least span in s, s in the unit, and its name.

@@ -127,7 +127,8 @@ __all__ = [
 ]
 
 
-_TEXTS, _OF_SITES = ("name", "source", "note"), ("night", "site_limits")
+_TEXTS = ("name", "source", "note")
+_OF_SITES = ("night", "site_limits")
 _OPTIONS = ("ephemeris", "light_time", "aberration", "shadow_of", "tolerance", "threads")
 _KEYS = (
     *(*_TEXTS, "body", "spin", "errors", "center", "observer", "sun", "columns", "times"),

@@ -17,9 +17,15 @@ if TYPE_CHECKING:
 
 
 _DAY = 86400.0
-_DATA, _MODEL, _OTHER, _ALIAS = "#0072b2", "#d55e00", "0.6", "#cc79a7"
-# Peaks that are named, and curves that have colours of their own.
-_NAMED, _COLOURS = 5, 10
+# Colours of data, of models, of what stands beside them, and of aliases.
+_DATA = "#0072b2"
+_MODEL = "#d55e00"
+_OTHER = "0.6"
+_ALIAS = "#cc79a7"
+# Peaks that are named.
+_NAMED = 5
+# Curves that have colours of their own.
+_COLOURS = 10
 
 
 def of_light_curve(data: LightCurve, path: FilePath | None = None) -> Any:

@@ -21,8 +21,10 @@ if TYPE_CHECKING:
     from attitude.photometry._samples import Samples
 
 
-# Grid frequencies per 1/span, and power from which a line of the window makes aliases.
-_WINDOW_OVERSAMPLING, _STRONG = 4.0, 0.15
+# Grid frequencies of the window per 1/span.
+_WINDOW_OVERSAMPLING = 4.0
+# Power from which a line of the window makes aliases.
+_STRONG = 0.15
 # Power from which a line of the window makes aliases of harmonics too.
 _DOMINANT = 0.5
 # Lines of a window that are kept, multiples of them, ratios of harmonics.
@@ -142,15 +144,18 @@ def dispersions(t, y, weights, frequencies, bins, covers, out):
 # ---- The scan over one frequency, by Fourier series of any order or by phase dispersion
 
 _DAY = 86400.0
-# Grid frequencies per 1/(order span), and frequencies at most.
-_OVERSAMPLING, _MOST = 5.0, 5_000_000
-# Shortest period by default, in median distances of successive epochs of a night; permutations.
+# Grid frequencies per 1/(order span).
+_OVERSAMPLING = 5.0
+# Frequencies at most.
+_MOST = 5_000_000
+# Shortest period by default, in median distances of successive epochs of a night.
 _NYQUIST = 2.0
 _PERMUTATIONS = 12
-# Frequencies of one call of nifty-ls, and products of points and frequencies of one of phase
-# dispersion, some 0.05 s: Python acts on signals, such as that of Ctrl-C, between two calls.  More
-# frequencies also take longer each, beyond the caches.
-_FREQUENCIES, _POINTS = 1 << 15, 5_000_000
+# Frequencies of one call of nifty-ls, some 0.05 s: Python acts on signals, such as that of Ctrl-C,
+# between two calls.  More frequencies also take longer each, beyond the caches.
+_FREQUENCIES = 1 << 15
+# Products of points and frequencies of one call of phase dispersion, as long.
+_POINTS = 5_000_000
 
 
 class Scan(NamedTuple):

@@ -35,12 +35,18 @@ if TYPE_CHECKING:
 
 # Pairs of frequencies that are turned into candidates.
 _CANDIDATES = 4
-# Grid numbers of the lowest frequency, and pairs at most.
-_LEAST, _MOST_PAIRS = 2, 400_000_000
+# Grid number of the lowest frequency.
+_LEAST = 2
+# Pairs that are compared at most.
+_MOST_PAIRS = 400_000_000
 # Standard deviation of a point of the scan, in that of all values; the ridge is one of these.
 _NOISE = 0.05
-# Peaks of the scan that are refined, steps for all of them, and for the best.
-_PEAKS, _FIRST_STEPS, _STEPS = 120, 3, 10
+# Peaks of the scan that are refined.
+_PEAKS = 120
+# Steps for all of them.
+_FIRST_STEPS = 3
+# Steps for the best.
+_STEPS = 10
 # Turns in the span below which a strong line is a drift of the zero point.
 _SLOW = 4.0
 # Shortest period by default, in spans: 4000 frequencies, 8e6 pairs.

@@ -31,11 +31,15 @@ Found = TypeVar("Found")
 
 # Least error in a search of periods, in standard deviations of the values.
 _FLOOR = 0.05
-# Turns in a span, and spans in a period, from which plain numbers of seconds are doubted.
-_TURNS, _SPANS = 3e5, 10.0
+# Turns in a span from which plain numbers of seconds are doubted.
+_TURNS = 3e5
+# Spans in a period from which they are.
+_SPANS = 10.0
 _UNIT = re.compile(r"[A-Za-df-z]")
-# Change of the phase angle, rad, from which its terms are fitted; width of the opposition surge.
-_SWEEP, _SURGE = np.radians(2.0), np.radians(5.0)
+# Change of the phase angle, rad, from which its terms are fitted.
+_SWEEP = np.radians(2.0)
+# Width of the opposition surge, rad.
+_SURGE = np.radians(5.0)
 
 
 @dataclass(frozen=True, eq=False)

@@ -28,7 +28,11 @@ if TYPE_CHECKING:
     from attitude.photometry._samples import Samples
 
 
-_WIDTH, _OVER = 12, 2.0
+# Points of the grid over which an epoch is spread.
+_WIDTH = 12
+# Points of the grid over those that the highest frequency needs.
+_OVER = 2.0
+# b of the kernel, for this width and grid.
 _SHAPE = 2.30 * _WIDTH
 
 
@@ -200,9 +204,12 @@ def _solve(g, b):
 # fit.
 OVERSAMPLING: float = 3.0
 RIDGE: float = 1.0
-# Pairs fitted at most, pairs of a block, and pairs of a block that are kept.
+# Pairs fitted at most.
 MOST: int = 8_000_000
-_BLOCK, _KEPT = 1 << 19, 20_000
+# Pairs of a block.
+_BLOCK = 1 << 19
+# Pairs of a block that are kept.
+_KEPT = 20_000
 # Cells of a map of chi-squared along each axis.
 _CELLS = 240
 # Grid numbers by which the frequencies of a pair differ at least.
@@ -357,8 +364,10 @@ def _peaks(first, second, gain, keep):
 # matrix of the linear terms and of the derivatives by f gives the step, and at the minimum the
 # covariance of f.
 
-# Steps at most, and the part of the resolution 1/span below which a step is the last.
-_STEPS, _LAST = 25, 1e-7
+# Steps at most.
+_STEPS = 25
+# Part of the resolution 1/span below which a step is the last.
+_LAST = 1e-7
 # Eigenvalues of scaled normal equations below this part of the greatest belong to lines that the
 # span does not resolve.
 _RANK = 1e-11
@@ -546,8 +555,10 @@ class _Model(NamedTuple):
 
 # ---- What pairs of frequencies mean: chance among permuted values, and aliases of one cycle a day
 
-# Pairs that a permutation of the values is fitted with, and permutations.
-_PERMUTED, _TIMES = 20_000, 10
+# Pairs that a permutation of the values is fitted with.
+_PERMUTED = 20_000
+# Permutations.
+_TIMES = 10
 # Lines from which fewer pairs are fitted: those of two frequencies of order 3 are 25.
 _MANY = 20
 _EULER = 0.5772

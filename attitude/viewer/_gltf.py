@@ -19,9 +19,13 @@ if TYPE_CHECKING:
     from attitude.shape._mesh import Mesh
 
 
-_FLOAT, _UINT = 5126, 5125
-_VERTICES, _INDICES = 34962, 34963
-_JSON, _BIN = 0x4E4F534A, 0x004E4942
+# Types of numbers, targets of buffers, and types of chunks, as glTF 2.0 numbers them.
+_FLOAT = 5126
+_UINT = 5125
+_VERTICES = 34962
+_INDICES = 34963
+_JSON = 0x4E4F534A
+_BIN = 0x004E4942
 # Most facets that are written.
 _MOST = 1_000_000
 # From ICRF, whose z is north, to the axes of glTF, whose y is up: x, y, z, w.
