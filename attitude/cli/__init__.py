@@ -183,12 +183,12 @@ def _joined(argv: list[str]) -> list[str]:
     return joined
 
 
-def _said(other, message, category, *rest, **more):
+def _said(other, message, category, *place, **options):
     """Print a warning of the package as one sentence on stderr; `other` prints all others."""
     if issubclass(category, AttitudeWarning):
         print(f"attitude: warning: {message}", file=sys.stderr)
     else:
-        other(message, category, *rest, **more)
+        other(message, category, *place, **options)
 
 
 def _failed(sentence: str) -> int:

@@ -211,12 +211,14 @@ def _numbers_of(state: Mapping[str, Any]) -> list[FloatArray]:
     return [np.array([float.fromhex(x) for x in state[key]]) for key in keys]
 
 
-def _difference(found: FloatArray, texts: Sequence[Sequence[str]]) -> tuple[FloatArray, FloatArray]:
-    """The exact values rounded, and the values found minus the exact ones, to 1e-30."""
+def _difference(
+    values: FloatArray, texts: Sequence[Sequence[str]]
+) -> tuple[FloatArray, FloatArray]:
+    """The exact values rounded, and the values minus the exact ones, to 1e-30."""
     exact = [[Decimal(x) for x in row] for row in texts]
     high = np.array([[float(x) for x in row] for row in exact])
     low = np.array([[float(x - Decimal(float(x))) for x in row] for row in exact])
-    return high, (found - high) - low
+    return high, (values - high) - low
 
 
 def _speed() -> tuple[float, float]:

@@ -110,7 +110,7 @@ def _of_rows(rows, name, *, scale=None, offset=0.0, is_flux=False, bad=None):
     times, good, faults = _times([rows[k] for k in kept], scale, offset)
     left_out += faults
     kept, numbers = [kept[k] for k in good], [numbers[k] for k in good]
-    left_out.sort(key=lambda each: each.line)
+    left_out.sort(key=lambda row: row.line)
     if not kept:
         raise AttitudeError(
             f"{name}: no row can be used"

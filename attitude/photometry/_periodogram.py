@@ -70,28 +70,29 @@ def spectral_window(samples: Samples, most: float) -> Window:
 
 
 def relation(
-    frequency: float, better: Sequence[float], lines: Sequence[WindowLine], near: float
+    frequency: float, better: Sequence[float], lines: Sequence[WindowLine], tolerance: float
 ) -> str:
     """How a frequency follows from a better one: "alias of #1 (1 /d)", "2/1 of #1", or ""."""
     for rank, other in enumerate(better, 1):
         for a, b in _RATIOS:
-            if abs(frequency - other * a / b) < near:
+            if abs(frequency - other * a / b) < tolerance:
                 return f"{a}/{b} of #{rank}" if b > 1 else f"{a} x #{rank}"
     for rank, other in enumerate(better, 1):
         for line in lines:
             for many in _MULTIPLES:
                 for ratio in (1.0, 0.5, 2.0) if line.power > _DOMINANT else (1.0,):
                     expected = abs(other * ratio + many * line.frequency)
-                    if abs(frequency - expected) < near:
+                    if abs(frequency - expected) < tolerance:
                         share = {1.0: "", 0.5: "half of ", 2.0: "twice "}[ratio]
-                        return f"alias of {share}#{rank} ({_spelled(many * line.frequency, near)})"
+                        shift = _spelled(many * line.frequency, tolerance)
+                        return f"alias of {share}#{rank} ({shift})"
     return ""
 
 
-def _spelled(shift: float, near: float) -> str:
+def _spelled(shift: float, tolerance: float) -> str:
     sign = "+" if shift > 0.0 else "-"
     for size, name in _NAMES:
-        if abs(abs(shift) - size) < near:
+        if abs(abs(shift) - size) < tolerance:
             return f"{sign}{name}"
     return f"{sign}{abs(shift) * 86400.0:.4g} /d"
 
@@ -295,10 +296,10 @@ def refined(data: Samples, frequency: float, order: int) -> _spectrum.RefinedSer
 
 
 def best_peaks(
-    data: Samples, found: Scan, order: int, count: int
+    data: Samples, scanned: Scan, order: int, count: int
 ) -> list[tuple[float, float, float, str]]:
     """Frequency, error, share of chi-squared left and relation of the best refined peaks."""
-    frequency, power = found.frequency, found.power
+    frequency, power = scanned.frequency, scanned.power
     closest = 0.7 / (data.span * order)
     rows: list[tuple[float, float, float]] = []
     total = float(np.sum((data.weights * data.detrended) ** 2))
@@ -317,6 +318,6 @@ def best_peaks(
     rows.sort(key=lambda row: row[2])
     frequencies = [row[0] for row in rows]
     return [
-        (*row, relation(row[0], frequencies[:k], found.window.lines, 1 / data.span))
+        (*row, relation(row[0], frequencies[:k], scanned.window.lines, 1 / data.span))
         for k, row in enumerate(rows[:count])
     ]

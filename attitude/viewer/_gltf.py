@@ -102,10 +102,10 @@ def write_glb(
         file.write(_file(text, buffer.bytes))
 
 
-def _keys(found: list[_subject.PosePiece], pace: float) -> tuple[Any, Any]:
+def _keys(pieces: list[_subject.PosePiece], pace: float) -> tuple[Any, Any]:
     """Times of the animation that increase as float32, and quaternions x, y, z, w."""
-    times = (np.concatenate([piece.times for piece in found]) / pace).astype(np.float32)
-    turns = np.concatenate([piece.wxyz[:, [1, 2, 3, 0]] for piece in found])
+    times = (np.concatenate([piece.times for piece in pieces]) / pace).astype(np.float32)
+    turns = np.concatenate([piece.wxyz[:, [1, 2, 3, 0]] for piece in pieces])
     kept = np.concatenate([[True], np.diff(np.maximum.accumulate(times)) > 0.0])
     return times[kept], turns[kept] / np.linalg.norm(turns[kept], axis=1)[:, None]
 

@@ -478,7 +478,7 @@ class Subject:
 
 
 def subject(
-    given: HasAttitudes | Scene,
+    motion_or_scene: HasAttitudes | Scene,
     start: EpochOrSeconds | None = None,
     stop: EpochOrSeconds | None = None,
     *,
@@ -495,8 +495,10 @@ def subject(
             f"shape is {type(shape).__name__}; give an Ellipsoid or Mesh of attitude.shape, such "
             "as shape.read(file)."
         )
-    scene = given if isinstance(given, Scene) else None
-    motion = given.motion if isinstance(given, Scene) else motion_of(given)
+    scene = motion_or_scene if isinstance(motion_or_scene, Scene) else None
+    motion = (
+        motion_or_scene.motion if isinstance(motion_or_scene, Scene) else motion_of(motion_or_scene)
+    )
     if motion is None:
         raise AttitudeError("the scene has no motion; give Scene(motion, ...) to show one.")
     first, last = _span(motion, start, stop)
