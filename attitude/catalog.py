@@ -291,11 +291,11 @@ class Entry(Answering):
             f"line {' '.join('--' + keyword.replace('_', '-') for keyword in missing)}.{open_mode}"
         )
 
-    def _kind(self, given: Mapping[str, Any]) -> str:
+    def _kind(self, keywords: Mapping[str, Any]) -> str:
         """The form of the state: that of the caller's keywords, else that of the publication."""
-        if "wxyz" in given or "angular_velocity" in given:
+        if "wxyz" in keywords or "angular_velocity" in keywords:
             return "rates"
-        if set(given) & {*_NEEDED["periods"], "theta_branch"} - {"moments", "epoch"}:
+        if set(keywords) & {*_NEEDED["periods"], "theta_branch"} - {"moments", "epoch"}:
             return "periods"
         if "angles" in self.given:
             return "angles"
@@ -319,19 +319,19 @@ class Entry(Answering):
             return bool({"angular_velocity", "principal_rates"} & set(self.given))
         return name in self.given
 
-    def _value(self, name: str, given: Mapping[str, Any]) -> Any:
+    def _value(self, name: str, keywords: Mapping[str, Any]) -> Any:
         """The value under a keyword of `load`: that of the caller, or the published one in SI."""
-        if name in given:
-            return given[name]
+        if name in keywords:
+            return keywords[name]
         return getattr(self, name) if name in ("mode", "convention") else self.given[name].si
 
-    def _from_rates(self, body: Body, given: Mapping[str, Any], frame: str) -> Spin:
-        if "angular_velocity" in {*given, *self.given}:
-            rate = self._value("angular_velocity", given)
+    def _from_rates(self, body: Body, keywords: Mapping[str, Any], frame: str) -> Spin:
+        if "angular_velocity" in {*keywords, *self.given}:
+            rate = self._value("angular_velocity", keywords)
         else:
             about = self.given["principal_rates"].si
             rate = 2.0 * np.pi / self.printed["spin_period"].si * (body.principal_axes @ about)
-        return Spin(self._value("epoch", given), self._value("wxyz", given), rate, frame)
+        return Spin(self._value("epoch", keywords), self._value("wxyz", keywords), rate, frame)
 
     def _values(self) -> tuple[Value, ...]:
         return (*self.given.values(), *self.printed.values())
@@ -360,7 +360,7 @@ def entry(name: str) -> Entry:
     matches = matching(name, _entries())
     bodies = {candidate.name.partition(" (")[0] for candidate in matches}
     if len(bodies) == 1:
-        return max(matches, key=lambda each: each.year)
+        return max(matches, key=lambda match: match.year)
     if bodies:
         raise AttitudeError(
             f"{quoted(name)} belongs to {', '.join(sorted(bodies))}; give one of them."

@@ -304,9 +304,9 @@ def time_unit(longest: float) -> tuple[float, str]:
     return next((unit, name) for least, unit, name in _UNITS if longest >= least)
 
 
-def _time(given: ArrayLike, epoch: Instant) -> tuple[FloatArray, str]:
+def _time(times: ArrayLike, epoch: Instant) -> tuple[FloatArray, str]:
     """Times in a unit that suits their span, and a label with that unit and the epoch."""
-    seconds = np.asarray(given, dtype=np.float64)
+    seconds = np.asarray(times, dtype=np.float64)
     unit, name = time_unit(float(np.max(np.abs(seconds))))
     return seconds / unit, f"time since {epoch.utc_iso} UTC, {name}"
 

@@ -219,9 +219,9 @@ CALLS = {
         TABLE,
         "fit_directions(history.time, seen, stars, start=motion)",
     ),
-    "`photometry.periodogram`, 200 points": (
+    "`photometry.periods`, 200 points": (
         CURVE_OF_TWO,
-        "photometry.periodogram(t, y, min_period=1e4, max_period=1e5)",
+        "photometry.periods(t, y, min_period=1e4, max_period=1e5)",
     ),
     "`photometry.fit_series`, two periods, 200 points": (
         CURVE_OF_TWO,

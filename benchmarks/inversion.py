@@ -393,11 +393,10 @@ def speed() -> tuple[float, float]:
     rng = np.random.default_rng(0)
     t, w = np.sort(rng.uniform(-0.5, 0.5, 400)), rng.uniform(50.0, 200.0, 400)
     y = np.cos(150.0 * t) + 0.1 * rng.normal(size=400)
-    made = _spectrum.sums(t, np.stack([w, w * y]), 1.0 / 3.0, 5000)
-    tables = [np.ascontiguousarray(x) for each in made for x in (each.real, each.imag)]
+    transforms = _spectrum.tables(t, w, y, 1.0 / 3.0, 5000)
     first, second = rng.integers(5, 600, (2, 20000))
     gain, lines = np.empty(20000), _spectrum.harmonics(2)
-    spent = _best(lambda: _spectrum.decreases(*tables, first, second, lines, 1.0, gain))
+    spent = _best(lambda: _spectrum.decreases(transforms, first, second, lines, 1.0, gain))
     pair = spent / 20000 * 1e6
     print(f"pair, order 2: {pair:.2f} us")
     sun, observer = rng.normal(size=(2, 3, 400))

@@ -1,10 +1,10 @@
 """Figures of docs/photometry.md.
 
-    python benchmarks/photometry.py speed      # two_periods: 1000 points in 40 nights
+    python benchmarks/photometry.py speed      # periods(count=2): 1000 points in 40 nights
     python benchmarks/photometry.py tumblers 12
     python benchmarks/photometry.py toutatis
-    python benchmarks/photometry.py lines 40   # mean powers of lines, for photometry.candidates
-    python benchmarks/photometry.py figures    # docs/figures/toutatis_periods.png ...
+    python benchmarks/photometry.py lines 40   # mean powers of lines, for Periods.candidates
+    python benchmarks/photometry.py figures    # docs/figures/toutatis_periodogram.png ...
 
 Processor time of one core: start with OPENBLAS_NUM_THREADS=1.
 """
@@ -23,9 +23,14 @@ from attitude import Body, FreeRotation, Scene, Spin, photometry, propagate, sha
 from attitude._compilation.choice import compiling
 from benchmarks.doc_tables import Table, markdown
 
-HOUR, DAY = 3600.0, 86400.0
+HOUR = 3600.0
+DAY = 86400.0
 CURVE = ROOT / "data" / "light_curve" / "toutatis-1992-photometry.csv"
-NIGHTS, POINTS, SPAN, NOISE = 40, 1000, 60, 0.02
+# Synthetic light curves: nights, points in all of them, span in days, error in mag.
+NIGHTS = 40
+POINTS = 1000
+SPAN = 60
+NOISE = 0.02
 MAKES = ("photometry", "periods of synthetic tumblers")
 
 
@@ -34,11 +39,12 @@ def tables(quick):
     best, tried = speed(2 if quick else 3)
     one, two = toutatis()
     what = (
-        "`two_periods`, 1000 points in 40 nights of 60 days, both periods from 2 to 40 h, order 2"
+        "`periods(count=2)`, 1000 points in 40 nights of 60 days, both periods from 2 to 40 h, "
+        "order 2"
     )
     candidates = two.candidates(1)[0]
     rows = [
-        (f"{what}: {tried:.1e} pairs (`tumblers`)", f"{best:.1f} s"),
+        (f"{what}: {tried:.1e} pairs (`speed`)", f"{best:.1f} s"),
         (
             "Toutatis, 370 magnitudes of 1992 (`toutatis`), one period of 1 to 40 d; published "
             "P_phi 7.40 ± 0.03 d (Zhao et al. 2015)",
@@ -49,7 +55,7 @@ def tables(quick):
             f"rank 1: {candidates.P_phi_long / DAY:.3f} and {candidates.P_psi / DAY:.3f} d",
         ),
     ]
-    costs = {"two_periods": best * 1e6}
+    costs = {"periods(count=2)": best * 1e6}
     yield Table("photometry", markdown(("what", "measured"), rows), costs=costs)
     if not quick:
         rows = [("ellipsoids, 0.02 mag, one site (`tumblers 12`)", tumblers(12))]
@@ -71,8 +77,8 @@ def tumbler(seed, mode):
         )
         motion = FreeRotation(Body.from_ellipsoid(axes), spin)
         both = motion.period_psi, motion.period_phi
-        found = {1: "SAM", -1: "LAM"}.get(motion.regime.circulates)
-        if found == mode and min(both) > 2.2 * HOUR and max(both) < 38.0 * HOUR:
+        circulates = {1: "SAM", -1: "LAM"}.get(motion.regime.circulates)
+        if circulates == mode and min(both) > 2.2 * HOUR and max(both) < 38.0 * HOUR:
             break
     nights = np.sort(generator.choice(SPAN, NIGHTS, replace=False))
     hours = generator.uniform(0.1, 0.4, (NIGHTS, POINTS // NIGHTS))
@@ -97,17 +103,17 @@ def _nanoseconds():
 def _found(t, y):
     start = time.process_time()
     limits = {"min_period": "2 h", "max_period": "40 h"}
-    found = photometry.periods(t, y, np.full(t.size, NOISE), count=2, **limits)
-    return found, time.process_time() - start
+    periods = photometry.periods(t, y, np.full(t.size, NOISE), count=2, **limits)
+    return periods, time.process_time() - start
 
 
 def speed(rounds=3):
     print(f"propagate: {_nanoseconds():.1f} ns an epoch")
     _, t, y = tumbler(0, "LAM")
-    made = [_found(t, y) for _ in range(rounds)]
-    best = min(seconds for _, seconds in made)
-    print(f"two_periods: {t.size} points, {made[0][0].tried} pairs of 2 to 40 h: {best:.1f} s")
-    return best, made[0][0].tried
+    runs = [_found(t, y) for _ in range(rounds)]
+    best = min(seconds for _, seconds in runs)
+    print(f"periods(count=2): {t.size} points, {runs[0][0].tried} pairs of 2 to 40 h: {best:.1f} s")
+    return best, runs[0][0].tried
 
 
 def tumblers(count):
@@ -115,20 +121,20 @@ def tumblers(count):
     lattice, ranks = 0, []
     for seed in range(count):
         motion, t, y = tumbler(seed, ("LAM", "SAM")[seed % 2])
-        found, seconds = _found(t, y)
+        periods, seconds = _found(t, y)
         true = np.array([1.0 / motion.regime.P_phi("L"), 1.0 / motion.period_psi])
-        near = 0.3 / np.ptp(t)
-        lines = [each[0].frequency for each in found.lines() if each[1] > 0.03]
+        tolerance = 0.3 / np.ptp(t)
+        lines = [line.frequency for line, amplitude in periods.lines() if amplitude > 0.03]
         whole = [abs(i * true[0] + j * true[1]) for i in range(-6, 7) for j in range(-6, 7)]
-        good = all(min(abs(line - each) for each in whole) < 2 * near for line in lines)
+        good = all(min(abs(line - f) for f in whole) < 2 * tolerance for line in lines)
         lattice += good
-        candidates = found.candidates(50)
+        candidates = periods.candidates(50)
         rank = next(
             (
                 k
-                for k, each in enumerate(candidates, 1)
-                if abs(1.0 / each.P_psi - true[1]) < near
-                and abs(1.0 / each.P_phi_long - true[0]) < near
+                for k, candidate in enumerate(candidates, 1)
+                if abs(1.0 / candidate.P_psi - true[1]) < tolerance
+                and abs(1.0 / candidate.P_phi_long - true[0]) < tolerance
             ),
             0,
         )
@@ -149,8 +155,8 @@ def toutatis():
     start = time.process_time()
     two = photometry.periods(data, count=2, min_period="1 d", max_period="40 d")
     print(two, f"{time.process_time() - start:.1f} s")
-    for each in two.candidates(5):
-        print(each)
+    for candidate in two.candidates(5):
+        print(candidate)
     return one, two
 
 
@@ -182,8 +188,8 @@ def lines(count):
         for number, share in zip(fitted.numbers, power, strict=True):
             total[mode][tuple(map(int, number))] += share / count
         seen[mode] += 1
-    for mode, each in total.items():
-        best = sorted(each.items(), key=lambda item: -item[1])[:12]
+    for mode, powers in total.items():
+        best = sorted(powers.items(), key=lambda item: -item[1])[:12]
         print(mode, {key: round(float(value), 3) for key, value in best})
 
 
@@ -197,11 +203,11 @@ def figures():
 
 if __name__ == "__main__":
     with compiling():
-        name, *rest = sys.argv[1:] or ["speed"]
+        name, *numbers = sys.argv[1:] or ["speed"]
         {
             "speed": speed,
             "tumblers": tumblers,
             "toutatis": toutatis,
             "lines": lines,
             "figures": figures,
-        }[name](*map(int, rest))
+        }[name](*map(int, numbers))

@@ -25,9 +25,10 @@ except ImportError:  # Windows, where a file that is open cannot be deleted
 
 # The signals that end a process without an exception; SIGINT raises one.
 _ENDS = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
-# s; where the search of a folder for remains takes longer, as among 1e4 files, it is repeated after
-# so many times as long: searches take a small share of the time.
-_QUICK, _PAUSE = 0.005, 20.0
+# s that a search of a folder for remains may take; among 1e4 files it takes longer.
+_QUICK = 0.005
+# A longer search is repeated after so many times as long: searches take a small share of the time.
+_PAUSE = 20.0
 
 # The temporary files of this process that are not complete, and the process.
 _open: set[str] = set()

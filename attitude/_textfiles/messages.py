@@ -543,7 +543,7 @@ def values(lines: Lines) -> dict[str, str]:
 # ---- Tokens of XML: CCSDS 505.0-B-3
 
 # Messages, and the elements that may stand around one.
-_MESSAGES = ("acm", "aem", "apm", "cdm", "ocm", "oem", "omm", "opm", "rdm", "tdm")
+MESSAGES: tuple[str, ...] = ("acm", "aem", "apm", "cdm", "ocm", "oem", "omm", "opm", "rdm", "tdm")
 _OUTSIDE = ("ndm", "COMMENT", "MESSAGE_ID")
 _PARTS = frozenset(("header", "metadata", "data"))
 _OUTER = frozenset(("ndm", "body", "segment", *_PARTS))
@@ -571,7 +571,7 @@ class _MessageReader(ElementReader):
     def begin(self, tag, attributes):
         form, message, name = self._form, self.message, None
         if self._leaves is None:
-            if tag in _MESSAGES or (message is None and tag not in _OUTSIDE):
+            if tag in MESSAGES or (message is None and tag not in _OUTSIDE):
                 version = self.version(tag, attributes, form.kind.lower(), form.versions)
                 self.message = Message(form, version, self.path, self.fault, self._begin_rows)
                 self.message.header.comments.extend(self._comments)

@@ -59,8 +59,12 @@ example:
 A spin file holds a body and its state of rotation at an epoch. For the options of a command, see
 "attitude COMMAND --help".
 """
-# Exit codes: wrong input; output closed by its reader (128 + SIGPIPE); Ctrl-C (128 + SIGINT).
-_WRONG, _PIPE, _INTERRUPTED = 2, 141, 130
+# Exit codes: wrong input,
+_WRONG = 2
+# output closed by its reader (128 + SIGPIPE),
+_PIPE = 141
+# and Ctrl-C (128 + SIGINT).
+_INTERRUPTED = 130
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -179,12 +183,12 @@ def _joined(argv: list[str]) -> list[str]:
     return joined
 
 
-def _said(other, message, category, *rest, **more):
+def _said(other, message, category, *place, **options):
     """Print a warning of the package as one sentence on stderr; `other` prints all others."""
     if issubclass(category, AttitudeWarning):
         print(f"attitude: warning: {message}", file=sys.stderr)
     else:
-        other(message, category, *rest, **more)
+        other(message, category, *place, **options)
 
 
 def _failed(sentence: str) -> int:

@@ -36,8 +36,9 @@ if TYPE_CHECKING:
 # A longer table is a mistake: a terabyte of text.
 _MOST_ROWS = 10**10
 _SHORTEST = Fraction(1, 10**9)
-# Seconds since J2000 of the years 0001 to 9999.
-_FIRST, _LAST = -63082281600.0, 252455529600.0
+# Seconds since J2000 of the beginning of the year 0001, and of the end of 9999.
+_FIRST = -63082281600.0
+_LAST = 252455529600.0
 # The stop is included if a whole number of steps misses it by no more, in steps.
 _ROUNDING = Fraction(1, 10**9)
 

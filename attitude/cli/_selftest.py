@@ -91,11 +91,18 @@ def check() -> CheckResult:
     return CheckResult(rows, len(states), epochs, ratio, nanoseconds, elapsed)
 
 
-# States of `more`, the largest turn after which they start again, and accepted errors: a state in
-# doubles is off by 1e-16 of its rate, which 20 rad of turn enlarge, most near the separatrix.
-_RANDOM, _TURN, _RESTART_ERROR = 20_000, 20.0, 1e-12
-# Of an integration to 1e-10 rad, and of the brightness of 20,000 facets in place of an ellipsoid.
-_TORQUE_ERROR, _FACETS, _FACETS_ERROR = 1e-10, 20_000, 1e-4
+# States of `more`.
+_RANDOM = 20_000
+# Largest turn, rad, after which they start again.
+_TURN = 20.0
+# Accepted error, rad: a state in doubles is off by 1e-16 of its rate, which that turn enlarges,
+# most near the separatrix.
+_RESTART_ERROR = 1e-12
+# Accepted error, rad, of an integration to 1e-10 rad.
+_TORQUE_ERROR = 1e-10
+# Facets that stand for an ellipsoid, and the accepted error of their brightness.
+_FACETS = 20_000
+_FACETS_ERROR = 1e-4
 
 
 def more() -> Iterator[tuple[str, float, float]]:
@@ -204,12 +211,14 @@ def _numbers_of(state: Mapping[str, Any]) -> list[FloatArray]:
     return [np.array([float.fromhex(x) for x in state[key]]) for key in keys]
 
 
-def _difference(found: FloatArray, texts: Sequence[Sequence[str]]) -> tuple[FloatArray, FloatArray]:
-    """The exact values rounded, and the values found minus the exact ones, to 1e-30."""
+def _difference(
+    values: FloatArray, texts: Sequence[Sequence[str]]
+) -> tuple[FloatArray, FloatArray]:
+    """The exact values rounded, and the values minus the exact ones, to 1e-30."""
     exact = [[Decimal(x) for x in row] for row in texts]
     high = np.array([[float(x) for x in row] for row in exact])
     low = np.array([[float(x - Decimal(float(x))) for x in row] for row in exact])
-    return high, (found - high) - low
+    return high, (values - high) - low
 
 
 def _speed() -> tuple[float, float]:

@@ -14,7 +14,7 @@ from attitude.motions._table import AttitudeTable
 
 # ---- The options of ``attitude convert``
 
-HELP: str = "convert between spin files, CCSDS AEM, APM and ACM, STK, SPICE CK and tables"
+HELP: str = "convert between any two formats of attitudes and motions"
 EPILOG: str = """\
 examples:
   attitude convert tumbler.toml tumbler.aem --stop "1 d" --tolerance 1e-7
@@ -96,9 +96,10 @@ def run(arguments: argparse.Namespace) -> None:
     )
     path = _options.path_of(arguments)
     if path is not None and "orbit" not in (*written.reading, *read.reading):
+        known = [ending for ending, entry in endings().items() if "orbit" in entry.reading]
         raise AttitudeError(
-            "--orbit is for AEM, APM, CIC and STK files, whose attitudes may be relative to axes "
-            "of the orbit; leave it out."
+            f"--orbit is for files that end in {', '.join(known)}, whose attitudes may be relative "
+            "to axes of the orbit; leave it out."
         )
     if is_catalogued:
         entry = catalog.entry(arguments.input)

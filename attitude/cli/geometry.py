@@ -96,11 +96,11 @@ def dates(view: View, digits: int) -> tuple[list[str], list[float]]:
     return texts, view.seconds.tolist()
 
 
-def _grid(mission, given):
+def _grid(mission, options):
     """The Grid of start, stop and step, of which some are given on the command line."""
     from attitude.cli import _options
 
-    times = {name: given.get(name, mission.times.get(name)) for name in TIMES}
+    times = {name: options.get(name, mission.times.get(name)) for name in TIMES}
     missing = [name for name, value in times.items() if value is None]
     if missing:
         raise AttitudeError(
@@ -115,7 +115,7 @@ def _grid(mission, given):
         return _options.grid(epoch, *times.values())
     except AttitudeError as err:
         sentence = str(err)
-        for name in set(TIMES) - given.keys():
+        for name in set(TIMES) - options.keys():
             sentence = sentence.replace(f"--{name}", f"[times] {name}")
         raise AttitudeError(sentence) from err
 

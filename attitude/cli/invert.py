@@ -144,9 +144,12 @@ def _curve(arguments, file, **settings):
     return LightCurve.read(file, frame=arguments.frame, **geometry, **settings)
 
 
-# A span of dates: "START .. STOP, STEP"; without a step it has 200.
+# A span of dates: "START .. STOP, STEP".
 _SPAN = re.compile(r"\s*(.+?)\s*\.\.\s*([^,]+?)\s*(?:,\s*(.+?)\s*)?")
-_STEPS, _MOST_EPOCHS = 200, 1_000_000
+# Steps of a span without STEP.
+_STEPS = 200
+# Epochs of a span at most.
+_MOST_EPOCHS = 1_000_000
 # Epochs that are printed.
 _PRINTED = 40
 

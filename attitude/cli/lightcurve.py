@@ -27,7 +27,10 @@ if TYPE_CHECKING:
 
 # ---- The figure of a light curve: magnitude and phase angle against time
 
-_CURVE, _PHASE, _BELOW = "#0072b2", "#d55e00", "0.45"
+# Colours of the magnitude, of the phase angle, and of epochs below the horizon.
+_CURVE = "#0072b2"
+_PHASE = "#d55e00"
+_BELOW = "0.45"
 # Elevation of the Sun at the end of astronomical twilight, rad.
 _TWILIGHT = np.radians(-18.0)
 # Least span in s, s in the unit, and its name.
@@ -148,24 +151,24 @@ def run_observed(mission: Mission, observed: str, target: str | None, figure: st
         print(figure)
 
 
-def _compared(given, computed, session):
+def _compared(observed, computed, session):
     """Residuals without the mean of each session, and a line about each."""
-    residual = np.empty_like(given)
+    residual = np.empty_like(observed)
     lines = []
     for name in dict.fromkeys(session.tolist()):
         chosen = session == name
-        zero = float(np.mean(given[chosen] - computed[chosen]))
-        residual[chosen] = given[chosen] - computed[chosen] - zero
+        zero = float(np.mean(observed[chosen] - computed[chosen]))
+        residual[chosen] = observed[chosen] - computed[chosen] - zero
         rms = float(np.sqrt(np.mean(residual[chosen] ** 2)))
         label = name or "all points"
         lines.append(
             f"{label}: {np.count_nonzero(chosen)} points, zero point {zero:+.3f}, rms {rms:.3f} mag"
         )
     total = float(np.sqrt(np.mean(residual**2)))
-    return residual, [*lines, f"rms of all {len(given)} points: {total:.3f} mag"]
+    return residual, [*lines, f"rms of all {len(observed)} points: {total:.3f} mag"]
 
 
-def _draw(days, given, residual, session, figure):
+def _draw(days, observed, residual, session, figure):
     """Observed and computed magnitudes, and residuals, a colour a session."""
     from attitude._textfiles.atomic_write import written_whole
 
@@ -174,9 +177,9 @@ def _draw(days, given, residual, session, figure):
     above, below = drawn.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     for name in dict.fromkeys(session.tolist()):
         chosen = session == name
-        above.plot(days[chosen], given[chosen], ".")
+        above.plot(days[chosen], observed[chosen], ".")
         below.plot(days[chosen], residual[chosen], ".")
-    above.plot(days, given - residual, "kx", ms=3, label="computed")
+    above.plot(days, observed - residual, "kx", ms=3, label="computed")
     above.invert_yaxis()
     above.set_ylabel("magnitude")
     above.legend()

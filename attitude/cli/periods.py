@@ -104,32 +104,32 @@ def data_of(arguments: argparse.Namespace) -> LightCurve:
     return data
 
 
-def _print(found, arguments):
+def _print(periods, arguments):
     """Print a table of the peaks in the unit of the best one, and what it may mean."""
     from attitude._support.quantity_text import TIME_UNITS, time_unit
 
-    unit = time_unit(found.period)
+    unit = time_unit(periods.period)
     size = TIME_UNITS[unit]
-    what = "pairs" if found.count == 2 else "frequencies"
+    what = "pairs" if periods.count == 2 else "frequencies"
     print(
-        f"{found.tried} {what}; by chance 1 of 100 light curves leaves {found.false_alarm:.3f} of "
-        "chi-squared"
+        f"{periods.tried} {what}; by chance 1 of 100 light curves leaves "
+        f"{periods.false_alarm:.3f} of chi-squared"
     )
-    names = ("first", "second") if found.count == 2 else ("period",)
+    names = ("first", "second") if periods.count == 2 else ("period",)
     head = "".join(f"{f'{name}, {unit}':>14}{'+-':>10}" for name in names)
     print(f"{'':3}{head}{'power':>8}{'left':>8}  relation")
-    for rank, peak in enumerate(found.peaks[: arguments.count], 1):
+    for rank, peak in enumerate(periods.peaks[: arguments.count], 1):
         both = zip(peak.periods, peak.errors, strict=True)
         numbers = "".join(f"{one / size:14.7g}{error / size:10.2g}" for one, error in both)
         print(f"{rank:3d}{numbers}{peak.power:8.3f}{peak.left:8.3f}  {peak.relation}".rstrip())
     if arguments.bootstrap is not None:
         errors = ", ".join(
-            f"{draw / size:.2g} {unit}" for draw in found.bootstrap(draws=arguments.bootstrap)
+            f"{draw / size:.2g} {unit}" for draw in periods.bootstrap(draws=arguments.bootstrap)
         )
         print(f"error of the best by bootstrap: {errors}")
-    if found.count == 2:
+    if periods.count == 2:
         print("candidates for the rotation:")
-        for rank, candidate in enumerate(found.candidates(arguments.count), 1):
+        for rank, candidate in enumerate(periods.candidates(arguments.count), 1):
             print(f"{rank:3d} {candidate}")
-    elif found.hint:
-        print(f"note: {found.hint}")
+    elif periods.hint:
+        print(f"note: {periods.hint}")

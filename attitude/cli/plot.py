@@ -55,9 +55,9 @@ def run(arguments: argparse.Namespace) -> None:
     print(name)
 
 
-def _file_name(name: str, given: str) -> str:
+def _file_name(name: str, file_or_entry: str) -> str:
     """A PNG in the working directory, named after the entry of the catalogue or the file."""
-    if _options.is_file(given):
-        name = re.sub(r"\.(toml|spin|apm|xml)$", "", os.path.basename(given))
+    if _options.is_file(file_or_entry):
+        name = re.sub(r"\.(toml|spin|apm|xml)$", "", os.path.basename(file_or_entry))
     words = "".join(letter if letter.isalnum() else " " for letter in name.lower()).split()
     return "-".join(words) + ".png"

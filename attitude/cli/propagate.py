@@ -73,12 +73,13 @@ body turns too slowly for its path; the table then ends there, with a warning.
 }
 # Rows computed and written in one block: the memory does not grow with the table.
 _BLOCK = 16384
-# Seconds of the steps of a table without --step, and the rows that it has at most.
+# Seconds of the steps of a table without --step.
 _STEPS = (
     *(1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 1200, 1800, 3600, 7200, 10800, 21600, 43200),
     *(86400 * factor * 10**power for power in range(7) for factor in (1, 2, 5)),
 )
-_ROWS, _MOST_ROWS = 1000, 1_000_000
+_ROWS = 1000
+_MOST_ROWS = 1_000_000
 
 
 def add_arguments(parser: argparse.ArgumentParser, command: str) -> None:

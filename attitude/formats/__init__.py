@@ -17,7 +17,7 @@ _attitude_types     attitude types of CCSDS messages: their columns and rates
 _ccsds_epochs       time codes of CCSDS messages
 _ck_files           files, clock and records of C-kernels; SPICE's pool
 _recipes            settings of writers for a tool that shall read the file
-_format             the contract of a format, and the registry of formats
+_format             `Format`, the contract of a format, and the registry of formats
 _records            rows of a file to an AttitudeTable, and a history to rows
 _sampling           a motion to records within a tolerance; what a writer is given, as segments
 """
@@ -25,6 +25,9 @@ _sampling           a motion to records within a tolerance; what a writer is giv
 from typing import TYPE_CHECKING
 
 from attitude._support.synonyms import of_module
+from attitude.formats._format import Format, OpenedFile, Option, forget, formats, register
+
+__all__ = ["Format", "OpenedFile", "Option", "forget", "formats", "register"]
 
 if not TYPE_CHECKING:
     # Hidden from type checkers: a module with __getattr__ has every name, misspelt ones too.

@@ -46,7 +46,8 @@ _DAY = re.compile(rb"\d{1,7}(\.0*)?")
 _LAST_DAY = 2973483.0
 # Modified Julian date of 1970-01-01, from which numpy counts days and months.
 _MJD_OF_1970 = 40587
-_0, _9 = ord("0"), ord("9")
+_0 = ord("0")
+_9 = ord("9")
 _CALENDAR = {4: "-", 7: "-", 10: "T", 13: ":", 16: ":"}, 19
 _YEARDAY = {4: "-", 8: "T", 11: ":", 14: ":"}, 17
 

@@ -67,8 +67,10 @@ def fault(path: FilePath) -> str | None:
 # drops all variables that a program has set (by pdpool, pcpool, pipool); `LoadedKernels.close`
 # restores them.
 
-# Names of variables that one call returns; and a number that exceeds the capacity of the pool.
-_BATCH, _MOST = 500, 100_000
+# Names of variables that one call returns.
+_BATCH = 500
+# A number that exceeds the capacity of the pool.
+_MOST = 100_000
 
 
 def spiceypy() -> Any:
@@ -163,8 +165,10 @@ class LoadedKernels:
 # Degree of the Hermite polynomials of type 5.
 DEGREE: int = 7
 _MOST_RECORDS = 20_000_000
-# Places at which the error of interpolation is measured, and its ratio to the tolerances.
-_PROBES, _MARGIN = 300, 0.25
+# Places at which the error of interpolation is measured.
+_PROBES = 300
+# Its ratio to the tolerances.
+_MARGIN = 0.25
 # Distance of these places from the middle of a step, in steps.
 _OFF_MIDDLE = 0.25
 # Seconds to either side of an epoch between which the speed of a clock is measured.
@@ -348,9 +352,11 @@ class Plan:
 # ---- The files of a C-kernel: segments written by SPICE, texts of the frame and clock kernels
 
 REFERENCE: str = "J2000"
-# Records of a segment; and records of each neighbour that it repeats, so that the windows of
-# interpolation are centered up to its ends.
-_PIECE, _PAD = 50_000, 8
+# Records of a segment.
+_PIECE = 50_000
+# Records of each neighbour that it repeats, so that the windows of interpolation are centered up to
+# its ends.
+_PAD = 8
 # Random epochs at which the finished kernel is read.
 _CHECKS = 2000
 
@@ -404,16 +410,44 @@ def _put_3(spice, handle, instrument, ends, ticks, wxyz, rates):
     """Write a segment of type 3; `rates` (N, 3) over J2000, or None."""
     has_rates = rates is not None
     rates = np.ascontiguousarray(rates) if has_rates else np.zeros((len(ticks), 3))
-    quats = np.ascontiguousarray(quaternion.conjugate(wxyz))
-    about = (instrument, REFERENCE, has_rates, "attitude")
-    spice.ckw03(handle, *map(float, ends), *about, len(ticks), ticks, quats, rates, 1, ticks[:1])
+    begin, end = map(float, ends)
+    spice.ckw03(
+        handle,
+        begin,
+        end,
+        instrument,
+        REFERENCE,
+        has_rates,
+        "attitude",
+        len(ticks),
+        ticks,
+        np.ascontiguousarray(quaternion.conjugate(wxyz)),
+        rates,
+        1,
+        ticks[:1],
+    )
 
 
 def _put_5(spice, handle, instrument, ends, ticks, packets, clock, *, form, has_rates=True):
     """Write a segment of type 5, whose form is its subtype and degree."""
-    packets = np.ascontiguousarray(packets)
-    about = (*map(float, ends), instrument, REFERENCE, has_rates, "attitude")
-    spice.ckw05(handle, *form, *about, ticks, packets, clock.per_tick, 1, ticks[:1])
+    begin, end = map(float, ends)
+    subtype, degree = form
+    spice.ckw05(
+        handle,
+        subtype,
+        degree,
+        begin,
+        end,
+        instrument,
+        REFERENCE,
+        has_rates,
+        "attitude",
+        ticks,
+        np.ascontiguousarray(packets),
+        clock.per_tick,
+        1,
+        ticks[:1],
+    )
 
 
 def cannot(sentence: str) -> AttitudeError:

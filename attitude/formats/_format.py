@@ -14,7 +14,8 @@ from attitude.errors import AttitudeError
 if TYPE_CHECKING:
     from attitude.motions._motion import Motion
 
-# The modules of this folder that register formats, in the order in which sentences list endings.
+# The modules of this folder that register formats, in the order in which sentences list endings:
+# `attitude.PUBLIC_MODULES` has them, and others, in the order of the alphabet.
 MODULES: tuple[str, ...] = (
     "aem",
     "apm",
@@ -48,11 +49,19 @@ class OpenedFile(NamedTuple):
 class Option:
     """An option of `attitude convert` that a format needs.
 
-    name: without dashes in front; "time-system" for --time-system.
-    settings: further keyword arguments of argparse's `add_argument`.
-    of_reading: whether the option is a keyword of `detect.opened`.  Others belong to writers, and
-        are refused for formats that do not name them in `Format.writing`.
-    refusal: what the option of a writer says of other formats; {noun} is `Format.noun`.
+    Attributes
+    ----------
+    name : str
+        Without dashes in front; "time-system" for --time-system.
+    help : str
+        What the help of the command says of it.
+    settings : mapping
+        Further keyword arguments of argparse's `add_argument`.
+    of_reading : bool
+        Whether the option is a keyword of `detect.opened`.  Others belong to writers, and are
+        refused for formats that do not name them in `Format.writing`.
+    refusal : str
+        What the option of a writer says of other formats; {noun} is `Format.noun`.
     """
 
     name: str
@@ -67,35 +76,60 @@ class Option:
         return self.name.replace("-", "_")
 
 
+def no_labels(motion: Motion, said: Mapping[str, Any]) -> dict[str, Any]:
+    """`Format.labels` of a format that has no place for names and comments."""
+    return {}
+
+
 @dataclass(frozen=True, eq=False)
 class Format:
     """How files of one format are recognized, read and written, and what commands say of them.
 
     What a new format defines
     -------------------------
-    A file of its own, named in `MODULES`, that calls ``register(Format(...))`` below its `read` and
-    `write`, and a row in the table of docs/formats.md.
+    A module that calls ``register(Format(...))`` below its `read` and `write`.  Then
+    `detect.read`, `detect.write`, `Motion.write` and `attitude convert` know the format.
 
-    name: the format in `detect.of_file` and `detect.to_write`.
-    module: ``__name__`` of the file that registers it.
-    title: what the help of the command calls files of this format.
-    endings: in lower case; the longest that a name has decides.
-    read: ``read(path, **keywords)`` returns an `OpenedFile`; see `table_reader`.
-    reading: the keywords of `detect.opened` that `read` takes.
-    write: ``write(path, source, t=None, **settings)`` for records; ``write(path, motion,
+    Attributes
+    ----------
+    name : str
+        The format in `detect.of_file` and `detect.to_write`.
+    module : str
+        ``__name__`` of the file that registers it.
+    title : str
+        What the help of the command calls files of this format.
+    endings : tuple of str
+        In lower case; the longest that a name has decides.
+    read : function
+        ``read(path, **keywords)`` returns an `OpenedFile`.
+    reading : tuple of str
+        The keywords of `detect.opened` that `read` takes.
+    write : function
+        ``write(path, source, t=None, **settings)`` for records; ``write(path, motion,
         **settings)`` for a motion; ``write(path, motion, start, stop, **settings)`` for a span.
-    writing: options that `write` takes, as attributes of parsed arguments.
-    renamed: the keywords of `write` for options of another name.
-    holds: "records" (attitudes at epochs), "motion" (a free rotation) or "span" (attitudes at any
-        epoch of a span).
-    marks: with one of these a file begins, whatever its ending.
-    element: name of the element of the message, for XML.
-    resembles: whether the first line of a file of no known mark or ending looks like this format.
-    noun: the format in errors of the command; {output} is the name of the file.
-    options: options that this format adds to the command; other formats may name them in `writing`.
-    fulfilled: options and the value that is what `write` does anyway, such as --for stk.
-    is_sampled: whether `write` of records takes start=, stop= and tolerance=.
-    labels: ``labels(motion, said)`` are settings of `write` that follow from what was read.
+    writing : tuple of str
+        Options that `write` takes, as attributes of parsed arguments.
+    renamed : mapping
+        The keywords of `write` for options of another name.
+    holds : "records", "motion" or "span"
+        Attitudes at epochs, a free rotation, or attitudes at any epoch of a span.
+    marks : tuple of bytes
+        With one of these a file begins, whatever its ending.
+    element : str or None
+        The name of the element of the message, for XML.
+    resembles : function or None
+        ``resembles(line)``: whether the first line, bytes, of a file of no known mark or ending
+        looks like this format.
+    noun : str
+        The format in errors of the command; {output} is the name of the file.
+    options : tuple of Option
+        What this format adds to the command; other formats may name them in `writing`.
+    fulfilled : mapping
+        Options and the value that is what `write` does anyway, such as --for stk.
+    is_sampled : bool
+        Whether `write` of records takes start=, stop= and tolerance=.
+    labels : function
+        ``labels(motion, said)`` are settings of `write` that follow from what was read.
     """
 
     name: str
@@ -115,13 +149,21 @@ class Format:
     options: tuple[Option, ...] = ()
     fulfilled: Mapping[str, str] = field(default_factory=dict)
     is_sampled: bool = True
-    labels: Callable[[Motion, Mapping[str, Any]], dict[str, Any]] = lambda motion, said: {}
+    labels: Callable[[Motion, Mapping[str, Any]], dict[str, Any]] = no_labels
 
 
 def register(new: Format) -> None:
-    """Add a format; one registered again from the same file replaces the former.
+    """Add a format to those that files and commands know.
 
-    AttitudeError for a name or an ending of another format.
+    Parameters
+    ----------
+    new : Format
+        One registered again from the same module replaces the former.
+
+    Raises
+    ------
+    AttitudeError
+        For a name or an ending of another format.
     """
     for other in _by_name.values():
         if (other.name, other.module) == (new.name, new.module):
@@ -136,7 +178,7 @@ def register(new: Format) -> None:
 
 
 def register_message(
-    name: str, title: str, write: Callable[..., Any], options: tuple[Option, ...] = (), **rest: Any
+    name: str, title: str, write: Callable[..., Any], options: tuple[Option, ...] = (), **both: Any
 ) -> None:
     """Add a CCSDS message as two formats: in KVN, and in XML with `write` under xml=True."""
     ending = ".xml" if name == "aem" else f".{name}.xml"
@@ -148,14 +190,21 @@ def register_message(
         "options": options,
     }
     xml: dict[str, Any] = {"endings": (ending,), "element": name, "write": partial(write, xml=True)}
-    register(Format(name, title=title, **kvn, **rest))
-    register(Format(f"{name}-xml", title=f"{title}, XML", **xml, **rest))
+    register(Format(name, title=title, **kvn, **both))
+    register(Format(f"{name}-xml", title=f"{title}, XML", **xml, **both))
 
 
 def forget(name: str) -> None:
-    """Remove a name from the registry, as at the end of a test that registers a format.
+    """Remove a format, as at the end of a test that registers one.
 
-    AttitudeError for a name that is not registered.
+    Parameters
+    ----------
+    name : str
+
+    Raises
+    ------
+    AttitudeError
+        For a name that is not registered.
     """
     if name not in formats():
         raise AttitudeError(f"no format is called {name!r}; known are {', '.join(formats())}.")
@@ -163,7 +212,16 @@ def forget(name: str) -> None:
 
 
 def formats() -> dict[str, Format]:
-    """All registered formats, a dict by name: those of `MODULES` in order, then others."""
+    """All registered formats.
+
+    Returns
+    -------
+    dict
+        Each `Format` by its name: those of the package first.
+
+    >>> formats()["stk"].endings
+    ('.a',)
+    """
     modules = [f"{__package__}.{module}" for module in MODULES]
     for module in modules:
         import_module(module)

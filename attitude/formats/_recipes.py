@@ -67,34 +67,34 @@ AEM: dict[str, Recipe] = {
 _OF_GMAT = {"QUATERNION": ("slerp", 1), "EULER_ANGLE": ("lagrange", 7)}
 
 
-def of_aem(tool: str | None, given: dict[str, Any], has_rates: bool) -> dict[str, Any]:
+def of_aem(tool: str | None, chosen: dict[str, Any], has_rates: bool) -> dict[str, Any]:
     """The settings of `aem.write` for a tool: those given, and for the others its recipe's."""
     if tool is None:
-        return given
+        return chosen
     recipe = AEM.get(tool.lower()) if isinstance(tool, str) else None
     if recipe is None:
         raise AttitudeError(f"for_ is {tool!r}; known tools are {', '.join(AEM)}.")
-    settings = dict(given)
+    settings = dict(chosen)
     for name, value in recipe.settings.items():
         if settings.get(name) is None:
             settings[name] = value
-    if not has_rates and given.get("kind") is None:
+    if not has_rates and chosen.get("kind") is None:
         settings["kind"] = settings["kind"] and settings["kind"].partition("/")[0]
     for name, values in recipe.allowed.items():
-        if given.get(name) is not None and given[name] not in values:
+        if chosen.get(name) is not None and chosen[name] not in values:
             raise AttitudeError(
-                f"{name} is {given[name]!r}, which {recipe.tool} does not read; it must be "
+                f"{name} is {chosen[name]!r}, which {recipe.tool} does not read; it must be "
                 f"{' or '.join(repr(value) for value in values if value is not None)}."
             )
     if recipe.tool == "GMAT":
         method, most = _OF_GMAT[settings["kind"]]
-        wrong = given.get("method") not in (None, method)
-        if wrong or (given.get("degree") or 0) > max(most, 9 if method == "lagrange" else 1):
+        wrong = chosen.get("method") not in (None, method)
+        if wrong or (chosen.get("degree") or 0) > max(most, 9 if method == "lagrange" else 1):
             raise AttitudeError(
                 f"GMAT interpolates {settings['kind']} by {method} only, to degree 9; leave method "
                 "and degree out."
             )
-        settings["method"], settings["degree"] = method, given.get("degree") or most
+        settings["method"], settings["degree"] = method, chosen.get("degree") or most
     return settings
 
 

@@ -213,14 +213,23 @@ def _cut(records: Records) -> list[Records]:
 
 
 _MOST_RECORDS = 20_000_000
-# Error of the first step, in tolerances; a file of a greater error than the tolerance is repeated
-# with half the step, so many times.
-_MARGIN, _REPEATED = 0.25, 5
-# Trial tables over the span, records of each, and epochs between two records.
-_TRIALS, _LENGTH, _BETWEEN = 12, 24, 3
-# Random epochs at which the finished file is compared, and epochs beside the ends of stretches.
-_CHECKS, _BESIDE = 2000, 8
-_LEAST, _GREATEST = 1e-14, 1.0
+# Error of the first step, in tolerances.
+_MARGIN = 0.25
+# A file of a greater error than the tolerance is repeated with half the step, so many times.
+_REPEATED = 5
+# Trial tables over the span,
+_TRIALS = 12
+# records of each,
+_LENGTH = 24
+# and epochs between two records.
+_BETWEEN = 3
+# Random epochs at which the finished file is compared,
+_CHECKS = 2000
+# and epochs beside the ends of stretches.
+_BESIDE = 8
+# Least and greatest tolerance, rad.
+_LEAST = 1e-14
+_GREATEST = 1.0
 
 
 @dataclass(frozen=True)

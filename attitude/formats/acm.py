@@ -678,15 +678,15 @@ def _maneuver(block, tags):
     hi, lo = tags.after(np.array([first, last]))
     begin, end = map(Instant, hi, lo)
     return Maneuver(
-        begin,
-        end,
-        block["MAN_PURPOSE"],
-        values("TARGET_MOMENTUM", 3),
-        block.get("TARGET_MOM_FRAME"),
-        attitude,
-        None if rate is None else math.radians(rate[0]),
-        dict(block),
-        tuple(block.comments),
+        begin=begin,
+        end=end,
+        purpose=block["MAN_PURPOSE"],
+        target_momentum=values("TARGET_MOMENTUM", 3),
+        momentum_frame=block.get("TARGET_MOM_FRAME"),
+        target_attitude=attitude,
+        target_spin_rate=None if rate is None else math.radians(rate[0]),
+        values=dict(block),
+        comments=tuple(block.comments),
     )
 
 

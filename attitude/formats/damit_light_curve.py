@@ -240,7 +240,8 @@ def _icrf_units(vectors):
 
 # What DAMIT's programs hold (constants.h of convexinv): points of a curve, curves, and points.
 POINTS_OF_A_CURVE: Final = 1000
-_CURVES, _POINTS = 100, 10_000
+_CURVES = 100
+_POINTS = 10_000
 
 # Largest count of points in a curve; a larger number is misplaced.
 _MOST = 100_000_000

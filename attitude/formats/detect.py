@@ -99,7 +99,9 @@ def format_to_write(path: FilePath) -> Format:
 
 def _of_xml(path, text):
     """The format of a file in XML, by the element of its message."""
-    matched = re.search(rb"<(?:[\w.-]+:)?(acm|aem|apm|cdm|ocm|oem|omm|opm|rdm|tdm)[\s>]", text)
+    from attitude._textfiles.messages import MESSAGES
+
+    matched = re.search(rf"<(?:[\w.-]+:)?({'|'.join(MESSAGES)})[\s>]".encode(), text)
     name = matched.group(1).decode() if matched else "aem"
     for one in formats().values():
         if one.element == name:
@@ -130,18 +132,7 @@ def read(
     AttitudeTable, FreeRotation or KernelAttitude
         Close a KernelAttitude after use: its kernels are loaded in SPICE's pool until then.
     """
-    return opened(
-        path,
-        tolerance=tolerance,
-        frame=frame,
-        orbit=orbit,
-        body=body,
-        kernels=kernels,
-        rates=rates,
-        object=object,
-        segment=segment,
-        lenient=lenient,
-    ).motion
+    return opened(**locals()).motion
 
 
 def opened(
@@ -158,11 +149,9 @@ def opened(
     lenient: bool = False,
 ) -> OpenedFile:
     """The motion in a file of any format, with the names and comments of the file."""
-    keywords: dict[str, Any]
-    keywords = {"frame": frame, "orbit": orbit, "body": body, "kernels": kernels, "rates": rates}
-    keywords |= {"object": object, "segment": segment, "lenient": lenient}
-    if tolerance is not None:
-        keywords["tolerance"] = tolerance
+    keywords = dict(locals())  # the parameters alone: nothing is assigned before
+    if tolerance is None:  # each reader has a default of its own
+        del keywords["tolerance"]
     file_format = format_of(path)
     return file_format.read(
         path, **{name: keywords[name] for name in file_format.reading if name in keywords}
@@ -246,7 +235,7 @@ def write_any(
 
 def read_state(path: FilePath) -> spin_file.SpinFile:
     """The free rotation in a file; of a DAMIT spin file, without inertia, with equal moments."""
-    if _kind(path) == "spin":
+    if _is_spin_file(path):
         return spin_file.read(path)
     motion, said = opened(path)
     if not isinstance(motion, FreeRotation):
@@ -259,17 +248,17 @@ def read_state(path: FilePath) -> spin_file.SpinFile:
     return spin_file.SpinFile(motion.body, motion.spin, name)
 
 
-def _kind(path: FilePath) -> str:
-    """The format of a file, by its content where that is certain, else by its ending."""
-    if os.path.splitext(os.fspath(path))[1].lower() == ".toml":
-        return "spin"
-    text = beginning(path)
-    first = text.lstrip().split(b"\n")[0].split()
-    if len(first) == 3 and all(map(is_number, first)):
-        return "damit"
+def _is_spin_file(path: FilePath) -> bool:
+    """Whether a file is a spin file by its ending, or because it is in no other known format."""
+    if os.path.splitext(os.fspath(path))[1].lower() == ".toml":  # loads no other format
+        return True
+    first = beginning(path).lstrip().split(b"\n")[0].split()
+    if len(first) == 3 and all(map(is_number, first)):  # of DAMIT, and no TOML
+        return False
     try:
-        kind = of_file(path)
+        file_format = format_of(path)
     except AttitudeError:
-        return "spin"
-    # Three words also begin a line of TOML.
-    return "spin" if kind == "damit" and not os.fspath(path).lower().endswith(".spin") else kind
+        return True
+    # Three words, which resemble DAMIT, also begin a line of TOML.
+    has_ending = os.fspath(path).lower().endswith(file_format.endings)
+    return file_format.name == "damit" and not has_ending

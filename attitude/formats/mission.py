@@ -127,7 +127,8 @@ __all__ = [
 ]
 
 
-_TEXTS, _OF_SITES = ("name", "source", "note"), ("night", "site_limits")
+_TEXTS = ("name", "source", "note")
+_OF_SITES = ("night", "site_limits")
 _OPTIONS = ("ephemeris", "light_time", "aberration", "shadow_of", "tolerance", "threads")
 _KEYS = (
     *(*_TEXTS, "body", "spin", "errors", "center", "observer", "sun", "columns", "times"),
@@ -372,26 +373,26 @@ class _File:
         ways = '{ catalog = "name", ... }, or the sections [body] and [spin]'
         raise AttitudeError(f"spin is {quoted(section)}; give the name of a spin file, {ways}.")
 
-    def file(self, given, name):
+    def file(self, path, name):
         """A file that the key `name` names."""
-        return _places.file_of(given, self.folder, name)
+        return _places.file_of(path, self.folder, name)
 
     def place(self, name, usual=None):
         """A path or direction, or the name or number of a body, as a Scene takes it."""
         return self._place(self.content.get(name, usual), name)
 
-    def _place(self, given, name):
-        if isinstance(given, int) and not isinstance(given, bool):
-            return given
-        is_code = name == "observer" and isinstance(given, str) and _places.is_code(given)
-        if isinstance(given, str) and _places.is_body(given) and not is_code:
-            return given  # of the ephemeris of the scene
-        if not isinstance(given, (str, dict)):
+    def _place(self, value, name):
+        if isinstance(value, int) and not isinstance(value, bool):
+            return value
+        is_code = name == "observer" and isinstance(value, str) and _places.is_code(value)
+        if isinstance(value, str) and _places.is_body(value) and not is_code:
+            return value  # of the ephemeris of the scene
+        if not isinstance(value, (str, dict)):
             raise AttitudeError(
-                f"{name} is {quoted(given)}; give the name of a body, or a table with one of "
+                f"{name} is {quoted(value)}; give the name of a body, or a table with one of "
                 f"{', '.join(_places.TABLES)}."
             )
-        return _places.place(given, name, is_observer=name == "observer", folder=self.folder)
+        return _places.place(value, name, is_observer=name == "observer", folder=self.folder)
 
     def options(self):
         """The options, as a Scene takes them."""

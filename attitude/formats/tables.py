@@ -106,12 +106,12 @@ def text(dates: Iterable[str], *columns: Iterable[float]) -> str:
 # The first line names the columns, in any order; readers skip unknown ones.
 
 
-def _write_csv(path, part, **columns):
+def _write_csv(path, segment, **columns):
     """Write one segment piece by piece."""
-    ends, low_ends = part.first_and_last()
+    ends, low_ends = segment.first_and_last()
     with written_whole(path, "the table") as file:
         file.write(",".join(names(**columns)) + "\n")
-        for history in part.pieces():
+        for history in segment.pieces():
             dates = ccsds_epochs.texts(history.epoch, history.seconds, history.low, "utc")
             since = (history.seconds - ends[0]) + (pairs.Seconds.of(history).low - low_ends[0])
             file.write(of_history(dates, since, history, **columns))

@@ -285,7 +285,7 @@ def _map(axes: Any, best: Solution) -> None:
     sums = _lattices.tables(problem, 8 * int(max(side[-1] for side in sides)) + 8)
     one, two = (axis.ravel() for axis in np.meshgrid(*sides, indexing="ij"))
     gain = np.empty(len(one))
-    _spectrum.decreases(*sums[:4], one, two, _spectrum.harmonics(2), 1.0, gain)
+    _spectrum.decreases(sums, one, two, _spectrum.harmonics(2), 1.0, gain)
     left = (1.0 - gain / sums.total).reshape(len(sides[0]), len(sides[1]))
     width = step / best.curve.span * TIME_UNITS[time_unit(best.P_phi)]
     x, y = sides[0] * width, 0.5 * sides[1] * width

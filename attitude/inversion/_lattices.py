@@ -149,6 +149,6 @@ def lines(problem: CurveProblem, most: float, keep: int) -> FloatArray:
     sums = tables(problem, 8 * int(grid[-1] + 1))
     harmonics = np.array([(i, 0) for i in range(5)])
     gain = np.empty(len(grid))
-    _spectrum.decreases(*sums[:4], grid, grid, harmonics, RIDGE, gain)
+    _spectrum.decreases(sums, grid, grid, harmonics, RIDGE, gain)
     frequencies = (float(grid[k]) / OVERSAMPLING for k in np.argsort(-gain, kind="stable"))
     return np.array(distinct(frequencies, lambda a, b: abs(a - b) <= _SAME_LINE, keep))

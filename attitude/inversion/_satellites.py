@@ -349,7 +349,7 @@ def _scanned(problem: CurveProblem, rotations: FloatArray) -> list[AdditivePair]
             continue
         first = np.full(len(orbits), round(rotation * _FINE))
         gain = np.empty(len(orbits))
-        _spectrum.decreases(*sums[:4], first, orbits, lines, _spectrum.RIDGE, gain)
+        _spectrum.decreases(sums, first, orbits, lines, _spectrum.RIDGE, gain)
         problem.tally.add(len(orbits), problem.settings.pair_cost)
         best = np.argsort(-gain, kind="stable")[: 8 * _ORBITS]
         rows = ((-float(gain[k]), float(rotation), float(orbits[k]) / _FINE) for k in best)

@@ -374,6 +374,7 @@ def _satellites(message):
     text, label = _text(message, "OMM")
     head = text.lstrip()
     if head.startswith("<"):
+        # Not by a `Form`: one file holds many OMMs, of any version and with any further elements.
         return xml.records(text, label, "segment"), label
     if head.startswith(("{", "[")):
         values = toml.of_json(text, label)

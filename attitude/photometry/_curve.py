@@ -642,11 +642,11 @@ def _brightness(magnitude: Any, flux: Any, sigma: Any, count: int) -> tuple[Floa
     return values, errors
 
 
-def _plain(numbers, name, unit, own):
+def _plain(numbers, name, unit, own_unit):
     """Numbers in `own`, or of Quantities in the unit of the flux."""
     if unit is not None and hasattr(numbers, "unit"):
         numbers = getattr(numbers, "quantity", numbers).to_value(unit)
-    return validation.real(numbers, name, finite=False, unit=own)
+    return validation.real(numbers, name, finite=False, unit=own_unit)
 
 
 def _of_each(numbers, name, count, what):
@@ -658,11 +658,11 @@ def _of_each(numbers, name, count, what):
     return np.broadcast_to(numbers, (count,))
 
 
-def _numbered(given: Any, name: str, count: int) -> tuple[tuple[str, ...], IntArray]:
+def _numbered(labels: Any, name: str, count: int) -> tuple[tuple[str, ...], IntArray]:
     """The names of filters, sites or sessions, and the number of each of `count` points."""
-    if given is None:
+    if labels is None:
         return ("",), np.zeros(count, np.int64)
-    array = np.asarray(given)
+    array = np.asarray(labels)
     if array.shape == ():
         array = np.full(count, array)
     if array.shape != (count,):
@@ -691,22 +691,24 @@ def _sites(site: Any, places: Any, session: Any) -> tuple[Any, dict[str, Any]]:
     return site, known
 
 
-def _exposures(given: Any, count: int) -> FloatArray:
+def _exposures(exposure: Any, count: int) -> FloatArray:
     """Exposure times (N,), s; zero where they are unknown."""
-    if given is None:
+    if exposure is None:
         return np.zeros(count)
-    numbers = validation.real(given, "exposure", finite=False, unit="s")
+    numbers = validation.real(exposure, "exposure", finite=False, unit="s")
     numbers = _of_each(numbers, "exposure", count, "points")
     if np.any(numbers < 0.0) or np.any(np.isinf(numbers)):
         raise AttitudeError("exposure has entries that are not times; give s, or zero if unknown.")
     return np.nan_to_num(numbers, nan=0.0)
 
 
-def _known_zero_points(given: Any, sessions: tuple[str, ...]) -> str | float | tuple[str, ...]:
-    if isinstance(given, str):
-        return validation.one_of(given, "zero_points", ("auto", "shared", "free"))
-    if isinstance(given, (list, tuple, set)):
-        names = tuple(str(label) for label in given)
+def _known_zero_points(
+    zero_points: Any, sessions: tuple[str, ...]
+) -> str | float | tuple[str, ...]:
+    if isinstance(zero_points, str):
+        return validation.one_of(zero_points, "zero_points", ("auto", "shared", "free"))
+    if isinstance(zero_points, (list, tuple, set)):
+        names = tuple(str(label) for label in zero_points)
         for label in names:
             if label not in sessions:
                 raise AttitudeError(
@@ -714,7 +716,7 @@ def _known_zero_points(given: Any, sessions: tuple[str, ...]) -> str | float | t
                     f"{_listed(sessions)}."
                 )
         return names
-    return validation.positive(given, "zero_points", unit="mag")
+    return validation.positive(zero_points, "zero_points", unit="mag")
 
 
 def _listed(words: Sequence[str]) -> str:
@@ -792,7 +794,7 @@ def _doubt_frame(frame: str, to_sun: FloatArray, notes: list[str]) -> None:
     for other_frame in dict.fromkeys((frame.lower(), "icrf", "ecliptic")):
         turned = directions @ frames.matrix_to_icrf(other_frame).T
         latitude[other_frame] = math.degrees(math.asin(min(1.0, np.abs(turned @ north).max())))
-    other = min(latitude, key=lambda each: latitude[each])
+    other = min(latitude, key=lambda site: latitude[site])
     if latitude[frame.lower()] > _ON_ECLIPTIC > latitude[other]:
         notes.append(
             f"the vectors are given over the axes {frame!r}, where the observer sees the Sun up to "
@@ -860,22 +862,22 @@ def vectors_of(scene: Scene, epoch: Instant, seconds: FloatArray) -> tuple[Float
     return both[0], both[1]
 
 
-def _received(scene: Scene, epoch: Instant, given: FloatArray, time_of: str) -> FloatArray:
+def _received(scene: Scene, epoch: Instant, emitted: FloatArray, time_of: str) -> FloatArray:
     """Seconds of reception from those of light at the body, or in the plane through a center."""
     if time_of == "reception" or scene.observer.is_direction or not scene.light_time:
-        return given
+        return emitted
     observer_path: Any = scene.observer
-    seconds = np.array(given)
+    seconds = np.array(emitted)
     for _ in range(_ROUNDS):
         observer = vectors_of(scene, epoch, seconds)[1]
         far = np.linalg.norm(observer, axis=1)
         if time_of == "emission":
-            seconds = given + far / SPEED_OF_LIGHT_M_S
+            seconds = emitted + far / SPEED_OF_LIGHT_M_S
             continue
         place = observer_path.position(epoch, seconds)
         if (center := _CENTERS[time_of]) is not None:
             place = place - _composed.body(center).position(epoch, seconds)
-        seconds = given + np.sum(place * observer, axis=1) / far / SPEED_OF_LIGHT_M_S
+        seconds = emitted + np.sum(place * observer, axis=1) / far / SPEED_OF_LIGHT_M_S
     return seconds
 
 
@@ -903,18 +905,18 @@ def phase_angle(data: LightCurve) -> FloatArray:
     return data.phase_angle
 
 
-def _phase_function(given: Any, g: Real | None) -> Callable[[FloatArray], FloatArray] | None:
-    if given is None and g is None:
+def _phase_function(function: Any, g: Real | None) -> Callable[[FloatArray], FloatArray] | None:
+    if function is None and g is None:
         return None
-    if given is None or given == "hg":
+    if function is None or function == "hg":
         slope = 0.15 if g is None else validation.number(g, "g")
         return lambda alpha: _weighted.hg(alpha, 0.0, slope)
-    if g is not None or not callable(given):
+    if g is not None or not callable(function):
         raise AttitudeError(
-            f"phase_function is {validation.shown(given)}; give a function of the phase angle in "
-            'rad without g, or "hg" with g.'
+            f"phase_function is {validation.shown(function)}; give a function of the phase angle "
+            'in rad without g, or "hg" with g.'
         )
-    return given
+    return function
 
 
 # ---- Light curves as CSV with named columns

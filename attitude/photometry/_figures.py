@@ -17,9 +17,15 @@ if TYPE_CHECKING:
 
 
 _DAY = 86400.0
-_DATA, _MODEL, _OTHER, _ALIAS = "#0072b2", "#d55e00", "0.6", "#cc79a7"
-# Peaks that are named, and curves that have colours of their own.
-_NAMED, _COLOURS = 5, 10
+# Colours of data, of models, of what stands beside them, and of aliases.
+_DATA = "#0072b2"
+_MODEL = "#d55e00"
+_OTHER = "0.6"
+_ALIAS = "#cc79a7"
+# Peaks that are named.
+_NAMED = 5
+# Curves that have colours of their own.
+_COLOURS = 10
 
 
 def of_light_curve(data: LightCurve, path: FilePath | None = None) -> Any:
@@ -43,20 +49,24 @@ def of_light_curve(data: LightCurve, path: FilePath | None = None) -> Any:
     return _saved(figure, path)
 
 
-def of_periods(found: Periods, path: FilePath | None = None) -> Any:
+def of_periods(periods: Periods, path: FilePath | None = None) -> Any:
     """The figure of one period, or of two."""
-    return (_of_one if found.count == 1 else _of_two)(found, path)
+    return (_of_one if periods.count == 1 else _of_two)(periods, path)
 
 
-def _of_one(found, path=None):
+def _of_one(periods, path=None):
     """Power with its peaks, the spectral window, and the curve folded with the best period."""
     figure = plots.new_figure((9.0, 8.0))
     above, below = figure.subfigures(2, 1, height_ratios=(3, 2))
     axes = above.subplots()
-    frequency, power = plots.extremes(np.asarray(found.frequency) * _DAY, np.asarray(found.power))
+    frequency, power = plots.extremes(
+        np.asarray(periods.frequency) * _DAY, np.asarray(periods.power)
+    )
     axes.plot(frequency, power, color=_DATA, lw=0.7)
-    axes.axhline(1.0 - found.false_alarm, color=_OTHER, ls="--", lw=0.8, label="1 of 100 by chance")
-    for rank, peak in enumerate(found.peaks[:_NAMED], 1):
+    axes.axhline(
+        1.0 - periods.false_alarm, color=_OTHER, ls="--", lw=0.8, label="1 of 100 by chance"
+    )
+    for rank, peak in enumerate(periods.peaks[:_NAMED], 1):
         colour = _ALIAS if peak.relation.startswith("alias") else _MODEL
         at = _DAY / peak.period
         axes.plot(at, peak.power, "v", color=colour, ms=6)
@@ -65,13 +75,13 @@ def _of_one(found, path=None):
             label += f", {peak.relation}"
         axes.plot([], [], "v", color=colour, label=label)
     axes.set_xlim(frequency[0], frequency[-1])
-    axes.set_ylim(0.0, min(1.0, 1.1 * max(power.max(), 1.0 - found.false_alarm)))
-    name = "1 - theta" if found.method == "pdm" else f"share of variance, order {found.order}"
+    axes.set_ylim(0.0, min(1.0, 1.1 * max(power.max(), 1.0 - periods.false_alarm)))
+    name = "1 - theta" if periods.method == "pdm" else f"share of variance, order {periods.order}"
     axes.set(xlabel="frequency, 1/d", ylabel=name)
     axes.legend(fontsize=9, loc="upper right")
     left, right = below.subplots(1, 2)
-    _window(left, found)
-    _folded(right, found.fold(), 0)
+    _window(left, periods)
+    _folded(right, periods.fold(), 0)
     return _saved(figure, path)
 
 
@@ -93,24 +103,24 @@ def of_folded(folded: Folded, path: FilePath | None = None) -> Any:
     return _saved(figure, path)
 
 
-def _of_two(found: Periods, path: FilePath | None = None) -> Any:
+def _of_two(periods: Periods, path: FilePath | None = None) -> Any:
     """Chi-squared over both frequencies, the lines of the best pair, and both folded curves."""
     figure = plots.new_figure((9.0, 8.5))
     axes = figure.subplots(2, 2)
     plane, spectrum = axes[0]
-    assert found.edges is not None and found.map is not None
-    edges = [frequencies * _DAY for frequencies in found.edges]
-    shown = plane.pcolormesh(edges[0], edges[1], found.map.T, cmap="viridis", rasterized=True)
+    assert periods.edges is not None and periods.map is not None
+    edges = [frequencies * _DAY for frequencies in periods.edges]
+    shown = plane.pcolormesh(edges[0], edges[1], periods.map.T, cmap="viridis", rasterized=True)
     figure.colorbar(shown, ax=plane, label="share of chi-squared left")
-    for rank, pair in enumerate(found.peaks[:_NAMED], 1):
+    for rank, pair in enumerate(periods.peaks[:_NAMED], 1):
         colour = _MODEL if not pair.relation else _ALIAS
         plane.plot(pair.first * _DAY, pair.second * _DAY, "o", mfc="none", color=colour, ms=9)
         plane.annotate(f"  {rank}", (pair.first * _DAY, pair.second * _DAY), color=colour)
     plane.set(xlabel="first frequency, 1/d", ylabel="second frequency, 1/d")
-    best = found.peaks[0]
+    best = periods.peaks[0]
     first, second = (quantity_text.of_time(period) for period in best.periods)
     plane.set_title(f"#1: {first} and {second}, {best.left:.3f} left", fontsize=9)
-    lines = found.lines()
+    lines = periods.lines()
     for line, amplitude in lines:
         x = line.frequency * _DAY
         spectrum.plot([x, x], [0.0, amplitude], color=_DATA)
@@ -119,16 +129,16 @@ def _of_two(found: Periods, path: FilePath | None = None) -> Any:
     spectrum.set_ylim(0.0, None)
     spectrum.set(xlabel="frequency of the line i f2 + j f1, 1/d", ylabel="amplitude")
     spectrum.set_title("lines (i, j)", fontsize=9)
-    folded = found.fold()
+    folded = periods.fold()
     for k in range(2):
         _folded(axes[1, k], folded, k)
     return _saved(figure, path)
 
 
-def _window(axes: Any, found: Periods) -> None:
-    assert found.window is not None
-    axes.plot(found.window.frequency * _DAY, found.window.power, color=_OTHER, lw=0.7)
-    for line in found.window.lines:
+def _window(axes: Any, periods: Periods) -> None:
+    assert periods.window is not None
+    axes.plot(periods.window.frequency * _DAY, periods.window.power, color=_OTHER, lw=0.7)
+    for line in periods.window.lines:
         axes.annotate(
             f"{line.frequency * _DAY:.4g}", (line.frequency * _DAY, line.power), fontsize=9
         )

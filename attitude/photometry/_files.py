@@ -31,7 +31,7 @@ import os
 import re
 import warnings
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
 
@@ -110,7 +110,7 @@ def _of_rows(rows, name, *, scale=None, offset=0.0, is_flux=False, bad=None):
     times, good, faults = _times([rows[k] for k in kept], scale, offset)
     left_out += faults
     kept, numbers = [kept[k] for k in good], [numbers[k] for k in good]
-    left_out.sort(key=lambda each: each.line)
+    left_out.sort(key=lambda row: row.line)
     if not kept:
         raise AttitudeError(
             f"{name}: no row can be used"
@@ -445,11 +445,11 @@ def _mpc_row(number: int, line: str) -> RawPoint:
     return RawPoint(number, date, line[65:70].strip(), "", line[70].strip(), line[77:80].strip())
 
 
-def of_damit(path: FilePath) -> Keywords:
+def of_damit(text: str, name: str) -> Keywords:
     """Keywords of `LightCurve` from DAMIT light curves: sessions at unit distances."""
     from astropy.time import Time
 
-    curves = read_damit_light_curves(path)
+    curves = read_damit_light_curves(name)
 
     def joined(key: str) -> FloatArray:
         return np.concatenate([getattr(curve, key) for curve in curves])
@@ -688,9 +688,6 @@ def _of_sky(times, ra, dec, delta):
 
 # Characters that no text in Latin-1 has.
 _CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f\x7f-\x9f]")
-# Formats whose columns are fixed, by their readers; and all.
-_READERS = {"alcdef": of_alcdef, "ades-psv": of_ades_text, "ades-xml": of_ades_xml, "mpc": of_mpc}
-FORMATS: tuple[str, ...] = ("csv", "ecsv", *_READERS, "damit")
 
 
 def opened(
@@ -705,17 +702,18 @@ def opened(
     name = os.fspath(path)
     validation.one_of(bad, "bad", ("warn", "refuse", "ignore"))
     text, notes = _decoded(name, encoding)
-    kind = _kind(text) if format is None else validation.one_of(format, "format", FORMATS)
-    if columns and kind not in ("csv", "ecsv"):
-        raise AttitudeError(f"columns is given, but {name} is {kind}, whose columns are fixed.")
-    if kind == "csv":
-        keywords = of_text(text, name, columns)
-    elif kind == "ecsv":
-        keywords = _of_table(*_of_ecsv(text, name), name, columns)
-    elif kind == "damit":
-        keywords = of_damit(path)
+    if format is None:
+        reader = _recognized(text)
     else:
-        keywords = _READERS[kind](text, name)
+        reader = _BY_NAME[validation.one_of(format, "format", FORMATS)]
+    if not columns:
+        keywords = reader.read(text, name)
+    elif reader.has_names:
+        keywords = reader.read(text, name, columns)
+    else:
+        raise AttitudeError(
+            f"columns is given, but {name} is {reader.name}, whose columns are fixed."
+        )
     keywords["notes"] += notes
     keywords["name"] = keywords.get("name") or os.path.splitext(os.path.basename(name))[0]
     _report(name, keywords["bad"], bad)
@@ -741,39 +739,8 @@ def _decoded(name: str, encoding: str | None) -> tuple[str, list[str]]:
     return text, ["The file is not in UTF-8 and was read as Latin-1; encoding= says otherwise."]
 
 
-def _kind(text: str) -> str:
-    """The format of a text by its first lines."""
-    start = text.lstrip("\ufeff \t\r\n")
-    # Records of the MPC begin with blanks, which are columns.
-    rows = [row for row in text.lstrip("\ufeff\r\n").splitlines()[:200] if row.strip()]
-    if start.startswith("# %ECSV"):
-        return "ecsv"
-    if start.startswith("<"):
-        return "ades-xml"
-    if any(row.strip().upper() == "STARTMETADATA" for row in rows):
-        return "alcdef"
-    if start.lower().startswith("# version=") or any("obsTime" in r and "|" in r for r in rows):
-        return "ades-psv"
-    if sum(is_mpc(row) for row in rows) > len(rows) // 3 and rows:
-        return "mpc"
-    if _is_damit(rows):
-        return "damit"
-    return "csv"
-
-
-def _is_damit(rows: list[str]) -> bool:
-    """A number alone, then two whole numbers, then rows of eight."""
-    words = [row.split() for row in rows[:3]]
-    return (
-        [len(word) for word in words[:2]] == [1, 2]
-        and all(digits.isdigit() for word in words[:2] for digits in word)
-        and len(words) > 2
-        and len(words[2]) >= 8
-    )
-
-
-def _of_ecsv(text: str, name: str) -> tuple[dict[str, list[str]], list[int]]:
-    """Columns of text of an ECSV, in the units of `_of_table`, and the lines of its rows."""
+def of_ecsv(text: str, name: str, columns: Mapping[str, str] | None = None) -> Keywords:
+    """Keywords of `LightCurve` from an ECSV, whose columns have units."""
     from astropy.table import Table
     from astropy.time import Time
 
@@ -782,16 +749,16 @@ def _of_ecsv(text: str, name: str) -> tuple[dict[str, list[str]], list[int]]:
     except Exception as err:  # astropy raises exceptions of any type for broken files
         reason = " ".join(str(err).split())[:120] or type(err).__name__
         raise AttitudeError(f"{name}: it cannot be read as ECSV: {reason}.") from None
-    columns: dict[str, list[str]] = {}
+    texts: dict[str, list[str]] = {}
     for key in table.colnames:
         column = table[key]
         if isinstance(column, Time):
             fine = Time(column.tdb, precision=9, copy=True)
-            columns.setdefault("utc", [f"{date} TDB" for date in fine.isot])
+            texts.setdefault("utc", [f"{date} TDB" for date in fine.isot])
             continue
-        columns[key.lower()] = [_text(value) for value in _in_units(column)]
+        texts[key.lower()] = [_text(value) for value in _in_units(column)]
     before = sum(1 for line in text.splitlines() if line.startswith("#")) + 2
-    return columns, list(range(before, before + len(table)))
+    return _of_table(texts, range(before, before + len(table)), name, columns)
 
 
 def _in_units(column: Any) -> Any:
@@ -807,3 +774,82 @@ def _in_units(column: Any) -> Any:
 
 def _text(value: Any) -> str:
     return "" if np.ma.is_masked(value) else str(getattr(value, "value", value))
+
+
+# ---- The readers: a row of `READERS` for each format
+
+
+class Head(NamedTuple):
+    """The beginning of a text: from its first letter on, and its first rows that are not empty."""
+
+    start: str
+    rows: list[str]
+
+
+class Reader(NamedTuple):
+    """A format of photometry.
+
+    recognizes: whether a file begins so; the first of `READERS` that says yes reads it.
+    read: ``read(text, name)``, with `columns` as a third argument where columns have names, returns
+        keywords of `LightCurve`; name is that of the file.
+    """
+
+    name: str
+    recognizes: Callable[[Head], bool]
+    read: Callable[..., Keywords]
+    has_names: bool = False
+
+
+def _is_ecsv(head: Head) -> bool:
+    return head.start.startswith("# %ECSV")
+
+
+def _is_xml(head: Head) -> bool:
+    return head.start.startswith("<")
+
+
+def _is_alcdef(head: Head) -> bool:
+    return any(row.strip().upper() == "STARTMETADATA" for row in head.rows) and not _is_xml(head)
+
+
+def _is_ades_text(head: Head) -> bool:
+    has_version = head.start.lower().startswith("# version=")
+    has_names = any("obsTime" in row and "|" in row for row in head.rows)
+    return (has_version or has_names) and not _is_xml(head)
+
+
+def _is_mpc(head: Head) -> bool:
+    return sum(is_mpc(row) for row in head.rows) > len(head.rows) // 3
+
+
+def _is_damit(head: Head) -> bool:
+    """A number alone, then two whole numbers, then rows of eight."""
+    words = [row.split() for row in head.rows[:3]]
+    return (
+        [len(word) for word in words[:2]] == [1, 2]
+        and all(digits.isdigit() for word in words[:2] for digits in word)
+        and len(words) > 2
+        and len(words[2]) >= 8
+    )
+
+
+# What no other reader recognizes is a table, which sentences name first.
+_TABLE = Reader("csv", lambda head: True, of_text, has_names=True)
+READERS: tuple[Reader, ...] = (
+    Reader("ecsv", _is_ecsv, of_ecsv, has_names=True),
+    Reader("alcdef", _is_alcdef, of_alcdef),
+    Reader("ades-psv", _is_ades_text, of_ades_text),
+    Reader("ades-xml", _is_xml, of_ades_xml),
+    Reader("mpc", _is_mpc, of_mpc),
+    Reader("damit", _is_damit, of_damit),
+)
+_BY_NAME = {reader.name: reader for reader in (_TABLE, *READERS)}
+FORMATS: tuple[str, ...] = tuple(_BY_NAME)
+
+
+def _recognized(text: str) -> Reader:
+    """The reader of a text, by its first lines."""
+    # Records of the MPC begin with blanks, which are columns.
+    lines = text.lstrip("\ufeff\r\n").splitlines()[:200]
+    head = Head(text.lstrip("\ufeff \t\r\n"), [line for line in lines if line.strip()])
+    return next((reader for reader in READERS if reader.recognizes(head)), _TABLE)

@@ -86,16 +86,16 @@ def ranked(
     candidates: list[PeriodCandidate] = []
     for rank, left, frequencies in series:
         candidates += _of_series(rank, left, frequencies, resolution)
-    candidates.sort(key=lambda each: (-each.score, each.mode != "LAM"))
+    candidates.sort(key=lambda candidate: (-candidate.score, candidate.mode != "LAM"))
     most = count if count > 0 else math.inf
-    return distinct(candidates, partial(_same, near=resolution), most)
+    return distinct(candidates, partial(_same, tolerance=resolution), most)
 
 
-def _same(one: PeriodCandidate, other: PeriodCandidate, near: float) -> bool:
+def _same(one: PeriodCandidate, other: PeriodCandidate, tolerance: float) -> bool:
     return (
         one.mode == other.mode
-        and abs(1.0 / one.P_psi - 1.0 / other.P_psi) < near
-        and abs(1.0 / one.P_phi - 1.0 / other.P_phi) < near
+        and abs(1.0 / one.P_psi - 1.0 / other.P_psi) < tolerance
+        and abs(1.0 / one.P_phi - 1.0 / other.P_phi) < tolerance
     )
 
 
@@ -189,10 +189,14 @@ _COMBINATIONS = sorted(
 )
 
 
-def same_lattice(f: FloatArray, base: FloatArray, near: float) -> str:
+def same_lattice(f: FloatArray, base: FloatArray, tolerance: float) -> str:
     """Both frequencies as sums of small whole or half numbers of two others, in words, or ""."""
     choices = [
-        [(a, b) for a, b in _COMBINATIONS if abs(0.5 * (a * base[0] + b * base[1]) - wanted) < near]
+        [
+            (a, b)
+            for a, b in _COMBINATIONS
+            if abs(0.5 * (a * base[0] + b * base[1]) - wanted) < tolerance
+        ]
         for wanted in f
     ]
     for one in choices[0]:

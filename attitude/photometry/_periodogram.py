@@ -21,8 +21,10 @@ if TYPE_CHECKING:
     from attitude.photometry._samples import Samples
 
 
-# Grid frequencies per 1/span, and power from which a line of the window makes aliases.
-_WINDOW_OVERSAMPLING, _STRONG = 4.0, 0.15
+# Grid frequencies of the window per 1/span.
+_WINDOW_OVERSAMPLING = 4.0
+# Power from which a line of the window makes aliases.
+_STRONG = 0.15
 # Power from which a line of the window makes aliases of harmonics too.
 _DOMINANT = 0.5
 # Lines of a window that are kept, multiples of them, ratios of harmonics.
@@ -68,28 +70,29 @@ def spectral_window(samples: Samples, most: float) -> Window:
 
 
 def relation(
-    frequency: float, better: Sequence[float], lines: Sequence[WindowLine], near: float
+    frequency: float, better: Sequence[float], lines: Sequence[WindowLine], tolerance: float
 ) -> str:
     """How a frequency follows from a better one: "alias of #1 (1 /d)", "2/1 of #1", or ""."""
     for rank, other in enumerate(better, 1):
         for a, b in _RATIOS:
-            if abs(frequency - other * a / b) < near:
+            if abs(frequency - other * a / b) < tolerance:
                 return f"{a}/{b} of #{rank}" if b > 1 else f"{a} x #{rank}"
     for rank, other in enumerate(better, 1):
         for line in lines:
             for many in _MULTIPLES:
                 for ratio in (1.0, 0.5, 2.0) if line.power > _DOMINANT else (1.0,):
                     expected = abs(other * ratio + many * line.frequency)
-                    if abs(frequency - expected) < near:
+                    if abs(frequency - expected) < tolerance:
                         share = {1.0: "", 0.5: "half of ", 2.0: "twice "}[ratio]
-                        return f"alias of {share}#{rank} ({_spelled(many * line.frequency, near)})"
+                        shift = _spelled(many * line.frequency, tolerance)
+                        return f"alias of {share}#{rank} ({shift})"
     return ""
 
 
-def _spelled(shift: float, near: float) -> str:
+def _spelled(shift: float, tolerance: float) -> str:
     sign = "+" if shift > 0.0 else "-"
     for size, name in _NAMES:
-        if abs(abs(shift) - size) < near:
+        if abs(abs(shift) - size) < tolerance:
             return f"{sign}{name}"
     return f"{sign}{abs(shift) * 86400.0:.4g} /d"
 
@@ -142,15 +145,18 @@ def dispersions(t, y, weights, frequencies, bins, covers, out):
 # ---- The scan over one frequency, by Fourier series of any order or by phase dispersion
 
 _DAY = 86400.0
-# Grid frequencies per 1/(order span), and frequencies at most.
-_OVERSAMPLING, _MOST = 5.0, 5_000_000
-# Shortest period by default, in median distances of successive epochs of a night; permutations.
+# Grid frequencies per 1/(order span).
+_OVERSAMPLING = 5.0
+# Frequencies at most.
+_MOST = 5_000_000
+# Shortest period by default, in median distances of successive epochs of a night.
 _NYQUIST = 2.0
 _PERMUTATIONS = 12
-# Frequencies of one call of nifty-ls, and products of points and frequencies of one of phase
-# dispersion, some 0.05 s: Python acts on signals, such as that of Ctrl-C, between two calls.  More
-# frequencies also take longer each, beyond the caches.
-_FREQUENCIES, _POINTS = 1 << 15, 5_000_000
+# Frequencies of one call of nifty-ls, some 0.05 s: Python acts on signals, such as that of Ctrl-C,
+# between two calls.  More frequencies also take longer each, beyond the caches.
+_FREQUENCIES = 1 << 15
+# Products of points and frequencies of one call of phase dispersion, as long.
+_POINTS = 5_000_000
 
 
 class Scan(NamedTuple):
@@ -290,10 +296,10 @@ def refined(data: Samples, frequency: float, order: int) -> _spectrum.RefinedSer
 
 
 def best_peaks(
-    data: Samples, found: Scan, order: int, count: int
+    data: Samples, scanned: Scan, order: int, count: int
 ) -> list[tuple[float, float, float, str]]:
     """Frequency, error, share of chi-squared left and relation of the best refined peaks."""
-    frequency, power = found.frequency, found.power
+    frequency, power = scanned.frequency, scanned.power
     closest = 0.7 / (data.span * order)
     rows: list[tuple[float, float, float]] = []
     total = float(np.sum((data.weights * data.detrended) ** 2))
@@ -312,6 +318,6 @@ def best_peaks(
     rows.sort(key=lambda row: row[2])
     frequencies = [row[0] for row in rows]
     return [
-        (*row, relation(row[0], frequencies[:k], found.window.lines, 1 / data.span))
+        (*row, relation(row[0], frequencies[:k], scanned.window.lines, 1 / data.span))
         for k, row in enumerate(rows[:count])
     ]

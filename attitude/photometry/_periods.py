@@ -35,12 +35,18 @@ if TYPE_CHECKING:
 
 # Pairs of frequencies that are turned into candidates.
 _CANDIDATES = 4
-# Grid numbers of the lowest frequency, and pairs at most.
-_LEAST, _MOST_PAIRS = 2, 400_000_000
+# Grid number of the lowest frequency.
+_LEAST = 2
+# Pairs that are compared at most.
+_MOST_PAIRS = 400_000_000
 # Standard deviation of a point of the scan, in that of all values; the ridge is one of these.
 _NOISE = 0.05
-# Peaks of the scan that are refined, steps for all of them, and for the best.
-_PEAKS, _FIRST_STEPS, _STEPS = 120, 3, 10
+# Peaks of the scan that are refined.
+_PEAKS = 120
+# Steps for all of them.
+_FIRST_STEPS = 3
+# Steps for the best.
+_STEPS = 10
 # Turns in the span below which a strong line is a drift of the zero point.
 _SLOW = 4.0
 # Shortest period by default, in spans: 4000 frequencies, 8e6 pairs.
@@ -382,14 +388,14 @@ def periods(
     if count == 1 and not (first is None and second is None):
         raise AttitudeError("first and second are bounds of two periods; give count=2.")
 
-    def found(own: Samples) -> Periods:
+    def searched(samples: Samples) -> Periods:
         if count == 1:
             bounds = min_period, max_period
-            return _one(own, bounds, number, method, bins, engine, kept, seed)
-        pairs = _bounds(own, min_period, max_period, first, second, number)
-        return _two(own, *pairs, number, is_additive, kept, seed, progress)
+            return _one(samples, bounds, number, method, bins, engine, kept, seed)
+        low, high = _bounds(samples, min_period, max_period, first, second, number)
+        return _two(samples, low, high, number, is_additive, kept, seed, progress)
 
-    return _samples.settled(data, found, _significant)
+    return _samples.settled(data, searched, _significant)
 
 
 def periodogram(
@@ -416,14 +422,14 @@ def two_periods(
     return periods(t, values, errors, count=2, keep=count, **given)
 
 
-def _significant(found: Periods) -> _spectrum.RefinedSeries | None:
+def _significant(result: Periods) -> _spectrum.RefinedSeries | None:
     """The series of the best peak; None if chance leaves as little."""
-    left = found[0].left if found.power is None else 1.0 - float(found.power.max())
-    if left > found.false_alarm:
+    left = result[0].left if result.power is None else 1.0 - float(result.power.max())
+    if left > result.false_alarm:
         return None
-    if found.count == 1:
-        return _periodogram.refined(found.samples, found[0].first, found.order)
-    return found._series(0)
+    if result.count == 1:
+        return _periodogram.refined(result.samples, result[0].first, result.order)
+    return result._series(0)
 
 
 def _one(data, bounds, order, method, bins, engine, kept, seed):
@@ -529,7 +535,7 @@ def _refined(data, scan, numbers, count, bounds):
         _spectrum.refined(data, np.array(pair) / size, numbers, steps=_FIRST_STEPS)
         for pair in zip(scan.first, scan.second, strict=True)
     ]
-    rough.sort(key=lambda each: each.chi_squared)
+    rough.sort(key=lambda series: series.chi_squared)
     rows = []
     for peak in rough[: 2 * count]:
         best = _spectrum.refined(data, peak.frequencies, numbers, steps=_STEPS)
@@ -562,15 +568,15 @@ def _slow_line(series: _spectrum.RefinedSeries, span: float) -> str:
     return f"drift: the line {line} turns {turns[k]:.1f} times in the span"
 
 
-def _relation(f: FloatArray, better: Sequence[Peak], near: float) -> str:
+def _relation(f: FloatArray, better: Sequence[Peak], tolerance: float) -> str:
     for rank, pair in enumerate(better, 1):
-        words = _lattices.same_lattice(f, np.array(pair.frequencies), near)
+        words = _lattices.same_lattice(f, np.array(pair.frequencies), tolerance)
         if words:
             return f"same lines as #{rank}: {words}"
     for rank, pair in enumerate(better, 1):
         shifts = [sign / day for day in _DAYS for sign in (-1, 1)]
         aliases = [(pair.first, pair.second + shift) for shift in shifts]
         aliases += [(pair.first + shift, pair.second) for shift in shifts]
-        if any(np.all(np.abs(np.sort(np.abs(both)) - f) < 2.0 * near) for both in aliases):
+        if any(np.all(np.abs(np.sort(np.abs(both)) - f) < 2.0 * tolerance) for both in aliases):
             return f"alias of #{rank} (1 /d)"
     return ""

@@ -31,11 +31,15 @@ Found = TypeVar("Found")
 
 # Least error in a search of periods, in standard deviations of the values.
 _FLOOR = 0.05
-# Turns in a span, and spans in a period, from which plain numbers of seconds are doubted.
-_TURNS, _SPANS = 3e5, 10.0
+# Turns in a span from which plain numbers of seconds are doubted.
+_TURNS = 3e5
+# Spans in a period from which they are.
+_SPANS = 10.0
 _UNIT = re.compile(r"[A-Za-df-z]")
-# Change of the phase angle, rad, from which its terms are fitted; width of the opposition surge.
-_SWEEP, _SURGE = np.radians(2.0), np.radians(5.0)
+# Change of the phase angle, rad, from which its terms are fitted.
+_SWEEP = np.radians(2.0)
+# Width of the opposition surge, rad.
+_SURGE = np.radians(5.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,21 +100,21 @@ class Samples:
         return self.values - mean[self.curve]
 
 
-def is_plain(given: Any) -> bool:
+def is_plain(values: Any) -> bool:
     """Whether numbers, or their text, have no unit."""
-    if given is None or hasattr(given, "unit"):
+    if values is None or hasattr(values, "unit"):
         return False
-    items = [given] if isinstance(given, str) or np.ndim(given) == 0 else list(given)
+    items = [values] if isinstance(values, str) or np.ndim(values) == 0 else list(values)
     return not any(
         hasattr(one, "unit") or (isinstance(one, str) and _UNIT.search(one)) for one in items
     )
 
 
-def warn_of_plain(given: Any, name: str, t: FloatArray, unit: str = "s") -> None:
+def warn_of_plain(bounds: Any, name: str, t: FloatArray, unit: str = "s") -> None:
     """Warn of plain numbers, periods in s or frequencies in Hz, absurd for epochs t (N,), s."""
-    if not is_plain(given):
+    if not is_plain(bounds):
         return
-    numbers = validation.real(given, name, unit="1/s" if unit == "Hz" else unit)
+    numbers = validation.real(bounds, name, unit="1/s" if unit == "Hz" else unit)
     periods = 1.0 / numbers if unit == "Hz" else numbers
     t = np.sort(t)
     span, steps = float(t[-1] - t[0]), np.diff(t)
@@ -129,15 +133,15 @@ def warn_of_plain(given: Any, name: str, t: FloatArray, unit: str = "s") -> None
         )
 
 
-def tempered(found: Samples) -> Samples:
+def tempered(samples: Samples) -> Samples:
     """The samples with errors of at least a twentieth of the standard deviation of the values.
 
     Errors far below the scatter about any series would leave most points without weight.
     """
-    floor = _FLOOR * float(np.std(found.detrended))
-    if found.errors is None or not floor > 0.0:
-        return found
-    return replace(found, errors=np.hypot(found.errors, floor))
+    floor = _FLOOR * float(np.std(samples.detrended))
+    if samples.errors is None or not floor > 0.0:
+        return samples
+    return replace(samples, errors=np.hypot(samples.errors, floor))
 
 
 def settled(
@@ -153,8 +157,8 @@ def settled(
     if data.joined is None or data.joined.max() == data.curve.max():
         return find(alone)
 
-    def cost(found: Found) -> float:
-        series = fitted(found)
+    def cost(samples: Found) -> float:
+        series = fitted(samples)
         if series is None:
             return np.inf
         chi_squared = max(series.chi_squared, 1e-300)

@@ -182,8 +182,9 @@ def fit_series(
     angles = _angles(data.t, start, 1.0 / psi, 1.0 / phi, numbers)
     constants = data.curve[:, None] == np.arange(curves)
     matrix = np.concatenate([constants, np.cos(angles), np.sin(angles)], axis=1)
-    weighted = matrix * data.weights[:, None], data.values * data.weights
-    least, _, rank, _ = np.linalg.lstsq(*weighted, rcond=_RANK)
+    least, _, rank, _ = np.linalg.lstsq(
+        matrix * data.weights[:, None], data.values * data.weights, rcond=_RANK
+    )
     solution = np.asarray(least, dtype=np.float64)
     residuals = data.values - matrix @ solution
     if rank < unknowns:
@@ -196,19 +197,19 @@ def fit_series(
         )
     free = max(1, len(data.t) - int(rank))
     return SeriesFit(
-        1.0 / psi,
-        1.0 / phi,
-        orders,
-        frozen(solution[:curves]),
-        frozen(solution[curves : curves + count]),
-        frozen(solution[curves + count :]),
-        frozen(numbers),
-        start,
-        frozen(residuals),
-        float(np.sqrt(np.sum((residuals * data.weights) ** 2) / free)),
-        int(rank),
-        unknowns,
-        data.epoch,
+        P_psi=1.0 / psi,
+        P_phi=1.0 / phi,
+        order=orders,
+        offsets=frozen(solution[:curves]),
+        cosines=frozen(solution[curves : curves + count]),
+        sines=frozen(solution[curves + count :]),
+        numbers=frozen(numbers),
+        start=start,
+        residuals=frozen(residuals),
+        rms=float(np.sqrt(np.sum((residuals * data.weights) ** 2) / free)),
+        rank=int(rank),
+        parameters=unknowns,
+        epoch=data.epoch,
     )
 
 

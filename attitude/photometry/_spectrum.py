@@ -28,7 +28,11 @@ if TYPE_CHECKING:
     from attitude.photometry._samples import Samples
 
 
-_WIDTH, _OVER = 12, 2.0
+# Points of the grid over which an epoch is spread.
+_WIDTH = 12
+# Points of the grid over those that the highest frequency needs.
+_OVER = 2.0
+# b of the kernel, for this width and grid.
 _SHAPE = 2.30 * _WIDTH
 
 
@@ -96,10 +100,7 @@ def series_numbers(order: int, count: int) -> IntArray:
 
 
 def decreases(
-    wr: FloatArray,
-    wi: FloatArray,
-    yr: FloatArray,
-    yi: FloatArray,
+    transforms: Tables,
     first: IntArray,
     second: IntArray,
     lines: IntArray,
@@ -108,8 +109,9 @@ def decreases(
 ) -> None:
     """Decrease of chi-squared by the series of each pair of grid numbers, into out (P,).
 
-    wr to yi: the tables; ridge: inverse variance of the amplitudes before the fit.
+    ridge: inverse variance of the amplitudes before the fit.
     """
+    wr, wi, yr, yi, _ = transforms
     unknown = 2 * len(lines) - 1
     size = _SIDE * max(1, int(_PRODUCTS / (_SIDE * unknown**3 / 6.0)))
 
@@ -202,9 +204,12 @@ def _solve(g, b):
 # fit.
 OVERSAMPLING: float = 3.0
 RIDGE: float = 1.0
-# Pairs fitted at most, pairs of a block, and pairs of a block that are kept.
+# Pairs fitted at most.
 MOST: int = 8_000_000
-_BLOCK, _KEPT = 1 << 19, 20_000
+# Pairs of a block.
+_BLOCK = 1 << 19
+# Pairs of a block that are kept.
+_KEPT = 20_000
 # Cells of a map of chi-squared along each axis.
 _CELLS = 240
 # Grid numbers by which the frequencies of a pair differ at least.
@@ -245,7 +250,7 @@ def tables(t: FloatArray, weights: FloatArray, y: FloatArray, spacing: float, co
 
 
 def best(
-    made: Tables,
+    transforms: Tables,
     first: tuple[int, int],
     second: tuple[int, int],
     lines: IntArray,
@@ -259,7 +264,7 @@ def best(
     At most `fitted` pairs are fitted, by default `MOST`.
     """
     blocks, tried = _blocks(first, second)
-    least = _threshold(made, blocks, lines, (MOST if fitted is None else fitted) / tried)
+    least = _threshold(transforms, blocks, lines, (MOST if fitted is None else fitted) / tried)
     edges = tuple(
         np.linspace(a, b, min(_CELLS, b - a) + 1).astype(float) for a, b in (first, second)
     )
@@ -270,11 +275,11 @@ def best(
         a, b = _pairs(rows, second)
         done += a.size
         if least > -np.inf:
-            chosen = _powers(made, a, b, lines) >= least
+            chosen = _powers(transforms, a, b, lines) >= least
             a, b = a[chosen], b[chosen]
         gain = np.empty(a.size)
         if a.size:
-            decreases(*made[:4], a, b, lines, ridge, gain)
+            decreases(transforms, a, b, lines, ridge, gain)
             _enter(cells, edges, a, b, gain)
             top = np.sort(np.argsort(-gain, kind="stable")[:_KEPT])
             kept.append((a[top], b[top], gain[top]))
@@ -282,9 +287,13 @@ def best(
             progress(done, tried)
     a, b, gain = (np.concatenate(column) for column in zip(*kept, strict=True))
     chosen = _peaks(a, b, gain, keep)
-    shares = np.where(np.isfinite(cells), 1.0 - cells / made.total, np.nan)
     return BestPairs(
-        a[chosen], b[chosen], 1.0 - gain[chosen] / made.total, shares, (edges[0], edges[1]), tried
+        first=a[chosen],
+        second=b[chosen],
+        left=1.0 - gain[chosen] / transforms.total,
+        map=np.where(np.isfinite(cells), 1.0 - cells / transforms.total, np.nan),
+        edges=(edges[0], edges[1]),
+        tried=tried,
     )
 
 
@@ -305,16 +314,16 @@ def _pairs(rows: IntArray, second: tuple[int, int]) -> tuple[IntArray, IntArray]
     return a, np.arange(a.size) + np.repeat(starts - (np.cumsum(widths) - widths), widths)
 
 
-def _powers(made: Tables, a: IntArray, b: IntArray, lines: IntArray) -> FloatArray:
+def _powers(transforms: Tables, a: IntArray, b: IntArray, lines: IntArray) -> FloatArray:
     """The sum of the powers of the lines of pairs."""
-    power = made.yr**2 + made.yi**2
+    power = transforms.yr**2 + transforms.yi**2
     powers = np.zeros(a.size)
     for i, j in lines[1:]:
         powers += power[np.abs(i * a + j * b)]
     return powers
 
 
-def _threshold(made: Tables, blocks: list[IntArray], lines: IntArray, share: float) -> float:
+def _threshold(transforms: Tables, blocks: list[IntArray], lines: IntArray, share: float) -> float:
     """The power from which a pair is fitted, so that about a share is; from a sample of pairs."""
     if share >= 1.0:
         return -np.inf
@@ -323,7 +332,7 @@ def _threshold(made: Tables, blocks: list[IntArray], lines: IntArray, share: flo
     low = int(blocks[0][0])
     both = np.sort(generator.integers(low, max(top, low + 2), (200_000, 2)), axis=1)
     both = both[both[:, 0] < both[:, 1]]
-    powers = _powers(made, both[:, 0], both[:, 1], lines)
+    powers = _powers(transforms, both[:, 0], both[:, 1], lines)
     return float(np.quantile(powers, 1.0 - share))
 
 
@@ -355,8 +364,10 @@ def _peaks(first, second, gain, keep):
 # matrix of the linear terms and of the derivatives by f gives the step, and at the minimum the
 # covariance of f.
 
-# Steps at most, and the part of the resolution 1/span below which a step is the last.
-_STEPS, _LAST = 25, 1e-7
+# Steps at most.
+_STEPS = 25
+# Part of the resolution 1/span below which a step is the last.
+_LAST = 1e-7
 # Eigenvalues of scaled normal equations below this part of the greatest belong to lines that the
 # span does not resolve.
 _RANK = 1e-11
@@ -416,43 +427,39 @@ def refined(
             "lower order."
         )
     start = float(0.5 * (samples.t.min() + samples.t.max()))
+    model = _Model(samples, numbers, start, samples.weights)
     f = np.array(frequencies, dtype=float)
-    weights = samples.weights
-    unit = 1.0 / max(samples.span, 1e-300)
-    matrix, solution, residuals = _solved(samples, f, numbers, start, weights)
-    chi = float(residuals @ residuals)
+    fit = model.fitted(f)
     for _ in range(steps):
-        joint = _joint(samples, numbers, start, matrix, solution, unit)
-        step = _least_squares(joint, residuals)[-dimensions:]
+        step = model.step(fit)
         step *= min(1.0, 0.3 / max(float(np.abs(step).max()), 1e-300))
         scale = 1.0
         while scale > 0.05:
-            tried = f + scale * step * unit
-            nearer = _solved(samples, tried, numbers, start, weights)
-            if nearer[2] @ nearer[2] <= chi:
+            tried = f + scale * step * model.unit
+            nearer = model.fitted(tried)
+            if nearer.chi_squared <= fit.chi_squared:
                 break
             scale *= 0.5
         else:
             break
-        f, (matrix, solution, residuals) = tried, nearer
-        chi = float(residuals @ residuals)
+        f, fit = tried, nearer
         if np.abs(scale * step).max() < _LAST:
             break
-    joint = _joint(samples, numbers, start, matrix, solution, unit)
+    joint = model.joint(fit)
     freedom = max(1, len(samples.t) - parameters)
     inverse = np.linalg.pinv(joint.T @ joint, hermitian=True)[-dimensions:, -dimensions:]
     first = samples.linear
     return RefinedSeries(
-        f,
-        inverse * unit**2 * chi / freedom,
-        numbers,
-        solution[: samples.curves],
-        solution[first : first + lines],
-        solution[first + lines :],
-        start,
-        residuals / weights,
-        chi,
-        parameters,
+        frequencies=f,
+        covariance=inverse * model.unit**2 * fit.chi_squared / freedom,
+        numbers=numbers,
+        offsets=fit.solution[: samples.curves],
+        cosines=fit.solution[first : first + lines],
+        sines=fit.solution[first + lines :],
+        start=start,
+        residuals=fit.residuals / samples.weights,
+        chi_squared=fit.chi_squared,
+        parameters=parameters,
     )
 
 
@@ -461,22 +468,19 @@ def fixed(samples: Samples, frequencies: FloatArray, numbers: IntArray) -> Refin
     return refined(samples, frequencies, numbers, steps=0)
 
 
-def bootstrap(samples: Samples, found: RefinedSeries, draws: int, seed: int) -> FloatArray:
+def bootstrap(samples: Samples, series: RefinedSeries, draws: int, seed: int) -> FloatArray:
     """Frequencies (draws, D) of the series through points drawn anew with replacement."""
     generator = validation.generator(seed)
     count = len(samples.t)
-    unit = 1.0 / max(samples.span, 1e-300)
-    dimensions = len(found.frequencies)
-    out = np.empty((draws, dimensions))
+    out = np.empty((draws, len(series.frequencies)))
     for draw in range(draws):
         often = np.bincount(generator.integers(0, count, count), minlength=count)
         weights = samples.weights * np.sqrt(often)
-        f = found.frequencies.copy()
+        model = _Model(samples, series.numbers, series.start, weights)
+        f = series.frequencies.copy()
         for _ in range(4):
-            matrix, solution, residuals = _solved(samples, f, found.numbers, found.start, weights)
-            joint = _joint(samples, found.numbers, found.start, matrix, solution, unit)
-            step = _least_squares(joint, residuals)[-dimensions:]
-            f = f + np.clip(step, -0.3, 0.3) * unit
+            step = model.step(model.fitted(f))
+            f = f + np.clip(step, -0.3, 0.3) * model.unit
         out[draw] = f
     return out
 
@@ -485,17 +489,6 @@ def _angles(t: FloatArray, start: float, frequencies: FloatArray, numbers: IntAr
     """Angles (N, K) of the lines, rad; turns are reduced before they are multiplied by 2 pi."""
     turns = np.multiply.outer(t - start, numbers @ frequencies)
     return 2.0 * np.pi * (turns - np.rint(turns))
-
-
-def _solved(samples, f, numbers, start, weights):
-    """Weighted matrix, coefficients and weighted residuals of the linear fit."""
-    angles = _angles(samples.t, start, f, numbers)
-    matrix = (
-        np.concatenate([samples.columns, np.cos(angles), np.sin(angles)], axis=1) * weights[:, None]
-    )
-    right = samples.values * weights
-    solution = _least_squares(matrix, right)
-    return matrix, solution, right - matrix @ solution
 
 
 def _least_squares(matrix, right):
@@ -511,21 +504,61 @@ def _least_squares(matrix, right):
     return solution / scale
 
 
-def _joint(samples, numbers, start, matrix, solution, unit):
-    """The matrix of all parameters: linear terms, and frequencies in units of 1/span."""
-    lines = len(numbers)
-    first = samples.linear
-    cosines, sines = solution[first : first + lines], solution[first + lines :]
-    # the weighted cosines and sines are columns of the matrix
-    rate = matrix[:, first : first + lines] * sines - matrix[:, first + lines :] * cosines
-    by_f = 2.0 * np.pi * unit * (samples.t - start)[:, None] * (rate @ numbers)
-    return np.concatenate([matrix, by_f], axis=1)
+class _LinearFit(NamedTuple):
+    """Weighted matrix, coefficients and weighted residuals of the linear fit."""
+
+    matrix: FloatArray
+    solution: FloatArray
+    residuals: FloatArray
+    chi_squared: float
+
+
+class _Model(NamedTuple):
+    """A series with lines numbers (K, D) about the epoch `start`, fitted with weights (N,)."""
+
+    samples: Samples
+    numbers: IntArray
+    start: float
+    weights: FloatArray
+
+    @property
+    def unit(self) -> float:
+        """The unit of steps in frequency, 1/span, Hz."""
+        return 1.0 / max(self.samples.span, 1e-300)
+
+    def fitted(self, f: FloatArray) -> _LinearFit:
+        """The linear fit at frequencies (D,)."""
+        angles = _angles(self.samples.t, self.start, f, self.numbers)
+        matrix = np.concatenate([self.samples.columns, np.cos(angles), np.sin(angles)], axis=1)
+        matrix = matrix * self.weights[:, None]
+        right = self.samples.values * self.weights
+        solution = _least_squares(matrix, right)
+        residuals = right - matrix @ solution
+        return _LinearFit(matrix, solution, residuals, float(residuals @ residuals))
+
+    def joint(self, fit: _LinearFit) -> FloatArray:
+        """The matrix of all parameters: linear terms, and frequencies in units of 1/span."""
+        first, lines = self.samples.linear, len(self.numbers)
+        middle = first + lines
+        cosines, sines = fit.solution[first:middle], fit.solution[middle:]
+        # the weighted cosines and sines are columns of the matrix
+        rate = fit.matrix[:, first:middle] * sines - fit.matrix[:, middle:] * cosines
+        elapsed = (self.samples.t - self.start)[:, None]
+        by_f = 2.0 * np.pi * self.unit * elapsed * (rate @ self.numbers)
+        return np.concatenate([fit.matrix, by_f], axis=1)
+
+    def step(self, fit: _LinearFit) -> FloatArray:
+        """The step of Gauss and Newton in the frequencies (D,), in units of 1/span."""
+        step: FloatArray = _least_squares(self.joint(fit), fit.residuals)
+        return step[-self.numbers.shape[1] :]
 
 
 # ---- What pairs of frequencies mean: chance among permuted values, and aliases of one cycle a day
 
-# Pairs that a permutation of the values is fitted with, and permutations.
-_PERMUTED, _TIMES = 20_000, 10
+# Pairs that a permutation of the values is fitted with.
+_PERMUTED = 20_000
+# Permutations.
+_TIMES = 10
 # Lines from which fewer pairs are fitted: those of two frequencies of order 3 are 25.
 _MANY = 20
 _EULER = 0.5772
@@ -557,8 +590,8 @@ def share_of_chance(
     best = []
     for _ in range(_TIMES):
         mixed = y[generator.permutation(len(y))]
-        sums_of = tables(t, weights, mixed, 1.0 / OVERSAMPLING, size)
+        transforms = tables(t, weights, mixed, 1.0 / OVERSAMPLING, size)
         gain = np.empty(tried)
-        decreases(*sums_of[:4], pair[0], pair[1], lines, RIDGE, gain)
-        best.append(float(gain.max() / sums_of.total))
+        decreases(transforms, pair[0], pair[1], lines, RIDGE, gain)
+        best.append(float(gain.max() / transforms.total))
     return max(0.0, 1.0 - by_chance(best, all_pairs / tried))

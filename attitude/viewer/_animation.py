@@ -30,7 +30,10 @@ _ENDINGS = ("webp", "gif", "mp4")
 _FACETS = 4000
 # Least brightness of a facet, where no light falls.
 _AMBIENT = 0.12
-_GROUND, _TEXT, _LINE = "#10131a", "#aab2c4", "#ffb454"
+# Colours of the picture.
+_GROUND = "#10131a"
+_TEXT = "#aab2c4"
+_LINE = "#ffb454"
 _SURFACE = np.array([0.78, 0.75, 0.70])
 _ROUND = np.array([0.6, 0.3, 0.74])  # towards a light without a Sun, beside the camera
 # Of a body without a shape of its own the half of each sign of x, so that a flip can be seen.

@@ -25,8 +25,12 @@ if TYPE_CHECKING:
     from attitude.shape._mesh import Mesh
 
 
-# Positions: seconds between them, the degree of Cesium's polynomials, and the most of them.
-_STEP, _DEGREE, _MOST = 60.0, 7, 20_000
+# Seconds between positions.
+_STEP = 60.0
+# Degree of Cesium's polynomials through them.
+_DEGREE = 7
+# Positions at most.
+_MOST = 20_000
 # Share of a tolerance that the turn of the Earth between two attitudes cannot exceed.
 _TOLERANCE = 0.8 * _subject.TOLERANCE
 

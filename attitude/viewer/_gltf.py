@@ -19,9 +19,13 @@ if TYPE_CHECKING:
     from attitude.shape._mesh import Mesh
 
 
-_FLOAT, _UINT = 5126, 5125
-_VERTICES, _INDICES = 34962, 34963
-_JSON, _BIN = 0x4E4F534A, 0x004E4942
+# Types of numbers, targets of buffers, and types of chunks, as glTF 2.0 numbers them.
+_FLOAT = 5126
+_UINT = 5125
+_VERTICES = 34962
+_INDICES = 34963
+_JSON = 0x4E4F534A
+_BIN = 0x004E4942
 # Most facets that are written.
 _MOST = 1_000_000
 # From ICRF, whose z is north, to the axes of glTF, whose y is up: x, y, z, w.
@@ -98,10 +102,10 @@ def write_glb(
         file.write(_file(text, buffer.bytes))
 
 
-def _keys(found: list[_subject.PosePiece], pace: float) -> tuple[Any, Any]:
+def _keys(pieces: list[_subject.PosePiece], pace: float) -> tuple[Any, Any]:
     """Times of the animation that increase as float32, and quaternions x, y, z, w."""
-    times = (np.concatenate([piece.times for piece in found]) / pace).astype(np.float32)
-    turns = np.concatenate([piece.wxyz[:, [1, 2, 3, 0]] for piece in found])
+    times = (np.concatenate([piece.times for piece in pieces]) / pace).astype(np.float32)
+    turns = np.concatenate([piece.wxyz[:, [1, 2, 3, 0]] for piece in pieces])
     kept = np.concatenate([[True], np.diff(np.maximum.accumulate(times)) > 0.0])
     return times[kept], turns[kept] / np.linalg.norm(turns[kept], axis=1)[:, None]
 

@@ -49,7 +49,7 @@ def page(data: dict[str, Any]) -> str:
         "data": toml.within_script(data),
         "script": script(),
     }
-    return re.sub(r"\{\{(\w+)\}\}", lambda found: parts[found.group(1)], _text("viewer.html"))
+    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match.group(1)], _text("viewer.html"))
 
 
 def script() -> str:
@@ -208,9 +208,9 @@ def _poinsot(subject):
     return drawn
 
 
-def seconds_a_second(subject: Subject, found: list[_subject.PosePiece]) -> float:
+def seconds_a_second(subject: Subject, pieces: list[_subject.PosePiece]) -> float:
     """Seconds of the motion that a second of a picture shows: a turn in some eight seconds."""
-    rates = [np.linalg.norm(piece.angular_velocity, axis=1).mean() for piece in found]
+    rates = [np.linalg.norm(piece.angular_velocity, axis=1).mean() for piece in pieces]
     fastest = float(np.max(rates))
     turns = fastest * subject.duration / (2.0 * np.pi)
     return subject.duration / max(8.0 * turns, 8.0)

@@ -127,10 +127,16 @@ def _error(subject: Subject, begin: float, length: float, count: int) -> float:
 
 # ---- Directions to Sun and observer and the light curve, at epochs close enough for lines between
 
-# Epochs of directions: at first, and at most.
-_FIRST, _MOST_DIRECTIONS = 33, 8193
-# Points of a light curve for each half turn, and their least and largest number.
-_HALF_TURN, _LEAST, _CURVE = 40.0, 240, 4000
+# Epochs of directions at first.
+_FIRST = 33
+# Epochs of directions at most.
+_MOST_DIRECTIONS = 8193
+# Points of a light curve for each half turn.
+_HALF_TURN = 40.0
+# Points of a light curve at least.
+_LEAST = 240
+# Points of a light curve at most.
+_CURVE = 4000
 # Facets times points, roughly, that are computed in some ten seconds.
 _WORK = 100_000_000
 # Points of a light curve computed between two reports.
@@ -188,8 +194,10 @@ def _points(subject: Subject) -> int:
 
 # ---- The shadow of other bodies
 
-# Epochs at which it is computed at first, and within each interval in which it changes.
-_SHADE, _FINER = 1025, 33
+# Epochs at which it is computed at first.
+_SHADE = 1025
+# Epochs within each interval in which it changes.
+_FINER = 33
 
 
 class Shade(NamedTuple):
@@ -234,8 +242,12 @@ def _of_body(name: str) -> str:
 
 # Longest over shortest semi-axis that is drawn: the moment of a rod's own axis is zero.
 _LONGEST = 8.0
-# Points of the polhode; of the herpolhode a turn of the faster phase, and at most.
-_POLHODE, _A_TURN, _MOST = 361, 48.0, 6000
+# Points of the polhode.
+_POLHODE = 361
+# Points of the herpolhode for a turn of the faster phase.
+_A_TURN = 48.0
+# Points of the herpolhode at most.
+_MOST = 6000
 
 
 def inertia_ellipsoid(body: Body | None) -> tuple[FloatArray, FloatArray] | None:
@@ -293,8 +305,10 @@ MOST_FACETS: int = 200_000
 COARSE: int = 10_000
 # Facets of an ellipsoid.
 _FACETS = 5120
-# rad, and the share of corners at which a smooth surface turns by less.
-_CREASE, _SMOOTH_SHARE = np.radians(20.0), 0.98
+# Turn at a corner, rad, from which it is a crease.
+_CREASE = np.radians(20.0)
+# Share of the corners of a smooth surface that turn by less.
+_SMOOTH_SHARE = 0.98
 # m, of a body without a known shape or inertia.
 _BOX = (1.0, 0.7, 0.45)
 
@@ -464,7 +478,7 @@ class Subject:
 
 
 def subject(
-    given: HasAttitudes | Scene,
+    motion_or_scene: HasAttitudes | Scene,
     start: EpochOrSeconds | None = None,
     stop: EpochOrSeconds | None = None,
     *,
@@ -481,8 +495,10 @@ def subject(
             f"shape is {type(shape).__name__}; give an Ellipsoid or Mesh of attitude.shape, such "
             "as shape.read(file)."
         )
-    scene = given if isinstance(given, Scene) else None
-    motion = given.motion if isinstance(given, Scene) else motion_of(given)
+    scene = motion_or_scene if isinstance(motion_or_scene, Scene) else None
+    motion = (
+        motion_or_scene.motion if isinstance(motion_or_scene, Scene) else motion_of(motion_or_scene)
+    )
     if motion is None:
         raise AttitudeError("the scene has no motion; give Scene(motion, ...) to show one.")
     first, last = _span(motion, start, stop)

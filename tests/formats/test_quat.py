@@ -5,10 +5,12 @@ import re
 import numpy as np
 import pytest
 
+import attitude
 from attitude import AttitudeError, Body, FreeRotation, Spin, cli
 from attitude.cli import convert
 from attitude.formats import _format, detect, quat, spin_file
 from attitude.frames import quaternion
+from benchmarks import doc_tables, file_formats
 from tests.support.places import ROOT
 
 MOTION = FreeRotation(
@@ -124,25 +126,22 @@ def test_one_segment_only(tmp_path):
 # The registry -------------------------------------------------------------------------------------
 
 
-def test_the_table_of_the_docs_is_that_of_the_registry():
-    """Each module with its endings, and no other."""
+def test_the_tables_of_the_docs_are_those_of_the_registry():
+    """Names and endings as they are registered; conventions of each module, and of no other."""
     page = (ROOT / "docs" / "formats.md").read_text("utf-8")
-    table = page[page.index("| format | read | written |") :].split("\n\n")[0]
-    documented = {}
-    for row in table.splitlines()[2:]:
-        first = row.split("|")[1]
-        (module,) = re.findall(r"\(`(\w+)`", first)
-        documented.setdefault(module, set()).update(re.findall(r"`(\.[\w.]+)`", first))
-    registered = {}
-    for each in _format.formats().values():
-        registered.setdefault(each.module.rpartition(".")[2], set()).update(each.endings)
-    assert documented == registered
+    (table,) = file_formats.tables(quick=True)
+    assert doc_tables.replaced(page, {table.name: table.text}) == page
+    conventions = page[page.index("| format | read | written |") :].split("\n\n")[0]
+    firsts = [row.split("|")[1] for row in conventions.splitlines()[2:]]
+    documented = {re.search(r"\(`(\w+)`", first).group(1) for first in firsts}
+    assert documented == set(_format.MODULES)
 
 
 def test_every_file_that_registers_is_named():
     folder = ROOT / "attitude" / "formats"
     files = {file.stem for file in folder.glob("*.py") if "\nregister" in file.read_text("utf-8")}
     assert files == set(_format.MODULES)
+    assert {f"attitude.formats.{name}" for name in files} <= set(attitude.PUBLIC_MODULES)
 
 
 def test_options_that_writers_take_exist_once():

@@ -224,11 +224,10 @@ def test_pairs_against_the_normal_equations(order):
     generator = np.random.default_rng(4)
     t, w = np.sort(generator.uniform(-0.5, 0.5, 80)), generator.uniform(50.0, 200.0, 80)
     y = generator.normal(size=80)
-    made = _spectrum.sums(t, np.stack([w, w * y]), 1.0 / 3.0, 1200)
-    tables = [np.ascontiguousarray(part) for each in made for part in (each.real, each.imag)]
+    transforms = _spectrum.tables(t, w, y, 1.0 / 3.0, 1200)
     first, second = np.array([36, 50, 7]), np.array([21, 90, 60])
     lines, gain = _spectrum.harmonics(order), np.empty(3)
-    _spectrum.decreases(*tables, first, second, lines, 1.0, gain)
+    _spectrum.decreases(transforms, first, second, lines, 1.0, gain)
     for k in range(3):
         angle = 2.0 * np.pi / 3.0 * (lines @ [first[k], second[k]])[1:, None] * t
         a = np.concatenate([np.ones((1, 80)), np.cos(angle), np.sin(angle)])

@@ -1,0 +1,37 @@
+"""Which formats of attitude files are there?
+
+    python benchmarks/all.py file_formats
+
+remakes the table of docs/formats.md from the registry of formats.
+"""
+
+from attitude.formats import formats
+from benchmarks.doc_tables import Table, markdown
+
+MAKES = ("file formats",)
+_HELD = {
+    "records": "attitudes at epochs",
+    "motion": "a free rotation",
+    "span": "attitudes at any epoch of a span",
+}
+
+
+def tables(quick):
+    """The table of docs/formats.md, a row for each format."""
+    rows = [
+        (
+            entry.title,
+            f"`{entry.module.rpartition('.')[2]}`",
+            code(entry.endings),
+            _HELD[entry.holds],
+            code(entry.reading),
+        )
+        for entry in formats().values()
+    ]
+    head = ("format", "module", "endings", "holds", "keywords")
+    yield Table("file formats", markdown(head, rows))
+
+
+def code(words):
+    """Words as code, with commas between them."""
+    return ", ".join(f"`{word}`" for word in words)
