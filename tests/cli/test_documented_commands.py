@@ -18,8 +18,8 @@ import pytest
 
 from attitude import Body, FreeRotation, Spin, cli, epochs, paths, shape
 from attitude.formats import damit_light_curve, spin_file
-from tests.cli.test_every_option import _small
 from tests.support.places import ROOT
+from tests.support.searches import make_small
 
 PAGES = [ROOT / "README.md", ROOT / "data" / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 # Options after which a search ends early: lines are what is tested here, not searches.
@@ -206,7 +206,7 @@ def test_lines_are_found():
 @pytest.mark.parametrize("line", LINES)
 def test_a_documented_line_runs(line, folder, monkeypatch, capsys):
     words = words_of(line)
-    _small(monkeypatch)
+    make_small(monkeypatch)
     write_light_curves(folder, line)
     for name in outputs(words):
         (folder / name).unlink(missing_ok=True)

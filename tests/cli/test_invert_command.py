@@ -10,9 +10,7 @@ from attitude import AttitudeError, Body, cli, inversion
 from attitude.formats import spin_file
 from attitude.frames import matrix_to_icrf
 from attitude.inversion import _errors, _spin_states, _states
-from tests.support.places import DATA
-
-PHOTOMETRY = DATA / "light_curve" / "toutatis-1992-photometry.csv"
+from tests.support.places import DATA, PHOTOMETRY
 
 
 def _smaller(monkeypatch, **counts):

@@ -11,7 +11,7 @@ from attitude._support import constants
 from attitude.motions._motion import Motion
 from attitude.paths import Ephemeris, Path
 from attitude.scattering import Law
-from tests.house.test_architecture import MODULES, nodes_of, of_modules, tree_of
+from tests.support.modules import MODULES, nodes_of, of_modules, tree_of
 
 FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 LONGEST_BODY = 60

@@ -18,6 +18,7 @@ from attitude.inversion import (
 from attitude.inversion._problem import CurveProblem
 from benchmarks import inversion as figures
 from benchmarks import inversion_cases
+from tests.support.inversion_cases import in_plane
 
 
 def problem_of(sun, observer, t):
@@ -27,14 +28,6 @@ def problem_of(sun, observer, t):
     return CurveProblem(
         t, 1e6, sun, observer, np.zeros(count), np.full(count, 0.02), terms, prior, 0.0
     )
-
-
-def in_plane(generator, count, normal):
-    """Unit vectors (3, count) in the plane of a normal."""
-    first = np.cross(normal, [0.3, 0.5, 0.8])
-    first /= np.linalg.norm(first)
-    angle = generator.uniform(-0.6, 0.6, count)
-    return np.outer(first, np.cos(angle)) + np.outer(np.cross(normal, first), np.sin(angle))
 
 
 def test_the_mirror_pole_shows_the_same_magnitudes():

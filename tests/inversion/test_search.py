@@ -31,7 +31,7 @@ from attitude.scattering import LommelSeeligerLambert
 from attitude.shape import Mesh, box
 from benchmarks import inversion as figures
 from benchmarks import inversion_meshes
-from tests.inversion.test_axial import in_plane
+from tests.support.inversion_cases import in_plane
 
 COUNT = 400
 

@@ -20,8 +20,7 @@ from attitude._support.constants import ASTRONOMICAL_UNIT_M as AU
 from attitude._support.constants import SPEED_OF_LIGHT_M_S as C
 from attitude.errors import AttitudeWarning
 from attitude.photometry import _lattices, _periodogram, _samples, _spectrum
-from tests.cli.test_invert_command import PHOTOMETRY
-from tests.support.places import ROOT
+from tests.support.places import PHOTOMETRY, ROOT
 
 HOUR, DAY = 3600.0, 86400.0
 

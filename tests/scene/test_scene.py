@@ -13,6 +13,7 @@ from attitude.paths._path import Path, julian
 from attitude.scene import Scene, View
 from attitude.shape import Ellipsoid
 from tests.support.kernels import DATA, kernel
+from tests.support.scenes import envisat_over_graz
 
 LIGHT = 299792458.0
 AU = 149597870700.0
@@ -149,13 +150,6 @@ def test_without_light_time_everything_is_at_the_epoch_itself():
     assert angle(view.observer_direction_icrf, -unit(away)) < 1e-15
     assert np.all(view.light_time == 0.0)
     assert np.array_equal(view.attitude.wxyz, MOTION.at(seconds).wxyz)
-
-
-def envisat_over_graz(**options):
-    site = paths.site("15.4933 deg", "47.0671 deg", 539.0, name="Graz")
-    given = {"ephemeris": kernel("de421"), **options}
-    scene = Scene(None, paths.tle(DATA / "envisat-2013.tle"), site, **given)
-    return scene, site, epochs.instant("2013-10-23T09:28:30")
 
 
 @pytest.mark.parametrize("count", [31, 30_001], ids=["direct", "compressed"])

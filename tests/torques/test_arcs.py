@@ -14,8 +14,8 @@ from attitude.torques import GravityGradient, InertiaHistory, LinearDamping
 from attitude.torques._arcs import Arcs, Impulse, InertiaChange
 from attitude.torques._torqued import TorquedRotation
 from attitude.torques._triggers import AxisCrossesDirection, PointMeetsPlane
-from tests.frames.test_frames import definition
 from tests.support import states
+from tests.support.frames import definition
 from tests.support.oracle import Oracle, conjugate, multiply, rate_error, rotation_error
 
 # The attitude of a free rotation errs by at most this (docs of FreeRotation), rad.

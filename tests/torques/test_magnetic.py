@@ -17,8 +17,7 @@ from attitude.torques import (
     MagneticField,
     _magnetic,
 )
-from tests.support.torqued import angle, dop853, turns_by_rates
-from tests.torques.test_torques import torque_at_start
+from tests.support.torqued import angle, dop853, torque_at_start, turns_by_rates
 
 TENSOR = np.array([[20.0, 1.0, 0.5], [1.0, 24.0, 2.0], [0.5, 2.0, 30.0]])
 BODY = Body(tensor=TENSOR)
