@@ -135,17 +135,18 @@ def test_public_names_have_docstrings(name):
 
 
 COMPILED = {
-    *(
-        "entry_point",
-        "sized_entry_point",
-        "quickly_compiled",
-        "slowly_compiled",
-        "inlined_entry_point",
-        "subroutine",
-        "force_inlined",
-        "callback",
-    ),
-    *("reduction", "reduction_subroutine", "reduction_inlined", "reduction_callback"),
+    "entry_point",
+    "sized_entry_point",
+    "quickly_compiled",
+    "slowly_compiled",
+    "inlined_entry_point",
+    "subroutine",
+    "force_inlined",
+    "callback",
+    "reduction",
+    "reduction_subroutine",
+    "reduction_inlined",
+    "reduction_callback",
     "reduction_within",
 }
 

@@ -43,6 +43,21 @@ def test_docstrings_of_folders_name_files_that_exist():
     assert count > 80
 
 
+@pytest.mark.parametrize(
+    ("page", "most_lines", "most_characters"),
+    [
+        # what a version does, not how it came
+        ("CHANGELOG.md", 60, 125),
+        # two screens
+        ("docs/architecture.md", 110, 110),
+    ],
+)
+def test_pages_to_be_read_at_once_are_short(page, most_lines, most_characters):
+    lines = (ROOT / page).read_text().splitlines()
+    assert len(lines) <= most_lines
+    assert max(map(len, lines)) <= most_characters
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_links_lead_somewhere(page):
     text = page.read_text()

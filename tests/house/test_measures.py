@@ -29,6 +29,12 @@ FILES = {
         @entry_point
         def loop(a, b, c, d, e, f, g, h, i):
             return a
+
+        def loop_of(given):
+            def store(a, b, c, d, e, f, g, h, i):
+                return a
+
+            return entry_point(named(store, "store"))
     '''
     + "\n".join(f"        X{k} = {k}" for k in range(10)),
     "body/__init__.py": "",
@@ -100,6 +106,7 @@ def test_bases_vague_names_and_long_calls(counted):
         "rest",
         "each",
         "found",
+        "given",
     ]
     assert counted.long_calls == [("attitude.numbers", "total", 4, 9)]
 
