@@ -77,15 +77,3 @@ def test_ctrl_c_is_heard_after_a_block(call, monkeypatch):
     with pytest.raises(KeyboardInterrupt):
         CALLS[call]()
     assert 2 <= len(calls) <= 3
-
-
-@pytest.mark.usefixtures("blocks")
-@pytest.mark.parametrize("shape", [(5003,), (4, 5003), (5003, 4), (2, 3, 5003), ()])
-def test_copies_in_parts(shape):
-    array = np.random.default_rng(1).normal(size=shape)
-    copy = arrays.copied(array)
-    assert np.array_equal(copy, array)
-    assert not np.shares_memory(copy, array)
-    turned = np.empty(shape[::-1]).T
-    arrays.put(turned, array)
-    assert np.array_equal(turned, array)
