@@ -22,7 +22,8 @@ from tests.support.places import PAGES, ROOT
 from tests.support.searches import make_small
 
 DATA = ROOT / "data"
-OEM, TLE = DATA / "paths" / "apophis-2012-2013.oem", DATA / "paths" / "envisat-2013.tle"
+OEM = DATA / "paths" / "apophis-2012-2013.oem"
+TLE = DATA / "paths" / "envisat-2013.tle"
 MISSION = DATA / "mission" / "apophis-2012.toml"
 TORQUES = DATA / "mission" / "goes-like.toml"
 PASS, GLINTS = (DATA / "mission" / f"envisat-{name}.toml" for name in ("pass", "glints"))

@@ -87,7 +87,7 @@ def test_three_known_moments_are_those_of_the_search(monkeypatch, capsys):
 
 
 @pytest.mark.parametrize(
-    ("given", "words"),
+    ("moments", "words"),
     [
         ("known", 'give "shape", "free", a number'),
         ("3, 2", "--moments has shape (2,)"),
@@ -95,8 +95,8 @@ def test_three_known_moments_are_those_of_the_search(monkeypatch, capsys):
         ("nothing.toml", "nothing.toml"),
     ],
 )
-def test_moments_that_no_body_has(capsys, given, words):
-    options = ["--max-frequency", "0.5 /d", "--moments", given]
+def test_moments_that_no_body_has(capsys, moments, words):
+    options = ["--max-frequency", "0.5 /d", "--moments", moments]
     assert cli.main(["invert", str(PHOTOMETRY), *options]) == 2
     assert words in capsys.readouterr().err
 

@@ -134,6 +134,15 @@ def test_public_names_have_docstrings(name):
         assert ast.get_docstring(node), f"{label} has no docstring"
 
 
+@of_modules()
+def test_docstrings_say_what_the_function_is(name):
+    """None begins with "Of": of what, before it is said what."""
+    for node in nodes_of(name):
+        if isinstance(node, (*FUNCTIONS, ast.ClassDef, ast.Module)):
+            text = ast.get_docstring(node) or ""
+            assert not text.startswith("Of "), f"{getattr(node, 'name', name)}: {text}"
+
+
 COMPILED = {
     "entry_point",
     "sized_entry_point",

@@ -48,8 +48,8 @@ def test_docstrings_of_folders_name_files_that_exist():
     [
         # what a version does, not how it came
         ("CHANGELOG.md", 60, 125),
-        # two screens
-        ("docs/architecture.md", 110, 110),
+        # two screens, one of them the list of folders
+        ("docs/architecture.md", 115, 110),
     ],
 )
 def test_pages_to_be_read_at_once_are_short(page, most_lines, most_characters):

@@ -141,7 +141,7 @@ def test_figures_of_a_benchmark_have_names():
 
 
 def test_ratios_are_those_of_neighbouring_runs(capsys):
-    """Of a machine that slows down by half while it measures, and a checkout 10 % slower."""
+    """A machine that slows down by half while it measures, and a checkout 10 % slower."""
     speeds = [1.0, 1.1, 1.3, 1.4, 1.5]
     old = [{"call [1]": 10.0 * s, "error [1]": 0.0, "load [1]": 5.0} for s in speeds]
     new = [{"call [1]": 11.0 * s, "error [1]": 0.0, "load [1]": 5.0} for s in speeds]

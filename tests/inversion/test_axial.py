@@ -24,14 +24,21 @@ from tests.support.inversion_cases import in_plane
 def problem_of(sun, observer, t):
     """A problem of given directions (3, N)."""
     count = len(t)
-    terms, prior = np.ones((count, 1)), np.array([np.inf])
     return CurveProblem(
-        t, 1e6, sun, observer, np.zeros(count), np.full(count, 0.02), terms, prior, 0.0
+        t,
+        span=1e6,
+        sun=sun,
+        observer=observer,
+        magnitude=np.zeros(count),
+        sigma=np.full(count, 0.02),
+        terms=np.ones((count, 1)),
+        prior=np.array([np.inf]),
+        model_error=0.0,
     )
 
 
 def test_the_mirror_pole_shows_the_same_magnitudes():
-    """Of a body reflected in the plane of the scene, whose spin is an axial vector."""
+    """Those of a body reflected in the plane of the scene, whose spin is an axial vector."""
     generator = np.random.default_rng(5)
     normal = np.array([0.1, -0.2, 0.97])
     normal /= np.linalg.norm(normal)

@@ -36,9 +36,17 @@ from tests.support.inversion_cases import COUNT, ellipsoid_state, geometry
 def _problem(t, sun, observer):
     """Magnitudes of zero with weights of one, and a constant that is free."""
     count = len(t)
-    terms = np.ones((count, 1)), np.full(1, np.inf)
-    given = t, 1.0, sun, observer, np.zeros(count), np.ones(count), *terms, 0.0
-    return inversion_problem.CurveProblem(*given)
+    return inversion_problem.CurveProblem(
+        t,
+        span=1.0,
+        sun=sun,
+        observer=observer,
+        magnitude=np.zeros(count),
+        sigma=np.ones(count),
+        terms=np.ones((count, 1)),
+        prior=np.full(1, np.inf),
+        model_error=0.0,
+    )
 
 
 def _rows(state, t, sun, observer):
@@ -85,12 +93,12 @@ def test_derivatives_of_the_magnitudes():
         assert slope == pytest.approx(jacobian[p], abs=1e-7 * np.abs(jacobian[p]).max())
 
 
-@pytest.mark.parametrize("given", [(math.nan,) * 3, (-0.9, -0.2, 0.0)])
-def test_slopes_of_the_sums_of_squares_from_many_starts(given):
+@pytest.mark.parametrize("moments", [(math.nan,) * 3, (-0.9, -0.2, 0.0)])
+def test_slopes_of_the_sums_of_squares_from_many_starts(moments):
     """Against differences, tied to the shape and to moments that are given, in both modes."""
     t, sun, observer = geometry()
     curve = _ellipsoid.EllipsoidCurve(_problem(t, sun, observer))
-    tie, free = _ellipsoid.Held(0.15, given), np.zeros(10, bool)
+    tie, free = _ellipsoid.Held(0.15, moments), np.zeros(10, bool)
     states = np.stack([ellipsoid_state(), ellipsoid_state(-11.0, 0.5), ellipsoid_state(14.7, -0.1)])
     near = _ellipsoid._linearised(curve, states, free, tie)
     assert _ellipsoid._cost(curve, states, tie) == pytest.approx(near.cost, rel=1e-13)
@@ -256,7 +264,7 @@ EPOCHS = np.linspace(0.0, 86400.0, 40)
 
 
 @pytest.mark.parametrize(
-    ("given", "words"),
+    ("changes", "words"),
     [
         ({"magnitude": np.full(40, np.nan)}, "not finite"),
         ({"flux": np.linspace(-1.0, 1.0, 40)}, "not above zero"),
@@ -268,9 +276,9 @@ EPOCHS = np.linspace(0.0, 86400.0, 40)
         ({"magnitude": np.ones(40), "zero_points": "none"}, "zero_points is 'none'"),
     ],
 )
-def test_bad_curves_are_sentences(given, words):
+def test_bad_curves_are_sentences(changes, words):
     with pytest.raises(AttitudeError, match=words):
-        inversion_problem.usable(inversion.LightCurve(EPOCHS, **{**CURVE, **given}))
+        inversion_problem.usable(inversion.LightCurve(EPOCHS, **{**CURVE, **changes}))
 
 
 def test_epochs_given_twice_are_averaged_and_few_are_refused():

@@ -262,8 +262,7 @@ def test_errors_of_a_state_are_the_second_moments_of_its_density():
     found = inversion.refine(curve, MOTION, shape=MESH, law=LAW)
     problem, fit = found.weighted.problem, found._fit
     seconds = _moving.seconds_of(found.point, fit.epoch, problem.t * problem.span)
-    given = seconds, fit.known, fit.least
-    made = _errors.covariance_of_state(found.weighted, found.point, *given)
+    made = _errors.covariance_of_state(found.weighted, found.point, seconds, fit.known, fit.least)
     assert np.all(made[6:] == 0.0)
     # by many samples of a wide distribution, each with the cost of the fit
     generator = np.random.default_rng(4)

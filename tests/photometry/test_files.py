@@ -13,10 +13,10 @@ from attitude.errors import AttitudeWarning
 from tests.support.photometry_files import ALCDEF, CSV, DAMIT, MPC, PSV, XML
 
 
-def read(tmp_path, text, name="a.txt", **given):
+def read(tmp_path, text, name="a.txt", **options):
     path = tmp_path / name
     path.write_text(text)
-    return photometry.read(path, **given)
+    return photometry.read(path, **options)
 
 
 def test_named_columns(tmp_path):
@@ -291,7 +291,7 @@ LONG = "x" * 20_000
 
 
 @pytest.mark.parametrize(
-    ("text", "given"),
+    ("text", "options"),
     [
         (f"jd,mag,site\n2460000.5,1,{LONG}\n", {"path": "earth"}),
         (f"jd,mag,session\n2460000.5,1,{LONG}\n", {"zero_points": ("q",)}),
@@ -300,9 +300,9 @@ LONG = "x" * 20_000
         (f"jd,{LONG}\n2460000.5,1\n", {}),
     ],
 )
-def test_errors_echo_little_of_the_input(tmp_path, text, given):
+def test_errors_echo_little_of_the_input(tmp_path, text, options):
     with pytest.raises(AttitudeError) as raised:
-        read(tmp_path, text, **given)
+        read(tmp_path, text, **options)
     assert len(str(raised.value)) < 700 and LONG[:200] not in str(raised.value)
 
 

@@ -22,7 +22,8 @@ from attitude.errors import AttitudeWarning
 from attitude.photometry import _lattices, _periodogram, _samples, _spectrum
 from tests.support.places import PHOTOMETRY, ROOT
 
-HOUR, DAY = 3600.0, 86400.0
+HOUR = 3600.0
+DAY = 86400.0
 
 
 def nights(count=12, per_night=25, seed=0):
@@ -240,7 +241,7 @@ def test_zero_points_of_sessions_are_free():
 
 
 @pytest.mark.parametrize(
-    ("given", "words"),
+    ("options", "words"),
     [
         ({"min_period": "30 h", "max_period": "3 h"}, "give a shorter min_period"),
         ({"min_period": "0.01 s"}, "at most 5000000 are searched"),
@@ -249,10 +250,10 @@ def test_zero_points_of_sessions_are_free():
         ({"order": 200}, "give more values, or a lower order"),
     ],
 )
-def test_wrong_arguments(given, words):
+def test_wrong_arguments(options, words):
     t = nights(6)
     with pytest.raises(AttitudeError, match=words):
-        photometry.periods(t, np.cos(t), **given)
+        photometry.periods(t, np.cos(t), **options)
 
 
 def test_relations_of_periods_in_words():

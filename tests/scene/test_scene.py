@@ -20,7 +20,8 @@ AU = 149597870700.0
 START = epochs.instant("2016-01-01T00:00:00 TDB")
 BODY = Body(moments=(10, 20, 26))
 MOTION = FreeRotation(BODY, Spin(epoch=START, wxyz=(1, 0, 0, 0), angular_velocity=(1, 15, 1)))
-SOUTH, EAST = (0, 0, -1), (0, 1, 0)
+SOUTH = (0, 0, -1)
+EAST = (0, 1, 0)
 
 
 class Counted:
@@ -39,10 +40,12 @@ class CountedPath(Path):
     """A path that counts the positions it is asked for."""
 
     def __init__(self, path):
-        self.path, self.count = path, 0
-        self.name, self.center, self.source, self.span = (
-            *(path.name, path.center, path.source, path.span),
-        )
+        self.path = path
+        self.count = 0
+        self.name = path.name
+        self.center = path.center
+        self.source = path.source
+        self.span = path.span
 
     def _state(self, instant, hi, lo):
         self.count += hi.size

@@ -13,7 +13,9 @@ from attitude._support import arrays
 from attitude.arcs import Arcs, Impulse
 from attitude.torques import _arcs
 
-MOMENTS, WXYZ, OMEGA = (10.0, 20.0, 26.0), (1.0, 0.0, 0.0, 0.0), (1.0, 15.0, 1.0)
+MOMENTS = (10.0, 20.0, 26.0)
+WXYZ = (1.0, 0.0, 0.0, 0.0)
+OMEGA = (1.0, 15.0, 1.0)
 BODY = Body(moments=MOMENTS)
 SPIN = Spin("2026-01-01", WXYZ, OMEGA)
 FREE = FreeRotation(BODY, SPIN)
@@ -68,7 +70,7 @@ def interrupting(function, calls):
 @pytest.mark.usefixtures("blocks")
 @pytest.mark.parametrize("call", CALLS)
 def test_ctrl_c_is_heard_after_a_block(call, monkeypatch):
-    """Of five blocks or more, at most one is evaluated after the signal."""
+    """At most one of five blocks or more is evaluated after the signal."""
     calls = []
     evaluate = interrupting(evaluation.evaluate_all, calls)
     monkeypatch.setattr(evaluation, "evaluate_all", evaluate)

@@ -19,11 +19,11 @@ def _epochs(omega, revolutions):
     return [n * 2.0 * np.pi / (max(map(abs, omega)) or 1.0) for n in revolutions]
 
 
-def _compare(found, expected, tolerance, least=1e-20):
+def _compare(computed, expected, tolerance, least=1e-20):
     for j in range(9):
         size = np.abs(expected[:, :, j]).max(axis=1)
         size[size < least] = 1.0  # zero in exact arithmetic
-        error = np.abs(found[:, :, j] - expected[:, :, j]).max(axis=1)
+        error = np.abs(computed[:, :, j] - expected[:, :, j]).max(axis=1)
         assert np.all(error <= tolerance * size), (j, error / size)
 
 
@@ -130,7 +130,7 @@ def test_a_product_of_series_in_python():
 
 
 def test_series_in_python_and_in_vectors_have_the_same_bits():
-    """Of a tumbler, a flip and a needle, with spans to both sides."""
+    """A tumbler, a flip and a needle, with spans to both sides."""
     moments = np.array([(1.0, 2.0, 2.6), (1.0, 2.0, 2.6), (1e-3, 1.0, 1.0 + 1e-9)])
     omega = np.array([(0.3, -0.2, 0.5), (1e-9, 1.0, 1e-9), (5.0, 1e-3, -2e-3)])
     wxyz = np.array([(0.5, -0.5, 0.5, 0.5)] * 3)
@@ -368,7 +368,9 @@ def test_least_squares_takes_series_only_where_terms_cancel(monkeypatch):
     spans = []
     setup = short_times.short_setup
     monkeypatch.setattr(
-        short_times, "short_setup", lambda *given: (spans.append(len(given[-1])), setup(*given))
+        short_times,
+        "short_setup",
+        lambda *call: (spans.append(len(call[-1])), setup(*call)),
     )
     moments, wxyz, t = (1.0, 2.0, 2.6), np.array([(0.5, -0.5, 0.5, 0.5)]), np.array([0.0, 0.1, 3.0])
     propagate(moments, wxyz, [(1.0, 0.3, 0.2)], t, sensitivity=True)

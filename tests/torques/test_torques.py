@@ -72,12 +72,12 @@ def test_torque_is_the_slope_of_its_potential():
         assert slope == pytest.approx(found[k], rel=1e-6, abs=1e-10 * np.max(np.abs(found)))
 
 
-def called(made, wxyz, y, place, parameters):
+def called(compiled, wxyz, y, place, parameters):
     """What a compiled torque or slope answers."""
     out = np.zeros(3)
     given = [np.array(each, dtype=float) for each in (wxyz, y, place, parameters)]
     pointer = ctypes.POINTER(ctypes.c_double)
-    C_FUNCTION(made.address)(0.0, *(each.ctypes.data_as(pointer) for each in (*given, out)))
+    C_FUNCTION(compiled.address)(0.0, *(each.ctypes.data_as(pointer) for each in (*given, out)))
     return out
 
 
