@@ -321,7 +321,7 @@ def test_the_package_names_what_it_has():
         _ = attitude.quaternions
 
 
-# Parameters of public and of compiled functions, which keep their names.
+# No more than today: what is left are parameters of public and of compiled functions, mostly.
 MOST_VAGUE_NAMES = 263
 
 

@@ -40,14 +40,16 @@ def _curve(motion, count=120, span=5.0, sigma=0.02):
     return inversion.LightCurve(t, magnitude, sigma, epoch=motion.epoch, light_time=False, **far)
 
 
-def _is_truth(fit):
+def _is_truth(refinement):
     """Whether rates and moments lie within 4 standard errors, and the fit leaves the noise."""
-    covariance = fit.motion.spin.covariance
-    off = np.concatenate([fit.point.spin.angular_velocity - RATES, fit.point.body.moments])
+    covariance = refinement.motion.spin.covariance
+    off = np.concatenate(
+        [refinement.point.spin.angular_velocity - RATES, refinement.point.body.moments]
+    )
     off[3:] -= MOMENTS
     sigma = np.sqrt(np.diag(covariance)[3:])
     assert np.all(np.abs(off[:5]) < 4.0 * sigma[:5] + 1e-12)
-    assert fit.chi_squared < 1.2
+    assert refinement.chi_squared < 1.2
     return True
 
 
