@@ -50,8 +50,14 @@ MAKES = (
     "averaged costs",
 )
 EPOCH = "2026-01-01"
-DAY, YEAR, AU = 86400.0, 365.25 * 86400.0, 149597870700.0
-EARTH, SUN, RADIUS = 3.986004418e14, 1.32712440018e20, 6.3712e6
+# Seconds; metres.
+DAY = 86400.0
+YEAR = 365.25 * DAY
+AU = 149597870700.0
+# GM of the Earth and of the Sun, m3/s2; radius of the Earth in models of its field, m.
+EARTH = 3.986004418e14
+SUN = 1.32712440018e20
+RADIUS = 6.3712e6
 # Trees that split at resonances: least kick and branches at most.
 SPLIT = ((8e-4, 256), (4e-4, 4096))
 
@@ -242,7 +248,7 @@ def compared(case, **settings):
 
 
 def differences(mean, truth, start):
-    """Of a mean state from the truth, and of that from the start: |L|, energy, pole, y; regions."""
+    """|L|, energy, pole, y and regions: a mean state less the truth, the truth less the start."""
     found, size, energy = {}, float(start.size), float(start.energy)
     found["size change"] = (float(truth[0]) - size) / size
     found["size"] = (float(mean.size) - float(truth[0])) / size
@@ -667,8 +673,9 @@ def kick_of(motion, event, history):
     """
     spin = Spin(motion.epoch.after(event.seconds), history.wxyz, history.angular_velocity,
                 frame="icrf")  # fmt: skip
-    given = motion.axes, motion.body, spin, motion.torques, motion.epoch, event.seconds
-    terms, beats, _ = mean_state.series(*given)
+    terms, beats, _ = mean_state.series(
+        motion.axes, motion.body, spin, motion.torques, motion.epoch, event.seconds
+    )
     (j, k), (size, y, region) = event.ratio, motion.axes.state(spin.angular_velocity)
     slope = size * _resonances._slope(motion.axes, y, (j, k, 0))
     momentum = quaternion.rotate(spin.wxyz_icrf, spin.angular_velocity @ motion.body.tensor)
@@ -976,12 +983,12 @@ def over_nodes(axes, body, torque, state, region, count):
 # ---- Tables
 
 
-def _share(found, key):
+def _share(errors, key):
     """Error over change; the error itself in brackets where the mean is constant."""
-    change = found[f"{key} change"]
-    if abs(change) < 10.0 * abs(found[key]):
-        return f"({abs(found[key]):.0e})"
-    return f"{abs(found[key] / change):.1e}"
+    change = errors[f"{key} change"]
+    if abs(change) < 10.0 * abs(errors[key]):
+        return f"({abs(errors[key]):.0e})"
+    return f"{abs(errors[key] / change):.1e}"
 
 
 def accuracy(quick):

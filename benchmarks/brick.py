@@ -106,9 +106,9 @@ def _texts(values):
     return [oracle.mp.nstr(value, DIGITS) for value in values]
 
 
-def text_of(found):
+def text_of(data):
     """JSON with a line for each list of numbers."""
-    text = json.dumps(found, indent=1)
+    text = json.dumps(data, indent=1)
     return re.sub(r"\[\s+([^\[\]{}]*?)\s+\]", lambda m: f"[{' '.join(m[1].split())}]", text) + "\n"
 
 

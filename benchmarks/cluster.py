@@ -17,8 +17,12 @@ import numpy as np
 from attitude import Ensemble
 from attitude.ensemble._partitioned import PartitionedEnsemble
 
-MEMBERS, EPOCHS, PARTS = 200_000, 160, 20
-SHAPE, SUN, OBSERVER = (3.0, 2.0, 1.0), (1.0, 0.0, 0.0), (0.8, 0.6, 0.0)
+MEMBERS = 200_000
+EPOCHS = 160
+PARTS = 20
+SHAPE = (3.0, 2.0, 1.0)
+SUN = (1.0, 0.0, 0.0)
+OBSERVER = (0.8, 0.6, 0.0)
 
 
 def mean_of(ensemble, seed):

@@ -61,25 +61,25 @@ def names_in(text):
     return [found[1] for found in BLOCK.finditer(text)]
 
 
-def replaced(text, made):
+def replaced(text, tables):
     """The text of a page with new tables, by name; those that are not given stay."""
 
-    def body(found):
-        new = made.get(found[1])
+    def body(match):
+        new = tables.get(match[1])
         if new is None:
-            return found[0]
-        line = "\n" if found[2].startswith("\n") else ""
-        return f"<!-- table: {found[1]} -->{line}{new.strip()}{line}{END}"
+            return match[0]
+        line = "\n" if match[2].startswith("\n") else ""
+        return f"<!-- table: {match[1]} -->{line}{new.strip()}{line}{END}"
 
     return BLOCK.sub(body, text)
 
 
-def write(made, root=ROOT):
+def write(tables, root=ROOT):
     """Put tables, texts by name, into all pages; the pages that changed."""
     changed = []
     for page in pages(root):
         before = page.read_text(encoding="utf-8")
-        after = replaced(before, made)
+        after = replaced(before, tables)
         if after != before:
             page.write_text(after, encoding="utf-8")
             changed.append(page)
@@ -123,11 +123,11 @@ def reference():
     return least / t.size * 1e9
 
 
-def printed(function, *given):
+def printed(function, *arguments):
     """What a function prints, as a block of text."""
     kept = io.StringIO()
     with contextlib.redirect_stdout(kept):
-        function(*given)
+        function(*arguments)
     lines = (line.rstrip() for line in kept.getvalue().strip("\n").splitlines())
     return "\n".join(["```text", *lines, "```"])
 

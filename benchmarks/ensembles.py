@@ -25,7 +25,8 @@ from attitude.ensemble import AngleTo
 from attitude.torques import LinearDamping
 from benchmarks.doc_tables import Table, markdown
 
-EPOCH, VISITS = "2026-01-01", 160
+EPOCH = "2026-01-01"
+VISITS = 160
 RNG = np.random.default_rng(17)
 MAKES = ("ensembles", "two threads")
 
@@ -224,9 +225,9 @@ def threads():
     return ratios
 
 
-def wall(work, *given):
+def wall(work, *arguments):
     start = time.perf_counter()
-    work(*given)
+    work(*arguments)
     return time.perf_counter() - start
 
 

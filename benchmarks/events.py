@@ -30,7 +30,9 @@ from benchmarks.doc_tables import Table, markdown
 from tests.support import states
 
 KINDS = ("tumbling", "near_separatrix", "wobble", "near_symmetric", "needle", "spinning_needle")
-WIDE, NARROW = 0.5, 0.02
+# Half angles of the cones about an axis that the Sun and the observer cross, rad.
+WIDE = 0.5
+NARROW = 0.02
 MAKES = ("events",)
 
 
@@ -80,9 +82,9 @@ def searched(motion, axis, normal, sun, observer, span):
 
 
 @entry_point
-def sampled(wxyz, given, limits, states):
+def sampled(wxyz, vectors, limits, states):
     """The conditions that hold at each sample, one bit for each."""
-    axis, normal, sun, observer = given[0], given[1], given[2], given[3]
+    axis, normal, sun, observer = vectors[0], vectors[1], vectors[2], vectors[3]
     for i in range(wxyz.shape[1]):
         w, x, y, z = wxyz[0, i], wxyz[1, i], wxyz[2, i], wxyz[3, i]
         # Entries of the matrix from body to inertial axes.

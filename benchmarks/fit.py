@@ -34,7 +34,8 @@ from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from benchmarks.doc_tables import Table, markdown
 
-EPOCH, NOISE = "2026-01-01", 1e-3
+EPOCH = "2026-01-01"
+NOISE = 1e-3
 T = np.linspace(0.0, 300.0, 1000)
 TURN = forms.to_matrix(forms.from_axis_angle((1, 2, -1), 0.4))
 STEP = 1e-5
@@ -216,14 +217,14 @@ class Differences:
         tensor = np.trace(second) * np.eye(3) - second
         return 0.5 * (tensor + tensor.T) / np.trace(tensor)
 
-    def apart(self, x, found):
+    def apart(self, x, fit):
         """Parameters less those of a Fit."""
         from attitude.fitting._model import Model
 
         start = quaternion.multiply(self.wxyz[0], forms.from_rotation_vector(x[:3]))
-        turn = quaternion.multiply(quaternion.conjugate(found.motion.spin.wxyz), start)
-        shape = Model(None, self.axes).shape_of(found.motion.body.tensor)
-        rates = x[3:6] - found.motion.spin.angular_velocity
+        turn = quaternion.multiply(quaternion.conjugate(fit.motion.spin.wxyz), start)
+        shape = Model(None, self.axes).shape_of(fit.motion.body.tensor)
+        rates = x[3:6] - fit.motion.spin.angular_velocity
         return np.concatenate([forms.to_rotation_vector(turn), rates, x[6:] - shape])
 
 

@@ -48,11 +48,11 @@ def read(path: Path, name: str) -> object:
     return detect.read(path)
 
 
-def written_again(found: object, folder: Path) -> None:
+def written_again(content: object, folder: Path) -> None:
     """Write what was read; after an error the folder has no new file."""
-    table = found
-    if isinstance(found, acm.Comprehensive):
-        table = found.tables[0] if found.tables else None
+    table = content
+    if isinstance(content, acm.Comprehensive):
+        table = content.tables[0] if content.tables else None
     if not hasattr(table, "history"):
         return
     before = sorted(folder.iterdir())

@@ -299,8 +299,18 @@ def all_facets(mesh, law, sun, observer):
     words[0, -1] >>= np.uint64(-clusters.count % 64)
     every = np.broadcast_to(words, clusters.sky.shape).copy()
     out = np.empty(len(sun))
-    args = clusters.blocks, clusters.axes, every, clusters.cells, None, None, None
-    _sums.fused(*args, *sun.T, *observer.T, out)
+    _sums.fused(
+        clusters.blocks,
+        clusters.axes,
+        every,
+        clusters.cells,
+        None,
+        None,
+        None,
+        *sun.T,
+        *observer.T,
+        out,
+    )
     return out * law.phase(np.zeros(1))
 
 

@@ -46,7 +46,7 @@ def tables():
 
 def main():
     start = time.perf_counter()
-    broken, every = 0, sorted(tables(), key=lambda each: each.file)
+    broken, every = 0, sorted(tables(), key=lambda table: table.file)
     for table in every:
         measured = table.measure()
         print(f"attitude/{table.file}: {table.name}\n  {table.definition}\n  {_line(measured)}")

@@ -19,7 +19,7 @@ rest (LATER):
 * bases for one class: classes that have one subclass in the package, in another file, and whose
   name no `__init__.py` down to the second level holds.
 * assignments of several names: statements with a tuple of two or more targets on the left.
-* vague names: places that assign one of VAGUE.
+* vague names: places that assign one of VAGUE, and parameters of such a name.
 * long calls: functions with more than eight positional parameters, without the compiled ones.
 """
 
@@ -91,19 +91,19 @@ class Measures:
 def modules_of(root):
     """{dotted name: Module} of the package in a checkout."""
     package = root / PACKAGE
-    found = {}
+    modules = {}
     for path in sorted(package.rglob("*.py")):
         if path.relative_to(package).parts[0] in LATER:
             continue
         parts = path.relative_to(root).with_suffix("").parts
         name = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
         text = path.read_text("utf-8")
-        found[name] = Module(name, path, text, ast.parse(text))
-    for module in found.values():
-        _collect_imports(module, module.tree, module.loads, found)
+        modules[name] = Module(name, path, text, ast.parse(text))
+    for module in modules.values():
+        _collect_imports(module, module.tree, module.loads, modules)
         module.loads.discard(module.name)
         module.types.discard(module.name)
-    return found
+    return modules
 
 
 def _collect_imports(module, node, into, modules):
@@ -196,8 +196,8 @@ def rooms_of(root):
 
 
 def _is_room(path):
-    own = path.name in ("__init__.py", "__main__.py")
-    return own or sum(map(_is_code, path.read_text("utf-8").splitlines())) > HANDS_ON
+    is_always = path.name in ("__init__.py", "__main__.py")
+    return is_always or sum(map(_is_code, path.read_text("utf-8").splitlines())) > HANDS_ON
 
 
 def circles_of(graph):
@@ -277,28 +277,40 @@ def several_names(module):
 
 
 def vague_names(module):
-    """(name, line) of each place that assigns a vague name."""
-    stored = [
-        node
-        for node in ast.walk(module.tree)
-        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store) and node.id in VAGUE
-    ]
-    stored.sort(key=lambda node: (node.lineno, node.col_offset))
-    return [(node.id, node.lineno) for node in stored]
+    """(name, line) of each place that assigns a vague name, and of each parameter with one."""
+    places = []
+    for node in ast.walk(module.tree):
+        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            places.append((node.lineno, node.col_offset, node.id))
+        elif isinstance(node, ast.arg):
+            places.append((node.lineno, node.col_offset, node.arg))
+    return [(name, line) for line, _, name in sorted(places) if name in VAGUE]
+
+
+def compiled_by_calls(module):
+    """Names of the functions that a call of `attitude._compilation` compiles: loops of a form."""
+    return {
+        node.id
+        for call in ast.walk(module.tree)
+        if isinstance(call, ast.Call) and COMPILED.search(ast.unparse(call.func))
+        for node in ast.walk(call)
+        if isinstance(node, ast.Name)
+    }
 
 
 def long_calls(module):
     """(function, line, count) of functions in Python with too many positional parameters."""
-    found = []
+    calls = []
+    compiled = compiled_by_calls(module)
     for node in ast.walk(module.tree):
-        if not isinstance(node, FUNCTIONS):
+        if not isinstance(node, FUNCTIONS) or node.name in compiled:
             continue
-        if any(COMPILED.search(ast.unparse(each)) for each in node.decorator_list):
+        if any(COMPILED.search(ast.unparse(decorator)) for decorator in node.decorator_list):
             continue
         count = len(node.args.posonlyargs) + len(node.args.args)
         if count > MOST_POSITIONAL:
-            found.append((node.name, node.lineno, count))
-    return found
+            calls.append((node.name, node.lineno, count))
+    return calls
 
 
 def measure(root):
@@ -308,9 +320,9 @@ def measure(root):
     both = {name: module.loads | module.types for name, module in modules.items()}
     folders = {}
     for name, others in both.items():
-        here = modules[name].folder
-        folders.setdefault(here, set()).update(".".join(other.split(".")[:2]) for other in others)
-        folders[here] -= {here, PACKAGE}
+        folder = modules[name].folder
+        folders.setdefault(folder, set()).update(modules[other].folder for other in others)
+        folders[folder] -= {folder, PACKAGE}
     circles = circles_of(both)
     across = [c for c in circles if len({modules[name].folder for name in c}) > 1]
     return Measures(
@@ -326,7 +338,7 @@ def measure(root):
         bases=bases_for_one_class(root, modules),
         several_names=sum(map(several_names, modules.values())),
         vague={name: places for name, m in modules.items() if (places := vague_names(m))},
-        long_calls=[(name, *each) for name, m in modules.items() for each in long_calls(m)],
+        long_calls=[(name, *call) for name, m in modules.items() for call in long_calls(m)],
         folders=_by_folder(modules),
     )
 
@@ -355,7 +367,7 @@ def rows_of(measures):
         ("circles between folders", len(measures.between)),
         ("bases made for one class elsewhere", len(measures.bases)),
         ("assignments of several names", measures.several_names),
-        ("vague names assigned", sum(map(len, measures.vague.values()))),
+        ("vague names", sum(map(len, measures.vague.values()))),
         ("functions of more than 8 positional", len(measures.long_calls)),
     ]
 
@@ -365,18 +377,18 @@ def main(arguments):
     parser.add_argument("root", nargs="?", default=Path(__file__).resolve().parent.parent)
     parser.add_argument("--folders", action="store_true", help="a row for each folder")
     parser.add_argument("-v", action="store_true", dest="verbose", help="name what is counted")
-    given = parser.parse_args(arguments)
-    root = Path(given.root).resolve()
+    options = parser.parse_args(arguments)
+    root = Path(options.root).resolve()
     if not (root / PACKAGE).is_dir():
         parser.error(f"{root} has no folder {PACKAGE}/; give the root of a checkout.")
     measures = measure(root)
     for name, number in rows_of(measures):
         print(f"{name:38}{number:8d}")
-    if given.folders:
+    if options.folders:
         print(f"\n{'folder':28}{'files':>7}{'lines':>8}{'code':>8}{'tokens':>9}")
         for name, row in sorted(measures.folders.items(), key=lambda item: -item[1][3]):
             print(f"{name:28}{row[0]:7d}{row[1]:8d}{row[2]:8d}{row[3]:9d}")
-    if given.verbose:
+    if options.verbose:
         print_names(measures)
 
 

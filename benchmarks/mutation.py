@@ -67,10 +67,13 @@ SAMPLED = {
         *("sensitivity", "sensitivities"),
     )
 }
-SAMPLE, SEED = 400, 38
-# Seconds of processor after which a change counts as killed: a loop without end.  The checks of
-# derivatives take a third of theirs where they pass.
-PATIENCE, PATIENCE_OF_DERIVATIVES = 15, 60
+# Changes of the modules of SAMPLED that are drawn, and the seed of the draw.
+SAMPLE = 400
+SEED = 38
+# Seconds of processor after which a change counts as killed: a loop without end.
+PATIENCE = 15
+# The checks of derivatives take a third of this where they pass.
+PATIENCE_OF_DERIVATIVES = 60
 
 _OPERATORS = {
     ast.Add: (ast.Sub,),
@@ -446,11 +449,11 @@ def equivalent():
     return {name: reason for reason, names in table.items() for name in names}
 
 
-def summary(found):
+def summary(killers):
     """Module -> (changes, killed, equivalent, survivors without a reason)."""
     reasons = equivalent()
     rows = {}
-    for name, killer in found.items():
+    for name, killer in killers.items():
         row = rows.setdefault(name.split(".")[0], [0, 0, 0, []])
         row[0] += 1
         if killer:

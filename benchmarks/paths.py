@@ -30,7 +30,9 @@ from attitude.paths._solar_system import installed_kernel
 
 DATA = Path(__file__).parent.parent / "data" / "paths"
 START = instant("2026-01-01T00:00:00")
-YEAR, PASS = 3e7, 900.0
+# Spans, s: a year of a planet, a pass of a satellite.
+YEAR = 3e7
+PASS = 900.0
 SAMPLE = 1000  # about as many epochs are compared
 
 

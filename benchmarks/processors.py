@@ -16,7 +16,8 @@ import time
 
 import numpy as np
 
-MOMENTS, WXYZ = (10.0, 20.0, 26.0), (1.0, 0.0, 0.0, 0.0)
+MOMENTS = (10.0, 20.0, 26.0)
+WXYZ = (1.0, 0.0, 0.0, 0.0)
 CASES = {
     "the paper's example": (1.0, 15.0, 1.0),
     "long-axis mode": (5.0, 1.0, 0.2),

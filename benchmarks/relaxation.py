@@ -16,7 +16,11 @@ from attitude.torques import Maxwell, QualityFactor, Rheology
 from benchmarks.doc_tables import Table, markdown
 
 MAKES = ("relaxation of a rheology", "creep under gravity")
-AXES, DENSITY, PERIOD, STRENGTH = np.array([1000.0, 800.0, 600.0]), 2000.0, 36000.0, 5e12
+# Semi-axes, m; kg/m3; s; mu Q, Pa.
+AXES = np.array([1000.0, 800.0, 600.0])
+DENSITY = 2000.0
+PERIOD = 36000.0
+STRENGTH = 5e12
 MILLION_YEARS = 1e6 * 365.25 * 86400.0
 TILTS = (1, 10, 20, 30, 45, 60)
 
@@ -38,7 +42,8 @@ def times(poisson):
 
 # Toutatis: semi-axes (Hudson & Ostro 1995, Science 270, 84: 4.26, 2.03, 1.70 km), moments and rates
 # (Ostro et al. 1999, Icarus 137, 122).
-TOUTATIS, TOUTATIS_DENSITY = np.array([2130.0, 1015.0, 850.0]), 2100.0
+TOUTATIS = np.array([2130.0, 1015.0, 850.0])
+TOUTATIS_DENSITY = 2100.0
 TOUTATIS_MOMENTS = np.array([1.0, 3.0836, 3.235])
 TOUTATIS_RATES = np.array([98.709, 14.51, 33.529])  # deg a day
 

@@ -40,8 +40,12 @@ from benchmarks.doc_tables import Table, markdown
 from benchmarks.record import processor
 
 DATA = ROOT / "data"
-YEAR, PASS = 3e7, 900.0
-MANY, SOME = 1_000_000, 100_000
+# Spans, s: a year of a planet, a pass of a satellite.
+YEAR = 3e7
+PASS = 900.0
+# Epochs along the year, and along the pass.
+MANY = 1_000_000
+SOME = 100_000
 LIGHT = 299792458.0
 WIDTH = 76
 MAKES = ("scenes",)

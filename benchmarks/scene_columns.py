@@ -41,7 +41,7 @@ def planet():
 
 
 def satellite():
-    """As `planet`."""
+    """A scene of a satellite that passes over a site, and its epochs as in `planet`."""
     start = epochs.instant("2013-10-23T09:28:30")
     spin = Spin(epoch=start, wxyz=(1, 0, 0, 0), angular_velocity=(1e-3, 1e-3, 0.05))
     motion = FreeRotation(Body(moments=(17000, 125000, 129000)), spin)

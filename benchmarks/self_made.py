@@ -38,12 +38,12 @@ def best(function, repeats=5):
     return min(times), answer
 
 
-def row(part, ours, theirs, name, apart, *, count=COUNT):
+def row(label, ours, theirs, name, apart, *, count=COUNT):
     """Print one line; `apart` is a function of both answers."""
     mine, answer = best(ours)
     other, reference = best(theirs, 2)
     print(
-        f"{part:36s} {mine / count * 1e9:10.0f} {other / count * 1e9:10.0f} {other / mine:8.1f}"
+        f"{label:36s} {mine / count * 1e9:10.0f} {other / count * 1e9:10.0f} {other / mine:8.1f}"
         f"   {name:34s} {apart(answer, reference)}"
     )
 

@@ -24,9 +24,9 @@ from attitude._solver import covariance as covariances
 from attitude._solver import evaluation, sensitivities
 from attitude._support.arrays import new_array
 from benchmarks.doc_tables import Table, markdown
-from tests.solver.test_sensitivity import STATES, WXYZ
 from tests.support import states
 from tests.support.differences import conditioning, sensitivity
+from tests.support.sensitivity_states import STATES, WXYZ
 
 REVOLUTIONS = (1.3, 1e3 + 0.3, 1e6 + 0.7)
 TIMED = {

@@ -24,7 +24,8 @@ from attitude._compilation.choice import compiling
 from benchmarks.doc_tables import Table, printed
 from benchmarks.record import processor
 
-MOMENTS, WXYZ = np.array([10.0, 20.0, 26.0]), np.array([1.0, 0.0, 0.0, 0.0])
+MOMENTS = np.array([10.0, 20.0, 26.0])
+WXYZ = np.array([1.0, 0.0, 0.0, 0.0])
 _PROPAGATE = "attitude.propagate((10, 20, 26), (1, 0, 0, 0), (1, 15, 1), {})"
 _FIRST, _LARGE = (_PROPAGATE.format(each) for each in ("[0.0, 1.0]", "numpy.arange(2e5)"))
 # What a new process does before, and what is measured; whether it begins without machine code.

@@ -148,8 +148,8 @@ def cost(quick, output):
             given = system.sampled(np.stack([h * np.arange(rows), np.zeros(rows)]))
             kept = np.empty((1, 14))
 
-            def run(system=system, given=given, kept=kept):
-                march(*system.setup, system.start.copy(), 0.0, h, count, given, kept, count)
+            def run(system=system, parameters=given, kept=kept):
+                march(*system.setup, system.start.copy(), 0.0, h, count, parameters, kept, count)
 
             run()
             each[type(torque).__name__] = best(run, repeats) / count * 1e9
@@ -204,9 +204,9 @@ def orders(quick, output):
     return counts, found
 
 
-def draw_orders(counts, found, output):
+def draw_orders(counts, results, output):
     figure, axes = new_figure()
-    for name, errors in found.items():
+    for name, errors in results.items():
         work = counts * max(SCHEMES[name].evaluations, 1)
         axes.loglog(work, errors, "o-", label=f"{name} (order {SCHEMES[name].order})", ms=4)
     axes.set(
@@ -369,8 +369,8 @@ def spread(out):
     return float(np.max(np.abs(out)))
 
 
-def report(name, out, means, orbits, seconds, found):
-    found[name] = out, orbits
+def report(name, out, means, orbits, seconds, results):
+    results[name] = out, orbits
     t = (np.arange(len(means)) + 0.5) / len(means)
     line = np.polyfit(t, means, 1)
     scatter = np.std(means - np.polyval(line, t))
@@ -383,9 +383,9 @@ def report(name, out, means, orbits, seconds, found):
     return *edges, f"{line[0]:.0e}", f"{scatter:.0e}", f"{seconds:.0f} s"
 
 
-def draw_circular(found, output):
+def draw_circular(results, output):
     figure, axes = new_figure()
-    for name, (out, orbits) in found.items():
+    for name, (out, orbits) in results.items():
         edges = np.linspace(0.0, orbits, len(out) + 1)
         label = {
             "dlm": "kinetic energy split by axes (Dullweber, Leimkuhler & McLachlan)",

@@ -30,7 +30,9 @@ from benchmarks.doc_tables import Table
 from tests.support import oracle
 
 NEAR = (10, 1e9)
-LEAST, MOST = 1.0, 1.7
+# The least and the largest moment.
+LEAST = 1.0
+MOST = 1.7
 ATTITUDE = (0.5, -0.1, 0.7, 0.3)
 PLANES = ("short axis", "long axis", "separatrix")
 BULK = ("attitude", "paper, numpy + scipy", "heyoka", "Orekit TorqueFree")

@@ -18,7 +18,8 @@ from attitude._compilation.choice import compiling
 from attitude.motions._published import longest_P_phi
 from benchmarks.doc_tables import Table, markdown
 
-OBJECTS, VISITS = 5000, 160
+OBJECTS = 5000
+VISITS = 160
 MAKES = ("survey",)
 NEEDS = ("pandas", "sorcha")
 

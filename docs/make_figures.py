@@ -12,7 +12,9 @@ from attitude.frames import quaternion
 from attitude.motions import _conventions
 
 FIGURES = Path(__file__).parent / "figures"
-PHI, THETA, PSI = "#0072b2", "#d55e00", "#009e73"
+PHI = "#0072b2"
+THETA = "#d55e00"
+PSI = "#009e73"
 
 
 def main():

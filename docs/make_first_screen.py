@@ -32,8 +32,11 @@ FIGURES = Path(__file__).resolve().parent / "figures"
 FOLDER = FIGURES / "first_screen"
 DATA = FIGURES.parent.parent / "data"
 # Pixels of a thumbnail, without letters: the table of README says below what it shows.
-WIDTH, HEIGHT, PER_INCH = 320, 130, 100
-BLUE, ORANGE = "#1f77b4", "#d9730d"
+WIDTH = 320
+HEIGHT = 130
+PER_INCH = 100
+BLUE = "#1f77b4"
+ORANGE = "#d9730d"
 
 
 def asteroids(axes):

@@ -22,7 +22,7 @@ HASHES = FOLDER / "hashes.txt"
 
 
 def hash_of(name):
-    """Of the source of an example."""
+    """The hash of the source of an example."""
     return hashlib.sha256((EXAMPLES / f"{name}.py").read_bytes()).hexdigest()
 
 

@@ -75,11 +75,11 @@ def _on_this_machine(function, host):
     `pytest.fail` raises what no `except Exception` of a library that downloads can hide.
     """
 
-    def checked(*given, **options):
-        name = host(*given)
+    def checked(*arguments, **options):
+        name = host(*arguments)
         if name not in _THIS_MACHINE:
             pytest.fail(f"a test tried to reach {name}; tests run without a network")
-        return function(*given, **options)
+        return function(*arguments, **options)
 
     return checked
 

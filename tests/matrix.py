@@ -200,7 +200,7 @@ def table(rows):
     return "\n".join(f"| {' | '.join(map(str.ljust, line, widths))} |" for line in cells)
 
 
-def _arguments(given):
+def _arguments(words):
     parser = argparse.ArgumentParser(
         description=__doc__.split("\n", 1)[0],
         epilog="What follows -- is given to pytest in place of -n 2.",
@@ -217,12 +217,12 @@ def _arguments(given):
         help="keep the environments there, and use them again",
     )
     parser.add_argument("pytest", nargs="*", help="arguments of pytest, after --")
-    return parser.parse_args(given)
+    return parser.parse_args(words)
 
 
-def main(given=None):
+def main(words=None):
     """The command; its exit code."""
-    options = _arguments(given)
+    options = _arguments(words)
     chosen = interpreters()
     plan = [(chosen[0], True)]
     if not options.lowest:

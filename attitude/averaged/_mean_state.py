@@ -157,7 +157,7 @@ class Torus:
 
     @property
     def nodes(self) -> int:
-        """Of each phase."""
+        """The count of nodes of each phase."""
         return math.isqrt(len(self.wxyz))
 
     @property

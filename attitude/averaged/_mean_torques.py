@@ -88,7 +88,7 @@ class MeanTorques:
 
     @cached_property
     def means(self) -> list[list[Mean]]:
-        """Of each torque."""
+        """The means that make up each torque."""
         return [
             list(means_of(torque, self.body, self.axes, self.degree)) for torque in self.torques
         ]

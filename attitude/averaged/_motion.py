@@ -362,7 +362,7 @@ class AveragedMotion(Immutable):
 
     @property
     def is_averaged(self) -> tuple[bool, ...]:
-        """Of each torque, whether it is averaged over the turn of its path."""
+        """Whether each torque is averaged over the turn of its path."""
         return self.packing.averaged
 
     def _choose(self, track: Track, crossing: Crossing) -> int:
@@ -752,7 +752,7 @@ def _passed(track: Track, crossing: Crossing, least_odds: float) -> list[Track]:
 
 
 def _differences(truth: AveragedHistory, other: AveragedHistory) -> dict[str, float]:
-    """Of another state: |L| and energy less those of the truth, as shares, and the pole in rad."""
+    """How far another state is off: |L| and energy, as shares of the truth, and the pole in rad."""
     across = np.cross(other.pole, truth.pole)
     return {
         "size": float(other.size / truth.size - 1.0),

@@ -451,7 +451,7 @@ def _slope(axes: Axes, y: float, order: tuple[int, int, int]) -> float:
 def _loop(
     rates: FloatArray, terms: NDArray[np.complex128], size: float, slope: float
 ) -> tuple[float, FloatArray, float]:
-    """Of the loop over |L|: its area, the flow (3,) of L within; and the mean of G over |L|."""
+    """The loop over |L|: its area, the flow (3,) of L within; and the mean of G over |L|."""
     count = 2048
     f = 2.0 * np.pi * np.arange(2 * count) / count
     waves = np.exp(1j * np.outer(f, np.arange(1, len(terms) + 1)))

@@ -100,7 +100,7 @@ class AveragedEvent:
 
     @property
     def delay(self) -> float:
-        """Of a passage: root mean square of the time in s by which it comes early or late, or 0.
+        """Root mean square of the time in s by which a passage comes early or late, or 0.
 
         Over the phase that means lose; unknown, and 0, where `is_proved` is False.
         """

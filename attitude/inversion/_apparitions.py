@@ -206,7 +206,7 @@ class Combs:
 
 
 class _Sums(NamedTuple):
-    """Of each cell: products of columns (C, K, K), with conjugates, with magnitudes and terms."""
+    """Sums of each cell: products of columns (C, K, K), with conjugates, magnitudes and terms."""
 
     straight: ComplexArray
     crossed: ComplexArray

@@ -477,7 +477,7 @@ def _slope(base: FloatArray, amplitudes: FloatArray) -> FloatArray:
 
 
 def _dips(amplitudes: FloatArray) -> tuple[float, float, float, float]:
-    """Of a series in the orbit, mag: range, skewness, depth of the second dip, and brightening."""
+    """Dips of a series in the orbit, mag: range, skewness, second depth, and brightening."""
     dips = series(1.0, len(amplitudes) // 2, np.arange(_PHASES) / _PHASES) @ amplitudes
     off = dips - dips.mean()
     skewness = float(np.mean(off**3) / max(float(np.mean(off**2)) ** 1.5, 1e-30))

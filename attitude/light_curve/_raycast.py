@@ -1,4 +1,8 @@
-"""Self-shadowing by casting rays: slow and exact, a test oracle of `_visibility`."""
+"""Shadows of a mesh by casting rays: slow, and independent of the table of `_visibility`.
+
+Users compare `brightness` with it on meshes of their own.  Both share the law and the points of the
+facets, but not the way in which these are found to be free.
+"""
 
 from __future__ import annotations
 

@@ -154,7 +154,7 @@ def inertia_history(t, wxyz, omega, given, p, out):
 
 @subroutine
 def _weights(x):
-    """Of four equally spaced values, for the place x between the second (0) and third (1)."""
+    """Weights of four equally spaced values, for x between the second (0) and the third (1)."""
     return (
         -x * (x - 1.0) * (x - 2.0) / 6.0,
         (x + 1.0) * (x - 1.0) * (x - 2.0) / 2.0,

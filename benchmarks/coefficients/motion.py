@@ -7,7 +7,8 @@ from mpmath import mpf
 from benchmarks.coefficients import free_motion, rules, sources
 from benchmarks.coefficients.table import Claim, CoefficientTable
 
-_STEP, _FLOW = "_solver/step.py", "_solver/chains.py"
+_STEP = "_solver/step.py"
+_FLOW = "_solver/chains.py"
 _SINES = "_SINE_0", "_SINE_1", "_SINE_2", "_SINE_3"
 # How many powers of s each of them holds.
 _LENGTHS = 5, 4, 3, 1

@@ -7,7 +7,8 @@ from mpmath import mp, mpf
 from benchmarks.coefficients import rules, sources
 from benchmarks.coefficients.table import Claim, CoefficientTable
 
-_ELLIPTIC, _REGIMES = "_solver/elliptic.py", "_solver/regimes.py"
+_ELLIPTIC = "_solver/elliptic.py"
+_REGIMES = "_solver/regimes.py"
 _INTEGRATORS = "referee/_referee.py"
 
 
@@ -115,8 +116,8 @@ def _kinds():
         ("COS_ODD", "third kind, V_n", ([1], [-1, 2], 5, 5)),
     )
 
-    def flat(given):
-        return [x for row in rules.of_kind(*given) for x in row]
+    def flat(arguments):
+        return [x for row in rules.of_kind(*arguments) for x in row]
 
     return [
         _exact(
@@ -166,7 +167,7 @@ def _means():
             _ELLIPTIC,
             (name,),
             f"{agreement} mean; relative error",
-            partial(lambda near: [mpf(near)], near),
+            partial(lambda value: [mpf(value)], near),
             error=_error_of_mean,
             claims=(Claim(bound, stated),),
         )

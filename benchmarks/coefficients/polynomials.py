@@ -8,7 +8,8 @@ from benchmarks.coefficients import sources
 from benchmarks.coefficients.minimax import PolynomialFit, power_series
 from benchmarks.coefficients.table import Claim, CoefficientTable
 
-_PHASES, _STEP = "_solver/series.py", "_solver/step.py"
+_PHASES = "_solver/series.py"
+_STEP = "_solver/step.py"
 _ELEMENTARY = "_compilation/elementary.py"
 _CLOSED_FORM = "light_curve/_sums.py"
 _DIMMING = "inversion/_ellipsoid.py"

@@ -353,9 +353,9 @@ def test_sums_over_degrees_are_those_of_legendre(degree, is_averaged):
     nodes = len(_tables.coordinates(AXES))
     table = np.broadcast_to((sums * _tables.weights(degree)).reshape(-1), (4, nodes, sums.size))
 
-    def numbers(given):
-        unit = given / np.linalg.norm(given, axis=1)[:, None]
-        return np.concatenate([unit, np.full((len(given), 1), 0.7)], axis=1)
+    def numbers(vectors):
+        unit = vectors / np.linalg.norm(vectors, axis=1)[:, None]
+        return np.concatenate([unit, np.full((len(vectors), 1), 0.7)], axis=1)
 
     torque = GravityGradient(circle(12e6, slope=SLOPE), GM)
     mean = means.Mean(rates.HARMONICS, numbers, table, table[:, 0], 0, 1.0)

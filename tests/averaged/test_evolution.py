@@ -405,13 +405,13 @@ def test_a_tree_has_as_many_branches_as_are_wanted():
 
 
 def test_the_loop_of_a_resonance_is_that_of_a_pendulum():
-    """Of u' = a + b cos f: 16 sqrt(b) without a, nothing for b < a, a quadrature between them."""
+    """u' = a + b cos f has a loop of 16 sqrt(b) without a, none for b < a, a quadrature between."""
     area, flow, push = _resonances._loop(np.zeros(4), np.array([[0, 0, 0, 0.5]]), 1.0, 1.0)
     assert area == pytest.approx(16.0, rel=1e-4)
     assert push == 0.0
 
     def below(f):
-        """Of the saddle, for a = 2.4 and b = 6."""
+        """How far the potential lies below that of the saddle, for a = 2.4 and b = 6."""
         return 2.4 * (f - saddle) + 6.0 * (math.sin(f) - math.sin(saddle))
 
     saddle = -math.acos(-0.4)

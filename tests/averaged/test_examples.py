@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.solver.test_uses import lines, numbers
+from tests.support.examples import lines, numbers
 
 
 def rows_of(printed, count):

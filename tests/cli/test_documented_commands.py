@@ -18,8 +18,8 @@ import pytest
 
 from attitude import Body, FreeRotation, Spin, cli, epochs, paths, shape
 from attitude.formats import damit_light_curve, spin_file
-from tests.cli.test_every_option import _small
 from tests.support.places import ROOT
+from tests.support.searches import make_small
 
 PAGES = [ROOT / "README.md", ROOT / "data" / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 # Options after which a search ends early: lines are what is tested here, not searches.
@@ -27,7 +27,8 @@ SHORTER = {"invert": ["--budget", "0.5 s"]}
 # C-kernels are read and written by spiceypy, animations by Pillow.
 NEEDS = {".bc": "spiceypy", ".webp": "PIL"}
 # The body and the satellite of the files, in the first months of 2026.
-YEAR, FIRST_DAY = 2026, 2461045.5  # Julian date of 2026-01-05
+YEAR = 2026
+FIRST_DAY = 2461045.5  # Julian date of 2026-01-05
 
 
 def documented():
@@ -198,7 +199,7 @@ def outputs(words):
 
 
 def test_lines_are_found():
-    """Of pages and of all commands that have examples; each begins with a command."""
+    """Those of pages and of all commands that have examples; each begins with a command."""
     assert len(LINES) > 45 and {"README.md", "inversion.md", "events.md"} <= set(LINES.values())
     assert {line.split()[0] for line in LINES} <= set(cli.COMMANDS)
 
@@ -206,7 +207,7 @@ def test_lines_are_found():
 @pytest.mark.parametrize("line", LINES)
 def test_a_documented_line_runs(line, folder, monkeypatch, capsys):
     words = words_of(line)
-    _small(monkeypatch)
+    make_small(monkeypatch)
     write_light_curves(folder, line)
     for name in outputs(words):
         (folder / name).unlink(missing_ok=True)

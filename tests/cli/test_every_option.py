@@ -18,11 +18,12 @@ import pytest
 import attitude
 from attitude import FreeRotation, catalog, cli, inversion, paths
 from attitude.formats import spin_file
-from attitude.inversion import _errors, _known
-from tests.house.test_docs import PAGES, ROOT
+from tests.support.places import PAGES, ROOT
+from tests.support.searches import make_small
 
 DATA = ROOT / "data"
-OEM, TLE = DATA / "paths" / "apophis-2012-2013.oem", DATA / "paths" / "envisat-2013.tle"
+OEM = DATA / "paths" / "apophis-2012-2013.oem"
+TLE = DATA / "paths" / "envisat-2013.tle"
 MISSION = DATA / "mission" / "apophis-2012.toml"
 TORQUES = DATA / "mission" / "goes-like.toml"
 PASS, GLINTS = (DATA / "mission" / f"envisat-{name}.toml" for name in ("pass", "glints"))
@@ -189,25 +190,6 @@ def words_of(text):
     return [dates.get(each, each) for each in shlex.split(text)]
 
 
-def _small(monkeypatch):
-    """A search of few pairs and starts: options are what is tested."""
-    counts = dict.fromkeys(("pairs", "deep_starts", "classes", "convex", "finals"), 2)
-    smaller = inversion.Settings(**counts, short_classes=4, rounds=1)
-    defaults = inspect.unwrap(inversion.spin_states).__kwdefaults__
-    monkeypatch.setitem(defaults, "settings", smaller)
-    monkeypatch.setattr(_errors, "_REFITS", 1)
-    monkeypatch.setattr(_errors, "_SAMPLES", 20)
-    few = dict.fromkeys(("_KEPT", "_LEFT", "_LAST", "_ITERATIONS", "_SAMPLED", "_FITTED"), 2)
-    for name, value in {
-        "_ATTEMPTS": 1,
-        "_FEWEST": 200,
-        "_MOST": 200,
-        "_REFINED": 20,
-        **few,
-    }.items():
-        monkeypatch.setattr(_known, name, value)
-
-
 def _run(command, cases, capsys, folder):
     for text in cases:
         for old in folder.glob("OUT*"):
@@ -225,7 +207,7 @@ def _run(command, cases, capsys, folder):
 def test_every_option_runs(command, files, monkeypatch, capsys):
     if command == "check":
         pytest.importorskip("flint", reason="python-flint is not installed")
-    _small(monkeypatch)
+    make_small(monkeypatch)
     monkeypatch.chdir(files)
     _run(command, CASES[command], capsys, files)
 

@@ -64,7 +64,7 @@ def test_the_table_is_the_motion(file, capsys):
 
 
 def test_the_friction_of_a_material(file):
-    """Of a mu Q so low that a year ends it: the command takes what the motion takes."""
+    """With a mu Q so low that a year ends it: the command takes what the motion takes."""
     rubble = 'axes = [3, 1.5, 1.2]\ndensity = 2000\nrigidity = "1e4 Pa"\nquality = 10'
     Path(file).write_text(FRICTION.replace("strength = 1e-4", rubble))
     assert run(file, "--until", "60 d", "--output", "x.csv", "--step", "20 d") == 0

@@ -9,7 +9,7 @@ import pytest
 
 from attitude import cli
 from attitude.formats import mission
-from tests.house.test_examples import is_picture, run
+from tests.support.examples import is_picture, run
 from tests.support.places import DATA
 
 MISSIONS = DATA / "mission"

@@ -10,9 +10,7 @@ from attitude import AttitudeError, Body, cli, inversion
 from attitude.formats import spin_file
 from attitude.frames import matrix_to_icrf
 from attitude.inversion import _errors, _spin_states, _states
-from tests.support.places import DATA
-
-PHOTOMETRY = DATA / "light_curve" / "toutatis-1992-photometry.csv"
+from tests.support.places import DATA, PHOTOMETRY
 
 
 def _smaller(monkeypatch, **counts):
@@ -89,7 +87,7 @@ def test_three_known_moments_are_those_of_the_search(monkeypatch, capsys):
 
 
 @pytest.mark.parametrize(
-    ("given", "words"),
+    ("moments", "words"),
     [
         ("known", 'give "shape", "free", a number'),
         ("3, 2", "--moments has shape (2,)"),
@@ -97,8 +95,8 @@ def test_three_known_moments_are_those_of_the_search(monkeypatch, capsys):
         ("nothing.toml", "nothing.toml"),
     ],
 )
-def test_moments_that_no_body_has(capsys, given, words):
-    options = ["--max-frequency", "0.5 /d", "--moments", given]
+def test_moments_that_no_body_has(capsys, moments, words):
+    options = ["--max-frequency", "0.5 /d", "--moments", moments]
     assert cli.main(["invert", str(PHOTOMETRY), *options]) == 2
     assert words in capsys.readouterr().err
 

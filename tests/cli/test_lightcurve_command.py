@@ -10,32 +10,11 @@ from attitude import cli, light_curve, scattering
 from attitude.formats import mission
 from attitude.formats.damit_light_curve import read_damit_light_curves
 from attitude.shape import Ellipsoid
-from tests.house.test_examples import is_picture, run
+from tests.support.examples import is_picture, run
+from tests.support.missions import FIXED
 from tests.support.places import DATA
 
 MISSIONS = DATA / "mission"
-# A top seen and lit from directions at infinity: everything is known in closed form.
-FIXED = """
-observer.direction = [1, 0, 0]
-sun.direction = [1, 1, 0]
-
-[body]
-moments = [1, 2, 3]
-relative = true
-
-[spin]
-epoch = "2026-01-01"
-wxyz = [1, 0, 0, 0]
-angular_velocity = "0, 0, 1 deg/s"
-
-[shape]
-ellipsoid = "3, 2, 1 m"
-
-[times]
-start = "0"
-stop = "360 s"
-step = "30 s"
-"""
 # The same top at Mars, seen from the Earth.
 EARTH = (
     FIXED.replace("observer.direction = [1, 0, 0]", 'center = "mars barycenter"')

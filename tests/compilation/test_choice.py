@@ -137,11 +137,11 @@ def test_few_steps_of_a_torque_run_in_python(folder):
 
 
 def test_working_memory_is_not_work(monkeypatch):
-    """Of arguments named block or records the size does not count."""
+    """The size of arguments named block or records does not count."""
     monkeypatch.setattr(choice, "MODE", "automatic")
     monkeypatch.setattr(choice, "_spent", 0.0)
     seen = []
-    monkeypatch.setattr(choice, "is_worth_python", lambda *given: seen.append(given) or True)
+    monkeypatch.setattr(choice, "is_worth_python", lambda *call: seen.append(call) or True)
 
     @slowly_compiled
     def doubled(x, block, records, out):

@@ -57,8 +57,8 @@ def test_nothing_is_kept_that_could_be_out_of_date(folder, monkeypatch):
     """If numba renames the stamp of its index, edits elsewhere would not be noticed."""
 
     class Renamed(caching.IndexDataCacheFile):
-        def __init__(self, *given, **named):
-            super().__init__(*given, **named)
+        def __init__(self, *arguments, **named):
+            super().__init__(*arguments, **named)
             del self._source_stamp
 
     monkeypatch.setattr(caching, "IndexDataCacheFile", Renamed)

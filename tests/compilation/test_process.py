@@ -112,8 +112,8 @@ def test_threads_fill_parts_of_one_array():
     state = states.sample(1)[0][1:]
     parts = np.array_split(np.arange(T.size), 7)
 
-    def fill(part):
-        out[part[0] : part[-1] + 1] = propagate(*state, T[part])
+    def fill(rows):
+        out[rows[0] : rows[-1] + 1] = propagate(*state, T[rows])
 
     with ThreadPoolExecutor(4) as pool:
         list(pool.map(fill, parts))

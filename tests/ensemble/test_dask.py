@@ -29,15 +29,15 @@ def arrays(count=90):
     }
 
 
-def whole(given, **more):
-    return Ensemble(**given, epoch="2026-01-01", **more)
+def whole(columns, **more):
+    return Ensemble(**columns, epoch="2026-01-01", **more)
 
 
-def lazy(given, chunk=40):
+def lazy(columns, chunk=40):
     import dask.array as da
 
     return {
-        name: da.from_array(each, chunks=(chunk, each.shape[1])) for name, each in given.items()
+        name: da.from_array(each, chunks=(chunk, each.shape[1])) for name, each in columns.items()
     }
 
 

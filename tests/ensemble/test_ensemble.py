@@ -18,20 +18,20 @@ def _states(count=40, seed=3):
     return states.sample(-(-count // 20), seed=seed)[:count]
 
 
-def _ensemble(given, **options):
+def _ensemble(states, **options):
     return Ensemble(
-        moments=[s.moments for s in given],
-        wxyz=[s.wxyz0 for s in given],
-        angular_velocity=[s.omega0 for s in given],
+        moments=[s.moments for s in states],
+        wxyz=[s.wxyz0 for s in states],
+        angular_velocity=[s.omega0 for s in states],
         **{"epoch": EPOCH, **options},
     )
 
 
-def _motions(given, epochs=None, frame="icrf"):
-    epochs = [EPOCH] * len(given) if epochs is None else epochs
+def _motions(states, epochs=None, frame="icrf"):
+    epochs = [EPOCH] * len(states) if epochs is None else epochs
     return [
         FreeRotation(Body(moments=s.moments), Spin(e, s.wxyz0, s.omega0, frame))
-        for s, e in zip(given, epochs, strict=True)
+        for s, e in zip(states, epochs, strict=True)
     ]
 
 

@@ -46,9 +46,9 @@ def series_epochs(monkeypatch):
     sizes, original = [], erfa.dtdb
     monkeypatch.setattr(_time_scales, "_pieces", {})
 
-    def counted(date1, date2, *rest):
+    def counted(date1, date2, *others):
         sizes.append(np.size(date2))
-        return original(date1, date2, *rest)
+        return original(date1, date2, *others)
 
     monkeypatch.setattr(erfa, "dtdb", counted)
     return sizes
@@ -745,7 +745,7 @@ def test_a_float_of_seconds_is_not_read_by_the_reader_of_all_types(monkeypatch, 
     """A call with one epoch costs a third as much; the array is that of the general reader."""
     general = epochs.plain_seconds([seconds])[0]
 
-    def refuse(*given):
+    def refuse(*arguments):
         raise AssertionError("read by the general reader")
 
     monkeypatch.setattr(_inputs, "entries", refuse)

@@ -9,7 +9,8 @@ from attitude import AttitudeError, Body, FreeRotation, Scene, Spin, epochs, eve
 from tests.support.places import DATA
 
 SITE = ("20.3653 deg", "69.3482 deg", 157.0)
-START, STOP = "2013-10-23T15:00:00", "2013-10-23T23:00:00"
+START = "2013-10-23T15:00:00"
+STOP = "2013-10-23T23:00:00"
 
 
 def motion(rate=0.05):

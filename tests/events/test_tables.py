@@ -20,7 +20,8 @@ from attitude.shape import box, box_wing, flat_sides
 from tests.support import earth_orientation
 from tests.support.places import DATA
 
-START, STOP = "2013-10-23T15:30:00", "2013-10-23T23:30:00"
+START = "2013-10-23T15:30:00"
+STOP = "2013-10-23T23:30:00"
 SHINY = Materials({"surface": Material(0.2, 0.5, exponent=400)})
 
 

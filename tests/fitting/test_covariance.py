@@ -12,7 +12,8 @@ from attitude.frames import representations as forms
 EPOCH = "2026-01-01"
 T = np.linspace(0.0, 60.0, 101)
 TURN = forms.to_matrix(forms.from_axis_angle((1, 2, -1), 0.4))
-NOISE, FITS = 1e-3, 150
+NOISE = 1e-3
+FITS = 150
 LATER = 100.0
 STARS = np.resize([[1.0, 0.0, 0.0], [0.0, 0.6, 0.8], [0.0, 0.8, -0.6]], (len(T), 3))
 
@@ -25,36 +26,39 @@ def truth(free):
     return FreeRotation(body, spin)
 
 
-def noisy_attitudes(given, random):
+def noisy_attitudes(motion, random):
     noise = forms.from_rotation_vector(random.normal(scale=NOISE, size=(len(T), 3)))
-    return AttitudeTable(EPOCH, T, quaternion.multiply(given.at(T).wxyz, noise))
+    return AttitudeTable(EPOCH, T, quaternion.multiply(motion.at(T).wxyz, noise))
 
 
-def noisy_directions(given, random):
-    measured = given.at(T).inertial_to_body(STARS)
+def noisy_directions(motion, random):
+    measured = motion.at(T).inertial_to_body(STARS)
     return measured + random.normal(scale=NOISE, size=measured.shape)
 
 
-def noisy_rates(given, random):
-    rates = given.at(T).angular_velocity
+def noisy_rates(motion, random):
+    rates = motion.at(T).angular_velocity
     return rates + random.normal(scale=NOISE, size=rates.shape)
 
 
 WAYS = {
-    "attitudes": (False, lambda given, random: fit(noisy_attitudes(given, random), start=given)),
-    "a known body": (False, lambda given, random: fit(noisy_attitudes(given, random), given.body)),
+    "attitudes": (False, lambda motion, random: fit(noisy_attitudes(motion, random), start=motion)),
+    "a known body": (
+        False,
+        lambda motion, random: fit(noisy_attitudes(motion, random), motion.body),
+    ),
     "free axes": (
         True,
-        lambda given, random: fit(noisy_attitudes(given, random), axes="free", start=given),
+        lambda motion, random: fit(noisy_attitudes(motion, random), axes="free", start=motion),
     ),
     "rates": (
         False,
-        lambda given, random: fit_rates(T, noisy_rates(given, random), epoch=EPOCH, start=given),
+        lambda motion, random: fit_rates(T, noisy_rates(motion, random), epoch=EPOCH, start=motion),
     ),
     "directions": (
         False,
-        lambda given, random: fit_directions(
-            T, noisy_directions(given, random), STARS, epoch=EPOCH, start=given
+        lambda motion, random: fit_directions(
+            T, noisy_directions(motion, random), STARS, epoch=EPOCH, start=motion
         ),
     ),
 }
@@ -82,11 +86,11 @@ def turn_between(q, p):
     return forms.to_rotation_vector(quaternion.multiply(quaternion.conjugate(p), q))
 
 
-def parameters(motion, given, count, free):
+def parameters(motion, truth, count, free):
     """Parameters of a fit less the true ones, as documented."""
-    turn = turn_between(motion.spin.wxyz, given.spin.wxyz)
-    rates = motion.spin.angular_velocity - given.spin.angular_velocity
-    shape = np.subtract(shape_of(motion.body, free), shape_of(given.body, free))
+    turn = turn_between(motion.spin.wxyz, truth.spin.wxyz)
+    rates = motion.spin.angular_velocity - truth.spin.angular_velocity
+    shape = np.subtract(shape_of(motion.body, free), shape_of(truth.body, free))
     return np.concatenate([turn, rates, shape])[:count]
 
 

@@ -26,8 +26,8 @@ def motion(rates, turn=None):
     return FreeRotation(body, spin)
 
 
-def seen(given, t, known):
-    return given.at(t).inertial_to_body(np.broadcast_to(known, (len(t), 3)))
+def seen(motion, t, known):
+    return motion.at(t).inertial_to_body(np.broadcast_to(known, (len(t), 3)))
 
 
 def relative(body):

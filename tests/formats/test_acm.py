@@ -187,7 +187,7 @@ def optional(value):
 
 
 def size(blocks):
-    """Of a list of Orekit, which may be null."""
+    """The size of a list of Orekit, which may be null."""
     return 0 if blocks is None else blocks.size()
 
 

@@ -45,10 +45,10 @@ def written(tmp_path, source=HISTORY, **how):
     return path
 
 
-def late(found, history):
+def late(table, history):
     """By how many seconds the epochs read differ from those written."""
-    hi, lo = epochs.seconds_since(history.epoch, found.epoch)
-    return np.max(np.abs((found.seconds - history.seconds + hi) + (found.low + lo)))
+    hi, lo = epochs.seconds_since(history.epoch, table.epoch)
+    return np.max(np.abs((table.seconds - history.seconds + hi) + (table.low + lo)))
 
 
 @pytest.mark.parametrize(("version", "kind", "xml"), CHOICES)

@@ -30,22 +30,22 @@ def tokens(text):
     return found
 
 
-def value(found):
+def value(tokens):
     """A value of the grammar: a block of names with values, an array, or one token."""
-    token = found.pop(0)
+    token = tokens.pop(0)
     if token == "{":
         block = {}
-        while found[0] != "}":
-            name = found.pop(0)
+        while tokens[0] != "}":
+            name = tokens.pop(0)
             assert name.isidentifier() and name not in block
-            block[name] = value(found)
-        found.pop(0)
+            block[name] = value(tokens)
+        tokens.pop(0)
         return block
     if token == "[":
         row = []
-        while found[0] != "]":
-            row.append(value(found))
-        found.pop(0)
+        while tokens[0] != "]":
+            row.append(value(tokens))
+        tokens.pop(0)
         return row
     assert token not in "}]"
     return token.strip('"') if token[0] == '"' else float(token)

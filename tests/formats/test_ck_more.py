@@ -199,7 +199,7 @@ def test_what_is_refused(tmp_path):
 
 
 def test_a_fit_tries_free_axes_too(tmp_path, capsys):
-    """Of a body with small products of inertia an APM was 3.6 degrees off."""
+    """The APM of a body with small products of inertia was 3.6 degrees off."""
     body = Body(tensor=[[10.0, 0.4, -0.2], [0.4, 20.0, 0.3], [-0.2, 0.3, 26.0]])
     motion = FreeRotation(body, SPIN)
     aem.write(tmp_path / "a.aem", motion, t=np.arange(0.0, 400.0, 2.0))

@@ -5,7 +5,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from attitude import AttitudeError, Body, FreeRotation, Spin, frames
-from attitude.formats import damit
+from attitude.cli import main
+from attitude.formats import damit, detect, mission
 
 TEXT = "12.5 -34.25 5.270421\n2451545.25 77.5\n0.1 0.5 -0.5\n0.1\n"
 
@@ -82,3 +83,59 @@ def test_tumblers_are_refused(tmp_path):
         spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=rates)
         with pytest.raises(AttitudeError, match=r"\+z axis"):
             damit.write(tmp_path / "x", FreeRotation(Body(moments=(1, 2, 2.5)), spin))
+
+
+DAMIT = "250.5 -60.25 5.2701\n2451545.0 12.5\n0.1 0.5\n"
+
+
+@pytest.fixture
+def damit_file(tmp_path):
+    path = tmp_path / "asteroid.spin"
+    path.write_text(DAMIT)
+    return path
+
+
+def test_the_state_in_a_damit_file(damit_file, tmp_path):
+    found = detect.read_state(damit_file)
+    assert found.name == "asteroid"
+    assert np.array_equal(found.motion.spin.wxyz, damit.read(damit_file).spin.wxyz)
+    other = tmp_path / "spin.txt"
+    other.write_text(DAMIT)
+    assert detect.read_state(other).motion.period_phi == found.motion.period_phi
+    toml = tmp_path / "state.txt"
+    toml.write_text(
+        'name = "three words"\n[body]\nmoments = [1, 2, 2.5]\n[spin]\nepoch = "2026-01-01"\n'
+        "wxyz = [1, 0, 0, 0]\nangular_velocity = [0, 0, 1]\n"
+    )
+    assert detect.read_state(toml).name == "three words"
+
+
+def test_the_state_in_a_table_is_refused(tmp_path):
+    path = tmp_path / "table.a"
+    path.write_text("stk.v.4.3\n")
+    with pytest.raises(AttitudeError):
+        detect.read_state(path)
+
+
+def test_commands_take_a_damit_file(damit_file, tmp_path, capsys):
+    assert main(["describe", str(damit_file)]) == 0
+    assert "5.2701 h" in capsys.readouterr().out
+    table = tmp_path / "table.csv"
+    arguments = ["--stop", "1 h", "--step", "30 min", "--output", str(table)]
+    assert main(["propagate", str(damit_file), *arguments]) == 0
+    assert len(table.read_text().splitlines()) >= 4
+    picture = tmp_path / "a.png"
+    assert main(["plot", str(damit_file), "--output", str(picture)]) == 0
+    assert picture.stat().st_size > 1000
+
+
+def test_a_mission_takes_a_damit_file(damit_file, tmp_path):
+    text = """
+    spin = "asteroid.spin"
+    observer.direction = [1, 0, 0]
+    sun.direction = [0, 1, 0]
+    columns = ["sun_direction"]
+    times.epochs = ["2026-01-01"]
+    """
+    motion = mission.parse(text, folder=str(tmp_path)).scene.motion
+    assert motion.period_phi == pytest.approx(5.2701 * 3600.0, rel=1e-12)

@@ -173,7 +173,8 @@ def test_orekit_reads_what_was_meant(tmp_path, version, kind, xml):
     old = version == "1.0" and kind.endswith("/ANGVEL")
     how = {"rates": "euler"} if old else {}
     aem.write(
-        *(path, HISTORY),
+        path,
+        HISTORY,
         **NAMES,
         **how,
         version=version,

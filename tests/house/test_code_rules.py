@@ -11,7 +11,7 @@ from attitude._support import constants
 from attitude.motions._motion import Motion
 from attitude.paths import Ephemeris, Path
 from attitude.scattering import Law
-from tests.house.test_architecture import MODULES, nodes_of, of_modules, tree_of
+from tests.support.modules import MODULES, nodes_of, of_modules, tree_of
 
 FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 LONGEST_BODY = 60
@@ -134,18 +134,28 @@ def test_public_names_have_docstrings(name):
         assert ast.get_docstring(node), f"{label} has no docstring"
 
 
+@of_modules()
+def test_docstrings_say_what_the_function_is(name):
+    """None begins with "Of": of what, before it is said what."""
+    for node in nodes_of(name):
+        if isinstance(node, (*FUNCTIONS, ast.ClassDef, ast.Module)):
+            text = ast.get_docstring(node) or ""
+            assert not text.startswith("Of "), f"{getattr(node, 'name', name)}: {text}"
+
+
 COMPILED = {
-    *(
-        "entry_point",
-        "sized_entry_point",
-        "quickly_compiled",
-        "slowly_compiled",
-        "inlined_entry_point",
-        "subroutine",
-        "force_inlined",
-        "callback",
-    ),
-    *("reduction", "reduction_subroutine", "reduction_inlined", "reduction_callback"),
+    "entry_point",
+    "sized_entry_point",
+    "quickly_compiled",
+    "slowly_compiled",
+    "inlined_entry_point",
+    "subroutine",
+    "force_inlined",
+    "callback",
+    "reduction",
+    "reduction_subroutine",
+    "reduction_inlined",
+    "reduction_callback",
     "reduction_within",
 }
 

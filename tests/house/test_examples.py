@@ -1,28 +1,6 @@
 """The examples run as a reader would run them, and print what their heads say."""
 
-import os
-import subprocess
-import sys
-
-import pytest
-
-from tests.support.places import ROOT
-
-
-def run(name, folder, *arguments, **environment):
-    pytest.importorskip("matplotlib", reason="matplotlib, which draws them, is not installed")
-    return subprocess.run(
-        [sys.executable, "-W", "error", ROOT / "examples" / name, *arguments],
-        cwd=folder,
-        env={**os.environ, "PYTHONPATH": str(ROOT), **environment},
-        capture_output=True,
-        text=True,
-        timeout=300,
-    )
-
-
-def is_picture(path):
-    return path.read_bytes()[:4] == b"\x89PNG" and path.stat().st_size > 20_000
+from tests.support.examples import is_picture, run
 
 
 def test_toutatis(tmp_path):

@@ -700,10 +700,10 @@ def found_events():
     yield from columns_of("shadow", shadow)
 
 
-def columns_of(name, found):
+def columns_of(name, table):
     """The epochs and values of events."""
-    yield f"{name}/seconds", np.asarray(found.seconds)
-    yield f"{name}/values", np.asarray(found.values, dtype=float)
+    yield f"{name}/seconds", np.asarray(table.seconds)
+    yield f"{name}/values", np.asarray(table.values, dtype=float)
 
 
 def tabled(table):
@@ -730,7 +730,7 @@ def relative(value, tolerance):
 
 @part()
 def periods():
-    """Of one and of two frequencies, of the observed curve of Toutatis."""
+    """One and two frequencies of the observed curve of Toutatis."""
     curve = photometry.LightCurve.read(DATA / "light_curve" / "toutatis-1992-photometry.csv")
     one = photometry.periods(curve, min_period="1 d", max_period="20 d")
     yield (
@@ -780,7 +780,7 @@ def noisy(draw, sigma, shape):
 
 @part()
 def fits():
-    """Of a table, of directions and of rates."""
+    """Fits of a table, of directions and of rates."""
     body = Body(moments=(10, 20, 26))
     truth = FreeRotation(body, Spin(EPOCH, (1, 0, 0, 0), (0.01, 0.15, 0.02)))
     t = np.linspace(0.0, 600.0, 301)
@@ -810,14 +810,14 @@ def fits():
         yield name, Numbers(numbers | {"rms": relative(np.max(rms), 1e-7)})
 
 
-def inverted(found):
+def inverted(solutions):
     """What an inversion says: verdict, ranking, and the numbers of its best entries."""
-    best = found[0].evidence
+    best = solutions[0].evidence
     numbers = {
-        "verdict": (found.verdict, None),
-        "ranking": (" ".join(each.mode for each in found if each.evidence < best + 6.0), None),
+        "verdict": (solutions.verdict, None),
+        "ranking": (" ".join(each.mode for each in solutions if each.evidence < best + 6.0), None),
     }
-    for k, each in enumerate(found[:3]):
+    for k, each in enumerate(solutions[:3]):
         longitude, latitude = np.degrees(each.pole)
         numbers |= {
             f"{k} mode": (each.mode, None),
@@ -1009,19 +1009,19 @@ def machine():
     return found
 
 
-def changed(stored, found, *, same_machine):
+def changed(stored, computed, *, same_machine):
     """A sentence that says how a result differs from the one stored, or None."""
     if "numbers" in stored:
         off = [
-            f"{name} is {found['numbers'].get(name, ('absent',))[0]!r}, was {value!r}"
+            f"{name} is {computed['numbers'].get(name, ('absent',))[0]!r}, was {value!r}"
             for name, (value, tolerance) in stored["numbers"].items()
-            if not _close(found["numbers"].get(name, (None,))[0], value, tolerance)
+            if not _close(computed["numbers"].get(name, (None,))[0], value, tolerance)
         ]
-        off += [f"{name} is new" for name in found["numbers"] if name not in stored["numbers"]]
+        off += [f"{name} is new" for name in computed["numbers"] if name not in stored["numbers"]]
         return "; ".join(off) or None
-    if stored["sha256"] == found["sha256"]:
+    if stored["sha256"] == computed["sha256"]:
         return None
-    one, two = stored["places"], found["places"]
+    one, two = stored["places"], computed["places"]
     if len(one) != len(two):
         return "other bytes, and another number of places"
     difference = max(
@@ -1034,12 +1034,12 @@ def changed(stored, found, *, same_machine):
     return None if all(same) else f"differs by {difference:.3g}, more than {room:.3g}"
 
 
-def _close(found, stored, tolerance):
-    if tolerance is None or found is None or isinstance(found, str):
-        return found == stored
+def _close(computed, stored, tolerance):
+    if tolerance is None or computed is None or isinstance(computed, str):
+        return computed == stored
     if math.isnan(stored) or math.isinf(stored):
-        return repr(found) == repr(stored)
-    return abs(found - stored) <= tolerance
+        return repr(computed) == repr(stored)
+    return abs(computed - stored) <= tolerance
 
 
 KEPT = json.loads(STORED.read_text("utf-8")) if STORED.is_file() else {"results": {}}
@@ -1062,12 +1062,12 @@ def test_results_stay(name):
     assert not sentences, "\n".join([*sentences, f"If this is intended: {COMMAND} --only {name}"])
 
 
-def compared(stored, found):
+def compared(stored, computed):
     """Sentences: results that changed, that are gone, that are new."""
     this = machine()
     sentences = []
-    for key in {**stored, **found}:
-        if key not in found:
+    for key in {**stored, **computed}:
+        if key not in computed:
             # Optional packages write further files.
             if not _is_optional(key):
                 sentences.append(f"{key} is gone")
@@ -1075,7 +1075,7 @@ def compared(stored, found):
             sentences.append(f"{key} is new")
         elif said := changed(
             stored[key],
-            found[key],
+            computed[key],
             same_machine=this == KEPT["made_with"].get(key.partition("/")[0]),
         ):
             sentences.append(f"{key}: {said}")
@@ -1087,7 +1087,7 @@ def _is_optional(key):
 
 
 def test_a_change_is_a_sentence():
-    """Of a bit, of a place beyond the room, of a number beyond its tolerance."""
+    """A bit, a place beyond the room, a number beyond its tolerance."""
     array = np.linspace(1.0, 2.0, 100)
     stored = summary(array) | {"anywhere": True}
     assert changed(stored, summary(array), same_machine=False) is None
@@ -1158,10 +1158,10 @@ def main():
     return 0 if given.remake else bool(sentences)
 
 
-def write(parts, found):
+def write(parts, computed):
     """Store the results computed of some parts, beside those stored of others."""
     stored = json.loads(STORED.read_text("utf-8"))["results"] if STORED.is_file() else {}
-    kept = {key: x for key, x in stored.items() if key.partition("/")[0] not in parts} | found
+    kept = {key: x for key, x in stored.items() if key.partition("/")[0] not in parts} | computed
     order = list(PARTS)
     keys = sorted(kept, key=lambda key: (order.index(key.partition("/")[0]), key))
     lines = ",\n".join(f"  {json.dumps(key)}: {json.dumps(kept[key])}" for key in keys)

@@ -139,9 +139,9 @@ def test_what_one_run_skips_the_next_one_runs(workers, tmp_path, monkeypatch):
     monkeypatch.setenv("PYTHONPATH", str(matrix.ROOT))
     file = tmp_path / "skipped.json"
 
-    def run(*given):
+    def run(*arguments):
         command = [sys.executable, "-m", "pytest", "-p", "tests.conftest", "-p", "no:cacheprovider"]
-        command += ["-n", str(workers), *given]
+        command += ["-n", str(workers), *arguments]
         done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
         return done.returncode, done.stdout + done.stderr
 

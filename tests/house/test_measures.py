@@ -29,6 +29,12 @@ FILES = {
         @entry_point
         def loop(a, b, c, d, e, f, g, h, i):
             return a
+
+        def loop_of(given):
+            def store(a, b, c, d, e, f, g, h, i):
+                return a
+
+            return entry_point(named(store, "store"))
     '''
     + "\n".join(f"        X{k} = {k}" for k in range(10)),
     "body/__init__.py": "",
@@ -100,6 +106,7 @@ def test_bases_vague_names_and_long_calls(counted):
         "rest",
         "each",
         "found",
+        "given",
     ]
     assert counted.long_calls == [("attitude.numbers", "total", 4, 9)]
 
@@ -134,7 +141,7 @@ def test_figures_of_a_benchmark_have_names():
 
 
 def test_ratios_are_those_of_neighbouring_runs(capsys):
-    """Of a machine that slows down by half while it measures, and a checkout 10 % slower."""
+    """A machine that slows down by half while it measures, and a checkout 10 % slower."""
     speeds = [1.0, 1.1, 1.3, 1.4, 1.5]
     old = [{"call [1]": 10.0 * s, "error [1]": 0.0, "load [1]": 5.0} for s in speeds]
     new = [{"call [1]": 11.0 * s, "error [1]": 0.0, "load [1]": 5.0} for s in speeds]

@@ -147,7 +147,7 @@ def test_timetables():
 
 
 def test_a_light_curve_and_solutions():
-    """Of a body that turns about one axis, searched for a second."""
+    """A body that turns about one axis, searched for a second."""
     motion = FreeRotation(
         Body(moments=(1, 2, 2.5), relative=True),
         Spin(epoch="2026-01-01", wxyz=(0.8, 0.6, 0, 0), angular_velocity=(0, 0, 3e-4)),

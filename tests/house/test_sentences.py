@@ -155,7 +155,7 @@ def test_wrong_arguments(case):
 @pytest.mark.parametrize("motion", MOTIONS)
 @pytest.mark.parametrize("name", ["wxyz_at", "angular_velocity_at", "angular_acceleration_at"])
 @pytest.mark.parametrize(
-    ("given", "sentence"),
+    ("arguments", "sentence"),
     [
         (("x",), "seconds is 'x'; give plain seconds"),
         ((None,), "seconds is None; give plain seconds"),
@@ -166,14 +166,14 @@ def test_wrong_arguments(case):
         (([1, 2], "x"), "low is 'x'; give plain seconds"),
     ],
 )
-def test_seconds_of_motions(motion, name, given, sentence):
+def test_seconds_of_motions(motion, name, arguments, sentence):
     method = getattr(MOTIONS[motion], name, None)
     if method is None:
         assert name == "wxyz_at"
         assert motion != "arcs"
         return
     with pytest.raises(AttitudeError, match=sentence):
-        method(*given)
+        method(*arguments)
 
 
 @pytest.mark.parametrize("motion", MOTIONS)

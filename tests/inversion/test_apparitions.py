@@ -78,7 +78,7 @@ def test_a_curve_falls_into_its_apparitions(problem, known):
 
 
 def test_windows_of_one_apparition_are_all_tried(known):
-    """Of 126 days with 96 points, whose true rate is the 28th of hundreds of windows."""
+    """126 days with 96 points, whose true rate is the 28th of hundreds of windows."""
     curve, period, _ = known
     part = curve[curve.seconds < curve.seconds.min() + 127.0 * 86400.0]
     problem, _ = _problem.problem(part, 12.0 / 86400.0, 0.07, part.zero_points)
@@ -110,7 +110,7 @@ def test_a_budget_ends_a_search_of_millions_of_turns(known):
 
 
 def test_refine_keeps_a_rotation_about_one_axis(known):
-    """Of one apparition, from the truth with a wrong shape: rates across the axis stay zero."""
+    """One apparition, from the truth with a wrong shape: rates across the axis stay zero."""
     curve, period, pole = known
     whole = _problem.problem(curve, 12.0 / 86400.0, 0.07, curve.zero_points)[0]
     part = curve[max(_apparitions.apparitions(whole), key=len)]
@@ -155,7 +155,7 @@ def test_two_rotations_are_compared_across_gaps(problem):
 
 
 @pytest.mark.parametrize(
-    ("given", "words"),
+    ("options", "words"),
     [
         ({}, "max_frequency is missing"),
         ({"period": ("3 h", "2 h")}, "give the shorter one first"),
@@ -166,9 +166,9 @@ def test_two_rotations_are_compared_across_gaps(problem):
         ({"max_frequency": "12 /d"}, 'modes=("PA",)'),
     ],
 )
-def test_arguments_that_no_search_has(known, given, words):
+def test_arguments_that_no_search_has(known, options, words):
     with pytest.raises(AttitudeError) as caught:
-        inversion.spin_states(known[0], **given)
+        inversion.spin_states(known[0], **options)
     assert words in str(caught.value)
 
 

@@ -18,27 +18,27 @@ from attitude.inversion import (
 from attitude.inversion._problem import CurveProblem
 from benchmarks import inversion as figures
 from benchmarks import inversion_cases
+from tests.support.inversion_cases import in_plane
 
 
 def problem_of(sun, observer, t):
     """A problem of given directions (3, N)."""
     count = len(t)
-    terms, prior = np.ones((count, 1)), np.array([np.inf])
     return CurveProblem(
-        t, 1e6, sun, observer, np.zeros(count), np.full(count, 0.02), terms, prior, 0.0
+        t,
+        span=1e6,
+        sun=sun,
+        observer=observer,
+        magnitude=np.zeros(count),
+        sigma=np.full(count, 0.02),
+        terms=np.ones((count, 1)),
+        prior=np.array([np.inf]),
+        model_error=0.0,
     )
 
 
-def in_plane(generator, count, normal):
-    """Unit vectors (3, count) in the plane of a normal."""
-    first = np.cross(normal, [0.3, 0.5, 0.8])
-    first /= np.linalg.norm(first)
-    angle = generator.uniform(-0.6, 0.6, count)
-    return np.outer(first, np.cos(angle)) + np.outer(np.cross(normal, first), np.sin(angle))
-
-
 def test_the_mirror_pole_shows_the_same_magnitudes():
-    """Of a body reflected in the plane of the scene, whose spin is an axial vector."""
+    """Those of a body reflected in the plane of the scene, whose spin is an axial vector."""
     generator = np.random.default_rng(5)
     normal = np.array([0.1, -0.2, 0.97])
     normal /= np.linalg.norm(normal)

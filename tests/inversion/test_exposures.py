@@ -9,7 +9,7 @@ from attitude import FreeRotation, cli, inversion, light_curve, paths
 from attitude._support.constants import ASTRONOMICAL_UNIT_M
 from attitude.errors import AttitudeError
 from attitude.inversion import _moving, _problem
-from tests.inversion.test_refine import BODY, DAY, MOMENTS, RATES, SHAPE, SPIN, _directions, _start
+from tests.support.tumbler import BODY, DAY, MOMENTS, RATES, SHAPE, SPIN, directions, start_beside
 
 # A fifth of the period of the brightness, which has two maxima a turn of half a day.
 EXPOSURE = 0.05 * DAY
@@ -19,7 +19,7 @@ def smeared(count=150, sigma=0.01, exposure=EXPOSURE):
     """Epochs, mean brightness over 21 nodes of each exposure, mag, and the vectors."""
     generator = np.random.default_rng(3)
     t = np.sort(generator.uniform(-2.5, 2.5, count)) * DAY
-    both = _directions(t)
+    both = directions(t)
     flux = np.zeros(count)
     for node, weight in zip(*np.polynomial.legendre.leggauss(21), strict=True):
         matrix = FreeRotation(BODY, SPIN).at(t + 0.5 * exposure * node).matrix
@@ -33,19 +33,19 @@ def smeared(count=150, sigma=0.01, exposure=EXPOSURE):
     }  # fmt: skip
 
 
-def off(found):
+def off(refinement):
     """Rates and moments less the truth, in standard errors."""
-    error = np.sqrt(np.abs(np.diag(found.motion.spin.covariance)))
-    rates = (found.point.spin.angular_velocity - RATES) / error[3:6]
-    moments = (found.point.body.moments - MOMENTS)[:2]  # ascending; the third one is 1
+    error = np.sqrt(np.abs(np.diag(refinement.motion.spin.covariance)))
+    rates = (refinement.point.spin.angular_velocity - RATES) / error[3:6]
+    moments = (refinement.point.body.moments - MOMENTS)[:2]  # ascending; the third one is 1
     return np.concatenate([rates, moments / error[6:8]])
 
 
 def test_exposures_of_a_fifth_of_the_period_leave_rates_and_moments_right():
     """Without `exposure=` they are 2 to 3 standard errors off."""
     given = smeared()
-    right = inversion.refine(inversion.LightCurve(**given, exposure=EXPOSURE), _start())
-    wrong = inversion.refine(inversion.LightCurve(**given), _start())
+    right = inversion.refine(inversion.LightCurve(**given, exposure=EXPOSURE), start_beside())
+    wrong = inversion.refine(inversion.LightCurve(**given), start_beside())
     assert np.all(np.abs(off(right)) < 3.0)
     assert np.abs(off(right)).max() < np.abs(off(wrong)).max() > 2.0
 
@@ -56,7 +56,7 @@ def test_magnitudes_over_exposures_and_their_derivatives():
     curve = _problem.usable(inversion.LightCurve(**given, exposure=EXPOSURE))
     problem, _ = _problem.problem(curve, 1e-4, 0.02, "shared")
     assert len(problem.at_nodes()) == 5 * len(problem)
-    fit = inversion.refine(curve, _start())
+    fit = inversion.refine(curve, start_beside())
     state = fit.weighted.refined.state
     model = fit._model(problem)
     step = 1e-6
@@ -110,7 +110,7 @@ def fitted():
     dark = inversion.LightCurve(t, np.zeros(t.size), **given)
     magnitude = observed(dark) + 0.02 * generator.normal(size=t.size)
     curve = inversion.LightCurve(t, magnitude, 0.02, zero_points="shared", **given)
-    return inversion.refine(curve, _start(0.02, 0.001)), curve
+    return inversion.refine(curve, start_beside(0.02, 0.001)), curve
 
 
 def observed(curve):
@@ -183,7 +183,7 @@ def test_vectors_end_with_the_curve(fitted):
     sun, observer = curve.vectors
     plain = curve.replaced(sun=sun, observer=observer)
     plain._set("scenes", {})
-    fit = inversion.refine(plain, _start(0.02, 0.001))
+    fit = inversion.refine(plain, start_beside(0.02, 0.001))
     with pytest.raises(AttitudeError, match=r"outside of the light curve.*give path="):
         fit.predict([curve.seconds[-1] + DAY])
     there = fit.predict([curve.seconds[-1] + DAY], path=asteroid(), site="568")

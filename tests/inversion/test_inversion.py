@@ -30,32 +30,23 @@ from attitude.light_curve import _sums
 from attitude.photometry import _spectrum
 from benchmarks import inversion as figures
 from benchmarks import inversion_cases
-
-COUNT = 60
-
-
-def _geometry(seed=0, count=COUNT):
-    generator = np.random.default_rng(seed)
-    t = np.sort(generator.uniform(-0.5, 0.5, count))
-    sun = generator.normal(size=(3, count))
-    sun /= np.linalg.norm(sun, axis=0)
-    observer = sun + 0.7 * generator.normal(size=(3, count))
-    return t, sun, observer / np.linalg.norm(observer, axis=0)
-
-
-def _start(nutation=14.7, x=0.2):
-    generator = np.random.default_rng(1)
-    turn = np.linalg.qr(generator.normal(size=(3, 3)))[0]
-    turn *= np.sign(np.linalg.det(turn))
-    return np.concatenate([[20.3, nutation, 0.2, -1.0, x], turn.ravel(), [1.1, 0.7]])
+from tests.support.inversion_cases import COUNT, ellipsoid_state, geometry
 
 
 def _problem(t, sun, observer):
     """Magnitudes of zero with weights of one, and a constant that is free."""
     count = len(t)
-    terms = np.ones((count, 1)), np.full(1, np.inf)
-    given = t, 1.0, sun, observer, np.zeros(count), np.ones(count), *terms, 0.0
-    return inversion_problem.CurveProblem(*given)
+    return inversion_problem.CurveProblem(
+        t,
+        span=1.0,
+        sun=sun,
+        observer=observer,
+        magnitude=np.zeros(count),
+        sigma=np.ones(count),
+        terms=np.ones((count, 1)),
+        prior=np.full(1, np.inf),
+        model_error=0.0,
+    )
 
 
 def _rows(state, t, sun, observer):
@@ -72,9 +63,9 @@ def _magnitudes(state, t, sun, observer):
 @pytest.mark.parametrize(("nutation", "x"), [(14.7, 0.2), (-11.0, 0.5), (14.7, -0.1)])
 def test_magnitudes_of_an_ellipsoid_are_those_of_the_package(nutation, x):
     """The exact motion of the same elements, and `light_curve.closed_form`."""
-    t, sun, observer = _geometry()
+    t, sun, observer = geometry()
     state = np.zeros(_refinement.WIDTH)
-    state[:16] = _start(nutation, x)
+    state[:16] = ellipsoid_state(nutation, x)
     if nutation > 0.0:
         state[0] = 33.0
     motion = _states.motion(state, 1.0, Instant(0.0), None)
@@ -88,8 +79,8 @@ def test_magnitudes_of_an_ellipsoid_are_those_of_the_package(nutation, x):
 
 
 def test_derivatives_of_the_magnitudes():
-    t, sun, observer = _geometry()
-    state = _start()
+    t, sun, observer = geometry()
+    state = ellipsoid_state()
     jacobian = _rows(state, t, sun, observer)[1]
     for p in range(10):
         ends = []
@@ -102,13 +93,13 @@ def test_derivatives_of_the_magnitudes():
         assert slope == pytest.approx(jacobian[p], abs=1e-7 * np.abs(jacobian[p]).max())
 
 
-@pytest.mark.parametrize("given", [(math.nan,) * 3, (-0.9, -0.2, 0.0)])
-def test_slopes_of_the_sums_of_squares_from_many_starts(given):
+@pytest.mark.parametrize("log_moments", [(math.nan,) * 3, (-0.9, -0.2, 0.0)])
+def test_slopes_of_the_sums_of_squares_from_many_starts(log_moments):
     """Against differences, tied to the shape and to moments that are given, in both modes."""
-    t, sun, observer = _geometry()
+    t, sun, observer = geometry()
     curve = _ellipsoid.EllipsoidCurve(_problem(t, sun, observer))
-    tie, free = _ellipsoid.Held(0.15, given), np.zeros(10, bool)
-    states = np.stack([_start(), _start(-11.0, 0.5), _start(14.7, -0.1)])
+    tie, free = _ellipsoid.Held(0.15, log_moments), np.zeros(10, bool)
+    states = np.stack([ellipsoid_state(), ellipsoid_state(-11.0, 0.5), ellipsoid_state(14.7, -0.1)])
     near = _ellipsoid._linearised(curve, states, free, tie)
     assert _ellipsoid._cost(curve, states, tie) == pytest.approx(near.cost, rel=1e-13)
     for p in range(10):
@@ -124,7 +115,7 @@ def test_slopes_of_the_sums_of_squares_from_many_starts(given):
 
 def test_each_of_many_starts_is_minimised_as_if_alone():
     """More starts than are computed at a time, of which one is outside the bounds."""
-    t, sun, observer = _geometry()
+    t, sun, observer = geometry()
     given = _problem(t, sun, observer)
     generator = np.random.default_rng(5)
     states = _ellipsoid.starts(
@@ -140,10 +131,10 @@ def test_each_of_many_starts_is_minimised_as_if_alone():
 
 
 def test_derivatives_of_the_convex_model():
-    t, sun, observer = _geometry()
+    t, sun, observer = geometry()
     given = _problem(t, sun, observer)
     state = np.zeros(_refinement.WIDTH)
-    state[:16] = _start()
+    state[:16] = ellipsoid_state()
     state[16:] = 0.3 * np.random.default_rng(2).normal(size=_shapes.MODES)
     here = _refinement.model(given, state)
     for p in (*range(10), 12, 40):
@@ -239,7 +230,7 @@ def test_pairs_against_the_normal_equations(order):
 def test_prior_of_linear_terms_is_marginalised():
     """chi-squared with a prior is that of the covariance with the prior added."""
     generator = np.random.default_rng(5)
-    t, sun, observer = _geometry()
+    t, sun, observer = geometry()
     terms = np.stack([np.ones(COUNT), generator.normal(size=COUNT)], axis=1)
     y, sigma = generator.normal(size=COUNT), np.full(COUNT, 0.1)
     given = inversion_problem.CurveProblem(
@@ -272,7 +263,7 @@ EPOCHS = np.linspace(0.0, 86400.0, 40)
 
 
 @pytest.mark.parametrize(
-    ("given", "words"),
+    ("columns", "words"),
     [
         ({"magnitude": np.full(40, np.nan)}, "not finite"),
         ({"flux": np.linspace(-1.0, 1.0, 40)}, "not above zero"),
@@ -284,9 +275,9 @@ EPOCHS = np.linspace(0.0, 86400.0, 40)
         ({"magnitude": np.ones(40), "zero_points": "none"}, "zero_points is 'none'"),
     ],
 )
-def test_bad_curves_are_sentences(given, words):
+def test_bad_curves_are_sentences(columns, words):
     with pytest.raises(AttitudeError, match=words):
-        inversion_problem.usable(inversion.LightCurve(EPOCHS, **{**CURVE, **given}))
+        inversion_problem.usable(inversion.LightCurve(EPOCHS, **{**CURVE, **columns}))
 
 
 def test_epochs_given_twice_are_averaged_and_few_are_refused():

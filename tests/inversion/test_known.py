@@ -22,7 +22,7 @@ from attitude.inversion import (
 )
 from attitude.scattering import Material, Materials
 from attitude.shape import box_wing
-from tests.inversion.test_inversion import _geometry, _start
+from tests.support.inversion_cases import ellipsoid_state, geometry
 
 MESH = box_wing((3.0, 2.0, 1.2), (4.0, 1.5), gap=0.5, wings=1, wing_angle=0.5, thickness=0.1)
 LAW = Materials(
@@ -163,12 +163,12 @@ def test_slopes_of_a_known_shape():
 
 @pytest.mark.parametrize("nutation", [14.7, -11.0])
 def test_moments_that_are_given(nutation):
-    t, sun, observer = _geometry()
+    t, sun, observer = geometry()
     noise = 0.3 * np.random.default_rng(0).normal(size=len(t))
     terms = np.ones((len(t), 1)), np.full(1, np.inf)
     given = _problem.CurveProblem(t, 1.0, sun, observer, noise, np.full(len(t), 0.3), *terms, 0.0)
     tie = _states.of((3.0, 1.4, 2.5))
-    found = _refinement.refine(given, _start(nutation), tie=tie, iterations=60)
+    found = _refinement.refine(given, ellipsoid_state(nutation), tie=tie, iterations=60)
     ratios = _motions.moments(found.state[[0, 1, 3, 4]]).log_ratios
     moments = np.exp(np.append(ratios, 0.0))
     assert np.sort(moments / moments.max()) == pytest.approx([1.4 / 3.0, 2.5 / 3.0, 1.0], rel=0.02)
@@ -262,8 +262,7 @@ def test_errors_of_a_state_are_the_second_moments_of_its_density():
     found = inversion.refine(curve, MOTION, shape=MESH, law=LAW)
     problem, fit = found.weighted.problem, found._fit
     seconds = _moving.seconds_of(found.point, fit.epoch, problem.t * problem.span)
-    given = seconds, fit.known, fit.least
-    made = _errors.covariance_of_state(found.weighted, found.point, *given)
+    made = _errors.covariance_of_state(found.weighted, found.point, seconds, fit.known, fit.least)
     assert np.all(made[6:] == 0.0)
     # by many samples of a wide distribution, each with the cost of the fit
     generator = np.random.default_rng(4)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from attitude import Body, FreeRotation, Spin, inversion, light_curve
+from attitude import Body, FreeRotation, inversion, light_curve
 from attitude._support.constants import ASTRONOMICAL_UNIT_M
 from attitude.arcs import Arcs, Impulse
 from attitude.errors import AttitudeError
@@ -13,29 +13,25 @@ from attitude.inversion import _moving
 from attitude.shape import Ellipsoid
 from attitude.splitting import TorquedRotation
 from attitude.torques import ConstantTorque, SolarRadiation
+from tests.support.tumbler import (
+    AXES,
+    BODY,
+    DAY,
+    MOMENTS,
+    RATES,
+    SHAPE,
+    SPIN,
+    directions,
+    start_beside,
+)
 
-DAY = 86400.0
-AXES = np.array([1.0, 0.7, 0.5])
-MOMENTS = (AXES**2).sum() - AXES**2
-MOMENTS /= MOMENTS.max()
-RATES = 2.0 * np.pi / (0.5 * DAY) * np.array([0.5, 0.3, 0.8])
-BODY = Body(moments=MOMENTS, relative=True)
-SPIN = Spin("2026-01-01", (0.3, 0.2, -0.4, 0.8), RATES)
 MOMENTUM = float(np.linalg.norm(MOMENTS * RATES))
-SHAPE = Ellipsoid(AXES)
-
-
-def _directions(seconds):
-    a, b = np.radians(3.0 * seconds / DAY), np.radians(20.0 + 5.0 * seconds / DAY)
-    sun = np.stack([np.cos(a), np.sin(a), 0.1 + 0.0 * a], axis=-1)
-    observer = np.stack([np.cos(b), np.sin(b), 0.3 + 0.0 * b], axis=-1)
-    return [each / np.linalg.norm(each, axis=1)[:, None] for each in (sun, observer)]
 
 
 def _curve(motion, count=120, span=5.0, sigma=0.02):
     generator = np.random.default_rng(0)
     t = np.sort(generator.uniform(-0.5 * span, 0.5 * span, count)) * DAY
-    sun, observer = _directions(t)
+    sun, observer = directions(t)
     matrix = motion.at(t).matrix
     seen = [np.einsum("nij,ni->nj", matrix, each) for each in (sun, observer)]
     flux = light_curve.brightness(SHAPE, "lommel-seeliger", *seen)
@@ -44,28 +40,21 @@ def _curve(motion, count=120, span=5.0, sigma=0.02):
     return inversion.LightCurve(t, magnitude, sigma, epoch=motion.epoch, light_time=False, **far)
 
 
-def _start(turn=0.05, rate=0.004):
-    generator = np.random.default_rng(1)
-    wxyz = np.array(SPIN.wxyz) + turn * generator.normal(size=4)
-    rates = RATES * (1.0 + rate * generator.normal(size=3))
-    return FreeRotation(
-        Body(moments=MOMENTS * [1.02, 0.99, 1.0], relative=True), Spin("2026-01-01", wxyz, rates)
-    )
-
-
-def _is_truth(found):
+def _is_truth(refinement):
     """Whether rates and moments lie within 4 standard errors, and the fit leaves the noise."""
-    covariance = found.motion.spin.covariance
-    off = np.concatenate([found.point.spin.angular_velocity - RATES, found.point.body.moments])
+    covariance = refinement.motion.spin.covariance
+    off = np.concatenate(
+        [refinement.point.spin.angular_velocity - RATES, refinement.point.body.moments]
+    )
     off[3:] -= MOMENTS
     sigma = np.sqrt(np.diag(covariance)[3:])
     assert np.all(np.abs(off[:5]) < 4.0 * sigma[:5] + 1e-12)
-    assert found.chi_squared < 1.2
+    assert refinement.chi_squared < 1.2
     return True
 
 
 def test_free_motion_from_a_start():
-    found = inversion.refine(_curve(FreeRotation(BODY, SPIN)), _start())
+    found = inversion.refine(_curve(FreeRotation(BODY, SPIN)), start_beside())
     assert _is_truth(found)
     assert isinstance(found.motion, FreeRotation)
     magnitude, sigma = found.predict()
@@ -78,7 +67,8 @@ def test_free_motion_from_a_start():
 def test_two_spin_states_and_one_shape():
     momentum = 0.1 * MOMENTUM * np.array([0.5, -0.6, 0.6])
     truth = Arcs(BODY, SPIN, [Impulse(0.5 * DAY, momentum)])
-    found = inversion.refine(_curve(truth), _start(), arcs=Impulse(0.5 * DAY, (0.0, 0.0, 0.0)))
+    unknown = Impulse(0.5 * DAY, (0.0, 0.0, 0.0))
+    found = inversion.refine(_curve(truth), start_beside(), arcs=unknown)
     assert _is_truth(found)
     assert np.all(np.abs(found.values - momentum) < 4.0 * found.values_sigma)
     assert np.all(found.values_sigma < 0.05 * MOMENTUM)
@@ -107,7 +97,7 @@ def test_a_constant_torque():
 @pytest.mark.parametrize("kind", ["arcs", "torque", "sunlight"])
 def test_tangents_are_those_of_differences(kind):
     arcs = torques = None
-    start, seconds = _start(), np.linspace(-2.0, 2.0, 9) * DAY
+    start, seconds = start_beside(), np.linspace(-2.0, 2.0, 9) * DAY
     if kind == "arcs":
         arcs = [
             Impulse(0.4 * DAY, 0.02 * MOMENTUM * np.ones(3)),
@@ -137,7 +127,7 @@ def test_tangents_are_those_of_differences(kind):
 
 
 def test_what_cannot_be_refined():
-    curve, start = _curve(FreeRotation(BODY, SPIN), count=40), _start()
+    curve, start = _curve(FreeRotation(BODY, SPIN), count=40), start_beside()
     with pytest.raises(AttitudeError, match="start is int"):
         inversion.refine(curve, 3)
     with pytest.raises(AttitudeError, match="one of them"):
@@ -151,6 +141,6 @@ def test_what_cannot_be_refined():
 
 def test_moments_that_are_given_stay():
     curve = _curve(FreeRotation(BODY, SPIN))
-    found = inversion.refine(curve, _start(), moments=[3.0 * each for each in MOMENTS])
+    found = inversion.refine(curve, start_beside(), moments=[3.0 * each for each in MOMENTS])
     assert found.point.body.moments / found.point.body.moments.max() == pytest.approx(MOMENTS)
     assert found.chi_squared < 1.2

@@ -31,7 +31,7 @@ from attitude.scattering import LommelSeeligerLambert
 from attitude.shape import Mesh, box
 from benchmarks import inversion as figures
 from benchmarks import inversion_meshes
-from tests.inversion.test_axial import in_plane
+from tests.support.inversion_cases import in_plane
 
 COUNT = 400
 
@@ -106,7 +106,7 @@ def test_many_states_are_compared_as_one():
 
 
 def test_every_nutation_is_tried_with_a_line():
-    """Of phi, or of phi and psi together, in both modes: of the truths that were missed too."""
+    """A line of phi, or of phi and psi together, in both modes: truths that were missed too."""
     rates = _lattices.of_line(80.4, 257.3, ("LAM", "SAM"))
     # lambda/pi and the signed nutation, with the line as phi in long-axis mode ...
     for rate, nutation in ((118.0, 37.6), (80.4, 37.6), (80.4, -37.6), (42.8, -37.6)):
@@ -125,7 +125,7 @@ def test_every_nutation_is_tried_with_a_line():
 
 @pytest.mark.parametrize(("modes", "count"), [(("LAM", "SAM"), 10), (("SAM",), 5)])
 def test_rates_with_lines_of_others_or_next_to_them(modes, count):
-    """Of a body whose true rates are 84.94 and 4.86 ellipsoids fitted 80.11 and 4.79."""
+    """Ellipsoids fitted a body of rates 84.94 and 4.86 with 80.11 and 4.79."""
     candidates = _lattices.mistaken(80.11, 4.79, 200.0, modes)
     assert len(candidates) == count
     states = [np.r_[one.precession, one.nutation, 0.0, -1.0, np.zeros(12)] for one in candidates]
@@ -173,9 +173,17 @@ def test_pairs_of_most_power_are_fitted():
     assert spent[1] < 0.2 * spent[0]
 
 
-def _search_of(given, **found):
-    arguments = given, 60.0, ("LAM", "SAM"), _shapes.Tie(), (), np.random.default_rng(0), print
-    return _search.Search(*arguments, **found)
+def _search_of(problem, **results):
+    return _search.Search(
+        problem,
+        60.0,
+        ("LAM", "SAM"),
+        _shapes.Tie(),
+        (),
+        np.random.default_rng(0),
+        print,
+        **results,
+    )
 
 
 @pytest.mark.parametrize(("ahead", "expected"), [(0.0, 12), (30.0, 12), (50.0, 3)])
@@ -214,7 +222,7 @@ def test_another_rate_of_rotation_has_a_coarser_map(monkeypatch, costs, ahead, e
     search = _search_of(_given(np.zeros(COUNT)), convex=list(bodies))
     maps, left = [], iter(costs)
 
-    def minima(mapping, rough, state, *given):
+    def minima(mapping, rough, state, *others):
         maps.append(mapping.settings.axial_poles)
         fit = SimpleNamespace(state=state, cost=next(left), normal=np.eye(_refinement.SIZE))
         return [fit], [fit]
@@ -346,8 +354,9 @@ def test_poles_with_the_same_rates_contain_the_true_one():
     away[5:14] = _ellipsoid.frames_of(generator, np.array([[0.6, -0.5, 0.62]]))[0]
     turns = _pole_map.turn_of_scene(given, np.stack([each[[7, 10, 13]] for each in (away, state)]))
     away[0] += 0.5 * (turns[0] - turns[1])
-    arguments = given, generator, away, _ellipsoid.Held(0.5), _shapes.Tie(), lambda: False
-    found = _pole_map.of_rates(*arguments)
+    found = _pole_map.of_rates(
+        given, generator, away, _ellipsoid.Held(0.5), _shapes.Tie(), lambda: False
+    )
     assert len(found[0]) == _refinement.WIDTH > len(found[1])  # a body, then an ellipsoid
     poles = np.array([each[[7, 10, 13]] for each in found[:5]])
     assert np.max(poles @ state[[7, 10, 13]]) > math.cos(math.radians(8.0))
@@ -560,7 +569,7 @@ def test_noise_from_neighbouring_residuals(factor):
 
 @pytest.mark.parametrize(("common", "expected"), [(0.0, 1.0), (0.2, 1.0), (0.7, 17.0 / 3.0)])
 def test_correlated_residuals_count_as_fewer_points(common, expected):
-    """Of two parts, one of which neighbours have in common, a share of the variance."""
+    """Residuals of two parts, one of which neighbours have in common, a share of the variance."""
     generator = np.random.default_rng(11)
     t = np.linspace(-0.5, 0.5, 2000)
     residual = math.sqrt(common) * np.sum(
@@ -662,7 +671,7 @@ def test_poles_of_one_pair_of_rates_are_all_on_a_comb_or_none(evidence, nutation
 
 @pytest.mark.parametrize(("turns", "expected"), [(0.0, 101.0), (0.3, 101.0), (-0.3, 0.0)])
 def test_a_comb_is_that_of_the_lines_that_the_scene_sees(turns, expected):
-    """Of a precession that is 0.2 above the comb, from a scene that turns about the momentum."""
+    """A precession that is 0.2 above the comb, from a scene that turns about the momentum."""
     found = [_weighted(-17.2, 0.0, 1.0), _weighted(0.0, 100.0, 1.0)]
     pole = found[0].refined.state[_ellipsoid.OF_POLE]
     first = np.cross(pole, [0.0, 0.6, 0.8])
@@ -756,7 +765,7 @@ def test_a_difference_counts_by_nights():
 
 
 def test_the_width_of_the_prior_of_modes_is_the_most_probable_one():
-    """Of Gaussian densities, whose evidence is exact: by integrals over all parameters."""
+    """Gaussian densities, whose evidence is exact: by integrals over all parameters."""
     generator = np.random.default_rng(3)
     size = _refinement.SIZE
     modes = np.arange(_refinement.MOTION + _shapes.ELLIPSOID, size)

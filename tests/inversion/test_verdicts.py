@@ -29,14 +29,19 @@ COUNT = 100
 
 def _problem(sigma, count=COUNT):
     """A curve of a body that is seen from its equator, at a phase angle of 20 to 60 degrees."""
-    y = np.sin(np.arange(count))
-    ones = np.ones((count, 1))
     angle = np.radians(np.linspace(20.0, 60.0, count))
     sun = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle])
     observer = np.repeat([[1.0], [0.0], [0.0]], count, axis=1)
-    given = np.linspace(-0.5, 0.5, count), 1.0, sun, observer, y
     return inversion_problem.CurveProblem(
-        *given, np.full(count, sigma), ones, np.full(1, np.inf), 0.0
+        np.linspace(-0.5, 0.5, count),
+        span=1.0,
+        sun=sun,
+        observer=observer,
+        magnitude=np.sin(np.arange(count)),
+        sigma=np.full(count, sigma),
+        terms=np.ones((count, 1)),
+        prior=np.full(1, np.inf),
+        model_error=0.0,
     )
 
 
@@ -96,7 +101,7 @@ def test_tumbling_is_claimed_against_one_axis_by_odds_of_a_catalogue(behind, exp
 
 
 def test_small_tilts_of_a_nutation_are_less_probable():
-    """Of a density that is uniform from 0 to 90 degrees: 2/pi of each rad."""
+    """The density is uniform from 0 to 90 degrees: 2/pi of each rad."""
     state = _solution(-7.0, 0.0, 0.01).refined.state
     tilts = np.radians(np.linspace(0.01, 89.99, 9000))
     added = []
@@ -144,7 +149,7 @@ def test_a_nutation_that_fits_better_than_by_chance(tumbling, behind, ln_rho, ex
 
 
 def test_one_axis_is_claimed_where_a_nutation_would_be_noticed():
-    """Of an elongated body, not of one that is nearly a sphere: it hides how it turns."""
+    """For an elongated body, not for one that is nearly a sphere: it hides how it turns."""
     found = [_solution(0.0, 0.0, 0.01)]
     assert _verdicts.verdict(found, _problem(0.02), True, 70.0)[0] == _verdicts.SOLVED
     found[0].refined.state[14:16] = 0.1, 0.05
@@ -252,9 +257,18 @@ def test_errors_that_are_too_large_hide_no_variation(noise, size, expected):
     t = (np.repeat(np.arange(6), 20) + np.tile(np.linspace(0.0, 0.2, 20), 6)) / 6.0 - 0.5
     y = noise * np.random.default_rng(5).normal(size=120) + size * np.sin(2.0 * np.pi * 15.0 * t)
     zeros = np.zeros((3, 120))
-    terms = np.ones((120, 1)), np.full(1, np.inf)
-    given = t, 6.0 * 86400.0, zeros, zeros, y, np.full(120, 0.02), *terms, 0.07
-    assert is_constant(inversion_problem.CurveProblem(*given)) is expected
+    problem = inversion_problem.CurveProblem(
+        t,
+        span=6.0 * 86400.0,
+        sun=zeros,
+        observer=zeros,
+        magnitude=y,
+        sigma=np.full(120, 0.02),
+        terms=np.ones((120, 1)),
+        prior=np.full(1, np.inf),
+        model_error=0.07,
+    )
+    assert is_constant(problem) is expected
 
 
 @pytest.mark.parametrize(("size", "expected"), [(0.0, True), (0.08, True), (0.25, False)])
@@ -266,10 +280,19 @@ def test_zero_points_beyond_their_prior_are_no_constant_brightness(size, expecte
     terms = np.concatenate([np.ones((240, 1)), nights[:, None] == np.arange(60)], axis=1)
     prior = np.r_[np.inf, np.full(60, CALIBRATED)]
     zeros = np.zeros((3, 240))
-    given = np.linspace(-0.5, 0.5, 240), 1.0, zeros, zeros, y, np.full(240, 0.05), terms, prior
-    made = inversion_problem.CurveProblem(*given, 0.07)
-    assert is_constant(made) is expected
-    found = _evidence.constant(made)
+    problem = inversion_problem.CurveProblem(
+        np.linspace(-0.5, 0.5, 240),
+        span=1.0,
+        sun=zeros,
+        observer=zeros,
+        magnitude=y,
+        sigma=np.full(240, 0.05),
+        terms=terms,
+        prior=prior,
+        model_error=0.07,
+    )
+    assert is_constant(problem) is expected
+    found = _evidence.constant(problem)
     assert found.chi_squared < 1.3
     # the offsets' part of the posterior volume, closed: ln(1 + 4 prior^2 / sigma^2) of each
     assert _evidence.volume_of_offsets(found.problem) == pytest.approx(60.0 * np.log(17.0), rel=0.1)
@@ -344,7 +367,7 @@ def test_a_search_imports_no_scipy():
 
 
 def test_motions_that_were_best_with_offsets_are_compared_again(monkeypatch):
-    """Of each pair of rates one, and the best with offsets of an earlier round."""
+    """One of each pair of rates, and the best with offsets of an earlier round."""
 
     def solution(phi, psi, evidence):
         state = np.zeros(_ellipsoid.WIDTH)

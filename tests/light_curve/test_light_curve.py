@@ -427,7 +427,7 @@ def test_magnitudes():
 
 
 def test_boxes_of_large_meshes_pass_over_no_cluster(monkeypatch):
-    """Of meshes with many clusters the boxes of their normals are compared with the cells."""
+    """The boxes of normals of meshes with many clusters are compared with the cells."""
     from attitude.light_curve import _sums
 
     exact = _sums.clustered(FACETS.normals, FACETS.areas)

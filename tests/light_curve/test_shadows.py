@@ -356,7 +356,7 @@ def test_a_table_of_another_mesh_is_refused():
 def test_a_table_is_kept_on_disk_by_the_content_of_the_mesh(tmp_path, monkeypatch):
     from attitude.light_curve import _visibility
 
-    def refuse(*given):
+    def refuse(*arguments):
         raise AssertionError("computed again")
 
     monkeypatch.setenv("ATTITUDE_CACHE", str(tmp_path / "tables"))

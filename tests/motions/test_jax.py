@@ -10,7 +10,9 @@ from attitude.frames import quaternion
 jax = pytest.importorskip("jax", reason="jax is not installed")
 jnp = jax.numpy
 
-MOMENTS, WXYZ, T = np.array([10.0, 20, 26]), np.array([1.0, 2, 3, 4]), np.array([0.0, 0.3, 2.0])
+MOMENTS = np.array([10.0, 20, 26])
+WXYZ = np.array([1.0, 2, 3, 4])
+T = np.array([0.0, 0.3, 2.0])
 # Short- and long-axis mode, a principal axis, at rest.
 RATES = np.array([[1.0, 15, 1], [9, 2, 1], [0, 0, 3], [0, 0, 0]])
 

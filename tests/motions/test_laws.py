@@ -271,7 +271,7 @@ def test_alone_in_an_array_in_a_chunk_in_a_thread(state, turns, size):
     alone = [_at(state, float(x), angular_velocity=True) for x in t]
     chunks = [t[i : i + size] for i in range(0, len(t), size)]
     with ThreadPoolExecutor(2) as pool:
-        threaded = list(pool.map(lambda part: _at(state, part, angular_velocity=True), chunks))
+        threaded = list(pool.map(lambda chunk: _at(state, chunk, angular_velocity=True), chunks))
     for k in range(2):
         assert np.array_equal(whole[k], [each[k] for each in alone])
         assert np.array_equal(whole[k], np.concatenate([each[k] for each in threaded]))
@@ -318,10 +318,10 @@ def test_nan_in_its_place_only(state, turns):
 
 @laws
 @given(any_state, revolutions, st.floats(-1e6, 1e6))
-def test_any_split_of_an_epoch(state, turns, part):
+def test_any_split_of_an_epoch(state, turns, share):
     """t + t_low is the epoch, whichever of the two is the larger: the sum is exact here."""
     unit = 2.0 ** math.frexp(states.revolution(state))[1]
-    t, low = round(turns * 2**20) * unit / 2**20, round(part * 2**20) * unit / 2**20
+    t, low = round(turns * 2**20) * unit / 2**20, round(share * 2**20) * unit / 2**20
     assert np.array_equal(_at(state, t, t_low=low), _at(state, t + low))
     assert np.array_equal(_at(state, t + low, t_low=0.0), _at(state, t + low))
 

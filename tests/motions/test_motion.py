@@ -13,7 +13,8 @@ from attitude.torques import ConstantTorque
 START = epochs.instant("2026-01-01")
 BODY = Body(moments=(1, 2, 2.5))
 SPIN = Spin(epoch=START, wxyz=(1, 2, 3, 4), angular_velocity=(0.1, 0.2, 0.3))
-SUN, OBSERVER = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
+SUN = (1.0, 0.0, 0.0)
+OBSERVER = (0.0, 1.0, 0.0)
 
 
 class Scan(Motion):
@@ -114,7 +115,7 @@ def test_every_kind_keeps_the_contract(motion):
 
 @pytest.mark.parametrize("name", ["free", "arcs", "scan"])
 def test_rate_bounds_hold(name):
-    """Of axes between joints, by dense samples."""
+    """Bounds of axes between joints, by dense samples."""
     motion = KINDS[name]
     for start in (0.0, *motion.joints):
         end = min([t for t in motion.joints if t > start], default=start + 200.0)
@@ -179,18 +180,18 @@ class Timeless:
 
 
 @pytest.mark.parametrize(
-    ("given", "sentence"),
+    ("value", "sentence"),
     [
         (5, "motion is int; give a FreeRotation"),
         (FreeRotation, "motion is the class FreeRotation; give"),
         (Timeless(), "neither .epoch nor .spin"),
     ],
 )
-def test_what_is_no_motion(given, sentence):
+def test_what_is_no_motion(value, sentence):
     with pytest.raises(AttitudeError, match=sentence):
-        motion_of(given)
+        motion_of(value)
     with pytest.raises(AttitudeError, match=sentence):
-        Scene(given, None, observer=OBSERVER, sun=SUN)
+        Scene(value, None, observer=OBSERVER, sun=SUN)
 
 
 def test_a_motion_without_an_evaluation():

@@ -338,7 +338,7 @@ def test_threads_and_blocks_change_no_bit():
 
 
 @pytest.mark.parametrize(
-    ("given", "sentence"),
+    ("arguments", "sentence"),
     [
         ({"moments": (1, 2, 2), "tensors": np.eye(3)}, "either moments"),
         ({"moments": None}, "either moments"),
@@ -352,9 +352,9 @@ def test_threads_and_blocks_change_no_bit():
         ({"moments": (1, 2, 2), "threads": 0}, "threads is 0"),
     ],
 )
-def test_tensors_and_threads_that_are_refused(given, sentence):
+def test_tensors_and_threads_that_are_refused(arguments, sentence):
     with pytest.raises(AttitudeError, match=sentence):
-        propagate(given.pop("moments"), (1, 0, 0, 0), (1, 2, 3), [0.0, 1.0], **given)
+        propagate(arguments.pop("moments"), (1, 0, 0, 0), (1, 2, 3), [0.0, 1.0], **arguments)
 
 
 @pytest.mark.parametrize("place", range(3))

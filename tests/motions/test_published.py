@@ -34,8 +34,8 @@ SET = {
 }
 
 
-def motion_of(body, **given):
-    return FreeRotation(body, Spin.from_periods(body, **given))
+def motion_of(body, **periods):
+    return FreeRotation(body, Spin.from_periods(body, **periods))
 
 
 def turned_by(angle):

@@ -130,7 +130,7 @@ def test_a_spin_is_a_value():
     st.integers(-900, 900),
 )
 def test_the_unit_quaternion_has_31_digits(wxyz, power):
-    """Of the doubles given; those of unit length within rounding stay as they are."""
+    """That of the doubles given; those of unit length within rounding stay as they are."""
     given_doubles = np.ldexp(wxyz, power)
     spin = Spin(epoch="2026-01-01", wxyz=given_doubles, angular_velocity=OMEGA)
     assert np.array_equal(spin.wxyz, spin.wxyz_as_pairs[:, 0])

@@ -12,7 +12,9 @@ torch = pytest.importorskip("torch", reason="torch is not installed")
 # torch warns of itself at its first forward derivative
 pytestmark = pytest.mark.filterwarnings("ignore:.*torch.jit.script.*:FutureWarning")
 
-MOMENTS, WXYZ, T = np.array([10.0, 20, 26]), np.array([1.0, 2, 3, 4]), np.array([0.0, 0.3, 2.0])
+MOMENTS = np.array([10.0, 20, 26])
+WXYZ = np.array([1.0, 2, 3, 4])
+T = np.array([0.0, 0.3, 2.0])
 # Short- and long-axis mode, a principal axis, at rest.
 RATES = np.array([[1.0, 15, 1], [9, 2, 1], [0, 0, 3], [0, 0, 0]])
 

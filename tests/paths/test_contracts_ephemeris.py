@@ -14,7 +14,8 @@ from attitude.paths._solar_system import SOURCES
 from attitude.torques import GravityGradient, SolarRadiation
 from tests.support.kernels import DATA, DE421, kernel
 
-AU, DAY = 149_597_870_700.0, 86_400.0
+AU = 149_597_870_700.0
+DAY = 86_400.0
 START = instant("2028-01-01T00:00:00 TDB")
 SECONDS = np.linspace(0.0, 3e7, 25)
 

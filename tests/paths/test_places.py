@@ -121,7 +121,7 @@ def test_the_packaged_list_is_that_of_the_minor_planet_center():
 
 
 @pytest.mark.parametrize(
-    ("given", "sentence"),
+    ("value", "sentence"),
     [
         ("toutatis", r"not the name of a body .*paths\.mpc_orbit\(line\), paths\.kepler\("),
         ("1.2, 0.5", "may be degrees or radians; give the unit"),
@@ -136,9 +136,9 @@ def test_the_packaged_list_is_that_of_the_minor_planet_center():
         ({"planet": "mars"}, "has none of tle, omm, oem"),
     ],
 )
-def test_refusals_name_what_is_allowed(given, sentence):
+def test_refusals_name_what_is_allowed(value, sentence):
     with pytest.raises(AttitudeError, match=sentence):
-        paths.place(given)
+        paths.place(value)
 
 
 def test_a_scene_names_the_ways_to_an_orbit():

@@ -37,7 +37,7 @@ def test_a_series_is_evaluated_once(monkeypatch):
     calls = []
     series = type(path.series)
     found = series._state
-    monkeypatch.setattr(series, "_state", lambda *given: calls.append(1) or found(*given))
+    monkeypatch.setattr(series, "_state", lambda *call: calls.append(1) or found(*call))
     seconds = np.linspace(0.0, 30 * 86400.0, 1000)
     first = path.position(J2000, seconds)
     assert len(calls) == 1
@@ -52,7 +52,8 @@ def test_a_scene_evaluates_no_series_again(monkeypatch):
     times = [f"2026-01-{day:02d}" for day in range(1, 20)]
     first = scene.at(times).phase_angle
     monkeypatch.setattr(
-        "attitude.paths._solar_system.AstropyBody._state", lambda *given: pytest.fail("evaluated")
+        "attitude.paths._solar_system.AstropyBody._state",
+        lambda *call: pytest.fail("evaluated"),
     )
     np.testing.assert_array_equal(scene.at(times).phase_angle, first)
 

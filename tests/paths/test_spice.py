@@ -11,7 +11,8 @@ from attitude.errors import AttitudeError
 
 spiceypy = pytest.importorskip("spiceypy", reason="spiceypy is not installed")
 
-RADIUS, RATE = 7e6, 1e-3
+RADIUS = 7e6
+RATE = 1e-3
 EPOCHS = 7e8 + np.arange(0.0, 6001.0, 60.0)
 TARGET = -7777
 FRAME_CENTER = (399, "J2000")

@@ -20,10 +20,10 @@ from attitude._support.constants import ASTRONOMICAL_UNIT_M as AU
 from attitude._support.constants import SPEED_OF_LIGHT_M_S as C
 from attitude.errors import AttitudeWarning
 from attitude.photometry import _lattices, _periodogram, _samples, _spectrum
-from tests.cli.test_invert_command import PHOTOMETRY
-from tests.support.places import ROOT
+from tests.support.places import PHOTOMETRY, ROOT
 
-HOUR, DAY = 3600.0, 86400.0
+HOUR = 3600.0
+DAY = 86400.0
 
 
 def nights(count=12, per_night=25, seed=0):
@@ -241,7 +241,7 @@ def test_zero_points_of_sessions_are_free():
 
 
 @pytest.mark.parametrize(
-    ("given", "words"),
+    ("options", "words"),
     [
         ({"min_period": "30 h", "max_period": "3 h"}, "give a shorter min_period"),
         ({"min_period": "0.01 s"}, "at most 5000000 are searched"),
@@ -250,10 +250,10 @@ def test_zero_points_of_sessions_are_free():
         ({"order": 200}, "give more values, or a lower order"),
     ],
 )
-def test_wrong_arguments(given, words):
+def test_wrong_arguments(options, words):
     t = nights(6)
     with pytest.raises(AttitudeError, match=words):
-        photometry.periods(t, np.cos(t), **given)
+        photometry.periods(t, np.cos(t), **options)
 
 
 def test_relations_of_periods_in_words():

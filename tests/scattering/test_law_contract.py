@@ -18,8 +18,7 @@ from attitude.light_curve import brightness, brightness_by_rays, mean_brightness
 from attitude.scattering import Hapke, Law, LommelSeeliger, Material, Materials, parameter
 from attitude.scattering._law import reflectances
 from attitude.shape import Ellipsoid, box
-from tests.cli.test_lightcurve_command import FIXED
-from tests.scattering.test_scattering import LAWS
+from tests.support.missions import FIXED
 from tests.support.places import ROOT
 
 PAGE = (ROOT / "docs" / "light_curves.md").read_text()
@@ -273,10 +272,6 @@ def test_materials_are_a_law_by_names_of_facets():
 def shipped():
     """Laws by name, those of the package alone."""
     return {k: v for k, v in scattering.laws().items() if v.__module__.startswith("attitude.")}
-
-
-def test_every_law_has_a_row_among_the_laws_of_the_tests():
-    assert {type(law) for law in LAWS} == set(shipped().values())
 
 
 def test_the_table_in_docs_is_that_of_the_registry():

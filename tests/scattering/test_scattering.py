@@ -8,6 +8,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from mpmath import mp
 
+from attitude import scattering
 from attitude.errors import AttitudeError
 from attitude.scattering import (
     Hapke,
@@ -55,6 +56,13 @@ def reflected(given_law, incidence, count=300):
     other = np.hypot(sine * np.sin(azimuth), sine * np.cos(azimuth) * mu0 - mu * np.sin(incidence))
     r = given_law.reflectance(mu0, np.broadcast_to(mu, cosine.shape), np.arctan2(other, cosine))
     return np.sum(weights[:, None] * r * mu) * np.pi / count / mu0
+
+
+def test_every_law_has_a_row_among_the_laws_of_the_tests():
+    """Those of the package: other tests define their own."""
+    laws = scattering.laws().values()
+    shipped = {kind for kind in laws if kind.__module__.startswith("attitude.")}
+    assert {type(known) for known in LAWS} == shipped
 
 
 @pytest.mark.parametrize("given_law", LAWS, ids=repr)

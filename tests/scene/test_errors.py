@@ -9,7 +9,8 @@ from attitude.scene import View
 
 COUNT = 1500
 T = np.array([0.0, 3.0, 11.0])
-SUN, OBSERVER = (0.3, -0.8, 0.5), (-0.5, -0.6, 0.7)
+SUN = (0.3, -0.8, 0.5)
+OBSERVER = (-0.5, -0.6, 0.7)
 ROOT = np.random.default_rng(4).normal(size=(9, 9)) * 3e-5
 SPIN = Spin(
     epoch="2026-01-01",
@@ -29,8 +30,8 @@ def scene_of(motion=MOTION, **settings):
     return Scene(motion, **settings)
 
 
-def fixed(motion=MOTION, given=ELLIPSOID, **settings):
-    return Scene(motion, None, OBSERVER, SUN, shape=given, **settings)
+def fixed(motion=MOTION, shape=ELLIPSOID, **settings):
+    return Scene(motion, None, OBSERVER, SUN, shape=shape, **settings)
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +63,7 @@ def test_magnitudes_of_paths_and_of_directions_have_the_same_errors():
 
 
 def test_facets_of_an_ellipsoid_have_its_errors():
-    whole, facets = fixed().at(T), fixed(given=ELLIPSOID.facets(20000)).at(T)
+    whole, facets = fixed().at(T), fixed(shape=ELLIPSOID.facets(20000)).at(T)
     assert np.allclose(facets.brightness_sigma, whole.brightness_sigma, rtol=2e-2)
 
 

@@ -13,13 +13,15 @@ from attitude.paths._path import Path, julian
 from attitude.scene import Scene, View
 from attitude.shape import Ellipsoid
 from tests.support.kernels import DATA, kernel
+from tests.support.scenes import envisat_over_graz
 
 LIGHT = 299792458.0
 AU = 149597870700.0
 START = epochs.instant("2016-01-01T00:00:00 TDB")
 BODY = Body(moments=(10, 20, 26))
 MOTION = FreeRotation(BODY, Spin(epoch=START, wxyz=(1, 0, 0, 0), angular_velocity=(1, 15, 1)))
-SOUTH, EAST = (0, 0, -1), (0, 1, 0)
+SOUTH = (0, 0, -1)
+EAST = (0, 1, 0)
 
 
 class Counted:
@@ -38,10 +40,12 @@ class CountedPath(Path):
     """A path that counts the positions it is asked for."""
 
     def __init__(self, path):
-        self.path, self.count = path, 0
-        self.name, self.center, self.source, self.span = (
-            *(path.name, path.center, path.source, path.span),
-        )
+        self.path = path
+        self.count = 0
+        self.name = path.name
+        self.center = path.center
+        self.source = path.source
+        self.span = path.span
 
     def _state(self, instant, hi, lo):
         self.count += hi.size
@@ -149,13 +153,6 @@ def test_without_light_time_everything_is_at_the_epoch_itself():
     assert angle(view.observer_direction_icrf, -unit(away)) < 1e-15
     assert np.all(view.light_time == 0.0)
     assert np.array_equal(view.attitude.wxyz, MOTION.at(seconds).wxyz)
-
-
-def envisat_over_graz(**options):
-    site = paths.site("15.4933 deg", "47.0671 deg", 539.0, name="Graz")
-    given = {"ephemeris": kernel("de421"), **options}
-    scene = Scene(None, paths.tle(DATA / "envisat-2013.tle"), site, **given)
-    return scene, site, epochs.instant("2013-10-23T09:28:30")
 
 
 @pytest.mark.parametrize("count", [31, 30_001], ids=["direct", "compressed"])

@@ -12,7 +12,7 @@ from attitude._support.constants import (
     SUN_RADIUS_M,
 )
 from attitude.scene import _shadow
-from tests.scene.test_scene import envisat_over_graz
+from tests.support.scenes import envisat_over_graz
 
 
 def witness(center_before, radius, flattening, sun, sun_distance, strips=1200, points=151):

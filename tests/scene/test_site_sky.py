@@ -13,7 +13,9 @@ from attitude.shape import Ellipsoid
 from tests.support import earth_orientation
 from tests.support.places import DATA
 
-LONGITUDE, LATITUDE, HEIGHT = 20.3653, 69.3482, 157.0
+LONGITUDE = 20.3653
+LATITUDE = 69.3482
+HEIGHT = 157.0
 TIMES = [f"2013-10-{day:02d}T{hour:02d}:20:00" for day in (22, 25) for hour in range(0, 24, 4)]
 
 

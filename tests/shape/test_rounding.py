@@ -74,7 +74,7 @@ def test_without_the_digits_it_is_concave(tmp_path):
 
 @pytest.mark.parametrize("depth", [1e-3, 1e-5])
 def test_a_dent_is_a_dent(depth, tmp_path):
-    """Of twenty times the rounding and more; on facets without slivers."""
+    """From twenty times the rounding on; on facets without slivers."""
     mesh = shape.Ellipsoid((1.5, 1.2, 1.0)).facets(2000)
     vertices = np.array(mesh.vertices)
     corner = np.argmax(vertices[:, 2])

@@ -238,7 +238,7 @@ def test_the_test_of_convexity_is_linear(monkeypatch):
     """No height of every vertex above every facet: those of 80,000 facets took 12 s."""
     from attitude.shape import _mesh
 
-    def refuse(*given):
+    def refuse(*arguments):
         raise AssertionError("all pairs were compared")
 
     monkeypatch.setattr(_mesh, "_all_below", refuse)

@@ -13,7 +13,9 @@ from attitude._support import arrays
 from attitude.arcs import Arcs, Impulse
 from attitude.torques import _arcs
 
-MOMENTS, WXYZ, OMEGA = (10.0, 20.0, 26.0), (1.0, 0.0, 0.0, 0.0), (1.0, 15.0, 1.0)
+MOMENTS = (10.0, 20.0, 26.0)
+WXYZ = (1.0, 0.0, 0.0, 0.0)
+OMEGA = (1.0, 15.0, 1.0)
 BODY = Body(moments=MOMENTS)
 SPIN = Spin("2026-01-01", WXYZ, OMEGA)
 FREE = FreeRotation(BODY, SPIN)
@@ -68,7 +70,7 @@ def interrupting(function, calls):
 @pytest.mark.usefixtures("blocks")
 @pytest.mark.parametrize("call", CALLS)
 def test_ctrl_c_is_heard_after_a_block(call, monkeypatch):
-    """Of five blocks or more, at most one is evaluated after the signal."""
+    """At most one of five blocks or more is evaluated after the signal."""
     calls = []
     evaluate = interrupting(evaluation.evaluate_all, calls)
     monkeypatch.setattr(evaluation, "evaluate_all", evaluate)
@@ -77,15 +79,3 @@ def test_ctrl_c_is_heard_after_a_block(call, monkeypatch):
     with pytest.raises(KeyboardInterrupt):
         CALLS[call]()
     assert 2 <= len(calls) <= 3
-
-
-@pytest.mark.usefixtures("blocks")
-@pytest.mark.parametrize("shape", [(5003,), (4, 5003), (5003, 4), (2, 3, 5003), ()])
-def test_copies_in_parts(shape):
-    array = np.random.default_rng(1).normal(size=shape)
-    copy = arrays.copied(array)
-    assert np.array_equal(copy, array)
-    assert not np.shares_memory(copy, array)
-    turned = np.empty(shape[::-1]).T
-    arrays.put(turned, array)
-    assert np.array_equal(turned, array)

@@ -75,7 +75,7 @@ def test_an_ulp_is_seen(name):
 
 @pytest.mark.parametrize("place", range(6))
 def test_a_wrong_digit_of_a_least_maximum_polynomial_is_seen(place):
-    """Of any coefficient, where it moves the sine of an eighth of a turn by 2e-19."""
+    """In any coefficient, where it moves the sine of an eighth of a turn by 2e-19."""
     change = 2e-19 * 8.0 ** (3 + 2 * place)
     table = _with_stored(_table("_SIN_3"), place, lambda x: x + max(change, math.ulp(x)))
     assert any("polynomials differ by" in each for each in table.broken_claims(table.measure()))

@@ -207,7 +207,7 @@ def test_samples_repeat_and_keep_moments_of_bodies():
 
 
 @pytest.mark.parametrize(
-    ("given", "words"),
+    ("covariance", "words"),
     [
         (np.eye(5), "shape"),
         (np.diag([1, 1, 1, 1, 1, 1, 1, 1, -1.0]), "not negative"),
@@ -223,9 +223,9 @@ def test_samples_repeat_and_keep_moments_of_bodies():
         ("large", "covariance"),
     ],
 )
-def test_what_is_refused(given, words):
+def test_what_is_refused(covariance, words):
     with pytest.raises(AttitudeError, match=words):
-        spin_of((1, 2, 3), given)
+        spin_of((1, 2, 3), covariance)
 
 
 @pytest.mark.filterwarnings("ignore::attitude.errors.CovarianceWarning")

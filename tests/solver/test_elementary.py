@@ -19,21 +19,21 @@ rng = np.random.default_rng(6)
 
 
 @reduction
-def powers(given, out):
-    for i in range(0, given.size, 8):
-        put_eight(out, i, power_of_half(eight(given, i)))
+def powers(values, out):
+    for i in range(0, values.size, 8):
+        put_eight(out, i, power_of_half(eight(values, i)))
 
 
 @reduction
-def shares(given, out):
-    for i in range(0, given.size, 8):
-        put_eight(out, i, share_of_half_turn(eight(given, i)))
+def shares(values, out):
+    for i in range(0, values.size, 8):
+        put_eight(out, i, share_of_half_turn(eight(values, i)))
 
 
 @reduction
-def logarithms(given, out):
-    for i in range(0, given.size, 8):
-        put_eight(out, i, binary_logarithm(eight(given, i)))
+def logarithms(values, out):
+    for i in range(0, values.size, 8):
+        put_eight(out, i, binary_logarithm(eight(values, i)))
 
 
 SMALL = rng.uniform(0.0, 1.0, 400) ** 3
@@ -77,9 +77,9 @@ def test_powers_of_large_numbers_are_nothing():
 
 
 @reduction
-def turned(given, cosines, sines):
-    for i in range(0, given.size, 8):
-        c, s = cosine_and_sine(eight(given, i))
+def turned(values, cosines, sines):
+    for i in range(0, values.size, 8):
+        c, s = cosine_and_sine(eight(values, i))
         put_eight(cosines, i, c)
         put_eight(sines, i, s)
 

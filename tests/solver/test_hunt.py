@@ -51,9 +51,9 @@ def test_no_state_is_found_above_the_promise(state, power, sign):
     st.floats(-1.0, 1.0),
     st.floats(0.0, 9.0),
 )
-def test_no_corner_of_the_plane_is_above_the_promise(least, share, near, off, middle, power):
+def test_no_corner_of_the_plane_is_above_the_promise(least, share, nearness, off, middle, power):
     """Moments, distances and rates as free numbers, so that the hunt can creep along a valley."""
-    most = 1.0 + least * (1.0 - 10.0**-near) if share > 0.5 else 1.0 + least * share
+    most = 1.0 + least * (1.0 - 10.0**-nearness) if share > 0.5 else 1.0 + least * share
     moments = (least, 1.0, min(most, 1.0 + least))
     rates = (1.0, middle, 10.0**-off) if share > 0.3 else (10.0**-off, middle, 1.0)
     state = states.State("free", moments, (0.4, -0.2, 0.8, 0.3), rates)

@@ -32,10 +32,10 @@ def integrate(tensor, wxyz0, omega0, t):
     return out.y[:4].T, out.y[4:].T
 
 
-def _compare(found, expected):
+def _compare(computed, expected):
     for k in range(len(expected[0])):
-        assert error_of(found[0][k], expected[0][k].tolist()) < TOLERANCE
-    assert np.max(np.abs(found[1] - expected[1])) < TOLERANCE * np.max(np.abs(expected[1]))
+        assert error_of(computed[0][k], expected[0][k].tolist()) < TOLERANCE
+    assert np.max(np.abs(computed[1] - expected[1])) < TOLERANCE * np.max(np.abs(expected[1]))
 
 
 @pytest.mark.parametrize("direction", [1, -1])

@@ -246,7 +246,7 @@ def test_a_shorter_vector_is_repeated():
 
 
 def test_lanes_are_packed_without_the_instruction(monkeypatch):
-    """Of LLVM 19; the oldest numba allowed has LLVM 14, where the call of it ended the process."""
+    """One of LLVM 19; the oldest numba allowed has LLVM 14, where its call ended the process."""
     from attitude._compilation import simd_lowering
 
     monkeypatch.setattr(simd_lowering, "_COMPRESSES", 1000)

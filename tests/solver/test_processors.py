@@ -72,7 +72,7 @@ print(json.dumps([fused_here, *bits, fused.tobytes().hex(), whole.tobytes().hex(
     ],
 )
 def test_the_bits_do_not_depend_on_fused_products(tmp_path, name, features, compiled):
-    """Of loops over epochs and of fma() itself; with "always" also of the set-up."""
+    """The bits of loops over epochs and of fma() itself; with "always" also of the set-up."""
     if platform.machine().lower() not in ("x86_64", "amd64"):
         pytest.skip("the names of processors are those of x86")
     moments, halves = (10.0, 20.0, 26.0), [0.5, 1.5, -0.5, -0.2, 2.0**52 + 1, -3.5, 1e300, 0.0]

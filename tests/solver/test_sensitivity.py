@@ -12,59 +12,18 @@ from attitude.frames import representations as forms
 from attitude.frames.quaternion import conjugate, matrix, multiply
 from attitude.motions import _propagation
 from tests.support.differences import excess, sensitivity, tensor_sensitivity
-
-WXYZ = (1.0, 0.3, 0.2, -0.1)
-# Moments, angular velocity, tolerance relative to the largest entry of a column.
-STATES = {
-    "short-axis mode": ((10, 20, 26), (9, 2, 1), 4e-15),
-    "long-axis mode": ((3, 1, 2.5), (-0.3, 2.0, 0.4), 4e-15),
-    "hyperbolic form": ((10, 20, 26), (1, 15, 1), 4e-15),
-    "symmetric": ((2, 2, 3), (0.3, 0.4, 0.9), 4e-15),
-    "symmetric, long axis": ((2, 3, 3), (1.3, 0.4, 0.9), 4e-15),
-    "symmetric but for 1e-7": ((2, 2.0000001, 3), (0.3, 0.4, 0.9), 4e-15),
-    "symmetric but for 1e-14": ((2, 2 + 2e-14, 3), (0.3, 0.4, 0.9), 4e-15),
-    "near the short axis, 1e-5": ((1, 2, 2.7), (1e-5, 2e-5, 1.0), 4e-15),
-    "near the short axis, 1e-10": ((1, 2, 2.7), (1e-10, 2e-10, 1.0), 4e-15),
-    "near the long axis": ((1, 2, 2.7), (1.0, 1e-8, 2e-10), 4e-15),
-    "lamina": ((1, 2, 3 - 1e-9), (0.1, 0.2, 1.0), 4e-15),
-    "short axis": ((1, 2, 2.7), (0, 0, 1.0), 4e-15),
-    "long axis": ((1, 2, 2.7), (0.7, 0, 0), 4e-15),
-    "sphere": ((2, 2, 2), (0.3, 0.5, 1), 4e-15),
-    "equator of a symmetric body": ((2, 2, 3), (0.3, 0.5, 0), 4e-15),
-    "at rest": ((1, 2, 2.7), (0, 0, 0), 4e-15),
-    "sphere but for 1e-3": ((2, 2.002, 2.003), (0.3, 0.5, 1), 4e-15),
-    "sphere but for 1e-8": ((2, 2.00000002, 2.00000003), (0.3, 0.5, 1), 4e-15),
-    "beside the equator": ((2, 2, 3), (0.3, 0.5, 1e-9), 4e-15),
-    "series of the largest nome": ((0.4931512, 0.56326773, 1), (0.03754, -0.17851, 0.00588), 4e-15),
-    "needle, end over end": ((0.0189, 0.9946, 1), (-0.0974, -0.987, 0.0055), 4e-15),
-    "1e-2 from the separatrix": ((1, 2, 2.7), (1.3888, 0.4, 1.0), 4e-15),
-    "1e-6 from the separatrix": ((1, 2, 2.7), (1.3747741, 0.4, 1.0), 4e-15),
-    "1e-15 from the separatrix": ((1, 2, 2.7), (1.3747727084867534, 0.4, 1.0), 4e-15),
-    "middle axis, 1e-2, short": ((1, 2, 2.6), (3e-3, 1.0, 1e-2), 4e-15),
-    "middle axis, 1e-4, long": ((2, 1, 2.6), (1.0, -1e-4, 2e-5), 4e-15),
-    "middle axis, 1e-6": ((2.6, 2, 1), (0, 1.0, 1e-6), 4e-15),
-    "middle axis, 1e-8": ((1, 2, 2.6), (1e-8, -1.0, -2e-8), 4e-15),
-    "middle axis, 1e-12": ((1, 2, 2.6), (1e-12, 0.3, 0), 4e-15),
-    "middle axis, sin pi": ((1, 2, 2.6), (1.2246467991473532e-16, 1.0, 0), 4e-15),
-    "needle of 1e-2": ((1.005, 1, 1e-2), (0.3, 0.5, 0.2), 4e-15),
-    "needle of 1e-5": ((1e-5, 1, 1.000004), (0.3, 0.5, -0.9), 4e-15),
-    "needle of 1e-8": ((1, 1e-8, 1.000000003), (0.3, 0.5, 0.2), 4e-15),
-    "needle about its length, 1e-2": ((1, 1.005, 1e-2), (0, 0, 1.0), 4e-15),
-    "needle about its length, 1e-6": ((1e-6, 1.0000005, 1), (-0.4, 0, 0), 4e-15),
-    "symmetric needle about its length": ((1, 1e-4, 1), (0, 2.0, 0), 4e-15),
-    "needle beside the separatrix": ((1e-3, 1, 1.0005), (1e-7, 1.0, 2e-6), 4e-15),
-}
+from tests.support.sensitivity_states import STATES, WXYZ
 
 
 def _epochs(omega, revolutions):
     return [n * 2.0 * np.pi / (max(map(abs, omega)) or 1.0) for n in revolutions]
 
 
-def _compare(found, expected, tolerance, least=1e-20):
+def _compare(computed, expected, tolerance, least=1e-20):
     for j in range(9):
         size = np.abs(expected[:, :, j]).max(axis=1)
         size[size < least] = 1.0  # zero in exact arithmetic
-        error = np.abs(found[:, :, j] - expected[:, :, j]).max(axis=1)
+        error = np.abs(computed[:, :, j] - expected[:, :, j]).max(axis=1)
         assert np.all(error <= tolerance * size), (j, error / size)
 
 
@@ -171,7 +130,7 @@ def test_a_product_of_series_in_python():
 
 
 def test_series_in_python_and_in_vectors_have_the_same_bits():
-    """Of a tumbler, a flip and a needle, with spans to both sides."""
+    """A tumbler, a flip and a needle, with spans to both sides."""
     moments = np.array([(1.0, 2.0, 2.6), (1.0, 2.0, 2.6), (1e-3, 1.0, 1.0 + 1e-9)])
     omega = np.array([(0.3, -0.2, 0.5), (1e-9, 1.0, 1e-9), (5.0, 1e-3, -2e-3)])
     wxyz = np.array([(0.5, -0.5, 0.5, 0.5)] * 3)
@@ -409,7 +368,9 @@ def test_least_squares_takes_series_only_where_terms_cancel(monkeypatch):
     spans = []
     setup = short_times.short_setup
     monkeypatch.setattr(
-        short_times, "short_setup", lambda *given: (spans.append(len(given[-1])), setup(*given))
+        short_times,
+        "short_setup",
+        lambda *call: (spans.append(len(call[-1])), setup(*call)),
     )
     moments, wxyz, t = (1.0, 2.0, 2.6), np.array([(0.5, -0.5, 0.5, 0.5)]), np.array([0.0, 0.1, 3.0])
     propagate(moments, wxyz, [(1.0, 0.3, 0.2)], t, sensitivity=True)

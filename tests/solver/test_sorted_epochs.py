@@ -87,10 +87,25 @@ def test_python_gives_the_same_doubles(small):
     seconds[30:] = seconds[30:][::-1]
     pieces, low = small.pieces, np.zeros(1)
     unit, length = np.empty((3, seconds.size)), np.empty(seconds.size)
-    bounds = pieces.most, pieces.width, pieces.cells, pieces.starts, pieces.widths
-    given = *since(START, pieces.start), *bounds, pieces.records, small._rows, pieces.count, 1.0
-    run = chebyshev.directions._in_python
-    assert run(seconds, low, *given, 0, seconds.size, unit, length) == -1
+    outside = chebyshev.directions._in_python(
+        seconds,
+        low,
+        *since(START, pieces.start),
+        pieces.most,
+        pieces.width,
+        pieces.cells,
+        pieces.starts,
+        pieces.widths,
+        pieces.records,
+        small._rows,
+        pieces.count,
+        1.0,
+        0,
+        seconds.size,
+        unit,
+        length,
+    )
+    assert outside == -1
     np.testing.assert_array_equal(np.vstack([unit, length]), directions(small, seconds))
 
 

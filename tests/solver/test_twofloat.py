@@ -72,7 +72,7 @@ _double = st.builds(
 )
 _parts = st.integers(-(2**51) + 1, 2**51 - 1)  # of an ulp, 2^-52 each: no underflow
 _pairs = st.builds(
-    lambda hi, part: (hi, math.ldexp(part, -52) * math.ulp(hi)), _double, _parts
+    lambda hi, share: (hi, math.ldexp(share, -52) * math.ulp(hi)), _double, _parts
 ).map(lambda pair: _pair(_value(pair)))
 
 
@@ -105,9 +105,9 @@ def test_rint_is_the_nearest_even(x):
 # ---- pairs --------------------------------------------------------------------------------------
 
 
-def _close(found, exact, bound):
-    assert abs(found[1]) <= 0.5 * math.ulp(found[0])  # a pair again
-    assert abs(_value(found) - exact) <= bound * U * U * abs(exact)
+def _close(pair, exact, bound):
+    assert abs(pair[1]) <= 0.5 * math.ulp(pair[0])  # a pair again
+    assert abs(_value(pair) - exact) <= bound * U * U * abs(exact)
 
 
 @given(_pairs, _pairs)
@@ -117,10 +117,10 @@ def test_sum(a, b):
 
 
 @given(_pairs, st.integers(-3, 3), st.floats(-1, 1))
-def test_difference_of_neighbours(a, steps, part):
+def test_difference_of_neighbours(a, steps, share):
     """Pairs that agree in all but the last places."""
     hi = a[0] + steps * math.ulp(a[0])
-    b = _pair(Fraction(hi) + Fraction(0.499 * math.ulp(hi) * part))
+    b = _pair(Fraction(hi) + Fraction(0.499 * math.ulp(hi) * share))
     _close(_door(SUB, a, b), _value(a) - _value(b), Fraction(301, 100))
 
 

@@ -8,20 +8,7 @@ import re
 import numpy as np
 import pytest
 
-from tests.house.test_examples import is_picture, run
-
-
-def numbers(line):
-    return [float(x) for x in re.findall(r"[-+]?\d+\.?\d*(?:e[-+]?\d+)?", line)]
-
-
-def lines(name, folder, *arguments):
-    found = run(name, folder, *arguments)
-    assert found.stderr == ""
-    picture = name.replace(".py", ".png")
-    assert is_picture(folder / picture)
-    assert f"Picture: {picture}" in found.stdout
-    return found.stdout.splitlines()
+from tests.support.examples import lines, numbers
 
 
 def test_t_handle(tmp_path):

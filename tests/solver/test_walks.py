@@ -74,7 +74,7 @@ def test_each_eighth_turn_of_each_phase(name, phase):
 @pytest.mark.parametrize("begin", [-0.3, 1e4, -3e9])
 @pytest.mark.parametrize("name", STATES)
 def test_the_zeros_of_each_component(name, begin):
-    """Of the quaternion and of the angular velocity, each between two adjacent doubles."""
+    """Those of the quaternion and of the angular velocity, each between two adjacent doubles."""
     state = State(name, STATES[name][0], WXYZ, STATES[name][1])
     found = _zeros(state, begin)
     assert len(found) >= (4 if name in ("principal axis", "on the separatrix") else 8)

@@ -349,10 +349,10 @@ def _random_pairs(count, seed, spread=40):
     return pairs
 
 
-def _near(found, exact, bound):
+def _near(computed, exact, bound):
     """A pair, normalised, within bound u^2 of an exact fraction."""
-    assert abs(found[1]) <= 0.5 * math.ulp(found[0])
-    assert abs(_value(found) - exact) <= bound * Fraction(U) ** 2 * abs(exact), (found, exact)
+    assert abs(computed[1]) <= 0.5 * math.ulp(computed[0])
+    assert abs(_value(computed) - exact) <= bound * Fraction(U) ** 2 * abs(exact), (computed, exact)
 
 
 def check_pairs(truths):
@@ -601,15 +601,17 @@ def check_integrals(truths):
 # ---- The solution
 
 
-def _turn(found, exact):
+def _turn(computed, exact):
     """The rotation angle between a unit quaternion and an exact one (4, 2)."""
-    d = (found - exact[..., 0]) - exact[..., 1]
+    d = (computed - exact[..., 0]) - exact[..., 1]
     q = exact[..., 0]
     return 2.0 * np.linalg.norm(d - np.sum(d * q, axis=-1, keepdims=True) * q, axis=-1)
 
 
-# Above the largest error of these states, rad; of rates, relative to the largest.
-_MOST, _MOST_RATE = 1.2e-15, 8e-16
+# Above the largest error of these states, rad.
+_MOST = 1.2e-15
+# Of rates, relative to the largest.
+_MOST_RATE = 8e-16
 
 
 def check_attitudes(truths):
@@ -898,9 +900,9 @@ def check_two(truths):
     ):
         pairs = _pairs_of(np.array(moments), np.array(rates))
 
-        def records_of(part, pairs=pairs):
+        def records_of(rows, pairs=pairs):
             return states.constants_of(
-                pairs[0][part], turns[:2][part], pairs[1][part], turns[2:][part], wxyz_low=low[part]
+                pairs[0][rows], turns[:2][rows], pairs[1][rows], turns[2:][rows], wxyz_low=low[rows]
             )
 
         out, alone = np.empty((2, 4, 2)), np.empty((1, 4, 2))

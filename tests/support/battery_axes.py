@@ -7,8 +7,10 @@ from random import Random
 import numpy as np
 from mpmath import mp, mpf
 
-# Eigenvalues and axes: bits after the point of words, and of those that are kept of them.
-_BITS, _KEPT = 444, 384
+# Bits after the point of words, for eigenvalues and axes.
+_BITS = 444
+# Those that are kept of them.
+_KEPT = 384
 _OMEGA = ((0.3, -0.2, 0.6), (-1e-9, 5.0, 1e-300), (0.0, 0.0, -3e200))
 _TENSORS = [
     ((2.0, 0.1, 0.2), (0.1, 2.5, 0.5), (0.2, 0.5, 2.9)),
@@ -141,9 +143,9 @@ def _rates_of(values, columns, omega):
     return [_pair(x) for x in rates], [_pair(x) for x in differences]
 
 
-def _same_pairs(found, exact, apart, size=None):
+def _same_pairs(pairs, exact, apart, size=None):
     """Rows of pairs (N, 2) that differ by at most `apart` of their size."""
-    for k, (pair, wanted) in enumerate(zip(np.asarray(found).tolist(), exact, strict=True)):
+    for k, (pair, wanted) in enumerate(zip(np.asarray(pairs).tolist(), exact, strict=True)):
         assert abs(pair[1]) <= 0.5 * math.ulp(pair[0])
         off = (Fraction(pair[0]) + Fraction(pair[1])) - (Fraction(wanted[0]) + Fraction(wanted[1]))
         assert abs(off) <= apart * abs(Fraction(wanted[0] if size is None else size)), (k, pair)

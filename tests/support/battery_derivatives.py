@@ -216,14 +216,14 @@ def check_many_derivatives(truths):
     t = np.ascontiguousarray(t.T)
     low = 1e-17 * t
 
-    def results(part, times, lows):
-        found = [np.full((len(given[part]), 3, 9, 3), np.nan) for _ in range(2)]
-        sensitivities.evaluate(given[part], tangents[part], times, lows, *found)
-        factors_of = sensitivities.Factored(of.factors[part], of.tangents[part])
+    def results(rows, times, lows):
+        found = [np.full((len(given[rows]), 3, 9, 3), np.nan) for _ in range(2)]
+        sensitivities.evaluate(given[rows], tangents[rows], times, lows, *found)
+        factors_of = sensitivities.Factored(of.factors[rows], of.tangents[rows])
         for size in (6, 3):
-            found.append(np.full((len(given[part]), size, size, 3), np.nan))
+            found.append(np.full((len(given[rows]), size, size, 3), np.nan))
             sensitivities.covariances(
-                given[part], tangents[part], factors_of, times, lows, found[-1]
+                given[rows], tangents[rows], factors_of, times, lows, found[-1]
             )
         return found
 
@@ -236,21 +236,21 @@ def check_many_derivatives(truths):
     _check_far(given, tangents, of)
 
 
-def _check_far(given, tangents, of):
+def _check_far(constants, tangents, of):
     """Covariances of attitudes far from the epoch fill all of out, eight at a time and the rest."""
     from attitude._solver import columns, sensitivities
 
-    t = np.ascontiguousarray(np.tile(1e3 + 0.7 * np.arange(24), (len(given), 1)))
+    t = np.ascontiguousarray(np.tile(1e3 + 0.7 * np.arange(24), (len(constants), 1)))
     found = []
     for first, size in ((0, columns.STREAMED), (0, 1), (24 - 9, columns.STREAMED)):
         limit = columns.STREAMED
         _stream_from(size)
         try:
-            shape = len(given), 3, 3, 24 - first
+            shape = len(constants), 3, 3, 24 - first
             memory = np.full(math.prod(shape) + 8, np.nan)
             line = -(memory.ctypes.data // 8) % 8  # where a line of the caches begins
             out = memory[line : line + math.prod(shape)].reshape(shape)
-            sensitivities.covariances(given, tangents, of, t[:, first:], None, out)
+            sensitivities.covariances(constants, tangents, of, t[:, first:], None, out)
         finally:
             _stream_from(limit)
         found.append(out)
@@ -260,7 +260,7 @@ def _check_far(given, tangents, of):
     assert np.array_equal(found[0][..., 15:], found[2])
 
 
-def _check_rods(moments, wxyz, principal, given):
+def _check_rods(moments, wxyz, principal, constants):
     """A moment of zero is refused, and that of the first body which has one is named."""
     from attitude import AttitudeError
     from attitude._solver import sensitivities
@@ -268,37 +268,37 @@ def _check_rods(moments, wxyz, principal, given):
     moments = moments.copy()
     moments[1, 1], moments[3] = 0.0, 0.0
     try:
-        sensitivities.tangents_of(moments, wxyz, principal, given)
+        sensitivities.tangents_of(moments, wxyz, principal, constants)
     except AttitudeError as err:
         assert f"moments are {moments[1, :, 0].tolist()}" in str(err), err
     else:
         raise AssertionError("a moment of zero")
 
 
-def _check_runs(given, tangents, together, t):
+def _check_runs(constants, tangents, together, t):
     """Epochs of several motions in one row, and epochs beyond all doubles."""
     from attitude import AttitudeError
     from attitude._solver import sensitivities
 
-    count, size = len(given), t.shape[1]
+    count, size = len(constants), t.shape[1]
     found = [np.full((1, 3, 9, count * size), np.nan) for _ in range(2)]
     times = t.reshape(1, -1).copy()
     edges = size * np.arange(count + 1)
-    sensitivities.evaluate(given, tangents, times, 1e-17 * times, *found, edges=edges)
+    sensitivities.evaluate(constants, tangents, times, 1e-17 * times, *found, edges=edges)
     for one, many in zip(found, together, strict=False):
         rows = one[0].reshape(3, 9, count, size).transpose(2, 0, 1, 3)
         assert np.array_equal(rows, many)
     # a NaN is one among others; an epoch beyond the reach of its motion is refused
     times[0, 1] = np.nan
     again = [np.full((1, 3, 9, count * size), np.nan) for _ in range(2)]
-    sensitivities.evaluate(given, tangents, times, None, *again, edges=edges)
+    sensitivities.evaluate(constants, tangents, times, None, *again, edges=edges)
     for one in again:
         assert np.isnan(one[..., 1]).all() and np.isfinite(np.delete(one, 1, axis=-1)).all()
     for k in (0, 1, 2, 3):
         times = t.reshape(1, -1).copy()
         times[0, k * size] = 1e300
         try:
-            sensitivities.evaluate(given, tangents, times, None, *again, edges=edges)
+            sensitivities.evaluate(constants, tangents, times, None, *again, edges=edges)
         except AttitudeError as err:
             assert "1e+300" in str(err) or "epoch" in str(err), err
         else:

@@ -166,11 +166,11 @@ def _cycles():
                 yield (moments, long_axis, y, rest, *_cycle(a, b, c, long_axis, mpf(y), mpf(rest)))
 
 
-def _cycle(a, b, c, long_axis, y, rest):
+def _cycle(a, b, c, long_axis, y, one_minus_y):
     """Turns of phi of the long axis in a period of psi, and that period, for L = 1."""
     first, third = (c, a) if long_axis else (a, c)
-    with mp.workdps(350 if y < mpf(10) ** -30 or rest < mpf(10) ** -30 else 60):
-        inertia = b + y * (third - b) if y <= 0.5 else third - rest * (third - b)
+    with mp.workdps(350 if y < mpf(10) ** -30 or one_minus_y < mpf(10) ** -30 else 60):
+        inertia = b + y * (third - b) if y <= 0.5 else third - one_minus_y * (third - b)
         energy2 = 1 / inertia
         speed = mp.sqrt(abs((third - b) * (1 - energy2 * first) / (a * b * c)))
         m = (b - first) * (energy2 * third - 1) / ((third - b) * (1 - energy2 * first))
@@ -199,8 +199,10 @@ def _cycle(a, b, c, long_axis, y, rest):
         return float(mean * period / (2 * mp.pi)), float(period)
 
 
-# Above the largest relative error of these states; of the mean speed, a sum of 400 terms.
-_MOST, _MOST_MEAN = 1.2e-15, 2e-15
+# Above the largest relative error of these states.
+_MOST = 1.2e-15
+# Of the mean speed, a sum of 400 terms.
+_MOST_MEAN = 2e-15
 
 
 def check_periods(truths):
@@ -249,7 +251,7 @@ def check_uniform_regimes(truths):
         _check_other_uniform(regimes, Mode)
 
 
-def _check_axial(moments, omega, found, Mode):
+def _check_axial(moments, omega, periods, Mode):
     """A rotation about the long or the short axis."""
     a, b, c = (mpf(x) for x in sorted(moments))
     axis = next(k for k in range(3) if omega[k])
@@ -257,7 +259,7 @@ def _check_axial(moments, omega, found, Mode):
     one, two = (mpf(moments[k]) for k in range(3) if k != axis)
     turns, is_long = speed / (2 * mp.pi), moment == a
     psi = turns * mp.sqrt((moment - one) * (moment - two) / (one * two))
-    assert found.mode is Mode.PRINCIPAL_AXIS and found.circulates == (-1 if is_long else 1)
+    assert periods.mode is Mode.PRINCIPAL_AXIS and periods.circulates == (-1 if is_long else 1)
     wanted = {
         "P_psi": 1 / psi,
         "P_phi_L": 1 / ((turns - psi) if is_long else turns),
@@ -271,17 +273,17 @@ def _check_axial(moments, omega, found, Mode):
         "one_minus_m": mpf(1),
     }
     for name, value in wanted.items():
-        assert abs(getattr(found, name) - value) <= 1e-15 * abs(value), (name, moments, omega)
-    assert found.m == found.libration == found.dwell_time == 0.0
-    assert found.spin_rate_range.tolist() == [float(speed)] * 2
+        assert abs(getattr(periods, name) - value) <= 1e-15 * abs(value), (name, moments, omega)
+    assert periods.m == periods.libration == periods.dwell_time == 0.0
+    assert periods.spin_rate_range.tolist() == [float(speed)] * 2
     # the axis of rotation is that of the momentum, the other extreme axis lies across
     ends = ("L", "S") if is_long else ("S", "L")
-    assert found.nutation(ends[0]).tolist() == [0.0, 0.0]
-    assert found.nutation(ends[1]).tolist() == [0.5 * math.pi] * 2
+    assert periods.nutation(ends[0]).tolist() == [0.0, 0.0]
+    assert periods.nutation(ends[1]).tolist() == [0.5 * math.pi] * 2
     momentum = moment * speed
     rates = [momentum / x for x in ((c, b) if is_long else (b, a))]
-    assert np.max(np.abs(found.precession_rate(ends[0]) / [float(x) for x in rates] - 1)) < 1e-15
-    assert found.precession_rate(ends[1]).tolist() == [float(speed)] * 2
+    assert np.max(np.abs(periods.precession_rate(ends[0]) / [float(x) for x in rates] - 1)) < 1e-15
+    assert periods.precession_rate(ends[1]).tolist() == [float(speed)] * 2
 
 
 def _check_other_uniform(regimes, Mode):
@@ -393,13 +395,14 @@ def check_cycles(truths):
     _check_places(regimes)
 
 
-def _check_place(case, ratio, found, regimes):
+def _check_place(case, ratio, answer, regimes):
     """The place of a ratio is as near as the ratio resolves it."""
     moments, long_axis, y, rest, _, period = case
-    place, left, psi = found
+    place, left, psi = answer
     again = np.empty((1, 2))
-    given = np.array([moments]), np.array([long_axis]), np.array([place]), np.array([left])
-    regimes.cycles_all(*given, again)
+    regimes.cycles_all(
+        np.array([moments]), np.array([long_axis]), np.array([place]), np.array([left]), again
+    )
     # z = ln y to one unit in its last place, from which y follows
     least = 4e-15 if y > 1e-90 else 1.2 * math.ulp(math.log(y))
     assert abs(again[0, 0] / ratio - 1.0) <= least, case

@@ -143,8 +143,8 @@ def excess(moments, wxyz, omega, times):
     return max((error / limit).max() for error, limit in zip(ratios, allowed, strict=True))
 
 
-def relative(found, exact):
+def relative(computed, exact):
     """The error (T, P) of each column (T, 3, P) over its largest entry."""
     size = np.abs(exact).max(axis=1)
     size[size < 1e-50] = 1.0  # zero in exact arithmetic
-    return np.abs(found - exact).max(axis=1) / size
+    return np.abs(computed - exact).max(axis=1) / size

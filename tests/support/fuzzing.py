@@ -10,7 +10,7 @@ import numpy as np
 from attitude import Body, FreeRotation, Spin
 from attitude.arcs import Arcs, Impulse
 from attitude.formats import acm, aem, apm, cic, stk
-from tests.photometry import test_files as test_photometry_files
+from tests.support import photometry_files
 from tests.support.places import TEST_DATA as DATA
 
 SPIN = Spin(
@@ -129,7 +129,7 @@ def samples():
     for section, text in _stk_texts():
         found[f"stk {section}"] = text.encode(), "a"
     for name in _PHOTOMETRY:
-        found[f"photometry {name}"] = getattr(test_photometry_files, name).encode(), "txt"
+        found[f"photometry {name}"] = getattr(photometry_files, name).encode(), "txt"
     for path in sorted((DATA / "orekit").glob("ACMExample*.txt")):
         found[f"acm {path.name}"] = path.read_bytes(), "acm"
     return found

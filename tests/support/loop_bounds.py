@@ -15,7 +15,9 @@ from tests.support import rounding_bounds, traced
 
 U = UNIT_ROUNDOFF
 # Largest errors of the polynomials of sine, cosine and 2**-f, absolute; the test encloses them.
-SINE, COSINE, EXP2 = 7.1e-18, 1.71e-17, 1.6e-17
+SINE = 7.1e-18
+COSINE = 1.71e-17
+EXP2 = 1.6e-17
 # Nomes Q and Q' of the series, and P = rho^4 X.
 _LARGEST_NOME = math.exp(-math.pi) * (1 + 1e-9)
 _LARGEST_OUTER = 0.2079

@@ -10,7 +10,10 @@ from attitude.averaged._polhode import LAM_PLUS, REGIONS, Axes
 from attitude.splitting import TorquedRotation
 
 EPOCH = "2026-01-01"
-AU, GM, DAY = 149597870700.0, 3.986004418e14, 86400.0
+AU = 149597870700.0
+# Of the Earth, m3/s2.
+GM = 3.986004418e14
+DAY = 86400.0
 ENVISAT = Body(moments=(17023.0, 124826.0, 129112.0))
 
 

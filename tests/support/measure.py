@@ -67,6 +67,6 @@ def error_of(wxyz, exact):
     return rotation_error(wxyz, exact, signed=True)
 
 
-def worst(found):
+def worst(errors):
     """The Error with the largest attitude error, and the largest rate error of all."""
-    return max(found), max(error.rate for error in found)
+    return max(errors), max(error.rate for error in errors)

@@ -251,8 +251,8 @@ class _Tumbling:
         if not self.n:
             return u
         c2, s2 = cosine**2, sine**2
-        args = (c2, c2 + self.mc * s2, 1, c2 + self.one_minus_n * s2)
-        return u + self.n / 3 * sine * s2 * mp.elliprj(*args)
+        third = mp.elliprj(c2, c2 + self.mc * s2, 1, c2 + self.one_minus_n * s2)
+        return u + self.n / 3 * sine * s2 * third
 
     def at(self, t):
         """Attitude relative to that at t = 0, and rates, in the Jacobi frame."""

@@ -128,7 +128,7 @@ def read_acm(path):
 
 
 def states_of(message):
-    """Of each block of attitudes of an ACM: seconds, wxyz, rates, as `read_aem`."""
+    """For each block of attitudes of an ACM: seconds, wxyz, rates, as `read_aem`."""
     blocks = message.getSegments().get(0).getData().getAttitudeBlocks()
     return [arrays(list(block.getAngularCoordinates())) for block in blocks]
 

@@ -43,7 +43,7 @@ class Case(NamedTuple):
         return TorquedRotation(self.body, self.spin, self.torques, **how)
 
     def derivative(self, t, y):
-        """Of (wxyz, omega); for integrators of other kinds."""
+        """The derivative of (wxyz, omega), for integrators of other kinds."""
         q, w = y[:4] / np.sqrt(y[:4] @ y[:4]), y[4:]
         momentum = self.body.tensor @ w
         torque = np.array(self.torques[0].function(t, q, w)) - np.cross(w, momentum)

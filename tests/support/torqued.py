@@ -5,6 +5,7 @@ from scipy.integrate import solve_ivp
 
 from attitude import Spin
 from attitude.frames import quaternion
+from attitude.splitting import TorquedRotation
 
 
 def dop853(torque, body, spin, span, rtol=1e-12, atol=1e-14):
@@ -19,6 +20,13 @@ def dop853(torque, body, spin, span, rtol=1e-12, atol=1e-14):
     start = np.concatenate([spin.wxyz, spin.angular_velocity])
     end = solve_ivp(slope, (0.0, span), start, method="DOP853", rtol=rtol, atol=atol).y[:, -1]
     return end[:4] / np.linalg.norm(end[:4]), end[4:]
+
+
+def torque_at_start(*torques, body, spin):
+    """N m over the body axes: what Euler's equations leave of the angular acceleration."""
+    history = TorquedRotation(body, spin, torques, step=0.1).at(0.0)
+    w = history.angular_velocity
+    return body.tensor @ history.angular_acceleration + np.cross(w, body.tensor @ w)
 
 
 def angle(one, two):

@@ -95,7 +95,7 @@ def test_shifts_are_those_of_single_rotations(law):
 
 
 def test_the_mean_over_all_orientations_is_zero():
-    """Of brightness, over the directions of 4000 random frames at one phase angle."""
+    """The mean brightness, over the directions of 4000 random frames at one phase angle."""
     table = {name: np.array(each)[[0]] for name, each in columns(2).items()}
     random = np.random.default_rng(4)
     frames = np.linalg.qr(random.normal(size=(4000, 3, 3)))[0]

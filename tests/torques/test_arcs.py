@@ -14,8 +14,8 @@ from attitude.torques import GravityGradient, InertiaHistory, LinearDamping
 from attitude.torques._arcs import Arcs, Impulse, InertiaChange
 from attitude.torques._torqued import TorquedRotation
 from attitude.torques._triggers import AxisCrossesDirection, PointMeetsPlane
-from tests.frames.test_frames import definition
 from tests.support import states
+from tests.support.frames import definition
 from tests.support.oracle import Oracle, conjugate, multiply, rate_error, rotation_error
 
 # The attitude of a free rotation errs by at most this (docs of FreeRotation), rad.
@@ -358,7 +358,10 @@ def test_an_arc_drives_what_a_history_drives():
 
 # Under torques ------------------------------------------------------------------------------------
 
-N, RADIUS, GM = 1.0e-3, 7.2e6, 3.986004418e14  # a circular orbit about the Earth, from ICRF's x
+# A circular orbit about the Earth, from ICRF's x: rad/s, m, m3/s2.
+N = 1.0e-3
+RADIUS = 7.2e6
+GM = 3.986004418e14
 
 
 def on_circle(seconds):
@@ -367,7 +370,7 @@ def on_circle(seconds):
 
 
 def thruster(t, wxyz, omega):
-    """Of time and rate, so that a wrong origin of t or a wrong rate shows."""
+    """A torque of time and rate, so that a wrong origin of t or a wrong rate shows."""
     return (0.01 * np.sin(0.05 * t), 0.02 * np.cos(0.03 * t) - 0.01 * omega[1], 0.005 * omega[0])
 
 

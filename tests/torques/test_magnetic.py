@@ -17,15 +17,16 @@ from attitude.torques import (
     MagneticField,
     _magnetic,
 )
-from tests.support.torqued import angle, dop853, turns_by_rates
-from tests.torques.test_torques import torque_at_start
+from tests.support.torqued import angle, dop853, torque_at_start, turns_by_rates
 
 TENSOR = np.array([[20.0, 1.0, 0.5], [1.0, 24.0, 2.0], [0.5, 2.0, 30.0]])
 BODY = Body(tensor=TENSOR)
 SPIN = Spin(epoch="2024-03-01", wxyz=(1, 2, 3, 4), angular_velocity=(0.1, 0.2, -0.3))
 CURRENTS = np.array([[2.0, 0.3, 0.0], [0.3, 1.0, -0.2], [0.0, -0.2, 3.0]]) * 1e6
 EARTH = DipoleField((1e22, -2e22, -7.5e22))
-AXIS, NORMAL = 7.1e6, np.radians(98.0)
+# A circular orbit: radius in m, inclination.
+AXIS = 7.1e6
+NORMAL = np.radians(98.0)
 RATE = np.sqrt(3.986004418e14 / AXIS**3)
 
 

@@ -8,7 +8,7 @@ from attitude import AttitudeError, Body, FreeRotation, Spin
 from attitude.frames import quaternion
 from attitude.splitting import TorquedRotation
 from attitude.torques import InternalDissipation, Maxwell, QualityFactor, Rheology, _rheology
-from tests.torques.test_torques import torque_at_start
+from tests.support.torqued import torque_at_start
 
 AXES = np.array([1.0, 0.8, 0.6])
 DENSITY = 2000.0

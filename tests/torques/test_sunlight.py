@@ -14,8 +14,7 @@ from attitude.light_curve import Visibility
 from attitude.shape import Mesh, box
 from attitude.splitting import TorquedRotation
 from attitude.torques import SolarRadiation
-from tests.support.torqued import angle, dop853, turns_by_rates
-from tests.torques.test_torques import torque_at_start
+from tests.support.torqued import angle, dop853, torque_at_start, turns_by_rates
 
 AU = 149597870700.0
 PRESSURE = 1361.0 / 299792458.0

@@ -192,7 +192,7 @@ def test_a_compiled_function_of_too_few_numbers(depends_on_rate):
 def test_other_errors_still_go_to_the_hook(monkeypatch):
     """Those of finalizers, and those that a callback raises outside of a call."""
     seen = []
-    monkeypatch.setattr(sys, "unraisablehook", lambda found: seen.append(found.exc_type))
+    monkeypatch.setattr(sys, "unraisablehook", lambda report: seen.append(report.exc_type))
 
     class Broken:
         def __del__(self):

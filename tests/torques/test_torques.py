@@ -22,6 +22,7 @@ from attitude.torques import (
     SolarRadiation,
 )
 from attitude.torques._torqued import TorquedRotation
+from tests.support.torqued import torque_at_start
 
 TENSOR = np.array([[20.0, 1.0, 0.5], [1.0, 24.0, 2.0], [0.5, 2.0, 30.0]])
 BODY = Body(tensor=TENSOR)
@@ -34,13 +35,6 @@ def still(seconds):
     return np.broadcast_to(PLACE, (*np.shape(seconds), 3))
 
 
-def torque_at_start(*torques, body=BODY, spin=SPIN):
-    """N m over the body axes: what Euler's equations leave of the angular acceleration."""
-    history = TorquedRotation(body, spin, torques, step=0.1).at(0.0)
-    w = history.angular_velocity
-    return body.tensor @ history.angular_acceleration + np.cross(w, body.tensor @ w)
-
-
 def gravity_gradient(wxyz):
     r = np.sqrt(PLACE @ PLACE)
     u = quaternion.matrix(wxyz).T @ PLACE / r
@@ -48,10 +42,10 @@ def gravity_gradient(wxyz):
 
 
 def test_gravity_gradient_by_its_formula():
-    found = torque_at_start(GravityGradient(still, MU))
+    found = torque_at_start(GravityGradient(still, MU), body=BODY, spin=SPIN)
     expected = gravity_gradient(SPIN.wxyz)
     assert np.max(np.abs(found - expected)) < 1e-13 * np.max(np.abs(expected)) + 1e-15
-    named = torque_at_start(GravityGradient(still, "earth"))
+    named = torque_at_start(GravityGradient(still, "earth"), body=BODY, spin=SPIN)
     # MU is EGM96's, DE440's is 1.6e-8 less
     assert np.allclose(named, expected, rtol=1e-7, atol=0.0)
     assert not np.allclose(named, expected, rtol=1e-9, atol=0.0)
@@ -78,12 +72,12 @@ def test_torque_is_the_slope_of_its_potential():
         assert slope == pytest.approx(found[k], rel=1e-6, abs=1e-10 * np.max(np.abs(found)))
 
 
-def called(made, wxyz, y, place, parameters):
+def called(compiled, wxyz, y, place, parameters):
     """What a compiled torque or slope answers."""
     out = np.zeros(3)
     given = [np.array(each, dtype=float) for each in (wxyz, y, place, parameters)]
     pointer = ctypes.POINTER(ctypes.c_double)
-    C_FUNCTION(made.address)(0.0, *(each.ctypes.data_as(pointer) for each in (*given, out)))
+    C_FUNCTION(compiled.address)(0.0, *(each.ctypes.data_as(pointer) for each in (*given, out)))
     return out
 
 
@@ -124,7 +118,8 @@ def test_slope_of_a_torque_without_a_potential():
 
 
 def test_torques_add():
-    both = torque_at_start(GravityGradient(still, MU), ConstantTorque((1e-4, 2e-4, 0)))
+    torques = GravityGradient(still, MU), ConstantTorque((1e-4, 2e-4, 0))
+    both = torque_at_start(*torques, body=BODY, spin=SPIN)
     assert np.allclose(
         both, gravity_gradient(SPIN.wxyz) + np.array([1e-4, 2e-4, 0]), rtol=1e-12, atol=1e-15
     )
@@ -314,7 +309,7 @@ def test_sunlight_spins_up_by_the_torque_averaged_over_rotations():
 def test_a_facet_in_the_dark_feels_nothing():
     model = SolarRadiation(Facets, lambda s: np.broadcast_to((AU, AU, AU), (*np.shape(s), 3)))
     spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0, 0, 0))
-    assert np.array_equal(torque_at_start(model, spin=spin), np.zeros(3))
+    assert np.array_equal(torque_at_start(model, body=BODY, spin=spin), np.zeros(3))
 
 
 def test_a_user_s_function_compiled_or_not():
@@ -382,12 +377,16 @@ def nothing(t, wxyz, omega):
         (lambda: CustomTorque(lambda t, q, w: [1, 2, 3] * units.mN), "three plain numbers"),
         (
             lambda: torque_at_start(
-                SolarRadiation(Facets, still), body=Body(moments=(1, 2, 2.5), relative=True)
+                SolarRadiation(Facets, still),
+                body=Body(moments=(1, 2, 2.5), relative=True),
+                spin=SPIN,
             ),
             "moments of the body are relative",
         ),
         (
-            lambda: torque_at_start(GravityGradient(lambda s: np.zeros((len(s), 3)), MU)),
+            lambda: torque_at_start(
+                GravityGradient(lambda s: np.zeros((len(s), 3)), MU), body=BODY, spin=SPIN
+            ),
             "passes through the point mass",
         ),
     ],

@@ -36,9 +36,9 @@ def toutatis():
     return catalog.entry("toutatis").motion()
 
 
-def content(made):
+def content(page):
     """The value that a page holds."""
-    text = re.search(r'<script type="application/json" id="data">(.*?)</script>', made.html, re.S)
+    text = re.search(r'<script type="application/json" id="data">(.*?)</script>', page.html, re.S)
     return json.loads(text.group(1))
 
 

@@ -86,7 +86,8 @@ def test_records_of_xml_are_the_leaves_of_elements():
     assert xml.records(text, "it", "r") == [{"b": "2", "c": "xz"}, {"r": ""}, {"e": ""}]
     # An element within one of the same tag is a record of its own, and part of the outer one.
     assert xml.records("<r><b>1</b><r><c>2</c></r></r>", "it", "r") == [
-        *({"b": "1", "c": "2"}, {"c": "2"})
+        {"b": "1", "c": "2"},
+        {"c": "2"},
     ]
     assert xml.records("<a/>", "it", "r") == []
 

@@ -5,6 +5,7 @@ import pytest
 
 from attitude import AttitudeError
 from attitude._support.constants import ASTRONOMICAL_UNIT_M as AU
+from attitude.errors import AttitudeWarning
 from attitude.formats.damit_light_curve import (
     DamitLightCurve,
     from_positions,
@@ -139,3 +140,41 @@ def test_what_cannot_be_written_is_refused_and_nothing_is_left(tmp_path):
             DamitLightCurve(**{**keywords, **change}, calibrated=True)
     with pytest.raises(AttitudeError, match="folder"):
         write_damit_light_curves(tmp_path / "none" / "lc.txt", good)
+
+
+def curve(count, calibrated):
+    rng = np.random.default_rng(1)
+    return DamitLightCurve(
+        2459000.5 + np.arange(count) / 1440.0,
+        rng.uniform(0.5, 1.5, count),
+        np.tile((1.0, 0.0, 0.0), (count, 1)),
+        np.tile((0.0, 1.0, 0.0), (count, 1)),
+        calibrated=calibrated,
+    )
+
+
+def test_a_calibrated_curve_is_cut_into_parts_that_fit(tmp_path):
+    whole = curve(2501, True)
+    write_damit_light_curves(tmp_path / "lc.txt", [whole, curve(10, False)])
+    found = read_damit_light_curves(tmp_path / "lc.txt")
+    assert [len(each) for each in found] == [833, 834, 834, 10]
+    assert [each.calibrated for each in found] == [True, True, True, False]
+    for name in ("jd", "brightness", "sun", "jd_low"):
+        joined = np.concatenate([getattr(each, name) for each in found[:3]])
+        if name != "jd_low":
+            assert np.array_equal(joined, getattr(whole, name))
+
+
+@pytest.mark.parametrize(
+    ("curves", "sentence"),
+    [
+        ([(1001, False)], "1001 points in a relative curve, and DAMIT's programs take 1000"),
+        ([(3, True)] * 101, "101 curves, and DAMIT's programs take 100"),
+        ([(1000, False)] * 11, "11000 points in all, and DAMIT's programs take 10000"),
+    ],
+)
+def test_what_cannot_be_cut_is_said(curves, sentence, tmp_path):
+    given = [curve(*each) for each in curves]
+    with pytest.warns(AttitudeWarning, match=sentence):
+        write_damit_light_curves(tmp_path / "lc.txt", given)
+    assert len(read_damit_light_curves(tmp_path / "lc.txt")) == len(given)

@@ -1,10 +1,13 @@
 """Pictures: what is drawn is the motion, and the command writes a file."""
 
+import warnings
+
 import numpy as np
 import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, Spin, plots
 from attitude.cli import main
+from attitude.errors import AttitudeWarning
 
 MOTIONS = {
     "short axis": ((10.0, 20.0, 26.0), (1.0, 15.0, 1.0)),
@@ -114,3 +117,31 @@ def test_the_command_says_what_is_wrong(tmp_path, capsys, monkeypatch):
     assert "cannot be written" in run(["toutatis", "--output", "no/where.png"], capsys)[2]
     (tmp_path / "spin.toml").write_text("")
     assert "write such values into the spin file" in run(["spin.toml", "--phi0", "0"], capsys)[2]
+
+
+def test_the_time_axis_has_the_date_of_the_epoch():
+    figure = plots.overview(motion_of(*MOTIONS["short axis"]))
+    for axes in figure.axes[2:]:
+        assert axes.get_xlabel() == "time since 2026-01-01T00:00:00 UTC, s"
+
+
+def test_coarse_steps_are_said_once(tmp_path, capsys):
+    motion = motion_of(*MOTIONS["short axis"])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        plots.overview(motion, span=30.0)
+    with pytest.warns(AttitudeWarning, match=r"a point every 0\.8333 s, .* period") as said:
+        plots.overview(motion, span=1000.0)
+    assert len(said) == 1
+    with pytest.warns(AttitudeWarning, match="at most 0.04"):
+        plots.rates(plots.new_figure((4, 4)).add_subplot(), motion, np.arange(0.0, 60.0))
+    spin = tmp_path / "fast.toml"
+    spin.write_text(
+        "[body]\nmoments = [10, 20, 26]\n[spin]\nepoch = '2026-01-01'\nwxyz = [1, 0, 0, 0]\n"
+        "angular_velocity = [1, 15, 1]\n"
+    )
+    picture = str(tmp_path / "a.png")
+    assert main(["plot", str(spin), "--span", "1000 s", "--output", picture]) == 0
+    err = capsys.readouterr().err
+    assert err.startswith("attitude: warning: the curves have a point every 0.8333 s")
+    assert err.count("\n") == 1

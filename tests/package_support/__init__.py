@@ -1,0 +1,1 @@
+"""Tests of `attitude/_support/`; what tests share stands in tests/support/."""
