@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from attitude._support.annotations import FloatArray, IntArray
-    from attitude.inversion._evidence import Weighted
+    from attitude.inversion._evidence import Robust
     from attitude.inversion._problem import CurveProblem
 
     ComplexArray = NDArray[np.complex128]
@@ -393,8 +393,6 @@ def ellipsoid_of(trial: Trial) -> FloatArray:
 _TRIALS, _ITERATIONS, _CONVEX = 240, 25, 40
 # Chi-squared of an ellipsoid over that of the best, with which it becomes convex.
 _WORSE = 1.6
-# Difference of evidence within which poles are listed; other rates that are compared with them.
-_BEHIND, _OTHERS = 25.0, 3
 # Steps and relative gain of convex bodies with the errors that the best one shows.
 _STEPS_FREE, _GAIN = 40, 3e-4
 
@@ -437,22 +435,24 @@ class RotatorSearch(Search):
     def _has_several(self) -> bool:
         return len(apparitions(self.problem)) > 1
 
-    def _axial_solutions(
-        self, problem: CurveProblem, tumbling: Sequence[Weighted]
-    ) -> list[Weighted]:
+    def _axial_solutions(self, problem: CurveProblem, tumbling: Sequence[Robust]) -> list[Robust]:
         """Rotations about one axis with the errors of a problem, the most probable first."""
         if not self.tie.is_wide:
             return super()._axial_solutions(problem, tumbling)
-        rotators = [self._robust(problem, start) for start in self.axial or self.convex[:_OTHERS]]
-        rotators, self.beside = _pole_map.listed(rotators, _BEHIND)
+        settings = self.settings
+        starts = self.axial or self.convex[: settings.axial_others]
+        rotators = [self._robust(problem, start) for start in starts]
+        rotators, self.beside = _pole_map.listed(rotators, settings.axial_behind, settings)
         rates = np.array([rotator.refined.state[0] for rotator in rotators])
         # the next number of turns decides whether this one is accepted, however far behind
         others = [
             rotator
             for rotator in self.convex
-            if 2.0 * np.abs(rates - rotator.state[0]).min() > self.settings.same_rate
+            if 2.0 * np.abs(rates - rotator.state[0]).min() > settings.same_rate
         ]
-        return rotators + [self._robust(problem, rotator) for rotator in others[:_OTHERS]]
+        return rotators + [
+            self._robust(problem, rotator) for rotator in others[: settings.axial_others]
+        ]
 
     def _trials(self, chosen: list[tuple[float, float]]) -> list[Trial]:
         """The best trials of all windows, the best first."""

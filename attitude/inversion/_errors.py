@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from attitude._support.annotations import BoolArray, FloatArray, IntArray
-    from attitude.inversion._evidence import Weighted
+    from attitude.inversion._evidence import Robust, Weighted
     from attitude.inversion._moving import MovingPoint
     from attitude.inversion._problem import CurveProblem
     from attitude.inversion._refinement import ShapeModel
@@ -55,7 +55,7 @@ class GroupErrors(NamedTuple):
 
 
 def errors(
-    found: Weighted,
+    found: Weighted[object],
     here: ShapeModel,
     groupings: Sequence[IntArray],
     count: int,
@@ -233,7 +233,7 @@ def _log_student(points: FloatArray, factor: FloatArray) -> FloatArray:
 _SEED = 20180708
 
 
-def covariance_of_motion(found: Weighted, tie: Tie) -> FloatArray:
+def covariance_of_motion(found: Robust, tie: Tie) -> FloatArray:
     """Second moments (8, 8) of the parameters about those of a solution; 0 of those that stay."""
     at = np.ix_(*2 * [free(found)])
     curvature = inverse(found.refined.normal)[:MOTION, :MOTION][at]
@@ -249,12 +249,12 @@ def covariance_of_motion(found: Weighted, tie: Tie) -> FloatArray:
     return moments
 
 
-def free(found: Weighted) -> IntArray:
+def free(found: Robust) -> IntArray:
     """The parameters of the motion that do not stay: all, or those about one axis."""
     return np.flatnonzero(np.diag(found.refined.normal)[:MOTION] != 1.0)
 
 
-def log_density(found: Weighted, tie: Tie, factor: FloatArray) -> Callable[[FloatArray], float]:
+def log_density(found: Robust, tie: Tie, factor: FloatArray) -> Callable[[FloatArray], float]:
     """The logarithm of the density of offsets in units of a factor of a covariance.
 
     Both are of the parameters that are free.
@@ -352,7 +352,11 @@ _DISTINCT = 0.5
 
 
 def covariance_of_state(
-    found: Weighted, point: MovingPoint, seconds: FloatArray, known: KnownShape, least: float
+    found: Weighted[object],
+    point: MovingPoint,
+    seconds: FloatArray,
+    known: KnownShape,
+    least: float,
 ) -> FloatArray:
     """Second moments (P, P) of the parameters about those of a solution; 0 of those that stay.
 

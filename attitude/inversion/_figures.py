@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -19,6 +19,9 @@ from attitude.photometry._spectrum import OVERSAMPLING
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from attitude._support.annotations import FilePath, FloatArray
     from attitude.epochs._instants import Instant
@@ -48,7 +51,7 @@ class _Night(NamedTuple):
     line: tuple[FloatArray, FloatArray, FloatArray]
 
 
-def of_nights(solution: CurveFit, path: FilePath | None = None) -> Any:
+def of_nights(solution: CurveFit, path: FilePath | None = None) -> Figure:
     """A panel a night: points, the model as a line, residuals under it.
 
     Of curves of few points a night, one panel of the whole curve.
@@ -86,7 +89,7 @@ def of_nights(solution: CurveFit, path: FilePath | None = None) -> Any:
 
 def of_prediction(
     found: Prediction, path: FilePath | None = None, observed: LightCurve | None = None
-) -> Any:
+) -> Figure:
     """A panel a night of what is predicted, with the error of its form, and of what was observed.
 
     Points are shifted by the mean residual of each night, which is beside its date.
@@ -131,14 +134,14 @@ def _date(epoch: Instant, digits: int = 16) -> str:
     return epoch.utc_iso[:digits].replace("T", " ")
 
 
-def _panels(nights: Sequence[_Night], name: str, title: str) -> Any:
+def _panels(nights: Sequence[_Night], name: str, title: str) -> Figure:
     """A figure of panels with residuals under them where there are points, all of one scale."""
     from matplotlib.ticker import MaxNLocator
 
     columns = min(_COLUMNS, len(nights))
     rows = -(-len(nights) // columns)
     figure = plots.new_figure((max(2.8 * columns + 0.6, 7.0), 2.9 * rows + 0.7))
-    cells: Any = figure.subfigures(rows, columns, squeeze=False, wspace=0.01, hspace=0.01)
+    cells = figure.subfigures(rows, columns, squeeze=False, wspace=0.01, hspace=0.01)
     height = 1.15 * max(float(np.ptp(np.append(night.value, night.line[1]))) for night in nights)
     off = [float(np.abs(night.residual).max()) for night in nights if len(night.residual)]
     for k, night in enumerate(nights):
@@ -151,9 +154,8 @@ def _panels(nights: Sequence[_Night], name: str, title: str) -> Any:
         above.plot(hours, model, color=_MODEL, lw=1.2)
         if below is not None and len(night.hours):
             error = np.nan_to_num(night.error)
-            style: dict[str, Any] = {"fmt": "o", "ms": 2.5, "lw": 0.7, "color": _DATA}
-            above.errorbar(night.hours, night.value, error, **style)
-            below.errorbar(night.hours, night.residual, error, **style)
+            for panel, values in ((above, night.value), (below, night.residual)):
+                panel.errorbar(night.hours, values, error, fmt="o", ms=2.5, lw=0.7, color=_DATA)
         if below is not None:
             below.set_ylim(1.3 * max(off), -1.3 * max(off))
             below.axhline(0.0, color=_OTHER, lw=0.8)
@@ -178,7 +180,7 @@ def _panels(nights: Sequence[_Night], name: str, title: str) -> Any:
     return figure
 
 
-def of_fit(found: CurveFit, path: FilePath | None = None) -> Any:
+def of_fit(found: CurveFit, path: FilePath | None = None) -> Figure:
     """The fit of a refinement and its residuals."""
     figure = plots.new_figure((8.0, 8.0))
     above, below = figure.subplots(2, 1)
@@ -187,7 +189,7 @@ def of_fit(found: CurveFit, path: FilePath | None = None) -> Any:
     return _saved(figure, path)
 
 
-def of_states(found: SpinStates[Solution], path: FilePath | None = None) -> Any:
+def of_states(found: SpinStates[Solution], path: FilePath | None = None) -> Figure:
     """The best fit, residuals by session, both folds, a map of chi-squared, periods and poles."""
     figure = plots.new_figure((9.0, 10.5))
     axes = figure.subplots(3, 2).T
@@ -224,7 +226,7 @@ def of_states(found: SpinStates[Solution], path: FilePath | None = None) -> Any:
     return _saved(figure, path)
 
 
-def of_posterior(found: Posterior, path: FilePath | None = None) -> Any:
+def of_posterior(found: Posterior, path: FilePath | None = None) -> Figure:
     """A corner figure of the first solution's parameters."""
     figure = plots.new_figure((9.0, 9.0))
     axes = figure.subplots(MOTION, MOTION, sharex="col")
@@ -271,7 +273,7 @@ def free_places(poles: Sequence[tuple[float, float]]) -> list[tuple[float, float
     return places
 
 
-def _map(axes: Any, best: Solution) -> None:
+def _map(axes: Axes, best: Solution) -> None:
     """The share of chi-squared that series at i/P_phi + 2j/P_psi leave, near the best."""
     if best.is_axial:
         return
@@ -295,7 +297,7 @@ def _map(axes: Any, best: Solution) -> None:
     axes.set_ylim(y[0], y[-1])
 
 
-def _fit(above: Any, below: Any, solution: CurveFit) -> None:
+def _fit(above: Axes, below: Axes, solution: CurveFit) -> None:
     problem = solution.weighted.problem
     seconds = problem.seconds
     unit = time_unit(float(np.ptp(seconds)))
@@ -317,7 +319,7 @@ def _fit(above: Any, below: Any, solution: CurveFit) -> None:
     below.set_ylabel("residual, mag")
 
 
-def _folded(axes: Any, solution: Solution, which: int) -> None:
+def _folded(axes: Axes, solution: Solution, which: int) -> None:
     """The curve folded with a period, without the lines of the series that have the other one."""
     periods = [solution.P_phi] if solution.is_axial else [solution.P_phi, solution.P_psi]
     if which >= len(periods):
@@ -341,7 +343,7 @@ def _folded(axes: Any, solution: Solution, which: int) -> None:
     axes.set_ylabel("mag, without the other lines" if len(periods) == 2 else "mag")
 
 
-def _saved(figure: Any, path: FilePath | None) -> Any:
+def _saved(figure: Figure, path: FilePath | None) -> Figure:
     if path is not None:
         figure.savefig(path, dpi=130)
     return figure

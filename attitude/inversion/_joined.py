@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from attitude._support.least_squares import inverse
-from attitude.inversion import _ellipsoid, _neighbours, _problem, _refinement
+from attitude.inversion import _ellipsoid, _evidence, _neighbours, _problem, _refinement
 from attitude.inversion._ellipsoid import SearchState, is_axial
 from attitude.inversion._refinement import MOTION
 from attitude.inversion._search import Search, never
@@ -131,6 +131,13 @@ class Count(NamedTuple):
     """
 
     chi_squared: float
+    state: FloatArray
+
+
+class Trial(NamedTuple):
+    """A common motion of two solutions: its evidence, and its state at the curve's middle."""
+
+    evidence: float
     state: FloatArray
 
 
@@ -255,18 +262,17 @@ class JoinedSearch(Search):
         self.problem = replace(self.problem, settings=settings)
         self.finish()
 
-    def _trials(self, first: Sequence[Alone], second: Sequence[Alone]) -> list[Count]:
+    def _trials(self, first: Sequence[Alone], second: Sequence[Alone]) -> list[Trial]:
         """Common motions of two apparitions' solutions, the most probable first."""
         trials = [
-            one._replace(chi_squared=one.chi_squared + a.evidence + b.evidence)
+            Trial(_evidence.of_common_motion(one.chi_squared, a.evidence, b.evidence), one.state)
             for a in first
             for b in second
             for one in counts(a, b, self.settings.joined_within)
         ]
-        trials.sort(key=lambda each: each.chi_squared)
-        return trials[: self.settings.joined_trials]
+        return _evidence.ranked(trials)[: self.settings.joined_trials]
 
-    def _fits(self, problem: CurveProblem, trials: Sequence[Count]) -> list[Refined]:
+    def _fits(self, problem: CurveProblem, trials: Sequence[Trial]) -> list[Refined]:
         """Convex bodies of common motions: of all in a few steps, of the best in more."""
         fits: list[Refined] = []
         states = [trial.state for trial in trials]

@@ -19,7 +19,6 @@ from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.inversion import _evidence, _refinement, _shapes
 from attitude.inversion._refinement import Fitted, ShapeModel
-from attitude.inversion._settings import DEFAULT
 from attitude.motions._body import Body
 from attitude.motions._differentiable import changed
 from attitude.motions._free_rotation import FreeRotation
@@ -387,9 +386,9 @@ class MovingFit:
 
         return _refinement.minimum(at, self.moved, start, iterations, gain)
 
-    def weighted(self, problem: CurveProblem, start: MovingState) -> Weighted:
+    def weighted(self, problem: CurveProblem, start: MovingState) -> Weighted[MovingState]:
         """The state of largest posterior density, with Student's errors and a model error."""
-        whole = problem.with_model_error(DEFAULT.ellipsoid_error)
+        whole = problem.with_model_error(problem.settings.ellipsoid_error)
         best = self.minimum(whole, start, _LAST)
         if best.chi_squared > _BAD * len(whole):
             grown = self._in_stages(whole, start)

@@ -15,12 +15,13 @@ from __future__ import annotations
 
 import math
 from itertools import chain, zip_longest
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from attitude._support.arrays import distinct
 from attitude.inversion import _ellipsoid, _evidence, _refinement, _shapes
+from attitude.inversion._ellipsoid import SearchState
 from attitude.inversion._refinement import MOTION
 
 if TYPE_CHECKING:
@@ -28,9 +29,10 @@ if TYPE_CHECKING:
 
     from attitude._support.annotations import BoolArray, FloatArray
     from attitude.inversion._ellipsoid import Held, Pool
-    from attitude.inversion._evidence import Weighted
+    from attitude.inversion._evidence import Robust
     from attitude.inversion._problem import CurveProblem
     from attitude.inversion._refinement import Refined
+    from attitude.inversion._settings import Settings
     from attitude.inversion._shapes import Tie
 
 
@@ -46,9 +48,12 @@ _POLE_HELD = np.arange(_refinement.SIZE) < 2
 # and so many of them beside the best of each pole: poles of final lists were 235 above it after
 # four iterations and at most the 89th, 63 and the 20th after six; others were 250 to 1700 above it.
 _STAGES = ((4, 700.0, 160), (4, 200.0, 100))
-# Rates of one turn, turns per span; angles, rad, to minima that are errors of a pole, to those that
-# are the same entry of a list, and between directions that are one pole of the map.
-_SAME_RATE, _LOBE, _ENTRY, _ONE_POLE = 0.35, math.radians(60.0), math.radians(15.0), 1e-4
+# Angle, rad, up to which other minima are errors of a pole.
+_LOBE = math.radians(60.0)
+# Angle, rad, between poles that are the same entry of a list.
+_ENTRY = math.radians(15.0)
+# Angle, rad, between directions that are one pole of the map.
+_ONE_POLE = 1e-4
 
 
 def sphere(count: int) -> FloatArray:
@@ -83,11 +88,12 @@ def has_turn(problem: CurveProblem, a: FloatArray, b: FloatArray) -> bool:
     angles = 4.0 * math.pi * (a[0] - b[0]) * problem.t
     first, second = (_seen_about(problem, state[_ellipsoid.OF_POLE]) for state in (a, b))
     angles -= first - second
-    offsets = np.arange(-2.0 * _SAME_RATE, 2.0 * _SAME_RATE + 1e-9, _SAME_RATE / 8.0)
+    width = problem.settings.same_rate
+    offsets = np.arange(-2.0 * width, 2.0 * width + 1e-9, width / 8.0)
     drifts = np.concatenate([offsets, 2.0 * (a[0] - b[0]) + offsets])
     turned = np.exp(1j * (angles - 2.0 * math.pi * drifts[:, None] * problem.t))
     kept = np.abs(turned.mean(axis=1))
-    return bool(abs(drifts[int(np.argmax(kept))]) < _SAME_RATE)
+    return bool(abs(drifts[int(np.argmax(kept))]) < width)
 
 
 def _seen_about(problem: CurveProblem, pole: FloatArray) -> FloatArray:
@@ -291,7 +297,7 @@ def minima(
         fits.sort(key=lambda fit: fit.cost)
         fits = [fit for fit in fits if fit.cost < fits[0].cost + above]
         best_ones = [fit.state for fit in fits[:most]]
-        of_others = apart(fits[most:], best_ones, _ONE_POLE)
+        of_others = apart(fits[most:], best_ones, settings, _ONE_POLE)
         held_states = np.array([*best_ones, *(fit.state for fit in of_others)])
     at_poles = _refined(problem, held_states, tie, held, _HELD, is_over)
     chosen = most_probable(at_poles, problem, behind)
@@ -301,11 +307,18 @@ def minima(
 
 
 def apart(
-    found: Sequence[Refined], others: Sequence[FloatArray], width: float = _ENTRY
+    fits: Sequence[Refined],
+    others: Sequence[FloatArray],
+    settings: Settings,
+    width: float = _ENTRY,
 ) -> list[Refined]:
     """Those whose pole no better one has, nor one of others (WIDTH,), within an angle, rad."""
-    new = (fit for fit in found if not any(_is_entry(fit.state, state, width) for state in others))
-    return distinct(new, lambda a, b: _is_entry(a.state, b.state, width))
+
+    def is_entry(a: FloatArray, b: FloatArray) -> bool:
+        return _is_entry(a, b, settings, width)
+
+    new = (fit for fit in fits if not any(is_entry(fit.state, state) for state in others))
+    return distinct(new, lambda a, b: is_entry(a.state, b.state))
 
 
 def _refined(
@@ -326,29 +339,40 @@ def _refined(
         )
 
 
+class _Rated(NamedTuple):
+    """A fit with its evidence."""
+
+    evidence: float
+    fit: Refined
+
+
 def most_probable(found: Iterable[Refined], problem: CurveProblem, behind: float) -> list[Refined]:
     """Those of rotations about one axis that compete, the best first."""
     points = len(problem)
-    values = [(fit.cost + _evidence.occam(fit.normal, points), fit) for fit in found]
-    values.sort(key=lambda pair: pair[0])
-    return [fit for value, fit in values if value < values[0][0] + behind]
+    rated = _evidence.ranked(_Rated(_evidence.of_fit(fit, points), fit) for fit in found)
+    return [one.fit for one in rated if one.evidence < rated[0].evidence + behind]
 
 
-def listed(found: Sequence[Weighted], behind: float) -> tuple[list[Weighted], list[Weighted]]:
+def listed(
+    solutions: Sequence[Robust], behind: float, settings: Settings
+) -> tuple[list[Robust], list[Robust]]:
     """Poles of each rate that compete, the best first, 15 degrees apart, and those left out.
 
     A list of neighbours would leave no place for other parts of the sky: their differences are
     errors of one pole.
     """
-    entries: list[Weighted] = []
-    beside: list[Weighted] = []
-    for entry in sorted(found, key=lambda one: one.evidence):
+    entries: list[Robust] = []
+    beside: list[Robust] = []
+    for entry in _evidence.ranked(solutions):
         if entries and entry.evidence > entries[0].evidence + behind:
             break
-        is_near = any(_is_entry(entry.refined.state, other.refined.state) for other in entries)
+        is_near = any(
+            _is_entry(entry.refined.state, other.refined.state, settings) for other in entries
+        )
         (beside if is_near else entries).append(entry)
     return entries, beside
 
 
-def _is_entry(a: FloatArray, b: FloatArray, width: float = _ENTRY) -> bool:
-    return bool(2.0 * abs(a[0] - b[0]) < _SAME_RATE) and _ellipsoid.have_pole(a, b, width)
+def _is_entry(a: FloatArray, b: FloatArray, settings: Settings, width: float = _ENTRY) -> bool:
+    apart = abs(SearchState.of(a).precession - SearchState.of(b).precession)
+    return 2.0 * apart < settings.same_rate and _ellipsoid.have_pole(a, b, width)

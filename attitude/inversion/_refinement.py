@@ -46,10 +46,12 @@ def limited(threads: int = 1) -> AbstractContextManager[object]:
 # ---- Least squares of any model with derivatives, from one start
 
 State = TypeVar("State")
+# Of results, which are read alone.
+AnyState = TypeVar("AnyState", covariant=True)
 
 
 @dataclass(frozen=True, eq=False)
-class Fitted(Generic[State]):
+class Fitted(Generic[AnyState]):
     """A state near its least cost; `Refined` is one whose state is an array (WIDTH,).
 
     Attributes
@@ -67,7 +69,7 @@ class Fitted(Generic[State]):
         Of the model.
     """
 
-    state: State
+    state: AnyState
     cost: float
     chi_squared: float
     strain: float

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from attitude._support.annotations import BoolArray, FloatArray
     from attitude.inversion._ellipsoid import Pool
-    from attitude.inversion._evidence import Weighted
+    from attitude.inversion._evidence import Robust
     from attitude.inversion._problem import CurveProblem
     from attitude.inversion._refinement import Refined
     from attitude.inversion._satellites import AdditivePair, Explained
@@ -82,13 +82,13 @@ class Search:
         Called with a text after each stage.
     convex : list of Refined
         The best first.
-    solutions : list of Weighted
+    solutions : list of Robust
         The best first; those of the last `finish`.
     axial : list of Refined
         Rotations about one axis from a map of poles, the most probable first.
     held_poles : list of Refined
         The best bodies at held poles that compete with those, the most probable first.
-    beside : list of Weighted
+    beside : list of Robust
         Those that are not among `solutions`, for a better pole lies near.
     dips : list of AdditivePair
         Additive series that leave at most twice the residuals of the best, and only dim it.
@@ -112,10 +112,10 @@ class Search:
     generator: np.random.Generator
     progress: Callable[[str], object]
     convex: list[Refined] = field(default_factory=list)
-    solutions: list[Weighted] = field(default_factory=list)
+    solutions: list[Robust] = field(default_factory=list)
     axial: list[Refined] = field(default_factory=list)
     held_poles: list[Refined] = field(default_factory=list)
-    beside: list[Weighted] = field(default_factory=list)
+    beside: list[Robust] = field(default_factory=list)
     dips: list[AdditivePair] = field(default_factory=list)
     is_complete: bool = False
     rival: Search | None = None
@@ -229,7 +229,7 @@ class Search:
             return False
         return _verdicts.is_doubtful(self.solutions[0], self.problem)
 
-    def verdict_of(self, solutions: Sequence[Weighted]) -> tuple[str, str]:
+    def verdict_of(self, solutions: Sequence[Robust]) -> tuple[str, str]:
         """The verdict of solutions of this search, and its criterion in words."""
         verdict = _verdicts.verdict(
             solutions, self.problem, self.is_complete, self.most,
@@ -243,11 +243,8 @@ class Search:
 
     def evidence(self) -> float:
         """That of the best solution among those of other zero points and series."""
-        best = self.solutions[0]
-        volume = _evidence.volume_of_offsets(best.problem)
-        # the more orbits were tried, the better one fits by chance
-        tried = self.most if self.problem.orbit else 1.0
-        return best.evidence + volume + 2.0 * math.log(tried)
+        orbits = self.most if self.problem.orbit else 1.0
+        return _evidence.among_problems(self.solutions[0], orbits)
 
     def _compare_with_satellite(self) -> None:
         """Search for a rotation about one axis beside the series of an orbit, if series fit."""
@@ -456,7 +453,7 @@ class Search:
         if axial[0].chi_squared > self.settings.axial_worse * self.convex[0].chi_squared:
             return
         problem = self._with_own_error(axial[0])
-        rates: list[Weighted] = []
+        rates: list[Robust] = []
         for fit in axial:
             rate = float(fit.state[0])
             if all(2.0 * abs(rate - o.refined.state[0]) > self.settings.axial_width for o in rates):
@@ -464,7 +461,7 @@ class Search:
                 if len(rates) > self.settings.axial_others:
                     break
         rates = _verdicts.behind_twice_the_period(rates, problem)
-        rates.sort(key=lambda each: each.evidence)
+        rates = _evidence.ranked(rates)
         best, settings = rates[0], self.settings
         self.redundancy = _evidence.redundancy(best, problem)
         if self._is_far_behind(best, problem, settings.axial_tumbling):
@@ -490,9 +487,7 @@ class Search:
             self.convex.append(self._fit(minimum.state))
         self.convex.sort(key=lambda each: each.cost)
 
-    def _mapped(
-        self, one: Weighted, mapping: CurveProblem, problem: CurveProblem
-    ) -> Refined | None:
+    def _mapped(self, one: Robust, mapping: CurveProblem, problem: CurveProblem) -> Refined | None:
         """The most probable rotation about one axis, after a map of poles at the rate of one."""
         state, fixed = one.refined.state, self._fixed(one.refined.state)
         arguments = state, self.generator, self.tie, fixed, self.redundancy, lambda: self.is_over
@@ -507,7 +502,7 @@ class Search:
         behind = self.settings.axial_pole_behind * self.redundancy
         return _pole_map.most_probable(found, problem, behind)
 
-    def _is_far_behind(self, rotator: Weighted, problem: CurveProblem, width: float) -> bool:
+    def _is_far_behind(self, rotator: Robust, problem: CurveProblem, width: float) -> bool:
         """Whether a tumbling body that has other lines is ahead of a rotation by a width."""
         best = self.convex[0]
         if is_axial(best.state):
@@ -739,9 +734,8 @@ class Search:
         solutions += self._axial_solutions(problem, solutions)
         solutions = _verdicts.behind_twice_the_period(solutions, problem)
         solutions = _verdicts.as_rotators(solutions, problem)
-        solutions.sort(key=lambda each: each.evidence)
         self.solutions = distinct(
-            solutions, lambda a, b: self.is_same(a.refined.state, b.refined.state)
+            _evidence.ranked(solutions), lambda a, b: self.is_same(a.refined.state, b.refined.state)
         )
         error = problem.model_error
         self.progress(f"{len(self.solutions)} solutions, model error {error:.3f} mag")
@@ -792,9 +786,7 @@ class Search:
         self._own_problems.append(problem)
         return problem
 
-    def _axial_solutions(
-        self, problem: CurveProblem, tumbling: Sequence[Weighted]
-    ) -> list[Weighted]:
+    def _axial_solutions(self, problem: CurveProblem, tumbling: Sequence[Robust]) -> list[Robust]:
         """Rotations about one axis with the errors of a problem, the most probable poles.
 
         Few of them where a tumbling state is ahead.
@@ -802,7 +794,7 @@ class Search:
         axial = [fit for fit in self.convex if SearchState.of(fit.state).is_axial]
         if not self.axial:
             return [self._compared(problem, fit) for fit in axial[: self.settings.axial_others]]
-        listed_ones: list[Weighted] = []
+        listed_ones: list[Robust] = []
         rotator = self._compared(problem, self.axial[0])
         # those on its comb count as this rotation
         others = (one for one in tumbling if not _verdicts.counts_as(one, rotator, problem))
@@ -816,14 +808,14 @@ class Search:
             ):
                 listed_ones.append(self._robust(problem, fit))
         # their own prior ranks poles; with the one of tumbling bodies they are compared with those
-        best = min(listed_ones, key=lambda each: each.evidence)
-        more = self._compared(problem, best.refined).evidence - best.evidence
-        listed_ones = [replace(one, evidence=one.evidence + more) for one in listed_ones]
+        best = _evidence.ranked(listed_ones)[0]
+        more = _evidence.of_common_prior(best, self._compared(problem, best.refined))
+        listed_ones = [_evidence.with_term(one, more) for one in listed_ones]
         listed_ones = _verdicts.behind_twice_the_period(listed_ones, problem)
         is_doubtful = _verdicts.is_doubtful(best, problem)
         behind = self.settings.alone if is_doubtful else self.settings.axial_behind
         behind *= _evidence.redundancy(best, problem)
-        listed_ones, self.beside = _pole_map.listed(listed_ones, behind)
+        listed_ones, self.beside = _pole_map.listed(listed_ones, behind, self.settings)
         if not is_behind:
             listed_ones += self._between(problem, listed_ones, more, behind)
         listed_ones = listed_ones[: self.settings.axial_finals]
@@ -838,17 +830,17 @@ class Search:
             self._compared(problem, fit) for fit in next_ones[: self.settings.axial_others]
         ]
 
-    def _compared(self, problem: CurveProblem, given: Refined) -> Weighted:
+    def _compared(self, problem: CurveProblem, given: Refined) -> Robust:
         """A rotation about one axis with the prior and the evidence of tumbling bodies."""
         return self._robust(problem, given, is_wide=True)
 
-    def _robust(self, problem: CurveProblem, given: Refined, *, is_wide: bool = False) -> Weighted:
+    def _robust(self, problem: CurveProblem, given: Refined, *, is_wide: bool = False) -> Robust:
         """The body of largest posterior density near a body."""
         return self._known_fits.of(
             lambda: self._weighted(problem, given, is_wide=is_wide), problem, given, is_wide
         )
 
-    def _weighted(self, problem: CurveProblem, given: Refined, *, is_wide: bool) -> Weighted:
+    def _weighted(self, problem: CurveProblem, given: Refined, *, is_wide: bool) -> Robust:
         # the more frequencies of nutation were tried, the better one fits by chance
         trials = 1.0 if is_axial(given.state) else self.most / self.settings.odds
         return _evidence.refined(
@@ -860,30 +852,27 @@ class Search:
         )
 
     def _between(
-        self, problem: CurveProblem, entries: Sequence[Weighted], more: float, behind: float
-    ) -> list[Weighted]:
+        self, problem: CurveProblem, entries: Sequence[Robust], more: float, behind: float
+    ) -> list[Robust]:
         """Rotations at held poles that compete with the entries of a list, and are none of these.
 
         Where nearly any pole fits, minima alone do not say so.  None of them comes first, for the
         best were started from with the pole free.  `more` is added to their evidence.
         """
         places = max(0, self.settings.axial_finals - len(entries))
-        far = _pole_map.apart(self.held_poles, [entry.refined.state for entry in entries])
-        held = [self._at_pole(problem, fit) for fit in far[:places]]
+        states = [entry.refined.state for entry in entries]
+        far = _pole_map.apart(self.held_poles, states, self.settings)
+        held = [_evidence.with_term(self._at_pole(problem, fit), more) for fit in far[:places]]
         least = entries[0].evidence
-        return [
-            replace(one, evidence=max(one.evidence + more, least))
-            for one in held
-            if one.evidence + more < least + behind
-        ]
+        return [_evidence.at_least(one, least) for one in held if one.evidence < least + behind]
 
-    def _at_pole(self, problem: CurveProblem, given: Refined) -> Weighted:
+    def _at_pole(self, problem: CurveProblem, given: Refined) -> Robust:
         """The rotation about one axis of largest posterior density at the pole of a body."""
         fixed = self._fixed(given.state)
         held = fixed.copy()
         held[:2] = True
 
-        def fit() -> Weighted:
+        def fit() -> Robust:
             return _evidence.refined(problem, given.state, tie=self.tie, fixed=fixed, held=held)
 
         return self._known_fits.of(fit, problem, given, "held")

@@ -42,11 +42,12 @@ if TYPE_CHECKING:
 
     from astropy.table import QTable
     from astropy.time import Time
+    from matplotlib.figure import Figure
 
     from attitude._support.annotations import Epochs, FilePath, FloatArray, IntArray
     from attitude._support.tables import FlatTable
     from attitude.inversion._errors import GroupErrors
-    from attitude.inversion._evidence import Weighted
+    from attitude.inversion._evidence import Robust, Weighted
     from attitude.inversion._problem import CurveProblem
     from attitude.inversion._shapes import Tie
     from attitude.inversion._states import Posterior
@@ -120,7 +121,7 @@ class Prediction(Immutable):
         table["phase_angle"] = np.degrees(self.phase_angle) * units.deg
         return table
 
-    def plot(self, path: FilePath | None = None, *, observed: LightCurve | None = None) -> Any:
+    def plot(self, path: FilePath | None = None, *, observed: LightCurve | None = None) -> Figure:
         """A figure with a panel a night: the model as a line with its error, points if given.
 
         Parameters
@@ -307,11 +308,19 @@ class CurveFit(Answering, ABC):
     _is_known = False
 
     def __init__(
-        self, curve: LightCurve, weighted: Weighted, problem: CurveProblem, rank: int, relation: str
+        self,
+        curve: LightCurve,
+        weighted: Weighted[object],
+        problem: CurveProblem,
+        rank: int,
+        relation: str,
     ) -> None:
-        self.curve, self.weighted, self._problem = curve, weighted, problem
+        self.curve = curve
+        self.weighted = weighted
+        self._problem = problem
         self.evidence: float = weighted.evidence
-        self.rank, self.relation = rank, relation
+        self.rank = rank
+        self.relation = relation
 
     @cached_property
     def shape(self) -> Mesh:
@@ -426,7 +435,7 @@ class CurveFit(Answering, ABC):
         """Numbers of the groups of points by which errors are found, by several groupings."""
         return _errors.groupings(self._problem.t, self._problem.span, self.curve.session)
 
-    def plot(self, path: FilePath | None = None) -> Any:
+    def plot(self, path: FilePath | None = None) -> Figure:
         """A figure with a panel a night: points, model, residuals; saved if a path is given."""
         from attitude.inversion import _figures
 
@@ -473,19 +482,22 @@ class Solution(CurveFit):
     """
 
     _made = "by inversion of a light curve"
+    weighted: Robust
 
     def __init__(
         self,
         curve: LightCurve,
-        weighted: Weighted,
+        weighted: Robust,
         problem: CurveProblem,
         tie: Tie,
         rank: int,
+        relation: str = "best",
+        rivals: Sequence[Robust] = (),
     ) -> None:
-        super().__init__(curve, weighted, problem, rank, "")
+        super().__init__(curve, weighted, problem, rank, relation)
         self.tie = tie
-        self._rivals: list[Solution] = [self]
-        self._beside: list[Weighted] = []
+        # those that compete with it
+        self._rivals = rivals
 
     @property
     def state(self) -> FloatArray:
@@ -513,9 +525,15 @@ class Solution(CurveFit):
 
     @cached_property
     def _covariances(self) -> tuple[FloatArray, GroupErrors]:
-        rivals = [rival.weighted for rival in self._rivals if rival is not self] + self._beside
         with _refinement.limited():
-            return _states.covariance(self.weighted, self._groups, self.tie, rivals)
+            return _states.covariance(self.weighted, self._groups, self.tie, self._rivals)
+
+    def _errors_of(self, solution: Robust) -> GroupErrors:
+        """The covariances of the parameters of the motion of this solution, or of a rival."""
+        if solution is self.weighted:
+            return self._covariances[1]
+        with _refinement.limited():
+            return _states.covariance(solution, self._groups, self.tie)[1]
 
     @property
     def covariance(self) -> FloatArray:
@@ -619,7 +637,7 @@ class Solution(CurveFit):
         AttitudeError
             If emcee is not installed, and for rotation about one axis.
         """
-        return _states.sampled(self._rivals, method, walkers, steps, seed)
+        return _states.sampled(self, method, walkers, steps, seed)
 
     def _model(self, problem: CurveProblem) -> _refinement.ShapeModel:
         """Magnitudes and their derivatives at the epochs of a problem."""
@@ -629,7 +647,7 @@ class Solution(CurveFit):
         """A table for notebooks, the fit and the shape."""
         longitude, latitude = np.degrees(self.pole)
         psi, phi = self.periods_sigma
-        rows = [("rank, relation", f"{self.rank}, {self.relation or 'best'}"), ("mode", self.mode)]
+        rows = [("rank, relation", f"{self.rank}, {self.relation}"), ("mode", self.mode)]
         if not self.is_axial:
             rows.append(("P_psi", _with_error(self.P_psi, psi)))
         rows += [
@@ -733,7 +751,7 @@ class SpinStates(Answering, Sequence[Fit]):
             }
         )
 
-    def plot(self, path: FilePath | None = None) -> Any:
+    def plot(self, path: FilePath | None = None) -> Figure:
         """A figure of the best fit, and of the periods and poles of all solutions."""
         from attitude.inversion import _figures
 

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from attitude._support.annotations import FloatArray, Real
-    from attitude.inversion._evidence import Weighted
+    from attitude.inversion._evidence import Robust, Weighted
     from attitude.inversion._problem import CurveProblem
     from attitude.inversion._refine import Refinement
     from attitude.inversion._shapes import Tie
@@ -467,13 +467,8 @@ def _asks_for_offsets(one: _search.Search, own: _search.Search, needed: float) -
         return False
     solutions = *one.solutions, *own.solutions[:1]
     own.begin(distinct((solution.refined.state for solution in solutions), one.has_rates))
-    better = _with_volume(one.solutions[0]) - _with_volume(own.solutions[0])
-    return better > needed
-
-
-def _with_volume(found: Weighted) -> float:
-    """That of a solution among others with other zero points."""
-    return found.evidence + _evidence.volume_of_offsets(found.problem)
+    without_offsets = _evidence.among_problems(one.solutions[0])
+    return without_offsets - _evidence.among_problems(own.solutions[0]) > needed
 
 
 def _mean_square(problem: CurveProblem) -> float:
@@ -496,11 +491,11 @@ def is_constant(problem: CurveProblem) -> bool:
     return chi_squared < most * free
 
 
-def _as_constant(problem: CurveProblem, found: Sequence[Weighted]) -> str:
+def _as_constant(problem: CurveProblem, found: Sequence[Robust]) -> str:
     """How a constant brightness with zero points of the sessions competes; "" if it does not."""
     constant = _evidence.constant(problem)
-    best = min((_with_volume(solution) for solution in found), default=math.inf)
-    ahead = best - _with_volume(constant)
+    best = min((_evidence.among_problems(solution) for solution in found), default=math.inf)
+    ahead = best - _evidence.among_problems(constant)
     if ahead < -problem.settings.competing:
         return ""
     size = float(np.std(_offsets_of(constant)))
@@ -521,9 +516,9 @@ def _shifts(curve: LightCurve, share: float) -> tuple[float, ...]:
     return (curve.span / _DAY,) if one_site else ()
 
 
-def _offsets_of(found: Weighted) -> FloatArray:
+def _offsets_of(solution: Weighted[object]) -> FloatArray:
     """Fitted zero points of the calibrated sessions of a solution, mag."""
-    return found.problem.offsets(found.refined.magnitude)
+    return solution.problem.offsets(solution.refined.magnitude)
 
 
 def _results(curve, searched):
@@ -532,21 +527,19 @@ def _results(curve, searched):
     settings = search.settings
     admissible = [one for one in search.solutions if _ellipsoid.is_admissible(one.refined.state)]
     solutions = [
-        Solution(curve, one, search.problem, search.tie, k) for k, one in enumerate(admissible)
-    ]
-
-    def competing(solution, others):
-        width = settings.competing_poles
-        return [one for one in others if abs(one.evidence - solution.evidence) < width]
-
-    for solution in solutions:
-        solution.relation = _verdicts.relation(
-            solution.state, solutions[0].state, search.problem, search.length
+        Solution(
+            curve,
+            one,
+            search.problem,
+            search.tie,
+            rank,
+            _verdicts.relation(
+                one.refined.state, admissible[0].refined.state, search.problem, search.length
+            ),
+            _rivals(one, admissible, search),
         )
-        others = [other for other in solutions if other is not solution]
-        solution._rivals = [solution, *competing(solution, others)]
-        if solution.is_axial:
-            solution._beside = competing(solution, search.beside)
+        for rank, one in enumerate(admissible)
+    ]
     verdict, criterion = search.verdict_of(admissible)
     if verdict == _verdicts.SOLVED:
         best = solutions[0]
@@ -556,8 +549,9 @@ def _results(curve, searched):
         )
     if searched.rival is not None:
         period = curve.span / searched.rival.problem.orbit / _DAY
-        arguments = (verdict, criterion), period, ahead, search.settings.alone
-        verdict, criterion = _verdicts.of_satellite(*arguments)
+        verdict, criterion = _verdicts.of_satellite(
+            (verdict, criterion), period, ahead, settings.alone
+        )
     if searched.constant:
         verdict, criterion = _verdicts.OPEN, f"{searched.constant}; {criterion}"
     notes = list(searched.notes)
@@ -565,6 +559,15 @@ def _results(curve, searched):
         notes.append(_words_of_drift(solutions[0]))
     criterion += _verdicts.ended_by(verdict, search.problem.tally)
     return SpinStates(solutions, verdict, criterion, tuple(notes))
+
+
+def _rivals(solution: Robust, solutions: Sequence[Robust], search: _search.Search) -> list[Robust]:
+    """Those that compete with a solution; of a rotation also those that no list of poles names."""
+    others = [other for other in solutions if other is not solution]
+    if _ellipsoid.is_axial(solution.refined.state):
+        others += search.beside
+    width = search.settings.competing_poles
+    return [other for other in others if abs(other.evidence - solution.evidence) < width]
 
 
 def _words_of_drift(best: Solution) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 import numpy as np
 
@@ -23,10 +23,12 @@ from attitude.motions._spin import Spin
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from matplotlib.figure import Figure
+
     from attitude._support.annotations import BoolArray, FilePath, FloatArray, IntArray
     from attitude.epochs._instants import Instant
     from attitude.inversion._errors import GroupErrors
-    from attitude.inversion._evidence import Weighted
+    from attitude.inversion._evidence import Robust
     from attitude.inversion._moving import MovingPoint
     from attitude.inversion._solution import Solution
 
@@ -104,17 +106,17 @@ def motion(
 
 
 def covariance(
-    found: Weighted,
+    solution: Robust,
     groups: Sequence[IntArray],
     tie: Tie,
-    rivals: Sequence[Weighted] = (),
+    rivals: Sequence[Robust] = (),
 ) -> tuple[FloatArray, GroupErrors]:
     """The covariance of the state (9, 9), per span, and those of the parameters of the motion.
 
     Shapes: groups (N,).
     """
-    state, problem = found.refined.state, found.problem
-    fixed = np.diag(found.refined.normal) == 1.0
+    state, problem = solution.refined.state, solution.problem
+    fixed = np.diag(solution.refined.normal) == 1.0
 
     def refitted(keep: BoolArray) -> FloatArray | None:
         again = _refinement.refine(
@@ -124,8 +126,8 @@ def covariance(
         return np.concatenate([forms.to_rotation_vector(turn), again[:5] - state[:5]])
 
     shape_model = _refinement.model(problem, state)
-    formal = _errors.covariance_of_motion(found, tie)
-    errors_of = _errors.errors(found, shape_model, groups, MOTION, refitted, formal)
+    formal = _errors.covariance_of_motion(solution, tie)
+    errors_of = _errors.errors(solution, shape_model, groups, MOTION, refitted, formal)
     if is_axial(state):
         others = [
             (rival.refined.state, rival.evidence)
@@ -133,7 +135,7 @@ def covariance(
             if is_axial(rival.refined.state)
             and _pole_map.has_turn(problem, rival.refined.state, state)
         ]
-        wider = errors_of.covariance + _pole_map.spread(state, found.evidence, others)
+        wider = errors_of.covariance + _pole_map.spread(state, solution.evidence, others)
         errors_of = errors_of._replace(covariance=wider)
     slopes = _slopes(state)
     total = slopes @ errors_of.covariance @ slopes.T
@@ -183,6 +185,12 @@ class Posterior:
         Of the parameters of the first solution, to compare.
     acceptance : float
         Mean share of the moves accepted.
+    states : list of (WIDTH,) arrays
+        The parameters of the solutions.
+    span : float
+        s, that of the curve.
+    epoch : Instant
+        Of the curve.
     """
 
     offsets: FloatArray
@@ -190,7 +198,9 @@ class Posterior:
     weights: FloatArray
     covariance: FloatArray
     acceptance: float
-    origins: tuple[Any, ...]
+    states: Sequence[FloatArray]
+    span: float
+    epoch: Instant
 
     def __len__(self) -> int:
         return len(self.offsets)
@@ -211,22 +221,19 @@ class Posterior:
         all_motions = []
         for which in generator.choice(len(self.weights), number, p=self.weights):
             row = generator.choice(np.flatnonzero(self.solution == which))
-            origin = self.origins[which]
-            state = _errors.moved(origin.state, self.offsets[row])
-            all_motions.append(motion(state, origin.curve.span, origin.curve.epoch, None))
+            state = _errors.moved(self.states[which], self.offsets[row])
+            all_motions.append(motion(state, self.span, self.epoch, None))
         return all_motions
 
-    def plot(self, path: FilePath | None = None) -> Any:
+    def plot(self, path: FilePath | None = None) -> Figure:
         """A corner figure of the first solution's parameters; saved if a path is given."""
         from attitude.inversion import _figures
 
         return _figures.of_posterior(self, path)
 
 
-def sampled(
-    solutions: list[Solution], method: str, walkers: int, steps: int, seed: int
-) -> Posterior:
-    """The posterior of competing solutions, the first of which is described."""
+def sampled(best: Solution, method: str, walkers: int, steps: int, seed: int) -> Posterior:
+    """The posterior of a solution, which is described, and of those that compete with it."""
     validation.one_of(method, "method", ("emcee",))
     validation.count(walkers, "walkers", 17)
     validation.count(steps, "steps", 20)
@@ -237,32 +244,36 @@ def sampled(
             f"posterior needs emcee, which is not installed; install it by "
             f"{validation.installing('posterior')}."
         ) from err
-    if solutions[0].is_axial:
+    if best.is_axial:
         raise AttitudeError(
             "the solution rotates about one axis, whose nutation has no parameters to sample; take "
             "its covariance."
         )
-    solutions = [solution for solution in solutions if not solution.is_axial]
+    tumbling = [rival for rival in best._rivals if not is_axial(rival.refined.state)]
+    solutions = [best.weighted, *tumbling]
+    errors_of = [best._errors_of(solution) for solution in solutions]
     generator = validation.generator(seed)
-    parts, numbers, logs, accepted = [], [], [], []
-    for number, solution in enumerate(solutions):
-        factor = _errors.factor_of(solution._covariances[1].formal)
-        density = _errors.log_density(solution.weighted, solution.tie, factor)
+    offsets, numbers, logs, accepted = [], [], [], []
+    for number, (solution, errors) in enumerate(zip(solutions, errors_of, strict=True)):
+        factor = _errors.factor_of(errors.formal)
+        density = _errors.log_density(solution, best.tie, factor)
         sampler = emcee.EnsembleSampler(walkers, MOTION, density)
         sampler.random_state = np.random.RandomState(int(generator.integers(2**32))).get_state()
         with _refinement.limited():
             sampler.run_mcmc(0.5 * generator.standard_normal((walkers, MOTION)), steps)
         chain = sampler.get_chain(discard=steps // 4, flat=True)
-        parts.append(chain @ factor.T @ solution._covariances[1].widening.T)
+        offsets.append(chain @ factor.T @ errors.widening.T)
         numbers.append(np.full(len(chain), number))
         logs.append(-0.5 * solution.evidence + float(np.sum(np.log(np.diag(factor)))))
         accepted.append(float(np.mean(sampler.acceptance_fraction)))
     weights = np.exp(np.array(logs) - max(logs))
     return Posterior(
-        np.concatenate(parts),
+        np.concatenate(offsets),
         np.concatenate(numbers),
         weights / weights.sum(),
-        solutions[0]._covariances[1].covariance,
+        errors_of[0].covariance,
         float(np.mean(accepted)),
-        tuple(solutions),
+        [solution.refined.state for solution in solutions],
+        best.curve.span,
+        best.curve.epoch,
     )

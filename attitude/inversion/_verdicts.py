@@ -10,7 +10,6 @@ by no more than chance, and one of 18 degrees would improve it by more.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from attitude._support.annotations import FloatArray
-    from attitude.inversion._evidence import Weighted
+    from attitude.inversion._evidence import Robust
     from attitude.inversion._problem import CurveProblem
     from attitude.inversion._satellites import AdditivePair
     from attitude.inversion._settings import Settings, Tally
@@ -114,7 +113,7 @@ def _of_poles(pole: FloatArray, best: FloatArray, normal: FloatArray) -> str:
 _COMB = 6
 
 
-def as_rotators(found: list[Weighted], problem: CurveProblem) -> list[Weighted]:
+def as_rotators(found: list[Robust], problem: CurveProblem) -> list[Robust]:
     """The solutions, where tumbling states whose lines form a rotator's comb stand behind it.
 
     Where both rates are multiples of one frequency within the accuracy of lines, tumbling has no
@@ -129,16 +128,16 @@ def as_rotators(found: list[Weighted], problem: CurveProblem) -> list[Weighted]:
     alone = [one for one, rotators in zip(found, behind, strict=True) if not rotators]
     out = []
     for one, rotators in zip(found, behind, strict=True):
-        state, least = one.refined.state, max(rotators, default=-math.inf) + 1.0
+        state, least = one.refined.state, _evidence.behind(max(rotators, default=-math.inf))
         is_held = least > one.evidence and not any(
             other.evidence < least and _has_rates(other.refined.state, state, problem)
             for other in alone
         )
-        out.append(replace(one, evidence=least) if is_held else one)
+        out.append(_evidence.at_least(one, least) if is_held else one)
     return out
 
 
-def counts_as(one: Weighted, rotator: Weighted, problem: CurveProblem) -> bool:
+def counts_as(one: Robust, rotator: Robust, problem: CurveProblem) -> bool:
     """Whether a tumbling state is on the comb of a rotator that explains the curve too.
 
     It does not, if its residuals alone are above the errors, and its likelihood is far less.
@@ -177,13 +176,13 @@ def _is_comb(state: SearchState, rotator: SearchState, problem: CurveProblem) ->
 # ---- Rotations with one maximum a turn
 
 
-def behind_twice_the_period(found: list[Weighted], problem: CurveProblem) -> list[Weighted]:
+def behind_twice_the_period(found: list[Robust], problem: CurveProblem) -> list[Robust]:
     """The solutions, where one maximum a turn stands behind two, if these fit as well.
 
     Few bodies have one, and it is ahead by evidence alone: half of a curve says less of a shape.
     """
     axial = [one for one in found if is_axial(one.refined.state)]
-    best = min(axial, key=lambda one: one.evidence, default=None)
+    best = next(iter(_evidence.ranked(axial)), None)
     doubled = [
         one.evidence
         for one in axial
@@ -193,9 +192,9 @@ def behind_twice_the_period(found: list[Weighted], problem: CurveProblem) -> lis
     ]
     if best is None or not doubled or not _has_one_maximum(best, problem):
         return found
-    more = min(doubled) + 1.0 - best.evidence
+    more = _evidence.behind(min(doubled)) - best.evidence
     return [
-        replace(one, evidence=one.evidence + more)
+        _evidence.with_term(one, more)
         if is_axial(one.refined.state)
         and _pole_map.has_turn(problem, one.refined.state, best.refined.state)
         else one
@@ -232,12 +231,12 @@ def of_floor(ratio: float, most: float, settings: Settings) -> str:
     return f"chi2/N is {ratio:.2f} with {errors} (floor {most:g})"
 
 
-def is_doubtful(best: Weighted, problem: CurveProblem) -> bool:
+def is_doubtful(best: Robust, problem: CurveProblem) -> bool:
     """Whether a solution hardly fits: differences of evidence are then those of a wrong model."""
     return _evidence.floor_ratio(best, problem) > problem.settings.doubtful
 
 
-def needed(best: Weighted, problem: CurveProblem) -> float:
+def needed(best: Robust, problem: CurveProblem) -> float:
     """By how much other periods have to lie behind a solution in evidence, at least."""
     settings, state = problem.settings, SearchState.of(best.refined.state)
     is_at_floor = _evidence.floor_ratio(best, problem) < settings.floor
@@ -247,9 +246,7 @@ def needed(best: Weighted, problem: CurveProblem) -> float:
     return settings.alone if is_doubtful else settings.competing
 
 
-def _nearest(
-    others: Sequence[Weighted], best: Weighted, problem: CurveProblem
-) -> tuple[float, float]:
+def _nearest(others: Sequence[Robust], best: Robust, problem: CurveProblem) -> tuple[float, float]:
     """How far other periods lie behind the best solution, and how far they have to.
 
     Of those with the least margin.  A difference that few nights make is no evidence: it has to be
@@ -269,11 +266,11 @@ def _nearest(
     return min(margins)[1:] if margins else (math.inf, least)
 
 
-def _is_nutation_of(best: Weighted, other: Weighted) -> bool:
+def _is_nutation_of(best: Robust, other: Robust) -> bool:
     return is_axial(other.refined.state) and not is_axial(best.refined.state)
 
 
-def _is_half_of(best: Weighted, other: Weighted, problem: CurveProblem) -> bool:
+def _is_half_of(best: Robust, other: Robust, problem: CurveProblem) -> bool:
     """Whether a rotation about one axis has half the period of another one, as the scene sees."""
     states = [SearchState.of(one.refined.state) for one in (best, other)]
     if not all(state.is_axial for state in states):
@@ -283,7 +280,7 @@ def _is_half_of(best: Weighted, other: Weighted, problem: CurveProblem) -> bool:
     return abs(rate - 2.0 * half) < 2.0 * problem.settings.comb_width
 
 
-def _has_one_maximum(best: Weighted, problem: CurveProblem) -> bool:
+def _has_one_maximum(best: Robust, problem: CurveProblem) -> bool:
     """Whether the magnitudes of a rotation vary most with one maximum a turn."""
     state, magnitude = SearchState.of(best.refined.state), best.refined.magnitude
     rate = state.rates[0] - float(_pole_map.turn_of_scene(problem, state.pole[None])[0])
@@ -294,18 +291,18 @@ def _has_one_maximum(best: Weighted, problem: CurveProblem) -> bool:
     return bool(np.hypot(series[0], series[2]) > np.hypot(series[1], series[3]))
 
 
-def gap(found: Sequence[Weighted], problem: CurveProblem) -> float:
+def gap(found: Sequence[Robust], problem: CurveProblem) -> float:
     """How far the next periods lie behind the best solution in evidence; infinite without any."""
     return _nearest(_of_other_periods(found, problem), found[0], problem)[0]
 
 
-def _of_other_periods(found: Sequence[Weighted], problem: CurveProblem) -> list[Weighted]:
+def _of_other_periods(found: Sequence[Robust], problem: CurveProblem) -> list[Robust]:
     state = found[0].refined.state
     return [other for other in found[1:] if not _is_motion_of(other.refined.state, state, problem)]
 
 
 def verdict(
-    found: Sequence[Weighted],
+    found: Sequence[Robust],
     problem: CurveProblem,
     is_complete: bool = True,
     most: float = 0.0,
@@ -380,14 +377,14 @@ def _unseen_phases(state: FloatArray, problem: CurveProblem) -> float:
     return float(max(gaps))
 
 
-def _widths_of_poles(best: Weighted, problem: CurveProblem) -> tuple[float, float]:
+def _widths_of_poles(best: Robust, problem: CurveProblem) -> tuple[float, float]:
     """The differences of evidence and of likelihood within which other poles compete."""
     settings, points = problem.settings, _evidence.redundancy(best, problem)
     width = settings.alone if is_doubtful(best, problem) else settings.competing_poles
     return width * points, settings.likely_poles * points
 
 
-def _competes(other: Weighted, best: Weighted, problem: CurveProblem) -> bool:
+def _competes(other: Robust, best: Robust, problem: CurveProblem) -> bool:
     """Whether another pole with the same periods competes with the best one.
 
     Within a difference of evidence; or, if it is no neighbour, within twice that and one of
@@ -427,7 +424,7 @@ def of_pole(
 
 def of_dips(
     verdict: tuple[str, str],
-    found: Sequence[Weighted],
+    found: Sequence[Robust],
     problem: CurveProblem,
     pairs: Sequence[AdditivePair],
 ) -> tuple[str, str]:
@@ -484,7 +481,7 @@ def of_satellite(
 
 
 def _better_by_nutation(
-    found: Sequence[Weighted], problem: CurveProblem, behind: float, most: float
+    found: Sequence[Robust], problem: CurveProblem, behind: float, most: float
 ) -> str:
     """In words: a tumbling state that fits better than the best one, a rotation about one axis.
 
@@ -515,7 +512,7 @@ def _of_chance(most: float, settings: Settings) -> float:
     return exceeded_by_chance(settings.by_chance * min(1.0, settings.same_rate / most))
 
 
-def _nutation_unnoticed(poles: Sequence[Weighted], problem: CurveProblem, most: float) -> str:
+def _nutation_unnoticed(poles: Sequence[Robust], problem: CurveProblem, most: float) -> str:
     """In words: a nutation that would be hidden by the errors; "" where it would be noticed.
 
     `poles`: rotations about one axis that compete, for what is seen of a nutation depends on it.
