@@ -26,6 +26,7 @@ import numpy as np
 from attitude._support.arrays import distinct, two_across
 from attitude._support.least_squares import Decomposed
 from attitude.inversion import _ellipsoid, _neighbours, _pole_map
+from attitude.inversion._ellipsoid import SearchState
 from attitude.inversion._search import Search, never
 
 if TYPE_CHECKING:
@@ -376,14 +377,17 @@ _OF_A_POLE = 8
 def ellipsoid_of(trial: Trial) -> FloatArray:
     """The state (WIDTH,) of an ellipsoid with rate, pole and phase of a trial."""
     state = np.zeros(_ellipsoid.WIDTH)
-    state[0], state[1], state[3] = 0.5 * trial.rate, -1.0, _ellipsoid.AXIAL
+    state[_ellipsoid.OF_PRECESSION] = 0.5 * trial.rate
+    state[_ellipsoid.OF_NUTATION] = -1.0
+    state[_ellipsoid.OF_LOG_RHO] = _ellipsoid.AXIAL
     first, second = two_across(trial.pole)
     c, s = math.cos(trial.phase), math.sin(trial.phase)
     x = c * first + s * second
-    state[5:14] = np.stack([x, np.cross(trial.pole, x), trial.pole], axis=-1).ravel()
+    frame = np.stack([x, np.cross(trial.pole, x), trial.pole], axis=-1)
+    state[_ellipsoid.OF_FRAME] = frame.ravel()
     ratio = min(max(2.0 * trial.amplitude / 1.086, 0.1), 1.2)
     # c = 0.9 b, and a / b from the amplitude
-    state[14:16] = -2.0 * (ratio + 0.1), -0.2
+    state[_ellipsoid.OF_FLAT] = -2.0 * (ratio + 0.1), -0.2
     return state
 
 
@@ -443,12 +447,13 @@ class RotatorSearch(Search):
         starts = self.axial or self.convex[: settings.axial_others]
         rotators = [self._robust(problem, start) for start in starts]
         rotators, self.beside = _pole_map.listed(rotators, settings.axial_behind, settings)
-        rates = np.array([rotator.refined.state[0] for rotator in rotators])
+        rates = np.array([SearchState.of(one.refined.state).precession for one in rotators])
         # the next number of turns decides whether this one is accepted, however far behind
         others = [
             rotator
             for rotator in self.convex
-            if 2.0 * np.abs(rates - rotator.state[0]).min() > settings.same_rate
+            if 2.0 * np.abs(rates - SearchState.of(rotator.state).precession).min()
+            > settings.same_rate
         ]
         return rotators + [
             self._robust(problem, rotator) for rotator in others[: settings.axial_others]

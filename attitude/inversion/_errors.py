@@ -23,6 +23,7 @@ from attitude._support.least_squares import inverse
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.inversion import _ellipsoid, _neighbours, _refinement
+from attitude.inversion._ellipsoid import SearchState
 from attitude.inversion._refinement import MOTION
 from attitude.motions._propagation import propagate
 
@@ -267,10 +268,11 @@ def log_density(found: Robust, tie: Tie, factor: FloatArray) -> Callable[[FloatA
         offsets = np.zeros(MOTION)
         offsets[which] = factor @ scaled
         trial = moved(state, offsets)
-        trial[14:] += follow @ offsets
-        inside = _ellipsoid.LEAST_X < trial[4] < _ellipsoid.MOST_X
-        inside &= _ellipsoid.LEAST_RHO < trial[3] < _ellipsoid.MOST_RHO
-        if not _ellipsoid.is_axial(trial) and not (inside and _ellipsoid.is_admissible(trial)):
+        trial[_ellipsoid.OF_SHAPE] += follow @ offsets
+        fields = SearchState.of(trial)
+        inside = _ellipsoid.LEAST_X < fields.x < _ellipsoid.MOST_X
+        inside &= _ellipsoid.LEAST_RHO < fields.log_rho < _ellipsoid.MOST_RHO
+        if not fields.is_axial and not (inside and _ellipsoid.is_admissible(trial)):
             return -math.inf
         return -0.5 * _refinement.profiled_cost(problem, trial, tie)
 

@@ -33,7 +33,13 @@ from typing import TYPE_CHECKING, Generic, Protocol, TypeAlias, TypeVar
 import numpy as np
 
 from attitude.inversion import _neighbours, _refinement, _shapes
-from attitude.inversion._ellipsoid import SearchState, is_axial
+from attitude.inversion._ellipsoid import (
+    OF_LOG_RHO,
+    OF_NUTATION,
+    OF_PHASE,
+    OF_PRECESSION,
+    SearchState,
+)
 from attitude.inversion._refinement import MOTION, AnyState, Fitted, State
 
 if TYPE_CHECKING:
@@ -170,7 +176,10 @@ def of_tilt(state: FloatArray) -> float:
     0 for rotation about one axis.  By ln rho alone a tilt of one degree would be as probable as one
     between 40 and 90, and noise looks like small ones.
     """
-    return 0.0 if is_axial(state) else 2.0 * math.log(0.5 * math.pi * math.cosh(float(state[3])))
+    fields = SearchState.of(state)
+    if fields.is_axial:
+        return 0.0
+    return 2.0 * math.log(0.5 * math.pi * math.cosh(fields.log_rho))
 
 
 def of_narrower_prior(fitted: Refined, fixed: BoolArray) -> float:
@@ -269,10 +278,11 @@ def gain_of_nutation(solution: Robust) -> float:
     halves = np.array([_refinement.PHASE, _refinement.LN_RHO])
     scale = np.array([0.5 / math.pi, 1.0])
     others = np.setdiff1d(np.arange(_refinement.SIZE), halves)
-    state[2:4] = 0.0, math.log(problem.settings.noticed)
+    state[OF_PHASE] = 0.0
+    state[OF_LOG_RHO] = math.log(problem.settings.noticed)
     gains = []
     for rate in problem.settings.noticed_rates:
-        state[1] = -2.0 * rate * state[0]
+        state[OF_NUTATION] = -2.0 * rate * state[OF_PRECESSION]
         normal = _refinement.refine(
             problem, state, tie=_shapes.Tie(math.inf), fixed=fixed, iterations=0
         ).normal

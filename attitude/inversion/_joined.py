@@ -26,8 +26,8 @@ import numpy as np
 
 from attitude._support.least_squares import inverse
 from attitude.inversion import _ellipsoid, _evidence, _neighbours, _problem, _refinement
-from attitude.inversion._ellipsoid import SearchState, is_axial
-from attitude.inversion._refinement import MOTION
+from attitude.inversion._ellipsoid import OF_RATES, SearchState, is_axial
+from attitude.inversion._refinement import AZIMUTH, LN_RHO, MOTION, NUTATION, PHASE, PRECESSION, X
 from attitude.inversion._search import Search, never
 
 if TYPE_CHECKING:
@@ -40,9 +40,6 @@ if TYPE_CHECKING:
     from attitude.photometry._curve import LightCurve
 
 
-# Among the parameters of a motion: the turn about the momentum, precession, nutation, phase, ln
-# rho and X.
-_AZIMUTH, _PRECESSION, _NUTATION, _PHASE, _RHO, _X = 2, 3, 4, 5, 6, 7
 _TURN = 2.0 * math.pi
 # The drift of precession and nutation behind them, and the number of all.
 _DRIFTS, _ALL = [8, 9], MOTION + _refinement.DRIFT
@@ -91,7 +88,7 @@ def alone(
     ratio = curve.span / part.span
     middle = (part.epoch.seconds - curve.epoch.seconds) / curve.span
     scale = np.ones(MOTION)
-    scale[[_PRECESSION, _NUTATION]] = ratio
+    scale[[PRECESSION, NUTATION]] = ratio
     solutions: list[Alone] = []
     for one in found.solutions:
         behind = one.evidence - found.solutions[0].evidence
@@ -99,7 +96,7 @@ def alone(
             break
         state = one.refined.state.copy()
         if not is_axial(state):
-            state[:2] *= ratio
+            state[OF_RATES] *= ratio
             covariance = np.zeros((_ALL, _ALL))
             formal = inverse(one.refined.normal)[:MOTION, :MOTION] * np.outer(scale, scale)
             covariance[:MOTION, :MOTION] = settings.joined_wider**2 * formal
@@ -114,14 +111,14 @@ def at_middle(state: FloatArray, middle: float) -> FloatArray:
     """A state whose orientation and phase are those of an epoch, carried to that of the curve."""
     fields, time = SearchState.of(state), -middle
     drift = _refinement.drift_of(state)
-    precession, nutation = state[:2] + 0.5 * drift * time
+    precession, nutation = state[OF_RATES] + 0.5 * drift * time
     back = 4.0 * math.pi * precession * time
     c, s = math.cos(back), math.sin(back)
     turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     carried = fields._replace(
         frame=fields.frame @ turn, phase=math.remainder(fields.phase + nutation * time, 1.0)
     ).vector
-    carried[:2] += drift * time
+    carried[OF_RATES] += drift * time
     return carried
 
 
@@ -146,7 +143,8 @@ def counts(first: Alone, second: Alone, within: float) -> list[Count]:
 
     `within`: chi-squared above the least one.
     """
-    if (first.state[1] > 0.0) != (second.state[1] > 0.0):
+    modes = [SearchState.of(one.state).nutation > 0.0 for one in (first, second)]
+    if modes[0] != modes[1]:
         return []
     trials: list[Count] = []
     for _ in range(_LABELS):
@@ -167,8 +165,8 @@ def _relabelled(one: Alone) -> Alone:
         phase=fields.phase + 0.25, x=-fields.x, frame=fields.frame @ _QUARTER
     ).vector
     over = np.eye(_ALL)
-    over[:3, :3] = _QUARTER.T
-    over[_X, _X] = -1.0
+    over[_refinement.TURN, _refinement.TURN] = _QUARTER.T
+    over[X, X] = -1.0
     return one._replace(state=turned, covariance=over @ one.covariance @ over.T)
 
 
@@ -182,25 +180,26 @@ def _whole_counts(first: Alone, second: Alone, within: float) -> Iterator[Count]
     # the parameters of the second solution, as those of the first one give them
     carried = np.eye(MOTION, _ALL)
     cosine, sine = math.cos(angle), math.sin(angle)
-    carried[:2, :2] = [[cosine, sine], [-sine, cosine]]
-    carried[_AZIMUTH, _PRECESSION] = 4.0 * math.pi * length
-    carried[_PHASE, _NUTATION] = length
-    carried[[_PRECESSION, _NUTATION], _DRIFTS] = length
-    carried[[_AZIMUTH, _PHASE], _DRIFTS] = 2.0 * math.pi * length**2, 0.5 * length**2
-    precession, nutation = first.state[:2] + 0.5 * drift * length
-    tilt = np.array([-between[1, 2], between[0, 2]])
+    tilt = _refinement.TILT
+    carried[tilt, tilt] = [[cosine, sine], [-sine, cosine]]
+    carried[AZIMUTH, PRECESSION] = 4.0 * math.pi * length
+    carried[PHASE, NUTATION] = length
+    carried[[PRECESSION, NUTATION], _DRIFTS] = length
+    carried[[AZIMUTH, PHASE], _DRIFTS] = 2.0 * math.pi * length**2, 0.5 * length**2
+    precession, nutation = first.state[OF_RATES] + 0.5 * drift * length
     off = np.zeros(MOTION)
-    off[:2] = -carried[:2, :2] @ tilt
-    off[_AZIMUTH] = 4.0 * math.pi * precession * length - angle
-    off[[_PRECESSION, _NUTATION]] = first.state[:2] + drift * length - second.state[:2]
-    off[_PHASE] = one.phase + nutation * length - two.phase
-    off[_RHO:] = one.log_rho - two.log_rho, one.x - two.x
+    off[tilt] = -carried[tilt, tilt] @ np.array([-between[1, 2], between[0, 2]])
+    off[AZIMUTH] = 4.0 * math.pi * precession * length - angle
+    off[[PRECESSION, NUTATION]] = first.state[OF_RATES] + drift * length - second.state[OF_RATES]
+    off[PHASE] = one.phase + nutation * length - two.phase
+    off[LN_RHO] = one.log_rho - two.log_rho
+    off[X] = one.x - two.x
     total = carried @ first.covariance @ carried.T + second.covariance[:MOTION, :MOTION]
     weight = np.linalg.inv(total)
     numbers = _numbers(off, total)
     left = np.repeat(off[None], len(numbers), axis=0)
-    left[:, _AZIMUTH] -= _TURN * numbers[:, 0]
-    left[:, _PHASE] -= numbers[:, 1]
+    left[:, AZIMUTH] -= _TURN * numbers[:, 0]
+    left[:, PHASE] -= numbers[:, 1]
     square = np.einsum("ni,ij,nj->n", left, weight, left)
     steps = -left @ weight @ carried @ first.covariance
     for k in np.flatnonzero(square < square.min() + within):
@@ -211,7 +210,7 @@ def _whole_counts(first: Alone, second: Alone, within: float) -> Iterator[Count]
 
 def _numbers(off: FloatArray, total: FloatArray) -> FloatArray:
     """Pairs of whole numbers of turns (K, 2) within the errors that are left by what is known."""
-    turns, known = [_AZIMUTH, _PHASE], [0, 1, _PRECESSION, _NUTATION, _RHO, _X]
+    turns, known = [AZIMUTH, PHASE], [0, 1, PRECESSION, NUTATION, LN_RHO, X]
     follow = np.linalg.solve(total[np.ix_(known, known)], total[np.ix_(known, turns)]).T
     unit = np.array([_TURN, 1.0])
     middles = (off[turns] - follow @ off[known]) / unit

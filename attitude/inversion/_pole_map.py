@@ -21,7 +21,17 @@ import numpy as np
 
 from attitude._support.arrays import distinct
 from attitude.inversion import _ellipsoid, _evidence, _refinement, _shapes
-from attitude.inversion._ellipsoid import SearchState
+from attitude.inversion._ellipsoid import (
+    OF_FLAT,
+    OF_FRAME,
+    OF_LOG_RHO,
+    OF_NUTATION,
+    OF_PHASE,
+    OF_POLE,
+    OF_PRECESSION,
+    OF_X,
+    SearchState,
+)
 from attitude.inversion._refinement import MOTION
 
 if TYPE_CHECKING:
@@ -85,12 +95,13 @@ def has_turn(problem: CurveProblem, a: FloatArray, b: FloatArray) -> bool:
     that it keeps best, near zero or near the difference of the rates: its turns in the gaps between
     apparitions need not be known.
     """
-    angles = 4.0 * math.pi * (a[0] - b[0]) * problem.t
-    first, second = (_seen_about(problem, state[_ellipsoid.OF_POLE]) for state in (a, b))
+    apart = a[OF_PRECESSION] - b[OF_PRECESSION]
+    angles = 4.0 * math.pi * apart * problem.t
+    first, second = (_seen_about(problem, state[OF_POLE]) for state in (a, b))
     angles -= first - second
     width = problem.settings.same_rate
     offsets = np.arange(-2.0 * width, 2.0 * width + 1e-9, width / 8.0)
-    drifts = np.concatenate([offsets, 2.0 * (a[0] - b[0]) + offsets])
+    drifts = np.concatenate([offsets, 2.0 * apart + offsets])
     turned = np.exp(1j * (angles - 2.0 * math.pi * drifts[:, None] * problem.t))
     kept = np.abs(turned.mean(axis=1))
     return bool(abs(drifts[int(np.argmax(kept))]) < width)
@@ -106,7 +117,8 @@ def _seen_about(problem: CurveProblem, pole: FloatArray) -> FloatArray:
 
 def _has_rates(problem: CurveProblem, a: FloatArray, b: FloatArray) -> bool:
     """Whether two tumbling states have the same nutation, and turn alike as the scene sees it."""
-    same = abs(a[1] - b[1]) < problem.settings.same_rate
+    apart = abs(a[OF_NUTATION] - b[OF_NUTATION])
+    same = apart < problem.settings.same_rate
     return bool(same) and has_turn(problem, a, b)
 
 
@@ -116,17 +128,18 @@ def spread(
     """Second moments (8, 8) that other minima add to the covariance of a rotation about one
     axis.
     """
-    frame = state[5:14].reshape(3, 3)
+    fields = SearchState.of(state)
     offsets, weights = [np.zeros(MOTION)], [1.0]
     for other, behind in others:
-        momentum = frame.T @ other[_ellipsoid.OF_POLE]
+        fields_of_other = SearchState.of(other)
+        momentum = fields.frame.T @ other[OF_POLE]
         angle = math.acos(max(-1.0, min(1.0, float(momentum[2]))))
         if angle < _LOBE:
             offset = np.zeros(MOTION)
             across = math.hypot(momentum[0], momentum[1])
             if across > 0.0:
-                offset[:2] = angle / across * np.array([-momentum[1], momentum[0]])
-            offset[3] = other[0] - state[0]
+                offset[_refinement.TILT] = angle / across * np.array([-momentum[1], momentum[0]])
+            offset[_refinement.PRECESSION] = fields_of_other.precession - fields.precession
             offsets.append(offset)
             weights.append(math.exp(-0.5 * (behind - evidence)))
     every, share = np.array(offsets), np.array(weights) / sum(weights)
@@ -160,7 +173,7 @@ def images(problem: CurveProblem, state: FloatArray) -> list[FloatArray]:
     mirror = mirrored_state(problem, state, plane_of(problem))
     images_of = [mirror]
     for source_state in (state, mirror):
-        normal = np.cross(middle, source_state[_ellipsoid.OF_POLE])
+        normal = np.cross(middle, source_state[OF_POLE])
         size = float(np.linalg.norm(normal))
         if size > 1e-6 * float(np.linalg.norm(middle)):
             images_of.append(mirrored_state(problem, source_state, normal / size))
@@ -225,19 +238,21 @@ def _at_poles(
     `has_x`: with the X of the state too.
     """
     poles = sphere(count)
-    turns = turn_of_scene(problem, np.concatenate([state[None, _ellipsoid.OF_POLE], poles]))
+    turns = turn_of_scene(problem, np.concatenate([state[None, OF_POLE], poles]))
     size = starts_of_each * _TURNS
     starts = np.repeat(state[None, : _ellipsoid.WIDTH], count * size, axis=0)
-    starts[:, 0] += 0.5 * np.repeat(turns[1:] - turns[0], size)
-    starts[:, 2] = generator.random(len(starts))
-    starts[:, 3] = np.clip(starts[:, 3] + generator.normal(0.0, 0.3, len(starts)), -4.0, -0.1)
-    starts[:, 5:14] = _ellipsoid.frames_of(generator, np.repeat(poles, size, axis=0))
-    starts[:, 14:] += generator.normal(0.0, 0.3, (len(starts), 2))
+    starts[:, OF_PRECESSION] += 0.5 * np.repeat(turns[1:] - turns[0], size)
+    starts[:, OF_PHASE] = generator.random(len(starts))
+    log_rho = starts[:, OF_LOG_RHO] + generator.normal(0.0, 0.3, len(starts))
+    starts[:, OF_LOG_RHO] = np.clip(log_rho, -4.0, -0.1)
+    starts[:, OF_FRAME] = _ellipsoid.frames_of(generator, np.repeat(poles, size, axis=0))
+    starts[:, OF_FLAT] += generator.normal(0.0, 0.3, (len(starts), 2))
     if not has_x:
-        starts[:, 4] = _ellipsoid.any_x(generator, starts[:, 1])
+        starts[:, OF_X] = _ellipsoid.any_x(generator, starts[:, OF_NUTATION])
     chosen = _ellipsoid.screened(problem, starts, count * starts_of_each)
     fixed = np.zeros(_ellipsoid.PARAMETERS, bool)
-    fixed[[0, 1, 3, 4]] = True
+    fixed[_refinement.TILT] = True
+    fixed[[_refinement.PRECESSION, _refinement.NUTATION]] = True
     pool = _ellipsoid.minimised(problem, chosen, _STEPS, tie=held, fixed=fixed)
     return _ellipsoid.in_order(_ellipsoid.best_of_each(pool, count))
 
@@ -286,11 +301,11 @@ def minima(
     """
     settings, behind = problem.settings, problem.settings.axial_pole_behind * redundancy
     poles = sphere(settings.axial_poles)
-    turns = turn_of_scene(rough, np.concatenate([best[None, _ellipsoid.OF_POLE], poles]))
-    rates = 2.0 * float(best[0]) + turns[1:] - turns[0]
+    turns = turn_of_scene(rough, np.concatenate([best[None, OF_POLE], poles]))
+    rates = 2.0 * SearchState.of(best).precession + turns[1:] - turns[0]
     starts = _ellipsoid.axial_at_poles(rough, generator, rates, poles, settings.axial_bodies)
     held = fixed.copy()
-    held[:2] = True
+    held[_refinement.TILT] = True
     held_states = starts.states
     for iterations, above, most in _STAGES:
         fits = list(_refined(problem, held_states, tie, held, (iterations, _HELD[1]), is_over))
@@ -374,5 +389,5 @@ def listed(
 
 
 def _is_entry(a: FloatArray, b: FloatArray, settings: Settings, width: float = _ENTRY) -> bool:
-    apart = abs(SearchState.of(a).precession - SearchState.of(b).precession)
-    return 2.0 * apart < settings.same_rate and _ellipsoid.have_pole(a, b, width)
+    has_rate = bool(2.0 * abs(a[OF_PRECESSION] - b[OF_PRECESSION]) < settings.same_rate)
+    return has_rate and _ellipsoid.have_pole(a, b, width)

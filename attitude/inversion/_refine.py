@@ -11,6 +11,7 @@ import numpy as np
 
 from attitude._support import validation
 from attitude.inversion import _errors, _moving, _problem, _refinement, _shapes, _states
+from attitude.inversion._ellipsoid import OF_SHAPE
 from attitude.inversion._problem import usable
 from attitude.inversion._settings import DEFAULT
 from attitude.inversion._shapes import MODES
@@ -274,7 +275,7 @@ def refine(
 def _start(start: Any) -> tuple[Any, FloatArray | None]:
     """The motion of a start and the parameters of its shape, if it has one."""
     if isinstance(start, Solution):
-        return start.motion, start.state[14:].copy()
+        return start.motion, start.state[OF_SHAPE].copy()
     if isinstance(start, Refinement):
         shape = start.weighted.refined.state.shape
         return start.point.motion, shape if len(shape) else None

@@ -455,8 +455,9 @@ class Search:
         problem = self._with_own_error(axial[0])
         rates: list[Robust] = []
         for fit in axial:
-            rate = float(fit.state[0])
-            if all(2.0 * abs(rate - o.refined.state[0]) > self.settings.axial_width for o in rates):
+            rate = SearchState.of(fit.state).precession
+            others = (SearchState.of(one.refined.state).precession for one in rates)
+            if all(2.0 * abs(rate - other) > self.settings.axial_width for other in others):
                 rates.append(self._robust(problem, fit))
                 if len(rates) > self.settings.axial_others:
                     break
@@ -820,11 +821,12 @@ class Search:
             listed_ones += self._between(problem, listed_ones, more, behind)
         listed_ones = listed_ones[: self.settings.axial_finals]
         # the next period decides whether this one is accepted, however far it lies behind
-        rates = np.array([one.refined.state[0] for one in listed_ones])
+        rates = np.array([SearchState.of(one.refined.state).precession for one in listed_ones])
         next_ones = [
             fit
             for fit in axial
-            if 2.0 * np.abs(rates - fit.state[0]).min() > self.settings.axial_width
+            if 2.0 * np.abs(rates - SearchState.of(fit.state).precession).min()
+            > self.settings.axial_width
         ]
         return listed_ones + [
             self._compared(problem, fit) for fit in next_ones[: self.settings.axial_others]
@@ -870,7 +872,7 @@ class Search:
         """The rotation about one axis of largest posterior density at the pole of a body."""
         fixed = self._fixed(given.state)
         held = fixed.copy()
-        held[:2] = True
+        held[_refinement.TILT] = True
 
         def fit() -> Robust:
             return _evidence.refined(problem, given.state, tie=self.tie, fixed=fixed, held=held)
@@ -883,5 +885,5 @@ class Search:
         if is_axial(state):
             fixed[:MOTION] = _ellipsoid.AXIAL_FIXED[:MOTION]
         if self.is_ellipsoid:
-            fixed[10:] = True
+            fixed[_ellipsoid.PARAMETERS :] = True
         return fixed

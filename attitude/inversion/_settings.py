@@ -58,8 +58,8 @@ class Settings:
     start_cost: float = 5.5e-6
     # The products of a linear term with the rows of an ellipsoid, a point.
     term_cost: float = 6.0e-10
-    # A convex body, a point, with derivatives and its part of the normal matrix; with few modes half
-    # of it.
+    # A convex body, a point, with derivatives and its part of the normal matrix, half of it with
+    # few modes.
     body_cost: float = 2.8e-6
     # What of a step of a convex body does not depend on the points: its priors and the solution.
     step_cost: float = 1.5e-4

@@ -550,7 +550,9 @@ class Solution(CurveFit):
     @property
     def mode(self) -> str:
         """ "LAM", "SAM", or "PA" for rotation about one axis."""
-        return "PA" if self.is_axial else "LAM" if self.state[1] > 0.0 else "SAM"
+        return (
+            "PA" if self.is_axial else "LAM" if SearchState.of(self.state).nutation > 0.0 else "SAM"
+        )
 
     @property
     def P_psi(self) -> float:
@@ -577,7 +579,8 @@ class Solution(CurveFit):
         begin, normal = _refinement.SIZE, self.weighted.refined.normal
         if len(normal) == begin:
             return np.zeros(_refinement.DRIFT)
-        curvature, rates = inverse(normal), slice(3, 5)
+        curvature = inverse(normal)
+        rates = slice(_refinement.PRECESSION, _refinement.NUTATION + 1)
         wider = np.diag(self._covariances[1].covariance)[rates] / np.diag(curvature)[rates]
         inner = float(wider.max()) * curvature[begin:, begin:]
         by = self._frequencies_by
@@ -587,7 +590,7 @@ class Solution(CurveFit):
     @property
     def _frequencies_by(self) -> FloatArray:
         """Derivatives (2, 2) of the frequencies of phi and psi by precession and nutation."""
-        nutation = 1.0 if self.state[1] > 0.0 else -1.0
+        nutation = 1.0 if SearchState.of(self.state).nutation > 0.0 else -1.0
         return np.array([[2.0, -max(nutation, 0.0)], [0.0, nutation]])
 
     @property
@@ -596,9 +599,10 @@ class Solution(CurveFit):
         c = self._covariances[1].covariance
         phi, psi = SearchState.of(self.state).rates
         if self.is_axial:
-            return math.inf, 2.0 * math.sqrt(c[3, 3]) * self.curve.span / phi**2
-        by = self._frequencies_by
-        of_phi, of_psi = np.sqrt(np.diag(by @ c[3:5, 3:5] @ by.T)).tolist()
+            sigma = math.sqrt(c[_refinement.PRECESSION, _refinement.PRECESSION])
+            return math.inf, 2.0 * sigma * self.curve.span / phi**2
+        by, rates = self._frequencies_by, slice(_refinement.PRECESSION, _refinement.NUTATION + 1)
+        of_phi, of_psi = np.sqrt(np.diag(by @ c[rates, rates] @ by.T)).tolist()
         return of_psi * self.curve.span / psi**2, of_phi * self.curve.span / phi**2
 
     @property
@@ -612,7 +616,7 @@ class Solution(CurveFit):
     @property
     def pole_sigma(self) -> float:
         """Standard error of the direction of the momentum, rad, the larger of two."""
-        inner = self._covariances[1].covariance[:2, :2]
+        inner = self._covariances[1].covariance[_refinement.TILT, _refinement.TILT]
         return math.sqrt(float(np.linalg.eigvalsh(inner)[-1]))
 
     def sample(self, count: int, seed: int = 0) -> list[FreeRotation]:

@@ -13,7 +13,7 @@ from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.inversion import _ellipsoid, _errors, _motions, _pole_map, _refinement, _shapes
-from attitude.inversion._ellipsoid import is_axial
+from attitude.inversion._ellipsoid import SearchState, is_axial
 from attitude.inversion._refinement import MOTION
 from attitude.inversion._shapes import Tie
 from attitude.motions._body import Body
@@ -82,14 +82,14 @@ class PhysicalState(NamedTuple):
 def physical(state: FloatArray) -> PhysicalState:
     """The state of motion of the parameters of a search; the largest moment is 1."""
     body = _motions.at_epochs(state, np.zeros(1)).matrix.reshape(3, 3)
-    matrix = state[5:14].reshape(3, 3) @ body
-    if is_axial(state):
-        held = _shapes.constraints(state[14:16], *_shapes.areas(state[14:16], state[16:]))
+    fields = SearchState.of(state)
+    matrix = fields.frame @ body
+    if fields.is_axial:
+        held = _shapes.constraints(fields.flat, *_shapes.areas(fields.flat, fields.modes))
         ratios = np.exp(np.append(held.log_ratios, 0.0))
         ratios[2] = max(ratios[2], 1.0001 * float(ratios[:2].max()))
-        return PhysicalState(
-            matrix, np.array([0.0, 0.0, 4.0 * math.pi * state[0]]), ratios / ratios.max()
-        )
+        rates = np.array([0.0, 0.0, 4.0 * math.pi * fields.precession])
+        return PhysicalState(matrix, rates, ratios / ratios.max())
     moments_of = _motions.moments(state[_ellipsoid.OF_MOMENTS])
     ratios = np.exp(np.append(moments_of.log_ratios, 0.0))
     return PhysicalState(matrix, moments_of.momentum * body[2] / ratios, ratios / ratios.max())
@@ -122,8 +122,9 @@ def covariance(
         again = _refinement.refine(
             problem.part(keep), state, tie=tie, fixed=fixed, iterations=_REFITTED, gain=1e-5
         ).state
-        turn = quaternion.from_matrix(state[5:14].reshape(3, 3).T @ again[5:14].reshape(3, 3))
-        return np.concatenate([forms.to_rotation_vector(turn), again[:5] - state[:5]])
+        turn = quaternion.from_matrix(SearchState.of(state).frame.T @ SearchState.of(again).frame)
+        change = again[_ellipsoid.OF_ELEMENTS] - state[_ellipsoid.OF_ELEMENTS]
+        return np.concatenate([forms.to_rotation_vector(turn), change])
 
     shape_model = _refinement.model(problem, state)
     formal = _errors.covariance_of_motion(solution, tie)
@@ -145,7 +146,9 @@ def covariance(
 def _slopes(state: FloatArray) -> FloatArray:
     """Derivatives (9, 8) of rotation vector (ICRF), rates and moments by the parameters."""
     slopes = np.zeros((9, MOTION))
-    scale = np.array([1.0, 1.0, 1.0, abs(state[0]), max(abs(state[1]), 1.0), 1.0, 1.0, 1.0])
+    fields, scale = SearchState.of(state), np.ones(MOTION)
+    scale[_refinement.PRECESSION] = abs(fields.precession)
+    scale[_refinement.NUTATION] = max(abs(fields.nutation), 1.0)
     for p in range(4 if is_axial(state) else MOTION):
         step = np.zeros(MOTION)
         step[p] = _STEP * scale[p]

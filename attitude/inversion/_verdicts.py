@@ -59,18 +59,21 @@ def relation(
 
 def _of_turns(state: FloatArray, best: FloatArray, length: float) -> str:
     """By how many turns the states differ between two apparitions; "" without any, or modes."""
-    if not length or (state[1] > 0.0) != (best[1] > 0.0):
+    fields, fields_of_best = SearchState.of(state), SearchState.of(best)
+    if not length or (fields.nutation > 0.0) != (fields_of_best.nutation > 0.0):
         return ""
-    pairs = zip(SearchState.of(state).rates, SearchState.of(best).rates, strict=True)
+    pairs = zip(fields.rates, fields_of_best.rates, strict=True)
     phi, psi = (0.5 * round(2.0 * length * (a - b)) for a, b in pairs)
     return f"{phi:+g} turns of phi, {psi:+g} of psi between the apparitions"
 
 
 def _of_rates(state: FloatArray, best: FloatArray, span: float) -> str:
-    (phi, psi), (phi0, psi0) = SearchState.of(state).rates, SearchState.of(best).rates
+    fields, fields_of_best = SearchState.of(state), SearchState.of(best)
+    (phi, psi), (phi0, psi0) = fields.rates, fields_of_best.rates
     same_phi, same_psi = abs(phi - phi0) < _RATE, abs(psi - psi0) < _RATE
-    other = (state[1] > 0.0) != (best[1] > 0.0)
-    if other and 2.0 * abs(state[0] - best[0]) < _RATE and same_psi:
+    other = (fields.nutation > 0.0) != (fields_of_best.nutation > 0.0)
+    apart = 2.0 * abs(fields.precession - fields_of_best.precession)
+    if other and apart < _RATE and same_psi:
         return "other mode of the same lines"
     prefix = "other mode, " if other else ""
     both = (("phi", phi, phi0), ("psi", psi, psi0))
@@ -334,9 +337,10 @@ def verdict(
         "needed)"
     )
     accepted = (floor < settings.floor or left < settings.left) and gap_to_next > behind
-    turns = abs(float(state[0]))
-    if not is_axial(state):
-        turns = min(turns, abs(float(state[1])))
+    fields = SearchState.of(state)
+    turns = abs(fields.precession)
+    if not fields.is_axial:
+        turns = min(turns, abs(fields.nutation))
     if not is_complete:
         return OPEN, f"The budget ended before all periods were tried; give a larger one. {words}."
     if not accepted or turns < settings.least_turns:
@@ -495,7 +499,7 @@ def _better_by_nutation(
         _evidence.gain(other, best, problem)
         for other in found[1:]
         if not is_axial(other.refined.state)
-        and other.refined.state[3] > math.log(settings.wide)
+        and SearchState.of(other.refined.state).log_rho > math.log(settings.wide)
         and other.evidence - best.evidence < behind + counted
     ]
     chance = _of_chance(most, settings)
