@@ -48,14 +48,18 @@ _CELL = 0.4 * _DAY
 _STEPS = 8.0
 # The largest error, rad, of the phase of the fourth harmonic at the ends of a cell.
 _PHASE = 0.3
-# Standard deviations of the amplitudes, mag: of the harmonic of two maxima a turn, and of others.
-_TWO, _OTHER = 0.4, 0.15
+# Standard deviation of the amplitude of the harmonic of two maxima a turn, mag.
+_TWO = 0.4
+# Standard deviation of the amplitude of any other harmonic, mag.
+_OTHER = 0.15
 # Amplitudes grow with the phase angle, per rad.
 _BY_PHASE = 1.1
 # Eigenvalues of the linear terms, relative to 1, below which a combination is a copy.
 _COPY = 1e-9
-# Poles of the grid; rates solved side by side.
-POLES, _SIDE = 100, 2000
+# Poles of the grid.
+POLES = 100
+# Rates solved side by side.
+_SIDE = 2000
 
 
 class Columns(NamedTuple):
@@ -230,17 +234,26 @@ def apparitions(problem: CurveProblem) -> list[IntArray]:
 
 # ---- Rates of the apparitions, each with a series of its own
 
-# Harmonics, and standard deviations of their amplitudes, mag.
-_HARMONICS, _AMPLITUDES = np.arange(1, 5), np.array([_OTHER, _TWO, _OTHER, _OTHER])
-# Least points of an apparition with a series; windows of rates that are tried at least.
-_LEAST_POINTS, _WINDOWS = 20, 6
-# Rates between looks at the budget, and how many of all, the best, stay.
-_BLOCK, _KEPT = 10_000, 5_000
+# Harmonics of the series of an apparition.
+_HARMONICS = np.arange(1, 5)
+# Standard deviations of their amplitudes, mag.
+_AMPLITUDES = np.array([_OTHER, _TWO, _OTHER, _OTHER])
+# Least points of an apparition with a series.
+_LEAST_POINTS = 20
+# Windows of rates that are tried at least.
+_WINDOWS = 6
+# Rates between looks at the budget.
+_BLOCK = 10_000
+# Rates of all, the best, that stay in memory.
+_KEPT = 5_000
 # Turns in the span up to which every rate, or all windows, are tried about all poles, some 10 s.
 _WHOLE = 800.0
-# Half the width of a window beside the turn of the scene, turns in the longest apparition; what a
-# series may leave of chi-squared, over what the best one leaves, and beside.
-_HALF, _LEFT, _BESIDE = 0.6, 2.0, 30.0
+# Half the width of a window beside the turn of the scene, turns in the longest apparition.
+_HALF = 0.6
+# What a series may leave of chi-squared, over what the best one leaves.
+_LEFT = 2.0
+# What it may leave beside that, for the best may leave nothing.
+_BESIDE = 30.0
 
 
 class Windows(NamedTuple):
@@ -341,8 +354,10 @@ def harmonics_about(problem: CurveProblem, pole: FloatArray) -> Columns:
     return Columns(np.array(values), turns, widths)
 
 
-# Where the coefficients of the harmonic of two maxima stand.
-_COSINE, _SINE = 3, 8
+# Where the coefficient of the cosine of two maxima a turn stands.
+_COSINE = 3
+# Where that of the sine stands.
+_SINE = 8
 
 
 def scan(
@@ -393,12 +408,18 @@ def ellipsoid_of(trial: Trial) -> FloatArray:
 
 # ---- The search
 
-# Trials that become ellipsoids, and their steps; ellipsoids that become convex.
-_TRIALS, _ITERATIONS, _CONVEX = 240, 25, 40
+# Trials that become ellipsoids.
+_TRIALS = 240
+# Steps of these ellipsoids.
+_ITERATIONS = 25
+# Ellipsoids that become convex.
+_CONVEX = 40
 # Chi-squared of an ellipsoid over that of the best, with which it becomes convex.
 _WORSE = 1.6
-# Steps and relative gain of convex bodies with the errors that the best one shows.
-_STEPS_FREE, _GAIN = 40, 3e-4
+# Steps of convex bodies with the errors that the best one shows.
+_STEPS_FREE = 40
+# Their relative gain at which they end.
+_GAIN = 3e-4
 
 
 @dataclass(eq=False)

@@ -36,11 +36,15 @@ if TYPE_CHECKING:
 # Rows of the Jacobian: rotation vector (3), precession, nutation, phase (turns), ln rho, X, and
 # two logarithms of squared ratios of axes.
 PARAMETERS = 10
-# Magnitudes of a factor 2, and of a small relative change.
-_OF_TWO, _OF_CHANGE = -2.5 * math.log10(2.0), -2.5 / math.log(10.0)
+# Magnitudes of a factor 2.
+_OF_TWO = -2.5 * math.log10(2.0)
+# Magnitudes of a small relative change, over that change.
+_OF_CHANGE = -2.5 / math.log(10.0)
 _TURN = 2.0 * math.pi
-# Rows of a state: its residuals, its Jacobian, and an empty one, for rows are multiplied by fours.
-_FOUR, _ROWS = 4, 12
+# Rows are multiplied by fours.
+_FOUR = 4
+# Rows of a state: its residuals, its Jacobian, and an empty one.
+_ROWS = 12
 
 
 def _aligned(shape: tuple[int, ...]) -> FloatArray:
@@ -286,8 +290,14 @@ OF_SHAPE = slice(14, None)
 OF_POLE = [7, 10, 13]
 # The elements that the moments follow from.
 OF_MOMENTS = [OF_PRECESSION, OF_NUTATION, OF_LOG_RHO, OF_X]
-# Bounds of ln rho, X and of the logarithms of the shape.
-LEAST_RHO, MOST_RHO, LEAST_X, MOST_X, MOST_RATIO = -8.0, -0.01, -0.3, 0.95, 6.0
+# Bounds of ln rho.
+LEAST_RHO = -8.0
+MOST_RHO = -0.01
+# Bounds of X.
+LEAST_X = -0.3
+MOST_X = 0.95
+# The largest size of the logarithms of the shape.
+MOST_RATIO = 6.0
 # Longest step: rad of orientation, turns of phase, ln rho, X, logarithms of the shape.
 _LONGEST = 0.6
 _RULE = least_squares.Rule(
@@ -493,11 +503,17 @@ def costs(problem: CurveProblem, starts: FloatArray) -> FloatArray:
 AXIAL = -20.0
 AXIAL_FIXED = np.array([False, False, False, False, True, True, True, True, False, False])
 _FREE = np.zeros(10, bool)
-# Ratios of axes, rho and X of the starts; X in long- and in short-axis mode.
-_AXES, _RHO, _X = (1.1, 3.0), (0.08, 0.9), (0.3, 0.65)
+# Ratios of axes of the starts, from and to.
+_AXES = (1.1, 3.0)
+# rho of the starts, from and to.
+_RHO = (0.08, 0.9)
+# The largest X of the starts, in long- and in short-axis mode.
+_X = (0.3, 0.65)
 _FREELY = Held()
-# Starts about a pole; random ones of which a start is the best.
-_AROUND, _SCREENS = 8, 8
+# Starts about a pole.
+_AROUND = 8
+# Random states of which a start is the best.
+_SCREENS = 8
 # Relative difference of costs of two minima.
 _DISTINCT = 1e-3
 

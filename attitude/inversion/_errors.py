@@ -38,8 +38,10 @@ if TYPE_CHECKING:
     from attitude.inversion._shapes import KnownShape, Tie
 
 
-# Groups of one kind at least, and refits at most.
-_LEAST_GROUPS, _REFITS = 5, 12
+# Groups of one kind at least.
+_LEAST_GROUPS = 5
+# Fits without a group at most, those of the largest changes.
+_REFITS = 12
 # Parts of the span.
 _PARTS = 10
 
@@ -174,8 +176,12 @@ def _dense(numbers: FloatArray | IntArray) -> IntArray:
 # Source: Cappe, Guillin, Marin & Robert, J. Comput. Graph. Stat. 13, 907 (2004); the truncation of
 # weights: Ionides, J. Comput. Graph. Stat. 17, 295 (2008).
 
-# Rounds, samples of each, and degrees of freedom of their distribution.
-_ROUNDS, _SAMPLES, _FREEDOM = 5, 350, 6.0
+# Rounds of sampling, each from the second moments so far.
+_ROUNDS = 5
+# Samples of a round.
+_SAMPLES = 350
+# Degrees of freedom of their distribution.
+_FREEDOM = 6.0
 # Widening of the samples over the second moments so far.
 _WIDER = 1.2
 

@@ -31,11 +31,18 @@ if TYPE_CHECKING:
 
 # Grid frequencies of the map to either side.
 _SIDE = 60
-_DATA, _MODEL, _OTHER = "#0072b2", "#d55e00", "0.6"
+# Colours of points, of the model, and of what does not compete.
+_DATA = "#0072b2"
+_MODEL = "#d55e00"
+_OTHER = "0.6"
 
 
-# Nights of a figure at most, columns of panels, and points a night from which nights have panels.
-_NIGHTS, _COLUMNS, _FEW = 20, 3, 3
+# Nights of a figure at most.
+_NIGHTS = 20
+# Columns of panels.
+_COLUMNS = 3
+# Points a night from which nights have panels.
+_FEW = 3
 # Points of a line of the model.
 _FINE = 200
 
@@ -248,8 +255,10 @@ def of_posterior(found: Posterior, path: FilePath | None = None) -> Figure:
     return _saved(figure, path)
 
 
-# Half the width and height of a number on the map of poles, deg, and of a mark.
-_NUMBER, _MARK = np.array([9.0, 6.0]), np.array([4.0, 3.0])
+# Half the width and height of a number on the map of poles, deg.
+_NUMBER = np.array([9.0, 6.0])
+# Half the width and height of a mark, deg.
+_MARK = np.array([4.0, 3.0])
 
 
 def free_places(poles: Sequence[tuple[float, float]]) -> list[tuple[float, float] | None]:

@@ -41,12 +41,18 @@ if TYPE_CHECKING:
 
 
 _TURN = 2.0 * math.pi
-# The drift of precession and nutation behind them, and the number of all.
-_DRIFTS, _ALL = [8, 9], MOTION + _refinement.DRIFT
-# Ways to call axes of a body the first and the second, and the turn from one to the next.
-_LABELS, _QUARTER = 4, np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-# Standard errors by which numbers of turns are tried to either side, and the most of one side.
-_SIDE, _MOST = 5.0, 400.0
+# The number of parameters of a motion with the drift of precession and nutation behind them.
+_ALL = MOTION + _refinement.DRIFT
+# Where the drift stands among them.
+_DRIFTS = [*range(MOTION, _ALL)]
+# Ways to call axes of a body the first and the second.
+_LABELS = 4
+# The turn from one of these ways to the next.
+_QUARTER = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+# Standard errors by which numbers of turns are tried to either side.
+_SIDE = 5.0
+# Numbers of turns that are tried to one side at most.
+_MOST = 400.0
 
 
 def apparitions(curve: LightCurve) -> list[LightCurve]:

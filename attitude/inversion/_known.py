@@ -41,27 +41,49 @@ if TYPE_CHECKING:
     from attitude.shape._mesh import Mesh
 
 
-# The first span: points at least, and turns at the largest rate at least.
-_FIRST_POINTS, _FIRST_TURNS = 16, 1.2
-# Random starts for each cell of rates of the first span, the width of a cell (turns), and bounds.
-_STARTS, _CELL, _FEWEST, _MOST = 400, 0.4, 20_000, 250_000
-# States that are refined first, and kept after the first span and at the end.
-_REFINED, _KEPT, _LEFT = 3000, 500, 60
-# Growth of the span, iterations on each span and on the whole.
-_GROWTH, _ITERATIONS, _LAST = 1.5, 7, 25
-# Reach beyond the first epoch of the next pass, a share of its distance; turns at the largest rate
-# and median distances of epochs without any, at which a pass ends.
-_ACROSS, _GAP_TURNS, _GAP_STEPS = 1.02, 5.0, 20.0
+# Points of the first span at least.
+_FIRST_POINTS = 16
+# Turns in the first span at the largest rate, at least.
+_FIRST_TURNS = 1.2
+# Random starts for each cell of rates of the first span.
+_STARTS = 400
+# The width of a cell, turns.
+_CELL = 0.4
+# Random starts at least and at most.
+_FEWEST = 20_000
+_MOST = 250_000
+# States that are refined first.
+_REFINED = 3000
+# States that are kept after the first span.
+_KEPT = 500
+# States that are kept at the end.
+_LEFT = 60
+# Growth of the span from one stage to the next.
+_GROWTH = 1.5
+# Iterations on each span.
+_ITERATIONS = 7
+# Iterations on the whole.
+_LAST = 25
+# Reach beyond the first epoch of the next pass, over its distance.
+_ACROSS = 1.02
+# Turns at the largest rate without an epoch, at which a pass ends.
+_GAP_TURNS = 5.0
+# Median distances of epochs without an epoch, at which a pass ends.
+_GAP_STEPS = 20.0
 # Model error, mag, on the first span and on the whole: glints are narrow, and the start is rough.
 _ERRORS = 0.4, 0.1
-# First spans that are tried, and the number of points over the cost at which a state fits: errors
-# of the model are added to those of the points.
-_ATTEMPTS, _EXPECTED = 28, 1.3
+# First spans that are tried.
+_ATTEMPTS = 28
+# The number of points over the cost at which a state fits: errors of the model are added to those
+# of the points.
+_EXPECTED = 1.3
 _RULE = least_squares.Rule(
     start=1e-2, least=1e-6, stuck=1e4, larger=5.0, gain=1e-4, settled=1, ridge=1e-9
 )
-# States that are sampled from their errors when the span grows, and samples of each.
-_SAMPLED, _SAMPLES = 12, 6
+# States that are sampled from their errors when the span grows.
+_SAMPLED = 12
+# Samples of each of them.
+_SAMPLES = 6
 # Distances at which two states are one: rad, and share of the rate times turns.
 _SAME = 0.1
 
@@ -316,13 +338,24 @@ def _joined(*given: States) -> States:
 _FITTED = 12
 # Rates and momenta closer than this, relative, are one.
 _SAME_RATES = 0.01
-# Turn, rad, and share of the rate, within which two minima are in one lobe of the density.
-_LOBE_TURN, _LOBE_RATE = 0.3, 0.1
-# Views, and angles (rad), by which symmetry about an axis is recognized: magnitudes differ by less
-# than this share of the errors, and moments by this share of the largest.
-_SEED, _VIEWS, _ANGLES, _UNSEEN, _ROUND = 36, 200, (0.7, 1.9), 0.4, 1e-3
-# Momenta, relative, and directions of the axis of symmetry, rad, that are one.
-_SAME_ROUND, _SAME_AXIS = 0.02, 0.1
+# Turn, rad, within which two minima are in one lobe of the density.
+_LOBE_TURN = 0.3
+# Difference of their rates, over the rate, within which they are.
+_LOBE_RATE = 0.1
+# Of the random views by which symmetry about an axis is recognized.
+_SEED = 36
+# The number of views.
+_VIEWS = 200
+# Turns, rad, of a body that looks alike after each if it is symmetric.
+_ANGLES = (0.7, 1.9)
+# Share of the errors by which magnitudes of such a body differ at most.
+_UNSEEN = 0.4
+# Share of the largest moment by which two moments of such a body differ at most.
+_ROUND = 1e-3
+# Relative difference of momenta of such a body that are one.
+_SAME_ROUND = 0.02
+# Angle, rad, between directions of the axis of symmetry that are one.
+_SAME_AXIS = 0.1
 
 
 def body_of(mesh: Mesh, moments: Any) -> Body:

@@ -277,7 +277,10 @@ def _with_numbers(change: Impulse | Torque, values: FloatArray) -> Impulse | Tor
 
 # Shares of the points, those nearest in time to the epoch of the start, that are fitted first.
 _STAGES = (0.25, 0.4, 0.6, 0.8)
-_ITERATIONS, _LAST = 12, 40
+# Iterations of a fit of some of the points, and where a fit begins anew.
+_ITERATIONS = 12
+# Iterations of a fit that is to end at its minimum.
+_LAST = 40
 # Mean square of residuals over the errors, above which the points are fitted in stages too.
 _BAD = 1.5
 

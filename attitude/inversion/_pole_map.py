@@ -46,10 +46,14 @@ if TYPE_CHECKING:
     from attitude.inversion._shapes import Tie
 
 
-# Turns about a pole of which the best is a start, and steps of ellipsoids at held poles.
-_TURNS, _STEPS = 6, 12
-# Iterations, and the relative gain at which they end, of held and of free poles.
-_HELD, _FREE = (25, 1e-3), (40, 3e-4)
+# Turns about a pole of which the best is a start.
+_TURNS = 6
+# Steps of ellipsoids at held poles.
+_STEPS = 12
+# Iterations, and the relative gain at which they end, of held poles.
+_HELD = (25, 1e-3)
+# Those of free poles.
+_FREE = (40, 3e-4)
 # Those of tumbling bodies at held poles.
 _BODIES = (8, 1e-3)
 # What stays where the pole is held.

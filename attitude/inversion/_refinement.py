@@ -124,10 +124,11 @@ TURN = slice(0, 3)
 TILT = slice(0, 2)
 SIZE = MOTION + _shapes.SIZE
 WIDTH = _ellipsoid.WIDTH - _shapes.ELLIPSOID + _shapes.SIZE
-# Behind them, where rates drift: how fast precession and nutation change, turns per span^2, and
-# their standard deviation before the curve is seen.  Over 8 years YORP makes less than 0.1 of most
+# Behind them, where rates drift: how fast precession and nutation change, turns per span^2.
+DRIFT = 2
+# Their standard deviation before the curve is seen.  Over 8 years YORP makes less than 0.1 of most
 # bodies, and 5 of the fastest known, (54509) YORP.
-DRIFT, DRIFT_WIDTH = 2, 10.0
+DRIFT_WIDTH = 10.0
 _SHAPE = _shapes.Tie()
 
 

@@ -49,7 +49,10 @@ if TYPE_CHECKING:
     Prepared = Callable[[ZeroPoints], _search.Search]
 
 
-_MODES, _ROTATION = ("LAM", "SAM"), ("PA",)
+# Modes of tumbling.
+_MODES = ("LAM", "SAM")
+# Rotation about one axis alone.
+_ROTATION = ("PA",)
 # Share of a period about which it is searched.
 _OF_PERIOD = 0.01
 _DAY = 86400.0

@@ -29,9 +29,13 @@ if TYPE_CHECKING:
 
 # ---- How one spin state relates to another that fits the same light curve, in words
 
-# Angles within which poles are related, and frequencies, turns per span.
-_NEAR, _RATE = math.radians(25.0), 0.5
-_SIDEREAL_DAY, _DAY = 86164.0905, 86400.0
+# Angle, rad, within which poles are related.
+_NEAR = math.radians(25.0)
+# Difference of frequencies, turns per span, within which they are.
+_RATE = 0.5
+# Days, s, by which epochs of one site are displaced.
+_SIDEREAL_DAY = 86164.0905
+_DAY = 86400.0
 
 
 def relation(
@@ -207,7 +211,9 @@ def behind_twice_the_period(found: list[Robust], problem: CurveProblem) -> list[
 
 # ---- The verdict
 
-SOLVED, PERIODS, OPEN = "solved", "periods only", "not solved"
+SOLVED = "solved"
+PERIODS = "periods only"
+OPEN = "not solved"
 SATELLITE = "a satellite of period"
 # Parameters of a nutation.
 _NUTATION = 4
