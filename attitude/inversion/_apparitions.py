@@ -211,7 +211,7 @@ class Combs:
 
 
 class _Sums(NamedTuple):
-    """Of each cell: products of columns (C, K, K), with conjugates, with magnitudes and terms."""
+    """Sums of each cell: products of columns (C, K, K), with conjugates, magnitudes and terms."""
 
     straight: ComplexArray
     crossed: ComplexArray
@@ -380,10 +380,16 @@ def scan(
             best = peaks[np.argsort(-gain[number, peaks], kind="stable")][:_OF_A_POLE]
             for k in best:
                 a, b = coefficients[number, k, [_COSINE, _SINE]]
-                phase = 0.5 * math.atan2(b, a)
-                values = float(gain[number, k]), float(rates[at][k]), pole, phase
-                trials.append(Trial(*values, math.hypot(a, b)))
-    return sorted(trials, key=lambda each: -each.gain)
+                trials.append(
+                    Trial(
+                        gain=float(gain[number, k]),
+                        rate=float(rates[at][k]),
+                        pole=pole,
+                        phase=0.5 * math.atan2(b, a),
+                        amplitude=math.hypot(a, b),
+                    )
+                )
+    return sorted(trials, key=lambda trial: -trial.gain)
 
 
 _OF_A_POLE = 8
@@ -487,7 +493,7 @@ class RotatorSearch(Search):
         for low, high in chosen:
             trials += scan(combs, poles, low, high, lambda: self.is_over)
             self.progress(f"rates of {len(poles)} poles, {high - low:.0f} turns a span")
-        return sorted(trials, key=lambda each: -each.gain)[:_TRIALS]
+        return sorted(trials, key=lambda trial: -trial.gain)[:_TRIALS]
 
     def _from_trials(self, trials: list[Trial]) -> list[FloatArray]:
         """Distinct ellipsoids, the best first."""

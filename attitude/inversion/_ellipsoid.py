@@ -533,12 +533,18 @@ def rotations(generator: np.random.Generator, count: int) -> FloatArray:
     """Uniformly random rotation matrices (count, 9)."""
     q = generator.standard_normal((count, 4))
     w, x, y, z = (q / np.linalg.norm(q, axis=1)[:, None]).T
-    rows = (
-        *(1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
-        *(2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
-        *(2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
+    entries = (
+        1 - 2 * (y * y + z * z),
+        2 * (x * y - w * z),
+        2 * (x * z + w * y),
+        2 * (x * y + w * z),
+        1 - 2 * (x * x + z * z),
+        2 * (y * z - w * x),
+        2 * (x * z - w * y),
+        2 * (y * z + w * x),
+        1 - 2 * (x * x + y * y),
     )
-    return np.stack(rows, axis=-1)
+    return np.stack(entries, axis=-1)
 
 
 def frames_of(generator: np.random.Generator, poles: FloatArray) -> FloatArray:

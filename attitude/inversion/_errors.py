@@ -58,8 +58,8 @@ class GroupErrors(NamedTuple):
 
 
 def errors(
-    found: Weighted[object],
-    here: ShapeModel,
+    solution: Weighted[object],
+    shape_model: ShapeModel,
     groupings: Sequence[IntArray],
     count: int,
     refitted: Callable[[BoolArray], FloatArray | None],
@@ -69,11 +69,14 @@ def errors(
 
     Shapes: groupings (N,), formal (count, count).
     """
-    normal, problem = found.refined.normal, found.problem
+    normal, problem = solution.refined.normal, solution.problem
     if formal is None:
         formal = inverse(normal)[:count, :count]
     free = np.diag(normal)[:count] != 1.0
-    r, jacobian = problem.projected(problem.y - here.magnitude), problem.projected(here.jacobian)
+    r, jacobian = (
+        problem.projected(problem.y - shape_model.magnitude),
+        problem.projected(shape_model.jacobian),
+    )
     scale = np.sqrt(np.diag(normal))
     jacobian /= scale[:, None]
     jacobian[:count][~free] = 0.0
@@ -240,12 +243,12 @@ def _log_student(points: FloatArray, factor: FloatArray) -> FloatArray:
 _SEED = 20180708
 
 
-def covariance_of_motion(found: Robust, tie: Tie) -> FloatArray:
+def covariance_of_motion(solution: Robust, tie: Tie) -> FloatArray:
     """Second moments (8, 8) of the parameters about those of a solution; 0 of those that stay."""
-    at = np.ix_(*2 * [free(found)])
-    curvature = inverse(found.refined.normal)[:MOTION, :MOTION][at]
+    at = np.ix_(*2 * [free(solution)])
+    curvature = inverse(solution.refined.normal)[:MOTION, :MOTION][at]
     factor = factor_of(curvature)
-    density = log_density(found, tie, factor)
+    density = log_density(solution, tie, factor)
 
     def densities(points: FloatArray) -> FloatArray:
         return np.array([density(point) for point in points])
@@ -256,18 +259,18 @@ def covariance_of_motion(found: Robust, tie: Tie) -> FloatArray:
     return moments
 
 
-def free(found: Robust) -> IntArray:
+def free(solution: Robust) -> IntArray:
     """The parameters of the motion that do not stay: all, or those about one axis."""
-    return np.flatnonzero(np.diag(found.refined.normal)[:MOTION] != 1.0)
+    return np.flatnonzero(np.diag(solution.refined.normal)[:MOTION] != 1.0)
 
 
-def log_density(found: Robust, tie: Tie, factor: FloatArray) -> Callable[[FloatArray], float]:
+def log_density(solution: Robust, tie: Tie, factor: FloatArray) -> Callable[[FloatArray], float]:
     """The logarithm of the density of offsets in units of a factor of a covariance.
 
     Both are of the parameters that are free.
     """
-    problem, state, normal = found.problem, found.refined.state, found.refined.normal
-    which = free(found)
+    problem, state, normal = solution.problem, solution.refined.state, solution.refined.normal
+    which = free(solution)
     follow = -np.linalg.solve(normal[MOTION:, MOTION:], normal[MOTION:, :MOTION])
 
     def density(scaled: FloatArray) -> float:
@@ -360,7 +363,7 @@ _DISTINCT = 0.5
 
 
 def covariance_of_state(
-    found: Weighted[object],
+    solution: Weighted[object],
     point: MovingPoint,
     seconds: FloatArray,
     known: KnownShape,
@@ -370,7 +373,7 @@ def covariance_of_state(
 
     Shapes: seconds (N,) s.
     """
-    formal = inverse(found.refined.normal)[:STATE_SIZE, :STATE_SIZE]
+    formal = inverse(solution.refined.normal)[:STATE_SIZE, :STATE_SIZE]
     factor = factor_of(formal)
     wxyz, omega = point.spin.wxyz_icrf, point.spin.angular_velocity
     block = max(BLOCK // len(seconds), 1)
@@ -381,7 +384,7 @@ def covariance_of_state(
         w = omega + step[:, 3:]
         parts = [
             costs(
-                found.problem, known, point.body.moments, q[k : k + block], w[k : k + block],
+                solution.problem, known, point.body.moments, q[k : k + block], w[k : k + block],
                 seconds, least,
             ).cost
             for k in range(0, len(step), block)
@@ -402,7 +405,7 @@ def spread(covariance: FloatArray, rivals: Iterable[tuple[FloatArray, float]]) -
     size = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     inverse = np.linalg.pinv(covariance / np.outer(size, size), rcond=1e-12, hermitian=True)
     offsets, weights = [np.zeros(len(size))], [1.0]
-    for offset, behind in sorted(rivals, key=lambda each: each[1]):
+    for offset, behind in sorted(rivals, key=lambda rival: rival[1]):
         steps = (np.array(offsets) - offset) / size
         if np.min(np.einsum("np,pq,nq->n", steps, inverse, steps)) > _DISTINCT**2:
             offsets.append(offset)

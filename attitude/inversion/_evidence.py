@@ -143,8 +143,8 @@ def refined(
     """
     stay = fixed if held is None else held
 
-    def fit(own: CurveProblem, state: FloatArray) -> Refined:
-        return _refinement.refine(own, state, tie=tie, fixed=stay, gain=1e-4)
+    def fit(reweighted: CurveProblem, state: FloatArray) -> Refined:
+        return _refinement.refine(reweighted, state, tie=tie, fixed=stay, gain=1e-4)
 
     robust = student(problem, start, fit, int(np.count_nonzero(~fixed[:MOTION])), trials)
     if held is not None:
@@ -329,24 +329,33 @@ def constant(problem: CurveProblem) -> Weighted[None]:
 
     nothing = np.zeros(0)
 
-    def fit(own: CurveProblem, _: None) -> Fitted[None]:
-        chi = own.chi_squared(zeros)
-        return Fitted(None, chi, chi, 0.0, nothing[:, None], nothing, nothing, zeros)
+    def fit(reweighted: CurveProblem, _: None) -> Fitted[None]:
+        chi = reweighted.chi_squared(zeros)
+        return Fitted(
+            None,
+            cost=chi,
+            chi_squared=chi,
+            strain=0.0,
+            normal=nothing[:, None],
+            gradient=nothing,
+            areas=nothing,
+            magnitude=zeros,
+        )
 
     for _ in range(2):
         problem = with_error_of(problem, zeros)
     return student(problem, None, fit, 0)
 
 
-def volume_of_offsets(own: CurveProblem) -> float:
+def volume_of_offsets(problem: CurveProblem) -> float:
     """What an evidence lacks of the terms that have a prior, where their number differs.
 
     The logarithm of the determinant of their Hessian, over that of the prior, free terms marginal:
     many offsets that are hardly held fit better by chance.
     """
-    scaled = own.terms * own.root[:, None]
-    free = np.isinf(own.prior)
-    held = scaled[:, ~free] * own.prior[~free]
+    scaled = problem.terms * problem.root[:, None]
+    free = np.isinf(problem.prior)
+    held = scaled[:, ~free] * problem.prior[~free]
     basis, size, _ = np.linalg.svd(scaled[:, free], full_matrices=False)
     basis = basis[:, size > _COPY * size.max(initial=0.0)]
     held = held - basis @ (basis.T @ held)

@@ -68,9 +68,9 @@ def of_nights(solution: CurveFit, path: FilePath | None = None) -> Figure:
     groups = _neighbours.nights_of(seconds)
     if np.median([len(group) for group in groups]) < _FEW:
         return of_fit(solution, path)
-    chosen = sorted(groups, key=lambda each: -len(each))[:_NIGHTS]
+    chosen = sorted(groups, key=lambda night: -len(night))[:_NIGHTS]
     nights = []
-    for points in sorted(chosen, key=lambda each: each[0]):
+    for points in sorted(chosen, key=lambda night: night[0]):
         fine = np.linspace(seconds[points[0]], seconds[points[-1]], _FINE)
         predicted = solution.predict(_at(curve, fine))
         model = predicted.magnitude
@@ -95,22 +95,24 @@ def of_nights(solution: CurveFit, path: FilePath | None = None) -> Figure:
 
 
 def of_prediction(
-    found: Prediction, path: FilePath | None = None, observed: LightCurve | None = None
+    prediction: Prediction, path: FilePath | None = None, observed: LightCurve | None = None
 ) -> Figure:
     """A panel a night of what is predicted, with the error of its form, and of what was observed.
 
     Points are shifted by the mean residual of each night, which is beside its date.
     """
     nights = []
-    for points in _neighbours.nights_of(found.seconds)[:_NIGHTS]:
-        start = float(found.seconds[points[0]])
-        title = _date(found.epoch.after(start))
-        hours = (found.seconds[points] - start) / 3600.0
-        line = hours, found.magnitude[points], found.form[points]
+    for points in _neighbours.nights_of(prediction.seconds)[:_NIGHTS]:
+        start = float(prediction.seconds[points[0]])
+        title = _date(prediction.epoch.after(start))
+        hours = (prediction.seconds[points] - start) / 3600.0
+        line = hours, prediction.magnitude[points], prediction.form[points]
         seen = value = error = residual = np.zeros(0)
         if observed is not None:
-            times = observed.seconds + (observed.epoch.seconds - found.epoch.seconds)
-            inside = (times >= found.seconds[points[0]]) & (times <= found.seconds[points[-1]])
+            times = observed.seconds + (observed.epoch.seconds - prediction.epoch.seconds)
+            inside = (times >= prediction.seconds[points[0]]) & (
+                times <= prediction.seconds[points[-1]]
+            )
             seen = (times[inside] - start) / 3600.0
             value, error = observed.magnitude[inside], observed.magnitude_sigma[inside]
             residual = value - np.interp(seen, hours, line[1])
@@ -119,8 +121,8 @@ def of_prediction(
                 value, residual = value - offset, residual - offset
                 title += f", shifted {-offset:+.3f} mag"
         nights.append(_Night(title, seen, value, error, residual, line))
-    level = f"level to {np.median(found.level):.3f} mag; the band is the error of the form"
-    words = f"{repr(found.fit)[1:-1]}\n{level}"
+    level = f"level to {np.median(prediction.level):.3f} mag; the band is the error of the form"
+    words = f"{repr(prediction.fit)[1:-1]}\n{level}"
     return _saved(_panels(nights, "magnitude", words), path)
 
 
@@ -187,27 +189,27 @@ def _panels(nights: Sequence[_Night], name: str, title: str) -> Figure:
     return figure
 
 
-def of_fit(found: CurveFit, path: FilePath | None = None) -> Figure:
+def of_fit(solution: CurveFit, path: FilePath | None = None) -> Figure:
     """The fit of a refinement and its residuals."""
     figure = plots.new_figure((8.0, 8.0))
     above, below = figure.subplots(2, 1)
-    _fit(above, below, found)
-    figure.suptitle(repr(found)[1:-1], fontsize=9)
+    _fit(above, below, solution)
+    figure.suptitle(repr(solution)[1:-1], fontsize=9)
     return _saved(figure, path)
 
 
-def of_states(found: SpinStates[Solution], path: FilePath | None = None) -> Figure:
+def of_states(states: SpinStates[Solution], path: FilePath | None = None) -> Figure:
     """The best fit, residuals by session, both folds, a map of chi-squared, periods and poles."""
     figure = plots.new_figure((9.0, 10.5))
     axes = figure.subplots(3, 2).T
-    best = found[0]
+    best = states[0]
     _fit(axes[0, 0], axes[1, 0], best)
     _folded(axes[0, 1], best, 0)
     _folded(axes[1, 1], best, 1)
     first = best.evidence
     _map(axes[0, 2], best)
     unit = time_unit(best.P_phi)
-    for state in found:
+    for state in states:
         behind = state.evidence - first
         colour = _MODEL if behind < 16.0 else _OTHER
         rates = np.array(SearchState.of(state.state).rates)
@@ -222,22 +224,22 @@ def of_states(found: SpinStates[Solution], path: FilePath | None = None) -> Figu
     axes[1, 2].set_ylabel("latitude, deg")
     axes[1, 2].set_xlim(0.0, 360.0)
     axes[1, 2].set_ylim(-90.0, 90.0)
-    places = free_places([tuple(np.degrees(state.pole).tolist()) for state in found])
-    for state, place in zip(found, places, strict=True):
+    places = free_places([tuple(np.degrees(state.pole).tolist()) for state in states])
+    for state, place in zip(states, places, strict=True):
         if place is not None:
             axes[1, 2].text(*place, str(state.rank), fontsize=9, ha="center", va="center")
     for mode, mark in (("LAM", "o"), ("SAM or PA", "s")):
         axes[0, 2].plot([], [], mark, mfc="none", color=_MODEL, label=mode)
     axes[0, 2].legend(fontsize=9, loc="upper right")
-    figure.suptitle(f"{found.verdict}: {repr(best)[1:-1]}", fontsize=9)
+    figure.suptitle(f"{states.verdict}: {repr(best)[1:-1]}", fontsize=9)
     return _saved(figure, path)
 
 
-def of_posterior(found: Posterior, path: FilePath | None = None) -> Figure:
+def of_posterior(posterior: Posterior, path: FilePath | None = None) -> Figure:
     """A corner figure of the first solution's parameters."""
     figure = plots.new_figure((9.0, 9.0))
     axes = figure.subplots(MOTION, MOTION, sharex="col")
-    of_best = found.offsets[found.solution == 0]
+    of_best = posterior.offsets[posterior.solution == 0]
     for row in range(MOTION):
         for column in range(MOTION):
             panel = axes[row, column]

@@ -85,19 +85,19 @@ class Apparition(NamedTuple):
 
 
 def alone(
-    curve: LightCurve, part: LightCurve, found: Search, settings: Settings, drift: int = 0
+    curve: LightCurve, apparition: LightCurve, search: Search, settings: Settings, drift: int = 0
 ) -> Apparition:
     """The tumbling solutions of an apparition that compete, the best first.
 
     `drift` is the size of that of the joined motion, which one apparition says nothing of.
     """
-    ratio = curve.span / part.span
-    middle = (part.epoch.seconds - curve.epoch.seconds) / curve.span
+    ratio = curve.span / apparition.span
+    middle = (apparition.epoch.seconds - curve.epoch.seconds) / curve.span
     scale = np.ones(MOTION)
     scale[[PRECESSION, NUTATION]] = ratio
     solutions: list[Alone] = []
-    for one in found.solutions:
-        behind = one.evidence - found.solutions[0].evidence
+    for one in search.solutions:
+        behind = one.evidence - search.solutions[0].evidence
         if behind > settings.mapped_behind or len(solutions) == settings.joined_solutions:
             break
         state = one.refined.state.copy()
@@ -109,7 +109,7 @@ def alone(
             covariance[_DRIFTS[:drift], _DRIFTS[:drift]] = _refinement.DRIFT_WIDTH**2
             state = np.append(state, np.zeros(drift))
             solutions.append(Alone(state, covariance, behind, middle))
-    ends = part.emission / curve.span + middle
+    ends = apparition.emission / curve.span + middle
     return Apparition(float(ends.min()), float(ends.max()), solutions)
 
 
@@ -289,19 +289,19 @@ class JoinedSearch(Search):
                 fits.append(
                     _refinement.refine(problem, state, iterations=steps, tie=self.tie, gain=1e-3)
                 )
-            fits.sort(key=lambda each: each.cost)
+            fits.sort(key=lambda fit: fit.cost)
             states = [fit.state for fit in fits]
         return fits
 
 
-def _joined(found: Sequence[Refined], settings: Settings) -> list[Alone]:
+def _joined(fits: Sequence[Refined], settings: Settings) -> list[Alone]:
     """Fits of several apparitions as the solutions of one, at the middle of the curve."""
     solutions = []
-    for fit in found[: settings.joined_solutions]:
+    for fit in fits[: settings.joined_solutions]:
         drift = len(fit.state) - _refinement.WIDTH
         kept = [*range(MOTION), *range(_refinement.SIZE, _refinement.SIZE + drift)]
         covariance = np.zeros((_ALL, _ALL))
         covariance[: len(kept), : len(kept)] = inverse(fit.normal)[np.ix_(kept, kept)]
-        behind = fit.cost - found[0].cost
+        behind = fit.cost - fits[0].cost
         solutions.append(Alone(fit.state, settings.joined_wider**2 * covariance, behind, 0.0))
     return solutions

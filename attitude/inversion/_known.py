@@ -328,8 +328,8 @@ def _passes(ordered: FloatArray, most: float) -> list[FloatArray]:
     return enough or [ordered]
 
 
-def _joined(*given: States) -> States:
-    return States(*(np.concatenate(columns) for columns in zip(*given, strict=True)))
+def _joined(*groups: States) -> States:
+    return States(*(np.concatenate(columns) for columns in zip(*groups, strict=True)))
 
 
 # ---- Ranked spin states of a body of known shape: a search, and least squares from its best states

@@ -72,7 +72,7 @@ def lattice_pairs(problem: CurveProblem, most: float, keep: int) -> tuple[FloatA
 
 
 def candidates(
-    found: FloatArray, most: float, modes: tuple[str, ...], shifts: tuple[float, ...] = ()
+    pairs: FloatArray, most: float, modes: tuple[str, ...], shifts: tuple[float, ...] = ()
 ) -> list[Candidate]:
     """Rates from pairs (P, 2), the best pair first, without repetition.
 
@@ -81,7 +81,7 @@ def candidates(
     """
     out: list[Candidate] = []
     seen = set()
-    for a, b in found:
+    for a, b in pairs:
         bases = [(a, b), (b, a), (a, b - a), (b, b - a), (a, a + b), (b, a + b)]
         for shift in shifts:
             bases += [(a, abs(b - shift)), (abs(a - shift), b), (b, abs(a - shift))]

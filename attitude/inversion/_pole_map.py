@@ -365,10 +365,10 @@ class _Rated(NamedTuple):
     fit: Refined
 
 
-def most_probable(found: Iterable[Refined], problem: CurveProblem, behind: float) -> list[Refined]:
+def most_probable(fits: Iterable[Refined], problem: CurveProblem, behind: float) -> list[Refined]:
     """Those of rotations about one axis that compete, the best first."""
     points = len(problem)
-    rated = _evidence.ranked(_Rated(_evidence.of_fit(fit, points), fit) for fit in found)
+    rated = _evidence.ranked(_Rated(_evidence.of_fit(fit, points), fit) for fit in fits)
     return [one.fit for one in rated if one.evidence < rated[0].evidence + behind]
 
 

@@ -314,13 +314,13 @@ def linearised(
     prior = float(priors.residuals @ priors.residuals + offsets @ offsets)
     return Fitted(
         state,
-        chi + prior,
-        chi,
-        priors.strain,
-        normal,
-        gradient,
-        shape_model.areas,
-        shape_model.magnitude,
+        cost=chi + prior,
+        chi_squared=chi,
+        strain=priors.strain,
+        normal=normal,
+        gradient=gradient,
+        areas=shape_model.areas,
+        magnitude=shape_model.magnitude,
     )
 
 

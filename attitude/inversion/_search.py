@@ -53,12 +53,12 @@ class _KnownFits:
     def __init__(self) -> None:
         self._fits: dict[tuple[int, ...], tuple[object, ...]] = {}
 
-    def of(self, make: Callable[[], Fit], *given: object) -> Fit:
-        """The fit of given objects, from `make` where it is not known."""
-        key = tuple(id(argument) for argument in given)
+    def of(self, make: Callable[[], Fit], *arguments: object) -> Fit:
+        """The fit of these objects, from `make` where it is not known."""
+        key = tuple(id(argument) for argument in arguments)
         if key not in self._fits:
             # what identifies the fit is kept, so that no other object gets its identity
-            self._fits[key] = *given, make()
+            self._fits[key] = *arguments, make()
         return cast("Fit", self._fits[key][-1])
 
 
@@ -154,7 +154,7 @@ class Search:
     def begin(self, states: Iterable[FloatArray]) -> None:
         """Make `solutions` from states alone, such as those that another search has found."""
         self.convex = [self._fit(state) for state in states]
-        self.convex.sort(key=lambda each: each.cost)
+        self.convex.sort(key=lambda fit: fit.cost)
         self.finish()
 
     def follow(self, other: Search) -> None:
@@ -367,8 +367,16 @@ class Search:
         for start in range(0, len(rates), self.settings.block):
             block_of_rates = rates[start : start + self.settings.block]
             block_of_poles = None if poles is None else poles[start : start + len(block_of_rates)]
-            arguments = problem, self.generator, block_of_rates, starts
-            parts.append(_ellipsoid.narrowed(*arguments, tie=self._held, poles=block_of_poles))
+            parts.append(
+                _ellipsoid.narrowed(
+                    problem,
+                    self.generator,
+                    block_of_rates,
+                    starts,
+                    tie=self._held,
+                    poles=block_of_poles,
+                )
+            )
             self.progress(f"ellipsoids: {start + len(block_of_rates)} of {len(rates)} {name}")
             if self.is_over:
                 break
@@ -486,22 +494,30 @@ class Search:
         self.held_poles = self._most_probable(self.held_poles, problem)
         for minimum in self.axial[: self.settings.axial_others]:
             self.convex.append(self._fit(minimum.state))
-        self.convex.sort(key=lambda each: each.cost)
+        self.convex.sort(key=lambda fit: fit.cost)
 
     def _mapped(self, one: Robust, mapping: CurveProblem, problem: CurveProblem) -> Refined | None:
         """The most probable rotation about one axis, after a map of poles at the rate of one."""
-        state, fixed = one.refined.state, self._fixed(one.refined.state)
-        arguments = state, self.generator, self.tie, fixed, self.redundancy, lambda: self.is_over
-        free, held = _pole_map.minima(mapping, self.problem, *arguments)
+        state = one.refined.state
+        free, held = _pole_map.minima(
+            mapping,
+            self.problem,
+            state,
+            self.generator,
+            self.tie,
+            self._fixed(state),
+            self.redundancy,
+            lambda: self.is_over,
+        )
         self.axial += free
         self.held_poles += held
         self.progress(f"{len(self.axial)} poles of rotations about one axis")
         return next(iter(self._most_probable(self.axial, problem)), None)
 
-    def _most_probable(self, found: list[Refined], problem: CurveProblem) -> list[Refined]:
+    def _most_probable(self, fits: list[Refined], problem: CurveProblem) -> list[Refined]:
         """Rotations about one axis that compete, the best first."""
         behind = self.settings.axial_pole_behind * self.redundancy
-        return _pole_map.most_probable(found, problem, behind)
+        return _pole_map.most_probable(fits, problem, behind)
 
     def _is_far_behind(self, rotator: Robust, problem: CurveProblem, width: float) -> bool:
         """Whether a tumbling body that has other lines is ahead of a rotation by a width."""
@@ -546,7 +562,7 @@ class Search:
             if self.is_over and fits:
                 break
             fits.append(self._fit(state, self.settings.short_steps))
-        fits.sort(key=lambda each: each.cost)
+        fits.sort(key=lambda fit: fit.cost)
         most = self.settings.short_worse * min(fit.cost for fit in (*fits[:1], *self.convex[:1]))
         return [
             fit.state
@@ -741,13 +757,13 @@ class Search:
         error = problem.model_error
         self.progress(f"{len(self.solutions)} solutions, model error {error:.3f} mag")
 
-    def _ranked(self, problem: CurveProblem, given: Refined) -> Refined:
+    def _ranked(self, problem: CurveProblem, body: Refined) -> Refined:
         """A body after some steps with the errors of a problem."""
 
         def fit() -> Refined:
-            return self._fit(given.state, self.settings.ranked_steps, problem)
+            return self._fit(body.state, self.settings.ranked_steps, problem)
 
-        return self._known_fits.of(fit, problem, given, "ranked")
+        return self._known_fits.of(fit, problem, body, "ranked")
 
     def _takes_noise(self, problem: CurveProblem, best: Refined) -> bool:
         """Whether errors are enlarged, where neighbouring residuals of a good body exceed them."""
@@ -832,24 +848,24 @@ class Search:
             self._compared(problem, fit) for fit in next_ones[: self.settings.axial_others]
         ]
 
-    def _compared(self, problem: CurveProblem, given: Refined) -> Robust:
+    def _compared(self, problem: CurveProblem, body: Refined) -> Robust:
         """A rotation about one axis with the prior and the evidence of tumbling bodies."""
-        return self._robust(problem, given, is_wide=True)
+        return self._robust(problem, body, is_wide=True)
 
-    def _robust(self, problem: CurveProblem, given: Refined, *, is_wide: bool = False) -> Robust:
+    def _robust(self, problem: CurveProblem, body: Refined, *, is_wide: bool = False) -> Robust:
         """The body of largest posterior density near a body."""
         return self._known_fits.of(
-            lambda: self._weighted(problem, given, is_wide=is_wide), problem, given, is_wide
+            lambda: self._weighted(problem, body, is_wide=is_wide), problem, body, is_wide
         )
 
-    def _weighted(self, problem: CurveProblem, given: Refined, *, is_wide: bool) -> Robust:
+    def _weighted(self, problem: CurveProblem, body: Refined, *, is_wide: bool) -> Robust:
         # the more frequencies of nutation were tried, the better one fits by chance
-        trials = 1.0 if is_axial(given.state) else self.most / self.settings.odds
+        trials = 1.0 if is_axial(body.state) else self.most / self.settings.odds
         return _evidence.refined(
             problem,
-            given.state,
+            body.state,
             tie=replace(self.tie, is_wide=True) if is_wide else self.tie,
-            fixed=self._fixed(given.state),
+            fixed=self._fixed(body.state),
             trials=trials,
         )
 
@@ -868,16 +884,16 @@ class Search:
         least = entries[0].evidence
         return [_evidence.at_least(one, least) for one in held if one.evidence < least + behind]
 
-    def _at_pole(self, problem: CurveProblem, given: Refined) -> Robust:
+    def _at_pole(self, problem: CurveProblem, body: Refined) -> Robust:
         """The rotation about one axis of largest posterior density at the pole of a body."""
-        fixed = self._fixed(given.state)
+        fixed = self._fixed(body.state)
         held = fixed.copy()
         held[_refinement.TILT] = True
 
         def fit() -> Robust:
-            return _evidence.refined(problem, given.state, tie=self.tie, fixed=fixed, held=held)
+            return _evidence.refined(problem, body.state, tie=self.tie, fixed=fixed, held=held)
 
-        return self._known_fits.of(fit, problem, given, "held")
+        return self._known_fits.of(fit, problem, body, "held")
 
     def _fixed(self, state: FloatArray) -> BoolArray:
         """Parameters that stay: of the axis for rotation about one, of areas for ellipsoids."""

@@ -298,10 +298,10 @@ def widths(is_axial: bool) -> FloatArray:
     return all_widths
 
 
-def wanted(given: FloatArray, moments: MotionMoments) -> FloatArray:
-    """ln I1/I3 and ln I2/I3 (2,) of given ascending moments over the axes of a motion."""
-    third, first = (given[0], given[2]) if moments.is_long_axis else (given[2], given[0])
-    both = np.log(np.array([first, given[1]]) / third)
+def wanted(ordered: FloatArray, moments: MotionMoments) -> FloatArray:
+    """ln I1/I3 and ln I2/I3 (2,) of ascending moments over the axes of a motion."""
+    third, first = (ordered[0], ordered[2]) if moments.is_long_axis else (ordered[2], ordered[0])
+    both = np.log(np.array([first, ordered[1]]) / third)
     return both[::-1] if moments.is_swapped else both
 
 

@@ -192,15 +192,15 @@ def predicted(
         mean[night] = factor[night].mean(axis=0)
     floor = 1.48 * float(np.median(np.abs(solution.residuals)))
     return Prediction(
-        curve.epoch,
-        frozen(seconds),
-        frozen(magnitude),
-        frozen(np.sqrt(np.sum(factor**2, axis=1) + floor**2)),
-        frozen(np.sqrt(np.sum((factor - mean) ** 2, axis=1) + floor**2)),
-        frozen(np.linalg.norm(mean, axis=1)),
-        sun,
-        observer,
-        solution,
+        epoch=curve.epoch,
+        seconds=frozen(seconds),
+        magnitude=frozen(magnitude),
+        sigma=frozen(np.sqrt(np.sum(factor**2, axis=1) + floor**2)),
+        form=frozen(np.sqrt(np.sum((factor - mean) ** 2, axis=1) + floor**2)),
+        level=frozen(np.linalg.norm(mean, axis=1)),
+        sun=sun,
+        observer=observer,
+        fit=solution,
     )
 
 

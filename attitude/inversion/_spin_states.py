@@ -448,19 +448,19 @@ def _with_offsets_if_needed(one: _search.Search, prepared: Prepared) -> _search.
     return searched
 
 
-def _run(made: _search.Search, is_ended: Callable[[bool], bool] = _search.never) -> bool:
+def _run(search: _search.Search, is_ended: Callable[[bool], bool] = _search.never) -> bool:
     """Run a search; False if it was interrupted."""
     try:
-        made.run(is_ended)
+        search.run(is_ended)
     except KeyboardInterrupt:
-        made.notes.append("the search was interrupted.")
-        if not made.solutions:
-            made.finish()
+        search.notes.append("the search was interrupted.")
+        if not search.solutions:
+            search.finish()
         return False
     return True
 
 
-def _asks_for_offsets(one: _search.Search, own: _search.Search, needed: float) -> bool:
+def _asks_for_offsets(one: _search.Search, with_offsets: _search.Search, needed: float) -> bool:
     """Whether evidence prefers zero points of the sessions, with the best motions found so far.
 
     Of each pair of rates the best, and those that were best with zero points before: a slow motion
@@ -468,10 +468,10 @@ def _asks_for_offsets(one: _search.Search, own: _search.Search, needed: float) -
     """
     if not one.solutions:
         return False
-    solutions = *one.solutions, *own.solutions[:1]
-    own.begin(distinct((solution.refined.state for solution in solutions), one.has_rates))
+    solutions = *one.solutions, *with_offsets.solutions[:1]
+    with_offsets.begin(distinct((solution.refined.state for solution in solutions), one.has_rates))
     without_offsets = _evidence.among_problems(one.solutions[0])
-    return without_offsets - _evidence.among_problems(own.solutions[0]) > needed
+    return without_offsets - _evidence.among_problems(with_offsets.solutions[0]) > needed
 
 
 def _mean_square(problem: CurveProblem) -> float:
@@ -494,16 +494,16 @@ def is_constant(problem: CurveProblem) -> bool:
     return chi_squared < most * free
 
 
-def _as_constant(problem: CurveProblem, found: Sequence[Robust]) -> str:
+def _as_constant(problem: CurveProblem, solutions: Sequence[Robust]) -> str:
     """How a constant brightness with zero points of the sessions competes; "" if it does not."""
     constant = _evidence.constant(problem)
-    best = min((_evidence.among_problems(solution) for solution in found), default=math.inf)
+    best = min((_evidence.among_problems(solution) for solution in solutions), default=math.inf)
     ahead = best - _evidence.among_problems(constant)
     if ahead < -problem.settings.competing:
         return ""
     size = float(np.std(_offsets_of(constant)))
     words = f"a constant brightness with zero points of the sessions of {size:.3f} mag rms"
-    if not found:
+    if not solutions:
         return f"{words} explains the curve"
     needed = f"({problem.settings.competing:g} needed)"
     return f"{words} is {_verdicts.ahead_by(ahead)} the best state in -2 ln(evidence) {needed}"

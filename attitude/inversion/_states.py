@@ -57,10 +57,10 @@ def of(moments: str | float | Body | Sequence[float]) -> Tie:
     return Tie(moments=ordered / ordered[2])
 
 
-def with_moments(point: MovingPoint, given: FloatArray) -> MovingPoint:
+def with_moments(point: MovingPoint, moments: FloatArray) -> MovingPoint:
     """The point with given moments (3,), ascending, in the order of those that it has."""
     order = np.argsort(np.argsort(point.body.moments))
-    scaled = given[order] * (float(point.body.moments.max()) / given[2])
+    scaled = moments[order] * (float(point.body.moments.max()) / moments[2])
     body = Body(moments=scaled, relative=point.body.relative, mass=point.body.mass)
     return replace(point, body=body)
 
@@ -271,12 +271,12 @@ def sampled(best: Solution, method: str, walkers: int, steps: int, seed: int) ->
         accepted.append(float(np.mean(sampler.acceptance_fraction)))
     weights = np.exp(np.array(logs) - max(logs))
     return Posterior(
-        np.concatenate(offsets),
-        np.concatenate(numbers),
-        weights / weights.sum(),
-        errors_of[0].covariance,
-        float(np.mean(accepted)),
-        [solution.refined.state for solution in solutions],
-        best.curve.span,
-        best.curve.epoch,
+        offsets=np.concatenate(offsets),
+        solution=np.concatenate(numbers),
+        weights=weights / weights.sum(),
+        covariance=errors_of[0].covariance,
+        acceptance=float(np.mean(accepted)),
+        states=[solution.refined.state for solution in solutions],
+        span=best.curve.span,
+        epoch=best.curve.epoch,
     )

@@ -120,7 +120,7 @@ def _of_poles(pole: FloatArray, best: FloatArray, normal: FloatArray) -> str:
 _COMB = 6
 
 
-def as_rotators(found: list[Robust], problem: CurveProblem) -> list[Robust]:
+def as_rotators(solutions: list[Robust], problem: CurveProblem) -> list[Robust]:
     """The solutions, where tumbling states whose lines form a rotator's comb stand behind it.
 
     Where both rates are multiples of one frequency within the accuracy of lines, tumbling has no
@@ -130,11 +130,12 @@ def as_rotators(found: list[Robust], problem: CurveProblem) -> list[Robust]:
     decides on rates, not on poles.
     """
     behind = [
-        [rotator.evidence for rotator in found if counts_as(one, rotator, problem)] for one in found
+        [rotator.evidence for rotator in solutions if counts_as(one, rotator, problem)]
+        for one in solutions
     ]
-    alone = [one for one, rotators in zip(found, behind, strict=True) if not rotators]
+    alone = [one for one, rotators in zip(solutions, behind, strict=True) if not rotators]
     out = []
-    for one, rotators in zip(found, behind, strict=True):
+    for one, rotators in zip(solutions, behind, strict=True):
         state, least = one.refined.state, _evidence.behind(max(rotators, default=-math.inf))
         is_held = least > one.evidence and not any(
             other.evidence < least and _has_rates(other.refined.state, state, problem)
@@ -183,12 +184,12 @@ def _is_comb(state: SearchState, rotator: SearchState, problem: CurveProblem) ->
 # ---- Rotations with one maximum a turn
 
 
-def behind_twice_the_period(found: list[Robust], problem: CurveProblem) -> list[Robust]:
+def behind_twice_the_period(solutions: list[Robust], problem: CurveProblem) -> list[Robust]:
     """The solutions, where one maximum a turn stands behind two, if these fit as well.
 
     Few bodies have one, and it is ahead by evidence alone: half of a curve says less of a shape.
     """
-    axial = [one for one in found if is_axial(one.refined.state)]
+    axial = [one for one in solutions if is_axial(one.refined.state)]
     best = next(iter(_evidence.ranked(axial)), None)
     doubled = [
         one.evidence
@@ -198,14 +199,14 @@ def behind_twice_the_period(found: list[Robust], problem: CurveProblem) -> list[
         and _evidence.gain(best, one, problem) < problem.settings.doubled
     ]
     if best is None or not doubled or not _has_one_maximum(best, problem):
-        return found
+        return solutions
     more = _evidence.behind(min(doubled)) - best.evidence
     return [
         _evidence.with_term(one, more)
         if is_axial(one.refined.state)
         and _pole_map.has_turn(problem, one.refined.state, best.refined.state)
         else one
-        for one in found
+        for one in solutions
     ]
 
 
@@ -300,18 +301,20 @@ def _has_one_maximum(best: Robust, problem: CurveProblem) -> bool:
     return bool(np.hypot(series[0], series[2]) > np.hypot(series[1], series[3]))
 
 
-def gap(found: Sequence[Robust], problem: CurveProblem) -> float:
+def gap(solutions: Sequence[Robust], problem: CurveProblem) -> float:
     """How far the next periods lie behind the best solution in evidence; infinite without any."""
-    return _nearest(_of_other_periods(found, problem), found[0], problem)[0]
+    return _nearest(_of_other_periods(solutions, problem), solutions[0], problem)[0]
 
 
-def _of_other_periods(found: Sequence[Robust], problem: CurveProblem) -> list[Robust]:
-    state = found[0].refined.state
-    return [other for other in found[1:] if not _is_motion_of(other.refined.state, state, problem)]
+def _of_other_periods(solutions: Sequence[Robust], problem: CurveProblem) -> list[Robust]:
+    state = solutions[0].refined.state
+    return [
+        other for other in solutions[1:] if not _is_motion_of(other.refined.state, state, problem)
+    ]
 
 
 def verdict(
-    found: Sequence[Robust],
+    solutions: Sequence[Robust],
     problem: CurveProblem,
     is_complete: bool = True,
     most: float = 0.0,
@@ -324,17 +327,17 @@ def verdict(
     `most`, turns per span, is the largest frequency of the search; `is_given_axis`: rotation about
     one axis is not found, but given.
     """
-    if not found:
+    if not solutions:
         return OPEN, "No solution was found."
-    settings, best = problem.settings, found[0]
+    settings, best = problem.settings, solutions[0]
     most = max(most, settings.same_rate)
     state = best.refined.state
     floor = _evidence.floor_ratio(best, problem)
     left = _evidence.share_left(best, problem)
-    gap_to_next, behind = _nearest(_of_other_periods(found, problem), best, problem)
+    gap_to_next, behind = _nearest(_of_other_periods(solutions, problem), best, problem)
     poles = [
         other
-        for other in found[1:]
+        for other in solutions[1:]
         if _has_periods(other.refined.state, state, problem) and _competes(other, best, problem)
     ]
     words = (
@@ -358,7 +361,7 @@ def verdict(
     else:
         tumbling = [
             other
-            for other in found[1:]
+            for other in solutions[1:]
             if not is_axial(other.refined.state) and not counts_as(other, best, problem)
         ]
         least = needed(best, problem)
@@ -434,7 +437,7 @@ def of_pole(
 
 def of_dips(
     verdict: tuple[str, str],
-    found: Sequence[Robust],
+    solutions: Sequence[Robust],
     problem: CurveProblem,
     pairs: Sequence[AdditivePair],
 ) -> tuple[str, str]:
@@ -444,11 +447,11 @@ def of_dips(
     those of the body, and these above the errors, or both periods of the body those of the series.
     """
     settings = problem.settings
-    if verdict[0] == OPEN or not pairs or is_axial(found[0].refined.state):
+    if verdict[0] == OPEN or not pairs or is_axial(solutions[0].refined.state):
         return verdict
-    rates = SearchState.of(found[0].refined.state).rates
-    is_at_floor = _evidence.floor_ratio(found[0], problem) < settings.floor
-    most = settings.orbit_alike**2 * _evidence.share_left(found[0], problem)
+    rates = SearchState.of(solutions[0].refined.state).rates
+    is_at_floor = _evidence.floor_ratio(solutions[0], problem) < settings.floor
+    most = settings.orbit_alike**2 * _evidence.share_left(solutions[0], problem)
     alike = [
         pair
         for pair in pairs
@@ -491,7 +494,7 @@ def of_satellite(
 
 
 def _better_by_nutation(
-    found: Sequence[Robust], problem: CurveProblem, behind: float, most: float
+    solutions: Sequence[Robust], problem: CurveProblem, behind: float, most: float
 ) -> str:
     """In words: a tumbling state that fits better than the best one, a rotation about one axis.
 
@@ -499,11 +502,11 @@ def _better_by_nutation(
     put the rotation about one axis in front, and the likelihood of a wide nutation is higher than
     by chance among the frequencies tried, a claim would rest on the prior.
     """
-    settings, best = problem.settings, found[0]
+    settings, best = problem.settings, solutions[0]
     counted = _NUTATION * math.log(len(problem)) + 2.0 * math.log(most / settings.odds)
     gains = [
         _evidence.gain(other, best, problem)
-        for other in found[1:]
+        for other in solutions[1:]
         if not is_axial(other.refined.state)
         and SearchState.of(other.refined.state).log_rho > math.log(settings.wide)
         and other.evidence - best.evidence < behind + counted
