@@ -48,10 +48,10 @@ if TYPE_CHECKING:
     from attitude._support.tables import FlatTable
     from attitude.inversion._errors import GroupErrors
     from attitude.inversion._evidence import Robust, Weighted
+    from attitude.inversion._moving import Motion
     from attitude.inversion._problem import CurveProblem
     from attitude.inversion._shapes import Tie
     from attitude.inversion._states import Posterior
-    from attitude.motions._motion import Motion
     from attitude.motions._published import Published
     from attitude.paths._path import Path
     from attitude.scattering._law import Law
@@ -147,7 +147,7 @@ def predicted(
     solution: CurveFit,
     times: Epochs | LightCurve | None,
     path: Path | str | None = None,
-    site: Any = None,
+    site: Path | str | None = None,
     filter: str | None = None,
 ) -> Prediction:
     """The magnitudes of a fit at epochs; see `CurveFit.predict`."""
@@ -204,7 +204,9 @@ def predicted(
     )
 
 
-def _exposures(curve: LightCurve, times: Any, count: int, span: float) -> FloatArray | None:
+def _exposures(
+    curve: LightCurve, times: Epochs | LightCurve | None, count: int, span: float
+) -> FloatArray | None:
     """Exposures (T,), spans: those of a curve, or the usual one of the curve that was fitted."""
     if times is None or isinstance(times, LightCurve):
         return (curve if times is None else times).exposure / span
@@ -219,15 +221,17 @@ def _factor(covariance: FloatArray) -> FloatArray:
 
 
 def _geometry(
-    curve: LightCurve, times: Any, path: Any, site: Any
+    curve: LightCurve,
+    times: Epochs | LightCurve | None,
+    path: Path | str | None,
+    site: Path | str | None,
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Seconds of reception and of emission, (T,), and vectors (T, 3) to Sun and observer."""
     if times is None:
         return curve.seconds, curve.emission, *curve.vectors
     if path is not None:
-        t = np.atleast_1d(_inputs.seconds_since(curve.epoch, times).rounded)
-        keywords: dict[str, Any] = {} if site is None else {"site": site}
-        times = LightCurve(t, np.zeros(len(t)), epoch=curve.epoch, path=path, **keywords)
+        t = np.atleast_1d(_inputs.seconds_since(curve.epoch, cast("Epochs", times)).rounded)
+        times = LightCurve(t, np.zeros(len(t)), epoch=curve.epoch, path=path, site=site)
     if isinstance(times, LightCurve):
         shift = times.epoch.seconds - curve.epoch.seconds
         return times.seconds + shift, times.emission + shift, *times.vectors
@@ -254,7 +258,7 @@ def _geometry(
     return t, t - light, sun, observer
 
 
-def _scene(curve: LightCurve, site: Any) -> Scene:
+def _scene(curve: LightCurve, site: Path | str | None) -> Scene:
     """The scene of a site of the curve, by default of most of its points, or of another place."""
     if site is None:
         return curve.scenes[curve.sites[int(np.argmax(np.bincount(curve.site)))]]
@@ -262,8 +266,14 @@ def _scene(curve: LightCurve, site: Any) -> Scene:
         return curve.scenes[site]
     scene = next(iter(curve.scenes.values()))
     place: Any = _places.place(site, "site", is_observer=True)
-    options: dict[str, Any] = {"light_time": scene.light_time, "ephemeris": scene.ephemeris}
-    return Scene(None, scene.center, place, scene.sun, **options)
+    return Scene(
+        None,
+        scene.center,
+        place,
+        scene.sun,
+        light_time=scene.light_time,
+        ephemeris=scene.ephemeris,
+    )
 
 
 def _terms(
@@ -395,7 +405,7 @@ class CurveFit(Answering, ABC):
         times: Epochs | LightCurve | None = None,
         *,
         path: Path | str | None = None,
-        site: Any = None,
+        site: Path | str | None = None,
         filter: str | None = None,
     ) -> Prediction:
         """Magnitudes at epochs of reception, and their errors, those of form and level apart.
@@ -464,8 +474,7 @@ class CurveFit(Answering, ABC):
         law = self.law if _surface.has_lines(self.law) else None
         note = labels.pop("note", None) or f"{self._made}: {self!r}"
         source = labels.pop("source", None) or "attitude.inversion"
-        motion: Any = self.motion
-        first = FreeRotation(motion.body, motion.spin)
+        first = FreeRotation(self.motion.body, self.motion.spin)
         surface = {"shape": self.shape, "law": law}
         spin_file.write(path, first, source=source, note=note, **(surface | labels))
 
