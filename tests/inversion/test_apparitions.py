@@ -155,7 +155,7 @@ def test_two_rotations_are_compared_across_gaps(problem):
 
 
 @pytest.mark.parametrize(
-    ("given", "words"),
+    ("options", "words"),
     [
         ({}, "max_frequency is missing"),
         ({"period": ("3 h", "2 h")}, "give the shorter one first"),
@@ -166,9 +166,9 @@ def test_two_rotations_are_compared_across_gaps(problem):
         ({"max_frequency": "12 /d"}, 'modes=("PA",)'),
     ],
 )
-def test_arguments_that_no_search_has(known, given, words):
+def test_arguments_that_no_search_has(known, options, words):
     with pytest.raises(AttitudeError) as caught:
-        inversion.spin_states(known[0], **given)
+        inversion.spin_states(known[0], **options)
     assert words in str(caught.value)
 
 

@@ -33,11 +33,11 @@ def smeared(count=150, sigma=0.01, exposure=EXPOSURE):
     }  # fmt: skip
 
 
-def off(found):
+def off(refinement):
     """Rates and moments less the truth, in standard errors."""
-    error = np.sqrt(np.abs(np.diag(found.motion.spin.covariance)))
-    rates = (found.point.spin.angular_velocity - RATES) / error[3:6]
-    moments = (found.point.body.moments - MOMENTS)[:2]  # ascending; the third one is 1
+    error = np.sqrt(np.abs(np.diag(refinement.motion.spin.covariance)))
+    rates = (refinement.point.spin.angular_velocity - RATES) / error[3:6]
+    moments = (refinement.point.body.moments - MOMENTS)[:2]  # ascending; the third one is 1
     return np.concatenate([rates, moments / error[6:8]])
 
 

@@ -102,12 +102,12 @@ def test_derivatives_of_the_magnitudes():
         assert slope == pytest.approx(jacobian[p], abs=1e-7 * np.abs(jacobian[p]).max())
 
 
-@pytest.mark.parametrize("given", [(math.nan,) * 3, (-0.9, -0.2, 0.0)])
-def test_slopes_of_the_sums_of_squares_from_many_starts(given):
+@pytest.mark.parametrize("log_moments", [(math.nan,) * 3, (-0.9, -0.2, 0.0)])
+def test_slopes_of_the_sums_of_squares_from_many_starts(log_moments):
     """Against differences, tied to the shape and to moments that are given, in both modes."""
     t, sun, observer = _geometry()
     curve = _ellipsoid.EllipsoidCurve(_problem(t, sun, observer))
-    tie, free = _ellipsoid.Held(0.15, given), np.zeros(10, bool)
+    tie, free = _ellipsoid.Held(0.15, log_moments), np.zeros(10, bool)
     states = np.stack([_start(), _start(-11.0, 0.5), _start(14.7, -0.1)])
     near = _ellipsoid._linearised(curve, states, free, tie)
     assert _ellipsoid._cost(curve, states, tie) == pytest.approx(near.cost, rel=1e-13)
@@ -273,7 +273,7 @@ EPOCHS = np.linspace(0.0, 86400.0, 40)
 
 
 @pytest.mark.parametrize(
-    ("given", "words"),
+    ("columns", "words"),
     [
         ({"magnitude": np.full(40, np.nan)}, "not finite"),
         ({"flux": np.linspace(-1.0, 1.0, 40)}, "not above zero"),
@@ -285,9 +285,9 @@ EPOCHS = np.linspace(0.0, 86400.0, 40)
         ({"magnitude": np.ones(40), "zero_points": "none"}, "zero_points is 'none'"),
     ],
 )
-def test_bad_curves_are_sentences(given, words):
+def test_bad_curves_are_sentences(columns, words):
     with pytest.raises(AttitudeError, match=words):
-        inversion_problem.usable(inversion.LightCurve(EPOCHS, **{**CURVE, **given}))
+        inversion_problem.usable(inversion.LightCurve(EPOCHS, **{**CURVE, **columns}))
 
 
 def test_epochs_given_twice_are_averaged_and_few_are_refused():

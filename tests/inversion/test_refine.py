@@ -53,14 +53,16 @@ def _start(turn=0.05, rate=0.004):
     )
 
 
-def _is_truth(found):
+def _is_truth(refinement):
     """Whether rates and moments lie within 4 standard errors, and the fit leaves the noise."""
-    covariance = found.motion.spin.covariance
-    off = np.concatenate([found.point.spin.angular_velocity - RATES, found.point.body.moments])
+    covariance = refinement.motion.spin.covariance
+    off = np.concatenate(
+        [refinement.point.spin.angular_velocity - RATES, refinement.point.body.moments]
+    )
     off[3:] -= MOMENTS
     sigma = np.sqrt(np.diag(covariance)[3:])
     assert np.all(np.abs(off[:5]) < 4.0 * sigma[:5] + 1e-12)
-    assert found.chi_squared < 1.2
+    assert refinement.chi_squared < 1.2
     return True
 
 
