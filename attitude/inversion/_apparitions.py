@@ -26,6 +26,7 @@ import numpy as np
 from attitude._support.arrays import distinct, two_across
 from attitude._support.least_squares import Decomposed
 from attitude.inversion import _ellipsoid, _neighbours, _pole_map
+from attitude.inversion._ellipsoid import SearchState
 from attitude.inversion._search import Search, never
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from attitude._support.annotations import FloatArray, IntArray
-    from attitude.inversion._evidence import Weighted
+    from attitude.inversion._evidence import Robust
     from attitude.inversion._problem import CurveProblem
 
     ComplexArray = NDArray[np.complex128]
@@ -47,14 +48,18 @@ _CELL = 0.4 * _DAY
 _STEPS = 8.0
 # The largest error, rad, of the phase of the fourth harmonic at the ends of a cell.
 _PHASE = 0.3
-# Standard deviations of the amplitudes, mag: of the harmonic of two maxima a turn, and of others.
-_TWO, _OTHER = 0.4, 0.15
+# Standard deviation of the amplitude of the harmonic of two maxima a turn, mag.
+_TWO = 0.4
+# Standard deviation of the amplitude of any other harmonic, mag.
+_OTHER = 0.15
 # Amplitudes grow with the phase angle, per rad.
 _BY_PHASE = 1.1
 # Eigenvalues of the linear terms, relative to 1, below which a combination is a copy.
 _COPY = 1e-9
-# Poles of the grid; rates solved side by side.
-POLES, _SIDE = 100, 2000
+# Poles of the grid.
+POLES = 100
+# Rates solved side by side.
+_SIDE = 2000
 
 
 class Columns(NamedTuple):
@@ -229,17 +234,26 @@ def apparitions(problem: CurveProblem) -> list[IntArray]:
 
 # ---- Rates of the apparitions, each with a series of its own
 
-# Harmonics, and standard deviations of their amplitudes, mag.
-_HARMONICS, _AMPLITUDES = np.arange(1, 5), np.array([_OTHER, _TWO, _OTHER, _OTHER])
-# Least points of an apparition with a series; windows of rates that are tried at least.
-_LEAST_POINTS, _WINDOWS = 20, 6
-# Rates between looks at the budget, and how many of all, the best, stay.
-_BLOCK, _KEPT = 10_000, 5_000
+# Harmonics of the series of an apparition.
+_HARMONICS = np.arange(1, 5)
+# Standard deviations of their amplitudes, mag.
+_AMPLITUDES = np.array([_OTHER, _TWO, _OTHER, _OTHER])
+# Least points of an apparition with a series.
+_LEAST_POINTS = 20
+# Windows of rates that are tried at least.
+_WINDOWS = 6
+# Rates between looks at the budget.
+_BLOCK = 10_000
+# Rates of all, the best, that stay in memory.
+_KEPT = 5_000
 # Turns in the span up to which every rate, or all windows, are tried about all poles, some 10 s.
 _WHOLE = 800.0
-# Half the width of a window beside the turn of the scene, turns in the longest apparition; what a
-# series may leave of chi-squared, over what the best one leaves, and beside.
-_HALF, _LEFT, _BESIDE = 0.6, 2.0, 30.0
+# Half the width of a window beside the turn of the scene, turns in the longest apparition.
+_HALF = 0.6
+# What a series may leave of chi-squared, over what the best one leaves.
+_LEFT = 2.0
+# What it may leave beside that, for the best may leave nothing.
+_BESIDE = 30.0
 
 
 class Windows(NamedTuple):
@@ -340,8 +354,10 @@ def harmonics_about(problem: CurveProblem, pole: FloatArray) -> Columns:
     return Columns(np.array(values), turns, widths)
 
 
-# Where the coefficients of the harmonic of two maxima stand.
-_COSINE, _SINE = 3, 8
+# Where the coefficient of the cosine of two maxima a turn stands.
+_COSINE = 3
+# Where that of the sine stands.
+_SINE = 8
 
 
 def scan(
@@ -364,10 +380,16 @@ def scan(
             best = peaks[np.argsort(-gain[number, peaks], kind="stable")][:_OF_A_POLE]
             for k in best:
                 a, b = coefficients[number, k, [_COSINE, _SINE]]
-                phase = 0.5 * math.atan2(b, a)
-                values = float(gain[number, k]), float(rates[at][k]), pole, phase
-                trials.append(Trial(*values, math.hypot(a, b)))
-    return sorted(trials, key=lambda each: -each.gain)
+                trials.append(
+                    Trial(
+                        gain=float(gain[number, k]),
+                        rate=float(rates[at][k]),
+                        pole=pole,
+                        phase=0.5 * math.atan2(b, a),
+                        amplitude=math.hypot(a, b),
+                    )
+                )
+    return sorted(trials, key=lambda trial: -trial.gain)
 
 
 _OF_A_POLE = 8
@@ -376,27 +398,34 @@ _OF_A_POLE = 8
 def ellipsoid_of(trial: Trial) -> FloatArray:
     """The state (WIDTH,) of an ellipsoid with rate, pole and phase of a trial."""
     state = np.zeros(_ellipsoid.WIDTH)
-    state[0], state[1], state[3] = 0.5 * trial.rate, -1.0, _ellipsoid.AXIAL
+    state[_ellipsoid.OF_PRECESSION] = 0.5 * trial.rate
+    state[_ellipsoid.OF_NUTATION] = -1.0
+    state[_ellipsoid.OF_LOG_RHO] = _ellipsoid.AXIAL
     first, second = two_across(trial.pole)
     c, s = math.cos(trial.phase), math.sin(trial.phase)
     x = c * first + s * second
-    state[5:14] = np.stack([x, np.cross(trial.pole, x), trial.pole], axis=-1).ravel()
+    frame = np.stack([x, np.cross(trial.pole, x), trial.pole], axis=-1)
+    state[_ellipsoid.OF_FRAME] = frame.ravel()
     ratio = min(max(2.0 * trial.amplitude / 1.086, 0.1), 1.2)
     # c = 0.9 b, and a / b from the amplitude
-    state[14:16] = -2.0 * (ratio + 0.1), -0.2
+    state[_ellipsoid.OF_FLAT] = -2.0 * (ratio + 0.1), -0.2
     return state
 
 
 # ---- The search
 
-# Trials that become ellipsoids, and their steps; ellipsoids that become convex.
-_TRIALS, _ITERATIONS, _CONVEX = 240, 25, 40
+# Trials that become ellipsoids.
+_TRIALS = 240
+# Steps of these ellipsoids.
+_ITERATIONS = 25
+# Ellipsoids that become convex.
+_CONVEX = 40
 # Chi-squared of an ellipsoid over that of the best, with which it becomes convex.
 _WORSE = 1.6
-# Difference of evidence within which poles are listed; other rates that are compared with them.
-_BEHIND, _OTHERS = 25.0, 3
-# Steps and relative gain of convex bodies with the errors that the best one shows.
-_STEPS_FREE, _GAIN = 40, 3e-4
+# Steps of convex bodies with the errors that the best one shows.
+_STEPS_FREE = 40
+# Their relative gain at which they end.
+_GAIN = 3e-4
 
 
 @dataclass(eq=False)
@@ -437,22 +466,25 @@ class RotatorSearch(Search):
     def _has_several(self) -> bool:
         return len(apparitions(self.problem)) > 1
 
-    def _axial_solutions(
-        self, problem: CurveProblem, tumbling: Sequence[Weighted]
-    ) -> list[Weighted]:
+    def _axial_solutions(self, problem: CurveProblem, tumbling: Sequence[Robust]) -> list[Robust]:
         """Rotations about one axis with the errors of a problem, the most probable first."""
         if not self.tie.is_wide:
             return super()._axial_solutions(problem, tumbling)
-        rotators = [self._robust(problem, start) for start in self.axial or self.convex[:_OTHERS]]
-        rotators, self.beside = _pole_map.listed(rotators, _BEHIND)
-        rates = np.array([rotator.refined.state[0] for rotator in rotators])
+        settings = self.settings
+        starts = self.axial or self.convex[: settings.axial_others]
+        rotators = [self._robust(problem, start) for start in starts]
+        rotators, self.beside = _pole_map.listed(rotators, settings.axial_behind, settings)
+        rates = np.array([SearchState.of(one.refined.state).precession for one in rotators])
         # the next number of turns decides whether this one is accepted, however far behind
         others = [
             rotator
             for rotator in self.convex
-            if 2.0 * np.abs(rates - rotator.state[0]).min() > self.settings.same_rate
+            if 2.0 * np.abs(rates - SearchState.of(rotator.state).precession).min()
+            > settings.same_rate
         ]
-        return rotators + [self._robust(problem, rotator) for rotator in others[:_OTHERS]]
+        return rotators + [
+            self._robust(problem, rotator) for rotator in others[: settings.axial_others]
+        ]
 
     def _trials(self, chosen: list[tuple[float, float]]) -> list[Trial]:
         """The best trials of all windows, the best first."""
@@ -461,7 +493,7 @@ class RotatorSearch(Search):
         for low, high in chosen:
             trials += scan(combs, poles, low, high, lambda: self.is_over)
             self.progress(f"rates of {len(poles)} poles, {high - low:.0f} turns a span")
-        return sorted(trials, key=lambda each: -each.gain)[:_TRIALS]
+        return sorted(trials, key=lambda trial: -trial.gain)[:_TRIALS]
 
     def _from_trials(self, trials: list[Trial]) -> list[FloatArray]:
         """Distinct ellipsoids, the best first."""

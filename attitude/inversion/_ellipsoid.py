@@ -36,11 +36,15 @@ if TYPE_CHECKING:
 # Rows of the Jacobian: rotation vector (3), precession, nutation, phase (turns), ln rho, X, and
 # two logarithms of squared ratios of axes.
 PARAMETERS = 10
-# Magnitudes of a factor 2, and of a small relative change.
-_OF_TWO, _OF_CHANGE = -2.5 * math.log10(2.0), -2.5 / math.log(10.0)
+# Magnitudes of a factor 2.
+_OF_TWO = -2.5 * math.log10(2.0)
+# Magnitudes of a small relative change, over that change.
+_OF_CHANGE = -2.5 / math.log(10.0)
 _TURN = 2.0 * math.pi
-# Rows of a state: its residuals, its Jacobian, and an empty one, for rows are multiplied by fours.
-_FOUR, _ROWS = 4, 12
+# Rows are multiplied by fours.
+_FOUR = 4
+# Rows of a state: its residuals, its Jacobian, and an empty one.
+_ROWS = 12
 
 
 def _aligned(shape: tuple[int, ...]) -> FloatArray:
@@ -265,13 +269,35 @@ def _products(states, t, sun, observer, y, weight, r, g, rows, of_rows, found):
 # Magnitudes and derivatives are compiled; the steps of all starts are arrays of numpy, of which
 # nothing has to be compiled.
 
-# Entries of a start, and of those the elements that the moments follow from.
+# Entries of a start.
 WIDTH = 16
-# Entries of the direction of the angular momentum, the third column of the orientation.
+# Where the entries of `SearchState` stand in a state, for batches and for changes in place.
+OF_PRECESSION = 0
+OF_NUTATION = 1
+OF_PHASE = 2
+OF_LOG_RHO = 3
+OF_X = 4
+OF_FRAME = slice(5, 14)
+OF_FLAT = slice(14, 16)
+OF_MODES = slice(16, None)
+# Precession and nutation.
+OF_RATES = slice(0, 2)
+# All five elements.
+OF_ELEMENTS = slice(0, 5)
+# The ellipsoid and the modes.
+OF_SHAPE = slice(14, None)
+# The direction of the angular momentum, the third column of the orientation.
 OF_POLE = [7, 10, 13]
-OF_MOMENTS = [0, 1, 3, 4]
-# Bounds of ln rho, X and of the logarithms of the shape.
-LEAST_RHO, MOST_RHO, LEAST_X, MOST_X, MOST_RATIO = -8.0, -0.01, -0.3, 0.95, 6.0
+# The elements that the moments follow from.
+OF_MOMENTS = [OF_PRECESSION, OF_NUTATION, OF_LOG_RHO, OF_X]
+# Bounds of ln rho.
+LEAST_RHO = -8.0
+MOST_RHO = -0.01
+# Bounds of X.
+LEAST_X = -0.3
+MOST_X = 0.95
+# The largest size of the logarithms of the shape.
+MOST_RATIO = 6.0
 # Longest step: rad of orientation, turns of phase, ln rho, X, logarithms of the shape.
 _LONGEST = 0.6
 _RULE = least_squares.Rule(
@@ -302,9 +328,9 @@ class SearchState(NamedTuple):
     @classmethod
     def of(cls, state: FloatArray) -> SearchState:
         """Those of a vector (16 or more,)."""
-        precession, nutation, phase, log_rho, x = state[:5].tolist()
-        frame, flat, modes = state[5:14].reshape(3, 3), state[14:16], state[16:]
-        return cls(precession, nutation, phase, log_rho, x, frame, flat, modes)
+        precession, nutation, phase, log_rho, x = state[OF_ELEMENTS].tolist()
+        frame = state[OF_FRAME].reshape(3, 3)
+        return cls(precession, nutation, phase, log_rho, x, frame, state[OF_FLAT], state[OF_MODES])
 
     @property
     def vector(self) -> FloatArray:
@@ -332,7 +358,7 @@ class SearchState(NamedTuple):
 
 def is_axial(state: FloatArray) -> bool:
     """Whether a state (16 or more,) is rotation about one axis."""
-    return bool(state[3] == AXIAL)
+    return bool(state[OF_LOG_RHO] == AXIAL)
 
 
 def is_admissible(state: FloatArray) -> bool:
@@ -345,11 +371,12 @@ def have_rates(states: FloatArray, state: FloatArray, width: float) -> BoolArray
 
     To a width in turns per span.
     """
-    alike = 2.0 * np.abs(states[..., 0] - state[0]) < width
-    axial = states[..., 3] == AXIAL
+    alike = 2.0 * np.abs(states[..., OF_PRECESSION] - state[OF_PRECESSION]) < width
+    axial = states[..., OF_LOG_RHO] == AXIAL
     if is_axial(state):
         return np.asarray(alike & axial)
-    return np.asarray(alike & ~axial & (np.abs(states[..., 1] - state[1]) < width))
+    has_nutation = np.abs(states[..., OF_NUTATION] - state[OF_NUTATION]) < width
+    return np.asarray(alike & ~axial & has_nutation)
 
 
 def have_pole(a: FloatArray, b: FloatArray, width: float) -> bool:
@@ -370,9 +397,9 @@ class Held(NamedTuple):
 
 def are_allowed(states: FloatArray) -> BoolArray:
     """Which of the states (..., 16 or more) are within the bounds."""
-    log_rho, x = states[..., 3], states[..., 4]
+    log_rho, x = states[..., OF_LOG_RHO], states[..., OF_X]
     inside = (x > LEAST_X) & (x < MOST_X) & (log_rho > LEAST_RHO) & (log_rho < MOST_RHO)
-    is_body = np.all(np.abs(states[..., 14:16]) < MOST_RATIO, axis=-1)
+    is_body = np.all(np.abs(states[..., OF_FLAT]) < MOST_RATIO, axis=-1)
     return np.asarray(is_body & (inside | (log_rho == AXIAL)))
 
 
@@ -406,14 +433,14 @@ def _move(states, steps):
 def _wanted(states: FloatArray, tie: Held) -> FloatArray:
     """Logarithms (2, S) of I1/I3 and I2/I3 of the ellipsoids, or of the moments given."""
     if math.isnan(tie.moments[0]):
-        a, b = np.exp(-states[:, 14:16]).T
+        a, b = np.exp(-states[:, OF_FLAT]).T
         return np.log([(b + 1.0) / (a + b), (a + 1.0) / (a + b)])
     # the third axis is the long one in long-axis mode; X < 0 exchanges the first two
     low, middle, high = tie.moments
-    is_long = states[:, 1] > 0.0
+    is_long = states[:, OF_NUTATION] > 0.0
     third, first = np.where(is_long, low, high), np.where(is_long, high, low)
     both = np.array([first, np.full(len(states), middle)]) - third
-    return np.where(states[:, 4] >= 0.0, both, both[::-1])
+    return np.where(states[:, OF_X] >= 0.0, both, both[::-1])
 
 
 def log_ratios(states: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -432,7 +459,7 @@ def _tied(states: FloatArray, tie: Held) -> tuple[FloatArray, FloatArray]:
     """
     ratios, rows = log_ratios(states)
     if math.isnan(tie.moments[0]):
-        a, b = np.exp(-states[:, 14:16]).T
+        a, b = np.exp(-states[:, OF_FLAT]).T
         rows[:, 0, 8], rows[:, 0, 9] = -a / (a + b), b / (b + 1.0) - b / (a + b)
         rows[:, 1, 8], rows[:, 1, 9] = a / (a + 1.0) - a / (a + b), -b / (a + b)
     return (ratios - _wanted(states, tie).T) / tie.width, rows / tie.width
@@ -440,7 +467,7 @@ def _tied(states: FloatArray, tie: Held) -> tuple[FloatArray, FloatArray]:
 
 def _cost(curve: EllipsoidCurve, states: FloatArray, tie: Held) -> FloatArray:
     """The sums of squares (S,) of states, with those of the priors."""
-    values = curve.costs(states) + 1.0 / _RATIOS**2 * np.sum(states[:, 14:16] ** 2, axis=1)
+    values = curve.costs(states) + 1.0 / _RATIOS**2 * np.sum(states[:, OF_FLAT] ** 2, axis=1)
     if tie.width < math.inf:
         ratios = moments(states[:, OF_MOMENTS].T).log_ratios
         values += np.sum((ratios - _wanted(states, tie)) ** 2, axis=0) / tie.width**2
@@ -451,7 +478,7 @@ def _linearised(curve: EllipsoidCurve, states: FloatArray, fixed: BoolArray, tie
     """The sums of squares near states, with those of the priors."""
     products = curve.products(states)
     cost, normal, gradient = products[:, 0, 0], products[:, 1:, 1:], products[:, 1:, 0]
-    shape, weight = states[:, 14:16], 1.0 / _RATIOS**2
+    shape, weight = states[:, OF_FLAT], 1.0 / _RATIOS**2
     cost += weight * np.sum(shape**2, axis=1)
     normal[:, [8, 9], [8, 9]] += weight
     gradient[:, 8:] -= weight * shape
@@ -476,11 +503,17 @@ def costs(problem: CurveProblem, starts: FloatArray) -> FloatArray:
 AXIAL = -20.0
 AXIAL_FIXED = np.array([False, False, False, False, True, True, True, True, False, False])
 _FREE = np.zeros(10, bool)
-# Ratios of axes, rho and X of the starts; X in long- and in short-axis mode.
-_AXES, _RHO, _X = (1.1, 3.0), (0.08, 0.9), (0.3, 0.65)
+# Ratios of axes of the starts, from and to.
+_AXES = (1.1, 3.0)
+# rho of the starts, from and to.
+_RHO = (0.08, 0.9)
+# The largest X of the starts, in long- and in short-axis mode.
+_X = (0.3, 0.65)
 _FREELY = Held()
-# Starts about a pole; random ones of which a start is the best.
-_AROUND, _SCREENS = 8, 8
+# Starts about a pole.
+_AROUND = 8
+# Random states of which a start is the best.
+_SCREENS = 8
 # Relative difference of costs of two minima.
 _DISTINCT = 1e-3
 
@@ -500,12 +533,18 @@ def rotations(generator: np.random.Generator, count: int) -> FloatArray:
     """Uniformly random rotation matrices (count, 9)."""
     q = generator.standard_normal((count, 4))
     w, x, y, z = (q / np.linalg.norm(q, axis=1)[:, None]).T
-    rows = (
-        *(1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
-        *(2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
-        *(2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
+    entries = (
+        1 - 2 * (y * y + z * z),
+        2 * (x * y - w * z),
+        2 * (x * z + w * y),
+        2 * (x * y + w * z),
+        1 - 2 * (x * x + z * z),
+        2 * (y * z - w * x),
+        2 * (x * z - w * y),
+        2 * (y * z + w * x),
+        1 - 2 * (x * x + y * y),
     )
-    return np.stack(rows, axis=-1)
+    return np.stack(entries, axis=-1)
 
 
 def frames_of(generator: np.random.Generator, poles: FloatArray) -> FloatArray:
@@ -520,19 +559,20 @@ def starts(
 ) -> FloatArray:
     """A random start (S, 16) for each pair of rates (S,), turns per span."""
     count = len(precession)
-    x = np.empty((count, WIDTH))
+    states = np.empty((count, WIDTH))
     long_axis = nutation > 0.0
-    x[:, 0], x[:, 1] = precession, nutation
-    x[:, 2] = generator.random(count)
-    x[:, 3] = np.log(generator.uniform(*_RHO, count))
-    x[:, 4] = any_x(generator, nutation)
-    x[:, 5:14] = rotations(generator, count)
+    states[:, OF_PRECESSION] = precession
+    states[:, OF_NUTATION] = nutation
+    states[:, OF_PHASE] = generator.random(count)
+    states[:, OF_LOG_RHO] = np.log(generator.uniform(*_RHO, count))
+    states[:, OF_X] = any_x(generator, nutation)
+    states[:, OF_FRAME] = rotations(generator, count)
     ratios = np.sort(generator.uniform(*_AXES, (count, 2)), axis=1)
     ratios = np.concatenate([np.ones((count, 1)), ratios], axis=1)
     axes = np.where(long_axis[:, None], ratios, ratios[:, ::-1])
     flat = -2.0 * np.log(axes)
-    x[:, 14:] = flat[:, :2] - flat[:, 2:]
-    return x
+    states[:, OF_FLAT] = flat[:, :2] - flat[:, 2:]
+    return states
 
 
 def any_x(generator: np.random.Generator, nutation: FloatArray) -> FloatArray:
@@ -597,12 +637,12 @@ def around(
     pairs_of_rates = np.repeat(np.array(rates), count * screens, axis=0)
     first_states = starts(generator, pairs_of_rates[:, 0], pairs_of_rates[:, 1])
     if poles is not None:
-        frames = first_states[:, 5:14].reshape(len(rates), count, screens, 9)
+        frames = first_states[:, OF_FRAME].reshape(len(rates), count, screens, 9)
         number = np.arange(count // 2) % poles.shape[1]
         known = np.repeat(poles[:, number, None], screens, axis=2)
         directions = frames_of(generator, known.reshape(-1, 3))
         frames[:, 1::2] = directions.reshape(len(rates), -1, screens, 9)
-        first_states[:, 5:14] = frames.reshape(-1, 9)
+        first_states[:, OF_FRAME] = frames.reshape(-1, 9)
     chosen = screened(problem, first_states, len(rates) * count)
     return minimised(problem, chosen, iterations, tie=tie)
 
@@ -661,7 +701,9 @@ def axial(
 def _axial_starts(generator: np.random.Generator, precession: FloatArray) -> FloatArray:
     """A random start (S, 16) about one axis for each rate (S,)."""
     states = starts(generator, precession, np.full(len(precession), -1.0))
-    states[:, 2], states[:, 3], states[:, 4] = 0.0, AXIAL, 0.0
+    states[:, OF_PHASE] = 0.0
+    states[:, OF_LOG_RHO] = AXIAL
+    states[:, OF_X] = 0.0
     return states
 
 
@@ -678,7 +720,7 @@ def axial_at_poles(
     """
     count, size = len(poles), _AROUND * _SCREENS
     first_states = _axial_starts(generator, np.repeat(0.5 * rates, size))
-    first_states[:, 5:14] = frames_of(generator, np.repeat(poles, size, axis=0))
+    first_states[:, OF_FRAME] = frames_of(generator, np.repeat(poles, size, axis=0))
     chosen = screened(problem, first_states, count * _AROUND)
     fixed = AXIAL_FIXED.copy()
     fixed[:2] = True
@@ -700,5 +742,5 @@ def rates_of(pool: Pool, keep: int) -> list[Candidate]:
         is_close = 2.0 * abs(one.precession - other.precession) < 0.4
         return is_close and abs(one.nutation - other.nutation) < 0.4
 
-    rates = (Candidate(float(state[0]), float(state[1])) for state in pool.states)
+    rates = (Candidate(*state[OF_RATES].tolist()) for state in pool.states)
     return distinct(rates, are_one, keep)

@@ -23,6 +23,7 @@ from attitude._support.least_squares import inverse
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.inversion import _ellipsoid, _neighbours, _refinement
+from attitude.inversion._ellipsoid import SearchState
 from attitude.inversion._refinement import MOTION
 from attitude.motions._propagation import propagate
 
@@ -30,15 +31,17 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from attitude._support.annotations import BoolArray, FloatArray, IntArray
-    from attitude.inversion._evidence import Weighted
+    from attitude.inversion._evidence import Robust, Weighted
     from attitude.inversion._moving import MovingPoint
     from attitude.inversion._problem import CurveProblem
     from attitude.inversion._refinement import ShapeModel
     from attitude.inversion._shapes import KnownShape, Tie
 
 
-# Groups of one kind at least, and refits at most.
-_LEAST_GROUPS, _REFITS = 5, 12
+# Groups of one kind at least.
+_LEAST_GROUPS = 5
+# Fits without a group at most, those of the largest changes.
+_REFITS = 12
 # Parts of the span.
 _PARTS = 10
 
@@ -55,8 +58,8 @@ class GroupErrors(NamedTuple):
 
 
 def errors(
-    found: Weighted,
-    here: ShapeModel,
+    solution: Weighted[object],
+    shape_model: ShapeModel,
     groupings: Sequence[IntArray],
     count: int,
     refitted: Callable[[BoolArray], FloatArray | None],
@@ -66,11 +69,14 @@ def errors(
 
     Shapes: groupings (N,), formal (count, count).
     """
-    normal, problem = found.refined.normal, found.problem
+    normal, problem = solution.refined.normal, solution.problem
     if formal is None:
         formal = inverse(normal)[:count, :count]
     free = np.diag(normal)[:count] != 1.0
-    r, jacobian = problem.projected(problem.y - here.magnitude), problem.projected(here.jacobian)
+    r, jacobian = (
+        problem.projected(problem.y - shape_model.magnitude),
+        problem.projected(shape_model.jacobian),
+    )
     scale = np.sqrt(np.diag(normal))
     jacobian /= scale[:, None]
     jacobian[:count][~free] = 0.0
@@ -173,8 +179,12 @@ def _dense(numbers: FloatArray | IntArray) -> IntArray:
 # Source: Cappe, Guillin, Marin & Robert, J. Comput. Graph. Stat. 13, 907 (2004); the truncation of
 # weights: Ionides, J. Comput. Graph. Stat. 17, 295 (2008).
 
-# Rounds, samples of each, and degrees of freedom of their distribution.
-_ROUNDS, _SAMPLES, _FREEDOM = 5, 350, 6.0
+# Rounds of sampling, each from the second moments so far.
+_ROUNDS = 5
+# Samples of a round.
+_SAMPLES = 350
+# Degrees of freedom of their distribution.
+_FREEDOM = 6.0
 # Widening of the samples over the second moments so far.
 _WIDER = 1.2
 
@@ -233,12 +243,12 @@ def _log_student(points: FloatArray, factor: FloatArray) -> FloatArray:
 _SEED = 20180708
 
 
-def covariance_of_motion(found: Weighted, tie: Tie) -> FloatArray:
+def covariance_of_motion(solution: Robust, tie: Tie) -> FloatArray:
     """Second moments (8, 8) of the parameters about those of a solution; 0 of those that stay."""
-    at = np.ix_(*2 * [free(found)])
-    curvature = inverse(found.refined.normal)[:MOTION, :MOTION][at]
+    at = np.ix_(*2 * [free(solution)])
+    curvature = inverse(solution.refined.normal)[:MOTION, :MOTION][at]
     factor = factor_of(curvature)
-    density = log_density(found, tie, factor)
+    density = log_density(solution, tie, factor)
 
     def densities(points: FloatArray) -> FloatArray:
         return np.array([density(point) for point in points])
@@ -249,28 +259,29 @@ def covariance_of_motion(found: Weighted, tie: Tie) -> FloatArray:
     return moments
 
 
-def free(found: Weighted) -> IntArray:
+def free(solution: Robust) -> IntArray:
     """The parameters of the motion that do not stay: all, or those about one axis."""
-    return np.flatnonzero(np.diag(found.refined.normal)[:MOTION] != 1.0)
+    return np.flatnonzero(np.diag(solution.refined.normal)[:MOTION] != 1.0)
 
 
-def log_density(found: Weighted, tie: Tie, factor: FloatArray) -> Callable[[FloatArray], float]:
+def log_density(solution: Robust, tie: Tie, factor: FloatArray) -> Callable[[FloatArray], float]:
     """The logarithm of the density of offsets in units of a factor of a covariance.
 
     Both are of the parameters that are free.
     """
-    problem, state, normal = found.problem, found.refined.state, found.refined.normal
-    which = free(found)
+    problem, state, normal = solution.problem, solution.refined.state, solution.refined.normal
+    which = free(solution)
     follow = -np.linalg.solve(normal[MOTION:, MOTION:], normal[MOTION:, :MOTION])
 
     def density(scaled: FloatArray) -> float:
         offsets = np.zeros(MOTION)
         offsets[which] = factor @ scaled
         trial = moved(state, offsets)
-        trial[14:] += follow @ offsets
-        inside = _ellipsoid.LEAST_X < trial[4] < _ellipsoid.MOST_X
-        inside &= _ellipsoid.LEAST_RHO < trial[3] < _ellipsoid.MOST_RHO
-        if not _ellipsoid.is_axial(trial) and not (inside and _ellipsoid.is_admissible(trial)):
+        trial[_ellipsoid.OF_SHAPE] += follow @ offsets
+        fields = SearchState.of(trial)
+        inside = _ellipsoid.LEAST_X < fields.x < _ellipsoid.MOST_X
+        inside &= _ellipsoid.LEAST_RHO < fields.log_rho < _ellipsoid.MOST_RHO
+        if not fields.is_axial and not (inside and _ellipsoid.is_admissible(trial)):
             return -math.inf
         return -0.5 * _refinement.profiled_cost(problem, trial, tie)
 
@@ -352,13 +363,17 @@ _DISTINCT = 0.5
 
 
 def covariance_of_state(
-    found: Weighted, point: MovingPoint, seconds: FloatArray, known: KnownShape, least: float
+    solution: Weighted[object],
+    point: MovingPoint,
+    seconds: FloatArray,
+    known: KnownShape,
+    least: float,
 ) -> FloatArray:
     """Second moments (P, P) of the parameters about those of a solution; 0 of those that stay.
 
     Shapes: seconds (N,) s.
     """
-    formal = inverse(found.refined.normal)[:STATE_SIZE, :STATE_SIZE]
+    formal = inverse(solution.refined.normal)[:STATE_SIZE, :STATE_SIZE]
     factor = factor_of(formal)
     wxyz, omega = point.spin.wxyz_icrf, point.spin.angular_velocity
     block = max(BLOCK // len(seconds), 1)
@@ -369,7 +384,7 @@ def covariance_of_state(
         w = omega + step[:, 3:]
         parts = [
             costs(
-                found.problem, known, point.body.moments, q[k : k + block], w[k : k + block],
+                solution.problem, known, point.body.moments, q[k : k + block], w[k : k + block],
                 seconds, least,
             ).cost
             for k in range(0, len(step), block)
@@ -390,7 +405,7 @@ def spread(covariance: FloatArray, rivals: Iterable[tuple[FloatArray, float]]) -
     size = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     inverse = np.linalg.pinv(covariance / np.outer(size, size), rcond=1e-12, hermitian=True)
     offsets, weights = [np.zeros(len(size))], [1.0]
-    for offset, behind in sorted(rivals, key=lambda each: each[1]):
+    for offset, behind in sorted(rivals, key=lambda rival: rival[1]):
         steps = (np.array(offsets) - offset) / size
         if np.min(np.einsum("np,pq,nq->n", steps, inverse, steps)) > _DISTINCT**2:
             offsets.append(offset)

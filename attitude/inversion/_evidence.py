@@ -11,8 +11,13 @@
 | a prior of the tilt of a nutation | `of_tilt` |
 | ln det of the Hessian of orientation, rate and shape, in place of their ln N | `occam` |
 | the most probable of three widths of the prior of modes | `of_narrower_prior` |
-| the prior of the shape of tumbling bodies, for rotation about one axis | `_search._compared` |
-| ln det of the terms with a prior, where fits differ in these | `volume_of_offsets` |
+| the prior of the shape of tumbling bodies, for rotation about one axis | `of_common_prior` |
+| what puts a solution behind one that fits as well and is more usual | `behind` |
+| ln det of the terms with a prior, where fits differ in these | `among_problems` |
+| 2 ln of the orbits tried | `among_problems` |
+
+The evidence of fits without Student's errors is `of_fit`; that of a motion which two apparitions
+have in common is `of_common_motion`.  `ranked` orders solutions, by this sum and nothing else.
 
 Errors follow Student's distribution with five degrees of freedom, since photometry of many nights
 and observers has outliers, about sigma and a model error in quadrature, which is what makes the
@@ -23,30 +28,40 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Generic, Protocol, TypeAlias, TypeVar
 
 import numpy as np
 
 from attitude.inversion import _neighbours, _refinement, _shapes
-from attitude.inversion._ellipsoid import SearchState, is_axial
-from attitude.inversion._refinement import MOTION, Fitted
+from attitude.inversion._ellipsoid import (
+    OF_LOG_RHO,
+    OF_NUTATION,
+    OF_PHASE,
+    OF_PRECESSION,
+    SearchState,
+)
+from attitude.inversion._refinement import MOTION, AnyState, Fitted, State
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from attitude._support.annotations import BoolArray, FloatArray
     from attitude.inversion._problem import CurveProblem
     from attitude.inversion._refinement import Refined
     from attitude.inversion._shapes import Tie
 
+    Robust: TypeAlias = "Weighted[FloatArray]"
 
-State = TypeVar("State")
 
+# Degrees of freedom of Student's distribution of the errors.
 FREEDOM = 5.0
-# Squares of normalised residuals above this do not enter the estimate of the model error, and the
-# mean of the others for normal errors.
-_CUT, _MEAN_BELOW = 9.0, 0.9733
+# Squares of normalised residuals above this do not enter the estimate of the model error.
+_CUT = 9.0
+# The mean of the squares below that, for normal errors.
+_MEAN_BELOW = 0.9733
+# The model error, mag, that any solution has at least.
 _LEAST_ERROR = 0.003
+# Fits with weights of Student's distribution, each with those of the residuals before it.
 _ROUNDS = 2
 # The largest share of their variance that neighbouring residuals are taken to have in common.
 _MOST_COMMON = 0.9
@@ -56,13 +71,17 @@ _FEWEST = 5
 _COPY = 1e-7
 # Widths of the prior of the modes that are tried, over the one of tumbling bodies.
 _NARROWER = (0.7, 0.5)
-# Parameters of the motion: orientation and rate, of every motion, and those of the nutation.
-_ALWAYS, _NUTATION = 4, 4
+# Parameters of every motion: orientation and rate.
+_ALWAYS = 4
+# Parameters of the nutation, behind them.
+_NUTATION = 4
+# By how much a solution stands behind one that fits as well and is more usual.
+_NEXT = 1.0
 
 
 @dataclass(frozen=True, eq=False)
-class Weighted:
-    """A refined state with weights of its own.
+class Weighted(Generic[AnyState]):
+    """A refined state with weights of its own; `Robust` is one whose state is an array (WIDTH,).
 
     Attributes
     ----------
@@ -70,16 +89,15 @@ class Weighted:
     problem : CurveProblem
         With the weights of this solution.
     evidence : float
-        Minus twice the logarithm of the posterior density at its maximum, but for constants, plus
-        ln N for each free parameter of the motion; of `refined`, the logarithm of the determinant
-        of the Hessian of orientation, rate and shape in place of theirs.
+        Minus twice the logarithm of the posterior density at its maximum, but for constants, with
+        the terms of the table above: those of `student`, of `refined` the next three too.
     residual : (N,) array
         Magnitudes, observed less computed, linear terms included.
     chi_squared : float
         Mean square of residuals over sigma and the model error.
     """
 
-    refined: Fitted[Any]
+    refined: Fitted[AnyState]
     problem: CurveProblem
     evidence: float
     residual: FloatArray
@@ -118,15 +136,15 @@ def refined(
     fixed: BoolArray,
     trials: float = 1.0,
     held: BoolArray | None = None,
-) -> Weighted:
+) -> Robust:
     """The state of largest posterior density near a start, with Student's errors.
 
     `held` (K,): parameters that stay in the fit, in place of `fixed`, and count as free.
     """
     stay = fixed if held is None else held
 
-    def fit(own: CurveProblem, state: FloatArray) -> Refined:
-        return _refinement.refine(own, state, tie=tie, fixed=stay, gain=1e-4)
+    def fit(reweighted: CurveProblem, state: FloatArray) -> Refined:
+        return _refinement.refine(reweighted, state, tie=tie, fixed=stay, gain=1e-4)
 
     robust = student(problem, start, fit, int(np.count_nonzero(~fixed[:MOTION])), trials)
     if held is not None:
@@ -158,7 +176,10 @@ def of_tilt(state: FloatArray) -> float:
     0 for rotation about one axis.  By ln rho alone a tilt of one degree would be as probable as one
     between 40 and 90, and noise looks like small ones.
     """
-    return 0.0 if is_axial(state) else 2.0 * math.log(0.5 * math.pi * math.cosh(float(state[3])))
+    fields = SearchState.of(state)
+    if fields.is_axial:
+        return 0.0
+    return 2.0 * math.log(0.5 * math.pi * math.cosh(fields.log_rho))
 
 
 def of_narrower_prior(fitted: Refined, fixed: BoolArray) -> float:
@@ -184,7 +205,67 @@ def of_narrower_prior(fitted: Refined, fixed: BoolArray) -> float:
     return least
 
 
-def gain_of_nutation(solution: Weighted) -> float:
+def of_fit(fit: Refined, points: int) -> float:
+    """The evidence of a fit by least squares, without Student's errors, to compare such fits."""
+    return fit.cost + occam(fit.normal, points)
+
+
+def of_common_motion(chi_squared: float, first: float, second: float) -> float:
+    """The evidence of a motion that two solutions have in common, from theirs.
+
+    `chi_squared` is that of the differences of the two from the motion.
+    """
+    return chi_squared + first + second
+
+
+def of_common_prior(best: Weighted[object], compared: Weighted[object]) -> float:
+    """What the prior of tumbling bodies adds to the evidence of rotations about one axis.
+
+    Their own prior ranks their poles, so that all get what the best one, fitted with either, gets.
+    """
+    return compared.evidence - best.evidence
+
+
+def behind(evidence: float) -> float:
+    """The evidence of a solution that stands next behind another one."""
+    return evidence + _NEXT
+
+
+def with_term(solution: Robust, term: float) -> Robust:
+    """The solution with a term added to its evidence."""
+    return replace(solution, evidence=solution.evidence + term)
+
+
+def at_least(solution: Robust, least: float) -> Robust:
+    """The solution with an evidence of no less than so much."""
+    return replace(solution, evidence=max(solution.evidence, least))
+
+
+def among_problems(solution: Weighted[object], orbits: float = 1.0) -> float:
+    """The evidence of a solution among those of other zero points and other series of orbits.
+
+    `orbits`: how many were tried.  The more, the better one fits by chance.
+    """
+    return solution.evidence + volume_of_offsets(solution.problem) + 2.0 * math.log(orbits)
+
+
+class HasEvidence(Protocol):
+    """A solution of any kind."""
+
+    @property
+    def evidence(self) -> float:
+        """-2 ln of the posterior density."""
+
+
+Ranked = TypeVar("Ranked", bound=HasEvidence)
+
+
+def ranked(solutions: Iterable[Ranked]) -> list[Ranked]:
+    """Solutions, the most probable first."""
+    return sorted(solutions, key=lambda solution: solution.evidence)
+
+
+def gain_of_nutation(solution: Robust) -> float:
     """By how much a nutation of the body, fitted, would reduce chi-squared.
 
     Of a rotation about one axis; the nutation is that of the settings, of the rate and the phase
@@ -197,10 +278,11 @@ def gain_of_nutation(solution: Weighted) -> float:
     halves = np.array([_refinement.PHASE, _refinement.LN_RHO])
     scale = np.array([0.5 / math.pi, 1.0])
     others = np.setdiff1d(np.arange(_refinement.SIZE), halves)
-    state[2:4] = 0.0, math.log(problem.settings.noticed)
+    state[OF_PHASE] = 0.0
+    state[OF_LOG_RHO] = math.log(problem.settings.noticed)
     gains = []
     for rate in problem.settings.noticed_rates:
-        state[1] = -2.0 * rate * state[0]
+        state[OF_NUTATION] = -2.0 * rate * state[OF_PRECESSION]
         normal = _refinement.refine(
             problem, state, tie=_shapes.Tie(math.inf), fixed=fixed, iterations=0
         ).normal
@@ -223,7 +305,7 @@ def student(
     fit: Callable[[CurveProblem, State], Fitted[State]],
     free: int,
     trials: float = 1.0,
-) -> Weighted:
+) -> Weighted[State]:
     """The state of largest posterior density near a start, with Student's errors."""
     state, reweighted, size = start, problem, problem.errors
     for turn in range(_ROUNDS + 1):
@@ -241,37 +323,46 @@ def student(
     return Weighted(fitted, reweighted, evidence, residual, float(np.mean(square)))
 
 
-def constant(problem: CurveProblem) -> Weighted:
+def constant(problem: CurveProblem) -> Weighted[None]:
     """The linear terms alone, magnitudes of 0, with the model error that their residuals show."""
     zeros = np.zeros(len(problem))
 
     nothing = np.zeros(0)
 
-    def fit(own: CurveProblem, _: None) -> Fitted[None]:
-        chi = own.chi_squared(zeros)
-        return Fitted(None, chi, chi, 0.0, nothing[:, None], nothing, nothing, zeros)
+    def fit(reweighted: CurveProblem, _: None) -> Fitted[None]:
+        chi = reweighted.chi_squared(zeros)
+        return Fitted(
+            None,
+            cost=chi,
+            chi_squared=chi,
+            strain=0.0,
+            normal=nothing[:, None],
+            gradient=nothing,
+            areas=nothing,
+            magnitude=zeros,
+        )
 
     for _ in range(2):
         problem = with_error_of(problem, zeros)
     return student(problem, None, fit, 0)
 
 
-def volume_of_offsets(own: CurveProblem) -> float:
+def volume_of_offsets(problem: CurveProblem) -> float:
     """What an evidence lacks of the terms that have a prior, where their number differs.
 
     The logarithm of the determinant of their Hessian, over that of the prior, free terms marginal:
     many offsets that are hardly held fit better by chance.
     """
-    scaled = own.terms * own.root[:, None]
-    free = np.isinf(own.prior)
-    held = scaled[:, ~free] * own.prior[~free]
+    scaled = problem.terms * problem.root[:, None]
+    free = np.isinf(problem.prior)
+    held = scaled[:, ~free] * problem.prior[~free]
     basis, size, _ = np.linalg.svd(scaled[:, free], full_matrices=False)
     basis = basis[:, size > _COPY * size.max(initial=0.0)]
     held = held - basis @ (basis.T @ held)
     return float(np.linalg.slogdet(np.eye(held.shape[1]) + held.T @ held)[1])
 
 
-def share_left(solution: Weighted, problem: CurveProblem) -> float:
+def share_left(solution: Weighted[object], problem: CurveProblem) -> float:
     """Mean square of the residuals over that of the magnitudes less the linear terms.
 
     Both without the worst, as `floor_ratio`.
@@ -286,13 +377,15 @@ def _trimmed(squares: FloatArray, worst: float) -> float:
     return float(np.mean(np.sort(squares)[: max(1, int((1.0 - worst) * len(squares)))]))
 
 
-def floor_ratio(solution: Weighted, problem: CurveProblem) -> float:
+def floor_ratio(solution: Weighted[object], problem: CurveProblem) -> float:
     """Mean square of the residuals over sigma and 0.01 mag, without outliers."""
     squares = solution.residual**2 / (problem.sigma**2 + problem.settings.floor_error**2)
     return _trimmed(squares, problem.settings.worst)
 
 
-def standard_error(solution: Weighted, other: Weighted, problem: CurveProblem) -> float:
+def standard_error(
+    solution: Weighted[object], other: Weighted[object], problem: CurveProblem
+) -> float:
     """That of the difference of -2 ln(likelihood) of two solutions, from its parts of the nights.
 
     Residuals of a model that errs are correlated within a night: a difference counts as many
@@ -307,7 +400,7 @@ def standard_error(solution: Weighted, other: Weighted, problem: CurveProblem) -
     return float(np.sqrt(len(parts) * np.var(parts, ddof=1)))
 
 
-def redundancy(solution: Weighted, problem: CurveProblem) -> float:
+def redundancy(solution: Robust, problem: CurveProblem) -> float:
     """How many points count as one in a difference of evidence, where the model errs.
 
     (1 + r) / (1 - r), of a sequence of residuals in which neighbours have the correlation r.
@@ -317,7 +410,7 @@ def redundancy(solution: Weighted, problem: CurveProblem) -> float:
     return (1.0 + common) / (1.0 - common) if common > problem.settings.correlated else 1.0
 
 
-def gain(solution: Weighted, other: Weighted, problem: CurveProblem) -> float:
+def gain(solution: Weighted[object], other: Weighted[object], problem: CurveProblem) -> float:
     """The difference of -2 ln(likelihood) by which a solution fits better than another one.
 
     By Student's distribution about sigma and 0.01 mag, or about the larger errors that the solution
@@ -329,7 +422,9 @@ def gain(solution: Weighted, other: Weighted, problem: CurveProblem) -> float:
     return (FREEDOM + 1.0) * float(np.sum(_less_likely(solution, other, size)))
 
 
-def _less_likely(solution: Weighted, other: Weighted, size: FloatArray) -> FloatArray:
+def _less_likely(
+    solution: Weighted[object], other: Weighted[object], size: FloatArray
+) -> FloatArray:
     """-2 ln of Student's density (N,) of another solution less that of one, over FREEDOM + 1.
 
     size (N,): squares of the errors.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -20,6 +20,9 @@ from attitude.photometry._spectrum import OVERSAMPLING
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
     from attitude._support.annotations import FilePath, FloatArray
     from attitude.epochs._instants import Instant
     from attitude.inversion._solution import CurveFit, Prediction, Solution, SpinStates
@@ -28,11 +31,18 @@ if TYPE_CHECKING:
 
 # Grid frequencies of the map to either side.
 _SIDE = 60
-_DATA, _MODEL, _OTHER = "#0072b2", "#d55e00", "0.6"
+# Colours of points, of the model, and of what does not compete.
+_DATA = "#0072b2"
+_MODEL = "#d55e00"
+_OTHER = "0.6"
 
 
-# Nights of a figure at most, columns of panels, and points a night from which nights have panels.
-_NIGHTS, _COLUMNS, _FEW = 20, 3, 3
+# Nights of a figure at most.
+_NIGHTS = 20
+# Columns of panels.
+_COLUMNS = 3
+# Points a night from which nights have panels.
+_FEW = 3
 # Points of a line of the model.
 _FINE = 200
 
@@ -48,7 +58,7 @@ class _Night(NamedTuple):
     line: tuple[FloatArray, FloatArray, FloatArray]
 
 
-def of_nights(solution: CurveFit, path: FilePath | None = None) -> Any:
+def of_nights(solution: CurveFit, path: FilePath | None = None) -> Figure:
     """A panel a night: points, the model as a line, residuals under it.
 
     Of curves of few points a night, one panel of the whole curve.
@@ -58,9 +68,9 @@ def of_nights(solution: CurveFit, path: FilePath | None = None) -> Any:
     groups = _neighbours.nights_of(seconds)
     if np.median([len(group) for group in groups]) < _FEW:
         return of_fit(solution, path)
-    chosen = sorted(groups, key=lambda each: -len(each))[:_NIGHTS]
+    chosen = sorted(groups, key=lambda night: -len(night))[:_NIGHTS]
     nights = []
-    for points in sorted(chosen, key=lambda each: each[0]):
+    for points in sorted(chosen, key=lambda night: night[0]):
         fine = np.linspace(seconds[points[0]], seconds[points[-1]], _FINE)
         predicted = solution.predict(_at(curve, fine))
         model = predicted.magnitude
@@ -85,22 +95,24 @@ def of_nights(solution: CurveFit, path: FilePath | None = None) -> Any:
 
 
 def of_prediction(
-    found: Prediction, path: FilePath | None = None, observed: LightCurve | None = None
-) -> Any:
+    prediction: Prediction, path: FilePath | None = None, observed: LightCurve | None = None
+) -> Figure:
     """A panel a night of what is predicted, with the error of its form, and of what was observed.
 
     Points are shifted by the mean residual of each night, which is beside its date.
     """
     nights = []
-    for points in _neighbours.nights_of(found.seconds)[:_NIGHTS]:
-        start = float(found.seconds[points[0]])
-        title = _date(found.epoch.after(start))
-        hours = (found.seconds[points] - start) / 3600.0
-        line = hours, found.magnitude[points], found.form[points]
+    for points in _neighbours.nights_of(prediction.seconds)[:_NIGHTS]:
+        start = float(prediction.seconds[points[0]])
+        title = _date(prediction.epoch.after(start))
+        hours = (prediction.seconds[points] - start) / 3600.0
+        line = hours, prediction.magnitude[points], prediction.form[points]
         seen = value = error = residual = np.zeros(0)
         if observed is not None:
-            times = observed.seconds + (observed.epoch.seconds - found.epoch.seconds)
-            inside = (times >= found.seconds[points[0]]) & (times <= found.seconds[points[-1]])
+            times = observed.seconds + (observed.epoch.seconds - prediction.epoch.seconds)
+            inside = (times >= prediction.seconds[points[0]]) & (
+                times <= prediction.seconds[points[-1]]
+            )
             seen = (times[inside] - start) / 3600.0
             value, error = observed.magnitude[inside], observed.magnitude_sigma[inside]
             residual = value - np.interp(seen, hours, line[1])
@@ -109,8 +121,8 @@ def of_prediction(
                 value, residual = value - offset, residual - offset
                 title += f", shifted {-offset:+.3f} mag"
         nights.append(_Night(title, seen, value, error, residual, line))
-    level = f"level to {np.median(found.level):.3f} mag; the band is the error of the form"
-    words = f"{repr(found.fit)[1:-1]}\n{level}"
+    level = f"level to {np.median(prediction.level):.3f} mag; the band is the error of the form"
+    words = f"{repr(prediction.fit)[1:-1]}\n{level}"
     return _saved(_panels(nights, "magnitude", words), path)
 
 
@@ -131,14 +143,14 @@ def _date(epoch: Instant, digits: int = 16) -> str:
     return epoch.utc_iso[:digits].replace("T", " ")
 
 
-def _panels(nights: Sequence[_Night], name: str, title: str) -> Any:
+def _panels(nights: Sequence[_Night], name: str, title: str) -> Figure:
     """A figure of panels with residuals under them where there are points, all of one scale."""
     from matplotlib.ticker import MaxNLocator
 
     columns = min(_COLUMNS, len(nights))
     rows = -(-len(nights) // columns)
     figure = plots.new_figure((max(2.8 * columns + 0.6, 7.0), 2.9 * rows + 0.7))
-    cells: Any = figure.subfigures(rows, columns, squeeze=False, wspace=0.01, hspace=0.01)
+    cells = figure.subfigures(rows, columns, squeeze=False, wspace=0.01, hspace=0.01)
     height = 1.15 * max(float(np.ptp(np.append(night.value, night.line[1]))) for night in nights)
     off = [float(np.abs(night.residual).max()) for night in nights if len(night.residual)]
     for k, night in enumerate(nights):
@@ -151,9 +163,8 @@ def _panels(nights: Sequence[_Night], name: str, title: str) -> Any:
         above.plot(hours, model, color=_MODEL, lw=1.2)
         if below is not None and len(night.hours):
             error = np.nan_to_num(night.error)
-            style: dict[str, Any] = {"fmt": "o", "ms": 2.5, "lw": 0.7, "color": _DATA}
-            above.errorbar(night.hours, night.value, error, **style)
-            below.errorbar(night.hours, night.residual, error, **style)
+            for panel, values in ((above, night.value), (below, night.residual)):
+                panel.errorbar(night.hours, values, error, fmt="o", ms=2.5, lw=0.7, color=_DATA)
         if below is not None:
             below.set_ylim(1.3 * max(off), -1.3 * max(off))
             below.axhline(0.0, color=_OTHER, lw=0.8)
@@ -178,27 +189,27 @@ def _panels(nights: Sequence[_Night], name: str, title: str) -> Any:
     return figure
 
 
-def of_fit(found: CurveFit, path: FilePath | None = None) -> Any:
+def of_fit(solution: CurveFit, path: FilePath | None = None) -> Figure:
     """The fit of a refinement and its residuals."""
     figure = plots.new_figure((8.0, 8.0))
     above, below = figure.subplots(2, 1)
-    _fit(above, below, found)
-    figure.suptitle(repr(found)[1:-1], fontsize=9)
+    _fit(above, below, solution)
+    figure.suptitle(repr(solution)[1:-1], fontsize=9)
     return _saved(figure, path)
 
 
-def of_states(found: SpinStates[Solution], path: FilePath | None = None) -> Any:
+def of_states(states: SpinStates[Solution], path: FilePath | None = None) -> Figure:
     """The best fit, residuals by session, both folds, a map of chi-squared, periods and poles."""
     figure = plots.new_figure((9.0, 10.5))
     axes = figure.subplots(3, 2).T
-    best = found[0]
+    best = states[0]
     _fit(axes[0, 0], axes[1, 0], best)
     _folded(axes[0, 1], best, 0)
     _folded(axes[1, 1], best, 1)
     first = best.evidence
     _map(axes[0, 2], best)
     unit = time_unit(best.P_phi)
-    for state in found:
+    for state in states:
         behind = state.evidence - first
         colour = _MODEL if behind < 16.0 else _OTHER
         rates = np.array(SearchState.of(state.state).rates)
@@ -213,22 +224,22 @@ def of_states(found: SpinStates[Solution], path: FilePath | None = None) -> Any:
     axes[1, 2].set_ylabel("latitude, deg")
     axes[1, 2].set_xlim(0.0, 360.0)
     axes[1, 2].set_ylim(-90.0, 90.0)
-    places = free_places([tuple(np.degrees(state.pole).tolist()) for state in found])
-    for state, place in zip(found, places, strict=True):
+    places = free_places([tuple(np.degrees(state.pole).tolist()) for state in states])
+    for state, place in zip(states, places, strict=True):
         if place is not None:
             axes[1, 2].text(*place, str(state.rank), fontsize=9, ha="center", va="center")
     for mode, mark in (("LAM", "o"), ("SAM or PA", "s")):
         axes[0, 2].plot([], [], mark, mfc="none", color=_MODEL, label=mode)
     axes[0, 2].legend(fontsize=9, loc="upper right")
-    figure.suptitle(f"{found.verdict}: {repr(best)[1:-1]}", fontsize=9)
+    figure.suptitle(f"{states.verdict}: {repr(best)[1:-1]}", fontsize=9)
     return _saved(figure, path)
 
 
-def of_posterior(found: Posterior, path: FilePath | None = None) -> Any:
+def of_posterior(posterior: Posterior, path: FilePath | None = None) -> Figure:
     """A corner figure of the first solution's parameters."""
     figure = plots.new_figure((9.0, 9.0))
     axes = figure.subplots(MOTION, MOTION, sharex="col")
-    of_best = found.offsets[found.solution == 0]
+    of_best = posterior.offsets[posterior.solution == 0]
     for row in range(MOTION):
         for column in range(MOTION):
             panel = axes[row, column]
@@ -246,8 +257,10 @@ def of_posterior(found: Posterior, path: FilePath | None = None) -> Any:
     return _saved(figure, path)
 
 
-# Half the width and height of a number on the map of poles, deg, and of a mark.
-_NUMBER, _MARK = np.array([9.0, 6.0]), np.array([4.0, 3.0])
+# Half the width and height of a number on the map of poles, deg.
+_NUMBER = np.array([9.0, 6.0])
+# Half the width and height of a mark, deg.
+_MARK = np.array([4.0, 3.0])
 
 
 def free_places(poles: Sequence[tuple[float, float]]) -> list[tuple[float, float] | None]:
@@ -271,7 +284,7 @@ def free_places(poles: Sequence[tuple[float, float]]) -> list[tuple[float, float
     return places
 
 
-def _map(axes: Any, best: Solution) -> None:
+def _map(axes: Axes, best: Solution) -> None:
     """The share of chi-squared that series at i/P_phi + 2j/P_psi leave, near the best."""
     if best.is_axial:
         return
@@ -295,7 +308,7 @@ def _map(axes: Any, best: Solution) -> None:
     axes.set_ylim(y[0], y[-1])
 
 
-def _fit(above: Any, below: Any, solution: CurveFit) -> None:
+def _fit(above: Axes, below: Axes, solution: CurveFit) -> None:
     problem = solution.weighted.problem
     seconds = problem.seconds
     unit = time_unit(float(np.ptp(seconds)))
@@ -317,7 +330,7 @@ def _fit(above: Any, below: Any, solution: CurveFit) -> None:
     below.set_ylabel("residual, mag")
 
 
-def _folded(axes: Any, solution: Solution, which: int) -> None:
+def _folded(axes: Axes, solution: Solution, which: int) -> None:
     """The curve folded with a period, without the lines of the series that have the other one."""
     periods = [solution.P_phi] if solution.is_axial else [solution.P_phi, solution.P_psi]
     if which >= len(periods):
@@ -341,7 +354,7 @@ def _folded(axes: Any, solution: Solution, which: int) -> None:
     axes.set_ylabel("mag, without the other lines" if len(periods) == 2 else "mag")
 
 
-def _saved(figure: Any, path: FilePath | None) -> Any:
+def _saved(figure: Figure, path: FilePath | None) -> Figure:
     if path is not None:
         figure.savefig(path, dpi=130)
     return figure

@@ -25,9 +25,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from attitude._support.least_squares import inverse
-from attitude.inversion import _ellipsoid, _neighbours, _problem, _refinement
-from attitude.inversion._ellipsoid import SearchState, is_axial
-from attitude.inversion._refinement import MOTION
+from attitude.inversion import _ellipsoid, _evidence, _neighbours, _problem, _refinement
+from attitude.inversion._ellipsoid import OF_RATES, SearchState, is_axial
+from attitude.inversion._refinement import AZIMUTH, LN_RHO, MOTION, NUTATION, PHASE, PRECESSION, X
 from attitude.inversion._search import Search, never
 
 if TYPE_CHECKING:
@@ -40,16 +40,19 @@ if TYPE_CHECKING:
     from attitude.photometry._curve import LightCurve
 
 
-# Among the parameters of a motion: the turn about the momentum, precession, nutation, phase, ln
-# rho and X.
-_AZIMUTH, _PRECESSION, _NUTATION, _PHASE, _RHO, _X = 2, 3, 4, 5, 6, 7
 _TURN = 2.0 * math.pi
-# The drift of precession and nutation behind them, and the number of all.
-_DRIFTS, _ALL = [8, 9], MOTION + _refinement.DRIFT
-# Ways to call axes of a body the first and the second, and the turn from one to the next.
-_LABELS, _QUARTER = 4, np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-# Standard errors by which numbers of turns are tried to either side, and the most of one side.
-_SIDE, _MOST = 5.0, 400.0
+# The number of parameters of a motion with the drift of precession and nutation behind them.
+_ALL = MOTION + _refinement.DRIFT
+# Where the drift stands among them.
+_DRIFTS = [*range(MOTION, _ALL)]
+# Ways to call axes of a body the first and the second.
+_LABELS = 4
+# The turn from one of these ways to the next.
+_QUARTER = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+# Standard errors by which numbers of turns are tried to either side.
+_SIDE = 5.0
+# Numbers of turns that are tried to one side at most.
+_MOST = 400.0
 
 
 def apparitions(curve: LightCurve) -> list[LightCurve]:
@@ -82,31 +85,31 @@ class Apparition(NamedTuple):
 
 
 def alone(
-    curve: LightCurve, part: LightCurve, found: Search, settings: Settings, drift: int = 0
+    curve: LightCurve, apparition: LightCurve, search: Search, settings: Settings, drift: int = 0
 ) -> Apparition:
     """The tumbling solutions of an apparition that compete, the best first.
 
     `drift` is the size of that of the joined motion, which one apparition says nothing of.
     """
-    ratio = curve.span / part.span
-    middle = (part.epoch.seconds - curve.epoch.seconds) / curve.span
+    ratio = curve.span / apparition.span
+    middle = (apparition.epoch.seconds - curve.epoch.seconds) / curve.span
     scale = np.ones(MOTION)
-    scale[[_PRECESSION, _NUTATION]] = ratio
+    scale[[PRECESSION, NUTATION]] = ratio
     solutions: list[Alone] = []
-    for one in found.solutions:
-        behind = one.evidence - found.solutions[0].evidence
+    for one in search.solutions:
+        behind = one.evidence - search.solutions[0].evidence
         if behind > settings.mapped_behind or len(solutions) == settings.joined_solutions:
             break
         state = one.refined.state.copy()
         if not is_axial(state):
-            state[:2] *= ratio
+            state[OF_RATES] *= ratio
             covariance = np.zeros((_ALL, _ALL))
             formal = inverse(one.refined.normal)[:MOTION, :MOTION] * np.outer(scale, scale)
             covariance[:MOTION, :MOTION] = settings.joined_wider**2 * formal
             covariance[_DRIFTS[:drift], _DRIFTS[:drift]] = _refinement.DRIFT_WIDTH**2
             state = np.append(state, np.zeros(drift))
             solutions.append(Alone(state, covariance, behind, middle))
-    ends = part.emission / curve.span + middle
+    ends = apparition.emission / curve.span + middle
     return Apparition(float(ends.min()), float(ends.max()), solutions)
 
 
@@ -114,14 +117,14 @@ def at_middle(state: FloatArray, middle: float) -> FloatArray:
     """A state whose orientation and phase are those of an epoch, carried to that of the curve."""
     fields, time = SearchState.of(state), -middle
     drift = _refinement.drift_of(state)
-    precession, nutation = state[:2] + 0.5 * drift * time
+    precession, nutation = state[OF_RATES] + 0.5 * drift * time
     back = 4.0 * math.pi * precession * time
     c, s = math.cos(back), math.sin(back)
     turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     carried = fields._replace(
         frame=fields.frame @ turn, phase=math.remainder(fields.phase + nutation * time, 1.0)
     ).vector
-    carried[:2] += drift * time
+    carried[OF_RATES] += drift * time
     return carried
 
 
@@ -134,12 +137,20 @@ class Count(NamedTuple):
     state: FloatArray
 
 
+class Trial(NamedTuple):
+    """A common motion of two solutions: its evidence, and its state at the curve's middle."""
+
+    evidence: float
+    state: FloatArray
+
+
 def counts(first: Alone, second: Alone, within: float) -> list[Count]:
     """Common motions of two solutions for all numbers of turns within the errors.
 
     `within`: chi-squared above the least one.
     """
-    if (first.state[1] > 0.0) != (second.state[1] > 0.0):
+    modes = [SearchState.of(one.state).nutation > 0.0 for one in (first, second)]
+    if modes[0] != modes[1]:
         return []
     trials: list[Count] = []
     for _ in range(_LABELS):
@@ -160,8 +171,8 @@ def _relabelled(one: Alone) -> Alone:
         phase=fields.phase + 0.25, x=-fields.x, frame=fields.frame @ _QUARTER
     ).vector
     over = np.eye(_ALL)
-    over[:3, :3] = _QUARTER.T
-    over[_X, _X] = -1.0
+    over[_refinement.TURN, _refinement.TURN] = _QUARTER.T
+    over[X, X] = -1.0
     return one._replace(state=turned, covariance=over @ one.covariance @ over.T)
 
 
@@ -175,25 +186,26 @@ def _whole_counts(first: Alone, second: Alone, within: float) -> Iterator[Count]
     # the parameters of the second solution, as those of the first one give them
     carried = np.eye(MOTION, _ALL)
     cosine, sine = math.cos(angle), math.sin(angle)
-    carried[:2, :2] = [[cosine, sine], [-sine, cosine]]
-    carried[_AZIMUTH, _PRECESSION] = 4.0 * math.pi * length
-    carried[_PHASE, _NUTATION] = length
-    carried[[_PRECESSION, _NUTATION], _DRIFTS] = length
-    carried[[_AZIMUTH, _PHASE], _DRIFTS] = 2.0 * math.pi * length**2, 0.5 * length**2
-    precession, nutation = first.state[:2] + 0.5 * drift * length
-    tilt = np.array([-between[1, 2], between[0, 2]])
+    tilt = _refinement.TILT
+    carried[tilt, tilt] = [[cosine, sine], [-sine, cosine]]
+    carried[AZIMUTH, PRECESSION] = 4.0 * math.pi * length
+    carried[PHASE, NUTATION] = length
+    carried[[PRECESSION, NUTATION], _DRIFTS] = length
+    carried[[AZIMUTH, PHASE], _DRIFTS] = 2.0 * math.pi * length**2, 0.5 * length**2
+    precession, nutation = first.state[OF_RATES] + 0.5 * drift * length
     off = np.zeros(MOTION)
-    off[:2] = -carried[:2, :2] @ tilt
-    off[_AZIMUTH] = 4.0 * math.pi * precession * length - angle
-    off[[_PRECESSION, _NUTATION]] = first.state[:2] + drift * length - second.state[:2]
-    off[_PHASE] = one.phase + nutation * length - two.phase
-    off[_RHO:] = one.log_rho - two.log_rho, one.x - two.x
+    off[tilt] = -carried[tilt, tilt] @ np.array([-between[1, 2], between[0, 2]])
+    off[AZIMUTH] = 4.0 * math.pi * precession * length - angle
+    off[[PRECESSION, NUTATION]] = first.state[OF_RATES] + drift * length - second.state[OF_RATES]
+    off[PHASE] = one.phase + nutation * length - two.phase
+    off[LN_RHO] = one.log_rho - two.log_rho
+    off[X] = one.x - two.x
     total = carried @ first.covariance @ carried.T + second.covariance[:MOTION, :MOTION]
     weight = np.linalg.inv(total)
     numbers = _numbers(off, total)
     left = np.repeat(off[None], len(numbers), axis=0)
-    left[:, _AZIMUTH] -= _TURN * numbers[:, 0]
-    left[:, _PHASE] -= numbers[:, 1]
+    left[:, AZIMUTH] -= _TURN * numbers[:, 0]
+    left[:, PHASE] -= numbers[:, 1]
     square = np.einsum("ni,ij,nj->n", left, weight, left)
     steps = -left @ weight @ carried @ first.covariance
     for k in np.flatnonzero(square < square.min() + within):
@@ -204,7 +216,7 @@ def _whole_counts(first: Alone, second: Alone, within: float) -> Iterator[Count]
 
 def _numbers(off: FloatArray, total: FloatArray) -> FloatArray:
     """Pairs of whole numbers of turns (K, 2) within the errors that are left by what is known."""
-    turns, known = [_AZIMUTH, _PHASE], [0, 1, _PRECESSION, _NUTATION, _RHO, _X]
+    turns, known = [AZIMUTH, PHASE], [0, 1, PRECESSION, NUTATION, LN_RHO, X]
     follow = np.linalg.solve(total[np.ix_(known, known)], total[np.ix_(known, turns)]).T
     unit = np.array([_TURN, 1.0])
     middles = (off[turns] - follow @ off[known]) / unit
@@ -255,18 +267,17 @@ class JoinedSearch(Search):
         self.problem = replace(self.problem, settings=settings)
         self.finish()
 
-    def _trials(self, first: Sequence[Alone], second: Sequence[Alone]) -> list[Count]:
+    def _trials(self, first: Sequence[Alone], second: Sequence[Alone]) -> list[Trial]:
         """Common motions of two apparitions' solutions, the most probable first."""
         trials = [
-            one._replace(chi_squared=one.chi_squared + a.evidence + b.evidence)
+            Trial(_evidence.of_common_motion(one.chi_squared, a.evidence, b.evidence), one.state)
             for a in first
             for b in second
             for one in counts(a, b, self.settings.joined_within)
         ]
-        trials.sort(key=lambda each: each.chi_squared)
-        return trials[: self.settings.joined_trials]
+        return _evidence.ranked(trials)[: self.settings.joined_trials]
 
-    def _fits(self, problem: CurveProblem, trials: Sequence[Count]) -> list[Refined]:
+    def _fits(self, problem: CurveProblem, trials: Sequence[Trial]) -> list[Refined]:
         """Convex bodies of common motions: of all in a few steps, of the best in more."""
         fits: list[Refined] = []
         states = [trial.state for trial in trials]
@@ -278,19 +289,19 @@ class JoinedSearch(Search):
                 fits.append(
                     _refinement.refine(problem, state, iterations=steps, tie=self.tie, gain=1e-3)
                 )
-            fits.sort(key=lambda each: each.cost)
+            fits.sort(key=lambda fit: fit.cost)
             states = [fit.state for fit in fits]
         return fits
 
 
-def _joined(found: Sequence[Refined], settings: Settings) -> list[Alone]:
+def _joined(fits: Sequence[Refined], settings: Settings) -> list[Alone]:
     """Fits of several apparitions as the solutions of one, at the middle of the curve."""
     solutions = []
-    for fit in found[: settings.joined_solutions]:
+    for fit in fits[: settings.joined_solutions]:
         drift = len(fit.state) - _refinement.WIDTH
         kept = [*range(MOTION), *range(_refinement.SIZE, _refinement.SIZE + drift)]
         covariance = np.zeros((_ALL, _ALL))
         covariance[: len(kept), : len(kept)] = inverse(fit.normal)[np.ix_(kept, kept)]
-        behind = fit.cost - found[0].cost
+        behind = fit.cost - fits[0].cost
         solutions.append(Alone(fit.state, settings.joined_wider**2 * covariance, behind, 0.0))
     return solutions

@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from attitude._support.annotations import BoolArray, FloatArray, IntArray
+    from attitude.inversion._evidence import Weighted
+    from attitude.inversion._moving import MovingFit, MovingPoint, MovingState
     from attitude.inversion._problem import CurveProblem
     from attitude.inversion._settings import Settings
     from attitude.inversion._shapes import KnownShape
@@ -39,31 +41,49 @@ if TYPE_CHECKING:
     from attitude.shape._mesh import Mesh
 
 
-# The first span: points at least, and turns at the largest rate at least.
-_FIRST_POINTS, _FIRST_TURNS = 16, 1.2
-# Random starts for each cell of rates of the first span, the width of a cell (turns), and bounds.
-_STARTS, _CELL, _FEWEST, _MOST = 400, 0.4, 20_000, 250_000
-# States that are refined first, and kept after the first span and at the end.
-_REFINED, _KEPT, _LEFT = 3000, 500, 60
-# Growth of the span, iterations on each span and on the whole.
-_GROWTH, _ITERATIONS, _LAST = 1.5, 7, 25
-# Reach beyond the first epoch of the next pass, a share of its distance; turns at the largest rate
-# and median distances of epochs without any, at which a pass ends.
-_ACROSS, _GAP_TURNS, _GAP_STEPS = 1.02, 5.0, 20.0
+# Points of the first span at least.
+_FIRST_POINTS = 16
+# Turns in the first span at the largest rate, at least.
+_FIRST_TURNS = 1.2
+# Random starts for each cell of rates of the first span.
+_STARTS = 400
+# The width of a cell, turns.
+_CELL = 0.4
+# Random starts at least and at most.
+_FEWEST = 20_000
+_MOST = 250_000
+# States that are refined first.
+_REFINED = 3000
+# States that are kept after the first span.
+_KEPT = 500
+# States that are kept at the end.
+_LEFT = 60
+# Growth of the span from one stage to the next.
+_GROWTH = 1.5
+# Iterations on each span.
+_ITERATIONS = 7
+# Iterations on the whole.
+_LAST = 25
+# Reach beyond the first epoch of the next pass, over its distance.
+_ACROSS = 1.02
+# Turns at the largest rate without an epoch, at which a pass ends.
+_GAP_TURNS = 5.0
+# Median distances of epochs without an epoch, at which a pass ends.
+_GAP_STEPS = 20.0
 # Model error, mag, on the first span and on the whole: glints are narrow, and the start is rough.
 _ERRORS = 0.4, 0.1
-# First spans that are tried, and the number of points over the cost at which a state fits: errors
-# of the model are added to those of the points.
-_ATTEMPTS, _EXPECTED = 28, 1.3
-# A model with errors of its own, such as shadows of coarse facets, fits no better: searches that
-# have to end at one cost, the margin of that cost, and the mean square of its residuals without the
-# worst share of them.
-_AGREEING, _MARGIN, _POOR, _WORST = 3, 1.03, 4.0, 0.03
+# First spans that are tried.
+_ATTEMPTS = 28
+# The number of points over the cost at which a state fits: errors of the model are added to those
+# of the points.
+_EXPECTED = 1.3
 _RULE = least_squares.Rule(
     start=1e-2, least=1e-6, stuck=1e4, larger=5.0, gain=1e-4, settled=1, ridge=1e-9
 )
-# States that are sampled from their errors when the span grows, and samples of each.
-_SAMPLED, _SAMPLES = 12, 6
+# States that are sampled from their errors when the span grows.
+_SAMPLED = 12
+# Samples of each of them.
+_SAMPLES = 6
 # Distances at which two states are one: rad, and share of the rate times turns.
 _SAME = 0.1
 
@@ -114,7 +134,7 @@ class PassSearch:
 
         It also ends where several searches have found one state that the model fits roughly.
         """
-        problem = self.problem
+        problem, settings = self.problem, self.problem.settings
         seconds = problem.seconds
         self.least = self.known.floor(problem.sun.T, problem.observer.T)
         best: States | None = None
@@ -128,10 +148,11 @@ class PassSearch:
             self.progress(f"attempt {attempt + 1}: cost {costs[-1]:.0f}")
             if best is None or costs[-1] < best.cost[0]:
                 best, origin = self.states, self.origin
-                is_rough = self._mean_square() < _POOR
-            agreeing = sum(cost < _MARGIN * min(costs) for cost in costs)
+                is_rough = self._mean_square() < settings.known_rough
+            agreeing = sum(cost < settings.known_alike * min(costs) for cost in costs)
             fits = min(costs) < len(problem) / _EXPECTED
-            if fits or (is_rough and agreeing >= _AGREEING) or self.problem.tally.is_over:
+            is_found = is_rough and agreeing >= settings.known_agreeing
+            if fits or is_found or self.problem.tally.is_over:
                 break
         assert best is not None
         self.states, self.origin = best, origin
@@ -141,7 +162,7 @@ class PassSearch:
         problem = self.problem.with_model_error(_ERRORS[1])
         nearby = self._costs(problem, self.states.wxyz[:1], self.states.omega[:1])
         squares = np.sort((nearby.residual - nearby.along @ problem.u)[0] ** 2)
-        return float(np.mean(squares[: math.ceil((1.0 - _WORST) * len(squares))]))
+        return float(np.mean(squares[: math.ceil((1.0 - problem.settings.worst) * len(squares))]))
 
     def _from(self, middle: float, span: float) -> None:
         """Search from one first span: its middle and half its length, s."""
@@ -307,25 +328,34 @@ def _passes(ordered: FloatArray, most: float) -> list[FloatArray]:
     return enough or [ordered]
 
 
-def _joined(*given: States) -> States:
-    return States(*(np.concatenate(columns) for columns in zip(*given, strict=True)))
+def _joined(*groups: States) -> States:
+    return States(*(np.concatenate(columns) for columns in zip(*groups, strict=True)))
 
 
 # ---- Ranked spin states of a body of known shape: a search, and least squares from its best states
 
-# States of the search that are fitted, and the cost behind the best beyond which none is.
-_FITTED, _BEHIND = 12, 150.0
+# States of the search that are fitted at most.
+_FITTED = 12
 # Rates and momenta closer than this, relative, are one.
 _SAME_RATES = 0.01
-# Turn, rad, and share of the rate, within which two minima are in one lobe of the density.
-_LOBE_TURN, _LOBE_RATE = 0.3, 0.1
-# Views, and angles (rad), by which symmetry about an axis is recognized: magnitudes differ by less
-# than this share of the errors, and moments by this share of the largest.
-_SEED, _VIEWS, _ANGLES, _UNSEEN, _ROUND = 36, 200, (0.7, 1.9), 0.4, 1e-3
-# Momenta, relative, and directions of the axis of symmetry, rad, that are one.
-_SAME_ROUND, _SAME_AXIS = 0.02, 0.1
-# Mean square of residuals, without the worst 3 %, over sigma and 0.01 mag of an accepted state.
-_FLOOR = 1.25
+# Turn, rad, within which two minima are in one lobe of the density.
+_LOBE_TURN = 0.3
+# Difference of their rates, over the rate, within which they are.
+_LOBE_RATE = 0.1
+# Of the random views by which symmetry about an axis is recognized.
+_SEED = 36
+# The number of views.
+_VIEWS = 200
+# Turns, rad, of a body that looks alike after each if it is symmetric.
+_ANGLES = (0.7, 1.9)
+# Share of the errors by which magnitudes of such a body differ at most.
+_UNSEEN = 0.4
+# Share of the largest moment by which two moments of such a body differ at most.
+_ROUND = 1e-3
+# Relative difference of momenta of such a body that are one.
+_SAME_ROUND = 0.02
+# Angle, rad, between directions of the axis of symmetry that are one.
+_SAME_AXIS = 0.1
 
 
 def body_of(mesh: Mesh, moments: Any) -> Body:
@@ -372,33 +402,57 @@ def found(
         progress,
     )
     search.run()
-    solutions = [
+    fits = _evidence.ranked(
         _fitted(curve, problem, known, body, search, k)
         for k in range(len(search.states.cost))
-        if k < _FITTED and search.states.cost[k] < search.states.cost[0] + _BEHIND
-    ]
-    solutions.sort(key=lambda each: each.evidence)
+        if k < _FITTED and search.states.cost[k] < search.states.cost[0] + settings.known_behind
+    )
     symmetry = symmetry_of(known, body.moments, float(np.median(problem.sigma)))
-    kept: list[Refinement] = []
+    kept: list[_Fitted] = []
     turned = 0
-    for solution in solutions:
-        if any(_is_same(solution, other) for other in kept):
+    for fit in fits:
+        if any(_is_same(fit, other) for other in kept):
             continue
-        if any(_looks_same(solution, other, symmetry) for other in kept):
+        if any(_looks_same(fit, other, symmetry) for other in kept):
             turned += 1
         else:
-            solution.rank = len(kept)
-            solution.relation = _relation(solution, kept[0]) if kept else "best"
-            solution.rivals = _rivals(solution, solutions)
-            kept.append(solution)
-    verdict, criterion = _verdict(kept)
+            kept.append(fit)
+    solutions = [
+        Refinement(
+            curve,
+            fit.weighted,
+            problem,
+            fit.fit,
+            body,
+            rank=rank,
+            relation=_relation(fit, kept[0]),
+            rivals=_rivals(fit, fits),
+        )
+        for rank, fit in enumerate(kept)
+    ]
+    verdict, criterion = _verdict(kept, problem)
     criterion += _verdicts.ended_by(verdict, problem.tally)
     if turned:
         criterion += (
             f" {turned} states differ from these by a turn about the axis of symmetry of the "
             "shape, which brightness does not show, and are not listed."
         )
-    return kept, verdict, criterion, (*curve.notes, *averaged)
+    return solutions, verdict, criterion, (*curve.notes, *averaged)
+
+
+class _Fitted(NamedTuple):
+    """What the least squares from a state of the search give, and what was fitted."""
+
+    weighted: Weighted[MovingState]
+    fit: MovingFit
+
+    @property
+    def evidence(self) -> float:
+        return self.weighted.evidence
+
+    @property
+    def point(self) -> MovingPoint:
+        return self.weighted.refined.state.point
 
 
 def _fitted(curve, problem, known, body, search, k):
@@ -409,18 +463,17 @@ def _fitted(curve, problem, known, body, search, k):
     ends = float(curve.emission[0]), float(curve.emission[-1])
     point = _moving.moving_point(FreeRotation(body_alone, spin), curve.epoch, ends, None, None)
     fit = _moving.moving_fit(curve.epoch, problem, point, known, Tie())
-    weighted = fit.weighted(problem, _moving.MovingState(point, np.zeros(0)))
-    return Refinement(curve, weighted, problem, fit, body)
+    return _Fitted(fit.weighted(problem, _moving.MovingState(point, np.zeros(0))), fit)
 
 
-def _vectors(each: Refinement) -> tuple[FloatArray, FloatArray]:
+def _vectors(solution: _Fitted) -> tuple[FloatArray, FloatArray]:
     """Momentum, over axes in space, and rates over body axes."""
-    first = FreeRotation(each.point.body, each.point.spin)
-    momentum = first.momentum / np.max(each.point.body.moments)
-    return momentum, each.point.spin.angular_velocity
+    point = solution.point
+    momentum = FreeRotation(point.body, point.spin).momentum / np.max(point.body.moments)
+    return momentum, point.spin.angular_velocity
 
 
-def _is_same(one: Refinement, other: Refinement) -> bool:
+def _is_same(one: _Fitted, other: _Fitted) -> bool:
     (a, v), (b, w) = _vectors(one), _vectors(other)
     size = float(np.linalg.norm(w))
     turn = abs(float(one.point.spin.wxyz_icrf @ other.point.spin.wxyz_icrf))
@@ -474,7 +527,7 @@ def _turn(vector: FloatArray) -> FloatArray:
     return quaternion.matrix(forms.from_rotation_vector(vector))
 
 
-def _looks_same(one: Refinement, other: Refinement, symmetry: Symmetry) -> bool:
+def _looks_same(one: _Fitted, other: _Fitted, symmetry: Symmetry) -> bool:
     """Whether two states differ by a turn about an axis of symmetry alone."""
     if symmetry.axis is None:
         return False
@@ -490,20 +543,20 @@ def _looks_same(one: Refinement, other: Refinement, symmetry: Symmetry) -> bool:
 
 
 def _rivals(
-    each: Refinement, solutions: Sequence[Refinement]
+    solution: _Fitted, solutions: Sequence[_Fitted]
 ) -> tuple[tuple[FloatArray, float], ...]:
     """Offsets of the other minima in the lobe of one, and how far their evidence is behind."""
-    rate = float(np.linalg.norm(each.point.spin.angular_velocity))
+    rate = float(np.linalg.norm(solution.point.spin.angular_velocity))
     rivals = []
     for other in solutions:
-        offset = other.point.difference(each.point)
+        offset = other.point.difference(solution.point)
         is_close = np.linalg.norm(offset[:3]) < _LOBE_TURN
-        if other is not each and is_close and np.linalg.norm(offset[3:6]) < _LOBE_RATE * rate:
-            rivals.append((offset, other.evidence - each.evidence))
+        if other is not solution and is_close and np.linalg.norm(offset[3:6]) < _LOBE_RATE * rate:
+            rivals.append((offset, other.evidence - solution.evidence))
     return tuple(rivals)
 
 
-def _has_rates(one: Refinement, other: Refinement) -> bool:
+def _has_rates(one: _Fitted, other: _Fitted) -> bool:
     """Whether two states have the same momentum in space, and the same sizes of the rates."""
     (a, v), (b, w) = _vectors(one), _vectors(other)
     size = float(np.linalg.norm(w))
@@ -511,32 +564,31 @@ def _has_rates(one: Refinement, other: Refinement) -> bool:
     return bool(is_close and np.linalg.norm(a - b) < 0.05 * size)
 
 
-def _relation(each: Refinement, best: Refinement) -> str:
-    if _has_rates(each, best):
+def _relation(solution: _Fitted, best: _Fitted) -> str:
+    if solution is best:
+        return "best"
+    if _has_rates(solution, best):
         return "same momentum, other attitude"
-    a, b = _vectors(each)[0], _vectors(best)[0]
+    a, b = _vectors(solution)[0], _vectors(best)[0]
     cosine = float(a @ b) / float(np.linalg.norm(a) * np.linalg.norm(b))
     pole = "same pole" if cosine > 0.97 else "antipode" if cosine < -0.97 else "other pole"
     same = abs(float(np.linalg.norm(a) / np.linalg.norm(b)) - 1.0) < 0.02
     return pole if same else f"other periods, {pole}"
 
 
-def _verdict(found: Sequence[Refinement]) -> tuple[str, str]:
+def _verdict(solutions: Sequence[_Fitted], problem: CurveProblem) -> tuple[str, str]:
     """The verdict and its criterion in words."""
-    if not found:
+    if not solutions:
         return _verdicts.OPEN, "No solution was found."
-    best = found[0]
-    settings = best._problem.settings
-    floor = _evidence.floor_ratio(best.weighted, best._problem)
-    gap = min(
-        (e.evidence - best.evidence for e in found[1:] if not _has_rates(e, best)),
-        default=math.inf,
-    )
-    others = (
-        f"the next rates are {gap:.1f} behind in -2 ln(evidence) ({settings.competing:g} needed)"
-    )
-    nearest = others if math.isfinite(gap) else "no other rates come near"
-    words = f"{_verdicts.of_floor(floor, _FLOOR, settings)}; {nearest}."
-    if floor < _FLOOR and gap > settings.competing:
+    best, settings = solutions[0], problem.settings
+    floor = _evidence.floor_ratio(best.weighted, problem)
+    others = [other for other in solutions[1:] if not _has_rates(other, best)]
+    gap = min((other.evidence - best.evidence for other in others), default=math.inf)
+    nearest = "no other rates come near"
+    if others:
+        needed = f"({settings.competing:g} needed)"
+        nearest = f"the next rates are {gap:.1f} behind in -2 ln(evidence) {needed}"
+    words = f"{_verdicts.of_floor(floor, settings.known_floor, settings)}; {nearest}."
+    if floor < settings.known_floor and gap > settings.competing:
         return _verdicts.SOLVED, words
     return _verdicts.OPEN, words

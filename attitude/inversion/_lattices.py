@@ -14,6 +14,7 @@ import numpy as np
 
 from attitude._support.arrays import distinct
 from attitude.photometry import _spectrum
+from attitude.photometry._lattices import SHORT_AXIS
 from attitude.photometry._spectrum import OVERSAMPLING, RIDGE
 
 if TYPE_CHECKING:
@@ -26,12 +27,14 @@ if TYPE_CHECKING:
 LEAST = 0.7
 # Order of the series of a pair.
 _ORDER = 2
-# Step of scans over nutations, turns per span, and the largest one over the largest frequency.
-STEP, _MOST_NUTATION = 0.4, 0.6
-# 1/P_psi in short-axis mode over 1/P_phi: bodies whose moments are possible have less.
-_SHORT_AXIS = 1.4
-# Distances at which two candidates are one: of lambda/pi and of f, turns per span.
-_SAME_RATE, _SAME_NUTATION = 0.7, 0.5
+# Step of scans over nutations, turns per span.
+STEP = 0.4
+# The largest nutation of these scans over the largest frequency.
+_MOST_NUTATION = 0.6
+# Distance of lambda/pi, turns per span, at which two candidates are one.
+_SAME_RATE = 0.7
+# Distance of f, turns per span, at which they are.
+_SAME_NUTATION = 0.5
 # Distance, turns per span, at which two lines are one.
 _SAME_LINE = 0.8
 
@@ -69,7 +72,7 @@ def lattice_pairs(problem: CurveProblem, most: float, keep: int) -> tuple[FloatA
 
 
 def candidates(
-    found: FloatArray, most: float, modes: tuple[str, ...], shifts: tuple[float, ...] = ()
+    pairs: FloatArray, most: float, modes: tuple[str, ...], shifts: tuple[float, ...] = ()
 ) -> list[Candidate]:
     """Rates from pairs (P, 2), the best pair first, without repetition.
 
@@ -78,7 +81,7 @@ def candidates(
     """
     out: list[Candidate] = []
     seen = set()
-    for a, b in found:
+    for a, b in pairs:
         bases = [(a, b), (b, a), (a, b - a), (b, b - a), (a, a + b), (b, a + b)]
         for shift in shifts:
             bases += [(a, abs(b - shift)), (abs(a - shift), b), (b, abs(a - shift))]
@@ -120,7 +123,7 @@ def _in_modes(phi: float, psi: float, most: float, modes: tuple[str, ...]) -> li
     if phi >= LEAST and phi + psi <= most:
         if "LAM" in modes:
             out.append(Candidate(0.5 * (phi + psi), psi))
-        if "SAM" in modes and psi < _SHORT_AXIS * phi:
+        if "SAM" in modes and psi < SHORT_AXIS * phi:
             out.append(Candidate(0.5 * phi, -psi))
     return out
 
@@ -133,7 +136,7 @@ def _rates(g, f, most, modes):
         rate = g + (2 * k + 1) * f
         if "LAM" in modes and rate - f >= LEAST and rate <= most:
             yield rate, f
-        if "SAM" in modes and rate >= LEAST and rate + f <= most and f < _SHORT_AXIS * rate:
+        if "SAM" in modes and rate >= LEAST and rate + f <= most and f < SHORT_AXIS * rate:
             yield rate, -f
 
 

@@ -35,11 +35,11 @@ class SeriesAttitudes(NamedTuple):
     tangents: FloatArray
 
 
-def padded(given: FloatArray, mode: Literal["edge", "constant"] = "edge") -> FloatArray:
+def padded(values: FloatArray, mode: Literal["edge", "constant"] = "edge") -> FloatArray:
     """An array (..., N) with its last entry, or zero, repeated until `LANES` divides N."""
-    last = given[..., -1:] if mode == "edge" else np.zeros((*given.shape[:-1], 1))
-    more = np.repeat(last, -given.shape[-1] % LANES, axis=-1)
-    return np.concatenate([given, more], axis=-1)
+    last = values[..., -1:] if mode == "edge" else np.zeros((*values.shape[:-1], 1))
+    more = np.repeat(last, -values.shape[-1] % LANES, axis=-1)
+    return np.concatenate([values, more], axis=-1)
 
 
 def at_epochs(state: FloatArray, t: FloatArray) -> SeriesAttitudes:

@@ -19,7 +19,6 @@ from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.inversion import _evidence, _refinement, _shapes
 from attitude.inversion._refinement import Fitted, ShapeModel
-from attitude.inversion._settings import DEFAULT
 from attitude.motions._body import Body
 from attitude.motions._differentiable import changed
 from attitude.motions._free_rotation import FreeRotation
@@ -278,7 +277,10 @@ def _with_numbers(change: Impulse | Torque, values: FloatArray) -> Impulse | Tor
 
 # Shares of the points, those nearest in time to the epoch of the start, that are fitted first.
 _STAGES = (0.25, 0.4, 0.6, 0.8)
-_ITERATIONS, _LAST = 12, 40
+# Iterations of a fit of some of the points, and where a fit begins anew.
+_ITERATIONS = 12
+# Iterations of a fit that is to end at its minimum.
+_LAST = 40
 # Mean square of residuals over the errors, above which the points are fitted in stages too.
 _BAD = 1.5
 
@@ -342,7 +344,7 @@ class MovingFit:
         priors = self._priors(state, computed)
         return _refinement.linearised(problem, state, computed, priors, self.fixed)
 
-    def _priors(self, state: MovingState, here: ShapeModel) -> _shapes.Priors:
+    def _priors(self, state: MovingState, shape_model: ShapeModel) -> _shapes.Priors:
         point = state.point
         if self.known is not None:
             nothing = np.zeros(point.size)
@@ -352,8 +354,9 @@ class MovingFit:
             slopes = np.zeros((2, point.size))
             slopes[0, 6] = slopes[1, 7] = 1.0
             moments = _shapes.MotionMoments(point.log_ratios, slopes, False, False)
-        shape_at = state.shape, here.areas, here.slopes
-        return _shapes.penalties(*shape_at, moments, point.size, self.tie)
+        return _shapes.penalties(
+            state.shape, shape_model.areas, shape_model.slopes, moments, point.size, self.tie
+        )
 
     def moved(self, state: MovingState, step: FloatArray) -> MovingState | None:
         """The state after a step; None outside of the bounds."""
@@ -387,13 +390,13 @@ class MovingFit:
 
         return _refinement.minimum(at, self.moved, start, iterations, gain)
 
-    def weighted(self, problem: CurveProblem, start: MovingState) -> Weighted:
+    def weighted(self, problem: CurveProblem, start: MovingState) -> Weighted[MovingState]:
         """The state of largest posterior density, with Student's errors and a model error."""
-        whole = problem.with_model_error(DEFAULT.ellipsoid_error)
+        whole = problem.with_model_error(problem.settings.ellipsoid_error)
         best = self.minimum(whole, start, _LAST)
         if best.chi_squared > _BAD * len(whole):
             grown = self._in_stages(whole, start)
-            best = min(best, grown, key=lambda each: each.cost)
+            best = min(best, grown, key=lambda fit: fit.cost)
         if not math.isfinite(best.cost):
             raise AttitudeError("the start has no magnitudes at the epochs of the curve.")
         for _ in range(2):
@@ -401,7 +404,10 @@ class MovingFit:
             best = self.minimum(whole, best.state)
         free = int(np.count_nonzero(~self.fixed[: start.point.size]))
         return _evidence.student(
-            whole, best.state, lambda own, state: self.minimum(own, state, _LAST, 1e-5), free
+            whole,
+            best.state,
+            lambda reweighted, state: self.minimum(reweighted, state, _LAST, 1e-5),
+            free,
         )
 
     def _in_stages(self, problem: CurveProblem, start: MovingState) -> Fitted[MovingState]:
@@ -450,6 +456,13 @@ def moving_fit(
 
 def _impossible(state: MovingState, size: int, count: int) -> Fitted[MovingState]:
     """What a state without magnitudes is: of infinite cost."""
-    normal, gradient = np.eye(size), np.zeros(size)
-    nothing = np.zeros(0), np.full(count, math.nan)
-    return Fitted(state, math.inf, math.inf, 0.0, normal, gradient, *nothing)
+    return Fitted(
+        state,
+        cost=math.inf,
+        chi_squared=math.inf,
+        strain=0.0,
+        normal=np.eye(size),
+        gradient=np.zeros(size),
+        areas=np.zeros(0),
+        magnitude=np.full(count, math.nan),
+    )

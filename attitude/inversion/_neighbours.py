@@ -12,16 +12,20 @@ if TYPE_CHECKING:
     from attitude.inversion._problem import CurveProblem
 
 
-# Standard deviations by which a point lies off its neighbours that is an outlier; the share of a
-# turn, at the largest frequency, that a point and its neighbours span at most.
-_OFF, _CLOSE = 6.0, 0.2
-# Triples of neighbours from which noise is estimated at least, and that of a median of absolute
-# deviations of a normal distribution.
-_TRIPLES, _NORMAL = 20, 1.4826
+# Standard deviations by which a point lies off its neighbours that is an outlier.
+_OFF = 6.0
+# The share of a turn, at the largest frequency, that a point and its neighbours span at most.
+_CLOSE = 0.2
+# Triples of neighbours from which noise is estimated at least.
+_TRIPLES = 20
+# The standard deviation of a normal distribution over the median of its absolute deviations.
+_NORMAL = 1.4826
 # Relative error of a night's noise times the root of its triples, which share points, thrice.
 _BY_CHANCE = 4.5
-# Gaps of the epochs, s, between two nights, and between two apparitions.
-_NIGHT, _APPARITION = 0.3 * 86400.0, 60.0 * 86400.0
+# Gap of the epochs, s, between two nights.
+_NIGHT = 0.3 * 86400.0
+# Gap of the epochs, s, between two apparitions.
+_APPARITION = 60.0 * 86400.0
 
 
 def off_neighbours(

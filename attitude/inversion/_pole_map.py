@@ -15,12 +15,23 @@ from __future__ import annotations
 
 import math
 from itertools import chain, zip_longest
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from attitude._support.arrays import distinct
 from attitude.inversion import _ellipsoid, _evidence, _refinement, _shapes
+from attitude.inversion._ellipsoid import (
+    OF_FLAT,
+    OF_FRAME,
+    OF_LOG_RHO,
+    OF_NUTATION,
+    OF_PHASE,
+    OF_POLE,
+    OF_PRECESSION,
+    OF_X,
+    SearchState,
+)
 from attitude.inversion._refinement import MOTION
 
 if TYPE_CHECKING:
@@ -28,16 +39,21 @@ if TYPE_CHECKING:
 
     from attitude._support.annotations import BoolArray, FloatArray
     from attitude.inversion._ellipsoid import Held, Pool
-    from attitude.inversion._evidence import Weighted
+    from attitude.inversion._evidence import Robust
     from attitude.inversion._problem import CurveProblem
     from attitude.inversion._refinement import Refined
+    from attitude.inversion._settings import Settings
     from attitude.inversion._shapes import Tie
 
 
-# Turns about a pole of which the best is a start, and steps of ellipsoids at held poles.
-_TURNS, _STEPS = 6, 12
-# Iterations, and the relative gain at which they end, of held and of free poles.
-_HELD, _FREE = (25, 1e-3), (40, 3e-4)
+# Turns about a pole of which the best is a start.
+_TURNS = 6
+# Steps of ellipsoids at held poles.
+_STEPS = 12
+# Iterations, and the relative gain at which they end, of held poles.
+_HELD = (25, 1e-3)
+# Those of free poles.
+_FREE = (40, 3e-4)
 # Those of tumbling bodies at held poles.
 _BODIES = (8, 1e-3)
 # What stays where the pole is held.
@@ -46,9 +62,12 @@ _POLE_HELD = np.arange(_refinement.SIZE) < 2
 # and so many of them beside the best of each pole: poles of final lists were 235 above it after
 # four iterations and at most the 89th, 63 and the 20th after six; others were 250 to 1700 above it.
 _STAGES = ((4, 700.0, 160), (4, 200.0, 100))
-# Rates of one turn, turns per span; angles, rad, to minima that are errors of a pole, to those that
-# are the same entry of a list, and between directions that are one pole of the map.
-_SAME_RATE, _LOBE, _ENTRY, _ONE_POLE = 0.35, math.radians(60.0), math.radians(15.0), 1e-4
+# Angle, rad, up to which other minima are errors of a pole.
+_LOBE = math.radians(60.0)
+# Angle, rad, between poles that are the same entry of a list.
+_ENTRY = math.radians(15.0)
+# Angle, rad, between directions that are one pole of the map.
+_ONE_POLE = 1e-4
 
 
 def sphere(count: int) -> FloatArray:
@@ -80,14 +99,16 @@ def has_turn(problem: CurveProblem, a: FloatArray, b: FloatArray) -> bool:
     that it keeps best, near zero or near the difference of the rates: its turns in the gaps between
     apparitions need not be known.
     """
-    angles = 4.0 * math.pi * (a[0] - b[0]) * problem.t
-    first, second = (_seen_about(problem, state[_ellipsoid.OF_POLE]) for state in (a, b))
+    apart = a[OF_PRECESSION] - b[OF_PRECESSION]
+    angles = 4.0 * math.pi * apart * problem.t
+    first, second = (_seen_about(problem, state[OF_POLE]) for state in (a, b))
     angles -= first - second
-    offsets = np.arange(-2.0 * _SAME_RATE, 2.0 * _SAME_RATE + 1e-9, _SAME_RATE / 8.0)
-    drifts = np.concatenate([offsets, 2.0 * (a[0] - b[0]) + offsets])
+    width = problem.settings.same_rate
+    offsets = np.arange(-2.0 * width, 2.0 * width + 1e-9, width / 8.0)
+    drifts = np.concatenate([offsets, 2.0 * apart + offsets])
     turned = np.exp(1j * (angles - 2.0 * math.pi * drifts[:, None] * problem.t))
     kept = np.abs(turned.mean(axis=1))
-    return bool(abs(drifts[int(np.argmax(kept))]) < _SAME_RATE)
+    return bool(abs(drifts[int(np.argmax(kept))]) < width)
 
 
 def _seen_about(problem: CurveProblem, pole: FloatArray) -> FloatArray:
@@ -100,7 +121,8 @@ def _seen_about(problem: CurveProblem, pole: FloatArray) -> FloatArray:
 
 def _has_rates(problem: CurveProblem, a: FloatArray, b: FloatArray) -> bool:
     """Whether two tumbling states have the same nutation, and turn alike as the scene sees it."""
-    same = abs(a[1] - b[1]) < problem.settings.same_rate
+    apart = abs(a[OF_NUTATION] - b[OF_NUTATION])
+    same = apart < problem.settings.same_rate
     return bool(same) and has_turn(problem, a, b)
 
 
@@ -110,17 +132,18 @@ def spread(
     """Second moments (8, 8) that other minima add to the covariance of a rotation about one
     axis.
     """
-    frame = state[5:14].reshape(3, 3)
+    fields = SearchState.of(state)
     offsets, weights = [np.zeros(MOTION)], [1.0]
     for other, behind in others:
-        momentum = frame.T @ other[_ellipsoid.OF_POLE]
+        fields_of_other = SearchState.of(other)
+        momentum = fields.frame.T @ other[OF_POLE]
         angle = math.acos(max(-1.0, min(1.0, float(momentum[2]))))
         if angle < _LOBE:
             offset = np.zeros(MOTION)
             across = math.hypot(momentum[0], momentum[1])
             if across > 0.0:
-                offset[:2] = angle / across * np.array([-momentum[1], momentum[0]])
-            offset[3] = other[0] - state[0]
+                offset[_refinement.TILT] = angle / across * np.array([-momentum[1], momentum[0]])
+            offset[_refinement.PRECESSION] = fields_of_other.precession - fields.precession
             offsets.append(offset)
             weights.append(math.exp(-0.5 * (behind - evidence)))
     every, share = np.array(offsets), np.array(weights) / sum(weights)
@@ -154,7 +177,7 @@ def images(problem: CurveProblem, state: FloatArray) -> list[FloatArray]:
     mirror = mirrored_state(problem, state, plane_of(problem))
     images_of = [mirror]
     for source_state in (state, mirror):
-        normal = np.cross(middle, source_state[_ellipsoid.OF_POLE])
+        normal = np.cross(middle, source_state[OF_POLE])
         size = float(np.linalg.norm(normal))
         if size > 1e-6 * float(np.linalg.norm(middle)):
             images_of.append(mirrored_state(problem, source_state, normal / size))
@@ -219,19 +242,21 @@ def _at_poles(
     `has_x`: with the X of the state too.
     """
     poles = sphere(count)
-    turns = turn_of_scene(problem, np.concatenate([state[None, _ellipsoid.OF_POLE], poles]))
+    turns = turn_of_scene(problem, np.concatenate([state[None, OF_POLE], poles]))
     size = starts_of_each * _TURNS
     starts = np.repeat(state[None, : _ellipsoid.WIDTH], count * size, axis=0)
-    starts[:, 0] += 0.5 * np.repeat(turns[1:] - turns[0], size)
-    starts[:, 2] = generator.random(len(starts))
-    starts[:, 3] = np.clip(starts[:, 3] + generator.normal(0.0, 0.3, len(starts)), -4.0, -0.1)
-    starts[:, 5:14] = _ellipsoid.frames_of(generator, np.repeat(poles, size, axis=0))
-    starts[:, 14:] += generator.normal(0.0, 0.3, (len(starts), 2))
+    starts[:, OF_PRECESSION] += 0.5 * np.repeat(turns[1:] - turns[0], size)
+    starts[:, OF_PHASE] = generator.random(len(starts))
+    log_rho = starts[:, OF_LOG_RHO] + generator.normal(0.0, 0.3, len(starts))
+    starts[:, OF_LOG_RHO] = np.clip(log_rho, -4.0, -0.1)
+    starts[:, OF_FRAME] = _ellipsoid.frames_of(generator, np.repeat(poles, size, axis=0))
+    starts[:, OF_FLAT] += generator.normal(0.0, 0.3, (len(starts), 2))
     if not has_x:
-        starts[:, 4] = _ellipsoid.any_x(generator, starts[:, 1])
+        starts[:, OF_X] = _ellipsoid.any_x(generator, starts[:, OF_NUTATION])
     chosen = _ellipsoid.screened(problem, starts, count * starts_of_each)
     fixed = np.zeros(_ellipsoid.PARAMETERS, bool)
-    fixed[[0, 1, 3, 4]] = True
+    fixed[_refinement.TILT] = True
+    fixed[[_refinement.PRECESSION, _refinement.NUTATION]] = True
     pool = _ellipsoid.minimised(problem, chosen, _STEPS, tie=held, fixed=fixed)
     return _ellipsoid.in_order(_ellipsoid.best_of_each(pool, count))
 
@@ -280,18 +305,18 @@ def minima(
     """
     settings, behind = problem.settings, problem.settings.axial_pole_behind * redundancy
     poles = sphere(settings.axial_poles)
-    turns = turn_of_scene(rough, np.concatenate([best[None, _ellipsoid.OF_POLE], poles]))
-    rates = 2.0 * float(best[0]) + turns[1:] - turns[0]
+    turns = turn_of_scene(rough, np.concatenate([best[None, OF_POLE], poles]))
+    rates = 2.0 * SearchState.of(best).precession + turns[1:] - turns[0]
     starts = _ellipsoid.axial_at_poles(rough, generator, rates, poles, settings.axial_bodies)
     held = fixed.copy()
-    held[:2] = True
+    held[_refinement.TILT] = True
     held_states = starts.states
     for iterations, above, most in _STAGES:
         fits = list(_refined(problem, held_states, tie, held, (iterations, _HELD[1]), is_over))
         fits.sort(key=lambda fit: fit.cost)
         fits = [fit for fit in fits if fit.cost < fits[0].cost + above]
         best_ones = [fit.state for fit in fits[:most]]
-        of_others = apart(fits[most:], best_ones, _ONE_POLE)
+        of_others = apart(fits[most:], best_ones, settings, _ONE_POLE)
         held_states = np.array([*best_ones, *(fit.state for fit in of_others)])
     at_poles = _refined(problem, held_states, tie, held, _HELD, is_over)
     chosen = most_probable(at_poles, problem, behind)
@@ -301,11 +326,18 @@ def minima(
 
 
 def apart(
-    found: Sequence[Refined], others: Sequence[FloatArray], width: float = _ENTRY
+    fits: Sequence[Refined],
+    others: Sequence[FloatArray],
+    settings: Settings,
+    width: float = _ENTRY,
 ) -> list[Refined]:
     """Those whose pole no better one has, nor one of others (WIDTH,), within an angle, rad."""
-    new = (fit for fit in found if not any(_is_entry(fit.state, state, width) for state in others))
-    return distinct(new, lambda a, b: _is_entry(a.state, b.state, width))
+
+    def is_entry(a: FloatArray, b: FloatArray) -> bool:
+        return _is_entry(a, b, settings, width)
+
+    new = (fit for fit in fits if not any(is_entry(fit.state, state) for state in others))
+    return distinct(new, lambda a, b: is_entry(a.state, b.state))
 
 
 def _refined(
@@ -326,29 +358,40 @@ def _refined(
         )
 
 
-def most_probable(found: Iterable[Refined], problem: CurveProblem, behind: float) -> list[Refined]:
+class _Rated(NamedTuple):
+    """A fit with its evidence."""
+
+    evidence: float
+    fit: Refined
+
+
+def most_probable(fits: Iterable[Refined], problem: CurveProblem, behind: float) -> list[Refined]:
     """Those of rotations about one axis that compete, the best first."""
     points = len(problem)
-    values = [(fit.cost + _evidence.occam(fit.normal, points), fit) for fit in found]
-    values.sort(key=lambda pair: pair[0])
-    return [fit for value, fit in values if value < values[0][0] + behind]
+    rated = _evidence.ranked(_Rated(_evidence.of_fit(fit, points), fit) for fit in fits)
+    return [one.fit for one in rated if one.evidence < rated[0].evidence + behind]
 
 
-def listed(found: Sequence[Weighted], behind: float) -> tuple[list[Weighted], list[Weighted]]:
+def listed(
+    solutions: Sequence[Robust], behind: float, settings: Settings
+) -> tuple[list[Robust], list[Robust]]:
     """Poles of each rate that compete, the best first, 15 degrees apart, and those left out.
 
     A list of neighbours would leave no place for other parts of the sky: their differences are
     errors of one pole.
     """
-    entries: list[Weighted] = []
-    beside: list[Weighted] = []
-    for entry in sorted(found, key=lambda one: one.evidence):
+    entries: list[Robust] = []
+    beside: list[Robust] = []
+    for entry in _evidence.ranked(solutions):
         if entries and entry.evidence > entries[0].evidence + behind:
             break
-        is_near = any(_is_entry(entry.refined.state, other.refined.state) for other in entries)
+        is_near = any(
+            _is_entry(entry.refined.state, other.refined.state, settings) for other in entries
+        )
         (beside if is_near else entries).append(entry)
     return entries, beside
 
 
-def _is_entry(a: FloatArray, b: FloatArray, width: float = _ENTRY) -> bool:
-    return bool(2.0 * abs(a[0] - b[0]) < _SAME_RATE) and _ellipsoid.have_pole(a, b, width)
+def _is_entry(a: FloatArray, b: FloatArray, settings: Settings, width: float = _ENTRY) -> bool:
+    has_rate = bool(2.0 * abs(a[OF_PRECESSION] - b[OF_PRECESSION]) < settings.same_rate)
+    return has_rate and _ellipsoid.have_pole(a, b, width)

@@ -233,8 +233,14 @@ _SATURATED = 0.05
 _UNCALIBRATED = 0.15
 # Points of a search; more are averaged.
 MOST_POINTS = 2500
-# Terms of the phase angle: widths, and the standard deviation of the curvature, mag; drift in time.
-_SURGE, _WIDE, _CURVATURE, _DRIFT = np.radians(5.0), np.radians(50.0), 0.5, 0.05
+# Width of the opposition surge, a term of the phase angle.
+_SURGE = np.radians(5.0)
+# Phase angle over which its slope and its curvature count.
+_WIDE = np.radians(50.0)
+# Standard deviation of the curvature over that angle, mag.
+_CURVATURE = 0.5
+# Standard deviation of a drift in half the span, mag.
+_DRIFT = 0.05
 # Standard deviation, mag over the wide one, of the slope of a filter from that of all: phase
 # reddening of 0.003 mag a degree.
 _REDDENING = 0.15
@@ -307,15 +313,15 @@ def problem(
             terms.append((values["session"] == k).astype(float))
             prior.append(width)
     whole_problem = CurveProblem(
-        t,
-        span,
-        values["sun"].T,
-        values["observer"].T,
-        values["reduced"],
-        values["sigma"],
-        np.stack(terms, axis=-1),
-        np.array(prior),
-        error,
+        t=t,
+        span=span,
+        sun=values["sun"].T,
+        observer=values["observer"].T,
+        magnitude=values["reduced"],
+        sigma=values["sigma"],
+        terms=np.stack(terms, axis=-1),
+        prior=np.array(prior),
+        model_error=error,
         settings=settings,
         tally=Tally() if tally is None else tally,
         exposure=values["exposure"] / span if np.any(values["exposure"]) else None,

@@ -11,6 +11,7 @@ import numpy as np
 
 from attitude._support import validation
 from attitude.inversion import _errors, _moving, _problem, _refinement, _shapes, _states
+from attitude.inversion._ellipsoid import OF_SHAPE
 from attitude.inversion._problem import usable
 from attitude.inversion._settings import DEFAULT
 from attitude.inversion._shapes import MODES
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
     from attitude._support.annotations import BoolArray, FloatArray
     from attitude.inversion._evidence import Weighted
-    from attitude.inversion._moving import Motion, MovingPoint
+    from attitude.inversion._moving import Motion, MovingPoint, MovingState
     from attitude.inversion._problem import CurveProblem
     from attitude.motions._body import Body
     from attitude.motions._published import Published
@@ -54,18 +55,25 @@ class Refinement(CurveFit):
         and by how much their evidence is larger.
     """
 
+    weighted: Weighted[MovingState]
+
     def __init__(
         self,
         curve: LightCurve,
-        weighted: Weighted,
+        weighted: Weighted[MovingState],
         problem: CurveProblem,
         fit: _moving.MovingFit,
         body: Body,
+        *,
+        rank: int = 0,
+        relation: str = "best",
+        rivals: tuple[tuple[FloatArray, float], ...] = (),
     ) -> None:
-        super().__init__(curve, weighted, problem, 0, "best")
-        self._fit, self._body = fit, body
+        super().__init__(curve, weighted, problem, rank, relation)
+        self._fit = fit
+        self._body = body
         self.point: MovingPoint = weighted.refined.state.point
-        self.rivals: tuple[tuple[FloatArray, float], ...] = ()
+        self.rivals = rivals
 
     @property
     def _is_known(self) -> bool:  # type: ignore[override]
@@ -267,7 +275,7 @@ def refine(
 def _start(start: Any) -> tuple[Any, FloatArray | None]:
     """The motion of a start and the parameters of its shape, if it has one."""
     if isinstance(start, Solution):
-        return start.motion, start.state[14:].copy()
+        return start.motion, start.state[OF_SHAPE].copy()
     if isinstance(start, Refinement):
         shape = start.weighted.refined.state.shape
         return start.point.motion, shape if len(shape) else None

@@ -18,6 +18,7 @@ import numpy as np
 from attitude._compilation.decorators import reduction
 from attitude._support import least_squares
 from attitude.inversion import _ellipsoid, _motions, _shapes
+from attitude.inversion._ellipsoid import OF_MODES, OF_RATES, OF_SHAPE, SearchState
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -46,10 +47,12 @@ def limited(threads: int = 1) -> AbstractContextManager[object]:
 # ---- Least squares of any model with derivatives, from one start
 
 State = TypeVar("State")
+# Of results, which are read alone.
+AnyState = TypeVar("AnyState", covariant=True)
 
 
 @dataclass(frozen=True, eq=False)
-class Fitted(Generic[State]):
+class Fitted(Generic[AnyState]):
     """A state near its least cost; `Refined` is one whose state is an array (WIDTH,).
 
     Attributes
@@ -67,7 +70,7 @@ class Fitted(Generic[State]):
         Of the model.
     """
 
-    state: State
+    state: AnyState
     cost: float
     chi_squared: float
     strain: float
@@ -115,13 +118,17 @@ def _alone(state: object) -> NDArray[Any]:
 # Parameters of the motion.
 NAMES: tuple[str, ...] = ("x", "y", "z", "precession", "nutation", "phase", "ln rho", "X")
 MOTION = len(NAMES)
-NUTATION, PHASE, LN_RHO, X = range(4, MOTION)
+AZIMUTH, PRECESSION, NUTATION, PHASE, LN_RHO, X = range(2, MOTION)
+# The turn of the body, and of that what moves its pole.
+TURN = slice(0, 3)
+TILT = slice(0, 2)
 SIZE = MOTION + _shapes.SIZE
 WIDTH = _ellipsoid.WIDTH - _shapes.ELLIPSOID + _shapes.SIZE
-# Behind them, where rates drift: how fast precession and nutation change, turns per span^2, and
-# their standard deviation before the curve is seen.  Over 8 years YORP makes less than 0.1 of most
+# Behind them, where rates drift: how fast precession and nutation change, turns per span^2.
+DRIFT = 2
+# Their standard deviation before the curve is seen.  Over 8 years YORP makes less than 0.1 of most
 # bodies, and 5 of the fastest known, (54509) YORP.
-DRIFT, DRIFT_WIDTH = 2, 10.0
+DRIFT_WIDTH = 10.0
 _SHAPE = _shapes.Tie()
 
 
@@ -146,12 +153,12 @@ def model(problem: CurveProblem, state: FloatArray) -> ShapeModel:
     r, g = _drifting(state, t) if drift.size else _motions.at_epochs(state, t)
     sun, observer = np.empty((2, count, 3))
     _over_body(state, r, nodes.sun, nodes.observer, sun, observer)
-    lit = _shapes.magnitudes(sun, observer, state[14:WIDTH])
+    lit = _shapes.magnitudes(sun, observer, state[:WIDTH][OF_SHAPE])
     size = MOTION + len(lit.by_shape)
     jacobian = np.empty((size + drift.size, count))
     _by_motion(t, r, g, lit.across, jacobian)
     jacobian[MOTION:size] = lit.by_shape
-    jacobian[size:] = 0.5 * t * jacobian[3 : 3 + drift.size]
+    jacobian[size:] = 0.5 * t * jacobian[PRECESSION : PRECESSION + drift.size]
     magnitude, jacobian = problem.over_exposures(lit.magnitude, jacobian)
     return ShapeModel(magnitude, jacobian, lit.areas, lit.slopes)
 
@@ -168,8 +175,9 @@ def _drifting(state: FloatArray, t: FloatArray) -> _motions.SeriesAttitudes:
     body about the momentum.
     """
     by_precession, by_nutation = state[WIDTH:]
-    later = t + 0.5 * by_nutation / state[1] * t * t
-    turn = 4.0 * math.pi * (state[0] * (t - later) + 0.5 * by_precession * t * t)
+    precession, nutation = state[OF_RATES]
+    later = t + 0.5 * by_nutation / nutation * t * t
+    turn = 4.0 * math.pi * (precession * (t - later) + 0.5 * by_precession * t * t)
     c, s = np.cos(turn), np.sin(turn)
     r, g = _motions.at_epochs(state, later)
     for vectors in (r.reshape(3, 3, -1), g.reshape(3, 3, -1).swapaxes(0, 1)):
@@ -211,15 +219,17 @@ def _by_motion(t, r, g, across, jacobian):
         jacobian[7, i] = a * g[6, i] + b * g[7, i] + c * g[8, i]
 
 
-def _penalties(state: FloatArray, here: ShapeModel, tie: _shapes.Tie) -> _shapes.Priors:
+def _penalties(state: FloatArray, shape_model: ShapeModel, tie: _shapes.Tie) -> _shapes.Priors:
     """The priors of a state."""
     moments = None
     if not _ellipsoid.is_axial(state):
         ratios, slopes = _ellipsoid.log_ratios(state[None])
-        modes = bool(state[1] > 0.0), bool(state[4] < 0.0)
-        moments = _shapes.MotionMoments(ratios[0], slopes[0, :, :MOTION], *modes)
-    shape, drift = state[14:WIDTH], state[WIDTH:]
-    priors = _shapes.penalties(shape, here.areas, here.slopes, moments, MOTION, tie)
+        fields = SearchState.of(state)
+        moments = _shapes.MotionMoments(
+            ratios[0], slopes[0, :, :MOTION], fields.nutation > 0.0, fields.x < 0.0
+        )
+    shape, drift = state[:WIDTH][OF_SHAPE], state[WIDTH:]
+    priors = _shapes.penalties(shape, shape_model.areas, shape_model.slopes, moments, MOTION, tie)
     if not drift.size:
         return priors
     return priors._replace(
@@ -281,14 +291,14 @@ def refine(
 def linearised(
     problem: CurveProblem,
     state: State,
-    here: ShapeModel,
+    shape_model: ShapeModel,
     priors: _shapes.Priors,
     held: BoolArray,
 ) -> Fitted[State]:
     """The cost near a state with magnitudes of its own, where some parameters (P,) are held."""
-    r = (problem.y - here.magnitude) * problem.root
+    r = (problem.y - shape_model.magnitude) * problem.root
     along = problem.u @ r
-    weighted = here.jacobian * problem.root
+    weighted = shape_model.jacobian * problem.root
     across = weighted @ problem.u.T
     by_prior, offsets, weights = priors.slopes, priors.offsets, priors.weights
     normal = weighted @ weighted.T
@@ -302,23 +312,31 @@ def linearised(
         normal[held, held] = 1.0
     chi = float(r @ r - along @ along)
     prior = float(priors.residuals @ priors.residuals + offsets @ offsets)
-    cost = chi + prior
-    return Fitted(state, cost, chi, priors.strain, normal, gradient, here.areas, here.magnitude)
+    return Fitted(
+        state,
+        cost=chi + prior,
+        chi_squared=chi,
+        strain=priors.strain,
+        normal=normal,
+        gradient=gradient,
+        areas=shape_model.areas,
+        magnitude=shape_model.magnitude,
+    )
 
 
 def _moved(state: FloatArray, step: FloatArray) -> FloatArray | None:
     """The state after a step of limited length; None outside of the bounds."""
+    modes = step[_ellipsoid.PARAMETERS :]
     longest = max(
-        float(np.linalg.norm(step[:3])),
-        6.0 * abs(step[5]),
-        2.0 * abs(step[6]),
-        4.0 * abs(step[7]),
-        abs(step[8]),
-        abs(step[9]),
-        float(np.abs(step[10:]).max()) / 3.0,
+        float(np.linalg.norm(step[TURN])),
+        6.0 * abs(step[PHASE]),
+        2.0 * abs(step[LN_RHO]),
+        4.0 * abs(step[X]),
+        *np.abs(step[MOTION : _ellipsoid.PARAMETERS]),
+        float(np.abs(modes).max()) / 3.0,
     )
     if longest > 0.5:
         step = step * (0.5 / longest)
     trial = _ellipsoid.moved(state, step)
-    trial[16:] += step[10:]
+    trial[OF_MODES] += step[_ellipsoid.PARAMETERS :]
     return trial if _ellipsoid.are_allowed(trial) else None

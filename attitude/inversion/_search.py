@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from attitude._support.annotations import BoolArray, FloatArray
     from attitude.inversion._ellipsoid import Pool
-    from attitude.inversion._evidence import Weighted
+    from attitude.inversion._evidence import Robust
     from attitude.inversion._problem import CurveProblem
     from attitude.inversion._refinement import Refined
     from attitude.inversion._satellites import AdditivePair, Explained
@@ -53,12 +53,12 @@ class _KnownFits:
     def __init__(self) -> None:
         self._fits: dict[tuple[int, ...], tuple[object, ...]] = {}
 
-    def of(self, make: Callable[[], Fit], *given: object) -> Fit:
-        """The fit of given objects, from `make` where it is not known."""
-        key = tuple(id(argument) for argument in given)
+    def of(self, make: Callable[[], Fit], *arguments: object) -> Fit:
+        """The fit of these objects, from `make` where it is not known."""
+        key = tuple(id(argument) for argument in arguments)
         if key not in self._fits:
             # what identifies the fit is kept, so that no other object gets its identity
-            self._fits[key] = *given, make()
+            self._fits[key] = *arguments, make()
         return cast("Fit", self._fits[key][-1])
 
 
@@ -82,13 +82,13 @@ class Search:
         Called with a text after each stage.
     convex : list of Refined
         The best first.
-    solutions : list of Weighted
+    solutions : list of Robust
         The best first; those of the last `finish`.
     axial : list of Refined
         Rotations about one axis from a map of poles, the most probable first.
     held_poles : list of Refined
         The best bodies at held poles that compete with those, the most probable first.
-    beside : list of Weighted
+    beside : list of Robust
         Those that are not among `solutions`, for a better pole lies near.
     dips : list of AdditivePair
         Additive series that leave at most twice the residuals of the best, and only dim it.
@@ -112,10 +112,10 @@ class Search:
     generator: np.random.Generator
     progress: Callable[[str], object]
     convex: list[Refined] = field(default_factory=list)
-    solutions: list[Weighted] = field(default_factory=list)
+    solutions: list[Robust] = field(default_factory=list)
     axial: list[Refined] = field(default_factory=list)
     held_poles: list[Refined] = field(default_factory=list)
-    beside: list[Weighted] = field(default_factory=list)
+    beside: list[Robust] = field(default_factory=list)
     dips: list[AdditivePair] = field(default_factory=list)
     is_complete: bool = False
     rival: Search | None = None
@@ -154,7 +154,7 @@ class Search:
     def begin(self, states: Iterable[FloatArray]) -> None:
         """Make `solutions` from states alone, such as those that another search has found."""
         self.convex = [self._fit(state) for state in states]
-        self.convex.sort(key=lambda each: each.cost)
+        self.convex.sort(key=lambda fit: fit.cost)
         self.finish()
 
     def follow(self, other: Search) -> None:
@@ -229,7 +229,7 @@ class Search:
             return False
         return _verdicts.is_doubtful(self.solutions[0], self.problem)
 
-    def verdict_of(self, solutions: Sequence[Weighted]) -> tuple[str, str]:
+    def verdict_of(self, solutions: Sequence[Robust]) -> tuple[str, str]:
         """The verdict of solutions of this search, and its criterion in words."""
         verdict = _verdicts.verdict(
             solutions, self.problem, self.is_complete, self.most,
@@ -243,11 +243,8 @@ class Search:
 
     def evidence(self) -> float:
         """That of the best solution among those of other zero points and series."""
-        best = self.solutions[0]
-        volume = _evidence.volume_of_offsets(best.problem)
-        # the more orbits were tried, the better one fits by chance
-        tried = self.most if self.problem.orbit else 1.0
-        return best.evidence + volume + 2.0 * math.log(tried)
+        orbits = self.most if self.problem.orbit else 1.0
+        return _evidence.among_problems(self.solutions[0], orbits)
 
     def _compare_with_satellite(self) -> None:
         """Search for a rotation about one axis beside the series of an orbit, if series fit."""
@@ -370,8 +367,16 @@ class Search:
         for start in range(0, len(rates), self.settings.block):
             block_of_rates = rates[start : start + self.settings.block]
             block_of_poles = None if poles is None else poles[start : start + len(block_of_rates)]
-            arguments = problem, self.generator, block_of_rates, starts
-            parts.append(_ellipsoid.narrowed(*arguments, tie=self._held, poles=block_of_poles))
+            parts.append(
+                _ellipsoid.narrowed(
+                    problem,
+                    self.generator,
+                    block_of_rates,
+                    starts,
+                    tie=self._held,
+                    poles=block_of_poles,
+                )
+            )
             self.progress(f"ellipsoids: {start + len(block_of_rates)} of {len(rates)} {name}")
             if self.is_over:
                 break
@@ -456,15 +461,16 @@ class Search:
         if axial[0].chi_squared > self.settings.axial_worse * self.convex[0].chi_squared:
             return
         problem = self._with_own_error(axial[0])
-        rates: list[Weighted] = []
+        rates: list[Robust] = []
         for fit in axial:
-            rate = float(fit.state[0])
-            if all(2.0 * abs(rate - o.refined.state[0]) > self.settings.axial_width for o in rates):
+            rate = SearchState.of(fit.state).precession
+            others = (SearchState.of(one.refined.state).precession for one in rates)
+            if all(2.0 * abs(rate - other) > self.settings.axial_width for other in others):
                 rates.append(self._robust(problem, fit))
                 if len(rates) > self.settings.axial_others:
                     break
         rates = _verdicts.behind_twice_the_period(rates, problem)
-        rates.sort(key=lambda each: each.evidence)
+        rates = _evidence.ranked(rates)
         best, settings = rates[0], self.settings
         self.redundancy = _evidence.redundancy(best, problem)
         if self._is_far_behind(best, problem, settings.axial_tumbling):
@@ -488,26 +494,32 @@ class Search:
         self.held_poles = self._most_probable(self.held_poles, problem)
         for minimum in self.axial[: self.settings.axial_others]:
             self.convex.append(self._fit(minimum.state))
-        self.convex.sort(key=lambda each: each.cost)
+        self.convex.sort(key=lambda fit: fit.cost)
 
-    def _mapped(
-        self, one: Weighted, mapping: CurveProblem, problem: CurveProblem
-    ) -> Refined | None:
+    def _mapped(self, one: Robust, mapping: CurveProblem, problem: CurveProblem) -> Refined | None:
         """The most probable rotation about one axis, after a map of poles at the rate of one."""
-        state, fixed = one.refined.state, self._fixed(one.refined.state)
-        arguments = state, self.generator, self.tie, fixed, self.redundancy, lambda: self.is_over
-        free, held = _pole_map.minima(mapping, self.problem, *arguments)
+        state = one.refined.state
+        free, held = _pole_map.minima(
+            mapping,
+            self.problem,
+            state,
+            self.generator,
+            self.tie,
+            self._fixed(state),
+            self.redundancy,
+            lambda: self.is_over,
+        )
         self.axial += free
         self.held_poles += held
         self.progress(f"{len(self.axial)} poles of rotations about one axis")
         return next(iter(self._most_probable(self.axial, problem)), None)
 
-    def _most_probable(self, found: list[Refined], problem: CurveProblem) -> list[Refined]:
+    def _most_probable(self, fits: list[Refined], problem: CurveProblem) -> list[Refined]:
         """Rotations about one axis that compete, the best first."""
         behind = self.settings.axial_pole_behind * self.redundancy
-        return _pole_map.most_probable(found, problem, behind)
+        return _pole_map.most_probable(fits, problem, behind)
 
-    def _is_far_behind(self, rotator: Weighted, problem: CurveProblem, width: float) -> bool:
+    def _is_far_behind(self, rotator: Robust, problem: CurveProblem, width: float) -> bool:
         """Whether a tumbling body that has other lines is ahead of a rotation by a width."""
         best = self.convex[0]
         if is_axial(best.state):
@@ -550,7 +562,7 @@ class Search:
             if self.is_over and fits:
                 break
             fits.append(self._fit(state, self.settings.short_steps))
-        fits.sort(key=lambda each: each.cost)
+        fits.sort(key=lambda fit: fit.cost)
         most = self.settings.short_worse * min(fit.cost for fit in (*fits[:1], *self.convex[:1]))
         return [
             fit.state
@@ -747,20 +759,19 @@ class Search:
         solutions += self._axial_solutions(problem, solutions)
         solutions = _verdicts.behind_twice_the_period(solutions, problem)
         solutions = _verdicts.as_rotators(solutions, problem)
-        solutions.sort(key=lambda each: each.evidence)
         self.solutions = distinct(
-            solutions, lambda a, b: self.is_same(a.refined.state, b.refined.state)
+            _evidence.ranked(solutions), lambda a, b: self.is_same(a.refined.state, b.refined.state)
         )
         error = problem.model_error
         self.progress(f"{len(self.solutions)} solutions, model error {error:.3f} mag")
 
-    def _ranked(self, problem: CurveProblem, given: Refined) -> Refined:
+    def _ranked(self, problem: CurveProblem, body: Refined) -> Refined:
         """A body after some steps with the errors of a problem."""
 
         def fit() -> Refined:
-            return self._fit(given.state, self.settings.ranked_steps, problem)
+            return self._fit(body.state, self.settings.ranked_steps, problem)
 
-        return self._known_fits.of(fit, problem, given, "ranked")
+        return self._known_fits.of(fit, problem, body, "ranked")
 
     def _takes_noise(self, problem: CurveProblem, best: Refined) -> bool:
         """Whether errors are enlarged, where neighbouring residuals of a good body exceed them."""
@@ -800,9 +811,7 @@ class Search:
         self._own_problems.append(problem)
         return problem
 
-    def _axial_solutions(
-        self, problem: CurveProblem, tumbling: Sequence[Weighted]
-    ) -> list[Weighted]:
+    def _axial_solutions(self, problem: CurveProblem, tumbling: Sequence[Robust]) -> list[Robust]:
         """Rotations about one axis with the errors of a problem, the most probable poles.
 
         Few of them where a tumbling state is ahead.
@@ -810,7 +819,7 @@ class Search:
         axial = [fit for fit in self.convex if SearchState.of(fit.state).is_axial]
         if not self.axial:
             return [self._compared(problem, fit) for fit in axial[: self.settings.axial_others]]
-        listed_ones: list[Weighted] = []
+        listed_ones: list[Robust] = []
         rotator = self._compared(problem, self.axial[0])
         # those on its comb count as this rotation
         others = (one for one in tumbling if not _verdicts.counts_as(one, rotator, problem))
@@ -824,77 +833,75 @@ class Search:
             ):
                 listed_ones.append(self._robust(problem, fit))
         # their own prior ranks poles; with the one of tumbling bodies they are compared with those
-        best = min(listed_ones, key=lambda each: each.evidence)
-        more = self._compared(problem, best.refined).evidence - best.evidence
-        listed_ones = [replace(one, evidence=one.evidence + more) for one in listed_ones]
+        best = _evidence.ranked(listed_ones)[0]
+        more = _evidence.of_common_prior(best, self._compared(problem, best.refined))
+        listed_ones = [_evidence.with_term(one, more) for one in listed_ones]
         listed_ones = _verdicts.behind_twice_the_period(listed_ones, problem)
         is_doubtful = _verdicts.is_doubtful(best, problem)
         behind = self.settings.alone if is_doubtful else self.settings.axial_behind
         behind *= _evidence.redundancy(best, problem)
-        listed_ones, self.beside = _pole_map.listed(listed_ones, behind)
+        listed_ones, self.beside = _pole_map.listed(listed_ones, behind, self.settings)
         if not is_behind:
             listed_ones += self._between(problem, listed_ones, more, behind)
         listed_ones = listed_ones[: self.settings.axial_finals]
         # the next period decides whether this one is accepted, however far it lies behind
-        rates = np.array([one.refined.state[0] for one in listed_ones])
+        rates = np.array([SearchState.of(one.refined.state).precession for one in listed_ones])
         next_ones = [
             fit
             for fit in axial
-            if 2.0 * np.abs(rates - fit.state[0]).min() > self.settings.axial_width
+            if 2.0 * np.abs(rates - SearchState.of(fit.state).precession).min()
+            > self.settings.axial_width
         ]
         return listed_ones + [
             self._compared(problem, fit) for fit in next_ones[: self.settings.axial_others]
         ]
 
-    def _compared(self, problem: CurveProblem, given: Refined) -> Weighted:
+    def _compared(self, problem: CurveProblem, body: Refined) -> Robust:
         """A rotation about one axis with the prior and the evidence of tumbling bodies."""
-        return self._robust(problem, given, is_wide=True)
+        return self._robust(problem, body, is_wide=True)
 
-    def _robust(self, problem: CurveProblem, given: Refined, *, is_wide: bool = False) -> Weighted:
+    def _robust(self, problem: CurveProblem, body: Refined, *, is_wide: bool = False) -> Robust:
         """The body of largest posterior density near a body."""
         return self._known_fits.of(
-            lambda: self._weighted(problem, given, is_wide=is_wide), problem, given, is_wide
+            lambda: self._weighted(problem, body, is_wide=is_wide), problem, body, is_wide
         )
 
-    def _weighted(self, problem: CurveProblem, given: Refined, *, is_wide: bool) -> Weighted:
+    def _weighted(self, problem: CurveProblem, body: Refined, *, is_wide: bool) -> Robust:
         # the more frequencies of nutation were tried, the better one fits by chance
-        trials = 1.0 if is_axial(given.state) else self.most / self.settings.odds
+        trials = 1.0 if is_axial(body.state) else self.most / self.settings.odds
         return _evidence.refined(
             problem,
-            given.state,
+            body.state,
             tie=replace(self.tie, is_wide=True) if is_wide else self.tie,
-            fixed=self._fixed(given.state),
+            fixed=self._fixed(body.state),
             trials=trials,
         )
 
     def _between(
-        self, problem: CurveProblem, entries: Sequence[Weighted], more: float, behind: float
-    ) -> list[Weighted]:
+        self, problem: CurveProblem, entries: Sequence[Robust], more: float, behind: float
+    ) -> list[Robust]:
         """Rotations at held poles that compete with the entries of a list, and are none of these.
 
         Where nearly any pole fits, minima alone do not say so.  None of them comes first, for the
         best were started from with the pole free.  `more` is added to their evidence.
         """
         places = max(0, self.settings.axial_finals - len(entries))
-        far = _pole_map.apart(self.held_poles, [entry.refined.state for entry in entries])
-        held = [self._at_pole(problem, fit) for fit in far[:places]]
+        states = [entry.refined.state for entry in entries]
+        far = _pole_map.apart(self.held_poles, states, self.settings)
+        held = [_evidence.with_term(self._at_pole(problem, fit), more) for fit in far[:places]]
         least = entries[0].evidence
-        return [
-            replace(one, evidence=max(one.evidence + more, least))
-            for one in held
-            if one.evidence + more < least + behind
-        ]
+        return [_evidence.at_least(one, least) for one in held if one.evidence < least + behind]
 
-    def _at_pole(self, problem: CurveProblem, given: Refined) -> Weighted:
+    def _at_pole(self, problem: CurveProblem, body: Refined) -> Robust:
         """The rotation about one axis of largest posterior density at the pole of a body."""
-        fixed = self._fixed(given.state)
+        fixed = self._fixed(body.state)
         held = fixed.copy()
-        held[:2] = True
+        held[_refinement.TILT] = True
 
-        def fit() -> Weighted:
-            return _evidence.refined(problem, given.state, tie=self.tie, fixed=fixed, held=held)
+        def fit() -> Robust:
+            return _evidence.refined(problem, body.state, tie=self.tie, fixed=fixed, held=held)
 
-        return self._known_fits.of(fit, problem, given, "held")
+        return self._known_fits.of(fit, problem, body, "held")
 
     def _fixed(self, state: FloatArray) -> BoolArray:
         """Parameters that stay: of the axis for rotation about one, of areas for ellipsoids."""
@@ -902,5 +909,5 @@ class Search:
         if is_axial(state):
             fixed[:MOTION] = _ellipsoid.AXIAL_FIXED[:MOTION]
         if self.is_ellipsoid:
-            fixed[10:] = True
+            fixed[_ellipsoid.PARAMETERS :] = True
         return fixed

@@ -50,28 +50,33 @@ class Settings:
     pair_cost: float = 2.2e-6
     # A pair of which the powers of the lines alone are summed.
     power_cost: float = 1.0e-7
-    # An ellipsoid, a point, with derivatives and their products, and without; a step of one.
+    # An ellipsoid, a point, with derivatives and their products.
     ellipsoid_cost: float = 3.5e-8
+    # The same without derivatives.
     screen_cost: float = 1.9e-8
+    # A step of an ellipsoid, whatever the number of points.
     start_cost: float = 5.5e-6
     # The products of a linear term with the rows of an ellipsoid, a point.
     term_cost: float = 6.0e-10
-    # A step of a convex body: a point, with derivatives and its part of the normal matrix (half of
-    # it with few modes), and what does not depend on the points, its priors and the solution.
+    # A convex body, a point, with derivatives and its part of the normal matrix, half of it with
+    # few modes.
     body_cost: float = 2.8e-6
+    # What of a step of a convex body does not depend on the points: its priors and the solution.
     step_cost: float = 1.5e-4
     # A step of the series of a rotation and an orbit, a point.
     series_cost: float = 3.8e-6
     # A term of the series of an orbit beside a body, a point.
     orbit_cost: float = 4.0e-8
-    # A linear fit of functions that turn with a body, at one rate, and its part of each night.
+    # A linear fit of functions that turn with a body, at one rate.
     comb_cost: float = 5.0e-6
+    # The part of that fit of each night.
     cell_cost: float = 1.5e-7
     # A state of a known shape, a point and a facet.
     facet_cost: float = 1.5e-9
     # Of a body of known shape, from whole searches (`benchmarks/inversion_passes.py`, a budget):
-    # its attitude and sums at an epoch; its derivatives and step.
+    # its attitude and sums at an epoch.
     attitude_cost: float = 1.2e-7
+    # From the same searches: its derivatives and step.
     slopes_cost: float = 8.0e-5
 
     # ---- Models of the search
@@ -86,13 +91,16 @@ class Settings:
     # Pairs of frequencies that are fitted at most: of more, those whose lines have most power (of 8
     # million of a rotator these had all of the best 200).
     pairs_fitted: int = 300_000
-    # Pairs of frequencies, and starts of each pair of rates, in the first round; doubled in each.
+    # Pairs of frequencies in the first round; doubled in each.
     pairs: int = 200
+    # Starts of each pair of rates that follow from these, in the first round; doubled in each.
     quick_starts: int = 3
+    # Starts of each pair of rates of a scan over nutations, in the first round; doubled in each.
     scan_starts: int = 5
     # Points that these ellipsoids are fitted to in the first round, at least, doubled in each:
     # their model error is larger than that of the points, and does not depend on their number.
     scan_points: int = 200
+    # Starts of each of the best pairs of rates, since a few miss one body in ten.
     deep_starts: int = 40
     # Rounds at most: the last one tries 64 times as many starts as the first.
     rounds: int = 7
@@ -101,46 +109,54 @@ class Settings:
     # Ellipsoids of one stage that become convex bodies: 60 ms each.
     convex: int = 40
     # Pairs of rates whose best ellipsoids are made lopsided in a few steps, to rank the pairs: the
-    # ellipsoids of true rates came up to 300th, these 1st to 31st.  With modes up to degree 4: with
-    # all 90 of them in so few steps up to 130th.
+    # ellipsoids of true rates came up to 300th, these 1st to 31st.
     short_classes: int = 300
+    # Modes of these bodies, up to degree 4: with all 90 true rates came up to 130th.
     short_modes: int = 24
+    # Steps of these bodies, which rank the pairs and no more.
     first_steps: int = 3
-    # Pairs of rates, the best, whose bodies take steps with all modes, and how many; states
-    # among which pairs are looked for, and of each pair that go on before any other.
+    # Pairs of rates, the best of these, whose bodies take steps with all modes.
     whole_classes: int = 60
+    # The number of those steps.
     short_steps: int = 6
+    # States, the best ellipsoids, among which pairs of rates are looked for.
     short_states: int = 4000
+    # States of each pair of rates that go on before any other.
     short_members: int = 2
-    # Cost after these steps, over the least, of bodies that take more; of the best so many do.
+    # Cost after these steps, over the least, of bodies that take more.
     short_worse: float = 1.6
+    # Bodies, the best, that take more steps whatever their cost.
     short_least: int = 8
     # Pairs of rates, the first of the short fits, that get a short map of poles where the best
     # bodies do not decide: ellipsoids leave the poles of bodies far from one.  True rates of three
     # curves that were found at wrong poles came 48th, 69th and 134th.
     mapped_classes: int = 130
-    # Tumbling states to whose rates those that are mistaken for them are added; what is left of the
-    # budget, s, for the bodies of these maps; the floor of a tumbling body that is not accepted
-    # before them, and from which other poles compete within `alone`: two wrong bodies left 0.88 and
-    # 0.89 of it, one with a wrong pole 0.98, the true pole of a concave body 54 behind.
+    # Tumbling states, the best, to whose rates those that are mistaken for them are added.
     mistaken: int = 2
+    # What is left of the budget, s, for the bodies of these maps.
     class_reserve: float = 6.0
+    # The floor of a tumbling body that is not accepted before these maps, and from which other
+    # poles compete within `alone`: two wrong bodies left 0.88 and 0.89 of it, one with a wrong pole
+    # 0.98, the true pole of a concave body 54 behind.
     doubtful: float = 0.85
-    # Poles and starts at each of such a map; bodies of few modes, and steps, of the best poles and
-    # of the best of these: in one stage of four steps two of three curves missed the true pole.
-    # Of each map so many become bodies with all modes, and of all maps the best bodies, and those
-    # of so many pairs of rates, take more steps.
+    # Poles of a short map, 20 degrees apart.
     class_poles: int = 100
+    # Starts at each of these poles: the best of several random ones each.
     class_starts: int = 2
+    # Bodies of few modes, and their steps, of the best poles and of the best of these: in one stage
+    # of four steps two of three curves missed the true pole.
     class_bodies: tuple[tuple[int, int], ...] = ((48, 2), (16, 6))
+    # Bodies of each map, the best, that get all modes.
     class_members: int = 3
+    # Of all maps the best bodies, and those of so many pairs of rates, that take more steps.
     class_finals: int = 16
     # Model error of bodies, mag, in these maps: with that of ellipsoids priors outweigh the curve,
     # and true rates of one curve came 14th and 23rd that came first with this.
     body_error: float = 0.03
-    # Bodies among which those of least cost with their own model error are chosen, over their
-    # number, and steps that each takes with it.
+    # Bodies among which those of least cost with their own model error are chosen, over the number
+    # chosen.
     ranked: int = 4
+    # Steps that each of them takes with that error.
     ranked_steps: int = 10
     # Bodies fitted with robust errors: all that may compete, at 0.2 s each.
     finals: int = 14
@@ -149,12 +165,15 @@ class Settings:
     # Pairs of rates, the best with the error of ellipsoids, whose first body is fitted so too: the
     # true one of a curve was first by that error, and by its own behind 14 of a rotation's comb.
     firsts: int = 3
-    # Solutions whose rates get a map of poles, within this difference of evidence of the best;
-    # poles of the map, starts at each, and bodies of each map.
+    # Solutions, the best, whose rates get a map of poles.
     mapped: int = 3
+    # Difference of evidence to the best within which they do.
     mapped_behind: float = 40.0
+    # Poles of the map, 17 degrees apart.
     map_poles: int = 150
+    # Starts at each of these poles, for phase, tilt and shape are not known.
     map_starts: int = 6
+    # Bodies of each map, the best, that become solutions.
     map_bodies: int = 16
     # Pairs of rates beyond which a scan over nutations begins no other line: two lines of each of
     # the best pairs of rates are scanned, some 1000 pairs of rates each, more of fast rotation.
@@ -178,18 +197,21 @@ class Settings:
     same_pole: float = math.radians(8.0)
 
     # ---- Rotation about one axis
-    # Strong lines whose rates, and half of them, are tried, and starts at each.
+    # Strong lines whose rates, and half of them, are tried.
     axial_rates: int = 12
+    # Starts at each of these rates, with random poles.
     axial_starts: int = 12
-    # Poles of the map, 15 degrees apart, and bodies at each: minima of shapes lie side by side.
+    # Poles of the map, 15 degrees apart.
     axial_poles: int = 200
+    # Bodies at each of these poles: minima of shapes lie side by side.
     axial_bodies: int = 2
-    # Bodies at held poles from which the pole is free, and the most by which they lie behind the
-    # best: a held pole is up to 8 degrees off.
+    # Bodies at held poles, the best, from which the pole is free.
     axial_freed: int = 80
+    # The most by which these lie behind the best: a held pole is up to 8 degrees off.
     axial_pole_behind: float = 50.0
-    # Listed rotations, and the difference of evidence within which they are.
+    # Listed rotations at most.
     axial_finals: int = 48
+    # Difference of evidence to the best within which rotations are listed.
     axial_behind: float = 25.0
     # Poles are mapped where chi-squared of the best rotation is at most this times the best's.
     axial_worse: float = 2.0
@@ -207,23 +229,39 @@ class Settings:
     axial_others: int = 3
 
     # ---- Moons
-    # Pairs of rotation and orbit that become bodies, and the rms of their series, over that of the
-    # best solution, above which none does: for binaries 0.9 to 1.3, for tumbling bodies 1.4 to 11.
+    # Pairs of rotation and orbit, the best, that become bodies.
     orbits: int = 4
+    # The rms of their series, over that of the best solution, above which none does: for binaries
+    # 0.9 to 1.3, for tumbling bodies 1.4 to 11.
     orbit_worse: float = 2.0
     # The same, up to which no body that tumbles is claimed above the floor.
     orbit_alike: float = 1.2
 
     # ---- Several apparitions of a tumbling body
-    # Solutions of each apparition that are joined with those of another, and by how much their
-    # errors are larger than those of the curvature: by 2 to 3 where the model errs.
+    # Solutions of each apparition, the best, that are joined with those of another.
     joined_solutions: int = 8
+    # Their errors over those of the curvature: 2 to 3 where the model errs.
     joined_wider: float = 3.0
-    # Pairs of numbers of turns: chi-squared, with those errors, above the least of two solutions;
-    # pairs that are fitted in a few steps; pairs that are listed.
+    # Chi-squared of a pair of numbers of turns, with those errors, above the least of two
+    # solutions.
     joined_within: float = 25.0
+    # Pairs of numbers of turns, the best, that are fitted in a few steps.
     joined_trials: int = 400
+    # Pairs of numbers of turns, the best of these, that are fitted in more steps and listed.
     joined: int = 40
+
+    # ---- Bodies of known shape
+    # A model with errors of its own, such as shadows of coarse facets, fits no better: searches
+    # that have to end at one cost.
+    known_agreeing: int = 3
+    # A cost over the least, up to which the two are one.
+    known_alike: float = 1.03
+    # Mean square of residuals over the errors of a state that these searches agree on, at most.
+    known_rough: float = 4.0
+    # Cost behind the best beyond which no state of the search is fitted.
+    known_behind: float = 150.0
+    # Like `floor`: a known shape has no areas that take up errors of the model.
+    known_floor: float = 1.25
 
     # ---- Evidence
     # Tumbling bodies among those that are searched for: even odds before the curve is seen.  With
@@ -235,19 +273,20 @@ class Settings:
     # Difference of likelihoods within which a rotation with one maximum a turn stands behind twice
     # its period: of 156 rotators of the benchmarks four had one, and none was hidden by this.
     doubled: float = 4.0
-    # Mean square of residuals over sigma and `floor_error` (mag) of a solution that is accepted.
+    # Mean square of residuals over sigma and `floor_error` of a solution that is accepted.
     floor: float = 1.0
+    # Error, mag, of a model that fits well, beside sigma.
     floor_error: float = 0.01
     # Share of the points, the worst, that neither the floor nor the share of variance counts.
     worst: float = 0.03
-    # Without the floor: the share of the variance left, and the difference of evidence to the next
-    # periods, of a solution that is accepted: errors of the model are correlated, so that
-    # differences of evidence are too large by a factor of some ten.
+    # The share of the variance that an accepted solution leaves, where it is not at the floor.
     left: float = 0.12
+    # Difference of evidence to the next periods of such a solution: errors of the model are
+    # correlated, so that differences of evidence are too large by a factor of some ten.
     alone: float = 120.0
-    # Differences of evidence within which other periods, and other poles, compete: odds of 700 and
-    # 400 to 1.
+    # Difference of evidence within which other periods compete: odds of 700 to 1.
     competing: float = 13.0
+    # Difference of evidence within which other poles compete: odds of 400 to 1.
     competing_poles: float = 12.0
     # Difference of likelihoods within which poles compete that are up to twice as far behind in
     # evidence, by a prior of shapes: two wrong ones were 5 and 6.5 ahead, right ones 10 and 13.
@@ -285,17 +324,19 @@ class Settings:
     wide: float = 0.08
     # How often chance explains a nutation that fits better.
     by_chance: float = 0.1
-    # Rho of a nutation that would be noticed where rotation about one axis is claimed, its rates
-    # over that of the rotation, and by how much more than by chance it would fit better, for noise
-    # to hide one in twenty: of two tumbling bodies with the rate of one axis it gained 13 and 24.
+    # Rho of a nutation that would be noticed where rotation about one axis is claimed.
     noticed: float = 0.16
+    # Rates of that nutation over the rate of the rotation.
     noticed_rates: tuple[float, ...] = (0.2, 0.4, 0.8)
+    # By how much more than by chance it would fit better, for noise to hide one in twenty: of two
+    # tumbling bodies with the rate of one axis it gained 13 and 24.
     noticed_by: float = 2.0
 
     # ---- Constant brightness
     # Standard deviations of chi-squared over the degrees of freedom, above 1, of a curve that is
-    # not constant, and the least such ratio that no constant curve has.
+    # not constant.
     constant: float = 3.0
+    # The least ratio of chi-squared to the degrees of freedom that no constant curve has.
     constant_at_most: float = 1.5
     # Solutions of one zero point, the best of whose rates are refined with offsets of the sessions.
     compared: int = 6

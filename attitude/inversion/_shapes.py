@@ -31,9 +31,14 @@ if TYPE_CHECKING:
     from attitude.scattering._law import Law
 
 
-COUNT, MODES = 260, 90
-# Standard deviation of the logarithm of an area, and its correlation length, rad.
-_AMPLITUDE, _LENGTH = 1.0, 0.35
+# Facets of a convex body.
+COUNT = 260
+# Modes of the logarithms of their areas.
+MODES = 90
+# Standard deviation of the logarithm of an area.
+_AMPLITUDE = 1.0
+# Its correlation length, rad.
+_LENGTH = 0.35
 # Largest residual of the closure, |sum of a n| / sum of a: one standard deviation.
 _CLOSURE = 0.01
 # Standard deviations of ln I1/I3 and ln I2/I3 of the motion from those of the homogeneous shape.
@@ -42,8 +47,10 @@ TOLERANCE = 0.05
 # the square grows as the difference.  Of 24 bodies with shapes by radar and spacecraft they are 1
 # to 5, once 11, for the ten that are elongated, below 1 for the others.
 _CONCAVE = 1.5
-# Turn of the axes of the shape against those of the motion, rad; least relative split of axes.
-_TURN, _SPLIT = 0.07, 0.02
+# Turn of the axes of the shape against those of the motion, rad.
+_TURN = 0.07
+# Least relative split of axes.
+_SPLIT = 0.02
 # The last step of logarithms of ratios of axes.
 _CLOSE = 1e-6
 
@@ -140,12 +147,14 @@ LAW = LommelSeeligerLambert(c=LAMBERT, a=0.0, k=0.0)
 # Parameters of the ellipsoid, and of a shape.
 ELLIPSOID = 2
 SIZE = ELLIPSOID + MODES
-# Standard deviations of the logarithms of the squared ratios of axes of the ellipsoid, and of the
-# coefficients of the modes.
-_RATIOS, _MODES = 1.5, 1.0
+# Standard deviation of the logarithms of the squared ratios of axes of the ellipsoid.
+_RATIOS = 1.5
+# Standard deviation of the coefficients of the modes.
+_MODES = 1.0
 # The same about one axis, those of bodies that are known: there many poles fit equally well with a
 # shape of their own, and wide priors prefer those from which least of the shape is seen.
-_AXIAL_RATIOS, _AXIAL_MODES = 0.9, 0.5
+_AXIAL_RATIOS = 0.9
+_AXIAL_MODES = 0.5
 # That of the logarithms of ratios of moments that are given.
 _GIVEN = 0.003
 _MAGNITUDE = -2.5 / math.log(10.0)
@@ -289,10 +298,10 @@ def widths(is_axial: bool) -> FloatArray:
     return all_widths
 
 
-def wanted(given: FloatArray, moments: MotionMoments) -> FloatArray:
-    """ln I1/I3 and ln I2/I3 (2,) of given ascending moments over the axes of a motion."""
-    third, first = (given[0], given[2]) if moments.is_long_axis else (given[2], given[0])
-    both = np.log(np.array([first, given[1]]) / third)
+def wanted(ordered: FloatArray, moments: MotionMoments) -> FloatArray:
+    """ln I1/I3 and ln I2/I3 (2,) of ascending moments over the axes of a motion."""
+    third, first = (ordered[0], ordered[2]) if moments.is_long_axis else (ordered[2], ordered[0])
+    both = np.log(np.array([first, ordered[1]]) / third)
     return both[::-1] if moments.is_swapped else both
 
 

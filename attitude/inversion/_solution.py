@@ -42,15 +42,16 @@ if TYPE_CHECKING:
 
     from astropy.table import QTable
     from astropy.time import Time
+    from matplotlib.figure import Figure
 
     from attitude._support.annotations import Epochs, FilePath, FloatArray, IntArray
     from attitude._support.tables import FlatTable
     from attitude.inversion._errors import GroupErrors
-    from attitude.inversion._evidence import Weighted
+    from attitude.inversion._evidence import Robust, Weighted
+    from attitude.inversion._moving import Motion
     from attitude.inversion._problem import CurveProblem
     from attitude.inversion._shapes import Tie
     from attitude.inversion._states import Posterior
-    from attitude.motions._motion import Motion
     from attitude.motions._published import Published
     from attitude.paths._path import Path
     from attitude.scattering._law import Law
@@ -120,7 +121,7 @@ class Prediction(Immutable):
         table["phase_angle"] = np.degrees(self.phase_angle) * units.deg
         return table
 
-    def plot(self, path: FilePath | None = None, *, observed: LightCurve | None = None) -> Any:
+    def plot(self, path: FilePath | None = None, *, observed: LightCurve | None = None) -> Figure:
         """A figure with a panel a night: the model as a line with its error, points if given.
 
         Parameters
@@ -146,7 +147,7 @@ def predicted(
     solution: CurveFit,
     times: Epochs | LightCurve | None,
     path: Path | str | None = None,
-    site: Any = None,
+    site: Path | str | None = None,
     filter: str | None = None,
 ) -> Prediction:
     """The magnitudes of a fit at epochs; see `CurveFit.predict`."""
@@ -191,19 +192,21 @@ def predicted(
         mean[night] = factor[night].mean(axis=0)
     floor = 1.48 * float(np.median(np.abs(solution.residuals)))
     return Prediction(
-        curve.epoch,
-        frozen(seconds),
-        frozen(magnitude),
-        frozen(np.sqrt(np.sum(factor**2, axis=1) + floor**2)),
-        frozen(np.sqrt(np.sum((factor - mean) ** 2, axis=1) + floor**2)),
-        frozen(np.linalg.norm(mean, axis=1)),
-        sun,
-        observer,
-        solution,
+        epoch=curve.epoch,
+        seconds=frozen(seconds),
+        magnitude=frozen(magnitude),
+        sigma=frozen(np.sqrt(np.sum(factor**2, axis=1) + floor**2)),
+        form=frozen(np.sqrt(np.sum((factor - mean) ** 2, axis=1) + floor**2)),
+        level=frozen(np.linalg.norm(mean, axis=1)),
+        sun=sun,
+        observer=observer,
+        fit=solution,
     )
 
 
-def _exposures(curve: LightCurve, times: Any, count: int, span: float) -> FloatArray | None:
+def _exposures(
+    curve: LightCurve, times: Epochs | LightCurve | None, count: int, span: float
+) -> FloatArray | None:
     """Exposures (T,), spans: those of a curve, or the usual one of the curve that was fitted."""
     if times is None or isinstance(times, LightCurve):
         return (curve if times is None else times).exposure / span
@@ -218,15 +221,17 @@ def _factor(covariance: FloatArray) -> FloatArray:
 
 
 def _geometry(
-    curve: LightCurve, times: Any, path: Any, site: Any
+    curve: LightCurve,
+    times: Epochs | LightCurve | None,
+    path: Path | str | None,
+    site: Path | str | None,
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Seconds of reception and of emission, (T,), and vectors (T, 3) to Sun and observer."""
     if times is None:
         return curve.seconds, curve.emission, *curve.vectors
     if path is not None:
-        t = np.atleast_1d(_inputs.seconds_since(curve.epoch, times).rounded)
-        keywords: dict[str, Any] = {} if site is None else {"site": site}
-        times = LightCurve(t, np.zeros(len(t)), epoch=curve.epoch, path=path, **keywords)
+        t = np.atleast_1d(_inputs.seconds_since(curve.epoch, cast("Epochs", times)).rounded)
+        times = LightCurve(t, np.zeros(len(t)), epoch=curve.epoch, path=path, site=site)
     if isinstance(times, LightCurve):
         shift = times.epoch.seconds - curve.epoch.seconds
         return times.seconds + shift, times.emission + shift, *times.vectors
@@ -253,7 +258,7 @@ def _geometry(
     return t, t - light, sun, observer
 
 
-def _scene(curve: LightCurve, site: Any) -> Scene:
+def _scene(curve: LightCurve, site: Path | str | None) -> Scene:
     """The scene of a site of the curve, by default of most of its points, or of another place."""
     if site is None:
         return curve.scenes[curve.sites[int(np.argmax(np.bincount(curve.site)))]]
@@ -261,8 +266,14 @@ def _scene(curve: LightCurve, site: Any) -> Scene:
         return curve.scenes[site]
     scene = next(iter(curve.scenes.values()))
     place: Any = _places.place(site, "site", is_observer=True)
-    options: dict[str, Any] = {"light_time": scene.light_time, "ephemeris": scene.ephemeris}
-    return Scene(None, scene.center, place, scene.sun, **options)
+    return Scene(
+        None,
+        scene.center,
+        place,
+        scene.sun,
+        light_time=scene.light_time,
+        ephemeris=scene.ephemeris,
+    )
 
 
 def _terms(
@@ -307,11 +318,19 @@ class CurveFit(Answering, ABC):
     _is_known = False
 
     def __init__(
-        self, curve: LightCurve, weighted: Weighted, problem: CurveProblem, rank: int, relation: str
+        self,
+        curve: LightCurve,
+        weighted: Weighted[object],
+        problem: CurveProblem,
+        rank: int,
+        relation: str,
     ) -> None:
-        self.curve, self.weighted, self._problem = curve, weighted, problem
+        self.curve = curve
+        self.weighted = weighted
+        self._problem = problem
         self.evidence: float = weighted.evidence
-        self.rank, self.relation = rank, relation
+        self.rank = rank
+        self.relation = relation
 
     @cached_property
     def shape(self) -> Mesh:
@@ -386,7 +405,7 @@ class CurveFit(Answering, ABC):
         times: Epochs | LightCurve | None = None,
         *,
         path: Path | str | None = None,
-        site: Any = None,
+        site: Path | str | None = None,
         filter: str | None = None,
     ) -> Prediction:
         """Magnitudes at epochs of reception, and their errors, those of form and level apart.
@@ -426,7 +445,7 @@ class CurveFit(Answering, ABC):
         """Numbers of the groups of points by which errors are found, by several groupings."""
         return _errors.groupings(self._problem.t, self._problem.span, self.curve.session)
 
-    def plot(self, path: FilePath | None = None) -> Any:
+    def plot(self, path: FilePath | None = None) -> Figure:
         """A figure with a panel a night: points, model, residuals; saved if a path is given."""
         from attitude.inversion import _figures
 
@@ -455,8 +474,7 @@ class CurveFit(Answering, ABC):
         law = self.law if _surface.has_lines(self.law) else None
         note = labels.pop("note", None) or f"{self._made}: {self!r}"
         source = labels.pop("source", None) or "attitude.inversion"
-        motion: Any = self.motion
-        first = FreeRotation(motion.body, motion.spin)
+        first = FreeRotation(self.motion.body, self.motion.spin)
         surface = {"shape": self.shape, "law": law}
         spin_file.write(path, first, source=source, note=note, **(surface | labels))
 
@@ -473,19 +491,22 @@ class Solution(CurveFit):
     """
 
     _made = "by inversion of a light curve"
+    weighted: Robust
 
     def __init__(
         self,
         curve: LightCurve,
-        weighted: Weighted,
+        weighted: Robust,
         problem: CurveProblem,
         tie: Tie,
         rank: int,
+        relation: str = "best",
+        rivals: Sequence[Robust] = (),
     ) -> None:
-        super().__init__(curve, weighted, problem, rank, "")
+        super().__init__(curve, weighted, problem, rank, relation)
         self.tie = tie
-        self._rivals: list[Solution] = [self]
-        self._beside: list[Weighted] = []
+        # those that compete with it
+        self._rivals = rivals
 
     @property
     def state(self) -> FloatArray:
@@ -513,9 +534,15 @@ class Solution(CurveFit):
 
     @cached_property
     def _covariances(self) -> tuple[FloatArray, GroupErrors]:
-        rivals = [rival.weighted for rival in self._rivals if rival is not self] + self._beside
         with _refinement.limited():
-            return _states.covariance(self.weighted, self._groups, self.tie, rivals)
+            return _states.covariance(self.weighted, self._groups, self.tie, self._rivals)
+
+    def _errors_of(self, solution: Robust) -> GroupErrors:
+        """The covariances of the parameters of the motion of this solution, or of a rival."""
+        if solution is self.weighted:
+            return self._covariances[1]
+        with _refinement.limited():
+            return _states.covariance(solution, self._groups, self.tie)[1]
 
     @property
     def covariance(self) -> FloatArray:
@@ -532,7 +559,9 @@ class Solution(CurveFit):
     @property
     def mode(self) -> str:
         """ "LAM", "SAM", or "PA" for rotation about one axis."""
-        return "PA" if self.is_axial else "LAM" if self.state[1] > 0.0 else "SAM"
+        return (
+            "PA" if self.is_axial else "LAM" if SearchState.of(self.state).nutation > 0.0 else "SAM"
+        )
 
     @property
     def P_psi(self) -> float:
@@ -559,7 +588,8 @@ class Solution(CurveFit):
         begin, normal = _refinement.SIZE, self.weighted.refined.normal
         if len(normal) == begin:
             return np.zeros(_refinement.DRIFT)
-        curvature, rates = inverse(normal), slice(3, 5)
+        curvature = inverse(normal)
+        rates = slice(_refinement.PRECESSION, _refinement.NUTATION + 1)
         wider = np.diag(self._covariances[1].covariance)[rates] / np.diag(curvature)[rates]
         inner = float(wider.max()) * curvature[begin:, begin:]
         by = self._frequencies_by
@@ -569,7 +599,7 @@ class Solution(CurveFit):
     @property
     def _frequencies_by(self) -> FloatArray:
         """Derivatives (2, 2) of the frequencies of phi and psi by precession and nutation."""
-        nutation = 1.0 if self.state[1] > 0.0 else -1.0
+        nutation = 1.0 if SearchState.of(self.state).nutation > 0.0 else -1.0
         return np.array([[2.0, -max(nutation, 0.0)], [0.0, nutation]])
 
     @property
@@ -578,9 +608,10 @@ class Solution(CurveFit):
         c = self._covariances[1].covariance
         phi, psi = SearchState.of(self.state).rates
         if self.is_axial:
-            return math.inf, 2.0 * math.sqrt(c[3, 3]) * self.curve.span / phi**2
-        by = self._frequencies_by
-        of_phi, of_psi = np.sqrt(np.diag(by @ c[3:5, 3:5] @ by.T)).tolist()
+            sigma = math.sqrt(c[_refinement.PRECESSION, _refinement.PRECESSION])
+            return math.inf, 2.0 * sigma * self.curve.span / phi**2
+        by, rates = self._frequencies_by, slice(_refinement.PRECESSION, _refinement.NUTATION + 1)
+        of_phi, of_psi = np.sqrt(np.diag(by @ c[rates, rates] @ by.T)).tolist()
         return of_psi * self.curve.span / psi**2, of_phi * self.curve.span / phi**2
 
     @property
@@ -594,7 +625,7 @@ class Solution(CurveFit):
     @property
     def pole_sigma(self) -> float:
         """Standard error of the direction of the momentum, rad, the larger of two."""
-        inner = self._covariances[1].covariance[:2, :2]
+        inner = self._covariances[1].covariance[_refinement.TILT, _refinement.TILT]
         return math.sqrt(float(np.linalg.eigvalsh(inner)[-1]))
 
     def sample(self, count: int, seed: int = 0) -> list[FreeRotation]:
@@ -619,7 +650,7 @@ class Solution(CurveFit):
         AttitudeError
             If emcee is not installed, and for rotation about one axis.
         """
-        return _states.sampled(self._rivals, method, walkers, steps, seed)
+        return _states.sampled(self, method, walkers, steps, seed)
 
     def _model(self, problem: CurveProblem) -> _refinement.ShapeModel:
         """Magnitudes and their derivatives at the epochs of a problem."""
@@ -629,7 +660,7 @@ class Solution(CurveFit):
         """A table for notebooks, the fit and the shape."""
         longitude, latitude = np.degrees(self.pole)
         psi, phi = self.periods_sigma
-        rows = [("rank, relation", f"{self.rank}, {self.relation or 'best'}"), ("mode", self.mode)]
+        rows = [("rank, relation", f"{self.rank}, {self.relation}"), ("mode", self.mode)]
         if not self.is_axial:
             rows.append(("P_psi", _with_error(self.P_psi, psi)))
         rows += [
@@ -733,7 +764,7 @@ class SpinStates(Answering, Sequence[Fit]):
             }
         )
 
-    def plot(self, path: FilePath | None = None) -> Any:
+    def plot(self, path: FilePath | None = None) -> Figure:
         """A figure of the best fit, and of the periods and poles of all solutions."""
         from attitude.inversion import _figures
 

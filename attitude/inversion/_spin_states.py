@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from attitude._support.annotations import FloatArray, Real
-    from attitude.inversion._evidence import Weighted
+    from attitude.inversion._evidence import Robust, Weighted
     from attitude.inversion._problem import CurveProblem
     from attitude.inversion._refine import Refinement
     from attitude.inversion._shapes import Tie
@@ -49,7 +49,10 @@ if TYPE_CHECKING:
     Prepared = Callable[[ZeroPoints], _search.Search]
 
 
-_MODES, _ROTATION = ("LAM", "SAM"), ("PA",)
+# Modes of tumbling.
+_MODES = ("LAM", "SAM")
+# Rotation about one axis alone.
+_ROTATION = ("PA",)
 # Share of a period about which it is searched.
 _OF_PERIOD = 0.01
 _DAY = 86400.0
@@ -445,19 +448,19 @@ def _with_offsets_if_needed(one: _search.Search, prepared: Prepared) -> _search.
     return searched
 
 
-def _run(made: _search.Search, is_ended: Callable[[bool], bool] = _search.never) -> bool:
+def _run(search: _search.Search, is_ended: Callable[[bool], bool] = _search.never) -> bool:
     """Run a search; False if it was interrupted."""
     try:
-        made.run(is_ended)
+        search.run(is_ended)
     except KeyboardInterrupt:
-        made.notes.append("the search was interrupted.")
-        if not made.solutions:
-            made.finish()
+        search.notes.append("the search was interrupted.")
+        if not search.solutions:
+            search.finish()
         return False
     return True
 
 
-def _asks_for_offsets(one: _search.Search, own: _search.Search, needed: float) -> bool:
+def _asks_for_offsets(one: _search.Search, with_offsets: _search.Search, needed: float) -> bool:
     """Whether evidence prefers zero points of the sessions, with the best motions found so far.
 
     Of each pair of rates the best, and those that were best with zero points before: a slow motion
@@ -465,15 +468,10 @@ def _asks_for_offsets(one: _search.Search, own: _search.Search, needed: float) -
     """
     if not one.solutions:
         return False
-    solutions = *one.solutions, *own.solutions[:1]
-    own.begin(distinct((solution.refined.state for solution in solutions), one.has_rates))
-    better = _with_volume(one.solutions[0]) - _with_volume(own.solutions[0])
-    return better > needed
-
-
-def _with_volume(found: Weighted) -> float:
-    """That of a solution among others with other zero points."""
-    return found.evidence + _evidence.volume_of_offsets(found.problem)
+    solutions = *one.solutions, *with_offsets.solutions[:1]
+    with_offsets.begin(distinct((solution.refined.state for solution in solutions), one.has_rates))
+    without_offsets = _evidence.among_problems(one.solutions[0])
+    return without_offsets - _evidence.among_problems(with_offsets.solutions[0]) > needed
 
 
 def _mean_square(problem: CurveProblem) -> float:
@@ -496,16 +494,16 @@ def is_constant(problem: CurveProblem) -> bool:
     return chi_squared < most * free
 
 
-def _as_constant(problem: CurveProblem, found: Sequence[Weighted]) -> str:
+def _as_constant(problem: CurveProblem, solutions: Sequence[Robust]) -> str:
     """How a constant brightness with zero points of the sessions competes; "" if it does not."""
     constant = _evidence.constant(problem)
-    best = min((_with_volume(solution) for solution in found), default=math.inf)
-    ahead = best - _with_volume(constant)
+    best = min((_evidence.among_problems(solution) for solution in solutions), default=math.inf)
+    ahead = best - _evidence.among_problems(constant)
     if ahead < -problem.settings.competing:
         return ""
     size = float(np.std(_offsets_of(constant)))
     words = f"a constant brightness with zero points of the sessions of {size:.3f} mag rms"
-    if not found:
+    if not solutions:
         return f"{words} explains the curve"
     needed = f"({problem.settings.competing:g} needed)"
     return f"{words} is {_verdicts.ahead_by(ahead)} the best state in -2 ln(evidence) {needed}"
@@ -521,9 +519,9 @@ def _shifts(curve: LightCurve, share: float) -> tuple[float, ...]:
     return (curve.span / _DAY,) if one_site else ()
 
 
-def _offsets_of(found: Weighted) -> FloatArray:
+def _offsets_of(solution: Weighted[object]) -> FloatArray:
     """Fitted zero points of the calibrated sessions of a solution, mag."""
-    return found.problem.offsets(found.refined.magnitude)
+    return solution.problem.offsets(solution.refined.magnitude)
 
 
 def _results(curve, searched):
@@ -532,21 +530,19 @@ def _results(curve, searched):
     settings = search.settings
     admissible = [one for one in search.solutions if _ellipsoid.is_admissible(one.refined.state)]
     solutions = [
-        Solution(curve, one, search.problem, search.tie, k) for k, one in enumerate(admissible)
-    ]
-
-    def competing(solution, others):
-        width = settings.competing_poles
-        return [one for one in others if abs(one.evidence - solution.evidence) < width]
-
-    for solution in solutions:
-        solution.relation = _verdicts.relation(
-            solution.state, solutions[0].state, search.problem, search.length
+        Solution(
+            curve,
+            one,
+            search.problem,
+            search.tie,
+            rank,
+            _verdicts.relation(
+                one.refined.state, admissible[0].refined.state, search.problem, search.length
+            ),
+            _rivals(one, admissible, search),
         )
-        others = [other for other in solutions if other is not solution]
-        solution._rivals = [solution, *competing(solution, others)]
-        if solution.is_axial:
-            solution._beside = competing(solution, search.beside)
+        for rank, one in enumerate(admissible)
+    ]
     verdict, criterion = search.verdict_of(admissible)
     if verdict == _verdicts.SOLVED:
         best = solutions[0]
@@ -556,8 +552,9 @@ def _results(curve, searched):
         )
     if searched.rival is not None:
         period = curve.span / searched.rival.problem.orbit / _DAY
-        arguments = (verdict, criterion), period, ahead, search.settings.alone
-        verdict, criterion = _verdicts.of_satellite(*arguments)
+        verdict, criterion = _verdicts.of_satellite(
+            (verdict, criterion), period, ahead, settings.alone
+        )
     if searched.constant:
         verdict, criterion = _verdicts.OPEN, f"{searched.constant}; {criterion}"
     notes = list(searched.notes)
@@ -565,6 +562,15 @@ def _results(curve, searched):
         notes.append(_words_of_drift(solutions[0]))
     criterion += _verdicts.ended_by(verdict, search.problem.tally)
     return SpinStates(solutions, verdict, criterion, tuple(notes))
+
+
+def _rivals(solution: Robust, solutions: Sequence[Robust], search: _search.Search) -> list[Robust]:
+    """Those that compete with a solution; of a rotation also those that no list of poles names."""
+    others = [other for other in solutions if other is not solution]
+    if _ellipsoid.is_axial(solution.refined.state):
+        others += search.beside
+    width = search.settings.competing_poles
+    return [other for other in others if abs(other.evidence - solution.evidence) < width]
 
 
 def _words_of_drift(best: Solution) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.inversion import _ellipsoid, _errors, _motions, _pole_map, _refinement, _shapes
-from attitude.inversion._ellipsoid import is_axial
+from attitude.inversion._ellipsoid import SearchState, is_axial
 from attitude.inversion._refinement import MOTION
 from attitude.inversion._shapes import Tie
 from attitude.motions._body import Body
@@ -23,10 +23,12 @@ from attitude.motions._spin import Spin
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from matplotlib.figure import Figure
+
     from attitude._support.annotations import BoolArray, FilePath, FloatArray, IntArray
     from attitude.epochs._instants import Instant
     from attitude.inversion._errors import GroupErrors
-    from attitude.inversion._evidence import Weighted
+    from attitude.inversion._evidence import Robust
     from attitude.inversion._moving import MovingPoint
     from attitude.inversion._solution import Solution
 
@@ -55,10 +57,10 @@ def of(moments: str | float | Body | Sequence[float]) -> Tie:
     return Tie(moments=ordered / ordered[2])
 
 
-def with_moments(point: MovingPoint, given: FloatArray) -> MovingPoint:
+def with_moments(point: MovingPoint, moments: FloatArray) -> MovingPoint:
     """The point with given moments (3,), ascending, in the order of those that it has."""
     order = np.argsort(np.argsort(point.body.moments))
-    scaled = given[order] * (float(point.body.moments.max()) / given[2])
+    scaled = moments[order] * (float(point.body.moments.max()) / moments[2])
     body = Body(moments=scaled, relative=point.body.relative, mass=point.body.mass)
     return replace(point, body=body)
 
@@ -80,14 +82,14 @@ class PhysicalState(NamedTuple):
 def physical(state: FloatArray) -> PhysicalState:
     """The state of motion of the parameters of a search; the largest moment is 1."""
     body = _motions.at_epochs(state, np.zeros(1)).matrix.reshape(3, 3)
-    matrix = state[5:14].reshape(3, 3) @ body
-    if is_axial(state):
-        held = _shapes.constraints(state[14:16], *_shapes.areas(state[14:16], state[16:]))
+    fields = SearchState.of(state)
+    matrix = fields.frame @ body
+    if fields.is_axial:
+        held = _shapes.constraints(fields.flat, *_shapes.areas(fields.flat, fields.modes))
         ratios = np.exp(np.append(held.log_ratios, 0.0))
         ratios[2] = max(ratios[2], 1.0001 * float(ratios[:2].max()))
-        return PhysicalState(
-            matrix, np.array([0.0, 0.0, 4.0 * math.pi * state[0]]), ratios / ratios.max()
-        )
+        rates = np.array([0.0, 0.0, 4.0 * math.pi * fields.precession])
+        return PhysicalState(matrix, rates, ratios / ratios.max())
     moments_of = _motions.moments(state[_ellipsoid.OF_MOMENTS])
     ratios = np.exp(np.append(moments_of.log_ratios, 0.0))
     return PhysicalState(matrix, moments_of.momentum * body[2] / ratios, ratios / ratios.max())
@@ -104,28 +106,29 @@ def motion(
 
 
 def covariance(
-    found: Weighted,
+    solution: Robust,
     groups: Sequence[IntArray],
     tie: Tie,
-    rivals: Sequence[Weighted] = (),
+    rivals: Sequence[Robust] = (),
 ) -> tuple[FloatArray, GroupErrors]:
     """The covariance of the state (9, 9), per span, and those of the parameters of the motion.
 
     Shapes: groups (N,).
     """
-    state, problem = found.refined.state, found.problem
-    fixed = np.diag(found.refined.normal) == 1.0
+    state, problem = solution.refined.state, solution.problem
+    fixed = np.diag(solution.refined.normal) == 1.0
 
     def refitted(keep: BoolArray) -> FloatArray | None:
         again = _refinement.refine(
             problem.part(keep), state, tie=tie, fixed=fixed, iterations=_REFITTED, gain=1e-5
         ).state
-        turn = quaternion.from_matrix(state[5:14].reshape(3, 3).T @ again[5:14].reshape(3, 3))
-        return np.concatenate([forms.to_rotation_vector(turn), again[:5] - state[:5]])
+        turn = quaternion.from_matrix(SearchState.of(state).frame.T @ SearchState.of(again).frame)
+        change = again[_ellipsoid.OF_ELEMENTS] - state[_ellipsoid.OF_ELEMENTS]
+        return np.concatenate([forms.to_rotation_vector(turn), change])
 
     shape_model = _refinement.model(problem, state)
-    formal = _errors.covariance_of_motion(found, tie)
-    errors_of = _errors.errors(found, shape_model, groups, MOTION, refitted, formal)
+    formal = _errors.covariance_of_motion(solution, tie)
+    errors_of = _errors.errors(solution, shape_model, groups, MOTION, refitted, formal)
     if is_axial(state):
         others = [
             (rival.refined.state, rival.evidence)
@@ -133,7 +136,7 @@ def covariance(
             if is_axial(rival.refined.state)
             and _pole_map.has_turn(problem, rival.refined.state, state)
         ]
-        wider = errors_of.covariance + _pole_map.spread(state, found.evidence, others)
+        wider = errors_of.covariance + _pole_map.spread(state, solution.evidence, others)
         errors_of = errors_of._replace(covariance=wider)
     slopes = _slopes(state)
     total = slopes @ errors_of.covariance @ slopes.T
@@ -143,7 +146,9 @@ def covariance(
 def _slopes(state: FloatArray) -> FloatArray:
     """Derivatives (9, 8) of rotation vector (ICRF), rates and moments by the parameters."""
     slopes = np.zeros((9, MOTION))
-    scale = np.array([1.0, 1.0, 1.0, abs(state[0]), max(abs(state[1]), 1.0), 1.0, 1.0, 1.0])
+    fields, scale = SearchState.of(state), np.ones(MOTION)
+    scale[_refinement.PRECESSION] = abs(fields.precession)
+    scale[_refinement.NUTATION] = max(abs(fields.nutation), 1.0)
     for p in range(4 if is_axial(state) else MOTION):
         step = np.zeros(MOTION)
         step[p] = _STEP * scale[p]
@@ -183,6 +188,12 @@ class Posterior:
         Of the parameters of the first solution, to compare.
     acceptance : float
         Mean share of the moves accepted.
+    states : list of (WIDTH,) arrays
+        The parameters of the solutions.
+    span : float
+        s, that of the curve.
+    epoch : Instant
+        Of the curve.
     """
 
     offsets: FloatArray
@@ -190,7 +201,9 @@ class Posterior:
     weights: FloatArray
     covariance: FloatArray
     acceptance: float
-    origins: tuple[Any, ...]
+    states: Sequence[FloatArray]
+    span: float
+    epoch: Instant
 
     def __len__(self) -> int:
         return len(self.offsets)
@@ -211,22 +224,19 @@ class Posterior:
         all_motions = []
         for which in generator.choice(len(self.weights), number, p=self.weights):
             row = generator.choice(np.flatnonzero(self.solution == which))
-            origin = self.origins[which]
-            state = _errors.moved(origin.state, self.offsets[row])
-            all_motions.append(motion(state, origin.curve.span, origin.curve.epoch, None))
+            state = _errors.moved(self.states[which], self.offsets[row])
+            all_motions.append(motion(state, self.span, self.epoch, None))
         return all_motions
 
-    def plot(self, path: FilePath | None = None) -> Any:
+    def plot(self, path: FilePath | None = None) -> Figure:
         """A corner figure of the first solution's parameters; saved if a path is given."""
         from attitude.inversion import _figures
 
         return _figures.of_posterior(self, path)
 
 
-def sampled(
-    solutions: list[Solution], method: str, walkers: int, steps: int, seed: int
-) -> Posterior:
-    """The posterior of competing solutions, the first of which is described."""
+def sampled(best: Solution, method: str, walkers: int, steps: int, seed: int) -> Posterior:
+    """The posterior of a solution, which is described, and of those that compete with it."""
     validation.one_of(method, "method", ("emcee",))
     validation.count(walkers, "walkers", 17)
     validation.count(steps, "steps", 20)
@@ -237,32 +247,36 @@ def sampled(
             f"posterior needs emcee, which is not installed; install it by "
             f"{validation.installing('posterior')}."
         ) from err
-    if solutions[0].is_axial:
+    if best.is_axial:
         raise AttitudeError(
             "the solution rotates about one axis, whose nutation has no parameters to sample; take "
             "its covariance."
         )
-    solutions = [solution for solution in solutions if not solution.is_axial]
+    tumbling = [rival for rival in best._rivals if not is_axial(rival.refined.state)]
+    solutions = [best.weighted, *tumbling]
+    errors_of = [best._errors_of(solution) for solution in solutions]
     generator = validation.generator(seed)
-    parts, numbers, logs, accepted = [], [], [], []
-    for number, solution in enumerate(solutions):
-        factor = _errors.factor_of(solution._covariances[1].formal)
-        density = _errors.log_density(solution.weighted, solution.tie, factor)
+    offsets, numbers, logs, accepted = [], [], [], []
+    for number, (solution, errors) in enumerate(zip(solutions, errors_of, strict=True)):
+        factor = _errors.factor_of(errors.formal)
+        density = _errors.log_density(solution, best.tie, factor)
         sampler = emcee.EnsembleSampler(walkers, MOTION, density)
         sampler.random_state = np.random.RandomState(int(generator.integers(2**32))).get_state()
         with _refinement.limited():
             sampler.run_mcmc(0.5 * generator.standard_normal((walkers, MOTION)), steps)
         chain = sampler.get_chain(discard=steps // 4, flat=True)
-        parts.append(chain @ factor.T @ solution._covariances[1].widening.T)
+        offsets.append(chain @ factor.T @ errors.widening.T)
         numbers.append(np.full(len(chain), number))
         logs.append(-0.5 * solution.evidence + float(np.sum(np.log(np.diag(factor)))))
         accepted.append(float(np.mean(sampler.acceptance_fraction)))
     weights = np.exp(np.array(logs) - max(logs))
     return Posterior(
-        np.concatenate(parts),
-        np.concatenate(numbers),
-        weights / weights.sum(),
-        solutions[0]._covariances[1].covariance,
-        float(np.mean(accepted)),
-        tuple(solutions),
+        offsets=np.concatenate(offsets),
+        solution=np.concatenate(numbers),
+        weights=weights / weights.sum(),
+        covariance=errors_of[0].covariance,
+        acceptance=float(np.mean(accepted)),
+        states=[solution.refined.state for solution in solutions],
+        span=best.curve.span,
+        epoch=best.curve.epoch,
     )

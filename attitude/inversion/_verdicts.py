@@ -10,7 +10,6 @@ by no more than chance, and one of 18 degrees would improve it by more.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from attitude._support.annotations import FloatArray
-    from attitude.inversion._evidence import Weighted
+    from attitude.inversion._evidence import Robust
     from attitude.inversion._problem import CurveProblem
     from attitude.inversion._satellites import AdditivePair
     from attitude.inversion._settings import Settings, Tally
@@ -30,9 +29,13 @@ if TYPE_CHECKING:
 
 # ---- How one spin state relates to another that fits the same light curve, in words
 
-# Angles within which poles are related, and frequencies, turns per span.
-_NEAR, _RATE = math.radians(25.0), 0.5
-_SIDEREAL_DAY, _DAY = 86164.0905, 86400.0
+# Angle, rad, within which poles are related.
+_NEAR = math.radians(25.0)
+# Difference of frequencies, turns per span, within which they are.
+_RATE = 0.5
+# Days, s, by which epochs of one site are displaced.
+_SIDEREAL_DAY = 86164.0905
+_DAY = 86400.0
 
 
 def relation(
@@ -60,18 +63,21 @@ def relation(
 
 def _of_turns(state: FloatArray, best: FloatArray, length: float) -> str:
     """By how many turns the states differ between two apparitions; "" without any, or modes."""
-    if not length or (state[1] > 0.0) != (best[1] > 0.0):
+    fields, fields_of_best = SearchState.of(state), SearchState.of(best)
+    if not length or (fields.nutation > 0.0) != (fields_of_best.nutation > 0.0):
         return ""
-    pairs = zip(SearchState.of(state).rates, SearchState.of(best).rates, strict=True)
+    pairs = zip(fields.rates, fields_of_best.rates, strict=True)
     phi, psi = (0.5 * round(2.0 * length * (a - b)) for a, b in pairs)
     return f"{phi:+g} turns of phi, {psi:+g} of psi between the apparitions"
 
 
 def _of_rates(state: FloatArray, best: FloatArray, span: float) -> str:
-    (phi, psi), (phi0, psi0) = SearchState.of(state).rates, SearchState.of(best).rates
+    fields, fields_of_best = SearchState.of(state), SearchState.of(best)
+    (phi, psi), (phi0, psi0) = fields.rates, fields_of_best.rates
     same_phi, same_psi = abs(phi - phi0) < _RATE, abs(psi - psi0) < _RATE
-    other = (state[1] > 0.0) != (best[1] > 0.0)
-    if other and 2.0 * abs(state[0] - best[0]) < _RATE and same_psi:
+    other = (fields.nutation > 0.0) != (fields_of_best.nutation > 0.0)
+    apart = 2.0 * abs(fields.precession - fields_of_best.precession)
+    if other and apart < _RATE and same_psi:
         return "other mode of the same lines"
     prefix = "other mode, " if other else ""
     both = (("phi", phi, phi0), ("psi", psi, psi0))
@@ -114,7 +120,7 @@ def _of_poles(pole: FloatArray, best: FloatArray, normal: FloatArray) -> str:
 _COMB = 6
 
 
-def as_rotators(found: list[Weighted], problem: CurveProblem) -> list[Weighted]:
+def as_rotators(solutions: list[Robust], problem: CurveProblem) -> list[Robust]:
     """The solutions, where tumbling states whose lines form a rotator's comb stand behind it.
 
     Where both rates are multiples of one frequency within the accuracy of lines, tumbling has no
@@ -124,21 +130,22 @@ def as_rotators(found: list[Weighted], problem: CurveProblem) -> list[Weighted]:
     decides on rates, not on poles.
     """
     behind = [
-        [rotator.evidence for rotator in found if counts_as(one, rotator, problem)] for one in found
+        [rotator.evidence for rotator in solutions if counts_as(one, rotator, problem)]
+        for one in solutions
     ]
-    alone = [one for one, rotators in zip(found, behind, strict=True) if not rotators]
+    alone = [one for one, rotators in zip(solutions, behind, strict=True) if not rotators]
     out = []
-    for one, rotators in zip(found, behind, strict=True):
-        state, least = one.refined.state, max(rotators, default=-math.inf) + 1.0
+    for one, rotators in zip(solutions, behind, strict=True):
+        state, least = one.refined.state, _evidence.behind(max(rotators, default=-math.inf))
         is_held = least > one.evidence and not any(
             other.evidence < least and _has_rates(other.refined.state, state, problem)
             for other in alone
         )
-        out.append(replace(one, evidence=least) if is_held else one)
+        out.append(_evidence.at_least(one, least) if is_held else one)
     return out
 
 
-def counts_as(one: Weighted, rotator: Weighted, problem: CurveProblem) -> bool:
+def counts_as(one: Robust, rotator: Robust, problem: CurveProblem) -> bool:
     """Whether a tumbling state is on the comb of a rotator that explains the curve too.
 
     It does not, if its residuals alone are above the errors, and its likelihood is far less.
@@ -177,13 +184,13 @@ def _is_comb(state: SearchState, rotator: SearchState, problem: CurveProblem) ->
 # ---- Rotations with one maximum a turn
 
 
-def behind_twice_the_period(found: list[Weighted], problem: CurveProblem) -> list[Weighted]:
+def behind_twice_the_period(solutions: list[Robust], problem: CurveProblem) -> list[Robust]:
     """The solutions, where one maximum a turn stands behind two, if these fit as well.
 
     Few bodies have one, and it is ahead by evidence alone: half of a curve says less of a shape.
     """
-    axial = [one for one in found if is_axial(one.refined.state)]
-    best = min(axial, key=lambda one: one.evidence, default=None)
+    axial = [one for one in solutions if is_axial(one.refined.state)]
+    best = next(iter(_evidence.ranked(axial)), None)
     doubled = [
         one.evidence
         for one in axial
@@ -192,20 +199,22 @@ def behind_twice_the_period(found: list[Weighted], problem: CurveProblem) -> lis
         and _evidence.gain(best, one, problem) < problem.settings.doubled
     ]
     if best is None or not doubled or not _has_one_maximum(best, problem):
-        return found
-    more = min(doubled) + 1.0 - best.evidence
+        return solutions
+    more = _evidence.behind(min(doubled)) - best.evidence
     return [
-        replace(one, evidence=one.evidence + more)
+        _evidence.with_term(one, more)
         if is_axial(one.refined.state)
         and _pole_map.has_turn(problem, one.refined.state, best.refined.state)
         else one
-        for one in found
+        for one in solutions
     ]
 
 
 # ---- The verdict
 
-SOLVED, PERIODS, OPEN = "solved", "periods only", "not solved"
+SOLVED = "solved"
+PERIODS = "periods only"
+OPEN = "not solved"
 SATELLITE = "a satellite of period"
 # Parameters of a nutation.
 _NUTATION = 4
@@ -232,12 +241,12 @@ def of_floor(ratio: float, most: float, settings: Settings) -> str:
     return f"chi2/N is {ratio:.2f} with {errors} (floor {most:g})"
 
 
-def is_doubtful(best: Weighted, problem: CurveProblem) -> bool:
+def is_doubtful(best: Robust, problem: CurveProblem) -> bool:
     """Whether a solution hardly fits: differences of evidence are then those of a wrong model."""
     return _evidence.floor_ratio(best, problem) > problem.settings.doubtful
 
 
-def needed(best: Weighted, problem: CurveProblem) -> float:
+def needed(best: Robust, problem: CurveProblem) -> float:
     """By how much other periods have to lie behind a solution in evidence, at least."""
     settings, state = problem.settings, SearchState.of(best.refined.state)
     is_at_floor = _evidence.floor_ratio(best, problem) < settings.floor
@@ -247,9 +256,7 @@ def needed(best: Weighted, problem: CurveProblem) -> float:
     return settings.alone if is_doubtful else settings.competing
 
 
-def _nearest(
-    others: Sequence[Weighted], best: Weighted, problem: CurveProblem
-) -> tuple[float, float]:
+def _nearest(others: Sequence[Robust], best: Robust, problem: CurveProblem) -> tuple[float, float]:
     """How far other periods lie behind the best solution, and how far they have to.
 
     Of those with the least margin.  A difference that few nights make is no evidence: it has to be
@@ -269,11 +276,11 @@ def _nearest(
     return min(margins)[1:] if margins else (math.inf, least)
 
 
-def _is_nutation_of(best: Weighted, other: Weighted) -> bool:
+def _is_nutation_of(best: Robust, other: Robust) -> bool:
     return is_axial(other.refined.state) and not is_axial(best.refined.state)
 
 
-def _is_half_of(best: Weighted, other: Weighted, problem: CurveProblem) -> bool:
+def _is_half_of(best: Robust, other: Robust, problem: CurveProblem) -> bool:
     """Whether a rotation about one axis has half the period of another one, as the scene sees."""
     states = [SearchState.of(one.refined.state) for one in (best, other)]
     if not all(state.is_axial for state in states):
@@ -283,7 +290,7 @@ def _is_half_of(best: Weighted, other: Weighted, problem: CurveProblem) -> bool:
     return abs(rate - 2.0 * half) < 2.0 * problem.settings.comb_width
 
 
-def _has_one_maximum(best: Weighted, problem: CurveProblem) -> bool:
+def _has_one_maximum(best: Robust, problem: CurveProblem) -> bool:
     """Whether the magnitudes of a rotation vary most with one maximum a turn."""
     state, magnitude = SearchState.of(best.refined.state), best.refined.magnitude
     rate = state.rates[0] - float(_pole_map.turn_of_scene(problem, state.pole[None])[0])
@@ -294,18 +301,20 @@ def _has_one_maximum(best: Weighted, problem: CurveProblem) -> bool:
     return bool(np.hypot(series[0], series[2]) > np.hypot(series[1], series[3]))
 
 
-def gap(found: Sequence[Weighted], problem: CurveProblem) -> float:
+def gap(solutions: Sequence[Robust], problem: CurveProblem) -> float:
     """How far the next periods lie behind the best solution in evidence; infinite without any."""
-    return _nearest(_of_other_periods(found, problem), found[0], problem)[0]
+    return _nearest(_of_other_periods(solutions, problem), solutions[0], problem)[0]
 
 
-def _of_other_periods(found: Sequence[Weighted], problem: CurveProblem) -> list[Weighted]:
-    state = found[0].refined.state
-    return [other for other in found[1:] if not _is_motion_of(other.refined.state, state, problem)]
+def _of_other_periods(solutions: Sequence[Robust], problem: CurveProblem) -> list[Robust]:
+    state = solutions[0].refined.state
+    return [
+        other for other in solutions[1:] if not _is_motion_of(other.refined.state, state, problem)
+    ]
 
 
 def verdict(
-    found: Sequence[Weighted],
+    solutions: Sequence[Robust],
     problem: CurveProblem,
     is_complete: bool = True,
     most: float = 0.0,
@@ -318,17 +327,17 @@ def verdict(
     `most`, turns per span, is the largest frequency of the search; `is_given_axis`: rotation about
     one axis is not found, but given.
     """
-    if not found:
+    if not solutions:
         return OPEN, "No solution was found."
-    settings, best = problem.settings, found[0]
+    settings, best = problem.settings, solutions[0]
     most = max(most, settings.same_rate)
     state = best.refined.state
     floor = _evidence.floor_ratio(best, problem)
     left = _evidence.share_left(best, problem)
-    gap_to_next, behind = _nearest(_of_other_periods(found, problem), best, problem)
+    gap_to_next, behind = _nearest(_of_other_periods(solutions, problem), best, problem)
     poles = [
         other
-        for other in found[1:]
+        for other in solutions[1:]
         if _has_periods(other.refined.state, state, problem) and _competes(other, best, problem)
     ]
     words = (
@@ -337,9 +346,10 @@ def verdict(
         "needed)"
     )
     accepted = (floor < settings.floor or left < settings.left) and gap_to_next > behind
-    turns = abs(float(state[0]))
-    if not is_axial(state):
-        turns = min(turns, abs(float(state[1])))
+    fields = SearchState.of(state)
+    turns = abs(fields.precession)
+    if not fields.is_axial:
+        turns = min(turns, abs(fields.nutation))
     if not is_complete:
         return OPEN, f"The budget ended before all periods were tried; give a larger one. {words}."
     if not accepted or turns < settings.least_turns:
@@ -351,7 +361,7 @@ def verdict(
     else:
         tumbling = [
             other
-            for other in found[1:]
+            for other in solutions[1:]
             if not is_axial(other.refined.state) and not counts_as(other, best, problem)
         ]
         least = needed(best, problem)
@@ -380,14 +390,14 @@ def _unseen_phases(state: FloatArray, problem: CurveProblem) -> float:
     return float(max(gaps))
 
 
-def _widths_of_poles(best: Weighted, problem: CurveProblem) -> tuple[float, float]:
+def _widths_of_poles(best: Robust, problem: CurveProblem) -> tuple[float, float]:
     """The differences of evidence and of likelihood within which other poles compete."""
     settings, points = problem.settings, _evidence.redundancy(best, problem)
     width = settings.alone if is_doubtful(best, problem) else settings.competing_poles
     return width * points, settings.likely_poles * points
 
 
-def _competes(other: Weighted, best: Weighted, problem: CurveProblem) -> bool:
+def _competes(other: Robust, best: Robust, problem: CurveProblem) -> bool:
     """Whether another pole with the same periods competes with the best one.
 
     Within a difference of evidence; or, if it is no neighbour, within twice that and one of
@@ -427,7 +437,7 @@ def of_pole(
 
 def of_dips(
     verdict: tuple[str, str],
-    found: Sequence[Weighted],
+    solutions: Sequence[Robust],
     problem: CurveProblem,
     pairs: Sequence[AdditivePair],
 ) -> tuple[str, str]:
@@ -437,11 +447,11 @@ def of_dips(
     those of the body, and these above the errors, or both periods of the body those of the series.
     """
     settings = problem.settings
-    if verdict[0] == OPEN or not pairs or is_axial(found[0].refined.state):
+    if verdict[0] == OPEN or not pairs or is_axial(solutions[0].refined.state):
         return verdict
-    rates = SearchState.of(found[0].refined.state).rates
-    is_at_floor = _evidence.floor_ratio(found[0], problem) < settings.floor
-    most = settings.orbit_alike**2 * _evidence.share_left(found[0], problem)
+    rates = SearchState.of(solutions[0].refined.state).rates
+    is_at_floor = _evidence.floor_ratio(solutions[0], problem) < settings.floor
+    most = settings.orbit_alike**2 * _evidence.share_left(solutions[0], problem)
     alike = [
         pair
         for pair in pairs
@@ -484,7 +494,7 @@ def of_satellite(
 
 
 def _better_by_nutation(
-    found: Sequence[Weighted], problem: CurveProblem, behind: float, most: float
+    solutions: Sequence[Robust], problem: CurveProblem, behind: float, most: float
 ) -> str:
     """In words: a tumbling state that fits better than the best one, a rotation about one axis.
 
@@ -492,13 +502,13 @@ def _better_by_nutation(
     put the rotation about one axis in front, and the likelihood of a wide nutation is higher than
     by chance among the frequencies tried, a claim would rest on the prior.
     """
-    settings, best = problem.settings, found[0]
+    settings, best = problem.settings, solutions[0]
     counted = _NUTATION * math.log(len(problem)) + 2.0 * math.log(most / settings.odds)
     gains = [
         _evidence.gain(other, best, problem)
-        for other in found[1:]
+        for other in solutions[1:]
         if not is_axial(other.refined.state)
-        and other.refined.state[3] > math.log(settings.wide)
+        and SearchState.of(other.refined.state).log_rho > math.log(settings.wide)
         and other.evidence - best.evidence < behind + counted
     ]
     chance = of_chance(most, settings)
@@ -515,7 +525,7 @@ def of_chance(most: float, settings: Settings) -> float:
     return exceeded_by_chance(settings.by_chance * min(1.0, settings.same_rate / most))
 
 
-def _nutation_unnoticed(poles: Sequence[Weighted], problem: CurveProblem, most: float) -> str:
+def _nutation_unnoticed(poles: Sequence[Robust], problem: CurveProblem, most: float) -> str:
     """In words: a nutation that would be hidden by the errors; "" where it would be noticed.
 
     `poles`: rotations about one axis that compete, for what is seen of a nutation depends on it.

@@ -50,7 +50,7 @@ _OTHER = 0.001
 _ROLES = ((2, 0), (2, 2), (1, 0), (1, 1))
 _TRIED = 4
 # 1/P_psi in SAM over 1/P_phi of the long axis: bodies whose moments are possible have less.
-_SHORT_AXIS = 1.4
+SHORT_AXIS = 1.4
 # Multiples of half of the two frequencies that a basis may have.
 _HALVES = range(-4, 5)
 
@@ -142,7 +142,7 @@ def _in_modes(series, power, phi, psi, explained, rank):
     short = 1.0 / (circulation + rate)
     modes = []
     for mode, convention, period in (("LAM", "L", 1.0 / circulation), ("SAM", "S", short)):
-        if mode == "SAM" and not rate < _SHORT_AXIS * circulation:
+        if mode == "SAM" and not rate < SHORT_AXIS * circulation:
             continue
         score = explained * _likeness(power, places, _POWERS[mode])
         modes.append(

@@ -16,6 +16,7 @@ from attitude.inversion import (
     _verdicts,
 )
 from attitude.inversion._problem import CurveProblem
+from attitude.inversion._settings import DEFAULT
 from benchmarks import inversion as figures
 from benchmarks import inversion_cases
 from tests.support.inversion_cases import in_plane
@@ -141,7 +142,7 @@ def test_a_list_has_poles_fifteen_degrees_apart_of_each_rate():
         return SimpleNamespace(refined=SimpleNamespace(state=state), evidence=evidence)
 
     best, near, far, other = at(0.0, 1.0), at(14.0, 2.0), at(16.0, 3.0), at(5.0, 4.0, rate=11.0)
-    entries, beside = _pole_map.listed([far, at(40.0, 27.0), other, near, best], 25.0)
+    entries, beside = _pole_map.listed([far, at(40.0, 27.0), other, near, best], 25.0, DEFAULT)
     assert entries == [best, far, other] and beside == [near]
 
 
@@ -153,9 +154,9 @@ def test_poles_apart_from_better_and_from_other_ones():
         return SimpleNamespace(state=state)
 
     best, near, far, taken = at(0.0), at(14.0), at(16.0), at(-10.0)
-    assert _pole_map.apart([best, near, far], []) == [best, far]
-    assert _pole_map.apart([best, near, far], [taken.state]) == [near]
-    assert _pole_map.apart([best, near, far], [taken.state], 1e-4) == [best, near, far]
+    assert _pole_map.apart([best, near, far], [], DEFAULT) == [best, far]
+    assert _pole_map.apart([best, near, far], [taken.state], DEFAULT) == [near]
+    assert _pole_map.apart([best, near, far], [taken.state], DEFAULT, 1e-4) == [best, near, far]
 
 
 def test_where_nearly_any_pole_fits_the_list_says_so():

@@ -384,7 +384,7 @@ def test_motions_that_were_best_with_offsets_are_compared_again(monkeypatch):
         def begin(self, states):
             self.begun = [tuple(state[:2]) for state in states]
 
-    monkeypatch.setattr(_spin_states, "_with_volume", lambda found: found.evidence)
+    monkeypatch.setattr(_evidence, "among_problems", lambda solution: solution.evidence)
     slow, same, other = solution(70, 3, -50.0), solution(70.1, 3.1, -49.0), solution(60, 9, -40.0)
     one, own = Search(slow, same, other), Search(solution(70, 23, -70.0), solution(8, 2, -10.0))
     assert _spin_states._asks_for_offsets(one, own, 13.0)
