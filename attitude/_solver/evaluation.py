@@ -193,8 +193,7 @@ def faults_of(moments: FloatArray, wxyz: FloatArray, omega: FloatArray) -> IntAr
     """Numbers (K,) of the states (B,), given as to `prepared`, that are not physical."""
     count = len(moments)
     constants: NDArray[Any] = np.ndarray(count, CONSTANTS, bytearray(count * _SIZE))
-    states = writable(moments), writable(wxyz), writable(omega)
-    if not classify_all(*states, constants)[0]:
+    if not classify_all(writable(moments), writable(wxyz), writable(omega), constants)[0]:
         return _NO_FAULT
     return np.flatnonzero(constants["fault"])
 

@@ -220,8 +220,9 @@ def _short_of(constants, tangents, t, edges, rates, every):
     steps = np.ceil(farthest / np.maximum(span, 1e-300)[:, None])
     spans = np.clip(steps, 1, spans[:, None]).astype(np.int64)
     short = np.zeros(len(constants) + int(np.sum(spans - 1)), loops.SHORT)
-    records = evaluation.writable(constants), evaluation.writable(tangents)
-    loops.short_setup(*records, span, spans, short)
+    loops.short_setup(
+        evaluation.writable(constants), evaluation.writable(tangents), span, spans, short
+    )
     return short
 
 
@@ -252,14 +253,14 @@ def _in_blocks(constants, tangents, short, t, t_low, kind, outputs, runs):
     body = _first_that_overflows(tangents, t, t_low, runs)
     if body >= 0:
         return body
-    records = evaluation.writable(constants), evaluation.writable(tangents)
-    times = read_only(t), _NO_LOW if t_low is None else read_only(t_low)
+    constants, tangents = evaluation.writable(constants), evaluation.writable(tangents)
+    t, t_low = read_only(t), _NO_LOW if t_low is None else read_only(t_low)
     block = np.empty(ROWS * BLOCK)
     forms = set(constants["form"].tolist())
     for edges in _parts(runs, len(constants), t.shape[1]):
         for form in forms:
             loop = _compiled()[0].OF_FORM[form][kind]
-            body = loop(*records, short, *times, block, *outputs, edges)
+            body = loop(constants, tangents, short, t, t_low, block, *outputs, edges)
             if body >= 0:
                 return body
     return -1

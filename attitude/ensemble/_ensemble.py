@@ -115,10 +115,10 @@ def _of_ranks(values: FloatArray, ranks: IntArray) -> FloatArray:
     from attitude.ensemble._quantities import BINS, candidates
 
     out = np.empty((len(values), len(ranks)))
-    memory = np.empty(BINS, dtype=np.int64), np.empty(BINS, dtype=np.int64)
+    counts, wanted = np.empty(BINS, dtype=np.int64), np.empty(BINS, dtype=np.int64)
     ranked, places = np.empty(values.shape[1] + 1), np.empty(len(ranks), dtype=np.int64)
     for k, row in enumerate(values):
-        count = candidates(row, ranks, *memory, ranked, places)
+        count = candidates(row, ranks, counts, wanted, ranked, places)
         out[k] = np.sort(ranked[:count])[places]
     return out
 
@@ -264,8 +264,9 @@ class Ensemble(Immutable):
         count = _members.count(sizes, names)
         rates = np.broadcast_to(rates, (count, 3))
         attitudes = np.broadcast_to(attitudes, (count, 4))
-        state = inertia, attitudes, None, rates, start
-        self._fill(*state, frame=frame, names=names, on_error=on_error)
+        self._fill(
+            inertia, attitudes, None, rates, start, frame=frame, names=names, on_error=on_error
+        )
 
     def _fill(
         self,
@@ -341,8 +342,9 @@ class Ensemble(Immutable):
             start = start[:, :1].copy()
         ensemble = cls.__new__(cls)
         second = low if low.any() else None
-        state = inertia, wxyz, second, rates, start
-        ensemble._fill(*state, frame=frame, names=names, on_error="raise")
+        ensemble._fill(
+            inertia, wxyz, second, rates, start, frame=frame, names=names, on_error="raise"
+        )
         return ensemble
 
     @classmethod
@@ -1488,8 +1490,10 @@ class ArcsEnsemble(Immutable):
             self._set("_singles", tuple(self._single(k) for k in range(len(ensemble))))
             return
         with self._named():
-            state = ensemble._members, ensemble._inertia, ensemble.start_of_seconds
-            self._set("_chains", _arcs.Chains(*state, changes_given))
+            chains = _arcs.Chains(
+                ensemble._members, ensemble._inertia, ensemble.start_of_seconds, changes_given
+            )
+            self._set("_chains", chains)
 
     def _single(self, k: int) -> Arcs:
         """The motion of member k; its errors have the name of the member."""

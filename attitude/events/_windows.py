@@ -297,8 +297,9 @@ def _span_of(source, start, stop):
             f"{missing} is not given, and neither motion nor path has an end from which it "
             'follows; give start and stop, such as "2026-01-01" and "2026-01-02".'
         )
-    ends = (known[0] if start is None else start), (known[1] if stop is None else stop)
-    return span(source.epoch, *ends)
+    start = known[0] if start is None else start
+    stop = known[1] if stop is None else stop
+    return span(source.epoch, start, stop)
 
 
 def _edge(pair: Pair) -> FloatArray:

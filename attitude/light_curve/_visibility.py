@@ -574,8 +574,12 @@ def memory(members: int, resolution: int, leaves: int) -> tuple[NDArray[Any], ..
     drawn[::2] = resolution
     return (
         np.full(FACES * resolution**2 * members, 255, np.uint8),
-        *(counts, counts.view(np.uint8), drawn, np.zeros(4 * FACES, np.int64)),
-        *(np.zeros(leaves + 1, np.int64), np.empty(leaves, np.int64)),
+        counts,
+        counts.view(np.uint8),
+        drawn,
+        np.zeros(4 * FACES, np.int64),
+        np.zeros(leaves + 1, np.int64),
+        np.empty(leaves, np.int64),
         np.zeros(_LANES * LEAF * (leaves + 1)),
     )
 
@@ -940,11 +944,26 @@ def _painted(mesh, clusters, resolution, threads, progress):
     def work(begin: int, end: int) -> None:
         members = clusters.order[begin * SIZE : end * SIZE]
         paint(
-            *(tree.boxes, outlines.edges, outlines.sides, outlines.first, outlines.fronts),
-            *(ordered_corners, facing),
-            *(normals, flat, middles, size, members, across, up, shifts, resolution, both),
+            tree.boxes,
+            outlines.edges,
+            outlines.sides,
+            outlines.first,
+            outlines.fronts,
+            ordered_corners,
+            facing,
+            normals,
+            flat,
+            middles,
+            size,
+            members,
+            across,
+            up,
+            shifts,
+            resolution,
+            both,
             *memory(len(members), resolution, len(tree.boxes) // 2),
-            *(masks, begin * SIZE),
+            masks,
+            begin * SIZE,
         )
 
     in_blocks(work, clusters.count, _AT_ONCE, threads, progress)

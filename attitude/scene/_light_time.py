@@ -124,8 +124,18 @@ class Sightline(Path):
             emitted = np.empty((2, hi.size))
             _angles.secant_step(*epochs, times, slope, light, before, *emitted)
             old, seen = seen, vectors_at(light, emitted)
-            arguments = _whole(seen), _whole(old), light, before, least, SPEED_OF_LIGHT_M_S
-            if not _angles.secant_slopes(*arguments, times, speed, slope) > limit:
+            error = _angles.secant_slopes(
+                _whole(seen),
+                _whole(old),
+                light,
+                before,
+                least,
+                SPEED_OF_LIGHT_M_S,
+                times,
+                speed,
+                slope,
+            )
+            if not error > limit:
                 return seen, light
         raise AttitudeError(
             f"the light time of {self.name} does not converge near "

@@ -309,8 +309,20 @@ class System:
         last = np.array(pairs.add(begin, *pairs.product(steps.astype(np.float64), h)))
         within = self.sampled(self.kick_times(last, parts))
         out = np.empty((len(place), 7))
-        arguments = states, numbers, h, place, steps, parts, samples, within
-        self.run(revisit, h, *self.setup, *arguments, out)
+        self.run(
+            revisit,
+            h,
+            *self.setup,
+            states,
+            numbers,
+            h,
+            place,
+            steps,
+            parts,
+            samples,
+            within,
+            out,
+        )
         return out
 
     def acceleration(self, seconds: FloatArray, low: FloatArray, motion: FloatArray) -> FloatArray:
@@ -500,8 +512,9 @@ class TorquedSensitivity(Derivatives):
         whole = np.broadcast_to(np.eye(self._width), (len(h), self._width, self._width))
         for j, (share, gradient) in enumerate(zip(scheme.kicks, scheme.gradients, strict=True)):
             if share != 0.0 or gradient != 0.0:
-                arguments = times[..., j], share * h, gradient * h**3
-                wxyz, omega, change = self._kick(wxyz, omega, *arguments)
+                wxyz, omega, change = self._kick(
+                    wxyz, omega, times=times[..., j], h=share * h, cubed=gradient * h**3
+                )
                 whole = change @ whole
             if j < len(scheme.flights) and scheme.flights[j] != 0.0:
                 wxyz, omega, change = self._flight(wxyz, omega, scheme.flights[j] * h)
@@ -569,11 +582,12 @@ class TorquedSensitivity(Derivatives):
     def _with_other_moments(self, spin: Spin) -> list[list[System]]:
         """Systems whose three second moments of mass are larger by four steps each."""
         size = _SHARE * float(np.max(self._body.moments))
-        arguments = self._system.torques, self._system.scheme, self._system.origin
+        system = self._system
 
         def larger(column, k):
             change = np.concatenate([np.zeros(6), k * size * column])
-            return System(changed(self._body, spin, change)[0], spin, *arguments)
+            body, _ = changed(self._body, spin, change)
+            return System(body, spin, system.torques, system.scheme, system.origin)
 
         return [[larger(column, k) for k in range(1, 5)] for column in _BY_MASS.T]
 

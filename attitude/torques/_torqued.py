@@ -340,8 +340,18 @@ class Front:
         before, system = self.counts[layout.TAKEN], self.system
         with self._pace.measured():
             system.run(
-                *(adapt, self.clock[layout.LENGTH], *system.setup, self.clock, self.counts),
-                *(self.fine, self.coarse, system.order, most, samples, kept, every),
+                adapt,
+                self.clock[layout.LENGTH],
+                *system.setup,
+                self.clock,
+                self.counts,
+                self.fine,
+                self.coarse,
+                system.order,
+                most,
+                samples,
+                kept,
+                every,
             )
             self._pace.items = int(self.counts[layout.TRIED])
         self._check_progress(until)
@@ -804,8 +814,9 @@ class TorquedRotation(Differentiable):
             (size, [self._system.under(tuple(group)) for group in torques])
             for size, torques in others
         ]
-        arguments = self._system, self.body, self.spin
-        return TorquedSensitivity(*arguments, self._mesh, self._states, parameters)
+        return TorquedSensitivity(
+            self._system, self.body, self.spin, self._mesh, self._states, parameters
+        )
 
     def _mesh(self, side: int, until: float) -> StepMesh:
         """The steps after the epoch (0) or before it (1) that reach `until`, s."""
