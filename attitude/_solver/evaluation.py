@@ -24,6 +24,7 @@ from attitude._solver.constants import (
 from attitude._solver.kernel import attach_all
 from attitude._solver.records import CONSTANTS
 from attitude._support.arrays import frozen, read_only
+from attitude._support.pairs import Seconds
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
@@ -220,13 +221,12 @@ def evaluate(
         body = evaluate_all(constants, t, t_low, wxyz, rates, first, end)
         if body >= 0:
             few = body if len(t) > 1 else 0, slice(first, end)
-            low = None if t_low is None else t_low[few]
-            raise AttitudeError(refusal(constants[body], t[few], low))
+            raise AttitudeError(refusal(constants[body], *Seconds(t, t_low).taken(few)))
 
 
 def refusal(constants: Any, t: FloatArray, t_low: FloatArray | None) -> str:
     """The sentence on a motion and epochs of which one is beyond its reach."""
-    far = np.nanmax(np.abs(t if t_low is None else t + t_low))
+    far = np.nanmax(np.abs(Seconds(t, t_low).rounded))
     fastest = max(abs(constants[phase][0]) for phase in ("precession", "nutation"))
     return (
         f"an epoch lies {far:.3g} s from that of the state; at {fastest:.3g} turns per second "

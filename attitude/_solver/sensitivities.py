@@ -126,7 +126,7 @@ def refusal(
     tangents, beyond that of its derivatives.
     """
     if tangents is not None:
-        far = np.nanmax(_distances(t, t_low), initial=0.0)
+        far = np.nanmax(np.abs(Seconds(t, t_low).rounded), initial=0.0)
         if far > reaches(tangents)[body]:
             rate = float(_growth(tangents)[body])
             return (
@@ -142,8 +142,7 @@ def _refuse(constants, tangents, body, t, t_low, edges=None):
     if body >= 0:
         few = slice(None) if edges is None else slice(edges[body], edges[body + 1])
         few = body if len(t) > 1 else 0, few
-        low = None if t_low is None else t_low[few]
-        raise AttitudeError(refusal(constants, tangents, body, t[few], low))
+        raise AttitudeError(refusal(constants, tangents, body, *Seconds(t, t_low).taken(few)))
 
 
 class Factored(NamedTuple):
@@ -293,17 +292,13 @@ def _first_that_overflows(tangents, t, t_low, runs):
     if not np.any(tangents["grows"]):
         return -1
     reach = reaches(tangents)
-    far = _distances(t, t_low)
+    far = np.abs(Seconds(t, t_low).rounded)
     if runs is None:
         far = np.nanmax(far, axis=1, initial=0.0)
     else:
         far = [np.nanmax(far[0, a:b], initial=0.0) for a, b in pairwise(runs.tolist())]
     beyond = np.flatnonzero(far > reach)
     return int(beyond[0]) if len(beyond) else -1
-
-
-def _distances(t, t_low):
-    return np.abs(t if t_low is None else t + t_low)
 
 
 # ---- Derivatives and covariances of the attitudes of one free rotation

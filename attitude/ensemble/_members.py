@@ -68,10 +68,10 @@ def shared(
             "for other rows give member=."
         )
     scalar = hi.ndim == 0
-    hi, lo = support_pairs.Seconds(hi, lo).mapped(np.atleast_2d)
-    if are_dates and lo is not None:
-        hi, lo = support_pairs.add((hi, lo), -start[0][:, None], -start[1][:, None])
-    return support_pairs.Seconds(hi, lo), scalar
+    seconds = support_pairs.Seconds(hi, lo).mapped(np.atleast_2d)
+    if are_dates:
+        seconds = support_pairs.Seconds(*seconds.plus(-start[0][:, None], -start[1][:, None]))
+    return seconds, scalar
 
 
 def received(
@@ -92,17 +92,18 @@ def of_rows(
 ) -> tuple[support_pairs.Seconds, IntArray]:
     """Epochs of rows and their members, of any shape S."""
     hi, lo, are_dates = _epochs(start, t, low)
+    seconds = support_pairs.Seconds(hi, lo)
     if hi.shape != member.shape:
         if hi.ndim and member.ndim:
             raise AttitudeError(
                 f"t has shape {hi.shape} and member {member.shape}; give one member for each epoch."
             )
         shape = hi.shape if hi.ndim else member.shape
-        hi, lo = support_pairs.Seconds(hi, lo).mapped(lambda a: np.array(np.broadcast_to(a, shape)))
+        seconds = seconds.mapped(lambda array: np.array(np.broadcast_to(array, shape)))
         member = np.array(np.broadcast_to(member, shape))
-    if are_dates and lo is not None:
-        hi, lo = support_pairs.add((hi, lo), -start[0][member], -start[1][member])
-    return support_pairs.Seconds(hi, lo), member
+    if are_dates:
+        seconds = support_pairs.Seconds(*seconds.plus(-start[0][member], -start[1][member]))
+    return seconds, member
 
 
 def _epochs(

@@ -75,11 +75,11 @@ class MemberView(View):
         return self._line("observer_sun_line")
 
     @kept
-    def emission(self) -> tuple[FloatArray, FloatArray | None]:
+    def emission(self) -> pairs.Seconds:
         """TDB seconds from `epoch` at which the light leaves the body, hi + lo, flat."""
         count = self.shape[0]
-        times = pairs.Seconds(*self._base.emission)
-        return times.mapped(lambda array: frozen(np.tile(array[self._epochs], count)))
+        left = self._base.emission.taken(self._epochs)
+        return left.mapped(lambda array: frozen(np.tile(array, count)))
 
     @quantity()
     def lit_fraction(self) -> FloatArray:
@@ -117,7 +117,7 @@ def bound(
     free._set("motion", None)
     start = ensemble.start_of_seconds
     base = free.since(start, seconds, low)
-    times = pairs.Seconds(*base.emission).taken(None)
+    times = base.emission.taken(None)
     if ensemble.epoch is None:
         starts = ensemble.epochs_of(np.arange(len(ensemble)))
         past = times.plus(start.seconds, start.low)
