@@ -25,8 +25,10 @@ if TYPE_CHECKING:
 
 register_wide()
 
-_DOUBLE, _INTEGER = ir.DoubleType(), ir.IntType(64)
-_F8, _I8 = types.float64, types.int64
+_DOUBLE = ir.DoubleType()
+_INTEGER = ir.IntType(64)
+_F8 = types.float64
+_I8 = types.int64
 _POINTER = types.CPointer(_F8)
 _C_FUNCTION = types.void(_F8, *[_POINTER] * 5)  # pointers.C_FUNCTION
 

@@ -404,7 +404,8 @@ def _putting(put, name):
     return subroutine(named(store, name))
 
 
-_store, _stream = _putting(put_eight, "_store"), _putting(put_line, "_stream")
+_store = _putting(put_eight, "_store")
+_stream = _putting(put_line, "_stream")
 
 
 @subroutine

@@ -149,7 +149,9 @@ _from_each = _distances_from("_from_each", _each)
 # `attitude.motions._conventions`.
 
 # Branches of theta.
-UNKNOWN, ACUTE, OBTUSE = 0, 1, 2
+UNKNOWN = 0
+ACUTE = 1
+OBTUSE = 2
 # Rounding of cos^2 theta at the ends of a libration of psi, relative to its terms.
 _ROUNDING = 1e-14
 

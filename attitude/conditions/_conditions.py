@@ -300,8 +300,10 @@ def condition_of(given: object, name: str = "f") -> Condition:
 
 # Spacing of samples of an observable whose derivatives have no bounds, in rad of the rotation.
 _SPACING = 0.05
-# Rates of a motion without bounds, sampled in a span, are exceeded by less than this factor.
-_SAMPLES, _MARGIN = 64, 1.25
+# Samples in a span of the rates of a motion without bounds.
+_SAMPLES = 64
+# Rates between the samples exceed them by less than this factor.
+_MARGIN = 1.25
 
 
 class Observable(Joinable):

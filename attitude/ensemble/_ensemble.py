@@ -1553,8 +1553,10 @@ class ArcsEnsemble(Immutable):
         return EnsembleHistory._of_all(self.ensemble, Seconds(hi.copy(), lo), attitudes, turning)
 
 
-# Steps for which torques are sampled together, and steps of all members in one compiled call: 50 ms
-_STEPS, _TAKEN = 1024, 1 << 16
+# Steps for which torques are sampled together.
+_STEPS = 1024
+# Steps of all members in one compiled call: 50 ms.
+_TAKEN = 1 << 16
 
 
 class TorquedHistory(EnsembleHistory):

@@ -32,7 +32,8 @@ _ROWS: dict[str, tuple[int, ...]] = {
     "tensors": (3, 3),
 }
 # Columns that `rows` adds.
-_ATTITUDE, _RATE = ("w", "x", "y", "z"), ("omega_x", "omega_y", "omega_z")
+_ATTITUDE = ("w", "x", "y", "z")
+_RATE = ("omega_x", "omega_y", "omega_z")
 
 
 class PartitionedEnsemble(Immutable):

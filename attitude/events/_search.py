@@ -53,13 +53,16 @@ if TYPE_CHECKING:
 
 # Knots in a block.
 _BLOCK_OF_LEVELS = 4096
-# Least part of a spacing into which an interval is divided: of a smooth observable, and of one with
-# a stated rate, which costs more divisions and proves more.
-_SMOOTH_PART, _RATED_PART = 2.0**-10, 2.0**-30
+# Least part of a spacing into which an interval is divided, of a smooth observable.
+_SMOOTH_PART = 2.0**-10
+# That of an observable with a stated rate, which costs more divisions and proves more.
+_RATED_PART = 2.0**-30
 # Margins of bounds by differences, as those of directions (`attitude.conditions._moments`).
 _MARGINS = (1.5, 2.0)
+# Parts into which a section divides an interval.
+_PARTS = 16
 # Sections end at this part of the spacing, or at the resolution of a double.
-_PARTS, _RESOLUTION = 16, 1e-9
+_RESOLUTION = 1e-9
 
 
 def _level_changes(source, levels, start, stop, spacing_of, advance):

@@ -160,8 +160,10 @@ class Timetable(Immutable):
 
 # ---- The greatest value of a function in each of many intervals, by samples that close in on it
 
-# Samples in each interval, and rounds: each leaves two of the spacings of the round before.
-_SAMPLES, _ROUNDS = 65, 5
+# Samples in each interval.
+_SAMPLES = 65
+# Rounds, each of which leaves two of the spacings of the round before.
+_ROUNDS = 5
 
 
 def _highest(value, begin, end):

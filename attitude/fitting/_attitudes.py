@@ -50,8 +50,10 @@ _SPHERE = 1e-12
 _REWEIGHTED = 15
 # Records from whose states one is chosen, at most.
 CANDIDATES = 16
-# Records to either side of which medians are taken, and median deviations from which an outlier is.
-_NEIGHBOURS, _SPIKE = 2, 6.0
+# Records to either side of which medians are taken.
+_NEIGHBOURS = 2
+# Median deviations beyond which a record is an outlier.
+_SPIKE = 6.0
 # Angle between records, rad, up to which angular velocities are integrated.
 _FARTHEST = 1.0
 
@@ -205,8 +207,10 @@ def _basis(axes: str) -> FloatArray:
     return np.array(matrices)
 
 
-# Records of the first stage, at least; more where some of them are outliers.
-FEWEST, FEWEST_ROBUST = 6, 30
+# Records of the first stage, at least.
+FEWEST = 6
+# The same where some of them are outliers.
+FEWEST_ROBUST = 30
 
 
 @arguments(
@@ -454,12 +458,23 @@ def fit_rates(
 # Gap between the two greatest eigenvalues, of the sum of weights, from which an attitude is
 # determined: two directions 3 deg apart.
 _DETERMINED = 1e-3
-# Directions of the first span, and of a later one at least and at most.
-_FIRST, _LEAST, _LARGEST = 10, 6, 60
-# Angle of a later span and from one to the next, rad, and number of spans.
-_SPAN, _STRIDE, _SPANS = 1.0, 0.3, 60
-# The grid: greatest turn between records, spacing across half a span, rad, and nodes improved.
-_FASTEST, _SPACING, _BEST = 1.5, 0.4, 8
+# Directions of the first span.
+_FIRST = 10
+# Directions of a later span, at least and at most.
+_LEAST = 6
+_LARGEST = 60
+# Angle of a later span, rad.
+_SPAN = 1.0
+# Angle from one span to the next, rad.
+_STRIDE = 0.3
+# Number of spans.
+_SPANS = 60
+# The grid: greatest turn between records, rad.
+_FASTEST = 1.5
+# Spacing of the grid across half a span, rad.
+_SPACING = 0.4
+# Nodes of the grid that are improved.
+_BEST = 8
 
 
 def attitudes(t: FloatArray, directions: Directions) -> tuple[FloatArray, FloatArray]:

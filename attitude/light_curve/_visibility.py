@@ -202,20 +202,32 @@ def _fronts(tree: Hierarchy, corners: FloatArray, normals: FloatArray) -> FloatA
 
 FACES = 6
 # Marks of the groups that are drawn, beside a bit for each face on which they are: all facets show
-# the front, all show the back, or each was looked at.
-FRONT, BACK, DIVIDED = 1 << 12, 1 << 13, 1 << 14
+# the front.
+FRONT = 1 << 12
+# All show the back.
+BACK = 1 << 13
+# Each was looked at.
+DIVIDED = 1 << 14
 _LANES = 8
 _EVERY_LANE = 255
 _0, _1, _2, _3, _4, _5 = (np.uint64(k) for k in range(6))
-# The lowest seven bits and the highest bit of each byte, and the factor that gathers the lowest
-# bits of all bytes in the highest byte.
-_LOW_BITS, _HIGH_BITS = np.uint64(0x7F7F7F7F7F7F7F7F), np.uint64(0x8080808080808080)
-_GATHER, _TO_LOWEST, _TOP_BYTE = np.uint64(0x0102040810204080), np.uint64(7), np.uint64(56)
+# The lowest seven bits of each byte.
+_LOW_BITS = np.uint64(0x7F7F7F7F7F7F7F7F)
+# The highest bit of each byte.
+_HIGH_BITS = np.uint64(0x8080808080808080)
+# The factor that gathers the lowest bits of all bytes in the highest byte.
+_GATHER = np.uint64(0x0102040810204080)
+# From the highest bit of a byte to the lowest.
+_TO_LOWEST = np.uint64(7)
+# From the highest byte of a word to the lowest.
+_TOP_BYTE = np.uint64(56)
 _ALL = np.uint8(255)
-_LEAF, _WIDTH = np.uint64(LEAF), np.uint64(_LANES)
-# Tangents, over the distance across, of what lies beside a point: beyond all faces.  What has the
-# height of the point to the last digit counts as above it.
-_BESIDE, _UPWARD = 1e250, 1e150
+_LEAF = np.uint64(LEAF)
+_WIDTH = np.uint64(_LANES)
+# Tangent, over the distance across, of what lies beside a point: beyond all faces.
+_BESIDE = 1e250
+# What has the height of the point to the last digit counts as above it.
+_UPWARD = 1e150
 
 
 @reduction_within

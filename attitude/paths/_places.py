@@ -64,8 +64,10 @@ _ELEMENTS = {
 }
 _ANGLES = ("inclination", "node", "pericenter_argument", "mean_anomaly")
 _LENGTHS = ("semi_major_axis", "pericenter_distance")
-# Plain numbers up to these may be radians or degrees: one turn, and a right angle.
-_TURN, _RIGHT_ANGLE = 6.2832, 1.5708
+# Plain numbers up to one turn may be radians or degrees.
+_TURN = 6.2832
+# The same of an angle up to a right angle.
+_RIGHT_ANGLE = 1.5708
 
 
 def place(

@@ -204,12 +204,16 @@ def _dot(a, b):
 
 # Epochs in a block: some MB of temporaries, whatever the number of epochs.
 _BLOCK = 1 << 16
-# Fewer epochs are evaluated faster than fitted; of a slow path fewer than these.
-_FEWEST, _FEWEST_OF_SLOW = 2000, 300
+# Fewer epochs are evaluated faster than fitted.
+_FEWEST = 2000
+# The same of a slow path.
+_FEWEST_OF_SLOW = 300
 # Positions that a fit may evaluate, per epoch.
 _SHARE = 0.25
-# Largest angle by which a fit may turn a direction, rad, and the smaller one that fits aim at.
-_LARGEST_TURN, _AIMED_TURN = 4e-10, 1e-10
+# Largest angle by which a fit may turn a direction, rad.
+_LARGEST_TURN = 4e-10
+# The smaller angle that fits aim at, rad.
+_AIMED_TURN = 1e-10
 _SAMPLE = 65
 
 

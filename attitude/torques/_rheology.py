@@ -204,9 +204,14 @@ _NODES = 256
 
 # ---- The rheology of a body
 
-# Table of strengths: logarithms of share/rest, from -24 to 23, and of L/C in rad/s.
-_FIRST, _LAST, _SPACING = -24.0, 23.0, 0.1
-_SLOWEST, _FASTEST, _RATE_SPACING = 1e-11, 1e2, 0.5
+# Table of strengths: the least logarithm of share/rest, the greatest, and the spacing.
+_FIRST = -24.0
+_LAST = 23.0
+_SPACING = 0.1
+# The least L/C, rad/s, the greatest, and the spacing of its logarithm.
+_SLOWEST = 1e-11
+_FASTEST = 1e2
+_RATE_SPACING = 0.5
 _SHARES = _FIRST + _SPACING * np.arange(round((_LAST - _FIRST) / _SPACING) + 1.0)
 _INTERVALS = math.ceil(math.log(_FASTEST / _SLOWEST) / _RATE_SPACING)
 _RATES = _SLOWEST * np.exp(_RATE_SPACING * np.arange(_INTERVALS + 1))

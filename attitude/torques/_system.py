@@ -36,8 +36,9 @@ if TYPE_CHECKING:
 # The largest turn between two torques: most torques vary with twice the attitude, and are aliased
 # where the body turns by more than this between samples.
 LARGEST_TURN: float = 0.5 * np.pi
-# s; no motion of a body needs others.
-_LEAST_STEP, _LONGEST_STEP = 1e-70, 1e40
+# s; no motion of a body needs shorter steps, nor longer ones.
+_LEAST_STEP = 1e-70
+_LONGEST_STEP = 1e40
 # Up to here, a double holds every whole number.
 _MOST_STEPS = 2.0**53
 _NONE = np.zeros((3, 3))
@@ -400,9 +401,11 @@ def _inertia_of(torques: tuple[Torque, ...]) -> InertiaHistory | None:
 
 # Steps whose derivatives are in memory together: 4 MB.
 _BLOCK = 4096
-# rad, and shares of the rate and of the moments: differences of fourth order with these err by
-# 1e-12 of a torque that is smooth in them.
-_TURN, _SHARE = 1e-3, 1e-3
+# Step of the attitude, rad: differences of fourth order with it err by 1e-12 of a torque that is
+# smooth.
+_TURN = 1e-3
+# The same as a share of the rate and of the moments.
+_SHARE = 1e-3
 NODES = np.array([1.0, -1.0, 2.0, -2.0])
 _WEIGHTS = np.array([8.0, -8.0, -1.0, 1.0]) / 12.0
 # One-sided, for moments: at a flat body they cannot change to both sides.
