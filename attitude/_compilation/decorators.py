@@ -271,11 +271,11 @@ def compiled_names() -> set[str]:
     return set(_compiled)
 
 
-def _for_python(given: Callable[..., Any]) -> FunctionType:
+def _for_python(loop: Callable[..., Any]) -> FunctionType:
     """The function with `ieee` as ``math`` and entry points not compiled, which they would be anew
     for it.
     """
-    function = cast(FunctionType, given)
+    function = cast(FunctionType, loop)
     names = {**function.__globals__, "math": ieee}
     for name in function.__code__.co_names:
         if isinstance(names.get(name), EntryPoint):

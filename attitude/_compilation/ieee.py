@@ -26,9 +26,9 @@ ceil = math.ceil
 def _of_doubles(function: Callable[..., float]) -> Callable[..., np.float64]:
     """A function of `math` that returns NaN outside of its domain and infinity on overflow."""
 
-    def with_limits(*given: float) -> np.float64:
+    def with_limits(*arguments: float) -> np.float64:
         try:
-            return np.float64(function(*given))
+            return np.float64(function(*arguments))
         except ValueError:
             return nan
         except OverflowError:

@@ -100,7 +100,7 @@ def evaluate_all(
     omega: FloatArray | None = None,
     *,
     edges: IntArray | None = None,
-    near: bool = True,
+    all_digits: bool = True,
 ) -> int:
     """Fill attitude, omega (B, 3, P, T) with the derivatives of B motions at epochs t, t_low (1 or
     B, T).
@@ -108,10 +108,10 @@ def evaluate_all(
     Returns -1, or the number of a body with an epoch beyond its reach; then not all are filled.
 
     edges: (B + 1,), of rows (1, R) of epochs, of which those of a body stand between two edges.
-    near: whether columns have all digits near the epoch of the state, by series; otherwise those
-        of their terms, and series only where these cancel to 4e-12.
+    all_digits: whether columns have all digits near the epoch of the state, by series; otherwise
+        those of their terms, and series only where these cancel to 4e-12.
     """
-    short = _short_of(constants, tangents, t, edges, omega is not None, near)
+    short = _short_of(constants, tangents, t, edges, omega is not None, all_digits)
     return _in_blocks(constants, tangents, short, t, t_low, 0, (attitude, omega), edges)
 
 
@@ -318,12 +318,12 @@ class Derivatives(ABC):
         """Changes (6, 5) of angular velocity and moments with the elements at the epoch."""
 
     def covariance_at(
-        self, given: FloatArray, seconds: FloatArray, low: FloatArray | None, rates: bool
+        self, of_state: FloatArray, seconds: FloatArray, low: FloatArray | None, rates: bool
     ) -> FloatArray:
         """Covariances (S, 3, 3) of the attitude, or (S, 6, 6), from that (9, 9) of the state."""
         attitude, omega = self.at(seconds, low, rates)
         both = attitude if omega is None else np.concatenate([attitude, omega], axis=-2)
-        factored = both @ covariance.factor(given)
+        factored = both @ covariance.factor(of_state)
         return factored @ np.swapaxes(factored, -1, -2)
 
 
@@ -347,12 +347,12 @@ class Sensitivity(Derivatives):
         self._tangents = tangents_of(moments, wxyz, principal, constants)
         self._last: tuple[FloatArray, Factored] | None = None
 
-    def _factored(self, given: FloatArray) -> Factored:
+    def _factored(self, of_state: FloatArray) -> Factored:
         """The factors for a covariance (9, 9); those of the last one are kept."""
         last = self._last
-        if last is None or not np.array_equal(last[0], given):
-            factors = covariance.factor(given)[None]
-            last = given.copy(), factored(self._constants, self._tangents, factors)
+        if last is None or not np.array_equal(last[0], of_state):
+            factors = covariance.factor(of_state)[None]
+            last = of_state.copy(), factored(self._constants, self._tangents, factors)
             self._last = last
         return last[1]
 
@@ -373,14 +373,14 @@ class Sensitivity(Derivatives):
         return inputs_by_elements(self._constants[0], self._tangents["by_input"][0])
 
     def covariance_at(
-        self, given: FloatArray, seconds: FloatArray, low: FloatArray | None, rates: bool
+        self, of_state: FloatArray, seconds: FloatArray, low: FloatArray | None, rates: bool
     ) -> FloatArray:
         """As `Derivatives.covariance_at`, in one loop over the epochs."""
         t, t_low = Seconds(seconds, low).row
         size = 6 if rates else 3
         # Rows of whole lines of the cache are stored faster.
         out = new_array(1, size, size, -(-t.size // LINE) * LINE)
-        of = self._factored(given)
+        of = self._factored(of_state)
         covariances(self._constants, self._tangents, of, t, t_low, out)
         filled: FloatArray = np.moveaxis(out[0, ..., : t.size], -1, 0)
         return filled.reshape(*seconds.shape, size, size)

@@ -187,11 +187,11 @@ class ProgressBar:
 
 @contextmanager
 def timed(
-    label: str, seconds: float, given: Callable[[str], object] | None = None
+    label: str, seconds: float, reporter: Callable[[str], object] | None = None
 ) -> Iterator[Callable[[str], object]]:
     """A function that is called with the text of each stage of a search with a limit of time."""
-    if given is not None:
-        yield given
+    if reporter is not None:
+        yield reporter
         return
     bar, begin = ProgressBar(label), time.monotonic()
 

@@ -286,14 +286,14 @@ class Condition(Joinable):
         return f"<Condition of {count} channel{'s' if count > 1 else ''}>"
 
 
-def condition_of(given: object, name: str = "f") -> Condition:
+def condition_of(value: object, name: str = "f") -> Condition:
     """The Condition that an object is or stands for."""
-    if not isinstance(given, Joinable):
+    if not isinstance(value, Joinable):
         raise AttitudeError(
-            f"{name} is {shown(given)}; give a Condition, such as events.in_cone(...) or "
+            f"{name} is {shown(value)}; give a Condition, such as events.in_cone(...) or "
             'scene.quantity("elevation") > "10 deg".'
         )
-    return given.condition
+    return value.condition
 
 
 # ---- Observables: numbers at every epoch, with extrema, and conditions by comparison

@@ -270,7 +270,7 @@ class Ensemble(Immutable):
 
     def _fill(
         self,
-        given: _members.Given,
+        given_inertia: _members.Given,
         wxyz: FloatArray,
         low: FloatArray | None,
         rates: FloatArray,
@@ -286,7 +286,7 @@ class Ensemble(Immutable):
         self._set_all(_start=frozen(start), _low=low)
         self._set("names", _members.known_names(names, len(wxyz)))
         attitude = _members.to_icrf(self.frame, wxyz, low)
-        inertia, omega, differences = given.resolved(rates, on_error == "raise")
+        inertia, omega, differences = given_inertia.resolved(rates, on_error == "raise")
         states = States(inertia.moments, inertia.principal, omega, differences, *attitude)
         self._set_all(_inertia=inertia, _members=states)
         self._set("wxyz", frozen(np.ascontiguousarray(wxyz)))
@@ -757,7 +757,7 @@ class Ensemble(Immutable):
         if self._inertia.has_tensors:
             in_body = np.einsum("...ij,...j->...i", self._inertia.tensors(), self.angular_velocity)
         else:
-            in_body = self._inertia.given * self.angular_velocity
+            in_body = self._inertia.array * self.angular_velocity
         return frozen(np.ascontiguousarray(quaternion.rotate(self.wxyz_icrf, in_body)))
 
     @cached_property
@@ -984,12 +984,12 @@ class Ensemble(Immutable):
             )
         return numbers, in_runs
 
-    def _history(self, found: MemberGrid | MemberRows, outs: Any, threads: int) -> EnsembleHistory:
+    def _history(self, epochs: MemberGrid | MemberRows, outs: Any, threads: int) -> EnsembleHistory:
         """The history of some epochs, in the output arrays (out, name, width) if they are given."""
-        memory = [found.memory(*array) for array in outs]
-        found.fill(self._evaluation(), Results(*memory), threads)
-        views = [read_only(found.shaped(a, b[0])) for a, b in zip(memory, outs, strict=True)]
-        history = EnsembleHistory(self, found.member, *found.seconds, views[0])
+        memory = [epochs.memory(*array) for array in outs]
+        epochs.fill(self._evaluation(), Results(*memory), threads)
+        views = [read_only(epochs.shaped(a, b[0])) for a, b in zip(memory, outs, strict=True)]
+        history = EnsembleHistory(self, epochs.member, *epochs.seconds, views[0])
         if len(views) > 1:
             history.__dict__["angular_velocity"] = views[1]
         return history
@@ -1309,7 +1309,7 @@ class Ensemble(Immutable):
         arrays = {"wxyz": self.wxyz, "angular_velocity": self.angular_velocity}
         if self._low is not None:
             arrays["low"] = self._low
-        inertia = self._inertia.given
+        inertia = self._inertia.array
         arrays["tensor" if inertia.ndim == 3 else "moments"] = np.broadcast_to(
             inertia, (len(self), *inertia.shape[1:])
         )
@@ -1705,7 +1705,7 @@ class TorquedEnsemble(Immutable):
             bar(start + steps + 1, int(number[-1]) + 1)
 
     def _marched(
-        self, first: int, states: FloatArray, start: int, h: float, here: Any, samples: Any
+        self, first: int, states: FloatArray, start: int, h: float, places: Any, samples: Any
     ) -> FloatArray:
         """States (n, T, 7) over body axes of some members, which are advanced in place."""
         shared = len(self._systems) == 1
@@ -1715,7 +1715,7 @@ class TorquedEnsemble(Immutable):
             systems[0].setup[1],
             np.array([system.setup[2] for system in systems]),
         )
-        number, parts = here
+        number, parts = places
 
         def label(k: int) -> str:
             return self.ensemble.label(first + k)

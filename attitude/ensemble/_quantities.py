@@ -158,7 +158,7 @@ def squared_tangents(wxyz, axis, x, y, z, out):
 
 
 @entry_point
-def candidates(values, ranks, counts, wanted, found, places):
+def candidates(values, ranks, counts, wanted, kept, places):
     """The numbers of a row among which those of given ranks are, by their leading bits.
 
     Given
@@ -166,10 +166,10 @@ def candidates(values, ranks, counts, wanted, found, places):
         ranks   (R,) 0 to N - 1
         counts, wanted  (BINS,) memory
     Filled
-        found   (N,) numbers that share leading bits with one of the wanted ones, in any order
+        kept    (N,) numbers that share leading bits with one of the wanted ones, in any order
         places  (R,) the ranks among these
     Returned
-        how many numbers are found
+        how many numbers are kept
     """
     least = most = _key(values[0])
     for k in range(1, len(values)):
@@ -199,7 +199,7 @@ def candidates(values, ranks, counts, wanted, found, places):
     count = 0
     for k in range(len(values)):
         # Written always and kept if wanted: without a branch that is mispredicted.
-        found[count] = values[k]
+        kept[count] = values[k]
         count += wanted[(_key(values[k]) - least) >> shift]
     return count
 

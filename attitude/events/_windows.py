@@ -594,11 +594,11 @@ def _sides(scene, names, fraction):
     return sides
 
 
-def _rows(scene, sides, conditions, found):
+def _rows(scene, sides, conditions, windows):
     """The rows of all sides in order of time."""
     source = conditions[0].source
     tops, off = [], []
-    for condition, one in zip(conditions, found, strict=True):
+    for condition, one in zip(conditions, windows, strict=True):
         mirrored = condition.channels[0]
         assert isinstance(mirrored, Mirrored)
 
@@ -608,13 +608,13 @@ def _rows(scene, sides, conditions, found):
         top = _highest(nearness, one.begin, one.end)
         tops.append(top)
         off.append(mirrored.off_mirror(source.at(top, np.zeros(top.size))) if len(top) else top)
-    side = np.repeat([one.name for one in sides], [len(one) for one in found])
+    side = np.repeat([one.name for one in sides], [len(one) for one in windows])
     peak, off_mirror = np.concatenate(tops), np.concatenate(off)
     begin, end = (
-        np.concatenate([_edges(one.columns[name]) for one in found], axis=1)
+        np.concatenate([_edges(one.columns[name]) for one in windows], axis=1)
         for name in ("begin", "end")
     )
-    duration = np.concatenate([one.duration for one in found])
+    duration = np.concatenate([one.duration for one in windows])
     order = np.argsort(begin[0], kind="stable")
     view = source.at(peak[order], np.zeros(len(peak))).view
     is_far = scene.sun.is_direction or scene.observer.is_direction

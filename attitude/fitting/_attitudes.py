@@ -294,13 +294,13 @@ def fit(
     return fitted(model, observed, how, point, first)
 
 
-def guess(problem: Problem, given: tuple[FloatArray, FloatArray, FloatArray]) -> Point:
-    """The first guess from attitudes; given (K,)."""
+def guess(problem: Problem, states: tuple[FloatArray, FloatArray, FloatArray]) -> Point:
+    """The first guess from states: seconds (K,), attitudes (K, 4) and angular velocities (K, 3)."""
     model, shape = problem.model, np.zeros(0)
     if model.body is None:
-        tensor = inertia_of_attitudes(*given[1:], model.axes, robust=problem.loss.robust)
+        tensor = inertia_of_attitudes(*states[1:], model.axes, robust=problem.loss.robust)
         shape = model.shape_of(tensor)
-    return best_state(problem, shape, given)
+    return best_state(problem, shape, states)
 
 
 def first_stage(t: FloatArray, speed: float, fewest: int) -> int:
@@ -510,7 +510,7 @@ def spans(observed: Observations, loss: Loss) -> tuple[FloatArray, FloatArray, F
         else:
             best = min(
                 (problem.minimum(node) for node in _nodes(records_of_span)),
-                key=lambda each: each.cost,
+                key=lambda minimum: minimum.cost,
             )
             step = float(observed.t[-1] - observed.t[0]) / (len(observed) - 1)
             angle = max(float(np.linalg.norm(best.point.omega)) * step, 1e-300)
@@ -531,16 +531,16 @@ def _centred(observed: Observations, begin: int, size: int) -> tuple[Observation
     return replace(records_of_span, t=records_of_span.t - middle), middle
 
 
-def _nodes(part: Observations) -> list[Point]:
+def _nodes(records: Observations) -> list[Point]:
     """The nodes of a grid of angular velocities that fit a span best, with their attitudes."""
-    directions: Directions = part.kinds[0]  # type: ignore[assignment]
-    half = float(np.max(np.abs(part.t)))
-    step = 2.0 * half / (len(part) - 1)
+    directions: Directions = records.kinds[0]  # type: ignore[assignment]
+    half = float(np.max(np.abs(records.t)))
+    step = 2.0 * half / (len(records) - 1)
     most = int(_FASTEST / step * half / _SPACING)
     line = np.arange(-most, most + 1) * (_SPACING / half)
     grid = np.stack(np.meshgrid(line, line, line, indexing="ij"), axis=-1).reshape(-1, 3)
     grid = grid[np.linalg.norm(grid, axis=1) <= line[-1] * (1.0 + 1e-9)]
-    turns = forms.from_rotation_vector(grid[:, None] * part.t[:, None])
+    turns = forms.from_rotation_vector(grid[:, None] * records.t[:, None])
     turned = quaternion.rotate(turns, directions.measured)
     weighted = directions.known * directions.weight[:, None]
     values, vectors = np.linalg.eigh(_davenport(np.einsum("ni,gnj->gij", weighted, turned)))
@@ -689,7 +689,7 @@ def _guess(
     states = times[chosen], wxyz[chosen], omega[chosen]
     points = [point for shape in shapes for point in states_at_first(model, shape, states)]
     minima = (problem.minimum(point, last=False) for point in points)
-    return min(minima, key=lambda each: each.cost).point
+    return min(minima, key=lambda minimum: minimum.cost).point
 
 
 def _unit(value: Reals, name: str, count: int) -> FloatArray:

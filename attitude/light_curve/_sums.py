@@ -372,11 +372,11 @@ def _laid_out(ways, first, x, y, z):
 
 
 @reduction_inlined
-def _cosines(x, y, ways, way, own):
-    """Cosines between a direction and normals of slopes x, y, over heights; `way`, `own` as
+def _cosines(x, y, ways, way, height):
+    """Cosines between a direction and normals of slopes x, y, over heights; `way`, `height` as
     `Clusters.axes`.
     """
-    return x * ways[way] + y * ways[way + _1] + ways[own]
+    return x * ways[way] + y * ways[way + _1] + ways[height]
 
 
 @reduction_inlined
@@ -550,13 +550,13 @@ def over_facets(of_phase: Compilable, element: Compilable, in_lanes: bool) -> En
     """
 
     @reduction_over(of_phase, element)
-    def summed(rows, given, cosines, sines, out):
-        incidence, emission, weights, ends = given[-4:]
+    def summed(rows, gathered, cosines, sines, out):
+        incidence, emission, weights, ends = gathered[-4:]
         terms = np.empty(TERMS)
         out[:] = 0.0
         begin = 0
         while begin < out.size:
-            stop = gather(begin, *given)
+            stop = gather(begin, *gathered)
             for m in range(rows.shape[0]):
                 row = rows[m]
                 for t in range(begin, stop):

@@ -293,10 +293,10 @@ def _place(tangent, half, offset, least, most):
 
 @reduction_inlined
 def draw_groups(
-    found, groups, edges, sides, first_edges, corners, flat, first, up, shifts, resolution,
+    nodes, groups, edges, sides, first_edges, corners, flat, first, up, shifts, resolution,
     frames, marks, shown, counts, drawn,
 ):  # fmt: skip
-    """Add the changes along the outlines of the nodes found[:groups] to `counts`; see `paint`.
+    """Add the changes along the outlines of nodes[:groups] to `counts`; see `paint`.
 
     An edge between groups that show one side changes nothing. `drawn`: first and last rows of
     faces.
@@ -305,7 +305,7 @@ def draw_groups(
     half = 0.5 * resolution
     beside, above = 0.5 - eight(shifts, 0), 0.5 - eight(shifts, _LANES)
     for q in range(groups):
-        node = found[q]
+        node = nodes[q]
         if node >= leaves and marks[node - leaves] & DIVIDED != 0:
             mark = marks[node - leaves] & ~DIVIDED
             if mark >> FACES != 0:
@@ -600,7 +600,7 @@ def memory(members: int, resolution: int, leaves: int) -> tuple[NDArray[Any], ..
 def paint(
     boxes, edges, sides, first_edges, fronts, corners, facing, normals, points, middles, size,
     members, across, up, shifts, resolution, both, sky, counts, changes, drawn, frames, marks,
-    found, shown, masks, place,
+    nodes, shown, masks, place,
 ):  # fmt: skip
     """Fill the columns of `masks` from `place` on, for the facets `members` (-1: empty place).
 
@@ -618,14 +618,14 @@ def paint(
             faces = frame(normals[k], resolution, frames)
             groups = _look_around(
                 boxes, fronts, corners, facing, normals[k], points, 24 * k, middles[k], size, both,
-                faces, marks, found, shown,
+                faces, marks, nodes, shown,
             )  # fmt: skip
             draw_groups(
-                found, groups, edges, sides, first_edges, corners, points, 24 * k, up, shifts,
+                nodes, groups, edges, sides, first_edges, corners, points, 24 * k, up, shifts,
                 resolution, frames, marks, shown, changes, drawn,
             )  # fmt: skip
             for q in range(groups):
-                _mark(marks, found[q], leaves, 0)
+                _mark(marks, nodes[q], leaves, 0)
             fill(normals[k], across, up, resolution, frames, counts, drawn, sky, m, count)
     first = np.uint64(place)
     for i in range(cells):
@@ -636,10 +636,10 @@ def paint(
 
 @reduction_inlined
 def _look_around(
-    boxes, fronts, corners, facing, normal, flat, first, middle, size, both, among, marks, found,
+    boxes, fronts, corners, facing, normal, flat, first, middle, size, both, among, marks, nodes,
     shown,
 ):  # fmt: skip
-    """Mark all groups that may hide the sky of one facet; their nodes are `found`, their number.
+    """Mark all groups that may hide the sky of one facet, and fill `nodes`; the number of these.
 
     The points are flat[first : first + 24]; along axis i within middle[3 + i] of middle[i].
     """
@@ -666,7 +666,7 @@ def _look_around(
                 mark = faces | DIVIDED
         if mark != 0:
             _mark(marks, node, leaves, mark)
-            found[count] = node
+            nodes[count] = node
             count += 1
         node = 2 * node if inside else _after(node)
     return count
@@ -901,11 +901,11 @@ class Visibility:
         )
 
 
-def require_mesh(given: object) -> None:
+def require_mesh(mesh: object) -> None:
     """AttitudeError for anything but a `Mesh`."""
-    if not isinstance(given, Mesh):
+    if not isinstance(mesh, Mesh):
         raise AttitudeError(
-            f"mesh is {given!r}; give an attitude.shape Mesh, such as Ellipsoid.facets(count) or "
+            f"mesh is {mesh!r}; give an attitude.shape Mesh, such as Ellipsoid.facets(count) or "
             "box(size)."
         )
 

@@ -60,6 +60,9 @@ class Differentiable(Motion):
 
     A class of this kind has a ``body`` and a ``spin``, and defines ``_sensitivity``, its
     `Derivatives`, and ``_with(body, spin)``, the same motion from another state.
+
+    `sensitivity_at` is the contract, the same for all of them: nine columns, for epochs in any
+    form.
     """
 
     # Whether another motion takes no steps, so that covariances can look at the nonlinearity.

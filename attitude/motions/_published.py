@@ -409,9 +409,9 @@ def from_labelled(
     return wxyz[0], omega[0]
 
 
-def _missing(**given: object) -> AttitudeError:
+def _missing(**keywords: object) -> AttitudeError:
     """The error that names the keywords that are None."""
-    missing = [name for name, value in given.items() if value is None]
+    missing = [name for name, value in keywords.items() if value is None]
     return AttitudeError(
         f"{', '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing; give mode "
         '("LAM" or "SAM"), convention ("L" or "S"), P_psi, P_phi and psi0, or one period P for '
@@ -918,7 +918,7 @@ def _poles(pole: Any) -> FloatArray:
     return poles.reshape(1, 2) if poles.ndim == 1 else poles
 
 
-def _codes(given: Any, known: Callable[[Any], str], allowed: Sequence[str]) -> Any:
+def _codes(value: Any, known: Callable[[Any], str], allowed: Sequence[str]) -> Any:
     """The numbers () or (N,) of words in `allowed`; _UNKNOWN for other words, and none."""
     numbers: dict[object, int] = {}
 
@@ -930,14 +930,14 @@ def _codes(given: Any, known: Callable[[Any], str], allowed: Sequence[str]) -> A
                 numbers[word] = _UNKNOWN
         return numbers[word]
 
-    if given is None or isinstance(given, (str, int)):
-        return np.array(code(given))
-    words = np.asarray(given, dtype=object)
+    if value is None or isinstance(value, (str, int)):
+        return np.array(code(value))
+    words = np.asarray(value, dtype=object)
     try:
         return np.array([code(word) for word in words.ravel().tolist()], int).reshape(words.shape)
     except TypeError as err:  # what cannot be hashed
         raise AttitudeError(
-            f"mode, convention or theta_branch is {validation.shown(given)}; give words, one or "
+            f"mode, convention or theta_branch is {validation.shown(value)}; give words, one or "
             "one for each member."
         ) from err
 

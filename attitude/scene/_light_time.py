@@ -229,10 +229,10 @@ class LineOfSight(_path.FrozenArrays):
     source: str
     error: float | None = None
 
-    def some(self, part: slice) -> LineOfSight:
+    def some(self, block: slice) -> LineOfSight:
         """The line of sight at some of the epochs."""
-        unit = self.unit if self.unit.shape[1] == 1 else self.unit[:, part]
-        distance = None if self.distance is None else self.distance[part]
+        unit = self.unit if self.unit.shape[1] == 1 else self.unit[:, block]
+        distance = None if self.distance is None else self.distance[block]
         return LineOfSight(unit, distance, self.source, self.error)
 
 

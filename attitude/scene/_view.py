@@ -347,11 +347,11 @@ class View(Immutable):
             path = _composed.relative(target, viewer, scene.ephemeris)
         return _light_time.seen(path, self.epoch, hi, lo, some, scene.tolerance, sign)
 
-    def _refuse_inside(self, found: LineOfSight, place: Place) -> None:
+    def _refuse_inside(self, line: LineOfSight, place: Place) -> None:
         """Raise an AttitudeError if a place comes nearer than the farthest point of the shape."""
-        assert found.distance is not None
+        assert line.distance is not None
         radius = _radius(self.scene.shape)
-        least = np.nanmin(found.distance, initial=np.inf)
+        least = np.nanmin(line.distance, initial=np.inf)
         if least < radius:
             raise AttitudeError(
                 f"{place.name} comes to {least:.6g} m from the center, into the "
@@ -397,10 +397,10 @@ class View(Immutable):
             return np.zeros(self.shape)
         return self.observer_distance / SPEED_OF_LIGHT_M_S
 
-    def _distance(self, found: LineOfSight) -> FloatArray:
-        if found.distance is None:
+    def _distance(self, line: LineOfSight) -> FloatArray:
+        if line.distance is None:
             return self._numbers(np.full(1, np.inf))
-        return self._numbers(found.distance)
+        return self._numbers(line.distance)
 
     @quantity("", _XYZ)
     def observer_direction_icrf(self) -> FloatArray:
@@ -448,11 +448,11 @@ class View(Immutable):
                 )
         return self._numbers(np.maximum(lit, 0.0, out=lit))
 
-    def _velocity_of(self, body: str, part: slice, where: BoolArray) -> FloatArray:
+    def _velocity_of(self, body: str, block: slice, where: BoolArray) -> FloatArray:
         """Barycentric velocities (3, K) of a body at marked epochs of emission of a part, m/s,
         ICRF.
         """
-        hi, lo = self.emission.taken(part).flat
+        hi, lo = self.emission.taken(block).flat
         return self._velocity(body, hi[where], lo[where])
 
     def _velocity(self, body: str | Path, hi: FloatArray, lo: FloatArray) -> FloatArray:

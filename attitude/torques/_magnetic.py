@@ -274,18 +274,18 @@ def _gradient(r: FloatArray, table: FloatArray, degree: int) -> FloatArray:
     return field.T
 
 
-def field_of(given: AnyField) -> MagneticField:
+def field_of(field: AnyField) -> MagneticField:
     """The field itself, or that of a function."""
-    if isinstance(given, MagneticField):
-        return given
-    validation.refuse_class(given, "field")
-    if not callable(given):
+    if isinstance(field, MagneticField):
+        return field
+    validation.refuse_class(field, "field")
+    if not callable(field):
         raise AttitudeError(
-            f"field is {validation.shown(given)}; give IGRF(), DipoleField(moment), or a function "
+            f"field is {validation.shown(field)}; give IGRF(), DipoleField(moment), or a function "
             "of seconds (K,) since the epoch of the spin and positions (K, 3) in m that returns "
             "(K, 3) in T, both over ICRF axes."
         )
-    return _FunctionField(given)
+    return _FunctionField(field)
 
 
 # ---- Samples along a path

@@ -542,10 +542,10 @@ class TorquedSensitivity(Derivatives):
     def _kick(self, wxyz, omega, times, h, cubed):
         """States after torques for h (N,) seconds, and the maps (N, 9 + P, 9 + P)."""
         count = len(h)
-        arguments = times, h, cubed, self._system.sampled(times)
-        after, gained = _kicked(self._system, wxyz, omega, arguments)
+        kick = times, h, cubed, self._system.sampled(times)
+        after, gained = _kicked(self._system, wxyz, omega, kick)
         maps = np.broadcast_to(np.eye(self._width), (count, self._width, self._width)).copy()
-        many = times.repeat(4, axis=1), *(np.repeat(array, 4, axis=0) for array in arguments[1:])
+        many = times.repeat(4, axis=1), *(np.repeat(array, 4, axis=0) for array in kick[1:])
         pace = _SHARE * np.sqrt(np.sum(omega**2 + gained**2, axis=1))
         pace = np.where(pace > 0.0, pace, 1.0)
         for j in range(6 if self._by_rate or self._slips else 3):
@@ -569,7 +569,7 @@ class TorquedSensitivity(Derivatives):
             """The change (N, 6) of the end of the kick, by systems with other parameters."""
             total = np.zeros((count, 6))
             for weight, other in zip(weights, others, strict=True):
-                end, gain = _kicked(other, wxyz, omega, arguments)
+                end, gain = _kicked(other, wxyz, omega, kick)
                 if self._slips:
                     total[:, :3] += weight * _turns(end, after)
                 total[:, 3:] += weight * (gain - gained)
@@ -595,11 +595,14 @@ class TorquedSensitivity(Derivatives):
         return [[larger(column, k) for k in range(1, 5)] for column in _BY_MASS.T]
 
 
-def _kicked(system, wxyz, omega, given):
-    """Attitudes (N, 4) after kicks, and the changes (N, 3) of the angular velocity, body axes."""
+def _kicked(system, wxyz, omega, kick):
+    """Attitudes (N, 4) after kicks, and the changes (N, 3) of the angular velocity, body axes.
+
+    kick: epochs (2, N), lengths (N,), coefficients (N,) of the force gradient, and samples.
+    """
     from attitude._solver.march import kicks
 
-    times, h, cubed, samples = given
+    times, h, cubed, samples = kick
     states = np.zeros((len(h), STATE_ENTRIES))
     states[:, WXYZ] = quaternion.multiply(wxyz, system.turn)
     states[:, OMEGA] = omega @ system.axes

@@ -822,6 +822,8 @@ class TorquedRotation(Differentiable):
     ) -> TorquedSensitivity:
         """The derivatives by the state, the moments and parameters of the torques.
 
+        For fits of torques; the contract of motions is `sensitivity_at`, without parameters.
+
         Parameters
         ----------
         others : iterable of (float, 4 tuples of Torque)
