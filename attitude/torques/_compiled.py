@@ -154,7 +154,7 @@ def inertia_history(t, wxyz, omega, samples, p, out):
 
 @subroutine
 def _weights(x):
-    """Of four equally spaced values, for the place x between the second (0) and third (1)."""
+    """Weights of four equally spaced values at the place x between the second (0) and third (1)."""
     return (
         -x * (x - 1.0) * (x - 2.0) / 6.0,
         (x + 1.0) * (x - 1.0) * (x - 2.0) / 2.0,
@@ -273,7 +273,7 @@ def _on_face(x, y, z):
 
 @subroutine
 def _evened(u):
-    """As `light_curve._sums.evened`."""
+    """As `light_curve._sums.evened`, where sums keep their order."""
     s = math.sqrt(1.0 + 3.0 * abs(u)) - 1.0
     return s if u >= 0.0 else -s
 

@@ -199,7 +199,7 @@ def first_crossing(event: Trigger, motion: Motion, start: float, end: float, nam
     away = abs(event.values(motion.at(start))[0]) + event.arm
 
     def pace(seconds: float) -> float:
-        """Of the arguments of the function, rad/s: a bound of a free arc, else of the rate then."""
+        """Speed of the arguments, rad/s: by a bound on a free arc, else by the rate then."""
         if bounds is not None:
             fastest = bounds.first
         else:
