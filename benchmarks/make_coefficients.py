@@ -35,7 +35,6 @@ MEASURED = {
     ("photometry/_periodogram.py", "_NAMES"),
     ("_support/constants.py", "EARTH_FLATTENING"),
     ("scene/_scene.py", "_OF_ORBIT"),
-    ("scene/_scene.py", "_OF_RANGE"),
     ("torques/_magnetic.py", "_MU_0_OVER_4_PI"),
 }
 

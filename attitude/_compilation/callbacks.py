@@ -170,7 +170,7 @@ def callback_of(function: Callable[..., Any]) -> Callback:
     if callback is not None:
         return callback
 
-    def torque(t, wxyz, omega, given, parameters, out):
+    def torque(t, wxyz, omega, samples, parameters, out):
         components = function(t + vector(parameters, 1)[0], vector(wxyz, 4), vector(omega, 3))
         if len(components) != 3:
             raise AttitudeError(

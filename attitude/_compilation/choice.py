@@ -62,7 +62,7 @@ _forced = 0
 def is_worth_python(
     predicted: float,
     kept: bool,
-    own: float = 0.0,
+    spent: float = 0.0,
     to_compile: float = TO_COMPILE,
     calls: int = 0,
     steps: float = 0.0,
@@ -70,7 +70,7 @@ def is_worth_python(
     """Whether a call of a function that takes `predicted` seconds in Python is to run there.
 
     `kept` tells whether machine code is on the disk; otherwise compiling takes `to_compile` s.
-    `own` are the seconds that the `calls` before have taken in Python, `steps` those of all steps
+    `spent` are the seconds that the `calls` before have taken in Python, `steps` those of all steps
     of the call that repeats, with those of the next one (infinite for a step of one that is
     compiled).
     """
@@ -83,9 +83,9 @@ def is_worth_python(
         return False
     repeated = 1.0 + calls / REPEATS
     if kept:
-        seconds = max(_spent, own * repeated) + predicted
+        seconds = max(_spent, spent * repeated) + predicted
         return "numba" not in sys.modules and seconds <= TO_LOAD
-    return own * repeated + predicted <= to_compile
+    return spent * repeated + predicted <= to_compile
 
 
 @contextmanager

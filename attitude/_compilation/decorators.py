@@ -186,8 +186,9 @@ class EntryPoint(Compilable):
         steps = self._note_call()
         together = self._spent + sum(step._spent for step in steps)
         together = math.inf if self._follows else together * (1.0 + 1.0 / max(self._calls, 1))
-        earlier = self._spent, self._to_compile, self._calls, together
-        if not choice.is_worth_python(predicted, kept, *earlier):
+        if not choice.is_worth_python(
+            predicted, kept, self._spent, self._to_compile, self._calls, together
+        ):
             if self._calls >= choice.STEADY_CALLS and together >= choice.STEADY:
                 _follow(steps)
             return self._first(*arguments)
@@ -270,11 +271,11 @@ def compiled_names() -> set[str]:
     return set(_compiled)
 
 
-def _for_python(given: Callable[..., Any]) -> FunctionType:
+def _for_python(loop: Callable[..., Any]) -> FunctionType:
     """The function with `ieee` as ``math`` and entry points not compiled, which they would be anew
     for it.
     """
-    function = cast(FunctionType, given)
+    function = cast(FunctionType, loop)
     names = {**function.__globals__, "math": ieee}
     for name in function.__code__.co_names:
         if isinstance(names.get(name), EntryPoint):

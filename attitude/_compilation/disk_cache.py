@@ -261,22 +261,22 @@ def _tolerate_errors(on_disk: Any, installed: Any) -> None:
     """
     load, save = on_disk.load_overload, on_disk.save_overload
 
-    def load_overload(*given: Any) -> Any:
+    def load_overload(*arguments: Any) -> Any:
         overload = None
         try:
-            overload = load(*given)
+            overload = load(*arguments)
         except Exception:  # a torn file raises any error in pickle; the next process compiles anew
             with suppress(OSError):
                 on_disk.flush()
         if overload is None and installed is not None:
             users_cache, on_disk._cache_file = on_disk._cache_file, installed
             with suppress(Exception):
-                overload = load(*given)
+                overload = load(*arguments)
             on_disk._cache_file = users_cache
         return overload
 
-    def save_overload(*given: Any) -> None:
+    def save_overload(*arguments: Any) -> None:
         with suppress(OSError):
-            save(*given)
+            save(*arguments)
 
     on_disk.load_overload, on_disk.save_overload = load_overload, save_overload

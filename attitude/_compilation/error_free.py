@@ -15,7 +15,8 @@ from llvmlite import binding, ir
 
 from attitude._compilation.instructions import FMA_RANGE
 
-_DOUBLE, _INTEGER = ir.DoubleType(), ir.IntType(64)
+_DOUBLE = ir.DoubleType()
+_INTEGER = ir.IntType(64)
 
 
 @cache

@@ -16,16 +16,19 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 
-pi, inf, nan = np.float64(math.pi), np.float64(math.inf), np.float64(math.nan)
-floor, ceil = math.floor, math.ceil
+pi = np.float64(math.pi)
+inf = np.float64(math.inf)
+nan = np.float64(math.nan)
+floor = math.floor
+ceil = math.ceil
 
 
 def _of_doubles(function: Callable[..., float]) -> Callable[..., np.float64]:
     """A function of `math` that returns NaN outside of its domain and infinity on overflow."""
 
-    def with_limits(*given: float) -> np.float64:
+    def with_limits(*arguments: float) -> np.float64:
         try:
-            return np.float64(function(*given))
+            return np.float64(function(*arguments))
         except ValueError:
             return nan
         except OverflowError:
@@ -35,12 +38,20 @@ def _of_doubles(function: Callable[..., float]) -> Callable[..., np.float64]:
     return with_limits
 
 
-_sqrt, hypot = _of_doubles(math.sqrt), _of_doubles(math.hypot)
-exp, expm1, pow = _of_doubles(math.exp), _of_doubles(math.expm1), _of_doubles(math.pow)
-sin, cos, tan = _of_doubles(math.sin), _of_doubles(math.cos), _of_doubles(math.tan)
-asin, atan, atan2 = _of_doubles(math.asin), _of_doubles(math.atan), _of_doubles(math.atan2)
+_sqrt = _of_doubles(math.sqrt)
+hypot = _of_doubles(math.hypot)
+exp = _of_doubles(math.exp)
+expm1 = _of_doubles(math.expm1)
+pow = _of_doubles(math.pow)
+sin = _of_doubles(math.sin)
+cos = _of_doubles(math.cos)
+tan = _of_doubles(math.tan)
+asin = _of_doubles(math.asin)
+atan = _of_doubles(math.atan)
+atan2 = _of_doubles(math.atan2)
 asinh = _of_doubles(math.asinh)
-sinh, copysign = _of_doubles(math.sinh), _of_doubles(math.copysign)
+sinh = _of_doubles(math.sinh)
+copysign = _of_doubles(math.copysign)
 
 
 def sqrt(a: Any) -> Any:

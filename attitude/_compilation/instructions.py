@@ -14,7 +14,8 @@ from typing import Any
 
 import numpy as np
 
-_DOUBLE, _INTEGER = struct.Struct("<d"), struct.Struct("<q")
+_DOUBLE = struct.Struct("<d")
+_INTEGER = struct.Struct("<q")
 _WORD = (1 << 64) - 1
 # Within these bounds the products and sums of `_fma` neither overflow nor lose bits by underflow.
 FMA_RANGE = _SMALL, _LARGE = 1e-130, 1e130

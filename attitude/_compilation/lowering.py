@@ -25,8 +25,10 @@ if TYPE_CHECKING:
 
 register_wide()
 
-_DOUBLE, _INTEGER = ir.DoubleType(), ir.IntType(64)
-_F8, _I8 = types.float64, types.int64
+_DOUBLE = ir.DoubleType()
+_INTEGER = ir.IntType(64)
+_F8 = types.float64
+_I8 = types.int64
 _POINTER = types.CPointer(_F8)
 _C_FUNCTION = types.void(_F8, *[_POINTER] * 5)  # pointers.C_FUNCTION
 
@@ -37,23 +39,23 @@ def dispatcher(function: Callable[..., Any], options: Mapping[str, Any], kept: b
     return _without_literals(compiled)
 
 
-def _without_literals(made: Any) -> Any:
+def _without_literals(compiled: Any) -> Any:
     """The dispatcher, compiled for the type of an argument, not for its value.
 
     numba takes a whole number in the source for a type of its own and compiles a callee once more
     for each value, also for the first value of a variable of a loop: a fifth of all compilations.
     `Dispatcher.get_call_template` is private; without it, compiling takes longer.
     """
-    resolve = getattr(made, "get_call_template", None)
+    resolve = getattr(compiled, "get_call_template", None)
     if resolve is None:
-        return made
+        return compiled
 
     def get_call_template(args: Any, kws: Any) -> Any:
         by_type = {name: types.unliteral(kind) for name, kind in dict(kws).items()}
         return resolve(tuple(map(types.unliteral, args)), by_type)
 
-    made.get_call_template = get_call_template
-    return made
+    compiled.get_call_template = get_call_template
+    return compiled
 
 
 def c_function(function: Callable[..., None], fastmath: bool | set[str], kept: bool) -> Any:

@@ -29,10 +29,10 @@ class _Scratch(int):
 
 
 def call(
-    address: int, t: float, wxyz: int, omega: int, given: int, parameters: int, out: int
+    address: int, t: float, wxyz: int, omega: int, samples: int, parameters: int, out: int
 ) -> None:
     """Call the C function of a torque (`callbacks`); all arguments but t are addresses."""
-    _CALL(int(address))(t, *map(int, (wxyz, omega, given, parameters, out)))
+    _CALL(int(address))(t, *map(int, (wxyz, omega, samples, parameters, out)))
 
 
 def scratch() -> int:

@@ -20,7 +20,8 @@ from attitude._compilation import error_free, simd
 from attitude._compilation.error_free import constant, is_instruction, like
 
 _DOUBLE = ir.DoubleType()
-_INDEX, _INTEGER = ir.IntType(32), ir.IntType(64)
+_INDEX = ir.IntType(32)
+_INTEGER = ir.IntType(64)
 # LLVM has `llvm.experimental.vector.compress` from this version on.  An earlier one takes the name
 # for a function of another library, whose address is zero.
 _COMPRESSES = 19
@@ -324,8 +325,10 @@ def _add_in_columns(context, builder, signature, arguments):
 
 # ---- The instructions of `simd` on exponents and whole numbers
 
-# Adding these leaves a whole number below 2^51, or one of eighths below 2^48, in the low bits.
-_WHOLE, _EIGHTHS = 3.0 * 2.0**51, 3.0 * 2.0**48
+# Adding this leaves a whole number below 2^51 in the low bits.
+_WHOLE = 3.0 * 2.0**51
+# Adding this leaves a number of eighths below 2^48 there.
+_EIGHTHS = 3.0 * 2.0**48
 
 
 @instruction(simd.truncated, lambda a: a)

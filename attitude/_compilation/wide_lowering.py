@@ -12,8 +12,12 @@ from attitude._compilation import wide
 from attitude._compilation.simd_lowering import instruction
 
 _SIZE = 64 * wide.WORDS
-_WIDE, _PRODUCT, _TWO = ir.IntType(_SIZE), ir.IntType(2 * _SIZE), ir.IntType(128)
-_WORD, _THREE, _BIT = ir.IntType(64), ir.IntType(192), ir.IntType(1)
+_WIDE = ir.IntType(_SIZE)
+_PRODUCT = ir.IntType(2 * _SIZE)
+_BIT = ir.IntType(1)
+_WORD = ir.IntType(64)
+_TWO = ir.IntType(128)
+_THREE = ir.IntType(192)
 _DOUBLE = ir.DoubleType()
 _WORDS = wide.WORDS
 

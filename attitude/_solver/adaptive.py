@@ -194,13 +194,13 @@ _UNKNOWN: Final = False, (0.0, 0.0, 0.0)
 
 
 @entry_point
-def adapt(c, scheme, models, clock, counts, fine, coarse, order, most, given, kept, every):
+def adapt(c, scheme, models, clock, counts, fine, coarse, order, most, at_kicks, kept, every):
     """Try up to `most` steps, until the seconds clock[UNTIL] are reached.
 
     Given
         c, scheme, models   as in `march`
         order    of the scheme
-        given    (steps, 3 n + 2, columns) samples at the kicks of whole and halved steps of the
+        at_kicks (steps, 3 n + 2, columns) samples at the kicks of whole and halved steps of the
                  length clock[LENGTH], at a change of which the loop ends; of no steps if no torque
                  takes samples
         every    a state is kept after each so many steps since the epoch
@@ -214,8 +214,8 @@ def adapt(c, scheme, models, clock, counts, fine, coarse, order, most, given, ke
         as `march`, or TOO_ROUGH
     """
     n = scheme.shape[1] - 1
-    work, row = scratch(), layout.ENTRY_BYTES * given.shape[2]
-    rows, stride = given.shape[0], (3 * n + 2) * row
+    work, row = scratch(), layout.ENTRY_BYTES * at_kicks.shape[2]
+    rows, stride = at_kicks.shape[0], (3 * n + 2) * row
     body, plan, torques = body_of(c), (scheme.ctypes.data, n), torques_of(models)
     paired, held = len(coarse) > 0, _UNKNOWN
     pieces = _longest_pieces(clock, plan, torques)
@@ -237,7 +237,7 @@ def adapt(c, scheme, models, clock, counts, fine, coarse, order, most, given, ke
             fault, when = layout.TOO_ROUGH, t
             break
         tried += 1
-        times, sampled = (t, middle, end), (given.ctypes.data + taken * stride, row, work)
+        times, sampled = (t, middle, end), (at_kicks.ctypes.data + taken * stride, row, work)
         whole, other, halves, fault, when, turn, ahead = _tried(
             body, plan, torques, times, state, beside, paired, sampled, held, pieces
         )
@@ -283,17 +283,17 @@ def _longest_pieces(clock, plan, torques):
 
 
 @subroutine
-def _tried(body, plan, torques, times, state, beside, paired, given, held, pieces):
+def _tried(body, plan, torques, times, state, beside, paired, addresses, held, pieces):
     """A step whole, that of the motion beside it, and in two halves; then as `torqued_step`.
 
     times      s at its start, middle and end
-    given      address of its samples, bytes of a row of them, and address of the scratch memory
+    addresses      address of its samples, bytes of a row of them, and address of the scratch memory
     held       as in `two_steps`, which is returned for the next step
     pieces     of `_longest_pieces`
     """
     n = plan[1]
     t, middle, end = times
-    first, row, work = given
+    first, row, work = addresses
     if pieces[0] > 0.0:
         half, h, two = 0.5 * (end - t), end - t, (state, state)
         known, whole, outcome, when = held, state, ONE_BY_ONE, 0.0

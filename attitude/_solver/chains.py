@@ -286,16 +286,16 @@ def _cosine_and_sine(turns):
 
 
 @sized_entry_point
-def change_axes(q, axes, near, sense):
+def change_axes(q, axes, rounded, sense):
     """q becomes q times the quaternion of a rotation or, for a sense of -1, times its inverse.
 
     Given
         axes   (3, 3, 2) the rotation matrix, pairs
-        near   (4,) its quaternion, rounded
+        rounded   (4,) its quaternion, rounded
     Changed
         q      (4, 2) pairs, left at unit length
     """
-    s = _quaternion(axes, near)
+    s = _quaternion(axes, rounded)
     for k in range(1, 4):
         put(s[k], scale(pair(s[k]), sense))
     multiply(q, pair(s[0]), pair(s[1]), pair(s[2]), pair(s[3]))
@@ -358,7 +358,7 @@ def exchange(moments, axes, new_moments, new_axes, w):
 
 
 @subroutine
-def _quaternion(m, near):
+def _quaternion(m, rounded):
     """The quaternion (4, 2) of a rotation matrix (3, 3, 2), pairs, near a rounded one (4,).
 
     4 s s^T, s being the unit quaternion, is linear in the matrix (see kernel); times a
@@ -382,7 +382,7 @@ def _quaternion(m, near):
     for j in range(4):
         total = ZERO
         for k in range(4):
-            total = add(total, scale(rows[j][k], near[k]))
+            total = add(total, scale(rows[j][k], rounded[k]))
         put(out[j], total)
     _to_unit_length(out)
     return out

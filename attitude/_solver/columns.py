@@ -187,11 +187,11 @@ def stream_rows(x, y, z, out, head, spans):
 
 
 @force_inlined
-def _stream_row(found, row, head, spans):
+def _stream_row(values, row, head, spans):
     """Store the whole lines of epochs start to stop of a row past the caches, and its ends.
 
     Given
-        found      (stop - head,) the row at epochs head to stop
+        values      (stop - head,) the row at epochs head to stop
         row        (T,) a contiguous row of the result
         spans      the first epoch of the motion, of the block, that after the block, after the last
     """
@@ -200,13 +200,13 @@ def _stream_row(found, row, head, spans):
     place = start if start == first else start - (past + start) % LINE
     last = end if stop == end else stop - (past + stop) % LINE
     while place < last and (past + place) % LINE != 0:
-        row[place] = found[place - head]
+        row[place] = values[place - head]
         place += 1
     while place + LINE <= last:
-        copy_line(found, place - head, row, place)
+        copy_line(values, place - head, row, place)
         place += LINE
     while place < last:
-        row[place] = found[place - head]
+        row[place] = values[place - head]
         place += 1
 
 
@@ -404,7 +404,8 @@ def _putting(put, name):
     return subroutine(named(store, name))
 
 
-_store, _stream = _putting(put_eight, "_store"), _putting(put_line, "_stream")
+_store = _putting(put_eight, "_store")
+_stream = _putting(put_line, "_stream")
 
 
 @subroutine

@@ -30,11 +30,11 @@ UNITS: Final[Mapping[str, str | None]] = {
 }
 
 
-def known(given: Any, name: str = "covariance") -> FloatArray:
+def known(value: Any, name: str = "covariance") -> FloatArray:
     """A covariance (9, 9) of the parameters."""
-    if isinstance(given, Mapping):
-        return _of_components(given, name)
-    matrix = validation.real(given, name)
+    if isinstance(value, Mapping):
+        return _of_components(value, name)
+    matrix = validation.real(value, name)
     if matrix.shape not in ((9, 9), (6, 6)):
         raise AttitudeError(
             f"{name} has shape {matrix.shape}; give (9, 9): attitude, angular velocity and moments,"
@@ -97,20 +97,20 @@ def _correlations(covariance):
     return covariance * over[:, None] * over, size
 
 
-def _of_components(given: Mapping[str, Any], name: str) -> FloatArray:
-    unknown = [key for key in given if key not in UNITS]
+def _of_components(sigmas: Mapping[str, Any], name: str) -> FloatArray:
+    unknown = [key for key in sigmas if key not in UNITS]
     if unknown:
         raise AttitudeError(
             f'{name} has "{unknown[0]}"; its names are attitude, angular_velocity and moments.'
         )
     sigma = np.zeros(9)
     for k, (key, unit) in enumerate(UNITS.items()):
-        if key in given:
-            value = validation.real(given[key], f"{name} {key}", unit=unit)
+        if key in sigmas:
+            value = validation.real(sigmas[key], f"{name} {key}", unit=unit)
             if value.shape not in ((), (3,)) or np.any(value < 0.0):
                 raise AttitudeError(
-                    f"{name} {key} is {validation.shown(given[key])}; give one standard deviation, "
-                    "or three, not negative."
+                    f"{name} {key} is {validation.shown(sigmas[key])}; give one standard "
+                    "deviation, or three, not negative."
                 )
             sigma[3 * k : 3 * k + 3] = value
     return np.diag(sigma**2)

@@ -138,9 +138,13 @@ def _of_uniform(c: Any) -> Elements:
     first = max(others, key=lambda moment: abs(moment - axial))
     second = min(others, key=lambda moment: abs(moment - axial))
     root = math.sqrt(1.0 + axial / first * abs((first - second) / (second - axial)))
-    turn = 2.0 * math.pi
-    rates = turn * float(c["precession"][0]), turn * float(c["psi_rate"])
-    return Elements(*rates, 0.0, 0.0, (root - 1.0) / (root + 1.0))
+    return Elements(
+        precession_rate=2.0 * math.pi * float(c["precession"][0]),
+        nutation_rate=2.0 * math.pi * float(c["psi_rate"]),
+        phase=0.0,
+        rho=0.0,
+        X=(root - 1.0) / (root + 1.0),
+    )
 
 
 def _sums(s: float, x: float, sign: float) -> tuple[float, float]:
@@ -193,8 +197,9 @@ def state_of(elements: Elements) -> tuple[FloatArray, FloatArray]:
         constants, faults = evaluation.prepared(pairs[0], wxyz, pairs[1], wxyz[:1], rates=False)
         if faults:
             k = int(np.argmax(constants["fault"] != 0))
-            state = pairs[0, k], wxyz[k], pairs[1, k]
-            raise AttitudeError(evaluation.fault_of(constants[k], *state))
+            raise AttitudeError(
+                evaluation.fault_of(constants[k], pairs[0, k], wxyz[k], pairs[1, k])
+            )
         return 2.0 * math.pi * constants["precession"][:, 0] - elements.precession_rate
 
     # needles and laminas: the ratio is found to its digits wherever it lies

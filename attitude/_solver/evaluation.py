@@ -24,6 +24,7 @@ from attitude._solver.constants import (
 from attitude._solver.kernel import attach_all
 from attitude._solver.records import CONSTANTS
 from attitude._support.arrays import frozen, read_only
+from attitude._support.pairs import Seconds
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
@@ -193,8 +194,7 @@ def faults_of(moments: FloatArray, wxyz: FloatArray, omega: FloatArray) -> IntAr
     """Numbers (K,) of the states (B,), given as to `prepared`, that are not physical."""
     count = len(moments)
     constants: NDArray[Any] = np.ndarray(count, CONSTANTS, bytearray(count * _SIZE))
-    states = writable(moments), writable(wxyz), writable(omega)
-    if not classify_all(*states, constants)[0]:
+    if not classify_all(writable(moments), writable(wxyz), writable(omega), constants)[0]:
         return _NO_FAULT
     return np.flatnonzero(constants["fault"])
 
@@ -221,13 +221,12 @@ def evaluate(
         body = evaluate_all(constants, t, t_low, wxyz, rates, first, end)
         if body >= 0:
             few = body if len(t) > 1 else 0, slice(first, end)
-            low = None if t_low is None else t_low[few]
-            raise AttitudeError(refusal(constants[body], t[few], low))
+            raise AttitudeError(refusal(constants[body], *Seconds(t, t_low).taken(few)))
 
 
 def refusal(constants: Any, t: FloatArray, t_low: FloatArray | None) -> str:
     """The sentence on a motion and epochs of which one is beyond its reach."""
-    far = np.nanmax(np.abs(t if t_low is None else t + t_low))
+    far = np.nanmax(np.abs(Seconds(t, t_low).rounded))
     fastest = max(abs(constants[phase][0]) for phase in ("precession", "nutation"))
     return (
         f"an epoch lies {far:.3g} s from that of the state; at {fastest:.3g} turns per second "

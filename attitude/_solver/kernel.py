@@ -300,7 +300,7 @@ def _fill_uniform(c, times, lows, rows, omega):
 @elementwise
 @force_inlined
 def _fill_trigonometric(c, times, lows, rows, omega):
-    """As `_fill_uniform`."""
+    """As `_fill_uniform`, for a motion of the trigonometric form."""
     precession, nutation, nutation0 = pair(c.precession), pair(c.nutation), pair(c.nutation0)
     alpha = four(c.alpha[0]), four(c.alpha[1])
     beta = four(c.beta[0]), four(c.beta[1])
@@ -318,7 +318,7 @@ def _fill_trigonometric(c, times, lows, rows, omega):
 @elementwise
 @force_inlined
 def _fill_hyperbolic(c, times, lows, rows, omega):
-    """As `_fill_uniform`."""
+    """As `_fill_uniform`, for a motion of the hyperbolic form."""
     gh, gl = c.precession[0], c.precession[1]
     fh, fl = c.nutation[0], c.nutation[1]
     xh, xl = c.nutation0[0], c.nutation0[1]

@@ -21,13 +21,13 @@ from attitude._solver.torqued_step import (
 
 
 @sized_entry_point
-def march(c, scheme, models, state, start, h, steps, given, kept, every):
+def march(c, scheme, models, state, start, h, steps, at_kicks, kept, every):
     """Take `steps` steps.
 
     Given
         c        (30,) numbers of the body, scheme (3, n + 1), models (M, 5): `march_layout`
         start    number of steps from the epoch to the first, a double; h s, of either sign
-        given    (steps n + 1, columns) samples at the kicks, the last of a step being the first
+        at_kicks (steps n + 1, columns) samples at the kicks, the last of a step being the first
                  of the next
         every    a state is kept after each `every` steps
     Changed
@@ -39,7 +39,7 @@ def march(c, scheme, models, state, start, h, steps, given, kept, every):
         between torques over the step, rad/s
     """
     n = scheme.shape[1] - 1
-    work, samples, row = scratch(), given.ctypes.data, layout.ENTRY_BYTES * given.shape[1]
+    work, samples, row = scratch(), at_kicks.ctypes.data, layout.ENTRY_BYTES * at_kicks.shape[1]
     body, plan, torques = body_of(c), (scheme.ctypes.data, n), torques_of(models)
     now = loaded(state)
     for step in range(steps):
@@ -58,7 +58,7 @@ def march(c, scheme, models, state, start, h, steps, given, kept, every):
 
 
 @sized_entry_point
-def revisit(c, scheme, models, states, starts, h, place, steps, parts, given, within, out):
+def revisit(c, scheme, models, states, starts, h, place, steps, parts, at_kicks, within, out):
     """States between steps: from kept states by whole steps, then a part of one.
 
     Given
@@ -67,7 +67,7 @@ def revisit(c, scheme, models, states, starts, h, place, steps, parts, given, wi
         place    (T,) number of the state before each epoch, ascending
         steps    (T,) whole steps from there, ascending for each place
         parts    (T,) s after those, less than a step
-        given    (S, most n + 1, columns) samples at the kicks of whole steps
+        at_kicks (S, most n + 1, columns) samples at the kicks of whole steps
         within   (T, n + 1, columns) samples at the kicks of the parts
     Filled
         out      (T, 7) wxyz and angular velocity
@@ -75,15 +75,15 @@ def revisit(c, scheme, models, states, starts, h, place, steps, parts, given, wi
         as `march`
     """
     n = scheme.shape[1] - 1
-    work, row = scratch(), layout.ENTRY_BYTES * given.shape[2]
-    samples, inner = given.ctypes.data, within.ctypes.data
+    work, row = scratch(), layout.ENTRY_BYTES * at_kicks.shape[2]
+    samples, inner = at_kicks.ctypes.data, within.ctypes.data
     body, plan, torques = body_of(c), (scheme.ctypes.data, n), torques_of(models)
     first = last = 0
     while first < len(place):
         at = place[first]
         while last < len(place) and place[last] == at:
             last += 1
-        kicks_of = samples + at * given.shape[1] * row, inner + first * (n + 1) * row, row, work
+        kicks_of = samples + at * at_kicks.shape[1] * row, inner + first * (n + 1) * row, row, work
         _, fault, when, turn = _walked(
             *(body, plan, torques, loaded(states[at]), starts[at], h, 0, kicks_of),
             *(steps[first:last], parts[first:last], out[first:last]),
@@ -128,11 +128,11 @@ def _walked(body, plan, torques, now, start, h, steps, kicks_of, number, parts, 
 
 
 @entry_point
-def accelerations(c, models, states, times, given, out):
+def accelerations(c, models, states, times, at_kicks, out):
     """Angular accelerations at some states.
 
     Given
-        c, models, given   as in `march`, a row of `given` for each state
+        c, models, at_kicks as in `march`, a row of `at_kicks` for each state
         states   (T, 14), times (T,) s
     Filled
         out      (T, 3) rad/s2 over the principal axes
@@ -141,7 +141,7 @@ def accelerations(c, models, states, times, given, out):
     """
     body, torques = body_of(c), torques_of(models)
     k1, k2, k3 = gains(body[0])
-    work, samples, row = scratch(), given.ctypes.data, layout.ENTRY_BYTES * given.shape[1]
+    work, samples, row = scratch(), at_kicks.ctypes.data, layout.ENTRY_BYTES * at_kicks.shape[1]
     for i in range(len(times)):
         state = loaded(states[i])
         w1, w2, w3 = state[1]
@@ -156,11 +156,11 @@ def accelerations(c, models, states, times, given, out):
 
 
 @entry_point
-def kicks(c, models, states, times, lengths, cubes, given, out):
+def kicks(c, models, states, times, lengths, cubes, at_kicks, out):
     """Apply the torques to some states, as in a step.
 
     Given
-        c, models, given   as in `march`, a row of `given` for each state
+        c, models, at_kicks as in `march`, a row of `at_kicks` for each state
         states   (T, 14), times (T,) s
         lengths  (T,) s for which the torques act, at a fixed attitude
         cubes    (T,) s3, coefficient of the force gradient times the cube of the step
@@ -170,7 +170,7 @@ def kicks(c, models, states, times, lengths, cubes, given, out):
         as `march`
     """
     body, torques = body_of(c), torques_of(models)
-    work, samples, row = scratch(), given.ctypes.data, layout.ENTRY_BYTES * given.shape[1]
+    work, samples, row = scratch(), at_kicks.ctypes.data, layout.ENTRY_BYTES * at_kicks.shape[1]
     for i in range(len(times)):
         state, fine = kick(
             body,
@@ -193,7 +193,7 @@ def kicks(c, models, states, times, lengths, cubes, given, out):
 
 
 @entry_point
-def march_members(c, scheme, models, states, start, h, steps, number, parts, given, within, out):
+def march_members(c, scheme, models, states, start, h, steps, number, parts, at_kicks, within, out):
     """Take `steps` steps with each of N states, and parts of steps to epochs between.
 
     Given
@@ -203,7 +203,7 @@ def march_members(c, scheme, models, states, start, h, steps, number, parts, giv
         number   (T,) whole steps from the first to the one before each epoch, ascending, at most
                  `steps`
         parts    (T,) s after those, less than a step
-        given    (steps n + 1, columns) samples at the kicks of whole steps
+        at_kicks (steps n + 1, columns) samples at the kicks of whole steps
         within   (T, n + 1, columns) samples at the kicks of the parts
     Changed
         states   (N, 14) as in step, over the principal axes in ascending order
@@ -213,9 +213,9 @@ def march_members(c, scheme, models, states, start, h, steps, number, parts, giv
         FINE, BAD_TORQUE or TOO_LONG; the seconds at which; for TOO_LONG the angle turned between
         torques over the step, rad/s; and the member
     """
-    work, row = scratch(), layout.ENTRY_BYTES * given.shape[1]
+    work, row = scratch(), layout.ENTRY_BYTES * at_kicks.shape[1]
     plan = scheme.ctypes.data, scheme.shape[1] - 1
-    kicks_of = given.ctypes.data, within.ctypes.data, row, work
+    kicks_of = at_kicks.ctypes.data, within.ctypes.data, row, work
     for m in range(len(states)):
         body, torques = body_of(c[m if len(c) > 1 else 0]), torques_of(models[m % len(models)])
         now, fault, when, turn = _walked(

@@ -47,14 +47,24 @@ _TO_WHOLE = 2.0**53
 # Off-diagonal elements of fewer bits change no bit that is kept.
 _NEGLIGIBLE = BITS - _KEPT - 40
 _SWEEPS = 30
-# Lengths of an angle of which the cube, and of one of which the square, is below the last bit.
-_SMALL, _TINY = BITS - 150, BITS // 2 - 1
-# Numbers of the results of one body, in an array of words: moments, ascending, and columns, the
-# components over the body axes of the first axis, of the second, of the third.
-VALUES, COLUMNS, KEPT = 0, 3, 12
-# The array in which a tensor is diagonalised: the upper half of the matrix, the axes as columns of
-# a matrix, and memory for other numbers.
-MATRIX, AXES, SCRATCH, NEEDED = 0, 9, 18, 27
+# Length of an angle of which the cube is below the last bit.
+_SMALL = BITS - 150
+# Length of one of which the square is.
+_TINY = BITS // 2 - 1
+# The results of one body, in an array of words: the moments, ascending.
+VALUES = 0
+# The components over the body axes of the first axis, of the second, of the third.
+COLUMNS = 3
+# The number of these words.
+KEPT = 12
+# The array in which a tensor is diagonalised: the upper half of the matrix.
+MATRIX = 0
+# The axes, as columns of a matrix.
+AXES = 9
+# Memory for other numbers.
+SCRATCH = 18
+# The number of all.
+NEEDED = 27
 
 
 # The functions of `wide` as subroutines: inlined, their hundreds of instructions would
@@ -311,9 +321,10 @@ def _component(kept, axis, i):
 _SWEEPS_IN_DOUBLES = 12
 # Elements below this part of the largest moment are left to the wide integers.
 _NEGLIGIBLE_IN_DOUBLES = 2.0**-54
-# Without a larger element off the diagonal, or with moments that differ by less, the start saves no
-# rotation of wide integers; axes of equal moments are those of these rotations alone.
-_WORTH, _APART = 2.0**-12, 2.0**-20
+# Without a larger element off the diagonal the start saves no rotation of wide integers.
+_WORTH = 2.0**-12
+# Nor with moments that differ by less; axes of equal moments are those of these rotations alone.
+_APART = 2.0**-20
 
 
 @subroutine

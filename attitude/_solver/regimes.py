@@ -288,24 +288,24 @@ def _position(z):
 
 
 @subroutine
-def cycle(a, b, c, long_axis, y, rest):
+def cycle(a, b, c, long_axis, y, one_minus_y):
     """Turns of phi of the long axis in one period of psi, and that period for L = 1.
 
-    D is B + y (A - B) in long-axis mode, B + y (C - B) in short-axis mode; rest = 1 - y.  Every
-    difference is a sum of terms of one sign.
+    D is B + y (A - B) in long-axis mode, B + y (C - B) in short-axis mode.  Every difference is a
+    sum of terms of one sign.
 
         <dphi_L/dt> = (L/C) [1 + nu (C-A)/A R_J(0,1-m,1,1+nu) / (3 R_F(0,1-m,1))]
 
     where R_J/3 = cel(kc, 1+nu, 0, 1).
     """
     if long_axis:
-        d, cd = a + (b - a) * rest, (c - b) + (b - a) * y
+        d, cd = a + (b - a) * one_minus_y, (c - b) + (b - a) * y
         mc = (c - a) * y / cd
         slope = ((b - a) / a) * (cd / b) / (c * d)
         nu = (a / c) * ((c - b) / (b - a))
     else:
         db = (c - b) * y
-        d, da, cd = b + db, (b - a) + db, (c - b) * rest
+        d, da, cd = b + db, (b - a) + db, (c - b) * one_minus_y
         mc = (c - a) * y / da
         slope = ((c - b) / a) * (da / b) / (c * d)
         nu = (a / c) * (cd / da)
@@ -316,9 +316,9 @@ def cycle(a, b, c, long_axis, y, rest):
 
 
 @subroutine
-def _place(near, u):
-    """y and 1 - y: u is z where D is nearer to the separatrix, 1 - y where it is not."""
-    return _position(u) if near else (1.0 - u, u)
+def _place(by_z, u):
+    """y and 1 - y: u is z (by_z) where D is nearer to the separatrix, 1 - y where it is not."""
+    return _position(u) if by_z else (1.0 - u, u)
 
 
 @subroutine
@@ -402,9 +402,9 @@ def positions_all(moments, long_axis, ratios, out):
 
 
 @sized_entry_point
-def cycles_all(moments, long_axis, y, rest, out):
+def cycles_all(moments, long_axis, y, one_minus_y, out):
     """Fill (N, 2) with turns of phi of the long axis in a period of psi, and that for L = 1."""
     for n in range(len(out)):
         out[n, 0], out[n, 1] = cycle(
-            moments[n, 0], moments[n, 1], moments[n, 2], long_axis[n], y[n], rest[n]
+            moments[n, 0], moments[n, 1], moments[n, 2], long_axis[n], y[n], one_minus_y[n]
         )

@@ -100,7 +100,7 @@ def evaluate_all(
     omega: FloatArray | None = None,
     *,
     edges: IntArray | None = None,
-    near: bool = True,
+    all_digits: bool = True,
 ) -> int:
     """Fill attitude, omega (B, 3, P, T) with the derivatives of B motions at epochs t, t_low (1 or
     B, T).
@@ -108,10 +108,10 @@ def evaluate_all(
     Returns -1, or the number of a body with an epoch beyond its reach; then not all are filled.
 
     edges: (B + 1,), of rows (1, R) of epochs, of which those of a body stand between two edges.
-    near: whether columns have all digits near the epoch of the state, by series; otherwise those
-        of their terms, and series only where these cancel to 4e-12.
+    all_digits: whether columns have all digits near the epoch of the state, by series; otherwise
+        those of their terms, and series only where these cancel to 4e-12.
     """
-    short = _short_of(constants, tangents, t, edges, omega is not None, near)
+    short = _short_of(constants, tangents, t, edges, omega is not None, all_digits)
     return _in_blocks(constants, tangents, short, t, t_low, 0, (attitude, omega), edges)
 
 
@@ -126,7 +126,7 @@ def refusal(
     tangents, beyond that of its derivatives.
     """
     if tangents is not None:
-        far = np.nanmax(_distances(t, t_low), initial=0.0)
+        far = np.nanmax(np.abs(Seconds(t, t_low).rounded), initial=0.0)
         if far > reaches(tangents)[body]:
             rate = float(_growth(tangents)[body])
             return (
@@ -142,8 +142,7 @@ def _refuse(constants, tangents, body, t, t_low, edges=None):
     if body >= 0:
         few = slice(None) if edges is None else slice(edges[body], edges[body + 1])
         few = body if len(t) > 1 else 0, few
-        low = None if t_low is None else t_low[few]
-        raise AttitudeError(refusal(constants, tangents, body, t[few], low))
+        raise AttitudeError(refusal(constants, tangents, body, *Seconds(t, t_low).taken(few)))
 
 
 class Factored(NamedTuple):
@@ -220,8 +219,9 @@ def _short_of(constants, tangents, t, edges, rates, every):
     steps = np.ceil(farthest / np.maximum(span, 1e-300)[:, None])
     spans = np.clip(steps, 1, spans[:, None]).astype(np.int64)
     short = np.zeros(len(constants) + int(np.sum(spans - 1)), loops.SHORT)
-    records = evaluation.writable(constants), evaluation.writable(tangents)
-    loops.short_setup(*records, span, spans, short)
+    loops.short_setup(
+        evaluation.writable(constants), evaluation.writable(tangents), span, spans, short
+    )
     return short
 
 
@@ -252,14 +252,14 @@ def _in_blocks(constants, tangents, short, t, t_low, kind, outputs, runs):
     body = _first_that_overflows(tangents, t, t_low, runs)
     if body >= 0:
         return body
-    records = evaluation.writable(constants), evaluation.writable(tangents)
-    times = read_only(t), _NO_LOW if t_low is None else read_only(t_low)
+    constants, tangents = evaluation.writable(constants), evaluation.writable(tangents)
+    t, t_low = read_only(t), _NO_LOW if t_low is None else read_only(t_low)
     block = np.empty(ROWS * BLOCK)
     forms = set(constants["form"].tolist())
     for edges in _parts(runs, len(constants), t.shape[1]):
         for form in forms:
             loop = _compiled()[0].OF_FORM[form][kind]
-            body = loop(*records, short, *times, block, *outputs, edges)
+            body = loop(constants, tangents, short, t, t_low, block, *outputs, edges)
             if body >= 0:
                 return body
     return -1
@@ -292,17 +292,13 @@ def _first_that_overflows(tangents, t, t_low, runs):
     if not np.any(tangents["grows"]):
         return -1
     reach = reaches(tangents)
-    far = _distances(t, t_low)
+    far = np.abs(Seconds(t, t_low).rounded)
     if runs is None:
         far = np.nanmax(far, axis=1, initial=0.0)
     else:
         far = [np.nanmax(far[0, a:b], initial=0.0) for a, b in pairwise(runs.tolist())]
     beyond = np.flatnonzero(far > reach)
     return int(beyond[0]) if len(beyond) else -1
-
-
-def _distances(t, t_low):
-    return np.abs(t if t_low is None else t + t_low)
 
 
 # ---- Derivatives and covariances of the attitudes of one free rotation
@@ -322,12 +318,12 @@ class Derivatives(ABC):
         """Changes (6, 5) of angular velocity and moments with the elements at the epoch."""
 
     def covariance_at(
-        self, given: FloatArray, seconds: FloatArray, low: FloatArray | None, rates: bool
+        self, of_state: FloatArray, seconds: FloatArray, low: FloatArray | None, rates: bool
     ) -> FloatArray:
         """Covariances (S, 3, 3) of the attitude, or (S, 6, 6), from that (9, 9) of the state."""
         attitude, omega = self.at(seconds, low, rates)
         both = attitude if omega is None else np.concatenate([attitude, omega], axis=-2)
-        factored = both @ covariance.factor(given)
+        factored = both @ covariance.factor(of_state)
         return factored @ np.swapaxes(factored, -1, -2)
 
 
@@ -351,12 +347,12 @@ class Sensitivity(Derivatives):
         self._tangents = tangents_of(moments, wxyz, principal, constants)
         self._last: tuple[FloatArray, Factored] | None = None
 
-    def _factored(self, given: FloatArray) -> Factored:
+    def _factored(self, of_state: FloatArray) -> Factored:
         """The factors for a covariance (9, 9); those of the last one are kept."""
         last = self._last
-        if last is None or not np.array_equal(last[0], given):
-            factors = covariance.factor(given)[None]
-            last = given.copy(), factored(self._constants, self._tangents, factors)
+        if last is None or not np.array_equal(last[0], of_state):
+            factors = covariance.factor(of_state)[None]
+            last = of_state.copy(), factored(self._constants, self._tangents, factors)
             self._last = last
         return last[1]
 
@@ -377,14 +373,14 @@ class Sensitivity(Derivatives):
         return inputs_by_elements(self._constants[0], self._tangents["by_input"][0])
 
     def covariance_at(
-        self, given: FloatArray, seconds: FloatArray, low: FloatArray | None, rates: bool
+        self, of_state: FloatArray, seconds: FloatArray, low: FloatArray | None, rates: bool
     ) -> FloatArray:
         """As `Derivatives.covariance_at`, in one loop over the epochs."""
         t, t_low = Seconds(seconds, low).row
         size = 6 if rates else 3
         # Rows of whole lines of the cache are stored faster.
         out = new_array(1, size, size, -(-t.size // LINE) * LINE)
-        of = self._factored(given)
+        of = self._factored(of_state)
         covariances(self._constants, self._tangents, of, t, t_low, out)
         filled: FloatArray = np.moveaxis(out[0, ..., : t.size], -1, 0)
         return filled.reshape(*seconds.shape, size, size)

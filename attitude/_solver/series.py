@@ -32,7 +32,9 @@ LONGEST: Final = 5e16
 
 # Least-maximum polynomials on an eighth of a turn: sin 2 pi r = r (2 pi + z S(z)) and
 # cos 2 pi r = 1 + z C(z), z = r^2; largest errors with these coefficients 7e-18 and 1.7e-17.
-_SIN_1, _SIN_1_LOW = 6.283185307179586, 2.4492935982947064e-16
+_SIN_1 = 6.283185307179586
+# What the first coefficient rounds off.
+_SIN_1_LOW = 2.4492935982947064e-16
 _SIN_3 = -41.3417022403996
 _SIN_5 = 81.60524927591003
 _SIN_7 = -76.70585969377402

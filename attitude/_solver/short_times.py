@@ -67,7 +67,8 @@ _FAR = 2.5
 # Rows of a series: M x dM (3) and change of the angular velocity (3) over the body axes, zeta, and
 # eta (3) over the inertial axes.
 ROWS_OF_SERIES = 10
-_ZETA, _ETA = 6, 7
+_ZETA = 6
+_ETA = 7
 
 # The first B records are those of B motions; those of the spans that follow stand after them, the
 # later ones of a motion first, then the earlier ones.
@@ -91,13 +92,17 @@ SHORT: np.dtype[np.void] = np.dtype(
     ]
 )
 
-# Columns that change with time, after those of the attitude, are computed side by side in the first
-# lanes of vectors: one sum alone waits for each of its additions.
-_FIRST, _LANES = 3, 8
+# The first column that changes with time, after those of the attitude.
+_FIRST = 3
 _CHANGING = COLUMNS - _FIRST
-# Rows of a state: angular velocity, its change with each parameter and zeta, and by how much half
-# of its squares have dropped since the epoch; over the principal axes.
-_CHANGES, _DROPS = 1, 1 + COLUMNS
+# These columns are computed side by side in the first lanes of vectors: one sum alone waits for
+# each of its additions.
+_LANES = 8
+# Rows of a state over the principal axes, after the angular velocity: its change with each
+# parameter and zeta.
+_CHANGES = 1
+# By how much half of its squares have dropped since the epoch.
+_DROPS = 1 + COLUMNS
 _ROWS_OF_STATE = 2 + COLUMNS
 
 

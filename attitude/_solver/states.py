@@ -321,19 +321,22 @@ class Evaluation:
     label: name of a state in errors, by its number; empty where there is one.
     raises: whether states that are not physical or, of derivatives, rods, and epochs beyond the
         reach of a state are refused; otherwise they give NaN.
-    near: as in `sensitivities.evaluate`.
+    all_digits: as in `sensitivities.evaluate_all`.
     """
 
-    __slots__ = "label", "near", "raises", "source"
+    __slots__ = "all_digits", "label", "raises", "source"
 
     def __init__(
         self,
         source: Source,
         label: Callable[[int], str] = lambda k: "",
         raises: bool = True,
-        near: bool = True,
+        all_digits: bool = True,
     ) -> None:
-        self.source, self.label, self.raises, self.near = source, label, raises, near
+        self.source = source
+        self.label = label
+        self.raises = raises
+        self.all_digits = all_digits
 
     def grid(self, t: Seconds, out: Results, threads: int = 1, first: int = 0) -> None:
         """Fill results of B states, from number `first` on, at T epochs each; t (1 or B, T)."""
@@ -351,10 +354,10 @@ class Evaluation:
             self._fill(range(first, first + count), t, out, (0, length))
             return
 
-        def work(part: slice, epochs: tuple[int, int]) -> None:
-            times = t.taken(part) if len(t.hi) > 1 else t
-            arrays = out.mapped(lambda array: array[part])
-            self._fill(range(first + part.start, first + part.stop), times, arrays, epochs)
+        def work(numbers: slice, epochs: tuple[int, int]) -> None:
+            times = t.taken(numbers) if len(t.hi) > 1 else t
+            arrays = out.mapped(lambda array: array[numbers])
+            self._fill(range(first + numbers.start, first + numbers.stop), times, arrays, epochs)
 
         # A piece of work is some milliseconds long, and writes to few pages of memory.
         span = evaluation.EPOCHS if out.columns is None else max(length, 1)
@@ -449,10 +452,11 @@ class Evaluation:
         if out.columns is not None:
             tangents = self._tangents(solved, numbers)
             records, arrays = (solved.constants, tangents), (out.columns, out.rate_columns)
-            failed = sensitivities.evaluate_all(*records, *t, *arrays, edges=edges, near=self.near)
+            options: dict[str, Any] = {"edges": edges, "all_digits": self.all_digits}
+            failed = sensitivities.evaluate_all(*records, *t, *arrays, **options)
             if failed >= 0:
                 times = self.reachable(failed, solved, numbers, t, edges, tangents)
-                sensitivities.evaluate_all(*records, *times, *arrays, edges=edges, near=self.near)
+                sensitivities.evaluate_all(*records, *times, *arrays, **options)
 
     def _tangents(self, solved: Solved, numbers: range | IntArray) -> NDArray[Any]:
         """The derivatives of the elements of a block of states."""

@@ -106,30 +106,30 @@ def moved_by(state, by):
 
 
 @subroutine
-def turned(state, change, n, rest):
-    """A state whose quaternion is changed by (change + rest), then multiplied by 1 + n."""
+def turned(state, change, n, remainder):
+    """A state whose quaternion is changed by (change + remainder), then multiplied by 1 + n."""
     q, w, low, w_low = state
     a, e = _add(q[0], low[0], change[0])
     b, f = _add(q[1], low[1], change[1])
     c, g = _add(q[2], low[2], change[2])
     d, h = _add(q[3], low[3], change[3])
     low = (
-        fma(n, a, e + rest[0]),
-        fma(n, b, f + rest[1]),
-        fma(n, c, g + rest[2]),
-        fma(n, d, h + rest[3]),
+        fma(n, a, e + remainder[0]),
+        fma(n, b, f + remainder[1]),
+        fma(n, c, g + remainder[2]),
+        fma(n, d, h + remainder[3]),
     )
     return (a, b, c, d), w, low, w_low
 
 
 @subroutine
-def kicked(state, change, rest):
-    """A state whose angular velocity is changed by (change + rest)."""
+def kicked(state, change, remainder):
+    """A state whose angular velocity is changed by (change + remainder)."""
     q, w, q_low, low = state
     a, d = _add(w[0], low[0], change[0])
     b, e = _add(w[1], low[1], change[1])
     c, f = _add(w[2], low[2], change[2])
-    return q, (a, b, c), q_low, (d + rest[0], e + rest[1], f + rest[2])
+    return q, (a, b, c), q_low, (d + remainder[0], e + remainder[1], f + remainder[2])
 
 
 @subroutine

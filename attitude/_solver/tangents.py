@@ -152,10 +152,10 @@ def trigonometric_block(c, d, t, t_low, block):
 
 
 @force_inlined
-def decayed(size, rest, decay, low):
-    """E = 2^-((decay + low) (size + rest)) with all its digits, and 1/E but where it overflows."""
+def decayed(size, remainder, decay, low):
+    """E = 2^-((decay + low) (size + remainder)) with all its digits; 1/E but where it overflows."""
     a = decay * size
-    b = fma(decay, size, -a) + fma(low, size, decay * rest)
+    b = fma(decay, size, -a) + fma(low, size, decay * remainder)
     e = exp2_of_minus(a) * fma(-LOG_2, chosen_if(a < 1000.0, b, 0.0), 1.0)
     return e, 1.0 / chosen_if(e > _TINY, e, _TINY)
 

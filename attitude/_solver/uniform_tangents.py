@@ -40,9 +40,14 @@ from attitude._solver.twofloat import (
 )
 
 # Rows of a block.
-COSINE, SINE, SWING, LIFT = BASIS, BASIS + BLOCK, BASIS + 2 * BLOCK, BASIS + 3 * BLOCK
-# Of a needle about its length: sin(n t)/n and (1 - cos(n t))/n of both n.
-SLOW, FAST = BASIS + 4 * BLOCK, BASIS + 6 * BLOCK
+COSINE = BASIS
+SINE = BASIS + BLOCK
+SWING = BASIS + 2 * BLOCK
+LIFT = BASIS + 3 * BLOCK
+# A needle about its length: sin(n t)/n and (1 - cos(n t))/n of the slow n.
+SLOW = BASIS + 4 * BLOCK
+# The same of the fast n.
+FAST = BASIS + 6 * BLOCK
 # The moment about a spun principal axis over each of the other two, below which it is a needle.
 _SLENDER = 0.5
 

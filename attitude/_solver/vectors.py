@@ -129,13 +129,13 @@ def separation(
 def _distances_from(name, number):
     """The loop that fills |a - b| and |a + b|, of one vector b or of each."""
 
-    def loop(ax, ay, az, bx, by, bz, near, far):
-        for k in range(near.size):
+    def loop(ax, ay, az, bx, by, bz, difference, total):
+        for k in range(difference.size):
             p, q, r = number(bx, k), number(by, k), number(bz, k)
             x, y, z = ax[k] - p, ay[k] - q, az[k] - r
-            near[k] = math.sqrt(x * x + y * y + z * z)
+            difference[k] = math.sqrt(x * x + y * y + z * z)
             x, y, z = ax[k] + p, ay[k] + q, az[k] + r
-            far[k] = math.sqrt(x * x + y * y + z * z)
+            total[k] = math.sqrt(x * x + y * y + z * z)
 
     return quickly_compiled(named(loop, name))
 
@@ -149,7 +149,9 @@ _from_each = _distances_from("_from_each", _each)
 # `attitude.motions._conventions`.
 
 # Branches of theta.
-UNKNOWN, ACUTE, OBTUSE = 0, 1, 2
+UNKNOWN = 0
+ACUTE = 1
+OBTUSE = 2
 # Rounding of cos^2 theta at the ends of a libration of psi, relative to its terms.
 _ROUNDING = 1e-14
 

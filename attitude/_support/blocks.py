@@ -130,8 +130,10 @@ def in_rectangles(
 
 # ---- A line on standard error that says how far a long computation is
 
-# Seconds before the line appears, and between two changes of it.
-_PATIENCE, _INTERVAL = 1.0, 0.2
+# Seconds before the line appears.
+_PATIENCE = 1.0
+# Seconds between two changes of it.
+_INTERVAL = 0.2
 # Seconds without a call after which another computation, one within the first, takes the line.
 _RELEASE = 10.0
 _WIDTH = 30
@@ -185,11 +187,11 @@ class ProgressBar:
 
 @contextmanager
 def timed(
-    label: str, seconds: float, given: Callable[[str], object] | None = None
+    label: str, seconds: float, reporter: Callable[[str], object] | None = None
 ) -> Iterator[Callable[[str], object]]:
     """A function that is called with the text of each stage of a search with a limit of time."""
-    if given is not None:
-        yield given
+    if reporter is not None:
+        yield reporter
         return
     bar, begin = ProgressBar(label), time.monotonic()
 

@@ -128,13 +128,13 @@ def minimum(
     return best
 
 
-def _steps(near: Near, damping: FloatArray) -> FloatArray:
+def _steps(linearised: Near, damping: FloatArray) -> FloatArray:
     """The damped steps (S, P), scaled by the diagonal."""
-    diagonal = np.arange(near.normal.shape[-1])
-    scale = np.sqrt(np.maximum(near.normal[:, diagonal, diagonal], 0.0)) + 1e-12
-    scaled = near.normal / (scale[:, :, None] * scale[:, None, :])
+    diagonal = np.arange(linearised.normal.shape[-1])
+    scale = np.sqrt(np.maximum(linearised.normal[:, diagonal, diagonal], 0.0)) + 1e-12
+    scaled = linearised.normal / (scale[:, :, None] * scale[:, None, :])
     scaled[:, diagonal, diagonal] += damping[:, None]
-    return np.linalg.solve(scaled, (near.gradient / scale)[:, :, None])[:, :, 0] / scale
+    return np.linalg.solve(scaled, (linearised.gradient / scale)[:, :, None])[:, :, 0] / scale
 
 
 # ---- Normal matrices, whose parameters may have any units

@@ -15,7 +15,10 @@ if TYPE_CHECKING:
 
 # Epochs of a table of attitudes.
 _SHOWN = 5
-_WIDTH, _HEIGHT, _EDGE = 260.0, 150.0, 8.0
+# Pixels of a picture and of the edge about it.
+_WIDTH = 260.0
+_HEIGHT = 150.0
+_EDGE = 8.0
 # Points of a line that are drawn.
 _MOST = 600
 

@@ -48,7 +48,7 @@ class Seconds(NamedTuple):
 
     def taken(self, index: Any) -> Seconds:
         """Some of the epochs."""
-        return self.mapped(lambda array: array[index])
+        return Seconds(self.hi[index], None if self.lo is None else self.lo[index])
 
     def mapped(self, function: Callable[[FloatArray], FloatArray]) -> Seconds:
         """The epochs after a change of shape or memory of either array."""
@@ -67,7 +67,14 @@ class Seconds(NamedTuple):
     @property
     def flat(self) -> tuple[FloatArray, FloatArray]:
         """Contiguous arrays (N,) of both doubles, zeros if there are no second ones."""
-        return np.ravel(np.ascontiguousarray(self.hi)), np.ravel(np.ascontiguousarray(self.low))
+        hi, lo = self.compact
+        return hi, np.zeros(hi.size) if self.lo is None else lo
+
+    @property
+    def compact(self) -> tuple[FloatArray, FloatArray]:
+        """As `flat`, but one zero (1,) for all epochs if there are no second doubles."""
+        lo = _ZERO if self.lo is None else np.ascontiguousarray(self.lo).reshape(-1)
+        return np.ascontiguousarray(self.hi).reshape(-1), lo
 
     @property
     def low(self) -> FloatArray:
@@ -78,6 +85,9 @@ class Seconds(NamedTuple):
     def rounded(self) -> FloatArray:
         """hi + lo in one double."""
         return self.hi if self.lo is None else self.hi + self.lo
+
+
+_ZERO = frozen(np.zeros(1))
 
 
 def _row(array):

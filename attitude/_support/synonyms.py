@@ -403,11 +403,11 @@ def arguments(hints: Mapping[str, str], example: str) -> Callable[[Callable[P, R
 
     def decorated(function: Callable[P, R]) -> Callable[P, R]:
         @wraps(function)
-        def called(*given: P.args, **named: P.kwargs) -> R:
+        def called(*positional: P.args, **named: P.kwargs) -> R:
             try:
-                return function(*given, **named)
+                return function(*positional, **named)
             except TypeError:
-                refusal = _refusal(function, given, named, hints, example)
+                refusal = _refusal(function, positional, named, hints, example)
                 if refusal is None:
                     raise
             raise AttitudeError(refusal)
@@ -431,7 +431,7 @@ def checks_arguments(hints: Mapping[str, str], example: str) -> Callable[[Class]
 
 def _refusal(
     function: Callable[..., Any],
-    given: tuple[Any, ...],
+    positional: tuple[Any, ...],
     named: Mapping[str, Any],
     hints: Mapping[str, str],
     example: str,
@@ -441,7 +441,7 @@ def _refusal(
 
     signature = inspect.signature(function)
     try:
-        signature.bind(*given, **named)
+        signature.bind(*positional, **named)
     except TypeError as err:
         reason = str(err)
     else:

@@ -55,24 +55,24 @@ class FlatTable(QTable):
                 columns[component + unit] = rows[:, k]
         return columns
 
-    def write(self, *given: Any, **options: Any) -> None:
+    def write(self, *arguments: Any, **options: Any) -> None:
         """As `astropy.table.Table.write`; to CSV the columns of `flat`.
 
         Times keep both doubles: ECSV has them as jd1 and jd2, CSV as the columns tdb_jd1 and
         tdb_jd2 (of the scale of the times), or those in UTC as text of 9 decimals, column "utc".
         """
         kind = options.get("format", "")
-        if not kind and given and isinstance(given[0], (str, os.PathLike)):
-            kind = os.path.splitext(os.fspath(given[0]))[1].lstrip(".")
+        if not kind and arguments and isinstance(arguments[0], (str, os.PathLike)):
+            kind = os.path.splitext(os.fspath(arguments[0]))[1].lstrip(".")
         ending = str(kind).lower().split(".")[-1]
         if ending == "csv":
-            self._by_components(are_times_numbers=True).write(*given, **options)
+            self._by_components(are_times_numbers=True).write(*arguments, **options)
             return
         if ending == "ecsv":
             options.setdefault("serialize_method", {Time: "jd1_jd2"})
-        QTable(self).write(*given, **options)
+        QTable(self).write(*arguments, **options)
 
-    def to_pandas(self, *given: Any, **options: Any) -> Any:
+    def to_pandas(self, *arguments: Any, **options: Any) -> Any:
         """A pandas DataFrame: times as UTC, the columns of `flat`, units in ``.attrs``."""
         try:
             import pandas
@@ -92,7 +92,7 @@ class FlatTable(QTable):
             if unit is not None:
                 units[name] = str(unit)
             columns[name] = np.array(getattr(column, "value", column))
-        frame = pandas.DataFrame(columns, *given, **options)
+        frame = pandas.DataFrame(columns, *arguments, **options)
         frame.attrs.update(units=units)
         return frame
 

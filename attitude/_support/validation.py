@@ -284,11 +284,11 @@ def _in_unit(quantity: Any, name: str, unit: str | None) -> Any:
         ) from None
 
 
-def _fits(given, allowed):
+def _fits(shape, allowed):
     if allowed and allowed[0] is Ellipsis:
         tail = allowed[1:]
-        return len(given) >= len(tail) and (not tail or given[-len(tail) :] == tuple(tail))
-    return given == tuple(allowed)
+        return len(shape) >= len(tail) and (not tail or shape[-len(tail) :] == tuple(tail))
+    return shape == tuple(allowed)
 
 
 def _spelled(shape: Sequence[int | EllipsisType]) -> str:

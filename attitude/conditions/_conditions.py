@@ -286,22 +286,24 @@ class Condition(Joinable):
         return f"<Condition of {count} channel{'s' if count > 1 else ''}>"
 
 
-def condition_of(given: object, name: str = "f") -> Condition:
+def condition_of(value: object, name: str = "f") -> Condition:
     """The Condition that an object is or stands for."""
-    if not isinstance(given, Joinable):
+    if not isinstance(value, Joinable):
         raise AttitudeError(
-            f"{name} is {shown(given)}; give a Condition, such as events.in_cone(...) or "
+            f"{name} is {shown(value)}; give a Condition, such as events.in_cone(...) or "
             'scene.quantity("elevation") > "10 deg".'
         )
-    return given.condition
+    return value.condition
 
 
 # ---- Observables: numbers at every epoch, with extrema, and conditions by comparison
 
 # Spacing of samples of an observable whose derivatives have no bounds, in rad of the rotation.
 _SPACING = 0.05
-# Rates of a motion without bounds, sampled in a span, are exceeded by less than this factor.
-_SAMPLES, _MARGIN = 64, 1.25
+# Samples in a span of the rates of a motion without bounds.
+_SAMPLES = 64
+# Rates between the samples exceed them by less than this factor.
+_MARGIN = 1.25
 
 
 class Observable(Joinable):

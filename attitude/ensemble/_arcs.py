@@ -83,14 +83,14 @@ class Chains:
             sums = pairs.two_sum(t.hi, t.low)
         high, lows = (read_only(np.ascontiguousarray(total)) for total in sums)
 
-        def work(part: slice, epochs: tuple[int, int]) -> None:
+        def work(rows: slice, epochs: tuple[int, int]) -> None:
             columns = slice(*epochs)
-            out = wxyz[part], rates[part], epochs[0]
+            out = wxyz[rows], rates[rows], epochs[0]
             failed = compiled().evaluate_members(
-                read_only(self._records[part]), self._starts, high[columns], lows[columns], *out
+                read_only(self._records[rows]), self._starts, high[columns], lows[columns], *out
             )
             if failed >= 0:
-                raise Failed(part.start + failed)
+                raise Failed(rows.start + failed)
 
         most = evaluation.EPOCHS
         bar = ProgressBar("attitudes")
@@ -139,13 +139,13 @@ def _sound(solved: Solved) -> NDArray[Any]:
     return solved.constants
 
 
-def _axes(inertia: Inertia, part: slice) -> FloatArray:
+def _axes(inertia: Inertia, members: slice) -> FloatArray:
     """The principal axes (1 or B, 3, 3, 2) of some members, in pairs of doubles."""
     if not inertia.has_tensors:
         axes = np.zeros((1, 3, 3, 2))
         axes[0, :, :, 0] = np.eye(3)
         return axes
-    which = part if len(inertia) > 1 else slice(0, 1)
+    which = members if len(inertia) > 1 else slice(0, 1)
     if inertia.bodies is not None:
         return np.stack([body._axes for body in inertia.bodies[which]])
-    return PrincipalAxes.of(symmetric_tensors(inertia.given[which])).axes
+    return PrincipalAxes.of(symmetric_tensors(inertia.array[which])).axes

@@ -115,10 +115,10 @@ def _of_ranks(values: FloatArray, ranks: IntArray) -> FloatArray:
     from attitude.ensemble._quantities import BINS, candidates
 
     out = np.empty((len(values), len(ranks)))
-    memory = np.empty(BINS, dtype=np.int64), np.empty(BINS, dtype=np.int64)
+    counts, wanted = np.empty(BINS, dtype=np.int64), np.empty(BINS, dtype=np.int64)
     ranked, places = np.empty(values.shape[1] + 1), np.empty(len(ranks), dtype=np.int64)
     for k, row in enumerate(values):
-        count = candidates(row, ranks, *memory, ranked, places)
+        count = candidates(row, ranks, counts, wanted, ranked, places)
         out[k] = np.sort(ranked[:count])[places]
     return out
 
@@ -264,12 +264,13 @@ class Ensemble(Immutable):
         count = _members.count(sizes, names)
         rates = np.broadcast_to(rates, (count, 3))
         attitudes = np.broadcast_to(attitudes, (count, 4))
-        state = inertia, attitudes, None, rates, start
-        self._fill(*state, frame=frame, names=names, on_error=on_error)
+        self._fill(
+            inertia, attitudes, None, rates, start, frame=frame, names=names, on_error=on_error
+        )
 
     def _fill(
         self,
-        given: _members.Given,
+        given_inertia: _members.Given,
         wxyz: FloatArray,
         low: FloatArray | None,
         rates: FloatArray,
@@ -285,7 +286,7 @@ class Ensemble(Immutable):
         self._set_all(_start=frozen(start), _low=low)
         self._set("names", _members.known_names(names, len(wxyz)))
         attitude = _members.to_icrf(self.frame, wxyz, low)
-        inertia, omega, differences = given.resolved(rates, on_error == "raise")
+        inertia, omega, differences = given_inertia.resolved(rates, on_error == "raise")
         states = States(inertia.moments, inertia.principal, omega, differences, *attitude)
         self._set_all(_inertia=inertia, _members=states)
         self._set("wxyz", frozen(np.ascontiguousarray(wxyz)))
@@ -341,8 +342,9 @@ class Ensemble(Immutable):
             start = start[:, :1].copy()
         ensemble = cls.__new__(cls)
         second = low if low.any() else None
-        state = inertia, wxyz, second, rates, start
-        ensemble._fill(*state, frame=frame, names=names, on_error="raise")
+        ensemble._fill(
+            inertia, wxyz, second, rates, start, frame=frame, names=names, on_error="raise"
+        )
         return ensemble
 
     @classmethod
@@ -755,7 +757,7 @@ class Ensemble(Immutable):
         if self._inertia.has_tensors:
             in_body = np.einsum("...ij,...j->...i", self._inertia.tensors(), self.angular_velocity)
         else:
-            in_body = self._inertia.given * self.angular_velocity
+            in_body = self._inertia.array * self.angular_velocity
         return frozen(np.ascontiguousarray(quaternion.rotate(self.wxyz_icrf, in_body)))
 
     @cached_property
@@ -982,12 +984,12 @@ class Ensemble(Immutable):
             )
         return numbers, in_runs
 
-    def _history(self, found: MemberGrid | MemberRows, outs: Any, threads: int) -> EnsembleHistory:
+    def _history(self, epochs: MemberGrid | MemberRows, outs: Any, threads: int) -> EnsembleHistory:
         """The history of some epochs, in the output arrays (out, name, width) if they are given."""
-        memory = [found.memory(*array) for array in outs]
-        found.fill(self._evaluation(), Results(*memory), threads)
-        views = [read_only(found.shaped(a, b[0])) for a, b in zip(memory, outs, strict=True)]
-        history = EnsembleHistory(self, found.member, *found.seconds, views[0])
+        memory = [epochs.memory(*array) for array in outs]
+        epochs.fill(self._evaluation(), Results(*memory), threads)
+        views = [read_only(epochs.shaped(a, b[0])) for a, b in zip(memory, outs, strict=True)]
+        history = EnsembleHistory(self, epochs.member, *epochs.seconds, views[0])
         if len(views) > 1:
             history.__dict__["angular_velocity"] = views[1]
         return history
@@ -1307,7 +1309,7 @@ class Ensemble(Immutable):
         arrays = {"wxyz": self.wxyz, "angular_velocity": self.angular_velocity}
         if self._low is not None:
             arrays["low"] = self._low
-        inertia = self._inertia.given
+        inertia = self._inertia.array
         arrays["tensor" if inertia.ndim == 3 else "moments"] = np.broadcast_to(
             inertia, (len(self), *inertia.shape[1:])
         )
@@ -1488,8 +1490,10 @@ class ArcsEnsemble(Immutable):
             self._set("_singles", tuple(self._single(k) for k in range(len(ensemble))))
             return
         with self._named():
-            state = ensemble._members, ensemble._inertia, ensemble.start_of_seconds
-            self._set("_chains", _arcs.Chains(*state, changes_given))
+            chains = _arcs.Chains(
+                ensemble._members, ensemble._inertia, ensemble.start_of_seconds, changes_given
+            )
+            self._set("_chains", chains)
 
     def _single(self, k: int) -> Arcs:
         """The motion of member k; its errors have the name of the member."""
@@ -1549,8 +1553,10 @@ class ArcsEnsemble(Immutable):
         return EnsembleHistory._of_all(self.ensemble, Seconds(hi.copy(), lo), attitudes, turning)
 
 
-# Steps for which torques are sampled together, and steps of all members in one compiled call: 50 ms
-_STEPS, _TAKEN = 1024, 1 << 16
+# Steps for which torques are sampled together.
+_STEPS = 1024
+# Steps of all members in one compiled call: 50 ms.
+_TAKEN = 1 << 16
 
 
 class TorquedHistory(EnsembleHistory):
@@ -1699,7 +1705,7 @@ class TorquedEnsemble(Immutable):
             bar(start + steps + 1, int(number[-1]) + 1)
 
     def _marched(
-        self, first: int, states: FloatArray, start: int, h: float, here: Any, samples: Any
+        self, first: int, states: FloatArray, start: int, h: float, places: Any, samples: Any
     ) -> FloatArray:
         """States (n, T, 7) over body axes of some members, which are advanced in place."""
         shared = len(self._systems) == 1
@@ -1709,7 +1715,7 @@ class TorquedEnsemble(Immutable):
             systems[0].setup[1],
             np.array([system.setup[2] for system in systems]),
         )
-        number, parts = here
+        number, parts = places
 
         def label(k: int) -> str:
             return self.ensemble.label(first + k)

@@ -73,9 +73,9 @@ class MemberGrid:
             for j in range(0, length, span)
         ]
 
-    def piece(self, part: tuple[slice, slice]) -> Piece:
+    def piece(self, block: tuple[slice, slice]) -> Piece:
         """The rows of one of the `pieces`."""
-        members, epochs = part
+        members, epochs = block
         length = self.length
         place = slice(
             members.start * length + epochs.start, (members.stop - 1) * length + epochs.stop
@@ -89,9 +89,9 @@ class MemberGrid:
 
         return Piece(place, who, self.t.mapped(rows))
 
-    def vectors(self, given: FloatArray, part: tuple[slice, slice]) -> FloatArray:
+    def vectors(self, array: FloatArray, block: tuple[slice, slice]) -> FloatArray:
         """The rows (K, 3) of vectors (S, 3) in one of the `pieces`."""
-        return given[part[0]] if self.scalar else given[part].reshape(-1, 3)
+        return array[block[0]] if self.scalar else array[block].reshape(-1, 3)
 
     def parts(self, most: int) -> Iterator[tuple[Any, MemberGrid]]:
         """Grids of at most `most` attitudes, each after its place among the answers."""
@@ -142,14 +142,14 @@ class MemberRows:
         parts = [slice(k, min(k + most, size)) for k in range(0, size, most)]
         return [*parts] if order is None else [order[block] for block in parts]
 
-    def piece(self, part: slice | IntArray) -> Piece:
+    def piece(self, block: slice | IntArray) -> Piece:
         """The rows of one of the `pieces`."""
         member, t = self.flat()
-        return Piece(part, member[part], t.taken(part))
+        return Piece(block, member[block], t.taken(block))
 
-    def vectors(self, given: FloatArray, part: slice | IntArray) -> FloatArray:
+    def vectors(self, array: FloatArray, block: slice | IntArray) -> FloatArray:
         """The rows (K, 3) of vectors (S, 3) in one of the `pieces`."""
-        return given[part] if given.ndim == 2 else given.reshape(-1, 3)[part]
+        return array[block] if array.ndim == 2 else array.reshape(-1, 3)[block]
 
     def flat(self) -> tuple[IntArray, Seconds]:
         """Members and their epochs (R,)."""

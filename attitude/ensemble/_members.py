@@ -30,21 +30,21 @@ if TYPE_CHECKING:
 _DATES = "ISO dates in UTC, an astropy or skyfield Time, datetimes or datetime64"
 
 
-def of_members(given: Any) -> FloatArray:
+def of_members(epoch: Any) -> FloatArray:
     """The epochs of members as TDB seconds past J2000 in two doubles, (2, 1) or (2, N)."""
-    if isinstance(given, _instants.Instant):
-        return np.array([[given.seconds], [given.low]])
-    if isinstance(given, support_pairs.Seconds):
-        return np.stack(support_pairs.two_sum(given.hi, given.low))
-    if given is None:
+    if isinstance(epoch, _instants.Instant):
+        return np.array([[epoch.seconds], [epoch.low]])
+    if isinstance(epoch, support_pairs.Seconds):
+        return np.stack(support_pairs.two_sum(epoch.hi, epoch.low))
+    if epoch is None:
         raise AttitudeError(f"epoch is missing; give one epoch, or one for each member: {_DATES}.")
-    kind, _, _ = _inputs.entries(given, "epoch", _DATES)
+    kind, _, _ = _inputs.entries(epoch, "epoch", _DATES)
     if kind in _inputs.LENGTHS:
         raise AttitudeError(
-            f"epoch is {validation.shown(given)}, a length of time; give one epoch, or one for "
+            f"epoch is {validation.shown(epoch)}, a length of time; give one epoch, or one for "
             f"each member: {_DATES}."
         )
-    hi, lo = _inputs.past_j2000(given, "epoch")
+    hi, lo = _inputs.past_j2000(epoch, "epoch")
     if hi.ndim > 1:
         raise AttitudeError(f"epoch has shape {hi.shape}; give one epoch, or one for each member.")
     sums = np.stack(support_pairs.two_sum(hi, lo)).reshape(2, -1)
@@ -68,10 +68,10 @@ def shared(
             "for other rows give member=."
         )
     scalar = hi.ndim == 0
-    hi, lo = support_pairs.Seconds(hi, lo).mapped(np.atleast_2d)
-    if are_dates and lo is not None:
-        hi, lo = support_pairs.add((hi, lo), -start[0][:, None], -start[1][:, None])
-    return support_pairs.Seconds(hi, lo), scalar
+    seconds = support_pairs.Seconds(hi, lo).mapped(np.atleast_2d)
+    if are_dates:
+        seconds = support_pairs.Seconds(*seconds.plus(-start[0][:, None], -start[1][:, None]))
+    return seconds, scalar
 
 
 def received(
@@ -92,17 +92,18 @@ def of_rows(
 ) -> tuple[support_pairs.Seconds, IntArray]:
     """Epochs of rows and their members, of any shape S."""
     hi, lo, are_dates = _epochs(start, t, low)
+    seconds = support_pairs.Seconds(hi, lo)
     if hi.shape != member.shape:
         if hi.ndim and member.ndim:
             raise AttitudeError(
                 f"t has shape {hi.shape} and member {member.shape}; give one member for each epoch."
             )
         shape = hi.shape if hi.ndim else member.shape
-        hi, lo = support_pairs.Seconds(hi, lo).mapped(lambda a: np.array(np.broadcast_to(a, shape)))
+        seconds = seconds.mapped(lambda array: np.array(np.broadcast_to(array, shape)))
         member = np.array(np.broadcast_to(member, shape))
-    if are_dates and lo is not None:
-        hi, lo = support_pairs.add((hi, lo), -start[0][member], -start[1][member])
-    return support_pairs.Seconds(hi, lo), member
+    if are_dates:
+        seconds = support_pairs.Seconds(*seconds.plus(-start[0][member], -start[1][member]))
+    return seconds, member
 
 
 def _epochs(
@@ -180,13 +181,13 @@ class Given(NamedTuple):
 class Inertia:
     """Moments of N bodies; arrays have the leading axis 1 if all bodies share one inertia.
 
-    given, relative, bodies: as in `Given`.
+    array, relative, bodies: as in `Given`.
     moments: (1 or N, 3, 2), principal moments in pairs of doubles.
     axes: (1 or N, 3, 3), columns: the principal axes in body axes.
     principal: (1 or N, 4), the unit quaternion from principal to body axes.
     """
 
-    given: FloatArray
+    array: FloatArray
     relative: bool
     bodies: NDArray[np.object_] | None
     moments: FloatArray
@@ -195,15 +196,15 @@ class Inertia:
 
     def __len__(self) -> int:
         """1, or the number of bodies."""
-        return self.given.shape[0]
+        return self.array.shape[0]
 
     def body(self, k: int) -> Body:
         """The Body of member k."""
         k = k if len(self) > 1 else 0
         if self.bodies is not None:
             return self.bodies[k]
-        kind = "moments" if self.given.ndim == 2 else "tensor"
-        return Body(**{kind: self.given[k]}, relative=self.relative)
+        kind = "moments" if self.array.ndim == 2 else "tensor"
+        return Body(**{kind: self.array[k]}, relative=self.relative)
 
     def taken(self, index: Any) -> Inertia:
         """The inertia of some of the members."""
@@ -211,16 +212,16 @@ class Inertia:
             return self
         bodies = None if self.bodies is None else self.bodies[index]
         arrays = (array[index] for array in (self.moments, self.axes, self.principal))
-        return Inertia(self.given[index], self.relative, bodies, *arrays)
+        return Inertia(self.array[index], self.relative, bodies, *arrays)
 
     @property
     def has_tensors(self) -> bool:
         """Whether the principal axes of any member may differ from its body axes."""
-        return self.given.ndim == 3
+        return self.array.ndim == 3
 
     def tensors(self) -> FloatArray:
         """Inertia tensors (1 or N, 3, 3) in body axes."""
-        return self.given if self.has_tensors else self.given[:, :, None] * np.eye(3)
+        return self.array if self.has_tensors else self.array[:, :, None] * np.eye(3)
 
 
 def of_arrays(inertia: Reals, name: str, last: tuple[int, ...], relative: bool) -> Given:
@@ -271,7 +272,7 @@ def joined_inertia(parts: Sequence[Inertia], counts: Sequence[int]) -> Inertia:
         pairs = zip(arrays, counts, strict=True)
         return np.concatenate([np.broadcast_to(a, (n, *a.shape[1:])) for a, n in pairs])
 
-    array = rows([inertia.tensors() if tensors else inertia.given for inertia in parts])
+    array = rows([inertia.tensors() if tensors else inertia.array for inertia in parts])
     bodies = None
     if all(inertia.bodies is not None for inertia in parts):
         bodies = rows([inertia.bodies for inertia in parts])
@@ -302,17 +303,17 @@ def to_icrf(
 # ---- Arguments of ensembles: rows, names, and numbers of members that agree
 
 
-def listed(given: Any) -> Iterable[Any]:
+def listed(objects: Any) -> Iterable[Any]:
     """The entries of an iterable; AttitudeError for anything else."""
     try:
-        return iter(given)
+        return iter(objects)
     except TypeError as err:
-        raise AttitudeError(f"{validation.shown(given)} is not a list of objects.") from err
+        raise AttitudeError(f"{validation.shown(objects)} is not a list of objects.") from err
 
 
-def rows(given: Any, name: str, width: int, unit: str | None) -> FloatArray:
+def rows(values: Any, name: str, width: int, unit: str | None) -> FloatArray:
     """Rows (N, width), or one row (1, width); NaN is left to the check of the members."""
-    array = validation.real(given, name, unit=unit, finite=False)
+    array = validation.real(values, name, unit=unit, finite=False)
     if array.shape == (width,):
         return array[None]
     if array.ndim == 2 and array.shape[1] == width:

@@ -32,7 +32,8 @@ _ROWS: dict[str, tuple[int, ...]] = {
     "tensors": (3, 3),
 }
 # Columns that `rows` adds.
-_ATTITUDE, _RATE = ("w", "x", "y", "z"), ("omega_x", "omega_y", "omega_z")
+_ATTITUDE = ("w", "x", "y", "z")
+_RATE = ("omega_x", "omega_y", "omega_z")
 
 
 class PartitionedEnsemble(Immutable):
@@ -176,9 +177,11 @@ class PartitionedEnsemble(Immutable):
         files = [os.path.join(folder, f"part-{k:05d}.parquet") for k in range(len(times))]
         return self._mapped(_written, [(*row, both) for row in zip(times, files, strict=True)])
 
-    def _mapped(self, function: Callable[..., Any], given: Sequence[tuple[Any, ...]]) -> list[Any]:
+    def _mapped(
+        self, function: Callable[..., Any], arguments: Sequence[tuple[Any, ...]]
+    ) -> list[Any]:
         task = _dask().delayed(function, pure=True)
-        pairs = zip(self.parts, given, strict=True)
+        pairs = zip(self.parts, arguments, strict=True)
         return [task(partition, *values) for partition, values in pairs]
 
     def _epochs(self, t: Any) -> tuple[list[Any], float]:
@@ -189,13 +192,13 @@ class PartitionedEnsemble(Immutable):
             raise AttitudeError("t is a single epoch; give an array (T,).")
         return [t] * len(self.parts), len(t)
 
-    def _arrays(self, found: list[Any], k: int | None, row: tuple[Any, ...]) -> Any:
+    def _arrays(self, tasks: list[Any], k: int | None, row: tuple[Any, ...]) -> Any:
         """The dask array of the results of the partitions, or of their k-th entries."""
         from dask import array
 
         parts = [
             array.from_delayed(task if k is None else task[k], (length, *row), dtype=np.float64)
-            for task, length in zip(found, self.lengths, strict=True)
+            for task, length in zip(tasks, self.lengths, strict=True)
         ]
         return array.concatenate(parts, allow_unknown_chunksizes=True)
 

@@ -75,11 +75,11 @@ class MemberView(View):
         return self._line("observer_sun_line")
 
     @kept
-    def emission(self) -> tuple[FloatArray, FloatArray | None]:
+    def emission(self) -> pairs.Seconds:
         """TDB seconds from `epoch` at which the light leaves the body, hi + lo, flat."""
         count = self.shape[0]
-        times = pairs.Seconds(*self._base.emission)
-        return times.mapped(lambda array: frozen(np.tile(array[self._epochs], count)))
+        left = self._base.emission.taken(self._epochs)
+        return left.mapped(lambda array: frozen(np.tile(array, count)))
 
     @quantity()
     def lit_fraction(self) -> FloatArray:
@@ -117,7 +117,7 @@ def bound(
     free._set("motion", None)
     start = ensemble.start_of_seconds
     base = free.since(start, seconds, low)
-    times = pairs.Seconds(*base.emission).taken(None)
+    times = base.emission.taken(None)
     if ensemble.epoch is None:
         starts = ensemble.epochs_of(np.arange(len(ensemble)))
         past = times.plus(start.seconds, start.low)
@@ -158,7 +158,7 @@ def squared_tangents(wxyz, axis, x, y, z, out):
 
 
 @entry_point
-def candidates(values, ranks, counts, wanted, found, places):
+def candidates(values, ranks, counts, wanted, kept, places):
     """The numbers of a row among which those of given ranks are, by their leading bits.
 
     Given
@@ -166,10 +166,10 @@ def candidates(values, ranks, counts, wanted, found, places):
         ranks   (R,) 0 to N - 1
         counts, wanted  (BINS,) memory
     Filled
-        found   (N,) numbers that share leading bits with one of the wanted ones, in any order
+        kept    (N,) numbers that share leading bits with one of the wanted ones, in any order
         places  (R,) the ranks among these
     Returned
-        how many numbers are found
+        how many numbers are kept
     """
     least = most = _key(values[0])
     for k in range(1, len(values)):
@@ -199,7 +199,7 @@ def candidates(values, ranks, counts, wanted, found, places):
     count = 0
     for k in range(len(values)):
         # Written always and kept if wanted: without a branch that is mispredicted.
-        found[count] = values[k]
+        kept[count] = values[k]
         count += wanted[(_key(values[k]) - least) >> shift]
     return count
 

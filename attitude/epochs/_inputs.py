@@ -156,8 +156,10 @@ def _kind(value: Any) -> str | None:
 
 # Modified Julian date of 1970-01-01.
 _MJD_OF_1970 = 40587
-# Julian dates 0 and 10000-01-01: the limits of calendars of four digits, and of ERFA's calendar.
-_FIRST_JD, _LAST_JD = 0.0, 5373484.5
+# The first Julian date of ERFA's calendar.
+_FIRST_JD = 0.0
+# 10000-01-01: the limit of calendars of four digits.
+_LAST_JD = 5373484.5
 
 
 def read(
@@ -431,7 +433,8 @@ _DATES = (
     "or a numpy datetime64"
 )
 # Seconds in this range, 27.8 to 28.9 days, are Julian dates of the years 1858 to 2132 more often.
-_FIRST_PLAIN_JD, _LAST_PLAIN_JD = 2.4e6, 2.5e6
+_FIRST_PLAIN_JD = 2.4e6
+_LAST_PLAIN_JD = 2.5e6
 _DATES_OR_SECONDS = (
     f'plain seconds, a time Quantity, a TimeDelta or text such as "3 d", or dates: {_DATES}'
 )

@@ -42,8 +42,10 @@ if TYPE_CHECKING:
 J2000: float = 2451545.0
 # Modified Julian date of 1972-01-01, since when UTC differs from TAI by whole seconds.
 _WHOLE_LEAPS = 41317.0
-# Those of the day before 0001-01-01, and of 10000-01-01: Python's calendar is between.
-MJD_OF_ORDINAL_0, _YEAR_10000 = -678576, 2973484.0
+# That of the day before 0001-01-01, where Python's calendar begins.
+MJD_OF_ORDINAL_0 = -678576
+# That of 10000-01-01, where it ends.
+_YEAR_10000 = 2973484.0
 # Seconds.
 DAY: float = 86400.0
 TT_MINUS_TAI: float = 32.184

@@ -195,21 +195,21 @@ class Aberrated(SearchDirection):
         return Drift() if self._fixed else super().drift(moment)
 
 
-def direction_of(given: AnyDirection | None, name: str, source: Source) -> SearchDirection:
+def direction_of(direction: AnyDirection | None, name: str, source: Source) -> SearchDirection:
     """The SearchDirection of what a caller gives."""
-    if isinstance(given, SearchDirection):
-        return given
-    if given is None or isinstance(given, str):
+    if isinstance(direction, SearchDirection):
+        return direction
+    if direction is None or isinstance(direction, str):
         if source.scene is None:
             raise AttitudeError(
-                f"{name} is {given!r}, but a motion without a scene has no position; give an ICRF "
-                "vector, a function of seconds, or a Scene instead of the motion."
+                f"{name} is {direction!r}, but a motion without a scene has no position; give an "
+                "ICRF vector, a function of seconds, or a Scene instead of the motion."
             )
-        chosen = name if given is None else given
+        chosen = name if direction is None else direction
         return OfScene(validation.one_of(chosen, name, ("sun", "observer")))
-    if callable(given):
-        return Moving(given, name=name)
-    return Fixed(given, name)
+    if callable(direction):
+        return Moving(direction, name=name)
+    return Fixed(direction, name)
 
 
 def _units(vectors, name):

@@ -274,8 +274,8 @@ def _extrema(start, stop, f, step, epoch, sign):
     return _joined(f.epoch, _peaks(f, begin, end, spacing, sign), f.unit)
 
 
-def _joined(epoch, found, unit=""):
-    parts = [Events(epoch, hi, lo, values) for hi, lo, values in found]
+def _joined(epoch, extrema, unit=""):
+    parts = [Events(epoch, hi, lo, values) for hi, lo, values in extrema]
     return Events.joined(epoch, parts, float, unit)
 
 

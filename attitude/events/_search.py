@@ -53,13 +53,16 @@ if TYPE_CHECKING:
 
 # Knots in a block.
 _BLOCK_OF_LEVELS = 4096
-# Least part of a spacing into which an interval is divided: of a smooth observable, and of one with
-# a stated rate, which costs more divisions and proves more.
-_SMOOTH_PART, _RATED_PART = 2.0**-10, 2.0**-30
+# Least part of a spacing into which an interval is divided, of a smooth observable.
+_SMOOTH_PART = 2.0**-10
+# That of an observable with a stated rate, which costs more divisions and proves more.
+_RATED_PART = 2.0**-30
 # Margins of bounds by differences, as those of directions (`attitude.conditions._moments`).
 _MARGINS = (1.5, 2.0)
+# Parts into which a section divides an interval.
+_PARTS = 16
 # Sections end at this part of the spacing, or at the resolution of a double.
-_PARTS, _RESOLUTION = 16, 1e-9
+_RESOLUTION = 1e-9
 
 
 def _level_changes(source, levels, start, stop, spacing_of, advance):
@@ -177,16 +180,16 @@ def _sign_changes(conditions, channels, start, stop):
     yield _part(slow_changes, done, len(hi))
 
 
-def _part(found, first, last):
-    return tuple(column[first:last] for column in found)
+def _part(changes, first, last):
+    return tuple(column[first:last] for column in changes)
 
 
-def _open_parts(conditions, channels, fast, found, start, stop):
+def _open_parts(conditions, channels, fast, slow_changes, start, stop):
     """The parts of a span in which a condition is open, joined where the same channels decide it.
 
     Numbers of the first change after begin and after end, both ends, and the deciding channels.
     """
-    hi, lo, number, rising = found
+    hi, lo, number, rising = slow_changes
     moment = conditions[0].source.at(np.array([start[0]]), np.array([start[1]]))
     # The sign of each channel before the first change and after each, -1 for those not searched.
     signs = np.full((len(channels), len(hi) + 1), -1)
@@ -255,16 +258,16 @@ def _changed(condition, channels, moment, number, rising):
 # ---- The source of a search that a caller gives: a motion, an object with ``.at(t)``, or a Scene
 
 
-def source_of(given: AnyMotion) -> Source:
+def source_of(subject: AnyMotion) -> Source:
     """The Source of a motion, of any other object with ``.at(t)``, or of a Scene."""
-    if not isinstance(given, Scene):
-        return Source(motion_of(given))
-    if given.motion is None:
+    if not isinstance(subject, Scene):
+        return Source(motion_of(subject))
+    if subject.motion is None:
         raise AttitudeError(
             "the scene has no motion, and this event is one of a rotation; give a scene with a "
             "motion, or compare quantities that need none: scene.quantity(...)."
         )
-    return Source(given.motion, given)
+    return Source(subject.motion, subject)
 
 
 # ---- The result of a search: epochs in two doubles, and what happens at each

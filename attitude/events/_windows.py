@@ -160,8 +160,10 @@ class Timetable(Immutable):
 
 # ---- The greatest value of a function in each of many intervals, by samples that close in on it
 
-# Samples in each interval, and rounds: each leaves two of the spacings of the round before.
-_SAMPLES, _ROUNDS = 65, 5
+# Samples in each interval.
+_SAMPLES = 65
+# Rounds, each of which leaves two of the spacings of the round before.
+_ROUNDS = 5
 
 
 def _highest(value, begin, end):
@@ -297,8 +299,9 @@ def _span_of(source, start, stop):
             f"{missing} is not given, and neither motion nor path has an end from which it "
             'follows; give start and stop, such as "2026-01-01" and "2026-01-02".'
         )
-    ends = (known[0] if start is None else start), (known[1] if stop is None else stop)
-    return span(source.epoch, *ends)
+    start = known[0] if start is None else start
+    stop = known[1] if stop is None else stop
+    return span(source.epoch, start, stop)
 
 
 def _edge(pair: Pair) -> FloatArray:
@@ -591,11 +594,11 @@ def _sides(scene, names, fraction):
     return sides
 
 
-def _rows(scene, sides, conditions, found):
+def _rows(scene, sides, conditions, windows):
     """The rows of all sides in order of time."""
     source = conditions[0].source
     tops, off = [], []
-    for condition, one in zip(conditions, found, strict=True):
+    for condition, one in zip(conditions, windows, strict=True):
         mirrored = condition.channels[0]
         assert isinstance(mirrored, Mirrored)
 
@@ -605,13 +608,13 @@ def _rows(scene, sides, conditions, found):
         top = _highest(nearness, one.begin, one.end)
         tops.append(top)
         off.append(mirrored.off_mirror(source.at(top, np.zeros(top.size))) if len(top) else top)
-    side = np.repeat([one.name for one in sides], [len(one) for one in found])
+    side = np.repeat([one.name for one in sides], [len(one) for one in windows])
     peak, off_mirror = np.concatenate(tops), np.concatenate(off)
     begin, end = (
-        np.concatenate([_edges(one.columns[name]) for one in found], axis=1)
+        np.concatenate([_edges(one.columns[name]) for one in windows], axis=1)
         for name in ("begin", "end")
     )
-    duration = np.concatenate([one.duration for one in found])
+    duration = np.concatenate([one.duration for one in windows])
     order = np.argsort(begin[0], kind="stable")
     view = source.at(peak[order], np.zeros(len(peak))).view
     is_far = scene.sun.is_direction or scene.observer.is_direction

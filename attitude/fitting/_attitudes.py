@@ -50,8 +50,10 @@ _SPHERE = 1e-12
 _REWEIGHTED = 15
 # Records from whose states one is chosen, at most.
 CANDIDATES = 16
-# Records to either side of which medians are taken, and median deviations from which an outlier is.
-_NEIGHBOURS, _SPIKE = 2, 6.0
+# Records to either side of which medians are taken.
+_NEIGHBOURS = 2
+# Median deviations beyond which a record is an outlier.
+_SPIKE = 6.0
 # Angle between records, rad, up to which angular velocities are integrated.
 _FARTHEST = 1.0
 
@@ -205,8 +207,10 @@ def _basis(axes: str) -> FloatArray:
     return np.array(matrices)
 
 
-# Records of the first stage, at least; more where some of them are outliers.
-FEWEST, FEWEST_ROBUST = 6, 30
+# Records of the first stage, at least.
+FEWEST = 6
+# The same where some of them are outliers.
+FEWEST_ROBUST = 30
 
 
 @arguments(
@@ -290,13 +294,13 @@ def fit(
     return fitted(model, observed, how, point, first)
 
 
-def guess(problem: Problem, given: tuple[FloatArray, FloatArray, FloatArray]) -> Point:
-    """The first guess from attitudes; given (K,)."""
+def guess(problem: Problem, states: tuple[FloatArray, FloatArray, FloatArray]) -> Point:
+    """The first guess from states: seconds (K,), attitudes (K, 4) and angular velocities (K, 3)."""
     model, shape = problem.model, np.zeros(0)
     if model.body is None:
-        tensor = inertia_of_attitudes(*given[1:], model.axes, robust=problem.loss.robust)
+        tensor = inertia_of_attitudes(*states[1:], model.axes, robust=problem.loss.robust)
         shape = model.shape_of(tensor)
-    return best_state(problem, shape, given)
+    return best_state(problem, shape, states)
 
 
 def first_stage(t: FloatArray, speed: float, fewest: int) -> int:
@@ -454,12 +458,23 @@ def fit_rates(
 # Gap between the two greatest eigenvalues, of the sum of weights, from which an attitude is
 # determined: two directions 3 deg apart.
 _DETERMINED = 1e-3
-# Directions of the first span, and of a later one at least and at most.
-_FIRST, _LEAST, _LARGEST = 10, 6, 60
-# Angle of a later span and from one to the next, rad, and number of spans.
-_SPAN, _STRIDE, _SPANS = 1.0, 0.3, 60
-# The grid: greatest turn between records, spacing across half a span, rad, and nodes improved.
-_FASTEST, _SPACING, _BEST = 1.5, 0.4, 8
+# Directions of the first span.
+_FIRST = 10
+# Directions of a later span, at least and at most.
+_LEAST = 6
+_LARGEST = 60
+# Angle of a later span, rad.
+_SPAN = 1.0
+# Angle from one span to the next, rad.
+_STRIDE = 0.3
+# Number of spans.
+_SPANS = 60
+# The grid: greatest turn between records, rad.
+_FASTEST = 1.5
+# Spacing of the grid across half a span, rad.
+_SPACING = 0.4
+# Nodes of the grid that are improved.
+_BEST = 8
 
 
 def attitudes(t: FloatArray, directions: Directions) -> tuple[FloatArray, FloatArray]:
@@ -495,7 +510,7 @@ def spans(observed: Observations, loss: Loss) -> tuple[FloatArray, FloatArray, F
         else:
             best = min(
                 (problem.minimum(node) for node in _nodes(records_of_span)),
-                key=lambda each: each.cost,
+                key=lambda minimum: minimum.cost,
             )
             step = float(observed.t[-1] - observed.t[0]) / (len(observed) - 1)
             angle = max(float(np.linalg.norm(best.point.omega)) * step, 1e-300)
@@ -516,16 +531,16 @@ def _centred(observed: Observations, begin: int, size: int) -> tuple[Observation
     return replace(records_of_span, t=records_of_span.t - middle), middle
 
 
-def _nodes(part: Observations) -> list[Point]:
+def _nodes(records: Observations) -> list[Point]:
     """The nodes of a grid of angular velocities that fit a span best, with their attitudes."""
-    directions: Directions = part.kinds[0]  # type: ignore[assignment]
-    half = float(np.max(np.abs(part.t)))
-    step = 2.0 * half / (len(part) - 1)
+    directions: Directions = records.kinds[0]  # type: ignore[assignment]
+    half = float(np.max(np.abs(records.t)))
+    step = 2.0 * half / (len(records) - 1)
     most = int(_FASTEST / step * half / _SPACING)
     line = np.arange(-most, most + 1) * (_SPACING / half)
     grid = np.stack(np.meshgrid(line, line, line, indexing="ij"), axis=-1).reshape(-1, 3)
     grid = grid[np.linalg.norm(grid, axis=1) <= line[-1] * (1.0 + 1e-9)]
-    turns = forms.from_rotation_vector(grid[:, None] * part.t[:, None])
+    turns = forms.from_rotation_vector(grid[:, None] * records.t[:, None])
     turned = quaternion.rotate(turns, directions.measured)
     weighted = directions.known * directions.weight[:, None]
     values, vectors = np.linalg.eigh(_davenport(np.einsum("ni,gnj->gij", weighted, turned)))
@@ -674,7 +689,7 @@ def _guess(
     states = times[chosen], wxyz[chosen], omega[chosen]
     points = [point for shape in shapes for point in states_at_first(model, shape, states)]
     minima = (problem.minimum(point, last=False) for point in points)
-    return min(minima, key=lambda each: each.cost).point
+    return min(minima, key=lambda minimum: minimum.cost).point
 
 
 def _unit(value: Reals, name: str, count: int) -> FloatArray:

@@ -101,15 +101,21 @@ _RULE = least_squares.Rule(
 _LEAST_BEND = 1e-3
 # Largest step: rad of attitude, angular velocity relative to its size, logarithms of the shape.
 _LONGEST = (0.5, 0.3, 1.0)
-# Evaluations of the last stage and of those before, at most.
-_MOST, _MOST_EARLY = 100, 12
-# Gain of a step, in variances of a record, below which the iteration ends: 1e-3 standard errors of
-# the parameters in the last stage, 0.3 before.
-_LAST, _LAST_EARLY = 1e-6, 0.1
+# Evaluations of the last stage, at most.
+_MOST = 100
+# Evaluations of a stage before, at most.
+_MOST_EARLY = 12
+# Gain of a step, in variances of a record, below which the iteration of the last stage ends: 1e-3
+# standard errors of the parameters.
+_LAST = 1e-6
+# The same of a stage before: 0.3 standard errors.
+_LAST_EARLY = 0.1
 # Records of a stage before the last one: as many as determine a span well enough for the next.
 _MOST_RECORDS = 100
-# Predicted error of attitudes, rad, up to which the next stage extends, and epochs of prediction.
-_REACH, _PREDICTED = 0.05, 64
+# Predicted error of attitudes, rad, up to which the next stage extends.
+_REACH = 0.05
+# Epochs of prediction.
+_PREDICTED = 64
 # Variance, rad2, of each component of the rotation vector of an attitude of which nothing is known:
 # a third of pi^2/3 + 2, the mean square of the angle of uniformly random rotations.
 UNKNOWN = (np.pi**2 / 3.0 + 2.0) / 3.0

@@ -138,12 +138,15 @@ class Model:
         chain = self.chain(point, apart, axes)
         to_body = None if axes is _BODY_AXES else quaternion.from_matrix(axes)
         start = point.wxyz if to_body is None else quaternion.multiply(point.wxyz, to_body)
-        state = start, point.omega @ axes, t
-        initial = start[None], state[1][None], t
+        initial_rates = point.omega @ axes
         attitudes = [
             array[0]
             for array in _propagation.linearized(
-                self._moments_of(apart), *initial, angular_velocity=rates
+                self._moments_of(apart),
+                start[None],
+                initial_rates[None],
+                t,
+                angular_velocity=rates,
             )
         ]
         wxyz, omega = attitudes[0], attitudes[1] if rates else None
@@ -156,7 +159,8 @@ class Model:
             if rate_columns is not None and omega is not None:
                 rate_columns += np.cross(chain.turns.T[:, None], omega).transpose(2, 0, 1)
         if apart is not values:
-            exact = _propagation.propagate(self._moments_of(values), *state, angular_velocity=True)
+            moments = self._moments_of(values)
+            exact = _propagation.propagate(moments, start, initial_rates, t, angular_velocity=True)
             wxyz, omega = exact[0], exact[1] if rates else None
         return Prediction(wxyz, omega, axes, to_body, columns, rate_columns)
 

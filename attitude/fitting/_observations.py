@@ -26,9 +26,10 @@ if TYPE_CHECKING:
     from attitude.fitting._model import Prediction
 
 
-# Rounding error of predicted attitudes, rad, and of rates relative to their size; and of both, of
-# the angle turned, by the rounding of the parameters.
-_ROUNDING, _OF_ANGLE = 4e-15, 4e-16
+# Rounding error of predicted attitudes, rad, and of rates relative to their size.
+_ROUNDING = 4e-15
+# That of both, relative to the angle turned, by the rounding of the parameters.
+_OF_ANGLE = 4e-16
 
 
 @dataclass(frozen=True)

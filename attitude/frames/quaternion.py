@@ -186,12 +186,12 @@ def _divided_by_length(q: list[Any]) -> list[Any]:
     return [pairs.quotient((x, 0.0), length) for x in q]
 
 
-def _refuse_no_attitude(given: FloatArray, name: str) -> FloatArray:
+def _refuse_no_attitude(wxyz: FloatArray, name: str) -> FloatArray:
     """Largest absolute components (..., 1) of quaternions (..., 4), all finite and above zero."""
-    largest: FloatArray = np.abs(given).max(axis=-1, keepdims=True)
+    largest: FloatArray = np.abs(wxyz).max(axis=-1, keepdims=True)
     bad = ~((largest > 0.0) & (largest < np.inf))
     if bad.any():
-        listed = ", ".join(f"{x:.9g}" for x in given[bad[..., 0]].reshape(-1, 4)[0])
+        listed = ", ".join(f"{x:.9g}" for x in wxyz[bad[..., 0]].reshape(-1, 4)[0])
         raise AttitudeError(
             f"{name} holds ({listed}), which is no attitude; give a quaternion (w, x, y, z) of "
             "four finite numbers that are not all zero."
@@ -217,15 +217,15 @@ def from_matrix(matrix: Reals, name: str = "matrix") -> FloatArray:
     return flat.reshape(*matrices.shape[:-2], 4)
 
 
-def refuse_other_matrices(given: FloatArray, name: str) -> None:
+def refuse_other_matrices(matrices: FloatArray, name: str) -> None:
     """Refuse matrices (..., 3, 3) that are not rotations within 1e-6."""
-    off = np.max(np.abs(np.swapaxes(given, -1, -2) @ given - np.eye(3)), initial=0.0)
+    off = np.max(np.abs(np.swapaxes(matrices, -1, -2) @ matrices - np.eye(3)), initial=0.0)
     if off > _NOT_A_ROTATION:
         raise AttitudeError(
             f"{name} is not a rotation: {name}^T {name} differs from the unit matrix by {off:.2g} "
             f"(up to {_NOT_A_ROTATION:.0e} is accepted as rounding). Give orthonormal columns."
         )
-    if np.any(np.linalg.det(given) < 0.0):
+    if np.any(np.linalg.det(matrices) < 0.0):
         raise AttitudeError(
             f"{name} is a reflection (determinant -1); give a right-handed matrix, for example by "
             "reversing one axis."

@@ -645,7 +645,7 @@ class Search:
         self.progress(f"{len(self.convex) - before} bodies at other poles")
         return len(self.convex) > before
 
-    def _may_lead(self, one: Weighted) -> bool:
+    def _may_lead(self, one: Robust) -> bool:
         """Whether a tumbling state may be the best with another pole."""
         best = self.solutions[0]
         if one.evidence < best.evidence + self.settings.mapped_behind:

@@ -233,9 +233,10 @@ def _complete(m: Reals, mc: Reals | None) -> tuple[Any, Any]:
     parameter, other = parameters(m, mc)
     first, second = np.full(parameter.size, np.inf), np.ones(parameter.size)
     kept = other.ravel() > 0.0
-    both_kinds = np.empty(np.count_nonzero(kept)), np.empty(np.count_nonzero(kept))
-    complete(read_only(parameter.ravel()[kept]), read_only(other.ravel()[kept]), *both_kinds)
-    first[kept], second[kept] = both_kinds
+    below_one, complementary = parameter.ravel()[kept], other.ravel()[kept]
+    first_kind, second_kind = np.empty(below_one.size), np.empty(below_one.size)
+    complete(read_only(below_one), read_only(complementary), first_kind, second_kind)
+    first[kept], second[kept] = first_kind, second_kind
     return first.reshape(parameter.shape)[()], second.reshape(parameter.shape)[()]
 
 

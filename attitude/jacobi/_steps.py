@@ -140,11 +140,21 @@ def steps(motion: FreeRotation) -> PaperSteps:
     y = 0.5j * np.pi * eta / quarter
     ratio = theta(1, y, q, derivative=True) / theta(1, y, q)
     drift = momentum / i1 + 0.5 * np.pi * speed / quarter * float((1j * ratio).real)
-    amplitudes = np.array([a1, a2, a3])
     bare = PaperSteps(
-        axes, moments, momentum, amplitudes, float(speed), float(m), q, quarter, other, epsilon,
-        eta, drift, np.eye(3),
-    )  # fmt: skip
+        axes=axes,
+        moments=moments,
+        momentum=momentum,
+        amplitudes=np.array([a1, a2, a3]),
+        speed=float(speed),
+        m=m,
+        q=q,
+        quarter=quarter,
+        other_quarter=other,
+        epsilon=epsilon,
+        eta=eta,
+        drift=drift,
+        start=np.eye(3),
+    )
     start = motion.at(0.0).matrix @ axes.T @ bare._from_momentum(0.0)
     return replace(bare, start=start)
 

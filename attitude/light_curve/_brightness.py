@@ -79,14 +79,14 @@ def components(sun: NDArray[Any], observer: NDArray[Any], begin: int, end: int) 
     return parts
 
 
-def _refuse_the_first(own: list[FloatArray], name: str, begin: int) -> None:
+def _refuse_the_first(xyz: list[FloatArray], name: str, begin: int) -> None:
     """Raise for the first vector beyond the bound, if any: the sum of many may exceed it too."""
-    excess = own[0] ** 2 + own[1] ** 2 + own[2] ** 2 - 1.0
+    excess = xyz[0] ** 2 + xyz[1] ** 2 + xyz[2] ** 2 - 1.0
     wrong = np.flatnonzero(~(np.abs(excess) <= _UNIT))
     if len(wrong):
         bad = int(wrong[0])
         raise AttitudeError(
-            f"{name} at epoch {begin + bad} is {[float(v[bad]) for v in own]}; give finite "
+            f"{name} at epoch {begin + bad} is {[float(v[bad]) for v in xyz]}; give finite "
             "vectors of length 1."
         )
 

@@ -264,10 +264,17 @@ _LN2 = 0.6931471805599453
 # leaves a ratio from 0.88 to 2, |f| <= 1/3.
 _ROUNDING = 0x1620000000000
 # Polynomial of least maximum error; with these coefficients 2e-17.
-_R0, _R1, _R2 = 0.3333333333333333, 0.1999999999999975, 0.14285714285803394
-_R3, _R4, _R5 = 0.11111111098732392, 0.09090909971595426, 0.07692271221627803
-_R6, _R7, _R8 = 0.06667604894870639, 0.05866942116729435, 0.054241007161985766
-_R9, _R10 = 0.037396652525503456, 0.07826828806597469
+_R0 = 0.3333333333333333
+_R1 = 0.1999999999999975
+_R2 = 0.14285714285803394
+_R3 = 0.11111111098732392
+_R4 = 0.09090909971595426
+_R5 = 0.07692271221627803
+_R6 = 0.06667604894870639
+_R7 = 0.05866942116729435
+_R8 = 0.054241007161985766
+_R9 = 0.037396652525503456
+_R10 = 0.07826828806597469
 
 
 @quickly_compiled
@@ -328,9 +335,11 @@ def _cubes(u):
 
 # _TINY replaces mu0 <= 0, which avoids a branch and a division by zero: the sum over facets that
 # are dark or turned away is less than _DARK.
-_TINY, _ZEROS, _ONES = (1e-100,) * SIZE, (0.0,) * SIZE, (1.0,) * SIZE
-_SIXTEEN_ZEROS = (0.0,) * (2 * SIZE)
+_TINY = (1e-100,) * SIZE
 _DARK = 1e-90
+_ZEROS = (0.0,) * SIZE
+_SIXTEEN_ZEROS = (0.0,) * (2 * SIZE)
+_ONES = (1.0,) * SIZE
 
 # Unsigned indices: for signed ones numba adds a test for negative values to every access.  Counters
 # of loops are made such too: Python counts in its own integers, whose sums numpy 1 makes doubles.
@@ -363,11 +372,11 @@ def _laid_out(ways, first, x, y, z):
 
 
 @reduction_inlined
-def _cosines(x, y, ways, way, own):
-    """Cosines between a direction and normals of slopes x, y, over heights; `way`, `own` as
+def _cosines(x, y, ways, way, height):
+    """Cosines between a direction and normals of slopes x, y, over heights; `way`, `height` as
     `Clusters.axes`.
     """
-    return x * ways[way] + y * ways[way + _1] + ways[own]
+    return x * ways[way] + y * ways[way + _1] + ways[height]
 
 
 @reduction_inlined
@@ -541,13 +550,13 @@ def over_facets(of_phase: Compilable, element: Compilable, in_lanes: bool) -> En
     """
 
     @reduction_over(of_phase, element)
-    def summed(rows, given, cosines, sines, out):
-        incidence, emission, weights, ends = given[-4:]
+    def summed(rows, gathered, cosines, sines, out):
+        incidence, emission, weights, ends = gathered[-4:]
         terms = np.empty(TERMS)
         out[:] = 0.0
         begin = 0
         while begin < out.size:
-            stop = gather(begin, *given)
+            stop = gather(begin, *gathered)
             for m in range(rows.shape[0]):
                 row = rows[m]
                 for t in range(begin, stop):

@@ -202,20 +202,32 @@ def _fronts(tree: Hierarchy, corners: FloatArray, normals: FloatArray) -> FloatA
 
 FACES = 6
 # Marks of the groups that are drawn, beside a bit for each face on which they are: all facets show
-# the front, all show the back, or each was looked at.
-FRONT, BACK, DIVIDED = 1 << 12, 1 << 13, 1 << 14
+# the front.
+FRONT = 1 << 12
+# All show the back.
+BACK = 1 << 13
+# Each was looked at.
+DIVIDED = 1 << 14
 _LANES = 8
 _EVERY_LANE = 255
 _0, _1, _2, _3, _4, _5 = (np.uint64(k) for k in range(6))
-# The lowest seven bits and the highest bit of each byte, and the factor that gathers the lowest
-# bits of all bytes in the highest byte.
-_LOW_BITS, _HIGH_BITS = np.uint64(0x7F7F7F7F7F7F7F7F), np.uint64(0x8080808080808080)
-_GATHER, _TO_LOWEST, _TOP_BYTE = np.uint64(0x0102040810204080), np.uint64(7), np.uint64(56)
+# The lowest seven bits of each byte.
+_LOW_BITS = np.uint64(0x7F7F7F7F7F7F7F7F)
+# The highest bit of each byte.
+_HIGH_BITS = np.uint64(0x8080808080808080)
+# The factor that gathers the lowest bits of all bytes in the highest byte.
+_GATHER = np.uint64(0x0102040810204080)
+# From the highest bit of a byte to the lowest.
+_TO_LOWEST = np.uint64(7)
+# From the highest byte of a word to the lowest.
+_TOP_BYTE = np.uint64(56)
 _ALL = np.uint8(255)
-_LEAF, _WIDTH = np.uint64(LEAF), np.uint64(_LANES)
-# Tangents, over the distance across, of what lies beside a point: beyond all faces.  What has the
-# height of the point to the last digit counts as above it.
-_BESIDE, _UPWARD = 1e250, 1e150
+_LEAF = np.uint64(LEAF)
+_WIDTH = np.uint64(_LANES)
+# Tangent, over the distance across, of what lies beside a point: beyond all faces.
+_BESIDE = 1e250
+# What has the height of the point to the last digit counts as above it.
+_UPWARD = 1e150
 
 
 @reduction_within
@@ -281,10 +293,10 @@ def _place(tangent, half, offset, least, most):
 
 @reduction_inlined
 def draw_groups(
-    found, groups, edges, sides, first_edges, corners, flat, first, up, shifts, resolution,
+    nodes, groups, edges, sides, first_edges, corners, flat, first, up, shifts, resolution,
     frames, marks, shown, counts, drawn,
 ):  # fmt: skip
-    """Add the changes along the outlines of the nodes found[:groups] to `counts`; see `paint`.
+    """Add the changes along the outlines of nodes[:groups] to `counts`; see `paint`.
 
     An edge between groups that show one side changes nothing. `drawn`: first and last rows of
     faces.
@@ -293,7 +305,7 @@ def draw_groups(
     half = 0.5 * resolution
     beside, above = 0.5 - eight(shifts, 0), 0.5 - eight(shifts, _LANES)
     for q in range(groups):
-        node = found[q]
+        node = nodes[q]
         if node >= leaves and marks[node - leaves] & DIVIDED != 0:
             mark = marks[node - leaves] & ~DIVIDED
             if mark >> FACES != 0:
@@ -574,8 +586,12 @@ def memory(members: int, resolution: int, leaves: int) -> tuple[NDArray[Any], ..
     drawn[::2] = resolution
     return (
         np.full(FACES * resolution**2 * members, 255, np.uint8),
-        *(counts, counts.view(np.uint8), drawn, np.zeros(4 * FACES, np.int64)),
-        *(np.zeros(leaves + 1, np.int64), np.empty(leaves, np.int64)),
+        counts,
+        counts.view(np.uint8),
+        drawn,
+        np.zeros(4 * FACES, np.int64),
+        np.zeros(leaves + 1, np.int64),
+        np.empty(leaves, np.int64),
         np.zeros(_LANES * LEAF * (leaves + 1)),
     )
 
@@ -584,7 +600,7 @@ def memory(members: int, resolution: int, leaves: int) -> tuple[NDArray[Any], ..
 def paint(
     boxes, edges, sides, first_edges, fronts, corners, facing, normals, points, middles, size,
     members, across, up, shifts, resolution, both, sky, counts, changes, drawn, frames, marks,
-    found, shown, masks, place,
+    nodes, shown, masks, place,
 ):  # fmt: skip
     """Fill the columns of `masks` from `place` on, for the facets `members` (-1: empty place).
 
@@ -602,14 +618,14 @@ def paint(
             faces = frame(normals[k], resolution, frames)
             groups = _look_around(
                 boxes, fronts, corners, facing, normals[k], points, 24 * k, middles[k], size, both,
-                faces, marks, found, shown,
+                faces, marks, nodes, shown,
             )  # fmt: skip
             draw_groups(
-                found, groups, edges, sides, first_edges, corners, points, 24 * k, up, shifts,
+                nodes, groups, edges, sides, first_edges, corners, points, 24 * k, up, shifts,
                 resolution, frames, marks, shown, changes, drawn,
             )  # fmt: skip
             for q in range(groups):
-                _mark(marks, found[q], leaves, 0)
+                _mark(marks, nodes[q], leaves, 0)
             fill(normals[k], across, up, resolution, frames, counts, drawn, sky, m, count)
     first = np.uint64(place)
     for i in range(cells):
@@ -620,10 +636,10 @@ def paint(
 
 @reduction_inlined
 def _look_around(
-    boxes, fronts, corners, facing, normal, flat, first, middle, size, both, among, marks, found,
+    boxes, fronts, corners, facing, normal, flat, first, middle, size, both, among, marks, nodes,
     shown,
 ):  # fmt: skip
-    """Mark all groups that may hide the sky of one facet; their nodes are `found`, their number.
+    """Mark all groups that may hide the sky of one facet, and fill `nodes`; the number of these.
 
     The points are flat[first : first + 24]; along axis i within middle[3 + i] of middle[i].
     """
@@ -650,7 +666,7 @@ def _look_around(
                 mark = faces | DIVIDED
         if mark != 0:
             _mark(marks, node, leaves, mark)
-            found[count] = node
+            nodes[count] = node
             count += 1
         node = 2 * node if inside else _after(node)
     return count
@@ -885,11 +901,11 @@ class Visibility:
         )
 
 
-def require_mesh(given: object) -> None:
+def require_mesh(mesh: object) -> None:
     """AttitudeError for anything but a `Mesh`."""
-    if not isinstance(given, Mesh):
+    if not isinstance(mesh, Mesh):
         raise AttitudeError(
-            f"mesh is {given!r}; give an attitude.shape Mesh, such as Ellipsoid.facets(count) or "
+            f"mesh is {mesh!r}; give an attitude.shape Mesh, such as Ellipsoid.facets(count) or "
             "box(size)."
         )
 
@@ -940,11 +956,26 @@ def _painted(mesh, clusters, resolution, threads, progress):
     def work(begin: int, end: int) -> None:
         members = clusters.order[begin * SIZE : end * SIZE]
         paint(
-            *(tree.boxes, outlines.edges, outlines.sides, outlines.first, outlines.fronts),
-            *(ordered_corners, facing),
-            *(normals, flat, middles, size, members, across, up, shifts, resolution, both),
+            tree.boxes,
+            outlines.edges,
+            outlines.sides,
+            outlines.first,
+            outlines.fronts,
+            ordered_corners,
+            facing,
+            normals,
+            flat,
+            middles,
+            size,
+            members,
+            across,
+            up,
+            shifts,
+            resolution,
+            both,
             *memory(len(members), resolution, len(tree.boxes) // 2),
-            *(masks, begin * SIZE),
+            masks,
+            begin * SIZE,
         )
 
     in_blocks(work, clusters.count, _AT_ONCE, threads, progress)

@@ -248,8 +248,8 @@ class Axes:
     ) -> FloatArray:
         """Quaternions from these axes to ICRF, scalar first; hi, lo (N,)."""
         if self._at is not None:
-            one = np.array([self._at.seconds]), np.array([self._at.low])
-            return _turned(self.kind, *one, orbit, self.name)[0]
+            hi, lo = np.array([self._at.seconds]), np.array([self._at.low])
+            return _turned(self.kind, hi, lo, orbit, self.name)[0]
         if self.kind == "b1950":
             return _earth.b1950()
         if not self.turning:

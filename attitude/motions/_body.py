@@ -280,12 +280,12 @@ class Body(Valued):
         moments: FloatArray,
         tensor: FloatArray,
         pairs: FloatArray,
-        found: PrincipalAxes | None,
+        principal: PrincipalAxes | None,
     ) -> None:
-        axes = _GIVEN_AXES if found is None else found.axes[0]
+        axes = _GIVEN_AXES if principal is None else principal.axes[0]
         self._set_all(
             moments=moments, tensor=tensor, principal_axes=axes[..., 0].copy(), _moments=pairs,
-            _axes=axes, _found=found,
+            _axes=axes, _found=principal,
         )  # fmt: skip
 
     @property

@@ -11,6 +11,7 @@ import numpy as np
 
 from attitude._solver import covariance as covariances
 from attitude._support import validation
+from attitude._support.pairs import Seconds
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError, CovarianceWarning
 from attitude.frames import quaternion
@@ -59,6 +60,9 @@ class Differentiable(Motion):
 
     A class of this kind has a ``body`` and a ``spin``, and defines ``_sensitivity``, its
     `Derivatives`, and ``_with(body, spin)``, the same motion from another state.
+
+    `sensitivity_at` is the contract, the same for all of them: nine columns, for epochs in any
+    form.
     """
 
     # Whether another motion takes no steps, so that covariances can look at the nonlinearity.
@@ -195,7 +199,7 @@ class Differentiable(Motion):
         self._set("_checked_sigma", 1.5 * largest)
         at = np.unravel_index(np.nanargmax(sum(variances)), seconds.shape)
         with suppress(AttitudeError):  # errors that lead to moments of no body
-            self.nonlinearity_at(seconds[at], None if low is None else low[at])
+            self.nonlinearity_at(*Seconds(seconds, low).taken(at))
 
     def _warn(self, what: str) -> None:
         """Warn, once for the motion, that its covariances mean little."""

@@ -369,8 +369,9 @@ class FreeRotation(Differentiable):
     @cached_property
     def _sensitivity(self) -> Sensitivity:
         body, wxyz = self.body, self.spin.wxyz_icrf
-        state = body.moments_as_pairs[None], wxyz[None], body.principal_wxyz[None]
-        return Sensitivity(*state, self._constants)
+        return Sensitivity(
+            body.moments_as_pairs[None], wxyz[None], body.principal_wxyz[None], self._constants
+        )
 
     # ---- Mode, periods and invariants
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from attitude._support import markup, validation
 from attitude._support.arrays import frozen
+from attitude._support.pairs import Seconds
 from attitude.epochs import _instants
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
@@ -75,8 +76,7 @@ class AttitudeHistory(Attitudes):
 
     def __getitem__(self, index: Any) -> AttitudeHistory:
         """The history of some of the epochs: history[10:20], history[mask]."""
-        seconds = np.asarray(self.seconds[index])
-        low = None if self.low is None else np.asarray(self.low[index])
+        seconds, low = Seconds.of(self).taken(index).mapped(np.asarray)
         history = AttitudeHistory(self.motion, self.epoch, seconds, low, _taken(self.wxyz, index))
         if "angular_velocity" in self.__dict__:
             history.__dict__["angular_velocity"] = frozen(_taken(self.angular_velocity, index))

@@ -472,25 +472,25 @@ class Motion(Valued):
 class Foreign(Motion):
     """Any other object with ``.at(t)`` that returns an AttitudeHistory, as a Motion.
 
-    given: its seconds count from its ``epoch``, or from that of its ``spin``.  Its ``body``,
+    wrapped: its seconds count from its ``epoch``, or from that of its ``spin``.  Its ``body``,
         ``momentum``, ``span`` and ``meta`` are used if it has them.
     """
 
-    given: Any
+    wrapped: Any
 
-    def __init__(self, given: Any) -> None:
-        self._set_all(given=given, epoch=_epoch_of(given))
+    def __init__(self, wrapped: Any) -> None:
+        self._set_all(wrapped=wrapped, epoch=_epoch_of(wrapped))
         for name in ("body", "momentum", "span", "meta"):
-            if getattr(given, name, None) is not None:
-                self._set(name, getattr(given, name))
+            if getattr(wrapped, name, None) is not None:
+                self._set(name, getattr(wrapped, name))
 
     @property
     def _kind(self) -> str:
-        return type(self.given).__name__
+        return type(self.wrapped).__name__
 
     def at(self, t: Epochs, low: ArrayLike | None = None) -> AttitudeHistory:
         """The attitudes at some epochs; see `Motion.at`."""
-        return self.given.at(t) if low is None else self.given.at(t, low=low)
+        return self.wrapped.at(t) if low is None else self.wrapped.at(t, low=low)
 
     def at_seconds(self, seconds: FloatArray, low: FloatArray | None) -> AttitudeHistory:
         """See `Motion.at_seconds`."""
@@ -504,26 +504,26 @@ class Foreign(Motion):
         return [getattr(history, name) for name in names[: order + 1]]
 
 
-def motion_of(given: HasAttitudes, name: str = "motion") -> Motion:
+def motion_of(motion: HasAttitudes, name: str = "motion") -> Motion:
     """The motion itself, or a `Foreign` motion of any other object with ``.at(t)``."""
-    if isinstance(given, Motion):
-        return given
-    validation.refuse_class(given, name)
-    if not callable(getattr(given, "at", None)):
+    if isinstance(motion, Motion):
+        return motion
+    validation.refuse_class(motion, name)
+    if not callable(getattr(motion, "at", None)):
         raise AttitudeError(
-            f"{name} is {type(given).__name__}; give a FreeRotation, or another object with .at(t) "
-            "that returns an AttitudeHistory."
+            f"{name} is {type(motion).__name__}; give a FreeRotation, or another object with "
+            ".at(t) that returns an AttitudeHistory."
         )
-    return Foreign(given)
+    return Foreign(motion)
 
 
-def _epoch_of(given: Any) -> _instants.Instant:
+def _epoch_of(motion: Any) -> _instants.Instant:
     """The Instant from which the seconds of an object count."""
-    for owner in (given, getattr(given, "spin", None)):
+    for owner in (motion, getattr(motion, "spin", None)):
         epoch = getattr(owner, "epoch", None)
         if isinstance(epoch, _instants.Instant):
             return epoch
     raise AttitudeError(
-        f"the motion ({type(given).__name__}) has neither .epoch nor .spin, from which its seconds "
-        "count; give it an Instant as .epoch."
+        f"the motion ({type(motion).__name__}) has neither .epoch nor .spin, from which its "
+        "seconds count; give it an Instant as .epoch."
     )

@@ -176,14 +176,14 @@ def _half_difference(values):
     return 0.5 * ((plus[:, 0] - minus[:, 0]) + (plus[:, 1] - minus[:, 1]))
 
 
-def _flip(given: Regime, changed: Regime) -> float:
+def _flip(regime: Regime, changed: Regime) -> float:
     """The time to the next turn-over if the changed motion is across the separatrix, else inf."""
     uniform = (Mode.AT_REST, Mode.SPHERICAL)
-    if given.circulates == changed.circulates or given.mode in uniform:
+    if regime.circulates == changed.circulates or regime.mode in uniform:
         return math.inf
-    if given.mode is Mode.PRINCIPAL_AXIS and given.one_minus_m == 1.0:
+    if regime.mode is Mode.PRINCIPAL_AXIS and regime.one_minus_m == 1.0:
         return math.inf  # the equator of a symmetric body: nothing turns over
-    return 0.5 * min(given.P_psi, changed.P_psi)
+    return 0.5 * min(regime.P_psi, changed.P_psi)
 
 
 def _constants(states, moments_error):

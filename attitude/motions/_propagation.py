@@ -248,7 +248,7 @@ def linearized(
     attitudes = new_array(count, 4, length)
     states = States(np.reshape(moments, (1, 3)), IDENTITY, omega, None, wxyz)
     filled = Results(attitudes, rates, *columns)
-    Evaluation(states, near=False).grid(Seconds(frozen(t[None])), filled)
+    Evaluation(states, all_digits=False).grid(Seconds(frozen(t[None])), filled)
     results = [array for array in filled if array is not None]
     return tuple(np.moveaxis(array, -1, 1) for array in results)
 

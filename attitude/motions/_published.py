@@ -155,8 +155,11 @@ def places_of_dynamic_inertia(
 
 def _solved(moments: ArrayLike, mode: str, ratio: float) -> FloatArray:
     """The position (3,) of `places` of one body, in a mode."""
-    arguments = np.array([moments], dtype=float), np.array([mode == "LAM"])
-    return places_of_dynamic_inertia(*arguments, np.array([ratio], dtype=float))[0]
+    return places_of_dynamic_inertia(
+        np.array([moments], dtype=float),
+        np.array([mode == "LAM"]),
+        np.array([ratio], dtype=float),
+    )[0]
 
 
 def cycle(moments: ArrayLike, mode: str, position: Sequence[float]) -> FloatArray:
@@ -289,8 +292,16 @@ class Labels(NamedTuple):
         from attitude._solver.vectors import rates_all
 
         rates = np.empty((len(places), 3))
-        flags = self.long_axis, self.long_labels, self.branches
-        rates_all(self.moments, *flags, places, momenta, angles, rates)
+        rates_all(
+            self.moments,
+            self.long_axis,
+            self.long_labels,
+            self.branches,
+            places,
+            momenta,
+            angles,
+            rates,
+        )
         return rates
 
     def lost(self, places: FloatArray, rates: FloatArray, P_psi: FloatArray) -> BoolArray:
@@ -345,8 +356,9 @@ def states_from_two_periods(
     moments = _ascending(body)
     refuse_missing_mode(moments, mode)
     place = dynamic_inertia_from_periods(moments, mode, convention, P_psi, P_phi)
-    state = body, mode, convention, place, P_psi, pole, phi0, psi0
-    return from_place(*state, theta_branch=theta_branch)
+    return from_place(
+        body, mode, convention, place, P_psi, pole, phi0, psi0, theta_branch=theta_branch
+    )
 
 
 def from_place(
@@ -397,9 +409,9 @@ def from_labelled(
     return wxyz[0], omega[0]
 
 
-def _missing(**given: object) -> AttitudeError:
+def _missing(**keywords: object) -> AttitudeError:
     """The error that names the keywords that are None."""
-    missing = [name for name, value in given.items() if value is None]
+    missing = [name for name, value in keywords.items() if value is None]
     return AttitudeError(
         f"{', '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing; give mode "
         '("LAM" or "SAM"), convention ("L" or "S"), P_psi, P_phi and psi0, or one period P for '
@@ -581,8 +593,17 @@ def from_energy(
         turns = turns if convention == "L" else turns + 1.0
         seconds = turns * validation.positive(P_phi, "P_phi", unit="s")
     place = np.array([*position, unit_period])
-    state = body, mode_of_energy, convention, place, seconds, pole, phi0, psi0
-    return from_place(*state, theta_branch=theta_branch)
+    return from_place(
+        body,
+        mode_of_energy,
+        convention,
+        place,
+        seconds,
+        pole,
+        phi0,
+        psi0,
+        theta_branch=theta_branch,
+    )
 
 
 def from_pole(
@@ -811,8 +832,14 @@ def _block(
     tumbling = _possible(rows, moments, relaxed)
     P_psi, P_phi = (np.where(tumbling, rows[name], 1.0) for name in ("P_psi", "P_phi"))
     long_labels = (rows["convention"] == 1) & ~relaxed
-    flags = (rows["mode"] == 1) & ~relaxed, long_labels, np.maximum(rows["theta_branch"], 0)
-    labels = Labels(moments, order, axes, *flags)
+    labels = Labels(
+        moments,
+        order,
+        axes,
+        long_axis=(rows["mode"] == 1) & ~relaxed,
+        long_labels=long_labels,
+        branches=np.maximum(rows["theta_branch"], 0),
+    )
     with np.errstate(over="ignore"):
         ratios = np.where(tumbling, P_psi / P_phi - ~long_labels, np.nan)
     places = places_of_dynamic_inertia(moments, labels.long_axis, ratios)
@@ -891,7 +918,7 @@ def _poles(pole: Any) -> FloatArray:
     return poles.reshape(1, 2) if poles.ndim == 1 else poles
 
 
-def _codes(given: Any, known: Callable[[Any], str], allowed: Sequence[str]) -> Any:
+def _codes(value: Any, known: Callable[[Any], str], allowed: Sequence[str]) -> Any:
     """The numbers () or (N,) of words in `allowed`; _UNKNOWN for other words, and none."""
     numbers: dict[object, int] = {}
 
@@ -903,14 +930,14 @@ def _codes(given: Any, known: Callable[[Any], str], allowed: Sequence[str]) -> A
                 numbers[word] = _UNKNOWN
         return numbers[word]
 
-    if given is None or isinstance(given, (str, int)):
-        return np.array(code(given))
-    words = np.asarray(given, dtype=object)
+    if value is None or isinstance(value, (str, int)):
+        return np.array(code(value))
+    words = np.asarray(value, dtype=object)
     try:
         return np.array([code(word) for word in words.ravel().tolist()], int).reshape(words.shape)
     except TypeError as err:  # what cannot be hashed
         raise AttitudeError(
-            f"mode, convention or theta_branch is {validation.shown(given)}; give words, one or "
+            f"mode, convention or theta_branch is {validation.shown(value)}; give words, one or "
             "one for each member."
         ) from err
 

@@ -331,11 +331,12 @@ class AttitudeTable(Motion):
                 f"history is {validation.shown(history)}; give an AttitudeHistory, as motion.at(t) "
                 "returns."
             )
+        seconds, low = pairs.Seconds.of(history).mapped(np.array)
         return cls(
             history.epoch,
-            np.array(history.seconds),
+            seconds,
             history.wxyz,
-            low=None if history.low is None else np.array(history.low),
+            low=low,
             angular_velocity=history.angular_velocity if rates else None,
             method=method,
             degree=degree,

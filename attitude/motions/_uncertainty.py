@@ -117,15 +117,15 @@ def spread(
     return dict(zip(_RESULTS, in_quadrature(results_at), strict=True))
 
 
-def in_quadrature(found: FloatArray) -> list[Uncertain]:
+def in_quadrature(results: FloatArray) -> list[Uncertain]:
     """The first of rows (1 + N, K), with errors down and up from those of the N ends."""
     with np.errstate(invalid="ignore"):
-        change = found[1:] - found[0]
+        change = results[1:] - results[0]
         minus = np.sqrt(np.sum(np.minimum(change, 0.0) ** 2, axis=0))
         plus = np.sqrt(np.sum(np.maximum(change, 0.0) ** 2, axis=0))
     return [
         Uncertain(float(value), float(less), float(more))
-        for value, less, more in zip(found[0], minus, plus, strict=True)
+        for value, less, more in zip(results[0], minus, plus, strict=True)
     ]
 
 
@@ -175,13 +175,13 @@ def _results(sets, mode, convention):
     return out
 
 
-def _rates(moments, mode, y, rest):
+def _rates(moments, mode, y, one_minus_y):
     """The angular velocity (N, 3) for L = 1 where the momentum crosses the plane of A and C."""
     a, b, c = moments.T
     if mode == "LAM":
-        below, above = (b - a) * rest, (c - b) + (b - a) * y
+        below, above = (b - a) * one_minus_y, (c - b) + (b - a) * y
     else:
-        below, above = (b - a) + (c - b) * y, (c - b) * rest
+        below, above = (b - a) + (c - b) * y, (c - b) * one_minus_y
     # l_A^2 : l_C^2 = A (C-D) : C (D-A)
     along_a, along_c = np.sqrt(a * above), np.sqrt(c * below)
     size = np.hypot(along_a, along_c)

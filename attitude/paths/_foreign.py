@@ -157,7 +157,11 @@ def _of_skyfield(value: Any) -> Place:
     is_site = type(last).__module__ == "skyfield.toposlib"
     if is_site and getattr(last, "longitude", None) is not None:
         label = str(getattr(last, "target_name", None) or "site")
-        angles = last.longitude.radians, last.latitude.radians
-        source = "skyfield geographic position, IERS Earth rotation"
-        return site_at(np.array(last.itrs_xyz.m), *angles, label, source)
+        return site_at(
+            np.array(last.itrs_xyz.m),
+            last.longitude.radians,
+            last.latitude.radians,
+            label,
+            "skyfield geographic position, IERS Earth rotation",
+        )
     return from_skyfield(value)

@@ -240,9 +240,6 @@ class Place:
         return self.zenith_path
 
 
-_NO_LOW = frozen(np.zeros(1))
-
-
 class Path(Place):
     """Something with a position and a velocity at any TDB epoch; the base of all kinds of paths.
 
@@ -321,17 +318,11 @@ class Path(Place):
 
     def _evaluate(self, instant, seconds, low, method):
         """Results (..., 3) of a method that takes flat arrays of finite epochs."""
-        hi = np.asarray(seconds, dtype=np.float64)
-        shape, lo = hi.shape, _NO_LOW
+        epochs = pairs.Seconds(np.asarray(seconds, dtype=np.float64))
         if low is not None:
-            lo = np.asarray(low, dtype=np.float64)
-            if lo.shape != shape:
-                shape = np.broadcast_shapes(shape, lo.shape)
-                lo = np.broadcast_to(lo, shape)
-            lo = np.ascontiguousarray(lo).reshape(-1)
-        if hi.shape != shape:
-            hi = np.broadcast_to(hi, shape)
-        hi = np.ascontiguousarray(hi).reshape(-1)
+            both = np.broadcast_arrays(epochs.hi, np.asarray(low, dtype=np.float64))
+            epochs = pairs.Seconds(*both)
+        shape, (hi, lo) = epochs.hi.shape, epochs.compact
         if not hi.size:
             return (np.zeros((*shape, 3)),) * (2 if method == self._state else 1)
         # The sum is finite exactly where every term of it is.

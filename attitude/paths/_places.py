@@ -64,8 +64,10 @@ _ELEMENTS = {
 }
 _ANGLES = ("inclination", "node", "pericenter_argument", "mean_anomaly")
 _LENGTHS = ("semi_major_axis", "pericenter_distance")
-# Plain numbers up to these may be radians or degrees: one turn, and a right angle.
-_TURN, _RIGHT_ANGLE = 6.2832, 1.5708
+# Plain numbers up to one turn may be radians or degrees.
+_TURN = 6.2832
+# The same of an angle up to a right angle.
+_RIGHT_ANGLE = 1.5708
 
 
 def place(
@@ -273,11 +275,11 @@ def _of_keywords(value: Any, name: str) -> Path:
 # ---- Tables of mission files
 
 
-def _of_table(given: dict[str, Any], name: str, folder: str) -> Place:
-    kind = way_of(given, TABLES, name)
-    refuse_unknown(given, (kind, *TABLES[kind]), name)
-    settings = {key: given[key] for key in TABLES[kind] if key in given}
-    value = given[kind]
+def _of_table(table: dict[str, Any], name: str, folder: str) -> Place:
+    kind = way_of(table, TABLES, name)
+    refuse_unknown(table, (kind, *TABLES[kind]), name)
+    settings = {key: table[key] for key in TABLES[kind] if key in table}
+    value = table[kind]
     if kind in _FILES:
         return _FILES[kind](file_of(value, folder, f"{name} {kind}"), **settings)
     if kind == "spk":

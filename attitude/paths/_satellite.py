@@ -36,8 +36,10 @@ if TYPE_CHECKING:
 
 
 _KM = 1000.0
-# Days from the epoch of the elements beyond which a path warns, and refuses.
-_WARNED, _REFUSED = 14.0, 365.25
+# Days from the epoch of the elements beyond which a path warns.
+_WARNED = 14.0
+# Days beyond which it refuses.
+_REFUSED = 365.25
 _OMM_NEEDED = (
     *("EPOCH", "MEAN_MOTION", "ECCENTRICITY", "INCLINATION", "RA_OF_ASC_NODE"),
     *("ARG_OF_PERICENTER", "MEAN_ANOMALY", "BSTAR"),

@@ -133,8 +133,10 @@ def from_astropy(body: str, ephemeris: FilePath = "builtin") -> AstropyBody:
 # The series take 25 microseconds an epoch.  A polynomial of degree 15 for each 8 days that occur
 # errs by less than the series' own rounding, and takes some tens of nanoseconds.
 
-# Pieces of 8 days in the span of the series, 1900 to 2100, and coefficients of one.
-_PIECES, _COUNT = 9131, 16
+# Pieces of 8 days in the span of the series, 1900 to 2100.
+_PIECES = 9131
+# Coefficients of a piece.
+_COUNT = 16
 _LO = np.zeros(1)
 
 

@@ -177,9 +177,18 @@ class Kepler(FrozenArrays, Path):
 
     def _state(self, instant, hi, lo):
         position, velocity = np.empty((3, hi.size)), np.empty((3, hi.size))
-        orbit = self.pericenter_distance, self.eccentricity, self.gm, self.basis
-        at = read_only(hi), read_only(lo), *since(instant, self.pericenter)
-        states(*at, self.period, *orbit, position, velocity)
+        states(
+            read_only(hi),
+            read_only(lo),
+            *since(instant, self.pericenter),
+            self.period,
+            self.pericenter_distance,
+            self.eccentricity,
+            self.gm,
+            self.basis,
+            position,
+            velocity,
+        )
         return position, velocity
 
 

@@ -421,13 +421,13 @@ def compare(
     return Comparison(tuple(runs), length)
 
 
-def _sequence(given: Any) -> Sequence[Any]:
+def _sequence(value: Any) -> Sequence[Any]:
     """The sequence given, or one of a single item."""
-    return (given,) if isinstance(given, str) or np.ndim(given) == 0 else given
+    return (value,) if isinstance(value, str) or np.ndim(value) == 0 else value
 
 
-def _tolerance(given: Any) -> float:
-    tolerance = validation.positive(given, "tolerances")
+def _tolerance(value: Any) -> float:
+    tolerance = validation.positive(value, "tolerances")
     if tolerance < _LEAST_TOLERANCE:
         raise AttitudeError(
             f"tolerances holds {tolerance:g}; give tolerances of {_LEAST_TOLERANCE:.2g} and more, "

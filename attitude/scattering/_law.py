@@ -359,7 +359,7 @@ def law(given: str | Law) -> Law:
 
 def laws() -> dict[str, type[Law]]:
     """The classes of all registered laws, a dict by name: first the laws with `weights`."""
-    return dict(sorted(_by_name.items(), key=lambda each: (not each[1]._has_weights(), each[0])))
+    return dict(sorted(_by_name.items(), key=lambda item: (not item[1]._has_weights(), item[0])))
 
 
 def forget(name: str) -> None:
@@ -375,13 +375,13 @@ def forget(name: str) -> None:
     del _by_name[name]
 
 
-def _register(made: type[Law]) -> None:
+def _register(cls: type[Law]) -> None:
     """Register a class; a class defined again, as in a notebook, replaces its former definition."""
-    name = str(made.name)
-    other = _by_name.get(name, made)
-    if (other.__module__, other.__qualname__) != (made.__module__, made.__qualname__):
+    name = str(cls.name)
+    other = _by_name.get(name, cls)
+    if (other.__module__, other.__qualname__) != (cls.__module__, cls.__qualname__):
         raise AttitudeError(
-            f"the law {made.__module__}.{made.__qualname__} is called {name!r}, as is "
+            f"the law {cls.__module__}.{cls.__qualname__} is called {name!r}, as is "
             f"{other.__module__}.{other.__qualname__}; give it another name."
         )
-    _by_name[name] = made
+    _by_name[name] = cls

@@ -143,23 +143,23 @@ def light_times(vectors, speed, out):
 
 
 @quickly_compiled
-def secant_step(hi, lo, found, slope, light, before, out_hi, out_lo):
+def secant_step(hi, lo, times, slope, light, before, out_hi, out_lo):
     """Light times by the secant through the last two, and the epochs of emission.
 
-    light (N,) is replaced, and kept in `before`; `found` are those that positions at `light` give,
+    light (N,) is replaced, and kept in `before`; `times` are those that positions at `light` give,
     and `slope` their derivatives.
     """
     step = 0 if lo.size == 1 else 1
     for k in range(hi.size):
         before[k] = light[k]
-        light[k] += (found[k] - light[k]) / (1.0 - slope[k])
+        light[k] += (times[k] - light[k]) / (1.0 - slope[k])
         s, e = two_sum(hi[k], -light[k])
         out_hi[k], out_lo[k] = two_sum(s, e + lo[k * step])
 
 
 @quickly_compiled
-def secant_slopes(vectors, old, light, before, least, limit, found, speed, slope):
-    """Update `found`, slope and speeds of the target (N,) by vectors (3, N); `old` those before.
+def secant_slopes(vectors, old, light, before, least, limit, times, speed, slope):
+    """Update `times`, slope and speeds of the target (N,) by vectors (3, N); `old` those before.
 
     Where the light time changed by less than `least`, s, slope and speed are kept. Returns the
     largest error of the vectors in m; `limit` is the speed of light.
@@ -172,7 +172,7 @@ def secant_slopes(vectors, old, light, before, least, limit, found, speed, slope
         if abs(change) > least:
             x, y, z = x - old[0, k], y - old[1, k], z - old[2, k]
             speed[k] = math.sqrt(x * x + y * y + z * z) / abs(change)
-            slope[k] = (now - found[k]) / change
-        found[k] = now
+            slope[k] = (now - times[k]) / change
+        times[k] = now
         worst = max(worst, speed[k] * abs(now - light[k]))
     return worst

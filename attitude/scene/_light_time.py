@@ -124,8 +124,18 @@ class Sightline(Path):
             emitted = np.empty((2, hi.size))
             _angles.secant_step(*epochs, times, slope, light, before, *emitted)
             old, seen = seen, vectors_at(light, emitted)
-            arguments = _whole(seen), _whole(old), light, before, least, SPEED_OF_LIGHT_M_S
-            if not _angles.secant_slopes(*arguments, times, speed, slope) > limit:
+            error = _angles.secant_slopes(
+                _whole(seen),
+                _whole(old),
+                light,
+                before,
+                least,
+                SPEED_OF_LIGHT_M_S,
+                times,
+                speed,
+                slope,
+            )
+            if not error > limit:
                 return seen, light
         raise AttitudeError(
             f"the light time of {self.name} does not converge near "
@@ -194,12 +204,16 @@ def _dot(a, b):
 
 # Epochs in a block: some MB of temporaries, whatever the number of epochs.
 _BLOCK = 1 << 16
-# Fewer epochs are evaluated faster than fitted; of a slow path fewer than these.
-_FEWEST, _FEWEST_OF_SLOW = 2000, 300
+# Fewer epochs are evaluated faster than fitted.
+_FEWEST = 2000
+# The same of a slow path.
+_FEWEST_OF_SLOW = 300
 # Positions that a fit may evaluate, per epoch.
 _SHARE = 0.25
-# Largest angle by which a fit may turn a direction, rad, and the smaller one that fits aim at.
-_LARGEST_TURN, _AIMED_TURN = 4e-10, 1e-10
+# Largest angle by which a fit may turn a direction, rad.
+_LARGEST_TURN = 4e-10
+# The smaller angle that fits aim at, rad.
+_AIMED_TURN = 1e-10
 _SAMPLE = 65
 
 
@@ -215,10 +229,10 @@ class LineOfSight(_path.FrozenArrays):
     source: str
     error: float | None = None
 
-    def some(self, part: slice) -> LineOfSight:
+    def some(self, block: slice) -> LineOfSight:
         """The line of sight at some of the epochs."""
-        unit = self.unit if self.unit.shape[1] == 1 else self.unit[:, part]
-        distance = None if self.distance is None else self.distance[part]
+        unit = self.unit if self.unit.shape[1] == 1 else self.unit[:, block]
+        distance = None if self.distance is None else self.distance[block]
         return LineOfSight(unit, distance, self.source, self.error)
 
 

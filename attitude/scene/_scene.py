@@ -130,10 +130,14 @@ def known_shadows(shadows: Any) -> bool | Visibility:
 _FLAGS = ("in_umbra", "in_penumbra", "sky_dark", "is_observable")
 _ROUGH = ("lit_fraction", "airmass", "brightness", "reduced_magnitude", "magnitude")
 _JUMPS = {"longitude", "right_ascension", "azimuth", "long_axis_position_angle"}
-# Parts of |r| / |v| that are the spacing of samples: of a body or observer about its center, and of
-# the two relative to each other.
-_OF_ORBIT, _OF_RANGE = 1.0 / 30.0, 1.0 / 4.0
-_SAMPLES, _FEWEST = 129, 16
+# Part of |r| / |v| that is the spacing of samples, of a body or observer about its center.
+_OF_ORBIT = 1.0 / 30.0
+# That of the two relative to each other.
+_OF_RANGE = 1.0 / 4.0
+# Epochs of a span at which these are sampled.
+_SAMPLES = 129
+# Spacings of samples in a span, at least.
+_FEWEST = 16
 
 
 @dataclass(frozen=True)

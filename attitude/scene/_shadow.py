@@ -247,9 +247,9 @@ def radius_of(body: str) -> float | None:
     return RADII.get(body.removesuffix(" barycenter"))
 
 
-def occulters(given: Any) -> dict[str, float]:
+def occulters(shadow_of: Any) -> dict[str, float]:
     """Radii in m, by name, of the bodies that cast shadows."""
-    bodies = (given,) if isinstance(given, (str, int)) else given
+    bodies = (shadow_of,) if isinstance(shadow_of, (str, int)) else shadow_of
     radii = bodies if isinstance(bodies, Mapping) else dict.fromkeys(bodies)
     known_radii = {}
     for body, radius in radii.items():

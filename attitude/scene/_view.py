@@ -117,7 +117,6 @@ def kept(function: Callable[[Any], Value]) -> LazyProperty[Value]:
 _XYZ = ("x", "y", "z")
 _AXES = ("least", "middle", "greatest")
 _PLACE = ("longitude", "latitude")
-_NO_LOW = frozen(np.zeros(1))
 _INVERSE = np.array([[-1.0], [1.0], [1.0], [1.0]])
 # Largest error of a fitted zenith, rad: of the sum of some hundred roundings.
 _LEAST_TURN = 1e-13
@@ -171,8 +170,8 @@ class View(Immutable):
     def __init__(
         self, scene: Scene, epoch: Instant, seconds: FloatArray, low: FloatArray | None
     ) -> None:
-        self._set_all(scene=scene, epoch=epoch, seconds=frozen(seconds))
-        self._set_all(low=None if low is None else frozen(low), _evaluated=[])
+        seconds, low = Seconds(seconds, low).mapped(frozen)
+        self._set_all(scene=scene, epoch=epoch, seconds=seconds, low=low, _evaluated=[])
 
     def __len__(self) -> int:
         if not self.shape:
@@ -275,8 +274,7 @@ class View(Immutable):
     @kept
     def emission_time(self) -> Time:
         """The epochs at which the light left the body as an astropy Time (S) in TDB."""
-        left = Seconds(*self.emission).mapped(self._shaped)
-        return _instants.times(self.epoch, *left)
+        return _instants.times(self.epoch, *self.emission.mapped(self._shaped))
 
     # ---- Lines of sight
 
@@ -291,18 +289,18 @@ class View(Immutable):
         return sight
 
     @kept
-    def emission(self) -> tuple[FloatArray, FloatArray | None]:
+    def emission(self) -> Seconds:
         """TDB seconds from `epoch` at which the light leaves the body, hi + lo: flat arrays (N,).
 
         lo is None for zero.
         """
-        hi, lo = self._reception()
+        left = Seconds.of(self).mapped(np.ravel)
         distance = self.observer_line.distance if self.scene.light_time else None
-        if distance is None:
-            return hi, None if self.low is None else lo
-        out = new_array(hi.size), new_array(hi.size)
-        _angles.earlier(read_only(hi), read_only(lo), read_only(distance), SPEED_OF_LIGHT_M_S, *out)
-        return frozen(out[0]), frozen(out[1])
+        if distance is not None:
+            hi, lo = map(read_only, left.compact)
+            left = Seconds(new_array(hi.size), new_array(hi.size))
+            _angles.earlier(hi, lo, read_only(distance), SPEED_OF_LIGHT_M_S, *left)
+        return left.mapped(frozen)
 
     @kept
     def sun_line(self) -> LineOfSight:
@@ -327,29 +325,21 @@ class View(Immutable):
         """Numbers (N,) in the shape S of the epochs."""
         return flat.reshape(self.shape)
 
-    def _reception(self) -> tuple[FloatArray, FloatArray]:
-        lo = _NO_LOW if self.low is None else self.low.reshape(-1)
-        return self.seconds.reshape(-1), lo
-
     @cached_property
     def _reception_sample(self) -> _light_time.Sample:
         """The `_light_time.sample` of the epochs of reception."""
-        return _light_time.sample(self.epoch, *self._reception())
+        return _light_time.sample(self.epoch, *Seconds.of(self).compact)
 
     @cached_property
     def _emission_sample(self) -> _light_time.Sample:
         """The `_light_time.sample` of the epochs of emission."""
-        return _light_time.sample(self.epoch, *self._emission())
-
-    def _emission(self) -> tuple[FloatArray, FloatArray]:
-        hi, lo = self.emission
-        return hi, _NO_LOW if lo is None else lo
+        return _light_time.sample(self.epoch, *self.emission.compact)
 
     def _sight(self, target, viewer, *, emitted=False, geometric=False, sign=1.0):
         """The line from a viewer, at reception or emission, to a target; opposite for -1.0."""
         # A Scene without a center has directions only, which have lines of their own.
         assert isinstance(target, (Path, str)) and isinstance(viewer, Path)
-        scene, (hi, lo) = self.scene, self._emission() if emitted else self._reception()
+        scene, (hi, lo) = self.scene, (self.emission if emitted else Seconds.of(self)).compact
         some = self._emission_sample if emitted else self._reception_sample
         if scene.light_time and not geometric:
             path = Sightline(scene.steps(target, viewer), some)
@@ -357,11 +347,11 @@ class View(Immutable):
             path = _composed.relative(target, viewer, scene.ephemeris)
         return _light_time.seen(path, self.epoch, hi, lo, some, scene.tolerance, sign)
 
-    def _refuse_inside(self, found: LineOfSight, place: Place) -> None:
+    def _refuse_inside(self, line: LineOfSight, place: Place) -> None:
         """Raise an AttitudeError if a place comes nearer than the farthest point of the shape."""
-        assert found.distance is not None
+        assert line.distance is not None
         radius = _radius(self.scene.shape)
-        least = np.nanmin(found.distance, initial=np.inf)
+        least = np.nanmin(line.distance, initial=np.inf)
         if least < radius:
             raise AttitudeError(
                 f"{place.name} comes to {least:.6g} m from the center, into the "
@@ -407,10 +397,10 @@ class View(Immutable):
             return np.zeros(self.shape)
         return self.observer_distance / SPEED_OF_LIGHT_M_S
 
-    def _distance(self, found: LineOfSight) -> FloatArray:
-        if found.distance is None:
+    def _distance(self, line: LineOfSight) -> FloatArray:
+        if line.distance is None:
             return self._numbers(np.full(1, np.inf))
-        return self._numbers(found.distance)
+        return self._numbers(line.distance)
 
     @quantity("", _XYZ)
     def observer_direction_icrf(self) -> FloatArray:
@@ -458,11 +448,11 @@ class View(Immutable):
                 )
         return self._numbers(np.maximum(lit, 0.0, out=lit))
 
-    def _velocity_of(self, body: str, part: slice, where: BoolArray) -> FloatArray:
+    def _velocity_of(self, body: str, block: slice, where: BoolArray) -> FloatArray:
         """Barycentric velocities (3, K) of a body at marked epochs of emission of a part, m/s,
         ICRF.
         """
-        hi, lo = (np.broadcast_to(array, self.seconds.size)[part] for array in self._emission())
+        hi, lo = self.emission.taken(block).flat
         return self._velocity(body, hi[where], lo[where])
 
     def _velocity(self, body: str | Path, hi: FloatArray, lo: FloatArray) -> FloatArray:
@@ -486,7 +476,7 @@ class View(Immutable):
     @kept
     def attitude(self) -> AttitudeHistory:
         """The AttitudeHistory (S) of the body at the epochs of emission."""
-        return self._motion().at_seconds(*Seconds(*self.emission).mapped(self._shaped))
+        return self._motion().at_seconds(*self.emission.mapped(self._shaped))
 
     def _motion(self) -> Motion:
         if self.scene.motion is None:
@@ -584,9 +574,8 @@ class View(Immutable):
             raise AttitudeError(
                 "the scene has no center, whose orbit the obliquity needs; give center=, a path."
             )
-        hi, lo = self._emission()
-        low = np.broadcast_to(lo, hi.shape)
-        return self._numbers(obliquity(pole.T, scene.center, self.epoch, hi, low))
+        hi, lo = self.emission.flat
+        return self._numbers(obliquity(pole.T, scene.center, self.epoch, hi, lo))
 
     @quantity("rad", _AXES)
     def observer_axis_angles(self) -> FloatArray:
@@ -634,7 +623,7 @@ class View(Immutable):
     def observer_velocity(self) -> FloatArray:
         """Barycentric velocity (3, N) of the observer at the epochs of reception, m/s, ICRF."""
         # An observer that is a direction is refused by `relative`.
-        return self._velocity(cast("Path", self.scene.observer), *self._reception())
+        return self._velocity(cast("Path", self.scene.observer), *Seconds.of(self).compact)
 
     def _seen(self, unit: FloatArray) -> FloatArray:
         """Directions (3, N) from the observer, aberrated if the scene has aberration=True."""
@@ -677,7 +666,7 @@ class View(Immutable):
 
     def _axis_of_earth(self, path: _path.Path) -> FloatArray:
         """Unit vectors (3, N) of a direction that rests on the Earth, at reception, ICRF."""
-        hi, lo = self._reception()
+        hi, lo = Seconds.of(self).compact
         scene, some = self.scene, self._reception_sample
         tolerance = None if scene.tolerance is None else _LEAST_TURN
         return _light_time.seen(path, self.epoch, hi, lo, some, tolerance).unit

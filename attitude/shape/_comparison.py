@@ -19,8 +19,10 @@ if TYPE_CHECKING:
 
 # Facets of an ellipsoid.
 _FACETS = 1000
-# Points in the first body, and cells of a grid over the second along each axis.
-_POINTS, _CELLS = 8192, 80
+# Points in the first body.
+_POINTS = 8192
+# Cells of a grid over the second along each axis.
+_CELLS = 80
 # Of a cell.
 _OFF_MIDDLE = np.array([1.3e-3, -1.7e-3, 2.3e-3])
 # The turns about principal axes that carry a body with the symmetry of an ellipsoid into itself.

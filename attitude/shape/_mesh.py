@@ -315,13 +315,13 @@ def facets_of(value: Any, count: int) -> IntArray:
     return array
 
 
-def materials_of(given: Any, count: int) -> tuple[str, ...]:
+def materials_of(materials: Any, count: int) -> tuple[str, ...]:
     """The name of the material of each of so many facets."""
     try:
-        names = (given,) * count if isinstance(given, str) else tuple(given)
+        names = (materials,) * count if isinstance(materials, str) else tuple(materials)
     except TypeError as err:
         raise AttitudeError(
-            f"materials is {quoted(given)}; give one name for all facets, or one for each."
+            f"materials is {quoted(materials)}; give one name for all facets, or one for each."
         ) from err
     if len(names) != count or not all(isinstance(name, str) for name in names):
         raise AttitudeError(
@@ -832,7 +832,7 @@ def flat_sides(mesh: Mesh) -> tuple[FlatSide, ...]:
         vector = np.sum(mesh.area_vectors[facets], axis=0)
         area = float(np.sum(mesh.areas[facets]))
         sides.append((material, frozen(vector / np.linalg.norm(vector)), area, facets))
-    sides.sort(key=lambda each: (each[0], -round(each[2], 12), int(each[3][0])))
+    sides.sort(key=lambda side: (side[0], -round(side[2], 12), int(side[3][0])))
     return tuple(_named(sides))
 
 
@@ -846,11 +846,11 @@ def _place(groups, material, place):
     return material, x, y, z
 
 
-def _named(found):
+def _named(sides):
     """The sides with their names."""
     counts = {}
-    alone = {material: sum(side[0] == material for side in found) == 1 for material, *_ in found}
-    for material, normal, area, facets in found:
+    alone = {material: sum(side[0] == material for side in sides) == 1 for material, *_ in sides}
+    for material, normal, area, facets in sides:
         counts[material] = counts.get(material, 0) + 1
         name = material
         if not alone[material]:

@@ -73,9 +73,9 @@ def light_curve_class(
     taken = {registered.name_id() for registered in AbstractLightCurve.__subclasses__()}
     if name in taken:
         raise AttitudeError(f"name is {name!r}, which another light-curve class has; give another.")
-    counts = validation.count(seed, "seed", 0), validation.count(threads, "threads")
+    seed, threads = validation.count(seed, "seed", 0), validation.count(threads, "threads")
     options = {"shape": shape, "law": law}
-    new_class = _class(name, options, dict(draws or {}), *counts)
+    new_class = _class(name, options, dict(draws or {}), seed, threads)
     update_lc_subclasses()
     return new_class
 

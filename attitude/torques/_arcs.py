@@ -236,8 +236,9 @@ class _FreeArc:
 
     def __init__(self, body: Body, wxyz: FloatArray, record: Any) -> None:
         self._body, self._constants = body, record[None]
-        state = body.moments_as_pairs[None], wxyz[None], body.principal_wxyz[None]
-        self._sensitivity = sensitivities.Sensitivity(*state, self._constants)
+        self._sensitivity = sensitivities.Sensitivity(
+            body.moments_as_pairs[None], wxyz[None], body.principal_wxyz[None], self._constants
+        )
 
     def _evaluate(self, seconds, low, order):
         """Attitude and angular velocity at one epoch."""
@@ -352,8 +353,9 @@ class _ChainedSensitivity(Derivatives):
         values = []
         for turn in _STEP * np.concatenate([np.zeros((1, 3)), np.eye(3), -np.eye(3)]):
             turned = quaternion.multiply(forms.from_rotation_vector(turn), wxyz)
-            time = np.asarray(end[0]), np.asarray(end[1])
-            history = AttitudeHistory(None, self._epoch, *time, turned)
+            history = AttitudeHistory(
+                None, self._epoch, np.asarray(end[0]), np.asarray(end[1]), turned
+            )
             history.__dict__["angular_velocity"] = omega
             values.append(event.values(history))
         gradient = np.array([float(value[0]) for value in values[1:]])
@@ -858,6 +860,12 @@ def _constants(body, q, w, differences=None, low=None):
     """The record of the free motion from a state in pairs."""
     if differences is not None:
         differences = differences[None]
-    bodies = body.moments_as_pairs[None], body.principal_wxyz[None]
-    states = States(*bodies, w[None].copy(), differences, q[None, :, 0].copy(), low)
+    states = States(
+        body.moments_as_pairs[None],
+        body.principal_wxyz[None],
+        w[None].copy(),
+        differences,
+        q[None, :, 0].copy(),
+        low,
+    )
     return Evaluation(states).prepared(range(1), rates=True).constants[0]

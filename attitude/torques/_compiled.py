@@ -1,9 +1,9 @@
 """Compiled functions of the built-in torques; `attitude._solver.torqued_step` calls them.
 
 Each takes TDB seconds t, the attitude wxyz (4,) body to ICRF, the angular velocity omega (3,) in
-rad/s over the body axes, the sampled numbers `given` (for a path: a position (3,) in m, ICRF axes)
-and the parameters p, and fills out[0:3] over the body axes, N m.  Functions named ..._slope take a
-vector y (3,) in place of omega; see `attitude.torques._torque.Torque.slope_address`.
+rad/s over the body axes, the samples at t (for a path: a position (3,) in m, ICRF axes) and the
+parameters p, and fills out[0:3] over the body axes, N m.  Functions named ..._slope take a vector y
+(3,) in place of omega; see `attitude.torques._torque.Torque.slope_address`.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ def _to_body(q, x, y, z):
 
 
 @subroutine
-def _direction(q, given):
+def _direction(q, samples):
     """Unit vector in body axes towards a sampled position, and its distance."""
-    x, y, z = given[0], given[1], given[2]
+    x, y, z = samples[0], samples[1], samples[2]
     r = math.sqrt(x * x + y * y + z * z)
     return _to_body(q, x / r, y / r, z / r), r
 
@@ -57,18 +57,18 @@ def _cross(u, v):
 
 
 @callback
-def gravity_gradient(t, wxyz, omega, given, p, out):
+def gravity_gradient(t, wxyz, omega, samples, p, out):
     """3 GM / r^3 u x I u; p: GM, the tensor (6)."""
-    u, r = _direction(wxyz, given)
+    u, r = _direction(wxyz, samples)
     n = _cross(u, _symmetric(p, 1, u))
     c = 3.0 * p[0] / (r * r * r)
     out[0], out[1], out[2] = c * n[0], c * n[1], c * n[2]
 
 
 @callback
-def gravity_gradient_slope(t, wxyz, y, given, p, out):
+def gravity_gradient_slope(t, wxyz, y, samples, p, out):
     """Derivatives of N . y by turns about the body axes, N being that of `gravity_gradient`."""
-    u, r = _direction(wxyz, given)
+    u, r = _direction(wxyz, samples)
     y = y[0], y[1], y[2]
     # d(u x I u . y)/du = I u x y + I (y x u)
     one, two = _cross(_symmetric(p, 1, u), y), _symmetric(p, 1, _cross(y, u))
@@ -78,46 +78,46 @@ def gravity_gradient_slope(t, wxyz, y, given, p, out):
 
 
 @callback
-def eddy_current(t, wxyz, omega, given, p, out):
-    """(M (w x B - B')) x B; given: B and B' over ICRF axes; p: M (6)."""
-    field = _to_body(wxyz, given[0], given[1], given[2])
-    rate = _to_body(wxyz, given[3], given[4], given[5])
+def eddy_current(t, wxyz, omega, samples, p, out):
+    """(M (w x B - B')) x B; samples: B and B' over ICRF axes; p: M (6)."""
+    field = _to_body(wxyz, samples[0], samples[1], samples[2])
+    rate = _to_body(wxyz, samples[3], samples[4], samples[5])
     x, y, z = _cross((omega[0], omega[1], omega[2]), field)
     n = _cross(_symmetric(p, 0, (x - rate[0], y - rate[1], z - rate[2])), field)
     out[0], out[1], out[2] = n[0], n[1], n[2]
 
 
 @callback
-def magnetic_dipole(t, wxyz, omega, given, p, out):
-    """m x B; given: B over ICRF axes; p: the moment m (3)."""
-    n = _cross((p[0], p[1], p[2]), _to_body(wxyz, given[0], given[1], given[2]))
+def magnetic_dipole(t, wxyz, omega, samples, p, out):
+    """m x B; samples: B over ICRF axes; p: the moment m (3)."""
+    n = _cross((p[0], p[1], p[2]), _to_body(wxyz, samples[0], samples[1], samples[2]))
     out[0], out[1], out[2] = n[0], n[1], n[2]
 
 
 @callback
-def magnetic_dipole_slope(t, wxyz, y, given, p, out):
+def magnetic_dipole_slope(t, wxyz, y, samples, p, out):
     """Derivatives of N . y by turns about the body axes, N being that of `magnetic_dipole`."""
     # d(m x B . y)/dB = y x m
     gradient = _cross((y[0], y[1], y[2]), (p[0], p[1], p[2]))
-    n = _cross(gradient, _to_body(wxyz, given[0], given[1], given[2]))
+    n = _cross(gradient, _to_body(wxyz, samples[0], samples[1], samples[2]))
     out[0], out[1], out[2] = n[0], n[1], n[2]
 
 
 @callback
-def constant(t, wxyz, omega, given, p, out):
+def constant(t, wxyz, omega, samples, p, out):
     """N; p: the torque N (3)."""
     out[0], out[1], out[2] = p[0], p[1], p[2]
 
 
 @callback
-def constant_slope(t, wxyz, y, given, p, out):
+def constant_slope(t, wxyz, y, samples, p, out):
     """y x N: without a potential, the whole commutator with the free motion; p: the torque N."""
     n = _cross((y[0], y[1], y[2]), (p[0], p[1], p[2]))
     out[0], out[1], out[2] = n[0], n[1], n[2]
 
 
 @callback
-def linear_damping(t, wxyz, omega, given, p, out):
+def linear_damping(t, wxyz, omega, samples, p, out):
     """-C w; p: C by rows (9)."""
     x, y, z = omega[0], omega[1], omega[2]
     for k in range(3):
@@ -125,7 +125,7 @@ def linear_damping(t, wxyz, omega, given, p, out):
 
 
 @callback
-def internal_dissipation(t, wxyz, omega, given, p, out):
+def internal_dissipation(t, wxyz, omega, samples, p, out):
     """A slip in rad/s: strength times l x w, l along the momentum; p: strength, tensor (6)."""
     w = omega[0], omega[1], omega[2]
     x, y, z = _symmetric(p, 1, w)
@@ -136,12 +136,12 @@ def internal_dissipation(t, wxyz, omega, given, p, out):
 
 
 @callback
-def inertia_history(t, wxyz, omega, given, p, out):
-    """A slip in rad/s: -(I + D)^-1 D w; given: the change D (6) of the tensor; p: I (6)."""
+def inertia_history(t, wxyz, omega, samples, p, out):
+    """A slip in rad/s: -(I + D)^-1 D w; samples: the change D (6) of the tensor; p: I (6)."""
     w = omega[0], omega[1], omega[2]
-    x, y, z = _symmetric(given, 0, w)
-    a, b, c = p[0] + given[0], p[1] + given[1], p[2] + given[2]
-    d, e, f = p[3] + given[3], p[4] + given[4], p[5] + given[5]
+    x, y, z = _symmetric(samples, 0, w)
+    a, b, c = p[0] + samples[0], p[1] + samples[1], p[2] + samples[2]
+    d, e, f = p[3] + samples[3], p[4] + samples[4], p[5] + samples[5]
     # cofactors; a matrix that is not positive leaves NaN
     aa, bb, cc = d * f - e * e, c * e - b * f, b * e - c * d
     determinant = a * aa + b * bb + c * cc
@@ -172,7 +172,7 @@ def _place(value, first, inverse, count):
 
 
 @callback
-def rheological_dissipation(t, wxyz, omega, given, p, out):
+def rheological_dissipation(t, wxyz, omega, samples, p, out):
     """As `internal_dissipation`, with a strength by energy and momentum from a table.
 
     p: moments A <= B <= C; their axes by rows; first node, inverse of the spacing and number of
@@ -218,14 +218,14 @@ def rheological_dissipation(t, wxyz, omega, given, p, out):
 
 
 @reduction_callback
-def solar_radiation(t, wxyz, omega, given, p, out):
+def solar_radiation(t, wxyz, omega, samples, p, out):
     """Torque of light pressure on flat facets that face the Sun.
 
-    given: the body's position from the Sun; p: pressure times distance squared (N), the count of
+    samples: the body's position from the Sun; p: pressure times distance squared (N), the count of
     facets, and rows with a number for each facet: area, normal (3 rows), arm (3), arm x normal (3),
     fractions reflected diffusely and mirrored.
     """
-    back, r = _direction(wxyz, given)
+    back, r = _direction(wxyz, samples)
     sx, sy, sz = -back[0], -back[1], -back[2]
     count = int(p[1])
     rows = vector(p, 2 + 12 * count)[2:].reshape(12, count)
@@ -273,19 +273,19 @@ def _on_face(x, y, z):
 
 @subroutine
 def _evened(u):
-    """As `light_curve._sums.evened`."""
+    """As `light_curve._sums.evened`, where sums keep their order."""
     s = math.sqrt(1.0 + 3.0 * abs(u)) - 1.0
     return s if u >= 0.0 else -s
 
 
 @reduction_callback
-def shaded_radiation(t, wxyz, omega, given, p, out):
+def shaded_radiation(t, wxyz, omega, samples, p, out):
     """As `solar_radiation`, on the shares of facets that are free of shadows.
 
     p: the address of a table (6 (n + 2)^2, N) of these shares by cell of the sky, n, and what
     `solar_radiation` takes.
     """
-    back, r = _direction(wxyz, given)
+    back, r = _direction(wxyz, samples)
     sun = -back[0], -back[1], -back[2]
     cells, count = int(p[1]), int(p[3])
     rows = vector(p, 4 + 12 * count)[4:].reshape(12, count)

@@ -274,28 +274,34 @@ def _gradient(r: FloatArray, table: FloatArray, degree: int) -> FloatArray:
     return field.T
 
 
-def field_of(given: AnyField) -> MagneticField:
+def field_of(field: AnyField) -> MagneticField:
     """The field itself, or that of a function."""
-    if isinstance(given, MagneticField):
-        return given
-    validation.refuse_class(given, "field")
-    if not callable(given):
+    if isinstance(field, MagneticField):
+        return field
+    validation.refuse_class(field, "field")
+    if not callable(field):
         raise AttitudeError(
-            f"field is {validation.shown(given)}; give IGRF(), DipoleField(moment), or a function "
+            f"field is {validation.shown(field)}; give IGRF(), DipoleField(moment), or a function "
             "of seconds (K,) since the epoch of the spin and positions (K, 3) in m that returns "
             "(K, 3) in T, both over ICRF axes."
         )
-    return _FunctionField(given)
+    return _FunctionField(field)
 
 
 # ---- Samples along a path
 
-# Polynomials of 16 coefficients on pieces in which the direction of the path turns by 1/4 rad: the
-# 13th harmonic of the field then has half a wave, and errs by 1e-11 of the field.  A piece whose
-# last two coefficients are larger than this share of its largest (near the pericenter of an
-# eccentric orbit) is halved, at most so often and while these fall to this share at each halving;
-# beyond, the field is differenced.
-_COUNT, _TURN, _TAIL, _HALVINGS, _SHRINKS = 16, 0.25, 1e-12, 7, 0.125
+# Coefficients of the polynomial of a piece.
+_COUNT = 16
+# rad, by which the direction of the path turns in a piece: the 13th harmonic of the field then has
+# half a wave, and errs by 1e-11 of the field.
+_TURN = 0.25
+# A piece whose last two coefficients are larger than this share of its largest (near the pericenter
+# of an eccentric orbit) is halved.
+_TAIL = 1e-12
+# At most so often; beyond, the field is differenced.
+_HALVINGS = 7
+# It is halved while each halving leaves less than this share of the last coefficients.
+_SHRINKS = 0.125
 # Pieces that are kept, and the step (s) of differences where nothing is fitted.
 _MOST_PIECES = 100_000
 # Answers at epochs far apart that are kept.

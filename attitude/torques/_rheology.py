@@ -165,11 +165,11 @@ def displacement(axes: FloatArray, poisson: float) -> FloatArray:
 
 
 def polhodes(
-    moments: FloatArray, share: FloatArray, rest: FloatArray, long: bool
+    moments: FloatArray, share: FloatArray, one_minus_share: FloatArray, long: bool
 ) -> tuple[FloatArray, FloatArray]:
     """Nutations with L = 1 at shares (N,) of sin^2 theta from an axis to the separatrix.
 
-    The axis is the short or the long one; rest: 1 - share, without cancellation.  Returns unit
+    The axis is the short or the long one; one_minus_share is without cancellation.  Returns unit
     vectors (N, M, 3) of the momentum over the principal axes, ascending, at nodes that are uniform
     in time, and 2 pi over the period (N,).
     """
@@ -181,9 +181,9 @@ def polhodes(
     narrow = below if long else above
     reach = narrow / whole  # sin^2 of the separatrix, from the axis
     sine = share * reach  # sin^2 of the angle from the axis
-    cosine = rest + share * (1.0 - reach)
+    cosine = one_minus_share + share * (1.0 - reach)
     # 1 - m: D (reach - sine) over (narrow cos^2)
-    complement = np.minimum(whole * reach * rest / (narrow * cosine), 1.0)
+    complement = np.minimum(whole * reach * one_minus_share / (narrow * cosine), 1.0)
     quarter = ellipkm1(complement)
     u = 4.0 * quarter[:, None] * (np.arange(_NODES) + 0.5) / _NODES
     turns = np.rint(u / (2.0 * quarter[:, None]))
@@ -204,9 +204,14 @@ _NODES = 256
 
 # ---- The rheology of a body
 
-# Table of strengths: logarithms of share/rest, from -24 to 23, and of L/C in rad/s.
-_FIRST, _LAST, _SPACING = -24.0, 23.0, 0.1
-_SLOWEST, _FASTEST, _RATE_SPACING = 1e-11, 1e2, 0.5
+# Table of strengths: the least logarithm of share/rest, the greatest, and the spacing.
+_FIRST = -24.0
+_LAST = 23.0
+_SPACING = 0.1
+# The least L/C, rad/s, the greatest, and the spacing of its logarithm.
+_SLOWEST = 1e-11
+_FASTEST = 1e2
+_RATE_SPACING = 0.5
 _SHARES = _FIRST + _SPACING * np.arange(round((_LAST - _FIRST) / _SPACING) + 1.0)
 _INTERVALS = math.ceil(math.log(_FASTEST / _SLOWEST) / _RATE_SPACING)
 _RATES = _SLOWEST * np.exp(_RATE_SPACING * np.arange(_INTERVALS + 1))

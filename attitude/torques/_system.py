@@ -36,8 +36,9 @@ if TYPE_CHECKING:
 # The largest turn between two torques: most torques vary with twice the attitude, and are aliased
 # where the body turns by more than this between samples.
 LARGEST_TURN: float = 0.5 * np.pi
-# s; no motion of a body needs others.
-_LEAST_STEP, _LONGEST_STEP = 1e-70, 1e40
+# s; no motion of a body needs shorter steps, nor longer ones.
+_LEAST_STEP = 1e-70
+_LONGEST_STEP = 1e40
 # Up to here, a double holds every whole number.
 _MOST_STEPS = 2.0**53
 _NONE = np.zeros((3, 3))
@@ -309,8 +310,20 @@ class System:
         last = np.array(pairs.add(begin, *pairs.product(steps.astype(np.float64), h)))
         within = self.sampled(self.kick_times(last, parts))
         out = np.empty((len(place), 7))
-        arguments = states, numbers, h, place, steps, parts, samples, within
-        self.run(revisit, h, *self.setup, *arguments, out)
+        self.run(
+            revisit,
+            h,
+            *self.setup,
+            states,
+            numbers,
+            h,
+            place,
+            steps,
+            parts,
+            samples,
+            within,
+            out,
+        )
         return out
 
     def acceleration(self, seconds: FloatArray, low: FloatArray, motion: FloatArray) -> FloatArray:
@@ -388,9 +401,11 @@ def _inertia_of(torques: tuple[Torque, ...]) -> InertiaHistory | None:
 
 # Steps whose derivatives are in memory together: 4 MB.
 _BLOCK = 4096
-# rad, and shares of the rate and of the moments: differences of fourth order with these err by
-# 1e-12 of a torque that is smooth in them.
-_TURN, _SHARE = 1e-3, 1e-3
+# Step of the attitude, rad: differences of fourth order with it err by 1e-12 of a torque that is
+# smooth.
+_TURN = 1e-3
+# The same as a share of the rate and of the moments.
+_SHARE = 1e-3
 NODES = np.array([1.0, -1.0, 2.0, -2.0])
 _WEIGHTS = np.array([8.0, -8.0, -1.0, 1.0]) / 12.0
 # One-sided, for moments: at a flat body they cannot change to both sides.
@@ -500,8 +515,9 @@ class TorquedSensitivity(Derivatives):
         whole = np.broadcast_to(np.eye(self._width), (len(h), self._width, self._width))
         for j, (share, gradient) in enumerate(zip(scheme.kicks, scheme.gradients, strict=True)):
             if share != 0.0 or gradient != 0.0:
-                arguments = times[..., j], share * h, gradient * h**3
-                wxyz, omega, change = self._kick(wxyz, omega, *arguments)
+                wxyz, omega, change = self._kick(
+                    wxyz, omega, times=times[..., j], h=share * h, cubed=gradient * h**3
+                )
                 whole = change @ whole
             if j < len(scheme.flights) and scheme.flights[j] != 0.0:
                 wxyz, omega, change = self._flight(wxyz, omega, scheme.flights[j] * h)
@@ -526,10 +542,10 @@ class TorquedSensitivity(Derivatives):
     def _kick(self, wxyz, omega, times, h, cubed):
         """States after torques for h (N,) seconds, and the maps (N, 9 + P, 9 + P)."""
         count = len(h)
-        arguments = times, h, cubed, self._system.sampled(times)
-        after, gained = _kicked(self._system, wxyz, omega, arguments)
+        kick = times, h, cubed, self._system.sampled(times)
+        after, gained = _kicked(self._system, wxyz, omega, kick)
         maps = np.broadcast_to(np.eye(self._width), (count, self._width, self._width)).copy()
-        many = times.repeat(4, axis=1), *(np.repeat(array, 4, axis=0) for array in arguments[1:])
+        many = times.repeat(4, axis=1), *(np.repeat(array, 4, axis=0) for array in kick[1:])
         pace = _SHARE * np.sqrt(np.sum(omega**2 + gained**2, axis=1))
         pace = np.where(pace > 0.0, pace, 1.0)
         for j in range(6 if self._by_rate or self._slips else 3):
@@ -553,7 +569,7 @@ class TorquedSensitivity(Derivatives):
             """The change (N, 6) of the end of the kick, by systems with other parameters."""
             total = np.zeros((count, 6))
             for weight, other in zip(weights, others, strict=True):
-                end, gain = _kicked(other, wxyz, omega, arguments)
+                end, gain = _kicked(other, wxyz, omega, kick)
                 if self._slips:
                     total[:, :3] += weight * _turns(end, after)
                 total[:, 3:] += weight * (gain - gained)
@@ -569,20 +585,24 @@ class TorquedSensitivity(Derivatives):
     def _with_other_moments(self, spin: Spin) -> list[list[System]]:
         """Systems whose three second moments of mass are larger by four steps each."""
         size = _SHARE * float(np.max(self._body.moments))
-        arguments = self._system.torques, self._system.scheme, self._system.origin
+        system = self._system
 
         def larger(column, k):
             change = np.concatenate([np.zeros(6), k * size * column])
-            return System(changed(self._body, spin, change)[0], spin, *arguments)
+            body, _ = changed(self._body, spin, change)
+            return System(body, spin, system.torques, system.scheme, system.origin)
 
         return [[larger(column, k) for k in range(1, 5)] for column in _BY_MASS.T]
 
 
-def _kicked(system, wxyz, omega, given):
-    """Attitudes (N, 4) after kicks, and the changes (N, 3) of the angular velocity, body axes."""
+def _kicked(system, wxyz, omega, kick):
+    """Attitudes (N, 4) after kicks, and the changes (N, 3) of the angular velocity, body axes.
+
+    kick: epochs (2, N), lengths (N,), coefficients (N,) of the force gradient, and samples.
+    """
     from attitude._solver.march import kicks
 
-    times, h, cubed, samples = given
+    times, h, cubed, samples = kick
     states = np.zeros((len(h), STATE_ENTRIES))
     states[:, WXYZ] = quaternion.multiply(wxyz, system.turn)
     states[:, OMEGA] = omega @ system.axes

@@ -122,9 +122,9 @@ def refuse_relative(body: Body, what: str) -> None:
         )
 
 
-def matrix_of(given: Real | Reals, name: str, unit: str) -> FloatArray:
+def matrix_of(value: Real | Reals, name: str, unit: str) -> FloatArray:
     """A matrix (3, 3); of a number that multiple of the unit matrix."""
-    matrix = validation.real(given, name, unit=unit)
+    matrix = validation.real(value, name, unit=unit)
     return validation.real(matrix if matrix.shape else matrix * np.eye(3), name, shape=(3, 3))
 
 
@@ -177,17 +177,17 @@ def span_of(path: Path, instant: Instant) -> tuple[float, float]:
     return float(np.nextafter(first, last)), float(np.nextafter(last, first))
 
 
-def path_of(given: AnyPath, name: str) -> Path:
+def path_of(path: AnyPath, name: str) -> Path:
     """The path itself, or the `FunctionPath` of a function of seconds."""
-    if isinstance(given, Path):
-        return given
-    validation.refuse_class(given, name)
-    if not callable(given):
+    if isinstance(path, Path):
+        return path
+    validation.refuse_class(path, name)
+    if not callable(path):
         raise AttitudeError(
-            f"{name} is {given!r}; give a path, or a function of seconds (...) since the epoch of "
+            f"{name} is {path!r}; give a path, or a function of seconds (...) since the epoch of "
             "the spin that returns positions (..., 3) in m over ICRF axes."
         )
-    return FunctionPath(given)
+    return FunctionPath(path)
 
 
 # ---- A torque that is fixed in the body: a thruster, a leak
@@ -519,7 +519,7 @@ def _plain(function, name):
     """A C function that calls the Python one."""
 
     @C_FUNCTION
-    def torque(t, wxyz, omega, given, parameters, out):
+    def torque(t, wxyz, omega, samples, parameters, out):
         # Copies: the function may store its arguments.
         q, w = np.array(wxyz[0:4]), np.array(omega[0:3])
         out[0], out[1], out[2] = _three(function(t + parameters[0], q, w), name)

@@ -87,9 +87,14 @@ class StepMesh:
 
 # ---- Sizes of the blocks of a long computation, such that Ctrl-C is heard between them
 
-# s.  Python acts on a signal when a compiled loop returns; 0.2 s is felt as at once.
-_LONGEST, _SHORTEST = 0.05, 0.02
-_FIRST, _LARGEST_GROWTH = 8, 16
+# s: a longer block shrinks.  Python acts on a signal when a compiled loop returns; 0.2 s is felt as
+# at once.
+_LONGEST = 0.05
+# s: a shorter block grows, at most by this factor at once.
+_SHORTEST = 0.02
+_LARGEST_GROWTH = 16
+# Items of the first block.
+_FIRST = 8
 
 
 class Pace:
@@ -113,14 +118,19 @@ class Pace:
 
 # ---- States of a torqued motion after fixed steps, integrated on demand and kept
 
-# Fixed steps: the state after every 32nd step is kept.  At 131,072 states (15 MB) every second one
-# is discarded and the interval doubles, so that memory is bounded, and an epoch costs at most a
-# few hundred steps for each hundred million taken.
-_EVERY, _MOST = 32, 1 << 17
-# Epochs at which motions of two steps are compared; rad, the rounding of an answer.
-_COMPARED, _ROUNDING = 4096, 2e-15
-# Steps integrated, and kicks sampled, in one call of the compiled loops: at most.
-_STEPS, _ROWS = 2048, 1 << 18
+# Fixed steps: the state after every 32nd step is kept.
+_EVERY = 32
+# At so many states (15 MB) every second one is discarded and the interval doubles, so that memory
+# is bounded, and an epoch costs at most a few hundred steps for each hundred million taken.
+_MOST = 1 << 17
+# Epochs at which motions of two steps are compared.
+_COMPARED = 4096
+# rad, the rounding of an answer.
+_ROUNDING = 2e-15
+# Steps integrated in one call of the compiled loops, at most.
+_STEPS = 2048
+# Kicks sampled for one, at most.
+_ROWS = 1 << 18
 
 
 class KeptStates:
@@ -260,18 +270,25 @@ def whole_steps(seconds: FloatArray, low: FloatArray, h: float) -> tuple[IntArra
 
 # ---- The advance of an integration with adaptive steps, and of states between its steps
 
-# Steps of one length whose samples are computed together, and steps tried in one call: at most.
-_WAVE, _STEPS_AT_ONCE = 512, 1 << 14
+# Steps of one length whose samples are computed together, at most.
+_WAVE = 512
+# Steps tried in one call, at most.
+_STEPS_AT_ONCE = 1 << 14
 # s: the first step of a body at rest; it grows or shrinks by factors of 4.
 _STEP_AT_REST = 1.0
-# Longest pieces of free motions: truncation in the first is below the rounding of the attitude and
-# below 3e-17 of the rate.  In the second it is below 1e-13 rad, of which a fifth is in the estimate
-# of the error: for whole steps, which only show the error, from these tolerances on.  Errors of a
-# motion with whole steps beside add up.
-_PIECE, _LONGER_PIECE = 0.125, 0.24
-_COARSE, _COARSE_BESIDE = 1e-12, 1e-10
-# The steps of a window show the progress; more than so many to the last epoch take hours.
-_WINDOW, _MOST_AHEAD = 64, 1e10
+# Longest piece of a free motion: truncation is below the rounding of the attitude and below 3e-17
+# of the rate.
+_PIECE = 0.125
+# Truncation is below 1e-13 rad, of which a fifth is in the estimate of the error: for whole steps,
+# which only show the error, from this tolerance on.
+_LONGER_PIECE = 0.24
+_COARSE = 1e-12
+# The tolerance for a motion with whole steps beside, whose errors add up.
+_COARSE_BESIDE = 1e-10
+# Steps of a window, which shows the progress.
+_WINDOW = 64
+# More steps to the last epoch take hours.
+_MOST_AHEAD = 1e10
 
 
 class Front:
@@ -340,8 +357,18 @@ class Front:
         before, system = self.counts[layout.TAKEN], self.system
         with self._pace.measured():
             system.run(
-                *(adapt, self.clock[layout.LENGTH], *system.setup, self.clock, self.counts),
-                *(self.fine, self.coarse, system.order, most, samples, kept, every),
+                adapt,
+                self.clock[layout.LENGTH],
+                *system.setup,
+                self.clock,
+                self.counts,
+                self.fine,
+                self.coarse,
+                system.order,
+                most,
+                samples,
+                kept,
+                every,
             )
             self._pace.items = int(self.counts[layout.TRIED])
         self._check_progress(until)
@@ -402,8 +429,10 @@ def _between(system, states, times, place, parts):
 
 # The state after every 32nd step is kept; at 131,072 states (17 MB) every second one is discarded
 # and the interval doubles.
-# Epochs evaluated in one call of the compiled loops, and states between which they lie: at most.
-_EPOCHS, _STATES = 1 << 15, 1 << 14
+# Epochs evaluated in one call of the compiled loops, at most.
+_EPOCHS = 1 << 15
+# States between which they lie, at most.
+_STATES = 1 << 14
 # States kept in one call: at most.
 _ROWS_KEPT = 1 << 10
 
@@ -529,10 +558,14 @@ class VaryingSteps(KeptStates):
 
 # ---- States of a torqued motion whose error stays within a tolerance over a span
 
-# The error of a step allowed at first, as a share of the tolerance; the least, which is rounding.
-_FIRST_SHARE, _LEAST = 0.1, 1e-17
-# Share of the tolerance aimed at, and the largest change of the error of a step at once.
-_AIM, _LARGEST_CHANGE = 0.4, 1e-3
+# The error of a step allowed at first, as a share of the tolerance.
+_FIRST_SHARE = 0.1
+# The least error of a step, which is rounding.
+_LEAST = 1e-17
+# Share of the tolerance aimed at.
+_AIM = 0.4
+# The largest change of the error of a step at once.
+_LARGEST_CHANGE = 1e-3
 # Where errors grow faster than time, the next attempt aims at a smaller share.
 _AIM_AGAIN = 0.5
 # Spans that later epochs exceed are replanned for this many times the distance.
@@ -789,6 +822,8 @@ class TorquedRotation(Differentiable):
     ) -> TorquedSensitivity:
         """The derivatives by the state, the moments and parameters of the torques.
 
+        For fits of torques; the contract of motions is `sensitivity_at`, without parameters.
+
         Parameters
         ----------
         others : iterable of (float, 4 tuples of Torque)
@@ -804,8 +839,9 @@ class TorquedRotation(Differentiable):
             (size, [self._system.under(tuple(group)) for group in torques])
             for size, torques in others
         ]
-        arguments = self._system, self.body, self.spin
-        return TorquedSensitivity(*arguments, self._mesh, self._states, parameters)
+        return TorquedSensitivity(
+            self._system, self.body, self.spin, self._mesh, self._states, parameters
+        )
 
     def _mesh(self, side: int, until: float) -> StepMesh:
         """The steps after the epoch (0) or before it (1) that reach `until`, s."""

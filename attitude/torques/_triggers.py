@@ -27,10 +27,14 @@ if TYPE_CHECKING:
     from attitude.motions._motion import Motion
 
 
-# Spacing of the knots of a search, in radians of the fastest rotation, and knots in one call.
-_SPACING, _BLOCK = Bounded.spacing, 256
-# Where bounds are unknown: the spacing, and the least rate by that at the start of the search.
-_FINER, _SLOWEST = 1.0 / 16.0, 1e-3
+# Spacing of the knots of a search, in radians of the fastest rotation.
+_SPACING = Bounded.spacing
+# Knots in one call.
+_BLOCK = 256
+# The spacing where bounds are unknown.
+_FINER = 1.0 / 16.0
+# There, the least rate by that at the start of the search.
+_SLOWEST = 1e-3
 
 
 class Trigger(Immutable):

@@ -167,21 +167,21 @@ def test_large_work_is_compiled(folder, mode):
 
 def test_many_small_calls_are_compiled_when_they_have_taken_as_long(monkeypatch):
     monkeypatch.setattr(choice, "_forced", 0)
-    assert choice.is_worth_python(0.1, kept=False, own=0.5)
+    assert choice.is_worth_python(0.1, kept=False, spent=0.5)
     assert not choice.is_worth_python(choice.TO_COMPILE + 0.1, kept=False)
-    assert not choice.is_worth_python(0.1, kept=False, own=choice.TO_COMPILE)
-    assert choice.is_worth_python(0.1, kept=False, own=choice.TO_COMPILE, to_compile=5.0)
+    assert not choice.is_worth_python(0.1, kept=False, spent=choice.TO_COMPILE)
+    assert choice.is_worth_python(0.1, kept=False, spent=choice.TO_COMPILE, to_compile=5.0)
     # calls that repeat will go on
     calls = 10 * choice.REPEATS
-    assert choice.is_worth_python(1e-3, kept=False, own=choice.TO_COMPILE / 12, calls=calls)
-    assert not choice.is_worth_python(1e-3, kept=False, own=choice.TO_COMPILE / 10, calls=calls)
+    assert choice.is_worth_python(1e-3, kept=False, spent=choice.TO_COMPILE / 12, calls=calls)
+    assert not choice.is_worth_python(1e-3, kept=False, spent=choice.TO_COMPILE / 10, calls=calls)
     # loading serves all functions, and the compiler is loaded here
     assert not choice.is_worth_python(1e-9, kept=True)
     with monkeypatch.context() as patched:
         patched.delitem(sys.modules, "numba", raising=False)
         patched.setattr(choice, "_spent", choice.TO_LOAD - 0.2)
-        assert choice.is_worth_python(0.1, kept=True, own=choice.TO_LOAD - 0.2)
-        assert not choice.is_worth_python(0.1, kept=True, own=0.1, calls=10 * choice.REPEATS)
+        assert choice.is_worth_python(0.1, kept=True, spent=choice.TO_LOAD - 0.2)
+        assert not choice.is_worth_python(0.1, kept=True, spent=0.1, calls=10 * choice.REPEATS)
         assert not choice.is_worth_python(0.3, kept=True)
     with choice.InPython():
         # arguments of nested calls have the types of Python

@@ -469,8 +469,12 @@ def check_epochs(truths):
     some = slice(1, None)
     assert plain.taken(some).hi.tolist() == [2.0, 3.0] and plain.taken(some).lo is None
     assert [part.tolist() for part in both.taken(some)] == [[2.0, 3.0], [-1e-17, 0.0]]
+    assert plain.mapped(np.sign).hi.tolist() == [1.0] * 3 and plain.mapped(np.sign).lo is None
+    assert [part.tolist() for part in both.mapped(np.sign)] == [[1.0] * 3, [1.0, -1.0, 0.0]]
     assert [part.tolist() for part in plain.flat] == [hi.tolist(), [0.0] * 3]
     assert [part.tolist() for part in both.flat] == [hi.tolist(), lo.tolist()]
+    assert [part.tolist() for part in plain.compact] == [hi.tolist(), [0.0]]
+    assert [part.tolist() for part in both.compact] == [hi.tolist(), lo.tolist()]
     assert plain.row[0].shape == (1, 3) and plain.row[1] is None
     assert both.row[1].tolist() == [lo.tolist()] and not both.row[1].flags.writeable
     assert [part.tolist() for part in plain.plus(1.0)] == [[2.0, 3.0, 4.0], [0.0] * 3]
