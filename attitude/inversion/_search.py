@@ -257,8 +257,11 @@ class Search:
             return
         rival = min(rivals, key=lambda one: one.evidence())
         self.progress(f"a satellite is {rival.evidence() - self.evidence():.1f} behind")
-        if rival.evidence() < self.evidence() + self.settings.competing:
-            rival._axial_poles()
+        ahead = self.evidence() - rival.evidence()
+        if ahead > -self.settings.competing:
+            # the map of its poles costs a sixth of a budget
+            if ahead > self.settings.alone - self.settings.mapped_behind:
+                rival._axial_poles()
             rival.is_complete = not self.is_over
             rival.finish()
             self.rival = rival
@@ -635,8 +638,12 @@ class Search:
         The mirror images of each, in the plane of the scene and in that of its pole, and minima
         all over the sky with both rates held.
         """
-        tumbling = [one for one in self.solutions if not is_axial(one.refined.state)]
-        leading = [one for one in tumbling[: self.settings.mapped] if self._may_lead(one)]
+        leading = [
+            one
+            for one in self.solutions[: self.settings.mapped]
+            if one.evidence < self.solutions[0].evidence + self.settings.mapped_behind
+            and not is_axial(one.refined.state)
+        ]
         before = len(self.convex)
         for one in leading:
             state = one.refined.state
@@ -644,14 +651,6 @@ class Search:
                 self._add_mapped(state, state, *_pole_map.images(self.problem, state))
         self.progress(f"{len(self.convex) - before} bodies at other poles")
         return len(self.convex) > before
-
-    def _may_lead(self, one: Robust) -> bool:
-        """Whether a tumbling state may be the best with another pole."""
-        best = self.solutions[0]
-        if one.evidence < best.evidence + self.settings.mapped_behind:
-            return True
-        gain = _evidence.gain(one, best, self.problem)
-        return is_axial(best.refined.state) and gain > _verdicts.of_chance(self.most, self.settings)
 
     def _poles_of_classes(self, thinned: CurveProblem) -> None:
         """Add the best bodies of short maps of poles at many pairs of rates, to thinned points.

@@ -511,7 +511,7 @@ def _better_by_nutation(
         and SearchState.of(other.refined.state).log_rho > math.log(settings.wide)
         and other.evidence - best.evidence < behind + counted
     ]
-    chance = of_chance(most, settings)
+    chance = _of_chance(most, settings)
     if max(gains, default=0.0) < chance:
         return ""
     return (
@@ -520,7 +520,7 @@ def _better_by_nutation(
     )
 
 
-def of_chance(most: float, settings: Settings) -> float:
+def _of_chance(most: float, settings: Settings) -> float:
     """By how much the best nutation among frequencies up to the largest fits better by chance."""
     return exceeded_by_chance(settings.by_chance * min(1.0, settings.same_rate / most))
 
@@ -531,7 +531,7 @@ def _nutation_unnoticed(poles: Sequence[Robust], problem: CurveProblem, most: fl
     `poles`: rotations about one axis that compete, for what is seen of a nutation depends on it.
     """
     settings = problem.settings
-    gain, least = min(map(_evidence.gain_of_nutation, poles)), of_chance(most, settings)
+    gain, least = min(map(_evidence.gain_of_nutation, poles)), _of_chance(most, settings)
     least *= settings.noticed_by
     if gain > least:
         return ""
