@@ -310,10 +310,9 @@ class _Curve:
         return magnitude
 
     def _of_damit(self, view):
-        from attitude._support.pairs import Seconds
         from attitude.light_curve._magnitudes import dimming
 
-        left = Seconds(*view.emission)
+        left = view.emission
         reduced = replace(self._mission.magnitude, kind="reduced").of(view)
         if view.scene.shadow_of:  # reduced magnitudes are those in full sunlight
             reduced = reduced + dimming(view.lit_fraction)
