@@ -464,7 +464,7 @@ class Subject:
         seconds = (joints[:, 0] - hi) + (joints[:, 1] - lo)
         if self.scene is not None and len(seconds):
             # Light arrives later than it leaves: the delay at the start serves the whole span.
-            left = pairs.Seconds(*self.view(np.zeros(1)).emission)
+            left = self.view(np.zeros(1)).emission
             seconds = seconds + (hi - left.hi[0]) + (lo - left.low[0])
         return np.sort(seconds[(seconds > 0.0) & (seconds < self.duration)])
 
