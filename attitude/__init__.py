@@ -6,69 +6,16 @@ Heavy packages are imported where they are used, so that ``import attitude`` cos
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from attitude._support.synonyms import absent
 from attitude.errors import AttitudeError as AttitudeError
 
-if TYPE_CHECKING:
-    # The names of _MODULES and _WHERE, for editors and type checkers.
-    import attitude.arcs
-    import attitude.averaged
-    import attitude.catalog
-    import attitude.conditions
-    import attitude.ensemble
-    import attitude.epochs
-    import attitude.errors
-    import attitude.events
-    import attitude.fitting
-    import attitude.formats
-    import attitude.frames
-    import attitude.inversion
-    import attitude.jacobi
-    import attitude.jax
-    import attitude.light_curve
-    import attitude.motions
-    import attitude.paths
-    import attitude.photometry
-    import attitude.plots
-    import attitude.proof
-    import attitude.published
-    import attitude.quaternion
-    import attitude.referee
-    import attitude.representations
-    import attitude.scattering
-    import attitude.scene
-    import attitude.shape
-    import attitude.splitting
-    import attitude.survey
-    import attitude.torch
-    import attitude.torques
-    import attitude.viewer  # noqa: F401
-    from attitude._compilation.decorators import compilation_status as compilation_status
-    from attitude._solver.regime import Mode as Mode
-    from attitude.ensemble._ensemble import Ensemble as Ensemble
-    from attitude.fitting._attitudes import fit as fit
-    from attitude.fitting._attitudes import fit_directions as fit_directions
-    from attitude.fitting._attitudes import fit_rates as fit_rates
-    from attitude.motions._body import Body as Body
-    from attitude.motions._certify import certify as certify
-    from attitude.motions._free_rotation import FreeRotation as FreeRotation
-    from attitude.motions._history import AttitudeHistory as AttitudeHistory
-    from attitude.motions._propagation import propagate as propagate
-    from attitude.motions._spin import Spin as Spin
-    from attitude.motions._table import AttitudeTable as AttitudeTable
-    from attitude.referee._referee import compare as compare
-    from attitude.scene._scene import Scene as Scene
-    from attitude.torques._arcs import Arcs as Arcs
-    from attitude.torques._arcs import Impulse as Impulse
-    from attitude.torques._arcs import InertiaChange as InertiaChange
-    from attitude.torques._torqued import TorquedRotation as TorquedRotation
-
 __version__ = "0.1.0"
 
 
-# The module that defines each name, imported when the name is first used.
+# The module that defines each name, imported when the name is first used; type checkers read
+# __init__.pyi.
 _WHERE = {
     "Arcs": "attitude.torques._arcs",
     "AttitudeHistory": "attitude.motions._history",
@@ -149,16 +96,14 @@ PUBLIC_MODULES: tuple[str, ...] = (
 _MODULES = tuple(dict.fromkeys(name.split(".")[1] for name in PUBLIC_MODULES[1:]))
 
 
-if not TYPE_CHECKING:
-    # Hidden from type checkers: a module with __getattr__ has every name, misspelt ones too.
-    def __getattr__(name: str) -> Any:
-        if name in _MODULES:
-            return import_module(f"attitude.{name}")
-        if name not in _WHERE:
-            raise absent("attitude", name)
-        value = getattr(import_module(_WHERE[name]), name)
-        globals()[name] = value
-        return value
+def __getattr__(name: str) -> Any:
+    if name in _MODULES:
+        return import_module(f"attitude.{name}")
+    if name not in _WHERE:
+        raise absent("attitude", name)
+    value = getattr(import_module(_WHERE[name]), name)
+    globals()[name] = value
+    return value
 
 
 def __dir__() -> list[str]:

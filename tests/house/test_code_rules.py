@@ -197,17 +197,3 @@ def _check_annotated(label, node, *, result):
     assert not missing, f"{label} has no annotation of {', '.join(missing)}"
     if result:
         assert node.returns is not None, f"{label} has no annotation of its result"
-
-
-def test_lazy_names_are_visible_to_type_checkers():
-    """Every lazy name is imported under TYPE_CHECKING."""
-    tree = tree_of("attitude")
-    guarded = {
-        alias.asname or alias.name
-        for node in ast.walk(tree)
-        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)
-        for inner in ast.walk(node)
-        if isinstance(inner, ast.ImportFrom)
-        for alias in inner.names
-    }
-    assert set(attitude.__all__) - {"AttitudeError"} <= guarded
