@@ -220,6 +220,8 @@ SATELLITE = "a satellite of period"
 _NUTATION = 4
 # Degrees from which an error of the pole says nothing.
 _WHOLE_SKY = 180.0
+# Ratios of two frequencies of which one may be taken for the other.
+_LIKE = np.array([0.5, 1.0, 2.0])
 # Of the iteration for what chance explains.
 _STEPS = 40
 
@@ -465,10 +467,15 @@ def of_dips(
 
 
 def _has_frequencies(pair: AdditivePair, rates: tuple[float, float], settings: Settings) -> bool:
-    """Whether phi turns with the rotation of a pair and psi with its orbit, or twice or half."""
-    return all(
-        min(abs(rate - ratio * other) for ratio in (0.5, 1.0, 2.0)) < settings.comb_width
-        for rate, other in zip(rates, (pair.rotation, pair.orbit), strict=True)
+    """Whether psi turns with the orbit of a pair, twice or half, and phi with its rotation.
+
+    Or phi with a multiple of psi: all lines of the body are then those of the orbit.
+    """
+    phi, psi = rates
+    lines = pair.rotation * _LIKE, psi * _LIKE
+    return bool(
+        np.abs(psi - pair.orbit * _LIKE).min() < settings.comb_width
+        and np.abs(phi - np.concatenate(lines)).min() < settings.comb_width
     )
 
 

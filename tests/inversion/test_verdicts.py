@@ -350,6 +350,20 @@ def test_dips_of_a_moon_compete_with_tumbling(nutation, residual, orbit, left, e
     assert _verdicts.of_dips(("solved", "-"), found, problem, []) == ("solved", "-")
 
 
+@pytest.mark.parametrize(
+    ("rotation", "orbit", "rates", "expected"),
+    [
+        (40.0, 7.0, (20.3, 14.2), True),  # half and twice of them
+        (114.2, 13.2, (52.8, 26.3), True),  # all lines are those of the orbit
+        (114.2, 13.2, (48.8, 26.3), False),
+        (114.2, 17.0, (52.8, 26.3), False),
+    ],
+)
+def test_a_tumbling_state_may_have_the_frequencies_of_a_moon(rotation, orbit, rates, expected):
+    pair = _satellites.AdditivePair(rotation, orbit, 0.1)
+    assert _verdicts._has_frequencies(pair, rates, DEFAULT) == expected
+
+
 @pytest.mark.parametrize("probability", [0.1, 1e-3, 1e-12])
 def test_what_chance_exceeds_is_a_quantile_of_chi_squared(probability):
     from scipy import special
