@@ -91,6 +91,11 @@ class AdditivePair(NamedTuple):
     brightens: float = 0.0
 
     @property
+    def only_dims(self) -> bool:
+        """Whether the series brightens by no more than those of moons do."""
+        return self.brightens < _BRIGHTEST
+
+    @property
     def are_dips(self) -> bool:
         """Whether the series in the orbit looks like eclipses: short, faint, seen several times.
 
@@ -203,17 +208,17 @@ def beside(problem: CurveProblem, pair: AdditivePair, alone: Explained) -> Curve
     return problem.with_terms(terms, _deviations(*min(likelihoods)[1]), pair.orbit)
 
 
-def only_dims(beside: CurveProblem, alone: Explained) -> bool:
-    """Whether the series of an orbit, in the problem `beside` it, only dims a rotating body.
+def brightening(beside: CurveProblem, alone: Explained) -> float:
+    """How much the series of an orbit, in the problem `beside` it, brightens over how much it dims.
 
-    At the epochs of the curve, and at all phases of the orbit in the middle of the span: series
-    that mimic tumbling brighten as much as they dim.
+    At the epochs of the curve, or at all phases of the orbit in the middle of the span, where that
+    is more: series that mimic tumbling brighten as much as they dim.
     """
     terms = beside.terms[:, -4 * DIPS :]
     inner, along = alone.beside(terms)
     amplitudes = np.linalg.solve(inner + np.diag(beside.prior[-4 * DIPS :] ** -2.0), along)
     lasting = series(1.0, DIPS, np.arange(_PHASES) / _PHASES) @ amplitudes[: 2 * DIPS]
-    return max(_brightening(terms @ amplitudes), _brightening(lasting)) < _BRIGHTEST
+    return max(_brightening(terms @ amplitudes), _brightening(lasting))
 
 
 def _brightening(dips: FloatArray) -> float:
@@ -251,7 +256,7 @@ def orbits_beside(alone: Explained) -> list[AdditivePair]:
     orbits = np.arange(int(_LEAST_ORBITS * _FINE), int(alone.rate * _FINE)) / _FINE
     orbits = orbits[~_is_comb(orbits, alone.rate)]
     fits = [_beside(alone, orbit, _SCANNED[1]) for orbit in orbits.tolist()]
-    fits = [fit for fit in fits if fit.are_dips and fit.brightens < _BRIGHTEST]
+    fits = [fit for fit in fits if fit.are_dips and fit.only_dims]
     fits.sort(key=lambda fit: fit.left)
     pairs = []
     for fit in distinct(fits, lambda a, b: _are_one(a.orbit, b.orbit), _ORBITS_BESIDE):

@@ -91,7 +91,7 @@ class Search:
     beside : list of Robust
         Those that are not among `solutions`, for a better pole lies near.
     dips : list of AdditivePair
-        Additive series that leave at most twice the residuals of the best, and only dim it.
+        Additive series that leave at most twice the residuals of the best.
     rival : Search
         For a rotation about one axis with a moon, if that competes.
     constant : str
@@ -297,9 +297,10 @@ class Search:
             if pair.left > self.settings.orbit_worse**2 * left:
                 continue
             problem = _satellites.beside(self.problem, pair, alone)
-            if not _satellites.only_dims(problem, alone):
+            orbit = pair._replace(brightens=_satellites.brightening(problem, alone))
+            self.dips.append(orbit)
+            if not orbit.only_dims:
                 continue
-            self.dips.append(pair)
             rival = replace(
                 self,
                 problem=problem,

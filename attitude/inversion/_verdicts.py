@@ -445,19 +445,21 @@ def of_dips(
 ) -> tuple[str, str]:
     """The verdict and its criterion on a tumbling body, where additive series may explain it.
 
-    Not solved, if the residuals of a rotation with dips in another period are hardly larger than
-    those of the body, and these above the errors, or both periods of the body those of the series.
+    Not solved, if the residuals of the body are above the errors, and those of a rotation with dips
+    in another period hardly larger, or less where the series brightens too; or if both periods of
+    the body are those of dips that leave hardly more.
     """
     settings = problem.settings
     if verdict[0] == OPEN or not pairs or is_axial(solutions[0].refined.state):
         return verdict
     rates = SearchState.of(solutions[0].refined.state).rates
     is_at_floor = _evidence.floor_ratio(solutions[0], problem) < settings.floor
-    most = settings.orbit_alike**2 * _evidence.share_left(solutions[0], problem)
+    left = _evidence.share_left(solutions[0], problem)
     alike = [
         pair
         for pair in pairs
-        if pair.left < most and (not is_at_floor or _has_frequencies(pair, rates, settings))
+        if pair.left < (settings.orbit_alike**2 if pair.only_dims else 1.0) * left
+        and (not is_at_floor or (pair.only_dims and _has_frequencies(pair, rates, settings)))
     ]
     if not alike:
         return verdict

@@ -330,20 +330,24 @@ def test_a_satellite_is_named_beside_what_is_known_of_the_rotation(rotation, ahe
 
 
 @pytest.mark.parametrize(
-    ("nutation", "residual", "orbit", "left", "expected"),
+    ("nutation", "residual", "orbit", "left", "brightens", "expected"),
     [
-        (-7.0, 0.05, 9.0, 1.0, "not solved"),  # dips fit as well as the body, which errs
-        (-7.0, 0.05, 9.0, 2.0, "solved"),
-        (-7.0, 0.01, 9.0, 1.0, "solved"),  # it leaves no more than the errors
-        (-7.0, 0.01, 7.5, 1.0, "not solved"),  # nor do dips with both of its periods
-        (-7.0, 0.01, 14.5, 1.0, "not solved"),
-        (-7.0, 0.01, 7.5, 2.0, "solved"),
-        (0.0, 0.05, 9.0, 1.0, "solved"),  # a rotation
+        (-7.0, 0.05, 9.0, 1.0, 0.1, "not solved"),  # dips fit as well as the body, which errs
+        (-7.0, 0.05, 9.0, 2.0, 0.1, "solved"),
+        (-7.0, 0.01, 9.0, 1.0, 0.1, "solved"),  # it leaves no more than the errors
+        (-7.0, 0.01, 7.5, 1.0, 0.1, "not solved"),  # nor do dips with both of its periods
+        (-7.0, 0.01, 14.5, 1.0, 0.1, "not solved"),
+        (-7.0, 0.01, 7.5, 2.0, 0.1, "solved"),
+        (-7.0, 0.05, 9.0, 0.9, 0.6, "not solved"),  # a series fits better than the body, which errs
+        (-7.0, 0.05, 9.0, 1.1, 0.6, "solved"),  # it brightens as much as it dims
+        (-7.0, 0.01, 7.5, 0.9, 0.6, "solved"),
+        (0.0, 0.05, 9.0, 1.0, 0.1, "solved"),  # a rotation
     ],
 )
-def test_dips_of_a_moon_compete_with_tumbling(nutation, residual, orbit, left, expected):
+def test_dips_of_a_moon_compete_with_tumbling(nutation, residual, orbit, left, brightens, expected):
     found, problem = [_solution(nutation, 0.0, residual)], _problem(0.02)
-    pairs = [_satellites.AdditivePair(40.0, orbit, left * _evidence.share_left(found[0], problem))]
+    left = left * _evidence.share_left(found[0], problem)
+    pairs = [_satellites.AdditivePair(40.0, orbit, left, brightens=brightens)]
     verdict, words = _verdicts.of_dips(("solved", "-"), found, problem, pairs)
     assert verdict == expected
     assert ("an additive series" in words) == (expected == "not solved")
