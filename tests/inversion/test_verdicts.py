@@ -72,6 +72,15 @@ def test_rotation_about_one_axis_beside_a_tumbling_state(residual, behind, expec
     assert _verdicts.verdict(found, _problem(0.02))[0] == expected
 
 
+@pytest.mark.parametrize(("residual", "expected"), [(0.01, "solved"), (0.05, "not solved")])
+def test_a_rotation_beside_dips_is_claimed_at_the_floor_alone(residual, expected):
+    """Of moons 121809 a rotation of 2.5 times the period left a tenth of the variance of dips."""
+    found = [_solution(0.0, 0.0, residual)]
+    assert _verdicts.verdict(found, _problem(0.02))[0] == _verdicts.SOLVED
+    beside = dataclasses.replace(_problem(0.02), orbit=7.0)
+    assert _verdicts.verdict(found, beside)[0] == expected
+
+
 @pytest.mark.parametrize(
     ("turns", "behind", "expected"),
     [(4.0, 50.0, _verdicts.OPEN), (4.0, 130.0, _verdicts.SOLVED), (7.0, 50.0, _verdicts.SOLVED)],
