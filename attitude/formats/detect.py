@@ -132,7 +132,18 @@ def read(
     AttitudeTable, FreeRotation or KernelAttitude
         Close a KernelAttitude after use: its kernels are loaded in SPICE's pool until then.
     """
-    return opened(**locals()).motion
+    return opened(
+        path,
+        tolerance=tolerance,
+        frame=frame,
+        orbit=orbit,
+        body=body,
+        kernels=kernels,
+        rates=rates,
+        object=object,
+        segment=segment,
+        lenient=lenient,
+    ).motion
 
 
 def opened(
@@ -149,9 +160,11 @@ def opened(
     lenient: bool = False,
 ) -> OpenedFile:
     """The motion in a file of any format, with the names and comments of the file."""
-    keywords = dict(locals())  # the parameters alone: nothing is assigned before
-    if tolerance is None:  # each reader has a default of its own
-        del keywords["tolerance"]
+    keywords: dict[str, Any]
+    keywords = {"frame": frame, "orbit": orbit, "body": body, "kernels": kernels, "rates": rates}
+    keywords |= {"object": object, "segment": segment, "lenient": lenient}
+    if tolerance is not None:  # each reader has a default of its own
+        keywords["tolerance"] = tolerance
     file_format = format_of(path)
     return file_format.read(
         path, **{name: keywords[name] for name in file_format.reading if name in keywords}

@@ -29,49 +29,70 @@ if TYPE_CHECKING:
     from attitude.inversion._shapes import Tie
 
 
-# Lines of the rotation and of the orbit in the scan, and in the fits of its best pairs: rotation is
-# smooth, dips are narrow, and two of unlike depth an orbit leave half the period behind.
-_SCANNED, ORDERS = (4, 6), (6, 16)
+# Lines of the rotation and of the orbit in the scan.
+_SCANNED = (4, 6)
+# The same in the fits of its best pairs: rotation is smooth, dips are narrow, and two of unlike
+# depth an orbit leave half the period behind.
+ORDERS = (6, 16)
 # Lines of the orbit beside a body: narrow dips have them, and fits of pairs with so many take twice
 # the period for it.
 DIPS = 24
 # Frequencies of the orbit per 1/span: its sixth harmonic is resolved.
 _FINE = 12
-# Strong lines whose orbits are scanned, orbits of each, pairs that are fitted in two steps and in
-# more; the best of them also with twice and half the period of the orbit.
-_ROTATIONS, _ORBITS, _FITTED, _FREE = 12, 12, 80, 24
+# Strong lines whose orbits are scanned.
+_ROTATIONS = 12
+# Orbits of each line.
+_ORBITS = 12
+# Pairs that are fitted in two steps.
+_FITTED = 80
+# Pairs that are fitted in more; the best also with twice and half the period of the orbit.
+_FREE = 24
 # Orbits of the scan beside a body that are fitted.
 _ORBITS_BESIDE = 3
 # Orbits beside whose series the rotation is looked for once more: deep dips drown its lines.
 _BESIDE = 4
 # Rates of bodies over that of a series: one of six lines of it is the body's second.
 RATIOS = (0.5, 1.0, 1.5, 2.0, 3.0)
-# Distance of frequencies, turns per span, at which two orbits are one; of rates that are two.
-_CLOSE, _APART = 0.5, 0.3
+# Distance of frequencies, turns per span, at which two orbits are one.
+_CLOSE = 0.5
+# Distance of rates of bodies that are two.
+_APART = 0.3
 # Ratios of two numbers up to this are those of one comb, whose lines are a shape's.
 _COMB = 4
-# Orbits that are compared with one whose series fits, over its frequency, and frequencies about
-# each, turns per span: 16 lines are resolved, and those of an orbit's third were up to 0.2 off.
+# Orbits that are compared with one whose series fits, over its frequency.
 _FACTORS = (0.5, 1.0, 2.0, 3.0, 4.0)
+# Frequencies about each, turns per span: 16 lines are resolved, and those of an orbit's third were
+# up to 0.2 off.
 _SHIFTS = tuple(0.04 * k for k in range(-6, 7))
-# Steps of the fit of both frequencies, and the longest one, turns per span.
-_STEPS, _LONGEST = 4, 0.1
-# Skewness of dips at least (binaries: 1.2 to 2.1), orbits in the span at least, range at most, mag:
-# half of a pair of equal bodies is 0.75, and noise adds to it.
-_LEAST_SKEWNESS, _LEAST_ORBITS, _DEEPEST = 0.6, 4.0, 1.2
-# The same distances about the best of them, beside a body.
+# Frequencies about the best of these, beside a body.
 _FINER = tuple(0.01 * k for k in range(-3, 4))
+# Steps of the fit of both frequencies.
+_STEPS = 4
+# The longest step, turns per span.
+_LONGEST = 0.1
+# Skewness of dips at least (binaries: 1.2 to 2.1): half of a pair of equal bodies is 0.75, and
+# noise adds to it.
+_LEAST_SKEWNESS = 0.6
+# Orbits in the span at least.
+_LEAST_ORBITS = 4.0
+# Range of dips at most, mag.
+_DEEPEST = 1.2
 # Epochs of an orbit at which its series is evaluated.
 _PHASES = 360
 # How much a series brightens at most, over how much it dims: moons 0.1 to 0.2, series that mimic
 # tumbling 0.4 to 1.4.
 _BRIGHTEST = 0.35
-# Depth of the second dip, over the range, from which it is one; an orbit is not always a circle.
-_SECOND, _OFF_HALF = 0.2, 0.06
-# Standard deviations, mag, of the amplitudes of a series beside a body before the curve is seen; of
-# their changes in half the span over that; multiples of the frequency that have half of it.  The
-# likeliest are taken, the first in fits of pairs.
-_AMPLITUDES, _CHANGES = (0.1, 0.05, 0.025, 0.0125), (1.0, 0.5, 0.25, 0.125)
+# Depth of the second dip, over the range, from which it is one: of true orbits 0.3 to 0.9, of noise
+# at twice their frequency up to 0.15.
+_SECOND = 0.2
+# Orbits by which the second dip is off the half at most: an orbit is not always a circle.
+_OFF_HALF = 0.06
+# Standard deviations, mag, of the amplitudes of a series beside a body before the curve is seen.
+# Of these and the next the likeliest are taken, the first in fits of pairs.
+_AMPLITUDES = (0.1, 0.05, 0.025, 0.0125)
+# The same of their changes in half the span, over that.
+_CHANGES = (1.0, 0.5, 0.25, 0.125)
+# Multiples of the frequency that have half of it.
 _WIDE = (math.inf, 16.0, 8.0, 4.0)
 
 
@@ -136,8 +157,8 @@ def of_series(problem: CurveProblem, rate: float) -> Explained:
     terms = problem.projected(series(rate, ORDERS[0], problem.t).T)
     # without it a series reaches many magnitudes where no points are
     inner = terms @ terms.T + _spectrum.RIDGE * np.eye(len(terms))
-    y = problem.projected(problem.y)
-    return _explained(problem, rate, terms, inner, y, terms @ y)
+    left = problem.projected(problem.y)
+    return _explained(problem, rate, terms, inner, left, terms @ left)
 
 
 def of_body(problem: CurveProblem, body: Refined, tie: Tie, fixed: BoolArray) -> Explained:
@@ -276,11 +297,11 @@ def _fitted_beside(alone: Explained, orbit: float) -> AdditivePair:
 
 
 def _beside(
-    alone: Explained, orbit: float, order: int, of_orbit: Callable[..., FloatArray] | None = None
+    alone: Explained, orbit: float, order: int, of_orbit: Callable[..., FloatArray] = series
 ) -> AdditivePair:
     """The pair of a body and of the series of an orbit, `series` or `changing`, that fits best."""
     problem = alone.problem
-    terms = (of_orbit or series)(orbit, t=problem.t, order=order)
+    terms = of_orbit(orbit, t=problem.t, order=order)
     problem.tally.add(len(problem) * terms.shape[1], problem.settings.orbit_cost)
     inner, along = alone.beside(terms)
     deviations = _deviations(_AMPLITUDES[0], _CHANGES[0], _WIDE[0], order)[: len(along)]

@@ -245,6 +245,50 @@ def test_another_rate_of_rotation_has_a_coarser_map(monkeypatch, costs, ahead, e
     assert maps == expected
 
 
+@pytest.mark.parametrize(("first", "expected"), [(0, True), (4, False)])
+def test_the_first_rates_by_ellipsoids_are_compared_too(monkeypatch, first, expected):
+    """However many bodies of other rates have a lower cost with their own error."""
+    bodies = [_weighted(-9.0 - 0.5 * k, 0.0, 1.0).refined for k in range(20)]
+    for k, body in enumerate(bodies):
+        body.cost = 100.0 if k == first else float(k)
+    rotations = [_weighted(0.0, 0.0, 1.0).refined for _ in range(14)]
+    for rotation in rotations:
+        rotation.cost = -1.0
+    search = _search_of(_given(np.zeros(COUNT)), convex=[*bodies, *rotations])
+    fitted = []
+
+    def robust(self, problem, fit, *, is_wide=False):
+        fitted.append(fit)
+        return _evidence.Weighted(fit, problem, fit.cost, np.zeros(COUNT), 1.0)
+
+    for name, fake in (
+        ("_robust", robust),
+        ("_ranked", lambda self, problem, fit: fit),
+        ("_with_own_error", lambda self, best: self.problem),
+        ("_takes_noise", lambda self, problem, best: False),
+        ("_axial_solutions", lambda self, problem, solutions: []),
+    ):
+        monkeypatch.setattr(_search.Search, name, fake)
+    search.finish(10)
+    assert any(fit is bodies[first] for fit in fitted) == expected
+    # rotations take no places of tumbling bodies
+    assert sum(fit is not bodies[first] for fit in fitted) >= 10
+
+
+@pytest.mark.parametrize(("ahead", "maps"), [(10.0, 0), (70.0, 0), (90.0, 1), (200.0, 1)])
+def test_poles_beside_a_moon_are_mapped_where_it_may_decide(monkeypatch, ahead, maps):
+    search = _search_of(_given(np.zeros(COUNT)), solutions=[_weighted(-9.0, 0.0, 1.0)])
+    called = []
+    rival = SimpleNamespace(
+        evidence=lambda: -ahead, finish=lambda: None, _axial_poles=lambda: called.append(1)
+    )
+    monkeypatch.setattr(_search.Search, "_beside_the_best", lambda self: [])
+    monkeypatch.setattr(_search.Search, "_beside_series", lambda self: [rival])
+    monkeypatch.setattr(_search.Search, "evidence", lambda self: 0.0)
+    search._compare_with_satellite()
+    assert search.rival is rival and len(called) == maps
+
+
 def test_bodies_with_nearly_the_same_error_are_compared_with_one(monkeypatch):
     """So that their fits are known."""
     signs = np.where(np.arange(COUNT) % 2, 1.0, -1.0)
