@@ -47,6 +47,11 @@ TOLERANCE = 0.05
 # the square grows as the difference.  Of 24 bodies with shapes by radar and spacecraft they are 1
 # to 5, once 11, for the ten that are elongated, below 1 for the others.
 _CONCAVE = 1.5
+# Logarithm of the largest moment over the sum of the others, from which a body that hardly exists is
+# held back, and the standard deviation there: of needles of ten to one it is -0.02, of bodies 0 at
+# most.
+_FLATTEST = -0.005
+_BEYOND = 0.001
 # Turn of the axes of the shape against those of the motion, rad.
 _TURN = 0.07
 # Least relative split of axes.
@@ -247,7 +252,7 @@ def penalties(
     """The priors of a shape (S,), with all modes or fewer, behind so many parameters of motion."""
     held = constraints(shape[:ELLIPSOID], areas, slopes)
     size = motion + len(shape)
-    r, by = np.zeros(8), np.zeros((8, size))
+    r, by = np.zeros(9), np.zeros((9, size))
     of_ratios = held.slopes[6:]
     r[:3], by[:3, motion:] = held.offsets[:3], held.slopes[:3]
     strain = 0.0
@@ -266,11 +271,29 @@ def penalties(
             by[6:8, :motion] = moments.slopes / tie.tolerance
             by[6:8, motion:] = -of_ratios / tie.tolerance
             _allow_concave(r[6:8], by[6:8], moments)
+            r[8] = _hold_back(by[8, :motion], moments)
         strain = float(r[3:] @ r[3:])
     offsets, weights = np.zeros(size), np.zeros(size)
     weights[motion:] = 1.0 / widths(moments is None and not tie.is_wide)[: len(shape)]
     offsets[motion:] = weights[motion:] * shape
     return Priors(r, by, strain, offsets, weights)
+
+
+def _hold_back(by: FloatArray, moments: MotionMoments) -> float:
+    """The residual that holds the largest moment below the sum of the others; by (M,): its slopes.
+
+    0 of nearly all bodies.
+    """
+    ratios = np.exp(np.append(moments.log_ratios, 0.0))
+    largest = int(np.argmax(ratios))
+    others = ratios.sum() - ratios[largest]
+    beyond = math.log(ratios[largest] / others) - _FLATTEST
+    if beyond <= 0.0:
+        return 0.0
+    by_ratios = -ratios / others
+    by_ratios[largest] = 1.0
+    by += by_ratios[:2] @ moments.slopes / _BEYOND
+    return beyond / _BEYOND
 
 
 def _allow_concave(r: FloatArray, by: FloatArray, moments: MotionMoments) -> None:

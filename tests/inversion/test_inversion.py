@@ -188,6 +188,29 @@ def test_a_concave_body_has_a_smaller_least_moment(is_long_axis, is_swapped):
         assert slope == pytest.approx(ends[0].slopes[:, k], rel=1e-4, abs=1e-4)
 
 
+@pytest.mark.parametrize("ratios", [(0.6, 0.35), (2.0, 3.1), (3.1, 2.0)])
+def test_moments_that_no_body_has_are_held_back(ratios):
+    """A body exists up to a largest moment of the sum of the others; the slopes are exact."""
+    flat = np.array([0.4, 0.2])
+    areas, slopes = _shapes.areas(flat, np.zeros(_shapes.MODES))
+    shape = np.concatenate([flat, np.zeros(_shapes.MODES)])
+
+    def held_back(log_ratios):
+        moments = _shapes.MotionMoments(log_ratios, np.eye(2), ratios[0] > 1.0, False)
+        priors = _shapes.penalties(shape, areas, slopes, moments, 2, _shapes.Tie())
+        return priors.residuals[8], priors.slopes[8, :2]
+
+    at = np.log(ratios)
+    assert held_back(at)[0] > 5.0
+    inside = np.log(np.array(ratios) ** (0.9 if ratios[0] > 1.0 else 0.8))
+    assert held_back(inside)[0] == 0.0
+    h = 1e-7
+    for k in range(2):
+        move = h * np.eye(2)[k]
+        slope = (held_back(at + move)[0] - held_back(at - move)[0]) / (2.0 * h)
+        assert slope == pytest.approx(held_back(at)[1][k], rel=1e-5)
+
+
 def test_moments_of_elements_are_those_of_the_body():
     generator = np.random.default_rng(3)
     for _ in range(40):
