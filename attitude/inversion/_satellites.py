@@ -391,6 +391,17 @@ def rivals(problem: CurveProblem, most: float, keep: int) -> list[AdditivePair]:
     return distinct(pairs, lambda a, b: abs(a.orbit - b.orbit) < _CLOSE and _is_multiple(a, b))
 
 
+def rates_beside(problem: CurveProblem, rates: FloatArray, most: float) -> FloatArray:
+    """Rates (R,), turns per span, to try beside the orbit of a problem: some, and strong lines.
+
+    Deep dips hide the lines of a rotation from every series that is fitted without its aspect.
+    """
+    lines = _lattices.rotations(problem, most, _ROTATIONS // 2)
+    all_rates = np.sort(np.concatenate([rates[rates < 2.0 * most], lines]))
+    distinct_ones: FloatArray = all_rates[np.diff(all_rates, prepend=-math.inf) > _APART]
+    return distinct_ones
+
+
 def rates_of(pairs: list[AdditivePair]) -> FloatArray:
     """Rates (R,), turns per span, of bodies that show the rotations of pairs, each once.
 

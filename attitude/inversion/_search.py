@@ -233,7 +233,7 @@ class Search:
         """The verdict of solutions of this search, and its criterion in words."""
         verdict = _verdicts.verdict(
             solutions, self.problem, self.is_complete, self.most,
-            is_given_axis=self.modes == ("PA",),
+            is_given_axis=self.modes == ("PA",), is_hidden=not self.tie.is_wide,
         )  # fmt: skip
         return _verdicts.of_dips(verdict, solutions, self.problem, self.dips)
 
@@ -306,7 +306,7 @@ class Search:
                 problem=problem,
                 convex=[], solutions=[], axial=[], held_poles=[], beside=[], dips=[], notes=[],
             )  # fmt: skip
-            rival._axial(rates[rates < 2.0 * self.most])
+            rival._axial(_satellites.rates_beside(problem, rates, self.most))
             rival.finish()
             if rival.solutions:
                 rivals.append(rival)

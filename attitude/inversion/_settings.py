@@ -93,10 +93,11 @@ class Settings:
     pairs_fitted: int = 300_000
     # Pairs of frequencies in the first round; doubled in each.
     pairs: int = 200
-    # Starts of each pair of rates that follow from these, in the first round; doubled in each.
-    quick_starts: int = 3
+    # Starts of each pair of rates that follow from these, in the first round; doubled in each: of
+    # needles three miss one in two where six miss one in four.
+    quick_starts: int = 6
     # Starts of each pair of rates of a scan over nutations, in the first round; doubled in each.
-    scan_starts: int = 5
+    scan_starts: int = 6
     # Points that these ellipsoids are fitted to in the first round, at least, doubled in each:
     # their model error is larger than that of the points, and does not depend on their number.
     scan_points: int = 200
@@ -136,8 +137,8 @@ class Settings:
     # What is left of the budget, s, for the bodies of these maps.
     class_reserve: float = 6.0
     # The floor of a tumbling body that is not accepted before these maps, and from which other
-    # poles compete within `alone`: two wrong bodies left 0.88 and 0.89 of it, one with a wrong pole
-    # 0.98, the true pole of a concave body 54 behind.
+    # periods and poles compete within `alone`: three wrong bodies left 0.88, 0.89 and 0.94 of it,
+    # one with a wrong pole 0.98, the true pole of a concave body 54 behind.
     doubtful: float = 0.85
     # Poles of a short map, 20 degrees apart.
     class_poles: int = 100
@@ -211,7 +212,8 @@ class Settings:
     axial_pole_behind: float = 50.0
     # Listed rotations at most.
     axial_finals: int = 48
-    # Difference of evidence to the best within which rotations are listed.
+    # Difference of evidence to the best within which rotations are listed and their poles compete:
+    # a wrong pole of a concave body was 12.3 ahead of the true one.
     axial_behind: float = 25.0
     # Poles are mapped where chi-squared of the best rotation is at most this times the best's.
     axial_worse: float = 2.0
@@ -286,7 +288,7 @@ class Settings:
     alone: float = 120.0
     # Difference of evidence within which other periods compete: odds of 700 to 1.
     competing: float = 13.0
-    # Difference of evidence within which other poles compete: odds of 400 to 1.
+    # Difference of evidence within which other poles of a tumbling body compete: odds of 400 to 1.
     competing_poles: float = 12.0
     # Difference of likelihoods within which poles compete that are up to twice as far behind in
     # evidence, by a prior of shapes: two wrong ones were 5 and 6.5 ahead, right ones 10 and 13.

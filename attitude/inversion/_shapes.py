@@ -47,10 +47,10 @@ TOLERANCE = 0.05
 # the square grows as the difference.  Of 24 bodies with shapes by radar and spacecraft they are 1
 # to 5, once 11, for the ten that are elongated, below 1 for the others.
 _CONCAVE = 1.5
-# Logarithm of the largest moment over the sum of the others, from which a body that hardly exists is
-# held back, and the standard deviation there: of needles of ten to one it is -0.02, of bodies 0 at
-# most.
+# Logarithm of the largest moment over the sum of the others above which a motion is held back: of a
+# needle of ten to one it is -0.02, and no body has more than 0.
 _FLATTEST = -0.005
+# Standard deviation of what is above.
 _BEYOND = 0.001
 # Turn of the axes of the shape against those of the motion, rad.
 _TURN = 0.07

@@ -254,8 +254,9 @@ def needed(best: Robust, problem: CurveProblem) -> float:
     is_at_floor = _evidence.floor_ratio(best, problem) < settings.floor
     is_slow = not state.is_axial and min(state.rates) < settings.few_turns
     is_strained = not state.is_axial and best.refined.strain > settings.strained
-    is_doubtful = is_slow or is_strained or not is_at_floor
-    return settings.alone if is_doubtful else settings.competing
+    is_rough = not state.is_axial and is_doubtful(best, problem)
+    needs_more = is_slow or is_strained or is_rough or not is_at_floor
+    return settings.alone if needs_more else settings.competing
 
 
 def _nearest(others: Sequence[Robust], best: Robust, problem: CurveProblem) -> tuple[float, float]:
@@ -322,12 +323,14 @@ def verdict(
     most: float = 0.0,
     *,
     is_given_axis: bool = False,
+    is_hidden: bool = True,
 ) -> tuple[str, str]:
     """The verdict and its criterion in words.
 
     A search that is not complete has not seen what competes: its best solution is not solved.
     `most`, turns per span, is the largest frequency of the search; `is_given_axis`: rotation about
-    one axis is not found, but given.
+    one axis is not found, but given; `is_hidden`: one apparition hides concave parts of a body that
+    turns about one.
     """
     if not solutions:
         return OPEN, "No solution was found."
@@ -337,11 +340,8 @@ def verdict(
     floor = _evidence.floor_ratio(best, problem)
     left = _evidence.share_left(best, problem)
     gap_to_next, behind = _nearest(_of_other_periods(solutions, problem), best, problem)
-    poles = [
-        other
-        for other in solutions[1:]
-        if _has_periods(other.refined.state, state, problem) and _competes(other, best, problem)
-    ]
+    alike = [one for one in solutions[1:] if _has_periods(one.refined.state, state, problem)]
+    poles = [other for other in alike if _competes(other, best, problem)]
     words = (
         f"{of_floor(floor, settings.floor, settings)}; {100.0 * left:.1f} % of the variance is "
         f"left; the next periods are {gap_to_next:.1f} behind in -2 ln(evidence) ({behind:.3g} "
@@ -380,6 +380,10 @@ def verdict(
     errors = f"{settings.pole_errors:g} standard errors between nights"
     width, likely = _widths_of_poles(best, problem)
     within = f"within {width:.3g}, {2.0 * width:.3g} if {likely:.3g} in likelihood, or {errors}"
+    if not poles and fields.is_axial and is_hidden:
+        width = max(width, settings.axial_behind * _evidence.redundancy(best, problem))
+        poles = [other for other in alike if _is_other_pole(other, best, problem, width)]
+        within = f"within {width:.3g}"
     if poles:
         return PERIODS, f"{words}; {len(poles)} other poles lie {within}."
     return SOLVED, f"{words}; no other pole lies {within}."
@@ -413,11 +417,18 @@ def _competes(other: Robust, best: Robust, problem: CurveProblem) -> bool:
     behind = other.evidence - best.evidence
     if behind < width:
         return True
-    if _ellipsoid.have_pole(other.refined.state, best.refined.state, settings.near_pole):
+    if not _is_other_pole(other, best, problem, math.inf):
         return False
     errors = settings.pole_errors * _evidence.standard_error(best, other, problem)
     fits_alike = _evidence.gain(best, other, problem) < likely
     return (behind < 2.0 * width and fits_alike) or behind < errors
+
+
+def _is_other_pole(other: Robust, best: Robust, problem: CurveProblem, width: float) -> bool:
+    """Whether a solution within a difference of evidence has another pole, not an error of one."""
+    width_of_pole = problem.settings.near_pole
+    is_near = _ellipsoid.have_pole(other.refined.state, best.refined.state, width_of_pole)
+    return not is_near and other.evidence - best.evidence < width
 
 
 def of_pole(

@@ -485,6 +485,20 @@ def test_rotation_is_found_beside_deep_dips():
     assert best.orbit == pytest.approx(9.7, abs=0.05)
 
 
+def test_the_rates_beside_an_orbit_have_lines_that_its_dips_hide():
+    """A pair with another rotation has the orbit: the rotation is among the rates to try."""
+    given = _eclipses(np.random.default_rng(6), 71.3, 9.7, (0.6, 0.3), size=0.03)
+    pair = _satellites.AdditivePair(55.0, 9.7, 0.1)
+    problem = _satellites.beside(given, pair, _satellites.of_series(given, pair.rotation))
+    others = np.array([55.0, 27.5, 250.0])
+    assert np.abs(_satellites.rates_beside(given, others, 100.0) - 71.3).min() > 1.0
+    rates = _satellites.rates_beside(problem, others, 100.0)
+    assert np.abs(rates - 71.3).min() < 0.2
+    # the others up to twice the largest frequency, each once
+    assert 55.0 in rates and 27.5 in rates and rates.max() < 200.0
+    assert np.diff(rates).min() > 0.3
+
+
 @pytest.mark.parametrize("depths", [(0.3, 0.3), (0.3, 0.12)])
 @pytest.mark.parametrize("factor", [1.0 / 3.0, 0.5, 1.0, 2.0])
 def test_an_orbit_has_two_eclipses(depths, factor):

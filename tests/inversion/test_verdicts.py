@@ -221,6 +221,27 @@ def test_poles_of_a_body_that_hardly_fits_have_to_be_alone(residual, behind, exp
     assert _verdicts.verdict(found, _problem(0.02))[0] == expected
 
 
+@pytest.mark.parametrize(
+    ("residual", "behind", "expected"),
+    [(0.02, 50.0, "solved"), (0.021, 50.0, "not solved"), (0.021, 130.0, "solved")],
+)
+def test_periods_of_a_body_that_hardly_fits_have_to_be_alone(residual, behind, expected):
+    """Of nonconvex 125008 a wrong body left 0.94 of the floor, the next periods 27 behind."""
+    found = [_solution(7.0, 0.0, residual), _solution(10.0, behind, residual)]
+    assert _verdicts.verdict(found, _problem(0.02))[0] == expected
+
+
+@pytest.mark.parametrize(
+    ("behind", "is_hidden", "expected"),
+    [(20.0, True, "periods only"), (20.0, False, "solved"), (30.0, True, "solved")],
+)
+def test_the_pole_of_one_axis_in_one_apparition_has_to_lead_the_list(behind, is_hidden, expected):
+    """Of rotators 125908 a wrong pole of a concave body was 12.3 ahead of the true one."""
+    found = [_solution(0.0, 0.0, 0.01), _solution(0.0, behind, 0.02, pole=1)]
+    verdict = _verdicts.verdict(found, _problem(0.02), is_hidden=is_hidden)
+    assert verdict[0] == expected
+
+
 @pytest.mark.parametrize(("nutation", "expected"), [(25.0, "not solved"), (24.0, "solved")])
 def test_a_period_of_a_day_at_one_time_of_the_day_is_not_claimed(nutation, expected):
     """25 nights of eight hours: a nutation of a day is seen in a third of its phases."""
