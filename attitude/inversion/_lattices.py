@@ -3,7 +3,8 @@
 A body with the symmetry of an ellipsoid has lines at i g + 2 j f alone, f = 1/P_psi and g either
 lambda/pi - f or, which is the same lattice, lambda/pi + f.  Every pair of frequencies of a grid is
 fitted as (g, 2 f) with |i|, |j| <= 2; each good pair then gives every rate lambda/pi = g + (2k+1) f
-in both modes, for both assignments of the pair.
+in both modes, for both assignments of the pair.  A body of two unlike lobes has strong lines at odd
+multiples of f too: the pair that fits is then (g, f).
 """
 
 from __future__ import annotations
@@ -37,6 +38,10 @@ _SAME_RATE = 0.7
 _SAME_NUTATION = 0.5
 # Distance, turns per span, at which two lines are one.
 _SAME_LINE = 0.8
+# Multiples of f by which lambda/pi is off a line that fits, where lines lie at even ones alone.
+_ODD = (-3, -1, 1, 3)
+# The same where lines lie at all of them.
+_ALL = (-2, -1, 0, 1, 2)
 
 
 class Candidate(NamedTuple):
@@ -72,13 +77,19 @@ def lattice_pairs(problem: CurveProblem, most: float, keep: int) -> tuple[FloatA
 
 
 def candidates(
-    pairs: FloatArray, most: float, modes: tuple[str, ...], shifts: tuple[float, ...] = ()
+    pairs: FloatArray,
+    most: float,
+    modes: tuple[str, ...],
+    shifts: tuple[float, ...] = (),
+    *,
+    has_odd_lines: bool = False,
 ) -> list[Candidate]:
     """Rates from pairs (P, 2), the best pair first, without repetition.
 
     `shifts` are frequencies (turns per span) by which windows of the epochs displace lines, such as
-    one cycle a day.
+    one cycle a day.  `has_odd_lines`: the body has no symmetry, and lines at odd multiples of f.
     """
+    of_nutation, multiples = (1.0, _ALL) if has_odd_lines else (0.5, _ODD)
     out: list[Candidate] = []
     seen = set()
     for a, b in pairs:
@@ -87,7 +98,7 @@ def candidates(
             bases += [(a, abs(b - shift)), (abs(a - shift), b), (b, abs(a - shift))]
             bases += [(abs(b - shift), a), (a, b + shift), (b, a + shift)]
         for g, h in bases:
-            for rate, f in _rates(g, 0.5 * h, most, modes):
+            for rate, f in _rates(g, of_nutation * h, multiples, most, modes):
                 key = round(rate / _SAME_RATE), round(f / _SAME_NUTATION)
                 if key not in seen:
                     seen.add(key)
@@ -128,12 +139,12 @@ def _in_modes(phi: float, psi: float, most: float, modes: tuple[str, ...]) -> li
     return out
 
 
-def _rates(g, f, most, modes):
+def _rates(g, f, multiples, most, modes):
     """lambda/pi and signed f on a lattice, within the bounds of frequencies."""
     if not LEAST <= f <= most:
         return
-    for k in range(-2, 2):
-        rate = g + (2 * k + 1) * f
+    for multiple in multiples:
+        rate = g + multiple * f
         if "LAM" in modes and rate - f >= LEAST and rate <= most:
             yield rate, f
         if "SAM" in modes and rate >= LEAST and rate + f <= most and f < SHORT_AXIS * rate:

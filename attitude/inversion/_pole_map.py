@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import BoolArray, FloatArray
     from attitude.inversion._ellipsoid import Held, Pool
     from attitude.inversion._evidence import Robust
+    from attitude.inversion._lattices import Candidate
     from attitude.inversion._problem import CurveProblem
     from attitude.inversion._refinement import Refined
     from attitude.inversion._settings import Settings
@@ -259,6 +260,18 @@ def _at_poles(
     fixed[[_refinement.PRECESSION, _refinement.NUTATION]] = True
     pool = _ellipsoid.minimised(problem, chosen, _STEPS, tie=held, fixed=fixed)
     return _ellipsoid.in_order(_ellipsoid.best_of_each(pool, count))
+
+
+def with_lines(
+    problem: CurveProblem, generator: np.random.Generator, rates: Sequence[Candidate]
+) -> FloatArray:
+    """Random states (R, 16) with rates that the scene sees: it does not turn about their poles."""
+    pairs = np.array(rates).reshape(-1, 2)
+    states = _ellipsoid.starts(generator, *pairs.T)
+    across = np.cross(plane_of(problem), problem.sun.sum(axis=1) + problem.observer.sum(axis=1))
+    poles = np.repeat(across[None] / np.linalg.norm(across), len(states), axis=0)
+    states[:, OF_FRAME] = _ellipsoid.frames_of(generator, poles)
+    return states
 
 
 def in_few_steps(

@@ -281,13 +281,13 @@ def orbits_beside(alone: Explained) -> list[AdditivePair]:
     fits.sort(key=lambda fit: fit.left)
     pairs = []
     for fit in distinct(fits, lambda a, b: _are_one(a.orbit, b.orbit), _ORBITS_BESIDE):
-        pair = _fitted_beside(alone, fit.orbit)
+        pair = fitted_beside(alone, fit.orbit)
         has_two = pair.second > _SECOND * pair.range
-        pairs.append(pair if has_two else _fitted_beside(alone, 0.5 * pair.orbit))
+        pairs.append(pair if has_two else fitted_beside(alone, 0.5 * pair.orbit))
     return distinct(pairs, lambda a, b: _are_one(a.orbit, b.orbit))
 
 
-def _fitted_beside(alone: Explained, orbit: float) -> AdditivePair:
+def fitted_beside(alone: Explained, orbit: float) -> AdditivePair:
     """The pair of a body and of the series near an orbit that fits best."""
     for shifts in (_SHIFTS, _FINER):
         fits = [_beside(alone, orbit + shift, ORDERS[1], changing) for shift in shifts]
@@ -396,7 +396,7 @@ def rates_beside(problem: CurveProblem, rates: FloatArray, most: float) -> Float
 
     Deep dips hide the lines of a rotation from every series that is fitted without its aspect.
     """
-    lines = _lattices.rotations(problem, most, _ROTATIONS // 2)
+    lines = _lattices.rotations(problem, most, _ROTATIONS)
     all_rates = np.sort(np.concatenate([rates[rates < 2.0 * most], lines]))
     distinct_ones: FloatArray = all_rates[np.diff(all_rates, prepend=-math.inf) > _APART]
     return distinct_ones

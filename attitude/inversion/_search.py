@@ -122,6 +122,7 @@ class Search:
     constant: str = ""
     _mapped_rates: list[FloatArray] = field(default_factory=list)
     _short_fits: list[Refined] = field(default_factory=list, init=False)
+    _odd_rates: list[_lattices.Candidate] = field(default_factory=list, init=False)
     _known_fits: _KnownFits = field(default_factory=_KnownFits, init=False)
     _own_problems: list[CurveProblem] = field(default_factory=list, init=False)
     is_ellipsoid: bool = False
@@ -219,7 +220,7 @@ class Search:
     def is_decided(self) -> bool:
         """Whether the verdict is met."""
         if self.rival is not None:
-            return self.satellite_is_ahead() > self.settings.alone
+            return self.satellite_is_ahead() > self.rival.needed_ahead
         return self.verdict_of(self.solutions)[0] != _verdicts.OPEN
 
     @property
@@ -241,6 +242,12 @@ class Search:
         """By how much the evidence of the rival with a moon is better than that of the best."""
         return -math.inf if self.rival is None else self.evidence() - self.rival.evidence()
 
+    @property
+    def needed_ahead(self) -> float:
+        """By how much the best rotation beside an orbit has to be ahead of every body alone."""
+        floor = _evidence.floor_ratio(self.solutions[0], self.problem)
+        return self.settings.satellite if floor < self.settings.floor else self.settings.alone
+
     def evidence(self) -> float:
         """That of the best solution among those of other zero points and series."""
         orbits = self.most if self.problem.orbit else 1.0
@@ -250,7 +257,7 @@ class Search:
         """Search for a rotation about one axis beside the series of an orbit, if series fit."""
         if self.is_over or self.problem.orbit or not self.solutions:
             return
-        rivals = self._beside_the_best()
+        rivals = self._beside_bodies()
         if not any(self._is_ahead(rival) for rival in rivals):
             rivals += self._beside_series()
         if not rivals:
@@ -260,26 +267,31 @@ class Search:
         ahead = self.evidence() - rival.evidence()
         if ahead > -self.settings.competing:
             # the map of its poles costs a sixth of a budget
-            if ahead > self.settings.alone - self.settings.mapped_behind:
+            if ahead > rival.needed_ahead - self.settings.mapped_behind:
                 rival._axial_poles()
             rival.is_complete = not self.is_over
             rival.finish()
             self.rival = rival
 
     def _is_ahead(self, rival: Search) -> bool:
-        return rival.evidence() + self.settings.alone < self.evidence()
+        return rival.evidence() + rival.needed_ahead < self.evidence()
 
-    def _beside_the_best(self) -> list[Search]:
-        """Searches for the best rotation about one axis beside the orbits of what it leaves."""
-        axial = (one.refined for one in self.solutions if is_axial(one.refined.state))
-        others = (fit for fit in self.convex if is_axial(fit.state))
-        body = next(axial, None) or next(others, None)
-        if body is None:
-            return []
-        problem = self.problem.with_model_error(self.settings.body_error)
-        alone = _satellites.of_body(problem, body, self.tie, self._fixed(body.state))
-        rates = alone.rate * np.array([0.5, 1.0, 2.0])
-        return self._rivals([(pair, alone) for pair in _satellites.orbits_beside(alone)], rates)
+    def _beside_bodies(self) -> list[Search]:
+        """Searches for rotations about one axis beside the orbits of what the best ones leave."""
+        axial = [one.refined for one in self.solutions if is_axial(one.refined.state)]
+        axial += [fit for fit in self.convex if is_axial(fit.state)]
+        is_explained = _evidence.floor_ratio(self.solutions[0], self.problem) < self.settings.floor
+        most = 1 if is_explained else self.settings.orbit_bodies
+        bodies = distinct(axial, lambda a, b: self.has_rates(a.state, b.state), most)
+        rivals: list[Search] = []
+        for body in bodies:
+            alone = self._explained(body)
+            rates = alone.rate * np.array([0.5, 1.0, 2.0])
+            pairs = [(pair, alone) for pair in _satellites.orbits_beside(alone)]
+            rivals += self._rivals(pairs, rates)
+            if any(self._is_ahead(rival) for rival in rivals):
+                break
+        return rivals
 
     def _beside_series(self) -> list[Search]:
         """Searches for a rotation about one axis beside the orbits of pairs of series."""
@@ -292,25 +304,46 @@ class Search:
     ) -> list[Search]:
         """Searches for rotations about one axis at rates (R,) beside the orbits of pairs."""
         left = _evidence.share_left(self.solutions[0], self.problem)
-        rivals = []
+        rivals: list[Search] = []
         for pair, alone in pairs:
             if pair.left > self.settings.orbit_worse**2 * left:
                 continue
             problem = _satellites.beside(self.problem, pair, alone)
             orbit = pair._replace(brightens=_satellites.brightening(problem, alone))
             self.dips.append(orbit)
-            if not orbit.only_dims:
-                continue
-            rival = replace(
-                self,
-                problem=problem,
-                convex=[], solutions=[], axial=[], held_poles=[], beside=[], dips=[], notes=[],
-            )  # fmt: skip
-            rival._axial(_satellites.rates_beside(problem, rates, self.most))
-            rival.finish()
-            if rival.solutions:
-                rivals.append(rival)
+            if orbit.only_dims:
+                rivals += self._beside(problem, rates)
+            elif pair.left < left:
+                rivals += self._beside_other_rotation(problem, rates)
         return rivals
+
+    def _beside_other_rotation(self, problem: CurveProblem, rates: FloatArray) -> list[Search]:
+        """The search beside the orbit of a problem, where a wrong rotation made it brighten."""
+        rotations = self._beside(problem, rates)
+        if not rotations:
+            return []
+        body = rotations[0].solutions[0].refined
+        alone = self._explained(body)
+        pair = _satellites.fitted_beside(alone, problem.orbit)
+        problem = _satellites.beside(self.problem, pair, alone)
+        orbit = pair._replace(brightens=_satellites.brightening(problem, alone))
+        return self._beside(problem, np.array([alone.rate])) if orbit.only_dims else []
+
+    def _beside(self, problem: CurveProblem, rates: FloatArray) -> list[Search]:
+        """The search for a rotation about one axis at rates (R,), or at lines, beside an orbit."""
+        rival = replace(
+            self,
+            problem=problem,
+            convex=[], solutions=[], axial=[], held_poles=[], beside=[], dips=[], notes=[],
+        )  # fmt: skip
+        rival._axial(_satellites.rates_beside(problem, rates, self.most))
+        rival.finish()
+        return [rival] if rival.solutions else []
+
+    def _explained(self, body: Refined) -> Explained:
+        """What a rotation about one axis explains, all bodies near one."""
+        problem = self.problem.with_model_error(self.settings.body_error)
+        return _satellites.of_body(problem, body, self.tie, self._fixed(body.state))
 
     def _clipped(self) -> CurveProblem:
         """The problem with the weights that the points have beside the best solution.
@@ -334,6 +367,7 @@ class Search:
         more = 2**number
         pairs_of, _ = _lattices.lattice_pairs(self.problem, self.most, self.settings.pairs * more)
         rates = _lattices.candidates(pairs_of, self.most, self.modes, self.shifts)
+        self._odd_rates = _lattices.candidates(pairs_of, self.most, self.modes, has_odd_lines=True)
         starts = self.settings.quick_starts * more
         yield self._ellipsoids(problem, rates, None, starts, more, "periods of the lines")
         if number == 0 and self._is_clear():
@@ -660,8 +694,10 @@ class Search:
         they mistake its rates: those of the best are tried too, and once more those of the new
         best.  Ends with `solutions` made anew.
         """
-        ranked = self._by_either_error(thinned)
-        rates = distinct(ranked, self.has_rates, self.settings.mapped_classes)
+        odd_rates = self._odd_rates[: self.settings.odd_classes]
+        with_odd_lines = _pole_map.with_lines(self.problem, self.generator, odd_rates)
+        states = (*with_odd_lines, *self._by_either_error(thinned))
+        rates = distinct(states, self.has_rates, self.settings.mapped_classes)
         mapped: list[FloatArray] = []
         for _ in range(2):
             rates = [

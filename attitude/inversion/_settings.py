@@ -132,6 +132,10 @@ class Settings:
     # bodies do not decide: ellipsoids leave the poles of bodies far from one.  True rates of three
     # curves that were found at wrong poles came 48th, 69th and 134th.
     mapped_classes: int = 130
+    # Pairs of rates among them, the first, with lines at odd multiples of psi, of the best pairs of
+    # frequencies: of a body of two lobes with four nights the true pair fitted best, and no other
+    # had its rates.
+    odd_classes: int = 50
     # Tumbling states, the best, to whose rates those that are mistaken for them are added.
     mistaken: int = 2
     # What is left of the budget, s, for the bodies of these maps.
@@ -236,7 +240,13 @@ class Settings:
     # The rms of their series, over that of the best solution, above which none does: for binaries
     # 0.9 to 1.3, for tumbling bodies 1.4 to 11.
     orbit_worse: float = 2.0
-    # The same, up to which no body that tumbles is claimed above the floor.
+    # Difference of evidence by which a rotation at the floor beside an orbit has to be ahead of
+    # every body alone; of 250 curves without a moon none was within 120 of it.
+    satellite: float = 60.0
+    # Rotations about one axis, the best of so many rates, beside which orbits are looked for where
+    # nothing explains the curve: the best one often has the rate of deep dips.
+    orbit_bodies: int = 4
+    # As orbit_worse, up to which no body that tumbles is claimed above the floor.
     orbit_alike: float = 1.2
 
     # ---- Several apparitions of a tumbling body

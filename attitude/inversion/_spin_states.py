@@ -553,7 +553,7 @@ def _results(curve, searched):
     if searched.rival is not None:
         period = curve.span / searched.rival.problem.orbit / _DAY
         verdict, criterion = _verdicts.of_satellite(
-            (verdict, criterion), period, ahead, settings.alone
+            (verdict, criterion), period, ahead, searched.rival.needed_ahead
         )
     if searched.constant:
         verdict, criterion = _verdicts.OPEN, f"{searched.constant}; {criterion}"

@@ -136,6 +136,43 @@ def test_rates_with_lines_of_others_or_next_to_them(modes, count):
     assert len(_lattices.mistaken(80.11, 4.79, 87.0, modes)) == count * 3 // 5
 
 
+@pytest.mark.parametrize("nutation", [24.9, -4.9])
+def test_a_pair_with_odd_lines_gives_its_rates(nutation):
+    """Of a body without the symmetry of an ellipsoid, whose pair is that of phi and psi."""
+    pair = np.array([[27.2, abs(nutation)]])
+    modes = ("LAM", "SAM")
+    odd, even = (
+        [
+            one
+            for one in _lattices.candidates(pair, 100.0, modes, has_odd_lines=has_odd_lines)
+            if 2.0 * one.precession - max(one.nutation, 0.0) == pytest.approx(27.2)
+            and one.nutation == pytest.approx(nutation)
+        ]
+        for has_odd_lines in (True, False)
+    )
+    assert len(odd) == 1 and not even
+
+
+def test_rates_of_lines_are_those_that_the_scene_sees(monkeypatch):
+    """The poles of many pairs of rates are mapped, first of those with odd lines."""
+    angle = np.linspace(0.0, 1.0, COUNT)
+    sun = np.stack([np.cos(angle), np.sin(angle), np.full(COUNT, 0.1)]) / math.sqrt(1.01)
+    given = _given(np.zeros(COUNT), np.linspace(-0.5, 0.5, COUNT), sun=sun, observer=sun)
+    search = _search_of(given)
+    search._odd_rates = [_lattices.Candidate(20.0, 7.0), _lattices.Candidate(31.0, -4.0)]
+    ranked = _ellipsoid.starts(np.random.default_rng(1), np.array([20.05, 40.0]), np.full(2, 7.0))
+    mapped = []
+    monkeypatch.setattr(_search.Search, "_by_either_error", lambda self, thinned: [*ranked])
+    monkeypatch.setattr(_search.Search, "_add_classes", lambda self, _, rates: mapped.extend(rates))
+    search._poles_of_classes(given)
+    states = np.array(mapped)
+    assert states[:, 0].tolist() == [20.0, 31.0, 40.0]
+    assert states[:2, 1].tolist() == [7.0, -4.0]
+    turns = _pole_map.turn_of_scene(given, states[:2, _ellipsoid.OF_POLE])
+    assert np.abs(turns).max() < 0.01
+    assert abs(_pole_map.turn_of_scene(given, np.array([[0.0, 0.0, 1.0]]))[0]) > 0.1
+
+
 def test_few_modes_make_a_lopsided_body():
     """As the body of all modes of which the others are zero; two steps leave a tenth."""
     generator = np.random.default_rng(4)
@@ -280,13 +317,75 @@ def test_poles_beside_a_moon_are_mapped_where_it_may_decide(monkeypatch, ahead, 
     search = _search_of(_given(np.zeros(COUNT)), solutions=[_weighted(-9.0, 0.0, 1.0)])
     called = []
     rival = SimpleNamespace(
-        evidence=lambda: -ahead, finish=lambda: None, _axial_poles=lambda: called.append(1)
+        evidence=lambda: -ahead,
+        finish=lambda: None,
+        _axial_poles=lambda: called.append(1),
+        needed_ahead=120.0,
     )
-    monkeypatch.setattr(_search.Search, "_beside_the_best", lambda self: [])
+    monkeypatch.setattr(_search.Search, "_beside_bodies", lambda self: [])
     monkeypatch.setattr(_search.Search, "_beside_series", lambda self: [rival])
     monkeypatch.setattr(_search.Search, "evidence", lambda self: 0.0)
     search._compare_with_satellite()
     assert search.rival is rival and len(called) == maps
+
+
+SIGNS = np.where(np.arange(COUNT) % 2, 1.0, -1.0)
+
+
+@pytest.mark.parametrize(("size", "needed", "bodies"), [(0.01, 60.0, 1), (0.05, 120.0, 4)])
+def test_orbits_beside_rotations_where_none_explains_the_curve(monkeypatch, size, needed, bodies):
+    """The best rate of one axis was that of the orbit of moons 127804, the true one the third."""
+    given = _given(SIGNS)
+    best = _weighted(-9.0, 0.0, 1.0, size * SIGNS)
+    rotations = [_weighted(0.0, 0.0, 1.0).refined for _ in range(6)]
+    for number, rotation in enumerate(rotations):
+        rotation.state[0] += number // 2 if number < 2 else number
+    search = _search_of(given, solutions=[best], convex=rotations)
+    assert search.needed_ahead == needed
+    explained = []
+
+    def of_body(self, body):
+        explained.append(2.0 * body.state[0])
+        return SimpleNamespace(rate=2.0 * body.state[0])
+
+    monkeypatch.setattr(_search.Search, "_explained", of_body)
+    monkeypatch.setattr(_satellites, "orbits_beside", lambda alone: [])
+    assert search._beside_bodies() == []
+    assert len(explained) == bodies and len(set(explained)) == bodies
+
+
+@pytest.mark.parametrize(
+    ("left", "brightens", "searches"),
+    [
+        (0.1, (0.2,), 1),
+        (0.1, (0.6, 0.2), 2),  # beside the rotation that is found there, it only dims
+        (0.1, (0.6, 0.5), 1),
+        (3.0, (0.6, 0.2), 0),  # it does not explain more than the best body
+    ],
+)
+def test_dips_beside_a_wrong_rotation_brighten(monkeypatch, left, brightens, searches):
+    """They are measured again beside the rotation that is found beside their orbit."""
+    given = _given(SIGNS)
+    search = _search_of(given, solutions=[_weighted(-9.0, 0.0, 1.0, SIGNS)])
+    measured, tried = iter(brightens), []
+
+    def beside(self, problem, rates):
+        tried.append((problem.orbit, tuple(rates)))
+        return [SimpleNamespace(solutions=[_weighted(0.0, 0.0, 1.0)])]
+
+    for owner, name, fake in (
+        (_search.Search, "_beside", beside),
+        (_search.Search, "_explained", lambda self, body: SimpleNamespace(rate=31.0)),
+        (_satellites, "beside", lambda problem, pair, alone: replace(problem, orbit=pair.orbit)),
+        (_satellites, "brightening", lambda problem, alone: next(measured)),
+        (_satellites, "fitted_beside", lambda alone, orbit: pair._replace(orbit=7.1)),
+    ):
+        monkeypatch.setattr(owner, name, fake)
+    pair = _satellites.AdditivePair(20.0, 7.0, left)
+    rivals = search._rivals([(pair, SimpleNamespace(rate=20.0))], np.array([20.0]))
+    expected = [(7.0, (20.0,)), (7.1, (31.0,))][:searches]
+    assert tried == expected
+    assert len(rivals) == (searches > 0 and brightens[-1] < 0.35)
 
 
 def test_bodies_with_nearly_the_same_error_are_compared_with_one(monkeypatch):
