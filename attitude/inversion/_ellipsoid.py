@@ -366,6 +366,18 @@ def is_admissible(state: FloatArray) -> bool:
     return is_axial(state) or bool(moments(state[OF_MOMENTS]).exists)
 
 
+def without_nutation(state: FloatArray) -> FloatArray:
+    """The rotation about one axis with the attitude of a state (16 or more,) at t = 0, its rate and
+    its shape.
+    """
+    rotation = state.copy()
+    rotation[OF_ELEMENTS] = state[OF_PRECESSION], 0.0, 0.0, AXIAL, 0.0
+    zero = np.zeros(1)
+    body, turned = (_motions.at_epochs(one, zero).matrix.reshape(3, 3) for one in (state, rotation))
+    rotation[OF_FRAME] = (state[OF_FRAME].reshape(3, 3) @ body @ turned.T).ravel()
+    return rotation
+
+
 def have_rates(states: FloatArray, state: FloatArray, width: float) -> BoolArray:
     """Which of the states (..., 16 or more) have the mode and the rates of one (16 or more,).
 

@@ -122,6 +122,8 @@ class Search:
     constant: str = ""
     _mapped_rates: list[FloatArray] = field(default_factory=list)
     _short_fits: list[Refined] = field(default_factory=list, init=False)
+    # Rotations about one axis with the prior of tumbling bodies.
+    _wide: list[Refined] = field(default_factory=list, init=False)
     _odd_rates: list[_lattices.Candidate] = field(default_factory=list, init=False)
     _known_fits: _KnownFits = field(default_factory=_KnownFits, init=False)
     _own_problems: list[CurveProblem] = field(default_factory=list, init=False)
@@ -189,6 +191,8 @@ class Search:
                 self._axial_poles()
                 self.is_complete = not self.is_over
             self.finish()
+            if self._hardly_nutating():
+                self.finish()
             if self._other_poles():
                 self.finish()
             if number == 0:
@@ -667,6 +671,27 @@ class Search:
                 break
         self.convex.sort(key=lambda body: body.cost)
 
+    def _hardly_nutating(self) -> bool:
+        """Make rotations about one axis of tumbling solutions that are hardly more; whether any.
+
+        They compete with the prior of these: with their own they do not get to such shapes.
+        """
+        least = math.log(self.settings.wide)
+        states = (SearchState.of(one.refined.state) for one in self.solutions)
+        # about the long axis no body at rest within rotates
+        short = (x.vector for x in states if x.nutation < 0.0 and x.log_rho < least)
+        tried = [fit.state for fit in self._wide]
+        rotations = map(_ellipsoid.without_nutation, short)
+        new = (one for one in rotations if not any(self.is_same(one, state) for state in tried))
+        starts = distinct(new, self.is_same, self.settings.axial_others)
+        if self.is_over or not starts:
+            return False
+        tie = replace(self.tie, is_wide=True)
+        for start in starts:
+            fixed = self._fixed(start)
+            self._wide.append(_refinement.refine(self.problem, start, tie=tie, fixed=fixed))
+        return True
+
     def _other_poles(self) -> bool:
         """Add bodies at other poles with the rates of the best tumbling solutions; whether any.
 
@@ -793,6 +818,7 @@ class Search:
         tumbling += [fit for fit in first if all(fit is not other for other in tumbling)]
         solutions = [self._robust(problem, fit) for fit in tumbling]
         solutions += self._axial_solutions(problem, solutions)
+        solutions += [self._compared(problem, fit) for fit in self._wide]
         solutions = _verdicts.behind_twice_the_period(solutions, problem)
         solutions = _verdicts.as_rotators(solutions, problem)
         self.solutions = distinct(

@@ -16,6 +16,7 @@ from attitude.inversion import (
     _figures,
     _known,
     _lattices,
+    _motions,
     _neighbours,
     _pole_map,
     _problem,
@@ -327,6 +328,63 @@ def test_poles_beside_a_moon_are_mapped_where_it_may_decide(monkeypatch, ahead, 
     monkeypatch.setattr(_search.Search, "evidence", lambda self: 0.0)
     search._compare_with_satellite()
     assert search.rival is rival and len(called) == maps
+
+
+@pytest.mark.parametrize("nutation", [-7.0, 7.0])
+def test_a_rotation_without_its_nutation_has_its_attitudes(nutation):
+    state = _body(nutation=nutation)
+    state[3] = math.log(1e-3)
+    rotation = _ellipsoid.without_nutation(state)
+    t = np.linspace(-0.5, 0.5, 9)
+    ends = [
+        np.einsum(
+            "ij,jkn->ikn",
+            one[_ellipsoid.OF_FRAME].reshape(3, 3),
+            _motions.at_epochs(one, t).matrix.reshape(3, 3, -1),
+        )
+        for one in (state, rotation)
+    ]
+    assert _ellipsoid.is_axial(rotation) and np.array_equal(rotation[14:], state[14:])
+    # the tilt is twice the arc tangent of rho
+    assert np.abs(ends[0] - ends[1]).max() < 5e-3
+
+
+@pytest.mark.parametrize(
+    ("nutation", "ln_rho", "expected"),
+    [(-9.0, -3.0, True), (-9.0, -1.0, False), (9.0, -3.0, False)],
+)
+def test_a_tumbling_body_that_hardly_nutates_is_compared_as_a_rotation(
+    monkeypatch, nutation, ln_rho, expected
+):
+    """Of rotators 127903 a nutation of 0.1 degrees was ahead by 19: no rotation had its shape."""
+    solution = _weighted(nutation, 0.0, 1.0)
+    solution.refined.state[3] = ln_rho
+    search = _search_of(_given(np.zeros(COUNT)), solutions=[solution])
+    fitted, compared = [], []
+
+    def refine(problem, start, *, tie, fixed):
+        fitted.append(tie.is_wide and _ellipsoid.is_axial(start))
+        return SimpleNamespace(state=start, cost=1.0)
+
+    monkeypatch.setattr(_refinement, "refine", refine)
+    assert search._hardly_nutating() == expected
+    assert fitted == [True] * expected
+    search.convex = [SimpleNamespace(state=_body(), cost=0.0)]
+
+    def robust(self, problem, fit, *, is_wide=False):
+        compared.append(is_wide)
+        return _evidence.Weighted(fit, problem, fit.cost, np.zeros(COUNT), 1.0)
+
+    for name, fake in (
+        ("_robust", robust),
+        ("_ranked", lambda self, problem, fit: fit),
+        ("_with_own_error", lambda self, best: self.problem),
+        ("_takes_noise", lambda self, problem, best: False),
+        ("_axial_solutions", lambda self, problem, solutions: []),
+    ):
+        monkeypatch.setattr(_search.Search, name, fake)
+    search.finish()
+    assert compared == [False] + [True] * expected
 
 
 SIGNS = np.where(np.arange(COUNT) % 2, 1.0, -1.0)
