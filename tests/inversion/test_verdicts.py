@@ -15,6 +15,7 @@ from attitude.inversion import (
     _evidence,
     _refinement,
     _satellites,
+    _search,
     _shapes,
     _spin_states,
     _verdicts,
@@ -439,6 +440,39 @@ def test_motions_that_were_best_with_offsets_are_compared_again(monkeypatch):
     assert own.begun == [(35.0, -3.0), (30.0, -9.0), (35.0, -23.0)]
     assert not _spin_states._asks_for_offsets(one, own, 20.5)
     assert not _spin_states._asks_for_offsets(Search(), own, 13.0)
+
+
+@pytest.mark.parametrize(("residual", "has_offsets"), [(0.01, False), (0.05, True)])
+def test_offsets_are_searched_where_one_zero_point_explains_nothing(
+    monkeypatch, residual, has_offsets
+):
+    """Of nonconvex 132006 and 132010 wrong motions fitted no better with offsets: none was asked
+    for.
+    """
+
+    class Search:
+        settings, problem, is_over = DEFAULT, _problem(0.02), False
+
+        def __init__(self):
+            self.solutions, self.notes, self.runs, self.constant = [], [], 0, ""
+
+        def run(self, is_ended):
+            self.runs += 1
+            self.solutions = [_solution(-7.0, 0.0, residual)]
+            if is_ended is not _search.never:
+                assert not is_ended(True)
+                self.is_ended = is_ended(False)
+
+        def follow(self, other):
+            self.solutions = list(other.solutions)
+
+    one, own = Search(), Search()
+    monkeypatch.setattr(_spin_states, "is_constant", lambda problem: False)
+    monkeypatch.setattr(_spin_states, "_asks_for_offsets", lambda one, own, needed: False)
+    monkeypatch.setattr(_spin_states, "_offsets_of", lambda solution: np.zeros(3))
+    searched = _spin_states._with_offsets_if_needed(one, lambda zero_points: own)
+    assert searched is (own if has_offsets else one)
+    assert one.is_ended == has_offsets and own.runs == has_offsets
 
 
 @pytest.mark.parametrize(
