@@ -288,11 +288,15 @@ class Search:
         most = 1 if is_explained else self.settings.orbit_bodies
         bodies = distinct(axial, lambda a, b: self.has_rates(a.state, b.state), most)
         rivals: list[Search] = []
-        for body in bodies:
+        for number, body in enumerate(bodies):
             alone = self._explained(body)
             rates = alone.rate * np.array([0.5, 1.0, 2.0])
             pairs = [(pair, alone) for pair in _satellites.orbits_beside(alone)]
+            known = len(self.dips)
             rivals += self._rivals(pairs, rates)
+            if number > 0:
+                # beside a worse rotation a series takes up what that lacks: it says nothing of dips
+                del self.dips[known:]
             if any(self._is_ahead(rival) for rival in rivals):
                 break
         return rivals

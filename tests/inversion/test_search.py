@@ -407,9 +407,14 @@ def test_orbits_beside_rotations_where_none_explains_the_curve(monkeypatch, size
         return SimpleNamespace(rate=2.0 * body.state[0])
 
     monkeypatch.setattr(_search.Search, "_explained", of_body)
-    monkeypatch.setattr(_satellites, "orbits_beside", lambda alone: [])
+    monkeypatch.setattr(_satellites, "orbits_beside", lambda alone: [alone.rate])
+    monkeypatch.setattr(
+        _search.Search, "_rivals", lambda self, pairs, rates: self.dips.extend(pairs) or []
+    )
     assert search._beside_bodies() == []
     assert len(explained) == bodies and len(set(explained)) == bodies
+    # series beside worse rotations say nothing of dips: Toutatis was "not solved" by one
+    assert [pair for pair, _ in search.dips] == explained[:1]
 
 
 @pytest.mark.parametrize(
