@@ -4,7 +4,7 @@ The light curve has 370 magnitudes of 26 observers over 188 days.  The search kn
 body but that it turns less than 0.75 times a day.  It finds the long-axis mode, both periods, the
 pole, moments and a convex shape.  Radar attitudes of December 1992 (Takahashi, Busch & Scheeres
 2013, after Hudson & Ostro 1995) lie 6 to 19 degrees from those of the solution, axes being lines.
-Some 20 seconds.
+Some 40 seconds of processor.
 
     python examples/toutatis_photometry.py
 """

@@ -671,9 +671,8 @@ def narrowed(
     """The best minimum of each pair of rates: of many starts a few steps, of the best more.
 
     `count` starts, each the best of some random ones, take four steps; of the better half of the
-    rates half of them take six more, and a third ten more.  Of bodies of 0.1 to 0.7 in their least
-    moment 75 to 90 % are found from six at rates 0.2 turns per span off; with the best start alone
-    after four steps it were 47 to 65 %.  poles (R, P, 3) as in `around`.
+    rates half of them take six more, and a third ten more: after four steps the best start alone
+    often is not the one of a needle.  poles (R, P, 3) as in `around`.
     """
     pool = around(problem, generator, rates, count, screens=4, iterations=4, tie=tie, poles=poles)
     for kept, steps in ((max(count // 2, 1), 6), (max(count // 3, 1), 10)):

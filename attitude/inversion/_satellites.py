@@ -397,9 +397,7 @@ def rates_beside(problem: CurveProblem, rates: FloatArray, most: float) -> Float
     Deep dips hide the lines of a rotation from every series that is fitted without its aspect.
     """
     lines = _lattices.rotations(problem, most, _ROTATIONS)
-    all_rates = np.sort(np.concatenate([rates[rates < 2.0 * most], lines]))
-    distinct_ones: FloatArray = all_rates[np.diff(all_rates, prepend=-math.inf) > _APART]
-    return distinct_ones
+    return _once(np.concatenate([rates[rates < 2.0 * most], lines]))
 
 
 def rates_of(pairs: list[AdditivePair]) -> FloatArray:
@@ -407,9 +405,13 @@ def rates_of(pairs: list[AdditivePair]) -> FloatArray:
 
     Beside one orbit the rotation of another pair may be likelier: all are tried with each.
     """
-    rates = np.sort(np.outer([pair.rotation for pair in pairs], RATIOS), axis=None)
-    apart = np.diff(rates, prepend=-math.inf) > _APART
-    distinct_ones: FloatArray = rates[apart]
+    return _once(np.outer([pair.rotation for pair in pairs], RATIOS))
+
+
+def _once(rates: FloatArray) -> FloatArray:
+    """Rates of any shape, in order (R,), without those next to another one."""
+    ordered = np.sort(rates, axis=None)
+    distinct_ones: FloatArray = ordered[np.diff(ordered, prepend=-math.inf) > _APART]
     return distinct_ones
 
 

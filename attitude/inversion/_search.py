@@ -124,7 +124,8 @@ class Search:
     _short_fits: list[Refined] = field(default_factory=list, init=False)
     # Rotations about one axis with the prior of tumbling bodies.
     _wide: list[Refined] = field(default_factory=list, init=False)
-    _odd_rates: list[_lattices.Candidate] = field(default_factory=list, init=False)
+    # Pairs of frequencies (P, 2) of the last round, the best first.
+    _pairs: FloatArray = field(default_factory=lambda: np.empty((0, 2)), init=False)
     _known_fits: _KnownFits = field(default_factory=_KnownFits, init=False)
     _own_problems: list[CurveProblem] = field(default_factory=list, init=False)
     is_ellipsoid: bool = False
@@ -247,10 +248,14 @@ class Search:
         return -math.inf if self.rival is None else self.evidence() - self.rival.evidence()
 
     @property
+    def is_at_floor(self) -> bool:
+        """Whether the best solution leaves no more than the errors."""
+        return _evidence.floor_ratio(self.solutions[0], self.problem) < self.settings.floor
+
+    @property
     def needed_ahead(self) -> float:
         """By how much the best rotation beside an orbit has to be ahead of every body alone."""
-        floor = _evidence.floor_ratio(self.solutions[0], self.problem)
-        return self.settings.satellite if floor < self.settings.floor else self.settings.alone
+        return self.settings.satellite if self.is_at_floor else self.settings.alone
 
     def evidence(self) -> float:
         """That of the best solution among those of other zero points and series."""
@@ -284,19 +289,17 @@ class Search:
         """Searches for rotations about one axis beside the orbits of what the best ones leave."""
         axial = [one.refined for one in self.solutions if is_axial(one.refined.state)]
         axial += [fit for fit in self.convex if is_axial(fit.state)]
-        is_explained = _evidence.floor_ratio(self.solutions[0], self.problem) < self.settings.floor
-        most = 1 if is_explained else self.settings.orbit_bodies
+        most = 1 if self.is_at_floor else self.settings.orbit_bodies
         bodies = distinct(axial, lambda a, b: self.has_rates(a.state, b.state), most)
         rivals: list[Search] = []
-        for number, body in enumerate(bodies):
+        for body in bodies:
             alone = self._explained(body)
             rates = alone.rate * np.array([0.5, 1.0, 2.0])
-            pairs = [(pair, alone) for pair in _satellites.orbits_beside(alone)]
-            known = len(self.dips)
-            rivals += self._rivals(pairs, rates)
-            if number > 0:
+            orbits = self._with_orbits((pair, alone) for pair in _satellites.orbits_beside(alone))
+            if body is bodies[0]:
                 # beside a worse rotation a series takes up what that lacks: it says nothing of dips
-                del self.dips[known:]
+                self.dips += [pair for pair, _ in orbits]
+            rivals += self._rivals(orbits, rates)
             if any(self._is_ahead(rival) for rival in rivals):
                 break
         return rivals
@@ -304,24 +307,39 @@ class Search:
     def _beside_series(self) -> list[Search]:
         """Searches for a rotation about one axis beside the orbits of pairs of series."""
         pairs = _satellites.rivals(self.problem, self.most, self.settings.orbits)
-        of_pairs = [(pair, _satellites.of_series(self.problem, pair.rotation)) for pair in pairs]
-        return self._rivals(of_pairs, _satellites.rates_of(pairs))
+        orbits = self._with_orbits(
+            (pair, _satellites.of_series(self.problem, pair.rotation)) for pair in pairs
+        )
+        self.dips += [pair for pair, _ in orbits]
+        return self._rivals(orbits, _satellites.rates_of(pairs))
+
+    def _with_orbits(
+        self, pairs: Iterable[tuple[AdditivePair, Explained]]
+    ) -> list[tuple[AdditivePair, CurveProblem]]:
+        """Pairs that leave little, with how much they brighten, and the problem with each orbit."""
+        most = self.settings.orbit_worse**2 * self._left
+        return [self._with_orbit(pair, alone) for pair, alone in pairs if pair.left <= most]
+
+    def _with_orbit(
+        self, pair: AdditivePair, alone: Explained
+    ) -> tuple[AdditivePair, CurveProblem]:
+        problem = _satellites.beside(self.problem, pair, alone)
+        return pair._replace(brightens=_satellites.brightening(problem, alone)), problem
+
+    @property
+    def _left(self) -> float:
+        """The share of the variance that the best solution leaves."""
+        return _evidence.share_left(self.solutions[0], self.problem)
 
     def _rivals(
-        self, pairs: Sequence[tuple[AdditivePair, Explained]], rates: FloatArray
+        self, orbits: Sequence[tuple[AdditivePair, CurveProblem]], rates: FloatArray
     ) -> list[Search]:
-        """Searches for rotations about one axis at rates (R,) beside the orbits of pairs."""
-        left = _evidence.share_left(self.solutions[0], self.problem)
+        """Searches for rotations about one axis at rates (R,) beside orbits."""
         rivals: list[Search] = []
-        for pair, alone in pairs:
-            if pair.left > self.settings.orbit_worse**2 * left:
-                continue
-            problem = _satellites.beside(self.problem, pair, alone)
-            orbit = pair._replace(brightens=_satellites.brightening(problem, alone))
-            self.dips.append(orbit)
-            if orbit.only_dims:
+        for pair, problem in orbits:
+            if pair.only_dims:
                 rivals += self._beside(problem, rates)
-            elif pair.left < left:
+            elif pair.left < self._left:
                 rivals += self._beside_other_rotation(problem, rates)
         return rivals
 
@@ -332,10 +350,9 @@ class Search:
             return []
         body = rotations[0].solutions[0].refined
         alone = self._explained(body)
-        pair = _satellites.fitted_beside(alone, problem.orbit)
-        problem = _satellites.beside(self.problem, pair, alone)
-        orbit = pair._replace(brightens=_satellites.brightening(problem, alone))
-        return self._beside(problem, np.array([alone.rate])) if orbit.only_dims else []
+        orbit = _satellites.fitted_beside(alone, problem.orbit)
+        pair, problem = self._with_orbit(orbit, alone)
+        return self._beside(problem, np.array([alone.rate])) if pair.only_dims else []
 
     def _beside(self, problem: CurveProblem, rates: FloatArray) -> list[Search]:
         """The search for a rotation about one axis at rates (R,), or at lines, beside an orbit."""
@@ -373,9 +390,9 @@ class Search:
     def _pools(self, problem: CurveProblem, number: int) -> Iterator[Pool]:
         """Ellipsoids of a round: of the lattices, then of every psi with the best lines."""
         more = 2**number
-        pairs_of, _ = _lattices.lattice_pairs(self.problem, self.most, self.settings.pairs * more)
-        rates = _lattices.candidates(pairs_of, self.most, self.modes, self.shifts)
-        self._odd_rates = _lattices.candidates(pairs_of, self.most, self.modes, has_odd_lines=True)
+        count = self.settings.pairs * more
+        self._pairs, _ = _lattices.lattice_pairs(self.problem, self.most, count)
+        rates = _lattices.candidates(self._pairs, self.most, self.modes, self.shifts)
         starts = self.settings.quick_starts * more
         yield self._ellipsoids(problem, rates, None, starts, more, "periods of the lines")
         if number == 0 and self._is_clear():
@@ -391,7 +408,7 @@ class Search:
         best = self.solutions[0]
         return (
             not is_axial(best.refined.state)
-            and _evidence.floor_ratio(best, self.problem) < self.settings.floor
+            and self.is_at_floor
             and _verdicts.gap(self.solutions, self.problem) > self.settings.clear
         )
 
@@ -682,7 +699,7 @@ class Search:
         """
         least = math.log(self.settings.wide)
         states = (SearchState.of(one.refined.state) for one in self.solutions)
-        # about the long axis no body at rest within rotates
+        # rotation about the long axis is that of the most energy, which bodies lose
         short = (x.vector for x in states if x.nutation < 0.0 and x.log_rho < least)
         tried = [fit.state for fit in self._wide]
         rotations = map(_ellipsoid.without_nutation, short)
@@ -723,7 +740,8 @@ class Search:
         they mistake its rates: those of the best are tried too, and once more those of the new
         best.  Ends with `solutions` made anew.
         """
-        odd_rates = self._odd_rates[: self.settings.odd_classes]
+        odd = _lattices.candidates(self._pairs, self.most, self.modes, has_odd_lines=True)
+        odd_rates = odd[: self.settings.odd_classes]
         with_odd_lines = _pole_map.with_lines(self.problem, self.generator, odd_rates)
         states = (*with_odd_lines, *self._by_either_error(thinned))
         rates = distinct(states, self.has_rates, self.settings.mapped_classes)

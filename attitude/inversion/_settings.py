@@ -93,8 +93,8 @@ class Settings:
     pairs_fitted: int = 300_000
     # Pairs of frequencies in the first round; doubled in each.
     pairs: int = 200
-    # Starts of each pair of rates that follow from these, in the first round; doubled in each: of
-    # needles three miss one in two where six miss one in four.
+    # Starts of each pair of rates that follow from these, in the first round; doubled in each:
+    # three missed a needle (`nonconvex` 125008 of docs/inversion.md).
     quick_starts: int = 6
     # Starts of each pair of rates of a scan over nutations, in the first round; doubled in each.
     scan_starts: int = 6
@@ -216,8 +216,8 @@ class Settings:
     axial_pole_behind: float = 50.0
     # Listed rotations at most.
     axial_finals: int = 48
-    # Difference of evidence to the best within which rotations are listed and their poles compete:
-    # a wrong pole of a concave body was 12.3 ahead of the true one.
+    # Difference of evidence to the best within which rotations are listed, and no other pole lies
+    # where one apparition is solved: a wrong pole of a concave body was 12.3 ahead of the true one.
     axial_behind: float = 25.0
     # Poles are mapped where chi-squared of the best rotation is at most this times the best's.
     axial_worse: float = 2.0
@@ -241,7 +241,8 @@ class Settings:
     # 0.9 to 1.3, for tumbling bodies 1.4 to 11.
     orbit_worse: float = 2.0
     # Difference of evidence by which a rotation at the floor beside an orbit has to be ahead of
-    # every body alone; of 250 curves without a moon none was within 120 of it.
+    # every body alone.  Of curves without a moon of the benchmarks it was neither ahead nor
+    # competed, a moon that is seen was 86 ahead.
     satellite: float = 60.0
     # Rotations about one axis, the best of so many rates, beside which orbits are looked for where
     # nothing explains the curve: the best one often has the rate of deep dips.
@@ -298,7 +299,7 @@ class Settings:
     alone: float = 120.0
     # Difference of evidence within which other periods compete: odds of 700 to 1.
     competing: float = 13.0
-    # Difference of evidence within which other poles of a tumbling body compete: odds of 400 to 1.
+    # Difference of evidence within which other poles compete: odds of 400 to 1.
     competing_poles: float = 12.0
     # Difference of likelihoods within which poles compete that are up to twice as far behind in
     # evidence, by a prior of shapes: two wrong ones were 5 and 6.5 ahead, right ones 10 and 13.

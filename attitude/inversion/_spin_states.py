@@ -423,8 +423,9 @@ def _with_offsets_if_needed(one: _search.Search, prepared: Prepared) -> _search.
     def asks(is_early: bool) -> bool:
         settings = one.settings
         needed = settings.alone if is_early else settings.competing
-        is_left = not is_early and _leaves_more_than_errors(one)
-        asked.append(_asks_for_offsets(one, searched, needed) or is_left)
+        # of a curve that no motion explains with one zero point, offsets may hide the true one
+        is_unexplained = not is_early and bool(one.solutions) and not one.is_at_floor
+        asked.append(_asks_for_offsets(one, searched, needed) or is_unexplained)
         return asked[-1] and not may_be_constant
 
     if not _run(one, asks):
@@ -473,14 +474,6 @@ def _asks_for_offsets(one: _search.Search, with_offsets: _search.Search, needed:
     with_offsets.begin(distinct((solution.refined.state for solution in solutions), one.has_rates))
     without_offsets = _evidence.among_problems(one.solutions[0])
     return without_offsets - _evidence.among_problems(with_offsets.solutions[0]) > needed
-
-
-def _leaves_more_than_errors(search: _search.Search) -> bool:
-    """Whether no motion with one zero point explains the magnitudes: offsets hide the true one."""
-    if not search.solutions:
-        return False
-    best, problem = search.solutions[0], search.problem
-    return _evidence.floor_ratio(best, problem) > search.settings.floor
 
 
 def _mean_square(problem: CurveProblem) -> float:

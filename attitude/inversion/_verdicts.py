@@ -382,7 +382,8 @@ def verdict(
     within = f"within {width:.3g}, {2.0 * width:.3g} if {likely:.3g} in likelihood, or {errors}"
     if not poles and fields.is_axial and is_hidden:
         width = max(width, settings.axial_behind * _evidence.redundancy(best, problem))
-        poles = [other for other in alike if _is_other_pole(other, best, problem, width)]
+        close_ones = [one for one in alike if one.evidence - best.evidence < width]
+        poles = [other for other in close_ones if _is_other_pole(other, best, problem)]
         within = f"within {width:.3g}"
     if poles:
         return PERIODS, f"{words}; {len(poles)} other poles lie {within}."
@@ -417,18 +418,17 @@ def _competes(other: Robust, best: Robust, problem: CurveProblem) -> bool:
     behind = other.evidence - best.evidence
     if behind < width:
         return True
-    if not _is_other_pole(other, best, problem, math.inf):
+    if not _is_other_pole(other, best, problem):
         return False
     errors = settings.pole_errors * _evidence.standard_error(best, other, problem)
     fits_alike = _evidence.gain(best, other, problem) < likely
     return (behind < 2.0 * width and fits_alike) or behind < errors
 
 
-def _is_other_pole(other: Robust, best: Robust, problem: CurveProblem, width: float) -> bool:
-    """Whether a solution within a difference of evidence has another pole, not an error of one."""
-    width_of_pole = problem.settings.near_pole
-    is_near = _ellipsoid.have_pole(other.refined.state, best.refined.state, width_of_pole)
-    return not is_near and other.evidence - best.evidence < width
+def _is_other_pole(other: Robust, best: Robust, problem: CurveProblem) -> bool:
+    """Whether a solution has another pole than the best one, not an error of it."""
+    width = problem.settings.near_pole
+    return not _ellipsoid.have_pole(other.refined.state, best.refined.state, width)
 
 
 def of_pole(

@@ -160,7 +160,14 @@ def test_rates_of_lines_are_those_that_the_scene_sees(monkeypatch):
     sun = np.stack([np.cos(angle), np.sin(angle), np.full(COUNT, 0.1)]) / math.sqrt(1.01)
     given = _given(np.zeros(COUNT), np.linspace(-0.5, 0.5, COUNT), sun=sun, observer=sun)
     search = _search_of(given)
-    search._odd_rates = [_lattices.Candidate(20.0, 7.0), _lattices.Candidate(31.0, -4.0)]
+    rates = [_lattices.Candidate(20.0, 7.0), _lattices.Candidate(31.0, -4.0)]
+    search._pairs = np.array([[33.0, 7.0]])
+
+    def candidates(pairs, *others, has_odd_lines):
+        assert has_odd_lines and pairs is search._pairs
+        return rates
+
+    monkeypatch.setattr(_lattices, "candidates", candidates)
     ranked = _ellipsoid.starts(np.random.default_rng(1), np.array([20.05, 40.0]), np.full(2, 7.0))
     mapped = []
     monkeypatch.setattr(_search.Search, "_by_either_error", lambda self, thinned: [*ranked])
@@ -283,20 +290,12 @@ def test_another_rate_of_rotation_has_a_coarser_map(monkeypatch, costs, ahead, e
     assert maps == expected
 
 
-@pytest.mark.parametrize(("first", "expected"), [(0, True), (4, False)])
-def test_the_first_rates_by_ellipsoids_are_compared_too(monkeypatch, first, expected):
-    """However many bodies of other rates have a lower cost with their own error."""
-    bodies = [_weighted(-9.0 - 0.5 * k, 0.0, 1.0).refined for k in range(20)]
-    for k, body in enumerate(bodies):
-        body.cost = 100.0 if k == first else float(k)
-    rotations = [_weighted(0.0, 0.0, 1.0).refined for _ in range(14)]
-    for rotation in rotations:
-        rotation.cost = -1.0
-    search = _search_of(_given(np.zeros(COUNT)), convex=[*bodies, *rotations])
-    fitted = []
+def _compared_fits(monkeypatch):
+    """The fits that are compared when a search ends, and whether with the wide prior."""
+    compared = []
 
     def robust(self, problem, fit, *, is_wide=False):
-        fitted.append(fit)
+        compared.append((fit, is_wide))
         return _evidence.Weighted(fit, problem, fit.cost, np.zeros(COUNT), 1.0)
 
     for name, fake in (
@@ -307,10 +306,24 @@ def test_the_first_rates_by_ellipsoids_are_compared_too(monkeypatch, first, expe
         ("_axial_solutions", lambda self, problem, solutions: []),
     ):
         monkeypatch.setattr(_search.Search, name, fake)
+    return compared
+
+
+@pytest.mark.parametrize(("first", "expected"), [(0, True), (4, False)])
+def test_the_first_rates_by_ellipsoids_are_compared_too(monkeypatch, first, expected):
+    """However many bodies of other rates have a lower cost with their own error."""
+    bodies = [_weighted(-9.0 - 0.5 * k, 0.0, 1.0).refined for k in range(20)]
+    for k, body in enumerate(bodies):
+        body.cost = 100.0 if k == first else float(k)
+    rotations = [_weighted(0.0, 0.0, 1.0).refined for _ in range(14)]
+    for rotation in rotations:
+        rotation.cost = -1.0
+    search = _search_of(_given(np.zeros(COUNT)), convex=[*bodies, *rotations])
+    compared = _compared_fits(monkeypatch)
     search.finish(10)
-    assert any(fit is bodies[first] for fit in fitted) == expected
+    assert any(fit is bodies[first] for fit, _ in compared) == expected
     # rotations take no places of tumbling bodies
-    assert sum(fit is not bodies[first] for fit in fitted) >= 10
+    assert sum(fit is not bodies[first] for fit, _ in compared) >= 10
 
 
 @pytest.mark.parametrize(("ahead", "maps"), [(10.0, 0), (70.0, 0), (90.0, 1), (200.0, 1)])
@@ -360,7 +373,7 @@ def test_a_tumbling_body_that_hardly_nutates_is_compared_as_a_rotation(
     solution = _weighted(nutation, 0.0, 1.0)
     solution.refined.state[3] = ln_rho
     search = _search_of(_given(np.zeros(COUNT)), solutions=[solution])
-    fitted, compared = [], []
+    fitted = []
 
     def refine(problem, start, *, tie, fixed):
         fitted.append(tie.is_wide and _ellipsoid.is_axial(start))
@@ -370,21 +383,9 @@ def test_a_tumbling_body_that_hardly_nutates_is_compared_as_a_rotation(
     assert search._hardly_nutating() == expected
     assert fitted == [True] * expected
     search.convex = [SimpleNamespace(state=_body(), cost=0.0)]
-
-    def robust(self, problem, fit, *, is_wide=False):
-        compared.append(is_wide)
-        return _evidence.Weighted(fit, problem, fit.cost, np.zeros(COUNT), 1.0)
-
-    for name, fake in (
-        ("_robust", robust),
-        ("_ranked", lambda self, problem, fit: fit),
-        ("_with_own_error", lambda self, best: self.problem),
-        ("_takes_noise", lambda self, problem, best: False),
-        ("_axial_solutions", lambda self, problem, solutions: []),
-    ):
-        monkeypatch.setattr(_search.Search, name, fake)
+    compared = _compared_fits(monkeypatch)
     search.finish()
-    assert compared == [False] + [True] * expected
+    assert [is_wide for _, is_wide in compared] == [False] + [True] * expected
 
 
 SIGNS = np.where(np.arange(COUNT) % 2, 1.0, -1.0)
@@ -408,13 +409,12 @@ def test_orbits_beside_rotations_where_none_explains_the_curve(monkeypatch, size
 
     monkeypatch.setattr(_search.Search, "_explained", of_body)
     monkeypatch.setattr(_satellites, "orbits_beside", lambda alone: [alone.rate])
-    monkeypatch.setattr(
-        _search.Search, "_rivals", lambda self, pairs, rates: self.dips.extend(pairs) or []
-    )
+    monkeypatch.setattr(_search.Search, "_with_orbits", lambda self, pairs: list(pairs))
+    monkeypatch.setattr(_search.Search, "_rivals", lambda self, orbits, rates: [])
     assert search._beside_bodies() == []
     assert len(explained) == bodies and len(set(explained)) == bodies
     # series beside worse rotations say nothing of dips: Toutatis was "not solved" by one
-    assert [pair for pair, _ in search.dips] == explained[:1]
+    assert search.dips == explained[:1]
 
 
 @pytest.mark.parametrize(
@@ -445,7 +445,9 @@ def test_dips_beside_a_wrong_rotation_brighten(monkeypatch, left, brightens, sea
     ):
         monkeypatch.setattr(owner, name, fake)
     pair = _satellites.AdditivePair(20.0, 7.0, left)
-    rivals = search._rivals([(pair, SimpleNamespace(rate=20.0))], np.array([20.0]))
+    orbits = search._with_orbits([(pair, SimpleNamespace(rate=20.0))])
+    assert [orbit.brightens for orbit, _ in orbits] == [brightens[0]]
+    rivals = search._rivals(orbits, np.array([20.0]))
     expected = [(7.0, (20.0,)), (7.1, (31.0,))][:searches]
     assert tried == expected
     assert len(rivals) == (searches > 0 and brightens[-1] < 0.35)

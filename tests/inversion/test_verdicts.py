@@ -452,6 +452,7 @@ def test_offsets_are_searched_where_one_zero_point_explains_nothing(
 
     class Search:
         settings, problem, is_over = DEFAULT, _problem(0.02), False
+        is_at_floor = _search.Search.is_at_floor
 
         def __init__(self):
             self.solutions, self.notes, self.runs, self.constant = [], [], 0, ""
