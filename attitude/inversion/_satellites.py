@@ -15,7 +15,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from attitude._support import least_squares
 from attitude._support.arrays import distinct
+from attitude._support.least_squares import Near
 from attitude.inversion import _lattices, _refinement
 from attitude.inversion._ellipsoid import SearchState
 from attitude.photometry import _spectrum
@@ -68,6 +70,8 @@ _SHIFTS = tuple(0.04 * k for k in range(-6, 7))
 _FINER = tuple(0.01 * k for k in range(-3, 4))
 # Steps of the fit of both frequencies.
 _STEPS = 4
+# The step after one that fails is half as long.
+_RULE = least_squares.Rule(start=1e-3, least=1e-9, stuck=1e6, larger=1e3, gain=0.0, settled=_STEPS)
 # The longest step, turns per span.
 _LONGEST = 0.1
 # Skewness of dips at least (binaries: 1.2 to 2.1): half of a pair of equal bodies is 0.75, and
@@ -457,43 +461,48 @@ def _is_comb(orbits: FloatArray, rotation: float) -> BoolArray:
 def _fitted(
     problem: CurveProblem, rotation: float, orbit: float, *, steps: int = _STEPS
 ) -> AdditivePair:
-    """The pair near two frequencies whose series fit best, linear terms projected out exactly."""
+    """The pair near two frequencies whose series fit best."""
+    problem.tally.add(steps * len(problem), problem.settings.series_cost)
+    fits = least_squares.Problem(lambda pairs: _linearised(problem, *pairs[0, :2]), _moved)
+    start = np.array([AdditivePair(rotation, orbit, math.inf)])
+    best = least_squares.minimum(fits, start, _RULE, steps).states[0]
+    return AdditivePair(*best.tolist())
+
+
+def _moved(pairs: FloatArray, steps: FloatArray) -> tuple[FloatArray, BoolArray]:
+    """Pairs (S, 7) after steps (S, 2) of their frequencies, which have no bounds."""
+    moved = pairs.copy()
+    moved[:, :2] += np.clip(steps, -_LONGEST, _LONGEST)
+    return moved, np.ones(len(pairs), bool)
+
+
+def _linearised(problem: CurveProblem, rotation: float, orbit: float) -> Near:
+    """The pair of two frequencies, as a row (1, 7); linear terms are projected out exactly."""
     y = problem.projected(problem.y)
     total = float(y @ y)
-    pair = np.array([rotation, orbit])
-    best = AdditivePair(rotation, orbit, math.inf)
+    bases = [series(rotation, ORDERS[0], problem.t), changing(orbit, problem.t, ORDERS[1])]
+    joint = problem.projected(np.concatenate(bases, axis=1).T)
     # without it a series reaches many magnitudes where no points are
     held = np.full(2 * ORDERS[0], _spectrum.RIDGE)
     deviations = _deviations(_AMPLITUDES[0], _CHANGES[0], _WIDE[0], ORDERS[1])
-    held = np.concatenate([held, deviations**-2.0])
-    problem.tally.add(steps * len(problem), problem.settings.series_cost)
-    for step in range(steps):
-        bases = [series(pair[0], ORDERS[0], problem.t), changing(pair[1], problem.t, ORDERS[1])]
-        joint = problem.projected(np.concatenate(bases, axis=1).T)
-        inner = joint @ joint.T + np.diag(held)
-        along = joint @ y
-        amplitudes: FloatArray = np.asarray(np.linalg.solve(inner, along), np.float64)
-        left = 1.0 - float(amplitudes @ along) / total
-        of_rotation, of_orbit = np.split(amplitudes, [2 * ORDERS[0]])
-        if left < best.left:
-            shape = _dips(of_orbit[: 2 * ORDERS[1]])
-            best = AdditivePair(float(pair[0]), float(pair[1]), left, *shape)
-        if step == steps - 1:
-            break
-        mean, change = np.split(of_orbit, 2)
-        slopes = [
-            _slope(bases[0], of_rotation),
-            _slope(bases[1][:, : len(mean)], mean) + _slope(bases[1][:, len(mean) :], change),
-        ]
-        residual = y - joint.T @ amplitudes
-        both = problem.projected((2.0 * math.pi * problem.t[:, None] * np.stack(slopes, axis=1)).T)
-        # amplitudes follow: they are eliminated
-        across = np.linalg.solve(inner, joint @ both.T)
-        normal = both @ both.T - (both @ joint.T) @ across
-        side = both @ residual - across.T @ (joint @ residual)
-        move = np.linalg.lstsq(normal, side, rcond=1e-12)[0]
-        pair = pair + np.clip(move, -_LONGEST, _LONGEST)
-    return best
+    inner = joint @ joint.T + np.diag(np.concatenate([held, deviations**-2.0]))
+    along = joint @ y
+    amplitudes: FloatArray = np.asarray(np.linalg.solve(inner, along), np.float64)
+    left = 1.0 - float(amplitudes @ along) / total
+    of_rotation, of_orbit = np.split(amplitudes, [2 * ORDERS[0]])
+    mean, change = np.split(of_orbit, 2)
+    slopes = [
+        _slope(bases[0], of_rotation),
+        _slope(bases[1][:, : len(mean)], mean) + _slope(bases[1][:, len(mean) :], change),
+    ]
+    both = problem.projected((2.0 * math.pi * problem.t[:, None] * np.stack(slopes, axis=1)).T)
+    # amplitudes follow: they are eliminated
+    across = np.linalg.solve(inner, joint @ both.T)
+    normal = both @ both.T - (both @ joint.T) @ across
+    residual = y - joint.T @ amplitudes
+    gradient = both @ residual - across.T @ (joint @ residual)
+    pair = AdditivePair(rotation, orbit, left, *_dips(mean))
+    return Near(np.array([pair]), np.array([left]), normal[None] / total, gradient[None] / total)
 
 
 def _fitted_about(problem: CurveProblem, rotation: float, orbit: float) -> AdditivePair:
