@@ -230,40 +230,40 @@ class Entry(Answering):
             "axes, of any unit."
         )
 
-    def load(self, **given: Any) -> Loaded:
+    def load(self, **keywords: Any) -> Loaded:
         """Body and spin; keywords supply values that are missing, or replace published ones.
 
         An epoch without phi0, psi0 or wxyz is one to which the published state is propagated.
         """
-        unknown = [name for name in given if name not in _KEYWORDS]
+        unknown = [name for name in keywords if name not in _KEYWORDS]
         if unknown:
             are = "is not a keyword" if len(unknown) == 1 else "are not keywords"
             raise AttitudeError(
                 f"{', '.join(unknown)} {are} of load; give any of {', '.join(_KEYWORDS)}."
             )
-        given = {name: value for name, value in given.items() if value is not None}
-        if self.is_propagated(given):
-            to = given.pop("epoch")
-            body, spin = self.load(**given)
+        keywords = {name: value for name, value in keywords.items() if value is not None}
+        if self.is_propagated(keywords):
+            to = keywords.pop("epoch")
+            body, spin = self.load(**keywords)
             return Loaded(body, FreeRotation(body, spin).spin_at(to))
-        kind = self._kind(given)
-        missing = [name for name in _NEEDED[kind] if name not in given and not self._has(name)]
+        kind = self._kind(keywords)
+        missing = [name for name in _NEEDED[kind] if name not in keywords and not self._has(name)]
         if missing:
             raise AttitudeError(self._request(missing))
-        body = self.body(moments=given.get("moments"))
-        frame = given.get("frame", self.frame)
+        body = self.body(moments=keywords.get("moments"))
+        frame = keywords.get("frame", self.frame)
         if kind == "rates":
-            return Loaded(body, self._from_rates(body, given, frame))
-        state = {name: self._value(name, given) for name in _NEEDED[kind] if name != "moments"}
+            return Loaded(body, self._from_rates(body, keywords, frame))
+        state = {name: self._value(name, keywords) for name in _NEEDED[kind] if name != "moments"}
         if kind == "angles":
             state["convention"] = self.convention
             return Loaded(body, Spin.from_angles(body, **state, frame=frame))
-        branch = given.get("theta_branch")
+        branch = keywords.get("theta_branch")
         return Loaded(body, Spin.from_periods(body, **state, theta_branch=branch, frame=frame))
 
-    def motion(self, **given: Any) -> FreeRotation:
+    def motion(self, **keywords: Any) -> FreeRotation:
         """The ``FreeRotation`` of the body and spin of `load`, with the same keywords."""
-        return FreeRotation(*self.load(**given))
+        return FreeRotation(*self.load(**keywords))
 
     def __str__(self) -> str:
         lines = [self.name]
@@ -301,13 +301,13 @@ class Entry(Answering):
             return "angles"
         return "periods" if "P_phi" in self.given else "rates"
 
-    def is_propagated(self, given: Mapping[str, Any]) -> bool:
+    def is_propagated(self, keywords: Mapping[str, Any]) -> bool:
         """Whether `load` brings the published state to an epoch among keywords, by free rotation.
 
         Otherwise the epoch is that of a state which the keywords complete or replace.
         """
-        has_own = "epoch" in self.given and not {"phi0", "psi0", "wxyz"} & set(given)
-        return has_own and given.get("epoch") is not None
+        has_own = "epoch" in self.given and not {"phi0", "psi0", "wxyz"} & set(keywords)
+        return has_own and keywords.get("epoch") is not None
 
     def _has(self, name: str) -> bool:
         """Whether the entry has a value under a keyword of `load`."""
@@ -377,9 +377,9 @@ def has(name: str) -> bool:
     return len({candidate.name.partition(" (")[0] for candidate in matches}) == 1
 
 
-def load(name: str, **given: Any) -> Loaded:
+def load(name: str, **keywords: Any) -> Loaded:
     """Body and spin of a published state: ``body, spin = load(name)``."""
-    return entry(name).load(**given)
+    return entry(name).load(**keywords)
 
 
 def motion_of(given: HasAttitudes | str, name: str = "motion") -> Motion:

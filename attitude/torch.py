@@ -131,8 +131,8 @@ class _Propagation(torch.autograd.Function):
         return d_wxyz, d_omega
 
     @staticmethod
-    def vmap(info, in_dims, *given):
-        return _Propagation.apply(*_moved(info, in_dims, given)), (0, 0)
+    def vmap(info, in_dims, *arguments):
+        return _Propagation.apply(*_moved(info, in_dims, arguments)), (0, 0)
 
 
 class _Derivatives(torch.autograd.Function):
@@ -150,22 +150,22 @@ class _Derivatives(torch.autograd.Function):
         ctx.mark_non_differentiable(*output)
 
     @staticmethod
-    def vmap(info, in_dims, *given):
-        return _Derivatives.apply(*_moved(info, in_dims, given)), (0, 0)
+    def vmap(info, in_dims, *arguments):
+        return _Derivatives.apply(*_moved(info, in_dims, arguments)), (0, 0)
 
 
-def _moved(info, in_dims, given):
+def _moved(info, in_dims, arguments):
     """The arguments with the mapped axis first, of length 1 for epochs that are not mapped."""
     moved = [
         argument[None] if dim is None else argument.movedim(dim, 0)
-        for argument, dim in zip(given, in_dims, strict=True)
+        for argument, dim in zip(arguments, in_dims, strict=True)
     ]
     bodies = [argument.expand(info.batch_size, *argument.shape[1:]) for argument in moved[:3]]
     return *bodies, moved[3]
 
 
-def _call(given, sensitivity):
-    arrays = [tensor.detach().numpy() for tensor in given]
+def _call(arguments, sensitivity):
+    arrays = [tensor.detach().numpy() for tensor in arguments]
     outputs = _compiled(*arrays, angular_velocity=True, sensitivity=sensitivity)
     return tuple(torch.from_numpy(np.ascontiguousarray(output)) for output in outputs)
 

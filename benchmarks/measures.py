@@ -2,7 +2,7 @@
 
     python benchmarks/measures.py                # of this checkout
     python benchmarks/measures.py ROOT           # of another one
-    python benchmarks/measures.py --folders      # files, lines and tokens of each folder too
+    python benchmarks/measures.py --folders      # of each folder too, and what its code consists of
     python benchmarks/measures.py -v             # name circles, bases, vague names and long calls
 
 What is counted, of the Python files of attitude/ but those of the subjects that stand on top of the
@@ -21,6 +21,9 @@ rest (LATER):
 * assignments of several names: statements with a tuple of two or more targets on the left.
 * vague names: places that assign one of VAGUE, and parameters of such a name.
 * long calls: functions with more than eight positional parameters, without the compiled ones.
+* kinds of code: each line of code is counted once, in the first that fits of imports; signatures,
+  with decorators; raised errors; constants of modules; fields of classes; bodies of compiled
+  functions; other bodies.
 """
 
 import argparse
@@ -35,6 +38,7 @@ from pathlib import Path
 PACKAGE = "attitude"
 LATER = {"averaged", "proof", "averaged.py", "proof.py"}
 VAGUE = ("found", "each", "part", "given", "made", "rest", "here", "own", "near")
+KINDS = ("imports", "signatures", "errors", "constants", "fields", "compiled", "bodies")
 MOST_POSITIONAL = 8
 HANDS_ON = 16
 FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
@@ -168,6 +172,40 @@ def lines_of_code(module):
         number not in docstrings and _is_code(line)
         for number, line in enumerate(module.text.splitlines(), 1)
     )
+
+
+def kinds_of(module):
+    """Lines of code of each of KINDS."""
+    kinds = {}
+    _collect_kinds(module.tree, "bodies", kinds)
+    docstrings = docstring_lines(module.tree)
+    counts = dict.fromkeys(KINDS, 0)
+    for number, line in enumerate(module.text.splitlines(), 1):
+        if number not in docstrings and _is_code(line):
+            counts[kinds.get(number, "bodies")] += 1
+    return counts
+
+
+def _collect_kinds(node, of_bodies, kinds):
+    """Note the kind of each line below a node; of_bodies: that of statements in functions."""
+    for child in ast.iter_child_nodes(node):
+        first, last = getattr(child, "lineno", 0), getattr(child, "end_lineno", 0)
+        inner, kind = of_bodies, None
+        if isinstance(child, (*FUNCTIONS, ast.ClassDef)):
+            if any(COMPILED.search(ast.unparse(d)) for d in child.decorator_list):
+                inner = "compiled"
+            kinds.update(dict.fromkeys(range(first, last + 1), inner))
+            first = min([first, *(d.lineno for d in child.decorator_list)])
+            kind, last = "signatures", max(child.lineno, child.body[0].lineno - 1)
+        elif isinstance(child, (ast.Import, ast.ImportFrom)):
+            kind = "imports"
+        elif isinstance(child, ast.Raise):
+            kind = "errors"
+        elif isinstance(child, (ast.Assign, ast.AnnAssign)):
+            kind = {ast.Module: "constants", ast.ClassDef: "fields"}.get(type(node))
+        if kind is not None:
+            kinds.update(dict.fromkeys(range(first, last + 1), kind))
+        _collect_kinds(child, inner, kinds)
 
 
 def _is_code(line):
@@ -344,11 +382,12 @@ def measure(root):
 
 
 def _by_folder(modules):
-    """{folder: (files, lines, lines of code, tokens)}."""
+    """{folder: (files, lines, lines of code, tokens, and lines of code of each of KINDS)}."""
     sums = {}
     for module in modules.values():
         row = 1, len(module.text.splitlines()), lines_of_code(module), tokens_of(module)
-        before = sums.get(module.folder, (0, 0, 0, 0))
+        row += tuple(kinds_of(module).values())
+        before = sums.get(module.folder, (0,) * len(row))
         sums[module.folder] = tuple(a + b for a, b in zip(before, row, strict=True))
     return sums
 
@@ -385,9 +424,12 @@ def main(arguments):
     for name, number in rows_of(measures):
         print(f"{name:38}{number:8d}")
     if options.folders:
-        print(f"\n{'folder':28}{'files':>7}{'lines':>8}{'code':>8}{'tokens':>9}")
-        for name, row in sorted(measures.folders.items(), key=lambda item: -item[1][3]):
-            print(f"{name:28}{row[0]:7d}{row[1]:8d}{row[2]:8d}{row[3]:9d}")
+        titles = ("files", "lines", "code", "tokens", *KINDS)
+        print(f"\n{'folder':26}" + "".join(f"{title:>11}" for title in titles))
+        rows = sorted(measures.folders.items(), key=lambda item: -item[1][3])
+        sums = [sum(column) for column in zip(*measures.folders.values(), strict=True)]
+        for name, row in [*rows, ("all", sums)]:
+            print(f"{name:26}" + "".join(f"{number:11d}" for number in row))
     if options.verbose:
         print_names(measures)
 

@@ -234,14 +234,14 @@ def _two_by_four(rows, a, b, n):
 
 
 @reduction
-def _products(states, t, sun, observer, y, weight, r, g, rows, of_rows, found):
-    """Products of the residuals and derivatives of states (S, 16), into found (S, R, R).
+def _products(states, t, sun, observer, y, weight, r, g, rows, of_rows, out):
+    """Products of the residuals and derivatives of states (S, 16), into out (S, R, R).
 
     R is 11, or 1 for residuals alone, where g is empty.  rows ((12 + L) N,): those of a state as in
     `residuals`, which are overwritten, then L that are projected out; of_rows (R + 1, 12 + L) is
     working memory; L is a multiple of four.  The others are as in `residuals`.
     """
-    n, count, columns = t.size, found.shape[1], of_rows.shape[1]
+    n, count, columns = t.size, out.shape[1], of_rows.shape[1]
     for number in range(states.shape[0]):
         attitudes(states[number], t, r, g)
         residuals(states[number], t, sun, observer, y, weight, r, g, rows)
@@ -258,7 +258,7 @@ def _products(states, t, sun, observer, y, weight, r, g, rows, of_rows, found):
                 product = of_rows[row, column]
                 for k in range(_ROWS, columns):
                     product -= of_rows[row, k] * of_rows[column, k]
-                found[number, row, column] = found[number, column, row] = product
+                out[number, row, column] = out[number, column, row] = product
 
 
 # ---- Least squares of the ellipsoid, linearised

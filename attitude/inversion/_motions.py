@@ -300,13 +300,13 @@ def _of_one(precession, nutation, log_rho, x):
 
 
 @entry_point
-def _of_many(elements, found):
-    """What `_of_one` gives for elements (4, N), into found (4, N)."""
+def _of_many(elements, out):
+    """What `_of_one` gives for elements (4, N), into out (4, N)."""
     for i in range(elements.shape[1]):
         one, two, exists, momentum = _of_one(
             elements[0, i], elements[1, i], elements[2, i], elements[3, i]
         )
-        found[0, i], found[1, i], found[2, i], found[3, i] = one, two, exists, momentum
+        out[0, i], out[1, i], out[2, i], out[3, i] = one, two, exists, momentum
 
 
 def moments(elements: FloatArray) -> ElementMoments:

@@ -342,11 +342,11 @@ def _are_one(orbit: float, other: float) -> bool:
     return abs(orbit - other) <= _CLOSE
 
 
-def _distinct(found: list[AdditivePair]) -> list[AdditivePair]:
+def _distinct(pairs: list[AdditivePair]) -> list[AdditivePair]:
     """Pairs with dips whose frequencies form no comb, each once, the best first."""
     dips = (
         pair
-        for pair in sorted(found, key=lambda each: each.left)
+        for pair in sorted(pairs, key=lambda pair: pair.left)
         if pair.are_dips and not _is_comb(np.array([pair.orbit]), pair.rotation)[0]
     )
     return distinct(dips, lambda a, b: max(abs(a[0] - b[0]), abs(a[1] - b[1])) < _CLOSE)
@@ -385,7 +385,7 @@ def _scanned(problem: CurveProblem, rotations: FloatArray) -> list[AdditivePair]
         rows = ((-float(gain[k]), float(rotation), float(orbits[k]) / _FINE) for k in best)
         scanned += distinct(rows, lambda a, b: _are_one(a[2], b[2]), _ORBITS)
     fits = [_fitted(problem, *pair[1:], steps=2) for pair in sorted(scanned)[:_FITTED]]
-    fits.sort(key=lambda each: each.left)
+    fits.sort(key=lambda fit: fit.left)
     return [_fitted(problem, fit.rotation, fit.orbit) for fit in fits[:_FREE]]
 
 
@@ -446,9 +446,7 @@ def with_orbit(problem: CurveProblem, pair: AdditivePair) -> AdditivePair:
 def _shortest(fits: list[AdditivePair], problem: CurveProblem) -> AdditivePair:
     """The pair of the shortest periods among those that fit as well as the best one."""
     most = min(fit.left for fit in fits) * (1.0 + problem.settings.competing / len(problem))
-    return max(
-        (fit for fit in fits if fit.left < most), key=lambda each: each.rotation * each.orbit
-    )
+    return max((fit for fit in fits if fit.left < most), key=lambda fit: fit.rotation * fit.orbit)
 
 
 def _is_comb(orbits: FloatArray, rotation: float) -> BoolArray:

@@ -259,7 +259,7 @@ class LightCurve(Immutable):
         columns: Mapping[str, str] | None = None,
         bad: str = "warn",
         encoding: str | None = None,
-        **given: Any,
+        **replacing: Any,
     ) -> Self:
         """The light curve in a file.
 
@@ -280,7 +280,7 @@ class LightCurve(Immutable):
         encoding : str, optional
             Of the text, as Python names it; by default UTF-8, or with a note Latin-1 where it is
             not.
-        **given
+        **replacing
             Keywords of the class, which replace those of the file; geometry that the file does not
             have (``path=``, ``site=``), `frame`, `zero_points`, `exposure`.
 
@@ -290,7 +290,7 @@ class LightCurve(Immutable):
             For a file that cannot be read, an unknown format, a file without any usable row, and
             as the class.
         """
-        replaced = dict(given)
+        replaced = dict(replacing)
         opened = _files.opened(path, format=format, columns=columns, bad=bad, encoding=encoding)
         keywords = {key: value for key, value in opened.items() if key != "rows"}
         if any(key in replaced for key in ("scene", "path", "sun", "observer")):

@@ -404,10 +404,10 @@ def periodogram(
     errors: Reals | None = None,
     *,
     count: int = 10,
-    **given: Any,
+    **keywords: Any,
 ) -> Periods:
     """`periods` with ``count=1`` under its earlier name; `count` is that of the peaks."""
-    return periods(t, values, errors, count=1, keep=count, **given)
+    return periods(t, values, errors, count=1, keep=count, **keywords)
 
 
 def two_periods(
@@ -416,10 +416,10 @@ def two_periods(
     errors: Reals | None = None,
     *,
     count: int = 20,
-    **given: Any,
+    **keywords: Any,
 ) -> Periods:
     """`periods` with ``count=2`` under its earlier name; `count` is that of the pairs."""
-    return periods(t, values, errors, count=2, keep=count, **given)
+    return periods(t, values, errors, count=2, keep=count, **keywords)
 
 
 def _significant(result: Periods) -> _spectrum.RefinedSeries | None:
