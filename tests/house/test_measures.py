@@ -78,9 +78,26 @@ def counted(tmp_path):
 
 def test_files_lines_and_tokens(counted):
     assert counted.files == 8  # proof/ comes after this step
-    assert counted.folders["attitude.body"] == (3, 16, 11, 53)
+    assert counted.folders["attitude.body"][:4] == (3, 16, 11, 53)
     assert counted.lines == sum(row[1] for row in counted.folders.values())
     assert counted.tokens == sum(row[3] for row in counted.folders.values())
+
+
+def test_kinds_of_code(counted):
+    """Imports inside functions are imports; nested functions have signatures too."""
+    rows = {name: row[4:] for name, row in counted.folders.items()}
+    assert dict(zip(measures.KINDS, rows["attitude.body"], strict=True)) == {
+        "imports": 6,
+        "signatures": 3,
+        "errors": 0,
+        "constants": 0,
+        "fields": 0,
+        "compiled": 0,
+        "bodies": 2,
+    }
+    # a body that is compiled by a call has no decorator that says so
+    assert rows["attitude.numbers"] == (0, 5, 0, 9, 0, 1, 7)
+    assert all(sum(row[4:]) == row[2] for row in counted.folders.values())
 
 
 def test_rooms_are_those_that_hold_something(counted):
