@@ -399,9 +399,11 @@ def rates_beside(problem: CurveProblem, rates: FloatArray, most: float) -> Float
     """Rates (R,), turns per span, to try beside the orbit of a problem: some, and strong lines.
 
     Deep dips hide the lines of a rotation from every series that is fitted without its aspect.
+    Rates on the comb of the orbit are none: two multiples of an orbit explain its dips too.
     """
     lines = _lattices.rotations(problem, most, _ROTATIONS)
-    return _once(np.concatenate([rates[rates < 2.0 * most], lines]))
+    ordered = _once(np.concatenate([rates[rates < 2.0 * most], lines]))
+    return ordered[~_is_comb(ordered, problem.orbit)]
 
 
 def rates_of(pairs: list[AdditivePair]) -> FloatArray:
@@ -449,10 +451,10 @@ def _shortest(fits: list[AdditivePair], problem: CurveProblem) -> AdditivePair:
     return max((fit for fit in fits if fit.left < most), key=lambda fit: fit.rotation * fit.orbit)
 
 
-def _is_comb(orbits: FloatArray, rotation: float) -> BoolArray:
-    """Which frequencies (P,) have lines of the comb of a rotation within a turn of the span."""
+def _is_comb(frequencies: FloatArray, other: float) -> BoolArray:
+    """Which frequencies (P,) are on one comb with another one, within a turn of the span."""
     ratios = {i / j for i in range(1, _COMB + 1) for j in range(1, _COMB + 1)}
-    on = [np.abs(orbits - ratio * rotation) < 1.0 for ratio in ratios]
+    on = [np.abs(frequencies - ratio * other) < 1.0 for ratio in ratios]
     return np.asarray(np.any(on, axis=0))
 
 

@@ -663,6 +663,16 @@ def test_the_rates_beside_an_orbit_have_lines_that_its_dips_hide():
     assert np.diff(rates).min() > 0.3
 
 
+def test_no_rate_beside_an_orbit_is_on_its_comb():
+    """Three times and twice a frequency explain its dips together, one of them as a rotation."""
+    given = _eclipses(np.random.default_rng(6), 71.3, 9.7, (0.6, 0.3), size=0.03)
+    pair = _satellites.AdditivePair(71.3, 1.5 * 9.7, 0.1)
+    problem = _satellites.beside(given, pair, _satellites.of_series(given, pair.rotation))
+    rates = _satellites.rates_beside(problem, np.array([9.7, 2.0 * 9.7, 25.0, 55.0]), 100.0)
+    assert {25.0, 55.0} <= set(rates)
+    assert all(np.abs(rates - ratio * 9.7).min() > 0.9 for ratio in (1.0, 1.5, 2.0, 3.0, 6.0))
+
+
 @pytest.mark.parametrize("depths", [(0.3, 0.3), (0.3, 0.12)])
 @pytest.mark.parametrize("factor", [1.0 / 3.0, 0.5, 1.0, 2.0])
 def test_an_orbit_has_two_eclipses(depths, factor):
