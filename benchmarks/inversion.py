@@ -41,6 +41,7 @@ from astropy.time import Time
 from attitude import catalog, inversion
 from attitude.frames import matrix_to_icrf
 from attitude.inversion import (
+    _apparitions,
     _ellipsoid,
     _lattices,
     _pole_map,
@@ -429,12 +430,14 @@ def costs() -> dict[str, float]:
     states = _ellipsoid.starts(rng, *np.array(rates).T)
     held = _ellipsoid.Held(DEFAULT.tie)
     bodies = _ellipsoid.minimised(problem, states[:20], 8, tie=held).states
+    combs, poles = _apparitions.Combs(problem), _pole_map.sphere(_apparitions.POLES)
     work = {
         "pairs of frequencies": lambda: _lattices.lattice_pairs(problem, min(most, 250.0), 200),
         "screened ellipsoids": lambda: _ellipsoid.costs(problem, states),
         "fitted ellipsoids": lambda: _ellipsoid.minimised(problem, states, 6, tie=held),
         "lopsided bodies": lambda: _bodies(problem, bodies, 3, DEFAULT.short_modes),
         "convex bodies": lambda: _bodies(problem, bodies, 20, _shapes.MODES),
+        "rates about poles": lambda: _apparitions.scan(combs, poles, 100.0, 120.0, lambda: False),
     }
     ratios = {}
     with _refinement.limited():

@@ -240,13 +240,15 @@ _HARMONICS = np.arange(1, 5)
 _AMPLITUDES = np.array([_OTHER, _TWO, _OTHER, _OTHER])
 # Least points of an apparition with a series.
 _LEAST_POINTS = 20
-# Windows of rates that are tried at least.
+# Windows of rates that are tried at least, and that notes name.
 _WINDOWS = 6
+# The share of the budget after which no further window is tried.
+_SHARE = 0.75
 # Rates between looks at the budget.
 _BLOCK = 10_000
 # Rates of all, the best, that stay in memory.
-_KEPT = 5_000
-# Turns in the span up to which every rate, or all windows, are tried about all poles, some 10 s.
+_KEPT = 50_000
+# Turns in the span up to which every rate is tried about all poles.
 _WHOLE = 800.0
 # Half the width of a window beside the turn of the scene, turns in the longest apparition.
 _HALF = 0.6
@@ -257,7 +259,7 @@ _BESIDE = 30.0
 
 
 class Windows(NamedTuple):
-    """Windows of rates, turns per span, the most probable first, and whether more would fit."""
+    """Windows of rates, turns per span, the most probable first, and whether more may fit."""
 
     bounds: list[tuple[float, float]]
     are_limited: bool = False
@@ -290,18 +292,20 @@ def windows(problem: CurveProblem, low: float, high: float) -> Windows:
         if problem.tally.is_over:
             break
     half = _HALF / length + _fastest(problem, spans)
-    peaks: list[float] = []
+    # by the number of a window, which holds one at most
+    peaks: dict[int, float] = {}
     most = _LEFT * max(float(left.min()), 0.0) + _BESIDE
-    count = max(_WINDOWS, int(0.5 * _WHOLE / half))
     # the best rates and half of each, a window apart
     for k in np.argsort(left, kind="stable"):
-        if left[k] > most or len(peaks) >= count:
+        if left[k] > most:
             break
         for rate in (float(rates[k]), 0.5 * float(rates[k])):
-            if rate >= low and all(abs(rate - other) > 2.0 * half for other in peaks):
-                peaks.append(rate)
-    bounds = [(max(low, peak - half), min(high, peak + half)) for peak in peaks]
-    return Windows(bounds, len(peaks) >= count)
+            number = int(rate / (2.0 * half))
+            beside = (peaks.get(number + shift, math.inf) for shift in (-1, 0, 1))
+            if rate >= low and all(abs(rate - other) > 2.0 * half for other in beside):
+                peaks[number] = rate
+    bounds = [(max(low, peak - half), min(high, peak + half)) for peak in peaks.values()]
+    return Windows(bounds, len(left) == _KEPT and bool(left.max() <= most))
 
 
 def _fastest(problem: CurveProblem, spans: Sequence[IntArray]) -> float:
@@ -445,22 +449,24 @@ class RotatorSearch(Search):
         low, high = self.window[0], min(self.window[1], self.most)
         self.tie = replace(self.tie, is_wide=self._has_several)
         chosen = windows(self.problem, low, high)
-        self._add(self._from_trials(self._trials(chosen.bounds)), gain=1e-3)
+        trials, count = self._trials(chosen.bounds)
+        self._add(self._from_trials(trials), gain=1e-3)
         self.progress(f"{len(self.convex)} convex bodies")
         if self._has_several:
             self._at_poles()
         else:
             self._axial_poles()
         # where more rates fit the apparitions alone than are tried, none of them is claimed
-        self.is_complete = not self.is_over and not chosen.are_limited
+        are_all = count == len(chosen.bounds) and not chosen.are_limited
+        self.is_complete = not self.is_over and are_all
         self.finish()
-        if chosen.are_limited:
+        if not are_all:
             self.notes.append(
-                f"More than {len(chosen.bounds)} windows of periods fit the apparitions one by "
-                "one; the others were not tried. Give period=, such as that of a longer series of "
-                "nights."
+                f"{'More than ' if chosen.are_limited else ''}{len(chosen.bounds)} windows of "
+                f"periods fit the apparitions one by one, of which {count} were tried. Give a "
+                "larger budget, or period=, such as that of a longer series of nights."
             )
-        self.notes.append(self._words(chosen.bounds))
+        self.notes.append(self._words(chosen.bounds[:count]))
 
     @property
     def _has_several(self) -> bool:
@@ -486,14 +492,18 @@ class RotatorSearch(Search):
             self._robust(problem, rotator) for rotator in others[: settings.axial_others]
         ]
 
-    def _trials(self, chosen: list[tuple[float, float]]) -> list[Trial]:
-        """The best trials of all windows, the best first."""
+    def _trials(self, chosen: list[tuple[float, float]]) -> tuple[list[Trial], int]:
+        """The best trials of windows, the best first, and how many the budget allows to try."""
         combs, poles = Combs(self.problem), _pole_map.sphere(POLES)
-        trials: list[Trial] = []
+        tally, trials, count = self.problem.tally, list[Trial](), 0
         for low, high in chosen:
+            if count >= _WINDOWS and tally.spent > _SHARE * tally.budget:
+                break
             trials += scan(combs, poles, low, high, lambda: self.is_over)
+            trials = sorted(trials, key=lambda trial: -trial.gain)[:_TRIALS]
             self.progress(f"rates of {len(poles)} poles, {high - low:.0f} turns a span")
-        return sorted(trials, key=lambda trial: -trial.gain)[:_TRIALS]
+            count += 1
+        return trials, count
 
     def _from_trials(self, trials: list[Trial]) -> list[FloatArray]:
         """Distinct ellipsoids, the best first."""

@@ -68,9 +68,9 @@ class Settings:
     # A term of the series of an orbit beside a body, a point.
     orbit_cost: float = 4.0e-8
     # A linear fit of functions that turn with a body, at one rate.
-    comb_cost: float = 5.0e-6
+    comb_cost: float = 1.3e-5
     # The part of that fit of each night.
-    cell_cost: float = 1.5e-7
+    cell_cost: float = 3.5e-8
     # A state of a known shape, a point and a facet.
     facet_cost: float = 1.5e-9
     # Of a body of known shape, from whole searches (`benchmarks/inversion_passes.py`, a budget):

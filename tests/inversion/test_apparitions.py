@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -85,8 +86,28 @@ def test_windows_of_one_apparition_are_all_tried(known):
     chosen = _apparitions.windows(problem, 0.7, 12.0 / 86400.0 * problem.span)
     rate = problem.span / 3600.0 / period
     assert any(low < rate < high for low, high in chosen.bounds)
-    assert sum(high - low for low, high in chosen.bounds) < 800.0
-    assert not chosen.are_limited
+    assert len(chosen.bounds) > 100 and not chosen.are_limited
+    ends = np.sort(chosen.bounds, axis=0)
+    assert np.all(ends[1:, 0] >= ends[:-1, 1] - 1e-9)
+
+
+def test_windows_are_tried_until_the_budget_ends(known):
+    """Blind from 2 to 24 h: none is claimed before all that fit were tried."""
+    found = inversion.spin_states(known[0], "12 /d", modes=("PA",), budget=4)
+    assert found.verdict == "not solved" and "larger budget" in found.notes[-2]
+    words = re.search(
+        r"(\d+) windows of periods fit .*, of which (\d+) were tried", found.notes[-2]
+    )
+    assert 6 <= int(words[2]) < int(words[1])
+
+
+def test_all_windows_of_25_years_are_tried():
+    """Twenty of them, in a quarter of the budget."""
+    curve, period, pole = inversion_apparitions.rotator(103)
+    found = inversion.spin_states(curve, "12 /d", modes=("PA",))
+    right, own, _ = inversion_apparitions.judged(found, curve, period, pole)
+    assert found.verdict == "solved" and right and own < 10.0
+    assert not any("were tried" in note for note in found.notes)
 
 
 def test_period_and_pole_of_25_years(known):
