@@ -2,19 +2,22 @@
 
     python benchmarks/inversion_apparitions.py rotators 12 SEED      synthetic, 25 years, blind
     python benchmarks/inversion_apparitions.py near 12 SEED          the same, periods to 1 %
+    python benchmarks/inversion_apparitions.py without 12 SEED       blind, the true rates left out
     python benchmarks/inversion_apparitions.py damit FILE P LONGITUDE LATITUDE [FOLDER]
     python benchmarks/inversion_apparitions.py each FILE P LONGITUDE LATITUDE
     python benchmarks/inversion_apparitions.py two 6 SEED            tumblers, 2012-13 and 2020-21
     python benchmarks/inversion_apparitions.py drift 6 SEED          the same under a torque
 
 `rotators`: relative nights and calibrated sparse points of another forward model
-(`inversion_cases`), blind from 2 to 24 h.  `damit`: a file of relative light curves in DAMIT's
-format, blind from 2 to 24 h and between P -+ 0.01 %, against the published period (h) and pole
-(ecliptic, deg); with FOLDER, in which `convexinv` is built, the same curves by that program from
-the published values.  `each`: every apparition of the file alone.  `two`: tumbling bodies of
-`inversion_cases` on the orbit of (99942) Apophis, seen on 40 nights from 23 December 2012 to 15
-April 2013 and on 60 from 15 November 2020 to 10 May 2021, three points an hour, errors of 0.03 mag;
-`drift`: under a torque fixed in the body that changes its rates by 2 to 6 turns per span^2.
+(`inversion_cases`), blind from 2 to 24 h, budget 60 s.  `without`: no window of the true rate, half
+of it or twice is searched, so that each claim is wrong.  `damit`: a file of relative light curves
+in DAMIT's format, blind from 2 to 24 h and between P -+ 0.01 %, against the published period (h)
+and pole (ecliptic, deg); with FOLDER, in which `convexinv` is built, the same curves by that
+program from the published values.  `each`: every apparition of the file alone.  `two`: tumbling
+bodies of `inversion_cases` on the orbit of (99942) Apophis, seen on 40 nights from 23 December 2012
+to 15 April 2013 and on 60 from 15 November 2020 to 10 May 2021, three points an hour, errors of
+0.03 mag; `drift`: under a torque fixed in the body that changes its rates by 2 to 6 turns per
+span^2.
 Processor seconds.
 """
 
@@ -27,6 +30,7 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 
@@ -134,10 +138,12 @@ def judged(found, curve, period: float, pole: np.ndarray) -> tuple[bool, float, 
     return right, own, listed
 
 
-def solved(curve, known: float, pole: np.ndarray, **given) -> tuple[bool, float, float, str, float]:
+def solved(
+    curve, known: float, pole: np.ndarray, budget: float = BUDGET, **given
+) -> tuple[bool, float, float, str, float]:
     """A search, printed: as in `judged`, the verdict, and processor seconds."""
     begin = time.process_time()
-    found = inversion.spin_states(curve, budget=BUDGET, **given)
+    found = inversion.spin_states(curve, budget=budget, **given)
     spent = time.process_time() - begin
     right, own, listed = judged(found, curve, known, pole) if len(found) else (False, 180.0, 180.0)
     print(
@@ -165,7 +171,7 @@ def rotators(count: int, seed: int, is_blind: bool = True) -> str:
         curve, period, pole = rotator(seed + number)
         print(f"{number:2d}", end=" ")
         given = ("2 h", "24 h") if is_blind else f"{1.004 * period} h"
-        rows.append(solved(curve, period, pole, period=given))
+        rows.append(solved(curve, period, pole, 60.0, period=given))
     spent = [row[4] for row in rows[1:]] or [rows[0][4]]
     sums = (
         f"number of turns at rank 1 in {sum(row[0] for row in rows)} of {count}; pole within 10 "
@@ -175,6 +181,36 @@ def rotators(count: int, seed: int, is_blind: bool = True) -> str:
         f"{sum(row[3] == 'not solved' for row in rows)}; processor median {np.median(spent):.1f}, "
         f"at most {max(spent):.1f} s"
     )
+    print(sums)
+    return sums
+
+
+def without(count: int, seed: int) -> str:
+    """Blind searches of `rotators` in which the true period is left out; the sums, printed too."""
+    windows_of = _apparitions.windows
+    claimed = 0
+    for number in range(count):
+        curve, period, _ = rotator(seed + number)
+        true = curve.span / _HOURS / period
+
+        def others(problem, low, high, true=true):
+            chosen = windows_of(problem, low, high)
+            wrong = [
+                window
+                for window in chosen.bounds
+                if not any(
+                    window[0] - 2.0 < ratio * true < window[1] + 2.0 for ratio in (0.5, 1, 2)
+                )
+            ]
+            return chosen._replace(bounds=wrong)
+
+        with mock.patch.object(_apparitions, "windows", others):
+            found = inversion.spin_states(curve, period=("2 h", "24 h"))
+        claimed += found.verdict != "not solved"
+        print(
+            f"{number:2d} P {period:.5f} h left out; {found.verdict}: {found.criterion}", flush=True
+        )
+    sums = f"a wrong period claimed in {claimed} of {count}"
     print(sums)
     return sums
 
@@ -300,6 +336,8 @@ def main(arguments: list[str]) -> None:
     what, *given = arguments or ["rotators", "2", "1"]
     if what in ("rotators", "near"):
         rotators(int(given[0]), int(given[1]), what == "rotators")
+    elif what == "without":
+        without(int(given[0]), int(given[1]))
     elif what in ("two", "drift"):
         two(int(given[0]), int(given[1]), what == "drift")
     elif what == "damit":

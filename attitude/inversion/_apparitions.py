@@ -25,7 +25,7 @@ import numpy as np
 
 from attitude._support.arrays import distinct, two_across
 from attitude._support.least_squares import Decomposed
-from attitude.inversion import _ellipsoid, _neighbours, _pole_map
+from attitude.inversion import _ellipsoid, _neighbours, _pole_map, _verdicts
 from attitude.inversion._ellipsoid import SearchState
 from attitude.inversion._search import Search, never
 
@@ -97,11 +97,17 @@ class Combs:
         self._terms()
 
     def _terms(self) -> None:
-        """Split the linear terms into those of one cell each and those of several."""
+        """Split the linear terms into those of one cell that share no point and all others."""
         problem, y = self.problem, self._y
         weighted = problem.terms[self._order] * self._root[:, None]
-        used = np.logical_or.reduceat(weighted != 0.0, self._first, axis=0)
+        has_points = weighted != 0.0
+        used = np.logical_or.reduceat(has_points, self._first, axis=0)
         one = used.sum(axis=0) == 1
+        taken = np.zeros(len(y), bool)
+        # a zero point and a slope of one night are not at right angles
+        for term in np.flatnonzero(one):
+            one[term] = not np.any(taken & has_points[:, term])
+            taken |= has_points[:, term]
         local = weighted[:, one]
         self._local = local / np.sqrt(1.0 / problem.prior[one] ** 2 + np.sum(local**2, axis=0))
         left = y - self._local @ (self._local.T @ y)
@@ -456,10 +462,9 @@ class RotatorSearch(Search):
             self._at_poles()
         else:
             self._axial_poles()
-        # where more rates fit the apparitions alone than are tried, none of them is claimed
-        are_all = count == len(chosen.bounds) and not chosen.are_limited
-        self.is_complete = not self.is_over and are_all
         self.finish()
+        are_all = count == len(chosen.bounds) and not chosen.are_limited
+        self.is_complete = not self.is_over and (are_all or self._stands_alone)
         if not are_all:
             self.notes.append(
                 f"{'More than ' if chosen.are_limited else ''}{len(chosen.bounds)} windows of "
@@ -467,6 +472,16 @@ class RotatorSearch(Search):
                 "larger budget, or period=, such as that of a longer series of nights."
             )
         self.notes.append(self._words(chosen.bounds[:count]))
+
+    @property
+    def _stands_alone(self) -> bool:
+        """Whether the best solution is claimed though rates that fit each apparition are untried.
+
+        Wrong periods of 25 years are within the errors too, but up to 60 ahead of the next ones.
+        """
+        if not self.solutions or not self.is_at_floor:
+            return False
+        return _verdicts.gap(self.solutions, self.problem) > self.settings.alone
 
     @property
     def _has_several(self) -> bool:
