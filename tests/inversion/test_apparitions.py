@@ -50,8 +50,8 @@ def problem(known):
 def test_sums_of_cells_are_those_of_the_points(problem, is_one_night):
     """Gains of rates against least squares with all linear terms projected out.
 
-    One night has a zero point and slopes with the phase angle, all of its one cell, which are copies
-    but for 1e-4.
+    One night has a zero point and slopes with the phase angle, all of its one cell, copies but for
+    1e-4.
     """
     if is_one_night:
         first = int(np.argmax(np.sum(problem.terms != 0.0, axis=1) > 1))
