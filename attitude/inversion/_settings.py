@@ -341,9 +341,9 @@ class Settings:
     noticed: float = 0.16
     # Rates of that nutation over the rate of the rotation.
     noticed_rates: tuple[float, ...] = (0.2, 0.4, 0.8)
-    # By how much more than by chance it would fit better, for noise to hide one in twenty: of two
-    # tumbling bodies with the rate of one axis it gained 13 and 24.
-    noticed_by: float = 2.0
+    # By how much more than by chance, 21 to 23, it would fit better: of three tumbling bodies with
+    # the rate of one axis it gained 6, 13 and 24; noise hides one in five that gains so much.
+    noticed_by: float = 1.4
 
     # ---- Constant brightness
     # Standard deviations of chi-squared over the degrees of freedom, above 1, of a curve that is
