@@ -156,9 +156,9 @@ class Explained(NamedTuple):
         return joint @ joint.T - taken_up @ taken_up.T, joint @ self.left
 
 
-def of_series(problem: CurveProblem, rate: float) -> Explained:
-    """What the series of a rotation explains."""
-    terms = problem.projected(series(rate, ORDERS[0], problem.t).T)
+def of_series(problem: CurveProblem, rate: float, order: int = ORDERS[0]) -> Explained:
+    """What the series of a rotation, or of an orbit, explains."""
+    terms = problem.projected(series(rate, order, problem.t).T)
     # without it a series reaches many magnitudes where no points are
     inner = terms @ terms.T + _spectrum.RIDGE * np.eye(len(terms))
     left = problem.projected(problem.y)
@@ -323,11 +323,7 @@ def additive_pairs(problem: CurveProblem, most: float, keep: int = 4) -> list[Ad
     """
     pairs = _scanned(problem, _rotations(problem, most))
     for orbit in distinct((pair.orbit for pair in pairs), _are_one, _BESIDE):
-        terms = series(orbit, ORDERS[1], problem.t)
-        without = problem.with_terms(terms, np.full(terms.shape[1], _AMPLITUDES[0]), orbit)
-        # the first ones are near pairs that were scanned
-        rotations = _rotations(without, most, _ROTATIONS // 2)
-        pairs += [_fitted(problem, rate, orbit) for rate in rotations[rotations > orbit]]
+        pairs += _with_rotations(problem, orbit, most)
     pairs = _distinct(pairs)
     pairs += [
         _fitted(problem, pair.rotation, factor * pair.orbit)
@@ -336,6 +332,25 @@ def additive_pairs(problem: CurveProblem, most: float, keep: int = 4) -> list[Ad
         if _lattices.LEAST < factor * pair.orbit < pair.rotation
     ]
     return _distinct(pairs)[:keep]
+
+
+def _with_rotations(problem: CurveProblem, orbit: float, most: float) -> list[AdditivePair]:
+    """Pairs of an orbit and of strong lines that its series leaves."""
+    terms = series(orbit, ORDERS[1], problem.t)
+    without = problem.with_terms(terms, np.full(terms.shape[1], _AMPLITUDES[0]), orbit)
+    # the first ones are near pairs that were scanned
+    rotations = _rotations(without, most, _ROTATIONS // 2)
+    return [_fitted(problem, rate, orbit) for rate in rotations[rotations > orbit]]
+
+
+def pairs_near(problem: CurveProblem, orbit: float, most: float, keep: int) -> list[AdditivePair]:
+    """As `additive_pairs`, of orbits near one whose series alone explains most of the curve."""
+
+    def left(rate: float) -> float:
+        return float(np.sum(of_series(problem, rate, ORDERS[1]).left ** 2))
+
+    best = min((orbit + shift for shift in _SHIFTS), key=left)
+    return _distinct(_with_rotations(problem, best, most))[:keep]
 
 
 def _are_one(orbit: float, other: float) -> bool:
@@ -389,9 +404,15 @@ def _scanned(problem: CurveProblem, rotations: FloatArray) -> list[AdditivePair]
     return [_fitted(problem, fit.rotation, fit.orbit) for fit in fits[:_FREE]]
 
 
-def rivals(problem: CurveProblem, most: float, keep: int) -> list[AdditivePair]:
-    """The best pairs, as `additive_pairs`, each with the period of its orbit and that once."""
-    pairs = (with_orbit(problem, pair) for pair in additive_pairs(problem, most, keep))
+def rivals(
+    problem: CurveProblem, most: float, keep: int, orbit: float | None = None
+) -> list[AdditivePair]:
+    """The best pairs, of all orbits or near one, each with the period of its orbit, and once."""
+    if orbit is None:
+        fits = additive_pairs(problem, most, keep)
+    else:
+        fits = pairs_near(problem, orbit, most, keep)
+    pairs = (with_orbit(problem, pair) for pair in fits)
     return distinct(pairs, lambda a, b: abs(a.orbit - b.orbit) < _CLOSE and _is_multiple(a, b))
 
 

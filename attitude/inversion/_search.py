@@ -300,13 +300,16 @@ class Search:
                 # beside a worse rotation a series takes up what that lacks: it says nothing of dips
                 self.dips += [pair for pair, _ in orbits]
             rivals += self._rivals(orbits, rates)
+            if not self.is_at_floor:
+                # dips that are deeper than what the rotation shows are all that a body explains
+                rivals += self._beside_series(alone.rate)
             if any(self._is_ahead(rival) for rival in rivals):
                 break
         return rivals
 
-    def _beside_series(self) -> list[Search]:
-        """Searches for a rotation about one axis beside the orbits of pairs of series."""
-        pairs = _satellites.rivals(self.problem, self.most, self.settings.orbits)
+    def _beside_series(self, orbit: float | None = None) -> list[Search]:
+        """Searches for a rotation about one axis beside orbits of pairs of series, or near one."""
+        pairs = _satellites.rivals(self.problem, self.most, self.settings.orbits, orbit)
         orbits = self._with_orbits(
             (pair, _satellites.of_series(self.problem, pair.rotation)) for pair in pairs
         )

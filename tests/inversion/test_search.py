@@ -649,6 +649,15 @@ def test_rotation_is_found_beside_deep_dips():
     assert best.orbit == pytest.approx(9.7, abs=0.05)
 
 
+def test_dips_may_be_all_that_a_rotation_explains():
+    """Near its rate the orbit, 0.1 turns off, and the rotation that the dips leave."""
+    given = _eclipses(np.random.default_rng(6), 71.3, 9.7, (0.6, 0.3), size=0.03)
+    pairs = _satellites.rivals(given, 100.0, 4, 9.8)
+    assert all(pair.orbit == pytest.approx(9.7, abs=0.05) for pair in pairs)
+    ratios = np.array([pair.rotation for pair in pairs])[:, None] / (71.3 * np.array([0.5, 1, 2]))
+    assert np.abs(ratios - 1.0).min() < 2e-3
+
+
 def test_the_rates_beside_an_orbit_have_lines_that_its_dips_hide():
     """A pair with another rotation has the orbit: the rotation is among the rates to try."""
     given = _eclipses(np.random.default_rng(6), 71.3, 9.7, (0.6, 0.3), size=0.03)
