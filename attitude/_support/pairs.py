@@ -62,7 +62,7 @@ class Seconds(NamedTuple):
     @property
     def row(self) -> tuple[FloatArray, FloatArray | None]:
         """As read-only views (1, N), which compiled loops take."""
-        return _row(self.hi), None if self.lo is None else _row(self.lo)
+        return row(self.hi), None if self.lo is None else row(self.lo)
 
     @property
     def flat(self) -> tuple[FloatArray, FloatArray]:
@@ -90,7 +90,8 @@ class Seconds(NamedTuple):
 _ZERO = frozen(np.zeros(1))
 
 
-def _row(array):
+def row(array: FloatArray) -> FloatArray:
+    """A read-only view (1, N) of an array of N elements."""
     return frozen(np.ascontiguousarray(array).reshape(1, -1))
 
 

@@ -355,7 +355,8 @@ class FreeRotation(Differentiable):
     def _evaluate(
         self, seconds: FloatArray, low: FloatArray | None, order: int
     ) -> list[FloatArray]:
-        shape, (t, t_low) = seconds.shape, pairs.Seconds(seconds, low).row
+        # not `Seconds.row`, which takes 5 % longer for one epoch
+        shape, t, t_low = seconds.shape, pairs.row(seconds), None if low is None else pairs.row(low)
         wxyz = new_array(1, 4, t.size)
         omega = new_array(1, 3, t.size) if order else None
         evaluation.evaluate(self._constants, t, t_low, wxyz, omega)

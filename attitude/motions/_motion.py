@@ -177,15 +177,24 @@ class Motion(Valued):
         AttitudeError
             For epochs that cannot be read, or outside of the span of the motion.
         """
-        hi, lo = _inputs.seconds_since(self.epoch, t, low)
+        # asked once: with sentences for absent attributes it takes a twentieth of one epoch
+        epoch = self.epoch
+        hi, lo = _inputs.seconds_since(epoch, t, low)
         # The history makes its arrays read-only, so the caller's arrays are copied.
         kept = None if lo is None else copied(lo)
-        return self.at_seconds(hi if type(t) is float else copied(hi), kept)
+        return self.at_seconds(hi if type(t) is float else copied(hi), kept, epoch)
 
-    def at_seconds(self, seconds: FloatArray, low: FloatArray | None) -> AttitudeHistory:
-        """As `at`, for arrays of TDB seconds, which the history keeps and makes read-only."""
+    def at_seconds(
+        self, seconds: FloatArray, low: FloatArray | None, epoch: _instants.Instant | None = None
+    ) -> AttitudeHistory:
+        """As `at`, for arrays of TDB seconds, which the history keeps and makes read-only.
+
+        `epoch` is that of the motion, where it is known.
+        """
         arrays = self._evaluate(seconds, low, 0)
-        history = AttitudeHistory(self, self.epoch, seconds, low, arrays[0])
+        history = AttitudeHistory(
+            self, self.epoch if epoch is None else epoch, seconds, low, arrays[0]
+        )
         if len(arrays) > 1:
             history.__dict__["angular_velocity"] = frozen(arrays[1])
         return history
@@ -492,7 +501,9 @@ class Foreign(Motion):
         """The attitudes at some epochs; see `Motion.at`."""
         return self.wrapped.at(t) if low is None else self.wrapped.at(t, low=low)
 
-    def at_seconds(self, seconds: FloatArray, low: FloatArray | None) -> AttitudeHistory:
+    def at_seconds(
+        self, seconds: FloatArray, low: FloatArray | None, epoch: _instants.Instant | None = None
+    ) -> AttitudeHistory:
         """See `Motion.at_seconds`."""
         return self.at(seconds, low)
 
