@@ -388,10 +388,6 @@ def _mission(path: str) -> dict[str, Any]:
 
 
 def _from_file(arguments):
-    from attitude.formats import detect, mission
-    from attitude.formats.spin_file import SpinFile
-    from attitude.motions._free_rotation import FreeRotation
-
     path, useless = arguments.target, completing(arguments)
     if useless:
         raise AttitudeError(
@@ -400,7 +396,13 @@ def _from_file(arguments):
         )
     content = _mission(path)
     if not content:
+        from attitude.formats import detect
+
         return detect.read_state(path)
+    from attitude.formats import mission
+    from attitude.formats.spin_file import SpinFile
+    from attitude.motions._free_rotation import FreeRotation
+
     motion = mission.read_motion(path)
     if not isinstance(motion, FreeRotation):
         raise AttitudeError(
