@@ -182,19 +182,17 @@ class Motion(Valued):
         hi, lo = _inputs.seconds_since(epoch, t, low)
         # The history makes its arrays read-only, so the caller's arrays are copied.
         kept = None if lo is None else copied(lo)
-        return self.at_seconds(hi if type(t) is float else copied(hi), kept, epoch)
+        return self._history(hi if type(t) is float else copied(hi), kept, epoch)
 
-    def at_seconds(
-        self, seconds: FloatArray, low: FloatArray | None, epoch: _instants.Instant | None = None
+    def at_seconds(self, seconds: FloatArray, low: FloatArray | None) -> AttitudeHistory:
+        """As `at`, for arrays of TDB seconds, which the history keeps and makes read-only."""
+        return self._history(seconds, low, self.epoch)
+
+    def _history(
+        self, seconds: FloatArray, low: FloatArray | None, epoch: _instants.Instant
     ) -> AttitudeHistory:
-        """As `at`, for arrays of TDB seconds, which the history keeps and makes read-only.
-
-        `epoch` is that of the motion, where it is known.
-        """
         arrays = self._evaluate(seconds, low, 0)
-        history = AttitudeHistory(
-            self, self.epoch if epoch is None else epoch, seconds, low, arrays[0]
-        )
+        history = AttitudeHistory(self, epoch, seconds, low, arrays[0])
         if len(arrays) > 1:
             history.__dict__["angular_velocity"] = frozen(arrays[1])
         return history
@@ -501,9 +499,7 @@ class Foreign(Motion):
         """The attitudes at some epochs; see `Motion.at`."""
         return self.wrapped.at(t) if low is None else self.wrapped.at(t, low=low)
 
-    def at_seconds(
-        self, seconds: FloatArray, low: FloatArray | None, epoch: _instants.Instant | None = None
-    ) -> AttitudeHistory:
+    def at_seconds(self, seconds: FloatArray, low: FloatArray | None) -> AttitudeHistory:
         """See `Motion.at_seconds`."""
         return self.at(seconds, low)
 
