@@ -14,6 +14,7 @@ from attitude._compilation.simd import LINE
 from attitude._solver import codes, covariance, evaluation
 from attitude._solver.elements import inputs_by_elements
 from attitude._solver.records import BLOCK, COLUMNS, ROWS, TANGENTS
+from attitude._support import pairs
 from attitude._support.arrays import frozen, new_array, read_only
 from attitude._support.pairs import Seconds
 from attitude.errors import AttitudeError
@@ -360,7 +361,7 @@ class Sensitivity(Derivatives):
         self, seconds: FloatArray, low: FloatArray | None, rates: bool
     ) -> tuple[FloatArray, FloatArray | None]:
         """Changes of attitude (S, 3, 9), ICRF axes, and of the angular velocity, body axes."""
-        t, t_low = Seconds(seconds, low).row
+        t, t_low = pairs.rows(seconds, low)
         attitude = new_array(1, 3, 9, t.size)
         omega = new_array(1, 3, 9, t.size) if rates else None
         evaluate(self._constants, self._tangents, t, t_low, attitude, omega)
@@ -376,7 +377,7 @@ class Sensitivity(Derivatives):
         self, of_state: FloatArray, seconds: FloatArray, low: FloatArray | None, rates: bool
     ) -> FloatArray:
         """As `Derivatives.covariance_at`, in one loop over the epochs."""
-        t, t_low = Seconds(seconds, low).row
+        t, t_low = pairs.rows(seconds, low)
         size = 6 if rates else 3
         # Rows of whole lines of the cache are stored faster.
         out = new_array(1, size, size, -(-t.size // LINE) * LINE)

@@ -60,11 +60,6 @@ class Seconds(NamedTuple):
         return hi, lo
 
     @property
-    def row(self) -> tuple[FloatArray, FloatArray | None]:
-        """As read-only views (1, N), which compiled loops take."""
-        return row(self.hi), None if self.lo is None else row(self.lo)
-
-    @property
     def flat(self) -> tuple[FloatArray, FloatArray]:
         """Contiguous arrays (N,) of both doubles, zeros if there are no second ones."""
         hi, lo = self.compact
@@ -90,9 +85,13 @@ class Seconds(NamedTuple):
 _ZERO = frozen(np.zeros(1))
 
 
-def row(array: FloatArray) -> FloatArray:
-    """A read-only view (1, N) of an array of N elements."""
+def _row(array):
     return frozen(np.ascontiguousarray(array).reshape(1, -1))
+
+
+def rows(hi: FloatArray, lo: FloatArray | None) -> tuple[FloatArray, FloatArray | None]:
+    """Epochs hi + lo as read-only views (1, N), which compiled loops take."""
+    return _row(hi), None if lo is None else _row(lo)
 
 
 def two_sum(a: Doubles, b: Doubles) -> Pair:

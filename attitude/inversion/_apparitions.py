@@ -477,7 +477,8 @@ class RotatorSearch(Search):
     def _stands_alone(self) -> bool:
         """Whether the best solution is claimed though rates that fit each apparition are untried.
 
-        Wrong periods of 25 years are within the errors too, but up to 60 ahead of the next ones.
+        Wrong periods of 25 years are within the errors too, but up to 58 ahead of the next ones
+        (`benchmarks/inversion_apparitions.py without`).
         """
         if not self.solutions or not self.is_at_floor:
             return False
@@ -510,7 +511,9 @@ class RotatorSearch(Search):
     def _trials(self, chosen: list[tuple[float, float]]) -> tuple[list[Trial], int]:
         """The best trials of windows, the best first, and how many the budget allows to try."""
         combs, poles = Combs(self.problem), _pole_map.sphere(POLES)
-        tally, trials, count = self.problem.tally, list[Trial](), 0
+        tally = self.problem.tally
+        trials: list[Trial] = []
+        count = 0
         for low, high in chosen:
             if count >= _WINDOWS and tally.spent > _SHARE * tally.budget:
                 break

@@ -177,7 +177,7 @@ class Motion(Valued):
         AttitudeError
             For epochs that cannot be read, or outside of the span of the motion.
         """
-        # asked once: with sentences for absent attributes it takes a twentieth of one epoch
+        # asked once: attributes of classes that answer for absent ones take a share of one epoch
         epoch = self.epoch
         hi, lo = _inputs.seconds_since(epoch, t, low)
         # The history makes its arrays read-only, so the caller's arrays are copied.

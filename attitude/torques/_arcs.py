@@ -243,7 +243,7 @@ class _FreeArc:
     def _evaluate(self, seconds, low, order):
         """Attitude and angular velocity at one epoch."""
         wxyz, omega = np.empty((1, 4, 1)), np.empty((1, 3, 1))
-        evaluation.evaluate(self._constants, *pairs.Seconds(seconds, low).row, wxyz, omega)
+        evaluation.evaluate(self._constants, *pairs.rows(seconds, low), wxyz, omega)
         return [wxyz[0, :, 0], omega[0, :, 0]]
 
     def angular_acceleration_at(self, seconds, low, *, angular_velocity):

@@ -103,13 +103,29 @@ def test_windows_of_one_apparition_are_all_tried(known):
 
 
 def test_windows_are_tried_until_the_budget_ends(known):
-    """Blind from 2 to 24 h: none is claimed before all that fit were tried."""
+    """Blind above 2 h: more windows fit than are tried, and the best is not far ahead."""
     found = inversion.spin_states(known[0], "12 /d", modes=("PA",), budget=4)
     assert found.verdict == "not solved" and "larger budget" in found.notes[-2]
     words = re.search(
         r"(\d+) windows of periods fit .*, of which (\d+) were tried", found.notes[-2]
     )
     assert 6 <= int(words[2]) < int(words[1])
+
+
+@pytest.mark.parametrize(
+    ("is_at_floor", "ahead", "expected"),
+    [(True, 130.0, True), (True, 110.0, False), (False, 130.0, False)],
+)
+def test_far_ahead_within_the_errors_is_claimed_before_all_are_tried(
+    monkeypatch, problem, is_at_floor, ahead, expected
+):
+    search = object.__new__(_apparitions.RotatorSearch)
+    search.problem, search.solutions = problem, [None]
+    monkeypatch.setattr(_apparitions.RotatorSearch, "is_at_floor", is_at_floor)
+    monkeypatch.setattr(_verdicts, "gap", lambda solutions, problem: ahead)
+    assert search._stands_alone == expected
+    search.solutions = []
+    assert not search._stands_alone
 
 
 def test_all_windows_of_25_years_are_tried():

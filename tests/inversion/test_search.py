@@ -401,18 +401,25 @@ def test_orbits_beside_rotations_where_none_explains_the_curve(monkeypatch, size
         rotation.state[0] += number // 2 if number < 2 else number
     search = _search_of(given, solutions=[best], convex=rotations)
     assert search.needed_ahead == needed
-    explained = []
+    explained, tried_as_orbits = [], []
 
     def of_body(self, body):
         explained.append(2.0 * body.state[0])
         return SimpleNamespace(rate=2.0 * body.state[0])
 
+    def rivals(problem, most, keep, orbit):
+        tried_as_orbits.append(orbit)
+        return []
+
+    monkeypatch.setattr(_satellites, "rivals", rivals)
     monkeypatch.setattr(_search.Search, "_explained", of_body)
     monkeypatch.setattr(_satellites, "orbits_beside", lambda alone: [alone.rate])
     monkeypatch.setattr(_search.Search, "_with_orbits", lambda self, pairs: list(pairs))
     monkeypatch.setattr(_search.Search, "_rivals", lambda self, orbits, rates: [])
     assert search._beside_bodies() == []
     assert len(explained) == bodies and len(set(explained)) == bodies
+    # a body at the floor has more than dips
+    assert tried_as_orbits == (explained if bodies > 1 else [])
     # series beside worse rotations say nothing of dips: Toutatis was "not solved" by one
     assert search.dips == explained[:1]
 

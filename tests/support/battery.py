@@ -475,8 +475,10 @@ def check_epochs(truths):
     assert [part.tolist() for part in both.flat] == [hi.tolist(), lo.tolist()]
     assert [part.tolist() for part in plain.compact] == [hi.tolist(), [0.0]]
     assert [part.tolist() for part in both.compact] == [hi.tolist(), lo.tolist()]
-    assert plain.row[0].shape == (1, 3) and plain.row[1] is None
-    assert both.row[1].tolist() == [lo.tolist()] and not both.row[1].flags.writeable
+    alone = pairs.rows(*plain)
+    assert alone[0].shape == (1, 3) and alone[1] is None
+    second = pairs.rows(*both)[1]
+    assert second.tolist() == [lo.tolist()] and not second.flags.writeable
     assert [part.tolist() for part in plain.plus(1.0)] == [[2.0, 3.0, 4.0], [0.0] * 3]
     for high, rest, x, y in zip(*both.plus(-2.0, 1e-20), hi, lo, strict=True):
         exact = Fraction(x) + Fraction(y) - 2 + Fraction(1e-20)
