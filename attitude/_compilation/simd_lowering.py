@@ -123,10 +123,15 @@ def _packed(context, builder, signature, arguments):
     kind, mask = signature.return_type.vector, _above_zero(builder, arguments[1])
     if llvm_version_info[0] < _COMPRESSES:
         return _packed_one_by_one(builder, arguments[0], mask)
-    shape = ir.FunctionType(kind, [kind, mask.type, kind])
-    name = f"llvm.experimental.vector.compress.v{kind.count}f64"
+    # As whole numbers: for processors without the instruction, LLVM 22 ends the process on constant
+    # doubles in place of those not kept ("Cannot create FP integer constant").
+    words = ir.VectorType(_INTEGER, kind.count)
+    shape = ir.FunctionType(words, [words, mask.type, words])
+    name = f"llvm.experimental.vector.compress.v{kind.count}i64"
     function = builder.module.globals.get(name) or ir.Function(builder.module, shape, name)
-    return builder.call(function, [arguments[0], mask, constant(kind, 0.0)])
+    zeros = ir.Constant(words, [0] * kind.count)
+    bits = builder.call(function, [builder.bitcast(arguments[0], words), mask, zeros])
+    return builder.bitcast(bits, kind)
 
 
 def _packed_one_by_one(builder, a, mask):

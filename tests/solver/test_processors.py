@@ -97,3 +97,35 @@ def test_the_bits_do_not_depend_on_fused_products(tmp_path, name, features, comp
     expected = np.array([fma(*map(float, each)) for each in PRODUCTS])
     assert expected.tobytes().hex() == products
     assert np.array([rint(each) for each in halves]).tobytes().hex() == rounded
+
+
+LIGHT = """
+import sys
+import numpy as np
+from attitude.light_curve import brightness
+from attitude.scattering import Hapke
+from attitude.shape import Ellipsoid
+
+mesh = Ellipsoid((3.0, 2.0, 1.0)).facets(2000)
+angles = np.linspace(0.0, 6.0, 50)
+sun = np.stack([0.8 * np.cos(angles), 0.8 * np.sin(angles), 0.6 + 0.0 * angles], axis=-1)
+curve = brightness(mesh, Hapke(), sun, np.roll(sun, 7, axis=0))
+"""
+
+
+def test_facets_are_gathered_where_no_instruction_packs_vectors(tmp_path):
+    """LLVM 22 ended the process where it packed doubles without the instruction of AVX-512."""
+    if platform.machine().lower() not in ("x86_64", "amd64"):
+        pytest.skip("the names of processors are those of x86")
+    environment = os.environ | {
+        "NUMBA_CPU_NAME": "generic",
+        "NUMBA_CPU_FEATURES": "",
+        "NUMBA_CACHE_DIR": str(tmp_path),
+        "ATTITUDE_COMPILE": "always",
+    }
+    command = [sys.executable, "-c", LIGHT + "sys.stdout.buffer.write(curve.tobytes())"]
+    run = subprocess.run(command, env=environment, capture_output=True)
+    assert run.returncode == 0, run.stderr
+    here = {}
+    exec(LIGHT, here)
+    assert np.frombuffer(run.stdout) == pytest.approx(here["curve"], rel=1e-13)
