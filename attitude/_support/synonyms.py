@@ -12,7 +12,7 @@ from abc import ABCMeta
 from collections.abc import Callable, Mapping
 from functools import wraps
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 from attitude.errors import AttitudeError
 
@@ -357,38 +357,45 @@ def of_module(owner: str, where: Mapping[str, str] | None = None) -> Callable[[s
     return __getattr__
 
 
+class _Absent:
+    """A name that a class does not have: asking for it is an AttributeError with a hint.
+
+    It stands in the class, because a ``__getattr__`` of the class would slow each lookup of an
+    attribute that exists.
+    """
+
+    def __init__(self, name: str, hint: str) -> None:
+        self.name = name
+        self.hint = hint
+
+    def __get__(self, obj: object, cls: type) -> Any:
+        sentence = f"{cls.__name__} has no attribute {self.name!r}; {self.hint}."
+        raise AttributeError(sentence, name=self.name, obj=cls if obj is None else obj)
+
+
+def is_absent(cls: type, name: str) -> bool:
+    """Whether a hint stands in the class in place of the name."""
+    return type(next((vars(c)[name] for c in cls.__mro__ if name in vars(c)), None)) is _Absent
+
+
 class _AnsweringClass(ABCMeta):
-    """The class of such classes: constructors that do not exist (`Spin.from_quaternion`)."""
+    """The class of such classes: `dir` does not list their absent names."""
 
-    if not TYPE_CHECKING:
-
-        def __getattr__(cls, name: str) -> Any:
-            raise _absent_attribute(cls, name, cls)
+    def __dir__(cls) -> list[str]:
+        return [name for name in super().__dir__() if not is_absent(cls, name)]
 
 
 class Answering(metaclass=_AnsweringClass):
     """Base of classes whose absent attributes are answered with a hint of `ATTRIBUTES`."""
 
-    if not TYPE_CHECKING:
-        # Hidden from type checkers: a class with __getattr__ has every name, misspelt ones too.
-        def __getattr__(self, name: str) -> Any:
-            cls = type(self)
-            if not name.startswith("_") and hasattr(cls, name):  # a property raised: its own error
-                return object.__getattribute__(self, name)
-            raise _absent_attribute(cls, name, self)
+    def __init_subclass__(cls, **keywords: Any) -> None:
+        super().__init_subclass__(**keywords)
+        for name, hint in ATTRIBUTES.get(cls.__name__, {}).items():
+            setattr(cls, name, _Absent(name, hint))
 
-
-def _absent_attribute(cls: type, name: str, obj: Any) -> AttributeError:
-    """The AttributeError for a name that a class does not have, with the hint of `ATTRIBUTES`."""
-    hints = (ATTRIBUTES.get(base.__name__, {}).get(name) for base in cls.__mro__)
-    hint = next((text for text in hints if text is not None), None)
-    if hint is None and obj is cls:
-        sentence = f"type object {cls.__name__!r} has no attribute {name!r}"
-    elif hint is None:
-        sentence = f"{cls.__name__!r} object has no attribute {name!r}"
-    else:
-        sentence = f"{cls.__name__} has no attribute {name!r}; {hint}."
-    return AttributeError(sentence, name=name, obj=obj)
+    def __dir__(self) -> list[str]:
+        names, own = super().__dir__(), vars(self)
+        return [name for name in names if name in own or not is_absent(type(self), name)]
 
 
 # ---- Calls with arguments that do not exist

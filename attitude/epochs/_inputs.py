@@ -526,7 +526,7 @@ def seconds_since(
     if type(t) is float or (type(t) is int and abs(t) < 2**53):
         if low is None and _FIRST_PLAIN_JD <= t <= _LAST_PLAIN_JD:
             _warn_of_julian_dates(np.array(t), name)
-        return pairs.Seconds(np.array(t, dtype=np.float64), _low(low, (), name))
+        return pairs.Seconds(np.array(float(t)), _low(low, (), name))
     kind, leaves, shape = entries(t, name, _DATES_OR_SECONDS)
     if kind == "number":
         hi, _ = read(kind, leaves, shape, name)

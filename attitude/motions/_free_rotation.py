@@ -359,9 +359,9 @@ class FreeRotation(Differentiable):
         wxyz = new_array(1, 4, t.size)
         omega = new_array(1, 3, t.size) if order else None
         evaluation.evaluate(self._constants, t, t_low, wxyz, omega)
-        arrays = [wxyz[0].T.reshape(*shape, 4)]
+        arrays = [wxyz[0].T.reshape((*shape, 4))]
         if omega is not None:
-            arrays.append(omega[0].T.reshape(*shape, 3))
+            arrays.append(omega[0].T.reshape((*shape, 3)))
         if order > 1:
             arrays.append(self.angular_acceleration_from(arrays[1]))
         return arrays

@@ -21,6 +21,7 @@ from pathlib import Path
 import pytest
 
 import attitude
+from attitude._support.synonyms import is_absent
 from tests.support.places import ROOT
 
 LIST = ROOT / "tests" / "data" / "public_names.json"
@@ -191,7 +192,8 @@ def _members(kind):
     for base in kind.__mro__:
         if not base.__module__.startswith("attitude"):
             continue
-        names |= {*vars(base), *getattr(base, "__annotations__", ()), *_set_in_methods(base)}
+        names |= {name for name in vars(base) if not is_absent(base, name)}
+        names |= {*getattr(base, "__annotations__", ()), *_set_in_methods(base)}
     return sorted(name for name in names if not name.startswith("_"))
 
 
