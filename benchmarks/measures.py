@@ -33,6 +33,7 @@ import re
 import sys
 import tokenize
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 
 PACKAGE = "attitude"
@@ -65,6 +66,23 @@ class Module:
     tree: ast.Module
     loads: set = field(default_factory=set)
     types: set = field(default_factory=set)
+
+    @cached_property
+    def nodes(self):
+        """All nodes of the tree."""
+        return list(ast.walk(self.tree))
+
+    @cached_property
+    def docstrings(self):
+        """Numbers of the lines of docstrings."""
+        lines = set()
+        for node in self.nodes:
+            if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef)) and node.body:
+                first = node.body[0]
+                value = getattr(first, "value", None) if isinstance(first, ast.Expr) else None
+                if isinstance(getattr(value, "value", None), str):
+                    lines |= set(range(first.lineno, first.end_lineno + 1))
+        return lines
 
     @property
     def folder(self):
@@ -153,23 +171,10 @@ def _known(name, modules):
     return name
 
 
-def docstring_lines(tree):
-    """Numbers of the lines of docstrings."""
-    lines = set()
-    for node in ast.walk(tree):
-        if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef)) and node.body:
-            first = node.body[0]
-            value = getattr(first, "value", None) if isinstance(first, ast.Expr) else None
-            if isinstance(getattr(value, "value", None), str):
-                lines |= set(range(first.lineno, first.end_lineno + 1))
-    return lines
-
-
 def lines_of_code(module):
     """Lines that are neither blank, nor a comment alone, nor of a docstring."""
-    docstrings = docstring_lines(module.tree)
     return sum(
-        number not in docstrings and _is_code(line)
+        number not in module.docstrings and _is_code(line)
         for number, line in enumerate(module.text.splitlines(), 1)
     )
 
@@ -178,10 +183,9 @@ def kinds_of(module):
     """Lines of code of each of KINDS."""
     kinds = {}
     _collect_kinds(module.tree, "bodies", kinds)
-    docstrings = docstring_lines(module.tree)
     counts = dict.fromkeys(KINDS, 0)
     for number, line in enumerate(module.text.splitlines(), 1):
-        if number not in docstrings and _is_code(line):
+        if number not in module.docstrings and _is_code(line):
             counts[kinds.get(number, "bodies")] += 1
     return counts
 
@@ -214,11 +218,10 @@ def _is_code(line):
 
 def tokens_of(module):
     """Tokens without comments, docstrings, line ends and indentation."""
-    docstrings = docstring_lines(module.tree)
     read = tokenize.generate_tokens(io.StringIO(module.text).readline)
     return sum(
         token.type not in SKIPPED_TOKENS
-        and not (token.type == tokenize.STRING and token.start[0] in docstrings)
+        and not (token.type == tokenize.STRING and token.start[0] in module.docstrings)
         for token in read
     )
 
@@ -309,7 +312,7 @@ def several_names(module):
     """Statements that assign to a tuple of two or more names."""
     return sum(
         any(isinstance(target, ast.Tuple) and len(target.elts) > 1 for target in node.targets)
-        for node in ast.walk(module.tree)
+        for node in module.nodes
         if isinstance(node, ast.Assign)
     )
 
@@ -317,7 +320,7 @@ def several_names(module):
 def vague_names(module):
     """(name, line) of each place that assigns a vague name, and of each parameter with one."""
     places = []
-    for node in ast.walk(module.tree):
+    for node in module.nodes:
         if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
             places.append((node.lineno, node.col_offset, node.id))
         elif isinstance(node, ast.arg):
@@ -329,7 +332,7 @@ def compiled_by_calls(module):
     """Names of the functions that a call of `attitude._compilation` compiles: loops of a form."""
     return {
         node.id
-        for call in ast.walk(module.tree)
+        for call in module.nodes
         if isinstance(call, ast.Call) and COMPILED.search(ast.unparse(call.func))
         for node in ast.walk(call)
         if isinstance(node, ast.Name)
@@ -340,7 +343,7 @@ def long_calls(module):
     """(function, line, count) of functions in Python with too many positional parameters."""
     calls = []
     compiled = compiled_by_calls(module)
-    for node in ast.walk(module.tree):
+    for node in module.nodes:
         if not isinstance(node, FUNCTIONS) or node.name in compiled:
             continue
         if any(COMPILED.search(ast.unparse(decorator)) for decorator in node.decorator_list):

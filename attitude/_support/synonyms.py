@@ -394,8 +394,8 @@ class Answering(metaclass=_AnsweringClass):
             setattr(cls, name, _Absent(name, hint))
 
     def __dir__(self) -> list[str]:
-        names, own = super().__dir__(), vars(self)
-        return [name for name in names if name in own or not is_absent(type(self), name)]
+        names, stored = super().__dir__(), vars(self)
+        return [name for name in names if name in stored or not is_absent(type(self), name)]
 
 
 # ---- Calls with arguments that do not exist

@@ -22,6 +22,7 @@ def _smaller(monkeypatch, **counts):
     monkeypatch.setattr(_errors, "_SAMPLES", 100)
 
 
+@pytest.mark.slow
 def test_toutatis_from_its_photometry(tmp_path, capsys, monkeypatch):
     """Periods, pole and attitudes of December 1992 as radar found them; nothing of it is given.
 

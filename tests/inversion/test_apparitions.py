@@ -128,6 +128,7 @@ def test_far_ahead_within_the_errors_is_claimed_before_all_are_tried(
     assert not search._stands_alone
 
 
+@pytest.mark.slow
 def test_all_windows_of_25_years_are_tried():
     """Twenty of them, in a quarter of the budget."""
     curve, period, pole = inversion_apparitions.rotator(103)
@@ -397,7 +398,6 @@ def test_modes_are_not_joined(tumbling):
 
 
 def test_too_many_turns_of_one_apparition_are_refused():
-    case = inversion_apparitions.tumbler(3, "SAM")
-    curve = inversion_benchmark.curve_of(case, "shared")
-    with pytest.raises(AttitudeError, match="an apparition spans 5"):
+    curve, _, _ = inversion_apparitions.rotator(103)
+    with pytest.raises(AttitudeError, match=r"an apparition spans \d+ turns"):
         inversion.spin_states(curve, "300 /d")

@@ -41,6 +41,7 @@ def test_reasons_are_of_changes_that_exist():
     assert sorted(mutation.equivalent().keys() - names) == []
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="changes are imported in forked processes")
 def test_changes_of_the_pairs_are_killed():
     report = _mutation("pairs")
