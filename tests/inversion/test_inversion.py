@@ -527,7 +527,7 @@ def test_the_same_seed_gives_the_same_result(monkeypatch):
     settings = inversion.Settings(**few)
     case = inversion_cases.case(31, {**figures.STYLES[6], "per_hour": 3})
     curve, most = figures.curve_of(case, "shared"), f"{case.most} /d"
-    given = {"modes": ("LAM",), "budget": 3.0, "seed": 1, "settings": settings}
+    given = {"modes": ("LAM",), "budget": 1.5, "seed": 1, "settings": settings}
     one = inversion.spin_states(curve, most, **given)
     clock = itertools.count(step=50.0)
     monkeypatch.setattr(time, "monotonic", lambda: next(clock))
