@@ -30,7 +30,6 @@ from attitude.inversion._errors import GroupErrors
 from attitude.inversion._problem import CurveProblem
 from attitude.inversion._solution import Solution
 from attitude.torques import ConstantTorque
-from benchmarks import inversion as inversion_benchmark
 from benchmarks import inversion_apparitions
 
 
