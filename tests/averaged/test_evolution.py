@@ -344,6 +344,7 @@ def test_scatter_is_nothing_before_a_resonance_and_its_kick_behind():
         branch.scatter(1e9)
 
 
+@pytest.mark.slow
 def test_a_tree_that_splits_at_resonances_has_the_scatter_of_one_that_does_not():
     """The law of total variance: that of means of leaves and of what they leave, to 3 %."""
     motion, year = tumbling(), 365.25 * DAY
@@ -564,7 +565,9 @@ def test_friction_has_no_resonances():
 # ---- The separatrix
 
 
-@pytest.mark.parametrize(("push", "count"), [(0.0, 80), (0.5, 80), (-0.8, 200)])
+@pytest.mark.parametrize(
+    ("push", "count"), [(0.0, 80), (0.5, 80), pytest.param(-0.8, 200, marks=pytest.mark.slow)]
+)
 def test_a_passage_is_early_or_late_as_in_full_motions(push, count):
     """Friction and a torque about the short axis: full motions of random phases.
 

@@ -24,6 +24,8 @@ from tests.support.searches import make_small
 PAGES = [ROOT / "README.md", ROOT / "data" / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 # Options after which a search ends early: lines are what is tested here, not searches.
 SHORTER = {"invert": ["--budget", "0.5 s"]}
+# Lines that take long: an animation, and eleven years.
+LONG = ("--animate toutatis.webp", "--until 2040-01-01")
 # C-kernels are read and written by spiceypy, animations by Pillow.
 NEEDS = {".bc": "spiceypy", ".webp": "PIL"}
 # The body and the satellite of the files, in the first months of 2026.
@@ -204,7 +206,13 @@ def test_lines_are_found():
     assert {line.split()[0] for line in LINES} <= set(cli.COMMANDS)
 
 
-@pytest.mark.parametrize("line", LINES)
+@pytest.mark.parametrize(
+    "line",
+    [
+        pytest.param(line, marks=pytest.mark.slow) if any(x in line for x in LONG) else line
+        for line in LINES
+    ],
+)
 def test_a_documented_line_runs(line, folder, monkeypatch, capsys):
     words = words_of(line)
     make_small(monkeypatch)

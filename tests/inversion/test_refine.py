@@ -78,6 +78,7 @@ def test_two_spin_states_and_one_shape():
     assert np.linalg.norm(change - matrix @ momentum) < 0.05 * MOMENTUM
 
 
+@pytest.mark.slow
 def test_a_constant_torque():
     torque = 0.1 * MOMENTUM / (6.0 * DAY) * np.array([3.0, -2.0, 4.0])
     truth = TorquedRotation(BODY, SPIN, ConstantTorque(torque), tolerance=1e-6)

@@ -577,6 +577,7 @@ def test_poles_with_the_same_rates_contain_the_true_one():
     assert np.max(poles @ state[[7, 10, 13]]) > math.cos(math.radians(8.0))
 
 
+@pytest.mark.slow
 def test_the_pole_of_a_body_of_two_lobes_is_found_by_convex_bodies():
     """Every ellipsoid leaves the pole of this body, which a convex body fits far better there."""
     row = "SAM", 0.5, 60, 30, (2, 6), 3, 0.03

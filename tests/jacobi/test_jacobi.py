@@ -80,8 +80,8 @@ def test_theta_functions(j):
     assert np.allclose(jacobi.theta(j, z, 0.2), expected, rtol=0, atol=1e-14)
 
 
-@pytest.mark.parametrize("moments", [(10, 20, 26), (26, 10, 20), (3, 2, 1.5)])
-@pytest.mark.parametrize("rate", [(1, 15, 1), (3, 0.2, -1), (-0.3, -0.2, 2)])
+@pytest.mark.parametrize("moments", [(10, 20, 26), (3, 2, 1.5)])
+@pytest.mark.parametrize("rate", [(1, 15, 1), (3, 0.2, -1)])
 def test_the_steps_of_the_paper_are_the_motion(moments, rate):
     spin = Spin(epoch="2026-01-01", wxyz=(0.5, 0.1, -0.7, 0.5), angular_velocity=rate)
     motion = FreeRotation(Body(moments=moments), spin)

@@ -80,12 +80,12 @@ def test_a_needle_about_its_length_does_not_notice_its_moments():
 @pytest.mark.parametrize(
     ("moments", "omega"),
     [
-        ((1.0, 0.999999978, 1e-6), (-0.12, -0.43, 696116.0)),
+        pytest.param((1.0, 0.999999978, 1e-6), (-0.12, -0.43, 696116.0), marks=pytest.mark.slow),
         ((0.0001, 1.0, 0.9999464513912483), (-7770.963891075163, 1.4356907, 0.33)),
         ((1.0, 0.9999371109563242, 0.0001), (3.6e-5, 8.4e-7, 1.0)),
         ((1.0, 1.0, 1e-4), (3e-3, 2e-4, 1.0)),
         ((1.0, 1.01, 0.02), (0.03, 0.02, 1.0)),
-        ((1.0, 1.00000000005, 1e-10), (3e-10, 2e-11, 1.0)),
+        pytest.param((1.0, 1.00000000005, 1e-10), (3e-10, 2e-11, 1.0), marks=pytest.mark.slow),
     ],
 )
 def test_a_needle_that_precesses_slowly(moments, omega):

@@ -81,7 +81,13 @@ def test_without_shadows_nothing_changes_on_a_convex_body():
 
 
 @pytest.mark.parametrize(
-    "sun", [(1.0, 0.1, 0.1), (1.0, 0.3, 0.2), (-1.0, 0.2, 0.1), (0.2, 1.0, 0.3)]
+    "sun",
+    [
+        (1.0, 0.1, 0.1),
+        (0.2, 1.0, 0.3),
+        pytest.param((1.0, 0.3, 0.2), marks=pytest.mark.slow),
+        pytest.param((-1.0, 0.2, 0.1), marks=pytest.mark.slow),
+    ],
 )
 def test_shadows_by_rays(sun):
     mesh, unit = two_boxes(), np.array(sun) / np.linalg.norm(sun)
