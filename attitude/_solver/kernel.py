@@ -304,7 +304,9 @@ def _fill_trigonometric(c, times, lows, rows, omega):
     precession, nutation, nutation0 = pair(c.precession), pair(c.nutation), pair(c.nutation0)
     alpha = four(c.alpha[0]), four(c.alpha[1])
     beta = four(c.beta[0]), four(c.beta[1])
-    frame, series, axes = frame_of(c), rate_series_of(c), rows_of_matrix(c.axes)
+    frame = frame_of(c)
+    if omega is not None:  # without rates nothing of them is compiled
+        series, axes = rate_series_of(c), rows_of_matrix(c.axes)
     for i in range(len(times)):
         t_hi, t_lo = epoch_pair(times, lows, i)
         sn, cn = sincos_at(nutation, nutation0, t_hi, t_lo)
@@ -324,7 +326,9 @@ def _fill_hyperbolic(c, times, lows, rows, omega):
     xh, xl = c.nutation0[0], c.nutation0[1]
     winds, decay, nome, tilt, ratio = c.winds, c.decay, c.nome, c.tilt, c.beta[0, 0]
     alpha = four(c.alpha[0]), four(c.alpha[1])
-    frame, series, axes = frame_of(c), rate_series_of(c), rows_of_matrix(c.axes)
+    frame = frame_of(c)
+    if omega is not None:  # without rates nothing of them is compiled
+        series, axes = rate_series_of(c), rows_of_matrix(c.axes)
     for i in range(len(times)):
         t_hi, t_lo = epoch_pair(times, lows, i)
         s, lo, half_turns = phase(fh, fl, xh, xl, t_hi, t_lo, winds)
