@@ -258,3 +258,14 @@ def test_a_type_error_inside_of_a_call_stays_one():
         attitude.AttitudeError, match=r"half has no argument number; it takes value"
     ):
         half(number=2)
+
+
+def test_absent_names_are_not_listed():
+    spin = Spin("2026-01-01", (1, 0, 0, 0), (0, 0, 0.1))
+    motion = FreeRotation(Body(moments=(1, 2, 3)), spin)
+    table = attitude.AttitudeTable.from_history(motion.at([0.0, 1.0, 2.0]))
+    for owner in (motion, type(motion)):
+        assert {"quaternion", "propagate", "period"}.isdisjoint(dir(owner)) and "at" in dir(owner)
+    # an attribute that Motion answers, which tables have
+    assert "wxyz" in dir(table) and "wxyz" not in dir(motion)
+    assert "quaternion" not in dir(table) and not hasattr(table, "quaternion")
