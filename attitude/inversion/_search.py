@@ -807,10 +807,15 @@ class Search:
                 yield fields._replace(precession=rate.precession, nutation=rate.nutation).vector
 
     def _is_to_be_mapped(self, state: FloatArray) -> bool:
-        """Whether there is work left for the poles of a state, and its rates have no map yet."""
-        return not (
-            self.is_over or any(self.has_rates(state, other) for other in self._mapped_rates)
-        )
+        """Whether there is work left for the poles of a state, and its rates have no map yet.
+
+        Nor two, from its pole and another: the shape of the first may have been that of a wrong
+        pole, which leaves out the true one.
+        """
+        mapped = [other for other in self._mapped_rates if self.has_rates(state, other)]
+        width = self.settings.near_pole
+        is_elsewhere = not any(_ellipsoid.have_pole(state, other, width) for other in mapped)
+        return not self.is_over and is_elsewhere and len(mapped) < 2
 
     def _add_mapped(self, state: FloatArray, *known: FloatArray) -> None:
         """Add the bodies of a map of poles at the rates of a state, behind known ones."""

@@ -1124,3 +1124,28 @@ def test_numbers_of_poles_do_not_hide_each_other():
         assert 0.0 < one[0] < 360.0 and abs(one[1]) < 90.0
         for other in shown[:k]:
             assert abs(one[0] - other[0]) > 18.0 or abs(one[1] - other[1]) > 12.0
+
+
+def test_rates_are_mapped_again_where_the_best_pole_is_another():
+    """The shape at a wrong pole left the true one out of the first map (`nonconvex` 161010)."""
+    generator = np.random.default_rng(2)
+    first, second, third = _ellipsoid.starts(generator, np.full(3, 17.3), np.full(3, 5.0))
+    axes = np.eye(3)
+    for state, order in ((first, (0, 1, 2)), (second, (1, 2, 0)), (third, (2, 0, 1))):
+        state[5:14] = axes[:, order].ravel()
+    search = SimpleNamespace(
+        is_over=False,
+        settings=inversion.Settings(),
+        has_rates=lambda one, other: bool(one[0] == other[0]),
+        _mapped_rates=[],
+    )
+    is_to_be_mapped = _search.Search._is_to_be_mapped
+    assert is_to_be_mapped(search, first)
+    search._mapped_rates.append(first)
+    assert not is_to_be_mapped(search, first) and is_to_be_mapped(search, second)
+    search._mapped_rates.append(second)
+    assert not is_to_be_mapped(search, third)
+    third[0] = 16.0
+    assert is_to_be_mapped(search, third)
+    search.is_over = True
+    assert not is_to_be_mapped(search, third)
