@@ -1,8 +1,8 @@
 """Names that other packages use, answered with the name that stands here.
 
 `ATTRIBUTES` and `MODULES` hold a hint for each name that an object or a module does not have, and
-`ARGUMENTS` for each argument that a call does not have.  A name is answered only after the usual
-search has failed, so that the table costs nothing where a name exists.
+`ARGUMENTS` for each argument that a call does not have.  A class holds those of its names; modules
+and calls are answered after the usual search has failed: no hint costs time where a name exists.
 """
 
 from __future__ import annotations
@@ -369,13 +369,17 @@ class _Absent:
         self.hint = hint
 
     def __get__(self, obj: object, cls: type) -> Any:
+        for base in cls.__mro__:  # another base of the class may have the name
+            value = vars(base).get(self.name, self)
+            if type(value) is not _Absent:
+                return value.__get__(obj, cls) if hasattr(value, "__get__") else value
         sentence = f"{cls.__name__} has no attribute {self.name!r}; {self.hint}."
         raise AttributeError(sentence, name=self.name, obj=cls if obj is None else obj)
 
 
 def is_absent(cls: type, name: str) -> bool:
     """Whether a hint stands in the class in place of the name."""
-    return type(next((vars(c)[name] for c in cls.__mro__ if name in vars(c)), None)) is _Absent
+    return {type(vars(base)[name]) for base in cls.__mro__ if name in vars(base)} == {_Absent}
 
 
 class _AnsweringClass(ABCMeta):
@@ -391,7 +395,8 @@ class Answering(metaclass=_AnsweringClass):
     def __init_subclass__(cls, **keywords: Any) -> None:
         super().__init_subclass__(**keywords)
         for name, hint in ATTRIBUTES.get(cls.__name__, {}).items():
-            setattr(cls, name, _Absent(name, hint))
+            if not hasattr(cls, name):  # a class of a user may have the same name
+                setattr(cls, name, _Absent(name, hint))
 
     def __dir__(self) -> list[str]:
         names, stored = super().__dir__(), vars(self)

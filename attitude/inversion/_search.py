@@ -807,15 +807,14 @@ class Search:
                 yield fields._replace(precession=rate.precession, nutation=rate.nutation).vector
 
     def _is_to_be_mapped(self, state: FloatArray) -> bool:
-        """Whether there is work left for the poles of a state, and its rates have no map yet.
+        """Whether there is work left for the poles of a state, and no map from near its pole yet.
 
-        Nor two, from its pole and another: the shape of the first may have been that of a wrong
-        pole, which leaves out the true one.
+        Nor as many maps at its rates, from other poles, as are allowed.
         """
         mapped = [other for other in self._mapped_rates if self.has_rates(state, other)]
         width = self.settings.near_pole
         is_elsewhere = not any(_ellipsoid.have_pole(state, other, width) for other in mapped)
-        return not self.is_over and is_elsewhere and len(mapped) < 2
+        return not self.is_over and is_elsewhere and len(mapped) < self.settings.maps
 
     def _add_mapped(self, state: FloatArray, *known: FloatArray) -> None:
         """Add the bodies of a map of poles at the rates of a state, behind known ones."""

@@ -178,6 +178,8 @@ class Settings:
     map_poles: int = 150
     # Starts at each of these poles, for phase, tilt and shape are not known.
     map_starts: int = 6
+    # Maps of one pair of rates, from poles apart: the shape of a wrong one left out the true pole.
+    maps: int = 2
     # Bodies of each map, the best, that become solutions.
     map_bodies: int = 16
     # Pairs of rates beyond which a scan over nutations begins no other line: two lines of each of

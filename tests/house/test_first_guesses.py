@@ -15,6 +15,7 @@ import pytest
 import attitude
 from attitude import Arcs, Body, Ensemble, FreeRotation, Impulse, Scene, Spin, paths, shape
 from attitude._support import synonyms
+from attitude.motions import Motion
 
 WORKS = [
     "motion.plot()",
@@ -269,3 +270,22 @@ def test_absent_names_are_not_listed():
     # an attribute that Motion answers, which tables have
     assert "wxyz" in dir(table) and "wxyz" not in dir(motion)
     assert "quaternion" not in dir(table) and not hasattr(table, "quaternion")
+
+
+def test_hints_leave_what_a_users_class_has():
+    """Its own members, where its name is in the table too, and those of another base."""
+
+    class Turns:
+        limit = 3
+
+        @property
+        def rotation(self):
+            return 2 * self.limit
+
+    class View(Motion, Turns):
+        def flux(self):
+            return self.rotation
+
+    assert View().flux() == 6 and "rotation" in dir(View()) and View.limit == 3
+    with pytest.raises(AttributeError, match="use magnitude"):
+        _ = View().mag

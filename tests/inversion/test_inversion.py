@@ -535,7 +535,7 @@ def test_the_same_seed_gives_the_same_result(monkeypatch):
     settings = inversion.Settings(**few)
     case = inversion_cases.case(31, {**figures.STYLES[6], "per_hour": 3})
     curve, most = figures.curve_of(case, "shared"), f"{case.most} /d"
-    given = {"modes": ("LAM",), "budget": 1.5, "seed": 1, "settings": settings}
+    given = {"modes": ("LAM",), "budget": 0.5, "seed": 1, "settings": settings}
     one = inversion.spin_states(curve, most, **given)
     clock = itertools.count(step=50.0)
     monkeypatch.setattr(time, "monotonic", lambda: next(clock))
@@ -543,6 +543,7 @@ def test_the_same_seed_gives_the_same_result(monkeypatch):
     assert (one.verdict, one.criterion) == (two.verdict, two.criterion)
     assert [each.evidence for each in one] == [each.evidence for each in two]
     assert one[0].P_psi == two[0].P_psi
+    assert "budget of 0.5 s ended the search" in one.criterion
 
 
 def test_an_interrupt_returns_the_best_so_far(solved):
