@@ -212,9 +212,11 @@ def of_rates(
     """States with the rates of a tumbling one at other poles, the best first.
 
     Convex bodies whose poles were held, since ellipsoids leave the pole of a body that is far from
-    one, and ellipsoids with free poles, in turn.
+    one, and ellipsoids with free poles, in turn.  With the error of bodies: with that of ellipsoids
+    ten poles of a curve fitted alike, and the true one was not among them.
     """
     settings = problem.settings
+    problem = problem.with_model_error(settings.body_error)
     count, starts = settings.map_poles, settings.map_starts
     at_poles = _at_poles(problem, generator, state, held, count, starts, has_x=True)
     free = _ellipsoid.minimised(problem, at_poles.states[: count // 2], 2 * _STEPS, tie=held)

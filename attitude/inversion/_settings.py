@@ -155,7 +155,7 @@ class Settings:
     class_members: int = 3
     # Of all maps the best bodies, and those of so many pairs of rates, that take more steps.
     class_finals: int = 16
-    # Model error of bodies, mag, in these maps: with that of ellipsoids priors outweigh the curve,
+    # Model error of bodies, mag, in maps of poles: with that of ellipsoids priors outweigh curves,
     # and true rates of one curve came 14th and 23rd that came first with this.
     body_error: float = 0.03
     # Bodies among which those of least cost with their own model error are chosen, over the number
