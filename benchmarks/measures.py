@@ -171,16 +171,8 @@ def _known(name, modules):
     return name
 
 
-def lines_of_code(module):
-    """Lines that are neither blank, nor a comment alone, nor of a docstring."""
-    return sum(
-        number not in module.docstrings and _is_code(line)
-        for number, line in enumerate(module.text.splitlines(), 1)
-    )
-
-
 def kinds_of(module):
-    """Lines of code of each of KINDS."""
+    """Lines of code of each of KINDS: neither blank, nor a comment alone, nor of a docstring."""
     kinds = {}
     _collect_kinds(module.tree, "bodies", kinds)
     counts = dict.fromkeys(KINDS, 0)
@@ -366,11 +358,13 @@ def measure(root):
         folders[folder] -= {folder, PACKAGE}
     circles = circles_of(both)
     across = [c for c in circles if len({modules[name].folder for name in c}) > 1]
+    sizes = _by_folder(modules)
+    files, lines, code, tokens = (sum(row[k] for row in sizes.values()) for k in range(4))
     return Measures(
-        files=len(modules),
-        lines=sum(len(module.text.splitlines()) for module in modules.values()),
-        code=sum(map(lines_of_code, modules.values())),
-        tokens=sum(map(tokens_of, modules.values())),
+        files=files,
+        lines=lines,
+        code=code,
+        tokens=tokens,
         rooms=rooms_of(root),
         chain=longest_chain(loads),
         load_circles=circles_of(loads),
@@ -380,7 +374,7 @@ def measure(root):
         several_names=sum(map(several_names, modules.values())),
         vague={name: places for name, m in modules.items() if (places := vague_names(m))},
         long_calls=[(name, *call) for name, m in modules.items() for call in long_calls(m)],
-        folders=_by_folder(modules),
+        folders=sizes,
     )
 
 
@@ -388,8 +382,8 @@ def _by_folder(modules):
     """{folder: (files, lines, lines of code, tokens, and lines of code of each of KINDS)}."""
     sums = {}
     for module in modules.values():
-        row = 1, len(module.text.splitlines()), lines_of_code(module), tokens_of(module)
-        row += tuple(kinds_of(module).values())
+        kinds = kinds_of(module).values()
+        row = 1, len(module.text.splitlines()), sum(kinds), tokens_of(module), *kinds
         before = sums.get(module.folder, (0,) * len(row))
         sums[module.folder] = tuple(a + b for a, b in zip(before, row, strict=True))
     return sums

@@ -183,7 +183,14 @@ def solved():
     curve = figures.curve_of(case, "shared")
     most = f"{1.3 / case.P_phi} /d"
     settings = inversion.Settings(
-        pairs=10, deep_starts=4, classes=6, convex=10, short_classes=10, axial_poles=60, rounds=1
+        pairs=10,
+        deep_starts=4,
+        classes=6,
+        convex=10,
+        short_classes=10,
+        axial_poles=60,
+        rounds=1,
+        mapped=0,
     )
     return case, inversion.spin_states(curve, most, modes=("SAM",), settings=settings)
 

@@ -340,10 +340,9 @@ def test_changes_that_are_rounded_end_what_is_certified():
 # ---- Hunts
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_hunt(seed):
-    """25,000 states of eight families in all, every one certified."""
-    assert hunting.hunted(12_500, seed).max() <= 2.5e-15
+def test_hunt():
+    """12,500 states of eight families, every one certified."""
+    assert hunting.hunted(12_500, 0).max() <= 2.5e-15
 
 
 @pytest.mark.slow
