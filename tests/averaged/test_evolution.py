@@ -622,6 +622,7 @@ def test_a_comparison_knows_its_own_error():
 # ---- Fields that turn with the Earth
 
 
+@pytest.mark.slow
 def test_a_field_is_averaged_over_days():
     """Means under weights of three days: those of 20 days of turns, one by one, to 2e-4."""
     path = circle(7.144e6, slope=math.radians(98.4))
@@ -665,6 +666,7 @@ def test_members_are_the_motions_of_their_states():
     ]
 
 
+@pytest.mark.slow
 def test_members_of_second_order():
     """Each is its motion of second order, which differs from that of first order."""
     torques = [InternalDissipation(1e-3), ConstantTorque((0.05, 0.02, 0.05))]

@@ -21,6 +21,7 @@ def test_this_installation_passes(capsys):
     assert "near_separatrix" in shown
 
 
+@pytest.mark.slow
 def test_the_full_check_compares_more_and_can_fail(monkeypatch, capsys):
     assert cli.main(["check", "--full"]) == 0
     shown = capsys.readouterr().out

@@ -407,6 +407,7 @@ def test_example_apophis_light_curve(tmp_path):
     assert is_picture(tmp_path / "apophis_light_curve.png")
 
 
+@pytest.mark.slow
 def test_example_envisat_glints(tmp_path):
     found = run("envisat_glints.py", tmp_path)
     assert found.stderr == ""
