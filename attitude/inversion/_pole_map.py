@@ -213,7 +213,7 @@ def of_rates(
 
     Convex bodies whose poles were held, since ellipsoids leave the pole of a body that is far from
     one, and ellipsoids with free poles, in turn.  With the error of bodies: with that of ellipsoids
-    ten poles of a curve fitted alike, and the true one was not among them.
+    many poles of a curve fitted alike, and the true one was not among the best.
     """
     settings = problem.settings
     problem = problem.with_model_error(settings.body_error)

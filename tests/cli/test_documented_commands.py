@@ -24,8 +24,13 @@ from tests.support.searches import make_small
 PAGES = [ROOT / "README.md", ROOT / "data" / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 # Options after which a search ends early: lines are what is tested here, not searches.
 SHORTER = {"invert": ["--budget", "0.5 s"]}
-# Lines that take long: an animation, eleven years, and a fit of a file of attitudes.
-LONG = ("--animate toutatis.webp", "--until 2040-01-01", "satellite.toml --fit")
+# Lines that take long: an animation, years of averaged motion, and a fit of a file of attitudes.
+LONG = (
+    "--animate toutatis.webp",
+    "--until 2034-01-01",
+    "--until 2040-01-01",
+    "satellite.toml --fit",
+)
 # C-kernels are read and written by spiceypy, animations by Pillow.
 NEEDS = {".bc": "spiceypy", ".webp": "PIL"}
 # The body and the satellite of the files, in the first months of 2026.

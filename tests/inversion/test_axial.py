@@ -159,6 +159,7 @@ def test_poles_apart_from_better_and_from_other_ones():
     assert _pole_map.apart([best, near, far], [taken.state], DEFAULT, 1e-4) == [best, near, far]
 
 
+@pytest.mark.slow
 def test_where_nearly_any_pole_fits_the_list_says_so():
     """Six nights of ten: minima are a fifth of the sky, and the truth lies between them."""
     case = inversion_cases.case(2, {**figures.AXIAL[0], "per_hour": 2})

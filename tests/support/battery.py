@@ -116,7 +116,7 @@ def epochs_of(case):
 
 
 def truths(*, has_derivatives=True):
-    """All that the checks compare with, as plain numbers; those of derivatives take two thirds."""
+    """All that the checks compare with, as plain numbers."""
     from attitude import AttitudeError
 
     kept = SimpleNamespace(states=[], coefficients=_coefficients())
