@@ -41,6 +41,8 @@ class Problem:
     moved(states, steps): the states after steps (S, P), and which of them are within the bounds.
     costs(states): costs alone, for the last step, behind which no derivatives are needed; None
         where the result has to have them.
+    is_cost_first: whether costs of all steps are computed so, and derivatives only where a step
+        follows: those of the result may be of an earlier state.
     enough(states): decreases of half the cost; the iteration ends where no step promises more.
     """
 
@@ -48,6 +50,7 @@ class Problem:
     moved: Callable[[NDArray[Any], FloatArray], tuple[NDArray[Any], BoolArray]]
     costs: Callable[[NDArray[Any]], FloatArray] | None = None
     enough: Callable[[NDArray[Any]], FloatArray] | None = None
+    is_cost_first: bool = False
 
 
 class Rule(NamedTuple):
@@ -106,7 +109,7 @@ def minimum(
         count += is_inside or rule.bounds_count
         if is_inside:
             new = new[allowed]
-            if problem.costs is not None and count == evaluations:
+            if problem.costs is not None and (problem.is_cost_first or count == evaluations):
                 trial: tuple[NDArray[Any], ...] = new, problem.costs(new)
             else:
                 trial = problem.linearised(new)
@@ -122,6 +125,10 @@ def minimum(
         ended = ~better & (damping[on] >= rule.stuck)
         if count > rule.settled:
             ended |= better & (gain < rule.gain * cost)
+        if problem.is_cost_first and count < evaluations and np.any(better & ~ended):
+            won = on[better & ~ended]
+            for column, values in zip(best, problem.linearised(best.states[won]), strict=True):
+                column[won] = values
         on = on[~ended]
         if is_over is not None and is_over():
             break

@@ -25,7 +25,7 @@ import numpy as np
 
 from attitude._support.arrays import distinct, two_across
 from attitude._support.least_squares import Decomposed
-from attitude.inversion import _ellipsoid, _neighbours, _pole_map, _verdicts
+from attitude.inversion import _ellipsoid, _neighbours, _pole_map, _refinement, _verdicts
 from attitude.inversion._ellipsoid import SearchState
 from attitude.inversion._search import Search, never
 
@@ -543,7 +543,11 @@ class RotatorSearch(Search):
         for candidate in self.convex:
             if self.is_over:
                 break
-            self.axial.append(self._fit(candidate.state, _STEPS_FREE, problem, gain=_GAIN))
+            evaluation = _refinement.refine(
+                problem, candidate.state, iterations=_STEPS_FREE, tie=self.tie,
+                fixed=self._fixed(candidate.state), gain=_GAIN,
+            )  # fmt: skip
+            self.axial.append(evaluation.linearised)
         self.axial = self._most_probable(self.axial, problem)
         self.progress(f"{len(self.axial)} poles that compete")
 

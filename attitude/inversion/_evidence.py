@@ -40,7 +40,7 @@ from attitude.inversion._ellipsoid import (
     OF_PRECESSION,
     SearchState,
 )
-from attitude.inversion._refinement import MOTION, AnyState, Fitted, State
+from attitude.inversion._refinement import MOTION, AnyState, Evaluation, Fitted, Linearised, State
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -85,7 +85,7 @@ class Weighted(Generic[AnyState]):
 
     Attributes
     ----------
-    refined : Fitted
+    refined : Linearised
     problem : CurveProblem
         With the weights of this solution.
     evidence : float
@@ -97,7 +97,7 @@ class Weighted(Generic[AnyState]):
         Mean square of residuals over sigma and the model error.
     """
 
-    refined: Fitted[AnyState]
+    refined: Linearised[AnyState]
     problem: CurveProblem
     evidence: float
     residual: FloatArray
@@ -143,14 +143,14 @@ def refined(
     """
     stay = fixed if held is None else held
 
-    def fit(reweighted: CurveProblem, state: FloatArray) -> Refined:
+    def fit(reweighted: CurveProblem, state: FloatArray) -> Evaluation[FloatArray]:
         return _refinement.refine(reweighted, state, tie=tie, fixed=stay, gain=1e-4)
 
     robust = student(problem, start, fit, int(np.count_nonzero(~fixed[:MOTION])), trials)
     if held is not None:
         there = _refinement.refine(
             robust.problem, robust.refined.state, tie=tie, fixed=fixed, iterations=0
-        )
+        ).linearised
         robust = replace(robust, refined=there)
     evidence = robust.evidence + occam(robust.refined.normal, len(problem))
     evidence += of_tilt(robust.refined.state)
@@ -285,7 +285,7 @@ def gain_of_nutation(solution: Robust) -> float:
         state[OF_NUTATION] = -2.0 * rate * state[OF_PRECESSION]
         normal = _refinement.refine(
             problem, state, tie=_shapes.Tie(math.inf), fixed=fixed, iterations=0
-        ).normal
+        ).linearised.normal
         along = normal[np.ix_(others, halves)]
         made_up = along.T @ np.linalg.lstsq(normal[np.ix_(others, others)], along, rcond=None)[0]
         left = (normal[np.ix_(halves, halves)] - made_up) * np.outer(scale, scale)
@@ -302,15 +302,15 @@ def weights(square: FloatArray) -> FloatArray:
 def student(
     problem: CurveProblem,
     start: State,
-    fit: Callable[[CurveProblem, State], Fitted[State]],
+    fit: Callable[[CurveProblem, State], Evaluation[State]],
     free: int,
     trials: float = 1.0,
 ) -> Weighted[State]:
     """The state of largest posterior density near a start, with Student's errors."""
     state, reweighted, size = start, problem, problem.errors
     for turn in range(_ROUNDS + 1):
-        fitted = fit(reweighted, state)
-        state = fitted.state
+        evaluation = fit(reweighted, state)
+        fitted, state = evaluation.fitted, evaluation.fitted.state
         residual, coefficients = residuals(reweighted, fitted.magnitude)
         square = (residual / size) ** 2
         if turn < _ROUNDS:
@@ -320,7 +320,7 @@ def student(
     evidence += float(np.sum((coefficients / problem.prior) ** 2))
     evidence += fitted.cost - fitted.chi_squared
     evidence += free * float(np.log(len(problem))) + 2.0 * float(np.log(trials))
-    return Weighted(fitted, reweighted, evidence, residual, float(np.mean(square)))
+    return Weighted(evaluation.linearised, reweighted, evidence, residual, float(np.mean(square)))
 
 
 def constant(problem: CurveProblem) -> Weighted[None]:
@@ -329,18 +329,10 @@ def constant(problem: CurveProblem) -> Weighted[None]:
 
     nothing = np.zeros(0)
 
-    def fit(reweighted: CurveProblem, _: None) -> Fitted[None]:
+    def fit(reweighted: CurveProblem, _: None) -> Evaluation[None]:
         chi = reweighted.chi_squared(zeros)
-        return Fitted(
-            None,
-            cost=chi,
-            chi_squared=chi,
-            strain=0.0,
-            normal=nothing[:, None],
-            gradient=nothing,
-            areas=nothing,
-            magnitude=zeros,
-        )
+        fitted = Fitted(None, cost=chi, chi_squared=chi, strain=0.0, areas=nothing, magnitude=zeros)
+        return Evaluation(fitted, lambda: (nothing[:, None], nothing))
 
     for _ in range(2):
         problem = with_error_of(problem, zeros)

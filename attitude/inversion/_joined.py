@@ -262,7 +262,7 @@ class JoinedSearch(Search):
             self.progress(f"{len(fits)} of {len(trials)} pairs of numbers of turns")
             self.is_complete &= bool(fits) and not self.is_over
             known = _joined(fits, self.settings)
-        self.convex = fits
+        self.convex = [*fits]
         settings = replace(self.settings, finals=self.settings.joined, poles=2)
         self.problem = replace(self.problem, settings=settings)
         self.finish()
@@ -286,9 +286,10 @@ class JoinedSearch(Search):
             for state in states[:keep]:
                 if self.is_over and fits:
                     break
-                fits.append(
-                    _refinement.refine(problem, state, iterations=steps, tie=self.tie, gain=1e-3)
+                evaluation = _refinement.refine(
+                    problem, state, iterations=steps, tie=self.tie, gain=1e-3
                 )
+                fits.append(evaluation.linearised)
             fits.sort(key=lambda fit: fit.cost)
             states = [fit.state for fit in fits]
         return fits

@@ -18,7 +18,7 @@ from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.inversion import _evidence, _refinement, _shapes
-from attitude.inversion._refinement import Fitted, ShapeModel
+from attitude.inversion._refinement import Evaluation, Fitted, ShapeModel
 from attitude.motions._body import Body
 from attitude.motions._differentiable import changed
 from attitude.motions._free_rotation import FreeRotation
@@ -332,19 +332,21 @@ class MovingFit:
             lit = _shapes.magnitudes(sun, observer, state.shape)
         else:
             lit = self.known.lit(sun, observer, self.least)
-        across = np.einsum("nij,nj->ni", matrix, lit.across)
-        of_motion = np.einsum("ni,nip->pn", across, slopes)
-        jacobian = np.concatenate([of_motion, lit.by_shape])
-        magnitude, jacobian = problem.over_exposures(lit.magnitude, jacobian)
-        return ShapeModel(magnitude, jacobian, lit.areas, lit.slopes)
 
-    def near(self, problem: CurveProblem, state: MovingState) -> Fitted[MovingState]:
-        """The cost near a state."""
+        def by_motion() -> tuple[FloatArray, FloatArray]:
+            across = np.einsum("nij,nj->ni", matrix, lit.across)
+            of_motion = np.einsum("ni,nip->pn", across, slopes)
+            return of_motion, of_motion[:0]
+
+        return ShapeModel.of(problem, lit, by_motion)
+
+    def at(self, problem: CurveProblem, state: MovingState) -> Evaluation[MovingState]:
+        """A state with its cost."""
         computed = self.model(problem, state)
-        priors = self._priors(state, computed)
-        return _refinement.linearised(problem, state, computed, priors, self.fixed)
+        priors = self._priors(state, computed.lit)
+        return _refinement.evaluated(problem, state, computed, priors, self.fixed)
 
-    def _priors(self, state: MovingState, shape_model: ShapeModel) -> _shapes.Priors:
+    def _priors(self, state: MovingState, lit: _shapes.BodyLight) -> _shapes.Priors:
         point = state.point
         if self.known is not None:
             nothing = np.zeros(point.size)
@@ -354,9 +356,7 @@ class MovingFit:
             slopes = np.zeros((2, point.size))
             slopes[0, 6] = slopes[1, 7] = 1.0
             moments = _shapes.MotionMoments(point.log_ratios, slopes, False, False)
-        return _shapes.penalties(
-            state.shape, shape_model.areas, shape_model.slopes, moments, point.size, self.tie
-        )
+        return _shapes.penalties(state.shape, lit.areas, lit.slopes, moments, point.size, self.tie)
 
     def moved(self, state: MovingState, step: FloatArray) -> MovingState | None:
         """The state after a step; None outside of the bounds."""
@@ -379,12 +379,12 @@ class MovingFit:
         start: MovingState,
         iterations: int = _ITERATIONS,
         gain: float = 1e-3,
-    ) -> Fitted[MovingState]:
+    ) -> Evaluation[MovingState]:
         """The state of least cost near a start."""
 
-        def at(state: MovingState) -> Fitted[MovingState]:
+        def at(state: MovingState) -> Evaluation[MovingState]:
             try:
-                return self.near(problem, state)
+                return self.at(problem, state)
             except AttitudeError:
                 return _impossible(state, len(self.fixed), len(problem))
 
@@ -393,7 +393,7 @@ class MovingFit:
     def weighted(self, problem: CurveProblem, start: MovingState) -> Weighted[MovingState]:
         """The state of largest posterior density, with Student's errors and a model error."""
         whole = problem.with_model_error(problem.settings.ellipsoid_error)
-        best = self.minimum(whole, start, _LAST)
+        best = self.minimum(whole, start, _LAST).fitted
         if best.chi_squared > _BAD * len(whole):
             grown = self._in_stages(whole, start)
             best = min(best, grown, key=lambda fit: fit.cost)
@@ -401,7 +401,7 @@ class MovingFit:
             raise AttitudeError("the start has no magnitudes at the epochs of the curve.")
         for _ in range(2):
             whole = _evidence.with_error_of(whole, best.magnitude)
-            best = self.minimum(whole, best.state)
+            best = self.minimum(whole, best.state).fitted
         free = int(np.count_nonzero(~self.fixed[: start.point.size]))
         return _evidence.student(
             whole,
@@ -418,8 +418,8 @@ class MovingFit:
         for share in _STAGES:
             chosen = away <= np.quantile(away, share)
             if np.count_nonzero(chosen) > 12:
-                state = self.minimum(problem.part(chosen), state).state
-        return self.minimum(problem, state, _LAST)
+                state = self.minimum(problem.part(chosen), state).fitted.state
+        return self.minimum(problem, state, _LAST).fitted
 
 
 def moving_fit(
@@ -454,15 +454,14 @@ def moving_fit(
     return MovingFit(epoch, known, least, tie, fixed, is_axial)
 
 
-def _impossible(state: MovingState, size: int, count: int) -> Fitted[MovingState]:
+def _impossible(state: MovingState, size: int, count: int) -> Evaluation[MovingState]:
     """What a state without magnitudes is: of infinite cost."""
-    return Fitted(
+    fitted = Fitted(
         state,
         cost=math.inf,
         chi_squared=math.inf,
         strain=0.0,
-        normal=np.eye(size),
-        gradient=np.zeros(size),
         areas=np.zeros(0),
         magnitude=np.full(count, math.nan),
     )
+    return Evaluation(fitted, lambda: (np.eye(size), np.zeros(size)))

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from attitude.inversion._evidence import Robust
     from attitude.inversion._lattices import Candidate
     from attitude.inversion._problem import CurveProblem
-    from attitude.inversion._refinement import Refined
+    from attitude.inversion._refinement import BodyFit, Evaluation, Refined
     from attitude.inversion._settings import Settings
     from attitude.inversion._shapes import Tie
 
@@ -85,11 +85,8 @@ def turn_of_scene(problem: CurveProblem, poles: FloatArray) -> FloatArray:
     The rate of a body about a pole, less this, is the rate at which the scene sees it turn.
     """
     t = problem.t - problem.t.mean()
-    out = np.empty(len(poles))
-    for number, pole in enumerate(poles):
-        angle = np.unwrap(_seen_about(problem, pole))
-        out[number] = (t @ angle) / (t @ t) / (2.0 * math.pi)
-    return out
+    rates: FloatArray = np.unwrap(_seen_about(problem, poles)) @ t / (t @ t) / (2.0 * math.pi)
+    return rates
 
 
 def has_turn(problem: CurveProblem, a: FloatArray, b: FloatArray) -> bool:
@@ -102,7 +99,7 @@ def has_turn(problem: CurveProblem, a: FloatArray, b: FloatArray) -> bool:
     """
     apart = a[OF_PRECESSION] - b[OF_PRECESSION]
     angles = 4.0 * math.pi * apart * problem.t
-    first, second = (_seen_about(problem, state[OF_POLE]) for state in (a, b))
+    first, second = _seen_about(problem, np.stack([a[OF_POLE], b[OF_POLE]]))
     angles -= first - second
     width = problem.settings.same_rate
     offsets = np.arange(-2.0 * width, 2.0 * width + 1e-9, width / 8.0)
@@ -112,11 +109,11 @@ def has_turn(problem: CurveProblem, a: FloatArray, b: FloatArray) -> bool:
     return bool(abs(drifts[int(np.argmax(kept))]) < width)
 
 
-def _seen_about(problem: CurveProblem, pole: FloatArray) -> FloatArray:
-    """The angle (N,) of the bisector of Sun and observer about a pole (3,), rad."""
+def _seen_about(problem: CurveProblem, poles: FloatArray) -> FloatArray:
+    """The angles (P, N) of the bisector of Sun and observer about poles (P, 3), rad."""
     bisector = problem.sun + problem.observer
-    first = np.cross(pole, np.eye(3)[np.argmin(np.abs(pole))])
-    angles: FloatArray = np.arctan2(np.cross(pole, first) @ bisector, first @ bisector)
+    first = np.cross(poles, np.eye(3)[np.argmin(np.abs(poles), axis=1)])
+    angles: FloatArray = np.arctan2(np.cross(poles, first) @ bisector, first @ bisector)
     return angles
 
 
@@ -220,7 +217,8 @@ def of_rates(
     count, starts = settings.map_poles, settings.map_starts
     at_poles = _at_poles(problem, generator, state, held, count, starts, has_x=True)
     free = _ellipsoid.minimised(problem, at_poles.states[: count // 2], 2 * _STEPS, tie=held)
-    bodies = list(_refined(problem, at_poles.states, tie, _POLE_HELD, _BODIES, is_over))
+    evaluations = _refined(problem, at_poles.states, tie, _POLE_HELD, _BODIES, is_over)
+    bodies = [evaluation.fitted for evaluation in evaluations]
     bodies.sort(key=lambda body: body.cost)
     both = zip_longest((body.state for body in bodies), _ellipsoid.in_order(free).states)
     return [
@@ -282,7 +280,7 @@ def in_few_steps(
     state: FloatArray,
     held: Held,
     tie: Tie,
-) -> list[Refined]:
+) -> list[BodyFit]:
     """Bodies of few modes at other poles with the rates of a tumbling state, the best first.
 
     In few steps, with the error of bodies in place of that of ellipsoids.
@@ -291,12 +289,13 @@ def in_few_steps(
     count, starts = settings.class_poles, settings.class_starts
     at_poles = _at_poles(problem, generator, state, held, count, starts, has_x=False)
     problem, states = problem.with_model_error(settings.body_error), at_poles.states
-    bodies: list[Refined] = []
+    bodies: list[BodyFit] = []
     for most, iterations in settings.class_bodies:
         accuracy, modes = (iterations, _BODIES[1]), settings.short_modes
-        bodies = list(
-            _refined(problem, states[:most], tie, _POLE_HELD, accuracy, lambda: False, modes)
+        evaluations = _refined(
+            problem, states[:most], tie, _POLE_HELD, accuracy, lambda: False, modes
         )
+        bodies = [evaluation.fitted for evaluation in evaluations]
         bodies.sort(key=lambda body: body.cost)
         states = np.array([body.state for body in bodies])
     return bodies
@@ -327,25 +326,28 @@ def minima(
     held[_refinement.TILT] = True
     held_states = starts.states
     for iterations, above, most in _STAGES:
-        fits = list(_refined(problem, held_states, tie, held, (iterations, _HELD[1]), is_over))
+        accuracy = (iterations, _HELD[1])
+        evaluations = _refined(problem, held_states, tie, held, accuracy, is_over)
+        fits = [evaluation.fitted for evaluation in evaluations]
         fits.sort(key=lambda fit: fit.cost)
         fits = [fit for fit in fits if fit.cost < fits[0].cost + above]
         best_ones = [fit.state for fit in fits[:most]]
         of_others = apart(fits[most:], best_ones, settings, _ONE_POLE)
         held_states = np.array([*best_ones, *(fit.state for fit in of_others)])
     at_poles = _refined(problem, held_states, tie, held, _HELD, is_over)
-    chosen = most_probable(at_poles, problem, behind)
+    chosen = most_probable((one.linearised for one in at_poles), problem, behind)
     states = np.array([fit.state for fit in chosen[: settings.axial_freed]])
-    free = most_probable(_refined(problem, states, tie, fixed, _FREE, is_over), problem, behind)
+    with_pole = _refined(problem, states, tie, fixed, _FREE, is_over)
+    free = most_probable((one.linearised for one in with_pole), problem, behind)
     return free, chosen
 
 
 def apart(
-    fits: Sequence[Refined],
+    fits: Sequence[BodyFit],
     others: Sequence[FloatArray],
     settings: Settings,
     width: float = _ENTRY,
-) -> list[Refined]:
+) -> list[BodyFit]:
     """Those whose pole no better one has, nor one of others (WIDTH,), within an angle, rad."""
 
     def is_entry(a: FloatArray, b: FloatArray) -> bool:
@@ -363,7 +365,7 @@ def _refined(
     accuracy: tuple[int, float],
     is_over: Callable[[], bool],
     modes: int = _shapes.MODES,
-) -> Iterator[Refined]:
+) -> Iterator[Evaluation[FloatArray]]:
     iterations, gain = accuracy
     for state in states:
         if is_over():

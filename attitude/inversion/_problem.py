@@ -176,17 +176,18 @@ class CurveProblem:
         mean: FloatArray = -2.5 * np.log10(flux)
         return mean
 
-    def over_exposures(
-        self, magnitude: FloatArray, jacobian: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """Magnitudes (N,) of the mean fluxes, and derivatives (P, N), from those at the nodes."""
+    def node_weights(self, magnitude: FloatArray) -> FloatArray | None:
+        """Weights (K, N), by which derivatives of magnitudes (K N,) at the nodes are summed.
+
+        The sums are derivatives of the magnitudes of the mean fluxes; None without exposures.
+        """
         if len(magnitude) == len(self):
-            return magnitude, jacobian
-        mean = self.mean_magnitudes(magnitude)
+            return None
         at = magnitude.reshape(len(_NODES), -1)
-        share = 0.5 * _WEIGHTS[:, None] * 10.0 ** (-0.4 * (at - mean))
-        by = jacobian.reshape(len(jacobian), len(_NODES), -1)
-        return mean, np.einsum("pkn,kn->pn", by, share)
+        weights: FloatArray = (
+            0.5 * _WEIGHTS[:, None] * 10.0 ** (-0.4 * (at - self.mean_magnitudes(magnitude)))
+        )
+        return weights
 
     def projected(self, rows: FloatArray) -> FloatArray:
         """Weighted rows (..., N), the linear terms taken off."""

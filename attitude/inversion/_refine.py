@@ -96,7 +96,7 @@ class Refinement(CurveFit):
 
         def refitted(keep: BoolArray) -> FloatArray | None:
             again = self._fit.minimum(problem.part(keep), state, gain=1e-4)
-            return again.state.point.difference(self.point)
+            return again.fitted.state.point.difference(self.point)
 
         with _refinement.limited():
             errors_of = _errors.errors(

@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import math
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 
 import numpy as np
@@ -28,7 +29,8 @@ if TYPE_CHECKING:
     from attitude._support.annotations import BoolArray, FloatArray
     from attitude.inversion._problem import CurveProblem
 
-    Refined: TypeAlias = "Fitted[FloatArray]"
+    BodyFit: TypeAlias = "Fitted[FloatArray]"
+    Refined: TypeAlias = "Linearised[FloatArray]"
 
 
 # ---- The threads of BLAS: matrices here are so small that several threads only wait for each other
@@ -53,7 +55,7 @@ AnyState = TypeVar("AnyState", covariant=True)
 
 @dataclass(frozen=True, eq=False)
 class Fitted(Generic[AnyState]):
-    """A state near its least cost; `Refined` is one whose state is an array (WIDTH,).
+    """A state and its cost; a `BodyFit` is one whose state is an array (WIDTH,).
 
     Attributes
     ----------
@@ -61,10 +63,6 @@ class Fitted(Generic[AnyState]):
     cost, chi_squared, strain : float
         chi_squared is that of the magnitudes, cost adds the priors; strain is the part of the
         cost that ties the moments to the shape.
-    normal : (P, P) array
-        Second derivatives of half the cost.
-    gradient : (P,) array
-        Minus the first ones.
     areas : (F,) array
     magnitude : (N,) array
         Of the model.
@@ -74,10 +72,48 @@ class Fitted(Generic[AnyState]):
     cost: float
     chi_squared: float
     strain: float
-    normal: FloatArray
-    gradient: FloatArray
     areas: FloatArray
     magnitude: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Linearised(Fitted[AnyState]):
+    """The same with derivatives; `Refined` is one whose state is an array (WIDTH,).
+
+    Attributes
+    ----------
+    normal : (P, P) array
+        Second derivatives of half the cost.
+    gradient : (P,) array
+        Minus the first ones.
+    """
+
+    normal: FloatArray
+    gradient: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation(Generic[State]):
+    """A state at its cost, whose derivatives are computed where they are asked for.
+
+    They take three times as long: steps that fail and last steps do without.
+
+    Attributes
+    ----------
+    fitted : Fitted
+    products : function without arguments
+        Returns the normal matrix and the gradient.
+    """
+
+    fitted: Fitted[State]
+    products: Callable[[], tuple[FloatArray, FloatArray]]
+
+    @cached_property
+    def linearised(self) -> Linearised[State]:
+        """The state with derivatives."""
+        normal, gradient = self.products()
+        of_state = {field.name: getattr(self.fitted, field.name) for field in fields(self.fitted)}
+        return Linearised(**of_state, normal=normal, gradient=gradient)
 
 
 _RULE = least_squares.Rule(
@@ -86,26 +122,34 @@ _RULE = least_squares.Rule(
 
 
 def minimum(
-    at: Callable[[State], Fitted[State]],
+    at: Callable[[State], Evaluation[State]],
     moved: Callable[[State, FloatArray], State | None],
     start: State,
     iterations: int,
     gain: float,
-) -> Fitted[State]:
+) -> Evaluation[State]:
     """The least cost near a start."""
 
-    def near(states: NDArray[Any]) -> least_squares.Near:
-        best = at(states[0])
-        cost = np.array([best.cost])
-        return least_squares.Near(_alone(best), cost, best.normal[None], best.gradient[None])
-
     def stepped(best: NDArray[Any], steps: FloatArray) -> tuple[NDArray[Any], BoolArray]:
-        state = moved(best[0].state, steps[0])
-        return _alone(state), np.array([state is not None])
+        state = moved(best[0].fitted.state, steps[0])
+        return _alone(None if state is None else at(state)), np.array([state is not None])
 
-    problem, rule = least_squares.Problem(near, stepped), _RULE._replace(gain=gain)
-    best: Fitted[State] = least_squares.minimum(problem, _alone(start), rule, iterations).states[0]
+    problem = least_squares.Problem(_near, stepped, _costs, is_cost_first=True)
+    rule = _RULE._replace(gain=gain)
+    best: Evaluation[State]
+    best = least_squares.minimum(problem, _alone(at(start)), rule, iterations).states[0]
     return best
+
+
+def _costs(evaluations: NDArray[Any]) -> FloatArray:
+    return np.array([evaluations[0].fitted.cost])
+
+
+def _near(evaluations: NDArray[Any]) -> least_squares.Near:
+    best = evaluations[0].linearised
+    return least_squares.Near(
+        evaluations, _costs(evaluations), best.normal[None], best.gradient[None]
+    )
 
 
 def _alone(state: object) -> NDArray[Any]:
@@ -134,12 +178,44 @@ _SHAPE = _shapes.Tie()
 
 @dataclass(frozen=True, eq=False)
 class ShapeModel:
-    """Magnitudes (N,) of a state, their Jacobian (P, N), areas, and the slopes of the areas."""
+    """Magnitudes (N,) of a state, means over exposures, and their derivatives.
+
+    Attributes
+    ----------
+    magnitude : (N,) array
+    lit : BodyLight
+        The magnitudes at the nodes of the exposures, K of each; K is 1 without exposures.
+    weights : (K, N) array or None
+        Of the nodes, as of `CurveProblem.node_weights`.
+    by_motion : function without arguments
+        Returns derivatives at the nodes (M, K N) by the motion, and those by its drift (D, K N).
+    """
 
     magnitude: FloatArray
-    jacobian: FloatArray
-    areas: FloatArray
-    slopes: FloatArray
+    lit: _shapes.BodyLight
+    weights: FloatArray | None
+    by_motion: Callable[[], tuple[FloatArray, FloatArray]]
+
+    @classmethod
+    def of(
+        cls,
+        problem: CurveProblem,
+        lit: _shapes.BodyLight,
+        by_motion: Callable[[], tuple[FloatArray, FloatArray]],
+    ) -> ShapeModel:
+        """That of magnitudes at the nodes of the exposures of a problem."""
+        weights = problem.node_weights(lit.magnitude)
+        return cls(problem.mean_magnitudes(lit.magnitude), lit, weights, by_motion)
+
+    @cached_property
+    def jacobian(self) -> FloatArray:
+        """Derivatives (P, N) by motion, shape and drift."""
+        motion, drift = self.by_motion()
+        at_nodes = np.concatenate([motion, self.lit.by_shape, drift])
+        if self.weights is None:
+            return at_nodes
+        by_node = at_nodes.reshape(len(at_nodes), *self.weights.shape)
+        return np.einsum("pkn,kn->pn", by_node, self.weights)
 
 
 def model(problem: CurveProblem, state: FloatArray) -> ShapeModel:
@@ -154,13 +230,13 @@ def model(problem: CurveProblem, state: FloatArray) -> ShapeModel:
     sun, observer = np.empty((2, count, 3))
     _over_body(state, r, nodes.sun, nodes.observer, sun, observer)
     lit = _shapes.magnitudes(sun, observer, state[:WIDTH][OF_SHAPE])
-    size = MOTION + len(lit.by_shape)
-    jacobian = np.empty((size + drift.size, count))
-    _by_motion(t, r, g, lit.across, jacobian)
-    jacobian[MOTION:size] = lit.by_shape
-    jacobian[size:] = 0.5 * t * jacobian[PRECESSION : PRECESSION + drift.size]
-    magnitude, jacobian = problem.over_exposures(lit.magnitude, jacobian)
-    return ShapeModel(magnitude, jacobian, lit.areas, lit.slopes)
+
+    def by_motion() -> tuple[FloatArray, FloatArray]:
+        rows = np.empty((MOTION, count))
+        _by_motion(t, r, g, lit.across, rows)
+        return rows, 0.5 * t * rows[PRECESSION : PRECESSION + drift.size]
+
+    return ShapeModel.of(problem, lit, by_motion)
 
 
 def drift_of(state: FloatArray) -> FloatArray:
@@ -229,7 +305,9 @@ def _penalties(state: FloatArray, shape_model: ShapeModel, tie: _shapes.Tie) -> 
             ratios[0], slopes[0, :, :MOTION], fields.nutation > 0.0, fields.x < 0.0
         )
     shape, drift = state[:WIDTH][OF_SHAPE], state[WIDTH:]
-    priors = _shapes.penalties(shape, shape_model.areas, shape_model.slopes, moments, MOTION, tie)
+    priors = _shapes.penalties(
+        shape, shape_model.lit.areas, shape_model.lit.slopes, moments, MOTION, tie
+    )
     if not drift.size:
         return priors
     return priors._replace(
@@ -241,14 +319,17 @@ def _penalties(state: FloatArray, shape_model: ShapeModel, tie: _shapes.Tie) -> 
 
 def profiled_cost(problem: CurveProblem, state: FloatArray, tie: _shapes.Tie) -> float:
     """The cost of a motion after one Gauss-Newton step of its shape."""
-    fit = _near(problem, state, tie, np.arange(len(state) - WIDTH + SIZE) < MOTION)
+    held = np.arange(len(state) - WIDTH + SIZE) < MOTION
+    fit = _at(problem, state, tie, held).linearised
     return fit.cost - float(fit.gradient @ np.linalg.solve(fit.normal, fit.gradient))
 
 
-def _near(problem: CurveProblem, state: FloatArray, tie: _shapes.Tie, held: BoolArray) -> Refined:
-    """The cost near a state, where some parameters (P,) are held."""
+def _at(
+    problem: CurveProblem, state: FloatArray, tie: _shapes.Tie, held: BoolArray
+) -> Evaluation[FloatArray]:
+    """A state, where some parameters (P,) are held."""
     shape_model = model(problem, state)
-    return linearised(problem, state, shape_model, _penalties(state, shape_model, tie), held)
+    return evaluated(problem, state, shape_model, _penalties(state, shape_model, tie), held)
 
 
 def refine(
@@ -260,7 +341,7 @@ def refine(
     gain: float = 1e-3,
     fixed: BoolArray | None = None,
     modes: int = _shapes.MODES,
-) -> Refined:
+) -> Evaluation[FloatArray]:
     """The state of least cost near a start.
 
     Parameters
@@ -285,43 +366,46 @@ def refine(
     held = np.zeros(MOTION + _shapes.ELLIPSOID + modes + len(drift), bool)
     if fixed is not None:
         held[: len(fixed)] = fixed[: len(held)]
-    return minimum(lambda trial: _near(problem, trial, tie, held), _moved, state, iterations, gain)
+    return minimum(lambda trial: _at(problem, trial, tie, held), _moved, state, iterations, gain)
 
 
-def linearised(
+def evaluated(
     problem: CurveProblem,
     state: State,
     shape_model: ShapeModel,
     priors: _shapes.Priors,
     held: BoolArray,
-) -> Fitted[State]:
-    """The cost near a state with magnitudes of its own, where some parameters (P,) are held."""
+) -> Evaluation[State]:
+    """A state with magnitudes of its own, where some parameters (P,) are held."""
     r = (problem.y - shape_model.magnitude) * problem.root
     along = problem.u @ r
-    weighted = shape_model.jacobian * problem.root
-    across = weighted @ problem.u.T
-    by_prior, offsets, weights = priors.slopes, priors.offsets, priors.weights
-    normal = weighted @ weighted.T
-    normal -= across @ across.T
-    normal += by_prior.T @ by_prior
-    normal.flat[:: len(normal) + 1] += weights**2
-    gradient = weighted @ r - across @ along - priors.residuals @ by_prior - weights * offsets
-    if held.any():
-        gradient[held] = 0.0
-        normal[held, :] = normal[:, held] = 0.0
-        normal[held, held] = 1.0
     chi = float(r @ r - along @ along)
-    prior = float(priors.residuals @ priors.residuals + offsets @ offsets)
-    return Fitted(
+    prior = float(priors.residuals @ priors.residuals + priors.offsets @ priors.offsets)
+
+    def products() -> tuple[FloatArray, FloatArray]:
+        weighted = shape_model.jacobian * problem.root
+        across = weighted @ problem.u.T
+        normal = weighted @ weighted.T
+        normal -= across @ across.T
+        normal += priors.slopes.T @ priors.slopes
+        normal.flat[:: len(normal) + 1] += priors.weights**2
+        gradient = weighted @ r - across @ along - priors.residuals @ priors.slopes
+        gradient -= priors.weights * priors.offsets
+        if held.any():
+            gradient[held] = 0.0
+            normal[held, :] = normal[:, held] = 0.0
+            normal[held, held] = 1.0
+        return normal, gradient
+
+    fitted = Fitted(
         state,
         cost=chi + prior,
         chi_squared=chi,
         strain=priors.strain,
-        normal=normal,
-        gradient=gradient,
-        areas=shape_model.areas,
+        areas=shape_model.lit.areas,
         magnitude=shape_model.magnitude,
     )
+    return Evaluation(fitted, products)
 
 
 def _moved(state: FloatArray, step: FloatArray) -> FloatArray | None:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from attitude._support.annotations import BoolArray, FloatArray
     from attitude.inversion._problem import CurveProblem
-    from attitude.inversion._refinement import Refined
+    from attitude.inversion._refinement import BodyFit
     from attitude.inversion._shapes import Tie
 
 
@@ -165,9 +165,9 @@ def of_series(problem: CurveProblem, rate: float, order: int = ORDERS[0]) -> Exp
     return _explained(problem, rate, terms, inner, left, terms @ left)
 
 
-def of_body(problem: CurveProblem, body: Refined, tie: Tie, fixed: BoolArray) -> Explained:
+def of_body(problem: CurveProblem, body: BodyFit, tie: Tie, fixed: BoolArray) -> Explained:
     """What a body that rotates about one axis, and all near it, explain."""
-    fit = _refinement.refine(problem, body.state, tie=tie, fixed=fixed)
+    fit = _refinement.refine(problem, body.state, tie=tie, fixed=fixed).linearised
     model = _refinement.model(problem, fit.state)
     free = np.ones(len(fit.normal), bool)
     free[: len(fixed)] = ~fixed[: len(free)]

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from attitude.inversion._ellipsoid import Pool
     from attitude.inversion._evidence import Robust
     from attitude.inversion._problem import CurveProblem
-    from attitude.inversion._refinement import Refined
+    from attitude.inversion._refinement import BodyFit, Refined
     from attitude.inversion._satellites import AdditivePair, Explained
     from attitude.inversion._settings import Settings
     from attitude.inversion._shapes import Tie
@@ -80,7 +80,7 @@ class Search:
     generator : Generator
     progress : callable
         Called with a text after each stage.
-    convex : list of Refined
+    convex : list of BodyFit
         The best first.
     solutions : list of Robust
         The best first; those of the last `finish`.
@@ -111,7 +111,7 @@ class Search:
     shifts: tuple[float, ...]
     generator: np.random.Generator
     progress: Callable[[str], object]
-    convex: list[Refined] = field(default_factory=list)
+    convex: list[BodyFit] = field(default_factory=list)
     solutions: list[Robust] = field(default_factory=list)
     axial: list[Refined] = field(default_factory=list)
     held_poles: list[Refined] = field(default_factory=list)
@@ -121,9 +121,9 @@ class Search:
     rival: Search | None = None
     constant: str = ""
     _mapped_rates: list[FloatArray] = field(default_factory=list)
-    _short_fits: list[Refined] = field(default_factory=list, init=False)
+    _short_fits: list[BodyFit] = field(default_factory=list, init=False)
     # Rotations about one axis with the prior of tumbling bodies.
-    _wide: list[Refined] = field(default_factory=list, init=False)
+    _wide: list[BodyFit] = field(default_factory=list, init=False)
     # Pairs of frequencies (P, 2) of the last round, the best first.
     _pairs: FloatArray = field(default_factory=lambda: np.empty((0, 2)), init=False)
     _known_fits: _KnownFits = field(default_factory=_KnownFits, init=False)
@@ -287,7 +287,9 @@ class Search:
 
     def _beside_bodies(self) -> list[Search]:
         """Searches for rotations about one axis beside the orbits of what the best ones leave."""
-        axial = [one.refined for one in self.solutions if is_axial(one.refined.state)]
+        axial: list[BodyFit] = [
+            one.refined for one in self.solutions if is_axial(one.refined.state)
+        ]
         axial += [fit for fit in self.convex if is_axial(fit.state)]
         most = 1 if self.is_at_floor else self.settings.orbit_bodies
         bodies = distinct(axial, lambda a, b: self.has_rates(a.state, b.state), most)
@@ -368,7 +370,7 @@ class Search:
         rival.finish()
         return [rival] if rival.solutions else []
 
-    def _explained(self, body: Refined) -> Explained:
+    def _explained(self, body: BodyFit) -> Explained:
         """What a rotation about one axis explains, all bodies near one."""
         problem = self.problem.with_model_error(self.settings.body_error)
         return _satellites.of_body(problem, body, self.tie, self._fixed(body.state))
@@ -623,7 +625,7 @@ class Search:
 
     def _worthy(self, states: list[FloatArray]) -> list[FloatArray]:
         """States after a few convex steps, the best first, without those that stay far behind."""
-        fits: list[Refined] = []
+        fits: list[BodyFit] = []
         for state in states:
             if self.is_over and fits:
                 break
@@ -675,7 +677,7 @@ class Search:
         problem: CurveProblem | None = None,
         modes: int = _shapes.MODES,
         gain: float = 3e-3,
-    ) -> Refined:
+    ) -> BodyFit:
         """The convex body near a state; of another problem, or with fewer modes, if given."""
         return _refinement.refine(
             self.problem if problem is None else problem,
@@ -685,7 +687,7 @@ class Search:
             fixed=self._fixed(state),
             gain=gain,
             modes=modes,
-        )
+        ).fitted
 
     def _add(self, states: Iterable[FloatArray], gain: float = 3e-3) -> None:
         """Add the convex bodies near states."""
@@ -713,7 +715,8 @@ class Search:
         tie = replace(self.tie, is_wide=True)
         for start in starts:
             fixed = self._fixed(start)
-            self._wide.append(_refinement.refine(self.problem, start, tie=tie, fixed=fixed))
+            wide = _refinement.refine(self.problem, start, tie=tie, fixed=fixed)
+            self._wide.append(wide.fitted)
         return True
 
     def _other_poles(self) -> bool:
@@ -763,7 +766,7 @@ class Search:
         """Add the best bodies of short maps of poles at the rates of states."""
         settings = self.settings
         problem = self.problem.with_model_error(settings.body_error)
-        fits: list[Refined] = []
+        fits: list[BodyFit] = []
         for state in rates:
             if self.problem.tally.left < settings.class_reserve:
                 break
@@ -856,15 +859,15 @@ class Search:
         error = problem.model_error
         self.progress(f"{len(self.solutions)} solutions, model error {error:.3f} mag")
 
-    def _ranked(self, problem: CurveProblem, body: Refined) -> Refined:
+    def _ranked(self, problem: CurveProblem, body: BodyFit) -> BodyFit:
         """A body after some steps with the errors of a problem."""
 
-        def fit() -> Refined:
+        def fit() -> BodyFit:
             return self._fit(body.state, self.settings.ranked_steps, problem)
 
         return self._known_fits.of(fit, problem, body, "ranked")
 
-    def _takes_noise(self, problem: CurveProblem, best: Refined) -> bool:
+    def _takes_noise(self, problem: CurveProblem, best: BodyFit) -> bool:
         """Whether errors are enlarged, where neighbouring residuals of a good body exceed them."""
         one = self._robust(problem, best)
         if _evidence.share_left(one, problem) > self.settings.left:
@@ -885,11 +888,11 @@ class Search:
         )
         return True
 
-    def _with_own_error(self, best: Refined) -> CurveProblem:
+    def _with_own_error(self, best: BodyFit) -> CurveProblem:
         """The problem with the model error that the residuals of a body show."""
         return self._known_fits.of(lambda: self._with_error_of(best), self.problem, best)
 
-    def _with_error_of(self, best: Refined) -> CurveProblem:
+    def _with_error_of(self, best: BodyFit) -> CurveProblem:
         """That, or the one of another body with nearly the same error, whose fits are known."""
         problem = _evidence.with_error_of(self.problem, best.magnitude)
         for _ in range(2):
@@ -947,17 +950,17 @@ class Search:
             self._compared(problem, fit) for fit in next_ones[: self.settings.axial_others]
         ]
 
-    def _compared(self, problem: CurveProblem, body: Refined) -> Robust:
+    def _compared(self, problem: CurveProblem, body: BodyFit) -> Robust:
         """A rotation about one axis with the prior and the evidence of tumbling bodies."""
         return self._robust(problem, body, is_wide=True)
 
-    def _robust(self, problem: CurveProblem, body: Refined, *, is_wide: bool = False) -> Robust:
+    def _robust(self, problem: CurveProblem, body: BodyFit, *, is_wide: bool = False) -> Robust:
         """The body of largest posterior density near a body."""
         return self._known_fits.of(
             lambda: self._weighted(problem, body, is_wide=is_wide), problem, body, is_wide
         )
 
-    def _weighted(self, problem: CurveProblem, body: Refined, *, is_wide: bool) -> Robust:
+    def _weighted(self, problem: CurveProblem, body: BodyFit, *, is_wide: bool) -> Robust:
         # the more frequencies of nutation were tried, the better one fits by chance
         trials = 1.0 if is_axial(body.state) else self.most / self.settings.odds
         return _evidence.refined(
@@ -983,7 +986,7 @@ class Search:
         least = entries[0].evidence
         return [_evidence.at_least(one, least) for one in held if one.evidence < least + behind]
 
-    def _at_pole(self, problem: CurveProblem, body: Refined) -> Robust:
+    def _at_pole(self, problem: CurveProblem, body: BodyFit) -> Robust:
         """The rotation about one axis of largest posterior density at the pole of a body."""
         fixed = self._fixed(body.state)
         held = fixed.copy()

@@ -165,18 +165,25 @@ _GIVEN = 0.003
 _MAGNITUDE = -2.5 / math.log(10.0)
 
 
-class BodyLight(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class BodyLight:
     """Magnitudes (N,) of a body seen from given directions, and their derivatives.
 
-    across (N, 3): by a turn of the body, rad, over its own axes; by_shape (S, N); areas (F,)
-    and the slopes (F, S) of their logarithms.
+    across (N, 3): by a turn of the body, rad, over its own axes; areas (F,) and the slopes (F, S)
+    of their logarithms, by which by_areas (N, F) are derivatives.
     """
 
     magnitude: FloatArray
     across: FloatArray
-    by_shape: FloatArray
     areas: FloatArray
     slopes: FloatArray
+    by_areas: FloatArray
+
+    @cached_property
+    def by_shape(self) -> FloatArray:
+        """Derivatives (S, N) by the shape."""
+        product: FloatArray = self.slopes.T @ self.by_areas.T
+        return product
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,7 +231,7 @@ def magnitudes(sun: FloatArray, observer: FloatArray, shape: FloatArray) -> Body
     area, slopes = areas(shape[:ELLIPSOID], shape[ELLIPSOID:])
     by_areas, magnitude, across = np.empty((count, COUNT)), np.empty(count), np.empty((count, 3))
     _light(sun, observer, sphere().normals, area, LAMBERT, by_areas, magnitude, across)
-    return BodyLight(magnitude, across, slopes.T @ by_areas.T, area, slopes)
+    return BodyLight(magnitude, across, area, slopes, by_areas)
 
 
 class Priors(NamedTuple):
@@ -554,9 +561,8 @@ class KnownShape:
                 for side in (_STEP_OF_DIFFERENCES, -_STEP_OF_DIFFERENCES)
             ]
             across[..., k] = (ends[0] - ends[1]) / (2.0 * _STEP_OF_DIFFERENCES)
-        nothing = np.zeros((0, sun.shape[0]))
-        values = self.magnitudes(sun, observer, least)
-        return BodyLight(values, across, nothing, _NOTHING, np.zeros((0, 0)))
+        values, nothing = self.magnitudes(sun, observer, least), np.zeros((sun.shape[0], 0))
+        return BodyLight(values, across, _NOTHING, np.zeros((0, 0)), nothing)
 
 
 def known(mesh: Mesh, law: str | Law | None) -> KnownShape:

@@ -121,7 +121,7 @@ def covariance(
     def refitted(keep: BoolArray) -> FloatArray | None:
         again = _refinement.refine(
             problem.part(keep), state, tie=tie, fixed=fixed, iterations=_REFITTED, gain=1e-5
-        ).state
+        ).fitted.state
         turn = quaternion.from_matrix(SearchState.of(state).frame.T @ SearchState.of(again).frame)
         change = again[_ellipsoid.OF_ELEMENTS] - state[_ellipsoid.OF_ELEMENTS]
         return np.concatenate([forms.to_rotation_vector(turn), change])

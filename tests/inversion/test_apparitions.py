@@ -174,9 +174,9 @@ def test_refine_keeps_a_rotation_about_one_axis(known):
     free = _moving.moving_point(start, part.epoch, (-1e8, 1e8), None, None)
     fit = _moving.moving_fit(part.epoch, problem, free, None, _shapes.Tie())
     found = fit.minimum(problem, _moving.MovingState(free, np.zeros(_shapes.SIZE)), 3)
-    assert found.cost < math.inf and fit.is_axial
-    assert np.all(found.state.point.spin.angular_velocity[:2] == 0.0)
-    assert found.state.point.axis == 2
+    assert found.fitted.cost < math.inf and fit.is_axial
+    assert np.all(found.fitted.state.point.spin.angular_velocity[:2] == 0.0)
+    assert found.fitted.state.point.axis == 2
 
 
 def _turned_to(pole):
@@ -256,7 +256,9 @@ def _alone(problem, state, inside):
     )  # fmt: skip
     start = _joined.at_middle(state, -middle)[: _refinement.WIDTH]
     # to the minimum itself: the counts that compete depend on where an iteration stops
-    fit = _refinement.refine(about, start, tie=_shapes.Tie(math.inf), iterations=80, gain=1e-9)
+    fit = _refinement.refine(
+        about, start, tie=_shapes.Tie(math.inf), iterations=80, gain=1e-9
+    ).linearised
     covariance = np.pad(4.0 * inverse(fit.normal)[:8, :8], (0, 2))
     drift = np.zeros(len(state) - _refinement.WIDTH)
     covariance[range(8, 8 + len(drift)), range(8, 8 + len(drift))] = _refinement.DRIFT_WIDTH**2

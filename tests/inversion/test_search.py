@@ -194,10 +194,10 @@ def test_few_modes_make_a_lopsided_body():
     assert few.magnitude == pytest.approx(seen, abs=1e-12) and few.jacobian.shape == (34, COUNT)
     curve = _given(seen, t, sun=sun, observer=observer)
     start = state[:16]
-    rough = _refinement.refine(curve, start, iterations=1, modes=24)
-    fit = _refinement.refine(curve, start, iterations=3, modes=24)
+    rough = _refinement.refine(curve, start, iterations=1, modes=24).fitted
+    fit = _refinement.refine(curve, start, iterations=3, modes=24).fitted
     assert len(fit.state) == 16 + 24 and fit.chi_squared < 0.1 * rough.chi_squared
-    whole = _refinement.refine(curve, fit.state, iterations=1)
+    whole = _refinement.refine(curve, fit.state, iterations=1).fitted
     assert whole.chi_squared == pytest.approx(fit.chi_squared, rel=1e-9)
 
 
@@ -377,7 +377,7 @@ def test_a_tumbling_body_that_hardly_nutates_is_compared_as_a_rotation(
 
     def refine(problem, start, *, tie, fixed):
         fitted.append(tie.is_wide and _ellipsoid.is_axial(start))
-        return SimpleNamespace(state=start, cost=1.0)
+        return SimpleNamespace(fitted=SimpleNamespace(state=start, cost=1.0))
 
     monkeypatch.setattr(_refinement, "refine", refine)
     assert search._hardly_nutating() == expected
@@ -604,7 +604,7 @@ def test_the_pole_of_a_body_of_two_lobes_is_found_by_convex_bodies():
     tie, held = _shapes.Tie(), _ellipsoid.Held(problem.settings.tie)
     pool = _ellipsoid.around(problem, generator, rates, 200, iterations=40, tie=held)
     problem = problem.with_model_error(0.03)
-    start = _refinement.refine(problem, pool.states[0], tie=tie).state
+    start = _refinement.refine(problem, pool.states[0], tie=tie).fitted.state
     rough = problem.with_model_error(0.07)
     states = _pole_map.of_rates(rough, generator, start, held, tie, lambda: False)
     quick = _pole_map.in_few_steps(rough, generator, start, held, tie)
@@ -613,7 +613,7 @@ def test_the_pole_of_a_body_of_two_lobes_is_found_by_convex_bodies():
     of_bodies = [each for each in states if len(each) == _refinement.WIDTH]
     of_ellipsoids = [each for each in states if len(each) < _refinement.WIDTH]
     for chosen in (of_bodies[:12], of_ellipsoids[:12], [body.state for body in quick[:3]]):
-        bodies = [_refinement.refine(problem, each, tie=tie) for each in chosen]
+        bodies = [_refinement.refine(problem, each, tie=tie).fitted for each in chosen]
         best = min(bodies, key=lambda body: body.cost)
         costs.append(best.cost)
         cosines.append(abs(best.state[[7, 10, 13]] @ true))
@@ -763,7 +763,7 @@ def test_shallow_dips_are_found_beside_a_body_seen_from_many_sides(orbit):
     given = replace(given, magnitude=magnitude, model_error=0.03)
     fixed = np.zeros(_refinement.SIZE, bool)
     fixed[:8] = _ellipsoid.AXIAL_FIXED[:8]
-    fit = _refinement.refine(given, body, fixed=fixed)
+    fit = _refinement.refine(given, body, fixed=fixed).fitted
     alone = _satellites.of_body(given, fit, _shapes.Tie(), fixed)
     best = _satellites.orbits_beside(alone)[0]
     assert best.orbit == pytest.approx(orbit, abs=0.05)

@@ -189,7 +189,7 @@ def test_the_gain_of_a_nutation_is_what_a_fit_without_it_lacks(rate):
     def cost_of(motion):
         seen = _refinement.model(problem, motion).magnitude
         given = dataclasses.replace(problem, magnitude=seen)
-        return _refinement.refine(given, state, fixed=axial, tie=tie, gain=1e-6).cost
+        return _refinement.refine(given, state, fixed=axial, tie=tie, gain=1e-6).fitted.cost
 
     lacking = []
     for phase in np.linspace(0.0, 0.5, 5)[:-1]:

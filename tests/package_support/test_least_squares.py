@@ -62,6 +62,29 @@ def test_minima_are_those_of_scipy():
     assert np.sum((best.states[np.argmin(best.cost)] - TRUTH) ** 2) < 0.1
 
 
+def test_costs_alone_are_computed_of_steps_that_fail_and_of_last_ones():
+    """The same states, with derivatives of those alone from which a step was taken."""
+    counts = {"near": 0, "costs": 0}
+
+    def near(states):
+        counts["near"] += len(states)
+        return linearised(states)
+
+    def costs(states):
+        counts["costs"] += len(states)
+        return linearised(states).cost
+
+    def reached(problem):
+        return least_squares.minimum(problem, starts(20), RULE, 12).states
+
+    first = reached(Problem(near, moved))
+    evaluations = counts["near"]
+    counts["near"] = 0
+    np.testing.assert_array_equal(reached(Problem(near, moved, costs, is_cost_first=True)), first)
+    assert counts["costs"] == evaluations - 20
+    assert counts["near"] < 0.9 * evaluations
+
+
 def test_each_of_many_is_as_if_alone():
     problem = Problem(linearised, moved)
     many = least_squares.minimum(problem, starts(20), RULE, 12)
