@@ -323,7 +323,7 @@ def solved(case: inversion_cases.Case, zero_points: str, budget: float) -> Judge
         + (f", errors {np.round(errors, 1)}" if known else ""),
         flush=True,
     )
-    if rank != 0:
+    if rank != 0 or found.verdict == _verdicts.OPEN:
         print("   ", str(found).replace("\n", "\n    ")[:900], flush=True)
     share = share_of_sky(poles)
     named = found.verdict.startswith(_verdicts.SATELLITE) and case.orbit is not None

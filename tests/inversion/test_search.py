@@ -968,6 +968,25 @@ def test_half_a_period_of_one_maximum_needs_more(maxima, turns, needed):
 
 
 @pytest.mark.parametrize(
+    ("nutation", "strains", "needed"),
+    [
+        (-9.0, (3.8, 31.3), 40.5),  # what the tie takes from the other one does not count
+        (-9.0, (3.8, 1.0), 13.0),  # nor for it what it takes from the best one
+        (0.0, (0.0, 31.3), 13.0),  # rotation about one axis is not tied to moments
+    ],
+)
+def test_a_difference_that_the_tie_of_moments_makes_is_none(nutation, strains, needed):
+    """A wrong needle was claimed, 39.6 ahead of the true one, whose body is concave."""
+    found = [_weighted(nutation, 0.0, 1.0), _weighted(-14.0, 39.6, 1.0)]
+    residual = 0.01 * np.random.default_rng(4).normal(size=COUNT)
+    for one, strain in zip(found, strains, strict=True):
+        one.refined.strain = strain
+    best, other = (replace(one, residual=residual) for one in found)
+    given = _given(np.zeros(COUNT))
+    assert _verdicts._nearest([other], best, given) == (39.6, pytest.approx(needed))
+
+
+@pytest.mark.parametrize(
     ("maxima", "size", "expected"),
     [
         (1, 0.01, [29.0, 32.0, 28.0, 5.0]),  # twice the period fits as well
