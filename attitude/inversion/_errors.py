@@ -179,8 +179,10 @@ def _dense(numbers: FloatArray | IntArray) -> IntArray:
 # Source: Cappe, Guillin, Marin & Robert, J. Comput. Graph. Stat. 13, 907 (2004); the truncation of
 # weights: Ionides, J. Comput. Graph. Stat. 17, 295 (2008).
 
-# Rounds of sampling, each from the second moments so far.
+# Rounds of sampling at most, each from the second moments so far.
 _ROUNDS = 5
+# Effective number of samples that are enough: standard errors to 4 %.
+_ENOUGH = 400.0
 # Samples of a round.
 _SAMPLES = 350
 # Degrees of freedom of their distribution.
@@ -214,6 +216,8 @@ def second_moments(
         weights = np.minimum(weights, weights.mean() * math.sqrt(len(weights)))
         weights /= weights.sum()
         matrix = (every * weights[:, None]).T @ every + 1e-6 * np.eye(size)
+        if np.sum(weights**2) * _ENOUGH < 1.0:
+            break
     return matrix
 
 
