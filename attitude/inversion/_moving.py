@@ -338,7 +338,7 @@ class MovingFit:
             of_motion = np.einsum("ni,nip->pn", across, slopes)
             return of_motion, of_motion[:0]
 
-        return ShapeModel.of(problem, lit, by_motion)
+        return ShapeModel(problem, lit, by_motion)
 
     def at(self, problem: CurveProblem, state: MovingState) -> Evaluation[MovingState]:
         """A state with its cost."""

@@ -176,18 +176,16 @@ class CurveProblem:
         mean: FloatArray = -2.5 * np.log10(flux)
         return mean
 
-    def node_weights(self, magnitude: FloatArray) -> FloatArray | None:
-        """Weights (K, N), by which derivatives of magnitudes (K N,) at the nodes are summed.
+    def over_exposures(self, magnitude: FloatArray, jacobian: FloatArray) -> FloatArray:
+        """Derivatives (P, N) of magnitudes of the mean fluxes, from those at the nodes (P, K N).
 
-        The sums are derivatives of the magnitudes of the mean fluxes; None without exposures.
+        magnitude (K N,): at the nodes.
         """
         if len(magnitude) == len(self):
-            return None
+            return jacobian
         at = magnitude.reshape(len(_NODES), -1)
-        weights: FloatArray = (
-            0.5 * _WEIGHTS[:, None] * 10.0 ** (-0.4 * (at - self.mean_magnitudes(magnitude)))
-        )
-        return weights
+        share = 0.5 * _WEIGHTS[:, None] * 10.0 ** (-0.4 * (at - self.mean_magnitudes(magnitude)))
+        return np.einsum("pkn,kn->pn", jacobian.reshape(len(jacobian), *share.shape), share)
 
     def projected(self, rows: FloatArray) -> FloatArray:
         """Weighted rows (..., N), the linear terms taken off."""

@@ -94,9 +94,9 @@ class Linearised(Fitted[AnyState]):
 
 @dataclass(frozen=True, eq=False)
 class Evaluation(Generic[State]):
-    """A state at its cost, whose derivatives are computed where they are asked for.
+    """A state with its cost, and its derivatives, which are computed at the first access.
 
-    They take three times as long: steps that fail and last steps do without.
+    Steps that fail and last steps need the cost alone.
 
     Attributes
     ----------
@@ -178,44 +178,32 @@ _SHAPE = _shapes.Tie()
 
 @dataclass(frozen=True, eq=False)
 class ShapeModel:
-    """Magnitudes (N,) of a state, means over exposures, and their derivatives.
+    """Magnitudes of a state, means over exposures, and their derivatives.
 
     Attributes
     ----------
-    magnitude : (N,) array
+    problem : CurveProblem
     lit : BodyLight
         The magnitudes at the nodes of the exposures, K of each; K is 1 without exposures.
-    weights : (K, N) array or None
-        Of the nodes, as of `CurveProblem.node_weights`.
     by_motion : function without arguments
         Returns derivatives at the nodes (M, K N) by the motion, and those by its drift (D, K N).
     """
 
-    magnitude: FloatArray
+    problem: CurveProblem
     lit: _shapes.BodyLight
-    weights: FloatArray | None
     by_motion: Callable[[], tuple[FloatArray, FloatArray]]
 
-    @classmethod
-    def of(
-        cls,
-        problem: CurveProblem,
-        lit: _shapes.BodyLight,
-        by_motion: Callable[[], tuple[FloatArray, FloatArray]],
-    ) -> ShapeModel:
-        """That of magnitudes at the nodes of the exposures of a problem."""
-        weights = problem.node_weights(lit.magnitude)
-        return cls(problem.mean_magnitudes(lit.magnitude), lit, weights, by_motion)
+    @cached_property
+    def magnitude(self) -> FloatArray:
+        """Magnitudes (N,)."""
+        return self.problem.mean_magnitudes(self.lit.magnitude)
 
     @cached_property
     def jacobian(self) -> FloatArray:
         """Derivatives (P, N) by motion, shape and drift."""
         motion, drift = self.by_motion()
         at_nodes = np.concatenate([motion, self.lit.by_shape, drift])
-        if self.weights is None:
-            return at_nodes
-        by_node = at_nodes.reshape(len(at_nodes), *self.weights.shape)
-        return np.einsum("pkn,kn->pn", by_node, self.weights)
+        return self.problem.over_exposures(self.lit.magnitude, at_nodes)
 
 
 def model(problem: CurveProblem, state: FloatArray) -> ShapeModel:
@@ -236,7 +224,7 @@ def model(problem: CurveProblem, state: FloatArray) -> ShapeModel:
         _by_motion(t, r, g, lit.across, rows)
         return rows, 0.5 * t * rows[PRECESSION : PRECESSION + drift.size]
 
-    return ShapeModel.of(problem, lit, by_motion)
+    return ShapeModel(problem, lit, by_motion)
 
 
 def drift_of(state: FloatArray) -> FloatArray:

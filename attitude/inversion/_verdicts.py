@@ -266,7 +266,7 @@ def _nearest(others: Sequence[Robust], best: Robust, problem: CurveProblem) -> t
     so many of its standard errors between nights, but no more than where the model errs.  Half a
     period needs as much where its curve has one maximum: any simple shape fits half of two alike.
     What the tie of moments and shape takes from a tumbling state that another one keeps is none: a
-    concave body strains it, and true periods of one lay 39.6 behind, 27.5 of it by their strain.
+    concave body strains it, and true periods of one lay 39.6 behind, most of it by their strain.
     """
     settings, least = problem.settings, needed(best, problem)
     margins = []
