@@ -305,8 +305,14 @@ class Solid:
 KINDS = {"lumpy": _lumpy, "bilobed": _bilobed, "bent": _bent}
 
 
-def solid(rng: np.random.Generator, kind: str, meshes: list[Path] | None = None) -> Solid:
-    """A random body of a kind, or of one of some files, with three different moments."""
+def solid(
+    rng: np.random.Generator, kind: str, meshes: list[Path] | None = None, tumbles: bool = True
+) -> Solid:
+    """A random body of a kind, or of one of some files.
+
+    It has three different moments if it is random or tumbles: light shows no rolling about an axis
+    of symmetry, and a body that is nearly a sphere turns by psi in hundreds of rotations.
+    """
     points, facets = icosphere(3)
     while True:
         hapke = bool(rng.integers(2))
@@ -315,7 +321,7 @@ def solid(rng: np.random.Generator, kind: str, meshes: list[Path] | None = None)
         else:
             made = Solid.of(KINDS[kind](rng, points), facets, hapke)
         split = np.diff(made.moments)
-        if meshes or (split[0] > 0.05 and split[1] > 0.01):
+        if (split[0] > 0.05 and split[1] > 0.01) or (meshes and not tumbles):
             return made
 
 
@@ -385,7 +391,7 @@ def case(seed: int, style: dict, meshes: list[Path] | None = None) -> Case:
     """
     rng = np.random.default_rng(seed)
     while True:
-        body = solid(rng, style["kind"], meshes)
+        body = solid(rng, style["kind"], meshes, style["mode"] != "PA")
         if style.get("spots"):
             body = spotted(rng, body, style["spots"])
         moments = unlike_shape(rng, body.moments) if style.get("inertia") else body.moments

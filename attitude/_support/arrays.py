@@ -12,6 +12,7 @@ is declared in ``__init__`` as ``self._name: Type``: in the class body it would 
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -21,7 +22,7 @@ from numpy.typing import NDArray
 from attitude._support.synonyms import Answering
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Iterator
 
     from attitude._support.annotations import FloatArray
 
@@ -192,3 +193,9 @@ def distinct(
             if len(chosen) >= most:
                 break
     return chosen
+
+
+def in_turn(*sequences: Iterable[Item]) -> Iterator[Item]:
+    """The first items of sequences, then the second ones, to the end of the longest sequence."""
+    for items in itertools.zip_longest(*sequences):
+        yield from (item for item in items if item is not None)

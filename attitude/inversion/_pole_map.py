@@ -14,12 +14,11 @@ shape: the body is inverted through its centre, and turned half a turn about the
 from __future__ import annotations
 
 import math
-from itertools import chain, zip_longest
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from attitude._support.arrays import distinct
+from attitude._support.arrays import distinct, in_turn
 from attitude.inversion import _ellipsoid, _evidence, _refinement, _shapes
 from attitude.inversion._ellipsoid import (
     OF_FLAT,
@@ -220,12 +219,8 @@ def of_rates(
     evaluations = _refined(problem, at_poles.states, tie, _POLE_HELD, _BODIES, is_over)
     bodies = [evaluation.fitted for evaluation in evaluations]
     bodies.sort(key=lambda body: body.cost)
-    both = zip_longest((body.state for body in bodies), _ellipsoid.in_order(free).states)
-    return [
-        candidate
-        for candidate in chain.from_iterable(both)
-        if candidate is not None and _has_rates(problem, candidate, state)
-    ]
+    both = in_turn((body.state for body in bodies), _ellipsoid.in_order(free).states)
+    return [candidate for candidate in both if _has_rates(problem, candidate, state)]
 
 
 def _at_poles(

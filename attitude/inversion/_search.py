@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TypeVar, cast
 
 import numpy as np
 
-from attitude._support.arrays import distinct
+from attitude._support.arrays import distinct, in_turn
 from attitude.inversion import (
     _ellipsoid,
     _evidence,
@@ -201,8 +201,10 @@ class Search:
             is_accepted = self.is_decided and not self._is_doubtful
             if self.is_over or is_accepted or is_ended(False):
                 break
-            self._poles_of_classes(thinned)
-            if self.is_over or self.is_decided:
+            are_all = self._poles_of_classes(thinned)
+            if number == 0:
+                self.is_complete = are_all
+            if not are_all or self.is_over or self.is_decided:
                 break
             self.problem = self._clipped()
 
@@ -266,9 +268,10 @@ class Search:
         """Search for a rotation about one axis beside the series of an orbit, if series fit."""
         if self.is_over or self.problem.orbit or not self.solutions:
             return
-        rivals = self._beside_bodies()
+        least = (1.0 - self.settings.moon_share) * self.problem.tally.left
+        rivals = self._beside_bodies(least)
         if not any(self._is_ahead(rival) for rival in rivals):
-            rivals += self._beside_series()
+            rivals += self._beside_series(least)
         if not rivals:
             return
         rival = min(rivals, key=lambda one: one.evidence())
@@ -285,8 +288,11 @@ class Search:
     def _is_ahead(self, rival: Search) -> bool:
         return rival.evidence() + rival.needed_ahead < self.evidence()
 
-    def _beside_bodies(self) -> list[Search]:
-        """Searches for rotations about one axis beside the orbits of what the best ones leave."""
+    def _beside_bodies(self, least: float) -> list[Search]:
+        """Searches for rotations about one axis beside the orbits of what the best ones leave.
+
+        None begins with less than the `least` of the budget left.
+        """
         axial: list[BodyFit] = [
             one.refined for one in self.solutions if is_axial(one.refined.state)
         ]
@@ -301,22 +307,23 @@ class Search:
             if body is bodies[0]:
                 # beside a worse rotation a series takes up what that lacks: it says nothing of dips
                 self.dips += [pair for pair, _ in orbits]
-            rivals += self._rivals(orbits, rates)
+            rivals += self._rivals(orbits, rates, least)
             if not self.is_at_floor:
                 # dips that are deeper than what the rotation shows are all that a body explains
-                rivals += self._beside_series(alone.rate)
-            if any(self._is_ahead(rival) for rival in rivals):
+                rivals += self._beside_series(least, alone.rate)
+            is_spent = self.problem.tally.left < least
+            if is_spent or any(self._is_ahead(rival) for rival in rivals):
                 break
         return rivals
 
-    def _beside_series(self, orbit: float | None = None) -> list[Search]:
+    def _beside_series(self, least: float, orbit: float | None = None) -> list[Search]:
         """Searches for a rotation about one axis beside orbits of pairs of series, or near one."""
         pairs = _satellites.rivals(self.problem, self.most, self.settings.orbits, orbit)
         orbits = self._with_orbits(
             (pair, _satellites.of_series(self.problem, pair.rotation)) for pair in pairs
         )
         self.dips += [pair for pair, _ in orbits]
-        return self._rivals(orbits, _satellites.rates_of(pairs))
+        return self._rivals(orbits, _satellites.rates_of(pairs), least)
 
     def _with_orbits(
         self, pairs: Iterable[tuple[AdditivePair, Explained]]
@@ -337,11 +344,16 @@ class Search:
         return _evidence.share_left(self.solutions[0], self.problem)
 
     def _rivals(
-        self, orbits: Sequence[tuple[AdditivePair, CurveProblem]], rates: FloatArray
+        self,
+        orbits: Sequence[tuple[AdditivePair, CurveProblem]],
+        rates: FloatArray,
+        least: float,
     ) -> list[Search]:
         """Searches for rotations about one axis at rates (R,) beside orbits."""
         rivals: list[Search] = []
         for pair, problem in orbits:
+            if self.problem.tally.left < least:
+                break
             if pair.only_dims:
                 rivals += self._beside(problem, rates)
             elif pair.left < self._left:
@@ -739,17 +751,18 @@ class Search:
         self.progress(f"{len(self.convex) - before} bodies at other poles")
         return len(self.convex) > before
 
-    def _poles_of_classes(self, thinned: CurveProblem) -> None:
-        """Add the best bodies of short maps of poles at many pairs of rates, to thinned points.
+    def _poles_of_classes(self, thinned: CurveProblem) -> bool:
+        """Add the best bodies of short maps of poles at many pairs of rates; whether at all these.
 
-        Where a body is far from an ellipsoid, ellipsoids with the true rates have wrong poles, or
-        they mistake its rates: those of the best are tried too, and once more those of the new
-        best.  Ends with `solutions` made anew.
+        To thinned points.  Where a body is far from an ellipsoid, ellipsoids with the true rates
+        have wrong poles, or they mistake its rates: those of the best are tried too, and once more
+        those of the new best.  Ends with `solutions` made anew.
         """
         odd = _lattices.candidates(self._pairs, self.most, self.modes, has_odd_lines=True)
         odd_rates = odd[: self.settings.odd_classes]
         with_odd_lines = _pole_map.with_lines(self.problem, self.generator, odd_rates)
-        states = (*with_odd_lines, *self._by_either_error(thinned))
+        # in turn: the budget may end before the last ones
+        states = in_turn(self._by_either_error(thinned), with_odd_lines)
         rates = distinct(states, self.has_rates, self.settings.mapped_classes)
         mapped: list[FloatArray] = []
         for _ in range(2):
@@ -758,17 +771,21 @@ class Search:
                 for state in distinct((*rates, *self._mistaken()), self.has_rates)
                 if not any(self.has_rates(state, other) for other in mapped)
             ]
-            self._add_classes(thinned, rates)
+            if not self._add_classes(thinned, rates):
+                return False
             mapped += rates
             rates = []
+        return True
 
-    def _add_classes(self, thinned: CurveProblem, rates: list[FloatArray]) -> None:
-        """Add the best bodies of short maps of poles at the rates of states."""
+    def _add_classes(self, thinned: CurveProblem, rates: list[FloatArray]) -> bool:
+        """Add the best bodies of short maps of poles at rates of states; whether at all these."""
         settings = self.settings
         problem = self.problem.with_model_error(settings.body_error)
         fits: list[BodyFit] = []
+        are_all = True
         for state in rates:
-            if self.problem.tally.left < settings.class_reserve:
+            are_all = self.problem.tally.left >= settings.class_reserve
+            if not are_all:
                 break
             bodies = _pole_map.in_few_steps(thinned, self.generator, state, self._held, self.tie)
             fits += [
@@ -776,7 +793,7 @@ class Search:
                 for body in bodies[: settings.class_members]
             ]
         if not fits:
-            return
+            return are_all
         fits.sort(key=lambda fit: fit.cost)
         states = [fit.state for fit in fits]
         best = [
@@ -788,6 +805,7 @@ class Search:
         self.finish()
         if self._other_poles():
             self.finish()
+        return are_all
 
     def _by_either_error(self, thinned: CurveProblem) -> list[FloatArray]:
         """The states of short fits, the best with the error of ellipsoids or of bodies first."""

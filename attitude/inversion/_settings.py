@@ -138,8 +138,8 @@ class Settings:
     odd_classes: int = 50
     # Tumbling states, the best, to whose rates those that are mistaken for them are added.
     mistaken: int = 2
-    # What is left of the budget, s, for the bodies of these maps.
-    class_reserve: float = 6.0
+    # What is left of the budget, s, for the bodies of these maps and their robust errors.
+    class_reserve: float = 3.0
     # The floor of a tumbling body that is not accepted before these maps, and from which other
     # periods and poles compete within `alone`: three wrong bodies left 0.88, 0.89 and 0.94 of it,
     # one with a wrong pole 0.98, the true pole of a concave body 54 behind.
@@ -249,6 +249,9 @@ class Settings:
     # Rotations about one axis, the best of so many rates, beside which orbits are looked for where
     # nothing explains the curve: the best one often has the rate of deep dips.
     orbit_bodies: int = 4
+    # The share of what is left of the budget after which no other orbit gets bodies: those of moons
+    # come first, and up to thirteen of a tumbling body left nothing for maps of poles.
+    moon_share: float = 0.25
     # As orbit_worse, up to which no body that tumbles is claimed above the floor.
     orbit_alike: float = 1.2
 

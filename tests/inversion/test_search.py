@@ -155,7 +155,7 @@ def test_a_pair_with_odd_lines_gives_its_rates(nutation):
 
 
 def test_rates_of_lines_are_those_that_the_scene_sees(monkeypatch):
-    """The poles of many pairs of rates are mapped, first of those with odd lines."""
+    """The poles of many pairs of rates are mapped, of short fits and of odd lines in turn."""
     angle = np.linspace(0.0, 1.0, COUNT)
     sun = np.stack([np.cos(angle), np.sin(angle), np.full(COUNT, 0.1)]) / math.sqrt(1.01)
     given = _given(np.zeros(COUNT), np.linspace(-0.5, 0.5, COUNT), sun=sun, observer=sun)
@@ -171,13 +171,16 @@ def test_rates_of_lines_are_those_that_the_scene_sees(monkeypatch):
     ranked = _ellipsoid.starts(np.random.default_rng(1), np.array([20.05, 40.0]), np.full(2, 7.0))
     mapped = []
     monkeypatch.setattr(_search.Search, "_by_either_error", lambda self, thinned: [*ranked])
-    monkeypatch.setattr(_search.Search, "_add_classes", lambda self, _, rates: mapped.extend(rates))
-    search._poles_of_classes(given)
+
+    def add_classes(self, thinned, rates):
+        mapped.extend(rates)
+        return True
+
+    monkeypatch.setattr(_search.Search, "_add_classes", add_classes)
+    assert search._poles_of_classes(given)
     states = np.array(mapped)
-    assert states[:, 0].tolist() == [20.0, 31.0, 40.0]
-    assert states[:2, 1].tolist() == [7.0, -4.0]
-    turns = _pole_map.turn_of_scene(given, states[:2, _ellipsoid.OF_POLE])
-    assert np.abs(turns).max() < 0.01
+    assert states[:, 0].tolist() == [20.05, 40.0, 31.0] and states[2, 1] == -4.0
+    assert abs(_pole_map.turn_of_scene(given, states[2:, _ellipsoid.OF_POLE])[0]) < 0.01
     assert abs(_pole_map.turn_of_scene(given, np.array([[0.0, 0.0, 1.0]]))[0]) > 0.1
 
 
@@ -326,6 +329,47 @@ def test_the_first_rates_by_ellipsoids_are_compared_too(monkeypatch, first, expe
     assert sum(fit is not bodies[first] for fit, _ in compared) >= 10
 
 
+@pytest.mark.parametrize(("budget", "tried"), [(math.inf, 3), (8.0, 2)])
+def test_bodies_beside_orbits_leave_most_of_the_budget(monkeypatch, budget, tried):
+    """Up to 13 searches beside orbits of a tumbling body left nothing for maps of its poles."""
+    tally = _settings.Tally(budget)
+    given = replace(_given(np.zeros(COUNT)), tally=tally)
+    search = _search_of(given, solutions=[_weighted(-9.0, 0.0, 1.0)])
+    orbits = [(_satellites.AdditivePair(20.0, orbit, 0.1), given) for orbit in (5.0, 6.0, 7.0)]
+    spent = []
+
+    def beside(self, problem, rates):
+        tally.add(1, 1.5)
+        spent.append(tally.spent)
+        return []
+
+    def series(self, least):
+        return self._rivals(orbits, np.zeros(0), least)
+
+    monkeypatch.setattr(_search.Search, "_beside", beside)
+    monkeypatch.setattr(_search.Search, "_beside_series", series)
+    search._compare_with_satellite()
+    assert len(spent) == tried
+
+
+@pytest.mark.parametrize(("budget", "are_all"), [(math.inf, True), (4.0, False)])
+def test_maps_that_the_budget_ends_leave_a_search_incomplete(monkeypatch, budget, are_all):
+    """Rates that were not tried may be the true ones: of `nonconvex` 192022 they were."""
+    tally = _settings.Tally(budget)
+    given = replace(_given(np.zeros(COUNT)), tally=tally)
+    search = _search_of(given, solutions=[_weighted(-9.0, 0.0, 1.0)])
+
+    def in_few_steps(problem, generator, state, held, tie):
+        tally.add(1, 1.2)
+        return []
+
+    monkeypatch.setattr(_pole_map, "in_few_steps", in_few_steps)
+    rates = [_ellipsoid.starts(np.random.default_rng(1), np.array([20.0]), np.full(1, 7.0))[0]] * 3
+    assert search._add_classes(given, rates) is are_all
+    monkeypatch.setattr(_search.Search, "_by_either_error", lambda self, thinned: rates)
+    assert search._poles_of_classes(given) is are_all
+
+
 @pytest.mark.parametrize(("ahead", "maps"), [(10.0, 0), (70.0, 0), (90.0, 1), (200.0, 1)])
 def test_poles_beside_a_moon_are_mapped_where_it_may_decide(monkeypatch, ahead, maps):
     search = _search_of(_given(np.zeros(COUNT)), solutions=[_weighted(-9.0, 0.0, 1.0)])
@@ -336,8 +380,8 @@ def test_poles_beside_a_moon_are_mapped_where_it_may_decide(monkeypatch, ahead, 
         _axial_poles=lambda: called.append(1),
         needed_ahead=120.0,
     )
-    monkeypatch.setattr(_search.Search, "_beside_bodies", lambda self: [])
-    monkeypatch.setattr(_search.Search, "_beside_series", lambda self: [rival])
+    monkeypatch.setattr(_search.Search, "_beside_bodies", lambda self, least: [])
+    monkeypatch.setattr(_search.Search, "_beside_series", lambda self, least: [rival])
     monkeypatch.setattr(_search.Search, "evidence", lambda self: 0.0)
     search._compare_with_satellite()
     assert search.rival is rival and len(called) == maps
@@ -415,8 +459,8 @@ def test_orbits_beside_rotations_where_none_explains_the_curve(monkeypatch, size
     monkeypatch.setattr(_search.Search, "_explained", of_body)
     monkeypatch.setattr(_satellites, "orbits_beside", lambda alone: [alone.rate])
     monkeypatch.setattr(_search.Search, "_with_orbits", lambda self, pairs: list(pairs))
-    monkeypatch.setattr(_search.Search, "_rivals", lambda self, orbits, rates: [])
-    assert search._beside_bodies() == []
+    monkeypatch.setattr(_search.Search, "_rivals", lambda self, orbits, rates, least: [])
+    assert search._beside_bodies(-math.inf) == []
     assert len(explained) == bodies and len(set(explained)) == bodies
     # a body at the floor has more than dips
     assert tried_as_orbits == (explained if bodies > 1 else [])
@@ -454,7 +498,7 @@ def test_dips_beside_a_wrong_rotation_brighten(monkeypatch, left, brightens, sea
     pair = _satellites.AdditivePair(20.0, 7.0, left)
     orbits = search._with_orbits([(pair, SimpleNamespace(rate=20.0))])
     assert [orbit.brightens for orbit, _ in orbits] == [brightens[0]]
-    rivals = search._rivals(orbits, np.array([20.0]))
+    rivals = search._rivals(orbits, np.array([20.0]), -math.inf)
     expected = [(7.0, (20.0,)), (7.1, (31.0,))][:searches]
     assert tried == expected
     assert len(rivals) == (searches > 0 and brightens[-1] < 0.35)
