@@ -8,8 +8,8 @@
 | priors of the linear terms, of the shape, of the moments | `student`, from the cost of the fit |
 | ln N for each free parameter of the motion | `student` |
 | 2 ln of the frequencies tried over the share of tumbling bodies | `student`, its `trials` |
-| a prior of the tilt of a nutation | `of_tilt` |
 | ln det of the Hessian of orientation, rate and shape, in place of their ln N | `occam` |
+| the same of a nutation, and a prior of its tilt | `of_nutation` |
 | the most probable of three widths of the prior of modes | `of_narrower_prior` |
 | the prior of the shape of tumbling bodies, for rotation about one axis | `of_common_prior` |
 | what puts a solution behind one that fits as well and is more usual | `behind` |
@@ -75,6 +75,7 @@ _NARROWER = (0.7, 0.5)
 _ALWAYS = 4
 # Parameters of the nutation, behind them.
 _NUTATION = 4
+_OF_NUTATION = slice(_ALWAYS, _ALWAYS + _NUTATION)
 # By how much a solution stands behind one that fits as well and is more usual.
 _NEXT = 1.0
 
@@ -153,7 +154,8 @@ def refined(
         ).linearised
         robust = replace(robust, refined=there)
     evidence = robust.evidence + occam(robust.refined.normal, len(problem))
-    evidence += of_tilt(robust.refined.state)
+    if not fixed[:MOTION].any():
+        evidence += of_nutation(robust.refined, len(problem))
     if tie.is_wide or not fixed[:MOTION].any():
         evidence += of_narrower_prior(robust.refined, fixed)
     return replace(robust, evidence=evidence)
@@ -164,22 +166,26 @@ def occam(normal: FloatArray, points: int) -> float:
     Hessian.
     """
     kept = np.ones(len(normal), bool)
-    kept[_ALWAYS : _ALWAYS + _NUTATION] = False
+    kept[_OF_NUTATION] = False
     inner = normal[np.ix_(kept, kept)].copy()
     inner[range(_ALWAYS), range(_ALWAYS)] += 1.0
     return float(np.linalg.slogdet(inner)[1]) - _ALWAYS * float(np.log(points))
 
 
-def of_tilt(state: FloatArray) -> float:
-    """What a prior that is uniform in the tilt of a nutation, 2 atan(rho), adds to the evidence.
+def of_nutation(fitted: Refined, points: int) -> float:
+    """What replaces ln N for the parameters of a nutation: the volume of its posterior density.
 
-    0 for rotation about one axis.  By ln rho alone a tilt of one degree would be as probable as one
-    between 40 and 90, and noise looks like small ones.
+    The logarithm of the determinant of their Hessian, with all others marginal, and a prior that is
+    uniform in phase, x and tilt, 2 atan(rho).  By ln rho alone a tilt of one degree would be as
+    probable as one between 40 and 90, and noise looks like small ones.
     """
-    fields = SearchState.of(state)
-    if fields.is_axial:
-        return 0.0
-    return 2.0 * math.log(0.5 * math.pi * math.cosh(fields.log_rho))
+    others = np.delete(np.arange(len(fitted.normal)), _OF_NUTATION)
+    inner = fitted.normal.copy()
+    inner[range(_ALWAYS), range(_ALWAYS)] += 1.0
+    both, marginal = (np.linalg.slogdet(part)[1] for part in (inner, inner[np.ix_(others, others)]))
+    volume = float(both - marginal) - _NUTATION * (math.log(2.0 * math.pi) + math.log(points))
+    tilt = 2.0 * math.log(0.5 * math.pi * math.cosh(SearchState.of(fitted.state).log_rho))
+    return volume + tilt
 
 
 def of_narrower_prior(fitted: Refined, fixed: BoolArray) -> float:

@@ -524,9 +524,10 @@ def _better_by_nutation(
 ) -> str:
     """In words: a tumbling state that fits better than the best one, a rotation about one axis.
 
-    Evidence counts ln N for each parameter of a nutation, and odds against it.  Where these alone
-    put the rotation about one axis in front, and the likelihood of a wide nutation is higher than
-    by chance among the frequencies tried, a claim would rest on the prior.
+    Evidence counts the volume of a nutation, up to ln N for each of its parameters, and odds
+    against it.  Where these alone put the rotation about one axis in front, and the likelihood of a
+    wide nutation is higher than by chance among the frequencies tried, a claim would rest on the
+    prior.
     """
     settings, best = problem.settings, solutions[0]
     counted = _NUTATION * math.log(len(problem)) + 2.0 * math.log(most / settings.odds)

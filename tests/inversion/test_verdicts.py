@@ -113,16 +113,21 @@ def test_tumbling_is_claimed_against_one_axis_by_odds_of_a_catalogue(behind, exp
 def test_small_tilts_of_a_nutation_are_less_probable():
     """The density is uniform from 0 to 90 degrees: 2/pi of each rad."""
     state = _solution(-7.0, 0.0, 0.01).refined.state
+    # Laplace's method, by which other parameters are marginal
+    normal = np.diag(np.arange(1.0, _refinement.SIZE + 1.0))
+    normal[5, 10] = normal[10, 5] = 2.0
+    marginal = math.prod((5.0, 6.0 - 4.0 / 11.0, 7.0, 8.0))
+    volume = math.log(marginal) - 4.0 * math.log(2.0 * math.pi * COUNT)
     tilts = np.radians(np.linspace(0.01, 89.99, 9000))
     added = []
     for tilt in tilts:
         state[3] = math.log(math.tan(0.5 * tilt))
-        added.append(_evidence.of_tilt(state))
+        fitted = SimpleNamespace(state=state, normal=normal)
+        added.append(_evidence.of_nutation(fitted, COUNT) - volume)
     by_ln_rho = np.exp(-0.5 * np.array(added))
     ln_rho = np.log(np.tan(0.5 * tilts))
     assert integrate.trapezoid(by_ln_rho, ln_rho) == pytest.approx(1.0, abs=1e-3)
     assert added[0] > added[1000] > added[-1]
-    assert _evidence.of_tilt(_solution(0.0, 0.0, 0.01).refined.state) == 0.0
 
 
 @pytest.mark.parametrize(("nights", "expected"), [(1, "not solved"), (25, "solved")])
@@ -335,7 +340,7 @@ def test_residuals_above_the_errors_are_not_solved():
 
 
 def test_the_volume_of_a_minimum_counts():
-    """By Laplace's method; parameters of the nutation count ln N each instead."""
+    """By Laplace's method; parameters of the nutation count apart, for some motions have none."""
     normal = np.diag(np.arange(1.0, _refinement.SIZE + 1.0) * 1e4)
     first = _evidence.occam(normal, COUNT)
     narrow = normal.copy()
