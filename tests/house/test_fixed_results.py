@@ -42,6 +42,7 @@ if __name__ == "__main__":
     os.environ.setdefault("ATTITUDE_COMPILE", "always")
     os.environ["ATTITUDE_CACHE"] = "off"
 
+import llvmlite.binding
 import numpy as np
 import pytest
 
@@ -997,10 +998,14 @@ def results(name):
 
 
 def machine():
-    """Processor and versions, with which the bits of every result are compared."""
+    """Processor and versions, with which the bits of every result are compared.
+
+    Processors that differ have one name in virtual machines: their instructions have others.
+    """
     from benchmarks.record import processor
 
-    found = {"processor": processor(), "python": sys.version.split()[0]}
+    target = os.environ.get("NUMBA_CPU_NAME") or llvmlite.binding.get_host_cpu_name()
+    found = {"processor": processor(), "target": target, "python": sys.version.split()[0]}
     for name in PACKAGES:
         try:
             found[name] = version(name)
