@@ -182,8 +182,9 @@ def of_nutation(fitted: Refined, points: int) -> float:
     others = np.delete(np.arange(len(fitted.normal)), _OF_NUTATION)
     inner = fitted.normal.copy()
     inner[range(_ALWAYS), range(_ALWAYS)] += 1.0
-    both, marginal = (np.linalg.slogdet(part)[1] for part in (inner, inner[np.ix_(others, others)]))
-    volume = float(both - marginal) - _NUTATION * (math.log(2.0 * math.pi) + math.log(points))
+    of_all = np.linalg.slogdet(inner)[1]
+    of_others = np.linalg.slogdet(inner[np.ix_(others, others)])[1]
+    volume = float(of_all - of_others) - _NUTATION * math.log(2.0 * math.pi * points)
     tilt = 2.0 * math.log(0.5 * math.pi * math.cosh(SearchState.of(fitted.state).log_rho))
     return volume + tilt
 
