@@ -75,7 +75,6 @@ _NARROWER = (0.7, 0.5)
 _ALWAYS = 4
 # Parameters of the nutation, behind them.
 _NUTATION = 4
-_OF_NUTATION = slice(_ALWAYS, _ALWAYS + _NUTATION)
 # By how much a solution stands behind one that fits as well and is more usual.
 _NEXT = 1.0
 
@@ -166,7 +165,7 @@ def occam(normal: FloatArray, points: int) -> float:
     Hessian.
     """
     kept = np.ones(len(normal), bool)
-    kept[_OF_NUTATION] = False
+    kept[_ALWAYS : _ALWAYS + _NUTATION] = False
     inner = normal[np.ix_(kept, kept)].copy()
     inner[range(_ALWAYS), range(_ALWAYS)] += 1.0
     return float(np.linalg.slogdet(inner)[1]) - _ALWAYS * float(np.log(points))
@@ -179,12 +178,10 @@ def of_nutation(fitted: Refined, points: int) -> float:
     uniform in phase, x and tilt, 2 atan(rho).  By ln rho alone a tilt of one degree would be as
     probable as one between 40 and 90, and noise looks like small ones.
     """
-    others = np.delete(np.arange(len(fitted.normal)), _OF_NUTATION)
     inner = fitted.normal.copy()
     inner[range(_ALWAYS), range(_ALWAYS)] += 1.0
-    of_all = np.linalg.slogdet(inner)[1]
-    of_others = np.linalg.slogdet(inner[np.ix_(others, others)])[1]
-    volume = float(of_all - of_others) - _NUTATION * math.log(2.0 * math.pi * points)
+    volume = float(np.linalg.slogdet(inner)[1]) - occam(fitted.normal, 1)
+    volume -= _NUTATION * math.log(2.0 * math.pi * points)
     tilt = 2.0 * math.log(0.5 * math.pi * math.cosh(SearchState.of(fitted.state).log_rho))
     return volume + tilt
 

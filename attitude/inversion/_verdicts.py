@@ -524,7 +524,7 @@ def _better_by_nutation(
 ) -> str:
     """In words: a tumbling state that fits better than the best one, a rotation about one axis.
 
-    Evidence counts the volume of a nutation, up to ln N for each of its parameters, and odds
+    Evidence counts the volume of a nutation, about ln N for each of its parameters, and odds
     against it.  Where these alone put the rotation about one axis in front, and the likelihood of a
     wide nutation is higher than by chance among the frequencies tried, a claim would rest on the
     prior.

@@ -353,7 +353,7 @@ def test_bodies_beside_orbits_leave_most_of_the_budget(monkeypatch, budget, trie
 
 
 @pytest.mark.parametrize(("budget", "are_all"), [(math.inf, True), (4.0, False)])
-def test_maps_that_the_budget_ends_leave_a_search_incomplete(monkeypatch, budget, are_all):
+def test_maps_that_the_budget_ends_are_told(monkeypatch, budget, are_all):
     """Rates that were not tried may be the true ones: of `nonconvex` 192022 they were."""
     tally = _settings.Tally(budget)
     given = replace(_given(np.zeros(COUNT)), tally=tally)
@@ -368,6 +368,27 @@ def test_maps_that_the_budget_ends_leave_a_search_incomplete(monkeypatch, budget
     assert search._add_classes(given, rates) is are_all
     monkeypatch.setattr(_search.Search, "_by_either_error", lambda self, thinned: rates)
     assert search._poles_of_classes(given) is are_all
+
+
+@pytest.mark.parametrize("are_all", [True, False])
+def test_a_search_without_all_maps_of_its_first_round_is_incomplete(monkeypatch, are_all):
+    search = _search_of(_given(np.zeros(COUNT)), solutions=[_weighted(-9.0, 0.0, 1.0)])
+    rounds = []
+
+    def poles_of_classes(self, thinned):
+        rounds.append(self.is_complete)
+        return are_all and len(rounds) == 1
+
+    parts = ("_axial", "_axial_poles", "finish", "_hardly_nutating", "_other_poles", "_clipped")
+    for name in (*parts, "_compare_with_satellite", "_pools"):
+        monkeypatch.setattr(_search.Search, name, lambda self, *_: ())
+    monkeypatch.setattr(_search.Search, "_poles_of_classes", poles_of_classes)
+    monkeypatch.setattr(_search.Search, "is_decided", False)
+    monkeypatch.setattr(_search.Search, "_thinned", lambda self, number: None)
+    monkeypatch.setattr(_search.Search, "is_over", False)
+    search.run()
+    # a later round that the budget ends leaves what the first one tried
+    assert search.is_complete is are_all and len(rounds) == 1 + are_all
 
 
 @pytest.mark.parametrize(("ahead", "maps"), [(10.0, 0), (70.0, 0), (90.0, 1), (200.0, 1)])
