@@ -218,14 +218,31 @@ def curve_of(case: inversion_cases.Case, zero_points: str) -> inversion.LightCur
 
 
 def judged(found: inversion.Solution, case: inversion_cases.Case) -> tuple[bool, float]:
-    """Whether mode and periods are right, and the angle to the true pole, deg."""
+    """Whether mode and periods are right, and the angle to the true pole, deg.
+
+    Where all lines of a tumbling body are those of the rotation found, it counts as this one.
+    """
     span = np.ptp(case.jd)
     near = abs(86400.0 / found.P_phi - 1.0 / case.P_phi) * span < 0.35
     if case.mode != "PA":
         near &= abs(86400.0 / found.P_psi - 1.0 / case.P_psi) * span < 0.35
     pole = matrix_to_icrf("ecliptic").T @ SearchState.of(found.state).pole
     angle = math.degrees(math.acos(max(-1.0, min(1.0, float(pole @ case.pole)))))
-    return bool(near and found.mode == case.mode), angle
+    return bool(near and found.mode == case.mode) or is_comb(found, case), angle
+
+
+def is_comb(found: inversion.Solution, case: inversion_cases.Case) -> bool:
+    """Whether both rates of a tumbling body are multiples of half the rotation that was found.
+
+    Within a turn of the span, up to six of it, phi an even one, as the search counts.
+    """
+    if found.mode != "PA" or case.mode == "PA":
+        return False
+    half, rates = 43200.0 / found.P_phi, np.array([1.0 / case.P_phi, 1.0 / case.P_psi])
+    multiples = np.rint(rates / half)
+    apart = np.abs(rates - multiples * half) * np.ptp(case.jd)
+    is_multiple = multiples[0] % 2 == 0 and multiples.min() >= 1 and multiples.max() <= 6
+    return bool(is_multiple and apart.max() < 1.0)
 
 
 def _sides(found: inversion.Solution) -> tuple[np.ndarray, np.ndarray]:
@@ -314,13 +331,14 @@ def solved(case: inversion_cases.Case, zero_points: str, budget: float) -> Judge
     poles = [side for each, _ in rows for side in _sides(each)]
     rank = right[0] if right else None
     pole, own = min(listed, default=180.0), judgements[0][1] if judgements else 180.0
-    known = rank == 0 and own < (LOBE if case.mode == "PA" else 15.0)
+    has_mode = rank == 0 and found[0].mode == case.mode
+    known = has_mode and own < (LOBE if case.mode == "PA" else 15.0)
     errors = errors_of(found[0], case) if known else np.zeros(0)
+    word = "WRONG" if rank != 0 else "right" if has_mode else "right, a rotation"
     print(
         f"{case.mode} P_phi {case.P_phi:.4f} P_psi {case.P_psi:.4f} N {len(curve)}: "
-        f"{'right' if rank == 0 else 'WRONG'} (rank {rank}), pole {own:.0f} (listed {pole:.0f}, "
-        f"of {len(listed)}) deg, {found.verdict}, {spent:.1f} s"
-        + (f", errors {np.round(errors, 1)}" if known else ""),
+        f"{word} (rank {rank}), pole {own:.0f} (listed {pole:.0f}, of {len(listed)}) deg, "
+        f"{found.verdict}, {spent:.1f} s" + (f", errors {np.round(errors, 1)}" if known else ""),
         flush=True,
     )
     if rank != 0 or found.verdict == _verdicts.OPEN:

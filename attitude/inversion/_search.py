@@ -174,7 +174,7 @@ class Search:
         """
         self._axial()
         for number in range(self.settings.rounds):
-            thinned = self._thinned(number)
+            thinned = self._thinned(self.problem, number)
             self._short_fits = []
             for stage, pool in enumerate(self._pools(thinned, number)):
                 self._refine(pool, thinned)
@@ -201,7 +201,7 @@ class Search:
             is_accepted = self.is_decided and not self._is_doubtful
             if self.is_over or is_accepted or is_ended(False):
                 break
-            are_all = self._poles_of_classes(thinned)
+            are_all = self._poles_of_classes(number)
             if number == 0:
                 self.is_complete = are_all
             if not are_all or self.is_over or self.is_decided:
@@ -395,14 +395,10 @@ class Search:
         square = (self.solutions[0].residual / self.problem.errors) ** 2
         return self.problem.with_weights(_evidence.weights(square))
 
-    def _thinned(self, number: int) -> CurveProblem:
-        """The problem with as many of its points as ellipsoids of a round are fitted to."""
-        step = round(len(self.problem) / (self.settings.scan_points * 2**number))
-        return (
-            self.problem.part(np.arange(len(self.problem)) % step == 0)
-            if step > 1
-            else self.problem
-        )
+    def _thinned(self, problem: CurveProblem, number: int) -> CurveProblem:
+        """A problem with as many of its points as ellipsoids of a round are fitted to."""
+        step = round(len(problem) / (self.settings.scan_points * 2**number))
+        return problem.part(np.arange(len(problem)) % step == 0) if step > 1 else problem
 
     def _pools(self, problem: CurveProblem, number: int) -> Iterator[Pool]:
         """Ellipsoids of a round: of the lattices, then of every psi with the best lines."""
@@ -751,18 +747,25 @@ class Search:
         self.progress(f"{len(self.convex) - before} bodies at other poles")
         return len(self.convex) > before
 
-    def _poles_of_classes(self, thinned: CurveProblem) -> bool:
+    def _poles_of_classes(self, number: int) -> bool:
         """Add the best bodies of short maps of poles at many pairs of rates; whether at all these.
 
-        To thinned points.  Where a body is far from an ellipsoid, ellipsoids with the true rates
-        have wrong poles, or they mistake its rates: those of the best are tried too, and once more
-        those of the new best.  Ends with `solutions` made anew.
+        To thinned points, with the weights that they have beside the best solution: where all
+        residuals are outliers, bodies at any pole fit alike.  Where a body is far from an
+        ellipsoid, ellipsoids with the true rates have wrong poles, or they mistake its rates: those
+        of the best are tried too, and once more those of the new best.  Ends with `solutions` made
+        anew.
         """
+        clipped = self._clipped()
+        thinned = self._thinned(clipped, number)
         odd = _lattices.candidates(self._pairs, self.most, self.modes, has_odd_lines=True)
         odd_rates = odd[: self.settings.odd_classes]
         with_odd_lines = _pole_map.with_lines(self.problem, self.generator, odd_rates)
+        # those of bodies too: their steps from an ellipsoid may have led to rates that none had
+        tumbling = (fit.state for fit in self.convex if not is_axial(fit.state))
+        of_bodies = distinct(tumbling, self.has_rates, self.settings.body_classes)
         # in turn: the budget may end before the last ones
-        states = in_turn(self._by_either_error(thinned), with_odd_lines)
+        states = in_turn(of_bodies, self._by_either_error(thinned), with_odd_lines)
         rates = distinct(states, self.has_rates, self.settings.mapped_classes)
         mapped: list[FloatArray] = []
         for _ in range(2):
@@ -771,16 +774,18 @@ class Search:
                 for state in distinct((*rates, *self._mistaken()), self.has_rates)
                 if not any(self.has_rates(state, other) for other in mapped)
             ]
-            if not self._add_classes(thinned, rates):
+            if not self._add_classes(clipped, thinned, rates):
                 return False
             mapped += rates
             rates = []
         return True
 
-    def _add_classes(self, thinned: CurveProblem, rates: list[FloatArray]) -> bool:
+    def _add_classes(
+        self, clipped: CurveProblem, thinned: CurveProblem, rates: list[FloatArray]
+    ) -> bool:
         """Add the best bodies of short maps of poles at rates of states; whether at all these."""
         settings = self.settings
-        problem = self.problem.with_model_error(settings.body_error)
+        problem = clipped.with_model_error(settings.body_error)
         fits: list[BodyFit] = []
         are_all = True
         for state in rates:

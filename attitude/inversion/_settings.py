@@ -136,6 +136,9 @@ class Settings:
     # frequencies: of a body of two lobes with four nights the true pair fitted best, and no other
     # had its rates.
     odd_classes: int = 50
+    # Pairs of rates among them of the best bodies: the true ones of a curve with outliers were the
+    # seventh of these, and of no short fit.
+    body_classes: int = 16
     # Tumbling states, the best, to whose rates those that are mistaken for them are added.
     mistaken: int = 2
     # What is left of the budget, s, for the bodies of these maps and their robust errors.

@@ -4,6 +4,7 @@ import itertools
 import math
 import time
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -430,6 +431,27 @@ SMALL = inversion.Settings(
 def small_search(monkeypatch):
     """Poles of rotation about one axis, from 200 directions, take half of the time."""
     monkeypatch.setattr(_search.Search, "_axial_poles", lambda self: None)
+
+
+@pytest.mark.parametrize(
+    ("modes", "periods", "expected"),
+    [
+        (("PA", "LAM"), (0.5124, 1.0244), True),  # psi at half the rotation, phi at it
+        (("PA", "SAM"), (0.5124, 0.1708), True),
+        (("PA", "LAM"), (1.0244, 0.5124), False),  # phi at half of it is no line of a rotation
+        (("PA", "LAM"), (0.5124, 0.9800), False),  # 1.2 turns off
+        (("PA", "LAM"), (0.5124, 9.0000), False),  # a slow nutation is none
+        (("LAM", "LAM"), (0.5124, 1.0244), False),  # found as tumbling: its periods decide
+        (("PA", "PA"), (0.5124, math.inf), False),
+    ],
+)
+def test_a_tumbling_body_with_the_lines_of_a_rotation_counts_as_it(modes, periods, expected):
+    """In the benchmark as in the search: light shows no line that tells one from the other."""
+    found = SimpleNamespace(mode=modes[0], P_phi=0.5117 * 86400.0)
+    case = SimpleNamespace(
+        mode=modes[1], P_phi=periods[0], P_psi=periods[1], jd=np.array([2460000.0, 2460027.0])
+    )
+    assert figures.is_comb(found, case) is expected
 
 
 @pytest.mark.slow

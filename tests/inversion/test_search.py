@@ -28,6 +28,7 @@ from attitude.inversion import (
     _verdicts,
 )
 from attitude.inversion._ellipsoid import SearchState
+from attitude.inversion._settings import DEFAULT
 from attitude.scattering import LommelSeeligerLambert
 from attitude.shape import Mesh, box
 from benchmarks import inversion as figures
@@ -155,11 +156,12 @@ def test_a_pair_with_odd_lines_gives_its_rates(nutation):
 
 
 def test_rates_of_lines_are_those_that_the_scene_sees(monkeypatch):
-    """The poles of many pairs of rates are mapped, of short fits and of odd lines in turn."""
+    """The poles of many pairs of rates are mapped, of bodies, short fits and odd lines in turn."""
     angle = np.linspace(0.0, 1.0, COUNT)
     sun = np.stack([np.cos(angle), np.sin(angle), np.full(COUNT, 0.1)]) / math.sqrt(1.01)
     given = _given(np.zeros(COUNT), np.linspace(-0.5, 0.5, COUNT), sun=sun, observer=sun)
-    search = _search_of(given)
+    bodies = [SimpleNamespace(state=_body(nutation=nutation)) for nutation in (-9.0, -9.1)]
+    search = _search_of(given, convex=bodies, solutions=[_weighted(-9.0, 0.0, 1.0)])
     rates = [_lattices.Candidate(20.0, 7.0), _lattices.Candidate(31.0, -4.0)]
     search._pairs = np.array([[33.0, 7.0]])
 
@@ -172,15 +174,16 @@ def test_rates_of_lines_are_those_that_the_scene_sees(monkeypatch):
     mapped = []
     monkeypatch.setattr(_search.Search, "_by_either_error", lambda self, thinned: [*ranked])
 
-    def add_classes(self, thinned, rates):
-        mapped.extend(rates)
+    def add_classes(self, clipped, thinned, rates):
+        mapped.extend(state[: _ellipsoid.WIDTH] for state in rates)
         return True
 
     monkeypatch.setattr(_search.Search, "_add_classes", add_classes)
-    assert search._poles_of_classes(given)
+    monkeypatch.setattr(_search.Search, "_mistaken", lambda self: ())
+    assert search._poles_of_classes(0)
     states = np.array(mapped)
-    assert states[:, 0].tolist() == [20.05, 40.0, 31.0] and states[2, 1] == -4.0
-    assert abs(_pole_map.turn_of_scene(given, states[2:, _ellipsoid.OF_POLE])[0]) < 0.01
+    assert states[:, 0].tolist() == [17.3, 20.05, 40.0, 31.0] and states[3, 1] == -4.0
+    assert abs(_pole_map.turn_of_scene(given, states[3:, _ellipsoid.OF_POLE])[0]) < 0.01
     assert abs(_pole_map.turn_of_scene(given, np.array([[0.0, 0.0, 1.0]]))[0]) > 0.1
 
 
@@ -365,9 +368,39 @@ def test_maps_that_the_budget_ends_are_told(monkeypatch, budget, are_all):
 
     monkeypatch.setattr(_pole_map, "in_few_steps", in_few_steps)
     rates = [_ellipsoid.starts(np.random.default_rng(1), np.array([20.0]), np.full(1, 7.0))[0]] * 3
-    assert search._add_classes(given, rates) is are_all
+    assert search._add_classes(given, given, rates) is are_all
     monkeypatch.setattr(_search.Search, "_by_either_error", lambda self, thinned: rates)
-    assert search._poles_of_classes(given) is are_all
+    assert search._poles_of_classes(0) is are_all
+
+
+def test_outliers_hardly_count_in_maps_of_many_rates(monkeypatch):
+    """They hid the true pole of a curve at its true rates: bodies at all poles fitted alike."""
+    residual = np.zeros(COUNT)
+    residual[::50] = 0.5
+    given = replace(_given(np.zeros(COUNT)), model_error=DEFAULT.ellipsoid_error)
+    search = _search_of(given, solutions=[_weighted(-9.0, 0.0, 1.0, residual)])
+    of_maps, of_bodies = [], []
+
+    def in_few_steps(problem, generator, state, held, tie):
+        of_maps.append(problem)
+        return [SimpleNamespace(state=state)]
+
+    def fit(self, state, iterations=20, problem=None, *others, **options):
+        of_bodies.append(self.problem if problem is None else problem)
+        return SimpleNamespace(state=state, cost=0.0)
+
+    monkeypatch.setattr(_pole_map, "in_few_steps", in_few_steps)
+    monkeypatch.setattr(_search.Search, "_fit", fit)
+    monkeypatch.setattr(_search.Search, "finish", lambda self: None)
+    monkeypatch.setattr(_search.Search, "_other_poles", lambda self: False)
+    monkeypatch.setattr(_search.Search, "_by_either_error", lambda self, thinned: [_body()])
+    assert search._poles_of_classes(0)
+    first, last = of_bodies[0], of_bodies[-1]
+    assert len(of_maps[0]) < len(first) == COUNT and first.model_error == DEFAULT.body_error
+    for problem in (*of_maps, first):
+        assert problem.sigma[0] > 5.0 * given.sigma[0] and problem.sigma[1] == given.sigma[1]
+    # their best bodies are compared with all others
+    assert last is given
 
 
 @pytest.mark.parametrize("are_all", [True, False])
@@ -375,7 +408,7 @@ def test_a_search_without_all_maps_of_its_first_round_is_incomplete(monkeypatch,
     search = _search_of(_given(np.zeros(COUNT)), solutions=[_weighted(-9.0, 0.0, 1.0)])
     rounds = []
 
-    def poles_of_classes(self, thinned):
+    def poles_of_classes(self, number):
         rounds.append(self.is_complete)
         return are_all and len(rounds) == 1
 
@@ -384,7 +417,7 @@ def test_a_search_without_all_maps_of_its_first_round_is_incomplete(monkeypatch,
         monkeypatch.setattr(_search.Search, name, lambda self, *_: ())
     monkeypatch.setattr(_search.Search, "_poles_of_classes", poles_of_classes)
     monkeypatch.setattr(_search.Search, "is_decided", False)
-    monkeypatch.setattr(_search.Search, "_thinned", lambda self, number: None)
+    monkeypatch.setattr(_search.Search, "_thinned", lambda self, problem, number: None)
     monkeypatch.setattr(_search.Search, "is_over", False)
     search.run()
     # a later round that the budget ends leaves what the first one tried
@@ -564,8 +597,9 @@ def test_no_nutation_is_sought_where_one_is_clear(
 def test_ellipsoids_are_fitted_to_some_of_many_points():
     given = _given(np.zeros(900))
     search = _search_of(given)
-    assert [len(search._thinned(number)) for number in (0, 1, 2)] == [225, 450, 900]
-    assert search._thinned(0).span == given.span and search._thinned(2) is given
+    parts = [search._thinned(given, number) for number in (0, 1, 2)]
+    assert [len(part) for part in parts] == [225, 450, 900]
+    assert parts[0].span == given.span and parts[2] is given
 
 
 def test_a_verdict_says_that_the_budget_ended_the_search():
