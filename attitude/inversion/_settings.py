@@ -309,10 +309,11 @@ class Settings:
     competing: float = 13.0
     # Difference of evidence within which other poles compete: odds of 400 to 1.
     competing_poles: float = 12.0
-    # Difference of likelihoods within which poles compete that are up to twice as far behind in
-    # evidence, by a prior of shapes: four wrong ones were 5 to 16 ahead, the last of a curve of six
-    # days of which 0.1 % is left; some right ones are 10 and 13 ahead, and are not called solved.
-    likely_poles: float = 17.0
+    # Differences of likelihoods, of a tumbling body and of a rotation about one axis, within which
+    # poles compete that are up to twice as far behind in evidence, by a prior of shapes: four wrong
+    # ones of tumbling bodies were 5 to 16 ahead, the last of a curve of six days of which 0.1 % is
+    # left; some right ones are 10 and 13 ahead, and are not called solved.
+    likely_poles: tuple[float, float] = (17.0, 9.5)
     # Cost of axes and moments of a tumbling body beside those of its shape, above which others have
     # to lie `alone` behind: a wrong state with 34 was 23 ahead, the right one not found yet.
     strained: float = 16.0

@@ -407,7 +407,8 @@ def _widths_of_poles(best: Robust, problem: CurveProblem) -> tuple[float, float]
     """The differences of evidence and of likelihood within which other poles compete."""
     settings, points = problem.settings, _evidence.redundancy(best, problem)
     width = settings.alone if is_doubtful(best, problem) else settings.competing_poles
-    return width * points, settings.likely_poles * points
+    likely = settings.likely_poles[is_axial(best.refined.state)]
+    return width * points, likely * points
 
 
 def _competes(other: Robust, best: Robust, problem: CurveProblem) -> bool:

@@ -1180,26 +1180,28 @@ def test_the_width_of_the_prior_of_modes_is_the_most_probable_one():
 
 
 def test_a_prior_decides_on_no_pole():
-    """Two poles called solved were wrong: mirror images 15 and 13 ahead, 5 and 6 in likelihood."""
+    """Poles called solved were wrong: mirror images 15 and 22 ahead, 5 and 16 in likelihood."""
     given = _given(np.zeros(COUNT))
-    best = _weighted(-9.0, 0.0, 1.0, np.full(COUNT, 0.01))
 
-    def other(size, degrees, behind):
-        angle, entry = math.radians(degrees), _weighted(-9.0, behind, 1.0, np.full(COUNT, size))
+    def other(nutation, size, degrees, behind):
+        angle, entry = math.radians(degrees), _weighted(nutation, behind, 1.0, np.full(COUNT, size))
         c, s = math.cos(angle), math.sin(angle)
         state = entry.refined.state.copy()
         turn = np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
         state[5:14] = (turn @ state[5:14].reshape(3, 3)).ravel()
         return replace(entry, refined=SimpleNamespace(state=state))
 
-    for size, degrees, behind, competes in (
-        (0.0101, 120.0, 15.4, True),
-        (0.0101, 10.0, 15.4, False),  # a neighbour
-        (0.0101, 120.0, 24.1, False),  # its shape is too improbable
-        (0.02, 120.0, 15.4, False),  # fits worse
+    for nutation, size, degrees, behind, likely, competes in (
+        (-9.0, 0.0101, 120.0, 15.4, True, True),
+        (-9.0, 0.0101, 10.0, 15.4, True, False),  # a neighbour
+        (-9.0, 0.0101, 120.0, 24.1, True, False),  # its shape is too improbable
+        (-9.0, 0.02, 120.0, 15.4, False, False),  # fits worse
+        (-9.0, 0.0108, 120.0, 22.4, False, True),  # 16 in likelihood
+        (0.0, 0.0108, 120.0, 22.4, False, False),  # where it decides about one axis
     ):
-        alone = other(size, degrees, behind)
-        assert (_evidence.gain(best, alone, given) < 8.0) == (size < 0.02)
+        best = _weighted(nutation, 0.0, 1.0, np.full(COUNT, 0.01))
+        alone = other(nutation, size, degrees, behind)
+        assert (_evidence.gain(best, alone, given) < 9.5) == likely
         assert _verdicts._competes(alone, best, given) == competes
 
 
