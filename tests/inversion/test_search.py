@@ -1181,10 +1181,10 @@ def test_the_width_of_the_prior_of_modes_is_the_most_probable_one():
 
 def test_a_prior_decides_on_no_pole():
     """Poles called solved were wrong: mirror images 15 and 22 ahead, 5 and 16 in likelihood."""
-    given = _given(np.zeros(COUNT))
+    given, signs = _given(np.zeros(COUNT)), np.resize([1.0, -1.0], COUNT)
 
     def other(nutation, size, degrees, behind):
-        angle, entry = math.radians(degrees), _weighted(nutation, behind, 1.0, np.full(COUNT, size))
+        angle, entry = math.radians(degrees), _weighted(nutation, behind, 1.0, size * signs)
         c, s = math.cos(angle), math.sin(angle)
         state = entry.refined.state.copy()
         turn = np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
@@ -1199,7 +1199,7 @@ def test_a_prior_decides_on_no_pole():
         (-9.0, 0.0108, 120.0, 22.4, False, True),  # 16 in likelihood
         (0.0, 0.0108, 120.0, 22.4, False, False),  # where it decides about one axis
     ):
-        best = _weighted(nutation, 0.0, 1.0, np.full(COUNT, 0.01))
+        best = _weighted(nutation, 0.0, 1.0, 0.01 * signs)
         alone = other(nutation, size, degrees, behind)
         assert (_evidence.gain(best, alone, given) < 9.5) == likely
         assert _verdicts._competes(alone, best, given) == competes
