@@ -234,15 +234,18 @@ def judged(found: inversion.Solution, case: inversion_cases.Case) -> tuple[bool,
 def is_comb(found: inversion.Solution, case: inversion_cases.Case) -> bool:
     """Whether both rates of a tumbling body are multiples of half the rotation that was found.
 
-    Within a turn of the span, up to six of it, phi an even one, as the search counts.
+    Within a turn of the span, and 0.35 turns between the two; up to six, phi an even one.
     """
     if found.mode != "PA" or case.mode == "PA":
         return False
     half, rates = 43200.0 / found.P_phi, np.array([1.0 / case.P_phi, 1.0 / case.P_psi])
     multiples = np.rint(rates / half)
-    apart = np.abs(rates - multiples * half) * np.ptp(case.jd)
-    is_multiple = multiples[0] % 2 == 0 and multiples.min() >= 1 and multiples.max() <= 6
-    return bool(is_multiple and apart.max() < 1.0)
+    if multiples[0] % 2 or multiples.min() < 1 or multiples.max() > 6:
+        return False
+    span = np.ptp(case.jd)
+    apart = abs(rates[0] * multiples[1] - rates[1] * multiples[0])
+    apart /= math.gcd(*multiples.astype(int))
+    return bool(apart * span < 0.35 and np.abs(rates - multiples * half).max() * span < 1.0)
 
 
 def _sides(found: inversion.Solution) -> tuple[np.ndarray, np.ndarray]:

@@ -750,8 +750,8 @@ class Search:
     def _poles_of_classes(self, number: int) -> bool:
         """Add the best bodies of short maps of poles at many pairs of rates; whether at all these.
 
-        To thinned points, with the weights that they have beside the best solution: where all
-        residuals are outliers, bodies at any pole fit alike.  Where a body is far from an
+        To thinned points, with the weights that they have beside the best solution: where outliers
+        are most of what is left, bodies at any pole fit alike.  Where a body is far from an
         ellipsoid, ellipsoids with the true rates have wrong poles, or they mistake its rates: those
         of the best are tried too, and once more those of the new best.  Ends with `solutions` made
         anew.

@@ -136,8 +136,8 @@ class Settings:
     # frequencies: of a body of two lobes with four nights the true pair fitted best, and no other
     # had its rates.
     odd_classes: int = 50
-    # Pairs of rates among them of the best bodies: the true ones of a curve with outliers were the
-    # seventh of these, and of no short fit.
+    # Pairs of rates among them of the best bodies: the true ones of a curve with outliers were
+    # those of the seventh body, and of no short fit.
     body_classes: int = 16
     # Tumbling states, the best, to whose rates those that are mistaken for them are added.
     mistaken: int = 2

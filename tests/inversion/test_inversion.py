@@ -440,6 +440,7 @@ def small_search(monkeypatch):
         (("PA", "SAM"), (0.5124, 0.1708), True),
         (("PA", "LAM"), (1.0244, 0.5124), False),  # phi at half of it is no line of a rotation
         (("PA", "LAM"), (0.5124, 0.9800), False),  # 1.2 turns off
+        (("PA", "LAM"), (0.5124, 1.0450), False),  # within a turn, but two lines
         (("PA", "LAM"), (0.5124, 9.0000), False),  # a slow nutation is none
         (("LAM", "LAM"), (0.5124, 1.0244), False),  # found as tumbling: its periods decide
         (("PA", "PA"), (0.5124, math.inf), False),
