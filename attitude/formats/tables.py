@@ -9,7 +9,8 @@ deviations too: ``sigma`` (rad about the ICRF axes) and ``sigma_angular_velocity
 parquet ``sigma_x, sigma_y, sigma_z, sigma_omega_x, ...``; readers skip them.
 
 Similar tables are read too: with any Time column, ``jd1`` and ``jd2`` (TDB) or ``utc`` for the
-epochs, and either form of the other columns.
+epochs, and either form of the other columns.  ``frame`` of the meta data names other axes than
+ICRF.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats import _sampling
 from attitude.formats._attitude_types import Convention
 from attitude.formats._format import Format, register, table_reader
-from attitude.formats._records import TOLERANCE, Rows, known_tolerance
+from attitude.formats._records import TOLERANCE, Rows, in_icrf, known_tolerance
 from attitude.frames import quaternion as forms
 from attitude.motions._axes import named
 from attitude.motions._table import AttitudeTable
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import EpochOrSeconds, Epochs, FilePath, FloatArray
     from attitude.formats._sampling import AttitudeSource, SampledFile
     from attitude.motions._history import AttitudeHistory
+    from attitude.paths._path import Path
 
 __all__ = [
     "KINDS",
@@ -67,6 +69,8 @@ RATES: tuple[str, ...] = ("omega_x", "omega_y", "omega_z")
 # Their standard deviations: rad about the ICRF axes, rad/s over the body axes.
 SIGMA: tuple[str, ...] = ("sigma_x", "sigma_y", "sigma_z")
 SIGMA_RATES: tuple[str, ...] = ("sigma_omega_x", "sigma_omega_y", "sigma_omega_z")
+# Order and units of the columns.
+_HOW = Convention(scalar_first=True, in_radians=True)
 
 
 def names(*, rates: bool, sigma: bool = False) -> list[str]:
@@ -137,9 +141,8 @@ def _read_csv(path, tolerance):
         rows.convert()
         if not rows.count:
             raise lines.fault("the file has no rows.")
-        how = Convention(scalar_first=True, in_radians=True)
         meta = {"format": "CSV"}
-        return rows.table(kind, how, named("ICRF"), tolerance=tolerance, meta=meta)
+        return rows.table(kind, _HOW, named("ICRF"), tolerance=tolerance, meta=meta)
 
 
 class _CsvRows(Rows):
@@ -280,7 +283,11 @@ def qtable(
 
 
 def from_table(
-    table: Table, origin: str = "the table", *, tolerance: float = TOLERANCE
+    table: Table,
+    origin: str = "the table",
+    *,
+    tolerance: float = TOLERANCE,
+    orbit: Path | None = None,
 ) -> AttitudeTable:
     """An AttitudeTable from an astropy table; see the module's docstring for the columns."""
     known_tolerance(tolerance)
@@ -292,10 +299,18 @@ def from_table(
     meta = {str(key).lower(): value for key, value in table.meta.items()}
     with prefixed(origin):
         wxyz = forms.unit(wxyz, tolerance=tolerance)
+        axes, where = named(meta.get("frame", "ICRF")), (_instants.Instant(0.0), *time, orbit)
+        if rates is None:
+            wxyz, rates = in_icrf("QUATERNION", wxyz, _HOW, axes, where)
+        else:
+            both = np.concatenate([wxyz, rates], axis=1)
+            wxyz, rates = in_icrf("QUATERNION/ANGVEL", both, _HOW, axes, where)
         return _segmented(time, wxyz, rates, meta)
 
 
-def read(path: FilePath, *, tolerance: float = TOLERANCE) -> AttitudeTable:
+def read(
+    path: FilePath, *, tolerance: float = TOLERANCE, orbit: Path | None = None
+) -> AttitudeTable:
     """An ECSV, FITS, CSV or parquet file, recognized by its ending, as an AttitudeTable.
 
     Parameters
@@ -303,6 +318,8 @@ def read(path: FilePath, *, tolerance: float = TOLERANCE) -> AttitudeTable:
     path : str or path
     tolerance : float
         Largest deviation from 1 of the length of a quaternion.
+    orbit : Path, optional
+        Path of the body about its center, for attitudes relative to LVLH or RTN.
 
     Raises
     ------
@@ -312,7 +329,7 @@ def read(path: FilePath, *, tolerance: float = TOLERANCE) -> AttitudeTable:
     known_tolerance(tolerance)
     if kind_of(path) == "csv":
         return _read_csv(path, tolerance)
-    return from_table(columns_of(path), os.fspath(path), tolerance=tolerance)
+    return from_table(columns_of(path), os.fspath(path), tolerance=tolerance, orbit=orbit)
 
 
 def columns_of(path: FilePath) -> Table:
@@ -538,7 +555,7 @@ register(
         title="tables",
         endings=(".ecsv", ".fits", ".fit", ".csv", ".parquet"),
         read=table_reader(read),
-        reading=("tolerance",),
+        reading=("tolerance", "orbit"),
         write=write,
         noun="a table",
     )

@@ -5,7 +5,7 @@ import os
 import numpy as np
 import pytest
 
-from attitude import AttitudeError, Body, FreeRotation, Spin, epochs
+from attitude import AttitudeError, Body, FreeRotation, Spin, epochs, paths
 from attitude.formats import tables
 from attitude.motions._table import AttitudeTable
 
@@ -225,3 +225,31 @@ def test_what_the_command_line_writes_is_read(tmp_path):
         assert cli.main(["propagate", str(tmp_path / "a.toml"), *asked]) == 0
         found = tables.read(out)
         assert len(found) == 6 and found.angular_velocity is not None
+
+
+@pytest.mark.parametrize("frame", ["ecliptic", "itrf", "lvlh"])
+@pytest.mark.parametrize("ending", ["ecsv", "fits"])
+@pytest.mark.parametrize("rates", [True, False])
+def test_axes_that_the_meta_data_name(tmp_path, frame, ending, rates):
+    orbit = paths.kepler(
+        **{"epoch": "2016-12-31", "semi_major_axis": "7000 km", "eccentricity": 0.01},
+        **{"inclination": "51 deg", "node": "20 deg", "pericenter_argument": "10 deg"},
+        **{"mean_anomaly": 0.3, "center": "earth", "frame": "icrf"},
+    )
+    orbit = orbit if frame == "lvlh" else None
+    path = tmp_path / f"a.{ending}"
+    tables.write_columns(path, HISTORY.in_frame(frame, orbit=orbit).table(rates=rates))
+    table = tables.read(path, orbit=orbit)
+    assert np.max(np.abs(np.abs(np.sum(table.wxyz * HISTORY.wxyz, axis=1)) - 1.0)) < 1e-14
+    if rates:
+        assert np.allclose(table.angular_velocity, HISTORY.angular_velocity, rtol=0, atol=1e-12)
+    if orbit is not None:
+        with pytest.raises(AttitudeError, match="LVLH, axes of the orbit; give orbit="):
+            tables.read(path)
+
+
+def test_unknown_axes_in_the_meta_data():
+    table = HISTORY.table()
+    table.meta["frame"] = "FOO"
+    with pytest.raises(AttitudeError, match="the table: frame is 'FOO'; known axes are"):
+        tables.from_table(table)
