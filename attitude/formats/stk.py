@@ -9,7 +9,7 @@ for spans of a day.
 
 "J2000" is the mean equator and equinox of J2000, "ICRF" and "Inertial" of the Earth the ICRF,
 "Fixed" ITRF, "VVLH" axes of an orbit; "TrueOfDate", "MeanOfDate" and "TEMEOfDate" also as
-"...OfEpoch" with CoordinateAxesEpoch.  A file without InterpolationOrder is interpolated with order
+"...OfEpoch" with CoordinateAxesEpoch.  Fixed and those of date are known for the Earth.  A file without InterpolationOrder is interpolated with order
 1, as STK does, and so is one of order 0.  What else STK writes is
 read as well; what is refused is refused by name.
 """
@@ -246,8 +246,11 @@ _BY_LOWER = {name.lower(): name for name in (*SECTIONS, *REFUSED)}
 _KEYWORD_BY_LOWER = {name.lower(): name for name in _KEYWORDS}
 # Names of STK for axes that other files name otherwise.
 _AXES = {"fixed": "ITRF", "vvlh": "LVLH", "inertial": "ICRF"}
-# Bodies whose axes "Inertial" of STK are those of the ICRF.
-_ICRF_BODIES = ("earth", "sun", "")
+# Kind of axes that STK defines for each body -> the bodies for which they are known.
+_OF_BODIES: dict[str, tuple[str, ...]] = {
+    **dict.fromkeys({*motions_axes.TURNING.values()} - {*motions_axes.OF_ORBIT}, ("Earth",)),
+    "inertial": ("Earth", "Sun"),  # ICRF
+}
 
 
 class Header:
@@ -296,8 +299,10 @@ class Header:
     def axes(self, frame: str | None) -> Axes:
         """The reference axes; `frame` replaces CoordinateAxes."""
         with self._located("CoordinateAxes"):
-            if self.section.axes is not None or frame is not None:
-                return motions_axes.named(self.section.axes or str(frame))
+            if frame is not None:
+                return motions_axes.named(frame)
+            if self.section.axes is not None:
+                return self._axes(self.section.axes)
             if "CoordinateAxes" not in self.keywords:
                 raise AttitudeError(
                     "the file has no CoordinateAxes, which names the axes that the attitudes are "
@@ -319,17 +324,16 @@ class Header:
                 "CoordinateAxes is LVLH, in which STK's x points away from the center, as that of "
                 'RTN, and that of CCSDS along the orbit; give frame="RTN" or frame="LVLH".'
             )
-        body = self.keywords.get("CentralBody", "").lower()
-        if lower == "inertial" and body not in _ICRF_BODIES:
-            raise AttitudeError(
-                f"CoordinateAxes is Inertial of {body[:40]!r}; these axes are known for the "
-                "Earth and the Sun only: give what they are with frame=."
-            )
         kind = motions_axes.OF_EPOCH.get(motions_axes.normal(lower))
         if kind is not None:
             epoch = instant(self.keywords.get("CoordinateAxesEpoch", ""), "CoordinateAxesEpoch")
-            return motions_axes.Axes(name, kind, at=epoch)
-        return motions_axes.named(_AXES.get(lower, lower if custom else name), "CoordinateAxes")
+            axes = motions_axes.Axes(name, kind, at=epoch)
+        else:
+            known = _AXES.get(lower, lower if custom else name)
+            axes = motions_axes.named(known, "CoordinateAxes")
+        kind = lower if lower == "inertial" else axes.kind
+        _refuse_body(kind, name, self.keywords.get("CentralBody", ""))
+        return axes
 
     def _read_keywords(self):
         """The name of the section; sets `keywords`."""
@@ -396,9 +400,21 @@ class Header:
                 sequence, initial = words[0], [float(word) for word in words[1:]]
                 if not np.all(np.isfinite(initial)):
                     raise AttitudeError("an angle is not finite.")
+            # Letters in lower case would be axes outside of the body.
+            sequence = sequence.upper()
             if form == "ypr":
-                sequence = sequence.upper().translate(str.maketrans("RPY", "XYZ"))
+                sequence = sequence.translate(str.maketrans("RPY", "XYZ"))
             return Decoder(section, quaternion.known_sequence(sequence), initial)
+
+
+def _refuse_body(kind, name, body):
+    """AttitudeError for axes of a CentralBody other than the bodies for which they are known."""
+    bodies = _OF_BODIES.get(kind)
+    if bodies and body and body.title() not in bodies:
+        raise AttitudeError(
+            f"the axes are {name[:40]} of {body[:40]!r}, and are known for the "
+            f"{' and the '.join(bodies)} only: give what they are with frame=."
+        )
 
 
 def _read_banner(lines):
@@ -608,6 +624,7 @@ def write(
             f"frame is {frame!r}, which STK attitude files do not know; give one of "
             f"{', '.join(_NAMES.values())}."
         )
+    _refuse_body(axes.kind, _NAMES[axes.kind], center)
     sequence = quaternion.known_sequence(sequence).upper()
     if order is not None and not (isinstance(order, int) and 1 <= order <= _table.MOST_DEGREE):
         raise AttitudeError(

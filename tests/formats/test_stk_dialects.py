@@ -264,7 +264,18 @@ BAD = [
     ({"RepeatPattern": "x"}, QUATS, "line 8: 'RepeatPattern' is not known"),
     ({"CoordinateAxes": "LVLH"}, QUATS, 'line 7: CoordinateAxes is LVLH, .* give frame="RTN"'),
     ({"CoordinateAxes": "AWB Body Satellite/A"}, QUATS, "line 7: .* that a scenario of STK"),
-    ({"CoordinateAxes": "Inertial", "CentralBody": "Mars"}, QUATS, "line 7: .* Inertial of 'mars'"),
+    ({"CoordinateAxes": "Inertial", "CentralBody": "Mars"}, QUATS, "line 7: .* Inertial of 'Mars'"),
+    ({"CoordinateAxes": "Fixed", "CentralBody": "Mars"}, QUATS, "line 7: .* Fixed of 'Mars'"),
+    ({"CoordinateAxes": "MeanOfDate", "CentralBody": "Moon"}, QUATS, "MeanOfDate of 'Moon'"),
+    (
+        {
+            **{"CoordinateAxes": "TrueOfEpoch", "CentralBody": "Mars"},
+            **{"CoordinateAxesEpoch": "1 Jul 1999 00:00:00"},
+        },
+        QUATS,
+        "line 7: .* TrueOfEpoch of 'Mars', and are known for the Earth only",
+    ),
+    ({"CentralBody": "Mars"}, ("AttitudeTimeECFVector", "0 1 2 3"), "ITRF of 'Mars'"),
     ({"CoordinateAxes": "TrueOfEpoch"}, QUATS, "line 7: CoordinateAxesEpoch is not given"),
     ({}, ("AttitudeTimeAngVels", "0 1 2 3"), "line 9: the section AttitudeTimeAngVels is not read"),
     ({}, ("AttitudeTimeEulerAngleRates", "0 1 2 3"), "InitialEulerAngle: it is ''; .* three angle"),
@@ -282,3 +293,25 @@ BAD = [
 def test_what_is_refused_is_refused_by_name(tmp_path, head, section, sentence):
     with pytest.raises(AttitudeError, match=sentence):
         read(tmp_path, head, *section)
+
+
+def test_axes_of_the_earth_are_not_written_for_another_body(tmp_path):
+    table = read(tmp_path)
+    with pytest.raises(AttitudeError, match="Fixed of 'Mars', and are known for the Earth only"):
+        stk.write(tmp_path / "b.a", table, frame="Fixed", center="Mars")
+    stk.write(tmp_path / "b.a", table, frame="J2000", center="Mars")
+    assert apart(stk.read(tmp_path / "b.a").wxyz, table.wxyz) < 1e-15
+
+
+@pytest.mark.parametrize("sequence", ["zyx", "Zyx"])
+def test_letters_of_sequences_are_of_either_case(tmp_path, sequence):
+    rows = "0 10 20 30\n60 11 21 31"
+    one, two = (
+        read(tmp_path, {"Sequence": text}, "AttitudeTimeEulerAngles", rows)
+        for text in (sequence, "321")
+    )
+    assert np.array_equal(one.wxyz, two.wxyz)
+    initial = f"{sequence} 10 20 30"
+    head = {"InitialEulerAngle": initial}
+    three = read(tmp_path, head, "AttitudeTimeEulerAngleRates", "0 0 0 0\n60 0 0 0")
+    assert np.array_equal(three.wxyz[0], two.wxyz[0])
