@@ -479,9 +479,9 @@ class WrittenSegment:
             row, order = self._row_in_xml(out), [in_file.index(n) for n in columns]
         else:
             row = out.row("", len(columns))
-        for history in self._records.pieces():
+        how = self._kind, self._how, self._axes, self._settings["orbit"]
+        for history, values in columns_of(self._records.pieces(), *how):
             epochs = self._texts(history.epoch, history.seconds, history.low)
-            values = columns_of(history, self._kind, self._how, self._axes, self._settings["orbit"])
             out.table(epochs, values[:, order], row)
 
     def _row_in_xml(self, out):

@@ -18,7 +18,7 @@ from attitude.frames import representations as forms
 from attitude.motions._table import AttitudeTable, refuse_speed
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from attitude._support.annotations import FloatArray, IntArray
     from attitude._textfiles.lines import Fault
@@ -169,13 +169,28 @@ def in_icrf(
 
 
 def columns_of(
-    history: AttitudeHistory,
+    histories: Iterable[AttitudeHistory],
     kind: str,
     how: Convention,
     axes: Axes,
     orbit: Path | None = None,
-) -> FloatArray:
-    """The columns (N, columns) of an attitude type for a history (N,), in deg, deg/s and s."""
+) -> Iterator[tuple[AttitudeHistory, FloatArray]]:
+    """Pieces (N,) of one history, each with the columns (N, columns) of an attitude type.
+
+    Units are deg, deg/s and s.  Quaternions in axes that turn are continuous in sign, also from
+    piece to piece.
+    """
+    before = np.empty((0, 4))
+    for history in histories:
+        wxyz, rates, acceleration = _in_axes(history, kind, axes, orbit)
+        if axes.turning:
+            wxyz = forms.continuous(np.concatenate([before, wxyz]))[len(before) :]
+            before = wxyz[-1:]
+        yield history, _attitude_types.encoded(kind, wxyz, rates, acceleration, how)
+
+
+def _in_axes(history, kind, axes, orbit):
+    """wxyz, rates and acceleration of a history in some axes; the last two if the type has them."""
     wxyz, rates, acceleration = np.asarray(history.wxyz), None, None
     if _attitude_types.has_rates(kind):
         rates = np.asarray(history.angular_velocity)
@@ -191,7 +206,7 @@ def columns_of(
             if turning is not None:
                 rates = rates - quaternion.rotate(quaternion.conjugate(wxyz), turning)
         wxyz = quaternion.multiply(quaternion.conjugate(outer), wxyz)
-    return _attitude_types.encoded(kind, wxyz, rates, acceleration, how)
+    return wxyz, rates, acceleration
 
 
 def refuse_length(

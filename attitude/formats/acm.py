@@ -719,8 +719,8 @@ def _attitudes(records, frame, axes, body, texts, orbit):
     entries += [("NUMBER_STATES", states), ("ATT_TYPE", "QUATERNION"), *rated]
 
     def rows():
-        for history in records.pieces():
-            yield texts(history), columns_of(history, kind, Convention(), axes, orbit)
+        for piece, columns in columns_of(records.pieces(), kind, Convention(), axes, orbit):
+            yield texts(piece), columns
 
     return _WrittenBlock("ATT", entries, rows, tuple(records.meta.get("data_comments", ())))
 

@@ -177,11 +177,10 @@ def write(
     def write_records(target, parts):
         with written_whole(target, "the table of quaternions") as file:
             file.write(f"# time w x y z frame={axes.name}\n")
-            for history in parts[0].pieces():
+            how, pieces = Convention(scalar_first=True), parts[0].pieces()
+            for history, columns in columns_of(pieces, "QUATERNION", how, axes, orbit):
                 dates = ccsds_epochs.texts(history.epoch, history.seconds, history.low, "utc")
-                how = Convention(scalar_first=True)
-                columns = columns_of(history, "QUATERNION", how, axes, orbit).T.tolist()
-                file.write(text_of_rows(dates, columns, " "))
+                file.write(text_of_rows(dates, columns.T.tolist(), " "))
 
     how = _sampling.Writing(
         _sampling.stated(None, None, has_rates=False),

@@ -9,9 +9,9 @@ for spans of a day.
 
 "J2000" is the mean equator and equinox of J2000, "ICRF" and "Inertial" of the Earth the ICRF,
 "Fixed" ITRF, "VVLH" axes of an orbit; "TrueOfDate", "MeanOfDate" and "TEMEOfDate" also as
-"...OfEpoch" with CoordinateAxesEpoch.  Fixed and those of date are known for the Earth.  A file without InterpolationOrder is interpolated with order
-1, as STK does, and so is one of order 0.  What else STK writes is
-read as well; what is refused is refused by name.
+"...OfEpoch" with CoordinateAxesEpoch.  Fixed and those of date are known for the Earth.  A file
+without InterpolationOrder is interpolated with order 1, as STK does, and so is one of order 0.
+What else STK writes is read as well; what is refused is refused by name.
 """
 
 from __future__ import annotations
@@ -689,8 +689,8 @@ def _write(path, records, *, section, axes, how, head, order, orbit):
         for key, value in (*numbers_of.items(), ("ScenarioEpoch", start), *head.items()):
             file.write(f"{key} {value}\n")
         file.write(f"\n{section}\n\n")
-        for history in records.pieces():
-            columns = columns_of(history, SECTIONS[section].kind, how, axes, orbit)
+        kind = SECTIONS[section].kind
+        for history, columns in columns_of(records.pieces(), kind, how, axes, orbit):
             file.write(text_of_rows(shift(history).tolist(), columns.T.tolist(), " "))
         file.write("\nEND Attitude\n")
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from attitude import AttitudeError, Body, FreeRotation, Spin
+from attitude import AttitudeError, Body, FreeRotation, Spin, paths
 from attitude.arcs import Arcs, Impulse
 from attitude.cli import main
-from attitude.formats import aem, detect, spin_file, stk, tables
+from attitude.formats import _sampling, aem, detect, spin_file, stk, tables
 from attitude.frames import quaternion
 from attitude.motions._table import AttitudeTable
 from tests.support import orekit
@@ -216,3 +216,25 @@ def test_on_the_command_line(tmp_path, capsys, name):
     # With --step the tolerance is that of lengths, as before.
     made = ["convert", str(spin), str(path), "--stop", "10", "--step", "1", "--tolerance", "1e-3"]
     assert main(made) == 0 and "records" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("ending", ["aem", "acm", "cic", "quat", "a"])
+def test_quaternions_in_axes_of_an_orbit_keep_their_sign(tmp_path, monkeypatch, ending):
+    spin = Spin("2026-01-01", (0.5, 0.5, -0.5, 0.5), (2e-4, 1e-4, 1e-3))
+    motion = FreeRotation(Body(moments=(1, 2, 3)), spin)
+    orbit = paths.kepler(
+        **{"epoch": "2026-01-01", "semi_major_axis": "7000 km", "eccentricity": 0.01},
+        **{"inclination": "51 deg", "node": "20 deg", "pericenter_argument": "10 deg"},
+        **{"mean_anomaly": 0.3, "center": "earth", "frame": "icrf"},
+    )
+    frame = "VVLH" if ending == "a" else "LVLH"
+    path = tmp_path / f"l.{ending}"
+    monkeypatch.setattr(_sampling, "PIECE", 100)
+    motion.write(path, t=np.arange(0.0, 90000.0, 60.0), frame=frame, orbit=orbit)
+    rows = [line.split() for line in path.read_text().splitlines()]
+    numbers = [row[-4:] for row in rows if len(row) in (5, 6) and row[0][0] in "0123456789"]
+    if not numbers:  # with rates
+        numbers = [row[1:5] for row in rows if len(row) == 8]
+    wxyz = np.array(numbers, dtype=float)
+    assert len(wxyz) == 1500
+    assert np.min(np.sum(wxyz[1:] * wxyz[:-1], axis=1)) > 0.99
