@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude._textfiles import messages
-from attitude._textfiles.lines import cut
+from attitude._textfiles.lines import cut, prefixed
 from attitude._textfiles.messages import Form, Generator, XmlGenerator, refuse_line_breaks
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
@@ -163,8 +163,8 @@ class _Segment(Rows):
         self._how = self._convention(body_is_a)
         self._usable = [self._epoch(f"USEABLE_{end}_TIME", scale) for end in ("START", "STOP")]
         self._limits = self._epoch("START_TIME", scale), self._epoch("STOP_TIME", scale)
-        if None not in self._limits and self._limits[1].since(self._limits[0]) < 0.0:
-            raise meta.fault("STOP_TIME is before START_TIME.", "STOP_TIME")
+        _messages.refuse_reversed(meta, *self._limits)
+        _messages.refuse_reversed(meta, *self._usable, "USEABLE_")
         self._interpolation = self._recommended()
         if options.lenient and not self._is_cic and count == _MMS:
             block.message.assume(
@@ -370,7 +370,8 @@ def _chosen(tables, path, options):
                 f"{path}: its segments are those of several {what}: {_listed(values)}; {advice} "
                 "(on the command line --object, --segment)."
             )
-    _refuse_contradictions(tables, path, _CONTRADICTING * options.tolerance)
+    with prefixed(path):
+        refuse_contradictions(tables, options.tolerance)
     return AttitudeTable.joined(tables)
 
 
@@ -384,8 +385,9 @@ def _listed(names):
     return ", ".join(texts[:6]) + (", ..." if len(texts) > 6 else "")
 
 
-def _refuse_contradictions(tables, path, most):
+def refuse_contradictions(tables: Sequence[AttitudeTable], tolerance: float = TOLERANCE) -> None:
     """AttitudeError for two segments whose attitudes differ where both are usable."""
+    most = _CONTRADICTING * tolerance
     # By first epochs, each segment is compared with the one before: enough to find an overlap.
     order = sorted(range(len(tables)), key=lambda k: tables[k].span[0].seconds)
     for first, second in pairwise(order):
@@ -407,9 +409,10 @@ def _refuse_contradictions(tables, path, most):
         if np.any(angle > most):
             k = int(np.argmax(angle > most))
             raise AttitudeError(
-                f"{path}: the segments {first} and {second} overlap, and at "
+                f"the segments {first} and {second} overlap, and at "
                 f"{two.epoch.after(float(t[k])).utc_iso} UTC their attitudes are {angle[k]:.3g} "
-                "rad apart; choose one with segment= (on the command line --segment)."
+                "rad apart; choose one with segment= (on the command line --segment), of an ACM "
+                "also from `tables`."
             )
 
 

@@ -37,6 +37,7 @@ from attitude.errors import AttitudeError
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats import _messages, _sampling
 from attitude.formats._attitude_types import ANGLES, ANGLES_DOT, ANGVEL, Q_DOT, Convention, Q
+from attitude.formats._aem_message import refuse_contradictions
 from attitude.formats._format import of_table, refuse_foreign, register_message
 from attitude.formats._messages import INERTIA
 from attitude.formats._records import (
@@ -341,7 +342,11 @@ class Comprehensive:
 
     @property
     def table(self) -> AttitudeTable:
-        """The attitudes as one table; AttitudeError for none, or those of several bodies."""
+        """The attitudes as one table.
+
+        AttitudeError for none, for those of several bodies, and for blocks that overlap and
+        contradict each other.
+        """
         if not self.tables:
             raise AttitudeError("the message has no attitudes.")
         frames = list(dict.fromkeys(table.meta["body_frame"].upper() for table in self.tables))
@@ -350,6 +355,7 @@ class Comprehensive:
                 f"the blocks of attitudes are those of {', '.join(frames)[:120]}; choose one of "
                 "`tables` (in files of any format: segment=, on the command line --segment)."
             )
+        refuse_contradictions(self.tables)
         return AttitudeTable.joined(self.tables)
 
     @property
@@ -426,7 +432,12 @@ class _TimeTags:
                 if which:
                     hi[rows], lo[rows] = ccsds_epochs.parsed(some, self.scale)
                 else:
-                    hi[rows], lo[rows] = self.after(*_decimals(some))
+                    seconds, low = _decimals(some)
+                    finite = np.abs(seconds) < _LARGEST
+                    if not np.all(finite):
+                        reason = "it is not finite or too large"
+                        raise ccsds_epochs.BadEpoch(int(np.argmin(finite)), reason)
+                    hi[rows], lo[rows] = self.after(seconds, low)
             except ccsds_epochs.BadEpoch as err:
                 raise ccsds_epochs.BadEpoch(int(rows[err.index]), err.reason) from err
             except NoNumber as err:
@@ -447,6 +458,8 @@ def _decimals(tokens):
     return whole, low
 
 
+# Seconds since EPOCH_TZERO beyond which no time is read.
+_LARGEST = 1e15
 # Such as 86400.333333333333, of which one double holds 11 decimals.
 _DECIMAL = re.compile(rb"[+-]?\d{1,15}\.\d{1,18}")
 
@@ -564,6 +577,7 @@ def _interpreted(message, tolerance, frame, orbit, products):
     """The Comprehensive of a Message; the other parameters as in `read`."""
     products = _messages.known_products(products, message.version)
     tags = _tags(message)
+    _refuse_times(message.meta, tags)
     physics = next(iter(message.all("PHYS")), None)
     for block in message.all("AD"):
         _refuse_sensors(block)
@@ -594,10 +608,21 @@ def _said(message):
 def _tags(message):
     meta = message.meta
     scale = _messages.scale_of(meta)
-    for keyword in ("START_TIME", "STOP_TIME", "NEXT_LEAP_EPOCH"):
-        if keyword in meta and not is_number(meta[keyword].encode()):
-            _messages.epoch_of(meta, keyword, scale)
     return _TimeTags(scale, _messages.epoch_of(meta, "EPOCH_TZERO", scale))
+
+
+def _refuse_times(meta, tags):
+    """AttitudeError for times of the meta data that are no epochs, or in the wrong order.
+
+    Records outside of START_TIME and STOP_TIME are read: the examples of Orekit have them.
+    """
+    ends = {}
+    for keyword in ("START_TIME", "STOP_TIME", "NEXT_LEAP_EPOCH"):
+        if keyword in meta:
+            with _messages.epochs_named(meta, keyword):
+                hi, lo = tags.parsed([meta[keyword].encode("ascii", "replace")])
+            ends[keyword] = Instant(hi[0], lo[0])
+    _messages.refuse_reversed(meta, ends.get("START_TIME"), ends.get("STOP_TIME"))
 
 
 def _body(block, products):
@@ -668,7 +693,7 @@ def _maneuver(block, tags):
         last = block.number("MAN_END_TIME")
     elif "MAN_DURATION" in block:
         last = first + block.number("MAN_DURATION")
-    if last < first or max(abs(first), abs(last)) > 1e15:
+    if last < first or max(abs(first), abs(last)) > _LARGEST:
         raise block.fault("the maneuver ends before it begins.")
     attitude, rate = values("TARGET_ATTITUDE", 4), values("TARGET_SPINRATE")
     if attitude is not None:

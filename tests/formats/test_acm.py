@@ -356,3 +356,49 @@ def test_on_the_command_line(tmp_path, name):
     assert len(detect.read(several, segment=2)) == 2
     with pytest.raises(AttitudeError, match="no attitude with an angular velocity"):
         detect.read(OREKIT / "ACMExample07.txt")
+
+
+ATT = """ATT_START
+REF_FRAME_A = GCRF
+REF_FRAME_B = SC_BODY
+ATT_TYPE = QUATERNION
+{}
+ATT_STOP
+"""
+
+
+def message(path, *blocks, meta=""):
+    head = "CCSDS_ACM_VERS = 2.0\nCREATION_DATE = 2023-01-01T00:00:00\nORIGINATOR = TEST\n"
+    head += "META_START\nOBJECT_NAME = TEST\nTIME_SYSTEM = UTC\nEPOCH_TZERO = 2023-01-01T00:00:00\n"
+    path.write_text(f"{head}{meta}META_STOP\n{''.join(blocks)}")
+    return path
+
+
+def test_blocks_that_contradict_each_other_are_no_table(tmp_path):
+    one, two = (
+        ATT.format("\n".join(f"{k} {numbers}" for k in range(9)))
+        for numbers in ("0 0 0.6 0.8", "0 0 -0.8 0.6")
+    )
+    path = message(tmp_path / "a.acm", one, two)
+    with pytest.raises(AttitudeError, match="the segments 0 and 1 overlap, .* 3.14 rad apart"):
+        _ = acm.read(path).table
+    assert main(["convert", str(path), str(tmp_path / "b.aem")]) != 0
+    assert not (tmp_path / "b.aem").exists()
+    assert apart(detect.read(path, segment=1).wxyz, [0.6, 0, 0, -0.8]) < 1e-15
+
+
+BAD_TIMES = [
+    ("START_TIME = 10\nSTOP_TIME = 5\n", "line 9: STOP_TIME is before START_TIME"),
+    (
+        "START_TIME = 10\nSTOP_TIME = 2022-12-31T00:00:00\n",
+        "line 9: STOP_TIME is before START_TIME",
+    ),
+    ("START_TIME = nan\n", "line 8: START_TIME is 'nan', no epoch: it is not finite"),
+]
+
+
+@pytest.mark.parametrize(("meta", "sentence"), BAD_TIMES)
+def test_times_of_the_meta_data_that_are_refused(tmp_path, meta, sentence):
+    path = message(tmp_path / "a.acm", ATT.format("0 0 0 0 1"), meta=meta)
+    with pytest.raises(AttitudeError, match=sentence):
+        acm.read(path)
