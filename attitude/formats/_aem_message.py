@@ -25,7 +25,7 @@ from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
 from attitude.formats import _attitude_types, _messages, _recipes
 from attitude.formats import _ccsds_epochs as ccsds_epochs
-from attitude.formats._attitude_types import ANGVEL, Q_DOT
+from attitude.formats._attitude_types import ANGLES, ANGVEL, Q_DOT
 from attitude.formats._messages import GROUPS, HEADER, VERSIONS, written_body, written_names
 from attitude.formats._records import TOLERANCE, Rows, columns_of, known_tolerance
 from attitude.frames import quaternion
@@ -258,34 +258,42 @@ class _Segment(Rows):
 
     def named(self, leaves):
         """Names of the numbers of a record in XML; those of version 1 are numbered."""
-        names, letters = [], {}
+        names, angles, rates = [], {}, {}
         for tag, above, attributes in leaves:
             place = _ROTATIONS.get(tag)
             if place is None:
                 names.append(tag)
             elif above == "rotationAngles":
-                names.append(f"ANGLE_{place + 1}")
+                angles[place] = attributes.get("angle", "")[:1].upper()
+                names.append(ANGLES[place])
             else:
-                letters[place] = attributes.get("rate", "")[:1].upper()
+                rates[place] = attributes.get("rate", "")[:1].upper()
                 names.append(ANGVEL[place])
-        if letters:
-            by_axis = self._axes_of_rates("".join(letters.get(k, "") for k in range(3)))
-            names = [by_axis.get(name, name) for name in names]
-        return names
+        by_axis = {}
+        if any(angles.values()):
+            sequence = _messages.sequence_of(self.block.meta)
+            by_axis |= self._by_axis(ANGLES, angles, sequence, "angles")
+        if rates:
+            by_axis |= self._by_axis(ANGVEL, rates, self._axes_of_rates(rates), "rates")
+        return [by_axis.get(name, name) for name in names]
 
     def _axes_of_rates(self, letters):
-        """Rates by number -> the column of the axis that a letter names."""
+        """The axes of the columns of rates, which letters of one axis twice make those of angles."""
+        letters = [letter for letter in letters.values() if letter]
         if len(letters) == 3 > len(set(letters)) and not self._how.rates_of_angles:
             sequence = _messages.sequence_of(self.block.meta)
             self._how = replace(self._how, sequence=sequence, rates_of_angles=True)
-        usual = self._how.sequence.upper() if self._how.rates_of_angles else "XYZ"
-        letters = letters or usual
-        places = _attitude_types.rates_by_axis(letters, usual)
+        return self._how.sequence.upper() if self._how.rates_of_angles else "XYZ"
+
+    def _by_axis(self, columns, letters, axes, what):
+        """Columns by number -> those of the axes that letters, by place, name; all or none are."""
+        named = "".join(letters.get(place, "") for place in range(3)) or axes
+        places = _attitude_types.rates_by_axis(named, axes)
         if places is None:
             raise self.block.message.fault(
-                f"the rates are those of {', '.join(letters)}, not of {usual}.", None
+                f"the {what} are those of {', '.join(named)}, not of {axes}.", None
             )
-        return {name: ANGVEL[places.index(k)] for k, name in enumerate(ANGVEL)}
+        return {name: columns[places.index(k)] for k, name in enumerate(columns)}
 
     def has_guessed_rates(self):
         """Whether the file does not say what its rates of version 1 are, nor does the caller."""

@@ -743,3 +743,22 @@ def test_what_is_recommended_for_interpolation(tmp_path, count, how, method, deg
     found = read(path)
     assert found.degree == degree
     assert read(written(tmp_path, found)).method == found.method
+
+
+def test_the_names_of_angles_in_xml_decide(tmp_path):
+    path = written(tmp_path, version="1.0", kind="EULER_ANGLE", xml=True, sequence="ZYX")
+    text = path.read_text()
+    swapped, count = re.subn(
+        r'<rotation1 angle="Z(.*)</rotation1>(\s*.*\s*)<rotation3 angle="X(.*)</rotation3>',
+        r'<rotation1 angle="X\3</rotation1>\2<rotation3 angle="Z\1</rotation3>',
+        text,
+    )
+    assert count == len(HISTORY)
+    expected = read(path).wxyz
+    path.write_text(swapped)
+    assert np.array_equal(read(path).wxyz, expected)
+    path.write_text(text.replace('angle="X_ANGLE"', 'angle="Z_ANGLE"'))
+    with pytest.raises(AttitudeError, match="the angles are those of Z, Y, Z, not of ZYX"):
+        read(path)
+    path.write_text(re.sub(r' angle="[XYZ]_ANGLE"', "", text))
+    assert np.array_equal(read(path).wxyz, expected)
