@@ -2,7 +2,7 @@
 
 A recipe fills the settings that the caller leaves open, and refuses those that the tool does not
 read. Sources: the readers of GMAT R2020a (CCSDSAEMSegment and its subclasses: EME2000 and
-SC_BODY_1 only; QUATERNION with LINEAR, EULER_ANGLE with LAGRANGE of degree 0 to 9; version 1.0),
+SC_BODY_1 only; QUATERNION with LINEAR; version 1.0),
 Orekit 13 (derivatives of Euler angles in version 1; degree + 1 records to interpolate), brahe 1.8
 (version 2.0 only), the help of STK 12 on importing attitudes.
 """
@@ -40,11 +40,12 @@ AEM: dict[str, Recipe] = {
         "GMAT",
         {
             **{"version": "1.0", "kind": "QUATERNION", "frame": "EME2000", "time_system": "UTC"},
-            **{"body_frame": "SC_BODY_1", "method": "slerp", "sequence": "ZYX"},
+            **{"body_frame": "SC_BODY_1", "method": "slerp", "degree": 1},
         },
         {
-            **{"version": ("1.0",), "kind": ("QUATERNION", "EULER_ANGLE"), "frame": _EME2000},
+            **{"version": ("1.0",), "kind": ("QUATERNION",), "frame": _EME2000},
             **{"time_system": ("UTC",), "body_frame": ("SC_BODY_1",), "xml": (False,)},
+            **{"method": ("slerp", "linear"), "degree": (1,)},
         },
     ),
     "orekit": Recipe(
@@ -63,8 +64,6 @@ AEM: dict[str, Recipe] = {
     ),
     "brahe": Recipe("brahe", {"version": "2.0"}, {"version": ("2.0",)}),
 }
-# The interpolation that GMAT wants of each attitude type: method, and most degree.
-_OF_GMAT = {"QUATERNION": ("slerp", 1), "EULER_ANGLE": ("lagrange", 7)}
 
 
 def of_aem(tool: str | None, chosen: dict[str, Any], has_rates: bool) -> dict[str, Any]:
@@ -74,6 +73,11 @@ def of_aem(tool: str | None, chosen: dict[str, Any], has_rates: bool) -> dict[st
     recipe = AEM.get(tool.lower()) if isinstance(tool, str) else None
     if recipe is None:
         raise AttitudeError(f"for_ is {tool!r}; known tools are {', '.join(AEM)}.")
+    if recipe.tool == "GMAT" and chosen.get("kind") == "EULER_ANGLE":
+        raise AttitudeError(
+            "kind is 'EULER_ANGLE', whose angles GMAT interpolates across their jumps from 180 to "
+            "-180 deg, and turns by a whole turn between two records; leave kind out for QUATERNION."
+        )
     settings = dict(chosen)
     for name, value in recipe.settings.items():
         if settings.get(name) is None:
@@ -86,15 +90,6 @@ def of_aem(tool: str | None, chosen: dict[str, Any], has_rates: bool) -> dict[st
                 f"{name} is {chosen[name]!r}, which {recipe.tool} does not read; it must be "
                 f"{' or '.join(repr(value) for value in values if value is not None)}."
             )
-    if recipe.tool == "GMAT":
-        method, most = _OF_GMAT[settings["kind"]]
-        wrong = chosen.get("method") not in (None, method)
-        if wrong or (chosen.get("degree") or 0) > max(most, 9 if method == "lagrange" else 1):
-            raise AttitudeError(
-                f"GMAT interpolates {settings['kind']} by {method} only, to degree 9; leave method "
-                "and degree out."
-            )
-        settings["method"], settings["degree"] = method, chosen.get("degree") or most
     return settings
 
 

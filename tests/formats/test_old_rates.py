@@ -209,20 +209,17 @@ def meta(path):
     return {key: value for key, _, value in lines}
 
 
-@pytest.mark.parametrize("kind", [None, "EULER_ANGLE"])
-def test_for_gmat(tmp_path, kind):
+@pytest.mark.parametrize("how", [{}, {"kind": "QUATERNION", "method": "linear", "degree": 1}])
+def test_for_gmat(tmp_path, how):
     """The rules of GMAT's reader: CCSDSAEMSegment and CCSDSEMSegment of its sources."""
     path = tmp_path / "a.aem"
-    aem.write(path, MOTION, t=np.arange(20.0), for_="gmat", kind=kind, comments=["one"])
+    aem.write(path, MOTION, t=np.arange(20.0), for_="gmat", comments=["one"], **how)
     found = meta(path)
     assert found["CCSDS_AEM_VERS"] == "1.0" and found["TIME_SYSTEM"] == "UTC"
     assert (found["REF_FRAME_A"], found["REF_FRAME_B"]) == ("EME2000", "SC_BODY_1")
-    assert found["ATTITUDE_TYPE"] == (kind or "QUATERNION")
-    method = "LAGRANGE" if kind else "LINEAR"
-    assert found["INTERPOLATION_METHOD"] == method and int(found["INTERPOLATION_DEGREE"]) <= 9
-    assert ("QUATERNION_TYPE" in found) == (kind is None)
-    assert found.get("EULER_ROT_SEQ") == ("321" if kind else None)
-    assert "RATE_FRAME" not in found
+    assert found["ATTITUDE_TYPE"] == "QUATERNION" and "QUATERNION_TYPE" in found
+    assert (found["INTERPOLATION_METHOD"], found["INTERPOLATION_DEGREE"]) == ("LINEAR", "1")
+    assert "RATE_FRAME" not in found and "EULER_ROT_SEQ" not in found
     # Comments stand directly behind the version only.
     assert path.read_text().splitlines()[1] == "COMMENT one"
     assert apart(aem.read(path).wxyz, MOTION.at(np.arange(20.0)).wxyz) < 3e-15
@@ -233,7 +230,10 @@ BAD = [
     ({"for_": "gmat", "kind": "SPIN"}, "kind is 'SPIN', which GMAT does not read"),
     ({"for_": "gmat", "frame": "ITRF"}, "frame is 'ITRF', which GMAT does not read"),
     ({"for_": "gmat", "xml": True}, "xml is True, which GMAT does not read"),
-    ({"for_": "gmat", "method": "hermite"}, "GMAT interpolates QUATERNION by slerp only"),
+    ({"for_": "gmat", "method": "hermite"}, "method is 'hermite', which GMAT does not read"),
+    ({"for_": "gmat", "degree": 3}, "degree is 3, which GMAT does not read"),
+    # It interpolates angles as numbers, from 179 to -179 deg through 0.
+    ({"for_": "gmat", "kind": "EULER_ANGLE"}, "kind is 'EULER_ANGLE', whose angles GMAT"),
     ({"for_": "brahe", "version": "1.0"}, "version is '1.0', which brahe does not read"),
     ({"for_": "orekit", "rates": "body"}, "rates is 'body', which Orekit does not read"),
     ({"for_": "celestia"}, "for_ is 'celestia'; known tools are gmat, orekit, stk, brahe"),
