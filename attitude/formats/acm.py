@@ -644,10 +644,13 @@ def _body(block, products):
 
 
 def _refuse_sensors(block):
-    """AttitudeError unless sensors count from 1, each with as many deviations as it states."""
+    """AttitudeError unless sensors have numbers of their own and the deviations that they state.
+
+    Numbers may have gaps (CCSDS 504.0-B-2, note to 5.3.9.6).
+    """
     lines: dict[int, int] = {}
     for sensor in block.inner:
-        number = _counted(sensor, "SENSOR_NUMBER", "count from 1")
+        number = _counted(sensor, "SENSOR_NUMBER", "give a whole number from 1")
         if number in lines:
             raise sensor.fault(
                 f"SENSOR_NUMBER {number} was used before, in line {lines[number]}.", "SENSOR_NUMBER"
@@ -658,11 +661,6 @@ def _refuse_sensors(block):
             raise sensor.fault(f"{count} and {values} belong together.")
         if count in sensor:
             sensor.numbers(values, _counted(sensor, count, "give a whole number"))
-    lacking = sorted(set(range(1, len(lines) + 1)) - set(lines))
-    if lacking:
-        raise block.fault(
-            f"the block AD has {len(lines)} sensors, but none of SENSOR_NUMBER {lacking[0]}."
-        )
 
 
 def _counted(block, keyword, advice):
