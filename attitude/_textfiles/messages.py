@@ -101,6 +101,17 @@ class MessageRows(BulkRows):
 BeginRows: TypeAlias = Callable[["Block", "int | None"], MessageRows]
 
 
+def comparable(name: str) -> str:
+    """A value as such values are compared: an underscore is a blank, and several blanks are one.
+
+    Source: CCSDS 504.0-B-2, 6.8.8.
+
+    >>> comparable("SC_Body  1")
+    'SC BODY 1'
+    """
+    return " ".join(name.replace("_", " ").split()).upper()
+
+
 class Block(dict[str, str]):
     """Keywords and values of a part of a message, which begins in a line, and its rows.
 
@@ -185,16 +196,17 @@ class Block(dict[str, str]):
         return self.numbers(keyword)[0]
 
     def one_of(self, keyword: str, choices: Iterable[str], usual: str | None = None) -> str:
-        """The value of a keyword in upper case, out of some choices; AttitudeError for another."""
+        """The choice that the value of a keyword is; AttitudeError for another value."""
         value = self.get(keyword, usual)
-        if value is None or value.upper() not in choices:
+        by_name = {comparable(choice): choice for choice in choices}
+        if value is None or comparable(value) not in by_name:
             what = f"{self._lacks} {keyword}"
             if value is not None:
                 of_block = f" of the block {self.name}" if self.name.isupper() else ""
                 what = f"{keyword}{of_block} is {cut(value)}"
             known = ", ".join(cut(choice, "") for choice in choices)
             raise self.fault(f"{what}; it must be one of {known}.", keyword)
-        return value.upper()
+        return by_name[comparable(value)]
 
 
 class Message:

@@ -20,7 +20,13 @@ import numpy as np
 
 from attitude._textfiles import messages
 from attitude._textfiles.lines import cut, prefixed
-from attitude._textfiles.messages import Form, Generator, XmlGenerator, refuse_line_breaks
+from attitude._textfiles.messages import (
+    Form,
+    Generator,
+    XmlGenerator,
+    comparable,
+    refuse_line_breaks,
+)
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
 from attitude.formats import _attitude_types, _messages, _recipes
@@ -214,9 +220,8 @@ class _Segment(Rows):
             else:
                 scalar_first = is_needed
         if is_rated:
-            names = meta["REF_FRAME_A"].upper(), meta["REF_FRAME_B"].upper()
             choices = {"REF_FRAME_A": body_is_a, "REF_FRAME_B": not body_is_a}
-            choices |= dict(zip(names, (body_is_a, not body_is_a), strict=True))
+            choices |= {meta["REF_FRAME_A"]: body_is_a, meta["REF_FRAME_B"]: not body_is_a}
             over_body = choices[meta.one_of("RATE_FRAME" if is_old else "ANGVEL_FRAME", choices)]
         if kind.startswith("EULER") or of_angles:
             sequence = _messages.sequence_of(meta)
@@ -373,7 +378,7 @@ def _chosen(tables, path, options):
     ):
         # The identifier decides; names may be written differently.
         values = _values(tables, keys)
-        if len({value[0].upper() for value in values}) > 1:
+        if len({comparable(value[0]) for value in values}) > 1:
             raise AttitudeError(
                 f"{path}: its segments are those of several {what}: {_listed(values)}; {advice} "
                 "(on the command line --object, --segment)."

@@ -96,7 +96,9 @@ def epochs_named(block: Block, keyword: str) -> Iterator[None]:
         ) from err
 
 
-def refuse_reversed(block: Block, start: Instant | None, stop: Instant | None, of: str = "") -> None:
+def refuse_reversed(
+    block: Block, start: Instant | None, stop: Instant | None, of: str = ""
+) -> None:
     """AttitudeError if STOP_TIME is before START_TIME; `of` stands before these keywords."""
     if start is not None and stop is not None and stop.since(start) < 0.0:
         raise block.fault(f"{of}STOP_TIME is before {of}START_TIME.", f"{of}STOP_TIME")

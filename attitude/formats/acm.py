@@ -30,7 +30,7 @@ import numpy as np
 from attitude._support import pairs
 from attitude._textfiles import messages
 from attitude._textfiles.lines import NoNumber, cut, is_number, numbers, prefixed
-from attitude._textfiles.messages import Form, Generator, refuse_line_breaks
+from attitude._textfiles.messages import Form, Generator, comparable, refuse_line_breaks
 from attitude.epochs import _time_scales
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
@@ -303,7 +303,7 @@ class AttitudeCovariance:
                 f"COV_TYPE is {self.kind}, whose variances are no covariance of a rotation; it "
                 "must be one of ANGLE, ANGLE_GYROBIAS, ANGLE_ANGVEL."
             )
-        if self.frame is not None and self.frame.upper() != body.upper():
+        if self.frame is not None and comparable(self.frame) != comparable(body):
             raise AttitudeError(
                 f"COV_REF_FRAME is {cut(self.frame, '')}, and the attitudes are those of "
                 f"{cut(body, '')}; the variances cannot be turned to ICRF."
@@ -349,11 +349,12 @@ class Comprehensive:
         """
         if not self.tables:
             raise AttitudeError("the message has no attitudes.")
-        frames = list(dict.fromkeys(table.meta["body_frame"].upper() for table in self.tables))
-        if len(frames) > 1:
+        names = [table.meta["body_frame"].upper() for table in self.tables]
+        if len({comparable(name) for name in names}) > 1:
             raise AttitudeError(
-                f"the blocks of attitudes are those of {', '.join(frames)[:120]}; choose one of "
-                "`tables` (in files of any format: segment=, on the command line --segment)."
+                f"the blocks of attitudes are those of {', '.join(dict.fromkeys(names))[:120]}; "
+                "choose one of `tables` (in files of any format: segment=, on the command line "
+                "--segment)."
             )
         refuse_contradictions(self.tables)
         return AttitudeTable.joined(self.tables)
@@ -373,10 +374,11 @@ class Comprehensive:
             lacking = "inertia" if self.body is None else "attitude with an angular velocity"
             raise AttitudeError(f"the message has no {lacking}, from which a motion would follow.")
         first, inertia = rated[0], self.meta["inertia_frame"]
-        if inertia is not None and inertia.upper() != first.meta["body_frame"].upper():
+        body = first.meta["body_frame"]
+        if inertia is not None and comparable(inertia) != comparable(body):
             raise AttitudeError(
                 f"the inertia is over the axes {cut(inertia, '')}, but the attitudes are those of "
-                f"{cut(first.meta['body_frame'], '')}; give a Body over these axes."
+                f"{cut(body, '')}; give a Body over these axes."
             )
         assert first.angular_velocity is not None
         spin = Spin(

@@ -6,19 +6,21 @@ sign of the products of inertia is that of each version's book unless `products`
 `_messages`).  Maneuvers are kept among the keywords only.
 
 If a message has the attitude in several forms, the first of quaternion, Euler angles and spin is
-used, and for the rates the first of ANGVEL, derivatives of the quaternion, of the angles, spin.
+used, and for the rates the first of ANGVEL, derivatives of the quaternion, of the angles, spin.  Of
+several blocks of a name those whose axes cannot be computed are left out; those of one body must
+agree.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from attitude._textfiles import messages
 from attitude._textfiles.lines import cut
-from attitude._textfiles.messages import Form, Generator
+from attitude._textfiles.messages import Form, Generator, comparable
 from attitude.errors import AttitudeError
 from attitude.formats import _attitude_types, _messages
 from attitude.formats import _ccsds_epochs as ccsds_epochs
@@ -111,6 +113,15 @@ _KINDS: dict[str, tuple[tuple[str, tuple[str, ...]], ...]] = {
 }
 
 
+class _BlockState(NamedTuple):
+    """What a block holds: attitude (4,), rates or a function of the attitude, or None; the body."""
+
+    block: Any
+    body: str
+    wxyz: Any
+    rates: Any
+
+
 class _State:
     """The state in the blocks of a message; parameters as in `apm.read`."""
 
@@ -119,39 +130,77 @@ class _State:
         # What axes turn with.
         self._where = epoch, np.zeros(1), np.zeros(1), orbit
         self._is_old = message.version == "1.0"
-        # Block -> name of the body's axes in it.
-        self._bodies: dict[str, str] = {}
 
     def result(self):
         """Attitude and rates, each from the first block that has it; name of the body's axes."""
-        message, attitude, rates = self._message, None, None
-        of_attitude = of_rates = None
-        for block in [block for name in _KINDS for block in message.all(name)[:1]]:
-            with block.located():
-                wxyz, speeds = self._of_block(block)
-            if attitude is None and wxyz is not None:
-                attitude, of_attitude = wxyz, block
-            if rates is None and speeds is not None:
-                rates, of_rates = speeds, block
-        if attitude is None:
+        message = self._message
+        states = [self._state(b) for name in ("ANGVEL", *_KINDS) for b in self._known(name)]
+        attitudes = [state for state in states if state.wxyz is not None]
+        if not attitudes:
             if message.all("INERTIA") and not message.all("ANGVEL"):
                 return None, None, None
             raise message.fault("the message has no attitude.", None)
-        for block in message.all("ANGVEL")[:1]:
-            with block.located():
-                rates, of_rates = self._angvel(block), block
-        body = self._bodies[of_attitude.name]
-        other = body if rates is None else self._bodies[of_rates.name]
-        if other.upper() != body.upper():
-            raise of_rates.fault(
-                f"the block {of_rates.name} has the rates of {cut(other, '')}, but the block "
-                f"{of_attitude.name} the attitude of {cut(body, '')}; a message is read for one "
-                "body: delete one of the blocks."
+        first = attitudes[0]
+        for state in attitudes[1:]:
+            self._refuse_contradiction(first, state)
+        rated = [state for state in states if state.rates is not None]
+        own = [state for state in rated if comparable(state.body) == comparable(first.body)]
+        if rated and not own:
+            other = rated[0]
+            raise other.block.fault(
+                f"the block {other.block.name} has the rates of {cut(other.body, '')}, but the "
+                f"block {first.block.name} the attitude of {cut(first.body, '')}; a message is "
+                "read for one body: delete one of the blocks."
             )
         with message.meta.located():
-            rates = rates(attitude) if callable(rates) else rates
-            refuse_speed(rates)
-        return attitude, rates, body
+            return first.wxyz, self._rates_of_body(own, first.wxyz), first.body
+
+    def _known(self, name):
+        """The blocks of a name; of several, those in axes that can be computed, if there are."""
+        blocks = self._message.all(name)
+        return [block for block in blocks if self._is_known(block)] or blocks[:1]
+
+    def _is_known(self, block):
+        """Whether the axes of a block can be computed."""
+        try:
+            axes = _messages.axes_of(block, self._frame)[0]
+        except AttitudeError:
+            return False
+        return axes.kind not in motions_axes.OF_ORBIT or self._where[3] is not None
+
+    def _state(self, block):
+        """The _BlockState of a block."""
+        with block.located():
+            of_block = self._angvel if block.name == "ANGVEL" else self._of_block
+            return _BlockState(block, _messages.axes_of(block, self._frame)[1], *of_block(block))
+
+    def _rates_of_body(self, states, wxyz):
+        """The rates of the first of some states, if any; AttitudeError if those of its name differ."""
+        rates = None
+        for state in [state for state in states if state.block.name == states[0].block.name]:
+            speed = state.rates(wxyz) if callable(state.rates) else state.rates
+            refuse_speed(speed)
+            rates = speed if rates is None else rates
+            apart = np.linalg.norm(speed - rates)
+            if apart > 10.0 * self._tolerance * np.linalg.norm(rates):
+                raise state.block.fault(
+                    f"its rates are {apart:.3g} rad/s from those of the block {state.block.name} "
+                    f"in line {states[0].block.line}; delete one of the blocks."
+                )
+        return rates
+
+    def _refuse_contradiction(self, one, two):
+        """AttitudeError for attitudes of one body in two blocks of a name that differ."""
+        names = comparable(one.body), one.block.name
+        if names != (comparable(two.body), two.block.name):
+            return
+        turn = forms.multiply(forms.conjugate(one.wxyz), two.wxyz)
+        angle = frames_representations.to_axis_angle(turn)[1]
+        if angle > 10.0 * self._tolerance:
+            raise two.block.fault(
+                f"its attitude is {angle:.3g} rad from that of the block {two.block.name} in line "
+                f"{one.block.line}; delete one of the blocks."
+            )
 
     def _of_block(self, block):
         """Attitude and rates of a block; rates may be a function of the attitude."""
@@ -170,7 +219,7 @@ class _State:
 
     def _axes(self, block):
         """The external axes; whether the rotation leads from them to the body; whether A is it."""
-        axes, self._bodies[block.name], body_is_a = _messages.axes_of(block, self._frame)
+        axes, _, body_is_a = _messages.axes_of(block, self._frame)
         is_turned = self._is_old and block.one_of("DIR", ("A2B", "B2A")) == "B2A"
         return axes, body_is_a == is_turned, body_is_a
 
@@ -199,13 +248,13 @@ class _State:
         return wxyz, self._rates_of(np.radians(rates), axes, over_body)
 
     def _angvel(self, block):
-        """The rates of a block of version 2, as a function of the attitude."""
+        """No attitude, and the rates of a block of version 2, as a function of the attitude."""
         axes, to_body, body_is_a = self._axes(block)
         values = [block.number(name) for name in ANGVEL]
-        a, b = block["REF_FRAME_A"].upper(), block["REF_FRAME_B"].upper()
-        choices = {a: body_is_a, b: not body_is_a}
+        choices = {block["REF_FRAME_A"]: body_is_a, block["REF_FRAME_B"]: not body_is_a}
         over_body = choices[block.one_of("ANGVEL_FRAME", choices)]
-        return self._rates_of(np.radians(values) * (1.0 if to_body else -1.0), axes, over_body)
+        rates = np.radians(values) * (1.0 if to_body else -1.0)
+        return None, self._rates_of(rates, axes, over_body)
 
     def _rates_of(self, rates, axes, over_body=True, how=None):
         """A function: attitude -> rates in ICRF; `how`: from derivatives of the angles."""
@@ -352,7 +401,7 @@ class Parameters:
     def refuse_other_axes(self) -> None:
         """AttitudeError if the inertia is over other axes than those whose attitude is given."""
         inertia, body = self.meta["inertia_frame"], self.meta["body_frame"]
-        if body is not None and inertia.upper() != body.upper():
+        if body is not None and comparable(inertia) != comparable(body):
             raise AttitudeError(
                 f"the inertia is over the axes {cut(inertia, '')}, but the attitude is that of "
                 f"{cut(body, '')}; give a Body over the axes of the attitude: "
@@ -397,11 +446,24 @@ def read(
         "body_frame": body,
         "inertia_frame": None,
     }
-    inertia = None
-    for block in message.all("INERTIA")[:1]:
-        meta["inertia_frame"] = block.get("INERTIA_REF_FRAME") or body
-        inertia = _messages.body_of(block, products)
+    meta["inertia_frame"], inertia = _inertia_of(message, body, products)
     return Parameters(epoch, wxyz, speeds, inertia, meta)
+
+
+def _inertia_of(message, body, products):
+    """The axes and the Body of the first block INERTIA over the body's axes, else of the first."""
+    inertias = [
+        (block.get("INERTIA_REF_FRAME") or body, _messages.body_of(block, products), block)
+        for block in message.all("INERTIA")
+    ]
+    own = [item for item in inertias if body and comparable(item[0]) == comparable(body)]
+    for _, inertia, block in own[1:]:
+        if not np.allclose(inertia.tensor, own[0][1].tensor):
+            raise block.fault(
+                f"its inertia is not that of the block INERTIA in line {own[0][2].line}, over the "
+                "same axes; delete one of the blocks."
+            )
+    return (own or inertias or [(None, None)])[0][:2]
 
 
 def write(

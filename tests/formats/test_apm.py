@@ -255,3 +255,64 @@ def test_combined_messages(tmp_path):
         read(path)
     with pytest.raises(AttitudeError, match="tolerance is"):
         read(path, tolerance=float("nan"))
+
+
+def repeated(tmp_path, name, *changes, behind=True):
+    """A message with a second block of a name, in which texts are changed."""
+    path = tmp_path / "a.apm"
+    apm.write(path, motion())
+    text = path.read_text()
+    block = re.search(rf"{name}_START(?s:.*){name}_STOP\n", text).group()
+    changed = block
+    for pattern, instead in changes:
+        changed, count = re.subn(pattern, instead, changed)
+        assert count
+    path.write_text(text.replace(block, block + changed if behind else changed + block))
+    return path
+
+
+UNKNOWN = [
+    (
+        "QUAT",
+        ("REF_FRAME_A = ICRF", "REF_FRAME_A = LVLH"),
+        ("Q1 = .*", "Q1 = 0"),
+        ("Q3 = .*", "Q3 = 0"),
+    ),
+    ("QUAT", ("REF_FRAME_A = ICRF", "REF_FRAME_A = MOON_ME"), ("QC = .*", "QC = 0.5")),
+    ("ANGVEL", ("REF_FRAME_A = ICRF", "REF_FRAME_A = RTN"), ("ANGVEL_X = .*", "ANGVEL_X = 9")),
+    ("ANGVEL", ("SC_BODY_1", "ARM"), ("ANGVEL_X = .*", "ANGVEL_X = 9")),
+    ("INERTIA", ("SC_BODY_1", "ARM"), ("IXX = .*", "IXX = 25")),
+]
+
+
+@pytest.mark.parametrize("behind", [True, False])
+@pytest.mark.parametrize(("name", "changes"), [(name, changes) for name, *changes in UNKNOWN])
+def test_a_repeated_block_that_cannot_be_used_is_left_out(tmp_path, name, changes, behind):
+    expected = motion()
+    state = read(repeated(tmp_path, name, *changes, behind=behind))
+    assert np.array_equal(state.wxyz, expected.spin.wxyz)
+    assert np.allclose(state.angular_velocity, expected.spin.angular_velocity, rtol=1e-14)
+    assert np.array_equal(state.motion.body.tensor, expected.body.tensor)
+
+
+CONTRADICTIONS = [
+    ("QUAT", ("Q1 = .*", "Q1 = -0.36514837167011072"), "rad from that of the block QUAT in line 9"),
+    ("ANGVEL", ("ANGVEL_X = .*", "ANGVEL_X = 9"), "rad/s from those of the block ANGVEL in line"),
+    ("INERTIA", ("IXX = .*", "IXX = 25"), "is not that of the block INERTIA in line"),
+]
+
+
+@pytest.mark.parametrize(("name", "change", "sentence"), CONTRADICTIONS)
+def test_repeated_blocks_that_contradict_each_other(tmp_path, name, change, sentence):
+    with pytest.raises(AttitudeError, match=f"{sentence}.*delete one of the blocks"):
+        read(repeated(tmp_path, name, change))
+
+
+def test_underscores_and_blanks_are_the_same_in_names(tmp_path):
+    path = tmp_path / "a.apm"
+    apm.write(path, motion())
+    text = path.read_text().replace(
+        "INERTIA_REF_FRAME = SC_BODY_1", "INERTIA_REF_FRAME = SC Body  1"
+    )
+    path.write_text(text.replace("ANGVEL_FRAME = SC_BODY_1", "ANGVEL_FRAME = SC BODY 1"))
+    assert np.array_equal(read(path).motion.body.tensor, motion().body.tensor)

@@ -7,7 +7,7 @@ import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, Spin, epochs
 from attitude.cli import main
-from attitude.formats import aem, apm, detect
+from attitude.formats import acm, aem, apm, detect
 from attitude.frames import quaternion
 from attitude.motions import _axes
 from attitude.paths import _path
@@ -249,3 +249,17 @@ def test_the_axes_of_the_earth_differ_by_what_they_leave_out():
     for one, two_ in (("TOD", "CIRS"), ("TOD", "GTOD"), ("TOD", "TEME")):
         z = quaternion.rotate(at[one], [0, 0, 1.0]) - quaternion.rotate(at[two_], [0, 0, 1.0])
         assert np.max(np.abs(z)) < (1e-15 if two_ != "TEME" else 1e-6)
+
+
+def test_underscores_and_blanks_are_the_same_in_names_of_bodies(tmp_path):
+    """CCSDS 504.0-B-2, 6.8.8."""
+    change = "REF_FRAME_B = SC_BODY_1", "REF_FRAME_B = SC BODY  1"
+    table = aem.read(two(tmp_path, second=change))
+    assert len(table.segments) == 2
+    assert apart(table.wxyz, HISTORY.wxyz) < 1e-15
+    assert np.allclose(table.angular_velocity, HISTORY.angular_velocity, rtol=0, atol=1e-15)
+    path = tmp_path / "a.acm"
+    acm.write(path, [HISTORY[:10], HISTORY[10:]])
+    path.write_text(path.read_text().replace(*change, 1))
+    assert acm.read(path).table.meta["body_frame"] == "SC BODY  1"
+    assert acm.read(path).motion.body.moments.round(9).tolist() == [10, 20, 26]
