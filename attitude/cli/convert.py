@@ -95,7 +95,7 @@ def run(arguments: argparse.Namespace) -> None:
         (read.holds != "records" or arguments.fit) and arguments.step is None
     )
     path = _options.path_of(arguments)
-    if path is not None and "orbit" not in (*written.reading, *read.reading):
+    if path is not None and "orbit" not in (*written.writing, *read.reading):
         known = [ending for ending, entry in endings().items() if "orbit" in entry.reading]
         raise AttitudeError(
             f"--orbit is for files that end in {', '.join(known)}, whose attitudes may be relative "

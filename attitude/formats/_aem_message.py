@@ -283,7 +283,7 @@ class _Segment(Rows):
         return [by_axis.get(name, name) for name in names]
 
     def _axes_of_rates(self, letters):
-        """The axes of the columns of rates, which letters of one axis twice make those of angles."""
+        """The axes of the columns of rates; an axis named twice means derivatives of angles."""
         letters = [letter for letter in letters.values() if letter]
         if len(letters) == 3 > len(set(letters)) and not self._how.rates_of_angles:
             sequence = _messages.sequence_of(self.block.meta)

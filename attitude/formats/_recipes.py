@@ -76,7 +76,7 @@ def of_aem(tool: str | None, chosen: dict[str, Any], has_rates: bool) -> dict[st
     if recipe.tool == "GMAT" and chosen.get("kind") == "EULER_ANGLE":
         raise AttitudeError(
             "kind is 'EULER_ANGLE', whose angles GMAT interpolates across their jumps from 180 to "
-            "-180 deg, and turns by a whole turn between two records; leave kind out for QUATERNION."
+            "-180 deg, a whole turn between two records; leave kind out for QUATERNION."
         )
     settings = dict(chosen)
     for name, value in recipe.settings.items():

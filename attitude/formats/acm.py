@@ -29,15 +29,15 @@ import numpy as np
 
 from attitude._support import pairs
 from attitude._textfiles import messages
-from attitude._textfiles.lines import NoNumber, cut, is_number, numbers, prefixed
+from attitude._textfiles.lines import NoNumber, cut, numbers, prefixed
 from attitude._textfiles.messages import Form, Generator, comparable, refuse_line_breaks
 from attitude.epochs import _time_scales
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats import _messages, _sampling
-from attitude.formats._attitude_types import ANGLES, ANGLES_DOT, ANGVEL, Q_DOT, Convention, Q
 from attitude.formats._aem_message import refuse_contradictions
+from attitude.formats._attitude_types import ANGLES, ANGLES_DOT, ANGVEL, Q_DOT, Convention, Q
 from attitude.formats._format import of_table, refuse_foreign, register_message
 from attitude.formats._messages import INERTIA
 from attitude.formats._records import (

@@ -175,7 +175,7 @@ class _State:
             return _BlockState(block, _messages.axes_of(block, self._frame)[1], *of_block(block))
 
     def _rates_of_body(self, states, wxyz):
-        """The rates of the first of some states, if any; AttitudeError if those of its name differ."""
+        """The rates of the first of some states, if any; AttitudeError if its like differ."""
         rates = None
         for state in [state for state in states if state.block.name == states[0].block.name]:
             speed = state.rates(wxyz) if callable(state.rates) else state.rates

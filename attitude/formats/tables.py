@@ -271,7 +271,7 @@ def qtable(
     from astropy.table import vstack
 
     parts = _sampling.segments(source, t)
-    with_rates = rates and all(segment.has_rates for segment in parts)
+    with_rates = rates and _have_rates(parts)
     pieces = (piece for segment in parts for piece in segment.pieces())
     tables = [piece.table(rates=with_rates, sigma=sigma) for piece in pieces]
     table = tables[0] if len(tables) == 1 else vstack(tables, metadata_conflicts="silent")
@@ -420,7 +420,7 @@ def write(
 
 
 def _write(path, kind, parts, rates, sigma):
-    rates = rates and all(segment.has_rates for segment in parts)
+    rates = rates and _have_rates(parts)
     if kind == "csv":
         _write_csv(path, parts[0], rates=rates, sigma=sigma)
     elif kind == "parquet":
@@ -429,7 +429,8 @@ def _write(path, kind, parts, rates, sigma):
     else:
         table = qtable(parts, rates=rates, sigma=sigma)
         if kind == "fits":
-            table.meta["segment"] = ",".join(map(str, table.meta["segment"]))
+            lists = {key: value for key, value in table.meta.items() if isinstance(value, list)}
+            table.meta |= {key: ",".join(map(str, value)) for key, value in lists.items()}
         write_columns(path, table)
 
 
@@ -470,10 +471,36 @@ def kind_of(path: FilePath) -> str:
     return KINDS[ending]
 
 
+def _have_rates(parts):
+    """Whether all segments have angular velocities; AttitudeError if only some have."""
+    known = {segment.has_rates for segment in parts}
+    if len(known) > 1:
+        raise AttitudeError(
+            "some segments have angular velocities and others have none, and tables have them for "
+            "all or none; give rates=False, or write an AEM."
+        )
+    return known == {True}
+
+
 def _said_of(parts):
-    """The first rows of segments, and their interpolation if they are those of a table."""
-    meta, table = {"segment": np.cumsum([0, *map(len, parts)])[:-1].tolist()}, parts[0].table
-    return meta if table is None else meta | {"method": table.method, "degree": table.degree}
+    """The first rows of segments, and their interpolation if they are those of tables.
+
+    Method and degree are lists if they are not those of all segments.
+    """
+    meta, tables = {"segment": np.cumsum([0, *map(len, parts)])[:-1].tolist()}, []
+    for segment in parts:
+        if segment.table is None:
+            return meta
+        tables.append(segment.table)
+    for key in ("method", "degree"):
+        values = [getattr(table, key) for table in tables]
+        meta[key] = values if len(set(values)) > 1 else values[0]
+    return meta
+
+
+def _values_of(value):
+    """The values of meta data as a list: of one value, or of several, in FITS text with commas."""
+    return value.split(",") if isinstance(value, str) else np.atleast_1d(value).tolist()
 
 
 def _times(table, origin):
@@ -520,16 +547,18 @@ def _plain(column, unit):
 
 def _segmented(time, wxyz, rates, meta):
     """The AttitudeTable of rows with the meta data segment, method and degree."""
-    (hi, lo), starts, degree = time, meta.get("segment", [0]), meta.get("degree")
+    hi, lo = time
     try:
-        starts = starts.split(",") if isinstance(starts, str) else starts
-        starts = [int(start) for start in np.atleast_1d(starts)]
+        starts = [int(start) for start in _values_of(meta.get("segment", 0))]
         if starts[0] != 0 or np.any(np.diff([*starts, len(hi)]) <= 0):
             raise AttitudeError("the first rows of its segments do not increase within the table.")
+        methods, degrees = (
+            values * len(starts) if len(values) == 1 else values
+            for values in (_values_of(meta.get(key)) for key in ("method", "degree"))
+        )
         epoch = _instants.Instant(hi[0], lo[0])
         hi, lo = pairs.add((hi, lo), -epoch.seconds, -epoch.low)
-        settings = {"method": meta.get("method"), "meta": meta}
-        settings["degree"] = None if degree is None else int(degree)
+        rows = map(slice, starts, [*starts[1:], len(hi)])
         parts = [
             AttitudeTable(
                 epoch,
@@ -537,9 +566,11 @@ def _segmented(time, wxyz, rates, meta):
                 wxyz[k],
                 low=np.array(lo[k]),
                 angular_velocity=None if rates is None else rates[k],
-                **settings,
+                method=method,
+                degree=None if degree is None else int(degree),
+                meta=meta,
             )
-            for k in map(slice, starts, [*starts[1:], len(hi)])
+            for k, method, degree in zip(rows, methods, degrees, strict=True)
         ]
         return AttitudeTable.joined(parts)
     except (ValueError, TypeError, IndexError, AttributeError) as err:

@@ -385,7 +385,7 @@ def test_blocks_that_contradict_each_other_are_no_table(tmp_path):
         for numbers in ("0 0 0.6 0.8", "0 0 -0.8 0.6")
     )
     path = message(tmp_path / "a.acm", one, two)
-    with pytest.raises(AttitudeError, match="the segments 0 and 1 overlap, .* 3.14 rad apart"):
+    with pytest.raises(AttitudeError, match=r"the segments 0 and 1 overlap, .* 3\.14 rad apart"):
         _ = acm.read(path).table
     assert main(["convert", str(path), str(tmp_path / "b.aem")]) != 0
     assert not (tmp_path / "b.aem").exists()

@@ -253,3 +253,20 @@ def test_unknown_axes_in_the_meta_data():
     table.meta["frame"] = "FOO"
     with pytest.raises(AttitudeError, match="the table: frame is 'FOO'; known axes are"):
         tables.from_table(table)
+
+
+@pytest.mark.parametrize("ending", ["ecsv", "fits", "parquet"])
+def test_segments_of_different_interpolation(tmp_path, ending):
+    skip_without_pyarrow(ending)
+    late_history = MOTION.at(200.0 + HISTORY.seconds)
+    one = AttitudeTable.from_history(HISTORY, method="slerp")
+    two = AttitudeTable.from_history(late_history, method="hermite", degree=5)
+    path = tmp_path / f"a.{ending}"
+    tables.write(path, AttitudeTable.joined([one, two]))
+    said = [(part.method, part.degree) for part in tables.read(path).segments]
+    assert said == [("slerp", 1), ("hermite", 5)]
+    plain = AttitudeTable.from_history(HISTORY, rates=False, method="slerp")
+    with pytest.raises(AttitudeError, match="some segments have angular velocities and others"):
+        tables.write(path, AttitudeTable.joined([plain, two]))
+    tables.write(path, AttitudeTable.joined([plain, two]), rates=False)
+    assert [part.method for part in tables.read(path).segments] == ["slerp", "lagrange"]
