@@ -499,6 +499,13 @@ class AttitudeTable(Motion):
                 beyond = (hi - limits[k][0]) + (lo - limits[k][1])
                 if (beyond > 0.0) == (k == 0):  # inside of the records, not beyond them
                     limits[k] = hi, lo
+        (first, first_low), (last, last_low) = limits
+        # Examples of the standard show the first record alone, which is before the usable time.
+        if len(self) > 1 and (last - first) + (last_low - first_low) < 0.0:
+            raise AttitudeError(
+                "the usable span ends before it begins, or has no part between the first and the "
+                "last record; give one within the records (usable=, USEABLE times of a message)."
+            )
         return limits[0], limits[1]
 
     def _counted_from(self, epoch: Instant) -> AttitudeTable:

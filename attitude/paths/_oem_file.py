@@ -185,9 +185,12 @@ def _useable(meta, times, where):
     """The span of a segment: its useable time, which lies within its states."""
     first = meta.get("USEABLE_START_TIME", times[0])
     last = meta.get("USEABLE_STOP_TIME", times[-1])
-    texts = first, last, times[0], times[-1]
+    texts = first, last, times[0], times[-1], meta["START_TIME"], meta["STOP_TIME"]
     instants = tuple(_inputs.instant(_dated(time, meta), "epoch") for time in texts)
-    begin, end, first_end, last_end = ((t.seconds, t.low) for t in instants)
+    begin, end, first_end, last_end, start, stop = ((t.seconds, t.low) for t in instants)
+    for what, ends in (("", (start, stop)), ("USEABLE_", (begin, end))):
+        if ends[1] < ends[0]:
+            raise AttitudeError(f"{where}: {what}STOP_TIME is before {what}START_TIME.")
     if begin < first_end or last_end < end:
         raise AttitudeError(
             f"{where}: the useable time {first} to {last} is not within the states, "

@@ -98,6 +98,18 @@ def test_overlaps_that_contradict_each_other(tmp_path):
             ("START_TIME = .*", "START_TIME = 2026-01-01T00:00:02.5"),
             r"line 20: the record is 2\.5 s before START_TIME",
         ),
+        (
+            (
+                "META_STOP",
+                "USEABLE_START_TIME = 2026-01-01T00:00:05\n"
+                "USEABLE_STOP_TIME = 2026-01-01T00:00:01\nMETA_STOP",
+            ),
+            "line 18: USEABLE_STOP_TIME is before USEABLE_START_TIME",
+        ),
+        (
+            ("META_STOP", "USEABLE_START_TIME = 2026-01-01T00:01:00\nMETA_STOP"),
+            "the usable span ends before it begins, or has no part between the first and the last",
+        ),
     ],
 )
 def test_records_outside_of_the_meta_data(tmp_path, change, sentence):

@@ -94,6 +94,10 @@ def test_outside_of_its_span_and_in_gaps_it_refuses():
     used.at([10.0, 20.0])
     with pytest.raises(AttitudeError):
         used.at(8.0)
+    for ends in ((20.0, 10.0), (T[-1] + 1.0, T[-1] + 2.0), (-2.0, -1.0)):
+        with pytest.raises(AttitudeError, match="the usable span ends before it begins, or has"):
+            usable = [SPIN.epoch.after(end) for end in ends]
+            AttitudeTable(SPIN.epoch, T, MOTION.at(T).wxyz, usable=usable)
 
 
 def test_segments_with_other_epochs_are_counted_from_the_first():

@@ -224,6 +224,14 @@ def test_segments_with_other_centers_lead_to_the_barycentre(tmp_path):
         ("OBJECT_ID", "OBJECT_IDD", r"line 7: OBJECT_IDD is not known in the meta data of an OEM"),
         ("OBJECT_ID = 2026-001A", "OBJECT_NAME = X", r"line 7: OBJECT_NAME is given twice"),
         ("= LAGRANGE", "= SPLINE", r"INTERPOLATION is SPLINE"),
+        ("START_TIME = 2", "START_TIME = hello 2", r"segment at line 5 .*hello"),
+        ("STOP_TIME = 2026", "STOP_TIME = 2025", r"STOP_TIME is before START_TIME"),
+        (
+            "META_STOP",
+            "USEABLE_START_TIME = 2026-01-01T00:02:00\n"
+            "USEABLE_STOP_TIME = 2026-01-01T00:01:00\nMETA_STOP",
+            r"USEABLE_STOP_TIME is before USEABLE_START_TIME",
+        ),
         ("DEGREE = 3", "DEGREE = x", r"INTERPOLATION_DEGREE is x"),
         ("DEGREE = 3", "DEGREE = 9", r"too few for lagrange polynomials of degree 9"),
         ("7000.0 60 0", "7000.0 nan 0", r"line 18: a number is not finite; a state has"),
