@@ -497,8 +497,8 @@ class WrittenSegment:
             row = out.row("", len(columns))
         how = self._kind, self._how, self._axes, self._settings["orbit"]
         for history, values in columns_of(self._records.pieces(), *how):
-            epochs = self._texts(history.epoch, history.seconds, history.low)
-            out.table(epochs, values[:, order], row)
+            codes = self._texts(history.epoch, history.seconds, history.low)
+            out.table(ccsds_epochs.distinct(codes), values[:, order], row)
 
     def _row_in_xml(self, out):
         """The text of a record, with %s for its epoch and %r for each number."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import datetime
 import re
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -180,6 +181,17 @@ def texts(
     return flat.astype(f"U{chars.shape[-1]}").tolist()
 
 
+def distinct(codes: list[str]) -> list[str]:
+    """The epochs of records as they are written; AttitudeError if two neighbours are the same."""
+    for before, code in pairwise(codes):
+        if before == code:
+            raise AttitudeError(
+                f"two epochs are both written as {code}, and readers refuse repeated epochs; give "
+                "epochs that are farther apart, or more decimals if the writer takes digits=."
+            )
+    return codes
+
+
 def fewest(hi: FloatArray, lo: FloatArray, scale: str) -> int:
     """3, 6, 9 or 12 decimals of a second: the fewest that say what epochs (N,) are."""
     ticks = _civil(hi, lo, scale, DIGITS)[2]
@@ -201,6 +213,11 @@ def days_and_seconds(
     """Modified Julian date and seconds of the day of N epochs; parameters as in `texts`."""
     hi, lo = pairs.Seconds(np.asarray(seconds), low).plus(epoch.seconds, epoch.low)
     day, whole, ticks = _civil(hi, lo, scale, digits)
+    if np.any((day < 0) | (day > _LAST_DAY)):
+        raise AttitudeError(
+            "an epoch lies outside of 1858-11-17, the modified Julian date 0, to the year 9999, "
+            "which days and seconds can write."
+        )
     days = day.astype(np.int64).tolist()
     seconds_of_day = decimals(whole, ticks, digits)
     return [f"{date} {second}" for date, second in zip(days, seconds_of_day, strict=True)]

@@ -745,7 +745,7 @@ def _attitudes(records, frame, axes, body, texts, orbit):
 
     def rows():
         for piece, columns in columns_of(records.pieces(), kind, Convention(), axes, orbit):
-            yield texts(piece), columns
+            yield ccsds_epochs.distinct(texts(piece)), columns
 
     return _WrittenBlock("ATT", entries, rows, tuple(records.meta.get("data_comments", ())))
 

@@ -12,7 +12,8 @@
 ((3, 4), 'hermite', 5, '2026-01-01T00:00:00')
 
 For the conventions see `_attitude_types`.  Quaternions are written with 17 digits and come back
-with the same bits, epochs within half a picosecond; the motion between records is not in the file.
+with the same bits, epochs within half a picosecond if they need 12 decimals, else within 1e-11 s;
+the motion between records is not in the file.
 """
 
 from __future__ import annotations

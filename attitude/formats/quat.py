@@ -180,7 +180,7 @@ def write(
             how, pieces = Convention(scalar_first=True), parts[0].pieces()
             for history, columns in columns_of(pieces, "QUATERNION", how, axes, orbit):
                 dates = ccsds_epochs.texts(history.epoch, history.seconds, history.low, "utc")
-                file.write(text_of_rows(dates, columns.T.tolist(), " "))
+                file.write(text_of_rows(ccsds_epochs.distinct(dates), columns.T.tolist(), " "))
 
     how = _sampling.Writing(
         _sampling.stated(None, None, has_rates=False),

@@ -118,7 +118,7 @@ def _write_csv(path, segment, **columns):
         for history in segment.pieces():
             dates = ccsds_epochs.texts(history.epoch, history.seconds, history.low, "utc")
             since = (history.seconds - ends[0]) + (pairs.Seconds.of(history).low - low_ends[0])
-            file.write(of_history(dates, since, history, **columns))
+            file.write(of_history(ccsds_epochs.distinct(dates), since, history, **columns))
 
 
 def _read_csv(path, tolerance):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from attitude import AttitudeError, Body, FreeRotation, Spin, paths
+from attitude import AttitudeError, Body, FreeRotation, Spin, epochs, paths
 from attitude.arcs import Arcs, Impulse
 from attitude.cli import main
 from attitude.formats import _sampling, aem, detect, spin_file, stk, tables
@@ -238,3 +238,27 @@ def test_quaternions_in_axes_of_an_orbit_keep_their_sign(tmp_path, monkeypatch, 
     wxyz = np.array(numbers, dtype=float)
     assert len(wxyz) == 1500
     assert np.min(np.sum(wxyz[1:] * wxyz[:-1], axis=1)) > 0.99
+
+
+@pytest.mark.parametrize("ending", ["aem", "xml", "acm", "cic", "quat", "csv"])
+def test_epochs_that_would_be_the_same_text_are_refused(tmp_path, ending):
+    path = tmp_path / f"a.{ending}"
+    step = 1e-13 if ending in ("acm", "cic") else 5e-12
+    with pytest.raises(AttitudeError, match="two epochs are both written as .* farther apart"):
+        MOTION.write(path, t=[0.0, step])
+    if ending not in ("quat", "csv"):
+        with pytest.raises(AttitudeError, match="two epochs are both written as"):
+            MOTION.write(path, t=np.arange(20) * 0.1, digits=0)
+    assert not list(tmp_path.iterdir())
+    MOTION.write(path, t=[0.0])
+    MOTION.write(path, t=[0.0, 1e-9])
+    assert len(detect.read(path).seconds) == 2
+
+
+def test_days_before_the_first_modified_julian_date_are_refused(tmp_path):
+    path = tmp_path / "a.cic"
+    with pytest.raises(AttitudeError, match="outside of 1858-11-17, the modified Julian date 0"):
+        MOTION.write(path, t=["1858-11-16T00:00:00 TT"], time_system="TT")
+    MOTION.write(path, t=["1858-11-17T12:00:00 TT"], time_system="TT")
+    first = epochs.instant("1858-11-17T12:00:00 TT")
+    assert detect.read(path).epoch.since(first) == pytest.approx(0.0, abs=1e-9)
