@@ -27,6 +27,7 @@ import numpy as np
 from attitude._support import pairs
 from attitude._textfiles.atomic_write import written_whole
 from attitude._textfiles.lines import cut, is_number, opened, text_of_rows
+from attitude.errors import AttitudeError
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats import _sampling
 from attitude.formats._attitude_types import Convention
@@ -77,7 +78,9 @@ def read(
     known_tolerance(tolerance)
     with opened(path) as lines:
         scalar_first, words = _header(lines)
-        how = Convention(scalar_first=scalar_first, to_body=words["direction"] == _DIRECTIONS[0])
+        to_body = words.get("direction", _DIRECTIONS[0]) == _DIRECTIONS[0]
+        how = Convention(scalar_first=scalar_first, to_body=to_body)
+        axes = named(frame) if frame else _axes_of(words, lines)
         rows = _Records("utc", lines.fault, ("",) * 4)
         rows.epoch = words.get("epoch")
         for line in lines:
@@ -87,7 +90,6 @@ def read(
         rows.convert()
         if not rows.count:
             raise lines.fault("the file has no attitudes.")
-        axes = named(frame or words.get("frame", "ICRF"))
         settings = {"meta": {"format": "quat", "frame": axes.name}}
         return rows.table("QUATERNION", how, axes, tolerance=tolerance, orbit=orbit, **settings)
 
@@ -100,25 +102,34 @@ def _header(lines):
         raise lines.fault(
             f"it must name the columns: {' or '.join(f'# {columns}' for columns in _ORDERS)}.", 1
         )
-    words = {"direction": _DIRECTIONS[0]}
+    words = {}
     for word in parts[5:]:
         key, equals, value = word.partition("=")
         if word in _DIRECTIONS:
-            words["direction"] = word
-        elif key in ("frame", "epoch") and equals:
-            words[key] = value
-        else:
+            key, value = "direction", word
+        elif key not in ("frame", "epoch") or not equals:
             raise lines.fault(
                 f"{cut(word)} is not known; behind the columns may stand {_DIRECTIONS[1]}, "
                 "frame=NAME and epoch=DATE.",
                 1,
             )
+        if key in words:
+            raise lines.fault(f"{cut(word)} is a second {key}; give one.", 1)
+        words[key] = value
     if "epoch" in words:
         try:
             words["epoch"] = ccsds_epochs.instant(words["epoch"], "utc")
         except ccsds_epochs.BadEpoch as err:
             raise lines.fault(f"epoch {cut(words['epoch'])}: {err.reason}.", 1) from err
     return _ORDERS[order], words
+
+
+def _axes_of(words, lines):
+    """The axes that the first line names."""
+    try:
+        return named(words.get("frame", "ICRF"))
+    except AttitudeError as err:
+        raise lines.fault(str(err), 1) from err
 
 
 class _Records(Rows):

@@ -99,6 +99,12 @@ def test_the_command_converts_from_and_to_it(tmp_path, capsys):
         ("# time w x y\n", "line 1: it must name the columns"),
         ("# time w x y z inverse\n", "line 1: 'inverse' is not known"),
         ("# time w x y z epoch=soon\n", "line 1: epoch 'soon'"),
+        ("# time w x y z frame=FOO\n", "line 1: frame is 'FOO'; known axes are"),
+        ("# time w x y z frame=ICRF frame=ITRF\n", "line 1: 'frame=ITRF' is a second frame"),
+        (
+            "# time w x y z body-to-reference reference-to-body\n",
+            "line 1: 'reference-to-body' is a second direction",
+        ),
         ("# time w x y z\n", "has no attitudes"),
         ("# time w x y z\n0 1 0 0 0\n", "line 2: its time is in seconds"),
         ("# time w x y z epoch=2026-01-01T00:00:00\n0 1 0 0\n", "line 2: it has 4 entries"),

@@ -244,7 +244,7 @@ def test_quaternions_in_axes_of_an_orbit_keep_their_sign(tmp_path, monkeypatch, 
 def test_epochs_that_would_be_the_same_text_are_refused(tmp_path, ending):
     path = tmp_path / f"a.{ending}"
     step = 1e-13 if ending in ("acm", "cic") else 5e-12
-    with pytest.raises(AttitudeError, match="two epochs are both written as .* farther apart"):
+    with pytest.raises(AttitudeError, match=r"two epochs are both written as .* farther apart"):
         MOTION.write(path, t=[0.0, step])
     if ending not in ("quat", "csv"):
         with pytest.raises(AttitudeError, match="two epochs are both written as"):
