@@ -20,7 +20,7 @@ from attitude._support import pairs, validation
 from attitude._textfiles.lines import unreadable
 from attitude.epochs import _inputs, _time_scales
 from attitude.errors import AttitudeError
-from attitude.formats._sampling import apart, longest_of
+from attitude.formats._sampling import apart, known_angle, longest_of
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.motions import _table
@@ -104,11 +104,12 @@ class LoadedKernels:
                     self._names.append(name)
                     continue
                 error = AttitudeError(f"{name}: it is a broken kernel: {broken}.")
-            except OSError as err:
-                error = unreadable(name, err)
+            # Before OSError, which some errors of SPICE are too.
             except spice.exceptions.SpiceyError as err:
                 spice.reset()
                 error = AttitudeError(f"SPICE cannot load {name}: {err.short}.")
+            except OSError as err:
+                error = unreadable(name, err)
             # Unload the loaded part of a meta-kernel, too.
             self._names = [spice.kdata(k, "ALL")[0] for k in range(count, spice.ktotal("ALL"))]
             self.close()
@@ -194,12 +195,9 @@ class Plan:
         self._scale = scale
         if kind not in (3, 5):
             raise AttitudeError(f"kind is {kind!r}; CK is written in types 3 and 5, give one.")
-        is_number = isinstance(tolerance, (int, float)) and not isinstance(tolerance, bool)
-        if not (is_number and 1e-14 <= tolerance <= 1.0):
-            raise AttitudeError(f"tolerance is {tolerance!r}; give a number of rad, 1e-14 to 1.")
         self._motion = motion_of(motion)
         self.kind: int = kind
-        self.tolerance: float = float(tolerance)
+        self.tolerance: float = known_angle(tolerance)
         epoch = self._motion.epoch
         ends = _inputs.one_since(epoch, start, "start"), _inputs.one_since(epoch, stop, "stop")
         # The clock starts at or before the start, at an epoch that is one double of its scale.
@@ -483,9 +481,14 @@ def measured_at(
                 matrices[k], _ = spice.ckgp(instrument, tick, 0.0, REFERENCE)
     except (spice.exceptions.SpiceyError, spice.exceptions.NotFoundError) as err:
         spice.reset()
-        raise cannot(
-            f"SPICE cannot read the kernel it has written ({getattr(err, 'short', 'not found')})."
-        ) from err
+        reason = getattr(err, "short", "not found")
+        sentence = f"SPICE cannot read the kernel it has written ({reason})."
+        if "BADQUATSIGN" in reason:
+            raise AttitudeError(
+                f"{sentence} The body turns too far between two records for its interpolation; "
+                "give start= and stop= for records that follow from the tolerance."
+            ) from err
+        raise cannot(sentence) from err
     finally:
         if handle is not None:
             spice.ckupf(handle)
@@ -606,7 +609,7 @@ def _clocks(spice: Any) -> list[int]:
 # SPICE interpolates each stretch without gaps as the table does, from the same records: Hermite as
 # type 5, subtype 0; Lagrange as subtype 3 with angular velocities and 1 without; great circles as
 # type 3.  The degree is the greatest of SPICE's (4 n - 1 for Hermite, odd for Lagrange, at most 23)
-# that is not above that of the table.
+# that is not above that of the table; `ck.write` judges what another degree costs.
 #
 # Near the ends of a segment SPICE interpolates from fewer records, a table from the first or last
 # whole window.  Records beyond both ends, outside of the segment's span and on the polynomial of
@@ -621,7 +624,8 @@ class TableSegments:
     `end` and `step` are s to the last record, and the most between records of a stretch.
     """
 
-    def __init__(self, table: AttitudeTable):
+    def __init__(self, table: AttitudeTable, tolerance: float):
+        self.tolerance: float = known_angle(tolerance)
         self._parts = list(table.segments)
         epochs = [
             pairs.add((segment.seconds, segment.low), segment.epoch.seconds, segment.epoch.low)

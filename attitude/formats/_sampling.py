@@ -313,9 +313,7 @@ def sampled(
     stretch: int | None = None,
 ) -> SampledFile:
     """As `write`; of all stretches, or of the one with a number, counted from 0."""
-    number = isinstance(tolerance, (int, float)) and not isinstance(tolerance, bool)
-    if not (number and _LEAST <= tolerance <= _GREATEST):
-        raise AttitudeError(f"tolerance is {tolerance!r}; give a number of rad, 1e-14 to 1.")
+    known_angle(tolerance)
     stretches = stretches_of(source, span)
     if stretch is not None:
         stretches = stretches[stretch : stretch + 1]
@@ -348,6 +346,14 @@ def sampled(
             )
     longest = float(max(np.max(np.diff(segment.seconds), initial=0.0) for segment in records))
     return SampledFile(sum(map(len, records)), len(records), longest, error)
+
+
+def known_angle(tolerance: float) -> float:
+    """The tolerance of attitudes itself; AttitudeError if it is no angle from 1e-14 to 1 rad."""
+    number = isinstance(tolerance, (int, float)) and not isinstance(tolerance, bool)
+    if not (number and _LEAST <= tolerance <= _GREATEST):
+        raise AttitudeError(f"tolerance is {tolerance!r}; give a number of rad, 1e-14 to 1.")
+    return float(tolerance)
 
 
 def _window(method, degree):

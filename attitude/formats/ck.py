@@ -232,7 +232,7 @@ def write(
     kind : int
         Type of the C-kernel, 5 or 3.
     tolerance : float
-        Largest error of the attitude between records, rad.
+        Largest error of the attitude between records, rad; from a table, for its records too.
     rate_tolerance : float, optional
         Largest error of the angular velocity, rad/s; by default the tolerance times the rate of
         the motion.
@@ -282,7 +282,7 @@ def write(
     plan: Plan | TableSegments
     if start is None or stop is None:
         assert isinstance(motion, AttitudeTable)
-        plan = TableSegments(motion)
+        plan = TableSegments(motion, tolerance)
     else:
         plan = Plan(motion, start, stop, kind, tolerance, rate_tolerance, scale)
     _check_names(path, name, instrument, clock if isinstance(clock, int) else -1, center)
@@ -332,9 +332,21 @@ def _written(path, plan, clock, name, instrument, center, frame_kernel, files):
         if isinstance(plan, TableSegments):
             plan.write(temporary, clock, instrument)
             error, rate_error = plan.measured(temporary, clock, instrument)
+            most = plan.tolerance if clock.text else max(plan.tolerance, _OF_MISSIONS)
+            if error > most:
+                raise AttitudeError(
+                    f"the kernel deviates by {error:.2g} rad from the table, more than {most:g}: "
+                    "SPICE has Hermite polynomials of degree 3, 7, 11, ... and Lagrange ones of "
+                    "odd degree to 23. Give start= and stop=, for records that follow from the "
+                    "tolerance, or a larger tolerance."
+                )
         else:
             error, rate_error = _halved(temporary, plan, clock, instrument)
     return Written(tuple(kernels), plan.step, error, rate_error)
+
+
+# Deviation, rad, that one double of TDB, the clock of a mission, makes at rates of up to 1 rad/s.
+_OF_MISSIONS = 1.2e-7
 
 
 def _halved(temporary, plan, clock, instrument):

@@ -269,3 +269,12 @@ def test_kernels_of_others_are_read(tmp_path, kind, rates):
 
         aem.write(tmp_path / "a.aem", kernel, t=et[1:50])
         assert aem.read(tmp_path / "a.aem").angular_velocity is None
+
+
+@pytest.mark.parametrize("content", [b"", b"hello", b"DAF/CK  "])
+def test_a_kernel_that_is_cut_off_is_told_in_one_line(tmp_path, content):
+    path = tmp_path / "cut.bc"
+    path.write_bytes(content)
+    with pytest.raises(AttitudeError, match=r"cut\.bc: .*(FILEREADFAILED|1024 bytes)") as error:
+        ck.KernelAttitude([path], "TUMBLER")
+    assert "\n" not in str(error.value)

@@ -225,3 +225,24 @@ def test_methods(tmp_path):
         value = {"--method": "linear", "--axes": "free"}.get(option, "1e-6")
         assert main([*words, str(tmp_path / name), *span, option, value]) != 0
         assert not (tmp_path / name).exists()
+
+
+@pytest.mark.parametrize(("method", "degree"), [("hermite", 5), ("lagrange", 2)])
+def test_a_degree_that_spice_does_not_have(tmp_path, method, degree):
+    history = MOTION.at(np.arange(0.0, 41.0, 2.0))
+    given = AttitudeTable.from_history(history, method=method, degree=degree)
+    with pytest.raises(AttitudeError, match=r"deviates by .* more than 1e-09: SPICE has"):
+        ck.write(tmp_path / "a.bc", given)
+    assert not list(tmp_path.iterdir())
+    made = ck.write(tmp_path / "a.bc", given, tolerance=0.1)
+    assert 1e-7 < made.error < 0.1
+    with pytest.raises(AttitudeError, match="tolerance is nan; give a number of rad"):
+        ck.write(tmp_path / "b.bc", given, tolerance=float("nan"))
+
+
+def test_records_that_are_too_far_apart(tmp_path):
+    spin = Spin("2026-01-01", (0.5, 0.5, -0.5, 0.5), (0.02, 0.01, 0.1))
+    motion = FreeRotation(Body(moments=(1, 2, 3)), spin)
+    given = AttitudeTable.from_history(motion.at(np.arange(40) * 25.0))
+    with pytest.raises(AttitudeError, match=r"\(SPICE\(BADQUATSIGN\)\)\. The body turns too far"):
+        ck.write(tmp_path / "a.bc", given)
