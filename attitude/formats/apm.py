@@ -144,8 +144,8 @@ class _State:
         for state in attitudes[1:]:
             self._refuse_contradiction(first, state)
         rated = [state for state in states if state.rates is not None]
-        own = [state for state in rated if comparable(state.body) == comparable(first.body)]
-        if rated and not own:
+        of_body = [state for state in rated if comparable(state.body) == comparable(first.body)]
+        if rated and not of_body:
             other = rated[0]
             raise other.block.fault(
                 f"the block {other.block.name} has the rates of {cut(other.body, '')}, but the "
@@ -153,7 +153,7 @@ class _State:
                 "read for one body: delete one of the blocks."
             )
         with message.meta.located():
-            return first.wxyz, self._rates_of_body(own, first.wxyz), first.body
+            return first.wxyz, self._rates_of_body(of_body, first.wxyz), first.body
 
     def _known(self, name):
         """The blocks of a name; of several, those in axes that can be computed, if there are."""
@@ -161,7 +161,9 @@ class _State:
         return [block for block in blocks if self._is_known(block)] or blocks[:1]
 
     def _is_known(self, block):
-        """Whether the axes of a block can be computed."""
+        """Whether the axes of a block can be computed, or it lacks their names and is refused."""
+        if not block.keys() >= set(_FRAMES):
+            return True
         try:
             axes = _messages.axes_of(block, self._frame)[0]
         except AttitudeError:
@@ -444,7 +446,6 @@ def read(
     meta = _messages.said_by(message, message.meta, f"APM {message.version}", "OBJECT_ID") | {
         "blocks": tuple((b.name, dict(b), tuple(b.comments)) for b in message.blocks),
         "body_frame": body,
-        "inertia_frame": None,
     }
     meta["inertia_frame"], inertia = _inertia_of(message, body, products)
     return Parameters(epoch, wxyz, speeds, inertia, meta)
@@ -456,14 +457,15 @@ def _inertia_of(message, body, products):
         (block.get("INERTIA_REF_FRAME") or body, _messages.body_of(block, products), block)
         for block in message.all("INERTIA")
     ]
-    own = [item for item in inertias if body and comparable(item[0]) == comparable(body)]
-    for _, inertia, block in own[1:]:
-        if not np.allclose(inertia.tensor, own[0][1].tensor):
+    of_body = [item for item in inertias if body and comparable(item[0]) == comparable(body)]
+    for _, inertia, block in of_body[1:]:
+        apart = np.max(np.abs(inertia.tensor - of_body[0][1].tensor))
+        if apart > 1e-6 * np.max(np.abs(inertia.tensor)):
             raise block.fault(
-                f"its inertia is not that of the block INERTIA in line {own[0][2].line}, over the "
-                "same axes; delete one of the blocks."
+                "its inertia is not that of the block INERTIA in line "
+                f"{of_body[0][2].line}, over the same axes; delete one of the blocks."
             )
-    return (own or inertias or [(None, None)])[0][:2]
+    return (of_body or inertias or [(None, None)])[0][:2]
 
 
 def write(

@@ -316,3 +316,8 @@ def test_underscores_and_blanks_are_the_same_in_names(tmp_path):
     )
     path.write_text(text.replace("ANGVEL_FRAME = SC_BODY_1", "ANGVEL_FRAME = SC BODY 1"))
     assert np.array_equal(read(path).motion.body.tensor, motion().body.tensor)
+
+
+def test_a_repeated_block_without_names_of_axes_is_refused(tmp_path):
+    with pytest.raises(AttitudeError, match="lacks REF_FRAME_A"):
+        read(repeated(tmp_path, "QUAT", ("REF_FRAME_A = .*\n", "")))
