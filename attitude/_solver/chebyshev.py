@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 
 # So many epochs are evaluated together: the four arrays of a recurrence stay in cache.
 _CHUNK = 4096
+# Part of a span by which roundings of its two ends move them, at most.
+_SLACK = 2.0**-50
 
 
 def nodes(count: int) -> FloatArray:
@@ -241,9 +243,11 @@ def directions(
 
     Pieces as in `place_cells`, from 0 to `most` seconds.  Eight epochs in the piece of the epochs
     before them, or in one other piece, are evaluated together by SIMD: sorted epochs are walked
-    piece by piece.  NaN for NaN.  Returns -1, or the index of an epoch outside of the range.
+    piece by piece.  NaN for NaN.  Returns -1, or the index of an epoch outside of the range by
+    more than _SLACK of it: the ends are rounded epochs.
     """
     step = 0 if lo.size == 1 else 1
+    slack = _SLACK * most
     x_out, y_out, z_out = unit[0], unit[1], unit[2]
     outside, row = -1, 0
     for first in range(begin, end, 8):
@@ -268,7 +272,7 @@ def directions(
             for k in range(first, min(first + 8, end)):
                 p, q = two_sum(base_hi, hi[k])
                 q += base_lo + lo[k * step]
-                if p + q < 0.0 or p + q > most:
+                if p + q < -slack or p + q > most + slack:
                     outside = k
                 piece = _row_of(p + q, most, width, cells)
                 u = 2.0 * (((p - starts[piece]) + q) / widths[piece]) - 1.0

@@ -287,14 +287,14 @@ def _compressed(path, instant, hi, lo, some, tolerance, sign):
     # The sample may miss the nearest point: the second pass takes the distance found by the first.
     for _ in range(2):
         aim = min(tolerance, _AIMED_TURN * nearest)
+        unit, distance = new_array(3, hi.size), new_array(hi.size)
         try:
             small = compress(metered, instant.after(*first), instant.after(*last), aim)
+            small.directions(instant, hi, lo, sign, unit, distance)
         except AttitudeError:
-            # Too many states, or not smooth enough.  Any other error recurs when the path itself
-            # is evaluated.
+            # Too many states, not smooth enough, or ends that a sum hi + lo rounds inwards.  Any
+            # other error recurs when the path itself is evaluated.
             return None
-        unit, distance = new_array(3, hi.size), new_array(hi.size)
-        small.directions(instant, hi, lo, sign, unit, distance)
         line = _line(path, instant, hi, unit, distance, small.error)
         nearest = np.nanmin(line.distance)
         if small.error <= _LARGEST_TURN * nearest:

@@ -290,6 +290,22 @@ def test_many_epochs_ask_the_paths_for_few_positions():
     assert view.observer_line.error is None
 
 
+@pytest.mark.parametrize("low", [1e-10, -1e-10])
+def test_many_epochs_with_a_second_double(low):
+    """Their first and last are rounded to an Instant, by which others lie outside of the span."""
+    orbit = paths.kepler(
+        epoch="2026-01-01", semi_major_axis=8e6, eccentricity=0.01, inclination=1.0, node=0.3,
+        pericenter_argument=2.0, mean_anomaly=1.0, center="earth",
+    )  # fmt: skip
+    random = np.random.default_rng(1)
+    for t in (np.linspace(0.0, 1000.0, 3000), 1e6 + random.uniform(0.0, 1e-9, 3000)):
+        both = low * random.uniform(0.5, 1.0, t.size)
+        for second in (np.full(t.size, low), both):
+            views = [Scene(MOTION, orbit, tolerance=limit).at(t, second) for limit in (1e-3, None)]
+            one, other = (view.observer_distance for view in views)
+            np.testing.assert_allclose(one, other, rtol=0, atol=2e-3)
+
+
 def test_a_relaxed_rotator_runs_the_kernel_of_one_phase():
     spin = Spin(epoch=START, wxyz=(1, 0, 0, 0), angular_velocity=(0, 0, 1e-3))
     scene = Scene(FreeRotation(BODY, spin), None, observer=(1, 0, 0), sun=EAST)
