@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import numpy as np
 
-from attitude._support import validation
+from attitude._support import pairs, validation
 from attitude._support.validation import shown
 from attitude.conditions._moments import lengths, same_source, values_at
 from attitude.errors import AttitudeError
@@ -317,8 +317,8 @@ class Observable(Joinable):
     ----------
     source : Source
         The motion or scene.
-    slope : Channel or None
-        A channel with the sign of the derivative.
+    slope : function or None
+        Returns a channel with the sign of the derivative, for a source, a start and a stop.
     unit : str
         Of the values, as astropy spells it; "" for pure numbers.
     rate : float or None
@@ -335,7 +335,7 @@ class Observable(Joinable):
         self,
         source: Source,
         value: Callable[[Moment], FloatArray],
-        slope: Channel | None = None,
+        slope: Callable[[Source, Pair, Pair], Channel] | None = None,
         *,
         unit: str = "",
         rate: float | None = None,
@@ -418,5 +418,5 @@ def fastest(source: Source, start: Pair, stop: Pair) -> float:
     if len(known) == len(bounds):
         return max(known)
     s = np.linspace(0.0, (stop[0] - start[0]) + (stop[1] - start[1]), _SAMPLES)
-    history = source.at(start[0] + s, np.full(s.size, start[1])).history
+    history = source.at(*pairs.add(start, s)).history
     return _MARGIN * float(np.max(lengths(history.angular_velocity)))

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from attitude._support import pairs
 from attitude.epochs import _inputs, _instants
 from attitude.frames import quaternion
 
@@ -141,7 +142,7 @@ class SearchDirection:
             return 0.0
         s = np.linspace(0.0, length, 65)[:-1]
         apart = length * 2.0**-26
-        one, other = (self.icrf(source.at(start[0] + t, 0.0 * t)) for t in (s, s + apart))
+        one, other = (self.icrf(source.at(*pairs.add(start, t))) for t in (s, s + apart))
         fine = float(np.max(lengths(other - one))) / apart
         coarse = float(np.max(lengths(np.diff(one, axis=0)))) / s[1]
         return 1.25 * max(fine, coarse)

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.polynomial import polynomial as polynomials
 
 from attitude._support import pairs
-from attitude.conditions._conditions import Channel, Observable
+from attitude.conditions._conditions import Channel, Observable, fastest
 from attitude.conditions._search import Advance, Sampled, crossings, difference, pieces, shifted
 from attitude.errors import AttitudeError
 from attitude.events._channels import Fixed, axis_or_long, chord_squared, direction_of, dot, turning
 from attitude.events._search import Events, plain_span, plain_step, source_of, span
+from attitude.frames import quaternion
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -21,7 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from attitude._support.annotations import Epoch, EpochOrSeconds, FloatArray, Real, Reals
-    from attitude.conditions._moments import Drift, Moment, SearchDirection
+    from attitude.conditions._moments import Drift, Moment, Pair, SearchDirection, Source
     from attitude.events._channels import AnyDirection
     from attitude.events._search import AnyMotion
     from attitude.motions._motion import RateBounds
@@ -130,7 +132,17 @@ def _polished(value, x, left, right, step):
 
 # Derivatives by differences: 6th order over this many rad of the fastest rotation.
 _STENCIL = 4e-3
-_WEIGHTS = ((1, 0.75), (2, -0.15), (3, 1.0 / 60.0))
+# From the middle of the seven epochs to an end of the span, at least, in units of their spacing.
+_REACH = 3.01
+# Coefficients (6, 7) of the derivatives of Lagrange's polynomials through the seven epochs.
+_SLOPES = np.stack(
+    [
+        polynomials.polyder(polynomials.polyfromroots(np.delete(_PLACES, k)))
+        / np.prod(_PLACES[k] - np.delete(_PLACES, k))
+        for k in range(len(_PLACES))
+    ],
+    axis=1,
+)
 
 
 def separation(motion: AnyMotion, axis: Reals | None, direction: AnyDirection) -> Observable:
@@ -153,7 +165,7 @@ def separation(motion: AnyMotion, axis: Reals | None, direction: AnyDirection) -
     source = source_of(motion)
     unit = axis_or_long(axis, source)
     seen = direction_of(direction, "direction", source)
-    return Observable(source, partial(_angle, unit, seen), Receding(unit, seen), unit="rad")
+    return Observable(source, partial(_angle, unit, seen), partial(Receding, unit, seen), unit="rad")
 
 
 def _angle(axis: FloatArray, direction: SearchDirection, moment: Moment) -> FloatArray:
@@ -260,12 +272,13 @@ def _extrema(start, stop, f, step, epoch, sign):
         raise AttitudeError("epoch is for a plain function, not for an Observable; leave it out.")
     begin, end = span(f.source.epoch, start, stop)
     if step is None and f.slope is not None:
-        # Interpolated attitudes have kinks: there the slope has no bounded derivative.
+        # Interpolated attitudes have kinks, arcs seen in a scene jumps of the rate: there the slope
+        # has no bounded derivative.
         limit = pieces(f.source, begin, end)[0][2]
-        if not isinstance(limit, Sampled) or limit.smooth:
-            extrema = []
+        if limit.smooth if isinstance(limit, Sampled) else np.isfinite(limit.bounds.second):
+            slope, extrema = f.slope(f.source, begin, end), []
             # The slope is that of the cosine: where it changes to positive, the angle is largest.
-            for hi, lo, _, rising in crossings(f.source, [f.slope], begin, end):
+            for hi, lo, _, rising in crossings(f.source, [slope], begin, end):
                 chosen = rising if sign > 0.0 else ~rising
                 hi, lo = hi[chosen], lo[chosen]
                 extrema.append((hi, lo, f(hi, lo)))
@@ -280,42 +293,61 @@ def _joined(epoch, extrema, unit=""):
 
 
 class Receding(Channel):
-    """The derivative of u.a, exact for a constant direction u; by differences otherwise."""
+    """The derivative of u.a in a span, exact for a constant direction u; others are differenced."""
 
-    def __init__(self, axis: FloatArray, direction: SearchDirection) -> None:
+    def __init__(
+        self,
+        axis: FloatArray,
+        direction: SearchDirection,
+        source: Source,
+        start: Pair,
+        stop: Pair,
+    ) -> None:
         self._axis, self.directions = axis, (direction,)
-        self._rate: float | None = None
         # Division by the spacing amplifies rounding; in units of the largest rate.
         self.noise = 0.0 if isinstance(direction, Fixed) else 1e-12
+        self._start, self._stop = start, stop
+        # The same spacing in all blocks, so that an epoch has the same value in each.
+        length = difference(start, stop)
+        rate = fastest(source, start, stop) + direction.guess(source, start, length)
+        self._spacing = min(_STENCIL / rate if rate > 0.0 else np.inf, length / (2.0 * _REACH))
 
     def value(self, moment: Moment) -> FloatArray:
         """The derivative (N,), 1/s."""
         direction = self.directions[0]
-        u = moment.body(direction)
+        u, w, a = moment.body(direction), moment.history.angular_velocity, self._axis
+        # u' = u x w in body axes, times a.
+        turning = (
+            u[..., 0] * (w[..., 1] * a[2] - w[..., 2] * a[1])
+            + u[..., 1] * (w[..., 2] * a[0] - w[..., 0] * a[2])
+            + u[..., 2] * (w[..., 0] * a[1] - w[..., 1] * a[0])
+        )
         if isinstance(direction, Fixed):
-            w = moment.history.angular_velocity
-            a = self._axis
-            # u' = u x w in body axes, times a.
-            return (
-                u[..., 0] * (w[..., 1] * a[2] - w[..., 2] * a[1])
-                + u[..., 1] * (w[..., 2] * a[0] - w[..., 0] * a[2])
-                + u[..., 2] * (w[..., 0] * a[1] - w[..., 1] * a[0])
-            )
-        source = moment.source
-        if self._rate is None:
-            # The same spacing in all blocks, so that an epoch has the same value in each.
-            start = (float(moment.hi.flat[0]), float(moment.lo.flat[0]))
-            limit = pieces(source, start, start)[0][2]
-            self._rate = limit.guess(source, start) or 1.0
-        d = _STENCIL / self._rate
-        total = np.zeros(moment.hi.shape)
-        for k, weight in _WEIGHTS:
-            ahead, behind = (
-                dot(source.at(moment.hi, moment.lo + side * k * d).body(direction), self._axis)
-                for side in (1.0, -1.0)
-            )
-            total = total + weight * (ahead - behind)
-        return total / d
+            return turning
+        change, delay = self._differenced(moment, direction)
+        moving = quaternion.rotate(quaternion.conjugate(moment.history.wxyz), change)
+        # A scene shows the rotation by the light that left earlier.
+        return dot(moving, a) + (1.0 - delay) * turning
+
+    def _differenced(self, moment: Moment, direction: SearchDirection) -> tuple[FloatArray, Any]:
+        """The derivatives of a direction on ICRF axes, (N, 3) in 1/s, and of the light time.
+
+        By seven epochs about each, moved where they would lie outside of the span.
+        """
+        source, spacing = moment.source, self._spacing
+        after = (moment.hi - self._start[0]) + (moment.lo - self._start[1])
+        before = (self._stop[0] - moment.hi) + (self._stop[1] - moment.lo)
+        reach = _REACH * spacing
+        offset = np.clip(0.0, reach - after, before - reach)
+        weights = polynomials.polyval(-offset / spacing, _SLOPES) / spacing
+        change, delay = np.zeros((*moment.hi.shape, 3)), np.zeros(moment.hi.shape)
+        for place, weight in zip(_PLACES, weights, strict=True):
+            if np.any(weight):
+                there = source.at(*pairs.add((moment.hi, moment.lo), offset + place * spacing))
+                change += weight[..., None] * there.inertial(direction)
+                if source.scene is not None:
+                    delay += weight * there.view.light_time
+        return change, delay
 
     def bounds(self, rates: RateBounds, drifts: Sequence[Drift]) -> tuple[float, float]:
         """Upper bounds of the first two derivatives, those of u.a one order higher."""

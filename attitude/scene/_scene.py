@@ -210,7 +210,7 @@ class OfView(Observable):
             return self.step
         length = (stop[0] - start[0]) + (stop[1] - start[1])
         s = np.linspace(0.0, length, _SAMPLES)
-        moment = self.source.at(start[0] + s, np.full(s.size, start[1]))
+        moment = self.source.at(*pairs.add(start, s))
         self.value(moment)
         spacings = [length / _FEWEST] if length > 0.0 else [1.0]
         if "attitude" in moment.view.evaluated:

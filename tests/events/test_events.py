@@ -5,7 +5,7 @@ import pickle
 import numpy as np
 import pytest
 
-from attitude import AttitudeError, Body, FreeRotation, Spin, events
+from attitude import AttitudeError, Body, FreeRotation, Scene, Spin, epochs, events, paths
 from attitude.events._channels import Aberrated, Fixed
 from attitude.events._search import source_of
 from attitude.motions._table import AttitudeTable
@@ -205,6 +205,56 @@ def test_moving_and_fixed_directions_agree():
     ):
         one, other = make((0, 1, 1)), make(moving)
         np.testing.assert_allclose(one.seconds, other.seconds, rtol=0, atol=1e-10)
+
+
+def test_a_moving_direction_after_an_impulse():
+    """The rate of the rotation is thousand times that of the first epoch of the search."""
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(1e-3, 2e-3, 1.2e-3))
+    kick = Impulse(at=1000.0, angular_momentum=(0, 30.0, 5.0))
+    arcs, turn = Arcs(Body(moments=(10, 20, 26)), spin, [kick]), TURN / 5e3
+    angle = events.separation(
+        arcs,
+        (0.2, 0.5, 1),
+        lambda t: np.stack([np.cos(turn * t), np.sin(turn * t), 0.3 + 0 * t], axis=-1),
+    )
+    t = np.linspace(0.0, 1200.0, 600001)
+    y = angle(t)
+    least = t[1:-1][(y[1:-1] < y[:-2]) & (y[1:-1] <= y[2:])]
+    assert len(events.find_minima(0.0, 900.0, angle)) == np.sum(least < 900.0)
+    found = events.find_minima(0.0, 1200.0, angle)
+    np.testing.assert_allclose(found.seconds, least, rtol=0, atol=2e-3)
+
+
+@pytest.mark.parametrize("direction", ["sun", "observer"])
+def test_extrema_in_a_scene_up_to_the_ends_of_its_path(direction):
+    """Exact slopes of directions that move, of light that is delayed, against samples."""
+    start = epochs.instant("2026-01-01")
+    orbit = paths.kepler(
+        epoch=start, semi_major_axis=8e6, eccentricity=0.01, inclination=1.0, node=0.3,
+        pericenter_argument=2.0, mean_anomaly=1.0, center="earth",
+    )  # fmt: skip
+    t = np.arange(0.0, 601.0, 30.0)
+    table = paths.table(t, *orbit.state(start, t), start=start, center="earth")
+    scene = Scene(tumbling((0.1, 0.15, 0.1)), table, "earth", light_time=False)
+    angle = events.separation(scene, (1, 0.2, 0.3), direction)
+    found = events.find_minima(*table.span, angle)
+    scene = Scene(tumbling((0.1, 0.15, 0.1)), orbit, "earth")
+    angle = events.separation(scene, (1, 0.2, 0.3), direction)
+    delayed = events.find_minima(*table.span, angle)
+    sampled = events.find_minima(*table.span, angle, step=0.1)
+    assert len(found) == len(delayed) > 10
+    np.testing.assert_allclose(delayed.seconds, sampled.seconds, rtol=0, atol=1e-8)
+
+
+def test_extrema_of_arcs_in_a_scene():
+    """Joints are seen a light time later: there extrema are searched by values."""
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0.1, 0.2, 0.12))
+    kick = Impulse(at=50.0, angular_momentum=(0, 3.0, 0.5))
+    arcs = Arcs(Body(moments=(10, 20, 26)), spin, [kick])
+    scene = Scene(arcs, None, (1, 0, 0), (0.6, 0.8, 0.0))
+    one, other = (events.separation(each, (0, 1, 1), (0.6, 0.8, 0)) for each in (scene, arcs))
+    found, expected = (events.find_maxima(0.0, 300.0, each) for each in (one, other))
+    np.testing.assert_allclose(found.seconds, expected.seconds, rtol=0, atol=1e-6)
 
 
 def test_a_direction_that_moves_faster_than_the_body():
