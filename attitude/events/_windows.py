@@ -8,6 +8,7 @@ import numpy as np
 
 from attitude._support import markup, validation
 from attitude._support.arrays import Immutable, frozen
+from attitude._support.constants import SPEED_OF_LIGHT_M_S
 from attitude.conditions._conditions import condition_of
 from attitude.conditions._moments import Source
 from attitude.conditions._search import difference
@@ -15,6 +16,7 @@ from attitude.epochs import _instants
 from attitude.errors import AttitudeError
 from attitude.events._channels import SUN_RADIUS, Mirrored, glint
 from attitude.events._search import Events, source_of, span, stream
+from attitude.paths import _composed
 from attitude.paths._path import common_span
 from attitude.scene._scene import Scene
 from attitude.shape._mesh import Mesh, flat_sides
@@ -160,25 +162,53 @@ class Timetable(Immutable):
 
 # ---- The greatest value of a function in each of many intervals, by samples that close in on it
 
-# Samples in each interval.
-_SAMPLES = 65
-# Rounds, each of which leaves two of the spacings of the round before.
-_ROUNDS = 5
+# Parts of the shortest interval, and of what each round leaves.
+_PARTS = 64
+# Rounds, each of which leaves two of the parts of the round before.
+_ROUNDS = 4
+# Values that are computed together.
+_BLOCK = 1 << 16
 
 
-def _highest(value, begin, end):
-    """The places (N,), to 1e-7, of the greatest values within intervals; their ends count."""
+def _highest(value, begin, end, spacing):
+    """The places (N,) of the greatest values within intervals; their ends count.
+
+    To 1e-6 of `spacing`, at which samples show every maximum.
+    """
     if not len(begin):
         return begin
-    a, b = begin, end
-    every = np.arange(len(begin))
+    parts = np.maximum(np.ceil((end - begin) / spacing), _PARTS).astype(np.int64)
+    step = (end - begin) / parts
+    owner = np.repeat(np.arange(len(begin)), parts + 1)
+    first = np.cumsum(parts + 1) - (parts + 1)
+    number = np.arange(len(owner)) - first[owner]
+    places = np.minimum(begin[owner] + number * step[owner], end[owner])
+    heights = _heights(value, places)
+    left = np.where(number > 0, np.roll(heights, 1), heights)
+    right = np.where(number < parts[owner], np.roll(heights, -1), heights)
+    # The top of a smooth maximum is above its sample by less than a neighbour is below.
+    above = heights + (heights - np.minimum(left, right))
+    greatest = np.maximum.reduceat(heights, first)[owner]
+    tops = np.flatnonzero((heights >= left) & (heights >= right) & (above >= greatest))
+    owner, place = owner[tops], places[tops]
+    a = np.maximum(place - step[owner], begin[owner])
+    b = np.minimum(place + step[owner], end[owner])
     for _ in range(_ROUNDS):
-        places = a + (b - a) * (np.arange(_SAMPLES) / (_SAMPLES - 1))[:, None]
-        heights = value(places.reshape(-1)).reshape(places.shape)
-        top = np.argmax(np.where(np.isnan(heights), -np.inf, heights), axis=0)
+        places = a + (b - a) * (np.arange(_PARTS + 1) / _PARTS)[:, None]
+        heights = _heights(value, places.reshape(-1)).reshape(places.shape)
+        top, every = np.argmax(heights, axis=0), np.arange(len(a))
         a = places[np.maximum(top - 1, 0), every]
-        b = places[np.minimum(top + 1, _SAMPLES - 1), every]
-    return places[top, every]
+        b = places[np.minimum(top + 1, _PARTS), every]
+    order = np.lexsort((heights[top, every], owner))
+    last = np.searchsorted(owner, np.arange(len(begin)), side="right") - 1
+    return places[top, every][order[last]]
+
+
+def _heights(value, seconds):
+    """The values (N,) of a function of seconds, block by block; NaN is replaced by the least."""
+    blocks = range(0, len(seconds), _BLOCK)
+    heights = np.concatenate([value(seconds[k : k + _BLOCK]) for k in blocks])
+    return np.nan_to_num(heights, nan=-np.finfo(np.float64).max)
 
 
 class Windows(Timetable):
@@ -251,7 +281,7 @@ def windows(
     condition : Condition
     start, stop : epochs or seconds, optional
         As in `find_discrete`; by default the span for which the motion and the path of the body
-        are known.
+        are known, which begins a light time later in a scene that has one.
 
     Returns
     -------
@@ -290,9 +320,7 @@ def _span_of(source, start, stop):
     """Start and stop as pairs of seconds since the epoch of a source."""
     if start is not None and stop is not None:
         return span(source.epoch, start, stop)
-    center = None if source.scene is None else source.scene.center
-    limited = [limit for limit in (source.motion, center) if limit is not None and limit.span]
-    known = common_span(limited)
+    known = _known_span(source)
     if known is None:
         missing = "start" if start is None else "stop"
         raise AttitudeError(
@@ -302,6 +330,35 @@ def _span_of(source, start, stop):
     start = known[0] if start is None else start
     stop = known[1] if stop is None else stop
     return span(source.epoch, start, stop)
+
+
+# More than the light time at an epoch, over the light time that ends later.
+_LONGER = 1.001
+# Shadows need earlier positions of the body where these are nearer, light seconds.
+_NEAR = 1.0
+# From the ends of a path, s: more than the rounding of an epoch to one double since J2000.
+_WITHIN = 1e-6
+
+
+def _known_span(source):
+    """The epochs at which motion and path are known, as they are seen; None without an end."""
+    scene = source.scene
+    center = None if scene is None else scene.center
+    known = common_span([limit for limit in (source.motion, center) if limit is not None])
+    if known is None or center is None or not scene.light_time:
+        return known
+    # What is seen at first left the body a light time before, and a shadow its caster earlier.
+    delays = [_light_time(scene, body, known[0]) for body in scene.shadow_of]
+    delay = min(max(delays, default=0.0), _NEAR)
+    if not scene.observer.is_direction:
+        delay += _light_time(scene, scene.observer, known[0])
+    return known[0].after(_LONGER * delay + _WITHIN), known[1].after(-_WITHIN)
+
+
+def _light_time(scene, place, instant):
+    """Seconds of light between a place and the body, both at one epoch."""
+    vector = _composed.relative(scene.center, place, scene.ephemeris).position(instant, 0.0)
+    return float(np.linalg.norm(vector)) / SPEED_OF_LIGHT_M_S
 
 
 def _edge(pair: Pair) -> FloatArray:
@@ -438,7 +495,8 @@ def _columns(scene: Scene, up: Windows, kept: IntArray) -> dict[str, TimetableCo
     def elevations(seconds: FloatArray) -> FloatArray:
         return np.asarray(source.at(seconds, np.zeros(seconds.size)).view.elevation)
 
-    top = _highest(elevations, begin, end)
+    spacing = scene.quantity("elevation").spacing(up.start, up.stop)
+    top = _highest(elevations, begin, end, spacing)
     three = np.concatenate([begin, top, end])
     view = source.at(three, np.zeros(three.size)).view
     azimuth, height, distance, sun = (
@@ -597,6 +655,7 @@ def _sides(scene, names, fraction):
 def _rows(scene, sides, conditions, windows):
     """The rows of all sides in order of time."""
     source = conditions[0].source
+    spacing = scene.quantity("observer_direction.x").spacing(windows[0].start, windows[0].stop)
     tops, off = [], []
     for condition, one in zip(conditions, windows, strict=True):
         mirrored = condition.channels[0]
@@ -605,7 +664,7 @@ def _rows(scene, sides, conditions, windows):
         def nearness(seconds: FloatArray, channel: Any = mirrored) -> FloatArray:
             return channel.value(source.at(seconds, np.zeros(seconds.size)))
 
-        top = _highest(nearness, one.begin, one.end)
+        top = _highest(nearness, one.begin, one.end, spacing)
         tops.append(top)
         off.append(mirrored.off_mirror(source.at(top, np.zeros(top.size))) if len(top) else top)
     side = np.repeat([one.name for one in sides], [len(one) for one in windows])

@@ -115,6 +115,38 @@ def test_a_span_follows_from_what_is_known():
         events.windows(events.illuminated(free, (1, 0, 0), sun=(0, 1, 0)))
 
 
+@pytest.mark.parametrize("light_time", [True, False])
+def test_the_span_of_a_path_is_known_as_it_is_seen(light_time):
+    """The first light, and that of the shadow of the Earth before, left within the table."""
+    start, t = epochs.instant(START), np.arange(0.0, 7201.0, 60.0)
+    state = satellite().state(start, t)
+    table = paths.table(t, *state, start=start, center="earth")
+    site = paths.site("20.3653 deg", "69.3482 deg", 157.0)
+    scene = Scene(None, table, site, ephemeris="builtin", light_time=light_time)
+    lit = events.windows(scene.quantity("lit_fraction") > 0.5)
+    # The satellite is nearer than 0.05 light seconds to both.
+    assert 0.0 < lit.total < lit.span == pytest.approx(7200.0, abs=0.1)
+    ends = start.after(0.1), start.after(7199.9)
+    assert len(events.passes(scene)) == len(events.passes(scene, *ends)) == 1
+
+
+def test_the_greatest_of_a_long_window():
+    """A lobe so wide that one glint lasts for hundreds of turns: the peak is that of samples."""
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0.3, 0.25, 1.0))
+    scene = Scene(
+        FreeRotation(Body(moments=(10, 14, 17)), spin), None, (0.6, 0.35, 1), (0.1, -0.3, 1.0),
+        shape=box((1, 2, 3)), law=Material(0.3, 0.3, exponent=2),
+    )  # fmt: skip
+    glint = events.glints(scene, 0.0, 600.0, sides=["surface +z"])
+    assert len(glint) == 1 and glint.duration[0] == 600.0
+    view = scene.at(np.arange(0.0, 600.0, 0.01))
+    mirrored = view.observer_direction * (-1.0, -1.0, 1.0)
+    off = np.arccos(np.sum(mirrored * view.sun_direction, axis=-1))
+    # Between two samples the mirrored direction turns by 0.02 rad.
+    assert glint.off_mirror[0] <= np.min(off) < glint.off_mirror[0] + 0.01
+    assert glint.peak[0] == pytest.approx(0.01 * np.argmin(off), abs=0.02)
+
+
 def test_glints_of_a_turning_box():
     """The mirror equation in closed form, for the sides that have a lobe."""
     scene = mirror_scene()
