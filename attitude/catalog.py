@@ -373,6 +373,8 @@ def entry(name: str) -> Entry:
 
 def has(name: str) -> bool:
     """Whether `entry` finds one body by a name."""
+    if not isinstance(name, str):
+        raise AttitudeError(f"name is {quoted(name)}; give the name of a body as text.")
     matches = matching(name, _entries())
     return len({candidate.name.partition(" (")[0] for candidate in matches}) == 1
 

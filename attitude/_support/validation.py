@@ -111,6 +111,35 @@ def generator(seed: int | np.random.Generator, name: str = "seed") -> np.random.
         ) from None
 
 
+def not_negative(value: Real, name: str, *, unit: str | None = None) -> float:
+    """One finite number of at least zero as a float in `unit`; see `real`."""
+    value_given = number(value, name, unit=unit)
+    if value_given < 0.0:
+        raise AttitudeError(f"{name} is {shown(value_given)}; it must not be negative.")
+    return value_given
+
+
+def angle_from_plane(value: Real, name: str, example: str) -> float:
+    """An elevation or a latitude in rad, from -pi/2 to pi/2."""
+    angle = number(value, name, unit="rad")
+    if not abs(angle) <= 0.5 * math.pi:
+        raise AttitudeError(
+            f"{name} is {angle!r} rad; it goes from -pi/2 to pi/2 (give degrees as text, such as "
+            f'"{example}").'
+        )
+    return angle
+
+
+def returned(values: object, name: str) -> FloatArray:
+    """What a function returned as a float64 array; AttitudeError for what are no numbers."""
+    try:
+        return np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise AttitudeError(
+            f"{name} returns {shown(values)}; it must return an array of real numbers."
+        ) from None
+
+
 def one_of(value: Choice, name: str, allowed: Collection[Choice]) -> Choice:
     """The value itself if it is among the allowed ones, else an AttitudeError."""
     if value not in allowed:

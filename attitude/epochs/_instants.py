@@ -182,6 +182,14 @@ class Instant:
     __str__ = __repr__
 
 
+def require(value: object, name: str) -> None:
+    """AttitudeError for anything but an Instant."""
+    if not isinstance(value, Instant):
+        raise AttitudeError(
+            f"{name} is {shown(value)}; give an Instant, made by epochs.instant(...)."
+        )
+
+
 def times(start: Instant, seconds: ArrayLike, low: ArrayLike | None = None) -> Time:
     """The epochs start + seconds + low as an astropy Time in TDB, rounded to 5e-12 s.
 

@@ -74,8 +74,8 @@ class Moving(SearchDirection):
     Raises
     ------
     AttitudeError
-        For a bound that is not one finite number; in a search, for vectors of another shape, of
-        length zero, or that are not finite.
+        For a bound that is negative or not one finite number; in a search, for vectors of another
+        shape, of length zero, or that are not finite.
     """
 
     def __init__(
@@ -86,21 +86,15 @@ class Moving(SearchDirection):
         name: str = "direction",
     ) -> None:
         self.function, self.name = function, name
-        self.rate = None if rate is None else validation.number(rate, "rate")
+        self.rate = None if rate is None else validation.not_negative(rate, "rate")
         self.acceleration = (
-            None if acceleration is None else validation.number(acceleration, "acceleration")
+            None if acceleration is None else validation.not_negative(acceleration, "acceleration")
         )
 
     def icrf(self, moment: Moment) -> FloatArray:
         """Unit vectors (N, 3) along those of the function."""
         seconds = moment.hi + moment.lo
-        vectors = np.asarray(self.function(seconds), dtype=np.float64)
-        if vectors.shape != (*seconds.shape, 3):
-            raise AttitudeError(
-                f"{self.name} returns vectors of shape {vectors.shape} for {seconds.size} epochs; "
-                f"it must return {(*seconds.shape, 3)}."
-            )
-        return _units(vectors, self.name)
+        return _units(_called(self.function, seconds, self.name), self.name)
 
     def guess(self, source: Source, start: Pair, length: float) -> float:
         """The bound `rate`; without it, a guess from samples."""
@@ -183,7 +177,7 @@ class Aberrated(SearchDirection):
             path = _composed.relative(scene.center, "ssb", scene.ephemeris)
             return path.velocity(view.epoch, *view.emission)
         if callable(self._velocity):
-            return np.asarray(self._velocity(moment.hi + moment.lo), dtype=np.float64)
+            return _called(self._velocity, moment.hi + moment.lo, "velocity")
         return self._velocity
 
     def guess(self, source: Source, start: Pair, length: float) -> float:
@@ -210,6 +204,17 @@ def direction_of(direction: AnyDirection | None, name: str, source: Source) -> S
     if callable(direction):
         return Moving(direction, name=name)
     return Fixed(direction, name)
+
+
+def _called(function, seconds, name):
+    """The vectors (N, 3) that a function returns for seconds (N,)."""
+    vectors = validation.returned(function(seconds), name)
+    if vectors.shape != (*seconds.shape, 3):
+        raise AttitudeError(
+            f"{name} returns vectors of shape {vectors.shape} for {seconds.size} epochs; it must "
+            f"return {(*seconds.shape, 3)}."
+        )
+    return vectors
 
 
 def _units(vectors, name):

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.polynomial import polynomial as polynomials
 
-from attitude._support import pairs
-from attitude.conditions._conditions import Channel, Observable, fastest
+from attitude._support import pairs, validation
+from attitude.conditions._conditions import Channel, Joinable, Observable, fastest
 from attitude.conditions._search import Advance, Sampled, crossings, difference, pieces, shifted
 from attitude.errors import AttitudeError
 from attitude.events._channels import Fixed, axis_or_long, chord_squared, direction_of, dot, turning
@@ -60,7 +60,7 @@ def _peaks(f, start, stop, step, sign):
         s = np.arange(first, last + 1) * step
 
         def value(s, base=base):
-            values = sign * np.asarray(f(*shifted(base, s)), dtype=np.float64)
+            values = sign * validation.returned(f(*shifted(base, s)), "the function")
             if values.shape != s.shape:
                 raise AttitudeError(
                     f"the function returns shape {values.shape} for {s.size} epochs; it must "
@@ -165,7 +165,9 @@ def separation(motion: AnyMotion, axis: Reals | None, direction: AnyDirection) -
     source = source_of(motion)
     unit = axis_or_long(axis, source)
     seen = direction_of(direction, "direction", source)
-    return Observable(source, partial(_angle, unit, seen), partial(Receding, unit, seen), unit="rad")
+    return Observable(
+        source, partial(_angle, unit, seen), partial(Receding, unit, seen), unit="rad"
+    )
 
 
 def _angle(axis: FloatArray, direction: SearchDirection, moment: Moment) -> FloatArray:
@@ -259,6 +261,11 @@ def find_minima(
 
 def _extrema(start, stop, f, step, epoch, sign):
     if not isinstance(f, Observable):
+        if isinstance(f, Joinable):
+            raise AttitudeError(
+                f"f is {f!r}, which is true or false and has no extrema; search it with "
+                "find_discrete or windows."
+            )
         if not callable(f):
             raise AttitudeError(
                 f"f is {f!r}; give events.separation(...) or a function of seconds."

@@ -450,18 +450,14 @@ def passes(
     light_time=False geometric, as other satellite tools print them; without refraction.
     """
     site_of(scene)
-    lowest = validation.number(elevation, "elevation", unit="rad")
-    if not abs(lowest) <= 0.5 * np.pi:
-        raise AttitudeError(
-            f"elevation is {lowest!r} rad; it goes from -pi/2 to pi/2 (give degrees as text, such "
-            'as "10 deg").'
-        )
+    lowest = validation.angle_from_plane(elevation, "elevation", "10 deg")
     above = scene.quantity("elevation") > lowest
     more: list[Condition] = [] if where is None else [condition_of(where, "where")]
     if validation.flag(sunlit, "sunlit"):
         more.append(scene.quantity("lit_fraction") > 0.0)
     if night is not None:
-        more.append(scene.quantity("sun_elevation") < night)
+        dark = validation.angle_from_plane(night, "night", "-6 deg")
+        more.append(scene.quantity("sun_elevation") < dark)
     visible = above
     for condition in more:
         visible = visible & condition

@@ -208,15 +208,27 @@ def phased_magnitude(
     Raises
     ------
     AttitudeError
-        For brightness that is negative or not finite, shapes that do not broadcast, and as
-        `mean_brightness`.
+        For brightness that is negative or not finite, shapes that do not broadcast, a function
+        that returns other than one finite number for each angle, and as `mean_brightness`.
     """
     brightness = validation.real(brightness, "brightness", unit="m2/sr")
     if np.any(brightness < 0.0):
         raise AttitudeError(f"brightness holds {np.min(brightness)}; it must not be negative.")
     alpha = validation.real(alpha, "alpha", unit="rad")
     brightness, alpha = together(brightness=brightness, alpha=alpha)
+    if not callable(function):
+        raise AttitudeError(
+            f"function is {validation.shown(function)}; give a function of the phase angle in rad."
+        )
     mean = mean_brightness(shape, law, alpha)
     shown = (brightness > 0.0) & (mean > 0.0)
     ratio = np.where(shown, brightness, 1.0) / np.where(shown, mean, 1.0)
-    return np.where(shown, function(alpha) - 2.5 * np.log10(ratio), np.inf)[()]
+    values = validation.returned(function(alpha), "the phase function")
+    values = validation.broadcast(values, "what the phase function returns", alpha.shape, "angle")
+    if not np.all(np.isfinite(values[shown])):
+        bad = np.argmax(shown & ~np.isfinite(values))
+        raise AttitudeError(
+            f"the phase function returns {values.flat[bad]} at {alpha.flat[bad]} rad; it must "
+            "return finite magnitudes."
+        )
+    return np.where(shown, values - 2.5 * np.log10(ratio), np.inf)[()]

@@ -252,13 +252,8 @@ def site(
     omit the difference between lengths in GCRS and BCRS (some cm).
     """
     longitude = validation.number(longitude, "longitude", unit="rad")
-    latitude = validation.number(latitude, "latitude", unit="rad")
+    latitude = validation.angle_from_plane(latitude, "latitude", "48.1 deg")
     height = validation.number(height, "height", unit="m")
-    if abs(latitude) > 0.5 * math.pi:
-        raise AttitudeError(
-            f"latitude is {latitude!r} rad; it goes from -pi/2 to pi/2 (give degrees as text, such "
-            'as "48.1 deg").'
-        )
     up = _normal(longitude, latitude)
     squeeze = (1.0 - EARTH_FLATTENING) ** 2
     radius = EARTH_RADIUS_M / math.sqrt(up[0] ** 2 + up[1] ** 2 + squeeze * up[2] ** 2)

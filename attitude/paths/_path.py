@@ -28,7 +28,7 @@ from attitude._support import pairs, validation
 from attitude._support.arrays import Immutable, components_last, frozen
 from attitude._support.validation import unit_vector
 from attitude.epochs import _inputs, _time_scales
-from attitude.epochs._instants import Instant
+from attitude.epochs._instants import Instant, require
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
@@ -318,10 +318,17 @@ class Path(Place):
 
     def _evaluate(self, instant, seconds, low, method):
         """Results (..., 3) of a method that takes flat arrays of finite epochs."""
-        epochs = pairs.Seconds(np.asarray(seconds, dtype=np.float64))
+        require(instant, "instant")
+        epochs = pairs.Seconds(validation.seconds(seconds, "seconds"))
         if low is not None:
-            both = np.broadcast_arrays(epochs.hi, np.asarray(low, dtype=np.float64))
-            epochs = pairs.Seconds(*both)
+            second = validation.seconds(low, "low")
+            try:
+                epochs = pairs.Seconds(*np.broadcast_arrays(epochs.hi, second))
+            except ValueError:
+                raise AttitudeError(
+                    f"low has shape {second.shape}, seconds has {epochs.hi.shape}; give both in "
+                    "the same shape."
+                ) from None
         shape, (hi, lo) = epochs.hi.shape, epochs.compact
         if not hi.size:
             return (np.zeros((*shape, 3)),) * (2 if method == self._state else 1)

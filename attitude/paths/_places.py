@@ -225,6 +225,11 @@ def _of_coordinates(text: str, name: str) -> Place:
                 f"{example}."
             )
         angles = [f"{word} deg" for word in angles]
+    elif not quantity_text.is_quantity(angles[1]):
+        raise AttitudeError(
+            f"{name} is {quoted(text)}, whose latitude has no unit; write it behind the latitude, "
+            f"as in {example}."
+        )
     elif not quantity_text.is_quantity(angles[0]):  # the unit stands behind the latitude
         unit = quantity_text.numbers_and_unit(angles[1], name)[1]
         angles = [f"{angles[0]} {unit}", angles[1]]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from attitude._support import markup, pairs, validation
+from attitude._support import markup, pairs, quantity_text, validation
 from attitude._support.arrays import Immutable, copied
 from attitude._support.synonyms import arguments, named
 from attitude.catalog import motion_of
@@ -161,7 +161,7 @@ class OfFunction:
 
     def __call__(self, moment: Moment) -> FloatArray:
         """The values (N,)."""
-        values = np.asarray(self.function(moment.view), dtype=np.float64)
+        values = validation.returned(self.function(moment.view), "the function of a view")
         if values.shape != moment.hi.shape:
             raise AttitudeError(
                 f"the function of a view returns shape {values.shape} for {moment.hi.size} epochs; "
@@ -220,6 +220,13 @@ class OfView(Observable):
 
     def __repr__(self) -> str:
         return f"<{self.name}{f' in {self.unit}' if self.unit else ''} of a scene>"
+
+
+def _per_second(rate: Real | None, unit: str) -> float | None:
+    """The bound of a derivative by time of values in a unit."""
+    if rate is None:
+        return None
+    return validation.positive(rate, "rate", unit=f"{unit} / s" if unit else "1 / s")
 
 
 def _scales(view):
@@ -376,7 +383,7 @@ class Scene(Immutable):
         self._set("sun", place(sun, "sun", source, is_direction_allowed=True))
         self._require_center()
         self._set("shape", known_shape(shape, self.law))
-        self._set("night", validation.number(night, "night", unit="rad"))
+        self._set("night", validation.angle_from_plane(night, "night", "-6 deg"))
         flags = {"site_limits": site_limits, "light_time": light_time, "aberration": aberration}
         for name, value in flags.items():
             self._set(name, validation.flag(value, name))
@@ -456,10 +463,7 @@ class Scene(Immutable):
         self, start: _instants.Instant, seconds: ArrayLike, low: ArrayLike | None = None
     ) -> View:
         """As `at`, for TDB seconds + low since an Instant."""
-        if not isinstance(start, _instants.Instant):
-            raise AttitudeError(
-                f"start is {validation.shown(start)}; give an Instant, made by epochs.instant(...)."
-            )
+        _instants.require(start, "start")
         # Copies, since the arrays of a view are read-only.
         times = _inputs.plain_seconds(seconds, low).mapped(copied)
         if np.isinf(times.hi).any():
@@ -505,9 +509,6 @@ class Scene(Immutable):
         AttitudeError
             For an unknown quantity, a missing or unknown part, and bounds that are not positive.
         """
-        if rate is not None:
-            per_second = f"{unit} / s" if unit else "1 / s"
-            rate = validation.positive(rate, "rate", unit=per_second)
         if step is not None:
             step = validation.positive(step, "step", unit="s")
         if not isinstance(name, str):
@@ -517,6 +518,9 @@ class Scene(Immutable):
                     'such as "elevation", or a function of a view.'
                 )
             function = OfFunction(name)
+            if unit:
+                quantity_text.unit_of(unit, "unit")
+            rate = _per_second(rate, unit)
             return OfView(self, function, "function", unit=unit, rate=rate, step=step)
         column, _, component = name.partition(".")
         known = View.columns()
@@ -539,6 +543,7 @@ class Scene(Immutable):
             )
         is_flag = column in _FLAGS
         is_rough = column in _ROUGH or column.endswith("_sigma") or {column, component} & _JUMPS
+        rate = _per_second(rate, own_unit)
         return OfView(
             self,
             OfColumn(column, parts.index(component) if component else None),

@@ -9,7 +9,7 @@ Sources: radii of IAU 2015 (Archinal et al., CeMDA 130, 22, 2018) and WGS84; the
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -250,9 +250,14 @@ def radius_of(body: str) -> float | None:
 def occulters(shadow_of: Any) -> dict[str, float]:
     """Radii in m, by name, of the bodies that cast shadows."""
     bodies = (shadow_of,) if isinstance(shadow_of, (str, int)) else shadow_of
-    radii = bodies if isinstance(bodies, Mapping) else dict.fromkeys(bodies)
+    if not isinstance(bodies, Iterable):
+        raise AttitudeError(
+            f"shadow_of is {validation.shown(bodies)}; give names or NAIF numbers of bodies, or a "
+            "dict of their radii in m."
+        )
+    radii = bodies.items() if isinstance(bodies, Mapping) else ((body, None) for body in bodies)
     known_radii = {}
-    for body, radius in radii.items():
+    for body, radius in radii:
         name = body_name(body, "shadow_of")
         known = radius_of(name) if radius is None else radius
         if known is None:

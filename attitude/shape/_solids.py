@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -159,11 +160,11 @@ def box_wing(
         raise AttitudeError(
             f"gap is {apart!r} m; it must not be negative, or the parts would overlap."
         )
-    names = tuple(materials)
-    if len(names) != 4:
+    names = tuple(materials) if isinstance(materials, Iterable) else ()
+    if isinstance(materials, str) or len(names) != 4:
         raise AttitudeError(
-            f"materials has {len(names)} names; give four: of the box, the wing's front, its back "
-            "and its edges."
+            f"materials is {validation.shown(materials)}; give four names: of the box, the wing's "
+            "front, its back and its edges."
         )
     front, across = (along + 1) % 3, (along + 2) % 3
     size = np.empty(3)

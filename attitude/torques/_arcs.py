@@ -443,7 +443,7 @@ class Arcs(Differentiable):
     Notes
     -----
     At a joint the state is that after it.  From joint to joint the state is carried in two
-    doubles (solution/flow.py, 1e-30 a joint), so that a thousand impulses cost no accuracy: the
+    doubles (1e-30 a joint), so that a thousand impulses cost no accuracy: the
     attitude errs as a free rotation does, by 4e-15 rad for the exact doubles given, over the axes
     of any frame.  Errors of the input are not covered: an impulse at a wrong phase changes the
     whole motion after it.  The times of events are rounded to a double.

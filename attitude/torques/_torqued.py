@@ -696,9 +696,9 @@ class TorquedRotation(Differentiable):
     every epoch, and the motion is continuous.  States are integrated on demand, and every 32nd is
     kept, every 64th once there are 131,072 and so on: later calls, in any order of epochs, start
     from the nearest, and 1e8 steps need no more memory (15 MB) than 4e6.  Paths are evaluated at
-    epochs of two doubles.  Free motion errs by rounding times the angle turned
-    (solution/step.py), summed with compensation and without a mean: the energy walks at random
-    by 2e-14 in 1e8 steps of 0.08 rad.
+    epochs of two doubles.  Free motion errs by rounding times the angle turned,
+    summed with compensation and without a mean: the energy walks at random by 2e-14 in 1e8 steps of
+    0.08 rad.
 
     With `tolerance`, the difference from a motion with steps twice as long, from the epoch on, is
     the estimate of the error (`error_estimate`), which is 2 to 15 times smaller; all steps are

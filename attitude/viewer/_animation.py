@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -92,10 +91,8 @@ def animate(
     they do on the page of `view`.  At most 4000 facets are drawn.  A body that is not given a shape
     has a blue half (body x < 0) and a brown one.
     """
-    path = os.fspath(output)
+    path = _subject.output_name(output, _ENDINGS)
     ending = path.rpartition(".")[2].lower()
-    if ending not in _ENDINGS:
-        raise AttitudeError(f"output is {path!r}; give a name that ends in .webp, .gif or .mp4.")
     count = validation.count(frames, "frames", 2)
     validation.positive(rate, "rate")
     what = subject(motion, start, stop, shape=shape, title=title, magnitude=magnitude)

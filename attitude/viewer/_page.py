@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import html
-import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -310,8 +309,9 @@ def view(
     >>> view(FreeRotation(Body(moments=(10, 20, 26)), spin), title="the paper's body").title
     "the paper's body"
     """
+    name = None if output is None else _subject.output_name(output, ("html", "htm"))
     what = subject(motion, start, stop, shape=shape, title=title, magnitude=magnitude)
     viewer = Viewer(page(content(what, progress)), what.title)
-    if output is not None:
-        viewer.write(os.fspath(output))
+    if name is not None:
+        viewer.write(name)
     return viewer

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import warnings
 from dataclasses import dataclass
 from itertools import pairwise
@@ -12,6 +13,7 @@ import numpy as np
 
 from attitude import plots
 from attitude._support import pairs
+from attitude._support.quoting import quoted
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.frames import quaternion
@@ -24,9 +26,9 @@ from attitude.shape._mesh import Mesh
 from attitude.shape._solids import box
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
-    from attitude._support.annotations import EpochOrSeconds, FloatArray, IntArray
+    from attitude._support.annotations import EpochOrSeconds, FilePath, FloatArray, IntArray
     from attitude.epochs import _instants
     from attitude.motions._body import Body
     from attitude.motions._history import AttitudeHistory
@@ -477,6 +479,19 @@ class Subject:
         return pairs.add((start.seconds, start.low), -epoch.seconds, -epoch.low)
 
 
+def output_name(output: FilePath, endings: Sequence[str]) -> str:
+    """The name of a file with one of some endings; AttitudeError for others."""
+    if not isinstance(output, (str, os.PathLike)):
+        raise AttitudeError(f"output is {quoted(output)}; give the name of a file.")
+    name = os.fspath(output)
+    if name.rpartition(".")[2].lower() not in endings:
+        listed = ", ".join(f".{ending}" for ending in endings[:-1])
+        raise AttitudeError(
+            f"output is {name!r}; give a name that ends in {listed} or .{endings[-1]}."
+        )
+    return name
+
+
 def subject(
     motion_or_scene: HasAttitudes | Scene,
     start: EpochOrSeconds | None = None,
@@ -495,6 +510,8 @@ def subject(
             f"shape is {type(shape).__name__}; give an Ellipsoid or Mesh of attitude.shape, such "
             "as shape.read(file)."
         )
+    if title is not None and not isinstance(title, str):
+        raise AttitudeError(f"title is {quoted(title)}; give text.")
     scene = motion_or_scene if isinstance(motion_or_scene, Scene) else None
     motion = (
         motion_or_scene.motion if isinstance(motion_or_scene, Scene) else motion_of(motion_or_scene)

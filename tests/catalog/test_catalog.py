@@ -186,6 +186,9 @@ def test_names_that_are_not_quite_right():
     assert catalog.entry("oumuamua").name == "1I/'Oumuamua"
     with pytest.raises(AttitudeError, match="give one of"):
         catalog.entry("")
+    assert not catalog.has("")
+    with pytest.raises(AttitudeError, match="name is None; give the name of a body"):
+        catalog.has(None)
     with pytest.raises(AttitudeError, match="Psi is not a keyword of load"):
         catalog.load("1P/Halley", Psi=3)
     with pytest.raises(AttitudeError, match="no moments"):

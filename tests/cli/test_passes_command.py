@@ -69,6 +69,7 @@ def test_glints_are_those_of_the_function(attitude_command):
         (("passes", PASS, "--output", "a.txt"), "ends in .csv or .ecsv"),
         (("passes", PASS, *DAY, "--elevation", "2 m"), "elevation"),
         (("passes", PASS, *DAY, "--elevation", "200 deg"), "from -pi/2 to pi/2"),
+        (("passes", PASS, *DAY, "--night", "-6"), "night is -6.0 rad; it goes from -pi/2 to pi/2"),
         (("passes", str(ROOT / "data" / "mission" / "apophis-2012.toml")), "ground site"),
         (("passes", "none.toml"), "none.toml"),
         (("glints", PASS), "flat sides of a mesh"),

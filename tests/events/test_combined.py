@@ -187,6 +187,9 @@ def test_parts_units_and_extrema(scene):
         (lambda s: s.quantity("sub_solar"), "sub_solar has the parts longitude, latitude"),
         (lambda s: s.quantity("elevation.x"), "elevation has no parts; give 'elevation'."),
         (lambda s: s.quantity(3), "quantity is 3; give the name of a quantity"),
+        (lambda s: s.quantity(lambda view: 1.0, unit="foo"), "unit is in 'foo', which is not a"),
+        (lambda s: s.quantity("elevation", rate="3 deg"), "rate is in deg; give it in rad / s"),
+        (lambda s: (s.quantity(lambda view: "a") > 0)([0.0, 1.0]), "a view returns 'a'; it"),
         (lambda s: s.quantity("elevation", unit="deg"), "elevation is in rad; leave unit out"),
         (lambda s: s.quantity("elevation", step=-1), "step is -1.0; it must be greater than zero"),
         (lambda s: s.quantity("elevation") > "10 m", "the threshold is in m; give it in rad"),
@@ -207,6 +210,11 @@ def test_parts_units_and_extrema(scene):
 def test_what_is_refused(scene, make, message):
     with pytest.raises(AttitudeError, match=message.replace("(", r"\(")):
         make(scene)
+
+
+def test_the_rate_of_a_named_quantity_is_in_its_unit(scene):
+    assert scene.quantity("elevation", rate="0.3 deg/s").rate == np.radians(0.3)
+    assert scene.quantity(lambda view: view.elevation, unit="rad", rate=0.3).rate == 0.3
 
 
 def test_a_threshold_may_stand_on_the_left(scene):

@@ -567,6 +567,25 @@ def test_dates_and_several_conditions():
             "zero or not finite",
         ),
         (lambda m: events.brightness(m), "no brightness"),
+        (
+            lambda m: events.find_maxima(0, 9, events.in_cone(m, (1, 0, 0), (1, 0, 0), 0.1)),
+            "is true or false and has no extrema",
+        ),
+        (lambda m: events.find_maxima(0, 9, lambda t: "a", step=1), "the function returns 'a'"),
+        (lambda m: events.Moving(np.sin, rate=-1.0), "rate is -1.0; it must not be negative"),
+        (lambda m: events.Moving(np.sin, acceleration=-5), "acceleration is -5.0; it must not be"),
+        (
+            lambda m: events.in_cone(m, (1, 0, 0), lambda t: "a", 0.1)(0.0),
+            "direction returns 'a'; it must return an array of real numbers",
+        ),
+        (
+            lambda m: events.in_cone(m, (1, 0, 0), lambda t: [[1.0, 0.0], [1.0]], 0.1)(0.0),
+            "direction returns .*; it must return an array of real numbers",
+        ),
+        (
+            lambda m: events.glint(m, (1, 0, 0), (1, 0, 0), (0, 1, 0), velocity=lambda t: "a")(0.0),
+            "velocity returns 'a'",
+        ),
         (lambda m: events.find_discrete(0, 1, None), "f is None; give a Condition"),
         (lambda m: events.find_discrete(0, 1, 5), "f is 5; give a Condition"),
     ],

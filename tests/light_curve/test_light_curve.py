@@ -307,6 +307,22 @@ def test_shapes_and_laws_that_do_not_fit():
         phased_magnitude([1.0, 2.0], FACETS, "lambert", [0.1, 0.2, 0.3], hg)
 
 
+@pytest.mark.parametrize(
+    ("function", "sentence"),
+    [
+        (None, "function is None; give a function of the phase angle"),
+        (lambda alpha: np.zeros(5), r"what the phase function returns has shape \(5,\)"),
+        (lambda alpha: "x", "the phase function returns 'x'"),
+        (lambda alpha: np.where(alpha > 0.15, np.nan, alpha), "returns nan at 0.2 rad"),
+    ],
+)
+def test_a_phase_function_returns_a_magnitude_for_each_angle(function, sentence):
+    with pytest.raises(AttitudeError, match=sentence):
+        phased_magnitude(1.0, FACETS, "lambert", [0.1, 0.2], function)
+    # Where nothing is seen, no magnitude is needed.
+    assert phased_magnitude(0.0, FACETS, "lambert", 0.1, lambda alpha: np.nan) == np.inf
+
+
 def test_an_open_plate_shows_its_front_only():
     plate = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], open=True)
     up = np.array([0.0, 0.0, 1.0])

@@ -86,6 +86,19 @@ def test_the_span_is_what_all_parts_cover():
         path.position(START, 0.0)
 
 
+@pytest.mark.parametrize(
+    ("epochs_of_path", "sentence"),
+    [
+        (("2026-01-01", [0.0]), "instant is '2026-01-01'; give an Instant, made by epochs.instant"),
+        ((START, [0.0, 1.0], [1.0, 2.0, 3.0]), r"low has shape \(3,\), seconds has \(2,\)"),
+        ((START, "a"), "seconds is 'a', which is not a number"),
+    ],
+)
+def test_epochs_of_other_kinds_are_refused(epochs_of_path, sentence):
+    with pytest.raises(AttitudeError, match=sentence):
+        paths.fixed((1.0, 0.0, 0.0)).position(*epochs_of_path)
+
+
 def test_a_direction_has_no_position_and_says_so():
     sun = paths.direction((0.0, 0.0, 3.0), frame="ecliptic", name="Sun")
     assert sun.is_direction and np.linalg.norm(sun.unit) == pytest.approx(1.0, abs=2e-16)

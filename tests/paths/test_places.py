@@ -130,6 +130,8 @@ def test_the_packaged_list_is_that_of_the_minor_planet_center():
         ("a = 2.5 au, colour = red", "'colour = red', which is no element"),
         ("1, 2, 3, 4", "give longitude, latitude and, if known, the height"),
         ("10, 20, 30 deg", "whose height is in deg"),
+        ("15.5 deg, 1.2", "whose latitude has no unit"),
+        ("15.5 deg, 47, 2700 m", "whose latitude has no unit"),
         ("12 deg", "not the name of a body"),
         (3.5, "give a path of attitude.paths"),
         ({"spk": "x.bsp"}, "spk needs a target"),

@@ -281,6 +281,8 @@ def test_bad_parts_are_refused_in_a_sentence():
         cylinder(1, 1, sides=2)
     with pytest.raises(AttitudeError, match="gap is -1"):
         box_wing((1, 1, 1), (1, 1), gap=-1)
+    with pytest.raises(AttitudeError, match="materials is 5; give four names"):
+        box_wing((1, 1, 1), (1, 1), materials=5)
     with pytest.raises(AttitudeError, match="count is 3"):
         Ellipsoid((1, 1, 1)).facets(3)
     with pytest.raises(AttitudeError, match="materials is 5"):

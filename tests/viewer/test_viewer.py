@@ -216,6 +216,9 @@ def test_impulses_make_pieces():
         ({"start": 5.0, "stop": 5.0}, "give a stop after the start"),
         ({"shape": "toutatis.obj"}, "shape is str"),
         ({"output": "/nowhere/view.html"}, "/nowhere"),
+        ({"output": "toutatis.pdf"}, "output is 'toutatis.pdf'; give a name that ends in .html or"),
+        ({"output": 3}, "output is 3; give the name of a file"),
+        ({"title": 3}, "title is 3; give text"),
     ],
 )
 def test_bad_input_is_a_sentence(settings, sentence):
