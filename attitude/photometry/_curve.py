@@ -56,6 +56,8 @@ _AS_GIVEN = ("epoch", "time_of", "unit_distances", "zero_phase", "notes", "name"
 _ON_ECLIPTIC = 0.1
 # Rounds of the correction of a date at the barycenter or the body: each gains four digits.
 _ROUNDS = 4
+# Part of the median error below which normal equations in doubles lose the other points.
+_SMALL = 1e-5
 _CENTERS: Final = {"barycenter": None, "heliocenter": "sun"}
 WAYS: Final = "sun= and observer= (vectors from the body), scene=, or path= with site="
 
@@ -215,6 +217,7 @@ class LightCurve(Immutable):
     ) -> None:
         start, t = _seconds(times, epoch)
         values, errors = _brightness(magnitude, flux, sigma, len(t))
+        refuse_small(errors, None if flux is None else values, "sigma", labels)
         site, places = _sites(site, places, session)
         named = [
             _numbered(words, word, len(t))
@@ -640,6 +643,28 @@ def _brightness(magnitude: Any, flux: Any, sigma: Any, count: int) -> tuple[Floa
         raise AttitudeError("sigma has entries below zero; give standard errors.")
     errors[~np.isfinite(errors) | (errors == 0.0)] = np.nan
     return values, errors
+
+
+def refuse_small(
+    errors: FloatArray, flux: FloatArray | None, name: str, labels: Sequence[str] | None = None
+) -> None:
+    """AttitudeError for errors (N,) so small that fits would lose all points beside them.
+
+    With fluxes, which may have other units in other sessions, those alone that are small for the
+    flux too.
+    """
+    known = errors[errors > 0.0]
+    least = _SMALL * float(np.median(known)) if known.size else 0.0
+    small = errors < least
+    if flux is not None:
+        small &= (errors < _SMALL * np.abs(flux)) | (flux == 0.0)
+    if np.any(small):
+        k = int(np.flatnonzero(small)[0])
+        raise AttitudeError(
+            f"{name} is {errors[k]:.3g} at {f'row {k}' if labels is None else labels[k]}, and the "
+            f"median is {least / _SMALL:.3g}; give errors of at least {_SMALL:g} of the median, or "
+            "leave such points out."
+        )
 
 
 def _plain(numbers, name, unit, own_unit):

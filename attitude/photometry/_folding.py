@@ -141,6 +141,7 @@ def fold(
 
 
 def _folded(data, periods, numbers, epoch, refine):
+    data.refuse_constant()
     series = (_spectrum.refined if refine else _spectrum.fixed)(data, 1.0 / periods, numbers)
     if refine:
         periods = 1.0 / series.frequencies

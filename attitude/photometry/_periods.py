@@ -389,6 +389,7 @@ def periods(
         raise AttitudeError("first and second are bounds of two periods; give count=2.")
 
     def searched(samples: Samples) -> Periods:
+        samples.refuse_constant()
         if count == 1:
             bounds = min_period, max_period
             return _one(samples, bounds, number, method, bins, engine, kept, seed)

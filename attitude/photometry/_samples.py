@@ -15,7 +15,7 @@ from attitude.epochs import _inputs
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.motions._motion import Motion
-from attitude.photometry._curve import LightCurve
+from attitude.photometry._curve import LightCurve, refuse_small
 from attitude.photometry._spectrum import line_numbers
 
 if TYPE_CHECKING:
@@ -31,6 +31,8 @@ Found = TypeVar("Found")
 
 # Least error in a search of periods, in standard deviations of the values.
 _FLOOR = 0.05
+# Range of values that do not vary, over the greatest of them.
+_ROUNDING = 1e-12
 # Turns in a span from which plain numbers of seconds are doubted.
 _TURNS = 3e5
 # Spans in a period from which they are.
@@ -99,6 +101,15 @@ class Samples:
         mean = np.bincount(self.curve, weights * self.values) / total
         return self.values - mean[self.curve]
 
+    def refuse_constant(self) -> None:
+        """AttitudeError for values that do not differ by more than rounding."""
+        is_fitted = len(self.t) > self.linear
+        if is_fitted and np.ptp(self.detrended) <= _ROUNDING * np.abs(self.values).max():
+            raise AttitudeError(
+                f"the {len(self.t)} values do not vary but for their zero points; give a light "
+                "curve that varies."
+            )
+
 
 def is_plain(values: Any) -> bool:
     """Whether numbers, or their text, have no unit."""
@@ -115,6 +126,8 @@ def warn_of_plain(bounds: Any, name: str, t: FloatArray, unit: str = "s") -> Non
     if not is_plain(bounds):
         return
     numbers = validation.real(bounds, name, unit="1/s" if unit == "Hz" else unit)
+    if not numbers.size or not np.all(numbers > 0.0):
+        return  # which the search refuses
     periods = 1.0 / numbers if unit == "Hz" else numbers
     t = np.sort(t)
     span, steps = float(t[-1] - t[0]), np.diff(t)
@@ -287,6 +300,7 @@ def _errors(errors: Any, unit: Any, shape: tuple[int, ...]) -> FloatArray | None
         raise AttitudeError(
             f"errors holds {bad}; give errors above zero, or leave such values out."
         )
+    refuse_small(sigmas, None, "errors")
     return sigmas
 
 

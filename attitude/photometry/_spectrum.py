@@ -16,7 +16,7 @@ import numpy as np
 
 from attitude._compilation.decorators import entry_point, reduction_subroutine, subroutine
 from attitude._support import blocks as support_blocks
-from attitude._support import validation
+from attitude._support import least_squares, validation
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
@@ -447,7 +447,7 @@ def refined(
             break
     joint = model.joint(fit)
     freedom = max(1, len(samples.t) - parameters)
-    inverse = np.linalg.pinv(joint.T @ joint, hermitian=True)[-dimensions:, -dimensions:]
+    inverse = least_squares.inverse(joint.T @ joint)[-dimensions:, -dimensions:]
     first = samples.linear
     return RefinedSeries(
         frequencies=f,

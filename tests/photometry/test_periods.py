@@ -79,6 +79,39 @@ def test_errors_in_another_unit_than_the_values():
     np.testing.assert_allclose(one.errors, 0.02)
 
 
+@pytest.mark.parametrize("size", [1.0, 1e-10, 1e12])
+def test_errors_of_periods_do_not_depend_on_the_size_of_the_values(size):
+    t, generator = nights(), np.random.default_rng(3)
+    y = np.cos(2 * np.pi * t / (6.0 * HOUR)) + 0.1 * generator.normal(size=t.size) + 15.0
+    expected = photometry.fold(t, "6 h", y, order=1).series.errors
+    found = photometry.fold(t, "6 h", size * y, order=1).series.errors
+    np.testing.assert_allclose(found, expected, rtol=1e-6)
+    assert 1e-5 < found[0] * 6.0 * HOUR < 1e-3
+
+
+@pytest.mark.parametrize("options", [{}, {"method": "pdm"}, {"count": 2, "order": 1}])
+def test_values_that_do_not_vary_have_no_period(options):
+    t = nights()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for y in (np.full(t.size, 15.1), np.repeat([15.1, 15.3], t.size // 2)):
+            numbers = (y > 15.2).astype(int)
+            with pytest.raises(AttitudeError, match="300 values do not vary"):
+                photometry.periods(t, y, curve=numbers, min_period="2 h", **options)
+            with pytest.raises(AttitudeError, match="300 values do not vary"):
+                photometry.fold(t, "6 h", y, curve=numbers)
+
+
+@pytest.mark.parametrize("count", [1, 2])
+@pytest.mark.parametrize("bounds", [{"min_period": 0}, {"max_period": 0.0}, {"min_period": -1}])
+def test_bounds_of_periods_are_above_zero(count, bounds):
+    t = nights()
+    name, bound = next(iter(bounds.items()))
+    options = {"min_period": "2 h"} | bounds
+    with pytest.raises(AttitudeError, match=rf"{name} is {bound:.1f}; it must be greater"):
+        photometry.periods(t, tumbler(t), count=count, **options)
+
+
 # Reduction ----------------------------------------------------------------------------------------
 
 
