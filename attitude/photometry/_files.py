@@ -1,6 +1,8 @@
 """Photometry in files of any known format, read as keywords of `LightCurve`.
 
-Names of columns are read in any case, without units in brackets, blanks as underscores:
+Names of columns are read in any case, blanks as underscores.  A unit in square brackets, as in
+``ra [h]`` and ``error [mmag]``, is converted or refused; words in round brackets count where they
+are a unit of the same kind.
 
 ==================================  ==============================================================
 utc, date, datetime, time, obstime  ISO dates in UTC; utc_emission: when the light left the body
@@ -16,6 +18,7 @@ filter, band                        filter
 site, station, stn, obs_code        code of the observatory
 session, night, observer            session
 exposure, exptime                   exposure times, s, of which the dates are the middles
+object, designation                 one body: rows of several are refused
 sun_x .. observer_z                 vectors from the body, au, over the axes of `frame`
 ra, dec, delta                      place in the sky (deg, ICRF) and distance (au) from the Earth's
                                     centre, light time taken off
@@ -37,7 +40,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
 
 import numpy as np
 
-from attitude._support import validation
+from attitude._support import quantity_text, validation
 from attitude._support.constants import ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S
 from attitude._support.quoting import quoted
 from attitude._textfiles import lines as textfiles_lines
@@ -88,6 +91,7 @@ class RawPoint(NamedTuple):
     site: str = ""
     session: str = ""
     exposure: float = 0.0
+    object: str = ""
 
 
 def _of_rows(rows, name, *, scale=None, offset=0.0, is_flux=False, bad=None):
@@ -118,6 +122,12 @@ def _of_rows(rows, name, *, scale=None, offset=0.0, is_flux=False, bad=None):
             + (f"; {listed(left_out, '; ')}" if left_out else "")
             + "."
         )
+    objects = sorted({rows[k].object.strip() for k in kept} - {""})
+    if len(objects) > 1:
+        raise AttitudeError(
+            f"{name}: has photometry of {len(objects)} objects, "
+            f"{quoted(listed(objects), 200, '')}; write that of each object into a file of its own."
+        )
     notes = [f"{without} of {len(rows)} rows have no {word}."] if without else []
     notes += _repeated([rows[k] for k in kept], word)
     both = np.array(numbers).reshape(-1, 2)
@@ -126,6 +136,7 @@ def _of_rows(rows, name, *, scale=None, offset=0.0, is_flux=False, bad=None):
         word: both[:, 0],
         "sigma": both[:, 1],
         "rows": np.array(kept),
+        "name": objects[0] if objects else None,
         "bad": left_out,
         "notes": notes,
         "labels": [f"line {rows[k].line}, {rows[k].time.strip()[:40]}" for k in kept],
@@ -285,8 +296,9 @@ _MIDDLE = {"START": 0.5, "END": -0.5}
 _SECONDS = 86400.0
 _ALCDEF_PLACE = ("OBSLONGITUDE", "OBSLATITUDE")
 _NO = ("", "NONE", "FALSE")
-# Columns of ADES that are used.
+# Columns of ADES that are used, and those that name the body, of which the first one counts.
 _OPTICAL = ("obsTime", "mag", "rmsMag", "band", "stn")
+_DESIGNATIONS = ("permID", "provID", "trkSub")
 # Julian date of 1970-01-01.
 _JD_OF_1970 = Decimal("2440587.5")
 # The beginning of a date of the MPC, by which its records are recognized; and a whole one.
@@ -328,8 +340,6 @@ def of_alcdef(text: str, name: str) -> Keywords:
         )
     keywords["time_of"] = "emission" if True in light else "reception"
     keywords["unit_distances"] = True in reduced
-    objects = {meta.get("OBJECTNAME") or meta.get("MPCDESIG", "") for meta in seen}
-    keywords["name"] = ", ".join(sorted(objects - {""})) or None
     relative = [meta.get("DIFFERMAGS", "").upper() == "TRUE" for meta in seen]
     if all(relative):
         keywords["zero_points"] = "free"
@@ -366,7 +376,8 @@ def _alcdef_row(number: int, parts: list[str], meta: dict[str, str], block: int)
     site = meta.get("MPCCODE", "")
     if not site and "" not in (place := [meta.get(key, "") for key in _ALCDEF_PLACE]):
         site = f"{place[0]}, {place[1]} deg"
-    return RawPoint(number, date, parts[1].strip(), error, band, site, session, exposure)
+    body = " ".join((meta.get("OBJECTNAME") or meta.get("MPCDESIG", "")).split())
+    return RawPoint(number, date, parts[1].strip(), error, band, site, session, exposure, body)
 
 
 def _shifted(meta: dict[str, str]) -> float:
@@ -410,7 +421,8 @@ def of_ades_xml(text: str, name: str) -> Keywords:
 
 def _ades_row(number: int, entries: dict[str, str]) -> RawPoint:
     date, value, error, band, site = (entries.get(key, "") for key in _OPTICAL)
-    return RawPoint(number, date, value, error, band, site)
+    body = next(filter(None, (entries.get(key, "").strip() for key in _DESIGNATIONS)), "")
+    return RawPoint(number, date, value, error, band, site, object=body)
 
 
 def of_mpc(text: str, name: str) -> Keywords:
@@ -442,7 +454,11 @@ def _mpc_row(number: int, line: str) -> RawPoint:
             date = str(midnight + _JD_OF_1970 + Decimal(f"0.{fraction or 0}"))
         except ValueError:
             pass  # no day of that month: reported with its row, as a date in another form
-    return RawPoint(number, date, line[65:70].strip(), "", line[70].strip(), line[77:80].strip())
+    value, band, site = line[65:70].strip(), line[70].strip(), line[77:80].strip()
+    body = line[:5].strip()
+    if not (body.startswith("~") or body[-1:].isdigit()):  # no number of a minor planet
+        body = line[:12].strip()
+    return RawPoint(number, date, value, "", band, site, object=body)
 
 
 def of_damit(text: str, name: str) -> Keywords:
@@ -521,11 +537,27 @@ _NAMES: dict[str, tuple[str, ...]] = {
     "session": ("session", "night", "observer", "code", "curve"),
     "filter": ("filter", "band", "filt", "fid"),
     "site": ("site", "station", "stn", "obs_code", "mpc_code", "observatory", "mpccode"),
+    "object": ("object", "designation"),
 }
+_TEXTS = ("error", "filter", "site", "session", "object")
 _PLACE = (("ra_deg", "ra"), ("dec_deg", "dec"), ("delta", "delta_au"))
+# Units of these, and the least and the greatest number.
+_SKY = (("deg", -360.0, 360.0), ("deg", -90.0, 90.0), ("au", 1e-9, 1e9))
 _AXES = [f"{place}_{axis}" for place in ("sun", "observer") for axis in "xyz"]
 _WIDTH = 10
 _J2000 = Instant(0.0)
+_BRACKET = re.compile(r"\s*([\[(])(.*?)[\])]")
+
+
+class _Column(NamedTuple):
+    """The entries of a column; its unit, "" if there is none, and whether it can be a remark."""
+
+    entries: list[str]
+    unit: str = ""
+    is_remark: bool = False
+
+
+_Table: TypeAlias = Mapping[str, _Column]
 
 
 def of_text(text: str, name: str, columns: Mapping[str, str] | None = None) -> Keywords:
@@ -547,7 +579,12 @@ def of_text(text: str, name: str, columns: Mapping[str, str] | None = None) -> K
         if len(entries) != width
     ]
     rows = [row for row in rows if len(row[1]) == width]
-    table = {_plain(key): [entries[k] for _, entries in rows] for k, key in enumerate(names)}
+    table = {}
+    for k, key in enumerate(names):
+        bracket = _BRACKET.search(key)
+        mark, unit = bracket.groups() if bracket else ("", "")
+        column = _Column([entries[k] for _, entries in rows], unit.strip(), mark == "(")
+        table[_plain(key)] = column
     return _of_table(table, [line for line, _ in rows], name, columns, bad)
 
 
@@ -559,44 +596,69 @@ def _of_table(table, lines, name, columns=None, bad=None):
                 f"{name}: has no column {quoted(column)}; it has {_names_of(table) or 'none'}."
             )
         # first, so that it is taken before columns of the same meaning
-        table = {_plain(meant): [], **table} | {_plain(meant): table[_plain(column)]}
+        table = {_plain(meant): _Column([]), **table} | {_plain(meant): table[_plain(column)]}
     date, (scale, offset, place) = _dates(table, name)
-    brightness = next(
-        (kind for kind in ("magnitude", "reduced", "flux") if _column(table, kind)), None
-    )
-    if brightness is None:
+    kinds = ("magnitude", "reduced", "flux")
+    brightness, key = next(((kind, key) for kind in kinds if (key := _key(table, kind))), ("", ""))
+    if not key:
         raise AttitudeError(
             f"{name}: has no column of magnitudes or flux; name one mag or flux, or give "
             f"columns= with one of {_names_of(table)}."
         )
-    if scale is None and all(map(_is_number, table[date][:5])):
-        scale, offset = _scale_of_numbers(table[date], name, date)
-    texts = {key: _column(table, key) for key in ("error", "filter", "site", "session")}
-    exposures = _column(table, "exposure")
-    values = _column(table, brightness) or []
+    is_flux = brightness == "flux"
+    dates = _in_unit(table, date, "d", name)
+    if scale is None and all(map(_is_number, dates[:5])):
+        scale, offset = _scale_of_numbers(dates, name, date)
+    unit = table[key].unit if is_flux else "mag"
+    values = _in_unit(table, key, unit, name)
+    texts = {kind: table[_key(table, kind)].entries for kind in _TEXTS if _key(table, kind)}
+    if "error" in texts:
+        texts["error"] = _in_unit(table, _key(table, "error"), unit, name)
+    exposure = _key(table, "exposure")
+    exposures = _in_unit(table, exposure, "s", name) if exposure else []
     rows = [
         RawPoint(
             line,
-            table[date][k],
+            dates[k],
             values[k],
             exposure=_exposure(exposures[k]) if exposures else 0.0,
-            **{key: col[k] for key, col in texts.items() if col},
+            **{kind: entries[k] for kind, entries in texts.items()},
         )
         for k, line in enumerate(lines)
     ]
-    is_flux = brightness == "flux"
     keywords = _of_rows(rows, name, scale=scale, offset=offset, is_flux=is_flux, bad=bad)
     keywords |= {"time_of": place, "unit_distances": brightness == "reduced"}
     return keywords | _geometry(table, keywords, name)
 
 
+def _in_unit(table: _Table, key: str, wanted: str, name: str) -> list[str]:
+    """The entries of a column, those that are numbers in another unit than stands at its name."""
+    column = table[key]
+    if column.unit in ("", wanted):
+        return column.entries
+    try:
+        unit = quantity_text.unit_of(column.unit, key)
+        if key in _PLACE[0] and unit.is_equivalent("h"):
+            factor = 15.0 * unit.to("h")
+        else:
+            factor = unit.to(quantity_text.unit_of(wanted, key))
+    except ValueError:  # no unit, or of another kind
+        if column.is_remark or key in _TIMES:
+            return column.entries
+        raise AttitudeError(
+            f"{name}: the column {quoted(key, mark='')} is in {quoted(column.unit)}; give it in "
+            f"{quoted(wanted or 'the unit of the flux', mark='')}, or a unit that converts to it."
+        ) from None
+    return [repr(float(word) * factor) if _is_number(word) else word for word in column.entries]
+
+
 def _plain(name: str) -> str:
     """A column's name without units, case and marks."""
-    bare = re.sub(r"\s*[\[(].*?[\])]", "", name.strip().strip('"').lower())
+    bare = _BRACKET.sub("", name.strip().strip('"').lower())
     return re.sub(r"[\s.]+", "_", bare.strip())
 
 
-def _dates(table: Mapping[str, Any], name: str) -> tuple[str, tuple[str | None, float, str]]:
+def _dates(table: _Table, name: str) -> tuple[str, tuple[str | None, float, str]]:
     for key, how in _TIMES.items():
         if key in table:
             return key, how
@@ -624,13 +686,14 @@ def _scale_of_numbers(values: Sequence[str], name: str, key: str) -> tuple[str, 
     )
 
 
-def _names_of(table: Mapping[str, Any]) -> str:
+def _names_of(table: _Table) -> str:
     """The names of the columns of a table, as far as a sentence holds them."""
     return quoted(", ".join(table), 120, "")
 
 
-def _column(table: Mapping[str, list[str]], kind: str) -> list[str] | None:
-    return next((table[key] for key in _NAMES[kind] if key in table), None)
+def _key(table: _Table, kind: str) -> str:
+    """The name of the column of a kind, or ""."""
+    return next((key for key in _NAMES[kind] if key in table), "")
 
 
 def _is_number(text: str) -> bool:
@@ -650,29 +713,42 @@ def _names_of_width(width: int, name: str) -> list[str]:
     return ["time", "mag", "sigma"][:width]
 
 
-def _geometry(table: Mapping[str, list[str]], keywords: Keywords, name: str) -> dict[str, Any]:
+def _geometry(table: _Table, keywords: Keywords, name: str) -> dict[str, Any]:
     """Vectors to Sun and observer, if the table has them."""
     more: dict[str, Any] = {}
     for place, keys in (("sun", _AXES[:3]), ("observer", _AXES[3:])):
         if all(key in table for key in keys):
-            vectors = [_numbers(table[key], key, keywords, name) for key in keys]
+            vectors = [_numbers(table, key, "au", keywords, name) for key in keys]
             more[place] = np.stack(vectors, axis=-1) * ASTRONOMICAL_UNIT_M
     keys = [next((key for key in names if key in table), "") for names in _PLACE]
     if not more and all(keys):
-        ra, dec, delta = (_numbers(table[key], key, keywords, name) for key in keys)
+        ra, dec, delta = (
+            _numbers(table, key, unit, keywords, name, least, most)
+            for key, (unit, least, most) in zip(keys, _SKY, strict=True)
+        )
         sun, observer = _of_sky(keywords["times"], ra, dec, delta)
         more = {"sun": sun, "observer": observer, "frame": "icrf"}
     return more
 
 
-def _numbers(values: Sequence[str], key: str, keywords: Keywords, name: str) -> FloatArray:
+def _numbers(table, key, unit, keywords, name, least=-np.inf, most=np.inf):
+    """The numbers of the rows that are used, of a column whose entries have bounds."""
+    entries = _in_unit(table, key, unit, name)
+    shown = quoted(key, mark="")
     try:
-        return np.array([float(values[k]) for k in keywords["rows"]])
+        numbers = np.array([float(entries[k]) for k in keywords["rows"]])
     except ValueError as err:
         raise AttitudeError(
-            f"{name}: the column {quoted(key, mark='')} holds text "
-            f"({quoted(err, 120, '')}); give numbers."
+            f"{name}: the column {shown} holds text ({quoted(err, 120, '')}); give numbers."
         ) from None
+    wrong = np.flatnonzero(~(np.isfinite(numbers) & (numbers >= least) & (numbers <= most)))
+    if wrong.size:
+        raise AttitudeError(
+            f"{name}: the column {shown} holds {numbers[wrong[0]]:g} {unit} "
+            f"({keywords['labels'][wrong[0]]}); give finite numbers"
+            + (f" from {least:g} to {most:g} {unit}." if np.isfinite(least) else ".")
+        )
+    return numbers
 
 
 def _of_sky(times, ra, dec, delta):
@@ -749,27 +825,19 @@ def of_ecsv(text: str, name: str, columns: Mapping[str, str] | None = None) -> K
     except Exception as err:  # astropy raises exceptions of any type for broken files
         reason = " ".join(str(err).split())[:120] or type(err).__name__
         raise AttitudeError(f"{name}: it cannot be read as ECSV: {reason}.") from None
-    texts: dict[str, list[str]] = {}
+    texts: dict[str, _Column] = {}
     for key in table.colnames:
         column = table[key]
         if isinstance(column, Time):
             fine = Time(column.tdb, precision=9, copy=True)
-            texts.setdefault("utc", [f"{date} TDB" for date in fine.isot])
+            texts.setdefault("utc", _Column([f"{date} TDB" for date in fine.isot]))
             continue
-        texts[key.lower()] = [_text(value) for value in _in_units(column)]
+        unit = getattr(column, "unit", None)
+        unit = getattr(unit, "function_unit", unit)  # mag of mag(AB)
+        entries = [_text(value) for value in column]
+        texts[key.lower()] = _Column(entries, "" if unit is None else str(unit))
     before = sum(1 for line in text.splitlines() if line.startswith("#")) + 2
     return _of_table(texts, range(before, before + len(table)), name, columns)
-
-
-def _in_units(column: Any) -> Any:
-    """A column in days, magnitudes, degrees or au, as `_of_table` reads it."""
-    unit = getattr(column, "unit", None)
-    if unit is None:
-        return column
-    for wanted in ("d", "mag", "deg", "au"):
-        if unit.is_equivalent(wanted):
-            return getattr(column, "quantity", column).to_value(wanted)
-    return column
 
 
 def _text(value: Any) -> str:

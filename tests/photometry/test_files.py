@@ -9,8 +9,11 @@ from astropy.table import QTable
 from astropy.time import Time
 
 from attitude import AttitudeError, inversion, paths, photometry
+from attitude._support.constants import ASTRONOMICAL_UNIT_M
 from attitude.errors import AttitudeWarning
 from tests.support.photometry_files import ALCDEF, CSV, DAMIT, MPC, PSV, XML
+
+AU_KM = ASTRONOMICAL_UNIT_M / 1000.0
 
 
 def read(tmp_path, text, name="a.txt", **options):
@@ -315,3 +318,98 @@ def test_a_light_curve_without_geometry_is_asked_for_it(tmp_path):
     with pytest.raises(AttitudeError, match="no vectors to Sun and observer"):
         _ = curve.phase_angle
     assert inversion.LightCurve is photometry.LightCurve is photometry.Photometry
+
+
+@pytest.mark.parametrize(
+    ("text", "names"),
+    [
+        (ALCDEF.replace("OBJECTNAME=Example", "OBJECTNAME=Other", 1), "Example, Other"),
+        (MPC.replace("00085  ", "00086  ", 1), "00085, 00086"),
+        (MPC.replace("00085         C", "     K19A01A  C", 1), "00085, K19A01A"),
+        (PSV.replace("2023-13", "2023-07").replace("XX5", "XX6", 1), "2023 XX5, 2023 XX6"),
+        (XML.replace("<optical><stn>", "<optical><trkSub>P1</trkSub><mag>2</mag><stn>"), "1, P1"),
+        ("jd,mag,object\n2460000.5,1,Eros\n2460001.5,1,Ida\n", "Eros, Ida"),
+    ],
+    ids=["alcdef", "mpc", "mpc-provisional", "psv", "xml", "csv"],
+)
+def test_photometry_of_several_objects_is_refused(tmp_path, text, names):
+    with pytest.raises(AttitudeError, match=f"has photometry of 2 objects, .*{names}"):
+        read(tmp_path, text, bad="ignore")
+
+
+SKY = (
+    "jd,mag [mag],error [{}],exposure [{}],ra [{}],dec [{}],{} [{}]\n2460000.5,15,{},{},{},{},{}\n"
+)
+
+
+@pytest.mark.parametrize("name", ["a.csv", "a.ecsv"])
+def test_units_of_columns(tmp_path, name):
+    """Units in brackets of CSV and those of ECSV are converted, each to that of its column."""
+    plain = SKY.format("mag", "s", "deg", "deg", "delta", "au", 0.01, 300, 150, 20, 0.5)
+    if name.endswith("ecsv"):
+        columns = {"jd": [2460000.5] * units.d, "mag": [15.0] * units.mag}
+        columns |= {"error": [10.0] * units.mmag, "exposure": [5.0] * units.min}
+        columns |= {"ra": [10.0] * units.hourangle, "dec": [1200.0] * units.arcmin}
+        QTable(columns | {"delta": [0.5 * AU_KM] * units.km}).write(
+            tmp_path / name, format="ascii.ecsv"
+        )
+        found = photometry.read(tmp_path / name)
+    else:
+        other = "mmag", "min", "h", "arcmin", "delta", "km", 10, 5, 10, 1200, 0.5 * AU_KM
+        found = read(tmp_path, SKY.format(*other))
+    expected = read(tmp_path, plain)
+    np.testing.assert_allclose(found.sigma, [0.01], rtol=1e-14)
+    assert found.exposure[0] == expected.exposure[0] == 300.0
+    np.testing.assert_allclose(found.vectors, expected.vectors, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("header", "sigma", "words"),
+    [
+        ("jd,flux [Jy],flux_err [mJy]", 0.002, None),
+        ("jd,flux [e-/s],flux_err [e-/s]", 2.0, None),
+        ("JD [UTC],mag (V),err (1 sigma)", 2.0, None),
+        ("jd,mag,err [counts]", None, "the column err is in 'counts'; give it in mag, or a unit"),
+        ("jd,flux,err [mJy]", None, "in 'mJy'; give it in the unit of the flux"),
+        ("jd,mag [V],err", None, "the column mag is in 'V'; give it in mag"),
+    ],
+)
+def test_units_that_differ_or_are_none(tmp_path, header, sigma, words):
+    if words is None:
+        assert read(tmp_path, f"{header}\n2460000.5,15,2\n").sigma.tolist() == [sigma]
+    else:
+        with pytest.raises(AttitudeError, match=words):
+            read(tmp_path, f"{header}\n2460000.5,15,2\n")
+
+
+@pytest.mark.parametrize(
+    ("place", "words"),
+    [
+        (
+            "10,100,1",
+            "the column dec holds 100 deg .line 2, 2460000.5.; give finite numbers from -90",
+        ),
+        ("10,10,-1", "the column delta holds -1 au"),
+        ("nan,10,1", "the column ra holds nan deg"),
+    ],
+)
+def test_places_in_the_sky_have_bounds(tmp_path, place, words):
+    with pytest.raises(AttitudeError, match=words):
+        read(tmp_path, f"jd,mag,ra,dec,delta\n2460000.5,15,{place}\n")
+
+
+@pytest.mark.parametrize("error", ["1e-160", "1e-100", "1e-8"])
+def test_an_error_far_below_the_others_is_refused(tmp_path, error):
+    """Its weight would leave the other points without any in a fit."""
+    for key, factor in (("mag", 1.0), ("flux", 1e-20)):
+        rows = [(k, 15 * factor, 0.01 * factor) for k in range(9)]
+        text = "".join(f"{2460000.5 + k},{m},{e}\n" for k, m, e in rows)
+        header = f"jd,{key},err\n2460009.5,{15 * factor},{float(error) * factor}\n"
+        with pytest.raises(AttitudeError, match=r"at line 2, 2460009\.5, and the median is"):
+            read(tmp_path, header + text)
+    with pytest.raises(AttitudeError, match=r"errors is .* at row 3"):
+        photometry.fold(np.arange(9.0), 3.0, np.arange(9.0), [1, 1, 1, float(error)] + [1] * 5)
+    # sessions may have fluxes in units of their own
+    flux, session = [1e9, 1.1e9, 2e-9], ["a", "a", "b"]
+    times = ["2026-01-01", "2026-01-02", "2026-01-03"]
+    photometry.LightCurve(times, flux=flux, sigma=[1e7, 1e7, 1e-10], session=session)
