@@ -1,4 +1,4 @@
-"""How sentences of errors quote input."""
+"""How sentences quote input and count things."""
 
 from __future__ import annotations
 
@@ -17,3 +17,8 @@ def quoted(value: object, most: int = 60, mark: str | None = None) -> str:
         return f"a very large {type(value).__name__}"
     text = " ".join(text.split())
     return text if len(text) <= most else text[: most - 3] + "..."
+
+
+def counted(number: int, noun: str, plural: str = "") -> str:
+    """A number of things: "1 row", "2 rows"."""
+    return f"{number} {noun if number == 1 else plural or noun + 's'}"

@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from decimal import Decimal
 from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
@@ -14,7 +15,7 @@ from attitude import frames
 from attitude._support import markup, validation
 from attitude._support.arrays import Immutable, frozen
 from attitude._support.constants import ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S
-from attitude._support.quoting import quoted
+from attitude._support.quoting import counted, quoted
 from attitude._support.synonyms import arguments
 from attitude._textfiles.atomic_write import written_whole
 from attitude.epochs import _inputs, _instants
@@ -58,7 +59,7 @@ _ON_ECLIPTIC = 0.1
 _ROUNDS = 4
 # Part of the median error below which normal equations in doubles lose the other points.
 _SMALL = 1e-5
-_CENTERS: Final = {"barycenter": None, "heliocenter": "sun"}
+_CENTERS: Final = {"barycenter": "ssb", "heliocenter": "sun"}
 WAYS: Final = "sun= and observer= (vectors from the body), scene=, or path= with site="
 
 
@@ -87,7 +88,8 @@ class LightCurve(Immutable):
         Vectors from the body, m or Quantities, over the axes of `frame`; of the observer, to where
         the light of the body arrived from where the body was when it left.
     scene : Scene, optional
-        In place of sun and observer: its places, light time included.
+        In place of sun and observer: its places, light time included; of a scene without light
+        time, times are those of emission.
     path : Path, name, file or text, optional
         In place of both: the path of the body, with `site`.
     site : (N,) array_like of text, or one place, or dict, optional
@@ -239,6 +241,8 @@ class LightCurve(Immutable):
         if self.scenes:
             vectors, received = _of_scenes(self.scenes, self.sites, self.site, start, t, time_of)
             t, time_of = (received, "reception") if time_of in _CENTERS else (t, time_of)
+            if not all(scene.light_time for scene in self.scenes.values()):
+                time_of = "emission"  # which is reception there
         late = _late(vectors, time_of)
         middle = float(np.round(0.5 * ((t - late).min() + (t - late).max())))
         self._set("epoch", start.after(middle))
@@ -314,8 +318,8 @@ class LightCurve(Immutable):
         return len(self.seconds)
 
     def __repr__(self) -> str:
-        what = "fluxes" if self.is_flux else "magnitudes"
-        words = [f"{len(self)} {what}"]
+        what = ("flux", "fluxes") if self.is_flux else ("magnitude",)
+        words = [counted(len(self), *what)]
         bands = ", ".join(band for band in self.filters if band)
         if bands:
             words.append(f"in {quoted(bands, 60, '')}")
@@ -387,11 +391,12 @@ class LightCurve(Immutable):
         """Magnitudes (N,); of fluxes -2.5 log10, which have an unknown zero point."""
         if not self.is_flux:
             return self.value
-        if np.any(self.value <= 0.0):
+        wrong = np.count_nonzero(self.value <= 0.0)
+        if wrong:
+            verb = counted(wrong, "flux is", "fluxes are")
             raise AttitudeError(
-                f"{np.count_nonzero(self.value <= 0.0)} fluxes are not above zero, and have no "
-                "magnitude; leave these points out, or add the background that was taken off too "
-                "much."
+                f"{verb} not above zero, and {'has' if wrong == 1 else 'have'} no magnitude; leave "
+                "such points out, or add the background that was taken off too much."
             )
         return -2.5 * np.log10(self.value)
 
@@ -433,8 +438,10 @@ class LightCurve(Immutable):
             if word is not None:
                 words = getattr(self, f"{key}s")
                 if str(word) not in words:
+                    allowed = f"it must be one of {_listed(words)}"
                     raise AttitudeError(
-                        f"{key} is {quoted(str(word))}; it must be one of {_listed(words)}."
+                        f"{key} is {quoted(str(word))}"
+                        + (f"; {allowed}." if any(words) else f", but no point has a {key}.")
                     )
                 mask &= getattr(self, key) == words.index(str(word))
         return self[mask]
@@ -561,8 +568,8 @@ class LightCurve(Immutable):
         """Write the points as a CSV with named columns, which `LightCurve.read` reads.
 
         Dates at the barycenter or the Sun are Julian dates, others ISO dates in UTC; vectors to Sun
-        and observer are in au over the axes of ICRF.  What the dates and the brightness mean stands
-        in the remarks above the names.
+        and observer are in au over the axes of ICRF.  What the dates are stands in the remark above
+        the names.
 
         Raises
         ------
@@ -574,16 +581,19 @@ class LightCurve(Immutable):
         if center:
             time = self.times.tdb if center == "bjd_tdb" else self.times.utc
             columns[center] = [
-                f"{np.longdouble(a) + np.longdouble(b):.12f}"
-                for a, b in zip(time.jd1, time.jd2, strict=True)
+                f"{Decimal(a) + Decimal(b):.12f}" for a, b in zip(time.jd1, time.jd2, strict=True)
             ]
         else:
             key = "utc_emission" if self.time_of == "emission" else "utc"
             columns[key] = ccsds_epochs.texts(self.epoch, self.seconds, None, "utc")
-        key = "flux" if self.is_flux else "reduced_mag" if self.unit_distances else "mag"
+        key = ("reduced_" if self.unit_distances else "") + ("flux" if self.is_flux else "mag")
         columns[key] = [repr(float(number)) for number in self.value]
         columns["sigma"] = [repr(float(number)) if number > 0.0 else "" for number in self.sigma]
         columns |= {key: list(map(_cell, words)) for key, words in self._words().items()}
+        if self.zero_phase:
+            columns["zero_phase"] = ["yes"] * len(self)
+        if self.zero_points != "auto":
+            columns["zero_points"] = self._zero_points_of_rows()
         if np.any(self.exposure):
             columns["exposure"] = [repr(float(t)) if t > 0.0 else "" for t in self.exposure]
         for key in ("sun", "observer"):
@@ -597,6 +607,13 @@ class LightCurve(Immutable):
             file.write(f"# {name}: times of {self.time_of}\n")
             file.write(",".join(columns) + "\n")
             file.writelines(",".join(row) + "\n" for row in zip(*columns.values(), strict=True))
+
+    def _zero_points_of_rows(self) -> list[str]:
+        """Zero points as a column of a file, "free" or "shared" by sessions, or a number."""
+        if not isinstance(self.zero_points, tuple):
+            return [str(self.zero_points)] * len(self)
+        words = ["free" if name in self.zero_points else "shared" for name in self.sessions]
+        return [words[k] for k in self.session]
 
     def plot(self, path: FilePath | None = None) -> Any:
         """A figure of the points against time; saved if a path is given."""
@@ -763,9 +780,9 @@ def _without_twice(start, t, named, values, errors, labels, notes):
         jd = _instants.times(start, t[twice[:1]], np.zeros(1))[0]
         label = f"row {twice[0]}" if labels is None else labels[twice[0]]
         notes.append(
-            f"{len(twice)} epochs occur more than once in one session, filter and site, the first "
-            f"at {label}, JD {jd.jd:.6f} (TDB), {jd.utc.isot[:19]} UTC; such points are averaged, "
-            "and exact repeats count once."
+            f"{counted(len(twice), 'epoch occurs', 'epochs occur')} more than once in one "
+            f"session, filter and site, the first at {label}, JD {jd.jd:.6f} (TDB), "
+            f"{jd.utc.isot[:19]} UTC; such points are averaged, and exact repeats count once."
         )
         pairs = np.column_stack([which.astype(float), values, np.nan_to_num(errors)])
         single = np.unique(pairs, axis=0, return_index=True)[1]
@@ -891,17 +908,16 @@ def _received(scene: Scene, epoch: Instant, emitted: FloatArray, time_of: str) -
     """Seconds of reception from those of light at the body, or in the plane through a center."""
     if time_of == "reception" or scene.observer.is_direction or not scene.light_time:
         return emitted
-    observer_path: Any = scene.observer
     seconds = np.array(emitted)
+    if time_of != "emission":
+        from_center = _composed.relative(scene.observer, _CENTERS[time_of], scene.ephemeris)
     for _ in range(_ROUNDS):
         observer = vectors_of(scene, epoch, seconds)[1]
         far = np.linalg.norm(observer, axis=1)
         if time_of == "emission":
             seconds = emitted + far / SPEED_OF_LIGHT_M_S
             continue
-        place = observer_path.position(epoch, seconds)
-        if (center := _CENTERS[time_of]) is not None:
-            place = place - _composed.body(center).position(epoch, seconds)
+        place = from_center.position(epoch, seconds)
         seconds = emitted + np.sum(place * observer, axis=1) / far / SPEED_OF_LIGHT_M_S
     return seconds
 

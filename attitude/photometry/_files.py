@@ -11,8 +11,10 @@ jd_tdb, jd_tt, jd_tai               in another scale
 bjd, bjd_tdb                        at the barycenter of the solar system, TDB
 hjd                                 at the Sun, UTC
 mag, magnitude, m, v, r_mag         apparent magnitudes
-reduced_mag                         at 1 au from Sun and observer
 flux, intensity, counts             in place of them
+reduced_mag, reduced_flux           at 1 au from Sun and observer
+zero_phase                          yes: at zero phase angle
+zero_points                         of sessions: free, shared, or a standard deviation in mag
 sigma, error, merr, mag_err ...     standard errors, in the unit of the brightness
 filter, band                        filter
 site, station, stn, obs_code        code of the observatory
@@ -42,7 +44,7 @@ import numpy as np
 
 from attitude._support import quantity_text, validation
 from attitude._support.constants import ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S
-from attitude._support.quoting import quoted
+from attitude._support.quoting import counted, quoted
 from attitude._textfiles import lines as textfiles_lines
 from attitude._textfiles import toml, xml
 from attitude.epochs import _inputs
@@ -118,7 +120,7 @@ def _of_rows(rows, name, *, scale=None, offset=0.0, is_flux=False, bad=None):
     if not kept:
         raise AttitudeError(
             f"{name}: no row can be used"
-            + (f" ({without} rows have no {word})" if without else "")
+            + (f" ({counted(without, 'row')} without a {word})" if without else "")
             + (f"; {listed(left_out, '; ')}" if left_out else "")
             + "."
         )
@@ -128,7 +130,8 @@ def _of_rows(rows, name, *, scale=None, offset=0.0, is_flux=False, bad=None):
             f"{name}: has photometry of {len(objects)} objects, "
             f"{quoted(listed(objects), 200, '')}; write that of each object into a file of its own."
         )
-    notes = [f"{without} of {len(rows)} rows have no {word}."] if without else []
+    verb = "has" if without == 1 else "have"
+    notes = [f"{without} of {counted(len(rows), 'row')} {verb} no {word}."] if without else []
     notes += _repeated([rows[k] for k in kept], word)
     both = np.array(numbers).reshape(-1, 2)
     keywords = {
@@ -171,10 +174,10 @@ def _repeated(rows: Sequence[RawPoint], word: str) -> list[str]:
     ]
     row, earlier = repeats[0]
     return [
-        f"{len(repeats)} of {len(rows)} rows repeat the date, {word}, filter and site of others "
-        f"(line {row.line} those of line {earlier.line})"
+        f"{len(repeats)} of {len(rows)} rows {'repeats' if len(repeats) == 1 else 'repeat'} the "
+        f"date, {word}, filter and site of others (line {row.line} those of line {earlier.line})"
         + (f"; {listed(whole)}" if whole else "")
-        + ": they count twice."
+        + (": it counts twice." if len(repeats) == 1 else ": they count twice.")
     ]
 
 
@@ -189,8 +192,8 @@ def _report(name: str, left_out: list[BadRow], bad: str) -> None:
     """Warn of bad rows, or raise an AttitudeError for them."""
     if not left_out or bad == "ignore":
         return
-    many = len(left_out)
-    words = f"{name}: {many} row{'s' if many > 1 else ''} cannot be used: {listed(left_out, '; ')}"
+    rows = counted(len(left_out), "row")
+    words = f"{name}: {rows} cannot be used: {listed(left_out, '; ')}"
     if bad == "refuse":
         raise AttitudeError(f'{words}; correct or delete them, or give bad="warn".')
     warnings.warn(f"{words}. Left out.", AttitudeWarning, stacklevel=4)
@@ -491,7 +494,8 @@ def of_damit(text: str, name: str) -> Keywords:
     if relative:
         keywords["zero_points"] = tuple(relative)
         keywords["notes"].append(
-            f"{len(relative)} of {len(curves)} sessions are relative: their zero points are free"
+            f"{len(relative)} of {counted(len(curves), 'session')} "
+            f"{'is' if len(relative) == 1 else 'are'} relative: their zero points are free"
             + ("; the others share one." if len(relative) < len(curves) else ".")
         )
     elif len(curves) > 1:
@@ -524,11 +528,14 @@ _TIMES: dict[str, tuple[str | None, float, str]] = {
     "time": (None, 0.0, "reception"),
     "epoch": (None, 0.0, "reception"),
 }
+_BARE_DATE = re.compile(r"\s*(\d{4}[-/. ]\d{1,2}[-/. ]\d{1,2})?\s*")
+_CLOCK = re.compile(r"\s*(\d{1,2}:\d\d(:\d\d(\.\d*)?)?Z?)?\s*")
 _LESS = re.compile(r"(bjd|hjd|jd)(?:_(utc|tdb|tt|tai))?_*-_*(\d+(?:\.\d*)?)")
 _NAMES: dict[str, tuple[str, ...]] = {
     "magnitude": ("magnitude", "mag", "m", "v", "r_mag", "vmag", "rmag"),
     "reduced": ("reduced_magnitude", "reduced_mag", "redmag"),
     "flux": ("flux", "intensity", "counts", "brightness"),
+    "reduced flux": ("reduced_flux",),
     "error": (
         *("sigma", "error", "merr", "mag_err", "e_mag", "err", "flux_err", "magerr", "rmsmag"),
         *("sigmag", "mag_error", "e_flux", "fluxerr", "flux_error", "uncertainty", "dmag"),
@@ -539,6 +546,7 @@ _NAMES: dict[str, tuple[str, ...]] = {
     "site": ("site", "station", "stn", "obs_code", "mpc_code", "observatory", "mpccode"),
     "object": ("object", "designation"),
 }
+_MEANINGS = {"zero_phase": ("no", "yes"), "zero_points": ("free", "shared")}
 _TEXTS = ("error", "filter", "site", "session", "object")
 _PLACE = (("ra_deg", "ra"), ("dec_deg", "dec"), ("delta", "delta_au"))
 # Units of these, and the least and the greatest number.
@@ -597,18 +605,20 @@ def _of_table(table, lines, name, columns=None, bad=None):
             )
         # first, so that it is taken before columns of the same meaning
         table = {_plain(meant): _Column([]), **table} | {_plain(meant): table[_plain(column)]}
+    table = _with_clocks(table)
     date, (scale, offset, place) = _dates(table, name)
-    kinds = ("magnitude", "reduced", "flux")
+    kinds = ("magnitude", "reduced", "flux", "reduced flux")
     brightness, key = next(((kind, key) for kind in kinds if (key := _key(table, kind))), ("", ""))
     if not key:
         raise AttitudeError(
             f"{name}: has no column of magnitudes or flux; name one mag or flux, or give "
             f"columns= with one of {_names_of(table)}."
         )
-    is_flux = brightness == "flux"
+    is_flux = brightness.endswith("flux")
     dates = _in_unit(table, date, "d", name)
-    if scale is None and all(map(_is_number, dates[:5])):
-        scale, offset = _scale_of_numbers(dates, name, date)
+    known = [word for word in dates if word.strip().lower() not in _BLANK][:5]
+    if scale is None and known and all(map(_is_number, known)):
+        scale, offset = _scale_of_numbers(float(known[0]), name, date)
     unit = table[key].unit if is_flux else "mag"
     values = _in_unit(table, key, unit, name)
     texts = {kind: table[_key(table, kind)].entries for kind in _TEXTS if _key(table, kind)}
@@ -627,8 +637,32 @@ def _of_table(table, lines, name, columns=None, bad=None):
         for k, line in enumerate(lines)
     ]
     keywords = _of_rows(rows, name, scale=scale, offset=offset, is_flux=is_flux, bad=bad)
-    keywords |= {"time_of": place, "unit_distances": brightness == "reduced"}
-    return keywords | _geometry(table, keywords, name)
+    keywords |= {"time_of": place, "unit_distances": brightness.startswith("reduced")}
+    return keywords | _geometry(table, keywords, name) | _meanings(table, keywords, name)
+
+
+def _meanings(table: _Table, keywords: Keywords, name: str) -> dict[str, Any]:
+    """The phase angle and the zero points, where a curve was written with them."""
+    more: dict[str, Any] = {}
+    for key, allowed in _MEANINGS.items():
+        if key not in table:
+            continue
+        words = [table[key].entries[k] for k in keywords["rows"]]
+        kinds, is_phase = sorted(set(words)), key == "zero_phase"
+        if len(kinds) == 1 and kinds[0] in allowed:
+            more[key] = kinds[0] == "yes" if is_phase else kinds[0]
+        elif len(kinds) == 1 and not is_phase and _is_number(kinds[0]):
+            more[key] = float(kinds[0])
+        elif kinds == list(allowed) and not is_phase and "session" in keywords:
+            both = zip(keywords["session"], words, strict=True)
+            more[key] = tuple(sorted({session for session, word in both if word == "free"}))
+        else:
+            raise AttitudeError(
+                f"{name}: the column {key} holds {quoted(listed(kinds), 120, '')}; give "
+                f"{' or '.join(allowed)} in all rows"
+                + ("." if is_phase else ", or in those of a session, or a number.")
+            )
+    return more
 
 
 def _in_unit(table: _Table, key: str, wanted: str, name: str) -> list[str]:
@@ -658,6 +692,24 @@ def _plain(name: str) -> str:
     return re.sub(r"[\s.]+", "_", bare.strip())
 
 
+def _with_clocks(table: _Table) -> _Table:
+    """The table with dates and times of day in one column; bare dates yield to a column time."""
+    date = next((key for key in ("date", "date_obs") if key in table), "")
+    if not date or not all(map(_BARE_DATE.fullmatch, table[date].entries)):
+        return table
+    for key in ("time", "utc"):
+        if key not in table:
+            continue
+        entries = table[key].entries
+        if all(map(_CLOCK.fullmatch, entries)):
+            both = zip(table[date].entries, entries, strict=True)
+            joined = _Column([f"{day.strip()} {clock.strip()}" for day, clock in both])
+            return {"utc": joined} | {k: table[k] for k in table if k not in (date, key)}
+        if key == "time":
+            return {k: table[k] for k in table if k != date}
+    return table
+
+
 def _dates(table: _Table, name: str) -> tuple[str, tuple[str | None, float, str]]:
     for key, how in _TIMES.items():
         if key in table:
@@ -673,9 +725,8 @@ def _dates(table: _Table, name: str) -> tuple[str, tuple[str | None, float, str]
     )
 
 
-def _scale_of_numbers(values: Sequence[str], name: str, key: str) -> tuple[str, float]:
+def _scale_of_numbers(first: float, name: str, key: str) -> tuple[str, float]:
     """Numbers under the name of a date: Julian dates in UTC, or modified ones."""
-    first = float(next(value for value in values if value.strip()))
     for low, high, offset in ((2.4e6, 2.5e6, 0.0), (1e4, 1e5, 2400000.5)):
         if low < first < high:
             return "utc", offset

@@ -11,6 +11,7 @@ from attitude._compilation import deferral
 from attitude._compilation.decorators import entry_point
 from attitude._support import blocks, validation
 from attitude._support.arrays import distinct
+from attitude._support.quoting import counted
 from attitude.errors import AttitudeError
 from attitude.photometry import _spectrum
 
@@ -179,10 +180,8 @@ def scan(
 ) -> Scan:
     """The scan between two periods, s."""
     if len(data.t) < data.linear + 2 * order + 2:
-        raise AttitudeError(
-            f"{len(data.t)} values are given for {data.linear} zero points and {order} harmonics; "
-            "give more values, or a lower order."
-        )
+        points = counted(data.linear, "zero point")
+        raise _spectrum.too_few(data, f"{points} and {counted(order, 'harmonic')}")
     frequency = _grid(data, *bounds, order)
     if method == "fourier":
         power_of = partial(_fourier, data, frequency, order, engine)

@@ -14,6 +14,7 @@ import numpy as np
 from attitude._support import markup, quantity_text, validation
 from attitude._support.arrays import Immutable, frozen
 from attitude._support.blocks import ProgressBar
+from attitude._support.quoting import counted
 from attitude.errors import AttitudeError
 from attitude.photometry import _folding, _lattices, _periodogram, _samples, _spectrum
 from attitude.photometry._samples import Line, line_at
@@ -455,10 +456,8 @@ def _one(data, bounds, order, method, bins, engine, kept, seed):
 def _two(data, low, high, number, is_additive, kept, seed, progress):
     numbers = _numbers(number, 2, is_additive)
     if len(data.t) <= data.linear + 2 * len(numbers) + 2:
-        raise AttitudeError(
-            f"{len(data.t)} values are given for {data.linear} zero points and {len(numbers)} "
-            "lines; give more values, or a lower order."
-        )
+        points = counted(data.linear, "zero point")
+        raise _spectrum.too_few(data, f"{points} and {counted(len(numbers), 'line')}")
     count = (low[1] - low[0]) * (high[1] - high[0]) // (2 if low == high else 1)
     if count > _MOST_PAIRS:
         raise AttitudeError(

@@ -13,10 +13,11 @@ import numpy as np
 
 from attitude._support import validation
 from attitude._support.arrays import Immutable, frozen
+from attitude._support.quoting import counted
 from attitude.epochs import _inputs
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError, AttitudeWarning
-from attitude.photometry import _samples
+from attitude.photometry import _samples, _spectrum
 from attitude.photometry._samples import Line, frequencies_of, known_orders, line_at
 from attitude.photometry._spectrum import line_numbers
 
@@ -132,7 +133,8 @@ def fit_series(
     ----------
     t : (N,) epochs, or LightCurve
         Time objects, dates, time Quantities or plain seconds, in any order; or a `LightCurve`,
-        without values, errors and curve: ``fit_series(data, P_psi="5.4 d", P_phi="7.4 d")``.
+        without values, errors and curve: ``fit_series(data, P_psi="5.4 d", P_phi="7.4 d")``; two
+        terms of the phase angle are fitted too, as in `periods`, where it changes.
     values : (N,) array_like
         Magnitudes or intensities; Quantities in any unit.
     P_psi, P_phi : float, Quantity or text
@@ -171,17 +173,13 @@ def fit_series(
         raise AttitudeError(f"{missing} is missing; give P_psi= and P_phi=, in s or with units.")
     psi, phi = frequencies_of(P_psi, P_phi)
     numbers = np.array(line_numbers(orders))
-    count, curves = len(numbers), data.curves
-    unknowns = curves + 2 * count
+    count, first = len(numbers), data.linear
+    unknowns = first + 2 * count
     if len(data.t) < unknowns:
-        raise AttitudeError(
-            f"{len(data.t)} values are given for {unknowns} unknowns; give more values, or a lower "
-            "order."
-        )
+        raise _spectrum.too_few(data, counted(unknowns, "unknown"))
     start = float(0.5 * (data.t.min() + data.t.max()))
     angles = _angles(data.t, start, 1.0 / psi, 1.0 / phi, numbers)
-    constants = data.curve[:, None] == np.arange(curves)
-    matrix = np.concatenate([constants, np.cos(angles), np.sin(angles)], axis=1)
+    matrix = np.concatenate([data.columns, np.cos(angles), np.sin(angles)], axis=1)
     least, _, rank, _ = np.linalg.lstsq(
         matrix * data.weights[:, None], data.values * data.weights, rcond=_RANK
     )
@@ -200,9 +198,9 @@ def fit_series(
         P_psi=1.0 / psi,
         P_phi=1.0 / phi,
         order=orders,
-        offsets=frozen(solution[:curves]),
-        cosines=frozen(solution[curves : curves + count]),
-        sines=frozen(solution[curves + count :]),
+        offsets=frozen(solution[: data.curves]),
+        cosines=frozen(solution[first : first + count]),
+        sines=frozen(solution[first + count :]),
         numbers=frozen(numbers),
         start=start,
         residuals=frozen(residuals),

@@ -17,6 +17,7 @@ import numpy as np
 from attitude._compilation.decorators import entry_point, reduction_subroutine, subroutine
 from attitude._support import blocks as support_blocks
 from attitude._support import least_squares, validation
+from attitude._support.quoting import counted
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
@@ -414,6 +415,12 @@ class RefinedSeries:
         return np.cos(angles) @ (self.cosines * chosen) + np.sin(angles) @ (self.sines * chosen)
 
 
+def too_few(samples: Samples, what: str) -> AttitudeError:
+    """The error for fewer values than unknowns, in words."""
+    values = counted(len(samples.t), "value is", "values are")
+    return AttitudeError(f"{values} given for {what}; give more values, or a lower order.")
+
+
 def refined(
     samples: Samples, frequencies: FloatArray, numbers: IntArray, steps: int = _STEPS
 ) -> RefinedSeries:
@@ -422,10 +429,7 @@ def refined(
     lines, dimensions = numbers.shape
     parameters = samples.linear + 2 * lines + dimensions
     if len(samples.t) <= parameters:
-        raise AttitudeError(
-            f"{len(samples.t)} values are given for {parameters} unknowns; give more values, or a "
-            "lower order."
-        )
+        raise too_few(samples, counted(parameters, "unknown"))
     start = float(0.5 * (samples.t.min() + samples.t.max()))
     model = _Model(samples, numbers, start, samples.weights)
     f = np.array(frequencies, dtype=float)

@@ -33,6 +33,10 @@ def test_named_columns(tmp_path):
     assert len(found.select(filter="R")) == 2 and len(found[2:]) == 1
     with pytest.raises(AttitudeError, match="filter is 'I'; it must be one of 'R', 'V'"):
         found.select(filter="I")
+    alone = read(tmp_path, "jd,mag\n2460000.7,15\n")
+    assert repr(alone) == "<LightCurve of a: 1 magnitude over 0 d about 2023-02-25>"
+    with pytest.raises(AttitudeError, match="filter is 'V', but no point has a filter"):
+        alone.select(filter="V")
 
 
 @pytest.mark.parametrize(
@@ -75,7 +79,7 @@ def test_bad_rows_are_named(tmp_path):
         "not above zero",
     ):
         assert words in reasons
-    assert found.notes == ("1 of 8 rows have no magnitude.",)
+    assert found.notes == ("1 of 8 rows has no magnitude.",)
     with pytest.raises(AttitudeError, match=r"line 3.*correct or delete them"):
         read(tmp_path, text, bad="refuse")
     with warnings.catch_warnings():
@@ -157,8 +161,8 @@ def test_repeated_sessions_have_a_note(tmp_path):
     found = read(tmp_path, ALCDEF + second, bad="ignore")
     assert len(found) == 4
     assert found.notes == (
-        "1 of 4 rows repeat the date, magnitude, filter and site of others (line 41 those of line "
-        "28); session '3 2011-09-16' repeats '2 2011-09-16': they count twice.",
+        "1 of 4 rows repeats the date, magnitude, filter and site of others (line 41 those of line "
+        "28); session '3 2011-09-16' repeats '2 2011-09-16': it counts twice.",
     )
     found = read(tmp_path, "jd,mag\n2455817.7,15\n2455817.8,15\n2455817.7,15\n")
     assert len(found) == 2 and "the first at line 2, 2455817.7, JD" in found.notes[0]
@@ -227,7 +231,7 @@ def test_damit(tmp_path):
     assert found.is_flux and found.time_of == "emission" and found.unit_distances
     assert found.sessions == ("1", "2") and found.sun.shape == (3, 3)
     assert found.magnitude[2] == pytest.approx(-2.5 * np.log10(0.5))
-    assert found.notes[0].startswith("1 of 2 sessions are relative: their zero points are free")
+    assert found.notes[0].startswith("1 of 2 sessions is relative: their zero points are free")
     assert found.zero_points == ("2",)  # and those of the first one are shared
 
 
@@ -413,3 +417,49 @@ def test_an_error_far_below_the_others_is_refused(tmp_path, error):
     flux, session = [1e9, 1.1e9, 2e-9], ["a", "a", "b"]
     times = ["2026-01-01", "2026-01-02", "2026-01-03"]
     photometry.LightCurve(times, flux=flux, sigma=[1e7, 1e7, 1e-10], session=session)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("date,time,mag\n2026-01-01,3:04:05.5,1\n2026/1/2,23:04,2\n", "2026-01-01T03:04:05.5"),
+        ("date,utc,mag\n2026-01-01,03:04:05,1\n2026-01-02,23:04,2\n", "2026-01-01T03:04:05"),
+        ("date,time,mag\n2026-01-01,2461041.75,1\n2026-01-02,2461042.8,2\n", "2026-01-01T06:00"),
+        ("date,time,mag\n2026-01-01 03:04:05,30,1\n2026-01-02 1:00,30,2\n", "2026-01-01T03:04:05"),
+        ("time,mag\n,1\n2461041.75,1\n2461042.8,2\n", "2026-01-01T06:00"),
+    ],
+)
+def test_dates_and_times_of_day_of_two_columns(tmp_path, text, expected):
+    found = read(tmp_path, text, bad="ignore")
+    assert len(found) == 2
+    assert abs((found.times[0] - Time(expected, scale="utc")).to_value("s")) < 1e-4
+
+
+def test_what_data_mean_is_written_and_read(tmp_path):
+    """Unit distances of fluxes, zero points and the phase angle of zero."""
+    damit = read(tmp_path, DAMIT)
+    times = Time("2026-01-01") + np.arange(3) * units.day
+    for curve in (
+        damit,
+        damit.replaced(zero_points="free", zero_phase=True),
+        photometry.LightCurve(times, [15.0, 15.1, 15.2], zero_points=0.03),
+        photometry.LightCurve(times, [15.0, 15.1, 15.2], zero_points="shared"),
+    ):
+        curve.write(tmp_path / "x.csv")
+        back = photometry.read(tmp_path / "x.csv")
+        for key in ("unit_distances", "zero_phase", "zero_points", "is_flux", "time_of"):
+            assert getattr(back, key) == getattr(curve, key), key
+        np.testing.assert_array_equal(back.value, curve.value)
+    rows = "2460000.5,1,{},a\n2460001.5,1,{},b\n"
+    for key, words in (("zero_phase", ("yes", "no")), ("zero_points", ("free", "x"))):
+        with pytest.raises(AttitudeError, match=f"the column {key} holds .*in all rows"):
+            read(tmp_path, f"jd,mag,{key},session\n" + rows.format(*words))
+
+
+@pytest.mark.parametrize("center", ["barycenter", "heliocenter"])
+def test_written_dates_at_a_center_are_exact(tmp_path, center):
+    times = Time(2456293.0, np.arange(1, 4) / 7, format="jd", scale="tdb")
+    data = photometry.LightCurve(times, [1.0, 2.0, 3.0], time_of=center)
+    data.write(tmp_path / "a.csv")
+    back = photometry.read(tmp_path / "a.csv")
+    assert np.abs((back.times - times).to_value("s")).max() < 1e-6

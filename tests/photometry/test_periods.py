@@ -20,6 +20,7 @@ from attitude._support.constants import ASTRONOMICAL_UNIT_M as AU
 from attitude._support.constants import SPEED_OF_LIGHT_M_S as C
 from attitude.errors import AttitudeWarning
 from attitude.photometry import _lattices, _periodogram, _samples, _spectrum
+from attitude.scene import Scene
 from tests.support.places import PHOTOMETRY, ROOT
 
 HOUR = 3600.0
@@ -145,20 +146,45 @@ def test_reduction_takes_off_distances_light_time_and_phase():
         found.reduced(g=0.1)
 
 
-def test_dates_at_the_barycenter_become_those_of_the_observer():
-    """BJD made from the geometry of reception is taken back to within a microsecond."""
-    times = Time("2026-01-01", scale="utc") + np.arange(5) * 60 * units.day
-    direct = photometry.LightCurve(times, magnitude=np.full(5, 15.0)).reduced(
-        circle(), site="earth"
-    )
+@pytest.mark.parametrize("site", ["earth", "568", "-70.7, -30.2 deg"])
+@pytest.mark.parametrize(("time_of", "center"), [("barycenter", "ssb"), ("heliocenter", "sun")])
+def test_dates_at_a_center_become_those_of_the_observer(site, time_of, center):
+    """BJD and HJD made from the geometry of reception are taken back, also with sites."""
+    times = Time("2025-01-01", scale="utc") + np.arange(5) * 60 * units.day
+    direct = photometry.LightCurve(times, magnitude=np.full(5, 15.0)).reduced(circle(), site=site)
     towards = -direct.observer / np.linalg.norm(direct.observer, axis=1)[:, None]
     start = direct.epoch
     received = (times.tdb - start.time).to_value("s")
-    earth = paths.body("earth").position(start, received)
-    bjd = received + np.sum(earth * towards, axis=1) / C
-    data = photometry.LightCurve(bjd, magnitude=np.full(5, 15.0), epoch=start, time_of="barycenter")
-    found = data.reduced(circle(), site="earth")
-    np.testing.assert_allclose((found.times - direct.times).to_value("s"), 0.0, atol=2e-5)
+    earth = paths.body("earth", center=center).position(start, received)
+    dates = received + np.sum(earth * towards, axis=1) / C
+    data = photometry.LightCurve(dates, magnitude=np.full(5, 15.0), epoch=start, time_of=time_of)
+    found = data.reduced(circle(), site=site)
+    # the radius of the Earth is 0.02 s
+    np.testing.assert_allclose(
+        (found.times - direct.times).to_value("s"), 0.0, atol=2e-5 if site == "earth" else 0.03
+    )
+
+
+def test_a_scene_without_light_time_takes_none_off():
+    times = Time("2026-01-01") + np.arange(5) * units.day
+    scene = Scene(None, circle(), "earth", light_time=False)
+    data = photometry.LightCurve(times, magnitude=np.full(5, 15.0), scene=scene)
+    np.testing.assert_array_equal(data.emission, data.seconds)
+    assert np.abs((data.times - times).to_value("s")).max() < 1e-6 and data.time_of == "emission"
+
+
+def test_fits_of_series_have_the_terms_of_the_phase_angle():
+    """Those of `fold`, so that both leave the same residuals."""
+    times = Time("2026-01-01") + np.linspace(0.0, 60.0, 300) * units.day
+    data = photometry.LightCurve(times, magnitude=np.zeros(300), path=circle())
+    t, generator = data.emission, np.random.default_rng(2)
+    y = np.cos(2 * np.pi * t / (7.0 * HOUR)) + np.cos(2 * np.pi * t / (31.0 * HOUR))
+    phase = 2.0 * photometry.phase_angle(data)
+    data = data.replaced(magnitude=y + phase + data.dimming + 0.01 * generator.normal(size=300))
+    fitted = photometry.fit_series(data, P_psi="31 h", P_phi="7 h", order=1)
+    folded = photometry.fold(data, ["31 h", "7 h"], order=1)
+    np.testing.assert_allclose(fitted.residuals, folded.residuals, atol=1e-9)
+    assert fitted.rms < 0.012
 
 
 def test_photometry_is_written_and_read(tmp_path):
