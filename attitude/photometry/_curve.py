@@ -391,7 +391,7 @@ class LightCurve(Immutable):
         """Magnitudes (N,); of fluxes -2.5 log10, which have an unknown zero point."""
         if not self.is_flux:
             return self.value
-        wrong = np.count_nonzero(self.value <= 0.0)
+        wrong = int(np.count_nonzero(self.value <= 0.0))
         if wrong:
             verb = counted(wrong, "flux is", "fluxes are")
             raise AttitudeError(
@@ -910,15 +910,16 @@ def _received(scene: Scene, epoch: Instant, emitted: FloatArray, time_of: str) -
         return emitted
     seconds = np.array(emitted)
     if time_of != "emission":
-        from_center = _composed.relative(scene.observer, _CENTERS[time_of], scene.ephemeris)
+        place: Any = scene.observer
+        from_center = _composed.relative(place, _CENTERS[time_of], scene.ephemeris)
     for _ in range(_ROUNDS):
         observer = vectors_of(scene, epoch, seconds)[1]
         far = np.linalg.norm(observer, axis=1)
         if time_of == "emission":
             seconds = emitted + far / SPEED_OF_LIGHT_M_S
             continue
-        place = from_center.position(epoch, seconds)
-        seconds = emitted + np.sum(place * observer, axis=1) / far / SPEED_OF_LIGHT_M_S
+        position = from_center.position(epoch, seconds)
+        seconds = emitted + np.sum(position * observer, axis=1) / far / SPEED_OF_LIGHT_M_S
     return seconds
 
 

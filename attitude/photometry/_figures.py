@@ -22,8 +22,9 @@ _DATA = "#0072b2"
 _MODEL = "#d55e00"
 _OTHER = "0.6"
 _ALIAS = "#cc79a7"
-# Peaks that are named.
+# Peaks that are named, and marks of pairs, which may lie close to each other.
 _NAMED = 5
+_MARKS = "osD^v"
 # Curves that have colours of their own.
 _COLOURS = 10
 
@@ -112,10 +113,11 @@ def _of_two(periods: Periods, path: FilePath | None = None) -> Any:
     edges = [frequencies * _DAY for frequencies in periods.edges]
     shown = plane.pcolormesh(edges[0], edges[1], periods.map.T, cmap="viridis", rasterized=True)
     figure.colorbar(shown, ax=plane, label="share of chi-squared left")
-    for rank, pair in enumerate(periods.peaks[:_NAMED], 1):
+    for rank, (pair, mark) in enumerate(zip(periods.peaks, _MARKS, strict=False), 1):
         colour = _MODEL if not pair.relation else _ALIAS
-        plane.plot(pair.first * _DAY, pair.second * _DAY, "o", mfc="none", color=colour, ms=9)
-        plane.annotate(f"  {rank}", (pair.first * _DAY, pair.second * _DAY), color=colour)
+        at = [pair.first * _DAY], [pair.second * _DAY]
+        plane.plot(*at, mark, mfc="none", color=colour, ms=9, label=f"#{rank}")
+    plane.legend(fontsize=9, loc="lower right")
     plane.set(xlabel="first frequency, 1/d", ylabel="second frequency, 1/d")
     best = periods.peaks[0]
     first, second = (quantity_text.of_time(period) for period in best.periods)
@@ -138,10 +140,11 @@ def _of_two(periods: Periods, path: FilePath | None = None) -> Any:
 def _window(axes: Any, periods: Periods) -> None:
     assert periods.window is not None
     axes.plot(periods.window.frequency * _DAY, periods.window.power, color=_OTHER, lw=0.7)
-    for line in periods.window.lines:
-        axes.annotate(
-            f"{line.frequency * _DAY:.4g}", (line.frequency * _DAY, line.power), fontsize=9
-        )
+    for line in sorted(periods.window.lines):
+        x = line.frequency * _DAY
+        axes.plot([x], [line.power], "v", color=_ALIAS, ms=4, label=f"{x:.4g} /d")
+    if periods.window.lines:
+        axes.legend(fontsize=8, loc="upper right")
     axes.set(xlabel="frequency, 1/d", ylabel="spectral window")
 
 

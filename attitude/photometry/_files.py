@@ -425,21 +425,27 @@ def of_ades_xml(text: str, name: str) -> Keywords:
 def _ades_row(number: int, entries: dict[str, str]) -> RawPoint:
     date, value, error, band, site = (entries.get(key, "") for key in _OPTICAL)
     body = next(filter(None, (entries.get(key, "").strip() for key in _DESIGNATIONS)), "")
-    return RawPoint(number, date, value, error, band, site, object=body)
+    exposure = _exposure(entries.get("exp", ""))
+    return RawPoint(number, date, value, error, band, site, exposure=exposure, object=body)
 
 
 def of_mpc(text: str, name: str) -> Keywords:
     """Keywords of `LightCurve` from MPC records of 80 columns, without headers and radar."""
-    rows, bad = [], []
+    rows, bad, moving = [], [], 0
     for number, line in enumerate(text.splitlines(), 1):
         if not is_mpc(line):
             if len(line.strip()) >= 75 and _PACKED.match(line[15:32].strip()) is None:
                 bad.append(BadRow(number, f"its date is {line[15:32].strip()!r}"))
             continue
         if line[14] in "sSrRvVxX":  # the second line of a satellite, radar; replaced records
+            moving += line[14] in "SV" and bool(line[65:70].strip())
             continue
         rows.append(_mpc_row(number, line))
-    return _of_rows(rows, name, scale="utc", bad=bad)
+    keywords = _of_rows(rows, name, scale="utc", bad=bad)
+    if moving:
+        records = counted(moving, "record is", "records are")
+        keywords["notes"].append(f"{records} of satellites or roving observers, and left out.")
+    return keywords
 
 
 def is_mpc(line: str) -> bool:

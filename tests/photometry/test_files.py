@@ -193,6 +193,8 @@ def test_ades(tmp_path):
     assert abs((found.times[0] - Time("2023-07-06T00:17:43.77")).to_value("s")) < 1e-6
     found = read(tmp_path, XML)
     assert found.value.tolist() == [22.458] and found.sigma.tolist() == [0.1]
+    found = read(tmp_path, XML.replace("<permID>", "<exp>30</exp><permID>"))
+    assert found.exposure.tolist() == [30.0] and found.name == "1"
     entity = XML.replace("<ades", '<!DOCTYPE a [<!ENTITY x SYSTEM "file:///etc/passwd">]><ades', 1)
     with pytest.raises(AttitudeError, match="document type declaration"):
         read(tmp_path, entity)
@@ -201,6 +203,8 @@ def test_ades(tmp_path):
 def test_mpc(tmp_path):
     found = read(tmp_path, MPC)
     assert found.value.tolist() == [12.4, 12.5] and found.sites == ("J38",)
+    from_space = read(tmp_path, MPC.replace("C2023 03 05", "S2023 03 05"))
+    assert from_space.notes[-1] == "1 record is of satellites or roving observers, and left out."
     expected = Time("2023-03-05T23:57:42.624", scale="utc")
     assert abs((found.times[0] - expected).to_value("s")) < 1e-3
 

@@ -224,6 +224,10 @@ def test_one_period_with_its_error_and_aliases(method):
     assert any("alias of" in each and "1 /d)" in each for each in words)
     assert any(each.endswith("x #1") for each in words)
     assert len(found.table()) == len(found.peaks)
+    window = found.plot().axes[1]
+    words = [text.get_text() for text in window.get_legend().get_texts()]
+    assert words == [f"{f * DAY:.4g} /d" for f in sorted(line[0] for line in found.window.lines)]
+    assert not window.texts  # which would overlap
 
 
 def test_errors_by_curvature_and_by_bootstrap_are_those_of_repeated_noise():
@@ -353,7 +357,10 @@ def test_two_periods_blind(blind, tmp_path):
     assert any(
         each.P_phi_long == pytest.approx(17.9 * HOUR, rel=1e-3) for each in found.candidates()
     )
-    found.plot(tmp_path / "two.png")
+    figure = found.plot(tmp_path / "two.png")
+    legend = figure.axes[0].get_legend().get_texts()  # marks, since numbers beside pairs overlap
+    assert [text.get_text() for text in legend] == ["#1", "#2", "#3", "#4", "#5"]
+    assert not figure.axes[0].texts
     found.fold().plot(tmp_path / "fold.png")
     assert (tmp_path / "two.png").stat().st_size > 10_000
     with pytest.raises(AttitudeError, match=r"pairs, and at most"):
