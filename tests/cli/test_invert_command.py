@@ -133,7 +133,7 @@ def test_rows_without_a_magnitude_are_noted(tmp_path):
     file = tmp_path / "curve.csv"
     file.write_text("\n".join(lines))
     curve = inversion.LightCurve.read(file)
-    assert len(curve) == 369 and "1 of 370 rows have no magnitude." in curve.notes
+    assert len(curve) == 369 and "1 of 370 rows has no magnitude." in curve.notes
 
 
 @pytest.mark.parametrize(

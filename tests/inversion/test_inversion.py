@@ -313,7 +313,7 @@ def test_epochs_given_twice_are_averaged_and_few_are_refused():
     assert len(curve) == 40 and curve.magnitude[5] == pytest.approx((1.0 + 4 * 1.3) / 5.0)
     assert curve.sigma[5] == pytest.approx(0.02 / math.sqrt(5.0))
     words = " ".join(curve.notes)
-    assert "1 epochs occur more than once" in words
+    assert "1 epoch occurs more than once" in words
     assert f"row 5, JD {2451545.0 + EPOCHS[5] / 86400.0:.6f}" in words
     assert len(inversion.LightCurve(times, magnitude, **CURVE, session=np.arange(41))) == 41
     with pytest.raises(AttitudeError, match="has 5 points"):
