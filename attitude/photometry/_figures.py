@@ -144,7 +144,7 @@ def _window(axes: Any, periods: Periods) -> None:
         x = line.frequency * _DAY
         axes.plot([x], [line.power], "v", color=_ALIAS, ms=4, label=f"{x:.4g} /d")
     if periods.window.lines:
-        axes.legend(fontsize=8, loc="upper right")
+        axes.legend(fontsize=9, loc="upper right")
     axes.set(xlabel="frequency, 1/d", ylabel="spectral window")
 
 
