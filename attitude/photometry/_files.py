@@ -699,21 +699,18 @@ def _plain(name: str) -> str:
 
 
 def _with_clocks(table: _Table) -> _Table:
-    """The table with dates and times of day in one column; bare dates yield to a column time."""
+    """The table with dates and times of day in one column; bare dates yield to other epochs."""
     date = next((key for key in ("date", "date_obs") if key in table), "")
     if not date or not all(map(_BARE_DATE.fullmatch, table[date].entries)):
         return table
     for key in ("time", "utc"):
-        if key not in table:
-            continue
-        entries = table[key].entries
-        if all(map(_CLOCK.fullmatch, entries)):
-            both = zip(table[date].entries, entries, strict=True)
-            joined = _Column([f"{day.strip()} {clock.strip()}" for day, clock in both])
+        clocks = table[key].entries if key in table else []
+        if any(word.strip() for word in clocks) and all(map(_CLOCK.fullmatch, clocks)):
+            both = zip(table[date].entries, clocks, strict=True)
+            joined = _Column([f"{day} {clock}" if clock.strip() else "" for day, clock in both])
             return {"utc": joined} | {k: table[k] for k in table if k not in (date, key)}
-        if key == "time":
-            return {k: table[k] for k in table if k != date}
-    return table
+    others = {k: table[k] for k in table if k != date}
+    return others if any(k in _TIMES or _LESS.fullmatch(k) for k in others) else table
 
 
 def _dates(table: _Table, name: str) -> tuple[str, tuple[str | None, float, str]]:
