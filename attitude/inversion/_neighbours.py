@@ -22,6 +22,9 @@ _TRIPLES = 20
 _NORMAL = 1.4826
 # Relative error of a night's noise times the root of its triples, which share points, thrice.
 _BY_CHANCE = 4.5
+# The least noise of magnitudes over their errors, 0.001 mag where these are assumed: equal ones
+# show none.
+_LEAST_NOISE = 0.05
 # Gap of the epochs, s, between two nights.
 _NIGHT = 0.3 * 86400.0
 # Gap of the epochs, s, between two apparitions.
@@ -117,13 +120,15 @@ def common_share(problem: CurveProblem, residual: FloatArray, turns: float) -> f
 def too_large(problem: CurveProblem) -> float:
     """By what factor the errors are larger than neighbouring magnitudes of a night show.
 
-    1 where chance may do it.  Variation between neighbours counts as noise.
+    1 where chance may do it.  Variation between neighbours counts as noise.  By a mean square: of
+    magnitudes that are rounded to more than their noise the median difference is zero.
     """
     scaled, apart = _beside_errors(problem, problem.y, _CLOSE * problem.span / _NIGHT)
     if math.isnan(apart):
         return 1.0
-    factor, count = 1.0 / max(apart, 1e-9), np.count_nonzero(np.isfinite(scaled))
-    return factor if factor > 1.0 + _BY_CHANCE / math.sqrt(count) else 1.0
+    known = scaled[np.isfinite(scaled)]
+    factor = 1.0 / max(math.sqrt(float(np.mean(known**2))), _LEAST_NOISE)
+    return factor if factor > 1.0 + _BY_CHANCE / math.sqrt(len(known)) else 1.0
 
 
 def nights_of(seconds: FloatArray) -> list[IntArray]:

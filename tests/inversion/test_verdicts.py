@@ -286,9 +286,18 @@ def test_zero_points_of_nights_do_not_hide_a_variation():
 
 
 @pytest.mark.parametrize(
-    ("noise", "size", "expected"), [(0.02, 0.0, True), (0.005, 0.0, True), (0.005, 0.02, False)]
+    ("noise", "size", "places", "expected"),
+    [
+        (0.02, 0.0, 9, True),
+        (0.005, 0.0, 9, True),
+        (0.005, 0.02, 9, False),
+        (0.0, 0.0, 9, True),
+        # most neighbours are equal
+        (0.003, 0.0, 2, True),
+        (0.003, 0.02, 2, False),
+    ],
 )
-def test_errors_that_are_too_large_hide_no_variation(noise, size, expected):
+def test_errors_that_are_too_large_hide_no_variation(noise, size, places, expected):
     """Errors of 0.02 mag, as where none are given, and points of half a turn in each night."""
     t = (np.repeat(np.arange(6), 20) + np.tile(np.linspace(0.0, 0.2, 20), 6)) / 6.0 - 0.5
     y = noise * np.random.default_rng(5).normal(size=120) + size * np.sin(2.0 * np.pi * 15.0 * t)
@@ -298,7 +307,7 @@ def test_errors_that_are_too_large_hide_no_variation(noise, size, expected):
         span=6.0 * 86400.0,
         sun=zeros,
         observer=zeros,
-        magnitude=y,
+        magnitude=y.round(places) + 15.0,
         sigma=np.full(120, 0.02),
         terms=np.ones((120, 1)),
         prior=np.full(1, np.inf),
