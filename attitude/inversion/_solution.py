@@ -524,12 +524,16 @@ class Solution(CurveFit):
 
         With a drift it is that at the epoch of the curve, its middle.
         """
-        return _states.motion(self.state, self.curve.span, self.curve.epoch, self.covariance)
+        return _states.motion(
+            self.state, self.curve.span, self.curve.epoch, self.covariance, self.tie.moments
+        )
 
     @property
     def moments(self) -> FloatArray:
         """(3,) relative principal moments, ascending."""
-        sorted_moments: FloatArray = np.sort(_states.physical(self.state).moments)
+        sorted_moments: FloatArray = np.sort(
+            _states.physical(self.state, self.tie.moments).moments
+        )
         return sorted_moments
 
     @cached_property

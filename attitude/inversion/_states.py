@@ -79,8 +79,11 @@ class PhysicalState(NamedTuple):
     moments: FloatArray
 
 
-def physical(state: FloatArray) -> PhysicalState:
-    """The state of motion of the parameters of a search; the largest moment is 1."""
+def physical(state: FloatArray, known: FloatArray | None = None) -> PhysicalState:
+    """The state of motion of the parameters of a search; the largest moment is 1.
+
+    About one axis, which shows no moments, they are the known ones (3,), ascending, or the shape's.
+    """
     body = _motions.at_epochs(state, np.zeros(1)).matrix.reshape(3, 3)
     fields = SearchState.of(state)
     matrix = fields.frame @ body
@@ -88,6 +91,8 @@ def physical(state: FloatArray) -> PhysicalState:
         held = _shapes.constraints(fields.flat, *_shapes.areas(fields.flat, fields.modes))
         ratios = np.exp(np.append(held.log_ratios, 0.0))
         ratios[2] = max(ratios[2], 1.0001 * float(ratios[:2].max()))
+        if known is not None:
+            ratios = known[np.argsort(np.argsort(ratios))]
         rates = np.array([0.0, 0.0, 4.0 * math.pi * fields.precession])
         return PhysicalState(matrix, rates, ratios / ratios.max())
     moments_of = _motions.moments(state[_ellipsoid.OF_MOMENTS])
@@ -96,10 +101,14 @@ def physical(state: FloatArray) -> PhysicalState:
 
 
 def motion(
-    state: FloatArray, span: float, epoch: Instant, covariance: FloatArray | None
+    state: FloatArray,
+    span: float,
+    epoch: Instant,
+    covariance: FloatArray | None,
+    known: FloatArray | None = None,
 ) -> FreeRotation:
-    """The free rotation of a state, its covariance as in `Spin`; the moments are relative."""
-    state_of = physical(state)
+    """The free rotation of a state, its covariance as in `Spin`; moments as in `physical`."""
+    state_of = physical(state, known)
     wxyz = quaternion.from_matrix(state_of.matrix)
     spin = Spin(epoch, wxyz, state_of.rates / span, covariance=covariance)
     return FreeRotation(Body(moments=state_of.moments, relative=True), spin)

@@ -8,9 +8,11 @@ import pytest
 
 from attitude import Body, FreeRotation, Spin, inversion, light_curve
 from attitude._support.constants import ASTRONOMICAL_UNIT_M
+from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.inversion import (
+    _ellipsoid,
     _errors,
     _known,
     _motions,
@@ -172,6 +174,22 @@ def test_moments_that_are_given(nutation):
     ratios = _motions.moments(found.state[[0, 1, 3, 4]]).log_ratios
     moments = np.exp(np.append(ratios, 0.0))
     assert np.sort(moments / moments.max()) == pytest.approx([1.4 / 3.0, 2.5 / 3.0, 1.0], rel=0.02)
+
+
+@pytest.mark.parametrize("widths", [(1.1, 0.7), (0.7, 1.1)])
+def test_moments_that_are_given_stay_where_one_axis_shows_none(widths):
+    """The axis of rotation has the largest one, the longer of the others the smaller."""
+    state = np.zeros(_refinement.WIDTH)
+    state[:14] = ellipsoid_state(0.0, 0.0)[:14]
+    state[_ellipsoid.OF_LOG_RHO], state[14:16] = _ellipsoid.AXIAL, widths
+    weighted = SimpleNamespace(refined=SimpleNamespace(state=state), evidence=0.0)
+    tie = _states.of((2.5, 1.0, 2.0))
+    found = inversion.Solution(None, weighted, None, tie, 0)
+    assert found.moments == pytest.approx([0.4, 0.8, 1.0])
+    motion = _states.motion(state, 1.0, Instant(0.0), None, tie.moments)
+    of_shape = _states.motion(state, 1.0, Instant(0.0), None).body.moments
+    assert list(np.argsort(motion.body.moments)) == list(np.argsort(of_shape))
+    assert motion.body.moments.max() == 1.0
 
 
 def test_what_moments_may_be():
