@@ -43,7 +43,7 @@ from attitude.torques._system import System
 from attitude.torques._torqued import TorquedRotation, whole_steps
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from astropy.table import QTable
     from astropy.time import Time
@@ -169,8 +169,8 @@ class Ensemble(Immutable):
     relative : bool
         True if the unit of moments or tensors is unknown.
     on_error : "raise" or "nan"
-        "nan" keeps members with a state that no body has: their attitudes, periods and brightness
-        are NaN, their mode is -1; and epochs beyond the reach of a member give NaN.
+        "nan" keeps members with a state that no body has: their attitudes, periods, energy and
+        brightness are NaN, their mode is -1; and epochs beyond the reach of a member give NaN.
 
     Attributes
     ----------
@@ -696,7 +696,7 @@ class Ensemble(Immutable):
         for k, mode in enumerate(few.mode.tolist()):
             periods = (f"{period[k]:.9g}" for period in (few.period_psi, few.period_phi))
             name = str(k) if self.names is None else str(self.names[k])
-            rows.append((name, Mode(mode).name, *periods))
+            rows.append((name, Mode(mode).name if mode >= 0 else "not physical", *periods))
         if len(self) > len(few):
             rows.append(("...", "", "", ""))
         return markup.table(repr(self)[1:-1], rows)
@@ -758,14 +758,18 @@ class Ensemble(Immutable):
             in_body = np.einsum("...ij,...j->...i", self._inertia.tensors(), self.angular_velocity)
         else:
             in_body = self._inertia.array * self.angular_velocity
-        return frozen(np.ascontiguousarray(quaternion.rotate(self.wxyz_icrf, in_body)))
+        momentum = np.ascontiguousarray(quaternion.rotate(self.wxyz_icrf, in_body))
+        momentum[self._bad] = np.nan
+        return frozen(momentum)
 
     @cached_property
     def energy(self) -> FloatArray:
         """(N,) kinetic energies, J, or rad2/s2 times the relative unit of inertia."""
         rates = self._members.omega
         rates = rates if rates.ndim == 2 else rates[..., 0]
-        return frozen(0.5 * np.sum(self.principal_moments * rates**2, axis=-1))
+        energy = 0.5 * np.sum(self.principal_moments * rates**2, axis=-1)
+        energy[self._bad] = np.nan
+        return frozen(energy)
 
     @cached_property
     def regime(self) -> Regime:
@@ -1364,8 +1368,10 @@ class EnsembleHistory(AttitudeHistory):
         seconds: FloatArray,
         low: FloatArray | None,
         wxyz: FloatArray,
+        motion: Any = None,
     ) -> None:
-        super().__init__(ensemble, ensemble.start_of_seconds, seconds, low, wxyz)
+        source = ensemble if motion is None else motion
+        super().__init__(source, ensemble.start_of_seconds, seconds, low, wxyz)
         self._set_all(ensemble=ensemble, member=frozen(member))
 
     @classmethod
@@ -1376,21 +1382,22 @@ class EnsembleHistory(AttitudeHistory):
         wxyz: FloatArray,
         rates: FloatArray | None = None,
         first: int = 0,
+        motion: Any = None,
     ) -> Self:
         """Attitudes and rates (N, T, ...) of members from `first` on, at epochs (T,) or (N, T)."""
         shape = wxyz.shape[:2]
         member = np.broadcast_to(np.arange(first, first + shape[0])[:, None], shape)
         spread = t.mapped(lambda array: np.broadcast_to(array, shape))
-        history = cls(ensemble, member, *spread, wxyz)
+        history = cls(ensemble, member, *spread, wxyz, motion)
         if rates is not None:
             history.__dict__["angular_velocity"] = frozen(rates)
         return history
 
-    def __getitem__(self, index: Any) -> EnsembleHistory:
+    def __getitem__(self, index: Any) -> Self:
         """Some of the attitudes: history[3], history[:, 10:20], history[mask]."""
         history = super().__getitem__(index)
-        member = np.asarray(self.member[index])
-        chosen = EnsembleHistory(self.ensemble, member, history.seconds, history.low, history.wxyz)
+        member, times = np.asarray(self.member[index]), Seconds.of(history)
+        chosen = type(self)(self.ensemble, member, *times, history.wxyz, self.motion)
         if "angular_velocity" in history.__dict__:
             chosen.__dict__["angular_velocity"] = history.angular_velocity
         return chosen
@@ -1420,8 +1427,8 @@ class EnsembleHistory(AttitudeHistory):
         rate = np.zeros(w.shape)
         for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
             torque = (differences[..., j] - differences[..., k]) * w[..., j] * w[..., k]
-            heavy = differences[..., i] > 0.0
-            rate[..., i] = np.where(heavy, torque / np.where(heavy, differences[..., i], 1.0), 0.0)
+            rod = differences[..., i] == 0.0
+            rate[..., i] = np.where(rod, 0.0, torque / np.where(rod, 1.0, differences[..., i]))
         return frozen(np.einsum("...ij,...j->...i", turn, rate))
 
     @cached_property
@@ -1443,11 +1450,7 @@ class EnsembleHistory(AttitudeHistory):
         """
         if sigma:
             raise AttitudeError("an ensemble has no standard deviations; leave out sigma=True.")
-        flat = self
-        if len(self.shape) != 1:
-            times = Seconds.of(self).mapped(np.ravel)
-            wxyz = self.wxyz.reshape(-1, 4)
-            flat = EnsembleHistory(self.ensemble, np.ravel(self.member), *times, wxyz)
+        flat = self if len(self.shape) == 1 else self[np.ones(self.shape, dtype=bool)]
         columns = super(EnsembleHistory, flat).table(rates=rates)
         columns.add_column(np.array(flat.member), index=0, name="member")
         if self.ensemble.names is not None:
@@ -1458,6 +1461,28 @@ class EnsembleHistory(AttitudeHistory):
 
 
 # ---- The same members with impulses, and under torques
+
+
+class ChangedHistory(EnsembleHistory):
+    """Attitudes of the members of an ArcsEnsemble or a TorquedEnsemble, with their rates."""
+
+    @cached_property
+    def sensitivity(self) -> FloatArray:
+        """(S, 3, 9) derivatives of the attitudes: `sensitivity_at` of the motion of each member."""
+        return self._of_members(3, 9, answer=lambda motion, t: motion.sensitivity_at(*t))
+
+    @cached_property
+    def angular_acceleration(self) -> FloatArray:
+        """(S, 3) rad/s2 over the body axes, of the motion of each member."""
+        return self._of_members(3, answer=lambda motion, t: motion.angular_acceleration_at(*t))
+
+    def _of_members(self, *width: int, answer: Callable[[Any, Seconds], FloatArray]) -> FloatArray:
+        """What the motions of the members answer (S, *W) at their epochs."""
+        values = np.empty((*self.shape, *width))
+        for k in np.unique(self.member).tolist():
+            on = self.member == k
+            values[on] = answer(self.motion[k], Seconds.of(self).taken(on))
+        return frozen(values)
 
 
 class ArcsEnsemble(Immutable):
@@ -1497,8 +1522,8 @@ class ArcsEnsemble(Immutable):
 
     def _single(self, k: int) -> Arcs:
         """The motion of member k; its errors have the name of the member."""
+        motion = self.ensemble[k]
         try:
-            motion = self.ensemble[k]
             return Arcs(motion.body, motion.spin, self.changes)
         except AttitudeError as err:
             raise AttitudeError(f"{self.ensemble.label(k)}: {err}") from None
@@ -1525,7 +1550,7 @@ class ArcsEnsemble(Immutable):
     def __repr__(self) -> str:
         return f"<ArcsEnsemble of {len(self)} members>"
 
-    def at(self, t: Epochs, low: ArrayLike | None = None, *, threads: int = 1) -> EnsembleHistory:
+    def at(self, t: Epochs, low: ArrayLike | None = None, *, threads: int = 1) -> ChangedHistory:
         """Attitudes and angular velocities (N, T) of all members at epochs (T,)."""
         hi, lo = _inputs.seconds_since(self.ensemble.start_of_seconds, t, low)
         if hi.ndim != 1:
@@ -1536,8 +1561,9 @@ class ArcsEnsemble(Immutable):
         def evaluate_singles(begin: int, end: int) -> None:
             """Fill the rows of members one by one; errors have the name of the member."""
             for k in range(begin, end):
+                motion = self[k]
                 try:
-                    history = self[k].at(hi, lo)
+                    history = motion.at(hi, lo)
                     wxyz[k], rates[k] = history.wxyz.T, history.angular_velocity.T
                 except AttitudeError as err:
                     raise AttitudeError(f"{self.ensemble.label(k)}: {err}") from None
@@ -1550,25 +1576,14 @@ class ArcsEnsemble(Immutable):
             except _arcs.Failed as failed:
                 evaluate_singles(failed.member, failed.member + 1)
         attitudes, turning = (read_only(np.moveaxis(array, 1, 2)) for array in (wxyz, rates))
-        return EnsembleHistory._of_all(self.ensemble, Seconds(hi.copy(), lo), attitudes, turning)
+        times = Seconds(hi.copy(), lo)
+        return ChangedHistory._of_all(self.ensemble, times, attitudes, turning, motion=self)
 
 
 # Steps for which torques are sampled together.
 _STEPS = 1024
 # Steps of all members in one compiled call: 50 ms.
 _TAKEN = 1 << 16
-
-
-class TorquedHistory(EnsembleHistory):
-    """Attitudes of the members of a TorquedEnsemble, with their angular velocities."""
-
-    @cached_property
-    def angular_acceleration(self) -> FloatArray:
-        """AttitudeError: accelerations follow from the torques of a single member."""
-        raise AttitudeError(
-            "accelerations under torques are those of a single motion; take "
-            "torqued[k].at(t).angular_acceleration."
-        )
 
 
 class TorquedEnsemble(Immutable):
@@ -1655,7 +1670,7 @@ class TorquedEnsemble(Immutable):
         names = ", ".join(type(torque).__name__ for torque in self.torques)
         return f"<TorquedEnsemble of {len(self)} members: {names}; step {self.step:g} s>"
 
-    def at(self, t: Epochs, low: ArrayLike | None = None, *, threads: int = 1) -> TorquedHistory:
+    def at(self, t: Epochs, low: ArrayLike | None = None, *, threads: int = 1) -> ChangedHistory:
         """The attitudes and angular velocities of all members at some epochs; t (T,)."""
         times = _inputs.seconds_since(self.ensemble.start_of_seconds, t, low).mapped(np.array)
         hi = times.hi
@@ -1670,7 +1685,8 @@ class TorquedEnsemble(Immutable):
         if any(system.inertia is not None for system in self._systems):
             for k, states in enumerate(out):
                 states[:, 4:] = self._system(k).turning(seconds, lo, states[:, 4:])
-        return TorquedHistory._of_all(self.ensemble, times, out[..., :4], out[..., 4:])
+        attitudes, rates = out[..., :4], out[..., 4:]
+        return ChangedHistory._of_all(self.ensemble, times, attitudes, rates, motion=self)
 
     def _integrate(
         self,

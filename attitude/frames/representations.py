@@ -394,15 +394,15 @@ class Attitudes(Immutable):
         Raises
         ------
         AttitudeError
-            For a sequence without three axes of which neighbours differ, and NaN epochs.
+            For a sequence without three axes of which neighbours differ, and NaN attitudes.
         """
         self._refuse_nan("Euler angles")
         angles: FloatArray = self.as_rotation().as_euler(quaternion.known_sequence(sequence))
         return angles.reshape(*self.shape, 3)
 
     def _refuse_nan(self, what: str) -> None:
-        if np.any(np.isnan(self.seconds)):
+        if np.any(np.isnan(self.wxyz)):
             raise AttitudeError(
-                f"some epochs are NaN, which {what} cannot represent; leave them out, for example "
-                "with history[~np.isnan(history.seconds)]."
+                f"some attitudes are NaN, which {what} cannot represent; leave them out, for "
+                "example with history[~np.isnan(history.wxyz[..., 0])]."
             )

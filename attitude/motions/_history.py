@@ -145,14 +145,16 @@ class AttitudeHistory(Attitudes):
         return frozen(self._covariance_at(rates=False))
 
     def _covariance_at(self, *, rates: bool) -> FloatArray:
-        try:
-            covariance_at = self.motion.covariance_at
-        except AttributeError as err:
+        return self._of_errors("covariance_at", rates=rates)
+
+    def _of_errors(self, method: str, **how: bool) -> FloatArray:
+        """What a method of the motion answers of its errors at the epochs."""
+        if not hasattr(self.motion, method):
             raise AttitudeError(
-                f"{type(self.motion).__name__} has no derivatives; standard deviations and "
+                f"{type(self.motion).__name__} has no covariance; standard deviations and "
                 "covariances follow from a FreeRotation whose spin has a covariance."
-            ) from err
-        return covariance_at(self.seconds, self.low, rates=rates)
+            )
+        return getattr(self.motion, method)(self.seconds, self.low, **how)
 
     @cached_property
     def nonlinearity(self) -> FloatArray:
@@ -160,7 +162,7 @@ class AttitudeHistory(Attitudes):
 
         Beyond 0.1 the covariance misleads: take `FreeRotation.sample` or `sigma_points`.
         """
-        return frozen(self.motion.nonlinearity_at(self.seconds, self.low))
+        return frozen(self._of_errors("nonlinearity_at"))
 
     @cached_property
     def angular_velocity_inertial(self) -> FloatArray:

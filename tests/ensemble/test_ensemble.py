@@ -217,6 +217,22 @@ def test_members_that_are_not_physical():
     assert np.isnan((ensemble[[1, 3]] + ensemble[:1]).period_phi).tolist() == [True, False, False]
     with pytest.raises(AttitudeError, match="moments are"):
         _ = ensemble["b"]
+    for quantity in (ensemble.energy, ensemble.momentum[:, 0]):
+        assert np.array_equal(np.isnan(quantity), wrong)
+    assert ensemble._repr_html_().count("not physical") == 2
+    empty = Ensemble(
+        moments=[(1, 2, 2.5), (np.nan,) * 3],
+        wxyz=(1, 0, 0, 0),
+        angular_velocity=(0.1, 0.2, 0.3),
+        epoch=EPOCH,
+        on_error="nan",
+    )
+    bends = empty.at(t).angular_acceleration
+    assert np.isfinite(bends[0]).all() and np.isnan(bends[1]).all()
+    with pytest.raises(AttitudeError, match="some attitudes are NaN"):
+        ensemble.at(t).euler("ZXZ")
+    with pytest.raises(AttitudeError, match="Ensemble has no covariance"):
+        _ = ensemble.at(t).nonlinearity
 
 
 def test_epochs_beyond_reach():

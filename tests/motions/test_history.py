@@ -251,7 +251,7 @@ def test_nan_epochs(history):
     assert np.array_equal(np.isnan(history.matrix).any(axis=(1, 2)), [False, True, False])
     assert np.array_equal(np.asarray(history.time.mask), [False, True, False])
     for ask in (history.as_rotation, lambda: history.euler("ZXZ")):
-        with pytest.raises(AttitudeError, match=r"some epochs are NaN.*leave them out"):
+        with pytest.raises(AttitudeError, match=r"some attitudes are NaN.*leave them out"):
             ask()
     clean = history[~np.isnan(history.seconds)]
     assert len(clean.as_rotation()) == 2
