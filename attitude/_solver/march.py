@@ -12,8 +12,10 @@ from attitude._solver.step import gains, loaded, put_motion, stored
 from attitude._solver.torqued_step import (
     accelerations_of,
     body_of,
+    is_finite,
     kick,
     set_input,
+    slip_of,
     torque_at,
     torqued_step,
     torques_of,
@@ -152,6 +154,23 @@ def accelerations(c, models, states, times, at_kicks, out):
         out[i, 0] = k1 * w2 * w3 + a
         out[i, 1] = k2 * w3 * w1 + b
         out[i, 2] = k3 * w1 * w2 + d
+    return layout.FINE, 0.0, 0.0
+
+
+@entry_point
+def slips(c, models, states, times, at_kicks, out):
+    """The turns of the body under its momentum at some states.
+
+    Arguments and answer as of `accelerations`; out (T, 3) rad/s.
+    """
+    body, torques = body_of(c), torques_of(models)
+    work, samples, row = scratch(), at_kicks.ctypes.data, layout.ENTRY_BYTES * at_kicks.shape[1]
+    for i in range(len(times)):
+        set_input(body, loaded(states[i]), work, 0.0, 0.0, 0.0)
+        slip = slip_of(body, torques, times[i], samples + i * row, work)
+        if not is_finite(slip):
+            return layout.BAD_TORQUE, times[i], 0.0
+        out[i, 0], out[i, 1], out[i, 2] = slip
     return layout.FINE, 0.0, 0.0
 
 

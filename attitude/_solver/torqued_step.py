@@ -227,6 +227,19 @@ def torque_of(torques, t, samples, work, with_linear):
 
 
 @subroutine
+def slip_of(body, torques, t, samples, work):
+    """The sum of the slips at INPUT, rad/s over the principal axes."""
+    s = body[2]
+    x = y = z = 0.0
+    for model in range(torques[1]):
+        if _entry(torques, model, layout.KIND) == SLIP:
+            v = _call_torque(torques, model, layout.FUNCTION, t, samples, work)
+            a, b, c = turned_by((s[0], -s[1], -s[2], -s[3]), v)
+            x, y, z = x + a, y + b, z + c
+    return x, y, z
+
+
+@subroutine
 def _three(address, k):
     """Three doubles from place k on."""
     return number(address, k), number(address, k + 1), number(address, k + 2)

@@ -1476,6 +1476,11 @@ class ChangedHistory(EnsembleHistory):
         """(S, 3) rad/s2 over the body axes, of the motion of each member."""
         return self._of_members(3, answer=lambda motion, t: motion.angular_acceleration_at(*t))
 
+    @cached_property
+    def turning_rate(self) -> FloatArray:
+        """(S, 3) rad/s over the body axes, of the motion of each member."""
+        return self._of_members(3, answer=lambda motion, t: motion.at(*t).turning_rate)
+
     def _of_members(self, *width: int, answer: Callable[[Any, Seconds], FloatArray]) -> FloatArray:
         """What the motions of the members answer (S, *W) at their epochs."""
         values = np.empty((*self.shape, *width))

@@ -109,6 +109,19 @@ class AttitudeHistory(Attitudes):
         )
 
     @cached_property
+    def turning_rate(self) -> FloatArray:
+        """(S, 3) rad/s over the body axes: the rate at which the attitude turns.
+
+        That is `angular_velocity`, but under an `InternalDissipation`, whose slip is added.
+        """
+        turning_rate_at = getattr(self.motion, "turning_rate_at", None)
+        if turning_rate_at is None:
+            return self.angular_velocity
+        omega = self.angular_velocity
+        rates = turning_rate_at(self.seconds, self.low, wxyz=self.wxyz, angular_velocity=omega)
+        return frozen(rates)
+
+    @cached_property
     def covariance(self) -> FloatArray:
         """(S, 6, 6) covariance of attitude (rotation vector, rad, ICRF axes) and rates (body axes).
 

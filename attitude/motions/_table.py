@@ -325,7 +325,7 @@ class AttitudeTable(Motion):
         degree: int | None = None,
         meta: Mapping[str, Any] | None = None,
     ) -> AttitudeTable:
-        """A table of the attitudes (and, with rates, angular velocities) of a history (N,)."""
+        """A table of the attitudes (and, with rates, `turning_rate`) of a history (N,)."""
         if not isinstance(history, AttitudeHistory):
             raise AttitudeError(
                 f"history is {validation.shown(history)}; give an AttitudeHistory, as motion.at(t) "
@@ -337,7 +337,7 @@ class AttitudeTable(Motion):
             seconds,
             history.wxyz,
             low=low,
-            angular_velocity=history.angular_velocity if rates else None,
+            angular_velocity=history.turning_rate if rates else None,
             method=method,
             degree=degree,
             meta=meta,

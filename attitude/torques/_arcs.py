@@ -246,6 +246,10 @@ class _FreeArc:
         evaluation.evaluate(self._constants, *pairs.rows(seconds, low), wxyz, omega)
         return [wxyz[0, :, 0], omega[0, :, 0]]
 
+    def turning_rate_at(self, seconds, low, *, wxyz, angular_velocity):
+        """As of a `TorquedRotation`."""
+        return angular_velocity
+
     def angular_acceleration_at(self, seconds, low, *, angular_velocity):
         """As `Motion.angular_acceleration_at`, of one epoch."""
         tensor = self._body.tensor
@@ -343,20 +347,21 @@ class _ChainedSensitivity(Derivatives):
         joint[3:6] = np.linalg.solve(new.tensor, momentum)
         product: FloatArray = joint @ whole
         if isinstance(change.at, Trigger):
-            later = self._delay(change.at, end, wxyz, before) @ whole[:3]
-            product += np.outer(joint @ self._rate(k, matrix, before, end), later)
-            product -= np.outer(self._rate(k + 1, matrix, after, end), later)
+            later = self._delay(change.at, end, wxyz, self._turning_rate(k, wxyz, before, end))
+            later = later @ whole[:3]
+            product += np.outer(joint @ self._rate(k, wxyz, before, end), later)
+            product -= np.outer(self._rate(k + 1, wxyz, after, end), later)
         return product
 
-    def _delay(self, event, end, wxyz, omega):
-        """The change (3,) of the time of an event with the attitude then."""
+    def _delay(self, event, end, wxyz, turning_rate):
+        """The change (3,) of the time of an event with the attitude then, which turns at a rate."""
         values = []
         for turn in _STEP * np.concatenate([np.zeros((1, 3)), np.eye(3), -np.eye(3)]):
             turned = quaternion.multiply(forms.from_rotation_vector(turn), wxyz)
             history = AttitudeHistory(
                 None, self._epoch, np.asarray(end[0]), np.asarray(end[1]), turned
             )
-            history.__dict__["angular_velocity"] = omega
+            history.__dict__["angular_velocity"] = turning_rate
             values.append(event.values(history))
         gradient = np.array([float(value[0]) for value in values[1:]])
         slopes = (gradient[:3] - gradient[3:]) / (2.0 * _STEP)
@@ -366,11 +371,17 @@ class _ChainedSensitivity(Derivatives):
         """Attitude and angular velocity on arc k at an epoch (2,)."""
         return self._arcs[k]._evaluate(*_since(self._starts[k], *end), 1)
 
-    def _rate(self, k: int, matrix: FloatArray, omega: FloatArray, end: FloatArray) -> FloatArray:
+    def _rate(self, k: int, wxyz: FloatArray, omega: FloatArray, end: FloatArray) -> FloatArray:
         """The rates (9,) of attitude (inertial axes), velocity and moments on arc k at `end`."""
         t = _since(self._starts[k], *end)
         acceleration = self._arcs[k].angular_acceleration_at(*t, angular_velocity=omega)
-        return np.concatenate([matrix @ omega, acceleration, np.zeros(3)])
+        turn = quaternion.matrix(wxyz) @ self._turning_rate(k, wxyz, omega, end)
+        return np.concatenate([turn, acceleration, np.zeros(3)])
+
+    def _turning_rate(self, k: int, wxyz: FloatArray, omega: FloatArray, end: FloatArray) -> Any:
+        """The rate (3,) at which the attitude turns on arc k at `end`, body axes."""
+        t = _since(self._starts[k], *end)
+        return self._arcs[k].turning_rate_at(*t, wxyz=wxyz, angular_velocity=omega)
 
 
 def _numbers_of_arcs(starts, seconds, low):
@@ -615,6 +626,28 @@ class Arcs(Differentiable):
             out[on] = motion.angular_acceleration_from(angular_velocity[on])
         out[np.isnan(times.hi)] = np.nan
         return out
+
+    def turning_rate_at(
+        self,
+        seconds: ArrayLike,
+        low: ArrayLike | None = None,
+        *,
+        wxyz: FloatArray,
+        angular_velocity: FloatArray,
+    ) -> FloatArray:
+        """Rates (..., 3) at which attitudes turn; see `TorquedRotation.turning_rate_at`."""
+        if not self._torqued:
+            return angular_velocity
+        times = pairs.Seconds(*_inputs.plain_seconds(seconds, low))
+        numbers = _numbers_of_arcs(self._starts, *times.flat)[2].reshape(times.hi.shape)
+        rates = np.array(angular_velocity)
+        for k in np.unique(numbers):
+            on = numbers == k
+            t = _since(self._starts[k], times.hi[on], times.low[on])
+            rates[on] = self._torqued[k].turning_rate_at(
+                *t, wxyz=wxyz[on], angular_velocity=angular_velocity[on]
+            )
+        return rates
 
     def certificate(
         self, t: Epochs, low: ArrayLike | None = None, *, angular_velocity: bool = False

@@ -82,9 +82,9 @@ class System:
         self.setup = self._numbers(), self._coefficients(), self._models()
         self.kicks = len(chosen.kicks)
         self.columns = sum(torque.columns for torque in torques)
+        self.slips = any(torque.kind == SLIP for torque in torques)
         # The midpoint rule of a slip is of second order in a scheme of any.
-        slips = any(torque.kind == SLIP for torque in torques)
-        self.order = min(chosen.order, 2) if slips else chosen.order
+        self.order = min(chosen.order, 2) if self.slips else chosen.order
 
     def under(self, torques: tuple[Torque, ...]) -> System:
         """The same system under other torques."""
@@ -330,20 +330,42 @@ class System:
         """Rates (N, 3) of the angular velocity, rad/s2, body axes, of states (N, 7)."""
         from attitude._solver.march import accelerations
 
-        known: BoolArray = np.all(np.isfinite(motion), axis=-1)
-        states = np.zeros((int(known.sum()), STATE_ENTRIES))
-        states[:, WXYZ] = quaternion.multiply(motion[known, :4], self.turn)
-        states[:, OMEGA] = motion[known, 4:] @ self.axes
-        t = np.stack([seconds[known], low[known]])
         if self.inertia is not None:
             raise AttitudeError(
                 "angular accelerations are not defined with an InertiaHistory; difference the "
                 "angular velocities."
             )
+        rates = self._at_states(accelerations, seconds, low, motion)
+        if self.slips:
+            slip = self.turning_rates(seconds, low, motion) - motion[:, 4:]
+            torque = np.cross(motion[:, 4:] @ self.body.tensor, slip)
+            rates += np.linalg.solve(self.body.tensor, torque.T).T
+        return rates
+
+    def turning_rates(self, seconds: FloatArray, low: FloatArray, motion: FloatArray) -> FloatArray:
+        """Rates (N, 3) at which attitudes turn, rad/s, body axes, of states (N, 7) of a motion.
+
+        With an `InertiaHistory` the angular velocities of the motion have its slip.
+        """
+        from attitude._solver.march import slips
+
+        if not self.slips or self.inertia is not None:
+            return motion[:, 4:]
+        return motion[:, 4:] + self._at_states(slips, seconds, low, motion)
+
+    def _at_states(
+        self, loop: Callable[..., Any], seconds: FloatArray, low: FloatArray, motion: FloatArray
+    ) -> FloatArray:
+        """Vectors (N, 3) over the body axes that a loop of `march` fills at states (N, 7)."""
+        known: BoolArray = np.all(np.isfinite(motion), axis=-1)
+        states = np.zeros((int(known.sum()), STATE_ENTRIES))
+        states[:, WXYZ] = quaternion.multiply(motion[known, :4], self.turn)
+        states[:, OMEGA] = motion[known, 4:] @ self.axes
+        t = np.stack([seconds[known], low[known]])
         out = np.full((len(motion), 3), np.nan)
         some = np.empty((len(states), 3))
         numbers, _, models = self.setup
-        self.run(accelerations, 0.0, numbers, models, states, t[0], self.sampled(t), some)
+        self.run(loop, 0.0, numbers, models, states, t[0], self.sampled(t), some)
         out[known] = some @ self.axes.T
         return out
 
@@ -436,7 +458,7 @@ class TorquedSensitivity(Derivatives):
         self._parameters = tuple(parameters)
         self._width = 9 + len(self._parameters)
         kinds = {torque.kind for torque in system.torques}
-        self._by_rate, self._slips = bool({BY_RATE, LINEAR} & kinds), SLIP in kinds
+        self._by_rate, self._slips = bool({BY_RATE, LINEAR} & kinds), system.slips
 
     def at(
         self, seconds: FloatArray, low: FloatArray | None, rates: bool

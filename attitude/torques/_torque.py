@@ -275,6 +275,9 @@ class InternalDissipation(Torque):
 
         dE/dt = -strength L |l x w|^2 <= 0   and   L is fixed in space, to rounding.
 
+    Angular velocities w of the spin and of the motion are I^-1 L; the attitude turns with w and the
+    slip, which `AttitudeHistory.turning_rate` has.
+
     Parameters
     ----------
     strength : float or Rheology

@@ -43,6 +43,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from typing import TypeAlias
 
+    from numpy.typing import ArrayLike
+
     from attitude._support.annotations import (
         Epoch,
         EpochOrSeconds,
@@ -916,6 +918,24 @@ class TorquedRotation(Differentiable):
             change = self._system.inertia.tensors(seconds)
             tensors = tensors + change.reshape(*np.shape(history.seconds), 3, 3)
         return np.sum(tensors * history.angular_velocity[..., None, :], axis=-1)
+
+    def turning_rate_at(
+        self,
+        seconds: ArrayLike,
+        low: ArrayLike | None = None,
+        *,
+        wxyz: FloatArray,
+        angular_velocity: FloatArray,
+    ) -> FloatArray:
+        """Rates (..., 3) at which attitudes turn, at TDB seconds since the epoch.
+
+        rad/s over the body axes, of attitudes (..., 4) and angular velocities (..., 3) there:
+        those, and the slip of an `InternalDissipation`.
+        """
+        times = pairs.Seconds(*_inputs.plain_seconds(seconds, low)).flat
+        states = np.concatenate([wxyz, angular_velocity], axis=-1).reshape(-1, 7)
+        rates = self._system.turning_rates(*times, states)
+        return rates.reshape(np.shape(angular_velocity))
 
     def _evaluate(self, seconds, low, order):
         # Attitudes and angular velocities are integrated together, in blocks of epochs: Ctrl-C is

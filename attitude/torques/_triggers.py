@@ -250,7 +250,7 @@ def first_crossing(event: Trigger, motion: Motion, start: float, end: float, nam
 
 def _point(history: AttitudeHistory, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
     """A body vector and its rate of change, over ICRF axes."""
-    rate = np.cross(history.angular_velocity, vector)
+    rate = np.cross(history.turning_rate, vector)
     return quaternion.rotate(history.wxyz, vector), quaternion.rotate(history.wxyz, rate)
 
 

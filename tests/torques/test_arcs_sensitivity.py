@@ -7,7 +7,7 @@ from attitude import AttitudeError, Body, Spin
 from attitude.arcs import Arcs, AxisCrossesDirection, Impulse, InertiaChange
 from attitude.frames import representations as forms
 from attitude.frames.quaternion import conjugate, multiply
-from attitude.torques import LinearDamping
+from attitude.torques import InternalDissipation, LinearDamping
 
 TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
 BODY = Body(moments=(10, 20, 26))
@@ -40,14 +40,16 @@ CHAINS = {
 }
 CHAINS["under torques"] = CHAINS["inertia"]
 CHAINS["an event under torques"] = CHAINS["inertia at an event"]
-TORQUES = {name: LinearDamping(0.7) for name in CHAINS if "torques" in name}
+TORQUES = {name: {"torques": LinearDamping(0.7)} for name in CHAINS if "torques" in name}
+CHAINS["an event under friction"] = CHAINS["event"]
+TORQUES["an event under friction"] = {"torques": InternalDissipation(0.05), "step": 0.005}
 
 
 def chain_of(name, **more):
     body, changes = CHAINS[name]
     omega = (0.6, 0.9, 0.2)
     return Arcs(body, Spin(epoch="2026-01-01", wxyz=(1, 2, 3, 4), angular_velocity=omega, **more),
-                changes, TORQUES.get(name))  # fmt: skip
+                changes, **TORQUES.get(name, {}))  # fmt: skip
 
 
 @pytest.mark.parametrize("name", CHAINS)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from attitude import AttitudeError, Body, FreeRotation, Spin, paths
+from attitude import Arcs, AttitudeError, AttitudeTable, Body, FreeRotation, Impulse, Spin, paths
 from attitude._compilation.decorators import entry_point
 from attitude._solver.step import (
     LONGEST_PIECE,
@@ -19,8 +19,17 @@ from attitude._solver.step import (
     rates,
     stored,
 )
+from attitude.arcs import AxisCrossesDirection
 from attitude.frames import quaternion
-from attitude.torques import ConstantTorque, CustomTorque, GravityGradient, LinearDamping, _torqued
+from attitude.frames import representations as forms
+from attitude.torques import (
+    ConstantTorque,
+    CustomTorque,
+    GravityGradient,
+    InternalDissipation,
+    LinearDamping,
+    _torqued,
+)
 from attitude.torques._schemes import SCHEMES, Scheme, scheme
 from attitude.torques._torqued import TorquedRotation
 from tests.support import states
@@ -384,6 +393,30 @@ def test_angular_acceleration_is_the_rate_of_the_angular_velocity():
     slope = (w[0] - 8.0 * w[1] + 8.0 * w[2] - w[3]) / (12.0 * h)
     # fourth differences of 1e-12 over 1e-4, truncation 4^5 h^4 / 30
     assert np.max(np.abs(motion.at(t).angular_acceleration - slope)) < 1e-8
+
+
+def test_friction_is_in_accelerations_and_in_the_rate_at_which_attitudes_turn():
+    """The slip beside the angular velocity, which is that of the momentum."""
+    friction, h = InternalDissipation(0.02), 1e-3
+    spin = Spin("2026-01-01", (1, 0, 0, 0), (0.1, -0.2, 0.15))
+    moving = TorquedRotation(Body(moments=(10, 17, 20)), spin, friction, step=0.01)
+    stopped = Impulse(1.0, (0.1, 0.0, 0.0))
+    arcs = Arcs(moving.body, spin, [stopped], friction, step=0.01)
+    t = np.array([5.0, 0.4, 7.0])
+    for motion in (moving, arcs):
+        history, before, after = (motion.at(t + shift) for shift in (0.0, -h, h))
+        slope = (after.angular_velocity - before.angular_velocity) / (2 * h)
+        assert np.max(np.abs(history.angular_acceleration - slope)) < 1e-8
+        rate = (after.wxyz - before.wxyz) / (2 * h)
+        turning = forms.angular_velocity_from_quaternion_rate(history.wxyz, rate)
+        assert np.max(np.abs(history.turning_rate - turning)) < 1e-7
+        assert np.max(np.abs(history.angular_velocity - turning)) > 1e-4
+        axis = AxisCrossesDirection((1, 0.2, 0.3), (0.3, 0.5, 1))
+        ahead, behind = (axis.values(each)[0] for each in (after, before))
+        assert np.allclose(axis.values(history)[1], (ahead - behind) / (2 * h), 0.0, 1e-7)
+    table = AttitudeTable.from_history(moving.at(np.arange(30.0)))
+    between = np.arange(5.5, 25.0)
+    assert np.max(np.abs(table.at(between).wxyz - moving.at(between).wxyz)) < 1e-7
 
 
 def test_turned_axes_make_no_difference():
