@@ -362,8 +362,17 @@ def _ut1_minus_utc(jd1, jd2, name):
 
 @lru_cache(maxsize=1)
 def earth_orientation() -> Any:
-    """The table IERS_A of astropy-iers-data as installed, without a download."""
+    """The table IERS_A of astropy-iers-data as installed, without a download.
+
+    Final values are those of the table IERS_B, as in astropy: in IERS_A they are older ones.
+    """
     from astropy.utils import iers
 
     # By file name: IERS_Auto would download, IERS_A.open would cache its table in the process.
-    return iers.IERS_A.read(iers.IERS_A_FILE, readme=iers.IERS_A_README)
+    table = iers.IERS_A.read(iers.IERS_A_FILE, readme=iers.IERS_A_README)
+    final = iers.IERS_B.read(iers.IERS_B_FILE, readme=iers.IERS_B_README)
+    _, row, of_final = np.intersect1d(table["MJD"].value, final["MJD"].value, return_indices=True)
+    is_final = np.isfinite(table["UT1_UTC_B"][row])
+    for name in ("UT1_UTC", "PM_x", "PM_y"):
+        table[name][row[is_final]] = final[name][of_final[is_final]]
+    return table

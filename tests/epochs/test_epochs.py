@@ -310,6 +310,12 @@ def test_differences_set_on_a_time_are_honoured():
     assert exact(START, ut1) == pytest.approx(exact(START, with_utc), abs=ASTROPY)
 
 
+def test_ut1_has_the_final_values_of_astropy():
+    time = Time(np.linspace(41700.0, 60000.0, 300), format="mjd", scale="ut1")
+    with earth_orientation.installed():
+        assert error_against_astropy(START, time) < ASTROPY
+
+
 def test_ut1_by_the_installed_table_and_without_the_network(monkeypatch):
     import socket
 

@@ -9,7 +9,6 @@ import pytest
 from astropy import units as u
 from astropy.coordinates import EarthLocation
 from astropy.time import Time
-from astropy.utils import iers
 from skyfield.api import EarthSatellite, wgs84
 
 from attitude import paths
@@ -26,6 +25,7 @@ from attitude.frames._earth import (
 )
 from attitude.paths._ground import rotation_angle
 from attitude.paths._path import julian
+from tests.support import earth_orientation
 from tests.support.kernels import DATA, decaying, summed
 
 TLE = DATA / "envisat-2013.tle"
@@ -283,7 +283,7 @@ def test_a_site_is_where_astropy_has_it_on_the_same_table(longitude, latitude, h
     position, velocity = path.state(at, seconds)
     location = EarthLocation.from_geodetic(longitude * u.deg, latitude * u.deg, height * u.m)
     time = Time(*julian(at, seconds, NO_LOW), format="jd", scale="tdb")
-    with iers.earth_orientation_table.set(_time_scales.earth_orientation()):
+    with earth_orientation.installed():
         theirs = location.get_gcrs_posvel(time)
     assert np.abs(position - theirs[0].xyz.to_value("m").T).max() < 1e-4
     assert np.abs(velocity - theirs[1].xyz.to_value("m/s").T).max() < 1e-6
