@@ -65,21 +65,29 @@ def incomplete(cosine, sine, mc, first, second):
 
 @entry_point
 def amplitude(u, mc, out):
-    """am(u, m) for 0 <= u <= K (N,), by the AGM and back (DLMF 22.20(ii))."""
+    """am(u, m) for 0 <= u <= K (N,), by the AGM and back (DLMF 22.20(ii)).
+
+    The arcsine of c/a sin(phi) is an arctangent, since a^2 - c^2 = b^2: at a quarter turn, which m
+    near 1 reaches, an arcsine loses half of the digits.
+    """
     for k in range(len(u)):
         a, b = 1.0, math.sqrt(mc[k])
         means = [a]
         halves = [0.0]
+        others = [b]
         for _ in range(_MOST):
             c = 0.5 * (a - b)
             a, b = 0.5 * (a + b), math.sqrt(a * b)
             means.append(a)
             halves.append(c)
+            others.append(b)
             if abs(c) <= _CLOSE * a:
                 break
         phi = math.ldexp(a * u[k], len(means) - 1)
         for step in range(len(means) - 1, 0, -1):
-            phi = 0.5 * (phi + math.asin(halves[step] / means[step] * math.sin(phi)))
+            sine, cosine = math.sin(phi), math.cos(phi)
+            cosine = math.hypot(means[step] * cosine, others[step] * sine)
+            phi = 0.5 * (phi + math.atan2(halves[step] * sine, cosine))
         out[k] = phi
 
 
@@ -184,7 +192,9 @@ def F(phi: Reals, m: Reals, *, mc: Reals | None = None) -> FloatArray:
 
 
 def E_incomplete(phi: Reals, m: Reals, *, mc: Reals | None = None) -> FloatArray:
-    """The incomplete integral of the second kind, E(phi, m), DLMF 19.2.5; as `F`.
+    """The incomplete integral of the second kind, E(phi, m), DLMF 19.2.5; arguments of `F`.
+
+    To 2e-15 of its size; near m = 1, where it is F less a number of the size of K, to 3e-14.
 
     >>> float(E_incomplete(0.5, 0.5).round(12))
     0.489910959793

@@ -60,6 +60,15 @@ def test_jacobi_functions():
     assert np.allclose(mine[0] ** 2 + mine[1] ** 2, 1.0, rtol=0, atol=4 * EPS)
 
 
+@pytest.mark.parametrize("mc", [1e-6, 1e-12, 1e-16, 1e-30])
+def test_jacobi_functions_near_m_of_one(mc):
+    u = np.linspace(0.1, 0.99, 12) * float(jacobi.K(1.0 - mc, mc=mc))
+    for name in ("sn", "cn", "dn"):
+        found = getattr(jacobi, name)(u, 1.0 - mc, mc=mc)
+        true = exact(lambda a, b, name=name: mpmath.ellipfun(name, a, m=1 - b), u, mc)
+        assert np.allclose(found, true, rtol=0, atol=1e-15), name
+
+
 def test_the_nome():
     expected = exact(lambda m: mpmath.qfrom(m=m), M[1:])
     assert np.allclose(jacobi.nome(M[1:]), expected, rtol=1e-13, atol=0)
