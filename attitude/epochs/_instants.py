@@ -34,6 +34,10 @@ TEXT: re.Pattern[str] = re.compile(
 )
 
 
+# TDB seconds past J2000 of the year -4712 and of the last day of ERFA's calendar, less a day.
+_CALENDAR = -_time_scales.J2000 * _time_scales.DAY, (1e9 - 2451546.0) * _time_scales.DAY
+
+
 def parsed(text: str, name: str) -> tuple[str, int, int, float]:
     """Scale, day (modified Julian date), whole seconds since its midnight, fraction of a second."""
     matched = TEXT.fullmatch(text.strip())
@@ -57,7 +61,12 @@ def parsed(text: str, name: str) -> tuple[str, int, int, float]:
             f"{name} is {shown(text)}; hours go from 00 to 23, minutes and seconds from 00 to 59."
         )
     share = float("0." + fraction) if fraction else 0.0
-    shift, minutes = divmod(hours * 60 + minutes - _offset(zone), 1440)
+    offset = _offset(zone)
+    if offset is None:
+        raise AttitudeError(
+            f"{name} is {shown(text)}; an offset from UTC goes from -23:59 to +23:59."
+        )
+    shift, minutes = divmod(hours * 60 + minutes - offset, 1440)
     if seconds == 60:
         _refuse_false_leap(scale, date + shift, minutes, share, text, name)
     return scale, date + shift, minutes * 60 + seconds, share
@@ -88,12 +97,14 @@ def _mjd(year: int, month: str | None, day: str | None, yearday: str | None) -> 
     return ordinal + _time_scales.MJD_OF_ORDINAL_0
 
 
-def _offset(zone: str | None) -> int:
-    """The offset from UTC in minutes of text such as Z or +01:00."""
+def _offset(zone: str | None) -> int | None:
+    """The offset from UTC in minutes of text such as Z or +01:00; None for one of 24 h or more."""
     if not zone or zone == "Z":
         return 0
-    minutes = int(zone[1:3]) * 60 + int(zone[4:6])
-    return -minutes if zone[0] == "-" else minutes
+    hours, minutes = int(zone[1:3]), int(zone[4:6])
+    if hours > 23 or minutes > 59:
+        return None
+    return (hours * 60 + minutes) * (-1 if zone[0] == "-" else 1)
 
 
 def utc_text(day: float, second: float, low: float) -> str:
@@ -162,7 +173,12 @@ class Instant:
 
     @property
     def utc_iso(self) -> str:
-        """ISO 8601 text in UTC, to the nanosecond, without trailing zeros of the fraction."""
+        """ISO 8601 text in UTC, to the nanosecond, without trailing zeros of the fraction.
+
+        Before the year -4712 and after 2,700,000, without a calendar: seconds past J2000.
+        """
+        if not self._has_date:
+            return f"{self.seconds!r} TDB seconds past J2000"
         tt = _time_scales.tt_from_tdb(np.float64(self.seconds), np.float64(self.low))
         tai = pairs.add(tt, -_time_scales.TT_MINUS_TAI)
         return utc_text(*map(float, _time_scales.utc_day_from_tai(*tai)))
@@ -176,8 +192,12 @@ class Instant:
         hi, lo = pairs.add((self.seconds, self.low), float(seconds), float(low))
         return Instant(hi, lo)
 
+    @property
+    def _has_date(self) -> bool:
+        return _CALENDAR[0] <= self.seconds <= _CALENDAR[1]
+
     def __repr__(self) -> str:
-        return f"Instant({self.utc_iso} UTC)"
+        return f"Instant({self.utc_iso} UTC)" if self._has_date else f"Instant({self.utc_iso})"
 
     __str__ = __repr__
 

@@ -169,6 +169,8 @@ def test_an_unsharp_leap_second_before_1972_is_known():
         ("9999-366T00:00:00", "does not exist"),
         ("0000-01-01", "0001 to 9999"),
         ("2026-01-01T24:00:00", "hours go from 00 to 23"),
+        ("2026-01-01T00:00:00+25:00", "offset from UTC goes from -23:59"),
+        ("2026-01-01T00:00:00-01:60", "offset from UTC goes from -23:59"),
         ("2026-01-01T00:60:00", "hours go from 00 to 23"),
         ("2026-01-01T00:00:61", "hours go from 00 to 23"),
         ("2026-01-01T23:59:60", "no leap second"),
@@ -241,6 +243,14 @@ def test_the_smallest_units_of_datetime64_before_1970():
     start = instant("1970-01-01")
     assert exact(start, np.datetime64(-7000, "as")) == pytest.approx(-7e-15, abs=1e-16)
     assert exact(start, np.datetime64(-5, "ps")) == pytest.approx(-5e-12, rel=1e-9)
+
+
+@pytest.mark.parametrize("seconds", [-2.2e11, -2.5e11, 1e14, 1e300, np.nan, -np.inf])
+def test_an_epoch_without_a_calendar_is_written_in_seconds(seconds):
+    epoch = epochs.Instant(seconds)
+    assert repr(epoch) == f"Instant({seconds!r} TDB seconds past J2000)"
+    assert epochs.Instant(-2.1e11).utc_iso.startswith("-4655-05-13T22:39:27")
+    assert epochs.Instant(8.6e13).utc_iso.startswith("2727")
 
 
 def test_a_datetime_outside_of_utc_is_refused():
