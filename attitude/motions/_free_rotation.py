@@ -93,7 +93,9 @@ def of_free_rotation(body: Body, omega: FloatArray) -> RateBounds:
     w = float(np.max(regimes(moments, rates).spin_rate_range)) if np.any(rates) else 0.0
     rate = _acceleration(moments, rates, w)
     w, rate = w * _ROUNDED, rate * _ROUNDED
-    return RateBounds(w, rate + w * w, np.sqrt(2.0) * rate * w + 3.0 * rate * w + w**3)
+    with np.errstate(over="ignore"):  # infinity is a bound, too
+        third = np.sqrt(2.0) * rate * w + 3.0 * rate * w + np.float64(w) ** 3
+    return RateBounds(w, rate + w * w, float(third))
 
 
 def _acceleration(moments: FloatArray, rates: FloatArray, w: float) -> float:
@@ -102,6 +104,8 @@ def _acceleration(moments: FloatArray, rates: FloatArray, w: float) -> float:
     if not w > 0.0:
         return 0.0
     scaled = rates / w
+    # by a power of two, which is exact: squares of moments neither overflow nor underflow
+    moments = np.ldexp(moments, -np.frexp(np.max(moments))[1])
     energy = np.sum(moments * scaled**2)
     momentum = np.sum((moments * scaled) ** 2)
     squares = np.zeros(3)
@@ -111,7 +115,8 @@ def _acceleration(moments: FloatArray, rates: FloatArray, w: float) -> float:
         if some[i]:
             gain = (moments[j] - moments[k]) / moments[i]
             total += gain * gain * squares[j] * squares[k]
-    return w * w * float(min(np.sqrt(total), np.sqrt(1.0 / 3.0)))
+    share = float(min(np.sqrt(total), np.sqrt(1.0 / 3.0)))
+    return w * w * share if share else 0.0
 
 
 # ---- The motion
@@ -345,7 +350,13 @@ class FreeRotation(Differentiable):
         rate = np.zeros(w.shape)
         for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
             if moments[i] > 0.0:
-                rate[i] = (moments[j] - moments[k]) / moments[i] * w[j] * w[k]
+                with np.errstate(over="ignore"):
+                    rate[i] = (moments[j] - moments[k]) / moments[i] * w[j] * w[k]
+        if np.isinf(rate).any():
+            raise AttitudeError(
+                f"the angular velocity is {np.nanmax(np.abs(w)):.3g} rad/s, whose square is beyond "
+                "the range of doubles: it has no angular acceleration; give one below 1e150 rad/s."
+            )
         return np.moveaxis(rate, 0, -1) @ axes.T
 
     def rate_bounds(self, seconds: float) -> RateBounds:

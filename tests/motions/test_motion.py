@@ -128,6 +128,20 @@ def test_rate_bounds_hold(name):
         assert np.max(speed) > 0.9 * bounds.first  # and are no wild guess
 
 
+@pytest.mark.parametrize("scale", [1e-300, 1e-200, 1.0, 1e300])
+def test_rate_bounds_at_any_scale(scale):
+    body = Body(moments=np.array([10.0, 20.0, 26.0]) * scale)
+    spin = Spin("2026-01-01", (1, 0, 0, 0), np.array([0.1, 0.2, 0.3]))
+    usual = FreeRotation(Body(moments=(10, 20, 26)), spin).rate_bounds(0.0)
+    assert FreeRotation(body, spin).rate_bounds(0.0) == pytest.approx(usual, rel=1e-14)
+    for rates in ((1e199, 2e199, 3e199), (0.0, 0.0, 1e200)):
+        fast = FreeRotation(body, Spin("2026-01-01", (1, 0, 0, 0), rates))
+        assert fast.rate_bounds(0.0)[1:] == (np.inf, np.inf)
+        if rates[0]:
+            with pytest.raises(AttitudeError, match="beyond the range of doubles"):
+                _ = fast.at(0.0).angular_acceleration
+
+
 def test_the_inertia_of_arcs():
     motion = KINDS["arcs"]
     with pytest.raises(AttitudeError, match="the long axis follows from a body's inertia"):
