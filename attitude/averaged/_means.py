@@ -129,10 +129,13 @@ def _nutations(axes: Axes) -> list[Nutations]:
 
 
 def _on_arcs(axes: Axes) -> tuple[FloatArray, FloatArray, FloatArray, float]:
-    """l (4, N, 3), seconds (N,), gamma (3,) and p (1 - p) on the separatrix."""
+    """l (4, N, 3), seconds (N,), gamma (3,) and p (1 - p) on the separatrix.
+
+    The last is infinite for a symmetric body, which has none.
+    """
     arcs, seconds = axes.arcs
     p = float(1.0 / (1.0 + np.exp(-axes.separatrix)))
-    return arcs, seconds, np.array([1.0 - p, 0.0, -p]), p * (1.0 - p)
+    return arcs, seconds, np.array([1.0 - p, 0.0, -p]), p * (1.0 - p) or math.inf
 
 
 def _alone(given: FloatArray) -> FloatArray:

@@ -607,8 +607,11 @@ class Ensemble(Immutable):
         """A slice, or an array of numbers, of members."""
         if isinstance(index, slice):
             return index
-        array = np.asarray(index)
-        if array.size == 0:
+        try:
+            array = np.asarray(index)
+        except ValueError:
+            array = np.empty((0, 0), dtype=object)  # ragged lists, which are refused below
+        if array.shape == (0,):
             array = array.astype(np.int64)
         if array.dtype.kind == "U":
             return np.array([self.number(label) for label in array.ravel()], dtype=np.int64)
@@ -1228,8 +1231,14 @@ class Ensemble(Immutable):
         Raises
         ------
         AttitudeError
-            For epochs that do not ascend, fewer than two, and as `percentiles`.
+            For epochs that do not ascend, fewer than two, bounds that are no numbers, and as
+            `percentiles`.
         """
+        bounds = {"least": least, "greatest": greatest}
+        first, last = (
+            float(validation.real(bound, name, shape=(), finite=False))
+            for name, bound in bounds.items()
+        )
         known, grid = _quantities.known(quantity, scene, self, t, low)
         if grid.length < 2 or not np.all(np.diff(grid.t.hi) > 0.0):
             raise AttitudeError("t does not ascend, or holds fewer than two epochs; give (T,).")
@@ -1241,7 +1250,7 @@ class Ensemble(Immutable):
             which = slice(begin, end)
             values = known.finished(self._measured(known, grid, self._evaluation(), which, every))
             with np.errstate(invalid="ignore"):
-                within = (values >= least) & (values <= greatest)
+                within = (values >= first) & (values <= last)
             times = grid.t.hi[which] if len(grid.t.hi) > 1 else grid.t.hi
             fraction[which], gap[which] = _covered(within, times)
 

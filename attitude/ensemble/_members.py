@@ -324,6 +324,8 @@ def rows(values: Any, name: str, width: int, unit: str | None) -> FloatArray:
 def count(sizes: dict[str, int], names: Any) -> int:
     """The number of members, from the lengths of the arguments, each of which may be 1."""
     if names is not None:
+        if not hasattr(names, "__len__"):
+            raise AttitudeError(f"names is {validation.shown(names)}; give one for each member.")
         sizes = {**sizes, "names": len(names)}
     several = {name: size for name, size in sizes.items() if size != 1}
     if len(set(several.values())) > 1:

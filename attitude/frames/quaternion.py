@@ -38,12 +38,16 @@ _BLOCK = 8192
 _UNIT = 8.0 * np.finfo(float).eps
 
 
-def multiply(p: ArrayLike, q: ArrayLike) -> FloatArray:
+def multiply(p: Reals, q: Reals) -> FloatArray:
     """The products p q (..., 4) of quaternions (..., 4): the rotation q, then p.
 
     Leading axes broadcast.
     """
-    return np.stack(product(_parts(p), _parts(q)), axis=-1)
+    p, q = validation.rows(p, "p", 4), validation.rows(q, "q", 4)
+    try:
+        return np.stack(product(_parts(p), _parts(q)), axis=-1)
+    except ValueError:
+        raise _without_common_shape("p", p, "q", q) from None
 
 
 def product(p: Sequence[Any], q: Sequence[Any]) -> list[Any]:
@@ -58,18 +62,21 @@ def product(p: Sequence[Any], q: Sequence[Any]) -> list[Any]:
     ]
 
 
-def conjugate(q: ArrayLike) -> FloatArray:
+def conjugate(q: Reals) -> FloatArray:
     """The inverses (..., 4) of unit quaternions (..., 4)."""
-    return np.asarray(q) * (1.0, -1.0, -1.0, -1.0)
+    return validation.rows(q, "q", 4) * (1.0, -1.0, -1.0, -1.0)
 
 
-def rotate(q: ArrayLike, v: ArrayLike) -> FloatArray:
+def rotate(q: Reals, v: Reals) -> FloatArray:
     """The vectors q v q* (..., 3) of unit quaternions (..., 4) and vectors (..., 3).
 
     Leading axes broadcast.
     """
-    q, v = np.asarray(q, dtype=np.float64), np.asarray(v, dtype=np.float64)
-    shape = np.broadcast_shapes(q.shape[:-1], v.shape[:-1])
+    q, v = validation.rows(q, "q", 4), validation.rows(v, "v", 3)
+    try:
+        shape = np.broadcast_shapes(q.shape[:-1], v.shape[:-1])
+    except ValueError:
+        raise _without_common_shape("q", q, "v", v) from None
     turned = np.empty((3, *shape))
     if len(shape) == 1 and shape[0] > _BLOCK:
         q, v = np.broadcast_to(q, (*shape, 4)), np.broadcast_to(v, (*shape, 3))
@@ -92,9 +99,9 @@ def _turn(q, v, turned):
     turned[2] = c + w * f + (x * e - y * d)
 
 
-def matrix(q: ArrayLike) -> FloatArray:
+def matrix(q: Reals) -> FloatArray:
     """The rotation matrices (..., 3, 3) of unit quaternions (..., 4): v' = matrix @ v."""
-    w, x, y, z = _parts(q)
+    w, x, y, z = _parts(validation.rows(q, "q", 4))
     out = np.empty((*w.shape, 3, 3))
     out[..., 0, 0] = w * w + x * x - y * y - z * z
     out[..., 1, 1] = w * w - x * x + y * y - z * z
@@ -286,5 +293,13 @@ def _axes(sequence):
 
 def _parts(array):
     """The components along the last axis, one array each."""
-    array = np.asarray(array, dtype=np.float64)
     return tuple(components_first(array))
+
+
+def _without_common_shape(
+    name: str, array: FloatArray, other: str, another: FloatArray
+) -> AttitudeError:
+    return AttitudeError(
+        f"{name} has shape {array.shape} and {other} shape {another.shape}; give one, or the same "
+        "number of each."
+    )

@@ -306,15 +306,16 @@ def angular_velocity_from_quaternion_rate(wxyz: ArrayLike, rate: Reals) -> Float
     return 2.0 * quaternion.multiply(quaternion.conjugate(wxyz), rate)[..., 1:]
 
 
-def body_to_inertial_rates(wxyz: Reals, angular_velocity: ArrayLike) -> FloatArray:
+def body_to_inertial_rates(wxyz: Reals, angular_velocity: Reals) -> FloatArray:
     """Angular velocities (..., 3) over the inertial axes of those over the body axes, rad/s."""
-    return quaternion.rotate(validation.rows(wxyz, "wxyz", 4), angular_velocity)
+    omega = validation.rows(angular_velocity, "angular_velocity", 3, unit="rad/s")
+    return quaternion.rotate(validation.rows(wxyz, "wxyz", 4), omega)
 
 
-def inertial_to_body_rates(wxyz: Reals, angular_velocity: ArrayLike) -> FloatArray:
+def inertial_to_body_rates(wxyz: Reals, angular_velocity: Reals) -> FloatArray:
     """Angular velocities (..., 3) over the body axes of those over the inertial axes, rad/s."""
-    inverse = quaternion.conjugate(validation.rows(wxyz, "wxyz", 4))
-    return quaternion.rotate(inverse, angular_velocity)
+    omega = validation.rows(angular_velocity, "angular_velocity", 3, unit="rad/s")
+    return quaternion.rotate(quaternion.conjugate(validation.rows(wxyz, "wxyz", 4)), omega)
 
 
 # scipy --------------------------------------------------------------------------------------------

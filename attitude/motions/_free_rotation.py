@@ -511,8 +511,9 @@ class FreeRotation(Differentiable):
 
         3-1-3 angles of the axes of a convention, as in `published`: phi counts from the direction
         of growing colatitude at the pole in `frame` (by default that of the spin); phi and psi in
-        [0, 2 pi).
+        [0, 2 pi).  AttitudeError for a body at rest.
         """
+        _published.refuse_rest(self.regime)
         frame = self.spin.frame if frame is None else frame
         wxyz = _over_axes(frame, self.at(t).wxyz)
         wxyz = quaternion.multiply(wxyz, _conventions.axes_wxyz(self.body, convention))

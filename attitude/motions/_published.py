@@ -68,6 +68,15 @@ def known_mode(mode: str | Mode | None) -> str:
     )
 
 
+def refuse_rest(regime: Regime) -> None:
+    """AttitudeError for a body at rest."""
+    if regime.mode is Mode.AT_REST:
+        raise AttitudeError(
+            "the body is at rest; without angular momentum there is no pole, no period and no "
+            "angle to publish."
+        )
+
+
 def possible(moments: ArrayLike, P_psi: float, P_phi: float) -> list[tuple[str, str]]:
     """The combinations of mode and convention in which a motion has these periods.
 
@@ -541,11 +550,7 @@ def published(
         For a body at rest, which has no direction of the momentum.
     """
     convention = known_convention(convention)
-    if regime.mode is Mode.AT_REST:
-        raise AttitudeError(
-            "the body is at rest; without angular momentum there is no pole, no period and no "
-            "angle to publish."
-        )
+    refuse_rest(regime)
     axes = _conventions.axes(body, convention)
     momentum = axes.T @ (body.tensor @ (angular_velocity / np.max(np.abs(angular_velocity))))
     attitude = quaternion.multiply(wxyz, _conventions.axes_wxyz(body, convention))

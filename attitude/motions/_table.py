@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from copy import copy
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -19,7 +20,7 @@ from attitude.motions._history import AttitudeHistory
 from attitude.motions._motion import Motion
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import ArrayLike
 
@@ -50,12 +51,14 @@ def settled(method: str | None, degree: int | None, count: int, has_rates: bool)
     """
     if method is None:
         method = "hermite" if has_rates else "lagrange"
-    method = method.lower()
-    method = "slerp" if method in ("linear", "sphericallinear", "spherical linear") else method
-    if method not in METHODS:
+    word = method.lower() if isinstance(method, str) else ""
+    word = "slerp" if word in ("linear", "sphericallinear", "spherical linear") else word
+    if word not in METHODS:
         raise AttitudeError(
-            f"the interpolation method is {method[:40]!r}; it must be one of {', '.join(METHODS)}."
+            f"the interpolation method is {validation.shown(method)}; it must be one of "
+            f"{', '.join(METHODS)}."
         )
+    method = word
     degree = USUAL_DEGREE if degree is None else degree
     whole = isinstance(degree, (int, np.integer)) and not isinstance(degree, bool)
     if not whole or not 1 <= degree <= MOST_DEGREE:
@@ -310,7 +313,7 @@ class AttitudeTable(Motion):
             angular_velocity=rates,
             method=method,
             degree=degree,
-            meta=dict(meta or {}),
+            meta=_known_meta(meta),
             _parts=None,
         )
         self._set("_limits", self._usable(usable))
@@ -354,9 +357,15 @@ class AttitudeTable(Motion):
         Raises
         ------
         AttitudeError
-            For no table.
+            For no table, and other objects.
         """
-        segments = [segment for table in tables for segment in table.segments]
+        listed = tuple(tables) if isinstance(tables, Iterable) else (tables,)
+        for k, table in enumerate(listed):
+            if not isinstance(table, AttitudeTable):
+                raise AttitudeError(
+                    f"tables[{k}] is {validation.shown(table)}; give AttitudeTable objects."
+                )
+        segments = [segment for table in listed for segment in table.segments]
         if not segments:
             raise AttitudeError("there are no segments to join; give one table or more.")
         if len(segments) == 1 and meta is None:
@@ -372,7 +381,7 @@ class AttitudeTable(Motion):
             epoch=epoch,
             method=parts[0].method,
             degree=parts[0].degree,
-            meta=dict(parts[0].meta if meta is None else meta),
+            meta=_known_meta(parts[0].meta if meta is None else meta),
             _parts=parts,
             _limits=None,
         )
@@ -493,18 +502,24 @@ class AttitudeTable(Motion):
     def _usable(self, usable: Sequence[Epoch | None] | None) -> Limits:
         """First and last epoch, those of the records unless narrowed."""
         limits = [(float(self.seconds[k]), float(self.low[k])) for k in (0, -1)]
-        for k, end in enumerate(usable or ()):
+        ends = (None, None) if usable is None else usable
+        length = (len(ends),) if isinstance(ends, (list, tuple)) else np.shape(ends)
+        if length != (2,):
+            raise AttitudeError(
+                f"usable is {validation.shown(usable)}; give a pair of epochs, either of which may "
+                "be None."
+            )
+        for k, end in enumerate(ends):
             if end is not None:
                 hi, lo = _inputs.one_since(self.epoch, _inputs.instant(end, "usable"))
                 beyond = (hi - limits[k][0]) + (lo - limits[k][1])
                 if (beyond > 0.0) == (k == 0):  # inside of the records, not beyond them
                     limits[k] = hi, lo
-        (first, first_low), (last, last_low) = limits
         # Examples of the standard show the first record alone, which is before the usable time.
-        if len(self) > 1 and (last - first) + (last_low - first_low) < 0.0:
+        if len(self) > 1 and limits[0] > limits[1]:
             raise AttitudeError(
-                "the usable span ends before it begins, or has no part between the first and the "
-                "last record; give one within the records (usable=, USEABLE times of a message)."
+                "the usable span ends before it begins, or lies outside of the records; give one "
+                "between the first and the last record (usable=, USEABLE times of a message)."
             )
         return limits[0], limits[1]
 
@@ -520,6 +535,13 @@ class AttitudeTable(Motion):
         ends = tuple((float(a), float(b)) for a, b in limits)
         other._set_all(epoch=epoch, seconds=frozen(hi), low=frozen(lo), _limits=ends)
         return other
+
+
+def _known_meta(meta: Mapping[str, Any] | None) -> dict[str, Any]:
+    """Names and comments; AttitudeError for anything but a mapping."""
+    if meta is not None and not isinstance(meta, Mapping):
+        raise AttitudeError(f"meta is {validation.shown(meta)}; give a mapping, such as a dict.")
+    return dict(meta or {})
 
 
 def refuse_speed(rates: FloatArray | None) -> None:

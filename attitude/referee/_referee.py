@@ -403,7 +403,8 @@ def compare(
                 raise AttitudeError("tolerances is empty; give those of the integrators of scipy.")
             runs += [reference.scipy(integrator, tolerance) for tolerance in checked]
             continue
-        if not callable(integrator) and integrator not in _SHIPPED:
+        is_shipped = isinstance(integrator, str) and integrator in _SHIPPED
+        if not callable(integrator) and not is_shipped:
             listed = ", ".join(repr(name) for name in (*_SHIPPED, *_SCIPY))
             raise AttitudeError(
                 f"integrators holds {integrator!r}; give a function step(moments, wxyz, omega, h) "
@@ -423,6 +424,8 @@ def compare(
 
 def _sequence(value: Any) -> Sequence[Any]:
     """The sequence given, or one of a single item."""
+    if isinstance(value, (list, tuple)):
+        return value
     return (value,) if isinstance(value, str) or np.ndim(value) == 0 else value
 
 

@@ -315,6 +315,12 @@ def test_questions_about_no_event_or_several_epochs_are_refused():
             AveragedMotion(body, spin, InternalDissipation(1e-3))
 
 
+@pytest.mark.parametrize("torque", [InternalDissipation(1e-3), LinearDamping(0.002)])
+def test_a_symmetric_body_has_no_separatrix(torque):
+    """Whose numbers are not divided by zero: a warning is an error here."""
+    AveragedMotion(Body(moments=(10, 10, 18)), spinning(), torque).at(10.0)
+
+
 def test_a_sphere_and_a_body_at_rest_are_refused():
     with pytest.raises(AttitudeError, match="equal"):
         AveragedMotion(Body(moments=(2, 2, 2)), spinning(), ConstantTorque((1e-6, 0, 0)))

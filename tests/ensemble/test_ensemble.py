@@ -303,6 +303,7 @@ RATES = [(0.1, 0, 0.2)] * 2
         ({"moments": None}, "takes one of body="),
         ({"names": ["a", "a"]}, "two members are called 'a'"),
         ({"names": ["a"] * 3}, "names 3"),
+        ({"names": 5}, "names is 5"),
         ({"frame": "j2000"}, "means two things"),
         ({"on_error": "ignore"}, "on_error is 'ignore'"),
         ({"moments": [(-1, 2, 2.5), (1, 2, 2.5)]}, "member 0 of 2: moments are"),
@@ -332,7 +333,8 @@ def test_bad_input_of_at():
         with pytest.raises(AttitudeError, match=sentence):
             ensemble.at(t, member=member)
     for index, sentence in ((7, "member 7 is out of range"), (1.5, "chosen by 1.5"),
-                            ([True], "the mask has 1 entries"), ([5], "out of range")):  # fmt: skip
+                            ([True], "the mask has 1 entries"), ([5], "out of range"),
+                            ([[1], [0, 1]], "members are chosen by")):  # fmt: skip
         with pytest.raises(AttitudeError, match=sentence):
             _ = ensemble[index]
     with pytest.raises(AttitudeError, match="threads"):

@@ -124,6 +124,8 @@ def test_bad_input(ensemble):
         (lambda: ensemble.percentiles(lambda h: 3.0, T), "return one number for each attitude"),
         (lambda: ensemble.histograms(angle, T, [1, 0]), "edges are"),
         (lambda: ensemble.coverage(angle, T[::-1]), "t does not ascend"),
+        (lambda: ensemble.coverage(angle, T, least=None), "least is None"),
+        (lambda: ensemble.coverage(angle, T, greatest="x"), "greatest is 'x'"),
         (lambda: AngleTo((0, 0, 0), (1, 0, 0)), "axis is zero"),
         (lambda: AngleTo((0, 0, 1), np.zeros((4, 3))), "target holds a zero vector"),
         (lambda: ensemble.percentiles(AngleTo((0, 0, 1), np.ones((4, 3))), T), "target has 4"),

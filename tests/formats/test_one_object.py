@@ -108,7 +108,7 @@ def test_overlaps_that_contradict_each_other(tmp_path):
         ),
         (
             ("META_STOP", "USEABLE_START_TIME = 2026-01-01T00:01:00\nMETA_STOP"),
-            "the usable span ends before it begins, or has no part between the first and the last",
+            "the usable span ends before it begins, or lies outside of the records",
         ),
     ],
 )

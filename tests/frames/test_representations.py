@@ -169,6 +169,14 @@ def test_unit_leaves_rounded_quaternions_bit_for_bit_and_tells_how_far_others_ar
         (lambda: forms.euler_rates("ZXZ", (0.1, 0.0, 0.2), (1, 2, 3)), "gimbal lock"),
         (lambda: forms.from_rotation("x"), "scipy Rotation"),
         (lambda: forms.to_mrp([1, 2, 3]), "shape"),
+        (lambda: forms.body_to_inertial_rates((1, 0, 0, 0), (1, 2, 3, 4)), "angular_velocity has"),
+        (lambda: forms.inertial_to_body_rates((1, 0, 0, 0), (1, 2, 3, 4)), "angular_velocity has"),
+        (lambda: quaternion.multiply((1, 0, 0), (1, 0, 0, 0)), r"p has shape \(3,\)"),
+        (lambda: quaternion.multiply(np.ones((3, 4)), np.ones((2, 4))), "the same number of each"),
+        (lambda: quaternion.rotate((1, 0, 0, 0), (1j, 0, 0)), "give real numbers"),
+        (lambda: quaternion.rotate(np.ones((3, 4)), np.ones((2, 3))), "the same number of each"),
+        (lambda: quaternion.conjugate((1j, 0, 0, 0)), "give real numbers"),
+        (lambda: quaternion.matrix((1, 0, 0)), r"q has shape \(3,\)"),
     ],
 )
 def test_what_is_refused(call, sentence):

@@ -95,7 +95,7 @@ def test_outside_of_its_span_and_in_gaps_it_refuses():
     with pytest.raises(AttitudeError):
         used.at(8.0)
     for ends in ((20.0, 10.0), (T[-1] + 1.0, T[-1] + 2.0), (-2.0, -1.0)):
-        with pytest.raises(AttitudeError, match="the usable span ends before it begins, or has"):
+        with pytest.raises(AttitudeError, match="the usable span ends before it begins, or lies"):
             usable = [SPIN.epoch.after(end) for end in ends]
             AttitudeTable(SPIN.epoch, T, MOTION.at(T).wxyz, usable=usable)
 
@@ -143,6 +143,10 @@ def test_nanoseconds_between_records_far_from_the_epoch():
     assert apart(found.at(1e9, 1.5e-9).wxyz, MOTION.at(1e9, 1.5e-9).wxyz) < 1e-14
 
 
+LATER = "2026-02-01", "2026-03-01"
+WRONG_WAY = "2026-01-01T00:00:01.5", "2026-01-01T00:00:01"
+
+
 @pytest.mark.parametrize(
     ("make", "sentence"),
     [
@@ -157,6 +161,13 @@ def test_nanoseconds_between_records_far_from_the_epoch():
         (lambda q: AttitudeTable("2026-01-01", [0, 1, 2], q, degree=2.5), "degree"),
         (lambda q: AttitudeTable("2026-01-01", [0, 1, 2], q, frame="j2000"), "two things"),
         (lambda q: AttitudeTable.joined([]), "no segments"),
+        (lambda q: AttitudeTable.joined(3), r"tables\[0\] is 3"),
+        (lambda q: AttitudeTable("2026-01-01", [0, 1, 2], q, method=3), "method is 3"),
+        (lambda q: AttitudeTable("2026-01-01", [0, 1, 2], q, meta=3), "meta is 3"),
+        (lambda q: AttitudeTable("2026-01-01", [0, 1, 2], q, usable=3), "usable is 3"),
+        (lambda q: AttitudeTable("2026-01-01", [0, 1, 2], q, usable=(None,) * 3), "a pair of"),
+        (lambda q: AttitudeTable("2026-01-01", [0, 1, 2], q, usable=LATER), "outside of the rec"),
+        (lambda q: AttitudeTable("2026-01-01", [0, 1, 2], q, usable=WRONG_WAY), "before it begins"),
     ],
 )
 def test_what_is_refused(make, sentence):

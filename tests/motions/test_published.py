@@ -186,6 +186,9 @@ def test_angles_of_no_epoch_are_no_numbers():
     )
     angles = motion.angles([0.0, np.nan], "L")
     assert np.all(np.isfinite(angles[0])) and np.all(np.isnan(angles[1]))
+    resting = FreeRotation(motion.body, Spin("2026-01-01", (1, 0, 0, 0), (0, 0, 0)))
+    with pytest.raises(AttitudeError, match="at rest"):
+        resting.angles(0.0, "L")
 
 
 def test_toutatis_from_its_state():

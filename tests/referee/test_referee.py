@@ -104,6 +104,8 @@ def test_axes_that_are_not_principal():
         (lambda: compare("rk4", BODY, SPIN, 1.0, steps=STEPS, epochs=True), "whole number"),
         (lambda: compare("DOP853", BODY, SPIN, 1.0, tolerances=(1e-17,)), "give tolerances of 2"),
         (lambda: compare(None, BODY, SPIN, 1.0), "integrators holds None"),
+        (lambda: compare([[1], [2, 3]], BODY, SPIN, 1.0), r"integrators holds \[1\]"),
+        (lambda: compare("rk4", BODY, SPIN, 1.0, steps=[[1], [2, 3]]), "steps has shape"),
         (lambda: compare([], BODY, SPIN, 1.0, steps=STEPS), "integrators is empty"),
         (lambda: compare("DOP853", BODY, SPIN, 1.0, tolerances=()), "tolerances is empty"),
         (
