@@ -336,7 +336,7 @@ class Plan:
             at = np.broadcast_to(np.arange(width), (len(first), width)).astype(float)
             x = (middle - first) / steps
             speed = self.speed(first[:, None] + place)[..., None]
-            change = speed * forms.quaternion_rate(nodes.wxyz, nodes.angular_velocity)
+            change = speed * forms.quaternion_rate(nodes.wxyz, nodes.turning_rate)
             bends = speed * quaternion.rotate(nodes.wxyz, nodes.angular_acceleration)
             slopes = [[one[:, k] * steps[:, None] for k in range(width)] for one in (change, bends)]
             interpolated = [
@@ -397,7 +397,7 @@ def write(path: str, plan: Plan, clock: KernelClock, instrument: int) -> None:
                     continue
                 # SPICE differentiates by the clock; d/dt of R w is R w', since w x w vanishes.
                 speed = plan.speed(seconds[window])[:, None]
-                change = speed * forms.quaternion_rate(wxyz, history.angular_velocity)
+                change = speed * forms.quaternion_rate(wxyz, history.turning_rate)
                 bends = speed * quaternion.rotate(wxyz, history.angular_acceleration)
                 parts = quaternion.conjugate(wxyz), quaternion.conjugate(change), rates, bends
                 packets = np.concatenate(parts, axis=1)

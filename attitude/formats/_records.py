@@ -193,7 +193,7 @@ def _in_axes(history, kind, axes, orbit):
     """wxyz, rates and acceleration of a history in some axes; the last two if the type has them."""
     wxyz, rates, acceleration = np.asarray(history.wxyz), None, None
     if _attitude_types.has_rates(kind):
-        rates = np.asarray(history.angular_velocity)
+        rates = np.asarray(history.turning_rate)
     if kind in ("SPIN/NUTATION", "SPIN/NUTATION_MOM"):
         if axes.turning:
             raise AttitudeError(f"{kind} can be written in axes that do not turn, not {axes.name}.")
