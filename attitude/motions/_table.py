@@ -502,7 +502,7 @@ class AttitudeTable(Motion):
     def _usable(self, usable: Sequence[Epoch | None] | None) -> Limits:
         """First and last epoch, those of the records unless narrowed."""
         limits = [(float(self.seconds[k]), float(self.low[k])) for k in (0, -1)]
-        ends = (None, None) if usable is None else usable
+        ends: Any = (None, None) if usable is None else usable
         length = (len(ends),) if isinstance(ends, (list, tuple)) else np.shape(ends)
         if length != (2,):
             raise AttitudeError(
