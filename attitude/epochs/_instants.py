@@ -114,7 +114,8 @@ def utc_text(day: float, second: float, low: float) -> str:
     whole = int(second // 1.0)
     nano = round(((second - whole) + low) * 1e9)
     whole, nano = whole + nano // 10**9, nano % 10**9
-    if whole + nano * 1e-9 >= _time_scales.DAY + _time_scales.leap_of_day(day):
+    left = (_time_scales.DAY - second) + (_time_scales.leap_of_day(day) - low)
+    if left <= 0.5e-9:
         day, whole, nano = day + 1.0, 0, 0  # rounded up to midnight
     year, month, date = erfa.ufunc.jd2cal(2400000.5, day)[:3]
     minute = min(whole // 60, 1439)  # a leap second belongs to the last minute of the day

@@ -109,7 +109,8 @@ def tai_from_utc_day(day: Doubles | float, second: Any, low: Doubles | float = 0
 
 def leap_of_day(day: ArrayLike) -> FloatArray:
     """Length of the civil day of UTC minus 86400, in s: 1 on leap days, fractions before 1972."""
-    return _utc_days(np.asarray(day, dtype=np.float64))[2]
+    _, drift, jump = _utc_days(np.asarray(day, dtype=np.float64))
+    return np.asarray(jump / (1.0 + drift))  # the jump is in seconds of TAI
 
 
 def utc_day_from_tai(hi: Doubles, lo: Doubles) -> tuple[Doubles, Doubles, Doubles]:

@@ -308,8 +308,9 @@ def _civil(hi, lo, scale, digits):
         second, low = pairs.add((hi, lo), (51544.5 - day) * _time_scales.DAY)
         length = _time_scales.DAY
     whole, ticks = rounded(second, low, digits)
-    after = whole >= length
+    after = (whole >= length) | ((length - second) - low <= 0.5 * 10.0**-digits)
     day, whole = np.where(after, day + 1.0, day), np.where(after, 0.0, whole)
+    ticks = np.where(after, 0.0, ticks)  # days before 1972 end within a tick
     before = whole < 0.0
     day, whole = np.where(before, day - 1.0, day), np.where(before, whole + _time_scales.DAY, whole)
     return day, whole.astype(np.int64), ticks.astype(np.int64)
