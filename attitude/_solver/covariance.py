@@ -109,7 +109,7 @@ def _of_components(sigmas: Mapping[str, Any], name: str) -> FloatArray:
             value = validation.real(sigmas[key], f"{name} {key}", unit=unit)
             if value.shape not in ((), (3,)) or np.any(value < 0.0):
                 raise AttitudeError(
-                    f"{name} {key} is {validation.shown(sigmas[key])}; give one standard "
+                    f"{name} {key} is {validation.shown(value.tolist())}; give one standard "
                     "deviation, or three, not negative."
                 )
             sigma[3 * k : 3 * k + 3] = value

@@ -72,8 +72,9 @@ def _describe(arguments: argparse.Namespace) -> None:
         print(entry)
         return
     state, label = _options.opened(arguments)
+    said = description(state.motion, predictable=True)  # its errors come before any output
     for text in (label, state.source, state.note):
         if text:
             print(textwrap.fill(" ".join(text.split()), 98))
     print()
-    print(description(state.motion, predictable=True))
+    print(said)

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from attitude._textfiles import messages
-from attitude._textfiles.lines import cut
+from attitude._textfiles.lines import cut, prefixed
 from attitude._textfiles.messages import Form, Generator, comparable
 from attitude.errors import AttitudeError
 from attitude.formats import _attitude_types, _messages
@@ -395,7 +395,8 @@ class Parameters:
         """The FreeRotation from this state; AttitudeError if the message lacks rates or inertia."""
         if self.body is None:
             raise AttitudeError(
-                "the message has no inertia; give a Body: FreeRotation(body, parameters.spin)."
+                "the message has no inertia, without which no motion follows; give it in the "
+                "message, or in Python a Body: FreeRotation(body, parameters.spin)."
             )
         self.refuse_other_axes()
         return FreeRotation(self.body, self.spin)
@@ -565,7 +566,8 @@ def write(
 def _opened(path, **keywords):
     message = read(path, **keywords)
     names = ("object_name", "object_id", "center", "comments")
-    return OpenedFile(message.motion, {name: message.meta[name] for name in names})
+    with prefixed(path):
+        return OpenedFile(message.motion, {name: message.meta[name] for name in names})
 
 
 def _labels(motion, said):

@@ -111,6 +111,7 @@ _EXAMPLES = {
     "angles": '"145.498, 65.865, 241.524 deg"',
     "masses": '["1 kg", "2 kg"]',
     "positions": '["0, 0, 1 m", "0, 1, 0 m"]',
+    "A_over_C": "0.61",
     "B_over_C": "0.965",
     "mode": '"SAM"',
     "convention": '"S"',

@@ -114,7 +114,7 @@ def _of_errors(motion: FreeRotation, predictable: bool) -> Rows:
 
 
 def _rates(motion: FreeRotation, errors: _Errors) -> Rows:
-    rate = np.degrees(np.linalg.norm(motion.spin.angular_velocity))
+    rate = math.degrees(math.hypot(*motion.spin.angular_velocity))
     if motion.mode is Mode.AT_REST:
         return []
     text = f"{rate:.9g}{errors.of('spin_rate', _DEGREE)} deg/s"

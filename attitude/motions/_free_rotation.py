@@ -473,7 +473,14 @@ class FreeRotation(Differentiable):
     def energy(self) -> float:
         """Kinetic energy in J, or in rad2/s2 times the relative unit of inertia."""
         rates = self.body.rates_about_principal_axes(self.spin.angular_velocity)[:, 0]
-        return float(0.5 * np.sum(self.body.moments * rates**2))
+        with np.errstate(over="ignore"):
+            energy = float(0.5 * np.sum(self.body.moments * rates**2))
+        if not energy < math.inf:
+            raise AttitudeError(
+                f"the kinetic energy of rates up to {np.abs(rates).max():.3g} rad/s is beyond the "
+                "range of doubles; give lower rates."
+            )
+        return energy
 
     @cached_property
     def elements(self) -> Elements:

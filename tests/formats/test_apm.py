@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, Spin
-from attitude.formats import apm
+from attitude.formats import apm, detect
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from tests.support.places import TEST_DATA as DATA
@@ -226,6 +226,8 @@ def test_names_and_comments_go_with_the_parameters(tmp_path):
     with pytest.raises(AttitudeError, match="inertia=False"):
         apm.write(again, read(path))
     apm.write(again, read(path), inertia=False)
+    with pytest.raises(AttitudeError, match=r"b\.apm: the message has no inertia"):
+        detect.read_state(again)
 
 
 def test_rates_and_inertia_of_another_body_are_refused(tmp_path):

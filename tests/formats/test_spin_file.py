@@ -523,6 +523,7 @@ def test_a_published_state_is_a_spin():
         ('P_phi = "27.38 h"\n', "", r"\[spin\] has no P_phi; give it, for example as P_phi"),
         ('mode = "SAM"\n', "", r"\[spin\] has no mode"),
         ("B_over_C = 0.965\n", "", r"\[body\] has no B_over_C"),
+        ("A_over_C = 0.61\n", "", r"\[body\] has no A_over_C; give it, for example as A_over_C"),
         (
             'phi0 = "152 deg"',
             'wxyz = [1, 0, 0, 0]\nphi0 = "152 deg"',

@@ -217,7 +217,7 @@ def test_samples_repeat_and_keep_moments_of_bodies():
             "negative|not",
         ),
         (np.full((9, 9), np.nan), "finite"),
-        ({"attitude": -1.0}, "not negative"),
+        ({"attitude": "-1 rad"}, r"attitude is -1\.0; .* not negative"),
         ({"attitudes": 1.0}, "its names are"),
         ({"angular_velocity": "1 kg"}, "kg"),
         ("large", "covariance"),
