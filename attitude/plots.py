@@ -7,6 +7,7 @@ figure of four.  No window is opened, and no global setting changed.
 from __future__ import annotations
 
 import io
+import os
 import warnings
 from functools import cache
 from typing import TYPE_CHECKING, Any
@@ -17,6 +18,7 @@ from attitude import frames
 from attitude._solver.states import States
 from attitude._support import validation
 from attitude._support.synonyms import arguments, of_module
+from attitude._textfiles.atomic_write import written_whole
 from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.motions import _conventions
 from attitude.motions import _polhode as curves
@@ -28,7 +30,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import ArrayLike
 
-    from attitude._support.annotations import FloatArray, Real
+    from attitude._support.annotations import FilePath, FloatArray, Real
     from attitude.epochs._instants import Instant
     from attitude.motions._free_rotation import FreeRotation
 
@@ -98,6 +100,21 @@ def _warn_of_coarse(motion: FreeRotation, seconds: ArrayLike) -> None:
 def new_figure(size: tuple[float, float]) -> Figure:
     """An empty figure without a window, of a width and height in inches."""
     return _figure_class()(figsize=size, layout="constrained")
+
+
+def saved(figure: Figure, path: FilePath | None, dpi: float = 130.0) -> Figure:
+    """The figure itself; with a path it is written there whole, in the format of the ending."""
+    if path is not None:
+        kind = os.path.splitext(path)[1][1:].lower()
+        known = figure.canvas.get_supported_filetypes()
+        if kind not in known:
+            raise AttitudeError(
+                f"the figure {os.fspath(path)!r} has no ending of a picture; give one of "
+                f".{', .'.join(known)}."
+            )
+        with written_whole(path, "figure", binary=True) as file:
+            figure.savefig(file, format=kind, dpi=dpi)
+    return figure
 
 
 def stacked(size: tuple[float, float], count: int, **options: Any) -> tuple[Figure, list[Axes]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 import shutil
@@ -63,6 +64,15 @@ def written_whole(
             raise  # the reader of the pipe has gone; the command line ends quietly
         except OSError as err:
             raise _not_writable(path, name, err) from err
+
+
+def require_writable(path: str | os.PathLike[str], name: str = "output") -> None:
+    """AttitudeError for a file in no writable folder: before work whose result is written there."""
+    target = _target(path, name)
+    folder, is_device = os.path.dirname(target), os.path.exists(target) > os.path.isfile(target)
+    if not is_device and not os.access(folder, os.W_OK):
+        number = errno.EACCES if os.path.isdir(folder) else errno.ENOENT
+        raise _not_writable(path, name, OSError(number, os.strerror(number)))
 
 
 @contextmanager

@@ -75,9 +75,7 @@ def of_history(
         axes.margins(x=0.01)
     if title:
         figure.suptitle(title)
-    if path is not None:
-        figure.savefig(path, dpi=130)
-    return figure
+    return plots.saved(figure, path)
 
 
 def _lines(axes: Any, time: FloatArray, values: FloatArray, states: AveragedHistory, **style: Any):

@@ -7,7 +7,6 @@ import os
 import re
 
 from attitude.cli import _options, _output
-from attitude.errors import AttitudeError
 
 HELP: str = "draw a motion: polhode, body axes on the sky, rates and angles against time"
 EPILOG: str = """\
@@ -46,12 +45,7 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.span is not None:
         span = validation.real(arguments.span, "--span", unit="s")
     figure = plots.overview(state.motion, span=span, frame=arguments.sky, title=label)
-    try:
-        figure.savefig(name, dpi=150)
-    except OSError as err:
-        raise AttitudeError(
-            f"{name}: cannot be written ({err.strerror or err}); give another --output."
-        ) from err
+    plots.saved(figure, name, dpi=150.0)
     print(name)
 
 

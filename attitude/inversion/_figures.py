@@ -91,7 +91,7 @@ def of_nights(solution: CurveFit, path: FilePath | None = None) -> Figure:
         )
     words = f", {len(nights)} of {len(groups)} nights" if len(nights) < len(groups) else ""
     figure = _panels(nights, "reduced magnitude", f"{repr(solution)[1:-1]}{words}")
-    return _saved(figure, path)
+    return plots.saved(figure, path)
 
 
 def of_prediction(
@@ -123,7 +123,7 @@ def of_prediction(
         nights.append(_Night(title, seen, value, error, residual, line))
     level = f"level to {np.median(prediction.level):.3f} mag; the band is the error of the form"
     words = f"{repr(prediction.fit)[1:-1]}\n{level}"
-    return _saved(_panels(nights, "magnitude", words), path)
+    return plots.saved(_panels(nights, "magnitude", words), path)
 
 
 def _at(curve: LightCurve, emission: FloatArray) -> LightCurve:
@@ -195,7 +195,7 @@ def of_fit(solution: CurveFit, path: FilePath | None = None) -> Figure:
     above, below = figure.subplots(2, 1)
     _fit(above, below, solution)
     figure.suptitle(repr(solution)[1:-1], fontsize=9)
-    return _saved(figure, path)
+    return plots.saved(figure, path)
 
 
 def of_states(states: SpinStates[Solution], path: FilePath | None = None) -> Figure:
@@ -232,7 +232,7 @@ def of_states(states: SpinStates[Solution], path: FilePath | None = None) -> Fig
         axes[0, 2].plot([], [], mark, mfc="none", color=_MODEL, label=mode)
     axes[0, 2].legend(fontsize=9, loc="upper right")
     figure.suptitle(f"{states.verdict}: {repr(best)[1:-1]}", fontsize=9)
-    return _saved(figure, path)
+    return plots.saved(figure, path)
 
 
 def of_posterior(posterior: Posterior, path: FilePath | None = None) -> Figure:
@@ -254,7 +254,7 @@ def of_posterior(posterior: Posterior, path: FilePath | None = None) -> Figure:
             panel.locator_params(nbins=2)
             panel.tick_params(labelsize=9, labelleft=column == 0 < row)
             panel.tick_params("x", rotation=60)
-    return _saved(figure, path)
+    return plots.saved(figure, path)
 
 
 # Half the width and height of a number on the map of poles, deg.
@@ -352,9 +352,3 @@ def _folded(axes: Axes, solution: Solution, which: int) -> None:
     name = ("P_phi", "P_psi")[which] if len(periods) == 2 else "P"
     axes.set_xlabel(f"phase of {name} = {periods[which] / TIME_UNITS[unit]:.6g} {unit}")
     axes.set_ylabel("mag, without the other lines" if len(periods) == 2 else "mag")
-
-
-def _saved(figure: Figure, path: FilePath | None) -> Figure:
-    if path is not None:
-        figure.savefig(path, dpi=130)
-    return figure

@@ -408,9 +408,7 @@ class Motion(Valued):
             For a motion that is no FreeRotation, and as `attitude.plots.overview`.
         """
         figure = synonyms.named("attitude.plots:overview")(self, **settings)
-        if path is not None:
-            figure.savefig(path)
-        return figure
+        return synonyms.named("attitude.plots:saved")(figure, path, dpi=100.0)
 
     def view(self, output: FilePath | None = None, **settings: Any) -> Any:
         """A page on which the body turns: `attitude.viewer.view` of this motion.

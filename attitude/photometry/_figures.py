@@ -47,7 +47,7 @@ def of_light_curve(data: LightCurve, path: FilePath | None = None) -> Any:
     if any(data.filters):
         axes.legend(title="filter", fontsize=9)
     axes.set_title(repr(data)[1:-1], fontsize=9)
-    return _saved(figure, path)
+    return plots.saved(figure, path)
 
 
 def of_periods(periods: Periods, path: FilePath | None = None) -> Any:
@@ -83,7 +83,7 @@ def _of_one(periods, path=None):
     left, right = below.subplots(1, 2)
     _window(left, periods)
     _folded(right, periods.fold(), 0)
-    return _saved(figure, path)
+    return plots.saved(figure, path)
 
 
 def of_folded(folded: Folded, path: FilePath | None = None) -> Any:
@@ -101,7 +101,7 @@ def of_folded(folded: Folded, path: FilePath | None = None) -> Any:
     if not folded.samples.is_flux:
         axes[-1].invert_yaxis()
     axes[-1].set(xlabel="days from the first point", ylabel=f"residual, rms {folded.rms:.3g}")
-    return _saved(figure, path)
+    return plots.saved(figure, path)
 
 
 def _of_two(periods: Periods, path: FilePath | None = None) -> Any:
@@ -134,7 +134,7 @@ def _of_two(periods: Periods, path: FilePath | None = None) -> Any:
     folded = periods.fold()
     for k in range(2):
         _folded(axes[1, k], folded, k)
-    return _saved(figure, path)
+    return plots.saved(figure, path)
 
 
 def _window(axes: Any, periods: Periods) -> None:
@@ -170,9 +170,3 @@ def _folded(axes: Any, folded: Folded, which: int) -> None:
     if len(folded.periods) > 1:
         title = f"period {which + 1}, without the lines of the other period"
         axes.set_title(title, fontsize=9)
-
-
-def _saved(figure: Any, path: FilePath | None) -> Any:
-    if path is not None:
-        figure.savefig(path, dpi=130)
-    return figure

@@ -116,7 +116,7 @@ def test_the_command_says_what_is_wrong(tmp_path, capsys, monkeypatch):
     assert "nothing.toml" in run(["nothing.toml"], capsys)[2]
     assert "cannot be written" in run(["toutatis", "--output", "no/where.png"], capsys)[2]
     (tmp_path / "spin.toml").write_text("")
-    assert "write such values into the spin file" in run(["spin.toml", "--phi0", "0"], capsys)[2]
+    assert "write such values into the file" in run(["spin.toml", "--phi0", "0"], capsys)[2]
 
 
 def test_the_time_axis_has_the_date_of_the_epoch():
