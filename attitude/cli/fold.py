@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import warnings
 
-from attitude.cli import _output, periods
+from attitude.cli import _options, _output, periods
+from attitude.errors import AttitudeWarning
 
 HELP: str = "fold photometry with one period or two: points, series and residuals"
 EPILOG: str = """\
@@ -39,13 +41,15 @@ def run(arguments: argparse.Namespace) -> None:
     from attitude.photometry import _folding
 
     _output.picture_of(arguments)
+    times = _options.periods(arguments.period, "--period")
+    order = 4 if len(times) == 1 else 2
+    if arguments.order is not None:
+        order = validation.count(arguments.order, "--order")
     kind = _output.kind_of(arguments.output)
     data = periods.data_of(arguments)
-    count = np.size(validation.real(arguments.period, "--period", unit="s"))
-    order = arguments.order or (4 if count == 1 else 2)
     folded = _folding.fold(
         data,
-        arguments.period,
+        times,
         order=order,
         epoch=arguments.epoch,
         refine=arguments.refine,
@@ -54,6 +58,13 @@ def run(arguments: argparse.Namespace) -> None:
     print(repr(data)[1:-1])
     phase = np.linspace(0.0, 1.0, 1000)
     for k, period in enumerate(folded.periods):
+        if period > folded.samples.span:
+            warnings.warn(
+                f"the light curve spans {folded.samples.span / period:.2g} turns of a period of "
+                f"{quantity_text.of_time(period)}: the curve at other phases is not known.",
+                AttitudeWarning,
+                stacklevel=1,
+            )
         error = folded.series.errors[k] * period**2
         size = float(np.ptp(folded.curve(phase, k)))
         unit = quantity_text.time_unit(period)
@@ -61,6 +72,6 @@ def run(arguments: argparse.Namespace) -> None:
         print(f"period {period / scale:.8g} +- {error / scale:.2g} {unit}, peak to peak {size:.3g}")
     print(f"rms of the residuals {folded.rms:.4g}, order {order}")
     if arguments.output is not None:
-        folded.table().write(arguments.output, format=f"ascii.{kind}", overwrite=True)
+        _output.write_table(folded.table(), arguments.output, kind)
         print(arguments.output)
     _output.draw(arguments.figure, folded.plot)

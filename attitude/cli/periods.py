@@ -65,9 +65,11 @@ def add_data(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Print the periods with their errors and aliases; write the figure."""
+    from attitude._support import validation
     from attitude.photometry import _periods
 
     _output.picture_of(arguments)
+    count = validation.count(arguments.count, "--count")
     data = data_of(arguments)
     print(repr(data)[1:-1])
     for note in data.notes:
@@ -79,7 +81,7 @@ def run(arguments: argparse.Namespace) -> None:
         max_period=arguments.max,
         order=arguments.order,
         method=arguments.method,
-        keep=max(arguments.count, _ROWS) if arguments.two else arguments.count,
+        keep=max(count, _ROWS) if arguments.two else count,
         zero_points=arguments.zero_points,
     )
     _print(periods, arguments)

@@ -589,7 +589,7 @@ class LightCurve(Immutable):
         key = ("reduced_" if self.unit_distances else "") + ("flux" if self.is_flux else "mag")
         columns[key] = [repr(float(number)) for number in self.value]
         columns["sigma"] = [repr(float(number)) if number > 0.0 else "" for number in self.sigma]
-        columns |= {key: list(map(_cell, words)) for key, words in self._words().items()}
+        columns |= {key: list(map(cell, words)) for key, words in self._words().items()}
         if self.zero_phase:
             columns["zero_phase"] = ["yes"] * len(self)
         if self.zero_points != "auto":
@@ -887,7 +887,7 @@ def _of_scenes(scenes, sites, site, epoch, t, time_of):
     for number, name in enumerate(sites):
         points = site == number
         if np.any(points):
-            received[points] = _received(scenes[name], epoch, t[points], time_of)
+            received[points] = reception(scenes[name], epoch, t[points], time_of)
             sun[points], observer[points] = vectors_of(scenes[name], epoch, received[points])
     return (sun, observer), received
 
@@ -904,7 +904,7 @@ def vectors_of(scene: Scene, epoch: Instant, seconds: FloatArray) -> tuple[Float
     return both[0], both[1]
 
 
-def _received(scene: Scene, epoch: Instant, emitted: FloatArray, time_of: str) -> FloatArray:
+def reception(scene: Scene, epoch: Instant, emitted: FloatArray, time_of: str) -> FloatArray:
     """Seconds of reception from those of light at the body, or in the plane through a center."""
     if time_of == "reception" or scene.observer.is_direction or not scene.light_time:
         return emitted
@@ -970,10 +970,10 @@ _COLUMN_OF_CENTER = {"barycenter": "bjd_tdb", "heliocenter": "hjd"}
 _FORMULA = re.compile(r"[=@]|[+-](?![\d., +-]*(deg)?$)")
 
 
-def _cell(word: str) -> str:
+def cell(word: str) -> str:
     """A word as a cell: in quotes where CSV needs them, behind ' where a spreadsheet would run it.
 
-    >>> print(_cell("T, W"), _cell("=1+A1"), _cell("-70.7, -30.2 deg"))
+    >>> print(cell("T, W"), cell("=1+A1"), cell("-70.7, -30.2 deg"))
     "T, W" "'=1+A1" "-70.7, -30.2 deg"
     """
     word = " ".join(word.split())

@@ -10,6 +10,7 @@ import numpy as np
 from attitude._support import quantity_text, validation
 from attitude._support.arrays import Immutable, frozen
 from attitude.epochs import _inputs, _instants
+from attitude.errors import AttitudeError
 from attitude.photometry import _samples, _spectrum
 from attitude.photometry._curve import LightCurve
 
@@ -130,6 +131,14 @@ def fold(
     validation.one_of(periods.shape, "the shape of period", ((1,), (2,)))
     for one in periods:
         validation.positive(one, "period", unit="s")
+    shown = " and ".join(quantity_text.of_time(one) for one in periods)
+    if len(periods) == 2 and periods[0] == periods[1]:
+        raise AttitudeError(f"period is {shown}; give two that differ, or one.")
+    if np.max(periods) > _samples.SPANS * data.span:
+        raise AttitudeError(
+            f"period is {shown}, and the light curve spans {quantity_text.of_time(data.span)}: of "
+            "a turn it shows too little for a series; give a shorter period."
+        )
     if isinstance(t, LightCurve) or values is not None:
         _samples.warn_of_plain(period, "period", data.t)
     numbers = _spectrum.series_numbers(validation.count(order, "order"), len(periods))

@@ -36,7 +36,7 @@ _ROUNDING = 1e-12
 # Turns in a span from which plain numbers of seconds are doubted.
 _TURNS = 3e5
 # Spans in a period from which they are.
-_SPANS = 10.0
+SPANS = 10.0
 _UNIT = re.compile(r"[A-Za-df-z]")
 # Change of the phase angle, rad, from which its terms are fitted.
 _SWEEP = np.radians(2.0)
@@ -133,7 +133,7 @@ def warn_of_plain(bounds: Any, name: str, t: FloatArray, unit: str = "s") -> Non
     span, steps = float(t[-1] - t[0]), np.diff(t)
     step = float(steps[steps > 0.0].min(initial=np.inf))
     short = span > _TURNS * periods.min() or periods.min() < 0.5 * step
-    if short or periods.max() > _SPANS * span:
+    if short or periods.max() > SPANS * span:
         shown = ", ".join(f"{one:.6g}" for one in np.ravel(numbers))
         meaning, example = ("Hz", "/d") if unit == "Hz" else ("seconds", "d")
         warnings.warn(
