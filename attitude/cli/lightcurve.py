@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from contextlib import ExitStack
 from dataclasses import replace
 from itertools import chain
@@ -12,7 +13,7 @@ import numpy as np
 
 from attitude import plots
 from attitude._support.blocks import ProgressBar
-from attitude.cli import _output, geometry
+from attitude.cli import _options, _output, geometry
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
@@ -119,48 +120,69 @@ _DAY = 86400.0
 
 
 def run_observed(mission: Mission, observed: str, target: str | None, figure: str | None) -> None:
-    """Write observed and computed magnitudes with a zero point a session; print each session's
-    rms.
+    """Write observed and computed magnitudes with a zero point a session and filter; print the rms
+    of each.
     """
-    from attitude.photometry import _files
+    from attitude.epochs import _instants
+    from attitude.photometry import _curve
 
-    columns = _files.opened(observed, bad="refuse")
-    if "magnitude" not in columns:
-        raise AttitudeError(f"{observed}: has no column of magnitudes; name one magnitude or mag.")
-    assert mission.magnitude is not None
-    view = mission.scene.at(columns["times"])
-    computed = np.asarray(mission.magnitude.of(view, everywhere=True), dtype=float)
-    magnitude = np.asarray(columns["magnitude"], dtype=float)
+    curve = _curve.LightCurve.read(observed, bad="refuse")
+    scene = mission.scene
+    seconds = _curve.reception(scene, curve.epoch, curve.seconds, curve.time_of)
+    view = scene.at(_instants.times(curve.epoch, seconds, np.zeros_like(seconds)))
+    computed = _computed(mission, view, is_reduced=curve.unit_distances)
     dark = np.count_nonzero(~np.isfinite(computed))
     if dark:
         raise AttitudeError(
             f"{observed}: at {dark} of {len(computed)} epochs nothing of the body is both lit and "
             "seen; leave these points out."
         )
-    session = np.asarray(columns.get("session", [""] * len(magnitude)), dtype=str)
-    residual, lines = _compared(magnitude, computed, session)
-    columns_of_numbers = magnitude, magnitude - residual, residual
+    names = [(session, band) for session in curve.sessions for band in curve.filters]
+    group = curve.session * len(curve.filters) + curve.filter
+    residual, lines = _compared(curve.magnitude, computed, group, names)
+    columns = zip(curve.magnitude, curve.magnitude - residual, residual, strict=True)
     with _output.opened(target) as file:
-        file.write("utc,session,observed,computed,residual\n")
-        for seconds, name, *numbers in zip(view.seconds, session, *columns_of_numbers, strict=True):
-            date = view.epoch.after(float(seconds)).utc_iso
-            file.write(f"{date},{name}," + ",".join(f"{x:.4f}" for x in numbers) + "\n")
-    print("\n".join(lines))
+        file.write("utc,session,filter,observed,computed,residual\n")
+        for time, number, numbers in zip(view.seconds, group, columns, strict=True):
+            cells = [view.epoch.after(float(time)).utc_iso, *map(_curve.cell, names[number])]
+            file.write(",".join(cells + [f"{x:.4f}" for x in numbers]) + "\n")
     if figure is not None:
-        _draw(view.seconds / _DAY, magnitude, residual, session, figure)
-        print(figure)
+        _draw(view.seconds / _DAY, curve.magnitude, residual, group, figure)
+        lines.append(figure)
+    notes = [f"note: {note}" for note in curve.notes]
+    print("\n".join([*notes, *lines]), file=sys.stderr if target is None else sys.stdout)
 
 
-def _compared(observed, computed, session):
-    """Residuals without the mean of each session, and a line about each."""
+def _computed(mission, view, *, is_reduced):
+    """Magnitudes of a View: reduced ones, or apparent ones where the distances are known."""
+    if is_reduced:
+        return _reduced(mission, view, everywhere=True)
+    from attitude.formats import _surface
+
+    scale = mission.magnitude
+    if scale.kind == "reduced":
+        scale = _surface.magnitude_of({}, mission.scene)
+    return scale.of(view, everywhere=True)
+
+
+def _reduced(mission, view, *, everywhere=False):
+    """Magnitudes of a View at unit distances, dimmed by the shadows of other bodies."""
+    from attitude.light_curve._magnitudes import dimming
+
+    reduced = replace(mission.magnitude, kind="reduced").of(view, everywhere=everywhere)
+    return reduced + dimming(view.lit_fraction) if view.scene.shadow_of else reduced
+
+
+def _compared(observed, computed, group, names):
+    """Residuals without the mean of each session and filter, by number, and a line about each."""
     residual = np.empty_like(observed)
     lines = []
-    for name in dict.fromkeys(session.tolist()):
-        chosen = session == name
+    for number in dict.fromkeys(group.tolist()):
+        chosen = group == number
         zero = float(np.mean(observed[chosen] - computed[chosen]))
         residual[chosen] = observed[chosen] - computed[chosen] - zero
         rms = float(np.sqrt(np.mean(residual[chosen] ** 2)))
-        label = name or "all points"
+        label = " in ".join(word for word in names[number] if word) or "all points"
         lines.append(
             f"{label}: {np.count_nonzero(chosen)} points, zero point {zero:+.3f}, rms {rms:.3f} mag"
         )
@@ -168,15 +190,12 @@ def _compared(observed, computed, session):
     return residual, [*lines, f"rms of all {len(observed)} points: {total:.3f} mag"]
 
 
-def _draw(days, observed, residual, session, figure):
-    """Observed and computed magnitudes, and residuals, a colour a session."""
-    from attitude._textfiles.atomic_write import written_whole
-
-    kind = _output.kind_of(figure, _output.PICTURES, "--figure")
+def _draw(days, observed, residual, group, figure):
+    """Observed and computed magnitudes, and residuals, a colour a session and filter."""
     drawn = plots.new_figure((9.0, 7.0))
     above, below = drawn.subplots(2, 1, sharex=True, height_ratios=(2, 1))
-    for name in dict.fromkeys(session.tolist()):
-        chosen = session == name
+    for number in dict.fromkeys(group.tolist()):
+        chosen = group == number
         above.plot(days[chosen], observed[chosen], ".")
         below.plot(days[chosen], residual[chosen], ".")
     above.plot(days, observed - residual, "kx", ms=3, label="computed")
@@ -186,8 +205,7 @@ def _draw(days, observed, residual, session, figure):
     below.invert_yaxis()
     below.set_ylabel("residual, mag")
     below.set_xlabel("days from the epoch of the mission")
-    with written_whole(figure, "--figure", binary=True) as file:
-        drawn.savefig(file, format=kind, dpi=150)
+    plots.saved(drawn, figure, dpi=150.0)
 
 
 HELP: str = "write and draw the light curve of a mission file"
@@ -228,7 +246,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--observed",
         metavar="CURVE.csv",
         help="observations to compare with, in place of the times of the file: residuals with a "
-        "zero point a session, and their rms",
+        "zero point a session and filter, and their rms",
     )
     _output.add_figure(parser)
 
@@ -249,6 +267,7 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.observed is not None:
         if kind != "csv":
             raise AttitudeError("--observed writes a CSV; give an --output x.csv.")
+        _options.refuse(arguments, geometry.TIMES, "--observed, whose dates are used")
         run_observed(mission, arguments.observed, arguments.output, arguments.figure)
         return
     if kind == "txt":
@@ -310,12 +329,7 @@ class _Curve:
         return magnitude
 
     def _of_damit(self, view):
-        from attitude.light_curve._magnitudes import dimming
-
-        left = view.emission
-        reduced = replace(self._mission.magnitude, kind="reduced").of(view)
-        if view.scene.shadow_of:  # reduced magnitudes are those in full sunlight
-            reduced = reduced + dimming(view.lit_fraction)
+        left, reduced = view.emission, _reduced(self._mission, view)
         places = (
             (view.sun_direction_icrf, view.sun_distance),
             (view.observer_direction_icrf, view.observer_distance),
@@ -335,6 +349,11 @@ class _Curve:
         kept = [self._joined(name) for name in _DAMIT]
         observed = ~np.isnan(kept[0])  # not by day, nor below the horizon of a site
         reduced, hi, lo, sun, observer = (column[observed] for column in kept)
+        if not reduced.size:
+            raise AttitudeError(
+                f"--output {path!r}: at all {len(observed)} epochs the site does not observe the "
+                "body, by day or below the horizon; give other times, or site_limits = false."
+            )
         if not np.all(np.isfinite(reduced)):
             raise AttitudeError(
                 f"--output {path!r}: at {np.count_nonzero(~np.isfinite(reduced))} epochs nothing "

@@ -6,7 +6,8 @@ import io
 import numpy as np
 import pytest
 
-from attitude import cli, light_curve, scattering
+from attitude import cli, epochs, light_curve, photometry, scattering
+from attitude._support.constants import SPEED_OF_LIGHT_M_S
 from attitude.formats import mission
 from attitude.formats.damit_light_curve import read_damit_light_curves
 from attitude.shape import Ellipsoid
@@ -145,6 +146,63 @@ def test_damit_file_holds_the_geometry_of_the_scene(lightcurve, file, tmp_path):
     received = column(rows, "tdb_seconds")
     left = curve.seconds_since(found.scene.epoch)[0]
     assert np.allclose(received - left, np.linalg.norm(curve.earth, axis=1) * 499.004784, rtol=1e-6)
+
+
+def _barycentric(curve):
+    """A light curve with its dates at the barycenter of the solar system."""
+    place = curve.scenes[""].observer.position(curve.epoch, curve.seconds)
+    along = np.sum(place * curve.observer, axis=1) / np.linalg.norm(curve.observer, axis=1)
+    bands = [curve.filters[k] for k in curve.filter]
+    return photometry.LightCurve(
+        curve.seconds - along / SPEED_OF_LIGHT_M_S, curve.value, epoch=curve.epoch, filter=bands,
+        time_of="barycenter",
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", ["apparent", "reduced"])
+@pytest.mark.parametrize(
+    "dated", [lambda curve: curve, lambda curve: curve.reduced(), _barycentric],
+    ids=["reception", "emission", "barycenter"],
+)  # fmt: skip
+def test_observations_are_compared_at_their_reception(lightcurve, file, tmp_path, kind, dated):
+    """Whatever their dates are, reduced magnitudes with reduced ones, each filter by itself."""
+    path = file(EARTH)
+    rows = rows_of(lightcurve(path)[1])
+    band = np.array(["V", "R"])[np.arange(13) % 2]
+    magnitude = column(rows, "magnitude [mag]") + np.where(band == "V", 3.0, 3.5)
+    dates, scene = [row["utc"] for row in rows], mission.read(path).scene
+    dated(photometry.LightCurve(dates, magnitude, scene=scene, filter=band)).write(
+        tmp_path / "seen.csv"
+    )
+    given = file(EARTH + f'[magnitude]\nkind = "{kind}"\n'), "--observed", tmp_path / "seen.csv"
+    code, out, err = lightcurve(*given)
+    assert code == 0 and out.startswith("utc,session,filter,observed,computed,residual\n")
+    assert "V: 7 points, zero point +3.000" in err and "R: 6 points, zero point +3.500" in err
+    assert "rms of all 13 points: 0.000 mag" in err
+    seconds = (
+        epochs.seconds_since(scene.epoch, [row["utc"] for row in x])[0]
+        for x in (rows, rows_of(out))
+    )
+    assert np.ptp(np.subtract(*seconds)) < 1e-4  # of a Julian date as a double
+    code, out, err = lightcurve(*given, "--start", "0")
+    assert code == 2 and "--start has no meaning for --observed" in err
+
+
+def test_names_of_sessions_are_quoted(lightcurve, file, tmp_path):
+    rows = rows_of(lightcurve(file(FIXED))[1])
+    lines = [f'{row["utc"]},{row["reduced_magnitude [mag]"]},"Smith, J."' for row in rows]
+    seen = file("\n".join(["utc,mag,session", *lines]), "seen.csv")
+    assert {row["session"] for row in rows_of(lightcurve(file(FIXED), "--observed", seen)[1])} == {
+        "Smith, J."
+    }
+
+
+def test_a_damit_file_of_a_day_is_refused(lightcurve, tmp_path):
+    times = "--start", "2013-10-23T10:00", "--stop", "2013-10-23T10:10", "--step", "1 min"
+    path = tmp_path / "lc.txt"
+    code, _, err = lightcurve(MISSIONS / "envisat-glints.toml", "--output", path, *times)
+    assert code == 2 and "at all 11 epochs the site does not observe the body" in err
+    assert not path.exists()
 
 
 def test_blocks_do_not_show(lightcurve, file, monkeypatch, tmp_path):
