@@ -8,7 +8,7 @@ by command, and its functions take the command as the second argument.
 propagate, describe, geometry, lightcurve, passes, invert, periods, fold, plot, view, convert,
 check, installation   the commands
 _options    the motion of a file or of an entry of the catalogue; equally spaced epochs; ``--orbit``
-_output     the option ``--output``; rows of CSV and ECSV
+_output     ``--output`` and other files that are written; rows of CSV and ECSV
 _selftest   what ``check`` measures
 _warm_up    what ``warm-up`` compiles
 """
@@ -70,12 +70,12 @@ _INTERRUPTED = 130
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line."""
     try:
-        arguments = _parsed(_joined(sys.argv[1:] if argv is None else list(argv)))
+        arguments = _parsed(sys.argv[1:] if argv is None else list(argv))
         with warnings.catch_warnings():
             warnings.simplefilter("always", AttitudeWarning)
             warnings.showwarning = partial(_said, warnings.showwarning)
-            arguments.run(arguments)
-        sys.stdout.flush()
+            _run(arguments)
+        _flush()
     except SystemExit as end:  # argparse: help, version
         return int(end.code or 0)
     except AttitudeError as err:
@@ -93,6 +93,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     return 0
 
 
+def _run(arguments: argparse.Namespace) -> None:
+    """Run a command whose files can be written."""
+    from attitude.cli import _output
+
+    _output.require_usable(arguments)
+    arguments.run(arguments)
+
+
 def _is_interrupt(error: BaseException | None) -> bool:
     """Whether an error is Ctrl-C, or caused by it: Python wraps what stops a class statement."""
     while error is not None and not isinstance(error, KeyboardInterrupt):
@@ -107,6 +115,8 @@ class _Parser(argparse.ArgumentParser):
         super().__init__(
             formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False, **settings
         )
+        # A minus before a digit is that of a number, also in "-1e-3" and "-3deg".
+        self._negative_number_matcher = re.compile(r"-\.?[0-9]")
 
     def error(self, message: str) -> NoReturn:
         """Raise the AttitudeError for what argparse refuses."""
@@ -170,23 +180,17 @@ def command_of(name: str) -> Command:
     return Command(module.HELP[name], epilog.get(name, ""), *functions)
 
 
-def _joined(argv: list[str]) -> list[str]:
-    """``--start -3d`` as ``--start=-3d``: to argparse a leading minus is that of an option."""
-    joined: list[str] = []
-    for word in argv:
-        after_option = joined and re.fullmatch(r"--[a-z][a-z-]*", joined[-1])
-        alone = re.fullmatch(r"-[0-9]+|-[0-9]*\.[0-9]+", word)  # to argparse a number
-        if after_option and re.match(r"-\.?[0-9]", word) and not alone:
-            joined[-1] += "=" + word
-        else:
-            joined.append(word)
-    return joined
-
-
 def _said(other, message, category, *place, **options):
-    """Print a warning of the package as one sentence on stderr; `other` prints all others."""
+    """Print warnings of the package, and one of numpy, as a sentence; `other` prints all others."""
     if issubclass(category, AttitudeWarning):
         print(f"attitude: warning: {message}", file=sys.stderr)
+    elif issubclass(category, RuntimeWarning):
+        warnings.simplefilter("ignore", RuntimeWarning)
+        print(
+            f"attitude: warning: numbers leave the range of doubles ({message}); correct those of "
+            "the input.",
+            file=sys.stderr,
+        )
     else:
         other(message, category, *place, **options)
 
@@ -194,13 +198,19 @@ def _said(other, message, category, *place, **options):
 def _failed(sentence: str) -> int:
     """Print a sentence on stderr; the exit code."""
     with suppress(OSError):
-        sys.stdout.flush()
+        _flush()
     print(f"attitude: {sentence}", file=sys.stderr)
     return _WRONG
 
 
+def _flush() -> None:
+    """Write what is printed; standard output is None where it was closed before the start."""
+    if sys.stdout is not None:
+        sys.stdout.flush()
+
+
 def _abandon_stdout() -> None:
     """Turn stdout to the null device: Python flushes it at exit, an error on a closed pipe."""
-    with suppress(OSError, ValueError):
+    with suppress(OSError, ValueError, AttributeError):
         stdout = sys.stdout.fileno()
         os.dup2(os.open(os.devnull, os.O_WRONLY), stdout)

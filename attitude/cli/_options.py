@@ -23,6 +23,8 @@ from attitude.epochs import _inputs, _instants, _time_scales
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from attitude._support.annotations import FloatArray
     from attitude.catalog import Entry
     from attitude.formats.spin_file import SpinFile
@@ -39,6 +41,8 @@ _SHORTEST = Fraction(1, 10**9)
 # Seconds since J2000 of the beginning of the year 0001, and of the end of 9999.
 _FIRST = -63082281600.0
 _LAST = 252455529600.0
+# From 1972 on, in seconds since J2000, UTC has the seconds of TAI.
+_EVEN_UTC = -883655957.9
 # The stop is included if a whole number of steps misses it by no more, in steps.
 _ROUNDING = Fraction(1, 10**9)
 
@@ -74,8 +78,13 @@ class Grid:
 
     @property
     def digits(self) -> int:
-        """Decimals of a second that the dates in UTC need: 0, 3, 6 or 9."""
-        if self.uniform_in == "tdb" and self.count > 1:
+        """Decimals of a second that the dates in UTC need: 0, 3, 6 or 9.
+
+        Before 1972 seconds of UTC were longer than those of the steps.
+        """
+        last = self.start.seconds + float(self.step) * (self.count - 1)
+        is_even = self.uniform_in == "utc" and min(self.start.seconds, last) >= _EVEN_UTC
+        if not is_even and self.count > 1:
             return 9
         step = self.step if self.count > 1 else Fraction(0)
         decimals = re.search(r"\.(\d+)$", self.start.utc_iso)
@@ -138,7 +147,10 @@ def duration(text: str, name: str) -> Fraction:
     numbers, unit = quantity_text.numbers_and_unit(text, name)
     if len(numbers) != 1:
         raise AttitudeError(f'{name} is {text!r}; give one time, like "10 s" or "3 d".')
-    length = Fraction(numbers[0])
+    size = float(numbers[0])
+    if math.isinf(size):
+        raise _out_of_calendar(name, text)
+    length = Fraction(numbers[0]) if size else Fraction(0)  # of 1e-99999999 there is no fraction
     factor = quantity_text.common_factor(unit, "s")
     if factor is not None:
         return length * Fraction(repr(factor))
@@ -153,6 +165,17 @@ def duration(text: str, name: str) -> Fraction:
                 f'{name} is {text!r}; give a time, like "10 s", "1 h" or "3 d".'
             ) from None
     return length
+
+
+def periods(text: str, name: str) -> list[str]:
+    """The times of a text, each with its unit: "5.7, 5.8 h" are "5.7 h" and "5.8 h"."""
+    parts = [quantity_text.numbers_and_unit(part, name) for part in text.split(",")]
+    common = parts[-1][1]
+    if not common and any(unit for _, unit in parts):
+        raise AttitudeError(
+            f'{name} is {text!r}, whose last number has no unit; write it like "5.7, 5.8 h".'
+        )
+    return [f"{number} {unit or common}".strip() for numbers, unit in parts for number in numbers]
 
 
 def _moment(text: str, name: str) -> _instants.Instant | Fraction:
@@ -343,6 +366,7 @@ def motion_of(arguments: argparse.Namespace) -> FreeRotation | TorquedRotation:
     if is_file(arguments.target) and _mission(arguments.target):
         from attitude.formats import mission
 
+        refuse_completing(arguments)
         return mission.read_motion(arguments.target)
     return opened(arguments)[0].motion
 
@@ -388,12 +412,8 @@ def _mission(path: str) -> dict[str, Any]:
 
 
 def _from_file(arguments):
-    path, useless = arguments.target, completing(arguments)
-    if useless:
-        raise AttitudeError(
-            f"{', '.join(useless)} complete an entry of the catalogue; write such values into the "
-            "spin file."
-        )
+    path = arguments.target
+    refuse_completing(arguments)
     content = _mission(path)
     if not content:
         from attitude.formats import detect
@@ -430,3 +450,21 @@ def completing(arguments: argparse.Namespace) -> list[str]:
     """The options given that complete an entry of the catalogue."""
     names = (*_NUMBERS, *_WORDS)
     return [_option(name) for name in names if getattr(arguments, name) is not None]
+
+
+def refuse_completing(arguments: argparse.Namespace) -> None:
+    """Raise the AttitudeError for options that complete an entry, beside a file."""
+    useless = completing(arguments)
+    if useless:
+        raise AttitudeError(
+            f"{', '.join(useless)} can complete an entry of the catalogue; write such values into "
+            "the file."
+        )
+
+
+def refuse(arguments: argparse.Namespace, names: Sequence[str], what: str) -> None:
+    """Raise the AttitudeError for the first given option of these, which `what` does not have."""
+    for name in names:
+        value = getattr(arguments, name)
+        if value not in (None, ()) and value is not False:
+            raise AttitudeError(f"{_option(name)} has no meaning for {what}; leave it out.")

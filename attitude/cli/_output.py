@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import io
+import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
@@ -15,11 +16,15 @@ from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats import tables
 
 if TYPE_CHECKING:
+    from astropy.table import Table
+
     from attitude.cli._options import Grid
     from attitude.motions._free_rotation import FreeRotation
     from attitude.torques._torqued import TorquedRotation
 
 
+# Attributes of parsed arguments that are files to write.
+_WRITTEN = ("output", "figure", "prediction", "animate")
 PICTURES: tuple[str, ...] = ("png", "svg", "pdf", "jpg")
 
 
@@ -41,6 +46,32 @@ def add_figure(parser: argparse.ArgumentParser) -> None:
 def picture_of(arguments: argparse.Namespace) -> str | None:
     """The format of --figure; None without it."""
     return None if arguments.figure is None else kind_of(arguments.figure, PICTURES, "--figure")
+
+
+def require_usable(arguments: argparse.Namespace) -> None:
+    """Raise the AttitudeError for a file of --output, ... that is read, or cannot be written."""
+    from attitude._textfiles.atomic_write import require_writable
+
+    words = vars(arguments)
+    written = {name: words[name] for name in _WRITTEN if words.get(name) is not None}
+    for option, path in written.items():
+        label = "OUT" if "input" in words else f"--{option}"
+        require_writable(path, label)
+        for name, value in words.items():
+            others = value if isinstance(value, list) else [value]
+            if name != option and any(_is_same(path, other) for other in others):
+                raise AttitudeError(
+                    f"{label} {path!r} is also a file that the command reads or writes otherwise, "
+                    "and would be lost; give another name."
+                )
+
+
+def _is_same(path: str, other: object) -> bool:
+    """Whether a text names the regular file at a path, or the file that is to be there."""
+    if path == other:
+        return True
+    are_files = isinstance(other, str) and os.path.isfile(path) and os.path.isfile(other)
+    return are_files and os.path.samefile(path, str(other))
 
 
 def draw(name: str | None, plot: Callable[[str], object]) -> None:
@@ -71,10 +102,20 @@ def kind_of(
 def opened(name: str | None) -> AbstractContextManager[Any]:
     """The text file of --output, which appears whole or not at all; without one standard output."""
     if name is None:
+        if sys.stdout is None:
+            raise AttitudeError("standard output is closed; open it, or give --output FILE.")
         return nullcontext(sys.stdout)
     from attitude._textfiles.atomic_write import written_whole
 
     return written_whole(name, "--output")
+
+
+def write_table(table: Table, name: str, kind: str, option: str = "--output") -> None:
+    """Write a table of astropy as CSV or ECSV, whole or not at all."""
+    from attitude._textfiles.atomic_write import written_whole
+
+    with written_whole(name, option) as file:
+        table.write(file, format=f"ascii.{kind}")
 
 
 # ---- Rows of a table as text, as CSV or as ECSV (which astropy reads with units and times)

@@ -90,6 +90,12 @@ def run(arguments: argparse.Namespace) -> None:
     # An entry of the catalogue is as a spin file.
     is_catalogued = not _options.is_file(arguments.input) and catalog.has(arguments.input)
     read = formats()["spin"] if is_catalogued else detect.format_of(arguments.input)
+    of_others = [
+        option.attribute
+        for option in options()
+        if option.of_reading and option.attribute not in (*read.reading, *written.writing)
+    ]
+    _options.refuse(arguments, of_others, f"{arguments.input} as IN")
     # The tolerance of a C-kernel, or of a motion that is sampled, is not that of lengths read.
     sampled = written.holds == "span" or (
         (read.holds != "records" or arguments.fit) and arguments.step is None
@@ -120,12 +126,12 @@ def run(arguments: argparse.Namespace) -> None:
 def _convert(arguments, written, source, path):
     """Write an `OpenedFile` in the format `written`."""
     if not arguments.fit:
-        _refuse(arguments, ("axes", "rms"), "a conversion without --fit")
+        _options.refuse(arguments, ("axes", "rms"), "a conversion without --fit")
     settings = _settings(arguments, written, path)
     motion = _fitted(arguments, source.motion) if arguments.fit else source.motion
     if written.holds == "motion":
         if not arguments.fit:
-            _refuse(arguments, ("start", "stop", "step"), f"a file like {arguments.output}")
+            _options.refuse(arguments, ("start", "stop", "step"), f"a file like {arguments.output}")
         if not isinstance(motion, FreeRotation):
             raise AttitudeError(
                 f"{arguments.output} holds a motion, and {arguments.input} attitudes at epochs; "
@@ -193,7 +199,7 @@ def _write_span(arguments, written, source, settings):
         source = _sampled(arguments, source)
         ends = source.span
     else:
-        _refuse(arguments, ("step",), written.noun)
+        _options.refuse(arguments, ("step",), written.noun)
         asked = (arguments.start, arguments.stop, arguments.tolerance, arguments.method)
         if not is_table or any(choice is not None for choice in asked):
             ends = _ends(arguments, source)
@@ -203,7 +209,7 @@ def _write_span(arguments, written, source, settings):
 def _records(arguments, source):
     """The records of a table, or `Records` of a motion at --start, --stop and --step."""
     if isinstance(source, AttitudeTable) and arguments.step is None:
-        _refuse(arguments, ("start", "stop"), "records as they are, without --step")
+        _options.refuse(arguments, ("start", "stop"), "records as they are, without --step")
         return source
     if arguments.step is None:
         free = isinstance(source, FreeRotation)
@@ -259,10 +265,3 @@ def _settings(arguments, written, path):
             raise AttitudeError(f"--{option.name} {value} has no meaning for {noun}.")
     used = [name for name in written.writing if values[name] is not None]
     return {written.renamed.get(name, name): values[name] for name in used}
-
-
-def _refuse(arguments, names, what):
-    """Raise the AttitudeError for the first given option of these, which `what` does not have."""
-    for name in names:
-        if getattr(arguments, name) is not None:
-            raise AttitudeError(f"--{name} has no meaning for {what}; leave it out.")

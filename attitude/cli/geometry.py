@@ -8,7 +8,7 @@ from itertools import chain
 from typing import IO, TYPE_CHECKING, Any
 
 from attitude._support.blocks import ProgressBar
-from attitude.cli import _output
+from attitude.cli import _options, _output
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
@@ -44,6 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Write the table, or print the columns."""
     if arguments.list:
+        _options.refuse(arguments, (*TIMES, "output"), "--list")
         _list()
         return
     if arguments.file is None:
@@ -98,8 +99,6 @@ def dates(view: View, digits: int) -> tuple[list[str], list[float]]:
 
 def _grid(mission, options):
     """The Grid of start, stop and step, of which some are given on the command line."""
-    from attitude.cli import _options
-
     times = {name: options.get(name, mission.times.get(name)) for name in TIMES}
     missing = [name for name, value in times.items() if value is None]
     if missing:

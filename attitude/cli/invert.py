@@ -5,9 +5,11 @@ from __future__ import annotations
 import argparse
 import os
 import re
+from typing import Any
 
 import numpy as np
 
+from attitude import frames
 from attitude._support import validation
 from attitude.cli import _options, _output
 from attitude.epochs import _inputs, _instants
@@ -73,7 +75,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="the known shape: OBJ, DAMIT, STL or PLY, or a spin or mission file with [shape]",
     )
-    parser.add_argument("--unit", default="m", metavar="UNIT", help="of the mesh (default: m)")
+    parser.add_argument("--unit", metavar="UNIT", help="of the mesh (default: m)")
     parser.add_argument(
         "--law",
         metavar="NAME|FILE",
@@ -102,13 +104,15 @@ def run(arguments: argparse.Namespace) -> None:
     from attitude.inversion import _spin_states
 
     _output.picture_of(arguments)
+    _output.kind_of(arguments.output, ("toml",))
     exposure = {} if arguments.exposure is None else {"exposure": arguments.exposure}
     zero_points = _zero_points(arguments.zero_points)
     curve = _curve(arguments, arguments.file, zero_points=zero_points, **exposure)
     kind, dates = _prediction_of(arguments)
-    period = arguments.period
-    if period is not None and "," in period:
-        period = tuple(word.strip() for word in period.split(","))
+    period: Any = arguments.period
+    if period is not None:
+        times = _options.periods(period, "--period")
+        period = times if len(times) > 1 else times[0]
     states = _spin_states.spin_states(
         curve,
         arguments.max_frequency,
@@ -137,6 +141,7 @@ def _curve(arguments, file, **settings):
     """The light curve of a file, with the geometry of --orbit and --site."""
     from attitude.photometry._curve import LightCurve
 
+    frames.matrix_to_icrf(arguments.frame)  # also where a file with ra and dec needs none
     path, site = _options.path_of(arguments), _options.site_of(arguments)
     geometry = {
         name: value for name, value in (("path", path), ("site", site)) if value is not None
@@ -219,7 +224,7 @@ def _predict(states, dates, kind, output):
     else:
         table["time"] = table["time"].isot
         table.rename_column("time", "utc")
-        table.write(output, format=f"ascii.{kind}", overwrite=True)
+        _output.write_table(table, output, kind, "--prediction")
     print(output)
 
 
@@ -251,8 +256,7 @@ def _moments(text):
 def _surface(arguments):
     """The keywords of a known shape from --shape and --law."""
     if arguments.shape is None:
-        if arguments.law is not None:
-            raise AttitudeError("--law is that of a known shape; give --shape too.")
+        _options.refuse(arguments, ("law", "unit"), "a search without --shape")
         return {}
     from attitude.formats import _surface as surface
     from attitude.shape import _files
@@ -260,9 +264,10 @@ def _surface(arguments):
 
     law = None
     if arguments.shape.endswith(".toml"):
+        _options.refuse(arguments, ("unit",), f"{arguments.shape}, which says its own")
         shape, law = surface.of_file(arguments.shape)
     else:
-        shape = _files.read(arguments.shape, unit=arguments.unit)
+        shape = _files.read(arguments.shape, unit=arguments.unit or "m")
     if isinstance(shape, Ellipsoid):
         shape = shape.facets()
     if arguments.law is not None and arguments.law.endswith(".toml"):

@@ -75,11 +75,9 @@ def add_arguments(parser: argparse.ArgumentParser, command: str) -> None:
 def run(arguments: argparse.Namespace, command: str) -> None:
     """Search, and print or write the table."""
     from attitude import events
-    from attitude._textfiles.atomic_write import made_whole
     from attitude.formats import mission as formats_mission
 
-    if arguments.output is not None:
-        _output.kind_of(arguments.output)
+    kind = _output.kind_of(arguments.output)
     mission = formats_mission.read(arguments.file)
     ends = [_end(mission, arguments, name, place) for name, place in (("start", 0), ("stop", -1))]
     timetable: Timetable
@@ -100,10 +98,10 @@ def run(arguments: argparse.Namespace, command: str) -> None:
             visible=not arguments.all,
         )
     count = len(timetable)
-    counted = f"{count or 'no'} {command if count != 1 else command.removesuffix('s')}"
+    one = {"passes": "pass", "glints": "glint"}[command]
+    counted = f"{count or 'no'} {one if count == 1 else command}"
     if arguments.output is not None:
-        with made_whole(arguments.output, "--output") as temporary:
-            timetable.table().write(temporary)
+        _output.write_table(timetable.table(), arguments.output, kind)
         print(f"{arguments.output}: {counted}")
     elif count:
         print(timetable)

@@ -19,21 +19,27 @@ _OF_SPIN_FILES = {"name", "source", "note", "body", "spin", "errors", "shape", "
 
 def opened(arguments: argparse.Namespace) -> dict[str, Any]:
     """The arguments of `viewer.view`: motion or scene, span, shape, title, magnitude."""
+    from attitude.formats import detect
     from attitude.shape import _files
 
     target: str = arguments.target
     mesh: Any = None
     if arguments.shape is not None:
-        mesh = _files.read(arguments.shape, unit=arguments.unit)
+        mesh = _files.read(arguments.shape, unit=arguments.unit or "m")
+    else:
+        _options.refuse(arguments, ("unit",), "a view without --shape")
     is_file = _options.is_file(target)
+    if is_file:
+        _options.refuse_completing(arguments)
+    is_message = is_file and not target.endswith((".toml", ".spin", ".apm"))
+    if not is_message or "kernels" not in detect.format_of(target).reading:
+        _options.refuse(arguments, ("body", "kernels"), f"{target}, which is no C-kernel")
     if is_file and target.endswith(".toml") and _is_mission(target):
         return _of_mission(arguments, target, mesh)
     if not is_file and (scene := _scene_of(arguments)) is not None:
         return _of_mission(arguments, scene, mesh)
     law: Any = None
-    if is_file and not target.endswith((".toml", ".spin", ".apm")):
-        from attitude.formats import detect
-
+    if is_message:
         motion = detect.opened(target, body=arguments.body, kernels=arguments.kernels or ()).motion
         title = _stem(target)
     else:
@@ -140,6 +146,7 @@ _FILES = (
 )
 _ENDINGS = ("html", "czml", "glb", "json")
 _ANIMATIONS = ("webp", "gif", "mp4")
+_FRAMES = 120
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -150,7 +157,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--start", metavar="TIME", help="date (UTC), or seconds after the epoch")
     parser.add_argument("--stop", metavar="TIME", help="last epoch, as --start")
     parser.add_argument("--shape", metavar="FILE", help="mesh to draw: OBJ, DAMIT, STL or PLY")
-    parser.add_argument("--unit", default="m", metavar="UNIT", help="of the mesh (default: m)")
+    parser.add_argument("--unit", metavar="UNIT", help="of the mesh (default: m)")
     for name in ("sun", "observer"):
         parser.add_argument(
             f"--{name}", nargs="+", metavar="X,Y,Z", help=f"direction to the {name}, ICRF"
@@ -160,7 +167,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--kernels", nargs="+", metavar="FILE", help="further kernels that a C-kernel needs"
     )
     parser.add_argument(
-        "--frames", type=int, default=120, metavar="N", help="of an animation (default: 120)"
+        "--frames", type=int, metavar="N", help=f"of an animation (default: {_FRAMES})"
     )
 
 
@@ -171,6 +178,8 @@ def run(arguments: argparse.Namespace) -> None:
 
     if arguments.animate is not None and arguments.output is not None:
         raise AttitudeError("--animate and --output are given; give one of them.")
+    if arguments.animate is None:
+        _options.refuse(arguments, ("frames",), "a view without --animate")
     settings = opened(arguments)
     motion, magnitude = settings.pop("motion"), settings.pop("magnitude", None)
     for end in ("start", "stop"):  # dates, or times such as "3 d"
@@ -186,7 +195,8 @@ def run(arguments: argparse.Namespace) -> None:
         settings["magnitude"] = magnitude
         settings["progress"] = ProgressBar("animation" if is_animation else "light curve")
     if is_animation:
-        _animation.animate(motion, name, frames=arguments.frames, **settings)
+        frames = _FRAMES if arguments.frames is None else arguments.frames
+        _animation.animate(motion, name, frames=frames, **settings)
     elif kind == "html":
         _page.view(motion, output=name, **settings)
     else:

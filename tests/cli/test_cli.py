@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,7 @@ from tests.support.places import ROOT
 TOUTATIS = str(ROOT / "data" / "spin" / "toutatis.toml")
 PAPER = str(ROOT / "data" / "spin" / "paper.toml")
 ENVISAT = str(ROOT / "data" / "spin" / "envisat.toml")
+PASS = str(ROOT / "data" / "mission" / "envisat-pass.toml")
 
 
 @pytest.fixture
@@ -240,6 +242,16 @@ BAD = [
     ((*GO, "--start", "1992-11-31", "--stop", "1", "--step", "1"), "--start is '19"),
     ((*GO, "--stop", "1e5 yr", "--step", "1 yr"), "out of the years 0001 to 9999"),
     ((*GO, "--stop", "1e400", "--step", "1e399"), "out of the years 0001 to 9999"),
+    ((*GO, "--stop", "1e99999999", "--step", "1"), "out of the years 0001 to 9999"),
+    ((*GO, "--stop", "1", "--step", "1e99999999"), "out of the years 0001 to 9999"),
+    (("propagate", PASS, "--stop", "3", "--step", "1", "--moments", "1"), "--moments can complete"),
+    (("view", PASS, "--output", "x.glb", "--epoch", "2000-01-01"), "--epoch can complete an entry"),
+    (("geometry", "--list", "--output", "y.csv"), "--output has no meaning for --list"),
+    (("view", "toutatis", "--unit", "furlong"), "--unit has no meaning for a view without --shape"),
+    (("view", "toutatis", "--frames", "3"), "--frames has no meaning for a view without --animate"),
+    (("view", TOUTATIS, "--body", "foo"), "which is no C-kernel"),
+    (("convert", "toutatis", "x.aem", "--object", "foo"), "--object has no meaning for toutatis"),
+    (("convert", TOUTATIS, "x.aem", "--segment", "0"), "--segment has no meaning for"),
     ((*GO, "--stop", "1", "--step", "1", "--output", "a.xls"), "ends in .csv or"),
     ((*GO, "--stop", "1", "--step", "1", "--output", "csv"), "ends in .csv or"),
     ((*GO, "--stop", "1", "--step", "1", "--output", "a.aem"), "`attitude convert` writes AEM"),
@@ -325,6 +337,34 @@ def test_numbers_may_be_parted_by_spaces(attitude_command):
     assert attitude_command("describe", "2008 TC3", *joined, *rest)[1] == apart
 
 
+@pytest.mark.parametrize(
+    ("options", "same"),
+    [
+        (("--phi0", "-1e-1"), ("--phi0", "-0.1 rad")),
+        (("--psi0", "-3deg"), ("--psi0", "-3 deg")),
+        (("--pole", "250", "-75deg"), ("--pole", "250, -75 deg")),
+        (("--P-psi", "-1e5"), ("--P-psi", "-100000 s")),
+    ],
+)
+def test_numbers_may_be_negative_in_any_spelling(attitude_command, options, same):
+    rest = "apophis", "--phi0", "1", "--psi0", "2", "--epoch", "2012-12-23"
+    assert attitude_command("describe", *rest, *options) == attitude_command(
+        "describe", *rest, *same
+    )
+    assert "required" not in attitude_command("describe", *rest, *options)[2]
+
+
+@pytest.mark.parametrize(
+    ("rates", "code", "words"), [("1e200", 2, "beyond the range of doubles"), ("1e-200", 0, "")]
+)
+def test_extreme_rates_are_described_or_refused(tmp_path, attitude_command, rates, code, words):
+    text = Path(PAPER).read_text()
+    text = re.sub(r"angular_velocity = .*", f"angular_velocity = [{rates}, {rates}, 0]", text)
+    (tmp_path / "a.toml").write_text(text)
+    found, out, err = attitude_command("describe", tmp_path / "a.toml")
+    assert found == code and words in err and "inf J" not in out and "  0 deg/s" not in out
+
+
 def test_the_assumed_state_of_envisat_is_what_its_note_says():
     found = spin_file.read(ENVISAT)
     rates = found.body.rates_about_principal_axes(found.spin.angular_velocity)[:, 0]
@@ -388,6 +428,82 @@ def test_help_and_version(attitude_command):
         assert code == 0
         assert f"usage: attitude {command}" in out
         assert command not in ("propagate", "describe") or "example:" in out
+
+
+def test_a_closed_standard_output_is_said(attitude_command, tmp_path, monkeypatch):
+    monkeypatch.setattr("sys.stdout", None)
+    options = "propagate", PAPER, "--stop", "2", "--step", "1"
+    code, _, err = attitude_command(*options)
+    assert code == 2 and "standard output is closed; open it, or give --output" in err
+    assert attitude_command(*options, "--output", tmp_path / "a.csv")[0] == 0
+
+
+def test_overflows_are_one_sentence(attitude_command, monkeypatch):
+    def overflowing(arguments, **options):
+        for _ in range(2):
+            np.array([1e200]) ** 2
+        np.array([1e200]).dot([1e200])
+
+    monkeypatch.setattr("attitude.cli.describe.run", overflowing)
+    with warnings.catch_warnings():
+        warnings.simplefilter("default")
+        code, _, err = attitude_command("describe", PAPER)
+    assert code == 0 and err.count("\n") == 1
+    assert err.startswith("attitude: warning: numbers leave the range of doubles (overflow")
+
+
+# Files that are written ---------------------------------------------------------------------------
+
+
+@pytest.fixture
+def curve(tmp_path, monkeypatch):
+    """A light curve of 6 h in the working directory."""
+    monkeypatch.chdir(tmp_path)
+    rows = [f"{2459000.5 + k / 50},{15 + np.cos(k / 50 * 8 * np.pi):.3f}" for k in range(100)]
+    Path("curve.csv").write_text("\n".join(["jd,mag", *rows]))
+    os.link("curve.csv", "same.csv")
+    return Path("curve.csv")
+
+
+@pytest.mark.parametrize(
+    ("command", "words"),
+    [
+        (("fold", "--period", "6 h", "--output", "./curve.csv"), "--output './curve.csv' is also"),
+        (("fold", "--period", "6 h", "--output", "same.csv"), "--output 'same.csv' is also"),
+        (("fold", "--period", "6 h", "--output", "a.csv", "--figure", "no/f.png"), "no/f.png"),
+        (("periods", "--min", "2 h", "--max", "9 h", "--figure", "curve.csv"), "is also"),
+        (("invert", "--period", "6 h", "--output", "inv.csv"), "ends in .toml"),
+        (("invert", "--period", "6 h", "--output", "no/inv.toml"), "cannot be written"),
+        (("invert", "--period", "6 h", "--frame", "foo"), "frame is 'foo'"),
+        (("invert", "--period", "6 h", "--unit", "km"), "--unit has no meaning"),
+    ],
+)
+def test_files_are_checked_before_the_work(attitude_command, curve, command, words):
+    before, names = curve.read_text(), sorted(os.listdir())
+    code, out, err = attitude_command(command[0], curve, *command[1:])
+    assert (code, out) == (2, "") and words in err and err.count("\n") == 1
+    assert curve.read_text() == before and sorted(os.listdir()) == names
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("fold", "curve.csv", "--period", "6 h", "--output", "old.csv"),
+        ("fold", "curve.csv", "--period", "6 h", "--figure", "old.svg"),
+        ("periods", "curve.csv", "--min", "2 h", "--max", "9 h", "--figure", "old.png"),
+        ("plot", "toutatis", "--output", "old.png"),
+    ],
+)
+def test_a_full_disk_leaves_the_old_file(attitude_command, curve, monkeypatch, command):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.replace", full)
+    Path(command[-1]).write_text("old")
+    names = sorted(os.listdir())
+    code, _, err = attitude_command(*command)
+    assert code == 2 and "cannot be written: No space left on device. Give a file" in err
+    assert Path(command[-1]).read_text() == "old" and sorted(os.listdir()) == names
 
 
 def test_a_closed_pipe_is_silent():
@@ -472,6 +588,26 @@ def test_steps_of_utc_are_equal_in_utc():
     hi, lo = found.block(0, 400)
     drift = hi - 86400.0 * np.arange(367) + lo
     assert 2e-3 < np.ptp(drift) < 4e-3
+
+
+@pytest.mark.parametrize(
+    ("start", "stop", "step"),
+    [
+        ("1968-01-31T12:00:00", "1968-02-03", "12 h"),
+        ("1965-01-01T00:00:00", "1965-01-05", "1 d"),
+        ("1973-01-01T00:00:00", "1971-06-01", "-100 d"),
+    ],
+)
+def test_dates_before_1972_are_those_of_the_attitudes(start, stop, step):
+    """Seconds of UTC were longer than those of the steps, and days had jumps of 0.1 s."""
+    motion = spin_file.read(TOUTATIS).motion
+    steps = _options.grid(motion.epoch, start, stop, step)
+    rows = _output.rows(steps, motion, 0, steps.count, rates=False).splitlines()
+    assert len(rows) >= 5 and rows[0].startswith(f"{start}.000000000,")
+    for row in rows:
+        date, seconds = row.split(",")[:2]
+        found = epochs.seconds_since(motion.epoch, date)
+        assert found[0] + found[1] == pytest.approx(float(seconds), abs=1e-6)
 
 
 def test_steps_are_in_the_scale_of_the_start():

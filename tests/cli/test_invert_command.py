@@ -88,6 +88,25 @@ def test_three_known_moments_are_those_of_the_search(monkeypatch, capsys):
 
 
 @pytest.mark.parametrize(
+    ("period", "wanted"),
+    [
+        ("5.7, 5.8 h", ["5.7 h", "5.8 h"]),
+        ("5.7 h, 5.8 h", ["5.7 h", "5.8 h"]),
+        ("5.7 h", "5.7 h"),
+        ("5", "5"),
+    ],
+)
+def test_a_common_unit_is_that_of_both_periods(monkeypatch, capsys, period, wanted):
+    def refused(curves, most, **options):
+        assert options["period"] == wanted
+        raise AttitudeError("the search of the test")
+
+    monkeypatch.setattr(_spin_states, "spin_states", refused)
+    assert cli.main(["invert", str(PHOTOMETRY), "--period", period]) == 2
+    assert "the search of the test" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
     ("moments", "words"),
     [
         ("known", 'give "shape", "free", a number'),
@@ -178,7 +197,7 @@ def test_a_mission_against_observations(tmp_path, capsys):
     assert cli.main([*given, "--figure", str(drawn)]) == 0
     text = capsys.readouterr().out
     assert "a: 7 points, zero point +3.000" in text and "rms of all 13 points: 0.000" in text
-    assert out.read_text().startswith("utc,session,observed,computed,residual")
+    assert out.read_text().startswith("utc,session,filter,observed,computed,residual")
     assert drawn.stat().st_size > 1000
 
 

@@ -44,9 +44,12 @@ def test_passes_are_those_of_the_function(attitude_command, tmp_path):
     assert out == "no passes from 2013-10-23 on.\n"
 
 
-def test_the_span_of_the_file_is_the_default(attitude_command):
+def test_the_span_of_the_file_is_the_default(attitude_command, tmp_path):
     code, out, _ = attitude_command("passes", PASS)
     assert code == 0 and len(out.splitlines()) == 4  # one, which rises before
+    assert attitude_command("passes", PASS, "--output", tmp_path / "a.csv")[1].endswith(
+        ": 1 pass\n"
+    )
 
 
 def test_glints_are_those_of_the_function(attitude_command):
