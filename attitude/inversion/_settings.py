@@ -10,6 +10,21 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
+import numpy as np
+
+from attitude._support import validation
+from attitude.errors import AttitudeError
+
+# Settings by which something is divided, of which a logarithm is taken, or without which nothing is
+# left to fit.
+_ABOVE_ZERO = frozenset(
+    {
+        *("tie", "tie_given", "tumblers", "by_chance", "short_modes", "poles", "block"),
+        *("quick_starts", "scan_starts", "deep_starts", "class_starts", "map_starts"),
+        *("alias_starts", "axial_starts", "axial_coarser", "scan_points", "scan_rates"),
+    }
+)
+
 
 @dataclass
 class Tally:
@@ -369,6 +384,21 @@ class Settings:
     most_turns: float = 1500.0
     # Of the epochs, the share that lies within the same third of the day for one site.
     one_site: float = 0.9
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            default = getattr(Settings, name)
+            if isinstance(default, int):
+                validation.count(value, name, int(name in _ABOVE_ZERO))
+                continue
+            numbers = validation.real(value, name, shape=None if np.ndim(default) else ())
+            if np.any(numbers < 0.0) or (name in _ABOVE_ZERO and np.any(numbers == 0.0)):
+                least = "greater than zero" if name in _ABOVE_ZERO else "at least 0"
+                raise AttitudeError(f"{name} is {validation.shown(value)}; it must be {least}.")
+            if not numbers.ndim:
+                object.__setattr__(self, name, float(numbers))
+        if not self.tumblers < 1.0:
+            raise AttitudeError(f"tumblers is {self.tumblers:g}; it must be less than 1.")
 
     @property
     def odds(self) -> float:
