@@ -434,8 +434,8 @@ def found(
     criterion += _verdicts.ended_by(verdict, problem.tally)
     if turned:
         criterion += (
-            f" {turned} states differ from these by a turn about the axis of symmetry of the "
-            "shape, which brightness does not show, and are not listed."
+            f" {_verdicts.counted(turned, 'other state', 'differ')} from these only by a turn "
+            "about the axis of symmetry of the shape, which brightness does not show."
         )
     return solutions, verdict, criterion, (*curve.notes, *averaged)
 

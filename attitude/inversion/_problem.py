@@ -311,6 +311,12 @@ def problem(
         if width > 0.0:
             terms.append((values["session"] == k).astype(float))
             prior.append(width)
+    free = int(np.count_nonzero(np.isinf(prior)))
+    if free >= len(t):
+        raise AttitudeError(
+            f"the light curve has {len(t)} points, and its {free} free zero points and phase terms "
+            "fit any brightness; give fewer filters, or fewer sessions with free zero points."
+        )
     whole_problem = CurveProblem(
         t=t,
         span=span,

@@ -98,6 +98,8 @@ class Search:
         In words, how a constant brightness with zero points of the sessions competes.
     is_complete : bool
         Whether the first round came to its end.
+    is_interrupted : bool
+        Whether Ctrl-C ended it.
     redundancy : float
         Points that count as one in differences of evidence between poles.
     length : float
@@ -118,6 +120,7 @@ class Search:
     beside: list[Robust] = field(default_factory=list)
     dips: list[AdditivePair] = field(default_factory=list)
     is_complete: bool = False
+    is_interrupted: bool = False
     rival: Search | None = None
     constant: str = ""
     _mapped_rates: list[FloatArray] = field(default_factory=list)
@@ -242,6 +245,7 @@ class Search:
         verdict = _verdicts.verdict(
             solutions, self.problem, self.is_complete, self.most,
             is_given_axis=self.modes == ("PA",), is_hidden=not self.tie.is_wide,
+            is_interrupted=self.is_interrupted,
         )  # fmt: skip
         return _verdicts.of_dips(verdict, solutions, self.problem, self.dips)
 

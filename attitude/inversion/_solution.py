@@ -531,9 +531,7 @@ class Solution(CurveFit):
     @property
     def moments(self) -> FloatArray:
         """(3,) relative principal moments, ascending."""
-        sorted_moments: FloatArray = np.sort(
-            _states.physical(self.state, self.tie.moments).moments
-        )
+        sorted_moments: FloatArray = np.sort(_states.physical(self.state, self.tie.moments).moments)
         return sorted_moments
 
     @cached_property

@@ -53,6 +53,8 @@ if TYPE_CHECKING:
 _MODES = ("LAM", "SAM")
 # Rotation about one axis alone.
 _ROTATION = ("PA",)
+# Turns of the fastest rotation that a curve spans at least.
+_TURNS = 2.0
 # Share of a period about which it is searched.
 _OF_PERIOD = 0.01
 _DAY = 86400.0
@@ -178,6 +180,8 @@ def spin_states(
     Ctrl-C ends the search, and the best so far is returned.
     """
     curve = usable(curve)
+    if not isinstance(settings, Settings):
+        raise AttitudeError(f"settings is {validation.shown(settings)}; give Settings(...).")
     _check_drift(drift, curve, modes, period, shape)
     if isinstance(shape, Mesh):
         most = _checked_turns(curve, max_frequency, settings, True, [curve])
@@ -198,8 +202,9 @@ def spin_states(
             return SpinStates(*states)
     if law is not None:
         raise AttitudeError("law= is that of a known mesh; give shape=mesh, or leave law out.")
-    modes, window = _window(curve, max_frequency, period, modes)
-    most, tie = _checked(curve, window[1], modes, shape, moments, settings)
+    tie = _checked(modes, shape, moments)
+    modes, window = _window(curve, max_frequency, period, modes, settings)
+    most = window[1]
     seconds = validation.positive(budget, "budget", unit="s")
     validation.count(threads, "threads")
     _compile(curve, most)
@@ -261,8 +266,8 @@ class _Wanted:
                 **more,
             )
             if outliers:
-                words = f"{outliers} points lie far off both neighbours; they hardly count."
-                search.notes.append(words)
+                words = _verdicts.counted(outliers, "point", "lie")
+                search.notes.append(f"{words} far off both neighbours, almost without weight.")
             search.notes += averaged
             return search
 
@@ -292,8 +297,8 @@ def _joined_search(curve: LightCurve, wanted: _Wanted, drift: bool) -> _search.S
             known.append(_joined.alone(curve, apparition, one, wanted.settings, size))
             words.append(
                 f"Apparition {number} ({apparition.span / _DAY:.0f} d, {len(apparition)} points): "
-                f"{one.verdict_of(one.solutions)[0]}, {len(known[-1].solutions)} tumbling states "
-                "go on."
+                f"{one.verdict_of(one.solutions)[0]}, "
+                f"{_verdicts.counted(len(known[-1].solutions), 'tumbling state', 'continue')}."
             )
         return known
 
@@ -312,11 +317,12 @@ def _compile(curve: LightCurve, most: float) -> None:
     _refinement.refine(problem, pool.states[0], iterations=1)
 
 
-def _window(curve, max_frequency, period, modes):
+def _window(curve, max_frequency, period, modes, settings):
     """The modes, and the least and the largest frequency of a rotation about one axis, Hz."""
     least = _lattices.LEAST / curve.span
     if period is None:
-        return modes, (least, max_frequency)
+        is_tumbling, parts = tuple(modes) != _ROTATION, _joined.apparitions(curve)
+        return modes, (least, _checked_turns(curve, max_frequency, settings, is_tumbling, parts))
     if tuple(modes) not in (_MODES, _ROTATION):
         raise AttitudeError(
             f"period= is that of a rotation about one axis, and modes is {modes!r}; leave it out, "
@@ -335,11 +341,13 @@ def _window(curve, max_frequency, period, modes):
     if max_frequency is not None:
         most = min(most, validation.positive(max_frequency, "max_frequency", unit="1/s"))
     least = max(1.0 / high, least)
-    if least >= most:
+    if most <= max(least, _TURNS / curve.span):
         raise AttitudeError(
-            f"no period from {low:g} to {high:g} s is left: the light curve spans {curve.span:g} s"
-            + ("." if max_frequency is None else ", and max_frequency limits them too.")
+            f"no period from {low:g} to {high:g} s is left: {_TURNS:g} turns have to lie within "
+            f"the {curve.span:g} s of the light curve"
+            + ("." if max_frequency is None else ", and max_frequency limits periods too.")
         )
+    warn_of_plain(period, "period", curve.seconds)
     return _ROTATION, (least, most)
 
 
@@ -352,10 +360,10 @@ def _checked_turns(curve, max_frequency, settings, is_limited, parts):
     plain = ""
     if is_plain(max_frequency):
         plain = f' of {most:g}, which without a unit is in Hz (with one: "{most:g} /d")'
-    if turns < 2.0:
+    if turns < _TURNS:
         raise AttitudeError(
             f"the light curve spans {turns:.2g} turns at max_frequency{plain}; give a larger one, "
-            f"at least {2.0 / curve.span:.3g} Hz, or a longer curve."
+            f"at least {_TURNS / curve.span:.3g} Hz, or a longer curve."
         )
     if turns > limit and len(parts) > 1:
         turns = most * max(apparition.span for apparition in parts)
@@ -370,7 +378,8 @@ def _checked_turns(curve, max_frequency, settings, is_limited, parts):
     return most
 
 
-def _checked(curve, max_frequency, modes, shape, moments, settings):
+def _checked(modes, shape, moments):
+    """The tie of the moments; AttitudeError for modes or a shape that are none."""
     if not modes or isinstance(modes, str):
         raise AttitudeError(f'modes is {modes!r}; give a sequence such as ("LAM", "SAM").')
     for mode in modes:
@@ -380,11 +389,8 @@ def _checked(curve, max_frequency, modes, shape, moments, settings):
             'modes has "PA" beside others; rotations about one axis are always searched beside '
             'tumbling: leave "PA" out, or give it alone.'
         )
-    is_rotation = tuple(modes) == _ROTATION
-    parts = _joined.apparitions(curve)
-    most = _checked_turns(curve, max_frequency, settings, not is_rotation, parts)
     validation.one_of(shape, "shape", ("convex", "ellipsoid"))
-    return most, _states.of(moments)
+    return _states.of(moments)
 
 
 def _searched(curve, prepared):
@@ -445,7 +451,11 @@ def _with_offsets_if_needed(one: _search.Search, prepared: Prepared) -> _search.
     if _problem.are_free(offsets) and not searched.is_over:
         free = prepared("free")
         _run(free)
-        searched = free if free.solutions else searched
+        if free.solutions:
+            searched, best = free, free.solutions[0]
+            # they have no prior, and stand behind the terms of one zero point
+            all_offsets = best.problem.coefficients(best.refined.magnitude)
+            offsets = all_offsets[len(one.problem.prior) :]
     searched.notes.append(f"sessions have zero points of their own, {np.std(offsets):.2f} mag rms.")
     return searched
 
@@ -455,6 +465,7 @@ def _run(search: _search.Search, is_ended: Callable[[bool], bool] = _search.neve
     try:
         search.run(is_ended)
     except KeyboardInterrupt:
+        search.is_interrupted = True
         search.notes.append("the search was interrupted.")
         if not search.solutions:
             search.finish()

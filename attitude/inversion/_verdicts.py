@@ -237,6 +237,15 @@ def ahead_by(ahead: float) -> str:
     return f"{abs(ahead):.1f} {'ahead of' if ahead > 0.0 else 'behind'}"
 
 
+def counted(number: int, noun: str, verb: str) -> str:
+    """A number of things and what they do, in words.
+
+    >>> counted(1, "other pole", "lie"), counted(2, "other pole", "lie")
+    ('1 other pole lies', '2 other poles lie')
+    """
+    return f"{number} {noun} {verb}s" if number == 1 else f"{number} {noun}s {verb}"
+
+
 def of_floor(ratio: float, most: float, settings: Settings) -> str:
     """The ratio of the residuals to the errors of the floor, in words."""
     errors = f"errors of sigma and {settings.floor_error:g} mag"
@@ -309,7 +318,7 @@ def _has_one_maximum(best: Robust, problem: CurveProblem) -> bool:
 
 
 def gap(solutions: Sequence[Robust], problem: CurveProblem) -> float:
-    """How far the next periods lie behind the best solution in evidence; infinite without any."""
+    """How far other periods, of the least margin, lie behind in evidence; infinite without any."""
     return _nearest(_of_other_periods(solutions, problem), solutions[0], problem)[0]
 
 
@@ -328,10 +337,12 @@ def verdict(
     *,
     is_given_axis: bool = False,
     is_hidden: bool = True,
+    is_interrupted: bool = False,
 ) -> tuple[str, str]:
     """The verdict and its criterion in words.
 
-    A search that is not complete has not seen what competes: its best solution is not solved.
+    A search that is not complete, since the budget ended or Ctrl-C interrupted it, has not seen
+    what competes: its best solution is not solved.
     `most`, turns per span, is the largest frequency of the search; `is_given_axis`: rotation about
     one axis is not found, but given; `is_hidden`: one apparition hides concave parts of a body that
     turns about one.
@@ -346,10 +357,14 @@ def verdict(
     gap_to_next, behind = _nearest(_of_other_periods(solutions, problem), best, problem)
     alike = [one for one in solutions[1:] if _has_periods(one.refined.state, state, problem)]
     poles = [other for other in alike if _competes(other, best, problem)]
+    nearest = "no other periods were found"
+    if math.isfinite(gap_to_next):
+        # others may be less far behind that need less
+        size = f"{gap_to_next:.1f} behind in -2 ln(evidence) ({behind:.3g} needed)"
+        nearest = f"the other periods of least margin are {size}"
     words = (
         f"{of_floor(floor, settings.floor, settings)}; {100.0 * left:.1f} % of the variance is "
-        f"left; the next periods are {gap_to_next:.1f} behind in -2 ln(evidence) ({behind:.3g} "
-        "needed)"
+        f"left; {nearest}"
     )
     # the dips of a moon are most of the variance: what is left says nothing of the rotation
     explains = floor < settings.floor or (left < settings.left and not problem.orbit)
@@ -359,7 +374,10 @@ def verdict(
     if not fields.is_axial:
         turns = min(turns, abs(fields.nutation))
     if not is_complete:
-        return OPEN, f"The budget ended before all periods were tried; give a larger one. {words}."
+        reason, advice = "The budget ended", "; give a larger one"
+        if is_interrupted:
+            reason, advice = "Ctrl-C ended the search", ""
+        return OPEN, f"{reason} before all periods were tried{advice}. {words}."
     if not accepted or turns < settings.least_turns:
         return OPEN, words + "."
     if not is_axial(state):
@@ -380,7 +398,8 @@ def verdict(
         if better:
             return OPEN, f"{words}; {better}."
         if close:
-            return PERIODS, f"{words}; {close} tumbling states with this period lie within them."
+            tumblers = counted(close, "tumbling state", "lie")
+            return PERIODS, f"{words}; {tumblers} within {least:.3g}, with this period."
     errors = f"{settings.pole_errors:g} standard errors between nights"
     width, likely = _widths_of_poles(best, problem)
     within = f"within {width:.3g}, {2.0 * width:.3g} if {likely:.3g} in likelihood, or {errors}"
@@ -390,7 +409,7 @@ def verdict(
         poles = [other for other in close_ones if _is_other_pole(other, best, problem)]
         within = f"within {width:.3g}"
     if poles:
-        return PERIODS, f"{words}; {len(poles)} other poles lie {within}."
+        return PERIODS, f"{words}; {counted(len(poles), 'other pole', 'lie')} {within}."
     return SOLVED, f"{words}; no other pole lies {within}."
 
 

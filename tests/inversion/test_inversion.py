@@ -13,7 +13,7 @@ from astropy.time import Time
 
 from attitude import Body, FreeRotation, Spin, inversion, photometry
 from attitude.epochs._instants import Instant
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.frames import matrix_to_icrf
 from attitude.inversion import (
     _ellipsoid,
@@ -362,6 +362,45 @@ def test_constant_brightness_and_short_spans_are_not_solved():
         inversion.spin_states(curve, "20 /d", seed=-1)
 
 
+@pytest.mark.parametrize(
+    ("columns", "arguments", "words"),
+    [
+        ({}, {"settings": None}, "settings is None; give Settings"),
+        ({}, {"period": "13 h"}, "46332 to 47268 s is left: 2 turns .* the 86400 s of the light"),
+        ({"session": range(40), "zero_points": "free"}, {}, "40 points, and its 43 free zero"),
+        ({"filter": [f"{k}" for k in range(40)]}, {}, "40 points, and its 42 free zero"),
+    ],
+)
+def test_curves_and_arguments_that_leave_nothing_to_search(columns, arguments, words):
+    curve = inversion.LightCurve(EPOCHS, np.sin(EPOCHS), 0.02, **CURVE, **columns)
+    with pytest.raises(AttitudeError, match=words):
+        inversion.spin_states(curve, None if "period" in arguments else "20 /d", **arguments)
+
+
+def test_a_period_without_a_unit_is_doubted():
+    curve = inversion.LightCurve(EPOCHS, np.full(40, 15.0), 0.02, unit_distances=True, **CURVE)
+    with pytest.warns(AttitudeWarning, match="^period is 7.3 without a unit, which is seconds"):
+        inversion.spin_states(curve, period=7.3)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "words"),
+    [
+        ("alone", -5, "-5; it must be at least 0"),
+        ("alone", math.inf, "must be finite"),
+        ("rounds", 1.5, "give a whole number, at least 0"),
+        ("noticed_rates", (0.2, -1.0), "at least 0"),
+        ("tumblers", 1.0, "less than 1"),
+        ("tie", 0.0, "greater than zero"),
+        ("block", 0, "at least 1"),
+    ],
+)
+def test_settings_are_numbers_of_at_least_zero(name, value, words):
+    with pytest.raises(AttitudeError, match=f"{name} .*{words}"):
+        inversion.Settings(**{name: value})
+    assert inversion.Settings(alone="60").alone == 60.0
+
+
 @pytest.fixture(scope="module")
 def solved():
     """A synthetic tumbler of an independent forward model, and a search with half the starts."""
@@ -580,6 +619,7 @@ def test_an_interrupt_returns_the_best_so_far(solved):
     found = inversion.spin_states(curve, f"{case.most} /d", budget=40, progress=stop)
     assert "interrupted" in " ".join(found.notes) and len(found) > 0
     assert found.verdict == "not solved"
+    assert found.criterion.startswith("Ctrl-C ended the search before all periods were tried. ")
 
 
 def test_many_points_are_averaged_and_filters_have_zero_points():

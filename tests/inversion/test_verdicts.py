@@ -272,6 +272,27 @@ def test_a_search_that_was_cut_off_claims_nothing():
     assert verdict == _verdicts.OPEN and "give a larger one" in words
 
 
+def test_a_search_that_was_interrupted_asks_for_no_budget():
+    one = [_solution(7.0, 0.0, 0.01)]
+    words = _verdicts.verdict(one, _problem(0.02), False, is_interrupted=True)[1]
+    assert words.startswith("Ctrl-C ended the search before") and "budget" not in words
+
+
+@pytest.mark.parametrize(
+    ("others", "words"),
+    [
+        ([], "is left; no other periods were found; no other pole lies"),
+        ([(10.0, 30.0, 0)], "the other periods of least margin are 30.0 behind in -2 ln(evidence)"),
+        ([(7.0, 5.0, 1)], "; 1 other pole lies within"),
+        ([(7.0, 5.0, 1), (7.0, 6.0, 2)], "; 2 other poles lie within"),
+    ],
+)
+def test_what_competes_in_words(others, words):
+    solutions = [_solution(7.0, 0.0, 0.01)]
+    solutions += [_solution(rate, behind, 0.01, pole) for rate, behind, pole in others]
+    assert words in _verdicts.verdict(solutions, _problem(0.02))[1]
+
+
 def test_zero_points_of_nights_do_not_hide_a_variation():
     """A slow variation of 0.115 mag within each night, of which zero points take the mean."""
     t = np.sort(np.random.default_rng(2).uniform(0.0, 1.0, 400))
@@ -488,6 +509,38 @@ def test_offsets_are_searched_where_one_zero_point_explains_nothing(
     searched = _spin_states._with_offsets_if_needed(one, lambda zero_points: own)
     assert searched is (own if has_offsets else one)
     assert one.is_ended == has_offsets and own.runs == has_offsets
+
+
+def test_the_note_on_zero_points_is_on_those_of_the_result(monkeypatch):
+    """A run with zero points that are free takes the place of one that holds them to 0.1 mag."""
+    sessions = np.arange(COUNT) // (COUNT // 2)
+    terms = np.concatenate([np.ones((COUNT, 1)), sessions[:, None] == np.arange(2)], axis=1)
+    free_problem = dataclasses.replace(
+        _problem(0.02), magnitude=1.0 * sessions, terms=terms, prior=np.full(3, np.inf)
+    )
+
+    class Search:
+        settings, problem, is_over, constant = DEFAULT, _problem(0.02), False, ""
+        is_at_floor = _search.Search.is_at_floor
+
+        def __init__(self):
+            self.solutions, self.notes = [], []
+
+        def run(self, is_ended):
+            self.solutions = [_solution(-7.0, 0.0, 0.05)]
+            self.solutions[0].problem = free_problem
+            self.solutions[0].refined.magnitude = np.zeros(COUNT)
+
+        def follow(self, other):
+            self.solutions = list(other.solutions)
+
+    searches = {"auto": Search(), "free": Search()}
+    monkeypatch.setattr(_spin_states, "is_constant", lambda problem: False)
+    monkeypatch.setattr(_spin_states, "_asks_for_offsets", lambda one, other, needed: True)
+    monkeypatch.setattr(_spin_states, "_offsets_of", lambda solution: np.array([0.2, -0.2, 0.2]))
+    searched = _spin_states._with_offsets_if_needed(Search(), searches.__getitem__)
+    assert searched is searches["free"]
+    assert searched.notes == ["sessions have zero points of their own, 0.50 mag rms."]
 
 
 @pytest.mark.parametrize(
