@@ -169,7 +169,7 @@ def duration(text: str, name: str) -> Fraction:
 
 def periods(text: str, name: str) -> list[str]:
     """The times of a text, each with its unit: "5.7, 5.8 h" are "5.7 h" and "5.8 h"."""
-    parts = [quantity_text.numbers_and_unit(part, name) for part in text.split(",")]
+    parts = [quantity_text.numbers_and_unit(piece, name) for piece in text.split(",")]
     common = parts[-1][1]
     if not common and any(unit for _, unit in parts):
         raise AttitudeError(
