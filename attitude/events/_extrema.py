@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.polynomial import polynomial as polynomials
@@ -324,19 +324,21 @@ class Receding(Channel):
         direction = self.directions[0]
         u, w, a = moment.body(direction), moment.history.angular_velocity, self._axis
         # u' = u x w in body axes, times a.
-        turning = (
+        of_rotation = (
             u[..., 0] * (w[..., 1] * a[2] - w[..., 2] * a[1])
             + u[..., 1] * (w[..., 2] * a[0] - w[..., 0] * a[2])
             + u[..., 2] * (w[..., 0] * a[1] - w[..., 1] * a[0])
         )
         if isinstance(direction, Fixed):
-            return turning
+            return of_rotation
         change, delay = self._differenced(moment, direction)
-        moving = quaternion.rotate(quaternion.conjugate(moment.history.wxyz), change)
+        of_direction = quaternion.rotate(quaternion.conjugate(moment.history.wxyz), change)
         # A scene shows the rotation by the light that left earlier.
-        return dot(moving, a) + (1.0 - delay) * turning
+        return dot(of_direction, a) + (1.0 - delay) * of_rotation
 
-    def _differenced(self, moment: Moment, direction: SearchDirection) -> tuple[FloatArray, Any]:
+    def _differenced(
+        self, moment: Moment, direction: SearchDirection
+    ) -> tuple[FloatArray, FloatArray]:
         """The derivatives of a direction on ICRF axes, (N, 3) in 1/s, and of the light time.
 
         By seven epochs about each, moved where they would lie outside of the span.

@@ -556,7 +556,7 @@ class ShadowState(Joinable):
 
     def __call__(self, t: FloatArray) -> IntArray:
         lit = self.lit.at(t).lit_fraction if isinstance(self.lit, Scene) else self.lit(t)
-        fraction = np.asarray(lit, dtype=np.float64)
+        fraction = validation.returned(lit, "lit")
         return (fraction < 1.0).astype(np.int64) + (fraction <= 0.0)
 
     @property

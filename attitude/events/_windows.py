@@ -345,13 +345,15 @@ def _known_span(source):
     scene = source.scene
     center = None if scene is None else scene.center
     known = common_span([limit for limit in (source.motion, center) if limit is not None])
-    if known is None or center is None or not scene.light_time:
+    if known is None or center is None:
         return known
-    # What is seen at first left the body a light time before, and a shadow its caster earlier.
-    delays = [_light_time(scene, body, known[0]) for body in scene.shadow_of]
-    delay = min(max(delays, default=0.0), _NEAR)
-    if not scene.observer.is_direction:
-        delay += _light_time(scene, scene.observer, known[0])
+    delay = 0.0
+    if scene.light_time:
+        # What is seen at first left the body a light time before, and a shadow its caster earlier.
+        delays = [_light_time(scene, body, known[0]) for body in scene.shadow_of]
+        delay = min(max(delays, default=0.0), _NEAR)
+        if not scene.observer.is_direction:
+            delay += _light_time(scene, scene.observer, known[0])
     return known[0].after(_LONGER * delay + _WITHIN), known[1].after(-_WITHIN)
 
 

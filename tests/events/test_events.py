@@ -572,6 +572,7 @@ def test_dates_and_several_conditions():
             "is true or false and has no extrema",
         ),
         (lambda m: events.find_maxima(0, 9, lambda t: "a", step=1), "the function returns 'a'"),
+        (lambda m: events.shadow_state(lambda t: "a")(np.zeros(1)), "lit returns 'a'"),
         (lambda m: events.Moving(np.sin, rate=-1.0), "rate is -1.0; it must not be negative"),
         (lambda m: events.Moving(np.sin, acceleration=-5), "acceleration is -5.0; it must not be"),
         (
