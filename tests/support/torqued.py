@@ -25,8 +25,9 @@ def dop853(torque, body, spin, span, rtol=1e-12, atol=1e-14):
 def torque_at_start(*torques, body, spin):
     """N m over the body axes: what Euler's equations leave of the angular acceleration."""
     history = TorquedRotation(body, spin, torques, step=0.1).at(0.0)
-    w = history.angular_velocity
-    return body.tensor @ history.angular_acceleration + np.cross(w, body.tensor @ w)
+    momentum = body.tensor @ history.angular_velocity
+    turned = np.cross(history.turning_rate, momentum)
+    return body.tensor @ history.angular_acceleration + turned
 
 
 def angle(one, two):
