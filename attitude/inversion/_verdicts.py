@@ -322,6 +322,16 @@ def gap(solutions: Sequence[Robust], problem: CurveProblem) -> float:
     return _nearest(_of_other_periods(solutions, problem), solutions[0], problem)[0]
 
 
+def _of_gap(size: float, behind: float) -> str:
+    """How far other periods lie behind, and have to, in words; others may need less than these."""
+    if math.isinf(size):
+        return "no other periods were found"
+    return (
+        f"the other periods of least margin are {size:.1f} behind in -2 ln(evidence) "
+        f"({behind:.3g} needed)"
+    )
+
+
 def _of_other_periods(solutions: Sequence[Robust], problem: CurveProblem) -> list[Robust]:
     state = solutions[0].refined.state
     return [
@@ -357,14 +367,9 @@ def verdict(
     gap_to_next, behind = _nearest(_of_other_periods(solutions, problem), best, problem)
     alike = [one for one in solutions[1:] if _has_periods(one.refined.state, state, problem)]
     poles = [other for other in alike if _competes(other, best, problem)]
-    nearest = "no other periods were found"
-    if math.isfinite(gap_to_next):
-        # others may be less far behind that need less
-        size = f"{gap_to_next:.1f} behind in -2 ln(evidence) ({behind:.3g} needed)"
-        nearest = f"the other periods of least margin are {size}"
     words = (
         f"{of_floor(floor, settings.floor, settings)}; {100.0 * left:.1f} % of the variance is "
-        f"left; {nearest}"
+        f"left; {_of_gap(gap_to_next, behind)}"
     )
     # the dips of a moon are most of the variance: what is left says nothing of the rotation
     explains = floor < settings.floor or (left < settings.left and not problem.orbit)
