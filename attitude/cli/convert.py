@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import warnings
 
 from attitude.cli import _options
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.formats import detect
 from attitude.formats._format import OpenedFile, Option, endings, formats, message_labels
 from attitude.formats._sampling import Records
@@ -169,11 +170,14 @@ def _fitted(arguments, source):
         )
     table = source if isinstance(source, AttitudeTable) else _sampled(arguments, source)
     used = arguments.axes or "principal"
-    best = fit(table, axes=used)
-    if arguments.axes is None and len(table) > 3:
-        free = fit(table, axes="free")
-        if free.rms < _BETTER * best.rms:
-            best, used = free, "free"
+    with warnings.catch_warnings():
+        # Large residuals are refused below.
+        warnings.simplefilter("ignore", AttitudeWarning)
+        best = fit(table, axes=used)
+        if arguments.axes is None and len(table) > 3:
+            free = fit(table, axes="free")
+            if free.rms < _BETTER * best.rms:
+                best, used = free, "free"
     print(f"rms of the residuals: {best.rms:.3g} rad, with {used} axes")
     most = MOST_RMS if arguments.rms is None else arguments.rms
     if not best.rms <= most:

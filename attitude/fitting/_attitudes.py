@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
+from functools import partial
+from itertools import permutations
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from attitude import frames
 from attitude._support import validation
-from attitude._support.pairs import Seconds
 from attitude._support.synonyms import arguments
 from attitude.errors import AttitudeError
-from attitude.fitting._minimum import Problem, fitted, known_loss, thinned
+from attitude.fitting._minimum import (
+    Loss,
+    Problem,
+    fitted,
+    known_loss,
+    minimum_of_stages,
+    misfit_of,
+    thinned,
+)
 from attitude.fitting._model import Model, Point
 from attitude.fitting._observations import (
     Attitudes,
@@ -20,6 +30,7 @@ from attitude.fitting._observations import (
     Observations,
     Rates,
     epochs_of,
+    epochs_of_history,
     weights,
 )
 from attitude.frames import quaternion
@@ -30,8 +41,10 @@ from attitude.motions._history import AttitudeHistory
 from attitude.motions._table import AttitudeTable
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     from attitude._support.annotations import Epoch, Epochs, FloatArray, IntArray, Real, Reals
-    from attitude.fitting._minimum import Fit, Loss
+    from attitude.fitting._minimum import Fit, Linearised
     from attitude.fitting._observations import Measured
     from attitude.motions._free_rotation import FreeRotation
 
@@ -54,22 +67,58 @@ CANDIDATES = 16
 _NEIGHBOURS = 2
 # Median deviations beyond which a record is an outlier.
 _SPIKE = 6.0
+# Windows: their records, those of the first stage of one, their number where some records are
+# outliers, and those from which a fit begins.
+_WINDOW = 12
+_FEWEST_OF_WINDOW = 4
+_WINDOWS = 8
+_BEST_WINDOWS = 4
+# Logarithms of the second moments of mass of bodies from which windows begin.
+_SHAPES = (-0.8, 0.0, 0.8)
+_LINEAR = Loss("linear", 1.0)
+# Angle, rad, over which differences of attitudes are taken where records are denser.
+_BASE = 0.5
 # Angle between records, rad, up to which angular velocities are integrated.
 _FARTHEST = 1.0
 
 
-def velocities(wxyz: FloatArray, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Attitudes (N - 1, 4) between records (N, 4), and the angular velocities (N - 1, 3) there."""
-    turn = forms.to_rotation_vector(quaternion.multiply(quaternion.conjugate(wxyz[:-1]), wxyz[1:]))
-    middle = quaternion.multiply(wxyz[:-1], forms.from_rotation_vector(0.5 * turn))
-    return middle, turn / np.diff(t)[:, None]
+def velocities(wxyz: FloatArray, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Seconds (K,), attitudes (K, 4) and angular velocities (K, 3) between attitudes (N, 4).
+
+    They are differences of neighbours, or of records so far apart that the turn is `_BASE` or more,
+    against the noise.
+    """
+    count = len(t)
+    begin, end = np.arange(count - 1), np.arange(1, count)
+    span = float(np.median(np.diff(t)))
+    while True:
+        chosen = thinned(len(begin), most=_ENOUGH)
+        turn = _turns(wxyz[begin[chosen]], wxyz[end[chosen]])
+        if np.median(np.linalg.norm(turn, axis=1)) >= _BASE:
+            break
+        span *= 2.0
+        later = np.searchsorted(t, t + (1.0 - 1e-9) * span)
+        earlier = np.flatnonzero(later < count)
+        earlier = earlier[t[later[earlier]] - t[earlier] <= 1.5 * span]
+        if len(earlier) < max(count // 2, 2):
+            break
+        begin, end = earlier, later[earlier]
+    turn = _turns(wxyz[begin], wxyz[end])
+    middle = quaternion.multiply(wxyz[begin], forms.from_rotation_vector(0.5 * turn))
+    return 0.5 * (t[end] + t[begin]), middle, turn / (t[end] - t[begin])[:, None]
+
+
+def _turns(begin: FloatArray, end: FloatArray) -> FloatArray:
+    """The rotation vectors (K, 3) from attitudes (K, 4) to others, body axes."""
+    return forms.to_rotation_vector(quaternion.multiply(quaternion.conjugate(begin), end))
 
 
 def inertia_of_attitudes(
     wxyz: FloatArray, omega: FloatArray, axes: str, *, robust: bool
 ) -> FloatArray:
     """The tensor (3, 3) of unit trace for which R I w varies least; wxyz, omega (K, 4) rad/s."""
-    wxyz, omega = wxyz[:_ENOUGH], omega[:_ENOUGH]
+    chosen = thinned(len(omega), most=_ENOUGH)
+    wxyz, omega = wxyz[chosen], omega[chosen]
     basis = _basis(axes)
     vectors = quaternion.matrix(wxyz) @ np.tensordot(omega, basis, axes=(1, 2)).transpose(0, 2, 1)
     return _least_varying(vectors, np.zeros(len(omega), np.int64), omega, basis, robust)
@@ -111,7 +160,9 @@ def point_of(model: Model, observed: Observations, start: object) -> Point:
     from attitude.motions._free_rotation import FreeRotation
 
     if not isinstance(start, FreeRotation):
-        raise AttitudeError(f"start is {start!r}; give a FreeRotation, or leave it out.")
+        raise AttitudeError(
+            f"start is {validation.shown(start)}; give a FreeRotation, or leave it out."
+        )
     tensor = start.body.tensor / np.trace(start.body.tensor)
     off = np.max(np.abs(tensor - np.diag(np.diag(tensor))))
     if model.body is None and model.axes == "principal" and off > 1e-9:
@@ -155,6 +206,48 @@ def best_state(
     return min(points, key=lambda point: problem.linearised(point).cost)
 
 
+def points_of_windows(problem: Problem, turn: int) -> list[Point]:
+    """Points at the first record, each the motion through a few records, the best ones first.
+
+    turn: the records of one turn, over which a window extends if it has more of them than a window.
+    They begin from bodies of several shapes; where some records are outliers, other windows have
+    none.
+    """
+    model, observed, robust = problem.model, problem.observed, problem.loss.robust
+    total = len(observed)
+    size = min(_WINDOW, total)
+    stride = max(min(turn, total) // size, 1)
+    last_begin = total - 1 - stride * (size - 1)
+    attempts = thinned(min(max(turn, 2 * size), last_begin + 1), most=_WINDOWS if robust else 1)
+    ahead = Problem(model, observed.at(slice(max(turn, FEWEST_ROBUST))), problem.loss.wide)
+    trials: list[Linearised] = []
+    for begin in attempts:
+        window = observed.at(begin + stride * np.arange(size))
+        window = replace(window, t=window.t - observed.t[begin])
+        for point in _window_points(model, window):
+            with suppress(AttitudeError):
+                best = minimum_of_stages(model, window, _LINEAR, point, _FEWEST_OF_WINDOW).point
+                state = observed.t[begin : begin + 1], best.wxyz[None], best.omega[None]
+                trials.append(ahead.linearised(states_at_first(model, best.shape, state)[0]))
+        trials.sort(key=lambda trial: trial.cost)
+        if trials and misfit_of(ahead.observed, problem.loss, trials[0]) < 1.0:
+            break
+    return [trial.point for trial in trials[:_BEST_WINDOWS]]
+
+
+def _window_points(model: Model, window: Observations) -> list[Point]:
+    """Points at the first record of a window, of bodies of several shapes."""
+    attitudes = window.kinds[0]
+    assert isinstance(attitudes, Attitudes)
+    t, wxyz, omega = velocities(attitudes.wxyz, window.t)
+    state = t[:1], wxyz[:1], omega[:1]
+    shapes = [np.zeros(model.count - 6)]
+    if model.body is None:
+        pairs = permutations(_SHAPES, 2)
+        shapes.extend(np.pad(pair, (0, model.count - 8)) for pair in pairs)
+    return [states_at_first(model, shape, state)[0] for shape in shapes]
+
+
 def _without_spikes(omega: FloatArray) -> FloatArray:
     """The rates (K, 3), with the medians of their neighbours in place of outliers."""
     padded = np.pad(omega, ((_NEIGHBOURS, _NEIGHBOURS), (0, 0)), mode="edge")
@@ -174,6 +267,8 @@ def _least_varying(
     """The tensor of unit trace whose vectors (K, 3, B) vary least within groups (K,) of records."""
     sphere = np.array([np.trace(matrix) / np.sum(matrix**2) for matrix in basis])
     floor = _SPHERE * np.sum(omega**2) * np.eye(len(basis))
+    if not np.any(floor):
+        return np.eye(3) / 3.0
     weight = np.ones(len(vectors))
     candidate = sphere
     for _ in range(_REWEIGHTED if robust else 1):
@@ -269,6 +364,10 @@ def fit(
 
     Notes
     -----
+    Where the residuals are larger than the errors, or without `sigma` alike in neighbouring
+    records, other first guesses are tried, and the motion of least loss is kept.  A warning says
+    that its residuals too are far larger than the errors (without `sigma`, than 0.2 rad).
+
     Moments follow from the wobble alone: a steady rotation fits any body, and the one returned is
     close to a sphere.  Derivatives are in closed form (`attitude.propagate`, `sensitivity=True`).
 
@@ -284,14 +383,17 @@ def fit(
     how = known_loss(loss, f_scale, sigma)
     if len(observed) < (3 if model.count > 6 else 2):
         raise AttitudeError(_too_few(len(observed)))
-    velocities = velocities_observed(observed)
-    speed = float(np.mean(np.linalg.norm(velocities[2], axis=1)))
+    states = velocities_observed(observed)
+    speed = float(np.median(np.linalg.norm(states[2], axis=1)))
     first = first_stage(observed.t, speed, FEWEST_ROBUST if how.robust else FEWEST)
+    others: Callable[[], Sequence[Point]] = tuple
     if start is not None:
         point = point_of(model, observed, start)
     else:
-        point = guess(Problem(model, observed.at(slice(first)), how), velocities)
-    return fitted(model, observed, how, point, first)
+        point = guess(Problem(model, observed.at(slice(first)), how.wide), states)
+        turn = first_stage(observed.t, speed, 1)
+        others = partial(points_of_windows, Problem(model, observed, how), turn)
+    return fitted(model, observed, how, point, first, others)
 
 
 def guess(problem: Problem, states: tuple[FloatArray, FloatArray, FloatArray]) -> Point:
@@ -314,8 +416,7 @@ def velocities_observed(observed: Observations) -> tuple[FloatArray, FloatArray,
     assert isinstance(attitudes, Attitudes)
     if others and isinstance(others[0], Rates):
         return observed.t, attitudes.wxyz, others[0].omega
-    middle, omega = velocities(attitudes.wxyz, observed.t)
-    return 0.5 * (observed.t[1:] + observed.t[:-1]), middle, omega
+    return velocities(attitudes.wxyz, observed.t)
 
 
 def _too_few(count: int) -> str:
@@ -337,7 +438,7 @@ def _observed(
     count = len(history)
     if not count:
         raise AttitudeError(_too_few(0))
-    seconds, low = Seconds.of(history).flat
+    epoch, seconds = epochs_of_history(history)
     attitudes = Attitudes(weights(sigma, count, "sigma", "rad"), np.asarray(history.wxyz))
     kinds: tuple[Measured, ...] = (attitudes,)
     omega = table.angular_velocity
@@ -348,8 +449,7 @@ def _observed(
                 usual = float(np.mean(1.0 / attitudes.weight)) * rates.scale()
             rate_sigma = usual if np.any(rates.omega) else np.inf
         kinds = (attitudes, Rates(weights(rate_sigma, count, "rate_sigma", "rad/s"), rates.omega))
-    epoch = history.epoch.after(seconds[0], low[0])
-    return Observations(epoch, (seconds - seconds[0]) + (low - low[0]), kinds)
+    return Observations(epoch, seconds, kinds)
 
 
 # ---- The free rotation through measured angular velocities, by least squares
@@ -442,7 +542,7 @@ def fit_rates(
             tensor = inertia_of_rates(seconds, omega, axes, robust=how.robust)
             shape = model.shape_of(tensor)
         attitudes = np.broadcast_to(_IDENTITY, (count, 4))
-        problem = Problem(model, observed.at(slice(first)), how)
+        problem = Problem(model, observed.at(slice(first)), how.wide)
         point = best_state(problem, shape, (seconds, attitudes, omega))
     # The attitude has no influence: that of the first record is the identity.
     point = replace(point, wxyz=_IDENTITY)
@@ -672,11 +772,10 @@ def _guess(
     times, wxyz = attitudes(observed.t, directions)
     epochs = len(np.unique(observed.t))
     if 2 * len(times) >= epochs and len(times) >= (3 if model.body is None else 2):
-        middle, omega = velocities(wxyz, times)
-        velocity_samples = 0.5 * (times[1:] + times[:-1]), middle, omega
-        speed = float(np.median(np.linalg.norm(omega, axis=1)))
+        velocity_samples = velocities(wxyz, times)
+        speed = float(np.median(np.linalg.norm(velocity_samples[2], axis=1)))
         first = first_stage(observed.t, speed, fewest)
-        return guess(Problem(model, observed.at(slice(first)), loss), velocity_samples)
+        return guess(Problem(model, observed.at(slice(first)), loss.wide), velocity_samples)
     times, wxyz, omega = spans(observed, loss)
     shapes = [np.zeros(model.count - 6)]
     if model.body is None:

@@ -6,7 +6,9 @@ evaluated with them: most are accepted.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import warnings
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +16,7 @@ import numpy as np
 from attitude._support import least_squares, markup, validation
 from attitude._support.arrays import Immutable, frozen
 from attitude._support.least_squares import Decomposed, Near
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.fitting import _observations as records
 from attitude.fitting._observations import Rates
 from attitude.frames import quaternion
@@ -22,6 +24,8 @@ from attitude.motions._free_rotation import FreeRotation
 from attitude.motions._spin import Spin
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     from numpy.typing import NDArray
 
     from attitude._support.annotations import BoolArray, FloatArray, IntArray, Real, Reals
@@ -36,6 +40,8 @@ if TYPE_CHECKING:
 # residual is the whole vector of a record, so that a result does not depend on the axes.
 
 NAMES = ("linear", "soft_l1", "huber", "cauchy")
+# Factor of the scale of a robust loss in the stages before the last one.
+_WIDE = 30.0
 
 
 @dataclass(frozen=True)
@@ -44,15 +50,22 @@ class Loss:
 
     name: one of `NAMES`.
     scale: in standard errors: where residuals begin to count as outliers.
+    usual: the standard error of a residual times its weight; None where it is not known.
     """
 
     name: str
     scale: float
+    usual: float | None = None
 
     @property
     def robust(self) -> bool:
         """Whether large residuals count less than in least squares."""
         return self.name != "linear"
+
+    @property
+    def wide(self) -> Loss:
+        """The loss of motions that are not near the truth yet, whose residuals are large."""
+        return replace(self, scale=_WIDE * self.scale)
 
     def values(self, squares: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Losses (N,), their first derivatives and their second times the argument."""
@@ -74,15 +87,17 @@ class Loss:
 
 def known_loss(name: str, f_scale: Real | None, sigma: Reals | None) -> Loss:
     """The loss of a name and scale."""
-    if name not in NAMES:
+    if not isinstance(name, str) or name not in NAMES:
         listed = ", ".join(f'"{label}"' for label in NAMES)
-        raise AttitudeError(f"loss is {name!r}; it must be one of {listed}.")
+        raise AttitudeError(f"loss is {validation.shown(name)}; it must be one of {listed}.")
     if name != "linear" and sigma is None and f_scale is None:
         raise AttitudeError(
             f'loss="{name}" needs the size of usual residuals; give sigma=, or f_scale= in the '
             "unit of the residuals."
         )
-    return Loss(name, 1.0 if f_scale is None else validation.positive(f_scale, "f_scale"))
+    scale = 1.0 if f_scale is None else validation.positive(f_scale, "f_scale")
+    usual = scale if sigma is None and name != "linear" else None
+    return Loss(name, scale, usual if sigma is None else 1.0)
 
 
 # Eigenvalues of the scaled normal matrix, relative to 1, that are zero within rounding.
@@ -114,6 +129,21 @@ _LAST_EARLY = 0.1
 _MOST_RECORDS = 100
 # Predicted error of attitudes, rad, up to which the next stage extends.
 _REACH = 0.05
+# Rms, rad, of residuals that are right in any case, and of those that are large where errors are
+# not known.
+_NEGLIGIBLE = 1e-9
+_LARGE = 0.1
+# Share of the records that are no outliers, at least, and the square of residuals that is usual, in
+# numbers that a record measures.
+_INLIERS = 0.7
+_USUAL = 1.7
+# Correlation of residuals with neighbours, up to so many records away, from which they are alike.
+_ALIKE = 0.3
+_LAGS = 8
+# Misfit up to which residuals that are not alike count as errors that are given too small.
+_EXCUSED = 5.0
+# Misfit from which a warning is given.
+_UNEXPLAINED = 2.0
 # Epochs of prediction.
 _PREDICTED = 64
 # Variance, rad2, of each component of the rotation vector of an attitude of which nothing is known:
@@ -185,7 +215,7 @@ class Problem:
         def enough(states: NDArray[Any]) -> FloatArray:
             return np.array([max(share * states[0].variance, lowest)])
 
-        problem = least_squares.Problem(self._near, _moved, enough=enough)
+        problem = least_squares.Problem(self._near, self._moved, enough=enough)
         start, most = np.array([point], dtype=object), _MOST if last else _MOST_EARLY
         best = least_squares.minimum(problem, start, _RULE, most)
         return best.states[0] if np.isfinite(best.cost[0]) else self.linearised(point)
@@ -197,19 +227,23 @@ class Problem:
         except AttitudeError:
             return Near(points, np.array([np.inf]), np.zeros((1, 1, 1)), np.zeros((1, 1)))
         states = np.array([linear], dtype=object)
-        return Near(states, np.array([linear.cost]), linear.bending[None], linear.gradient[None])
+        # Steps of a shape that the records leave undetermined are short.
+        bending = linear.bending + 0.0
+        shape = np.arange(6, len(bending))
+        bending[shape, shape] += linear.cost / len(self.observed)
+        return Near(states, np.array([linear.cost]), bending[None], linear.gradient[None])
+
+    def _moved(self, states: NDArray[Any], steps: FloatArray) -> tuple[NDArray[Any], BoolArray]:
+        """The point after a step (1, P) from the loss near another, and if the step is short."""
+        point, step = states[0].point, steps[0]
+        longest = np.repeat(_LONGEST, (3, 3, len(step) - 6))
+        turned = _LONGEST[0] / max(float(np.ptp(self.observed.t)), 1e-300)
+        longest[3:6] = max(_LONGEST[1] * float(np.linalg.norm(point.omega)), turned)
+        is_short = np.all(np.abs(step) <= longest)
+        return np.array([point.moved(step)], dtype=object), np.array([is_short])
 
 
-def _moved(states: NDArray[Any], steps: FloatArray) -> tuple[NDArray[Any], BoolArray]:
-    """The point after a step (1, P) from the loss near another, and whether the step is short."""
-    point, step = states[0].point, steps[0]
-    longest = np.repeat(_LONGEST, (3, 3, len(step) - 6))
-    longest[3:6] *= float(np.linalg.norm(point.omega)) or np.inf
-    is_short = np.all(np.abs(step) <= longest)
-    return np.array([point.moved(step)], dtype=object), np.array([is_short])
-
-
-def _minimum(
+def minimum_of_stages(
     model: Model, observed: Observations, loss: Loss, point: Point, first: int
 ) -> Linearised:
     """The loss near its least point, from a first guess.
@@ -218,14 +252,78 @@ def _minimum(
     next stage extends to where attitudes are predicted to `_REACH`.
     """
     total, count = len(observed), min(first, len(observed))
-    while count < total or total > _MOST_RECORDS:
-        stage = Problem(model, observed.at(thinned(count)), loss).minimum(point, last=False)
+    while count < total or total > _MOST_RECORDS or loss.robust:
+        stage = Problem(model, observed.at(thinned(count)), loss.wide).minimum(point, last=False)
         point = stage.point
         if count == total:
             break
         count = max(_reach(model, observed, stage, count), int(1.5 * count), count + 1)
         count = min(count, total)
     return Problem(model, observed, loss).minimum(point)
+
+
+def _minimum_of_all(
+    model: Model,
+    observed: Observations,
+    loss: Loss,
+    point: Point,
+    first: int,
+    others: Callable[[], Sequence[Point]],
+) -> Linearised:
+    """The loss near its least point, from a first guess or, where that fails, from others.
+
+    A warning says that none explains the records.
+    """
+    best = minimum_of_stages(model, observed, loss, point, first)
+    misfit = misfit_of(observed, loss, best)
+    if misfit <= 1.0:
+        return best
+    for other in others():
+        with suppress(AttitudeError):
+            trial = minimum_of_stages(model, observed, loss, other, first)
+            if trial.cost < best.cost:
+                best, misfit = trial, misfit_of(observed, loss, trial)
+        if misfit <= 1.0:
+            return best
+    if misfit > _UNEXPLAINED:
+        warnings.warn(
+            "the residuals are far larger than the errors of the records: the motion that is found "
+            "is a wrong one, or no free rotation fits. Give the body, a motion near the truth, "
+            'start=FreeRotation(...), axes="free", or a robust loss if some records are outliers.',
+            AttitudeWarning,
+            stacklevel=5,
+        )
+    return best
+
+
+def misfit_of(observed: Observations, loss: Loss, best: Linearised) -> float:
+    """How much larger residuals are than those of a right motion; up to 1 where it may be right.
+
+    They are compared with their standard errors, and where these are not known or too small, with
+    their neighbours: errors of records are not alike, those of a motion are.
+    """
+    kind = observed.kinds[0]
+    used = kind.weight > 0.0
+    residuals = (kind.compare(best.predicted)[0] * kind.weight)[:, used]
+    squares = np.sum(residuals**2, axis=0)
+    one = kind.scale() * float(np.sum(kind.weight)) / max(len(squares), 1)
+    if not np.sum(squares) > len(squares) * (_NEGLIGIBLE * one) ** 2:
+        return 0.0
+    if loss.usual is None:
+        size = float(np.sqrt(np.mean(squares))) / (_LARGE * one)
+    else:
+        typical = np.quantile(squares, _INLIERS) if loss.robust else np.mean(squares)
+        size = float(np.sqrt(typical / (_USUAL * kind.dimensions))) / loss.usual
+        if size <= 1.0:
+            return size
+    residuals /= np.sqrt(squares + max(np.median(squares), 1e-9 * np.mean(squares)))
+    count = len(squares)
+    alike = 0.0
+    for lag in range(1, min(_LAGS, count // 2) + 1):
+        product = float(np.sum(residuals[:, lag:] * residuals[:, :-lag]))
+        alike = max(alike, abs(product) / float(np.sum(residuals**2)))
+    limit = max(_ALIKE, 4.0 / np.sqrt(kind.dimensions * count))
+    return size if alike > limit or size > _EXCUSED else min(size, 1.0)
 
 
 def covariance_at_minimum(normal: Decomposed, variance: float) -> FloatArray:
@@ -348,9 +446,16 @@ class Fit(Immutable):
         return f"<Fit: {count} records, rms {self.rate_rms:.3g} rad/s, {self.motion!r}>"
 
 
-def fitted(model: Model, observed: Observations, loss: Loss, point: Point, first: int) -> Fit:
-    """The motion of least loss, from a first guess, on so many records first."""
-    best = _minimum(model, observed, loss, point, first)
+def fitted(
+    model: Model,
+    observed: Observations,
+    loss: Loss,
+    point: Point,
+    first: int,
+    others: Callable[[], Sequence[Point]] = tuple,
+) -> Fit:
+    """The motion of least loss, from a first guess, on so many records first, or from others."""
+    best = _minimum_of_all(model, observed, loss, point, first, others)
     point = best.point
     body = model.body_of(point.shape)
     spin = Spin(
@@ -376,9 +481,10 @@ def _spin_covariance(model: Model, body: Body, best: Linearised) -> FloatArray:
     speed = float(np.linalg.norm(point.omega)) or 1.0
     factor = bounded_factor(best.normal, best.variance, speed)
     axes = body.principal_axes
-    chain = model.chain(point, model.logarithms(point.shape, axes), axes)
-    state, turns = chain.state.copy(), chain.turns.copy()
-    with np.errstate(over="ignore", invalid="ignore"):
+    # Turns of equal axes are infinite, and left out below.
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+        chain = model.chain(point, model.logarithms(point.shape, axes), axes)
+        state, turns = chain.state.copy(), chain.turns.copy()
         spread = np.sum((turns @ factor) ** 2, axis=1)
     turns[~(spread < _UNCERTAIN**2)] = 0.0
     omega = axes.T @ point.omega

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from attitude._support import validation
 from attitude._support.arrays import frozen
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
@@ -96,9 +97,9 @@ class Model:
 
     def __init__(self, body: Body | None, axes: str) -> None:
         if body is not None and not isinstance(body, Body):
-            raise AttitudeError(f"body is {body!r}; give a Body, or leave it out.")
-        if axes not in ("principal", "free"):
-            raise AttitudeError(f'axes is {axes!r}; give "principal" or "free".')
+            raise AttitudeError(f"body is {validation.shown(body)}; give a Body, or leave it out.")
+        if not isinstance(axes, str) or axes not in ("principal", "free"):
+            raise AttitudeError(f'axes is {validation.shown(axes)}; give "principal" or "free".')
         self.body, self.axes = body, axes
         shapes = 0 if body is not None else (2 if axes == "principal" else 5)
         self.count = 6 + shapes

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import Epoch, Epochs, FloatArray, Reals
     from attitude.epochs._instants import Instant
     from attitude.fitting._model import Prediction
+    from attitude.motions._history import AttitudeHistory
 
 
 # Rounding error of predicted attitudes, rad, and of rates relative to their size.
@@ -175,14 +176,26 @@ def epochs_of(
     if hi.ndim != 1 or not len(hi):
         raise AttitudeError(f"t has shape {hi.shape}; give one row of epochs, (N,).")
     low = Seconds(hi, lo).low
-    since = (hi - hi[0]) + (low - low[0])
+    return _since_first(origin, hi, low, "t", repeated=repeated)
+
+
+def epochs_of_history(history: AttitudeHistory) -> tuple[Instant, FloatArray]:
+    """The first epoch of a history (N,), and the TDB seconds (N,) since then."""
+    return _since_first(history.epoch, *Seconds.of(history).flat, "table", repeated=False)
+
+
+def _since_first(
+    origin: Instant, seconds: FloatArray, low: FloatArray, name: str, *, repeated: bool
+) -> tuple[Instant, FloatArray]:
+    """The first of epochs (N,) after an origin, and the seconds since then."""
+    since = (seconds - seconds[0]) + (low - low[0])
     step = np.diff(since)
     if not np.all(np.isfinite(since)) or np.any(step < 0.0 if repeated else step <= 0.0):
         raise AttitudeError(
-            "t holds epochs that are not finite or do not increase; give the records in the order "
-            "of time."
+            f"{name} holds epochs that are not finite or do not increase; give the records in the "
+            "order of time."
         )
-    return origin.after(hi[0], low[0]), since
+    return origin.after(seconds[0], low[0]), since
 
 
 def _first(t: Epochs) -> Instant:

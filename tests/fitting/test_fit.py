@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, Spin
+from attitude.errors import AttitudeWarning
 from attitude.fitting import fit
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
@@ -68,7 +69,8 @@ def test_axes_that_are_not_the_principal_ones():
     assert found.rms < 1e-9
     tensor = found.motion.body.tensor / np.trace(found.motion.body.tensor)
     assert np.max(np.abs(tensor - body.tensor / np.trace(body.tensor))) < 1e-8
-    assert fit(table).rms > 1e-2  # principal axes will not do
+    with pytest.warns(AttitudeWarning, match="far larger than the errors"):
+        assert fit(table).rms > 1e-2  # principal axes will not do
     known = fit(table, body=body)
     assert known.rms < 1e-11 and known.motion.body is body
 
@@ -179,11 +181,77 @@ def test_a_start_in_place_of_the_first_guess():
     assert apart(found.motion.at(1000.0).wxyz, given.at(1000.0).wxyz) < 1e-7
 
 
+# Random bodies and axes of rotation; exact records 2.2 and 2.8 rad apart.
+@pytest.mark.parametrize("loss", ["linear", "soft_l1", "huber", "cauchy"])
+@pytest.mark.parametrize("step", [2.2, 2.8])
+def test_coarse_records_without_rates(loss, step):
+    random = np.random.default_rng(3)
+    for _ in range(2):
+        moments, rates = np.sort(random.uniform(0.5, 1.0, 3)), random.normal(size=3)
+        given = motion(moments, rates / np.linalg.norm(rates))
+        table = AttitudeTable.from_history(given.at(np.arange(120) * step), rates=False)
+        assert fit(table, sigma=1e-3, loss=loss).rms < 1e-10
+
+
+@pytest.mark.parametrize("rates", [(1e-3, 2e-3, 1e-3), (0.0, 0.0, 0.0)])
+@pytest.mark.parametrize("known", [True, False])
+@pytest.mark.parametrize("sigma", [1.7e-3, None])
+def test_dense_noisy_records_of_a_slow_body(rates, known, sigma):
+    """The turn between neighbours is 1.4 of their noise, or nothing."""
+    given = motion((10, 17, 20), rates)
+    history = given.at(np.arange(3000.0))
+    random = np.random.default_rng(0)
+    for _ in range(3):
+        noise = forms.from_rotation_vector(random.normal(scale=1.7e-3, size=(3000, 3)))
+        wxyz = quaternion.multiply(history.wxyz, noise)
+        table = AttitudeTable(history.epoch, history.seconds, wxyz)
+        found = fit(table, given.body if known else None, sigma=sigma)
+        assert abs(found.rms / (np.sqrt(3.0) * 1.7e-3) - 1.0) < 0.05
+
+
+@pytest.mark.parametrize("loss", ["soft_l1", "huber", "cauchy"])
+@pytest.mark.parametrize("share", [0.0, 0.2])
+def test_robust_losses_of_large_noise(loss, share):
+    """Noise of 0.01 rad, with no outliers or a fifth."""
+    given = motion((10, 20, 26), (0.1, 0.15, 0.5))
+    history = given.at(np.arange(150) * 2.0)
+    for seed in range(4):
+        random = np.random.default_rng(seed)
+        noise = random.normal(scale=1e-2, size=(150, 3))
+        noise[random.random(150) < share] *= 70.0
+        wxyz = quaternion.multiply(history.wxyz, forms.from_rotation_vector(noise))
+        table = AttitudeTable(history.epoch, history.seconds, wxyz)
+        found = fit(table, sigma=1e-2, loss=loss)
+        assert apart(found.motion.at(history.seconds).wxyz, history.wxyz) < 0.05
+
+
+@pytest.mark.parametrize("axes", ["principal", "free"])
+@pytest.mark.parametrize("rates", [True, False])
+def test_a_body_at_rest(axes, rates):
+    history = motion((10, 17, 20), (0.0, 0.0, 0.0)).at(np.arange(20.0))
+    found = fit(AttitudeTable.from_history(history, rates=rates), axes=axes)
+    assert found.rms < 1e-15 and np.linalg.norm(found.motion.spin.angular_velocity) < 1e-15
+
+
+def test_a_warning_where_no_free_rotation_fits():
+    history = motion(*STATES["long axis"]).at(np.arange(100.0))
+    turned = quaternion.multiply(
+        history.wxyz, forms.from_axis_angle((0, 0, 1), np.arange(100) ** 2)
+    )
+    table = AttitudeTable(history.epoch, history.seconds, turned)
+    with pytest.warns(AttitudeWarning, match="far larger than the errors"):
+        fit(table, sigma=1e-3)
+
+
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [
         (lambda table: fit(5), "AttitudeTable"),
         (lambda table: fit(table, axes="x"), "principal"),
+        (lambda table: fit(table, axes=np.eye(3)), "axes is array"),
+        (lambda table: fit(table, loss=np.eye(3)), "loss is array"),
+        (lambda table: fit(table.history[::-1]), "in the order of time"),
+        (lambda table: fit(motion(*STATES["flat"]).at([0.0, np.nan, 2.0])), "not finite"),
         (lambda table: fit(table, body=3), "Body"),
         (lambda table: fit(table, sigma=0.0), "give one number greater than zero"),
         (lambda table: fit(table.history[:2]), "2 records"),

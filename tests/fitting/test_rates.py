@@ -44,6 +44,12 @@ def test_exact_rates_give_body_and_state_back(name, axes):
     assert "rad/s" in repr(found)
 
 
+@pytest.mark.parametrize("axes", ["principal", "free"])
+def test_a_body_at_rest(axes):
+    found = fit_rates(T, np.zeros((len(T), 3)), epoch=EPOCH, axes=axes)
+    assert found.rate_rms == 0.0 and found.motion.mode.name == "AT_REST"
+
+
 @pytest.mark.filterwarnings("ignore::attitude.errors.CovarianceWarning")
 def test_the_attitude_is_undetermined():
     given = motion(*STATES["short axis"])
