@@ -459,8 +459,9 @@ def test_overflows_are_one_sentence(attitude_command, monkeypatch):
 def curve(tmp_path, monkeypatch):
     """A light curve of 6 h in the working directory."""
     monkeypatch.chdir(tmp_path)
-    rows = [f"{2459000.5 + k / 50},{15 + np.cos(k / 50 * 8 * np.pi):.3f}" for k in range(100)]
-    Path("curve.csv").write_text("\n".join(["jd,mag", *rows]))
+    turns = 4 * np.arange(100) / 50
+    rows = [f"{2459000.5 + k / 4},{15 + np.cos(2 * np.pi * k):.3f},10,5,1.2" for k in turns]
+    Path("curve.csv").write_text("\n".join(["jd,mag,ra,dec,delta", *rows]))
     os.link("curve.csv", "same.csv")
     return Path("curve.csv")
 
