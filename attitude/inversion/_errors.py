@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from attitude._support.least_squares import inverse
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.inversion import _ellipsoid, _neighbours, _refinement
@@ -71,8 +70,8 @@ def errors(
     """
     normal, problem = solution.refined.normal, solution.problem
     if formal is None:
-        formal = inverse(normal)[:count, :count]
-    free = np.diag(normal)[:count] != 1.0
+        formal = solution.refined.covariance[:count, :count]
+    free = solution.refined.free[:count]
     r, jacobian = (
         problem.projected(problem.y - shape_model.magnitude),
         problem.projected(shape_model.jacobian),
@@ -87,12 +86,13 @@ def errors(
         total = int(group.max()) + 1
         if total < _LEAST_GROUPS:
             continue
-        changes = []
+        changes: list[FloatArray] = []
         for number in range(total):
             on = group == number
             columns = jacobian[:, on]
             change = np.linalg.solve(scaled - columns @ columns.T, -columns @ r[on]) / scale
-            changes.append(np.linalg.solve(factor, change[:count][free]))
+            scaled_change = np.linalg.solve(factor, change[:count][free])
+            changes.append(np.asarray(scaled_change, dtype=np.float64))
         _refit(changes, group, refitted, factor, free)
         spread = np.array(changes)
         inner = (total - 1.0) / total * spread.T @ spread
@@ -250,7 +250,7 @@ _SEED = 20180708
 def covariance_of_motion(solution: Robust, tie: Tie) -> FloatArray:
     """Second moments (8, 8) of the parameters about those of a solution; 0 of those that stay."""
     at = np.ix_(*2 * [free(solution)])
-    curvature = inverse(solution.refined.normal)[:MOTION, :MOTION][at]
+    curvature = solution.refined.covariance[:MOTION, :MOTION][at]
     factor = factor_of(curvature)
     density = log_density(solution, tie, factor)
 
@@ -265,7 +265,7 @@ def covariance_of_motion(solution: Robust, tie: Tie) -> FloatArray:
 
 def free(solution: Robust) -> IntArray:
     """The parameters of the motion that do not stay: all, or those about one axis."""
-    return np.flatnonzero(np.diag(solution.refined.normal)[:MOTION] != 1.0)
+    return np.flatnonzero(solution.refined.free[:MOTION])
 
 
 def log_density(solution: Robust, tie: Tie, factor: FloatArray) -> Callable[[FloatArray], float]:
@@ -377,13 +377,15 @@ def covariance_of_state(
 
     Shapes: seconds (N,) s.
     """
-    formal = inverse(solution.refined.normal)[:STATE_SIZE, :STATE_SIZE]
-    factor = factor_of(formal)
+    which = np.flatnonzero(solution.refined.free[:STATE_SIZE])
+    at = np.ix_(which, which)
+    factor = factor_of(solution.refined.covariance[at])
     wxyz, omega = point.spin.wxyz_icrf, point.spin.angular_velocity
     block = max(BLOCK // len(seconds), 1)
 
     def density(scaled: FloatArray) -> FloatArray:
-        step = scaled @ factor.T
+        step = np.zeros((len(scaled), STATE_SIZE))
+        step[:, which] = scaled @ factor.T
         q = quaternion.multiply(forms.from_rotation_vector(step[:, :3]), wxyz)
         w = omega + step[:, 3:]
         parts = [
@@ -395,9 +397,9 @@ def covariance_of_state(
         ]  # fmt: skip
         return -0.5 * np.concatenate(parts)
 
-    wide = second_moments(density, STATE_SIZE, np.random.default_rng(_SEED))
+    wide = second_moments(density, len(which), np.random.default_rng(_SEED))
     moments = np.zeros((point.size, point.size))
-    moments[:STATE_SIZE, :STATE_SIZE] = factor @ wide @ factor.T
+    moments[at] = factor @ wide @ factor.T
     return moments
 
 

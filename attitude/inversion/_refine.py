@@ -82,7 +82,7 @@ class Refinement(CurveFit):
     @property
     def moments(self) -> FloatArray:
         """(3,) principal moments at the epoch, ascending, in the unit of the body."""
-        return np.sort(self._body.moments)
+        return np.sort(self.point.body.moments)
 
     @cached_property
     def covariance(self) -> FloatArray:
@@ -161,6 +161,10 @@ class Refinement(CurveFit):
     def changes(self) -> tuple[Impulse | Torque, ...]:
         """The impulses or torques with the numbers that were found."""
         return self.point.changes
+
+    @property
+    def _is_changing(self) -> bool:
+        return bool(self.changes)
 
     @property
     def values(self) -> FloatArray:

@@ -91,6 +91,16 @@ class Linearised(Fitted[AnyState]):
     normal: FloatArray
     gradient: FloatArray
 
+    @property
+    def free(self) -> BoolArray:
+        """Which parameters (P,) do not stay: those that do have the rows of the unit matrix."""
+        return np.asarray(np.diag(self.normal) != 1.0)
+
+    @property
+    def covariance(self) -> FloatArray:
+        """The inverse (P, P) of the normal matrix; 0 of parameters that stay."""
+        return least_squares.inverse(self.normal) * np.outer(self.free, self.free)
+
 
 @dataclass(frozen=True, eq=False)
 class Evaluation(Generic[State]):

@@ -125,7 +125,7 @@ def covariance(
     Shapes: groups (N,).
     """
     state, problem = solution.refined.state, solution.problem
-    fixed = np.diag(solution.refined.normal) == 1.0
+    fixed = ~solution.refined.free
 
     def refitted(keep: BoolArray) -> FloatArray | None:
         again = _refinement.refine(

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from attitude import Body, FreeRotation, inversion, light_curve
+from attitude import Body, FreeRotation, Spin, inversion, light_curve
 from attitude._support.constants import ASTRONOMICAL_UNIT_M
 from attitude.arcs import Arcs, Impulse
 from attitude.errors import AttitudeError
@@ -145,3 +145,21 @@ def test_moments_that_are_given_stay():
     found = inversion.refine(curve, start_beside(), moments=[3.0 * each for each in MOMENTS])
     assert found.point.body.moments / found.point.body.moments.max() == pytest.approx(MOMENTS)
     assert found.chi_squared < 1.2
+    assert found.moments / found.moments.max() == pytest.approx(np.sort(MOMENTS))
+
+
+def test_what_is_held_has_no_errors():
+    """A rotation about one axis, of which rates across it and moments are held."""
+    motion = FreeRotation(BODY, Spin(SPIN.epoch, SPIN.wxyz, [0.0, 0.0, RATES[2]]))
+    found = inversion.refine(_curve(motion), motion, shape=SHAPE.facets(100), law="lambert")
+    assert not np.any(found.covariance[[3, 4, 6, 7]])
+    assert found.weighted.refined.free.tolist() == [True] * 3 + [False] * 2 + [True] + [False] * 2
+    assert found.predict().form.max() < 0.2 and found.predict().level.max() < 0.2
+
+
+def test_a_file_says_what_it_does_not_store(tmp_path):
+    curve, path = _curve(FreeRotation(BODY, SPIN)), tmp_path / "spin.toml"
+    for arcs in (None, Impulse(0.5 * DAY, (0.0, 0.0, 0.0))):
+        fit = inversion.refine(curve, start_beside(), arcs=arcs, shape=SHAPE.facets(50))
+        fit.write(path)
+        assert ("no free rotation" in path.read_text()) == (arcs is not None)
