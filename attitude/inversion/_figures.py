@@ -9,7 +9,7 @@ import numpy as np
 from attitude import plots
 from attitude._support.quantity_text import TIME_UNITS, time_unit
 from attitude.errors import AttitudeError
-from attitude.inversion import _lattices, _neighbours
+from attitude.inversion import _lattices, _neighbours, _verdicts
 from attitude.inversion._ellipsoid import SearchState
 from attitude.inversion._problem import interpolated
 from attitude.inversion._refinement import MOTION, NAMES
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from attitude._support.annotations import FilePath, FloatArray
+    from attitude._support.annotations import FilePath, FloatArray, IntArray
     from attitude.epochs._instants import Instant
     from attitude.inversion._solution import CurveFit, Prediction, Solution, SpinStates
     from attitude.inversion._states import Posterior
@@ -45,6 +45,10 @@ _COLUMNS = 3
 _FEW = 3
 # Points of a line of the model.
 _FINE = 200
+# Time, s, beside predicted epochs within which points are of the same night.
+_BESIDE = 0.3 * 86400.0
+# Magnitudes that a panel shows at least.
+_LEAST_HEIGHT = 0.05
 
 
 class _Night(NamedTuple):
@@ -57,17 +61,25 @@ class _Night(NamedTuple):
     residual: FloatArray
     line: tuple[FloatArray, FloatArray, FloatArray]
 
+    @property
+    def shown(self) -> FloatArray:
+        """All magnitudes of the panel."""
+        _, model, band = self.line
+        return np.concatenate([self.value, model - band, model + band])
+
 
 def of_nights(solution: CurveFit, path: FilePath | None = None) -> Figure:
     """A panel a night: points, the model as a line, residuals under it.
 
-    Of curves of few points a night, one panel of the whole curve.
+    Points are in the first filter and at the zero point of the line.  Of curves of few points a
+    night, one panel of the whole curve.
     """
     problem, curve = solution.weighted.problem, solution.curve
     seconds = problem.seconds
     groups = _neighbours.nights_of(seconds)
     if np.median([len(group) for group in groups]) < _FEW:
         return of_fit(solution, path)
+    reduced = problem.magnitude - solution._zero_points
     chosen = sorted(groups, key=lambda night: -len(night))[:_NIGHTS]
     nights = []
     for points in sorted(chosen, key=lambda night: night[0]):
@@ -76,17 +88,15 @@ def of_nights(solution: CurveFit, path: FilePath | None = None) -> Figure:
         model = predicted.magnitude
         if not curve.unit_distances:
             model = model - dimming(predicted.sun, predicted.observer)
-        computed = problem.magnitude[points] - solution.residuals[points]
-        at = np.interp(seconds[points], fine, model)
         start = seconds[points[0]]
         nights.append(
             _Night(
                 _date(curve.epoch.after(float(start))),
                 (seconds[points] - start) / 3600.0,
-                problem.magnitude[points],
+                reduced[points],
                 problem.sigma[points],
                 solution.residuals[points],
-                ((fine - start) / 3600.0, model + np.median(computed - at), np.zeros(_FINE)),
+                ((fine - start) / 3600.0, model, np.zeros(_FINE)),
             )
         )
     words = f", {len(nights)} of {len(groups)} nights" if len(nights) < len(groups) else ""
@@ -99,31 +109,58 @@ def of_prediction(
 ) -> Figure:
     """A panel a night of what is predicted, with the error of its form, and of what was observed.
 
-    Points are shifted by the mean residual of each night, which is beside its date.
+    All in the filter of the first epoch.  Points of a night are shifted by their mean residual in
+    each filter, which is beside its date.
     """
     nights = []
+    in_one_filter = prediction.magnitude - prediction.colour
     for points in _neighbours.nights_of(prediction.seconds)[:_NIGHTS]:
         start = float(prediction.seconds[points[0]])
         title = _date(prediction.epoch.after(start))
         hours = (prediction.seconds[points] - start) / 3600.0
-        line = hours, prediction.magnitude[points], prediction.form[points]
+        line = hours, in_one_filter[points], prediction.form[points]
         seen = value = error = residual = np.zeros(0)
-        if observed is not None:
-            times = observed.seconds + (observed.epoch.seconds - prediction.epoch.seconds)
-            inside = (times >= prediction.seconds[points[0]]) & (
-                times <= prediction.seconds[points[-1]]
-            )
-            seen = (times[inside] - start) / 3600.0
-            value, error = observed.magnitude[inside], observed.magnitude_sigma[inside]
-            residual = value - np.interp(seen, hours, line[1])
-            if len(seen):
-                offset = float(np.mean(residual))
-                value, residual = value - offset, residual - offset
-                title += f", shifted {-offset:+.3f} mag"
+        near = None if observed is None else _near(observed, prediction, points)
+        if near is not None:
+            seen = (near.seconds + (near.epoch.seconds - prediction.epoch.seconds) - start) / 3600.0
+            error = near.magnitude_sigma
+            if near.has_geometry:
+                name = prediction.fit.curve.filters[prediction.filter[0]]
+                model = prediction.fit.predict(near, filter=name).magnitude
+            else:
+                model = np.interp(seen, hours, line[1])
+            offset = _means(near.magnitude - model, near.filter)
+            value = near.magnitude - offset
+            residual = value - model
+            title += _words_of_shifts(near, -offset)
         nights.append(_Night(title, seen, value, error, residual, line))
     level = f"level to {np.median(prediction.level):.3f} mag; the band is the error of the form"
     words = f"{repr(prediction.fit)[1:-1]}\n{level}"
     return plots.saved(_panels(nights, "magnitude", words), path)
+
+
+def _near(observed: LightCurve, prediction: Prediction, points: IntArray) -> LightCurve | None:
+    """The observed points of the night of predicted epochs, or within these without geometry."""
+    times = observed.seconds + (observed.epoch.seconds - prediction.epoch.seconds)
+    first, last = prediction.seconds[points[[0, -1]]]
+    more = _BESIDE if observed.has_geometry else 0.0
+    inside = (times >= first - more) & (times <= last + more)
+    return observed[inside] if np.any(inside) else None
+
+
+def _words_of_shifts(observed: LightCurve, shift: FloatArray) -> str:
+    """By how much points (N,) are shifted; those of several filters in a second line."""
+    shifts = {observed.filters[k]: by for k, by in zip(observed.filter, shift, strict=True)}
+    if len(shifts) == 1:
+        return f", shifted {shift[0]:+.3f} mag"
+    return "\nshifted " + ", ".join(f"{name} {by:+.3f}" for name, by in shifts.items()) + " mag"
+
+
+def _means(values: FloatArray, group: IntArray) -> FloatArray:
+    """The mean (N,) of values (N,) in the group of each."""
+    counts = np.maximum(np.bincount(group), 1)
+    means: FloatArray = (np.bincount(group, values) / counts)[group]
+    return means
 
 
 def _at(curve: LightCurve, emission: FloatArray) -> LightCurve:
@@ -151,7 +188,8 @@ def _panels(nights: Sequence[_Night], name: str, title: str) -> Figure:
     rows = -(-len(nights) // columns)
     figure = plots.new_figure((max(2.8 * columns + 0.6, 7.0), 2.9 * rows + 0.7))
     cells = figure.subfigures(rows, columns, squeeze=False, wspace=0.01, hspace=0.01)
-    height = 1.15 * max(float(np.ptp(np.append(night.value, night.line[1]))) for night in nights)
+    ranges = [night.shown for night in nights]
+    height = max(_LEAST_HEIGHT, 1.15 * max(float(np.ptp(values)) for values in ranges))
     off = [float(np.abs(night.residual).max()) for night in nights if len(night.residual)]
     for k, night in enumerate(nights):
         row, column = divmod(k, columns)
@@ -160,7 +198,10 @@ def _panels(nights: Sequence[_Night], name: str, title: str) -> Figure:
         above, below = axes if off else (axes, None)
         hours, model, band = night.line
         above.fill_between(hours, model - band, model + band, color=_MODEL, alpha=0.25, lw=0)
-        above.plot(hours, model, color=_MODEL, lw=1.2)
+        if len(hours) > 1:
+            above.plot(hours, model, color=_MODEL, lw=1.2)
+        else:
+            above.errorbar(hours, model, band, fmt="D", ms=4, color=_MODEL)
         if below is not None and len(night.hours):
             error = np.nan_to_num(night.error)
             for panel, values in ((above, night.value), (below, night.residual)):
@@ -168,7 +209,7 @@ def _panels(nights: Sequence[_Night], name: str, title: str) -> Figure:
         if below is not None:
             below.set_ylim(1.3 * max(off), -1.3 * max(off))
             below.axhline(0.0, color=_OTHER, lw=0.8)
-        middle = float(np.mean([model.min(), model.max()]))
+        middle = 0.5 * float(ranges[k].min() + ranges[k].max())
         above.set_ylim(middle + 0.5 * height, middle - 0.5 * height)
         above.set_title(night.title, fontsize=9)
         for panel, count in ((above, 5), (below, 3)):
@@ -206,12 +247,14 @@ def of_states(states: SpinStates[Solution], path: FilePath | None = None) -> Fig
     _fit(axes[0, 0], axes[1, 0], best)
     _folded(axes[0, 1], best, 0)
     _folded(axes[1, 1], best, 1)
-    first = best.evidence
     _map(axes[0, 2], best)
     unit = time_unit(best.P_phi)
-    for state in states:
-        behind = state.evidence - first
-        colour = _MODEL if behind < 16.0 else _OTHER
+    # the best last, over the others
+    for state in reversed(states):
+        is_rival = _verdicts.competes(
+            state.weighted, best.weighted, best._problem, is_hidden=not best.tie.is_wide
+        )
+        colour = _MODEL if is_rival else _OTHER
         rates = np.array(SearchState.of(state.state).rates)
         phi, psi = rates / state.curve.span * TIME_UNITS[unit]
         mark = "o" if state.mode == "LAM" else "s"
@@ -220,6 +263,8 @@ def of_states(states: SpinStates[Solution], path: FilePath | None = None) -> Fig
         axes[1, 2].plot(longitude, latitude, "o", color=colour, ms=4)
     axes[0, 2].set_xlabel(f"1/P_phi of the long axis, 1/{unit}")
     axes[0, 2].set_ylabel(f"1/P_psi, 1/{unit}")
+    axes[0, 2].ticklabel_format(useOffset=False)
+    axes[0, 2].locator_params("x", nbins=4)
     axes[1, 2].set_xlabel("ecliptic longitude of the momentum, deg")
     axes[1, 2].set_ylabel("latitude, deg")
     axes[1, 2].set_xlim(0.0, 360.0)
@@ -313,7 +358,7 @@ def _fit(above: Axes, below: Axes, solution: CurveFit) -> None:
     seconds = problem.seconds
     unit = time_unit(float(np.ptp(seconds)))
     t = seconds / TIME_UNITS[unit]
-    shown = problem.magnitude
+    shown = problem.magnitude - solution._zero_points
     above.plot(t, shown, ".", color=_DATA, label="observed")
     above.plot(t, shown - solution.residuals, "x", color=_MODEL, label="computed", ms=4)
     above.invert_yaxis()
@@ -326,7 +371,8 @@ def _fit(above: Axes, below: Axes, solution: CurveFit) -> None:
         below.plot(t[chosen], solution.residuals[chosen], ".", color=f"C{number % 10}")
     below.axhline(0.0, color=_OTHER)
     below.invert_yaxis()
-    below.set_xlabel(f"{unit} from {_date(solution.curve.epoch, 19)} UTC")
+    for panel in (above, below):
+        panel.set_xlabel(f"{unit} from {_date(solution.curve.epoch, 19)} UTC")
     below.set_ylabel("residual, mag")
 
 

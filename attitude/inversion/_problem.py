@@ -240,6 +240,8 @@ _WIDE = np.radians(50.0)
 _CURVATURE = 0.5
 # Standard deviation of a drift in half the span, mag.
 _DRIFT = 0.05
+# Standard deviations of the terms of the phase angle and of the epoch.
+_PHASE_WIDTHS = (np.inf, np.inf, _CURVATURE, _DRIFT)
 # Standard deviation, mag over the wide one, of the slope of a filter from that of all: phase
 # reddening of 0.003 mag a degree.
 _REDDENING = 0.15
@@ -304,7 +306,7 @@ def problem(
     values = _averaged(curve, bins)
     t = values["emission"] / span
     terms = common_terms(curve, values["alpha"], t, values["filter"], is_known=is_known)
-    prior = [] if is_known else [np.inf, np.inf, _CURVATURE, _DRIFT]
+    prior = [] if is_known else [*_PHASE_WIDTHS]
     prior += [np.inf] * len(curve.filters)
     prior += [_REDDENING] * (len(terms) - len(prior))
     for k, width in enumerate(session_widths(curve, zero_points)):
@@ -369,6 +371,12 @@ def common_terms(
     if len(in_filters) > 1:
         terms += [slope * in_filter for in_filter in in_filters]
     return terms
+
+
+def filter_columns(curve: LightCurve, *, is_known: bool) -> slice:
+    """Which of the `common_terms` are those of the filters."""
+    first = 0 if is_known else len(_PHASE_WIDTHS)
+    return slice(first, first + len(curve.filters))
 
 
 def session_widths(curve: LightCurve, zero_points: Any) -> FloatArray:

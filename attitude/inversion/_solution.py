@@ -34,7 +34,7 @@ from attitude.inversion._ellipsoid import SearchState, is_axial
 from attitude.inversion._shapes import sphere
 from attitude.motions._free_rotation import FreeRotation
 from attitude.paths import _places
-from attitude.photometry._curve import LightCurve, angle_between, dimming, vectors_of
+from attitude.photometry._curve import LightCurve, angle_between, dimming
 from attitude.scene._scene import Scene
 
 if TYPE_CHECKING:
@@ -82,6 +82,10 @@ class Prediction(Immutable):
         The error of that mean.
     sun, observer : (T, 3) arrays
         Vectors from the body, m, ICRF.
+    filter : (T,) array of int
+        Numbers into the filters of the curve that was fitted.
+    colour : (T,) array
+        Magnitudes in these filters less those in the filter of the first epoch.
     fit : CurveFit
     """
 
@@ -93,6 +97,8 @@ class Prediction(Immutable):
     level: FloatArray
     sun: FloatArray
     observer: FloatArray
+    filter: IntArray
+    colour: FloatArray
     fit: CurveFit
 
     def __iter__(self) -> Iterator[FloatArray]:
@@ -154,7 +160,10 @@ def predicted(
     curve = solution.curve
     seconds, emission, sun, observer = _geometry(curve, times, path, site)
     fitted_problem = solution.weighted.problem
-    terms = _terms(solution, emission, angle_between(sun, observer), filter)
+    filters = _filters(curve, times, filter, len(emission))
+    alpha = angle_between(sun, observer)
+    terms = _terms(solution, emission, alpha, filters)
+    by_filter = terms - _terms(solution, emission, alpha, np.full_like(filters, filters[0]))
     to_sun, to_observer = (
         (vectors / np.linalg.norm(vectors, axis=1)[:, None]).T for vectors in (sun, observer)
     )
@@ -167,7 +176,8 @@ def predicted(
     )
     fitted = solution._model(fitted_problem)
     model = solution._model(there)
-    magnitude = model.magnitude + terms @ fitted_problem.coefficients(fitted.magnitude)
+    coefficients = fitted_problem.coefficients(fitted.magnitude)
+    magnitude = model.magnitude + terms @ coefficients
     if not curve.unit_distances:
         magnitude += dimming(sun, observer)
     # the linear terms follow the parameters
@@ -178,8 +188,7 @@ def predicted(
     # columns whose outer product is the covariance of the magnitudes
     factor = np.concatenate(
         [
-            (model.jacobian.T + terms @ follow)
-            @ _factor(inverse(solution.weighted.refined.normal)),
+            (model.jacobian.T + terms @ follow) @ _factor(solution.weighted.refined.covariance),
             terms @ _factor(of_terms),
         ],
         axis=1,
@@ -200,6 +209,8 @@ def predicted(
         level=frozen(np.linalg.norm(mean, axis=1)),
         sun=sun,
         observer=observer,
+        filter=frozen(filters),
+        colour=frozen(by_filter @ coefficients),
         fit=solution,
     )
 
@@ -229,43 +240,85 @@ def _geometry(
     """Seconds of reception and of emission, (T,), and vectors (T, 3) to Sun and observer."""
     if times is None:
         return curve.seconds, curve.emission, *curve.vectors
-    if path is not None:
-        t = np.atleast_1d(_inputs.seconds_since(curve.epoch, cast("Epochs", times)).rounded)
-        times = LightCurve(t, np.zeros(len(t)), epoch=curve.epoch, path=path, site=site)
     if isinstance(times, LightCurve):
+        if path is not None or site is not None:
+            raise AttitudeError(
+                "a light curve is given with path= or site=, but has a geometry of its own; give "
+                "its times, as in predict(curve.times, path=orbit)."
+            )
         shift = times.epoch.seconds - curve.epoch.seconds
         return times.seconds + shift, times.emission + shift, *times.vectors
     t = np.atleast_1d(_inputs.seconds_since(curve.epoch, times).rounded)
-    if curve.scenes:
-        scene = _scene(curve, site)
-        sun, observer = vectors_of(scene, curve.epoch, t)
-        late = np.linalg.norm(observer, axis=1) / SPEED_OF_LIGHT_M_S
-        return t, t - late if scene.light_time else t, sun, observer
+    if path is not None or curve.scenes:
+        return _of_scene(_scene(curve, path, site), curve, t)
     if site is not None:
         raise AttitudeError(
             "site is given, but the curve has vectors in place of a path; give path= too."
         )
-    outside = (t < curve.seconds.min()) | (t > curve.seconds.max())
-    if np.any(outside):
-        raise AttitudeError(
-            f"{np.count_nonzero(outside)} of {len(t)} epochs lie outside of the light curve, whose "
-            "geometry, given as vectors, ends there; give path= (the orbit) and site=, as in "
-            'predict(dates, path="orbit.oem", site="568").'
-        )
+    _refuse_unknown(curve, t)
     sun, observer = _problem.interpolated(curve, curve.seconds, t)
     late = float(np.median(curve.seconds - curve.emission))
     light = np.linalg.norm(observer, axis=1) / SPEED_OF_LIGHT_M_S if late > 0.0 else 0.0
     return t, t - light, sun, observer
 
 
-def _scene(curve: LightCurve, site: Path | str | None) -> Scene:
-    """The scene of a site of the curve, by default of most of its points, or of another place."""
-    if site is None:
-        return curve.scenes[curve.sites[int(np.argmax(np.bincount(curve.site)))]]
-    if isinstance(site, str) and site in curve.scenes:
-        return curve.scenes[site]
+def _of_scene(
+    scene: Scene, curve: LightCurve, t: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """What `_geometry` returns, at times (T,) of light where those of the curve are."""
+    ordered, order = np.unique(t, return_inverse=True)
+    seen = LightCurve(
+        ordered, np.zeros(len(ordered)), epoch=curve.epoch, scene=scene, time_of=curve.time_of,
+        light_time=scene.light_time,
+    )  # fmt: skip
+    emission = seen.emission + (seen.epoch.seconds - curve.epoch.seconds)
+    sun, observer = seen.vectors
+    return t, emission[order], sun[order], observer[order]
+
+
+# Gap between two points of a curve, s, in whose middle vectors are interpolated, as near to points
+# of wider gaps: as far as the Earth bends its way, those of a body at 1 au are off by 0.1 degrees.
+_GAP = 7.0 * 86400.0
+# The angle between their directions up to which they are interpolated.
+_TURN = math.radians(20.0)
+
+
+def _refuse_unknown(curve: LightCurve, t: FloatArray) -> None:
+    """Refuse epochs (T,) outside of a curve with vectors, and in gaps too wide to interpolate."""
+    known, first = np.unique(curve.seconds, return_index=True)
+    after = np.clip(np.searchsorted(known, t), 0, len(known) - 1)
+    before = np.clip(np.searchsorted(known, t, "right") - 1, 0, len(known) - 1)
+    outside = (t < known[0]) | (t > known[-1])
+    in_gap = (t - known[before]) * (known[after] - t) > (0.5 * _GAP) ** 2
+    for vectors in curve.vectors:
+        in_gap |= angle_between(vectors[first[before]], vectors[first[after]]) > _TURN
+    for is_unknown, where in (
+        (outside, "outside of the light curve, whose geometry, given as vectors, ends there"),
+        (in_gap, "in a gap of the light curve, too wide to interpolate its vectors"),
+    ):
+        if np.any(is_unknown):
+            count, epoch = np.count_nonzero(is_unknown), curve.epoch.after(t[is_unknown][0])
+            words = f", one of {count}," if count > 1 else ""
+            raise AttitudeError(
+                f"the epoch {epoch.utc_iso[:19]} UTC{words} lies {where}; give path= (the orbit) "
+                'and site=, as in predict(dates, path="orbit.oem", site="568").'
+            )
+
+
+def _scene(curve: LightCurve, path: Path | str | None, site: Path | str | None) -> Scene:
+    """The scene of a site, by default that of most points, and of the body or of a path."""
+    name = curve.sites[int(np.argmax(np.bincount(curve.site)))] if site is None else site
+    of_site = curve.scenes.get(name) if isinstance(name, str) else None
+    if path is None and of_site is not None:
+        return of_site
+    if of_site is not None:
+        place: Any = of_site.observer
+    else:
+        place = _places.place("earth" if name == "" else name, "site", is_observer=True)
+    if path is not None:
+        body: Any = _places.place(path, "path")
+        return Scene(None, body, place)
     scene = next(iter(curve.scenes.values()))
-    place: Any = _places.place(site, "site", is_observer=True)
     return Scene(
         None,
         scene.center,
@@ -276,18 +329,40 @@ def _scene(curve: LightCurve, site: Path | str | None) -> Scene:
     )
 
 
-def _terms(
-    solution: CurveFit, emission: FloatArray, alpha: FloatArray, filter: str | None
-) -> FloatArray:
-    """Linear terms (T, L) at other epochs: of a filter, the first, sessions at their mean."""
-    curve, fitted_problem = solution.curve, solution.weighted.problem
+def _filters(
+    curve: LightCurve, times: Epochs | LightCurve | None, filter: str | None, count: int
+) -> IntArray:
+    """The number of the filter of each epoch (T,): the one given, or that of the point, or 0."""
     if filter is not None:
         validation.one_of(filter, "filter", curve.filters)
-    number = 0 if filter is None else curve.filters.index(filter)
-    numbers, t = np.full(len(emission), number), emission / fitted_problem.span
-    common = _problem.common_terms(curve, alpha, t, numbers, is_known=solution._is_known)
+        return np.full(count, curve.filters.index(filter))
+    points = curve if times is None else times
+    if not isinstance(points, LightCurve):
+        return np.zeros(count, np.int64)
+    numbers = {name: number for number, name in enumerate(curve.filters)}
+    return np.array([numbers.get(points.filters[k], 0) for k in points.filter])
+
+
+def _terms(
+    solution: CurveFit, emission: FloatArray, alpha: FloatArray, filters: IntArray
+) -> FloatArray:
+    """Linear terms (T, L) at other epochs, in filters (T,) by their numbers.
+
+    Zero points are those that sessions share, or the mean of a filter whose sessions share none.
+    """
+    curve, fitted_problem = solution.curve, solution.weighted.problem
+    t = emission / fitted_problem.span
+    common = _problem.common_terms(curve, alpha, t, filters, is_known=solution._is_known)
     terms = np.zeros((len(emission), fitted_problem.terms.shape[1]))
     terms[:, : len(common)] = np.stack(common, axis=-1)
+    columns = _problem.filter_columns(curve, is_known=solution._is_known)
+    of_filters = fitted_problem.terms[:, columns]
+    is_free = np.isinf(fitted_problem.prior)
+    is_free[: len(common)] = False
+    for number in np.unique(filters):
+        shares = fitted_problem.terms[of_filters[:, number] > 0.0].mean(axis=0)
+        if np.isclose(shares[is_free].sum(), 1.0):
+            terms[np.ix_(filters == number, is_free)] = shares[is_free]
     if fitted_problem.orbit:
         series = _satellites.changing(fitted_problem.orbit, t)
         terms[:, -series.shape[1] :] = series
@@ -400,6 +475,11 @@ class CurveFit(Answering, ABC):
     def _model(self, problem: CurveProblem) -> _refinement.ShapeModel:
         """Magnitudes and their derivatives at the epochs of a problem."""
 
+    @property
+    @abstractmethod
+    def _is_changing(self) -> bool:
+        """Whether the motion is that of a free rotation only near its epoch."""
+
     def predict(
         self,
         times: Epochs | LightCurve | None = None,
@@ -408,20 +488,23 @@ class CurveFit(Answering, ABC):
         site: Path | str | None = None,
         filter: str | None = None,
     ) -> Prediction:
-        """Magnitudes at epochs of reception, and their errors, those of form and level apart.
+        """Magnitudes at epochs, and their errors, those of form and level apart.
 
         Parameters
         ----------
         times : epochs, or LightCurve, optional
-            Any number of epochs, beyond the curve too if it was made with ``path=`` or ``scene=``;
-            with geometry given as vectors, epochs within the curve, where it is interpolated.  Or
-            a curve with geometry of its own.  By default the epochs of the curve.
+            Any number of epochs, of reception, or of emission where those of the curve are; beyond
+            the curve too if it was made with ``path=`` or ``scene=``.  With geometry given as
+            vectors, epochs near its points, where it is interpolated: anywhere in gaps of up to
+            7 d and 20 degrees.  Or a curve with geometry of its own.  By default the epochs of the
+            curve.
         path : Path, name, file or text, optional
             The orbit of the body, in place of the geometry of the curve.
         site : Path or text, optional
             The observer: a site of the curve (by default that of most points), or another place.
         filter : str, optional
-            Of the curve; by default its first.
+            Of the curve.  By default the filter of each point of a light curve, where this curve
+            has it, and else the first.
 
         Returns
         -------
@@ -431,14 +514,28 @@ class CurveFit(Answering, ABC):
         Raises
         ------
         AttitudeError
-            For epochs outside of a curve whose geometry is given as vectors, and other filters.
+            For epochs outside of a curve whose geometry is given as vectors, or in its gaps, and
+            for other filters.
 
         Notes
         -----
+        Zero points of sessions are left out where a session of the filter shares one; where none
+        does, they are at their mean over the points in the filter.
         The phase angle of a prediction may leave the range of the curve: `level` and `form` then
         grow with the errors of the phase terms, as far as these are linear.
         """
         return predicted(self, times, path, site, filter)
+
+    @property
+    def _zero_points(self) -> FloatArray:
+        """(N,) mag, what filter and session add to a point that is fitted, as `predict` has them.
+
+        That of the first filter is 0, and that of its sessions at their mean.
+        """
+        problem = self.weighted.problem
+        alpha = angle_between(problem.sun.T, problem.observer.T)
+        terms = _terms(self, problem.seconds, alpha, np.zeros(len(problem), np.int64))
+        return (problem.terms - terms) @ problem.coefficients(self.weighted.refined.magnitude)
 
     @property
     def _groups(self) -> tuple[IntArray, ...]:
@@ -454,6 +551,8 @@ class CurveFit(Answering, ABC):
     def write(self, path: FilePath, **labels: Any) -> None:
         """Write the spin file (.toml) of the state with its covariance, shape and scattering law.
 
+        The state is that of a free rotation: a drift, impulses and torques are not stored, and the
+        note says so.
         `labels` are name, source and note, as `formats.spin_file.write` takes them.  ``attitude
         view``, ``attitude lightcurve`` and mission files that name the file draw its shape; the
         shape alone is written by ``shape.write("x.obj")``.
@@ -473,6 +572,8 @@ class CurveFit(Answering, ABC):
             )
         law = self.law if _surface.has_lines(self.law) else None
         note = labels.pop("note", None) or f"{self._made}: {self!r}"
+        if self._is_changing:
+            note += " Its motion is no free rotation: the state is that at its epoch alone."
         source = labels.pop("source", None) or "attitude.inversion"
         first = FreeRotation(self.motion.body, self.motion.spin)
         surface = {"shape": self.shape, "law": law}
@@ -583,6 +684,10 @@ class Solution(CurveFit):
         Zeros where no drift was searched.
         """
         return self._frequencies_by @ _refinement.drift_of(self.state) / self.curve.span**2
+
+    @property
+    def _is_changing(self) -> bool:
+        return bool(np.any(self.drift))
 
     @property
     def drift_sigma(self) -> FloatArray:

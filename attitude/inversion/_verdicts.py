@@ -460,6 +460,21 @@ def _is_other_pole(other: Robust, best: Robust, problem: CurveProblem) -> bool:
     return not _ellipsoid.have_pole(other.refined.state, best.refined.state, width)
 
 
+def competes(other: Robust, best: Robust, problem: CurveProblem, *, is_hidden: bool) -> bool:
+    """Whether the `verdict` does not tell a solution from the best one."""
+    settings, behind = problem.settings, other.evidence - best.evidence
+    state, state_of_best = other.refined.state, best.refined.state
+    if not _is_motion_of(state, state_of_best, problem):
+        gap_to_other, least = _nearest([other], best, problem)
+        return gap_to_other <= least
+    if is_axial(state_of_best) and not is_axial(state):
+        return behind < needed(best, problem) and not counts_as(other, best, problem)
+    is_behind_axis = is_axial(state_of_best) and is_hidden
+    width = settings.axial_behind * _evidence.redundancy(best, problem) if is_behind_axis else 0.0
+    is_close = behind < width and _is_other_pole(other, best, problem)
+    return is_close or _competes(other, best, problem)
+
+
 def of_pole(
     criterion: str, sigma: float, settings: Settings, *, is_hidden: bool
 ) -> tuple[str, str]:

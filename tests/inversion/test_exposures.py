@@ -178,16 +178,116 @@ def test_bands_have_their_own_slopes_with_the_phase_angle():
     assert single.terms.shape[1] == 5 and given.terms.shape[1] == 8
 
 
-def test_vectors_end_with_the_curve(fitted):
-    curve = fitted[1]
+def refined(curve, **changes):
+    """A fit to the light curve with other keywords, of a known mesh for its speed."""
+    return inversion.refine(
+        curve.replaced(**changes), start_beside(0.02, 0.001), shape=SHAPE.facets(100)
+    )
+
+
+def with_vectors(curve):
+    """The light curve without a path."""
     sun, observer = curve.vectors
     plain = curve.replaced(sun=sun, observer=observer)
     plain._set("scenes", {})
+    return plain
+
+
+def two_filters(curve):
+    """Keywords of the same points in two filters, of which one is 0.7 mag fainter."""
+    is_red = np.random.default_rng(1).random(len(curve)) < 0.5
+    return {
+        "filter": np.where(is_red, "R", "V"),
+        "magnitude": curve.magnitude + np.where(is_red, 0.0, 0.7),
+    }
+
+
+@pytest.mark.parametrize("names", ["all", "one", "free"])
+def test_zero_points_of_predictions(fitted, names):
+    """Where no session shares one, they are at their mean: half of the magnitude was lost."""
+    curve = fitted[1]
+    night = np.repeat(np.arange(7), 30)
+    changes = {"session": night, "magnitude": curve.magnitude + 0.1 * night}
+    sessions = tuple("0123456")
+    zero_points = {"all": sessions, "one": sessions[1:], "free": "free"}[names]
+    fit = refined(curve, zero_points=zero_points, **changes)
+    off = fit.curve.magnitude - fit.predict().magnitude
+    assert abs(off[night == 0].mean() if names == "one" else off.mean()) < 0.02
+    assert fit.predict().level.max() < 0.05
+
+
+def test_filters_of_points(fitted, tmp_path):
+    fit = refined(fitted[1], **two_filters(fitted[1]))
+    found = fit.predict(fit.curve)
+    assert np.std(fit.curve.magnitude - found.magnitude) == pytest.approx(fit.rms, rel=0.1)
+    assert fit.predict().magnitude == pytest.approx(found.magnitude, abs=1e-12)
+    in_red = fit.predict(fit.curve, filter="R")
+    assert in_red.magnitude == pytest.approx(
+        found.magnitude - np.where(fit.curve.filter, 0.7, 0.0), abs=0.02
+    )
+    assert not np.any(in_red.colour) and not np.any(in_red.filter)
+    of_first = fit.predict(fit.curve, filter=fit.curve.filters[found.filter[0]])
+    assert found.colour == pytest.approx(found.magnitude - of_first.magnitude)
+    # points of both lie on one line
+    for figure in (fit.plot(tmp_path / "fit.png"), found.plot(observed=fit.curve)):
+        for panel in figure.axes[::2]:
+            line, points = panel.lines[0].get_xydata(), panel.lines[1].get_xydata()
+            off = points[:, 1] - np.interp(points[:, 0], *line.T)
+            assert np.abs(off).max() < 0.12
+
+
+def test_dates_of_emission_are_those_of_the_fit(fitted):
+    """Dates of a curve are of emission where its times are: half a minute of light time."""
+    fit = refined(fitted[1].reduced())
+    times = fit.curve.times
+    expected = fit.predict().magnitude
+    for given in ({}, {"path": asteroid()}):
+        found = fit.predict(times[::-1], site="568", **given)
+        there = fit.curve.site == fit.curve.sites.index("568")
+        assert found.magnitude[::-1][there] == pytest.approx(expected[there], abs=1e-6)
+
+
+def test_the_site_of_a_path_is_that_of_most_points(fitted):
+    fit, curve = fitted
+    dates = curve.seconds[-1] + np.array([0.9, 0.7]) * DAY
+    found = fit.predict(dates, path=asteroid())
+    assert found.magnitude == pytest.approx(fit.predict(dates).magnitude, abs=1e-9)
+    with pytest.raises(AttitudeError, match="has a geometry of its own; give its times"):
+        fit.predict(curve, path=asteroid())
+
+
+def test_single_epochs_and_points_of_their_night(fitted, recwarn):
+    fit, curve = fitted
+    dates = curve.seconds[[10, 100]]
+    figure = fit.predict(dates).plot(observed=curve)
+    for panel in figure.axes[::2]:
+        model, points = panel.lines[:2]
+        assert model.get_marker() == "D" and len(points.get_xdata()) == 30
+        assert np.all(np.diff(panel.get_ylim()) < -0.2)
+    assert not recwarn.list
+
+
+def test_vectors_end_with_the_curve(fitted):
+    curve = fitted[1]
+    plain = with_vectors(curve)
     fit = inversion.refine(plain, start_beside(0.02, 0.001))
     with pytest.raises(AttitudeError, match=r"outside of the light curve.*give path="):
         fit.predict([curve.seconds[-1] + DAY])
     there = fit.predict([curve.seconds[-1] + DAY], path=asteroid(), site="568")
     assert len(there.magnitude) == 1 and np.isfinite(there.sigma[0])
+
+
+@pytest.mark.parametrize("length", [20.0, 200.0])
+def test_vectors_are_not_interpolated_in_wide_gaps(fitted, length):
+    """Ten days of points on both sides of a gap; in its middle an interpolation is off."""
+    curve = fitted[1]
+    t = curve.seconds - curve.seconds.min()
+    t = np.where(np.arange(t.size) < t.size // 2, t - length * DAY, t)
+    dark = inversion.LightCurve(t, np.zeros(t.size), epoch=SPIN.epoch, path=asteroid())
+    fit = refined(with_vectors(dark.replaced(magnitude=observed(dark), sigma=0.02)))
+    assert len(fit.predict([fit.curve.seconds[3] + 3600.0]).magnitude) == 1
+    with pytest.raises(AttitudeError, match=r"one of 2, lies in a gap.*give path="):
+        fit.predict(np.array([-1.0, 1.0]) * DAY)
 
 
 @pytest.mark.parametrize(

@@ -455,7 +455,22 @@ def test_what_a_solution_offers(solved, tmp_path, monkeypatch):
 
 def test_figures_are_drawn(solved, tmp_path):
     found = solved[2]
-    found.plot(tmp_path / "all.png")
+    figure = found.plot(tmp_path / "all.png")
+    rates, poles = (
+        next(axes for axes in figure.axes if words in axes.get_xlabel())
+        for words in ("1/P_phi", "longitude")
+    )
+    # numbers without an offset, and the best solution over the others, in the colour of rivals
+    assert not rates.xaxis.get_major_formatter().get_useOffset()
+    longitude = np.degrees(found[0].pole[0])
+    assert poles.lines[-1].get_xdata()[0] == pytest.approx(longitude)
+    colours = [line.get_color() for line in poles.lines[::-1]]
+    problem = found[0]._problem
+    assert [colour == colours[0] for colour in colours] == [
+        _verdicts.competes(each.weighted, found[0].weighted, problem, is_hidden=True)
+        for each in found
+    ]
+    assert all(axes.get_xlabel() for axes in figure.axes if axes.lines and axes.get_visible())
     found[0].plot(tmp_path / "one.png")
     assert (tmp_path / "all.png").stat().st_size > 10_000
 
