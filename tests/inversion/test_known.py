@@ -225,7 +225,9 @@ def _linear(noise, count=400):
     best = np.linalg.solve(normal, weighted @ (y * root))
     here = SimpleNamespace(magnitude=best @ jacobian, jacobian=jacobian)
     curve = SimpleNamespace(y=y, root=root, projected=lambda rows: rows * root)
-    found = SimpleNamespace(problem=curve, refined=SimpleNamespace(normal=normal))
+    nothing = np.zeros(0)
+    refined = _refinement.Linearised(None, 0.0, 0.0, 0.0, nothing, nothing, normal, nothing)
+    found = SimpleNamespace(problem=curve, refined=refined)
     return t, found, here
 
 
