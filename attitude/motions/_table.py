@@ -12,6 +12,7 @@ import numpy as np
 from attitude import frames
 from attitude._support import pairs, validation
 from attitude._support.arrays import frozen
+from attitude._support.quoting import quoted
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
@@ -55,7 +56,7 @@ def settled(method: str | None, degree: int | None, count: int, has_rates: bool)
     word = "slerp" if word in ("linear", "sphericallinear", "spherical linear") else word
     if word not in METHODS:
         raise AttitudeError(
-            f"the interpolation method is {validation.shown(method)}; it must be one of "
+            f"the interpolation method is {quoted(method, 40)}; it must be one of "
             f"{', '.join(METHODS)}."
         )
     method = word

@@ -131,10 +131,6 @@ def _kinds():
 
 
 def _differences():
-    def one_sided():
-        weights = rules.difference_weights(range(-3, 4), 1)[4:]
-        return [x for k, weight in enumerate(weights, 1) for x in (k, weight)]
-
     return [
         _exact(
             "events/_extrema.py",
@@ -147,12 +143,6 @@ def _differences():
             ("_SIXTH",),
             "sixth difference",
             partial(rules.difference_weights, range(-3, 4), 6),
-        ),
-        _exact(
-            "events/_extrema.py",
-            ("_WEIGHTS",),
-            "first derivative by differences over 2 k steps: k and its weight",
-            one_sided,
         ),
     ]
 

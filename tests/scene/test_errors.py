@@ -156,7 +156,7 @@ class Foreign:
     [
         (FreeRotation(BODY, SPIN.with_covariance(None)), "the spin has no covariance; make it"),
         (AttitudeTable.from_history(MOTION.at(np.arange(20.0))), "AttitudeTable has no derivat"),
-        (Foreign(), "Foreign has no derivatives"),
+        (Foreign(), "Foreign has no (derivatives|covariance)"),
     ],
 )
 def test_without_a_covariance(motion, message):
