@@ -434,7 +434,7 @@ def found(
     criterion += _verdicts.ended_by(verdict, problem.tally)
     if turned:
         criterion += (
-            f" {_verdicts.counted(turned, 'other state', 'differ')} from these only by a turn "
+            f" {_verdicts.with_verb(turned, 'other state', 'differ')} from these only by a turn "
             "about the axis of symmetry of the shape, which brightness does not show."
         )
     return solutions, verdict, criterion, (*curve.notes, *averaged)

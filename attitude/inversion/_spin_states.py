@@ -266,7 +266,7 @@ class _Wanted:
                 **more,
             )
             if outliers:
-                words = _verdicts.counted(outliers, "point", "lie")
+                words = _verdicts.with_verb(outliers, "point", "lie")
                 search.notes.append(f"{words} far off both neighbours, almost without weight.")
             search.notes += averaged
             return search
@@ -298,7 +298,7 @@ def _joined_search(curve: LightCurve, wanted: _Wanted, drift: bool) -> _search.S
             words.append(
                 f"Apparition {number} ({apparition.span / _DAY:.0f} d, {len(apparition)} points): "
                 f"{one.verdict_of(one.solutions)[0]}, "
-                f"{_verdicts.counted(len(known[-1].solutions), 'tumbling state', 'continue')}."
+                f"{_verdicts.with_verb(len(known[-1].solutions), 'tumbling state', 'continue')}."
             )
         return known
 

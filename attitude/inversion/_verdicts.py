@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from attitude._support import quoting
 from attitude.inversion import _ellipsoid, _evidence, _pole_map
 from attitude.inversion._ellipsoid import SearchState, is_axial
 
@@ -237,13 +238,13 @@ def ahead_by(ahead: float) -> str:
     return f"{abs(ahead):.1f} {'ahead of' if ahead > 0.0 else 'behind'}"
 
 
-def counted(number: int, noun: str, verb: str) -> str:
+def with_verb(number: int, noun: str, verb: str) -> str:
     """A number of things and what they do, in words.
 
-    >>> counted(1, "other pole", "lie"), counted(2, "other pole", "lie")
+    >>> with_verb(1, "other pole", "lie"), with_verb(2, "other pole", "lie")
     ('1 other pole lies', '2 other poles lie')
     """
-    return f"{number} {noun} {verb}s" if number == 1 else f"{number} {noun}s {verb}"
+    return f"{quoting.counted(number, noun)} {verb}{'s' if number == 1 else ''}"
 
 
 def of_floor(ratio: float, most: float, settings: Settings) -> str:
@@ -403,7 +404,7 @@ def verdict(
         if better:
             return OPEN, f"{words}; {better}."
         if close:
-            tumblers = counted(close, "tumbling state", "lie")
+            tumblers = with_verb(close, "tumbling state", "lie")
             return PERIODS, f"{words}; {tumblers} within {least:.3g}, with this period."
     errors = f"{settings.pole_errors:g} standard errors between nights"
     width, likely = _widths_of_poles(best, problem)
@@ -414,7 +415,7 @@ def verdict(
         poles = [other for other in close_ones if _is_other_pole(other, best, problem)]
         within = f"within {width:.3g}"
     if poles:
-        return PERIODS, f"{words}; {counted(len(poles), 'other pole', 'lie')} {within}."
+        return PERIODS, f"{words}; {with_verb(len(poles), 'other pole', 'lie')} {within}."
     return SOLVED, f"{words}; no other pole lies {within}."
 
 
