@@ -120,26 +120,28 @@ def of_prediction(
         hours = (prediction.seconds[points] - start) / 3600.0
         line = hours, in_one_filter[points], prediction.form[points]
         seen = value = error = residual = np.zeros(0)
-        near = None if observed is None else _near(observed, prediction, points)
-        if near is not None:
-            seen = (near.seconds + (near.epoch.seconds - prediction.epoch.seconds) - start) / 3600.0
-            error = near.magnitude_sigma
-            if near.has_geometry:
+        night = None if observed is None else _in_night(observed, prediction, points)
+        if night is not None:
+            seen = (
+                night.seconds + (night.epoch.seconds - prediction.epoch.seconds) - start
+            ) / 3600.0
+            error = night.magnitude_sigma
+            if night.has_geometry:
                 name = prediction.fit.curve.filters[prediction.filter[0]]
-                model = prediction.fit.predict(near, filter=name).magnitude
+                model = prediction.fit.predict(night, filter=name).magnitude
             else:
                 model = np.interp(seen, hours, line[1])
-            offset = _means(near.magnitude - model, near.filter)
-            value = near.magnitude - offset
+            offset = _means(night.magnitude - model, night.filter)
+            value = night.magnitude - offset
             residual = value - model
-            title += _words_of_shifts(near, -offset)
+            title += _words_of_shifts(night, -offset)
         nights.append(_Night(title, seen, value, error, residual, line))
     level = f"level to {np.median(prediction.level):.3f} mag; the band is the error of the form"
     words = f"{repr(prediction.fit)[1:-1]}\n{level}"
     return plots.saved(_panels(nights, "magnitude", words), path)
 
 
-def _near(observed: LightCurve, prediction: Prediction, points: IntArray) -> LightCurve | None:
+def _in_night(observed: LightCurve, prediction: Prediction, points: IntArray) -> LightCurve | None:
     """The observed points of the night of predicted epochs, or within these without geometry."""
     times = observed.seconds + (observed.epoch.seconds - prediction.epoch.seconds)
     first, last = prediction.seconds[points[[0, -1]]]
