@@ -365,7 +365,7 @@ def _fit(above: Axes, below: Axes, solution: CurveFit) -> None:
     above.plot(t, shown - solution.residuals, "x", color=_MODEL, label="computed", ms=4)
     above.invert_yaxis()
     above.set_ylabel("reduced magnitude")
-    above.legend(fontsize=9, loc="upper right")
+    above.legend(fontsize=9, loc="best")
     averaged = len(solution.curve) != len(t)
     session = np.zeros(len(t), np.int64) if averaged else solution.curve.session
     for number in np.unique(session):
