@@ -1421,6 +1421,11 @@ class EnsembleHistory(AttitudeHistory):
         return frozen(self.ensemble.evaluated(self.member, self.seconds, self.low))
 
     @cached_property
+    def turning_rate(self) -> FloatArray:
+        """(S, 3) rad/s over the body axes: `angular_velocity`."""
+        return self.angular_velocity
+
+    @cached_property
     def sensitivity(self) -> FloatArray:
         """(S, 3, 9) derivatives of the attitudes; see `Ensemble.sensitivity_at`."""
         columns = self.ensemble.sensitivity_at(self.seconds, self.member, low=self.low)

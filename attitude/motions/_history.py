@@ -114,12 +114,11 @@ class AttitudeHistory(Attitudes):
 
         That is `angular_velocity`, but under an `InternalDissipation`, whose slip is added.
         """
-        turning_rate_at = getattr(self.motion, "turning_rate_at", None)
-        if turning_rate_at is None:
-            return self.angular_velocity
-        omega = self.angular_velocity
-        rates = turning_rate_at(self.seconds, self.low, wxyz=self.wxyz, angular_velocity=omega)
-        return frozen(rates)
+        return frozen(
+            self.motion.turning_rate_at(
+                self.seconds, self.low, wxyz=self.wxyz, angular_velocity=self.angular_velocity
+            )
+        )
 
     @cached_property
     def covariance(self) -> FloatArray:

@@ -84,6 +84,8 @@ class Motion(Valued):
         Whether angular accelerations are known and continuous between joints.
     ``rate_bounds(seconds)``
         `RateBounds` that hold from there to the next joint, or None if they are unknown.
+    ``turning_rate_at(seconds, low, *, wxyz, angular_velocity)``
+        The rate at which attitudes turn, if it is not the angular velocity.
     ``has_rates_at(seconds, low)``
         Whether angular velocities there are more exact than differences of attitudes.
     ``_value``
@@ -216,6 +218,21 @@ class Motion(Valued):
         """
         hi, lo = _inputs.plain_seconds(seconds, low)
         return self._evaluate(hi, lo, 2)[2]
+
+    def turning_rate_at(
+        self,
+        seconds: ArrayLike,
+        low: ArrayLike | None = None,
+        *,
+        wxyz: FloatArray,
+        angular_velocity: FloatArray,
+    ) -> FloatArray:
+        """Rates (..., 3) at which attitudes turn, rad/s in body axes, at seconds since the epoch.
+
+        Of attitudes (..., 4) and angular velocities (..., 3) there: those, but under an
+        `InternalDissipation`, whose slip is added.
+        """
+        return angular_velocity
 
     def covariance_at(
         self, seconds: ArrayLike, low: ArrayLike | None = None, *, rates: bool = True

@@ -247,7 +247,7 @@ class _FreeArc:
         return [wxyz[0, :, 0], omega[0, :, 0]]
 
     def turning_rate_at(self, seconds, low, *, wxyz, angular_velocity):
-        """As of a `TorquedRotation`."""
+        """As `Motion.turning_rate_at`, of one epoch."""
         return angular_velocity
 
     def angular_acceleration_at(self, seconds, low, *, angular_velocity):
@@ -347,21 +347,24 @@ class _ChainedSensitivity(Derivatives):
         joint[3:6] = np.linalg.solve(new.tensor, momentum)
         product: FloatArray = joint @ whole
         if isinstance(change.at, Trigger):
-            later = self._delay(change.at, end, wxyz, self._turning_rate(k, wxyz, before, end))
-            later = later @ whole[:3]
+            later = self._delay(k, change.at, end, wxyz, before) @ whole[:3]
             product += np.outer(joint @ self._rate(k, wxyz, before, end), later)
             product -= np.outer(self._rate(k + 1, wxyz, after, end), later)
         return product
 
-    def _delay(self, event, end, wxyz, turning_rate):
-        """The change (3,) of the time of an event with the attitude then, which turns at a rate."""
+    def _delay(self, k, event, end, wxyz, omega):
+        """The change (3,) of the time of the event that ends arc k with the attitude then."""
+        rates = {
+            "angular_velocity": omega,
+            "turning_rate": self._turning_rate(k, wxyz, omega, end),
+        }
         values = []
         for turn in _STEP * np.concatenate([np.zeros((1, 3)), np.eye(3), -np.eye(3)]):
             turned = quaternion.multiply(forms.from_rotation_vector(turn), wxyz)
             history = AttitudeHistory(
                 None, self._epoch, np.asarray(end[0]), np.asarray(end[1]), turned
             )
-            history.__dict__["angular_velocity"] = turning_rate
+            history.__dict__.update(rates)
             values.append(event.values(history))
         gradient = np.array([float(value[0]) for value in values[1:]])
         slopes = (gradient[:3] - gradient[3:]) / (2.0 * _STEP)
@@ -635,7 +638,7 @@ class Arcs(Differentiable):
         wxyz: FloatArray,
         angular_velocity: FloatArray,
     ) -> FloatArray:
-        """Rates (..., 3) at which attitudes turn; see `TorquedRotation.turning_rate_at`."""
+        """As `Motion.turning_rate_at`."""
         if not self._torqued:
             return angular_velocity
         times = pairs.Seconds(*_inputs.plain_seconds(seconds, low))

@@ -927,11 +927,7 @@ class TorquedRotation(Differentiable):
         wxyz: FloatArray,
         angular_velocity: FloatArray,
     ) -> FloatArray:
-        """Rates (..., 3) at which attitudes turn, at TDB seconds since the epoch.
-
-        rad/s over the body axes, of attitudes (..., 4) and angular velocities (..., 3) there:
-        those, and the slip of an `InternalDissipation`.
-        """
+        """As `Motion.turning_rate_at`."""
         times = pairs.Seconds(*_inputs.plain_seconds(seconds, low)).flat
         states = np.concatenate([wxyz, angular_velocity], axis=-1).reshape(-1, 7)
         rates = self._system.turning_rates(*times, states)
