@@ -23,9 +23,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from attitude._support import quoting
 from attitude._support.arrays import distinct, two_across
 from attitude._support.least_squares import Decomposed
-from attitude.inversion import _ellipsoid, _neighbours, _pole_map, _refinement, _verdicts
+from attitude.inversion import _ellipsoid, _evidence, _neighbours, _pole_map, _refinement, _verdicts
 from attitude.inversion._ellipsoid import SearchState
 from attitude.inversion._search import Search, never
 
@@ -459,6 +460,7 @@ class RotatorSearch(Search):
         self._add(self._from_trials(trials), gain=1e-3)
         self.progress(f"{len(self.convex)} convex bodies")
         if self._has_several:
+            self._take_scatter()
             self._at_poles()
         else:
             self._axial_poles()
@@ -534,6 +536,24 @@ class RotatorSearch(Search):
         self.progress(f"{len(starts)} ellipsoids")
         good = ordered.cost <= _WORSE * ordered.cost[:1] + _BESIDE
         return distinct(ordered.states[good], self.is_same, _CONVEX)
+
+    def _take_scatter(self) -> None:
+        """Enlarge the errors of sparse sessions to what the best body leaves of them."""
+        if not self.convex:
+            return
+        best, problem = self.convex[0], self.problem
+        residual, _ = _evidence.residuals(problem, best.magnitude)
+        factors = _neighbours.scatter(problem, residual, sum(SearchState.of(best.state).rates))
+        factors = np.where(factors < self.settings.noisier, 1.0, factors)
+        count = len(np.unique(problem.series[factors > 1.0]))
+        if count:
+            self.problem = problem.with_errors(factors * problem.sigma)
+            sessions = quoting.counted(count, "session")
+            self.notes.append(
+                f"points far apart in time of {sessions} are up to {factors.max():.1f} times as "
+                "noisy as the errors say; their errors are taken to be larger by this factor"
+                f"{' of each' if count > 1 else ''}."
+            )
 
     def _at_poles(self) -> None:
         """Convex bodies with the errors that the best one shows."""

@@ -365,18 +365,14 @@ def share_left(solution: Weighted[object], problem: CurveProblem) -> float:
     """
     worst = problem.settings.worst
     whole = problem.detrended - np.median(problem.detrended)
-    return _trimmed(solution.residual**2, worst) / max(_trimmed(whole**2, worst), 1e-12)
-
-
-def _trimmed(squares: FloatArray, worst: float) -> float:
-    """The mean of the squares (N,) without the largest share of them."""
-    return float(np.mean(np.sort(squares)[: max(1, int((1.0 - worst) * len(squares)))]))
+    left, before = (_neighbours.trimmed(values**2, worst) for values in (solution.residual, whole))
+    return left / max(before, 1e-12)
 
 
 def floor_ratio(solution: Weighted[object], problem: CurveProblem) -> float:
     """Mean square of the residuals over sigma and 0.01 mag, without outliers."""
     squares = solution.residual**2 / (problem.sigma**2 + problem.settings.floor_error**2)
-    return _trimmed(squares, problem.settings.worst)
+    return _neighbours.trimmed(squares, problem.settings.worst)
 
 
 def standard_error(

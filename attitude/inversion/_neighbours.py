@@ -25,6 +25,9 @@ _BY_CHANCE = 4.5
 # The least noise of magnitudes over their errors, 0.001 mag where these are assumed: equal ones
 # show none.
 _LEAST_NOISE = 0.05
+# The largest share of the points of a survey that lie between close neighbours: half of those of
+# four in an hour do.
+_BETWEEN = 0.5
 # Gap of the epochs, s, between two nights.
 _NIGHT = 0.3 * 86400.0
 # Gap of the epochs, s, between two apparitions.
@@ -36,17 +39,20 @@ def off_neighbours(
 ) -> tuple[FloatArray, FloatArray]:
     """How far values (N,) lie off the line through both neighbours, and the errors (N,) of that.
 
-    NaN where the three span more than `_CLOSE` of a turn; `turns` per span.
+    Neighbours are of one session and filter: others have zero points of their own.  NaN where the
+    three span more than `_CLOSE` of a turn; `turns` per span.
     """
     off, error = np.full(len(values), np.nan), np.full(len(values), np.nan)
-    t, variance = problem.t, problem.sigma**2
+    order = np.lexsort((problem.t, problem.series))
+    t, series, values = problem.t[order], problem.series[order], values[order]
+    variance = problem.sigma[order] ** 2
     length = t[2:] - t[:-2]
-    close = (length * turns < _CLOSE) & (length > 0.0)
+    close = (length * turns < _CLOSE) & (length > 0.0) & (series[2:] == series[:-2])
     share = np.where(close, (t[1:-1] - t[:-2]) / np.where(close, length, 1.0), 0.5)
     line = (1.0 - share) * values[:-2] + share * values[2:]
     spread = variance[1:-1] + (1.0 - share) ** 2 * variance[:-2] + share**2 * variance[2:]
-    off[1:-1] = np.where(close, values[1:-1] - line, np.nan)
-    error[1:-1] = np.where(close, np.sqrt(spread), np.nan)
+    off[order[1:-1]] = np.where(close, values[1:-1] - line, np.nan)
+    error[order[1:-1]] = np.where(close, np.sqrt(spread), np.nan)
     return off, error
 
 
@@ -92,6 +98,32 @@ def noise(problem: CurveProblem, residual: FloatArray, turns: float) -> FloatArr
             if factor > whole * (1.0 + _BY_CHANCE / np.sqrt(len(values_of_night))):
                 factors[night] = factor
     return factors
+
+
+def scatter(problem: CurveProblem, residual: FloatArray, turns: float) -> FloatArray:
+    """By what factors (N,) residuals (N,) exceed the errors in sessions without close neighbours.
+
+    Nothing else says how noisy the points of a survey are.  All are 1, unless the residuals of
+    the other sessions are as small as the errors.
+    """
+    factors, is_sparse = np.ones(len(problem)), np.zeros(len(problem), bool)
+    settings = problem.settings
+    is_between = np.isfinite(off_neighbours(problem, residual, turns)[0])
+    squares = residual**2 / (problem.sigma**2 + settings.floor_error**2)
+    for number in np.unique(problem.series):
+        session = problem.series == number
+        if np.mean(is_between[session]) <= _BETWEEN:
+            is_sparse |= session
+            if np.count_nonzero(session) >= _TRIPLES:
+                factors[session] = math.sqrt(max(1.0, trimmed(squares[session], settings.worst)))
+    others = squares[~is_sparse]
+    is_explained = len(others) >= _TRIPLES and trimmed(others, settings.worst) < settings.floor
+    return factors if is_explained else np.ones(len(problem))
+
+
+def trimmed(squares: FloatArray, worst: float) -> float:
+    """The mean of the squares (N,) without the largest share of them."""
+    return float(np.mean(np.sort(squares)[: max(1, int((1.0 - worst) * len(squares)))]))
 
 
 def _beside_errors(

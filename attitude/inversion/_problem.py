@@ -66,6 +66,8 @@ class CurveProblem:
         The work done on this and on all problems that were made from it.
     exposure : (N,) array or None
         Exposure times, spans, over which the brightness is averaged; None without any.
+    series : (N,) array
+        The number of the session and filter of each point; by default all are of one.
     """
 
     t: FloatArray
@@ -81,8 +83,11 @@ class CurveProblem:
     settings: Settings = DEFAULT
     tally: Tally = field(default_factory=Tally)
     exposure: FloatArray | None = None
+    series: IntArray = field(default_factory=lambda: np.zeros(0, int))
 
     def __post_init__(self) -> None:
+        if not len(self.series):
+            object.__setattr__(self, "series", np.zeros(len(self.t), int))
         for name in ("t", "sun", "observer"):
             object.__setattr__(self, name, np.ascontiguousarray(getattr(self, name)))
 
@@ -145,6 +150,7 @@ class CurveProblem:
             sigma=self.sigma[chosen],
             terms=self.terms[chosen],
             exposure=None if self.exposure is None else self.exposure[chosen],
+            series=self.series[chosen],
         )
 
     def __len__(self) -> int:
@@ -165,7 +171,9 @@ class CurveProblem:
         count = len(_NODES)
         t = self.t + 0.5 * _NODES[:, None] * self.exposure
         sun, observer = (np.tile(directions, count) for directions in (self.sun, self.observer))
-        return replace(self, t=t.reshape(-1), sun=sun, observer=observer, exposure=None)
+        series = np.tile(self.series, count)
+        nodes = t.reshape(-1)
+        return replace(self, t=nodes, sun=sun, observer=observer, exposure=None, series=series)
 
     def mean_magnitudes(self, magnitude: FloatArray) -> FloatArray:
         """Magnitudes (..., N) of the mean fluxes, from those (..., K N) at the nodes."""
@@ -332,6 +340,7 @@ def problem(
         settings=settings,
         tally=Tally() if tally is None else tally,
         exposure=values["exposure"] / span if np.any(values["exposure"]) else None,
+        series=values["session"] * len(curve.filters) + values["filter"],
     )
     if bins is None:
         return whole_problem, []
