@@ -54,7 +54,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     _options.add_site_argument(parser)
     parser.add_argument("--frame", default="icrf", help="axes of the vectors of the file (icrf)")
     parser.add_argument(
-        "--zero-points", default="auto", help='of sessions: auto, shared, free, or "0.05 mag"'
+        "--zero-points",
+        metavar="Z",
+        help='of sessions: auto, shared, free, or "0.05 mag" (those of the file, else auto)',
     )
     parser.add_argument(
         "--modes",
@@ -105,9 +107,10 @@ def run(arguments: argparse.Namespace) -> None:
 
     _output.picture_of(arguments)
     _output.kind_of(arguments.output, ("toml",))
-    exposure = {} if arguments.exposure is None else {"exposure": arguments.exposure}
-    zero_points = _zero_points(arguments.zero_points)
-    curve = _curve(arguments, arguments.file, zero_points=zero_points, **exposure)
+    of_file = {} if arguments.exposure is None else {"exposure": arguments.exposure}
+    if arguments.zero_points is not None:
+        of_file["zero_points"] = _zero_points(arguments.zero_points)
+    curve = _curve(arguments, arguments.file, **of_file)
     kind, dates = _prediction_of(arguments)
     period: Any = arguments.period
     if period is not None:

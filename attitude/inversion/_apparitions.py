@@ -583,5 +583,4 @@ class RotatorSearch(Search):
         return (
             f"Only rotations about one axis were searched, over {count} "
             f"apparition{'s' if count > 1 else ''}: periods of {named}."
-            + (" The budget ended before all periods were tried." if self.is_over else "")
         )

@@ -242,44 +242,62 @@ def of_fit(solution: CurveFit, path: FilePath | None = None) -> Figure:
 
 
 def of_states(states: SpinStates[Solution], path: FilePath | None = None) -> Figure:
-    """The best fit, residuals by session, both folds, a map of chi-squared, periods and poles."""
-    figure = plots.new_figure((9.0, 10.5))
-    axes = figure.subplots(3, 2).T
+    """The best fit, residuals by session, both folds, a map of chi-squared, periods and poles.
+
+    Where all solutions turn about one axis, without what belongs to P_psi.
+    """
     best = states[0]
+    are_axial = all(state.is_axial for state in states)
+    figure = plots.new_figure((9.0, 7.2 if are_axial else 10.5))
+    axes = figure.subplots(2 if are_axial else 3, 2).T
     _fit(axes[0, 0], axes[1, 0], best)
     _folded(axes[0, 1], best, 0)
-    _folded(axes[1, 1], best, 1)
-    _map(axes[0, 2], best)
-    unit = time_unit(best.P_phi)
-    # the best last, over the others
-    for state in reversed(states):
-        is_rival = _verdicts.competes(
+    colours = [
+        _MODEL
+        if _verdicts.competes(
             state.weighted, best.weighted, best._problem, is_hidden=not best.tie.is_wide
         )
-        colour = _MODEL if is_rival else _OTHER
+        else _OTHER
+        for state in states
+    ]
+    _poles(axes[1, -1], states, colours)
+    if not are_axial:
+        _folded(axes[1, 1], best, 1)
+        _map(axes[0, 2], best)
+        _rates(axes[0, 2], states, colours)
+    figure.suptitle(f"{states.verdict}: {repr(best)[1:-1]}", fontsize=9)
+    return plots.saved(figure, path)
+
+
+def _rates(axes: Axes, states: SpinStates[Solution], colours: Sequence[str]) -> None:
+    """Both frequencies of each state, the best last, over the others."""
+    unit = time_unit(states[0].P_phi)
+    for state, colour in zip(reversed(states), reversed(colours), strict=True):
         rates = np.array(SearchState.of(state.state).rates)
         phi, psi = rates / state.curve.span * TIME_UNITS[unit]
         mark = "o" if state.mode == "LAM" else "s"
-        axes[0, 2].plot(phi, psi, mark, mfc="none", mew=1.8, color=colour)
-        longitude, latitude = np.degrees(state.pole)
-        axes[1, 2].plot(longitude, latitude, "o", color=colour, ms=4)
-    axes[0, 2].set_xlabel(f"1/P_phi of the long axis, 1/{unit}")
-    axes[0, 2].set_ylabel(f"1/P_psi, 1/{unit}")
-    axes[0, 2].ticklabel_format(useOffset=False)
-    axes[0, 2].locator_params("x", nbins=4)
-    axes[1, 2].set_xlabel("ecliptic longitude of the momentum, deg")
-    axes[1, 2].set_ylabel("latitude, deg")
-    axes[1, 2].set_xlim(0.0, 360.0)
-    axes[1, 2].set_ylim(-90.0, 90.0)
-    places = free_places([tuple(np.degrees(state.pole).tolist()) for state in states])
-    for state, place in zip(states, places, strict=True):
-        if place is not None:
-            axes[1, 2].text(*place, str(state.rank), fontsize=9, ha="center", va="center")
+        axes.plot(phi, psi, mark, mfc="none", mew=1.8, color=colour)
+    axes.set_xlabel(f"1/P_phi of the long axis, 1/{unit}")
+    axes.set_ylabel(f"1/P_psi, 1/{unit}")
+    axes.ticklabel_format(useOffset=False)
+    axes.locator_params("x", nbins=4)
     for mode, mark in (("LAM", "o"), ("SAM or PA", "s")):
-        axes[0, 2].plot([], [], mark, mfc="none", color=_MODEL, label=mode)
-    axes[0, 2].legend(fontsize=9, loc="upper right")
-    figure.suptitle(f"{states.verdict}: {repr(best)[1:-1]}", fontsize=9)
-    return plots.saved(figure, path)
+        axes.plot([], [], mark, mfc="none", color=_MODEL, label=mode)
+    axes.legend(fontsize=9, loc="upper right")
+
+
+def _poles(axes: Axes, states: SpinStates[Solution], colours: Sequence[str]) -> None:
+    """The pole of each state with its rank, the best last, over the others."""
+    poles = [tuple(np.degrees(state.pole).tolist()) for state in states]
+    for pole, colour in zip(reversed(poles), reversed(colours), strict=True):
+        axes.plot(*pole, "o", color=colour, ms=4, clip_on=False)
+    axes.set_xlabel("ecliptic longitude of the momentum, deg")
+    axes.set_ylabel("latitude, deg")
+    axes.set_xlim(0.0, 360.0)
+    axes.set_ylim(-90.0, 90.0)
+    for state, place in zip(states, free_places(poles), strict=True):
+        if place is not None:
+            axes.text(*place, str(state.rank), fontsize=9, ha="center", va="center")
 
 
 def of_posterior(posterior: Posterior, path: FilePath | None = None) -> Figure:
@@ -317,11 +335,13 @@ def free_places(poles: Sequence[tuple[float, float]]) -> list[tuple[float, float
     """
     taken = [(np.array(pole), _MARK) for pole in poles]
     places: list[tuple[float, float] | None] = []
-    for pole in poles:
+    for k, pole in enumerate(poles):
+        # its own mark is beside it
+        others = taken[:k] + taken[k + 1 :]
         for across, up in ((1, 1), (-1, 1), (1, -1), (-1, -1), (0, 1.6), (0, -1.6)):
             place = np.array(pole) + (_NUMBER + 0.7 * _MARK) * np.array([across, up])
             inside = 9.0 < place[0] < 351.0 and abs(place[1]) < 84.0
-            free = all(np.any(np.abs(place - at) > _NUMBER + size) for at, size in taken)
+            free = all(np.any(np.abs(place - at) > _NUMBER + size) for at, size in others)
             if inside and free:
                 taken.append((place, _NUMBER))
                 places.append((float(place[0]), float(place[1])))
@@ -379,15 +399,21 @@ def _fit(above: Axes, below: Axes, solution: CurveFit) -> None:
 
 
 def _folded(axes: Axes, solution: Solution, which: int) -> None:
-    """The curve folded with a period, without the lines of the series that have the other one."""
+    """The curve folded with a period, without the lines of the series that have the other one.
+
+    Of several apparitions that with most points: in each the body shows another amplitude.
+    """
     periods = [solution.P_phi] if solution.is_axial else [solution.P_phi, solution.P_psi]
     if which >= len(periods):
         axes.set_visible(False)
         return
+    curve, words = solution.curve, ""
+    apparitions = _neighbours.apparitions_of(curve.emission)
+    if len(apparitions) > 1:
+        curve = curve[max(apparitions, key=len)]
+        words = f", {_date(curve.epoch, 10)}"
     try:
-        folded = _folding.fold(
-            solution.curve, np.array(periods), order=4 if solution.is_axial else 2
-        )
+        folded = _folding.fold(curve, np.array(periods), order=4 if solution.is_axial else 2)
     except AttitudeError:  # fewer points than a series has unknowns
         axes.set_visible(False)
         return
@@ -398,5 +424,5 @@ def _folded(axes: Axes, solution: Solution, which: int) -> None:
         axes.invert_yaxis()
     unit = time_unit(periods[which])
     name = ("P_phi", "P_psi")[which] if len(periods) == 2 else "P"
-    axes.set_xlabel(f"phase of {name} = {periods[which] / TIME_UNITS[unit]:.6g} {unit}")
+    axes.set_xlabel(f"phase of {name} = {periods[which] / TIME_UNITS[unit]:.6g} {unit}{words}")
     axes.set_ylabel("mag, without the other lines" if len(periods) == 2 else "mag")

@@ -159,6 +159,8 @@ def predicted(
     """The magnitudes of a fit at epochs; see `CurveFit.predict`."""
     curve = solution.curve
     seconds, emission, sun, observer = _geometry(curve, times, path, site)
+    if not len(emission):
+        raise AttitudeError("times is empty; give at least one epoch.")
     fitted_problem = solution.weighted.problem
     filters = _filters(curve, times, filter, len(emission))
     alpha = angle_between(sun, observer)
@@ -471,6 +473,10 @@ class CurveFit(Answering, ABC):
             f"{latitude:+.1f} deg, rms {self.rms:.3f} mag>"
         )
 
+    def _words_of_errors(self) -> str:
+        """Periods and pole with their standard errors; "" where these are in `covariance` alone."""
+        return ""
+
     @abstractmethod
     def _model(self, problem: CurveProblem) -> _refinement.ShapeModel:
         """Magnitudes and their derivatives at the epochs of a problem."""
@@ -763,17 +769,28 @@ class Solution(CurveFit):
         """Magnitudes and their derivatives at the epochs of a problem."""
         return _refinement.model(problem, self.state)
 
-    def _repr_html_(self) -> str:
-        """A table for notebooks, the fit and the shape."""
+    def _values(self) -> list[tuple[str, str]]:
+        """Periods and pole with their standard errors."""
         longitude, latitude = np.degrees(self.pole)
         psi, phi = self.periods_sigma
-        rows = [("rank, relation", f"{self.rank}, {self.relation}"), ("mode", self.mode)]
+        periods = [("period" if self.is_axial else "P_phi (long axis)", (self.P_phi, phi))]
         if not self.is_axial:
-            rows.append(("P_psi", _with_error(self.P_psi, psi)))
-        rows += [
-            ("period" if self.is_axial else "P_phi (long axis)", _with_error(self.P_phi, phi)),
+            periods.append(("P_psi", (self.P_psi, psi)))
+        return [
+            *((name, _with_error(*period)) for name, period in periods),
             ("pole, ecliptic", f"{longitude:.2f} {latitude:+.2f} deg"),
-            ("error of the pole", f"{np.degrees(self.pole_sigma):.2g} deg"),
+            ("error of the pole", _of_pole(math.degrees(self.pole_sigma))),
+        ]
+
+    def _words_of_errors(self) -> str:
+        """Periods and pole with their standard errors."""
+        return "best: " + ", ".join(" ".join(row) for row in self._values())
+
+    def _repr_html_(self) -> str:
+        """A table for notebooks, the fit and the shape."""
+        rows = [("rank, relation", f"{self.rank}, {self.relation}"), ("mode", self.mode)]
+        rows += [
+            *self._values(),
             ("moments", " : ".join(f"{moment:.4g}" for moment in self.moments / self.moments[0])),
             ("rms", f"{self.rms:.4f} mag"),
         ]
@@ -789,14 +806,25 @@ class Solution(CurveFit):
         return markup.table("Solution", rows, fit, shape)
 
 
+# Rows that are printed at least.
+_SHOWN = 10
+# Difference of evidence to the best within which all are printed.
+_ALIKE = 25.0
 # Of a search: `Solution`, or `Refinement` for a known shape.
 Fit = TypeVar("Fit", bound=CurveFit, covariant=True)
 
 
+def _of_pole(sigma: float) -> str:
+    """The standard error of a pole, deg, in words."""
+    return f"{sigma:.2g} deg" if sigma < 90.0 else "above 90 deg, the whole sky"
+
+
 def _with_error(seconds: float, sigma: float) -> str:
+    """A period to the second digit of its standard error."""
     unit = quantity_text.time_unit(seconds)
     size = TIME_UNITS[unit]
-    return f"{seconds / size:.6g} +- {sigma / size:.2g} {unit}"
+    digits = 1 - math.floor(math.log10(sigma / size)) if 0.0 < sigma < math.inf else 5
+    return f"{seconds / size:.{min(max(digits, 0), 12)}f} +- {sigma / size:.2g} {unit}"
 
 
 class SpinStates(Answering, Sequence[Fit]):
@@ -890,12 +918,18 @@ class SpinStates(Answering, Sequence[Fit]):
     def __str__(self) -> str:
         lines = [f"{self.verdict}: {self.criterion}", *self.notes]
         unit, size = self._unit
-        for k, solution in enumerate(self._solutions[:10]):
+        first = self._solutions[0].evidence if self._solutions else 0.0
+        alike = sum(solution.evidence < first + _ALIKE for solution in self._solutions)
+        shown = self._solutions[: max(_SHOWN, alike)]
+        for k, solution in enumerate(shown):
             psi, phi = solution.P_psi / size, solution.P_phi / size
             longitude, latitude = np.degrees(solution.pole)
             lines.append(
                 f"{k:2d} {solution.mode:3s}  P_phi {phi:10.5f} {unit}  P_psi {psi:10.5f} {unit}  "
                 f"pole {longitude:5.1f} {latitude:+5.1f}  rms {solution.rms:.3f}  evidence "
-                f"{solution.evidence - self._solutions[0].evidence:+8.1f}  {solution.relation}"
+                f"{solution.evidence - first:+8.1f}  {solution.relation}"
             )
-        return "\n".join(lines)
+        if len(shown) < len(self):
+            lines.append(f"and {len(self) - len(shown)} more, further behind")
+        lines += [solution._words_of_errors() for solution in shown[:1]]
+        return "\n".join(line for line in lines if line)

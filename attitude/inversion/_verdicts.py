@@ -329,7 +329,7 @@ def _of_gap(size: float, behind: float) -> str:
         return "no other periods were found"
     return (
         f"the other periods of least margin are {size:.1f} behind in -2 ln(evidence) "
-        f"({behind:.3g} needed)"
+        f"({behind:.4g} needed)"
     )
 
 
@@ -368,9 +368,10 @@ def verdict(
     gap_to_next, behind = _nearest(_of_other_periods(solutions, problem), best, problem)
     alike = [one for one in solutions[1:] if _has_periods(one.refined.state, state, problem)]
     poles = [other for other in alike if _competes(other, best, problem)]
+    above = f" ({100.0 * settings.left:g} above the floor)" if floor >= settings.floor else ""
     words = (
         f"{of_floor(floor, settings.floor, settings)}; {100.0 * left:.1f} % of the variance is "
-        f"left; {_of_gap(gap_to_next, behind)}"
+        f"left{above}; {_of_gap(gap_to_next, behind)}"
     )
     # the dips of a moon are most of the variance: what is left says nothing of the rotation
     explains = floor < settings.floor or (left < settings.left and not problem.orbit)
@@ -380,10 +381,10 @@ def verdict(
     if not fields.is_axial:
         turns = min(turns, abs(fields.nutation))
     if not is_complete:
-        reason, advice = "The budget ended", "; give a larger one"
+        reason = "Not all periods were tried; give a larger budget."
         if is_interrupted:
-            reason, advice = "Ctrl-C ended the search", ""
-        return OPEN, f"{reason} before all periods were tried{advice}. {words}."
+            reason = "Ctrl-C ended the search before all periods were tried."
+        return OPEN, f"{reason} {words}."
     if not accepted or turns < settings.least_turns:
         return OPEN, words + "."
     if not is_axial(state):
@@ -408,12 +409,15 @@ def verdict(
             return PERIODS, f"{words}; {tumblers} within {least:.3g}, with this period."
     errors = f"{settings.pole_errors:g} standard errors between nights"
     width, likely = _widths_of_poles(best, problem)
-    within = f"within {width:.3g}, {2.0 * width:.3g} if {likely:.3g} in likelihood, or {errors}"
+    within = (
+        f"within {width:.4g} in -2 ln(evidence), {2.0 * width:.4g} if within {likely:.4g} in "
+        f"likelihood, or {errors}"
+    )
     if not poles and fields.is_axial and is_hidden:
         width = max(width, settings.axial_behind * _evidence.redundancy(best, problem))
         close_ones = [one for one in alike if one.evidence - best.evidence < width]
         poles = [other for other in close_ones if _is_other_pole(other, best, problem)]
-        within = f"within {width:.3g}"
+        within = f"within {width:.4g} in -2 ln(evidence)"
     if poles:
         return PERIODS, f"{words}; {with_verb(len(poles), 'other pole', 'lie')} {within}."
     return SOLVED, f"{words}; no other pole lies {within}."

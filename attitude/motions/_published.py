@@ -476,6 +476,9 @@ class Published(Immutable):
         2 E C / L^2, E/E0.
     moment_ratios : (2,) array
         A/C and B/C.
+    period : float
+        s, of uniform rotation about a principal axis, whose P_psi and P_phi are limits for small
+        nutations; NaN of other motions.
     """
 
     mode: str | None
@@ -490,6 +493,7 @@ class Published(Immutable):
     frame: str
     energy_ratio: float
     moment_ratios: FloatArray
+    period: float = math.nan
 
     @property
     def theta_branch(self) -> str:
@@ -507,9 +511,15 @@ class Published(Immutable):
 
     def __str__(self) -> str:
         degrees = np.degrees([*self.pole, self.phi0, self.theta0, self.psi0])
+        uniform = ""
+        if self.period > 0.0:
+            uniform = (
+                f"  uniform rotation about a principal axis, period {self.period / 3600.0:.9g} h; "
+                "of small nutations:\n"
+            )
         return (
             f"{self.mode or 'neither mode'}, convention {self.convention}, {self.frame}, "
-            f"{self.epoch.utc_iso} UTC\n"
+            f"{self.epoch.utc_iso} UTC\n{uniform}"
             f"  P_psi {self.P_psi / 3600.0:.9g} h, P_phi {self.P_phi / 3600.0:.9g} h\n"
             "  pole {:.6f} {:+.6f} deg, phi0 {:.6f}, theta0 {:.6f}, psi0 {:.6f} deg\n".format(
                 *degrees
@@ -569,6 +579,9 @@ def published(
         frame=frame,
         energy_ratio=regime.energy_ratio,
         moment_ratios=frozen(np.array([a / c, b / c])),
+        period=2.0 * math.pi / float(np.linalg.norm(angular_velocity))
+        if regime.mode == Mode.PRINCIPAL_AXIS
+        else math.nan,
     )
 
 

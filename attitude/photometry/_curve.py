@@ -303,8 +303,9 @@ class LightCurve(Immutable):
         if any(key in replaced for key in ("scene", "path", "sun", "observer")):
             for key in ("sun", "observer", "frame"):
                 keywords.pop(key, None)
-        elif "frame" in keywords:  # of the file, whatever the frame of other files
-            replaced.pop("frame", None)
+        elif "frame" in keywords and "frame" in replaced:
+            # that of the file holds, but it has to be one
+            frames.matrix_to_icrf(replaced.pop("frame"))
         if "flux" in replaced or "magnitude" in replaced:
             keywords.pop("flux", None)
             keywords.pop("magnitude", None)

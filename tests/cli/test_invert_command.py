@@ -10,6 +10,7 @@ from attitude import AttitudeError, Body, cli, inversion
 from attitude.formats import spin_file
 from attitude.frames import matrix_to_icrf
 from attitude.inversion import _errors, _spin_states, _states
+from tests.support.photometry_files import DAMIT
 from tests.support.places import DATA, PHOTOMETRY
 
 
@@ -85,6 +86,22 @@ def test_three_known_moments_are_those_of_the_search(monkeypatch, capsys):
     options = ["--max-frequency", "0.5 /d", "--moments", "3.0, 1, 3.2"]
     assert cli.main(["invert", str(PHOTOMETRY), *options]) == 2
     assert "the search of the test" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"), [([], ("1",)), (["--zero-points", "auto"], "auto")]
+)
+def test_zero_points_are_those_of_the_file(tmp_path, monkeypatch, capsys, options, expected):
+    """A relative curve of a DAMIT file and a calibrated one: "auto" gave both one zero point."""
+
+    def refused(curve, most, **others):
+        raise AttitudeError(f"zero points {curve.zero_points!r}")
+
+    monkeypatch.setattr(_spin_states, "spin_states", refused)
+    path = tmp_path / "a.lc.txt"
+    path.write_text(DAMIT.replace("2 1\n", "2 0\n").replace("1 0\n", "1 1\n"))
+    assert cli.main(["invert", str(path), "--period", "5.7 h", *options]) == 2
+    assert f"zero points {expected!r}" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

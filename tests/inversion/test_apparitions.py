@@ -137,6 +137,19 @@ def test_all_windows_of_25_years_are_tried():
     assert not any("were tried" in note for note in found.notes)
 
 
+def test_a_noisy_survey_without_errors(known):
+    """Of the survey 0.15 mag, where 0.02 are assumed for all: its scatter is no misfit."""
+    curve, period, pole = known
+    noisy = curve.session == curve.sessions.index("survey")
+    noise = np.where(noisy, 0.15 * np.random.default_rng(7).normal(size=len(curve)), 0.0)
+    blank = curve.replaced(magnitude=curve.magnitude + noise, sigma=np.zeros(len(curve)))
+    found = inversion.spin_states(blank, period=f"{period} h", budget=900)
+    right, own, _ = inversion_apparitions.judged(found, curve, period, pole)
+    assert found.verdict in ("solved", "periods only") and right and own < 10.0
+    assert any("points far apart in time of 1 session are up to" in note for note in found.notes)
+    assert "best: period" in str(found) and "+-" in str(found)
+
+
 def test_period_and_pole_of_25_years(known):
     """The number of turns, among those of 2 % of the period, and the pole to 10 degrees."""
     curve, period, pole = known

@@ -957,6 +957,32 @@ def test_each_night_has_its_own_noise():
     assert found[night != 6].max() < 1.3
 
 
+def test_neighbours_are_of_one_session():
+    """Two observers in one night, 0.5 mag apart, take turns."""
+    t = np.linspace(-0.5, 0.5, 400)
+    observer = np.arange(400) % 2
+    y = 0.5 * observer + 0.02 * np.random.default_rng(3).normal(size=400)
+    apart = replace(_given(y, t), series=observer)
+    assert _neighbours.noise(apart, y, 1.0) == pytest.approx(np.full(400, 1.0), rel=0.2)
+    assert _neighbours.noise(_given(y, t), y, 1.0).min() > 10.0
+    assert np.all(apart.part(observer == 1).series == 1)
+
+
+@pytest.mark.parametrize(("error", "expected"), [(1.0, 5.0), (3.0, 1.0)])
+def test_scatter_of_a_survey(error, expected):
+    """Points far apart with five times their errors, beside nights with right errors or not."""
+    generator = np.random.default_rng(5)
+    nights = (np.repeat(np.arange(10), 40) + np.tile(np.linspace(0.0, 0.2, 40), 10)) / 10.0 - 0.5
+    t = np.concatenate([nights, np.linspace(-0.5, 0.5, 100)])
+    series = np.repeat([0, 1], [400, 100])
+    size = math.hypot(0.02, DEFAULT.floor_error)
+    residual = size * np.repeat([0.9 * error, 5.0], [400, 100]) * generator.normal(size=500)
+    given = replace(_given(residual, t), series=series)
+    factors = _neighbours.scatter(given, residual, 20.0)
+    assert np.all(factors[:400] == 1.0)
+    assert factors[400:] == pytest.approx(np.full(100, expected), rel=0.15)
+
+
 def _weighted(nutation, evidence, chi_squared, residual=None):
     residual = np.zeros(COUNT) if residual is None else residual
     state = _body(nutation=nutation)

@@ -119,6 +119,10 @@ def test_alcdef(tmp_path):
     # the exposure of 86.4 s begins at the date: its middle is 0.0005 d later
     middle = Time(2455820.0, 0.791528, format="jd", scale="utc")
     assert abs((found.times[2] - middle).to_value("s")) < 1e-3
+    assert found.zero_points == "auto"
+    relative = read(tmp_path, ALCDEF.replace("DIFFERMAGS=FALSE", "DIFFERMAGS=TRUE"), bad="ignore")
+    assert relative.zero_points == ("1 2011-09-13",)
+    assert relative.notes[-1].startswith("1 of 2 sessions is relative: their zero points are free")
     mixed = ALCDEF.replace("REDUCEDMAGS=NONE", "REDUCEDMAGS=POINT", 1)
     with pytest.raises(AttitudeError, match="some blocks have REDUCEDMAGS"):
         read(tmp_path, mixed, bad="ignore")
