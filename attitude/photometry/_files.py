@@ -5,10 +5,9 @@ Names of columns are read in any case, blanks as underscores.  A unit in square 
 are a unit of the same kind.
 
 ==================================  ==============================================================
+jd, mjd, jd-2450000, mjd_tai ...    Julian dates in UTC; less a number; in another scale
 utc, date, datetime, time, obstime  ISO dates in UTC; utc_emission: when the light left the body
-jd, jd_utc, mjd, jd-2450000         Julian dates in UTC; ``jd-NUMBER`` is a date less a number
-jd_tdb, jd_tt, jd_tai               in another scale
-bjd, bjd_tdb                        at the barycenter of the solar system, TDB
+bjd, bmjd, btjd, bkjd               at the barycenter of the solar system, TDB
 hjd                                 at the Sun, UTC
 mag, magnitude, m, v, r_mag         apparent magnitudes
 flux, intensity, counts             in place of them
@@ -16,7 +15,7 @@ reduced_mag, reduced_flux           at 1 au from Sun and observer
 zero_phase                          yes: at zero phase angle
 zero_points                         of sessions: free, shared, or a standard deviation in mag
 sigma, error, merr, mag_err ...     standard errors, in the unit of the brightness
-filter, band                        filter
+filter, band, filtercode, f ...     filter
 site, station, stn, obs_code        code of the observatory
 session, night, observer            session
 exposure, exptime                   exposure times, s, of which the dates are the middles
@@ -516,47 +515,50 @@ def _free_zero_points(keywords: Keywords, relative: list[str]) -> None:
 
 # ---- Tables of photometry whose columns have names: CSV and other separated text, and ECSV
 
-# Name of a column of dates: scale (None: text), offset in days, where light is.
+# Name of a column of dates: scale (None: text), offset in days, where light is.  The first one that
+# a table has counts: dates of the observer, which need no path, before those at a center.
 _TIMES: dict[str, tuple[str | None, float, str]] = {
-    "bjd_tdb": ("tdb", 0.0, "barycenter"),
-    "bjd": ("tdb", 0.0, "barycenter"),
-    "bmjd": ("tdb", 2400000.5, "barycenter"),
-    "hjd": ("utc", 0.0, "heliocenter"),
-    "jd_tdb": ("tdb", 0.0, "reception"),
-    "jd_tt": ("tt", 0.0, "reception"),
-    "jd_tai": ("tai", 0.0, "reception"),
-    "jd_utc": ("utc", 0.0, "reception"),
+    "jd": ("utc", 0.0, "reception"),
+    "mjd": ("utc", 2400000.5, "reception"),
+    "midpointmjdtai": ("tai", 2400000.5, "reception"),  # Rubin
     "utc": (None, 0.0, "reception"),
     "utc_emission": (None, 0.0, "emission"),
+    "bjd": ("tdb", 0.0, "barycenter"),
+    "bmjd": ("tdb", 2400000.5, "barycenter"),
+    "btjd": ("tdb", 2457000.0, "barycenter"),  # TESS
+    "bkjd": ("tdb", 2454833.0, "barycenter"),  # Kepler
+    "hjd": ("utc", 0.0, "heliocenter"),
     "date": (None, 0.0, "reception"),
     "datetime": (None, 0.0, "reception"),
     "date_obs": (None, 0.0, "reception"),
     "obstime": (None, 0.0, "reception"),
-    "jd": ("utc", 0.0, "reception"),
-    "mjd": ("utc", 2400000.5, "reception"),
-    "mjd_utc": ("utc", 2400000.5, "reception"),
-    "mjd_tdb": ("tdb", 2400000.5, "reception"),
     "time": (None, 0.0, "reception"),
     "epoch": (None, 0.0, "reception"),
 }
 _BARE_DATE = re.compile(r"\s*(\d{4}[-/. ]\d{1,2}[-/. ]\d{1,2})?\s*")
 _CLOCK = re.compile(r"\s*(\d{1,2}:\d\d(:\d\d(\.\d*)?)?Z?)?\s*")
-_LESS = re.compile(r"(bjd|hjd|jd)(?:_(utc|tdb|tt|tai))?_*-_*(\d+(?:\.\d*)?)")
+# One of these Julian dates in another scale, less a number, or both.
+_JULIAN_NAME = re.compile(r"(\w*jd)(?:_(utc|tdb|tt|tai))?(?:_*-_*(\d+(?:\.\d*)?))?")
 _NAMES: dict[str, tuple[str, ...]] = {
-    "magnitude": ("magnitude", "mag", "m", "v", "r_mag", "vmag", "rmag"),
+    "magnitude": ("magnitude", "mag", "m", "v", "r_mag", "vmag", "rmag", "magpsf"),
     "reduced": ("reduced_magnitude", "reduced_mag", "redmag"),
-    "flux": ("flux", "intensity", "counts", "brightness"),
+    "flux": ("flux", "intensity", "counts", "brightness", "psfflux"),
     "reduced flux": ("reduced_flux",),
     "error": (
-        *("sigma", "error", "merr", "mag_err", "e_mag", "err", "flux_err", "magerr", "rmsmag"),
-        *("sigmag", "mag_error", "e_flux", "fluxerr", "flux_error", "uncertainty", "dmag"),
+        *("sigma", "error", "merr", "mag_err", "e_mag", "dm", "err", "flux_err", "magerr"),
+        *("rmsmag", "sigmag", "mag_error", "e_flux", "fluxerr", "flux_error", "uncertainty"),
+        *("dmag", "sigmapsf", "psffluxerr"),
     ),
     "exposure": ("exposure", "exptime", "exp_time", "exposure_time"),
     "session": ("session", "night", "observer", "code", "curve"),
-    "filter": ("filter", "band", "filt", "fid"),
+    "filter": (
+        *("filter", "band", "filt", "fid", "filtercode", "filterid", "filter_name", "filtername"),
+        *("passband", "f"),
+    ),
     "site": ("site", "station", "stn", "obs_code", "mpc_code", "observatory", "mpccode"),
     "object": ("object", "designation"),
 }
+_BRIGHTNESS = ("magnitude", "reduced", "flux", "reduced flux")
 _MEANINGS = {"zero_phase": ("no", "yes"), "zero_points": ("free", "shared")}
 _TEXTS = ("error", "filter", "site", "session", "object")
 _PLACE = (("ra_deg", "ra"), ("dec_deg", "dec"), ("delta", "delta_au"))
@@ -581,12 +583,12 @@ _Table: TypeAlias = Mapping[str, _Column]
 
 def of_text(text: str, name: str, columns: Mapping[str, str] | None = None) -> Keywords:
     """Keywords of `LightCurve` from a table in text."""
-    rows = toml.of_separated(text, name)
+    rows = _with_remark(toml.of_separated(text, name), text, name, columns or {})
     if not rows:
         raise AttitudeError(f"{name}: holds no rows; give a table of photometry.")
     width, first = len(rows[0][1]), "the first row"
     if all(map(_is_number, rows[0][1])):
-        names, columns = _names_of_width(width, name), None
+        names = _names_of_width(width, name)
     else:
         (_, names), *rows = rows
         first = "the line of names"
@@ -599,27 +601,46 @@ def of_text(text: str, name: str, columns: Mapping[str, str] | None = None) -> K
     ]
     rows = [row for row in rows if len(row[1]) == width]
     table = {}
-    for k, key in enumerate(names):
-        bracket = _BRACKET.search(key)
+    for k, (word, key) in enumerate(zip(names, map(_plain, names), strict=True)):
+        bracket = _BRACKET.search(word)
         mark, unit = bracket.groups() if bracket else ("", "")
-        column = _Column([entries[k] for _, entries in rows], unit.strip(), mark == "(")
-        table[_plain(key)] = column
+        if key in table and _meaning(key):
+            raise AttitudeError(f"{name}: has two columns {quoted(key)}; rename or delete one.")
+        table[key] = _Column([entries[k] for _, entries in rows], unit.strip(), mark == "(")
     return _of_table(table, [line for line, _ in rows], name, columns, bad)
+
+
+def _with_remark(rows, text, name, columns):
+    """Rows of a table, behind names of columns that stand in a remark, as in "# JD mag err"."""
+    if rows and any(map(_is_number, rows[0][1])):
+        first, entries = rows[0]
+        renamed = set(map(_plain, columns.values()))
+        for remark in reversed(text.splitlines()[: first - 1]):
+            for _, names in toml.of_separated(remark.lstrip("# \t"), name):
+                keys = map(_plain, names)
+                is_known = any(key in renamed or _meaning(key) == "date" for key in keys)
+                if is_known and len(names) == len(entries):
+                    return [(0, names), *rows]
+    return rows
 
 
 def _of_table(table, lines, name, columns=None, bad=None):
     """Keywords of `LightCurve` from columns of text; lines (N,) of the rows."""
+    chosen = {}
     for meant, column in (columns or {}).items():
         if _plain(column) not in table:
             raise AttitudeError(
                 f"{name}: has no column {quoted(column)}; it has {_names_of(table) or 'none'}."
             )
-        # first, so that it is taken before columns of the same meaning
-        table = {_plain(meant): _Column([]), **table} | {_plain(meant): table[_plain(column)]}
-    table = _with_clocks(table)
+        chosen[_plain(meant)] = table[_plain(column)]
+    # in place of all columns of the same meaning
+    meanings = {_meaning(key) for key in chosen} - {""}
+    others = {key: table[key] for key in table if _meaning(key) not in meanings}
+    table = _with_clocks(others | chosen)
     date, (scale, offset, place) = _dates(table, name)
-    kinds = ("magnitude", "reduced", "flux", "reduced flux")
-    brightness, key = next(((kind, key) for kind in kinds if (key := _key(table, kind))), ("", ""))
+    brightness, key = next(
+        ((kind, key) for kind in _BRIGHTNESS if (key := _key(table, kind))), ("", "")
+    )
     if not key:
         raise AttitudeError(
             f"{name}: has no column of magnitudes or flux; name one mag or flux, or give "
@@ -688,7 +709,7 @@ def _in_unit(table: _Table, key: str, wanted: str, name: str) -> list[str]:
         else:
             factor = unit.to(quantity_text.unit_of(wanted, key))
     except ValueError:  # no unit, or of another kind
-        if column.is_remark or key in _TIMES:
+        if column.is_remark or _meaning(key) == "date":
             return column.entries
         raise AttitudeError(
             f"{name}: the column {quoted(key, mark='')} is in {quoted(column.unit)}; give it in "
@@ -700,36 +721,49 @@ def _in_unit(table: _Table, key: str, wanted: str, name: str) -> list[str]:
 def _plain(name: str) -> str:
     """A column's name without units, case and marks."""
     bare = _BRACKET.sub("", name.strip().strip('"').lower())
-    return re.sub(r"[\s.]+", "_", bare.strip())
+    return re.sub(r"(\s|\.(?!\d))+", "_", bare.strip())
 
 
 def _with_clocks(table: _Table) -> _Table:
-    """The table with dates and times of day in one column; bare dates yield to other epochs."""
-    date = next((key for key in ("date", "date_obs") if key in table), "")
-    if not date or not all(map(_BARE_DATE.fullmatch, table[date].entries)):
-        return table
-    for key in ("time", "utc"):
-        clocks = table[key].entries if key in table else []
-        if any(word.strip() for word in clocks) and all(map(_CLOCK.fullmatch, clocks)):
-            both = zip(table[date].entries, clocks, strict=True)
-            joined = _Column([f"{day} {clock}" if clock.strip() else "" for day, clock in both])
-            return {"utc": joined} | {k: table[k] for k in table if k not in (date, key)}
-    others = {k: table[k] for k in table if k != date}
-    return others if any(k in _TIMES or _LESS.fullmatch(k) for k in others) else table
+    """The table with dates and times of day in one column; either alone yields to other epochs."""
+
+    def column_of(names: tuple[str, ...], form: re.Pattern[str]) -> str:
+        known = (key for key in names if key in table)
+        return next((key for key in known if all(map(form.fullmatch, table[key].entries))), "")
+
+    date, clock = column_of(("date", "date_obs"), _BARE_DATE), column_of(("time", "utc"), _CLOCK)
+    others = {key: table[key] for key in table if key not in (date, clock)}
+    times = table[clock].entries if clock else []
+    if date and any(time.strip() for time in times):
+        both = zip(table[date].entries, times, strict=True)
+        days = [f"{day} {time}" if time.strip() else "" for day, time in both]
+        return {"utc": _Column(days)} | others
+    return others if any(_meaning(key) == "date" for key in others) else table
+
+
+def _date_name(key: str) -> tuple[str, str | None, float]:
+    """The name of dates without a scale and a number of days, and these."""
+    matched = _JULIAN_NAME.fullmatch(key)
+    return (matched[1], matched[2], float(matched[3] or 0.0)) if matched else (key, None, 0.0)
+
+
+def _meaning(key: str) -> str:
+    """What a column of a name holds, "" if the name is not known."""
+    if _date_name(key)[0] in _TIMES:
+        return "date"
+    kind = next((kind for kind, names in _NAMES.items() if key in names), "")
+    return "brightness" if kind in _BRIGHTNESS else kind
 
 
 def _dates(table: _Table, name: str) -> tuple[str, tuple[str | None, float, str]]:
-    for key, how in _TIMES.items():
-        if key in table:
-            return key, how
-    for key in table:
-        less = _LESS.fullmatch(key)
-        if less:
-            scale, _, place = _TIMES[less.group(1)]
-            return key, (less.group(2) or scale, float(less.group(3)), place)
+    for kind, (scale, offset, place) in _TIMES.items():
+        for key in table:
+            stem, other_scale, less = _date_name(key)
+            if stem == kind:
+                return key, (other_scale or scale, offset + less, place)
     raise AttitudeError(
-        f"{name}: has no column of epochs; name one of {', '.join(_TIMES)}, or give columns= with "
-        f"one of {_names_of(table)}."
+        f"{name}: has no column of epochs; name one of {', '.join(_TIMES)}, Julian dates also "
+        f"as in jd_tdb or mjd-50000, or give columns= with one of {_names_of(table)}."
     )
 
 

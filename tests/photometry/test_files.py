@@ -49,14 +49,59 @@ def test_named_columns(tmp_path):
         ("JD-2450000,mag", "5817.7", "utc", 2450000.0, "reception"),
         ("jd_tdb,mag", "2455817.7", "tdb", 0.0, "reception"),
         ("time,mag", "2455817.7", "utc", 0.0, "reception"),
+        ("JD-2450000.5,mag", "5817.2", "utc", 2450000.5, "reception"),
+        ("BJD_TDB - 2450000.5,mag", "5817.2", "tdb", 2450000.5, "barycenter"),
+        ("MJD-50000,mag", "5817.2", "utc", 2450000.5, "reception"),
+        ("mjd_tai,mag", "55817.2", "tai", 2400000.5, "reception"),
+        ("mjd_tt,mag", "55817.2", "tt", 2400000.5, "reception"),
+        ("midpointMjdTai,psfFlux,psfFluxErr", "60817.2", "tai", 2400000.5, "reception"),
+        ("BTJD,flux", "3300.7", "tdb", 2457000.0, "barycenter"),
     ],
 )
 def test_dates(tmp_path, header, first, scale, offset, time_of):
     values = ",1.5" * header.count(",")
     found = read(tmp_path, f"{header}\n{first}{values}\n")
-    assert found.time_of == time_of and found.is_flux == ("flux" in header)
+    assert found.time_of == time_of and found.is_flux == ("flux" in header.lower())
     expected = Time(float(first), offset, format="jd", scale=scale)
     assert abs((found.times[0] - expected).to_value("s")) < 1e-4
+
+
+@pytest.mark.parametrize(
+    ("text", "value", "sigma", "filters", "time_of"),
+    [
+        ("# JD flux err\n2450000.5 1.1 0.01\n", 1.1, 0.01, ("",), "reception"),
+        ("# BJD_TDB mag err\n2450000.5 1.1 .01\n", 1.1, 0.01, ("",), "barycenter"),
+        ("# 2 nights\n#HJD,mag [mag]\n# [d]\n2450000.5,1.1\n", 1.1, np.nan, ("",), "heliocenter"),
+        (
+            "###MJD m dm uJy duJy F err chi/N\n58200.1 18 0.05 200 10 o 0 1.1\n"
+            "58200.2 18.5 0.05 150 10 c 0 1.1\n",
+            18.0, 0.05, ("c", "o"), "reception",
+        ),
+        ("# taken at home\n2450000.5 1.1 0.01\n", 1.1, 0.01, ("",), "reception"),
+    ],
+    ids=["flux", "barycenter", "commas", "atlas", "no names"],
+)  # fmt: skip
+def test_names_of_columns_in_a_remark(tmp_path, text, value, sigma, filters, time_of):
+    found = read(tmp_path, text)
+    assert found.value[0] == value and found.filters == filters and found.time_of == time_of
+    assert found.is_flux == ("flux" in text)
+    np.testing.assert_array_equal(found.sigma[0], sigma)
+
+
+def test_tables_of_surveys(tmp_path):
+    """Filters have zero points of their own; dates of the observer count before those at the Sun."""
+    ztf = (
+        "oid,hjd,mjd,mag,magerr,filtercode\n1,2458200.501,58200.0,18.1,.02,zg\n"
+        "1,2458200.551,58200.05,17.6,.02,zr\n"
+    )
+    found = read(tmp_path, ztf)
+    assert found.filters == ("zg", "zr") and found.time_of == "reception"
+    found = read(tmp_path, ztf, columns={"hjd": "hjd"})
+    assert found.time_of == "heliocenter"
+    found = read(tmp_path, "jd,fid,magpsf,sigmapsf\n2458200.5,1,18.1,.02\n")
+    assert found.value.tolist() == [18.1] and found.sigma.tolist() == [0.02]
+    for key in ("filterID", "filtername", "passband"):
+        assert read(tmp_path, f"MJD,mag,{key}\n58200.1,18,r\n").filters == ("r",)
 
 
 def test_bad_rows_are_named(tmp_path):
@@ -95,6 +140,13 @@ def test_columns_by_name(tmp_path):
     np.testing.assert_array_equal(found.value, [15.0, 15.1])
     with pytest.raises(AttitudeError, match="no column 'Rcal'"):
         read(tmp_path, text, columns={"jd": "T", "magnitude": "Rcal"})
+    remark = "# T Vcal x\n2455817.7 15.0 1\n2455817.8 15.1 2\n"
+    again = read(tmp_path, remark, columns={"jd": "T", "magnitude": "Vcal"})
+    np.testing.assert_array_equal(again.value, found.value)
+    # in place of all columns of the same meaning
+    text = "jd,flux,mag,T\n2455817.7,1.5,15.0,2450000.5\n"
+    found = read(tmp_path, text, columns={"bjd": "T", "flux": "flux"})
+    assert found.is_flux and found.time_of == "barycenter"
 
 
 def test_ecsv(tmp_path):
@@ -253,6 +305,7 @@ def test_damit(tmp_path):
         ("jd,mag\nx,3\n", "no row can be used; line 2: the date is 'x', which is no number"),
         ("jd,mag\n12345,3\n", "12345 is no Julian date"),
         ("time,mag\n12,3\n", "neither a date nor a Julian date"),
+        ("jd,mag (V),mag (R)\n2460000.5,3,4\n", "has two columns 'mag'; rename or delete one"),
         ("<ades></ades>", "holds no <optical>"),
         ("<a><b></a>", "not well-formed"),
     ],
