@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from attitude.photometry._periods import Periods
 
 
-_DAY = 86400.0
 # Colours of data, of models, of what stands beside them, and of aliases.
 _DATA = "#0072b2"
 _MODEL = "#d55e00"
@@ -29,21 +28,31 @@ _MARKS = "osD^v"
 _COLOURS = 10
 
 
+def _unit(span: float) -> tuple[float, str]:
+    """The unit of times and frequencies over a span, s: its length in s, and its name."""
+    name = quantity_text.time_unit(span)
+    return quantity_text.TIME_UNITS[name], name
+
+
 def of_light_curve(data: LightCurve, path: FilePath | None = None) -> Any:
     """Brightness against time, a colour a filter."""
     figure = plots.new_figure((9.0, 5.0))
     axes = figure.subplots()
-    days = data.seconds / _DAY
-    for number, name in enumerate(data.filters):
-        in_filter = data.filter == number
+    unit, unit_name = _unit(data.span)
+    for number, name in enumerate((*data.filters[:_COLOURS], "others")):
+        in_filter = data.filter == number if number < _COLOURS else data.filter >= number
+        if not np.any(in_filter):
+            continue
         error = np.where(np.isfinite(data.sigma[in_filter]), data.sigma[in_filter], 0.0)
         axes.errorbar(
-            days[in_filter], data.value[in_filter], error, fmt=".", ms=4, lw=0.6, label=name or None
-        )
+            data.seconds[in_filter] / unit, data.value[in_filter], error, fmt=".", ms=4, lw=0.6,
+            color=f"C{number}" if number < _COLOURS else "k", label=name or None,
+        )  # fmt: skip
     if not data.is_flux:
         axes.invert_yaxis()
     brightness = ("flux" if data.is_flux else "magnitude") + " at 1 au" * data.unit_distances
-    axes.set(xlabel=f"days from {data.epoch.utc_iso[:19]} UTC", ylabel=brightness)
+    since = f"time since {data.epoch.utc_iso[:19]} UTC, {unit_name}"
+    axes.set(xlabel=since, ylabel=brightness)
     if any(data.filters):
         axes.legend(title="filter", fontsize=9)
     axes.set_title(repr(data)[1:-1], fontsize=9)
@@ -60,8 +69,9 @@ def _of_one(periods, path=None):
     figure = plots.new_figure((9.0, 8.0))
     above, below = figure.subfigures(2, 1, height_ratios=(3, 2))
     axes = above.subplots()
+    unit, unit_name = _unit(periods.samples.span)
     frequency, power = plots.extremes(
-        np.asarray(periods.frequency) * _DAY, np.asarray(periods.power)
+        np.asarray(periods.frequency) * unit, np.asarray(periods.power)
     )
     axes.plot(frequency, power, color=_DATA, lw=0.7)
     axes.axhline(
@@ -69,7 +79,7 @@ def _of_one(periods, path=None):
     )
     for rank, peak in enumerate(periods.peaks[:_NAMED], 1):
         colour = _ALIAS if peak.relation.startswith("alias") else _MODEL
-        at = _DAY / peak.period
+        at = unit / peak.period
         axes.plot(at, peak.power, "v", color=colour, ms=6)
         label = f"#{rank}  {quantity_text.of_time(peak.period)}"
         if peak.relation:
@@ -78,8 +88,8 @@ def _of_one(periods, path=None):
     axes.set_xlim(frequency[0], frequency[-1])
     axes.set_ylim(0.0, min(1.0, 1.1 * max(power.max(), 1.0 - periods.false_alarm)))
     name = "1 - theta" if periods.method == "pdm" else f"share of variance, order {periods.order}"
-    axes.set(xlabel="frequency, 1/d", ylabel=name)
-    axes.legend(fontsize=9, loc="upper right")
+    axes.set(xlabel=f"frequency, 1/{unit_name}", ylabel=name)
+    axes.legend(fontsize=9, loc="best")
     left, right = below.subplots(1, 2)
     _window(left, periods)
     _folded(right, periods.fold(), 0)
@@ -95,12 +105,14 @@ def of_folded(folded: Folded, path: FilePath | None = None) -> Any:
         _folded(axes[k], folded, k)
     if folded.samples.curves <= _COLOURS and len(folded.samples.names) > 1:
         axes[0].legend(fontsize=9, loc="upper right")
-    days = (folded.samples.t - folded.samples.t.min()) / _DAY
-    axes[-1].plot(days, folded.residuals, ".", color=_DATA, ms=3)
+    unit, unit_name = _unit(folded.samples.span)
+    since = (folded.samples.t - folded.samples.t.min()) / unit
+    axes[-1].plot(since, folded.residuals, ".", color=_DATA, ms=3)
     axes[-1].axhline(0.0, color=_OTHER, lw=0.8)
     if not folded.samples.is_flux:
         axes[-1].invert_yaxis()
-    axes[-1].set(xlabel="days from the first point", ylabel=f"residual, rms {folded.rms:.3g}")
+    label = f"time since the first point, {unit_name}"
+    axes[-1].set(xlabel=label, ylabel=f"residual, rms {folded.rms:.3g}")
     return plots.saved(figure, path)
 
 
@@ -109,27 +121,28 @@ def _of_two(periods: Periods, path: FilePath | None = None) -> Any:
     figure = plots.new_figure((9.0, 8.5))
     axes = figure.subplots(2, 2)
     plane, spectrum = axes[0]
+    unit, unit_name = _unit(periods.samples.span)
     assert periods.edges is not None and periods.map is not None
-    edges = [frequencies * _DAY for frequencies in periods.edges]
+    edges = [frequencies * unit for frequencies in periods.edges]
     shown = plane.pcolormesh(edges[0], edges[1], periods.map.T, cmap="viridis", rasterized=True)
     figure.colorbar(shown, ax=plane, label="share of chi-squared left")
     for rank, (pair, mark) in enumerate(zip(periods.peaks, _MARKS, strict=False), 1):
         colour = _MODEL if not pair.relation else _ALIAS
-        at = [pair.first * _DAY], [pair.second * _DAY]
+        at = [pair.first * unit], [pair.second * unit]
         plane.plot(*at, mark, mfc="none", color=colour, ms=9, label=f"#{rank}")
     plane.legend(fontsize=9, loc="lower right")
-    plane.set(xlabel="first frequency, 1/d", ylabel="second frequency, 1/d")
+    plane.set(xlabel=f"first frequency, 1/{unit_name}", ylabel=f"second frequency, 1/{unit_name}")
     best = periods.peaks[0]
     first, second = (quantity_text.of_time(period) for period in best.periods)
     plane.set_title(f"#1: {first} and {second}, {best.left:.3f} left", fontsize=9)
     lines = periods.lines()
     for line, amplitude in lines:
-        x = line.frequency * _DAY
+        x = line.frequency * unit
         spectrum.plot([x, x], [0.0, amplitude], color=_DATA)
         if amplitude > 0.15 * lines[0][1]:
             spectrum.annotate(f"{line.i},{line.j}", (x, amplitude), fontsize=9, ha="center")
     spectrum.set_ylim(0.0, None)
-    spectrum.set(xlabel="frequency of the line i f2 + j f1, 1/d", ylabel="amplitude")
+    spectrum.set(xlabel=f"frequency of the line i f2 + j f1, 1/{unit_name}", ylabel="amplitude")
     spectrum.set_title("lines (i, j)", fontsize=9)
     folded = periods.fold()
     for k in range(2):
@@ -139,13 +152,14 @@ def _of_two(periods: Periods, path: FilePath | None = None) -> Any:
 
 def _window(axes: Any, periods: Periods) -> None:
     assert periods.window is not None
-    axes.plot(periods.window.frequency * _DAY, periods.window.power, color=_OTHER, lw=0.7)
+    unit, unit_name = _unit(periods.samples.span)
+    axes.plot(periods.window.frequency * unit, periods.window.power, color=_OTHER, lw=0.7)
     for line in sorted(periods.window.lines):
-        x = line.frequency * _DAY
-        axes.plot([x], [line.power], "v", color=_ALIAS, ms=4, label=f"{x:.4g} /d")
+        x = line.frequency * unit
+        axes.plot([x], [line.power], "v", color=_ALIAS, ms=4, label=f"{x:.4g} /{unit_name}")
     if periods.window.lines:
         axes.legend(fontsize=9, loc="upper right")
-    axes.set(xlabel="frequency, 1/d", ylabel="spectral window")
+    axes.set(xlabel=f"frequency, 1/{unit_name}", ylabel="spectral window")
 
 
 def _folded(axes: Any, folded: Folded, which: int) -> None:
