@@ -28,6 +28,8 @@ _WINDOW_OVERSAMPLING = 4.0
 _STRONG = 0.15
 # Power from which a line of the window makes aliases of harmonics too.
 _DOMINANT = 0.5
+# Distance of sidelobes from a peak at most, 1/span: a series of one harmonic has its first at 1.43.
+_SIDELOBE = 1.5
 # Lines of a window that are kept, multiples of them, ratios of harmonics.
 _KEPT = 6
 _MULTIPLES = (1, -1, 2, -2)
@@ -73,7 +75,10 @@ def spectral_window(samples: Samples, most: float) -> Window:
 def relation(
     frequency: float, better: Sequence[float], lines: Sequence[WindowLine], tolerance: float
 ) -> str:
-    """How a frequency follows from a better one: "alias of #1 (1 /d)", "2/1 of #1", or ""."""
+    """How a frequency follows from a better one: "beside #1", "2 x #1", "alias of #1 (+1 /d)"."""
+    for rank, other in enumerate(better, 1):
+        if abs(frequency - other) < _SIDELOBE * tolerance:
+            return f"beside #{rank}"
     for rank, other in enumerate(better, 1):
         for a, b in _RATIOS:
             if abs(frequency - other * a / b) < tolerance:

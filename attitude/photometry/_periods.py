@@ -62,7 +62,8 @@ class Peak(NamedTuple):
     """One frequency, or two, with their errors, Hz, the lower one first, and what they leave.
 
     left : float, the share of chi-squared that the series leaves.  relation : str, how it follows
-    from a better one: "alias of #1 (+1 /d)", "2 x #1", "same lines as #1: f1, f2 - f1", or "".
+    from a better one: "alias of #1 (+1 /d)", "2 x #1", "beside #1" (a sidelobe within 1.5/span),
+    "same lines as #1: f1, f2 - f1", or "".
     """
 
     frequencies: tuple[float, ...]
