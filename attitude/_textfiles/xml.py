@@ -145,7 +145,7 @@ class ElementReader:
     def _refuse_document_type(self, *_):
         raise self.fault(
             "it has a document type declaration, which can define entities and external "
-            "references; such files are refused. CCSDS messages have none: delete it."
+            "references; such files are refused. No format that is read here needs one: delete it."
         )
 
     def _refuse_entities(self, *_):

@@ -174,6 +174,12 @@ def _zero(data: Samples, epoch: Any) -> float:
     if epoch is None:
         return float(data.t.min())
     if data.epoch is None:
-        return validation.number(epoch, "epoch", unit="s")
+        try:
+            return validation.number(epoch, "epoch", unit="s")
+        except AttitudeError:
+            raise AttitudeError(
+                f"epoch is {validation.shown(epoch)}, and t holds seconds without dates; give a "
+                "number of these seconds, or dates as t."
+            ) from None
     hi, lo = _inputs.one_since(data.epoch, epoch, "epoch")
     return hi + lo

@@ -33,6 +33,8 @@ Found = TypeVar("Found")
 _FLOOR = 0.05
 # Range of values that do not vary, over the greatest of them.
 _ROUNDING = 1e-12
+# Greatest size of values and errors, and the inverse of the least: their fourth powers are doubles.
+_HUGE = 1e70
 # Turns in a span from which plain numbers of seconds are doubted.
 _TURNS = 3e5
 # Spans in a period from which they are.
@@ -62,6 +64,17 @@ class Samples:
     names: tuple[str, ...] = ()
     joined: IntArray | None = None
     terms: FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        sizes = {"values": np.abs(self.values).max(initial=0.0)}
+        if self.errors is not None:
+            sizes |= {"errors": self.errors.max(), "least errors": self.errors.min()}
+        for name, size in sizes.items():
+            if size > 0.0 and not 1.0 / _HUGE < size < _HUGE:
+                raise AttitudeError(
+                    f"the {name} of the light curve are {size:.3g}; give them in a unit in which "
+                    f"they lie between {1.0 / _HUGE:g} and {_HUGE:g}."
+                )
 
     @property
     def span(self) -> float:

@@ -104,6 +104,14 @@ def test_values_that_do_not_vary_have_no_period(options):
                 photometry.fold(t, "6 h", y, curve=numbers)
 
 
+@pytest.mark.parametrize(("size", "error"), [(1e300, 1.0), (1e-300, None), (1.0, 1e-302)])
+def test_numbers_whose_squares_are_no_doubles_are_refused(size, error):
+    t = np.arange(50.0)
+    errors = None if error is None else np.full(50, error)
+    with pytest.raises(AttitudeError, match="in which they lie between 1e-70 and 1e\\+70"):
+        photometry.periods(t, size * np.cos(t), errors)
+
+
 @pytest.mark.parametrize("count", [1, 2])
 @pytest.mark.parametrize("bounds", [{"min_period": 0}, {"max_period": 0.0}, {"min_period": -1}])
 def test_bounds_of_periods_are_above_zero(count, bounds):
