@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, Self
 import numpy as np
 
 from attitude import frames
-from attitude._support import markup, validation
+from attitude._support import markup, quantity_text, validation
 from attitude._support.arrays import Immutable, frozen
 from attitude._support.constants import ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S
 from attitude._support.quoting import counted, quoted
@@ -159,7 +160,7 @@ class LightCurve(Immutable):
 
     >>> data = LightCurve(["2026-01-01", "2026-01-02"], magnitude=[15.0, 15.5], filter="V")
     >>> data
-    <LightCurve: 2 magnitudes in V over 1 d about 2026-01-01>
+    <LightCurve: 2 magnitudes in V over 24 h about 2026-01-01>
     """
 
     epoch: Instant
@@ -326,8 +327,8 @@ class LightCurve(Immutable):
             words.append(f"in {quoted(bands, 60, '')}")
         if len(self.sessions) > 1:
             words.append(f"in {len(self.sessions)} sessions")
-        span = self.span / 86400.0
-        words.append(f"over {span:.4g} d about {self.epoch.utc_iso[:10]}")
+        span = quantity_text.of_time(self.span, 4)
+        words.append(f"over {span} about {self.epoch.utc_iso[:10]}")
         name = f" of {quoted(self.name, 60, '')}" if self.name else ""
         return f"<LightCurve{name}: {' '.join(words)}>"
 
@@ -338,13 +339,13 @@ class LightCurve(Immutable):
             ("points", f"{len(self)}{' fluxes' if self.is_flux else ''}"),
             ("sessions", str(len(self.sessions))),
             ("filters", ", ".join(band for band in self.filters if band) or "-"),
-            ("span", f"{self.span / 86400.0:.6g} d from {self.epoch.utc_iso} UTC"),
+            ("span", f"{quantity_text.of_time(self.span)} about {self.epoch.utc_iso} UTC"),
             ("errors", f"{np.nanmedian(self.sigma):.3g} (median)" if np.any(self.sigma) else "-"),
             ("geometry", "known" if self.has_geometry else "not known"),
         ]
         picture = markup.line_plot(
             [(days, self.value)],
-            f"{'flux' if self.is_flux else 'magnitude'} over {self.span / 86400.0:.4g} d",
+            f"{'flux' if self.is_flux else 'magnitude'} over {quantity_text.of_time(self.span, 4)}",
             is_downward=not self.is_flux,
             is_dotted=True,
         )
@@ -566,7 +567,7 @@ class LightCurve(Immutable):
         return table
 
     def write(self, path: FilePath) -> None:
-        """Write the points as a CSV with named columns, which `LightCurve.read` reads.
+        """Write the points as a CSV (.csv) with named columns, which `LightCurve.read` reads.
 
         Dates at the barycenter or the Sun are Julian dates, others ISO dates in UTC; vectors to Sun
         and observer are in au over the axes of ICRF.  What the dates are stands in the remark above
@@ -575,8 +576,13 @@ class LightCurve(Immutable):
         Raises
         ------
         AttitudeError
-            If the file cannot be written.
+            For another ending, and if the file cannot be written.
         """
+        if os.path.splitext(path)[1].lower() != ".csv":
+            raise AttitudeError(
+                f"the file of photometry is {os.fspath(path)!r}; it is written as CSV: give a name "
+                "that ends in .csv."
+            )
         center = _COLUMN_OF_CENTER.get(self.time_of)
         columns: dict[str, list[str]] = {}
         if center:
@@ -603,9 +609,9 @@ class LightCurve(Immutable):
                 for axis, numbers in zip("xyz", vectors.T / ASTRONOMICAL_UNIT_M, strict=True):
                     columns[f"{key}_{axis}"] = [repr(float(x)) for x in numbers]
         # On one line, whose parts between separators are no formulas.
-        name = re.sub(r"[,;]\s*(?=[=+@-])", " ", " ".join((self.name or "photometry").split()))
+        name = re.sub(r"[,;]\s*(?=[=+@-])", " ", " ".join((self.name or "").split()))
         with written_whole(path, "photometry") as file:
-            file.write(f"# {name}: times of {self.time_of}\n")
+            file.write(f"# {name}{': ' * bool(name)}times of {self.time_of}\n")
             file.write(",".join(columns) + "\n")
             file.writelines(",".join(row) + "\n" for row in zip(*columns.values(), strict=True))
 

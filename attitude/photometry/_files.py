@@ -567,6 +567,8 @@ _SKY = (("deg", -360.0, 360.0), ("deg", -90.0, 90.0), ("au", 1e-9, 1e9))
 _AXES = [f"{place}_{axis}" for place in ("sun", "observer") for axis in "xyz"]
 _WIDTH = 10
 _J2000 = Instant(0.0)
+# The first line of `LightCurve.write`: the name of the body.
+_TITLE = re.compile(rf"# (.+): times of (?:{'|'.join(PLACES)})\s")
 _BRACKET = re.compile(r"\s*([\[(])(.*?)[\])]")
 
 
@@ -607,7 +609,10 @@ def of_text(text: str, name: str, columns: Mapping[str, str] | None = None) -> K
         if key in table and _meaning(key):
             raise AttitudeError(f"{name}: has two columns {quoted(key)}; rename or delete one.")
         table[key] = _Column([entries[k] for _, entries in rows], unit.strip(), mark == "(")
-    return _of_table(table, [line for line, _ in rows], name, columns, bad)
+    keywords = _of_table(table, [line for line, _ in rows], name, columns, bad)
+    titled = _TITLE.match(text)
+    keywords["name"] = keywords["name"] or (titled and titled[1])
+    return keywords
 
 
 def _with_remark(rows, text, name, columns):

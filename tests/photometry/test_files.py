@@ -34,7 +34,7 @@ def test_named_columns(tmp_path):
     with pytest.raises(AttitudeError, match="filter is 'I'; it must be one of 'R', 'V'"):
         found.select(filter="I")
     alone = read(tmp_path, "jd,mag\n2460000.7,15\n")
-    assert repr(alone) == "<LightCurve of a: 1 magnitude over 0 d about 2023-02-25>"
+    assert repr(alone) == "<LightCurve of a: 1 magnitude over 0 s about 2023-02-25>"
     with pytest.raises(AttitudeError, match="filter is 'V', but no point has a filter"):
         alone.select(filter="V")
 
@@ -89,7 +89,7 @@ def test_names_of_columns_in_a_remark(tmp_path, text, value, sigma, filters, tim
 
 
 def test_tables_of_surveys(tmp_path):
-    """Filters have zero points of their own; dates of the observer count before those at the Sun."""
+    """Filters have their zero points; dates of the observer count before those at the Sun."""
     ztf = (
         "oid,hjd,mjd,mag,magerr,filtercode\n1,2458200.501,58200.0,18.1,.02,zg\n"
         "1,2458200.551,58200.05,17.6,.02,zr\n"
@@ -238,7 +238,9 @@ def test_written_cells_are_no_formulas(tmp_path):
     assert [cell[0] for cell in cells] == ["'", "'", "'", "'", "a", "-", "R"]
     assert text.splitlines()[0] == "# a =cmd b: times of reception"
     back = photometry.read(tmp_path / "a.csv")
-    assert [back.sessions[k] for k in back.session] == words
+    assert [back.sessions[k] for k in back.session] == words and back.name == "a =cmd b"
+    with pytest.raises(AttitudeError, match=r"give a name that ends in \.csv"):
+        data.write(tmp_path / "a.ecsv")
 
 
 def test_ades(tmp_path):
