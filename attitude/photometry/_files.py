@@ -342,13 +342,15 @@ def of_alcdef(text: str, name: str) -> Keywords:
         )
     keywords["time_of"] = "emission" if True in light else "reception"
     keywords["unit_distances"] = True in reduced
-    relative = {
-        str(block)
-        for block, meta in enumerate(seen, 1)
-        if meta.get("DIFFERMAGS", "").upper() == "TRUE"
-    }
-    sessions = list(dict.fromkeys(keywords["session"]))
-    _free_zero_points(keywords, [name for name in sessions if name.split()[0] in relative])
+    relative = [meta.get("DIFFERMAGS", "").upper() == "TRUE" for meta in seen]
+    if any(relative):
+        # nights of other observers are on one scale to some hundredths at best
+        keywords["zero_points"] = "free"
+        keywords["notes"].append(
+            f"{sum(relative)} of {counted(len(seen), 'block')} "
+            f"{'has' if sum(relative) == 1 else 'have'} differential magnitudes (DIFFERMAGS): the "
+            "zero points of all sessions are free."
+        )
     unmoved = [
         k
         for k, meta in enumerate(seen, 1)
@@ -494,23 +496,17 @@ def of_damit(text: str, name: str) -> Keywords:
         "bad": [],
         "notes": [],
     }
-    _free_zero_points(keywords, [str(k) for k, c in enumerate(curves, 1) if not c.calibrated])
-    if "zero_points" not in keywords and len(curves) > 1:
+    relative = [str(k) for k, curve in enumerate(curves, 1) if not curve.calibrated]
+    if relative:
+        keywords["zero_points"] = tuple(relative)
+        keywords["notes"].append(
+            f"{len(relative)} of {counted(len(curves), 'session')} "
+            f"{'is' if len(relative) == 1 else 'are'} relative: their zero points are free"
+            + ("; the others share one." if len(relative) < len(curves) else ".")
+        )
+    elif len(curves) > 1:
         keywords["zero_points"] = "shared"
     return keywords
-
-
-def _free_zero_points(keywords: Keywords, relative: list[str]) -> None:
-    """Give sessions of relative magnitudes zero points of their own, and say so."""
-    if not relative:
-        return
-    count = len(set(keywords["session"]))
-    keywords["zero_points"] = tuple(relative)
-    keywords["notes"].append(
-        f"{len(relative)} of {counted(count, 'session')} "
-        f"{'is' if len(relative) == 1 else 'are'} relative: their zero points are free"
-        + ("; the others share one." if len(relative) < count else ".")
-    )
 
 
 # ---- Tables of photometry whose columns have names: CSV and other separated text, and ECSV
