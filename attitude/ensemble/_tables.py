@@ -192,26 +192,32 @@ def rotator_numbers(
     names: Sequence[object] | None = None,
 ) -> FloatArray:
     """A column as float64; a default for each object if it is absent."""
-    if name in columns:
-        values = np.asarray(columns[name])
-        try:
-            return np.array(values, dtype=np.float64)
-        except (TypeError, ValueError):
-            for k, value in enumerate(values.ravel().tolist()):
-                try:
-                    float(value)
-                except (TypeError, ValueError):
-                    raise AttitudeError(
-                        f"{rotator_label(k, names)}: {name} is {validation.shown(value)}; give a "
-                        "number, or nan where it does not apply."
-                    ) from None
-            raise
-    if default is None:
+    if name not in columns and default is None:
         raise AttitudeError(
             f"the column {name} is missing; give it, or a distribution from which it is drawn."
         )
-    first = next(column for column in ("phi0_deg", "pole_lon_deg") if column in columns)
-    return np.full(len(columns[first]), default)
+    first = next(iter(columns))
+    shape = np.shape(columns[first])[:1]
+    if name not in columns:
+        return np.full(shape, default)
+    values = np.asarray(columns[name])
+    if values.ndim != 1 or values.shape != shape:
+        raise AttitudeError(
+            f"the column {name} has shape {values.shape}; give one number for each object, as many "
+            f"as the column {first} has, {shape}."
+        )
+    try:
+        return np.array(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        for k, value in enumerate(values.tolist()):
+            try:
+                float(value)
+            except (TypeError, ValueError):
+                raise AttitudeError(
+                    f"{rotator_label(k, names)}: {name} is {validation.shown(value)}; give a "
+                    "number, or nan where it does not apply."
+                ) from None
+        raise
 
 
 def rotator_moments(
@@ -242,15 +248,14 @@ def rotator_states(
         for name, default in _ROTATOR_NUMBERS.items()
     }
     degree, hour = math.pi / 180.0, 3600.0
-    tumbles = np.isnan(numbers["period_h"])
     states = _published.states_from_periods(
         moments,
         principal_axes=principal_axes,
         pole=np.stack([numbers["pole_lon_deg"], numbers["pole_lat_deg"]], axis=1) * degree,
         phi0=numbers["phi0_deg"] * degree,
-        psi0=np.where(tumbles, numbers["psi0_deg"] * degree, math.nan),
-        P_psi=np.where(tumbles, numbers["P_psi_h"] * hour, math.nan),
-        P_phi=np.where(tumbles, numbers["P_phi_h"] * hour, math.nan),
+        psi0=np.where(np.isnan(numbers["period_h"]), numbers["psi0_deg"] * degree, math.nan),
+        P_psi=numbers["P_psi_h"] * hour,
+        P_phi=numbers["P_phi_h"] * hour,
         P=numbers["period_h"] * hour,
         on_error="nan",
         **{name: columns.get(name) for name in _ROTATOR_WORDS},
@@ -258,7 +263,14 @@ def rotator_states(
     if on_error == "raise" and states.bad.any():
         k = int(np.flatnonzero(states.bad)[0])
         raise AttitudeError(f"{rotator_label(k, names)}: {states.reason(k)}")
-    return states, numbers[ROTATOR_EPOCH]
+    epochs = numbers[ROTATOR_EPOCH]
+    unknown = np.flatnonzero(~np.isfinite(epochs))
+    if len(unknown):
+        raise AttitudeError(
+            f"{rotator_label(int(unknown[0]), names)} has no {ROTATOR_EPOCH}; give the epoch of "
+            "its state."
+        )
+    return states, epochs
 
 
 def _of_rotators(columns: Mapping[str, Any], origin: str, on_error: str) -> dict[str, Any]:
@@ -270,12 +282,6 @@ def _of_rotators(columns: Mapping[str, Any], origin: str, on_error: str) -> dict
         states, mjd = rotator_states(columns, moments, None, names, on_error)
     except AttitudeError as err:
         raise AttitudeError(f"{origin}: {err}") from err
-    bad = np.flatnonzero(~np.isfinite(mjd))
-    if len(bad):
-        raise AttitudeError(
-            f"{origin}: {rotator_label(int(bad[0]), names)} has no {ROTATOR_EPOCH}; give the epoch "
-            "of its state."
-        )
     return {
         "wxyz": states.wxyz,
         "angular_velocity": states.angular_velocity,

@@ -9,9 +9,9 @@ from sorcha.lightcurves.base_lightcurve import AbstractLightCurve
 from sorcha.lightcurves.lightcurve_registration import update_lc_subclasses
 
 from attitude._support import validation
-from attitude.ensemble._tables import ROTATOR_COLUMNS
+from attitude.ensemble._tables import ROTATOR_COLUMNS, rotator_numbers
 from attitude.errors import AttitudeError
-from attitude.survey._rotators import Rotators, drawn, emission
+from attitude.survey._rotators import Rotators, drawn, emission, law_about_mean
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -68,8 +68,18 @@ def light_curve_class(
     Raises
     ------
     AttitudeError
-        If a class of that name is registered already.
+        For a name that is not of lower case or is registered already, a column that does not exist,
+        and shapes and laws that `attitude.survey.Rotators` refuses.
     """
+    if not isinstance(name, str) or name != name.lower():
+        raise AttitudeError(f"name is {validation.shown(name)}; give one of lower case.")
+    law_about_mean(law, shape)
+    unknown = sorted(set(draws or {}) - ROTATOR_COLUMNS)
+    if unknown:
+        raise AttitudeError(
+            f"draws has {validation.shown(unknown[0])}; give columns among "
+            f"{', '.join(sorted(ROTATOR_COLUMNS))}."
+        )
     taken = {registered.name_id() for registered in AbstractLightCurve.__subclasses__()}
     if name in taken:
         raise AttitudeError(f"name is {name!r}, which another light-curve class has; give another.")
@@ -137,9 +147,14 @@ def _shifts(df, options, draws, seed, threads):
 def _rotators(columns, names, options, draws, seed):
     """The rotators of objects, with columns that are absent drawn."""
     columns = {name: values for name, values in columns.items() if name in ROTATOR_COLUMNS}
+    tumbles = None
+    if "P_psi_h" in columns:
+        tumbles = ~np.isnan(rotator_numbers(columns, "P_psi_h", None, names))
     for column, distribution in draws.items():
         if column not in columns:
             columns[column] = drawn(names, column, seed, distribution)
+            if column == "period_h" and tumbles is not None:
+                columns[column] = np.where(tumbles, np.nan, columns[column])
     return Rotators(columns, names=names, **options)
 
 

@@ -26,6 +26,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,7 +36,9 @@ from attitude._support import validation
 from attitude._support.arrays import between, read_only
 from attitude._support.constants import SPEED_OF_LIGHT_M_S
 from attitude.ensemble._ensemble import Ensemble
+from attitude.ensemble._light import known_vectors
 from attitude.ensemble._tables import (
+    AXES,
     rotator_label,
     rotator_moments,
     rotator_numbers,
@@ -52,9 +55,11 @@ from attitude.shape._ellipsoid import Ellipsoid
 from attitude.shape._mesh import Mesh
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Sequence
 
-    from attitude._support.annotations import FloatArray, IntArray, Reals
+    from numpy.typing import ArrayLike
+
+    from attitude._support.annotations import FloatArray, Reals
     from attitude.scattering._law import Law
 
 
@@ -106,7 +111,8 @@ class Rotators:
         One shape for all, or the shapes that the column ``shape`` names; without it the bodies are
         ellipsoids of the columns `AXES`.
     law : str or Law
-        Scattering law with a mean in closed form: Lambert's or Lommel-Seeliger's, or their sum.
+        Scattering law with a mean in closed form: Lommel-Seeliger's; of meshes also Lambert's, or
+        their sum.
     names : sequence of N, optional
         Names of the objects in error messages, in place of their numbers.
 
@@ -120,8 +126,8 @@ class Rotators:
     Raises
     ------
     AttitudeError
-        For columns that are missing, and for the first object without a state that is possible:
-        its number and the reason.
+        For columns that are missing or of several lengths, shapes and laws of other kinds, and for
+        the first object without an epoch or a state that is possible: its number and the reason.
 
     >>> fast = Rotators({
     ...     "axis_a": [3.0], "axis_b": [2.0], "axis_c": [1.0], "pole_lon_deg": [0.0],
@@ -145,11 +151,7 @@ class Rotators:
         law: str | Law = "lommel-seeliger",
         names: Sequence[object] | None = None,
     ) -> None:
-        self._law = known_law(law)
-        if self._law.weights is None:
-            raise AttitudeError(
-                f"law is {law!r}; magnitudes about a mean need Lambert's or Lommel-Seeliger's law."
-            )
+        self._law = law_about_mean(law, shape)
         axes: Any = None
         if shape is None:
             self._shapes, moments = rotator_moments(columns, names)
@@ -168,14 +170,20 @@ class Rotators:
 
     def _of_meshes(self, columns, shape, names):
         """Moments, axes and body of one shape for all, or one of several for each object."""
+        count = len(rotator_numbers(columns, "phi0_deg"))
         if isinstance(shape, Mesh):
             shapes = [shape]
-            which = np.zeros(len(rotator_numbers(columns, "phi0_deg")), dtype=np.int64)
+            which = np.zeros(count, dtype=np.int64)
         else:
             if "shape" not in columns:
                 raise AttitudeError("the column shape is missing, which names one of the shapes.")
             labels, shapes = list(shape), list(shape.values())
             named = np.asarray(columns["shape"], dtype=object)
+            if named.shape != (count,):
+                raise AttitudeError(
+                    f"the column shape has shape {named.shape}; give one name for each object, "
+                    f"({count},)."
+                )
             unknown = [k for k, label in enumerate(named) if label not in shape]
             if unknown:
                 raise AttitudeError(
@@ -192,10 +200,10 @@ class Rotators:
 
     def shifts(
         self,
-        member: IntArray | Reals,
+        member: ArrayLike,
         mjd_tdb: Reals,
-        sun: FloatArray,
-        observer: FloatArray,
+        sun: Reals,
+        observer: Reals,
         *,
         threads: int = 1,
     ) -> FloatArray:
@@ -207,8 +215,8 @@ class Rotators:
             Numbers of the objects; rows of one object that stand together are fastest.
         mjd_tdb : (R,) array_like
             Modified Julian dates, TDB, at which the light leaves the body.
-        sun, observer : (R, 3) arrays
-            Vectors from the body in ICRF, of any length.
+        sun, observer : (R, 3) or (3,) array_like
+            Vectors from the body in ICRF, of any length above zero; NaN gives NaN.
         threads : int
 
         Returns
@@ -216,13 +224,27 @@ class Rotators:
         (R,) array
             mag, positive where fainter; `UNSEEN` where none of the lit surface is seen.
 
+        Raises
+        ------
+        AttitudeError
+            For other shapes, and numbers of no object.
+
         Notes
         -----
         A convex body is as bright in the mean over all orientations as a sphere of its surface
         area; for a mesh that casts shadows on itself the mean is that without shadows.
         """
-        who = np.asarray(member)
-        t = (np.asarray(mjd_tdb, dtype=np.float64) - self.epochs[who]) * _DAY
+        who, _ = self.ensemble._members_of(member)
+        mjd = validation.real(mjd_tdb, "mjd_tdb", finite=False)
+        if who.ndim != 1 or mjd.shape != who.shape:
+            raise AttitudeError(
+                f"member has shape {who.shape}, mjd_tdb {mjd.shape}; give both as (R,)."
+            )
+        sun, observer = (
+            known_vectors(vectors, name, who.shape)
+            for vectors, name in ((sun, "sun"), (observer, "observer"))
+        )
+        t = (mjd - self.epochs[who]) * _DAY
         one = isinstance(self._shapes, list) and len(set(map(id, self._shapes))) == 1
         bright = self.ensemble.brightness(
             t, who, sun, observer, shape=self._shapes[0] if one else self._shapes,
@@ -257,6 +279,26 @@ class Rotators:
 
 
 _SPHERE = Ellipsoid((1.0, 1.0, 1.0))
+
+
+def law_about_mean(law: str | Law, shape: object) -> Law:
+    """The law; AttitudeError for a shape or a law without magnitudes about a mean."""
+    meshes = list(shape.values()) if isinstance(shape, Mapping) else [shape]
+    if shape is not None and not (meshes and all(isinstance(mesh, Mesh) for mesh in meshes)):
+        raise AttitudeError(
+            f"shape is {validation.shown(shape)}; give a Mesh of attitude.shape, or a dict of "
+            f"them by name; ellipsoids are given by the columns {', '.join(AXES)}."
+        )
+    known = known_law(law)
+    if known.weights is None:
+        raise AttitudeError(
+            f"law is {law!r}; magnitudes about a mean need Lambert's or Lommel-Seeliger's law."
+        )
+    if shape is None and not known.has_ellipsoid_form:
+        raise AttitudeError(
+            f"law is {law!r}; ellipsoids need Lommel-Seeliger's law: give that, or meshes as shape."
+        )
+    return known
 
 
 def emission(mjd_tai: Reals, distance_km: Reals) -> FloatArray:
@@ -303,8 +345,20 @@ def drawn(
     )
     uniform: FloatArray = np.ldexp((hashes >> np.uint64(11)).astype(np.float64), -53)
     if callable(distribution):
-        return np.asarray(distribution(uniform), dtype=np.float64)
-    low, high = np.broadcast_to(validation.real(distribution, column), 2)
+        values = validation.returned(distribution(uniform), f"the distribution of {column}")
+        if values.shape == uniform.shape:
+            return values
+        raise AttitudeError(
+            f"the distribution of {column} returns shape {values.shape} for {len(uniform)} "
+            "objects; it must return one number for each."
+        )
+    bounds = validation.real(distribution, column)
+    if bounds.shape not in ((), (2,)):
+        raise AttitudeError(
+            f"the distribution of {column} has shape {bounds.shape}; give a number, (low, high), "
+            "or a function of numbers uniform from 0 to 1."
+        )
+    low, high = np.broadcast_to(bounds, 2)
     return low + (high - low) * uniform
 
 

@@ -200,6 +200,9 @@ def test_what_is_drawn_depends_on_the_name_alone():
         ({"period_h": [5.0, 0.0]}, "ObjID 'b': P is 0.0"),
         ({"pole_lat_deg": None}, "the column pole_lat_deg is missing"),
         ({"phi0_deg": ["x", "y"]}, "ObjID 'a': phi0_deg is 'x'; give a number"),
+        ({"period_h": [5.0]}, "the column period_h has shape .1,.; give one number"),
+        ({"P_psi_h": [7.0, 7.0]}, "ObjID 'a': P is the one period of a relaxed rotator; leave out"),
+        ({"spin_epochMJD_TDB": [6e4, math.nan]}, "ObjID 'b' has no spin_epochMJD_TDB; give"),
     ],
 )
 def test_bad_columns(changed, sentence):
@@ -209,10 +212,43 @@ def test_bad_columns(changed, sentence):
         Rotators(table, names=["a", "b"])
 
 
-def test_a_law_without_a_mean_is_refused():
-    with pytest.raises(AttitudeError, match="about a mean"):
-        Rotators(columns(2), law="hapke")
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ({"law": "hapke"}, "about a mean"),
+        ({"law": "lambert"}, "ellipsoids need Lommel-Seeliger's law"),
+        ({"shape": Ellipsoid((3.0, 2.0, 1.0))}, "shape is Ellipsoid.*; give a Mesh"),
+    ],
+)
+def test_laws_and_shapes_without_a_mean_are_refused(options, sentence):
+    with pytest.raises(AttitudeError, match=sentence):
+        Rotators(columns(2), **options)
     assert UNSEEN > 30.0
+
+
+@pytest.mark.parametrize(
+    ("member", "mjd", "sentence"),
+    [
+        ([0.0], [6e4], "member is .0.0.; give whole numbers"),
+        ([5], [6e4], "member 5 of row 0 is out of range"),
+        ([0, 1], [6e4], "member has shape .2,., mjd_tdb .1,.; give both as .R,."),
+        ([0], ["now"], "mjd_tdb is 'now'"),
+    ],
+)
+def test_bad_rows(member, mjd, sentence):
+    vectors = [[1.0, 0.0, 0.0]] * len(member)
+    rotators = Rotators(columns(2))
+    with pytest.raises(AttitudeError, match=sentence):
+        rotators.shifts(member, mjd, vectors, vectors)
+    expected = rotators.shifts([0], [6e4], np.array(vectors[:1]), np.array(vectors[:1]))
+    assert rotators.shifts([0], [6e4], vectors[0], vectors[:1]) == expected
+    assert rotators.shifts([], [], np.empty((0, 3)), np.empty((0, 3))).shape == (0,)
+
+
+@pytest.mark.parametrize("distribution", [(0, 1, 2), lambda u: 5.0])
+def test_bad_distributions(distribution):
+    with pytest.raises(AttitudeError, match=r"the distribution of period_h .* shape"):
+        drawn(["A", "B"], "period_h", 1, distribution)
 
 
 def test_without_sorcha_the_class_is_a_sentence():
@@ -382,5 +418,13 @@ def test_classes_with_distributions_and_names_that_are_taken():
     np.testing.assert_array_equal(again.sort_index(), shifts)
     np.testing.assert_array_equal(made().compute(table[5:10]), shifts[5:10])
     assert np.all(made().maxBrightness(pandas.DataFrame({"ObjID": ["A", "B"]})) < 0.0)
+    # a tumbler draws no period of a relaxed rotator
+    tumblers = table.assign(P_psi_h=30.0, P_phi_h=8.0, psi0_deg=0.0, mode="SAM", convention="S")
+    assert not np.any(np.isclose(made().compute(tumblers), shifts))
+    for wrong in ({"draws": {"perod_h": 3.0}}, {"law": "foo"}, {"shape": "cube.obj"}):
+        with pytest.raises(AttitudeError, match=f"{next(iter(wrong))} .*; give"):
+            light_curve_class("attitude-wrong", **wrong)
+    with pytest.raises(AttitudeError, match="of lower case"):
+        light_curve_class("ABC")
     with pytest.raises(ValueError, match="missing column"):
         made().compute(table.drop(columns="Range_LTC_km"))
