@@ -389,6 +389,16 @@ class Observable(Joinable):
     def __le__(self, threshold: Real) -> Condition:
         return self._compared("<=", threshold)
 
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, (int, float, str, np.ndarray)):
+            return self is other
+        raise AttitudeError(
+            f"{self!r} is compared with {shown(other)} by == or !=; use <, <=, > or >=, which make "
+            "a condition."
+        )
+
+    __hash__ = object.__hash__
+
     def _compared(self, comparison: str, threshold: Real) -> Condition:
         if isinstance(threshold, Observable):
             raise AttitudeError(

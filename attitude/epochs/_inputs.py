@@ -15,8 +15,8 @@ astropy Time
     are used.
 skyfield Time
     TDB is computed from its TT, as for the other types: skyfield's own TDB differs by up to 10 us.
-datetime, datetime64
-    UTC; a datetime with a time zone is converted, pandas' nanoseconds are kept.
+datetime, date, datetime64
+    UTC; a datetime with a time zone is converted, pandas' nanoseconds are kept, a date is midnight.
 
 TDB is that of the geocentre unless a Time has a location, as in astropy.
 """
@@ -57,7 +57,7 @@ LENGTHS: tuple[str, ...] = ("number", "text length", "duration", "TimeDelta")
 
 _TYPES = (
     ("Instant", Instant),
-    ("datetime", datetime.datetime),
+    ("datetime", datetime.date),
     ("datetime64", np.datetime64),
     # numpy's timedelta64 is a subclass of its integers, so this row precedes the numbers.
     ("duration", (datetime.timedelta, np.timedelta64)),
@@ -330,6 +330,8 @@ def _civil(moment, name):
     """Day, second, microsecond, nanosecond of UTC; NaN for pandas' NaT, a subclass of datetime."""
     if moment != moment:
         return (math.nan,) * 4
+    if not isinstance(moment, datetime.datetime):
+        moment = datetime.datetime.combine(moment, datetime.time())
     if moment.utcoffset() is not None:
         try:
             moment = moment.astimezone(datetime.UTC)
@@ -428,7 +430,7 @@ def _refuse_far_years(jd, name):
         )
 
 
-_DATES = (
+DATES: str = (
     'an ISO date in UTC such as "2026-01-01T00:00:00", an astropy or skyfield Time, a datetime '
     "or a numpy datetime64"
 )
@@ -436,7 +438,7 @@ _DATES = (
 _FIRST_PLAIN_JD = 2.4e6
 _LAST_PLAIN_JD = 2.5e6
 _DATES_OR_SECONDS = (
-    f'plain seconds, a time Quantity, a TimeDelta or text such as "3 d", or dates: {_DATES}'
+    f'plain seconds, a time Quantity, a TimeDelta or text such as "3 d", or dates: {DATES}'
 )
 
 
@@ -445,7 +447,7 @@ def instant(value: Epoch, name: str = "epoch") -> Instant:
 
     Parameters
     ----------
-    value : str, astropy Time, skyfield Time, datetime, datetime64 or Instant
+    value : str, astropy Time, skyfield Time, datetime, date, datetime64 or Instant
         One epoch; the top of `attitude.epochs._inputs` describes the types.
     name : str
         Name of the value in error messages.
@@ -459,10 +461,10 @@ def instant(value: Epoch, name: str = "epoch") -> Instant:
         return value
     if type(value) is str and value[4:5] == "-":
         return Instant(*of_text(value, name))
-    kind, leaves, shape = entries(value, name, _DATES)
+    kind, leaves, shape = entries(value, name, DATES)
     if kind in LENGTHS:
         raise AttitudeError(
-            f"{name} is {validation.shown(value)}, a length of time; give an epoch: {_DATES}."
+            f"{name} is {validation.shown(value)}, a length of time; give an epoch: {DATES}."
         )
     hi, lo = read(kind, leaves, shape, name)
     assert lo is not None  # a date has both doubles
@@ -470,7 +472,7 @@ def instant(value: Epoch, name: str = "epoch") -> Instant:
         raise AttitudeError(f"{name} has shape {hi.shape}; give one epoch.")
     if not math.isfinite(hi):
         raise AttitudeError(
-            f"{name} is {validation.shown(value)}, which is not an epoch; give {_DATES}."
+            f"{name} is {validation.shown(value)}, which is not an epoch; give {DATES}."
         )
     return Instant(float(hi), float(lo))
 
@@ -580,9 +582,9 @@ def past_j2000(t: Epochs, name: str = "t") -> tuple[FloatArray, FloatArray]:
     AttitudeError
         For plain seconds and durations, and as `seconds_since`.
     """
-    kind, leaves, shape = entries(t, name, _DATES)
+    kind, leaves, shape = entries(t, name, DATES)
     if kind in LENGTHS:
-        raise AttitudeError(f"{name} is {validation.shown(t)}; give {_DATES}.")
+        raise AttitudeError(f"{name} is {validation.shown(t)}; give {DATES}.")
     hi, lo = read(kind, leaves, shape, name)
     assert lo is not None  # a date has both doubles
     return hi, lo

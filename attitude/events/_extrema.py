@@ -277,7 +277,7 @@ def _extrema(start, stop, f, step, epoch, sign):
         )
     if epoch is not None:
         raise AttitudeError("epoch is for a plain function, not for an Observable; leave it out.")
-    begin, end = span(f.source.epoch, start, stop)
+    begin, end = span(f.source, start, stop)
     if step is None and f.slope is not None:
         # Interpolated attitudes have kinks, arcs seen in a scene jumps of the rate: there the slope
         # has no bounded derivative.

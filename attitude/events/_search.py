@@ -24,7 +24,7 @@ from attitude.conditions._moments import Source, same_source
 from attitude.conditions._search import Advance, crossings, difference, isolated, refined, shifted
 from attitude.epochs import _inputs, _instants
 from attitude.errors import AttitudeError
-from attitude.scene._scene import Scene
+from attitude.scene._scene import Scene, refuse_plain
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -432,7 +432,8 @@ def find_discrete(
     Parameters
     ----------
     start, stop : epochs or seconds
-        TDB seconds since the motion's epoch, or epochs of any type that ``motion.at`` takes.
+        TDB seconds since the motion's epoch, or epochs of any type that ``motion.at`` takes; of a
+        scene without a motion epochs only.
     f : Condition, list of Conditions of one motion, or function
         A function takes seconds (N,) and returns an integer or a bool for each, for example one
         made by `shadow_state`.
@@ -506,7 +507,7 @@ def stream(
         raise AttitudeError(
             "the conditions are of different motions or scenes; search each separately."
         )
-    begin, end = span(source.epoch, start, stop)
+    begin, end = span(source, start, stop)
     channels = list(dict.fromkeys(channel for one in conditions for channel in one.channels))
     for hi, lo, number, rising in _sign_changes(conditions, channels, begin, end):
         if not len(hi):
@@ -570,9 +571,15 @@ class ShadowState(Joinable):
         return self.lit.quantity("lit_fraction") < 1.0
 
 
-def span(
-    epoch: _instants.Instant, start: EpochOrSeconds, stop: EpochOrSeconds
-) -> tuple[Pair, Pair]:
+def span(source: Source, start: EpochOrSeconds, stop: EpochOrSeconds) -> tuple[Pair, Pair]:
+    """Start and stop, dates without a motion, as pairs of TDB seconds since a source's epoch."""
+    if source.motion is None:
+        refuse_plain(start, "start")
+        refuse_plain(stop, "stop")
+    return _since(source.epoch, start, stop)
+
+
+def _since(epoch, start, stop):
     """Start and stop as pairs of TDB seconds since an epoch."""
     begin = _inputs.one_since(epoch, start, "start")
     end = _inputs.one_since(epoch, stop, "stop")
@@ -619,7 +626,7 @@ def plain_span(
     """Start and stop for a plain function in seconds, and the epoch from which they count."""
     if epoch is not None:
         instant = _inputs.instant(epoch)
-        begin, end = (hi + lo for hi, lo in span(instant, start, stop))
+        begin, end = (hi + lo for hi, lo in _since(instant, start, stop))
         return begin, end, instant
     # `number` refuses dates.
     begin = validation.number(start, "start", unit="s")  # type: ignore[arg-type]

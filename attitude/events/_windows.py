@@ -319,7 +319,7 @@ def windows_of(conditions: Sequence[Condition], start: Pair, stop: Pair) -> list
 def _span_of(source, start, stop):
     """Start and stop as pairs of seconds since the epoch of a source."""
     if start is not None and stop is not None:
-        return span(source.epoch, start, stop)
+        return span(source, start, stop)
     known = _known_span(source)
     if known is None:
         missing = "start" if start is None else "stop"
@@ -329,7 +329,7 @@ def _span_of(source, start, stop):
         )
     start = known[0] if start is None else start
     stop = known[1] if stop is None else stop
-    return span(source.epoch, start, stop)
+    return span(source, start, stop)
 
 
 # More than the light time at an epoch, over the light time that ends later.

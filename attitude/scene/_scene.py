@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import datetime
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -47,18 +46,13 @@ if TYPE_CHECKING:
 # ---- What a Scene is given, checked: places, a shape, shadows, times
 
 
-def refuse_plain(times: Any) -> None:
-    """AttitudeError for plain seconds, in a scene without a motion."""
-    first = times
-    while isinstance(first, (list, tuple)) and first:
-        first = first[0]
-    kind = getattr(getattr(first, "dtype", None), "kind", "")
-    is_number = isinstance(first, (int, float)) or kind in ("f", "i", "u")
-    is_duration = isinstance(first, datetime.timedelta) or kind == "m"
-    if is_number or is_duration or type(first).__name__ == "TimeDelta":
+def refuse_plain(times: Any, name: str = "times") -> None:
+    """AttitudeError for plain seconds and lengths of time, in a scene without a motion."""
+    kind, _, _ = _inputs.entries(times, name, _inputs.DATES)
+    if kind in _inputs.LENGTHS and np.size(times):
         raise AttitudeError(
-            "times are plain seconds, but a scene without a motion has no epoch to count them "
-            "from; give dates: ISO text in UTC, astropy or skyfield Times, datetimes."
+            f"{name} is {validation.shown(times)}, but a scene without a motion has no epoch to "
+            f"count from; give {_inputs.DATES}."
         )
 
 
@@ -80,7 +74,9 @@ def place(
             "and observer are directions."
         )
     if isinstance(value, (list, tuple)) and any(
-        isinstance(item, Place) or place_of(item, name) is not None for item in value
+        (item[:1].isalpha() if isinstance(item, str) else isinstance(item, (Place, Mapping)))
+        or place_of(item, name) is not None
+        for item in value
     ):
         raise AttitudeError(f"{name} holds {len(value)} places; give one, and a Scene for each.")
     if isinstance(value, (list, tuple, np.ndarray)) and is_direction_allowed:

@@ -596,6 +596,22 @@ def test_bad_input_is_a_sentence(call, said):
         call(spinning(0.5))
 
 
+@pytest.mark.parametrize(("start", "stop"), [(0.0, 9.0), ("2026-01-01", "3 d")])
+def test_a_scene_without_a_motion_is_searched_between_dates(start, stop):
+    scene = Scene(None, "mars barycenter", paths.site("11 deg", "48 deg"), ephemeris="builtin")
+    elevation = scene.quantity("elevation")
+    for call in (
+        lambda: events.windows(elevation > 0.0, start, stop),
+        lambda: events.passes(scene, start, stop),
+        lambda: events.find_discrete(start, stop, elevation > 0.0),
+        lambda: events.find_maxima(start, stop, elevation),
+    ):
+        with pytest.raises(AttitudeError, match="but a scene without a motion"):
+            call()
+    with pytest.raises(AttitudeError, match="of a scene> is compared with 0 by =="):
+        elevation == 0  # noqa: B015
+
+
 def test_the_former_name_of_observable_warns():
     """`Quantity`, as astropy calls another class, is still imported from attitude.events."""
     with pytest.warns(DeprecationWarning, match=r"is now attitude\.events\.Observable"):
