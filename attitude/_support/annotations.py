@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from datetime import datetime, timedelta
+from datetime import date, timedelta
 from typing import Any, Protocol, SupportsFloat, TypeAlias
 
 import numpy as np
@@ -72,7 +72,7 @@ Real: TypeAlias = SupportsFloat | str | QuantityLike
 # Several numbers, in the same ways.
 Reals: TypeAlias = ArrayLike | Real | Sequence[Real]
 # One epoch; one epoch or seconds since another; and several of either.
-Epoch: TypeAlias = str | TimeLike | SkyfieldTimeLike | datetime | np.datetime64 | InstantLike
+Epoch: TypeAlias = str | TimeLike | SkyfieldTimeLike | date | np.datetime64 | InstantLike
 EpochOrSeconds: TypeAlias = Epoch | Real | timedelta | np.timedelta64
 Epochs: TypeAlias = EpochOrSeconds | ArrayLike | Sequence[Any]
 FilePath: TypeAlias = str | os.PathLike[str]

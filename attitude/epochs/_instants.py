@@ -5,11 +5,11 @@ from __future__ import annotations
 import datetime
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, SupportsFloat
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from attitude._support import pairs
+from attitude._support import pairs, validation
 from attitude._support.validation import shown
 from attitude.epochs import _time_scales
 from attitude.errors import AttitudeError
@@ -17,6 +17,8 @@ from attitude.errors import AttitudeError
 if TYPE_CHECKING:
     from astropy.time import Time
     from numpy.typing import ArrayLike
+
+    from attitude._support.annotations import Real
 
 
 # ---- Dates as text: read ISO 8601 and the CCSDS day of year, write ISO 8601
@@ -144,13 +146,18 @@ class Instant:
 
     Parameters
     ----------
-    seconds, low : float
-        s; their sum is the epoch.
+    seconds, low : float or Quantity
+        s; their sum is the epoch.  `epochs.instant` reads dates.
 
     Attributes
     ----------
     seconds, low : float
         s; the sum rounded to a double, and the rounding error.
+
+    Raises
+    ------
+    AttitudeError
+        For dates, and whatever else is no number of seconds.
 
     >>> from attitude.epochs import instant
     >>> instant("2016-12-31T23:59:60.5")
@@ -162,8 +169,8 @@ class Instant:
     seconds: float
     low: float
 
-    def __init__(self, seconds: SupportsFloat, low: SupportsFloat = 0.0) -> None:
-        hi, lo = pairs.two_sum(float(seconds), float(low))
+    def __init__(self, seconds: Real, low: Real = 0.0) -> None:
+        hi, lo = pairs.two_sum(_seconds(seconds, "seconds"), _seconds(low, "low"))
         object.__setattr__(self, "seconds", float(hi))
         object.__setattr__(self, "low", float(lo))
 
@@ -186,11 +193,13 @@ class Instant:
 
     def since(self, other: Instant) -> float:
         """TDB seconds from another Instant to this one, rounded to a double."""
+        require(other, "other")
         return (self.seconds - other.seconds) + (self.low - other.low)
 
-    def after(self, seconds: SupportsFloat, low: SupportsFloat = 0.0) -> Instant:
-        """The instant that is seconds + low of TDB later."""
-        hi, lo = pairs.add((self.seconds, self.low), float(seconds), float(low))
+    def after(self, seconds: Real, low: Real = 0.0) -> Instant:
+        """The instant that is seconds + low of TDB later; also of "3 d"."""
+        later = _seconds(seconds, "seconds"), _seconds(low, "low")
+        hi, lo = pairs.add((self.seconds, self.low), *later)
         return Instant(hi, lo)
 
     @property
@@ -201,6 +210,18 @@ class Instant:
         return f"Instant({self.utc_iso} UTC)" if self._has_date else f"Instant({self.utc_iso})"
 
     __str__ = __repr__
+
+
+def _seconds(value, name):
+    """A number or a length of time as a float of seconds; AttitudeError for anything else."""
+    if isinstance(value, float):
+        return float(value)
+    try:
+        return float(validation.real(value, name, shape=(), unit="s", finite=False))
+    except AttitudeError:
+        raise AttitudeError(
+            f"{name} is {shown(value)}; give seconds (epochs.instant reads dates)."
+        ) from None
 
 
 def require(value: object, name: str) -> None:

@@ -255,10 +255,11 @@ def site(
     latitude = validation.angle_from_plane(latitude, "latitude", "48.1 deg")
     height = validation.number(height, "height", unit="m")
     up = _normal(longitude, latitude)
+    long_term = validation.flag(long_term, "long_term")
     squeeze = (1.0 - EARTH_FLATTENING) ** 2
     radius = EARTH_RADIUS_M / math.sqrt(up[0] ** 2 + up[1] ** 2 + squeeze * up[2] ** 2)
     itrs = np.array([radius + height, radius + height, squeeze * radius + height]) * up
-    return Site(itrs, up, name, "WGS84 coordinates, IERS Earth rotation", bool(long_term))
+    return Site(itrs, up, name, "WGS84 coordinates, IERS Earth rotation", long_term)
 
 
 def site_at(itrs: FloatArray, longitude: float, latitude: float, name: str, source: str) -> Site:
@@ -298,6 +299,7 @@ def observatory(code: str, *, long_term: bool = False) -> Site:
             f"the observatory code is {validation.shown(code)}; give three characters such as "
             '"568".'
         )
+    long_term = validation.flag(long_term, "long_term")
     text = code.strip()
     known = _site_of(text.upper()) if text.upper() in _observatories() else named(text)
     if known is None:

@@ -564,6 +564,7 @@ def test_a_time_delta_in_ut1_is_refused():
         np.array([["2026-01-01", "2026-01-02"], ["2026-01-03", "2026-01-04"]], dtype="M8[D]"),
         [[datetime.datetime(2026, 1, d) for d in row] for row in ((1, 2), (3, 4))],
         np.array([[datetime.datetime(2026, 1, d) for d in row] for row in ((1, 2), (3, 4))]),
+        [[datetime.date(2026, 1, d) for d in row] for row in ((1, 2), (3, 4))],
         Time([["2026-01-01", "2026-01-02"], ["2026-01-03", "2026-01-04"]]),
         [Time(["2026-01-01", "2026-01-02"]), Time(["2026-01-03", "2026-01-04"])],
         [[Time("2026-01-01"), Time("2026-01-02")], [Time("2026-01-03"), Time("2026-01-04")]],
@@ -618,7 +619,6 @@ def test_masked_entries_give_nan_in_their_place():
         (b"2026-01-01", "t is b'2026-01-01'"),
         ({}, "t is {}"),
         (10**400, r"t is array\(1000"),
-        (datetime.date(2026, 1, 1), "t is datetime.date"),
         (["2026-01-01", 5.0], r"mixes entries of several kinds \(number, text\)"),
         ([5.0, "2026-01-01"], r"mixes entries of several kinds \(number, text\)"),
         (["2026-01-01", datetime.datetime(2026, 1, 1)], r"\(datetime, text\)"),
@@ -732,6 +732,25 @@ def test_an_instant_and_seconds_after_it():
     later = START.after(1e9, 1e-9)
     assert exact(START, later) == pytest.approx(Fraction(10**9) + Fraction(1e-9), abs=1e-15)
     assert later.after(-1e9, -1e-9) == START
+    assert START.after("1 d") == START.after(1 * units.day) == START.after(86400)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (
+            lambda: epochs.Instant("2026-01-01"),
+            "seconds is '2026-01-01'; give seconds .epochs.instant",
+        ),
+        (lambda: epochs.Instant(None), "seconds is None; give seconds"),
+        (lambda: epochs.Instant(0.0, "now"), "low is 'now'; give seconds"),
+        (lambda: START.after("2026-01-01"), "seconds is '2026-01-01'; give seconds"),
+        (lambda: START.since("2026-01-01"), "other is '2026-01-01'; give an Instant"),
+    ],
+)
+def test_what_makes_no_instant_is_refused(call, message):
+    with pytest.raises(AttitudeError, match=message):
+        call()
 
 
 @pytest.mark.parametrize(

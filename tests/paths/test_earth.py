@@ -328,6 +328,10 @@ def test_epochs_outside_of_the_table_need_to_be_asked_for():
     assert np.linalg.norm(found[0]) == pytest.approx(np.linalg.norm(path.itrs), abs=1e-6)
     assert model.span is None
     assert np.array_equal(model.position(NOW, 0.0), path.position(NOW, 0.0))
+    with pytest.raises(AttitudeError, match="long_term is 'no'; it must be True or False"):
+        paths.site("11 deg", "48 deg", long_term="no")
+    with pytest.raises(AttitudeError, match="long_term is 'false'; it must be True or False"):
+        paths.observatory("568", long_term="false")
     ends = np.array([each.seconds for each in path.span]) - NOW.seconds
     assert np.isfinite(path.position(NOW, ends)).all()
 
