@@ -245,6 +245,11 @@ def _floats(value, name):
 
 def _duration(leaf, name):
     """A timedelta or timedelta64s as seconds; NaT as NaN."""
+    if not isinstance(leaf, datetime.timedelta) and np.datetime_data(leaf.dtype)[0] in ("Y", "M"):
+        raise AttitudeError(
+            f"{name} is {validation.shown(leaf)}, years or months, which have no fixed length; "
+            "give days or a smaller unit."
+        )
     seconds = leaf.total_seconds() if isinstance(leaf, datetime.timedelta) else leaf / _SECOND
     return np.asarray(seconds, dtype=np.float64)
 

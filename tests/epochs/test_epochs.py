@@ -625,6 +625,8 @@ def test_masked_entries_give_nan_in_their_place():
         ([[1.0, 2.0], [3.0]], "ragged"),
         ([["2026-01-01"], ["2026-01-01", "2026-01-02"]], "ragged"),
         ([Time("2026-01-01"), Time(["2026-01-02", "2026-01-03"])], "ragged"),
+        (np.timedelta64(1, "M"), "years or months, which have no fixed length"),
+        (np.array([1, 2], "m8[Y]"), "years or months, which have no fixed length"),
         (3 * units.m, "t is in m"),
         (Column([1.0], unit="kg"), "t is in kg"),
         (np.datetime64("12026-01-01"), "years -4712 to 9999"),
