@@ -17,7 +17,7 @@ from attitude.errors import AttitudeError
 from attitude.events._channels import SUN_RADIUS, Mirrored, glint
 from attitude.events._search import Events, source_of, span, stream
 from attitude.paths import _composed
-from attitude.paths._path import common_span
+from attitude.paths._path import common_span, spelled
 from attitude.scene._scene import Scene
 from attitude.shape._mesh import Mesh, flat_sides
 
@@ -291,7 +291,8 @@ def windows(
     Raises
     ------
     AttitudeError
-        For other objects, and where no span is given and none follows.
+        For other objects, and where no span is given and none follows, or one with a gap in which
+        the path is not known.
     """
     known = condition_of(condition, "condition")
     return windows_of([known], *_span_of(known.source, start, stop))[0]
@@ -327,9 +328,22 @@ def _span_of(source, start, stop):
             f"{missing} is not given, and neither motion nor path has an end from which it "
             'follows; give start and stop, such as "2026-01-01" and "2026-01-02".'
         )
-    start = known[0] if start is None else start
-    stop = known[1] if stop is None else stop
-    return span(source, start, stop)
+    ends = span(source, *(b if a is None else a for a, b in zip((start, stop), known, strict=True)))
+    if source.scene is not None and source.scene.center is not None:
+        _refuse_gaps(source.scene.center, *(source.epoch.after(*end) for end in ends))
+    return ends
+
+
+def _refuse_gaps(path, start, stop):
+    """AttitudeError for a span, not given in full, in which a path has a gap."""
+    until = start
+    for first, last in path._spans():
+        if first.since(until) > _WITHIN and stop.since(first) > 0.0:
+            raise AttitudeError(
+                f"{path.name} is not known from {spelled(until)} to {spelled(first)}; give start "
+                "and stop, on one side of that gap."
+            )
+        until = last if last.since(until) > 0.0 else until
 
 
 # More than the light time at an epoch, over the light time that ends later.

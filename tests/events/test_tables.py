@@ -15,6 +15,7 @@ from attitude import (
     events,
     paths,
 )
+from attitude.paths._spk import Succession
 from attitude.scattering import Lambert, Material, Materials
 from attitude.shape import box, box_wing, flat_sides
 from tests.support import earth_orientation
@@ -128,6 +129,15 @@ def test_the_span_of_a_path_is_known_as_it_is_seen(light_time):
     assert 0.0 < lit.total < lit.span == pytest.approx(7200.0, abs=0.1)
     ends = start.after(0.1), start.after(7199.9)
     assert len(events.passes(scene)) == len(events.passes(scene, *ends)) == 1
+    halves = [
+        paths.table(t[rows], *(values[rows] for values in state), start=start, center="earth")
+        for rows in (slice(0, 60), slice(70, None))
+    ]
+    scene = Scene(None, Succession(tuple(halves), "cut"), site, ephemeris="builtin")
+    with pytest.raises(AttitudeError, match=r"cut is not known from .*on one side of that gap"):
+        events.passes(scene)
+    late = events.windows(scene.quantity("lit_fraction") > 0.5, start.after(4201.0))
+    assert late.span == pytest.approx(2999.0, abs=0.1)
 
 
 def test_the_greatest_of_a_long_window():
