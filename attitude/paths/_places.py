@@ -257,6 +257,11 @@ def _of_elements(text: str, name: str) -> Path:
                 f"{name} has {quoted(entry.strip())}, which is no element; give a (or q), e, i, "
                 'node, peri, M and epoch, as in "a = 2.53 au, e = 0.63, ...".'
             )
+        if "=" in value:
+            raise AttitudeError(
+                f"{name} has {quoted(entry.strip())}; put a comma between elements, as in "
+                '"a = 2.53 au, e = 0.63, ...".'
+            )
         if _ELEMENTS[key] in elements:
             raise AttitudeError(f"{name} has {key} twice; give it once.")
         elements[_ELEMENTS[key]] = value

@@ -128,6 +128,7 @@ def test_the_packaged_list_is_that_of_the_minor_planet_center():
         ("orbit.oem", "which is not a file"),
         ("a = 2.5, e = 0.6", "semi_major_axis = '2.5' without a unit"),
         ("a = 2.5 au, colour = red", "'colour = red', which is no element"),
+        ("a = 2.5 au e = 0.6", "put a comma between elements"),
         ("1, 2, 3, 4", "give longitude, latitude and, if known, the height"),
         ("10, 20, 30 deg", "whose height is in deg"),
         ("15.5 deg, 1.2", "whose latitude has no unit"),
