@@ -83,32 +83,39 @@ class SpiceSegment(Segment):
         self.check_span(instant, hi, lo)
         seconds, remainder = pairs.add((hi, lo), instant.seconds, instant.low)
         seconds, remainder = np.broadcast_arrays(seconds, remainder)
-        handle, descriptor = _handle(self.kernel.file, self.number)
         states = np.empty((seconds.size, 6))
-        for k, second in enumerate(seconds.tolist()):
-            try:
-                states[k] = spiceypy.spkpvn(handle, descriptor, second)[1]
-            except spiceypy.exceptions.SpiceyError as err:
-                spiceypy.reset()
-                raise AttitudeError(
-                    f"SPICE cannot evaluate {self.name} in {self.source} at {second!r} s past "
-                    f"J2000 ({err.short}); check the file with SPICE's brief."
-                ) from err
+        # Opened each time, because SPICE reads on in a file that another one has replaced.
+        if _status(self.kernel.file) != self.kernel.status:
+            raise AttitudeError(
+                f"another file has replaced {self.source} since {self.name} was read from it; make "
+                "the path anew."
+            )
+        handle = spiceypy.dafopr(self.kernel.file)
+        try:
+            spiceypy.dafbfs(handle)
+            for _ in range(self.number + 1):
+                spiceypy.daffna()
+            descriptor = spiceypy.dafgs()[:5]
+            for k, second in enumerate(seconds.tolist()):
+                states[k] = self._evaluated(handle, descriptor, second)
+        finally:
+            spiceypy.dafcls(handle)
         position, velocity = 1e3 * states.T[:3], 1e3 * states.T[3:]
         position += velocity * remainder
         return self._in_icrf(position), self._in_icrf(velocity)
 
+    def _evaluated(self, handle, descriptor, second):
+        """The state (6,) at a second past J2000, km and km/s."""
+        import spiceypy
 
-@lru_cache(maxsize=64)
-def _handle(file, number):
-    """SPICE's handle of a file, opened for reading outside of the pool, and a descriptor."""
-    import spiceypy
-
-    handle = spiceypy.dafopr(file)
-    spiceypy.dafbfs(handle)
-    for _ in range(number + 1):
-        spiceypy.daffna()
-    return handle, spiceypy.dafgs()[:5]
+        try:
+            return spiceypy.spkpvn(handle, descriptor, second)[1]
+        except spiceypy.exceptions.SpiceyError as err:
+            spiceypy.reset()
+            raise AttitudeError(
+                f"SPICE cannot evaluate {self.name} in {self.source} at {second!r} s past J2000 "
+                f"({err.short}); check the file with SPICE's brief."
+            ) from err
 
 
 _KM = 1000.0
@@ -124,6 +131,7 @@ class Kernel(Ephemeris):
 
     def __init__(self, file: str) -> None:
         self.file = file
+        self.status = _status(file)
         self.source = os.path.basename(file)
         # jplephem's segments with their numbers in the file, by the target; paths by that number.
         self._segments: dict[int, list[tuple[int, Any]]] = {}
@@ -175,18 +183,23 @@ class Kernel(Ephemeris):
 def open_kernel(file: FilePath) -> Kernel:
     """The `Kernel` of an SPK file, which is opened once."""
     path = os.path.abspath(os.path.expanduser(os.fspath(file)))
-    if not os.path.isfile(path):
-        raise AttitudeError(
-            f"the kernel {os.fspath(file)!r} is not a file; give the path of an SPK file (.bsp), "
-            "which must exist already: nothing is downloaded."
-        )
-    status = os.stat(path)
-    return _open_once(path, status.st_mtime_ns, status.st_size)
+    return _open_once(path, _status(path))
 
 
 @lru_cache(maxsize=64)
-def _open_once(path, modified, size):
+def _open_once(path, status):
     return Kernel(path)
+
+
+def _status(file):
+    """When a file was changed, in ns, and its size: another file of its name has others."""
+    if not os.path.isfile(file):
+        raise AttitudeError(
+            f"the kernel {file!r} is not a file; give the path of an SPK file (.bsp), which must "
+            "exist already: nothing is downloaded."
+        )
+    status = os.stat(file)
+    return status.st_mtime_ns, status.st_size
 
 
 def _directory(file):

@@ -26,7 +26,7 @@ def circle(seconds):
     return 1e-3 * np.stack([RADIUS * c, RADIUS * s, zero, -turning * s, turning * c, zero], -1)
 
 
-def written(file, kind, frame="J2000", epochs=EPOCHS):
+def written(file, kind, frame="J2000", epochs=EPOCHS, factor=1.0):
     handle = spiceypy.spkopn(str(file), "test", 0)
     given = handle, TARGET, 399, frame, epochs[0], epochs[-1], "test"
     if kind == 3:
@@ -42,7 +42,7 @@ def written(file, kind, frame="J2000", epochs=EPOCHS):
     elif kind == 9:
         spiceypy.spkw09(*given, 9, len(epochs), circle(epochs), epochs)
     elif kind == 13:
-        spiceypy.spkw13(*given, 7, len(epochs), circle(epochs), epochs)
+        spiceypy.spkw13(*given, 7, len(epochs), factor * circle(epochs), epochs)
     spiceypy.spkcls(handle)
     return file
 
@@ -150,6 +150,17 @@ def test_segments_that_follow_each_other_make_one_path(tmp_path):
     assert all(one is other for one, other in zip(again.parts, path.parts, strict=True))
     with pytest.raises(AttitudeError, match=r"is known from 2022.* to 2022.*, 2022.* to 2022"):
         path.position(Instant(EPOCHS[55]), 0.0)
+
+
+def test_a_file_that_is_written_again_is_read_again(tmp_path):
+    file = written(tmp_path / "again.bsp", 13)
+    earlier = paths.spk(file, TARGET)
+    position = earlier.position(Instant(0.0), EPOCHS[:3])
+    file.unlink()
+    written(file, 13, factor=2.0)
+    assert np.all(paths.spk(file, TARGET).position(Instant(0.0), EPOCHS[:3]) == 2.0 * position)
+    with pytest.raises(AttitudeError, match=r"another file has replaced again.bsp since -7777"):
+        earlier.position(Instant(0.0), EPOCHS[:3])
 
 
 def test_the_pool_of_spice_is_left_alone(tmp_path):
