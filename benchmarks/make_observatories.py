@@ -26,7 +26,7 @@ def rows() -> list[str]:
     found = []
     for code, entry in sorted(json.loads(source.read_text("utf-8")).items()):
         numbers = [entry.get(key) for key in ("Longitude", "cos", "sin")]
-        if None in numbers:
+        if None in numbers or code == "248":  # Hipparcos, listed at the center of the Earth
             numbers = ["-"] * 3
         words = [code, *(each if each == "-" else repr(float(each)) for each in numbers)]
         found.append(" ".join([*words, " ".join(entry["Name"].split())]))

@@ -19,7 +19,7 @@ from attitude.epochs import _time_scales
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
 from attitude.frames._earth import pole_of_date, timescale, to_gcrs
-from attitude.paths._path import FrozenArrays, Path, spelled
+from attitude.paths._path import FrozenArrays, Path, fixed, spelled
 
 if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray, Real
@@ -273,14 +273,14 @@ def _normal(longitude: float, latitude: float) -> FloatArray:
     return np.array([math.cos(latitude) * x, math.cos(latitude) * y, math.sin(latitude)])
 
 
-def observatory(code: str, *, long_term: bool = False) -> Site:
+def observatory(code: str, *, long_term: bool = False) -> Path:
     """The path of an observatory by its three-character code of the Minor Planet Center.
 
     Parameters
     ----------
     code : str
         Such as "568" (Mauna Kea) or "X05"; or a name of the list, or words of it that one
-        observatory alone has.  "500" is the centre of the Earth.
+        observatory alone has.  "500" is the center of the Earth, which has no horizon.
     long_term : bool
         See `site`.
 
@@ -309,10 +309,10 @@ def observatory(code: str, *, long_term: bool = False) -> Site:
             f"its list of {date.group() if date else 'an unknown date'}); give three characters "
             'such as "568", or longitude and latitude by site.'
         )
-    return replace(known, long_term=bool(long_term))
+    return replace(known, long_term=bool(long_term)) if isinstance(known, Site) else known
 
 
-def named(text: str) -> Site | None:
+def named(text: str) -> Path | None:
     """The observatory with a name, or words that no other has; AttitudeError for several."""
     words = re.findall(r"\w+", text.lower())
     if not words:
@@ -331,7 +331,7 @@ def named(text: str) -> Site | None:
     return _site_of(codes[0]) if codes else None
 
 
-def _site_of(code: str) -> Site:
+def _site_of(code: str) -> Path:
     """The place of a row of the list."""
     name, numbers = _observatories()[code]
     label = f"{code} {name}"
@@ -340,14 +340,14 @@ def _site_of(code: str) -> Site:
             f"{label} does not rest on the ground; give its path by tle, oem or spk."
         )
     longitude, rho_cos, rho_sin = numbers
+    if not rho_cos and not rho_sin:
+        return fixed((0.0, 0.0, 0.0), center="earth", name=label)
     angle = math.radians(longitude)
     direction = np.array([math.cos(angle), math.sin(angle), 0.0])
     itrs = EARTH_RADIUS_M * (rho_cos * direction + np.array([0.0, 0.0, rho_sin]))
     # The normal of the ellipsoid at the place; its height is small compared with the radius.
     up = rho_cos * direction + np.array([0.0, 0.0, rho_sin / (1.0 - EARTH_FLATTENING) ** 2])
-    size = math.sqrt(up @ up)
-    up = up / size if size else _POLE.copy()
-    return Site(itrs, up, label, "MPC observatory list, IERS Earth rotation")
+    return Site(itrs, up / math.sqrt(up @ up), label, "MPC observatory list, IERS Earth rotation")
 
 
 _LIST = "data/observatories.txt"

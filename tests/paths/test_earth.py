@@ -343,11 +343,15 @@ def test_observatories_by_code():
     assert place.lat.deg == pytest.approx(19.826, abs=1e-3)
     assert place.lon.deg == pytest.approx(-155.472, abs=1e-3)
     assert place.height.to_value("m") == pytest.approx(4200.0, abs=60.0)
-    assert not paths.observatory("500").position(NOW, 0.0).any()
+    geocenter = paths.observatory("500")
+    assert not geocenter.position(NOW, 0.0).any()
+    assert not geocenter.has_horizon and geocenter.span is None
     with pytest.raises(AttitudeError, match="does not list"):
         paths.observatory("ZZZ")
     with pytest.raises(AttitudeError, match="Hubble Space Telescope does not rest"):
         paths.observatory("250")
+    with pytest.raises(AttitudeError, match="248 Hipparcos does not rest"):
+        paths.observatory("248")
 
 
 def test_sites_that_are_refused():
