@@ -544,12 +544,19 @@ def pair(lines: Lines, line: bytes) -> tuple[str, str]:
     return keyword.strip().upper(), value.strip()
 
 
-def values(lines: Lines) -> dict[str, str]:
-    """Keyword -> value of a message of one block, without comments and units; the last counts."""
-    pairs = (pair(lines, line) for line in lines if lines.text(line).strip())
-    return {
-        keyword: value.partition("[")[0].strip() for keyword, value in pairs if keyword != "COMMENT"
-    }
+def values(lines: Lines, first: str) -> list[dict[str, str]]:
+    """Keyword -> value of each message of one block, without comments and units of numbers.
+
+    first: the keyword that begins a message; the last value counts of any other.
+    """
+    blocks: list[dict[str, str]] = [{}]
+    for keyword, value in (pair(lines, line) for line in lines if lines.text(line).strip()):
+        if keyword == first and blocks[-1]:
+            blocks.append({})
+        if keyword != "COMMENT":
+            number = value.partition("[")[0].strip()
+            blocks[-1][keyword] = number if is_number(number.encode()) else value
+    return blocks
 
 
 # ---- Tokens of XML: CCSDS 505.0-B-3

@@ -14,6 +14,7 @@ import re
 import warnings
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import compress
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,7 +24,7 @@ from attitude._support.quoting import quoted
 from attitude._support.synonyms import arguments
 from attitude._textfiles import messages, toml, xml
 from attitude._textfiles.lines import of_text, whole
-from attitude.epochs import _time_scales
+from attitude.epochs import _inputs, _time_scales
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.frames._earth import pole_of_teme, to_gcrs
@@ -36,6 +37,10 @@ if TYPE_CHECKING:
 
 
 _KM = 1000.0
+# rad/min of one revolution a day.
+_PER_DAY = 2.0 * np.pi / 1440.0
+# EPHEMERIS_TYPE, beside 0, of elements for SGP4: SGP, SGP4 and SDP4; 4 is SGP4-XP.
+_SGP4_TYPES = ("1", "2", "3")
 # Days from the epoch of the elements beyond which a path warns.
 _WARNED = 14.0
 # Days beyond which it refuses.
@@ -44,8 +49,8 @@ _OMM_NEEDED = (
     *("EPOCH", "MEAN_MOTION", "ECCENTRICITY", "INCLINATION", "RA_OF_ASC_NODE"),
     *("ARG_OF_PERICENTER", "MEAN_ANOMALY", "BSTAR"),
 )
-# Fields that SGP4 does not use.
-_OMM_DEFAULTS = {
+# Fields that SGP4 does not use: the library sgp4 reads these instead of those of an OMM.
+_OMM_UNUSED = {
     "CLASSIFICATION_TYPE": "U",
     "OBJECT_ID": "1957-001A",
     "EPHEMERIS_TYPE": "0",
@@ -187,6 +192,11 @@ def tle(
             f"{label}: line 1 is of satellite {first[2:7]} and line 2 of {second[2:7]}; give two "
             "lines of one."
         )
+    if first[62] not in (" ", "0", *_SGP4_TYPES):
+        raise AttitudeError(
+            f"{label}: the type of the elements (column 63 of line 1) is {first[62]}, so they are "
+            "not of SGP4; give elements of type 0."
+        )
     return _satellite((first, second), title or first[2:7].strip(), "TLE", any_epoch)
 
 
@@ -224,28 +234,34 @@ def omm(
         ("REF_FRAME", ("TEME",)),
         ("TIME_SYSTEM", ("UTC",)),
         ("CENTER_NAME", ("EARTH",)),
+        ("EPHEMERIS_TYPE", ("0", *_SGP4_TYPES)),
     ):
         stated = fields.get(keyword) or allowed[0]
         if stated.upper() not in allowed:
             raise AttitudeError(f"{label}: {keyword} is {quoted(stated)}; it must be {allowed[0]}.")
-    fields = {**_OMM_DEFAULTS, **{key: value for key, value in fields.items() if value}}
-    letter = fields["CLASSIFICATION_TYPE"]
-    if len(letter) != 1 or not letter.isascii():
-        raise AttitudeError(
-            f"{label}: CLASSIFICATION_TYPE is {quoted(letter)}; it must be one letter, such as U."
-        )
-    stamp = fields["EPOCH"].removesuffix("Z")
-    fields["EPOCH"] = stamp if "." in stamp else f"{stamp}.0"  # the form that sgp4 reads
-    title = fields.get("OBJECT_NAME") or fields["NORAD_CAT_ID"]
-    return _satellite(tuple(sorted(fields.items())), title, "OMM", any_epoch)
+    fields = {key: value for key, value in fields.items() if value}
+    epoch = _inputs.instant(f"{fields['EPOCH'].removesuffix('Z')} UTC", f"{label}: EPOCH")
+    # The form that sgp4 reads, which has no leap seconds; the path counts from `epoch`.
+    text = epoch.utc_iso.replace(":60", ":59")
+    fields["EPOCH"] = f"{text[:19]}.{text[20:26] or 0}"
+    title = fields.get("OBJECT_NAME") or fields.get("NORAD_CAT_ID", "0")
+    return _satellite(tuple(sorted(fields.items())), title, "OMM", any_epoch, epoch)
 
 
-def _satellite(lines, name, kind, any_epoch):
+def _satellite(lines, name, kind, any_epoch, epoch=None):
     """The satellite of two lines or of the fields of an OMM."""
     model = _model(lines)
-    jd1, jd2 = np.float64(model.jdsatepoch), np.float64(model.jdsatepochF)
+    if epoch is None:
+        utc = _tai_of_utc(np.float64(model.jdsatepoch), np.float64(model.jdsatepochF))
+        epoch = Instant(*_time_scales.tdb_from("tai", *utc))
+    elements = (model.bstar, model.ecco, model.inclo, model.nodeo, model.argpo, model.mo)
+    if not (np.isfinite(elements).all() and 0.0 < model.no_kozai < np.inf):
+        raise AttitudeError(
+            f"the {kind} of {name} has an element that is not finite, or a mean motion of "
+            f"{model.no_kozai / _PER_DAY:.4g} revolutions a day; give finite elements, and a "
+            "positive mean motion."
+        )
     flag = validation.flag(any_epoch, "any_epoch")
-    epoch = Instant(*_time_scales.tdb_from("tai", *_tai_of_utc(jd1, jd2)))
     return Satellite(lines, epoch, name, f"{kind} of {spelled(epoch)}", flag)
 
 
@@ -268,7 +284,7 @@ def _model(lines):
     model = Satrec()
     fields = dict(lines)
     try:
-        reader.initialize(model, fields)
+        reader.initialize(model, {**fields, **_OMM_UNUSED})
     except (ValueError, KeyError) as err:
         raise AttitudeError(
             f"the OMM of {quoted(fields.get('OBJECT_NAME', 'a satellite'), mark='')} cannot be "
@@ -319,24 +335,36 @@ def _chosen(satellites, names_of, name, label):
     """The only satellite, or the one with a name or number; `names_of(satellite)` has both."""
     if name is not None:
         wanted = str(name).strip().lower()
-        satellites = [satellite for satellite in satellites if wanted in names_of(satellite)]
+        named = [names_of(satellite) for satellite in satellites]
+        chosen = [wanted == title.lower() or _number(wanted) == number for title, number in named]
+        satellites = list(compress(satellites, chosen))
     if len(satellites) != 1:
-        raise AttitudeError(
-            f"{label} holds {len(satellites)} satellites"
-            + ("; give name=..." if name is None else f" called {quoted(name)}; give another name.")
-        )
+        if len(set(map(names_of, satellites))) == 1:
+            advice = " element sets of one satellite; give those of one epoch."
+        elif name is None:
+            advice = " satellites; give name=..."
+        else:
+            advice = f" satellites called {quoted(name)}; give another name."
+        raise AttitudeError(f"{label} holds {len(satellites)}{advice}")
     return satellites[0]
 
 
 def _names_of_lines(satellite):
     """The name and the catalog number of (name, line 1, line 2)."""
     title, first, _ = satellite
-    return title.lower(), first[2:7].strip().lstrip("0").lower()
+    return title, _number(first[2:7].strip())
 
 
 def _names_of_record(fields):
     """The name and the catalog number in the fields of an OMM."""
-    return fields.get("OBJECT_NAME", "").lower(), fields.get("NORAD_CAT_ID", "")
+    return fields.get("OBJECT_NAME", ""), _number(fields.get("NORAD_CAT_ID", ""))
+
+
+def _number(text):
+    """A catalog number without leading zeros, and with digits for the letter of five characters."""
+    from sgp4.alpha5 import from_alpha5
+
+    return str(from_alpha5(text.upper())) if re.fullmatch("[0-9A-Za-z][0-9]+", text) else text
 
 
 def _check_line(line, number, label):
@@ -361,7 +389,7 @@ def _check_line(line, number, label):
 
 
 _LINES = {
-    "1": re.compile(r"1 [ 0-9A-Z][ 0-9]{4}. .{8} [ \d]\d[ \d]{3}\.\d{8}.{32}[ \d]{4}\d"),
+    "1": re.compile(r"1 [ 0-9A-Z][ 0-9]{4}. .{8} [ \d]\d[ \d]{3}\.\d{8}[ +\-.\d]{32}[ \d]{4}\d"),
     "2": re.compile(
         r"2 [ 0-9A-Z][ 0-9]{4} [ \d]{3}\.\d{4} [ \d]{3}\.\d{4} [ \d]{7} "
         r"[ \d]{3}\.\d{4} [ \d]{3}\.\d{4} [ \d]{2}\.\d{8}[ \d]{5}\d"
@@ -389,7 +417,7 @@ def _satellites(message):
         return [_as_text(fields) for fields in values], label
     if "=" not in text and "," in text:
         return [_as_text(fields) for fields in toml.of_csv(text, label)], label
-    return [messages.values(of_text(text, label))], label
+    return messages.values(of_text(text, label), "CCSDS_OMM_VERS"), label
 
 
 def _as_text(fields):

@@ -123,16 +123,51 @@ def test_omm_gives_the_path_of_the_tle(form, tmp_path):
     "change, message",
     [
         ({"EPOCH": ""}, "has no EPOCH"),
-        ({"EPOCH": "yesterday"}, "cannot be read"),
+        ({"EPOCH": "yesterday"}, "the OMM: EPOCH is 'yesterday UTC'"),
         ({"INCLINATION": "steep"}, "cannot be read"),
         ({"MEAN_ELEMENT_THEORY": "DSST"}, "MEAN_ELEMENT_THEORY is 'DSST'; it must be SGP4"),
         ({"TIME_SYSTEM": "TAI"}, "TIME_SYSTEM is 'TAI'"),
-        ({"CLASSIFICATION_TYPE": "secret"}, "CLASSIFICATION_TYPE is 'secret'; it must be one"),
+        ({"EPHEMERIS_TYPE": "4"}, "EPHEMERIS_TYPE is '4'; it must be 0"),
+        ({"MEAN_MOTION": "nan"}, "has an element that is not finite"),
+        ({"MEAN_MOTION": "-15.5"}, r"a mean motion of -15.5 revolutions a day"),
+        ({"BSTAR": "inf"}, "has an element that is not finite"),
     ],
 )
 def test_messages_of_other_elements_are_refused(change, message):
     with pytest.raises(AttitudeError, match=message):
         paths.omm({**OMM, **change})
+
+
+def kvn(fields):
+    return "CCSDS_OMM_VERS = 2.0\n" + "".join(f"{k} = {v}\n" for k, v in fields.items())
+
+
+@pytest.mark.parametrize(
+    "epoch, utc",
+    [
+        ("2026-064T10:34:41.4264", "2026-03-05T10:34:41.4264"),  # CCSDS 502.0-B-3, figure 4-1
+        ("2026-03-05 10:34:41.000000500Z", "2026-03-05T10:34:41.0000005"),
+        ("2016-12-31T23:59:60.5", "2016-12-31T23:59:60.5"),
+    ],
+)
+def test_epochs_of_an_omm_are_those_of_the_package(epoch, utc):
+    path = paths.omm({**OMM, "EPOCH": epoch})
+    assert path.epoch == instant(utc)
+    later = paths.omm({**OMM, "EPOCH": "2026-03-05T10:34:41.0"})
+    away = path.position(path.epoch, 60.0) - later.position(later.epoch, 60.0)
+    assert np.linalg.norm(away) < 1e5  # m, of the turning of TEME and by SGP4's own epoch
+
+
+def test_names_and_numbers_of_an_omm():
+    path = paths.omm(kvn({**OMM, "OBJECT_NAME": "GOES 9 [P]", "NORAD_CAT_ID": "799500001"}))
+    assert path.name == "GOES 9 [P]"
+    assert np.array_equal(path.position(NOW, 0.0), paths.omm(OMM).position(NOW, 0.0))
+    two = kvn(OMM) + kvn({**OMM, "OBJECT_NAME": "OTHER"})
+    assert paths.omm(two, name="ENVISAT").name == "ENVISAT"
+    with pytest.raises(AttitudeError, match="holds 2 satellites; give name"):
+        paths.omm(two)
+    with pytest.raises(AttitudeError, match="2 element sets of one satellite; give those of one"):
+        paths.omm(kvn(OMM) * 2, name=27386)
 
 
 XML = (
@@ -231,6 +266,8 @@ def test_keywords_have_units_comments_and_any_line_ends(tmp_path):
         (("8339", "8330"), "line 1 of the elements ends in the checksum 0, but .* sum to 9"),
         (("14.37637337609529", "14.3763733760952"), "has 68 characters"),
         (("27386 098", "27387 097"), "is of satellite 27386 and line 2 of 27387"),
+        (("47533-4 0  8339", "4O533-4 7  8339"), "line 1 of the elements is not in the columns"),
+        (("47533-4 0  8339", "47533-4 4  8333"), r"the type of the elements .* is 4, so they are"),
         (("2 27386", "3 27386"), 'no two lines that start with "1 "'),
     ],
 )
@@ -243,6 +280,10 @@ def test_one_of_several_satellites_is_chosen_by_name_or_number():
     text = "\n".join([*LINES, *GEO])
     assert paths.tle(text, name="envisat").name == "ENVISAT"
     assert paths.tle(text, name=28626).name == "28626"
+    for number, name in (("T0001", 270001), ("00005", "00005"), ("00005", 5)):
+        lines = [line.replace("28626", number) for line in GEO]
+        two = [*(summed(line[:68]) for line in lines), *LINES]
+        assert paths.tle(two, name=name).name == number
     with pytest.raises(AttitudeError, match="holds 2 satellites; give name"):
         paths.tle(text)
     with pytest.raises(AttitudeError, match="holds 0 satellites called 'X'"):

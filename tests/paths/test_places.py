@@ -117,7 +117,9 @@ def test_the_packaged_list_is_that_of_the_minor_planet_center():
         entry = listed[code]
         assert name == " ".join(entry["Name"].split())
         numbers = [entry.get(key) for key in ("Longitude", "cos", "sin")]
-        assert None in numbers or code == "248" if "-" in words else numbers == list(map(float, words))
+        assert (
+            None in numbers or code == "248" if "-" in words else numbers == list(map(float, words))
+        )
 
 
 @pytest.mark.parametrize(
