@@ -532,7 +532,7 @@ def shadow_state(lit: Scene | StateFunction) -> ShadowState:
     lit : Scene, or function
         A function of seconds (N,) returns the fraction (N,) of the Sun's disc that is seen.  For a
         Scene the fraction is ``lit_fraction`` at epochs of reception, and seconds count from the
-        epoch of its motion.
+        epoch of its motion, from J2000 without one.
 
     >>> lit = lambda t: np.clip(0.5 + np.cos(0.001 * t), 0, 1)
     >>> times, states = find_discrete(0, 6000, shadow_state(lit), step=60)
@@ -540,7 +540,7 @@ def shadow_state(lit: Scene | StateFunction) -> ShadowState:
     (array([1047.198, 2094.395, 4188.79 , 5235.988]), array([1, 2, 1, 0]))
     """
     if isinstance(lit, Scene):
-        return ShadowState(lit, lit.epoch)
+        return ShadowState(lit, lit.epoch or _instants.Instant(0.0))
     if not callable(lit):
         raise AttitudeError(f"lit is {lit!r}; give a Scene or a function of seconds.")
     return ShadowState(lit)
@@ -556,8 +556,9 @@ class ShadowState(Joinable):
         self.lit, self.epoch = lit, epoch
 
     def __call__(self, t: FloatArray) -> IntArray:
-        lit = self.lit.at(t).lit_fraction if isinstance(self.lit, Scene) else self.lit(t)
-        fraction = validation.returned(lit, "lit")
+        lit, epoch = self.lit, self.epoch
+        seen = lit(t) if epoch is None else lit.since(epoch, t).lit_fraction
+        fraction = validation.returned(seen, "lit")
         return (fraction < 1.0).astype(np.int64) + (fraction <= 0.0)
 
     @property

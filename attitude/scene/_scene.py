@@ -126,7 +126,8 @@ def known_shadows(shadows: Any) -> bool | Visibility:
 _FLAGS = ("in_umbra", "in_penumbra", "sky_dark", "is_observable")
 _ROUGH = ("lit_fraction", "airmass", "brightness", "reduced_magnitude", "magnitude")
 _JUMPS = {"longitude", "right_ascension", "azimuth", "long_axis_position_angle"}
-# Part of |r| / |v| that is the spacing of samples, of a body or observer about its center.
+# Part of |r| / |v| that is the spacing of samples, of a body or observer about its center, and of
+# a body about one that shades it.
 _OF_ORBIT = 1.0 / 30.0
 # That of the two relative to each other.
 _OF_RANGE = 1.0 / 4.0
@@ -200,7 +201,7 @@ class OfView(Observable):
     def spacing(self, start: Pair, stop: Pair) -> float:
         """The spacing of samples in a span, s: `step`, or from what the value depends on.
 
-        Of an attitude 0.05 rad of rotation; of lines of sight a thirtieth of the least |r| / |v|.
+        Of an attitude 0.05 rad of rotation; of lines of sight and shadows 1/30 of the least |r|/|v|.
         """
         if self.step is not None:
             return self.step
@@ -232,6 +233,9 @@ def _scales(view):
     paths = [(place, _OF_ORBIT) for place in places]
     if len(places) == 2:
         paths.append((_composed.relative(*places, scene.ephemeris), _OF_RANGE))
+    if "lit_fraction" in view.evaluated:
+        about = (_composed.relative(places[0], body, scene.ephemeris) for body in scene.shadow_of)
+        paths += [(path, _OF_ORBIT) for path in about]
     for path, share in paths:
         state = path.state(view.epoch, view.seconds, view.low)
         size, speed = (lengths(vectors) for vectors in state)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, Scene, Spin, epochs, events, paths
+from attitude.epochs import instant
 from attitude.events._channels import Aberrated, Fixed
 from attitude.events._search import source_of
 from attitude.motions._table import AttitudeTable
@@ -351,6 +352,20 @@ def test_events_as_received_on_earth():
     np.testing.assert_allclose(found.seconds, t[changes], atol=t[1])
     # At the event the Sun is in the plane of the facet: 1e-9 of a turn.
     assert np.max(np.abs(scene.at(found.seconds, found.low).sun_direction @ normal)) < 6e-9
+
+
+def test_both_lunar_eclipses_of_a_year_are_found_without_a_step():
+    scene = Scene(None, "moon", "earth", ephemeris="builtin", shadow_of="earth")
+    year = "2026-01-01", "2027-01-01"
+    windows = events.windows(scene.quantity("lit_fraction") < 1.0, *year)
+    # NASA's catalogue of lunar eclipses: the greatest of 3 March and 28 August, TD.
+    greatest = ["2026-03-03T11:34:52 TT", "2026-08-28T04:14:04 TT"]
+    middle = 0.5 * (windows.begin + windows.end)
+    # s: of the Moon's centre alone, and the Earth's air is left out.
+    np.testing.assert_allclose(middle, [instant(at).seconds for at in greatest], atol=120.0)
+    changes = events.find_discrete(*year, events.shadow_state(scene), step=600.0)
+    assert changes.values.tolist() == [1, 2, 1, 0] * 2
+    np.testing.assert_allclose(changes.seconds[changes.values == 0], windows.end, atol=1e-5)
 
 
 def test_the_shadow_of_the_earth_on_a_satellite():
