@@ -163,8 +163,7 @@ _B1950 = 2433282.42345905
 
 def to_icrf(kind: str, hi: FloatArray, lo: FloatArray) -> FloatArray:
     """Quaternions (N, 4), continuous in sign, to ICRF from axes of the Earth at hi + lo (N,)."""
-    tt = _time_scales.tt_from_tdb(hi, lo)
-    return forms.continuous(forms.from_dcm(_matrices(kind, tt)))
+    return forms.continuous(forms.from_dcm(_matrices(kind, hi, lo)))
 
 
 @cache
@@ -181,10 +180,15 @@ def b1950() -> FloatArray:
     return frozen(quaternion.multiply(frames.wxyz_to_icrf("eme2000"), turn))
 
 
-def _matrices(kind, tt):
+def _matrices(kind, hi, lo):
     """Matrices (N, 3, 3) from ICRF to axes of the Earth."""
     import erfa
 
+    if kind == "teme":
+        pole = pole_of_teme(hi, lo)
+        axes = np.array([to_gcrs(*pole, axis[:, None]) for axis in np.eye(3)])
+        return np.moveaxis(axes, -1, 0)
+    tt = _time_scales.tt_from_tdb(hi, lo)
     tt1, tt2 = _time_scales.jd_from_seconds(*tt)
     if kind == "tod":
         return erfa.pnm06a(tt1, tt2)
@@ -197,11 +201,7 @@ def _matrices(kind, tt):
         return erfa.rz(erfa.gst06a(ut1, ut2, tt1, tt2), np.eye(3)) @ erfa.pnm06a(tt1, tt2)
     if kind == "tirs":
         return erfa.rz(erfa.era00(ut1, ut2), np.eye(3)) @ erfa.c2i06a(tt1, tt2)
-    to_itrf = erfa.c2t06a(tt1, tt2, ut1, ut2, x, y)
-    if kind == "teme":
-        spin = erfa.rz(erfa.gmst82(ut1, ut2), np.eye(3))
-        return np.swapaxes(erfa.pom00(x, y, 0.0) @ spin, -1, -2) @ to_itrf
-    return to_itrf
+    return erfa.c2t06a(tt1, tt2, ut1, ut2, x, y)
 
 
 def _orientation(tt):

@@ -162,7 +162,9 @@ _SAME = 1e-12
 def to_icrf(kind: str, hi: FloatArray, lo: FloatArray, orbit: Path | None, name: str) -> FloatArray:
     """Quaternions (N, 4) to ICRF from axes of an orbit; hi, lo (N,)."""
     position, velocity = state(hi, lo, orbit, name)
-    normal = _unit(np.cross(position, velocity))
+    momentum = np.cross(position, velocity)
+    _refuse_no_plane(momentum, -1, orbit)
+    normal = _unit(momentum)
     if kind in ("rtn", "lvlh"):
         radial = _unit(position)
         transverse = np.cross(normal, radial)
@@ -209,6 +211,15 @@ def ends(
     """
     for end, sign in zip(orbit.span or (), (1.0, -1.0), strict=False):
         yield end, sign, sign * ((hi - end.seconds) + (lo - end.low))
+
+
+def _refuse_no_plane(momentum, axis, orbit):
+    """AttitudeError where the momentum of an orbit, its components along an axis, is zero."""
+    if not momentum.any(axis).all():
+        raise AttitudeError(
+            f"{orbit.name} rests relative to {orbit.center}, or moves straight to or from it, so "
+            "that its orbit has no plane; give the path of a body about its center."
+        )
 
 
 def _unit(v):
@@ -338,9 +349,14 @@ def named(name: str, keyword: str = "frame") -> Axes:
 
 
 def _turned(kind, hi, lo, orbit, name):
-    if kind in OF_ORBIT:
-        return to_icrf(kind, hi, lo, orbit, name)
-    return _earth.to_icrf(kind, hi, lo)
+    """Quaternions (N, 4) to ICRF from turning axes, NaN at epochs that are NaN."""
+    known = ~np.isnan(hi + lo)
+    wxyz = np.full((*known.shape, 4), np.nan)
+    if known.any():
+        at = hi[known], np.broadcast_to(lo, known.shape)[known]
+        of_orbit = kind in OF_ORBIT
+        wxyz[known] = to_icrf(kind, *at, orbit, name) if of_orbit else _earth.to_icrf(kind, *at)
+    return wxyz
 
 
 def _sides(hi, lo, orbit):
@@ -388,6 +404,8 @@ class FramedHistory(Attitudes):
 
     def __init__(self, history: Any, frame: str, orbit: Any = None) -> None:
         known = named(frame)
+        if normal(frame) == "J2000":
+            frames.known(frame)  # which raises: the name means EME2000 in files only
         self._set_all(
             history=history, seconds=history.seconds, frame=str(frame).lower(), _axes=known
         )
@@ -491,8 +509,9 @@ def obliquity(
     for begin in range(0, hi.size, _BLOCK):
         block = slice(begin, begin + _BLOCK)
         position, velocity = known.state(instant, hi[block], lo[block])
-        normal = _cross(position.T, velocity.T)
-        angles[block] = between(normal, pole if pole.shape[1] == 1 else pole[:, block])
+        momentum = _cross(position.T, velocity.T)
+        _refuse_no_plane(momentum, 0, known)
+        angles[block] = between(momentum, pole if pole.shape[1] == 1 else pole[:, block])
     return angles.reshape(shape)
 
 

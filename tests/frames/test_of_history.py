@@ -132,11 +132,29 @@ def test_forms_tables_and_scalars(tmp_path):
         ("rtn", {"orbit": 3}, "rtn are axes of an orbit, and orbit is 3; give orbit="),
         ("lvhl", {}, "frame is 'lvhl'; known axes are"),
         (7, {}, "frame is 7"),
+        ("j2000", {}, "frame is 'j2000', which means two things"),
+        ("rtn", {"orbit": paths.fixed((7e6, 0, 0), center="earth")}, "its orbit has no plane"),
     ],
 )
 def test_what_is_refused(frame, options, message):
     with pytest.raises(AttitudeError, match=message):
         motion().at([0.0]).in_frame(frame, **options)
+
+
+@pytest.mark.parametrize("frame", ["rtn", "lvlh", "itrf", "teme", "tod"])
+def test_an_epoch_that_is_nan_has_no_axes(frame):
+    known = motion().at([0.0, 10.0]).in_frame(frame, orbit=orbit())
+    partly = motion().at([0.0, np.nan, 10.0]).in_frame(frame, orbit=orbit())
+    for name in ("wxyz", "angular_velocity"):
+        values = getattr(partly, name)
+        assert np.isnan(values[1]).all()
+        np.testing.assert_array_equal(values[[0, 2]], getattr(known, name))
+    assert np.isnan(motion().at(np.nan).in_frame(frame, orbit=orbit()).wxyz).all()
+
+
+def test_axes_of_sgp4_need_no_table_of_ut1():
+    pole = motion().at("2080-01-01").in_frame("teme").frame_to_body((0.0, 0.0, 1.0))
+    assert np.linalg.norm(pole) == pytest.approx(1.0)
 
 
 def test_a_satellite_of_skyfield_is_an_orbit():
