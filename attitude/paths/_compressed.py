@@ -272,6 +272,10 @@ def compress(path: Path, start: Epoch, stop: Epoch, tolerance: Real = 1e-3) -> C
     -----
     20 to 40 ns an epoch at 1e6 epochs.  Features of a path between all samples are lost.
     """
+    if not isinstance(path, Path):
+        raise AttitudeError(
+            f"path is {validation.shown(path)}; give one with positions, of attitude.paths."
+        )
     first, last = _inputs.instant(start, "start"), _inputs.instant(stop, "stop")
     limit = validation.positive(tolerance, "tolerance", unit="m")
     length = float(sum(since(last, first)))

@@ -93,7 +93,8 @@ def oem(file: FilePath, *, ephemeris: EphemerisLike = None, degree: int | None =
     file : path
         A message in KVN or XML about one object; any number of segments, each interpolated on its
         own by its keywords INTERPOLATION and INTERPOLATION_DEGREE (Hermite or Lagrange polynomials;
-        Hermite of degree 7 without them).
+        Hermite of degree 7, or what its states allow, without them).  One that has a single state,
+        as at a manoeuvre, covers no time and is left out.
     ephemeris : Ephemeris, path of a kernel, or None
         See `ephemeris`; used if the segments have different centers.
     degree : int, optional
@@ -119,7 +120,8 @@ def oem(file: FilePath, *, ephemeris: EphemerisLike = None, degree: int | None =
             f"{message.path} holds several objects ({', '.join(sorted(objects))}); give a file for "
             "each."
         )
-    paths = [_path(block, message.path, degree) for block in message.blocks]
+    several = [block for block in message.blocks if not block.rows or len(block.rows.times) > 1]
+    paths = [_path(block, message.path, degree) for block in several or message.blocks]
     if len({path.center for path in paths}) > 1:
         paths = [relative(path, SSB, ephemeris) for path in paths]
     return paths[0] if len(paths) == 1 else Succession(tuple(reversed(paths)), paths[0].name)
@@ -129,12 +131,12 @@ def _path(block, origin, degree):
     """The path of the data of one segment of a file."""
     meta = block.meta
     where = f"{origin}, segment at line {meta.line}"
-    if meta["TIME_SYSTEM"] not in _SYSTEMS:
+    if meta["TIME_SYSTEM"].upper() not in _SYSTEMS:
         raise AttitudeError(
             f"{where}: TIME_SYSTEM is {meta['TIME_SYSTEM']}; it must be one of "
             f"{', '.join(_SYSTEMS)}."
         )
-    frame = _FRAMES.get(meta["REF_FRAME"])
+    frame = _FRAMES.get(meta["REF_FRAME"].upper())
     if frame is None:
         raise AttitudeError(
             f"{where}: REF_FRAME is {meta['REF_FRAME']}; it must be one of these inertial frames: "
@@ -143,8 +145,9 @@ def _path(block, origin, degree):
     if block.rows is None:
         raise AttitudeError(f"{where}: there are no states.")
     rows = block.rows
-    interpolation, degree = _interpolation(meta, where, degree)
+    interpolation, degree = _interpolation(meta, where, degree, len(rows.times))
     states = 1e3 * np.concatenate(rows.states)
+    span = _useable(meta, rows.times, where)
     try:
         return table(
             [_dated(time, meta) for time in rows.times],
@@ -156,17 +159,18 @@ def _path(block, origin, degree):
             frame=frames.known(frame),
             name=meta["OBJECT_NAME"],
             source=os.path.basename(origin),
-            span=_useable(meta, rows.times, where),
+            span=span,
         )
     except AttitudeError as err:
         raise AttitudeError(f"{where} (states to line {rows.line}): {err}") from err
 
 
-def _interpolation(meta, where, degree):
-    """The interpolation and degree of a segment, as `table` takes them."""
+def _interpolation(meta, where, degree, count):
+    """The interpolation and degree of a segment of so many states, as `table` takes them."""
     name = meta.get("INTERPOLATION", "HERMITE").upper()
     if degree is None:
-        text = meta.get("INTERPOLATION_DEGREE", "1" if name == "LINEAR" else "7")
+        most = 2 * count - 1 if name == "HERMITE" else count - 1
+        text = meta.get("INTERPOLATION_DEGREE", str(max(1, min(7, most))))
         if not text.isdigit():
             raise AttitudeError(
                 f"{where}: INTERPOLATION_DEGREE is {text}; it must be a whole number."
@@ -182,21 +186,14 @@ def _interpolation(meta, where, degree):
 
 
 def _useable(meta, times, where):
-    """The span of a segment: its useable time, which lies within its states."""
-    first = meta.get("USEABLE_START_TIME", times[0])
-    last = meta.get("USEABLE_STOP_TIME", times[-1])
-    texts = first, last, times[0], times[-1], meta["START_TIME"], meta["STOP_TIME"]
-    instants = tuple(_inputs.instant(_dated(time, meta), "epoch") for time in texts)
-    begin, end, first_end, last_end, start, stop = ((t.seconds, t.low) for t in instants)
-    for what, ends in (("", (start, stop)), ("USEABLE_", (begin, end))):
-        if ends[1] < ends[0]:
-            raise AttitudeError(f"{where}: {what}STOP_TIME is before {what}START_TIME.")
-    if begin < first_end or last_end < end:
-        raise AttitudeError(
-            f"{where}: the useable time {first} to {last} is not within the states, "
-            f"{times[0]} to {times[-1]}."
-        )
-    return instants[:2]
+    """The useable time of a segment, or None for that of its states."""
+    for prefix in ("", "USEABLE_"):
+        keys = f"{prefix}START_TIME", f"{prefix}STOP_TIME"
+        texts = [meta.get(key, time) for key, time in zip(keys, (times[0], times[-1]), strict=True)]
+        span = tuple(_inputs.instant(_dated(text, meta), f"{where}: epoch") for text in texts)
+        if span[1].since(span[0]) < 0.0 and all(key in meta for key in keys):
+            raise AttitudeError(f"{where}: {keys[1]} is before {keys[0]}.")
+    return span if any(key in meta for key in keys) else None
 
 
 def _dated(text, meta):

@@ -86,6 +86,8 @@ def _newton_at(x, nodes, newton):
 
 INTERPOLATIONS: tuple[str, ...] = ("lagrange", "hermite")
 _HIGHEST_DEGREE = 31
+# s: more than the rounding of an epoch.
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -124,7 +126,7 @@ def table(
     frame: str = "icrf",
     name: str = "table",
     source: str = "table",
-    span: tuple[Instant, Instant] | None = None,
+    span: tuple[Epoch, Epoch] | None = None,
 ) -> TabulatedPath:
     """The path through a table of positions.
 
@@ -149,13 +151,14 @@ def table(
         Axes of the numbers, one of `frames.FRAMES`.
     name, source : str
         See `Path`.
-    span : (Instant, Instant), optional
-        Span of the path, within the table; the whole table, if not given.
+    span : (epoch, epoch), optional
+        First and last epoch of the path, within the table; the whole table, if not given.
 
     Raises
     ------
     AttitudeError
-        For too few rows, rows that are not finite or not ascending, other shapes and units.
+        For too few rows, rows that are not finite or not ascending, a span that is not within
+        them, other shapes and units.
     """
     r = validation.real(positions, "positions", shape=(..., 3), unit="m")
     if r.ndim != 2:
@@ -189,8 +192,24 @@ def table(
         name=name,
         center=known_center(center),
         source=source,
-        span=span or (first.after(knots[0], low[0]), first.after(knots[-1], low[-1])),
+        span=_span(span, first.after(knots[0], low[0]), first.after(knots[-1], low[-1])),
     )
+
+
+def _span(span, first, last):
+    """The span of a table from its first to its last row, or a shorter one."""
+    if span is None:
+        return first, last
+    if not isinstance(span, (tuple, list)) or len(span) != 2:
+        raise AttitudeError(f"span is {validation.shown(span)}; give its first and last epoch.")
+    begin, end = (_inputs.instant(epoch, "span") for epoch in span)
+    # The ends of the table, as dates, may differ from its rows by their rounding.
+    if begin.since(first) < -_ROUNDING or end.since(begin) < 0.0 or last.since(end) < -_ROUNDING:
+        raise AttitudeError(
+            f"the span {spelled(begin)} to {spelled(end)} is not within the rows, from "
+            f"{spelled(first)} to {spelled(last)}; give one that is."
+        )
+    return begin, end
 
 
 def _knots(times, start, count):

@@ -120,6 +120,8 @@ def test_frames_are_turned():
         ({"positions": np.zeros((4, 2))}, "positions has shape"),
         ({"frame": "itrf"}, "frame is 'itrf'"),
         ({"center": "nowhere"}, "center is 'nowhere'"),
+        ({"span": ("2020-01-01", START)}, "2020-.* is not within the rows, from 2029"),
+        ({"span": START}, "span is .*; give its first and last epoch"),
     ],
 )
 def test_tables_that_are_refused(change, message):
@@ -190,6 +192,22 @@ def test_a_message_in_utc_with_all_that_may_stand_in_it(tmp_path):
     assert (path.interpolation, path.degree, path.source) == ("lagrange", 3, "probe.oem")
 
 
+def test_segments_of_few_states_and_names_in_lower_case(tmp_path):
+    text = MESSAGE.replace("LAGRANGE", "hermite").replace("INTERPOLATION_DEGREE = 3\n", "")
+    text = text.replace("= UTC", "= utc").replace("= ICRF", "= eme2000")
+    lines = text[text.index("META_START") :].splitlines(keepends=True)
+    lines = [line.replace("01-01T", "01-02T").replace("001T", "002T") for line in lines]
+    rows = [k for k, line in enumerate(lines) if line[:1] == "2"]
+    two, one = ("".join(lines[: rows[count]] + lines[rows[-1] + 1 :]) for count in (2, 1))
+    path = paths.oem(message(tmp_path, text=text + one + two))
+    assert [part.degree for part in path.parts] == [3, 7]
+    position = path.position(instant("2026-01-02T00:00:30"), 0.0)
+    assert position == pytest.approx([7e6, 3e4, 0.0], abs=2.0)  # EME2000: 23 mas of 7e6 m
+    descending = text.replace("T00:03:00.000 7", "T00:00:30.000 7")
+    with pytest.raises(AttitudeError, match=r"^[^:]*probe.oem, segment at line 5 \(.*must ascend"):
+        paths.oem(message(tmp_path, text=descending))
+
+
 def test_the_useable_time_is_kept_to(tmp_path):
     change = "META_STOP", "USEABLE_START_TIME = 2026-01-01T00:01:00\nMETA_STOP"
     path = paths.oem(message(tmp_path, change))
@@ -224,13 +242,18 @@ def test_segments_with_other_centers_lead_to_the_barycentre(tmp_path):
         ("OBJECT_ID", "OBJECT_IDD", r"line 7: OBJECT_IDD is not known in the meta data of an OEM"),
         ("OBJECT_ID = 2026-001A", "OBJECT_NAME = X", r"line 7: OBJECT_NAME is given twice"),
         ("= LAGRANGE", "= SPLINE", r"INTERPOLATION is SPLINE"),
-        ("START_TIME = 2", "START_TIME = hello 2", r"segment at line 5 .*hello"),
+        ("START_TIME = 2", "START_TIME = hello 2", r"segment at line 5: epoch is 'hello"),
         ("STOP_TIME = 2026", "STOP_TIME = 2025", r"STOP_TIME is before START_TIME"),
         (
             "META_STOP",
             "USEABLE_START_TIME = 2026-01-01T00:02:00\n"
             "USEABLE_STOP_TIME = 2026-01-01T00:01:00\nMETA_STOP",
             r"USEABLE_STOP_TIME is before USEABLE_START_TIME",
+        ),
+        (
+            "META_STOP",
+            "USEABLE_START_TIME = 2025-12-31T23:59:59\nMETA_STOP",
+            r"the span 2026-01-01T00:01:08.184 TDB to .* is not within the rows, from 2026",
         ),
         ("DEGREE = 3", "DEGREE = x", r"INTERPOLATION_DEGREE is x"),
         ("DEGREE = 3", "DEGREE = 9", r"too few for lagrange polynomials of degree 9"),
