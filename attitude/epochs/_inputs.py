@@ -468,9 +468,9 @@ def instant(value: Epoch, name: str = "epoch") -> Instant:
         return Instant(*of_text(value, name))
     kind, leaves, shape = entries(value, name, DATES)
     if kind in LENGTHS:
-        raise AttitudeError(
-            f"{name} is {validation.shown(value)}, a length of time; give an epoch: {DATES}."
-        )
+        known = np.ndim(value) == 0 and value == value
+        hint = ", a length of time" if known else ""
+        raise AttitudeError(f"{name} is {validation.shown(value)}{hint}; give an epoch: {DATES}.")
     hi, lo = read(kind, leaves, shape, name)
     assert lo is not None  # a date has both doubles
     if hi.shape != ():

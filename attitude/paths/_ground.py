@@ -164,9 +164,6 @@ def _table():
     return tuple(map(frozen, columns))
 
 
-_POLE = np.array([0.0, 0.0, 1.0])
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class Site(FrozenArrays, Path):
     """A place at rest on the rotating Earth: itrs (3,), m, with a zenith `up` (3,), ITRS axes.
@@ -194,9 +191,10 @@ class Site(FrozenArrays, Path):
         return replace(self, itrs=self.up)
 
     @property
-    def pole_path(self) -> Site:
-        """See `Place.pole_path`."""
-        return replace(self, itrs=_POLE.copy())
+    def east_path(self) -> Site:
+        """See `Place.east_path`."""
+        x, y = self.up[:2] / math.hypot(*self.up[:2])  # keeps the longitude at a pole
+        return replace(self, itrs=np.array([-y, x, 0.0]))
 
     def _state(self, instant, hi, lo, rates=True):
         at = pairs.add((hi, np.broadcast_to(lo, hi.shape)), instant.seconds, instant.low)

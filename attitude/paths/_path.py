@@ -235,8 +235,8 @@ class Place:
         )
 
     @property
-    def pole_path(self) -> Path:
-        """As `zenith_path`, along the axis of ITRS: north of a ground site."""
+    def east_path(self) -> Path:
+        """As `zenith_path`, to the east of a ground site."""
         return self.zenith_path
 
 

@@ -123,7 +123,12 @@ class Sightline(Path):
         for _ in range(_MOST_PASSES):
             emitted = np.empty((2, hi.size))
             _angles.secant_step(*epochs, times, slope, light, before, *emitted)
-            old, seen = seen, vectors_at(light, emitted)
+            try:
+                old, seen = seen, vectors_at(light, emitted)
+            except AttitudeError as err:
+                raise AttitudeError(
+                    f"{err} Light left up to {light.max():.6g} s before the epochs of the scene."
+                ) from err
             error = _angles.secant_slopes(
                 _whole(seen),
                 _whole(old),

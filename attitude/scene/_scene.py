@@ -201,7 +201,8 @@ class OfView(Observable):
     def spacing(self, start: Pair, stop: Pair) -> float:
         """The spacing of samples in a span, s: `step`, or from what the value depends on.
 
-        Of an attitude 0.05 rad of rotation; of lines of sight and shadows 1/30 of the least |r|/|v|.
+        Of an attitude 0.05 rad of rotation; of lines of sight 1/30 of the least |r|/|v|, and of
+        the body about what shades it.
         """
         if self.step is not None:
             return self.step

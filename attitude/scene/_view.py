@@ -428,7 +428,7 @@ class View(Immutable):
     def lit_fraction(self) -> FloatArray:
         """Fraction of the Sun's disc that the bodies of `scene.shadow_of` leave free, 0 to 1."""
         # In parts, whose temporary arrays need no new memory.
-        scene, lit = self.scene, np.ones(self.seconds.size)
+        scene, lit = self.scene, 1.0 + 0.0 * self.seconds.ravel()  # NaN at epochs that are NaN
         for body, radius in scene.shadow_of.items():
             far = scene.sun.is_direction
             shares = self._sight(body, scene.center, emitted=True, geometric=far)
@@ -678,9 +678,7 @@ class View(Immutable):
     def azimuth(self) -> FloatArray:
         """Azimuth of the body at a ground site, from north through east, 0 to 2 pi."""
         direction = self._flat(self.apparent_direction)
-        # The pole of ITRS: north on the horizon of the site.
-        pole = self._axis_of_earth(self.scene.observer.pole_path)
-        east = np.cross(pole, self.zenith, axis=0)
+        east = self._axis_of_earth(self.scene.observer.east_path)
         north = np.cross(self.zenith, east, axis=0)
         along = (np.sum(axis * direction, axis=0) for axis in (east, north))
         return self._numbers(_angles.turned_positive(np.arctan2(*along)))
@@ -880,7 +878,7 @@ class View(Immutable):
     @quantity("rad")
     def phase_angle_sigma(self) -> FloatArray:
         """Standard deviation of phase_angle: 0, since it does not depend on the attitude."""
-        return np.zeros(self.shape)
+        return np.where(np.isnan(self.seconds), np.nan, 0.0)
 
     @quantity("rad")
     def aspect_angle_sigma(self) -> FloatArray:

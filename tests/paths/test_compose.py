@@ -198,7 +198,7 @@ def test_what_cannot_be_compressed_is_refused():
         paths.compress(Rough(), START, START.after(1e3))
     with pytest.raises(AttitudeError, match="rough has no finite position at 2028"):
         paths.compress(Holed(), START, START.after(1e3))
-    with pytest.raises(AttitudeError, match="path is .*; give one with positions"):
+    with pytest.raises(AttitudeError, match=r"path is .*; give one with positions"):
         paths.compress(paths.direction((1, 0, 0)), START, START.after(1e3))
     with pytest.raises(AttitudeError, match="start must be before stop"):
         paths.compress(Rough(), START, START)

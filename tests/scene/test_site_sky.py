@@ -80,6 +80,15 @@ def test_night_is_that_of_skyfield():
         np.testing.assert_allclose(own, wanted, atol=1.0)  # skyfield's polar motion and kernel
 
 
+@pytest.mark.parametrize("latitude", [-90.0, 90.0])
+def test_azimuths_at_a_pole_are_those_beside_it(latitude):
+    at_pole, beside = (
+        Scene(None, "moon", paths.site("30 deg", f"{at} deg"), ephemeris="builtin").at(TIMES)
+        for at in (latitude, 0.99999999 * latitude)
+    )
+    np.testing.assert_allclose(at_pole.azimuth, beside.azimuth, atol=1e-7)
+
+
 def test_air_mass_against_closed_form_and_the_almanac():
     elevation = np.radians([90.0, 60.0, 30.0, 10.0, 5.0, 0.0, -0.1])
     found = _angles.air_mass(elevation)
