@@ -65,14 +65,15 @@ _PARTS = 16
 _RESOLUTION = 1e-9
 
 
-def _level_changes(source, levels, start, stop, spacing_of, advance):
-    """All sign changes of levels in a span, in order of time."""
+def _level_changes(source, levels, searches, advance):
+    """All sign changes of levels, each with the parts of its search, in order of time."""
     blocks = []
-    for spacing in sorted(set(spacing_of)):
+    for search in sorted(set(searches)):
         # Levels of one spacing are sampled together: a view computes each quantity once.
-        some = [k for k, spacing_there in enumerate(spacing_of) if spacing_there == spacing]
-        parts = _blocks(source, [levels[k] for k in some], start, stop, spacing, advance)
-        blocks += [(hi, lo, np.asarray(some)[k], up) for hi, lo, k, up in parts]
+        some = [k for k, other in enumerate(searches) if other == search]
+        for start, stop, spacing in search:
+            parts = _blocks(source, [levels[k] for k in some], start, stop, spacing, advance)
+            blocks += [(hi, lo, np.asarray(some)[k], up) for hi, lo, k, up in parts]
         advance.next_round()
     if not blocks:
         return np.zeros(0), np.zeros(0), np.zeros(0, int), np.zeros(0, bool)
@@ -162,11 +163,9 @@ def _sign_changes(conditions, channels, start, stop):
     if not slow:
         yield from crossings(source, channels, start, stop)
         return
-    spacings = [level.observable.spacing(start, stop) for level in slow.values()]
-    advance = Advance(start, stop, len(set(spacings)) + bool(fast))
-    hi, lo, number, rising = _level_changes(
-        source, [*slow.values()], start, stop, spacings, advance
-    )
+    searches = [level.observable.searches(start, stop) for level in slow.values()]
+    advance = Advance(start, stop, len(set(searches)) + bool(fast))
+    hi, lo, number, rising = _level_changes(source, [*slow.values()], searches, advance)
     slow_changes = hi, lo, np.array([*slow])[number], rising
     done = 0
     for first, last, begin, end, needed in _open_parts(

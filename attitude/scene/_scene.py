@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -135,6 +136,12 @@ _OF_RANGE = 1.0 / 4.0
 _SAMPLES = 129
 # Spacings of samples in a span, at least.
 _FEWEST = 16
+# Part of a spacing that is the next finer one towards a close encounter.
+_FINER = 8.0
+# Of the bracket of an encounter: to 1e-7 of the distance of two samples.
+_HALVINGS = 24
+# m/s: that of a path at rest, which has no encounters.
+_TINY = 1e-30
 
 
 @dataclass(frozen=True)
@@ -206,15 +213,41 @@ class OfView(Observable):
         """
         if self.step is not None:
             return self.step
-        length = (stop[0] - start[0]) + (stop[1] - start[1])
-        s = np.linspace(0.0, length, _SAMPLES)
-        moment = self.source.at(*pairs.add(start, s))
-        self.value(moment)
+        view, length = self._sampled(start, stop)
         spacings = [length / _FEWEST] if length > 0.0 else [1.0]
-        if "attitude" in moment.view.evaluated:
+        if "attitude" in view.evaluated:
             spacings.append(super().spacing(start, stop))
-        spacings += _scales(moment.view)
-        return min(spacings)
+        return min([*spacings, *(_scale(view, path, share) for path, share in _paths(view))])
+
+    def _sampled(self, start, stop):
+        """The view of samples of a span, in which the value is evaluated, and its length, s."""
+        length = (stop[0] - start[0]) + (stop[1] - start[1])
+        moment = self.source.at(*pairs.add(start, np.linspace(0.0, length, _SAMPLES)))
+        self.value(moment)
+        return moment.view, length
+
+    def searches(self, start: Pair, stop: Pair) -> tuple[tuple[Pair, Pair, float], ...]:
+        """The parts of a span and their spacings, which are finer about close encounters."""
+        spacing = self.spacing(start, stop)
+        if self.step is not None:
+            return super().searches(start, stop)
+        view, length = self._sampled(start, stop)
+        finer = []
+        for path, share in _paths(view):
+            for time, least in _encounters(view, path):
+                # A line of sight changes by `share` of |r|/|v|, which grows as the time from it.
+                step = spacing
+                while share * least < step / 2.0:
+                    reach, step = step / share, max(share * least, step / _FINER)
+                    finer.append((time - start[0] - reach, time - start[0] + reach, step))
+        inner = {float(edge) for part in finer for edge in part[:2] if 0.0 < edge < length}
+        knots = [0.0, *sorted(inner), length]
+        ends = [start, *(pairs.add(start, knot) for knot in knots[1:-1]), stop]
+        steps = [
+            min([spacing, *(step for a, b, step in finer if a < 0.5 * (begin + end) < b)])
+            for begin, end in pairwise(knots)
+        ]
+        return tuple((*edges, step) for edges, step in zip(pairwise(ends), steps, strict=True))
 
     def __repr__(self) -> str:
         return f"<{self.name}{f' in {self.unit}' if self.unit else ''} of a scene>"
@@ -227,9 +260,9 @@ def _per_second(rate: Real | None, unit: str) -> float | None:
     return validation.positive(rate, "rate", unit=f"{unit} / s" if unit else "1 / s")
 
 
-def _scales(view):
-    """Spacings of samples of what depends on lines of sight, s."""
-    scene, scales = view.scene, []
+def _paths(view):
+    """The paths from which lines of sight follow, and the part of |r|/|v| that is the spacing."""
+    scene = view.scene
     places = [end for end in (scene.center, scene.observer) if isinstance(end, _path.Path)]
     paths = [(place, _OF_ORBIT) for place in places]
     if len(places) == 2:
@@ -237,13 +270,38 @@ def _scales(view):
     if "lit_fraction" in view.evaluated:
         about = (_composed.relative(places[0], body, scene.ephemeris) for body in scene.shadow_of)
         paths += [(path, _OF_ORBIT) for path in about]
-    for path, share in paths:
-        state = path.state(view.epoch, view.seconds, view.low)
-        size, speed = (lengths(vectors) for vectors in state)
-        moving = (speed > 0.0) & (size > 0.0)
-        if np.any(moving):
-            scales.append(share * float(np.min(size[moving] / speed[moving])))
-    return scales
+    return paths
+
+
+def _scale(view, path, share):
+    """A share of the least |r|/|v| of a path at the epochs of a view, s; infinite at rest."""
+    state = path.state(view.epoch, view.seconds, view.low)
+    size, speed = (lengths(vectors) for vectors in state)
+    moving = (speed > 0.0) & (size > 0.0)
+    return share * float(np.min(size[moving] / speed[moving], initial=np.inf))
+
+
+def _encounters(view, path):
+    """Pairs (time, |r|/|v|), s, of the pericenters between the samples of a view.
+
+    None of an orbit with more of them than _FEWEST, whose phases the samples cover.
+    """
+
+    def approaching(seconds):
+        position, velocity = path.state(view.epoch, seconds)
+        return np.sum(position * velocity, axis=-1) < 0.0
+
+    inward = approaching(view.seconds)
+    k = np.flatnonzero(inward[:-1] & ~inward[1:])
+    if not 0 < len(k) <= _FEWEST:
+        return []
+    a, b = view.seconds[k], view.seconds[k + 1]
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (a + b)
+        before = approaching(middle)
+        a, b = np.where(before, middle, a), np.where(before, b, middle)
+    size, speed = (lengths(vectors) for vectors in path.state(view.epoch, a))
+    return list(zip(a.tolist(), (size / np.maximum(speed, _TINY)).tolist(), strict=True))
 
 
 class Scene(Immutable):

@@ -368,6 +368,26 @@ def test_both_lunar_eclipses_of_a_year_are_found_without_a_step():
     np.testing.assert_allclose(changes.seconds[changes.values == 0], windows.end, atol=1e-5)
 
 
+@pytest.mark.parametrize("days", [20, 1500])
+def test_a_close_encounter_is_searched_finely_in_a_long_span(days):
+    epoch = instant("2026-03-10T03:00:00")
+    path = paths.kepler(
+        pericenter_distance="20000 km", eccentricity=2.5, inclination="40 deg", node="10 deg",
+        pericenter_argument="200 deg", epoch=epoch, center="earth", frame="icrf",
+    )  # fmt: skip
+    scene = Scene(None, path, "earth", ephemeris="builtin")
+    t = np.linspace(-86400.0, 86400.0, 20001)
+    view = scene.since(epoch, t)
+    for name, threshold in (("phase_angle", 0.3), ("lit_fraction", 1.0), ("moon_separation", 0.5)):
+        holds = np.asarray(getattr(view, name)) < threshold
+        begins = t[1:][holds[1:] & ~holds[:-1]]
+        span = epoch.after(-86400.0 * days), epoch.after(86400.0 * 1.04 * days)
+        found = events.windows(scene.quantity(name) < threshold, *span).begin - epoch.seconds
+        found = found[np.abs(found) < 86400.0]
+        np.testing.assert_allclose(found, begins, atol=t[1] - t[0])
+        assert len(found) == 1
+
+
 def test_the_shadow_of_the_earth_on_a_satellite():
     from attitude import paths
     from attitude.scene import Scene
