@@ -468,8 +468,8 @@ def instant(value: Epoch, name: str = "epoch") -> Instant:
         return Instant(*of_text(value, name))
     kind, leaves, shape = entries(value, name, DATES)
     if kind in LENGTHS:
-        known = np.ndim(value) == 0 and value == value
-        hint = ", a length of time" if known else ""
+        seconds = read(kind, leaves, shape, name)[0] if kind == "number" else np.zeros(())
+        hint = ", a length of time" if seconds.shape == () and seconds == seconds else ""
         raise AttitudeError(f"{name} is {validation.shown(value)}{hint}; give an epoch: {DATES}.")
     hi, lo = read(kind, leaves, shape, name)
     assert lo is not None  # a date has both doubles

@@ -555,8 +555,8 @@ class ShadowState(Joinable):
         self.lit, self.epoch = lit, epoch
 
     def __call__(self, t: FloatArray) -> IntArray:
-        lit, epoch = self.lit, self.epoch
-        seen = lit(t) if epoch is None else lit.since(epoch, t).lit_fraction
+        lit = self.lit
+        seen = lit.quantity("lit_fraction")(t) if isinstance(lit, Scene) else lit(t)
         fraction = validation.returned(seen, "lit")
         return (fraction < 1.0).astype(np.int64) + (fraction <= 0.0)
 
