@@ -367,7 +367,7 @@ class Observable(Joinable):
         length = (stop[0] - start[0]) + (stop[1] - start[1])
         return _SPACING / rate if rate > 0.0 else max(length, 1.0) / 64.0
 
-    def searches(self, start: Pair, stop: Pair) -> tuple[tuple[Pair, Pair, float], ...]:
+    def _searches(self, start: Pair, stop: Pair) -> tuple[tuple[Pair, Pair, float], ...]:
         """The parts of a span, begin and end, and the spacings of their samples, s."""
         return ((start, stop, self.spacing(start, stop)),)
 

@@ -163,7 +163,7 @@ def _sign_changes(conditions, channels, start, stop):
     if not slow:
         yield from crossings(source, channels, start, stop)
         return
-    searches = [level.observable.searches(start, stop) for level in slow.values()]
+    searches = [level.observable._searches(start, stop) for level in slow.values()]
     advance = Advance(start, stop, len(set(searches)) + bool(fast))
     hi, lo, number, rising = _level_changes(source, [*slow.values()], searches, advance)
     slow_changes = hi, lo, np.array([*slow])[number], rising

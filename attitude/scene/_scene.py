@@ -226,11 +226,11 @@ class OfView(Observable):
         self.value(moment)
         return moment.view, length
 
-    def searches(self, start: Pair, stop: Pair) -> tuple[tuple[Pair, Pair, float], ...]:
+    def _searches(self, start: Pair, stop: Pair) -> tuple[tuple[Pair, Pair, float], ...]:
         """The parts of a span and their spacings, which are finer about close encounters."""
         spacing = self.spacing(start, stop)
         if self.step is not None:
-            return super().searches(start, stop)
+            return super()._searches(start, stop)
         view, length = self._sampled(start, stop)
         finer = []
         for path, share in _paths(view):
