@@ -85,7 +85,7 @@ class SpiceSegment(Segment):
         seconds, remainder = np.broadcast_arrays(seconds, remainder)
         states = np.empty((seconds.size, 6))
         # Opened each time, because SPICE reads on in a file that another one has replaced.
-        if _status(self.kernel.file) != self.kernel.status:
+        if _status(self.kernel.file, self.source) != self.kernel.status:
             raise AttitudeError(
                 f"another file has replaced {self.source} since {self.name} was read from it; make "
                 "the path anew."
@@ -131,7 +131,7 @@ class Kernel(Ephemeris):
 
     def __init__(self, file: str) -> None:
         self.file = file
-        self.status = _status(file)
+        self.status = _status(file, file)
         self.source = os.path.basename(file)
         # jplephem's segments with their numbers in the file, by the target; paths by that number.
         self._segments: dict[int, list[tuple[int, Any]]] = {}
@@ -183,7 +183,7 @@ class Kernel(Ephemeris):
 def open_kernel(file: FilePath) -> Kernel:
     """The `Kernel` of an SPK file, which is opened once."""
     path = os.path.abspath(os.path.expanduser(os.fspath(file)))
-    return _open_once(path, _status(path))
+    return _open_once(path, _status(path, os.fspath(file)))
 
 
 @lru_cache(maxsize=64)
@@ -191,11 +191,11 @@ def _open_once(path, status):
     return Kernel(path)
 
 
-def _status(file):
+def _status(file, name):
     """When a file was changed, in ns, and its size: another file of its name has others."""
     if not os.path.isfile(file):
         raise AttitudeError(
-            f"the kernel {file!r} is not a file; give the path of an SPK file (.bsp), which must "
+            f"the kernel {name!r} is not a file; give the path of an SPK file (.bsp), which must "
             "exist already: nothing is downloaded."
         )
     status = os.stat(file)
