@@ -39,7 +39,7 @@ from attitude.frames import representations as frames_representations
 from attitude.frames.representations import Attitudes
 from attitude.paths._composed import relative
 from attitude.paths._foreign import place_of
-from attitude.paths._path import Path
+from attitude.paths._path import Path, label_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -217,8 +217,8 @@ def _refuse_no_plane(momentum, axis, orbit):
     """AttitudeError where the momentum of an orbit, its components along an axis, is zero."""
     if not momentum.any(axis).all():
         raise AttitudeError(
-            f"{orbit.name} rests relative to {orbit.center}, or moves straight to or from it, so "
-            "that its orbit has no plane; give the path of a body about its center."
+            f"{orbit.name} rests relative to {label_of(orbit.center)}, or moves straight to or "
+            "from it, so that its orbit has no plane; give the path of a body about its center."
         )
 
 

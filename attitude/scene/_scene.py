@@ -228,9 +228,9 @@ class OfView(Observable):
 
     def _searches(self, start: Pair, stop: Pair) -> tuple[tuple[Pair, Pair, float], ...]:
         """The parts of a span and their spacings, which are finer about close encounters."""
-        spacing = self.spacing(start, stop)
         if self.step is not None:
             return super()._searches(start, stop)
+        spacing = self.spacing(start, stop)
         view, length = self._sampled(start, stop)
         finer = []
         for path, share in _paths(view):
@@ -287,11 +287,11 @@ def _encounters(view, path):
     None of an orbit with more of them than _FEWEST, whose phases the samples cover.
     """
 
-    def approaching(seconds):
-        position, velocity = path.state(view.epoch, seconds)
+    def approaching(seconds, low=None):
+        position, velocity = path.state(view.epoch, seconds, low)
         return np.sum(position * velocity, axis=-1) < 0.0
 
-    inward = approaching(view.seconds)
+    inward = approaching(view.seconds, view.low)
     k = np.flatnonzero(inward[:-1] & ~inward[1:])
     if not 0 < len(k) <= _FEWEST:
         return []
@@ -300,8 +300,8 @@ def _encounters(view, path):
         middle = 0.5 * (a + b)
         before = approaching(middle)
         a, b = np.where(before, middle, a), np.where(before, b, middle)
-    size, speed = (lengths(vectors) for vectors in path.state(view.epoch, a))
-    return list(zip(a.tolist(), (size / np.maximum(speed, _TINY)).tolist(), strict=True))
+    size, speed = (lengths(vectors) for vectors in path.state(view.epoch, middle))
+    return list(zip(middle.tolist(), (size / np.maximum(speed, _TINY)).tolist(), strict=True))
 
 
 class Scene(Immutable):
