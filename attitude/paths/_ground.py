@@ -191,10 +191,10 @@ class Site(FrozenArrays, Path):
         return replace(self, itrs=self.up)
 
     @property
-    def east_path(self) -> Site:
-        """See `Place.east_path`."""
-        x, y = self.up[:2] / math.hypot(*self.up[:2])  # keeps the longitude at a pole
-        return replace(self, itrs=np.array([-y, x, 0.0]))
+    def pole_path(self) -> Site:
+        """See `Place.pole_path`."""
+        x, y = self.up[:2] / math.hypot(*self.up[:2])  # at a pole of the site's longitude
+        return replace(self, itrs=np.cross(self.up, (-y, x, 0.0)))
 
     def _state(self, instant, hi, lo, rates=True):
         at = pairs.add((hi, np.broadcast_to(lo, hi.shape)), instant.seconds, instant.low)

@@ -235,8 +235,8 @@ class Place:
         )
 
     @property
-    def east_path(self) -> Path:
-        """As `zenith_path`, to the east of a ground site."""
+    def pole_path(self) -> Path:
+        """As `zenith_path`, towards the pole on the horizon: north of a ground site."""
         return self.zenith_path
 
 

@@ -678,8 +678,8 @@ class View(Immutable):
     def azimuth(self) -> FloatArray:
         """Azimuth of the body at a ground site, from north through east, 0 to 2 pi."""
         direction = self._flat(self.apparent_direction)
-        east = self._axis_of_earth(self.scene.observer.east_path)
-        north = np.cross(self.zenith, east, axis=0)
+        north = self._axis_of_earth(self.scene.observer.pole_path)
+        east = np.cross(north, self.zenith, axis=0)
         along = (np.sum(axis * direction, axis=0) for axis in (east, north))
         return self._numbers(_angles.turned_positive(np.arctan2(*along)))
 
