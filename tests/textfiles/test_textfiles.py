@@ -75,10 +75,11 @@ def test_keywords_values_and_comments():
         *(("A_1", "b = c"), ("COMMENT", ""), ("COMMENT", "x = y"), ("COMMENT", "z")),
         *(("COMMENT", "S"), ("U-1 X", "3 [km]")),
     ]
-    assert messages.values(lines.of_text(text + "\n \nA_1 = 2", "it")) == {"A_1": "2", "U-1 X": "3"}
+    both = messages.values(lines.of_text(text + "\n \nA_1 = 2\nN = X [P]", "it"), "N")
+    assert both == [{"A_1": "2", "U-1 X": "3"}, {"N": "X [P]"}]
     for bad in ("no equals sign", "= 3", "  =  "):
         with pytest.raises(AttitudeError, match=r'it, line 1: .* is no "KEYWORD = value"'):
-            messages.values(lines.of_text(bad, "it"))
+            messages.values(lines.of_text(bad, "it"), "N")
 
 
 def test_records_of_xml_are_the_leaves_of_elements():
