@@ -166,6 +166,17 @@ def broadcast(array: FloatArray, name: str, shape: tuple[int, ...], whose: str) 
         ) from err
 
 
+def together(**arrays: FloatArray) -> tuple[FloatArray, ...]:
+    """The arrays broadcast to one shape; AttitudeError with their shapes if that is impossible."""
+    try:
+        return tuple(np.broadcast_arrays(*arrays.values()))
+    except ValueError as err:
+        listed = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
+        raise AttitudeError(
+            f"the leading axes do not broadcast: {listed}; give equal ones, or one of either."
+        ) from err
+
+
 def refuse_class(value: object, name: str) -> None:
     """AttitudeError for a class where an object is expected."""
     if isinstance(value, type):

@@ -11,7 +11,7 @@ from attitude._support.constants import ASTRONOMICAL_UNIT_M
 from attitude.errors import AttitudeError
 from attitude.light_curve._brightness import brightness as brightness_of
 from attitude.scattering._law import law as known_law
-from attitude.scattering._law import phase_angles, together
+from attitude.scattering._law import phase_angles
 from attitude.scattering._weighted import LommelSeeliger
 from attitude.shape._ellipsoid import Ellipsoid
 from attitude.shape._mesh import Mesh
@@ -101,7 +101,7 @@ def apparent_magnitude(
     """
     reduced = reduced_magnitude(brightness, sun_magnitude=sun_magnitude)
     modulus = distance_modulus(sun_distance, observer_distance)
-    reduced, modulus = together(brightness=reduced, distances=modulus)
+    reduced, modulus = validation.together(brightness=reduced, distances=modulus)
     return reduced + modulus
 
 
@@ -113,7 +113,7 @@ def distance_modulus(sun_distance: Reals, observer_distance: Reals) -> FloatArra
         if not np.all(array > 0.0):
             raise AttitudeError(f"{name} holds {np.min(array)}; distances are greater than zero.")
         moduli[name] = 5.0 * np.log10(array / ASTRONOMICAL_UNIT_M)
-    one, other = together(**moduli)
+    one, other = validation.together(**moduli)
     return one + other
 
 
@@ -215,7 +215,7 @@ def phased_magnitude(
     if np.any(brightness < 0.0):
         raise AttitudeError(f"brightness holds {np.min(brightness)}; it must not be negative.")
     alpha = validation.real(alpha, "alpha", unit="rad")
-    brightness, alpha = together(brightness=brightness, alpha=alpha)
+    brightness, alpha = validation.together(brightness=brightness, alpha=alpha)
     if not callable(function):
         raise AttitudeError(
             f"function is {validation.shown(function)}; give a function of the phase angle in rad."

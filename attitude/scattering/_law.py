@@ -109,17 +109,6 @@ def phase_angles(alpha: Reals) -> FloatArray:
     return angles
 
 
-def together(**arrays: FloatArray) -> tuple[FloatArray, ...]:
-    """The arrays broadcast to one shape; AttitudeError with their shapes if that is impossible."""
-    try:
-        return tuple(np.broadcast_arrays(*arrays.values()))
-    except ValueError as err:
-        listed = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
-        raise AttitudeError(
-            f"the shapes do not broadcast: {listed}; give equal ones, or single numbers."
-        ) from err
-
-
 # ---- Arrays of reflectances of laws that are evaluated facet by facet, compiled for each law
 
 # Upper bound of the number of terms that a law computes from a phase angle.
@@ -306,7 +295,7 @@ class Law:
             if np.any(np.abs(array) > 1.0 + 1e-9):
                 largest = np.max(np.abs(array))
                 raise AttitudeError(f"{name} holds {largest}; cosines lie from -1 to 1.")
-        mu0, mu, alpha = together(**cosines, alpha=phase_angles(alpha))
+        mu0, mu, alpha = validation.together(**cosines, alpha=phase_angles(alpha))
         weights = self.weights
         if weights is None:
             function = self.element or self.elements

@@ -6,6 +6,7 @@ import pytest
 from scipy import special
 
 from attitude import Body, FreeRotation, Spin, catalog, jacobi
+from attitude._solver.elliptic import integrals
 from attitude.errors import AttitudeError
 
 M = np.array([0.0, 1e-12, 0.1, 0.5, 0.9, 0.999, 1 - 1e-9])
@@ -29,11 +30,19 @@ def test_complete_integrals():
     assert np.allclose(found, expected, rtol=8 * EPS, atol=0)
 
 
-def test_the_complement_keeps_digits():
-    """K(1 - 1e-25) from mc: m itself is 1.0 in doubles."""
-    with mpmath.workdps(60):
-        expected = float(mpmath.ellipk(1 - mpmath.mpf(1e-25)))
-    assert jacobi.K(1.0, mc=1e-25) == pytest.approx(expected, rel=8 * EPS)
+@pytest.mark.parametrize("mc", [1e-3, 1e-10, 1e-25, 1e-50, 1e-80, 1e-200, 1e-307])
+def test_the_complement_keeps_digits(mc):
+    """K, E and nome of 1 - mc: m itself is 1.0 in doubles.  4e-16 is the stated accuracy."""
+    with mpmath.workdps(400):
+        m, other = 1 - mpmath.mpf(mc), mpmath.mpf(mc)
+        first, second = mpmath.ellipk(m), mpmath.ellipe(m)
+        nome = mpmath.exp(-mpmath.pi * mpmath.ellipk(other) / first)
+    assert jacobi.K(1.0 - mc, mc=mc) == pytest.approx(float(first), rel=4e-16)
+    assert jacobi.E(1.0 - mc, mc=mc) == pytest.approx(float(second), rel=4e-16)
+    assert jacobi.nome(1.0 - mc, mc=mc) == pytest.approx(float(nome), rel=4 * EPS)
+    k, d = integrals(1.0 - mc, mc)
+    assert k == pytest.approx(float(first), rel=4 * EPS)
+    assert d == pytest.approx(float((first - second) / m), rel=4 * EPS)
 
 
 def test_incomplete_integrals_and_amplitude():
@@ -44,6 +53,7 @@ def test_incomplete_integrals_and_amplitude():
     assert np.allclose(f, expected, rtol=0, atol=1e-14 * np.abs(expected).max())
     expected = exact(mpmath.ellipe, phi, m).reshape(f.shape)
     assert np.allclose(e, expected, rtol=0, atol=1e-14 * np.abs(expected).max())
+    assert jacobi.F("90 deg", 0.5) == jacobi.F(0.5 * np.pi, 0.5)
     # am is its inverse; near m = 1 an error of u grows by 1 / dn.
     assert np.allclose(jacobi.am(f, m), np.broadcast_to(phi, f.shape), rtol=0, atol=2e-12)
 
@@ -119,6 +129,8 @@ def test_toutatis():
         (lambda: jacobi.K(0.5, mc=0.4), "m \\+ mc is not 1"),
         (lambda: jacobi.Pi(0.3, 0.5), "not above 0"),
         (lambda: jacobi.am(1.0, 1.0), "give m < 1"),
+        (lambda: jacobi.am([1.0, 2.0], [0.1, 0.2, 0.3]), r"u \(2,\), m \(3,\)"),
+        (lambda: jacobi.theta(3, [1.0, 2.0], [0.1, 0.2, 0.3]), "do not broadcast"),
         (lambda: jacobi.theta(5, 0.0, 0.1), "give 1, 2, 3 or 4"),
         (lambda: jacobi.theta(3, 0.0, 1.0), "q is outside"),
     ],
