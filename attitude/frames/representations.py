@@ -171,7 +171,8 @@ def euler_rates(sequence: str | int, angles: Reals, angular_velocity: Reals) -> 
         At gimbal lock, where the rates of the outer angles do not exist.
     """
     axes = _turning_axes(sequence, angles)
-    omega = validation.rows(angular_velocity, "angular_velocity", 3)
+    omega = validation.rows(angular_velocity, "angular_velocity", 3, unit="rad/s")
+    validation.together(angles=axes[..., 0, 0], angular_velocity=omega[..., 0])
     volume = np.linalg.det(axes)  # the sine or cosine of the middle angle
     if np.any(np.abs(volume) < 1e-12):
         raise AttitudeError(
@@ -186,7 +187,9 @@ def angular_velocity_from_euler_rates(
 ) -> FloatArray:
     """Angular velocity (..., 3), rad/s in body axes, of the rates (..., 3) of Euler angles."""
     axes = _turning_axes(sequence, angles)
-    return (axes @ validation.rows(rates, "rates", 3)[..., None])[..., 0]
+    rates = validation.rows(rates, "rates", 3, unit="rad/s")
+    validation.together(angles=axes[..., 0, 0], rates=rates[..., 0])
+    return (axes @ rates[..., None])[..., 0]
 
 
 def _turning_axes(sequence, angles):
@@ -211,7 +214,10 @@ def _turning_axes(sequence, angles):
 def from_rotation_vector(vector: Reals) -> FloatArray:
     """Attitudes (..., 4) of rotation vectors (..., 3): axis times angle, rad, body to inertial."""
     vector = validation.real(vector, "vector", shape=(..., 3), unit="rad")
-    angle = np.sqrt(np.sum(vector * vector, axis=-1))
+    with np.errstate(over="ignore"):
+        angle = np.sqrt(np.sum(vector * vector, axis=-1))
+    if not validation.is_finite(angle):
+        raise AttitudeError("vector is longer than 1e154 rad; give rotations of fewer turns.")
     half_sinc = 0.5 * np.sinc(angle / (2.0 * np.pi))
     return np.concatenate([np.cos(0.5 * angle)[..., None], half_sinc[..., None] * vector], -1)
 
@@ -231,8 +237,7 @@ def from_axis_angle(axis: Reals, angle: Reals) -> FloatArray:
         raise AttitudeError("axis is zero; give a vector of any other length.")
     scaled: FloatArray = axis / largest
     direction = scaled / np.sqrt(np.sum(scaled * scaled, axis=-1, keepdims=True))
-    shape = np.broadcast_shapes(direction.shape[:-1], angle.shape)
-    half = np.broadcast_to(0.5 * angle, shape)[..., None]
+    half = 0.5 * validation.together(angle=angle, axis=axis[..., 0])[0][..., None]
     return np.concatenate([np.cos(half), np.sin(half) * direction], axis=-1)
 
 
@@ -252,8 +257,12 @@ def to_axis_angle(wxyz: Reals) -> tuple[FloatArray, FloatArray]:
 def from_mrp(mrp: Reals) -> FloatArray:
     """Attitudes (..., 4) of modified Rodrigues parameters (..., 3): axis times tan(angle / 4)."""
     p = validation.real(mrp, "mrp", shape=(..., 3))
+    # a power of two, which changes no digits, keeps the squares of long ones finite
+    exponent = np.frexp(np.max(np.abs(p), axis=-1, keepdims=True))[1]
+    scale = np.ldexp(1.0, -np.maximum(exponent, 0))
+    p, one = p * scale, scale * scale
     square = np.sum(p * p, axis=-1, keepdims=True)
-    return np.concatenate([1.0 - square, 2.0 * p], axis=-1) / (1.0 + square)
+    return np.concatenate([one - square, 2.0 * scale * p], axis=-1) / (one + square)
 
 
 def to_mrp(wxyz: Reals) -> FloatArray:
@@ -276,12 +285,12 @@ def from_pole(right_ascension: Reals, declination: Reals, spin_angle: Reals) -> 
     >>> from_pole(0.0, np.pi / 2, -np.pi / 2).round(12)
     array([1., 0., 0., 0.])
     """
-    angles = [
-        validation.real(right_ascension, "right_ascension", unit="rad") + 0.5 * np.pi,
-        0.5 * np.pi - validation.real(declination, "declination", unit="rad"),
-        validation.real(spin_angle, "spin_angle", unit="rad"),
-    ]
-    return from_euler("ZXZ", np.stack(np.broadcast_arrays(*angles), axis=-1))
+    node, tilt, spin = validation.together(
+        right_ascension=validation.real(right_ascension, "right_ascension", unit="rad"),
+        declination=validation.real(declination, "declination", unit="rad"),
+        spin_angle=validation.real(spin_angle, "spin_angle", unit="rad"),
+    )
+    return from_euler("ZXZ", np.stack([node + 0.5 * np.pi, 0.5 * np.pi - tilt, spin], axis=-1))
 
 
 def to_pole(wxyz: Reals) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -295,14 +304,14 @@ def to_pole(wxyz: Reals) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 def quaternion_rate(wxyz: Reals, angular_velocity: Reals) -> FloatArray:
     """Rate of change (..., 4) in 1/s of attitudes: q' = q (0, w) / 2, w over the body axes."""
-    omega = validation.rows(angular_velocity, "angular_velocity", 3)
+    omega = validation.rows(angular_velocity, "angular_velocity", 3, unit="rad/s")
     pure = np.concatenate([np.zeros((*omega.shape[:-1], 1)), omega], axis=-1)
     return 0.5 * quaternion.multiply(validation.rows(wxyz, "wxyz", 4), pure)
 
 
 def angular_velocity_from_quaternion_rate(wxyz: ArrayLike, rate: Reals) -> FloatArray:
     """Angular velocity (..., 3), rad/s in body axes, of the rate of change (..., 4) in 1/s."""
-    rate = validation.rows(rate, "rate", 4)
+    rate = validation.rows(rate, "rate", 4, unit="1/s")
     return 2.0 * quaternion.multiply(quaternion.conjugate(wxyz), rate)[..., 1:]
 
 

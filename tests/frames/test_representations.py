@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from astropy import units as u
 from scipy.spatial.transform import Rotation
 
 from attitude import AttitudeError
@@ -139,6 +140,23 @@ def test_quaternion_rates_there_and_back_and_the_two_frames_of_rates():
     assert np.max(np.abs(forms.inertial_to_body_rates(q, inertial) - omega)) < 5e-15
 
 
+def test_rates_may_have_a_unit():
+    q, w = (0.5, 0.5, -0.5, 0.5), np.array([1.0, 2.0, 3.0])
+    in_degrees = np.degrees(w) * u.deg / u.s
+    rate = forms.quaternion_rate(q, w)
+    np.testing.assert_allclose(forms.quaternion_rate(q, in_degrees), rate, rtol=1e-15)
+    found = forms.angular_velocity_from_quaternion_rate(q, 60.0 * rate / u.min)
+    np.testing.assert_allclose(found, w, rtol=1e-15)
+    for function in (forms.euler_rates, forms.angular_velocity_from_euler_rates):
+        found = function("ZXZ", (0.1, 0.2, 0.3), in_degrees)
+        np.testing.assert_allclose(found, function("ZXZ", (0.1, 0.2, 0.3), w), rtol=1e-15)
+
+
+def test_long_rodrigues_parameters_are_nearly_a_whole_turn():
+    np.testing.assert_allclose(forms.from_mrp((1e160, 0, 0)), (-1.0, 2e-160, 0.0, 0.0), rtol=4e-16)
+    np.testing.assert_array_equal(forms.from_mrp((3.0, 0, 0)), (-0.8, 0.6, 0.0, 0.0))
+
+
 def test_continuous_signs_follow_a_spin_through_many_turns():
     t = np.linspace(0.0, 30.0, 400)
     path = forms.from_axis_angle((1, 2, 3), t)
@@ -167,6 +185,16 @@ def test_unit_leaves_rounded_quaternions_bit_for_bit_and_tells_how_far_others_ar
         (lambda: forms.to_euler("Q", (1, 0, 0, 0)), "sequence"),
         (lambda: forms.from_axis_angle((0, 0, 0), 1.0), "axis is zero"),
         (lambda: forms.euler_rates("ZXZ", (0.1, 0.0, 0.2), (1, 2, 3)), "gimbal lock"),
+        (lambda: forms.euler_rates("ZXZ", np.ones((2, 3)), np.ones((3, 3))), r"angles \(2,\)"),
+        (
+            lambda: forms.angular_velocity_from_euler_rates(
+                "ZXZ", np.ones((2, 3)), np.ones((3, 3))
+            ),
+            r"rates \(3,\)",
+        ),
+        (lambda: forms.from_axis_angle(np.ones((2, 3)), (1, 2, 3)), r"axis \(2,\)"),
+        (lambda: forms.from_pole((1, 2), (0, 1, 2), 0), r"declination \(3,\)"),
+        (lambda: forms.from_rotation_vector((1e200, 0, 0)), "longer than 1e154 rad"),
         (lambda: forms.from_rotation("x"), "scipy Rotation"),
         (lambda: forms.to_mrp([1, 2, 3]), "shape"),
         (lambda: forms.body_to_inertial_rates((1, 0, 0, 0), (1, 2, 3, 4)), "angular_velocity has"),
