@@ -77,15 +77,15 @@ def refuse_rest(regime: Regime) -> None:
         )
 
 
-def possible(moments: ArrayLike, P_psi: float, P_phi: float) -> list[tuple[str, str]]:
+def possible(moments: Reals, P_psi: Real, P_phi: Real) -> list[tuple[str, str]]:
     """The combinations of mode and convention in which a motion has these periods.
 
     Parameters
     ----------
     moments : (3,) array_like
-        Principal moments, ascending; of any unit, or relative.
-    P_psi, P_phi : float
-        In one unit.
+        Principal moments in any order; of any unit, or relative.
+    P_psi, P_phi : float, Quantity or str
+        Plain numbers in one unit, others with theirs.
 
     Returns
     -------
@@ -94,6 +94,9 @@ def possible(moments: ArrayLike, P_psi: float, P_phi: float) -> list[tuple[str, 
     >>> possible((0.61, 0.965, 1.0), 263.0, 27.38)
     [('LAM', 'L'), ('LAM', 'S'), ('SAM', 'L'), ('SAM', 'S')]
     """
+    moments = np.sort(validation.real(moments, "moments", shape=(3,), unit="kg m2"))
+    P_psi = validation.positive(P_psi, "P_psi", unit="s")
+    P_phi = validation.positive(P_phi, "P_phi", unit="s")
     pairs_of = []
     for mode in ("LAM", "SAM"):
         for convention in ("L", "S"):
@@ -1020,12 +1023,17 @@ def total_spin(*, mode: str | Mode, P_psi: Real, P_phi: Real, theta: Real) -> tu
     P_psi, P_phi : float or Quantity
         s; of the axis of symmetry: convention "L" in long-axis, "S" in short-axis mode.
     theta : float or Quantity
-        rad, between the axis of symmetry and the momentum.
+        rad, between the nearer end of the axis of symmetry and the momentum: below 90 deg.
 
     Returns
     -------
     period, angle : float
         s, rad.  w = phi' along the momentum + psi' along the axis.
+
+    Raises
+    ------
+    AttitudeError
+        For periods that are not positive, and an angle of 90 deg or more.
 
     The comet of Halley, whose total spin period is 2.84 d:
 
@@ -1052,11 +1060,6 @@ def symmetric_moments(*, mode: str | Mode, P_psi: Real, P_phi: Real, theta: Real
     array([0.439, 1.   , 1.   ])
     """
     phi, psi, tilt = _rates(mode, P_psi, P_phi, theta)
-    if tilt >= 0.5 * math.pi:
-        raise AttitudeError(
-            f"theta is {math.degrees(tilt):.6g} deg; with 90 deg or more the rotation about the "
-            "axis of symmetry has the opposite sense. Give the angle to the nearer end of the axis."
-        )
     ratio = psi / (phi * math.cos(tilt)) + 1.0  # I / Iz
     if not ratio >= 0.5:
         low = math.degrees(math.acos(min(1.0, 2.0 * abs(psi) / phi)))
@@ -1073,4 +1076,10 @@ def _rates(mode: str | Mode, P_psi: Real, P_phi: Real, theta: Real) -> tuple[flo
     sign = 1.0 if known_mode(mode) == "LAM" else -1.0
     psi = sign / validation.positive(P_psi, "P_psi", unit="s")
     phi = 1.0 / validation.positive(P_phi, "P_phi", unit="s")
-    return phi, psi, _conventions.known_tilt(theta, "theta")
+    tilt = _conventions.known_tilt(theta, "theta")
+    if tilt >= 0.5 * math.pi:
+        raise AttitudeError(
+            f"theta is {math.degrees(tilt):.6g} deg; with 90 deg or more the rotation about the "
+            "axis of symmetry has the opposite sense. Give the angle to the nearer end of the axis."
+        )
+    return phi, psi, tilt

@@ -247,13 +247,15 @@ def test_oblate_precession():
     assert found.P_psi / found.P_phi_S == pytest.approx(2.5, rel=1e-14)
     with pytest.raises(AttitudeError, match="twice"):
         symmetric_moments(mode="SAM", P_psi=10.0, P_phi=9.0, theta=0.3)
-    with pytest.raises(AttitudeError, match="90 deg or more"):
-        symmetric_moments(mode="LAM", P_psi=10.0, P_phi=9.0, theta=1.6)
+    for function in (symmetric_moments, total_spin):
+        with pytest.raises(AttitudeError, match="90 deg or more"):
+            function(mode="LAM", P_psi=10.0, P_phi=9.0, theta=1.6)
 
 
 def test_the_same_periods_belong_to_four_states():
     combinations = possible(APOPHIS.moments, 263.0, 27.38)
     assert len(combinations) == 4
+    assert possible(APOPHIS.moments[::-1], "263 h", 27.38 * u.h) == combinations
     energies = set()
     for mode, convention in combinations:
         librates = (mode == "LAM") == (convention == "S")
