@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude._solver import codes
-from attitude._solver.records import CONSTANTS
 from attitude._support import validation
 from attitude._support.arrays import Immutable, frozen, read_only
 from attitude.errors import AttitudeError
@@ -70,54 +69,6 @@ def known_convention(convention: str) -> str:
         f'convention is {convention!r}; give "L" where phi is the angle of the long axis about '
         'the momentum, "S" where it is that of the short axis.'
     )
-
-
-def classify(moments: Reals, omega: Reals) -> Any:
-    """The modes of many states.
-
-    Parameters
-    ----------
-    moments : (..., 3) array_like
-        Principal moments of inertia, any unit, any order.
-    omega : (..., 3) array_like
-        Angular velocity over the principal axes, rad/s.
-
-    Returns
-    -------
-    (...) array of int8
-        Codes of `Mode`; a Mode for one state.  They are exact for the doubles given: the sign of
-        L^2 - 2 E B is that of the exact number, however much cancels.
-
-    Raises
-    ------
-    AttitudeError
-        For the first state that is not physical.
-
-    >>> classify((10, 20, 26), [(1, 15, 1), (0, 15, 0), (9, 2, 1)])
-    array([6, 2, 5], dtype=int8)
-    >>> classify((10, 20, 26), (1, 15, 1)).name
-    'SHORT_AXIS'
-    """
-    from attitude._solver.constants import classify_all, refine_all
-    from attitude._solver.regimes import modes_all
-    from attitude._solver.states import BLOCK, IDENTITY, States
-
-    moments, omega, lead = _states(moments, omega)
-    states, count = States.of_principal_axes(moments, omega), len(moments)
-    modes = np.empty(count, np.int8)
-    constants = np.zeros(min(count, BLOCK), CONSTANTS)
-    wxyz = np.tile(IDENTITY, (len(constants), 1))
-    for first in range(0, count, BLOCK):
-        block = range(first, min(first + BLOCK, count))
-        some, attitudes = constants[: len(block)], wxyz[: len(block)]
-        pairs = states.taken(slice(block.start, block.stop)).pairs()
-        faults, _, cancelled = classify_all(pairs[0], attitudes, pairs[1], some)
-        if faults:
-            _evaluation(states).prepared(block)  # raises the error
-        if cancelled:
-            refine_all(some)
-        modes_all(some, modes[first : block.stop])
-    return Mode(int(modes[0])) if lead == () else modes.reshape(lead)
 
 
 # Type checkers take each of these properties for an attribute of the type returned here.
@@ -363,13 +314,7 @@ def _states(moments: Reals, omega: Reals) -> tuple[FloatArray, FloatArray, tuple
     """Moments and rates as (N, 3) doubles, and their leading shape."""
     moments = validation.rows(moments, "moments", 3)
     omega = validation.rows(omega, "omega", 3, unit="rad/s")
-    try:
-        lead = np.broadcast_shapes(moments.shape[:-1], omega.shape[:-1])
-    except ValueError as err:
-        raise AttitudeError(
-            f"moments {moments.shape} and omega {omega.shape} do not broadcast; give equal leading "
-            "axes, or one row of either."
-        ) from err
+    lead = validation.together(moments=moments[..., 0], omega=omega[..., 0])[0].shape
     both = (np.broadcast_to(vectors, (*lead, 3)).reshape(-1, 3) for vectors in (moments, omega))
     moments, omega = (np.ascontiguousarray(vectors) for vectors in both)
     return moments, omega, lead

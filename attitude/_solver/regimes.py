@@ -15,7 +15,6 @@ import numpy as np
 
 from attitude._compilation.decorators import sized_entry_point, subroutine
 from attitude._solver import codes
-from attitude._solver.constants import jacobi
 from attitude._solver.elliptic import complete_and_phase
 from attitude._solver.twofloat import HALF_PI, ONE, ZERO, absolute, less, pair, sqrt, sub, two_sum
 
@@ -49,16 +48,6 @@ _SMALL_M = 1e-10
 # Steps of the trapezoidal sum in ln tan(am): its error, 14 exp(-pi^2 / h) at most, is below 2^-53.
 _STEP = 0.25
 _TAIL = 42.0
-
-
-@sized_entry_point
-def modes_all(constants, modes):
-    """Fill the codes (B,) of the modes of B states with D2 (constants)."""
-    for b in range(len(constants)):
-        c = constants[b]
-        if c.form != codes.UNIFORM:
-            jacobi(c)
-        modes[b] = c.mode
 
 
 @sized_entry_point

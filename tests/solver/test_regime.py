@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, Mode, Spin
-from attitude._solver.regime import classify, regimes
+from attitude._solver.regime import regimes
 from tests.support.oracle import Oracle
 from tests.support.states import TUMBLING, sample
 from tests.support.taylor import measured
@@ -90,8 +90,7 @@ def test_periods_are_those_of_the_measured_motion_over_many_periods(name, count)
 def test_modes_are_those_of_the_exact_numbers():
     names = {"rest": Mode.AT_REST, "separatrix": Mode.SEPARATRIX}
     for state in sample(10):
-        mode = classify(state.moments, state.omega0)
-        assert mode is regimes(state.moments, state.omega0).mode
+        mode = regimes(state.moments, state.omega0).mode
         assert mode is motion_of(state.moments, state.omega0).mode
         oracle = Oracle(state.moments, state.wxyz0, state.omega0)
         if oracle.regime in names:
@@ -107,13 +106,12 @@ def test_modes_are_those_of_the_exact_numbers():
 def test_batches_are_the_single_states():
     states = sample(10)
     moments, omega = np.array([s.moments for s in states]), np.array([s.omega0 for s in states])
-    found, modes = regimes(moments, omega), classify(moments, omega)
+    found = regimes(moments, omega)
     for k, state in enumerate(states):
         single = regimes(state.moments, state.omega0)
         for name in ("mode", "P_psi", "P_phi_L", "one_minus_m", "mean_spin_rate", "flip_time"):
             np.testing.assert_array_equal(getattr(found, name)[k], getattr(single, name))
         np.testing.assert_array_equal(found[k].nutation_S, single.nutation_S)
-        assert modes[k] == single.mode
     grid = regimes(moments[:6].reshape(2, 3, 3), omega[:6].reshape(2, 3, 3))
     assert grid.shape == grid.P_psi.shape == (2, 3) and grid.nutation_L.shape == (2, 3, 2)
     np.testing.assert_array_equal(grid.P_psi.ravel(), found.P_psi[:6])
@@ -291,16 +289,15 @@ def test_random_needles_and_near_symmetric_bodies_keep_the_sum_of_rates():
         assert total * found.P_phi_S == pytest.approx(1.0, rel=1e-14)
 
 
-@pytest.mark.parametrize("function", [classify, regimes])
-def test_bad_states_are_sentences(function):
+def test_bad_states_are_sentences():
     with pytest.raises(AttitudeError, match="exceeds the sum"):
-        function((1.0, 2.0, 5.0), (1.0, 0.0, 0.0))
+        regimes((1.0, 2.0, 5.0), (1.0, 0.0, 0.0))
     with pytest.raises(AttitudeError, match="State 1 of 2"):
-        function((1.0, 2.0, 2.5), [(1.0, 0.0, 0.0), (math.nan, 0.0, 0.0)])
+        regimes((1.0, 2.0, 2.5), [(1.0, 0.0, 0.0), (math.nan, 0.0, 0.0)])
     with pytest.raises(AttitudeError, match="do not broadcast"):
-        function(np.ones((2, 3)), np.ones((3, 3)))
+        regimes(np.ones((2, 3)), np.ones((3, 3)))
     with pytest.raises(AttitudeError, match="shape"):
-        function((1.0, 2.0), (1.0, 0.0, 0.0))
+        regimes((1.0, 2.0), (1.0, 0.0, 0.0))
 
 
 def test_at_rest_there_is_nothing_to_tell():

@@ -207,7 +207,7 @@ _MOST_MEAN = 2e-15
 
 def check_periods(truths):
     """Numbers and ranges of motions that tumble, one by one and together."""
-    from attitude._solver.regime import Mode, classify, regimes
+    from attitude._solver.regime import Mode, regimes
 
     together = regimes([state[0] for state, _ in truths.regimes], [s[1] for s, _ in truths.regimes])
     for k, (state, exact) in enumerate(truths.regimes):
@@ -215,7 +215,7 @@ def check_periods(truths):
         assert found.circulates == exact["circulates"], state
         mode = Mode.LONG_AXIS if exact["circulates"] < 0 else Mode.SHORT_AXIS
         mode = Mode.SYMMETRIC if exact["symmetric"] else mode
-        assert found.mode is mode and classify(*state) is mode and together.mode[k] == mode
+        assert found.mode is mode and together.mode[k] == mode
         for name in _NUMBERS:
             value, wanted = getattr(found, name), exact[name]
             most = _MOST_MEAN if name == "mean_spin_rate" else _MOST
@@ -458,7 +458,7 @@ def check_blocks_of_regimes(truths):
     omega = np.array([(0.1, 0.2, 0.3 + 0.01 * k) for k in range(8)])
     size, states.BLOCK = states.BLOCK, 3
     try:
-        found, modes = regime.regimes(moments, omega), regime.classify(moments, omega)
+        found = regime.regimes(moments, omega)
         _check_refused(regime, moments, omega)
         # where they are not refused, they have no numbers
         changed = omega.copy()
@@ -472,17 +472,16 @@ def check_blocks_of_regimes(truths):
         states.BLOCK = size
     for k in range(8):
         alone = regime.regimes(moments[k], omega[k])
-        assert found.P_psi[k] == alone.P_psi and modes[k] == alone.mode == found[k].mode
+        assert found.P_psi[k] == alone.P_psi and found.mode[k] == alone.mode == found[k].mode
         assert found[k].P_phi("L") == alone.P_phi_L and found[k].P_phi("s") == alone.P_phi_S
         assert np.array_equal(found[k].nutation("l"), alone.nutation_L)
         assert np.array_equal(found[k].nutation("S"), alone.nutation_S)
         assert np.array_equal(found[k].precession_rate("L"), alone.precession_rate_L)
         assert np.array_equal(found[k].precession_rate("S"), alone.precession_rate_S)
-    assert found.shape == (8,) and len(found) == 8 and modes.dtype == np.int8
+    assert found.shape == (8,) and len(found) == 8
     grid = regime.regimes(moments[:6].reshape(2, 3, 3), (0.1, 0.2, 0.3))
     assert grid.shape == grid.P_psi.shape == grid.mean_spin_rate.shape == (2, 3)
     assert grid.nutation_L.shape == (2, 3, 2) and repr(grid) == "<Regime of 6 states>"
-    assert regime.classify(moments[:6].reshape(2, 3, 3), (0.1, 0.2, 0.3)).shape == (2, 3)
     assert "LONG_AXIS" in repr(found[0]) or "SHORT_AXIS" in repr(found[0])
     # L^2 - 2 E B of doubles that cancel, with its exact sign
     for moments_of, rates, mode in (
@@ -491,7 +490,7 @@ def check_blocks_of_regimes(truths):
         ((2.0, 5.0, 6.0), (1.0, 0.3, math.nextafter(1.0, 0.0)), regime.Mode.LONG_AXIS),
         ((2.0, 5.0, 6.0), (0.0, 0.0, 0.0), regime.Mode.AT_REST),
     ):
-        assert regime.classify(moments_of, rates) is mode
+        assert regime.regimes(moments_of, rates).mode is mode
     for bad in ("X", 1, None):
         try:
             regime.known_convention(bad)
@@ -520,30 +519,29 @@ def _check_refused(regime, moments, omega):
     """States that are not physical are named by their number."""
     from attitude import AttitudeError
 
-    for function in (regime.classify, regime.regimes):
-        for bad in (2, 5, 7):
-            changed = omega.copy()
-            changed[bad, 1] = math.nan
-            try:
-                function(moments, changed)
-            except AttitudeError as err:
-                assert f"State {bad} of 8" in str(err), err
-            else:
-                raise AssertionError(bad)
-        for count, words in ((1, "the angular velocity is"), (2, "State 0 of 2: the angular")):
-            try:
-                function(moments[:count], np.full((count, 3), math.nan))
-            except AttitudeError as err:
-                assert str(err).startswith(words), err
-            else:
-                raise AssertionError(count)
-        for arguments, words in (
-            ((np.ones((2, 3)), np.ones((4, 3))), "do not broadcast"),
-            (((1.0, 2.0), (1.0, 0.0, 0.0)), "shape"),
-        ):
-            try:
-                function(*arguments)
-            except AttitudeError as err:
-                assert words in str(err), err
-            else:
-                raise AssertionError(arguments)
+    for bad in (2, 5, 7):
+        changed = omega.copy()
+        changed[bad, 1] = math.nan
+        try:
+            regime.regimes(moments, changed)
+        except AttitudeError as err:
+            assert f"State {bad} of 8" in str(err), err
+        else:
+            raise AssertionError(bad)
+    for count, words in ((1, "the angular velocity is"), (2, "State 0 of 2: the angular")):
+        try:
+            regime.regimes(moments[:count], np.full((count, 3), math.nan))
+        except AttitudeError as err:
+            assert str(err).startswith(words), err
+        else:
+            raise AssertionError(count)
+    for arguments, words in (
+        ((np.ones((2, 3)), np.ones((4, 3))), "do not broadcast"),
+        (((1.0, 2.0), (1.0, 0.0, 0.0)), "shape"),
+    ):
+        try:
+            regime.regimes(*arguments)
+        except AttitudeError as err:
+            assert words in str(err), err
+        else:
+            raise AssertionError(arguments)
