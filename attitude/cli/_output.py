@@ -14,6 +14,7 @@ from attitude._support import quantity_text
 from attitude.errors import AttitudeError
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats import tables
+from attitude.formats._format import ending_of, endings
 
 if TYPE_CHECKING:
     from astropy.table import Table
@@ -56,14 +57,23 @@ def require_usable(arguments: argparse.Namespace) -> None:
     written = {name: words[name] for name in _WRITTEN if words.get(name) is not None}
     for option, path in written.items():
         label = "OUT" if "input" in words else f"--{option}"
-        require_writable(path, label)
-        for name, value in words.items():
-            others = value if isinstance(value, list) else [value]
-            if name != option and any(_is_same(path, other) for other in others):
-                raise AttitudeError(
-                    f"{label} {path!r} is also a file that the command reads or writes otherwise, "
-                    "and would be lost; give another name."
-                )
+        targets = [path, *_beside(path, words)] if label == "OUT" else [path]
+        for target in targets:
+            require_writable(target, label)
+            for name, value in words.items():
+                others = value if isinstance(value, list) else [value]
+                if name != option and any(_is_same(target, other) for other in others):
+                    raise AttitudeError(
+                        f"{label} {target!r} is also a file that the command reads or writes "
+                        "otherwise, and would be lost; give another name."
+                    )
+
+
+def _beside(path: str, words: Mapping[str, Any]) -> list[str]:
+    """The files that the format of OUT writes beside it."""
+    form, stem = endings().get(ending_of(path)), os.path.splitext(path)[0]
+    beside = {} if form is None else form.beside
+    return [stem + ending for ending, option in beside.items() if not words.get(option)]
 
 
 def _is_same(path: str, other: object) -> bool:
@@ -102,12 +112,17 @@ def kind_of(
 def opened(name: str | None) -> AbstractContextManager[Any]:
     """The text file of --output, which appears whole or not at all; without one standard output."""
     if name is None:
-        if sys.stdout is None:
-            raise AttitudeError("standard output is closed; open it, or give --output FILE.")
+        require_open(", or give --output FILE")
         return nullcontext(sys.stdout)
     from attitude._textfiles.atomic_write import written_whole
 
     return written_whole(name, "--output")
+
+
+def require_open(other: str = "") -> None:
+    """Raise the AttitudeError for a standard output that was closed before the start."""
+    if sys.stdout is None:
+        raise AttitudeError(f"standard output is closed; open it{other}.")
 
 
 def write_table(table: Table, name: str, kind: str, option: str = "--output") -> None:

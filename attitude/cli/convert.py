@@ -120,6 +120,13 @@ def run(arguments: argparse.Namespace) -> None:
         source = detect.opened(arguments.input, tolerance=tolerance, orbit=path, **choices)
     for text in source.motion.meta.get("assumed", ()):
         print(f"{arguments.input}: assumed: {text}")
+    if left_out := source.said.get("left_out"):
+        warnings.warn(
+            f"{arguments.input} is converted as a table of attitudes, without its "
+            f"{' and '.join(left_out)}; attitude.acm.read has them, and the motion.",
+            AttitudeWarning,
+            stacklevel=2,
+        )
     with source.motion:  # a C-kernel is unloaded at the end
         _convert(arguments, written, source, path)
 
@@ -218,7 +225,9 @@ def _records(arguments, source):
     if arguments.step is None:
         free = isinstance(source, FreeRotation)
         needed = "--step and --stop" if free else "--start, --stop and --step"
-        raise AttitudeError(f"{arguments.output} holds attitudes at epochs; give {needed}.")
+        raise AttitudeError(
+            f"the attitudes of {arguments.input} are sampled at epochs; give {needed}."
+        )
     epochs = _epochs(arguments, source, *_texts_of_ends(arguments, source), arguments.step)
     hi, lo = epochs.block(0, epochs.count)
     return Records(source, source.epoch, hi, lo)

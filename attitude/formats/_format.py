@@ -38,7 +38,8 @@ class OpenedFile(NamedTuple):
     ----------
     motion : AttitudeTable, FreeRotation or KernelAttitude
     said : dict
-        Names, comments, source and note, under the names of the keyword arguments of writers.
+        Names, comments, source and note, under the names of the keyword arguments of writers; of
+        an ACM "left_out", the names of what it holds beside the attitudes.
     """
 
     motion: Motion
@@ -100,6 +101,9 @@ class Format:
         What the help of the command calls files of this format.
     endings : tuple of str
         In lower case; the longest that a name has decides.
+    beside : mapping
+        Endings of further files of that name that `write` makes, each with the option of the
+        command, as an attribute, in whose presence it makes none.
     read : function
         ``read(path, **keywords)`` returns an `OpenedFile`.
     reading : tuple of str
@@ -150,6 +154,7 @@ class Format:
     fulfilled: Mapping[str, str] = field(default_factory=dict)
     is_sampled: bool = True
     labels: Callable[[Motion, Mapping[str, Any]], dict[str, Any]] = no_labels
+    beside: Mapping[str, str] = field(default_factory=dict)
 
 
 def register(new: Format) -> None:
@@ -280,10 +285,11 @@ def table_reader(read: Callable[..., Any]) -> Callable[..., OpenedFile]:
     return opened
 
 
-def of_table(table: Motion) -> OpenedFile:
-    """A table, with the names and comments of its meta data."""
+def of_table(table: Motion, said: Mapping[str, Any] | None = None) -> OpenedFile:
+    """A table, with the names and comments of its meta data, and what else is said."""
     names = ("object_name", "object_id", "center", "comments")
-    return OpenedFile(table, {name: table.meta[name] for name in names if table.meta.get(name)})
+    of_meta = {name: table.meta[name] for name in names if table.meta.get(name)}
+    return OpenedFile(table, {**of_meta, **(said or {})})
 
 
 def message_labels(motion: Motion, said: Mapping[str, Any]) -> dict[str, Any]:

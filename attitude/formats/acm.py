@@ -936,17 +936,23 @@ def _has_covariance(records):
 
 
 def _opened(path, *, segment, **keywords):
-    """The attitudes of an ACM, or its motion if it has none."""
+    """The attitudes of an ACM, and what it holds beside them."""
     message = read(path, **keywords)
+    beside = {
+        "inertia": message.body is not None,
+        "covariances": message.covariances,
+        "maneuvers": message.maneuvers,
+    }
+    left_out = {"left_out": tuple(name for name, present in beside.items() if present)}
     if segment is not None:
         if not 0 <= segment < len(message.tables):
             raise AttitudeError(
                 f"{os.fspath(path)}: segment is {segment!r}; the message has {len(message.tables)} "
                 "blocks of attitudes, counted from 0."
             )
-        return of_table(message.tables[segment])
+        return of_table(message.tables[segment], left_out)
     with prefixed(path):
-        return of_table(message.table if message.tables else message.motion)
+        return of_table(message.table, left_out)
 
 
 register_message(

@@ -13,6 +13,7 @@ agree.
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -21,7 +22,7 @@ import numpy as np
 from attitude._textfiles import messages
 from attitude._textfiles.lines import cut, prefixed
 from attitude._textfiles.messages import Form, Generator, comparable
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.formats import _attitude_types, _messages
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._attitude_types import ANGLES, ANGLES_DOT, ANGVEL, Q_DOT, SPIN, Convention, Q
@@ -392,13 +393,23 @@ class Parameters:
 
     @property
     def motion(self) -> FreeRotation:
-        """The FreeRotation from this state; AttitudeError if the message lacks rates or inertia."""
+        """The FreeRotation from this state; AttitudeError if the message lacks rates or inertia.
+
+        An AttitudeWarning says that maneuvers are left out.
+        """
         if self.body is None:
             raise AttitudeError(
                 "the message has no inertia, without which no motion follows; give it in the "
                 "message, or in Python a Body: FreeRotation(body, parameters.spin)."
             )
         self.refuse_other_axes()
+        if any(name == "MAN" for name, *_ in self.meta["blocks"]):
+            warnings.warn(
+                "the maneuvers (MAN) of the message are left out: its motion is free, also after "
+                "them. Give their torques or impulses in Python, to TorquedRotation or Arcs.",
+                AttitudeWarning,
+                stacklevel=2,
+            )
         return FreeRotation(self.body, self.spin)
 
     def refuse_other_axes(self) -> None:
@@ -572,6 +583,12 @@ def _opened(path, **keywords):
 
 def _labels(motion, said):
     """Names and comments, and whether the inertia has a unit to be written in."""
+    if motion.body.relative:
+        warnings.warn(
+            "the moments are relative, and those of an APM in kg m2: it is written without inertia",
+            AttitudeWarning,
+            stacklevel=2,
+        )
     return {"inertia": not motion.body.relative, **message_labels(motion, said)}
 
 

@@ -423,6 +423,7 @@ register(
         renamed={"body": "name"},
         holds="span",
         noun="a C-kernel",
+        beside={".tf": "frame_kernel", ".tsc": "clock"},
         options=(
             *_OPTIONS,
             Option(

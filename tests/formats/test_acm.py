@@ -359,7 +359,7 @@ def test_on_the_command_line(tmp_path, name):
     with pytest.raises(AttitudeError, match=r"are those of GYRO_3, ACC_0, .*; choose one"):
         detect.read(several)
     assert len(detect.read(several, segment=2)) == 2
-    with pytest.raises(AttitudeError, match="no attitude with an angular velocity"):
+    with pytest.raises(AttitudeError, match="the message has no attitudes"):
         detect.read(OREKIT / "ACMExample07.txt")
 
 

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, Spin, paths
-from attitude.cli import convert
+from attitude.cli import convert, main
+from attitude.errors import AttitudeWarning
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats import aem, detect, spin_file
 from attitude.frames import quaternion
@@ -78,6 +79,33 @@ def test_motions_into_motions(tmp_path, spin):
         found = spin_file.read(tmp_path / "b.toml").motion
         assert np.array_equal(found.body.moments, MOTION.body.moments)
         assert apart(found.at(0.0).wxyz, MOTION.at(0.0).wxyz) < 1e-15
+
+
+def test_what_a_message_holds_beyond_its_motion_is_said(tmp_path, spin):
+    run(spin, tmp_path / "a.apm")
+    text = (tmp_path / "a.apm").read_text()
+    maneuver = "MAN_START\nMAN_EPOCH_START = 2026-01-01T00:00:05\nMAN_DURATION = 3 [s]\n"
+    maneuver += "MAN_REF_FRAME = ICRF\nMAN_TOR_X = -1.25 [N*m]\nMAN_TOR_Y = 0 [N*m]\n"
+    (tmp_path / "m.apm").write_text(f"{text}{maneuver}MAN_TOR_Z = 0 [N*m]\nMAN_STOP\n")
+    for words in (("b.apm",), ("b.csv", "--stop", "9", "--step", "1")):
+        with pytest.warns(AttitudeWarning, match="maneuvers .* are left out"):
+            run(tmp_path / "m.apm", tmp_path / words[0], *words[1:])
+    run(spin, tmp_path / "a.acm", "--stop", "9", "--step", "1")
+    for words in (("c.acm",), ("c.toml", "--fit")):
+        with pytest.warns(AttitudeWarning, match="without its inertia; .* has them"):
+            run(tmp_path / "a.acm", tmp_path / words[0], *words[1:])
+    run(tmp_path / "c.acm", tmp_path / "d.acm")
+
+
+def test_files_that_a_c_kernel_has_beside_it_do_not_replace_those_that_are_read(tmp_path, capsys):
+    options = "--start", "2026-01-01", "--stop", "2026-01-02", "--step", "1 s"
+    for name in ("old.bc", "a.tf", "a.tsc"):
+        (tmp_path / name).write_bytes(b"DAF/CK  ")
+    for name in ("a.tf", "a.tsc"):
+        words = "old.bc", "a.bc", "--kernels", name, *options
+        words = [str(tmp_path / word) if "." in word else word for word in words]
+        assert main(["convert", *words]) == 2
+        assert f"{name}' is also a file that the command reads" in capsys.readouterr().err
 
 
 def test_the_exact_spin_file_holds_a_billion_revolutions(tmp_path, spin):
@@ -158,7 +186,8 @@ def test_motions_into_everything(tmp_path):
         assert apart(found.at(time).wxyz, steady.at(time).wxyz) < (
             1e-6 if "spin" in (first, second) else 1e-12
         )
-    run(tmp_path / "a.spin", tmp_path / "c.apm")
+    with pytest.warns(AttitudeWarning, match="written without inertia"):
+        run(tmp_path / "a.spin", tmp_path / "c.apm")
     from attitude.formats import apm
 
     assert apm.read(tmp_path / "c.apm").body is None
