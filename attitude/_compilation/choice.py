@@ -22,10 +22,13 @@ from __future__ import annotations
 import os
 import sys
 import threading
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from time import thread_time
 from typing import Final
+
+from attitude.errors import AttitudeWarning
 
 # Processor seconds, measured on an AMD EPYC (benchmarks/first_use.py): importing numba and loading
 # the loops of a propagation, and compiling one function, most of which take 0.3 to 2 s.
@@ -47,8 +50,15 @@ def mode() -> str:
     """ "always", "never" or "automatic", by the environment variables of the process."""
     if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
         return "never"
-    setting = os.environ.get("ATTITUDE_COMPILE", "")
-    return setting if setting in ("always", "never") else "automatic"
+    setting = os.environ.get("ATTITUDE_COMPILE", "") or "automatic"
+    if setting in ("always", "never", "automatic"):
+        return setting
+    warnings.warn(
+        f'ATTITUDE_COMPILE is {setting!r}, and taken as "automatic"; give "always" or "never".',
+        AttitudeWarning,
+        stacklevel=2,
+    )
+    return "automatic"
 
 
 MODE: Final = mode()

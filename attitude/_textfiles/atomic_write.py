@@ -193,7 +193,9 @@ def _delete_unlocked(path: str) -> None:
 
 
 def _target(path, name):
-    """The file behind symbolic links; folders are refused."""
+    """The file behind symbolic links; folders and empty names are refused."""
+    if not os.fspath(path):
+        raise AttitudeError(f"{name} is an empty text; give the name of a file.")
     target = os.path.realpath(path)
     if os.path.isdir(target):
         raise AttitudeError(f"{name} {os.fspath(path)!r} is a folder; give the name of a file.")

@@ -142,7 +142,7 @@ def beginning(path: str | os.PathLike[str]) -> bytes:
     try:
         with open(path, "rb") as file:
             return file.read(_RECOGNIZED).lstrip(b"\xef\xbb\xbf \t\r\n")
-    except OSError as err:
+    except (OSError, ValueError) as err:  # a name with a null character
         raise unreadable(path, err) from err
 
 
@@ -158,9 +158,10 @@ def path_of_packaged(name: str) -> str:
     return str(Path(__file__).resolve().parent.parent / name)
 
 
-def unreadable(path: str | os.PathLike[str], err: OSError) -> AttitudeError:
+def unreadable(path: str | os.PathLike[str], err: OSError | ValueError) -> AttitudeError:
     """The AttitudeError for a file that the system refuses to read."""
-    return AttitudeError(f"{os.fspath(path)!r} cannot be read: {err.strerror or err}.")
+    reason = getattr(err, "strerror", None) or err
+    return AttitudeError(f"{os.fspath(path)!r} cannot be read: {reason}.")
 
 
 def numbers(tokens: Sequence[bytes], step: int, places: Sequence[int]) -> NDArray[np.float64]:

@@ -123,9 +123,10 @@ class _Parser(argparse.ArgumentParser):
         unknown = re.fullmatch(r"unrecognized arguments: (.*)", message)
         if unknown:
             known = [option for action in self._actions for option in action.option_strings]
-            alike = difflib.get_close_matches(unknown.group(1).split()[0], known, n=1)
+            words = unknown.group(1).split() or ["an empty argument"]
+            alike = difflib.get_close_matches(words[0], known, n=1)
             guess = f" (did you mean {alike[0]}?)" if alike else ""
-            message = f"{unknown.group(1)} is not known{guess}"
+            message = f"{' '.join(words)} is not known{guess}"
         raise AttitudeError(f'{message}; see "{self.prog} --help".')
 
 

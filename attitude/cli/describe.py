@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import textwrap
 
-from attitude.cli import _options
+from attitude.cli import _options, _output
 
 HELP: dict[str, str] = {
     "describe": "print mode, periods, momentum and energy of a spin file or a catalogued body",
@@ -41,6 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser, command: str) -> None:
 
 def run(arguments: argparse.Namespace, command: str) -> None:
     """Print a description or the catalogue."""
+    _output.require_open()
     if command == "describe":
         _describe(arguments)
     else:

@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from attitude._support import pairs
-from attitude._textfiles.atomic_write import written_whole
+from attitude._textfiles.atomic_write import require_writable, written_whole
 from attitude._textfiles.lines import is_number, opened, text_of_rows
 from attitude.epochs import _time_scales
 from attitude.epochs._instants import Instant
@@ -670,7 +670,10 @@ def _names(path, count):
     if count == 1:
         return [path]
     stem, ending = os.path.splitext(os.fspath(path))
-    return [f"{stem}-{k + 1}{ending}" for k in range(count)]
+    names = [f"{stem}-{k + 1}{ending}" for k in range(count)]
+    for name in names:  # before the first of them is written
+        require_writable(name, "the STK file")
+    return names
 
 
 def _write(path, records, *, section, axes, how, head, order, orbit):
@@ -731,7 +734,8 @@ register(
         options=(
             Option(
                 "split",
-                "STK: a file x-1.a, x-2.a, ... for each stretch between impulses or gaps",
+                "STK: a file x-1.a, x-2.a, ... for each stretch between impulses or gaps, "
+                "each whole or not at all",
                 {"action": "store_true"},
                 refusal="is for STK files, not {output}; leave it out.",
             ),

@@ -897,7 +897,7 @@ def text_of(path: FilePath) -> str:
 
 def _decoded(name: str, encoding: str | None) -> tuple[str, list[str]]:
     """The text of a file, and a note if its encoding is a guess."""
-    advice = "give a file of photometry, or its encoding="
+    advice = "give a file of photometry, or in Python its encoding="
     try:
         return textfiles_lines.whole(name, advice, encoding or "UTF-8"), []
     except AttitudeError as err:
@@ -906,7 +906,8 @@ def _decoded(name: str, encoding: str | None) -> tuple[str, list[str]]:
         text = textfiles_lines.whole(name, advice, "latin-1")
         if _CONTROL.search(text):  # not text at all
             raise
-    return text, ["The file is not in UTF-8 and was read as Latin-1; encoding= says otherwise."]
+    note = "The file is not in UTF-8 and was read as Latin-1; in Python encoding= says otherwise."
+    return text, [note]
 
 
 def of_ecsv(text: str, name: str, columns: Mapping[str, str] | None = None) -> Keywords:

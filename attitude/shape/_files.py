@@ -132,9 +132,10 @@ def _file_and_kind(path, format, done):
     file = Path(path)
     kind = format or _FORMATS.get(file.suffix.lower(), "")
     if kind not in _FORMATS.values():
+        other = "" if format is None else f", or give one of these as format=, not {quoted(format)}"
         raise AttitudeError(
             f"{file.name}: a shape is {done} as obj, damit, stl or ply; name the file .obj, .txt, "
-            f".stl or .ply, or give format= (given {quoted(format)})."
+            f".stl or .ply{other}."
         )
     return file, kind
 

@@ -223,6 +223,8 @@ BAD = [
     (("view", "none.aem"), "'none.aem' cannot be read: No such file"),
     (("view", "none"), "the catalogue has no 'none'"),
     (("describe", TOUTATIS, "--rates"), "--rates is not known"),
+    (("describe", TOUTATIS, " "), "an empty argument is not known"),
+    ((*GO, "--stop", "1", "--step", "1", "--output", ""), "--output is an empty text"),
     ((*GO, "--step", "1"), "required: --stop"),
     ((*GO, "--stop", "1"), "required: --step"),
     ((*GO, "--stop", "1", "--stepp", "1", "--step", "1"), "did you mean --step"),
@@ -436,6 +438,7 @@ def test_a_closed_standard_output_is_said(attitude_command, tmp_path, monkeypatc
     code, _, err = attitude_command(*options)
     assert code == 2 and "standard output is closed; open it, or give --output" in err
     assert attitude_command(*options, "--output", tmp_path / "a.csv")[0] == 0
+    assert attitude_command("describe", PAPER)[0] == 2
 
 
 def test_overflows_are_one_sentence(attitude_command, monkeypatch):

@@ -108,6 +108,11 @@ def test_stk(tmp_path, order):
 
 def test_stk_files_for_each_stretch(tmp_path, capsys):
     made = stk.write(tmp_path / "a.a", ARCS, start=0, stop=SPAN, tolerance=1e-8, split=True)
+    (tmp_path / "z-2.a").mkdir()
+    with pytest.raises(AttitudeError, match="is a folder"):
+        stk.write(tmp_path / "z.a", ARCS, t=np.arange(0.0, SPAN + 1.0), split=True)
+    assert not (tmp_path / "z-1.a").exists()
+    (tmp_path / "z-2.a").rmdir()
     stk.write(tmp_path / "b.a", ARCS, t=np.arange(0.0, SPAN + 1.0), split=True)
     names = [f"{x}-{k}.a" for x in "ab" for k in (1, 2, 3)]
     assert sorted(each.name for each in tmp_path.iterdir()) == names
