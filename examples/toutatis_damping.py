@@ -64,7 +64,7 @@ def main() -> None:
     free = spin_file.read(DATA / "spin" / "toutatis.toml").motion
     size = float(np.linalg.norm(free.momentum))
     rate = size / float(free.body.moments.max())  # of the relaxed rotation
-    print(f"{'material':24}{'to the separatrix':>19}{'to 5 deg':>14}{'K':>8}")
+    print(f"{'material':24}{'to the separatrix':>19}{'then to 5 deg':>16}{'K':>8}")
     ways = []
     for name, law in MATERIALS:
         friction = InternalDissipation(Rheology(SEMI_AXES, DENSITY, law))
@@ -73,7 +73,7 @@ def main() -> None:
         strength = 1.0 / float(np.max(Rheology(SEMI_AXES, DENSITY, law).loss([TUMBLING])))
         unit = strength / (DENSITY * SEMI_AXES[0] ** 2 * rate**3)
         print(
-            f"{name:24}{first / YEAR / 1e9:12.3g} Gyr{second / YEAR / 1e9:13.3g} Gyr"
+            f"{name:24}{first / YEAR / 1e9:12.3g} Gyr{second / YEAR / 1e9:12.3g} Gyr"
             f"{(first + second) / unit:8.3g}"
         )
         ways.append((name, motion, 1.5 * (first + second)))
@@ -86,7 +86,9 @@ def main() -> None:
     )
     print(f"\nPublished rules for mu Q = 5e12 Pa and a turn of the momentum in {hours:.0f} h:")
     for name, low, high in published:
-        print(f"  {name:38}{low:8.3g} to {high:.3g} Gyr, K = {low / unit:.3g} to {high / unit:.3g}")
+        ends = sorted({low, high})
+        years, factors = (" to ".join(f"{end / one:.3g}" for end in ends) for one in (1.0, unit))
+        print(f"  {name:38}{years:>16} Gyr, K = {factors}")
     draw(ways, published)
 
 

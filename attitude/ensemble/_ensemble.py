@@ -1208,8 +1208,8 @@ class Ensemble(Immutable):
         quantity: Any,
         t: Epochs,
         *,
-        least: float = -np.inf,
-        greatest: float = np.inf,
+        least: Real = -np.inf,
+        greatest: Real = np.inf,
         scene: Scene | None = None,
         low: ArrayLike | None = None,
         threads: int = 1,
@@ -1221,7 +1221,8 @@ class Ensemble(Immutable):
         quantity, t, scene, low
             As in `percentiles`; epochs ascend, and are so close that no crossing is lost.
         least, greatest : float
-            Bounds, which are within; in the unit of the quantity.  NaN is not within.
+            Bounds, which are within; in the unit of the quantity (an AngleTo: rad, or text or a
+            Quantity with another unit).  NaN is not within.
         threads : int
 
         Returns
@@ -1235,8 +1236,9 @@ class Ensemble(Immutable):
             `percentiles`.
         """
         bounds = {"least": least, "greatest": greatest}
+        unit = "rad" if isinstance(quantity, _quantities.AngleTo) else None
         first, last = (
-            float(validation.real(bound, name, shape=(), finite=False))
+            float(validation.real(bound, name, shape=(), unit=unit, finite=False))
             for name, bound in bounds.items()
         )
         known, grid = _quantities.known(quantity, scene, self, t, low)

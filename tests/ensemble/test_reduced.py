@@ -106,6 +106,8 @@ def test_coverage(ensemble):
         gaps = np.diff(np.concatenate([[T[0]], times, [T[-1]]])) if len(times) else [T[-1] - T[0]]
         assert abs(found.longest_gap[k] - np.max(gaps)) < 1e-12
     assert 0.1 < np.mean(found.fraction) < 0.9
+    in_degrees = ensemble.coverage(quantity, T, greatest=f"{np.degrees(limit)} deg")
+    np.testing.assert_allclose(in_degrees.fraction, found.fraction, atol=1e-12)
     never = ensemble.coverage(quantity, T, least=4.0)
     assert np.all(never.fraction == 0.0) and np.all(never.longest_gap == 300.0)
     always = ensemble.coverage(quantity, T)
