@@ -28,8 +28,6 @@ from contextlib import contextmanager
 from time import thread_time
 from typing import Final
 
-from attitude.errors import AttitudeWarning
-
 # Processor seconds, measured on an AMD EPYC (benchmarks/first_use.py): importing numba and loading
 # the loops of a propagation, and compiling one function, most of which take 0.3 to 2 s.
 TO_LOAD: Final = 0.5
@@ -53,6 +51,8 @@ def mode() -> str:
     setting = os.environ.get("ATTITUDE_COMPILE", "") or "automatic"
     if setting in ("always", "never", "automatic"):
         return setting
+    from attitude.errors import AttitudeWarning
+
     warnings.warn(
         f'ATTITUDE_COMPILE is {setting!r}, and taken as "automatic"; give "always" or "never".',
         AttitudeWarning,
