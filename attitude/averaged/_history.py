@@ -120,6 +120,12 @@ class AveragedHistory(Immutable):
         return np.where(self.region < LAM_PLUS, "SAM", "LAM")
 
     @property
+    def near_end(self) -> FloatArray:
+        """Unit vectors (S, 3) over the body axes: the end of the axis that the momentum circles."""
+        ends = np.array([self._packing.axes.end(k) for k in range(4)])
+        return np.asarray(ends[self.region])
+
+    @property
     def energy(self) -> FloatArray:
         """Kinetic energy (S,) in J."""
         return self._packing.axes.energy(self.size, self.y)
