@@ -111,7 +111,8 @@ def compare(
     if not validation.flag(turned, "turned"):
         return ShapeComparison(counted.best(np.eye(3)), axes, np.eye(3))
     starts = [one_turn @ np.diag(signs) @ other_turn.T for signs in _TURNS]
-    start = max(starts, key=counted)
+    # Of starts that are equally good, as of a body with symmetries, that of the least turn.
+    start = max(starts, key=lambda matrix: (round(counted.best(matrix), 6), np.trace(matrix)))
     # First by cells, then as exactly as the common volume is known; equal bodies need no search.
     matrix = start
     if counted.best(start) < 1.0 - 1e-9:

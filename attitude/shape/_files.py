@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import chain, pairwise
+from operator import mul, sub
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -41,7 +43,8 @@ def read(
     Parameters
     ----------
     path : str or path
-        OBJ (.obj), DAMIT (.txt), STL (.stl) or PLY (.ply); the last two need trimesh.
+        OBJ (.obj), DAMIT (.txt), STL (.stl) or PLY (.ply); the last two need trimesh, which cuts
+        the polygons of PLY as if they were convex.
     unit : str
         Of the numbers in the file, as astropy spells it: "m", "km".  DAMIT models mostly have a
         unit of their own: read them in "m", then use `Mesh.scaled`.
@@ -97,6 +100,15 @@ def write(path: FilePath, mesh: Mesh, *, unit: str = "m", format: str | None = N
             text.writelines(f"{line}\n" for line in lines(vertices, mesh))
         return
     trimesh = _trimesh()
+    with np.errstate(over="ignore"):
+        single = vertices.astype(np.float32).astype(np.float64)
+    try:
+        Mesh(*_merged(single, mesh.facets), open=mesh.may_be_open)
+    except AttitudeError as err:
+        raise AttitudeError(
+            f"{os.fspath(path)}: {kind} has 32 bits for a coordinate, too few for this mesh: it "
+            "could not be read back. Move it to the origin, scale it, or write .obj."
+        ) from err
     content = trimesh.Trimesh(vertices, mesh.facets, process=False).export(file_type=kind)
     with written_whole(path, "shape", binary=True) as binary:
         binary.write(content)
@@ -164,9 +176,9 @@ def read_obj(lines: Iterable[str], name: str = "OBJ") -> Parts:
                     f"{where}: a facet has at least 3 vertices, this has {len(corners)}: "
                     f"{quoted(line, 120)}; the file may be cut short."
                 )
-            for k in range(1, len(corners) - 1):
-                facets.append((corners[0], corners[k], corners[k + 1]))
-                materials.append(material)
+            fan = _fan(corners, vertices, where)
+            facets += fan
+            materials += [material] * len(fan)
         elif key == "usemtl":
             material = " ".join(fields) or SURFACE
         elif key not in _IGNORED:
@@ -177,6 +189,29 @@ def read_obj(lines: Iterable[str], name: str = "OBJ") -> Parts:
     if not facets:
         raise AttitudeError(f"{name}: holds no facets; give an OBJ file that is not cut short.")
     return np.array(vertices), np.array(facets), tuple(materials)
+
+
+def _fan(corners: list[int], vertices: list[list[float]], where: str) -> list[tuple[int, int, int]]:
+    """The triangles of a polygon, from its first corner from which none folds over another."""
+    for k in range(len(corners)):
+        first, *others = corners[k:] + corners[:k]
+        fan = [(first, b, c) for b, c in pairwise(others)]
+        if len(fan) == 1:
+            return fan
+        normals = [_area_vector(*(vertices[n] for n in facet)) for facet in fan]
+        total = [sum(components) for components in zip(*normals, strict=True)]
+        if all(sum(map(mul, normal, total)) > 0.0 for normal in normals):
+            return fan
+    raise AttitudeError(
+        f"{where}: lines from no corner of the polygon cut it into triangles that lie side by "
+        "side; give it as triangles."
+    )
+
+
+def _area_vector(a: Sequence[float], b: Sequence[float], c: Sequence[float]) -> tuple[float, ...]:
+    """Twice the area vector of a triangle; in plain numbers, since files have many polygons."""
+    (x, y, z), (u, v, w) = map(sub, b, a), map(sub, c, a)
+    return y * w - z * v, z * u - x * w, x * v - y * u
 
 
 def read_damit(lines: Iterable[str], name: str = "shape.txt") -> Parts:
@@ -227,10 +262,15 @@ def read_damit(lines: Iterable[str], name: str = "shape.txt") -> Parts:
 
 
 def _statements(lines: Iterable[str]) -> Iterator[tuple[int, str]]:
-    """Number from 1 and text of each line that is neither empty nor a comment."""
-    for number, line in enumerate(lines, start=1):
-        text = line.split("#", 1)[0].strip()
-        if text:
+    """Number from 1 and text of each line that is neither empty nor a comment.
+
+    A line that ends in a backslash goes on in the next one.
+    """
+    begun = ""
+    for number, line in enumerate(chain(lines, [""]), start=1):
+        text = f"{begun} {line.split('#', 1)[0]}".strip()
+        begun = text[:-1] if text.endswith("\\") else ""
+        if text and not begun:
             yield number, text
 
 
@@ -275,8 +315,8 @@ def _metres(unit: str) -> float:
     from astropy import units
 
     try:
-        return float(units.Unit(unit).to("m"))
-    except (ValueError, TypeError, units.UnitConversionError):
+        return validation.positive(float(units.Unit(unit).to("m")), "unit")
+    except (AttitudeError, ValueError, TypeError, units.UnitConversionError):
         raise AttitudeError(
             f'unit is {quoted(unit)}; give a length that astropy knows, such as "m" or "km".'
         ) from None
@@ -305,9 +345,14 @@ def _through_trimesh(path: Path, kind: str) -> Parts:
         ) from err
     if len(facets) == 0:
         raise AttitudeError(f"{path.name}: holds no facets; give a whole {kind} file.")
-    # STL repeats the corners of each facet: equal coordinates become one vertex.
-    vertices, joined = np.unique(vertices, axis=0, return_inverse=True)
-    return vertices, joined.reshape(-1)[facets], SURFACE
+    # STL repeats the corners of each facet.
+    return *_merged(vertices, facets), SURFACE
+
+
+def _merged(vertices: FloatArray, facets: IntArray) -> tuple[FloatArray, IntArray]:
+    """The mesh with one vertex for equal coordinates."""
+    vertices, number = np.unique(vertices, axis=0, return_inverse=True)
+    return vertices, number.reshape(-1)[facets]
 
 
 def _repaired(vertices: FloatArray, facets: IntArray) -> Parts:

@@ -668,7 +668,9 @@ class Mesh(Immutable):
             From 0 to 8.
         """
         if not (isinstance(times, (int, np.integer)) and 0 <= times <= 8):
-            raise AttitudeError(f"times is {quoted(times)}; give a whole number from 0 to 8.")
+            raise AttitudeError(
+                f"a mesh is divided {quoted(times)} times; give a whole number from 0 to 8."
+            )
         if times == 0:
             return self
         edges = np.sort(self.facets[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)

@@ -46,6 +46,26 @@ def test_obj_polygons_and_numbers_from_the_end(tmp_path):
     text = "".join(f"v {x} {y} {z}\n" for x, y, z in CUBE.vertices)
     text += "".join("f " + " ".join(str(k - 8) for k in q) + "\n" for q in quads)
     assert np.array_equal(read(written(tmp_path, "q.obj", text)).facets, CUBE.facets)
+    lines = text.replace(" -1", " \\\n-1")
+    assert np.array_equal(read(written(tmp_path, "q.obj", lines)).facets, CUBE.facets)
+    with pytest.raises(AttitudeError, match="line 27: vertex -99"):
+        read(written(tmp_path, "q.obj", lines + "f -1 \\\n-99 1"))
+
+
+def test_obj_polygons_that_are_not_convex(tmp_path):
+    """A prism over a dart, each base given from each of its corners; volume 4."""
+    base = [(4, 0), (0, 0), (0, 4), (1, 1)]
+    text = "".join(f"v {x} {y} {z}\n" for z in (0, 1) for x, y in base)
+    text += "".join(f"f {k + 1} {k + 5} {(k + 1) % 4 + 5} {(k + 1) % 4 + 1}\n" for k in range(4))
+    for k in range(4):
+        turned = [(j + k) % 4 + 1 for j in range(4)]
+        bases = f"f {' '.join(map(str, turned))}\nf {' '.join(str(j + 4) for j in turned[::-1])}\n"
+        mesh = read(written(tmp_path, "dart.obj", text + bases))
+        assert mesh.volume == pytest.approx(4.0)
+        assert mesh.area == pytest.approx(2 * 4.0 + 8.0 + 2.0 * np.sqrt(10.0))
+    crossed = written(tmp_path, "x.obj", text + "f 1 6 5 2\n")
+    with pytest.raises(AttitudeError, match=r"line 13: .*give it as triangles"):
+        read(crossed, closed=False)
 
 
 @pytest.mark.parametrize(
@@ -83,8 +103,9 @@ def test_names_and_formats(tmp_path):
         read(tmp_path / "none.obj")
     with pytest.raises(AttitudeError, match="or give format="):
         read(tmp_path / "shape.xyz")
-    with pytest.raises(AttitudeError, match="unit is 'kg'"):
-        read(written(tmp_path, "a.obj", obj_of(CUBE)), unit="kg")
+    for unit in ("kg", "-1 km"):
+        with pytest.raises(AttitudeError, match=f"unit is '{unit}'"):
+            read(written(tmp_path, "a.obj", obj_of(CUBE)), unit=unit)
     (tmp_path / "b.obj").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(AttitudeError, match="is not text"):
         read(tmp_path / "b.obj")
@@ -135,6 +156,15 @@ def test_a_mesh_that_is_written_is_read_back(tmp_path, name):
     assert read(tmp_path / name, unit="km").volume == pytest.approx(mesh.volume, rel=2e-7)
 
 
+@pytest.mark.parametrize("kind", ["stl", "ply"])
+def test_a_mesh_is_not_written_where_32_bits_merge_its_vertices(tmp_path, kind):
+    pytest.importorskip("trimesh", reason="trimesh is not installed")
+    for mesh in (CUBE.moved((1e8, 0, 0)), CUBE.scaled(1e39)):
+        with pytest.raises(AttitudeError, match=f"{kind} has 32 bits for a coordinate"):
+            mesh.write(tmp_path / f"a.{kind}")
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_materials_are_written_to_obj(tmp_path):
     both = CUBE.joined(box((1, 1, 1), material="solar panel").moved((5, 0, 0)))
     both.write(tmp_path / "a.obj")
@@ -168,6 +198,9 @@ def test_equal_bodies_have_all_in_common():
         tensor = [each.mass_properties(density=1.0).inertia for each in (mesh, other)]
         turned = found.matrix @ tensor[1] @ found.matrix.T
         assert turned / np.trace(turned) == pytest.approx(tensor[0] / np.trace(tensor[0]), abs=1e-7)
+    # Of the turns that carry a body into itself the least one.
+    for other in (CUBE, Ellipsoid((1, 2, 3))):
+        assert compare(CUBE, other).turn == pytest.approx(0.0, abs=1e-9)
 
 
 def test_the_overlap_of_cubes_and_of_ellipsoids():

@@ -301,7 +301,7 @@ def test_divided_facets_are_the_same_surface():
     assert fine.areas.reshape(-1, 16).sum(axis=1) == pytest.approx(whole.areas, rel=1e-13)
     assert np.allclose(fine.normals[::16], whole.normals)
     assert fine.materials[::16] == whole.materials and whole.divided(0) is whole
-    with pytest.raises(AttitudeError, match="times is -1"):
+    with pytest.raises(AttitudeError, match="divided -1 times"):
         whole.divided(-1)
 
 
