@@ -9,6 +9,7 @@ import numpy as np
 
 from attitude._support.arrays import frozen, read_only
 from attitude._support.blocks import ProgressBar, in_blocks
+from attitude._support.validation import shown
 from attitude.errors import AttitudeError
 from attitude.light_curve import _sums
 from attitude.light_curve._few_facets import arranged, packs_of, summed_few_facets
@@ -230,7 +231,13 @@ def stream(
         Called with the number of epochs done after each block.
     """
     done = 0
-    for sun, observer in blocks:
+    for directions in blocks:
+        try:
+            sun, observer = directions
+        except (TypeError, ValueError) as err:
+            raise AttitudeError(
+                f"blocks holds {shown(directions)}; give pairs of arrays: (sun, observer)."
+            ) from err
         block = brightness(shape, law, sun, observer, shadows=shadows, threads=threads)
         done += np.size(block)
         if progress is not None:

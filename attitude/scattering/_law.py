@@ -335,7 +335,7 @@ def law(given: str | Law) -> Law:
     if kind is not None and kind.required():
         raise AttitudeError(
             f"law is {given!r}, which has no default for {' and '.join(kind.required())}; give "
-            f"{kind.__module__}.{kind.__qualname__}(...)."
+            f"{kind.__module__.partition('._')[0]}.{kind.__qualname__}(...)."
         )
     if kind is None:
         names = ", ".join(repr(name) for name, entry in laws().items() if not entry.required())

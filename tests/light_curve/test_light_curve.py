@@ -229,6 +229,8 @@ def test_memory_layout_blocks_and_threads_do_not_change_a_bit():
             assert np.array_equal(whole, other)
         for t in (0, 8191, 8192, 19999):
             assert brightness(shape, law, sun[t], observer[t]) == whole[t]
+    with pytest.raises(AttitudeError, match=r"blocks holds .* give pairs of arrays"):
+        next(stream(shape, law, [(sun,)]))
 
 
 def test_leading_axes_broadcast():

@@ -165,7 +165,7 @@ def test_a_name_that_was_taken_out_is_unknown():
         (None, "law is None; give one of"),
         (
             "material",
-            r"has no default for diffuse; give attitude.scattering._materials.Material\(...\)",
+            r"has no default for diffuse; give attitude.scattering.Material\(...\)",
         ),
     ],
 )
