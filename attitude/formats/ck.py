@@ -367,8 +367,11 @@ def _halved(temporary, plan, clock, instrument):
 def _check_names(path, name, instrument, clock, center):
     if not os.fspath(path).endswith(".bc"):
         raise AttitudeError(f"{os.fspath(path)!r} does not end in .bc, as C-kernels do.")
-    if not (isinstance(name, str) and name.isidentifier() and len(name) <= 26):
-        raise AttitudeError(f"name is {name!r}; give a frame name of letters, digits and _.")
+    if not (isinstance(name, str) and name.isascii() and name.isidentifier() and len(name) <= 26):
+        raise AttitudeError(
+            f"name is {name!r}; give a frame name of letters A to Z, digits and _, 26 at most, "
+            "the first no digit."
+        )
     for what, number in (("instrument", instrument), ("clock", clock)):
         if not (isinstance(number, int) and -(2**31) < number < 0):
             raise AttitudeError(f"{what} is {number!r}; give a negative NAIF number.")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import zlib
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,7 +26,12 @@ _STATES = 2000
 _MOST = 200_000
 # km, of a body whose size is unknown.
 _SIZE = 0.01
-_CENTERS = {"sun": "Sun", "earth": "Earth", "moon": "Moon", "ssb": "SSB"}
+# The name in Cosmographia and the NAIF number.
+_CENTERS = {"sun": ("Sun", 10), "earth": ("Earth", 399), "moon": ("Moon", 301), "ssb": ("SSB", 0)}
+# NAIF numbers of clocks start below those of spacecraft, which artificial satellites have to
+# -199999 (NAIF IDs Required Reading); of frames and instruments they are 1000 times as large.
+_CLOCKS = -200_000
+_HOW_MANY_CLOCKS = 800_000
 
 
 def write_cosmographia(
@@ -59,21 +65,24 @@ def write_cosmographia(
     from attitude._textfiles.atomic_write import written_whole
     from attitude.formats import ck
 
+    path = _subject.output_name(path, ("json",))
     scene = motion if isinstance(motion, Scene) else None
     seen = subject(motion, start, stop, shape=shape, title=title)
     ends = seen.start.time, seen.start.after(seen.duration).time
     what = subject(seen.motion, *ends, shape=seen.shape)
-    base = os.path.splitext(os.fspath(path))[0]
-    frame = "".join(letter if letter.isalnum() else "_" for letter in seen.title.upper())[:26]
+    base = os.path.splitext(path)[0]
+    center, number = "Sun", 10
+    if scene is not None and scene.center is not None:
+        center, number = _center(scene.center)
+    frame, clock = _frame(seen.title)
     ck.write(f"{base}.bc", what.motion, what.start.time, what.start.after(what.duration).time,
-             tolerance=tolerance, name=frame)  # fmt: skip
+             tolerance=tolerance, name=frame, instrument=1000 * clock, center=number,
+             clock=clock)  # fmt: skip
     surface = _subject.surface(what, _MOST)
     with written_whole(f"{base}.obj") as file:
         file.write(_obj(surface))
     trajectory: dict[str, Any] = {"type": "FixedPoint", "position": [0.0, 0.0, 0.0]}
-    center = "Sun"
     if scene is not None and scene.center is not None:
-        center = _center(scene.center)
         with written_whole(f"{base}.xyzv") as file:
             file.write(_states(what, scene.center))
         trajectory = {"type": "InterpolatedStates", "source": f"{os.path.basename(base)}.xyzv"}
@@ -105,6 +114,14 @@ def write_cosmographia(
     }
     with written_whole(path) as file:
         file.write(toml.written(catalogue, indent=2) + "\n")
+
+
+def _frame(title):
+    """Name of the frame of a title, and NAIF number of its clock, of catalogues loaded together."""
+    plain = (letter if letter.isascii() and letter.isalnum() else "_" for letter in title.upper())
+    name = "".join(plain)
+    name = (name if name[:1].isalpha() else f"B_{name}")[:26]
+    return name, _CLOCKS - zlib.crc32(title.encode()) % _HOW_MANY_CLOCKS
 
 
 def _obj(surface):

@@ -50,6 +50,7 @@ def write_czml(
     Parameters
     ----------
     path : str or path
+        Ends in .czml.
     scene : Scene
         Its center is a path about the Earth (`paths.tle`, `paths.omm`, `paths.oem`).
     start, stop : epochs, or TDB seconds since the epoch of the motion
@@ -74,6 +75,7 @@ def write_czml(
     from attitude._textfiles import toml
     from attitude._textfiles.atomic_write import written_whole
 
+    path = _subject.output_name(path, ("czml",))
     if not isinstance(scene, Scene) or scene.center is None or scene.center.center != "earth":
         raise AttitudeError(
             "Cesium shows satellites of the Earth; give a Scene whose center is a path about the "

@@ -47,6 +47,7 @@ def write_glb(
     Parameters
     ----------
     path : str or path
+        Ends in .glb.
     motion, start, stop, shape, title
         As in `view`; of a Scene the attitudes are those that its light shows.
     speed : float, optional
@@ -67,6 +68,7 @@ def write_glb(
     from attitude._textfiles import toml
     from attitude._textfiles.atomic_write import written_whole
 
+    path = _subject.output_name(path, ("glb",))
     what = subject(motion, start, stop, shape=shape, title=title)
     poses = _subject.pieces(what)
     pace = seconds_a_second(what, poses) if speed is None else validation.positive(speed, "speed")
