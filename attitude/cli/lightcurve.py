@@ -13,6 +13,7 @@ import numpy as np
 
 from attitude import plots
 from attitude._support.blocks import ProgressBar
+from attitude._support.quoting import counted
 from attitude.cli import _options, _output, geometry
 from attitude.errors import AttitudeError
 
@@ -34,8 +35,6 @@ _PHASE = "#d55e00"
 _BELOW = "0.45"
 # Elevation of the Sun at the end of astronomical twilight, rad.
 _TWILIGHT = np.radians(-18.0)
-# Least span in s, s in the unit, and its name.
-_UNITS = ((4.0 * 86400.0, 86400.0, "days"), (3.0 * 3600.0, 3600.0, "hours"), (0.0, 60.0, "minutes"))
 
 
 def of(
@@ -54,8 +53,7 @@ def of(
     Shapes: seconds, magnitude, phase_angle (N,) rad, lit_fraction, elevation, sun_elevation (N,).
     """
     figure, (above, below) = plots.stacked((9.0, 6.0), 2, height_ratios=(3, 1))
-    span = np.ptp(seconds)
-    _, scale, unit = next(entry for entry in _UNITS if span >= entry[0])
+    scale, unit = plots.time_unit(float(np.ptp(seconds)))
     t = (seconds - seconds[0]) / scale
     shown = np.where(np.isfinite(magnitude), magnitude, np.nan)
     if elevation is not None:
@@ -73,7 +71,7 @@ def of(
         above.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=5, fontsize=9)
     _line(below, t, np.degrees(phase_angle), _PHASE, None)
     start = epoch.after(float(seconds[0])).utc_iso[:19].replace("T", " ")
-    below.set(ylabel="phase angle (deg)", xlabel=f"{unit} since {start} UTC")
+    below.set(ylabel="phase angle (deg)", xlabel=f"time since {start} UTC, {unit}")
     for axes in (above, below):
         axes.margins(x=0.01)
     figure.suptitle(mission.name or "Light curve")
@@ -183,11 +181,10 @@ def _compared(observed, computed, group, names):
         residual[chosen] = observed[chosen] - computed[chosen] - zero
         rms = float(np.sqrt(np.mean(residual[chosen] ** 2)))
         label = " in ".join(word for word in names[number] if word) or "all points"
-        lines.append(
-            f"{label}: {np.count_nonzero(chosen)} points, zero point {zero:+.3f}, rms {rms:.3f} mag"
-        )
+        points = counted(np.count_nonzero(chosen), "point")
+        lines.append(f"{label}: {points}, zero point {zero:+.3f}, rms {rms:.3f} mag")
     total = float(np.sqrt(np.mean(residual**2)))
-    return residual, [*lines, f"rms of all {len(observed)} points: {total:.3f} mag"]
+    return residual, [*lines, f"rms of {counted(len(observed), 'point')}: {total:.3f} mag"]
 
 
 def _draw(days, observed, residual, group, figure):
