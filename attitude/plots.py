@@ -16,7 +16,7 @@ import numpy as np
 
 from attitude import frames
 from attitude._solver.states import States
-from attitude._support import validation
+from attitude._support import quantity_text, validation
 from attitude._support.synonyms import arguments, of_module
 from attitude._textfiles.atomic_write import written_whole
 from attitude.errors import AttitudeError, AttitudeWarning
@@ -49,8 +49,6 @@ __all__ = [
 
 _COLORS = ("#0072b2", "#d55e00", "#009e73")
 _NAMES = ("long axis", "middle axis", "short axis")
-# Least span in s, s in the unit, and its name.
-_UNITS = ((86400.0 * 3.0, 86400.0, "d"), (3.0 * 3600.0, 3600.0, "h"), (0.0, 1.0, "s"))
 _POINTS = 1201
 # Parts of a longer curve that is drawn by its extremes, enough for a figure of 1500 pixels.
 _PARTS = 20_000
@@ -87,13 +85,22 @@ def _warn_of_coarse(motion: FreeRotation, seconds: ArrayLike) -> None:
     regime = motion.regime
     periods = [abs(period) for period in (regime.P_psi, regime.P_phi_L, regime.P_phi_S)]
     shortest = min((period for period in periods if 0.0 < period < np.inf), default=np.inf)
-    if steps.size and np.max(steps) > shortest / _A_TURN:
+    longest = float(np.max(steps, initial=0.0))
+    warn_of_coarse("the curves have a point", longest, shortest, remedy="epochs")
+
+
+def warn_of_coarse(
+    what: str, step: float, period: float, *, most: float = 1.0 / _A_TURN, remedy: str = ""
+) -> None:
+    """Warn of steps, s, of what is drawn that are longer than a share of a period, s."""
+    if step > most * period:
+        otherwise = f", or {remedy} at most {most * period:.3g} s apart" if remedy else ""
         warnings.warn(
-            f"the curves have a point every {np.max(steps):.4g} s, which is coarse against the "
-            f"shortest period of the motion, {shortest:.4g} s: lines between the points do not "
-            f"follow it. Give a shorter span, or epochs at most {shortest / _A_TURN:.3g} s apart.",
+            f"{what} every {step:.4g} s, which is coarse against the shortest period of the "
+            f"motion, {period:.4g} s: what happens in between does not show. Give a shorter "
+            f"span{otherwise}.",
             AttitudeWarning,
-            stacklevel=3,
+            stacklevel=4,
         )
 
 
@@ -137,6 +144,7 @@ def stacked(size: tuple[float, float], count: int, **options: Any) -> tuple[Figu
     panels = list(np.ravel(figure.subplots(count, 1, sharex=True, **options)))
     for panel in panels:
         panel.grid(alpha=0.3)
+        panel.ticklabel_format(useOffset=False)
     return figure, panels
 
 
@@ -158,12 +166,12 @@ def _figure_class() -> type[Figure]:
 
 def time_span(motion: FreeRotation, span: Real | None = None) -> float:
     """The seconds to show: as given, or three turns of the slower phase."""
-    if span is not None:
-        return validation.positive(span, "span", unit="s")
     regime = motion.regime
     slowest = [x for x in (regime.P_psi, regime.P_phi_L, regime.P_phi_S) if np.isfinite(x)]
     if not slowest:
-        raise AttitudeError("the body is at rest; there is no motion to draw. Give a span of time.")
+        raise AttitudeError("the body is at rest: there is no motion to draw; give one that turns.")
+    if span is not None:
+        return validation.positive(span, "span", unit="s")
     # On the separatrix the body turns over once.
     once = 4.0 * regime.flip_time if np.isfinite(regime.flip_time) else 0.0
     longest = max(slowest)
@@ -261,9 +269,10 @@ def sky(axes: Axes, motion: FreeRotation, seconds: ArrayLike, *, frame: str = "e
         if k != 1:
             path = history.body_to_inertial(directions[:, k]) @ turn
             axes.plot(*_unbroken(*_map(path)), color=_COLORS[k], linewidth=0.8, label=name)
-            axes.plot(*_map(path[:1]), "o", color=_COLORS[k], markersize=4)
+            axes.plot(*_map(path[:1]), "o", color=_COLORS[k], markersize=4, clip_on=False)
     if np.any(motion.momentum):
-        axes.plot(*_map((motion.momentum @ turn)[None]), "k*", markersize=9, label="momentum")
+        pole = _map((motion.momentum @ turn)[None])
+        axes.plot(*pole, "k*", markersize=9, label="momentum", clip_on=False)
     axes.grid(True, linewidth=0.3)
     axes.set_xticks(np.radians([-120.0, -60.0, 0.0, 60.0, 120.0]))
     axes.tick_params(labelsize=9)
@@ -317,8 +326,8 @@ def _legend(axes: Axes, height: float) -> None:
 
 def time_unit(longest: float) -> tuple[float, str]:
     """The unit that suits a span of seconds: its length in s, and its name."""
-    # The last unit applies to every span.
-    return next((unit, name) for least, unit, name in _UNITS if longest >= least)
+    name = quantity_text.time_unit(longest)
+    return quantity_text.TIME_UNITS[name], name
 
 
 def _time(times: ArrayLike, epoch: Instant) -> tuple[FloatArray, str]:

@@ -41,6 +41,8 @@ _HALVES = np.array([[0.55, 0.68, 0.80], [0.85, 0.68, 0.50]])
 _AXES = ((1.3, "#ff6b6b", "x"), (1.3, "#7bd88f", "y"), (1.3, "#6cb6ff", "z"))
 _MOMENTUM = (1.45, "#f5f5f5", "L")
 _PER_INCH = 100.0
+# Of a turn between two frames, in which the sense of rotation can still be seen.
+_MOST_OF_A_TURN = 0.25
 # s, of a span in which the clock has seconds.
 _SHORT = 7200.0
 
@@ -125,6 +127,11 @@ class _Picture:
         shade = _subject.shade(what)
         self.lit = np.ones(count) if shade is None else np.interp(times, shade.times, shade.lit)
         history = what.at(times)
+        fastest = float(np.max(np.linalg.norm(history.angular_velocity, axis=1)))
+        turn = 2.0 * np.pi / fastest if fastest > 0.0 else np.inf
+        plots.warn_of_coarse(
+            "the animation has a frame", times[1], turn, most=_MOST_OF_A_TURN, remedy="frames"
+        )
         self.wxyz, self.momentum = history.wxyz, _momenta(what, history)
         self.arrows = [_arrow(above, *arrow) for arrow in (*_AXES, _MOMENTUM)]
         style = {"color": _TEXT, "fontsize": 10, "family": "monospace", "va": "top"}

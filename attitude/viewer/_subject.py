@@ -133,12 +133,14 @@ def _error(subject: Subject, begin: float, length: float, count: int) -> float:
 _FIRST = 33
 # Epochs of directions at most.
 _MOST_DIRECTIONS = 8193
-# Points of a light curve for each half turn.
+# Points of a light curve for each half turn, where these are at most _CURVE, and at least.
 _HALF_TURN = 40.0
+_FEWEST = 10.0
+_CURVE = 4000
 # Points of a light curve at least.
 _LEAST = 240
-# Points of a light curve at most.
-_CURVE = 4000
+# Points of a light curve at most: some ten seconds.  A page has the extremes of a longer curve.
+_MOST_POINTS = 200_000
 # Facets times points, roughly, that are computed in some ten seconds.
 _WORK = 100_000_000
 # Points of a light curve computed between two reports.
@@ -175,12 +177,14 @@ def light_curve(
     if subject.magnitude is None or subject.scene is None or subject.scene.shape is None:
         return None
     times = np.linspace(0.0, subject.duration, _points(subject))
+    block = max(_BLOCK, len(times) // 100)
     parts = []
-    for begin in range(0, len(times), _BLOCK):
-        parts.append(subject.magnitude(subject.view(times[begin : begin + _BLOCK])))
+    for begin in range(0, len(times), block):
+        parts.append(subject.magnitude(subject.view(times[begin : begin + block])))
         if progress is not None:
-            progress(min(begin + _BLOCK, len(times)), len(times))
-    return {"times": times, "magnitudes": np.concatenate(parts), "label": subject.label}
+            progress(min(begin + block, len(times)), len(times))
+    times, magnitudes = plots.extremes(times, np.concatenate(parts))
+    return {"times": times, "magnitudes": magnitudes, "label": subject.label}
 
 
 def _points(subject: Subject) -> int:
@@ -188,16 +192,22 @@ def _points(subject: Subject) -> int:
     inner = subject.duration * np.linspace(0.5 / 32.0, 31.5 / 32.0, 32)
     rates = np.linalg.norm(subject.at(inner).angular_velocity, axis=-1)
     half_turns = float(np.mean(rates)) * subject.duration / np.pi
+    turn = 2.0 * subject.duration / half_turns if half_turns > 0.0 else np.inf
     shape = subject.scene.shape if subject.scene is not None else None
-    costly = _WORK // len(shape) if isinstance(shape, Mesh) else _CURVE
-    most = max(min(_CURVE, costly), _LEAST)
-    return int(np.clip(_HALF_TURN * half_turns, _LEAST, most))
+    costly = _WORK // len(shape) if isinstance(shape, Mesh) else _MOST_POINTS
+    most = max(min(_MOST_POINTS, costly), _LEAST)
+    plots.warn_of_coarse("the light curve has a point", subject.duration / most, turn)
+    wanted = max(min(_HALF_TURN * half_turns, _CURVE), _FEWEST * half_turns)
+    return int(np.clip(wanted, _LEAST, most))
 
 
 # ---- The shadow of other bodies
 
-# Epochs at which it is computed at first.
+# Epochs at which it is computed at first, at least and at most, and s between them, in which a
+# satellite in a low orbit passes a tenth of the shadow of its planet.
 _SHADE = 1025
+_MOST_SHADE = 200_001
+_SHADE_STEP = 300.0
 # Epochs within each interval in which it changes.
 _FINER = 33
 
@@ -219,7 +229,15 @@ def shade(subject: Subject) -> Shade | None:
     scene = subject.scene
     if scene is None or not scene.shadow_of:
         return None
-    times = np.linspace(0.0, subject.duration, _SHADE)
+    count = int(np.clip(subject.duration / _SHADE_STEP, _SHADE, _MOST_SHADE))
+    times = np.linspace(0.0, subject.duration, count)
+    if count == _MOST_SHADE:
+        warnings.warn(
+            f"the shadow is computed every {times[1]:.4g} s, so that shorter eclipses are not "
+            "drawn; give a shorter span to see all.",
+            AttitudeWarning,
+            stacklevel=2,
+        )
     lit = np.asarray(subject.view(times).lit_fraction)
     if np.all(lit == 1.0):
         return None
@@ -485,10 +503,8 @@ def output_name(output: FilePath, endings: Sequence[str]) -> str:
         raise AttitudeError(f"output is {quoted(output)}; give the name of a file.")
     name = os.fspath(output)
     if name.rpartition(".")[2].lower() not in endings:
-        listed = ", ".join(f".{ending}" for ending in endings[:-1])
-        raise AttitudeError(
-            f"output is {name!r}; give a name that ends in {listed} or .{endings[-1]}."
-        )
+        listed = " or ".join(f".{ending}" for ending in endings)
+        raise AttitudeError(f"output is {name!r}; give a name that ends in {listed}.")
     return name
 
 

@@ -72,8 +72,9 @@ def test_angles_and_rates_against_time():
 
 
 def test_bad_input_is_a_sentence():
-    with pytest.raises(AttitudeError, match="at rest"):
-        plots.overview(motion_of((1.0, 2.0, 2.5), (0, 0, 0)))
+    for span in (None, 86400.0):
+        with pytest.raises(AttitudeError, match=r"the body is at rest: .* give one that turns"):
+            plots.overview(motion_of((1.0, 2.0, 2.5), (0, 0, 0)), span=span)
     with pytest.raises(AttitudeError, match="span is -1"):
         plots.overview(motion_of(*MOTIONS["long axis"]), span=-1.0)
     with pytest.raises(AttitudeError, match="rod"):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from attitude import Body, FreeRotation, Scene, Spin, cli, paths, shape
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.frames import quaternion
 from attitude.viewer import animate, write_cosmographia, write_czml, write_glb
 from tests.support.places import ROOT
@@ -162,6 +162,26 @@ def test_cosmographia_is_beside_a_c_kernel_that_spice_reads(tmp_path):
     assert trimesh.load(tmp_path / item["geometry"]["source"]).is_watertight
 
 
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
+def test_catalogues_of_cosmographia_are_loaded_together(tmp_path, order):
+    spiceypy = pytest.importorskip("spiceypy")
+    motions, names = (tumbler(), lit()), ("B_4179_TOUTATIS", "B__RIS")
+    for k, title in enumerate(("4179 Toutatis", "Éris")):
+        write_cosmographia(tmp_path / f"{k}.json", motions[k], stop=100.0 + 500.0 * k, title=title)
+        (item,) = json.loads((tmp_path / f"{k}.json").read_text())["items"]
+        assert item["bodyFrame"]["name"] == names[k]
+    try:
+        for k in order:
+            spiceypy.furnsh([str(tmp_path / f"{k}.{ending}") for ending in ("tsc", "tf", "bc")])
+        for k, time in ((0, 50.0), (1, 500.0)):
+            history = tumbler().at(time)
+            matrix = spiceypy.pxform(names[k], "J2000", history.epoch.seconds + time)
+            assert np.allclose(matrix, history.matrix, rtol=0, atol=3e-6)
+            assert spiceypy.frinfo(spiceypy.namfrm(names[k]))[0] == 10  # the Sun
+    finally:
+        spiceypy.kclear()
+
+
 @pytest.mark.parametrize("ending", ["webp", "gif"])
 def test_an_animation_shows_the_turning_body(tmp_path, ending):
     image = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
@@ -188,8 +208,18 @@ def test_an_animation_as_mp4(tmp_path):
     assert path.read_bytes()[4:8] == b"ftyp"
 
 
+def test_frames_that_skip_turns_are_said(tmp_path):
+    pytest.importorskip("PIL.Image", reason="Pillow is not installed")
+    with pytest.warns(AttitudeWarning, match=r"a frame every 200 s.* or frames at most \d"):
+        animate(tumbler(), tmp_path / "a.gif", stop=400.0, frames=3, size=(160, 160))
+
+
 def test_bad_outputs_are_sentences(tmp_path, capsys):
-    with pytest.raises(AttitudeError, match=r"ends in \.webp, \.gif or \.mp4"):
+    for write, ending in ((write_glb, "glb"), (write_czml, "czml"), (write_cosmographia, "json")):
+        with pytest.raises(AttitudeError, match=rf"ends in \.{ending}\."):
+            write(tmp_path / "a.foo", orbiting())
+    assert not list(tmp_path.iterdir())
+    with pytest.raises(AttitudeError, match=r"ends in \.webp or \.gif or \.mp4"):
         animate(tumbler(), tmp_path / "a.avi")
     assert cli.main(["view", "toutatis", "--output", "x.pdf"]) == 2
     assert ".czml" in capsys.readouterr().err

@@ -19,6 +19,7 @@ from attitude import (
     Spin,
     catalog,
     cli,
+    epochs,
     shape,
 )
 from attitude.errors import AttitudeError, AttitudeWarning
@@ -341,6 +342,37 @@ def test_the_shade_is_that_of_the_scene():
     sunlit = _subject.subject(scene, "2013-10-23T21:05:00", "2013-10-23T21:06:00")
     assert _subject.shade(sunlit) is None
     assert _subject.shade(_subject.subject(scene.motion)) is None
+
+
+@pytest.mark.filterwarnings("ignore:ENVISAT is evaluated")
+def test_a_long_span_has_all_eclipses(monkeypatch):
+    """Of 60 days of Envisat against samples each minute."""
+    scene = mission.read(ROOT / "data" / "mission" / "envisat-glints.toml").scene
+    orbit = Scene(None, scene.center, scene.observer, scene.sun)
+    start = epochs.instant("2013-10-23")
+    what = _subject.Subject(None, orbit, None, start, 60.0 * DAY, "", None, "")
+    seconds = np.arange(0.0, 60.0 * DAY, 60.0)
+    exact = what.view(seconds).lit_fraction
+    shade = _subject.shade(what)
+    drawn = np.interp(seconds, shade.times, shade.lit)
+    assert np.mean(np.abs(drawn - exact) > 0.5) < 0.01
+    monkeypatch.setattr(_subject, "_MOST_SHADE", 1025)
+    with pytest.warns(AttitudeWarning, match="shorter eclipses are not drawn"):
+        _subject.shade(what)
+
+
+def test_the_light_curve_of_many_turns(monkeypatch):
+    """A box that turns 2001 times has two maxima a turn, whose light curve is that of one turn."""
+    spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0, 0, 1))
+    motion = FreeRotation(Body(moments=(10, 20, 26)), spin)
+    scene = Scene(motion, sun=(1, 0, 0), observer=(0.6, 0.8, 0), shape=shape.box((1, 2, 3)))
+    for turns, points in ((2001, 40_020), (10, 800)):
+        curve = _subject.light_curve(_subject.subject(scene, 0.0, 2.0 * np.pi * turns))
+        rises = np.diff(np.sign(np.diff(curve["magnitudes"])))
+        assert np.sum(rises > 0) >= 2 * turns and len(curve["times"]) <= points
+    monkeypatch.setattr(_subject, "_MOST_POINTS", 10_000)
+    with pytest.warns(AttitudeWarning, match="the light curve has a point every"):
+        _subject.light_curve(_subject.subject(scene, 0.0, 2.0 * np.pi * 2001))
 
 
 def test_fine_meshes_are_smooth_and_boxes_are_not():
