@@ -718,7 +718,8 @@ class Mesh(Immutable):
         Raises
         ------
         AttitudeError
-            For an ending of no format, a unit that is no length, or a file that cannot be written.
+            For an ending of no format, a unit that is no length, a mesh that could not be read back
+            from STL or PLY, or a file that cannot be written.
 
         Notes
         -----

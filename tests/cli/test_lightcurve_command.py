@@ -331,7 +331,7 @@ WRONG = [
     (changed('ellipsoid = "3, 2, 1 m"', "box_wing = [1]"), "give a table of body, wing"),
     (changed("[shape]", "[shape]\nshadows = 3"), "[shape] shadows is 3"),
     (changed("[shape]", "[shape]\ndivided = 3"), "divided does not go with ellipsoid"),
-    (changed('ellipsoid = "3, 2, 1 m"', "box = [1, 1, 1]\ndivided = 0.5"), "times is 0.5"),
+    (changed('ellipsoid = "3, 2, 1 m"', "box = [1, 1, 1]\ndivided = 0.5"), "divided 0.5 times"),
     (changed("[shape]", "[shape]\nfacets = 3") + '[scattering]\nlaw = "lambert"', "count is 3"),
     (FIXED + '[scattering]\nlaw = "lamberd"', "law is 'lamberd'"),
     (FIXED + '[scattering]\nlaw = "lambert"\nalbedo = 2', "albedo is 2.0; it must lie from 0 to 1"),
