@@ -462,8 +462,8 @@ class Arcs(Differentiable):
     of any frame.  Errors of the input are not covered: an impulse at a wrong phase changes the
     whole motion after it.  The times of events are rounded to a double.
 
-    Under torques the state at a joint is a double, and an event is searched among attitudes a
-    sixteenth of a radian apart: two crossings between neighbours are missed.
+    Under torques the state at a joint is a double, and an event is searched among attitudes
+    at most an eighth of a radian apart: two crossings between neighbours are missed.
 
     Source: van Zon & Schofield (2006), section 1: dynamics driven by events.
     """

@@ -33,8 +33,10 @@ _SPACING = Bounded.spacing
 _BLOCK = 256
 # The spacing where bounds are unknown.
 _FINER = 1.0 / 16.0
-# There, the least rate by that at the start of the search.
+# There, the least rate by that of the block before.
 _SLOWEST = 1e-3
+# A block in which the body turns faster than expected by this factor is searched again.
+_FASTER = 2.0
 
 
 class Trigger(Immutable):
@@ -197,14 +199,18 @@ def first_crossing(event: Trigger, motion: Motion, start: float, end: float, nam
     """Seconds of the first crossing on the last arc of a motion."""
     bounds = motion.rate_bounds(start)
     away = abs(event.values(motion.at(start))[0]) + event.arm
+    drift = float(event.drift / away) if event.drift else 0.0
+
+    def fastest(history: AttitudeHistory) -> float:
+        """The largest speed of the arguments, rad/s, at the epochs of a history."""
+        return float(np.max(np.linalg.norm(history.turning_rate, axis=-1))) + drift
 
     def pace(seconds: float) -> float:
-        """Speed of the arguments, rad/s: the bound of a free arc, else that of the rate then."""
+        """Speed of the arguments, rad/s: the bound of a free arc, else the turn to come counts."""
         if bounds is not None:
-            fastest = bounds.first
-        else:
-            fastest = float(np.linalg.norm(motion.angular_velocity_at(seconds)))
-        return fastest + (float(event.drift / away) if event.drift else 0.0)
+            return bounds.first + drift
+        history = motion.at(seconds)
+        return max(fastest(history), float(np.linalg.norm(history.angular_acceleration)) ** 0.5)
 
     rate = pace(start)
     if bounds is None and not rate > 0.0 and event.within is not None:
@@ -218,21 +224,21 @@ def first_crossing(event: Trigger, motion: Motion, start: float, end: float, nam
     last = min(end, start + within)
     # An event at the start itself (a bounce off the same plane) is the one that started the arc.
     left = start + TOUCH / rate
+    spacing = _SPACING if bounds is not None else _FINER
     while left < last:
-        if bounds is None:
-            rate = max(pace(left), _SLOWEST * rate)
         # Seconds from here: a single double of them is fine enough for any bracket.
-        knots = np.minimum(
-            (_SPACING if bounds is not None else _FINER) / rate * np.arange(_BLOCK + 1.0),
-            last - left,
-        )
+        knots = np.minimum(spacing / rate * np.arange(_BLOCK + 1.0), last - left)
         knots = knots[: np.argmax(knots) + 1]
 
         def evaluate(s: FloatArray, base: float = left) -> FloatArray:
             return event.values(motion.at(*shifted((base, 0.0), s)))[0]
 
-        values = evaluate(knots)
+        history = motion.at(*shifted((left, 0.0), knots))
+        values = event.values(history)[0]
         if bounds is None:  # signs at the knots alone
+            if fastest(history) > _FASTER * rate:
+                rate = fastest(history)
+                continue
             k = np.flatnonzero((values[:-1] < 0.0) != (values[1:] < 0.0))[:1]
             brackets = np.stack([knots[k], knots[k + 1], values[k], values[k + 1]])
         else:
@@ -242,6 +248,7 @@ def first_crossing(event: Trigger, motion: Motion, start: float, end: float, nam
         if brackets.size:
             return float(left + np.min(refined(evaluate, *brackets)))
         left += float(knots[-1])
+        rate = max(pace(left), _SLOWEST * rate)
     raise AttitudeError(
         f"{name}.at is {type(event).__name__}, which does not happen between {start:.9g} and "
         f"{last:.9g} s; give a longer within=, an event that happens, or an epoch."

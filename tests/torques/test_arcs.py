@@ -10,7 +10,7 @@ from attitude import AttitudeError, Body, FreeRotation, Spin
 from attitude._solver.chains import flow
 from attitude._support.arrays import read_only
 from attitude.frames import quaternion
-from attitude.torques import GravityGradient, InertiaHistory, LinearDamping
+from attitude.torques import ConstantTorque, GravityGradient, InertiaHistory, LinearDamping
 from attitude.torques._arcs import Arcs, Impulse, InertiaChange
 from attitude.torques._torqued import TorquedRotation
 from attitude.torques._triggers import AxisCrossesDirection, PointMeetsPlane
@@ -464,6 +464,18 @@ def test_events_and_functions_of_the_motion_under_torques():
     with pytest.raises(AttitudeError, match=r"changes\[0\].at is AxisCrosses.*does not happen"):
         late = AxisCrossesDirection(axis=(1, 0, 0), direction=(0, 0, 1), within=1e-3)
         Arcs(BODY, SPIN, [Impulse(late, (1, 0, 0))], brake)
+
+
+@pytest.mark.parametrize(
+    ("rate", "within"), [(1e-3, None), (1e-9, None), (0.0, None), (0.0, 100.0), (1e-4, 300.0)]
+)
+def test_the_first_event_of_a_body_that_a_torque_spins_up(rate, within):
+    """rate t + 0.005 t^2 is a right angle, after which the body turns ever faster."""
+    crossing = AxisCrossesDirection(axis=(1, 0, 0), direction=(1, 0, 0), within=within)
+    spin = Spin("2026-01-01", (1, 0, 0, 0), (0, 0, rate))
+    arcs = Arcs(Body((10, 20, 26)), spin, Impulse(crossing, (0, 0, 0)), ConstantTorque((0, 0, 0.26)))
+    expected = 100.0 * (np.sqrt(rate**2 + 0.01 * np.pi) - rate)
+    assert arcs.joints[0] == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize(
