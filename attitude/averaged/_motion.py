@@ -25,7 +25,7 @@ from attitude._support.arrays import Immutable, frozen
 from attitude.averaged import _mean_state, _resonances
 from attitude.averaged._history import AveragedHistory
 from attitude.averaged._mean_torques import Crossing, MeanTorques, Packing, checked_orbits
-from attitude.averaged._polhode import LAM_PLUS, REGIONS, Axes
+from attitude.averaged._polhode import FARTHEST, LAM_PLUS, REGIONS, Axes
 from attitude.averaged._tracks import WEAK, AveragedEvent, Course, Track
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
@@ -235,7 +235,8 @@ class AveragedMotion(Immutable):
         branches: `at` then returns states (B, ...) of the branches that `branches` names.
     least_tilt : float or Quantity
         rad, or text with its unit.  The tilt from an axis to which damping may lead; it decides
-        when an unstable uniform rotation is left.
+        when an unstable uniform rotation is left.  Less next to an axis that the separatrix nears:
+        there tan^2 of it differs by a factor of e from that of the separatrix.
     tolerance : float
         Of a step, of L in units of |L| and of y.
     degree : int
@@ -302,18 +303,21 @@ class AveragedMotion(Immutable):
             tolerance=settings.tolerance, passages=settings.passages, least_y=settings.least_y
         )
         size, y, region = self.axes.state(spin.angular_velocity)
+        ends, edge = (self.least_y, -self.least_y), self.axes.separatrix
+        if abs(edge) < FARTHEST:
+            ends = min(ends[0], edge - 1.0), max(ends[1], edge + 1.0)
         packing = shared.packing(settings.kinds, size, y, region)
         momentum = quaternion.rotate(spin.wxyz_icrf, spin.angular_velocity @ body.tensor)
         self._refuse_strong(packing, np.append(momentum, y), region)
         shift, bend = np.zeros(3), 0.0
-        if abs(y) < -self.least_y:
+        if ends[0] < y < ends[1]:
             shift, bend = _mean_state.corrections(self.axes, body, spin, self.torques, spin.epoch)
         mean = np.append(momentum - shift, y - bend)
-        if (mean[3] < self.axes.separatrix) != (region < LAM_PLUS):
+        if (mean[3] < edge) != (region < LAM_PLUS):
             mean[3] = y
         self._refuse_strong(packing, mean, region)
         pace = 2.0 * math.pi * float(self.axes.moments[2]) / size
-        course = Course(packing, self.least_y, self.tolerance, pace, settings.order)
+        course = Course(packing, ends, self.tolerance, pace, settings.order)
         self._set_all(start=frozen(mean), start_region=region, packing=packing, _course=course)
         self._set("_tracks", [Track(course, mean, region, sign) for sign in (1.0, -1.0)])
         self._set("_farthest", [0.0, 0.0])

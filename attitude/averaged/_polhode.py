@@ -365,14 +365,14 @@ class Nutations:
     @classmethod
     def of(cls, axes: Axes, region: int, h: FloatArray) -> Nutations:
         """The rotations of one region at h (N,)."""
-        out = np.empty((len(h), 13))
+        out = np.empty((len(h), 12))
         fill_means(axes.numbers, region, h, out)
         return cls(out[:, 0], out[:, 1], out[:, 2:5], out[:, 5:8], out[:, 8:11], out[:, 11])
 
 
 @entry_point
 def fill_means(axes, region, h, out):
-    """Fill p, 1 - p, gamma (3), mean squares (3), means (3), period of `Nutations` (N, 13)."""
+    """Fill p, 1 - p, gamma (3), mean squares (3), means (3), period of `Nutations` (N, 12)."""
     for j in range(len(h)):
         m, mc = math.exp(-h[j]), -math.expm1(-h[j])
         k, square = quarter_and_mean_square(m, mc)
@@ -392,4 +392,3 @@ def fill_means(axes, region, h, out):
             row[5], row[7] = p * (1.0 - m * square), rest * (1.0 - square)
             row[8] = sine * half * (1.0 if region == LAM_PLUS else -1.0)
         row[11] = 4.0 * k / pace
-        row[12] = 0.0

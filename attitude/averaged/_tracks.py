@@ -137,8 +137,8 @@ class Course:
     Attributes
     ----------
     packing : Packing
-    least : float
-        Least y; the greatest is its negative.
+    ends : (float, float)
+        Least and greatest y.
     tolerance : float
     pace : float
         s, a turn of the body at the epoch.
@@ -147,7 +147,7 @@ class Course:
     """
 
     packing: Packing
-    least: float
+    ends: tuple[float, float]
     tolerance: float
     pace: float
     order: int = 1
@@ -172,9 +172,10 @@ class Track:
         self._stride = float(self.clock[1])  # of the path along which drift is found
         self._goal = _FIRST * course.pace
         self._work = np.empty_like(course.packing.packed.work)
-        if abs(x[3]) >= -course.least:
-            self.x[3] = min(max(x[3], course.least), -course.least)
-            self.clock[2] = -1.0 if x[3] < 0.0 else 1.0
+        low, high = course.ends
+        if not low < x[3] < high:
+            self.x[3] = min(max(x[3], low), high)
+            self.clock[2] = math.copysign(1.0, x[3])
 
     def branched(self) -> Track:
         """A copy that shares what has been."""
@@ -241,7 +242,7 @@ class Track:
     ) -> tuple[int, FloatArray]:
         """Integrate to seconds `target` or to an event: what ended it, and the steps."""
         course, rows = self.course, np.empty((_ROWS, layout.ROW_ENTRIES))
-        limits = np.array([course.least, -course.least, WEAK, self.sign])
+        limits = np.array([*course.ends, WEAK, self.sign])
         arguments = course.packing.packed.data, models, forcing, self._work, rows
         with raising_callback_errors():
             status, count = layout.advance(
@@ -307,7 +308,7 @@ class Track:
         if status == layout.STRONG:
             self._end("no longer weak", t)
         elif status == layout.CLAMPED:
-            self.clock[2] = -1.0 if self.region < LAM_PLUS else 1.0
+            self.clock[2] = math.copysign(1.0, self.x[3])
             self.events.append(AveragedEvent("uniform rotation reached", t, name, name))
         elif status == layout.RELEASED:
             self.clock[2] = 0.0

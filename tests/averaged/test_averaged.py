@@ -321,6 +321,29 @@ def test_a_symmetric_body_has_no_separatrix(torque):
     AveragedMotion(Body(moments=(10, 10, 18)), spinning(), torque).at(10.0)
 
 
+def test_friction_lays_a_prolate_body_down_once():
+    """To a turn about a short axis, where it stays."""
+    body, spin = Body(moments=(10, 1000, 1000)), spinning((0.1, 0.03, 0.04))
+    motion = AveragedMotion(body, spin, InternalDissipation(1e-3))
+    assert motion.at(1e8).energy == pytest.approx(1.25 + 5e-7 + 5e-4, abs=1e-5)
+    assert [str(event) for event in motion.events] == ["uniform rotation reached (LAM+)"]
+
+
+@pytest.mark.parametrize(
+    ("moments", "omega", "torque", "tilt", "mode"),
+    [
+        ((610, 965, 1000), (1e-5, 0, 0.04), InternalDissipation(1e-6), 0.3, "SAM"),
+        ((500, 999.9, 1000), (1e-5, 0, 0.04), InternalDissipation(1e-6), "1 deg", "SAM"),
+        ((610, 640, 1000), (0.04, 0, 1e-5), LinearDamping(1e-9), 0.45, "LAM"),
+        ((0.19, 1000, 1000.01), (1e-6, 0.03, 0.04), ConstantTorque((1e-7, 0, 0)), 2e-4, "SAM"),
+    ],
+)
+def test_the_least_tilt_leads_over_no_separatrix(moments, omega, torque, tilt, mode):
+    motion = AveragedMotion(Body(moments=moments), spinning(omega), torque, least_tilt=tilt)
+    assert [str(m) for m in motion.at([0.0, 1e4]).mode] == [mode, mode]
+    assert not any(event.kind == "passage" for event in motion.events)
+
+
 def test_a_sphere_and_a_body_at_rest_are_refused():
     with pytest.raises(AttitudeError, match="equal"):
         AveragedMotion(Body(moments=(2, 2, 2)), spinning(), ConstantTorque((1e-6, 0, 0)))
