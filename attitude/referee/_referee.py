@@ -362,7 +362,8 @@ def compare(
     span : float
         s, or a Quantity.
     steps : float or sequence of float
-        s: for fixed steps.  Rounded so that a whole number fits between two epochs.
+        s: for fixed steps.  Rounded so that a whole number fits between two epochs, of which there
+        are fewer if a step is longer than the time between them.
     tolerances : float or sequence of float
         Relative tolerances for scipy; the absolute one is a thousandth of each.
     epochs : int
@@ -391,9 +392,12 @@ def compare(
     length = validation.positive(span, "span", unit="s")
     if not isinstance(epochs, (int, np.integer)) or isinstance(epochs, bool) or epochs < 1:
         raise AttitudeError(f"epochs is {epochs!r}; give a whole number from 1.")
-    names, lengths = _sequence(integrators), _sequence(steps)
+    names = _sequence(integrators)
+    lengths = [validation.positive(step, "steps", unit="s") for step in _sequence(steps)]
     if not len(names):
         raise AttitudeError("integrators is empty; give a name, a function, or several of them.")
+    if lengths:
+        epochs = max(1, min(epochs, round(length / max(lengths))))
     reference = _Reference(body, spin, length, epochs)
     runs = []
     for integrator in names:
@@ -410,10 +414,9 @@ def compare(
                 f"integrators holds {integrator!r}; give a function step(moments, wxyz, omega, h) "
                 f"or one of {listed}."
             )
-        if not len(lengths):
+        if not lengths:
             raise AttitudeError("steps is empty; give the steps (s) of the integrators.")
-        for step in lengths:
-            h = validation.positive(step, "steps", unit="s")
+        for h in lengths:
             runs.append(
                 reference.function(integrator, h)
                 if callable(integrator)

@@ -123,3 +123,8 @@ def test_one_of_each_needs_no_list():
     one = compare("rk4", BODY, SPIN, 1.0, steps="0.01 s", epochs=np.int64(5)).runs
     assert len(one) == 1 and one[0].step == 0.01
     assert compare("DOP853", BODY, SPIN, 1.0, tolerances=1e-8).runs[0].step == 1e-8
+
+
+def test_steps_longer_than_the_time_between_epochs_are_kept():
+    runs = compare("rk4", BODY, SPIN, 10.0, steps=(0.5, 0.25)).runs
+    assert [run.step for run in runs] == [0.5, 0.25]
