@@ -200,7 +200,7 @@ class ConstantTorque(Torque):
     Parameters
     ----------
     torque : (3,) array_like or Quantity
-        N m.
+        N m (in the body's unit of inertia per s2, if that is relative).
 
     Raises
     ------
@@ -230,8 +230,8 @@ class LinearDamping(Torque):
     Parameters
     ----------
     coefficient : float, Quantity or (3, 3) array_like
-        C in N m s, over the body axes.  A matrix must not add energy: its symmetric part has no
-        negative eigenvalue.
+        C in N m s (in the body's unit of inertia per s, if that is relative), over the body axes.
+        A matrix must not add energy: its symmetric part has no negative eigenvalue.
 
     Attributes
     ----------
@@ -435,9 +435,9 @@ class CustomTorque(Torque):
     function : function
         ``function(t, wxyz, omega)`` of TDB seconds since the epoch of the spin, the attitude (4,)
         body to ICRF and the angular velocity (3,) in rad/s over the body axes; returns three
-        numbers, N m over the body axes.  One compiled by ``numba.njit`` runs at full speed, a
-        plain one costs a few microseconds a call.  Its exceptions propagate to the caller of the
-        motion, with their traceback.
+        numbers, N m (as of `ConstantTorque`) over the body axes.  One compiled by ``numba.njit``
+        runs at full speed, a plain one costs a few microseconds a call.  Its exceptions propagate
+        to the caller of the motion, with their traceback.
     depends_on_rate : bool
         Whether the function uses omega.  False saves three of four calls, and makes the schemes
         symplectic where the torque has a potential.
