@@ -405,8 +405,9 @@ class InertiaHistory(Torque):
         return self.tensors(seconds + low)[:, one, two]
 
     def tensors(self, seconds: FloatArray) -> FloatArray:
-        """The change (K, 3, 3) at seconds (K,), checked."""
-        rates = np.asarray(self.change(np.asarray(seconds)))
+        """The change (K, 3, 3) at seconds (K,), checked; NaN where they are."""
+        unknown = np.isnan(seconds)
+        rates = np.asarray(self.change(np.where(unknown, 0.0, seconds)))
         if rates.shape != (len(seconds), 3, 3) or rates.dtype.kind not in "fiu":
             raise AttitudeError(
                 f"change of an InertiaHistory returned {validation.shown(rates)} for "
@@ -420,6 +421,7 @@ class InertiaHistory(Torque):
                 "change of an InertiaHistory returned a matrix that is not finite or not "
                 "symmetric; a tensor of inertia is."
             )
+        rates[unknown] = np.nan
         return rates
 
 
