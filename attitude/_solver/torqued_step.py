@@ -29,7 +29,7 @@ from attitude._compilation.instructions import fma
 from attitude._compilation.pointers import call, number, put, put_three, whole
 from attitude._solver import march_layout as layout
 from attitude._solver.kernel import product, turned_by
-from attitude._solver.step import advance, gains, kicked, turned
+from attitude._solver.step import advance, gains, kicked, moved_by
 
 _ZERO = 0.0, 0.0, 0.0
 # (rad/s)^2; below it, fourth powers of the rate are finite.
@@ -134,23 +134,19 @@ def kick(body, torques, state, t, h, cubed, samples, work, held):
     """The state after h seconds of torques at a fixed attitude, and whether they are finite."""
     _, _, rates, slips, linear = torques
     fine = True
-    rates = rates or (linear and not is_short(body, h))
     if slips:
-        state, fine = _slip(body, torques, state, t, 0.5 * h, samples, work)
-    if rates:
-        state, well = _by_runge_kutta(body, torques, state, t, h, samples, work)
-        fine = fine and well
+        state, fine = _slipped(body, torques, state, t, h, samples, work)
+    elif rates or (linear and not is_short(body, h)):
+        state, fine = _by_runge_kutta(body, torques, state, t, h, samples, work)
     else:
         # TORQUE in work is the torque over the body axes
-        if not held or slips or linear:
+        if not held or linear:
             set_input(body, state, work, 0.0, 0.0, 0.0)
-            fine = fine and torque_at(torques, t, samples, work)
+            fine = torque_at(torques, t, samples, work)
         change = rate_gained(body, accelerations_of(body, work), h, abs(h), linear)
         state = kicked(state, change, _ZERO)
     if cubed != 0.0 and fine:
         state, fine = _gradient(body, torques, state, t, cubed, samples, work)
-    if slips and fine:
-        state, fine = _slip(body, torques, state, t, 0.5 * h, samples, work)
     return state, fine
 
 
@@ -343,37 +339,57 @@ def _by_runge_kutta(body, torques, state, t, h, samples, work):
 
 
 @subroutine
-def _slip(body, torques, state, t, h, samples, work):
-    """The state after h seconds of the turn of the body at constant momentum; midpoint rule."""
-    i, s = body[0], body[2]
-    back = s[0], -s[1], -s[2], -s[3]
-    for model in range(torques[1]):
-        if _entry(torques, model, layout.KIND) == SLIP:
-            q, w, _, _ = state
-            momentum = i[0] * w[0], i[1] * w[1], i[2] * w[2]
-            dx = dy = dz = 0.0
-            turn = (1.0, 0.0, 0.0, 0.0)
-            for stage in range(2):
-                set_input(body, state, work, dx, dy, dz)
-                v = turned_by(back, _call_torque(torques, model, layout.FUNCTION, t, samples, work))
-                if not is_finite(_three(work, layout.RETURNED)):
-                    return state, False
-                turn = _half_turn(v, 0.25 * h if stage == 0 else 0.5 * h)
-                # over body axes that turn by v, a fixed vector turns back
-                left = turned_by((turn[0], -turn[1], -turn[2], -turn[3]), momentum)
-                dx, dy, dz = left[0] / i[0] - w[0], left[1] / i[1] - w[1], left[2] / i[2] - w[2]
-            a, b, c, d = product(q, turn)
-            change = a - q[0], b - q[1], c - q[2], d - q[3]
-            state = turned(state, change, 0.0, (0.0, 0.0, 0.0, 0.0))
-            state = kicked(state, (dx, dy, dz), _ZERO)
-    return state, True
+def _slipped(body, torques, state, t, h, samples, work):
+    """The state after h seconds of torques, and of slips at constant momentum, fourth order.
+
+    By Runge-Kutta, over the body axes at the start: of 1 + p, the turn of the body, whose rate is
+    (1 + p) v/2 with the slip v, and of the momentum gained from the torques.
+    """
+    i = body[0]
+    a = b = c = d = x = y = z = 0.0  # the rates of p and of the momentum
+    turn, gained = (0.0, 0.0, 0.0, 0.0), _ZERO
+    for stage in range(4):
+        ahead = 0.0 if stage == 0 else (h if stage == 3 else 0.5 * h)
+        weight = h / 3.0 if stage == 1 or stage == 2 else h / 6.0
+        p = ahead * a, ahead * b, ahead * c, ahead * d
+        by = _turned_back(i, state[1], p, (ahead * x, ahead * y, ahead * z))
+        set_input(body, moved_by(state, by), work, 0.0, 0.0, 0.0)
+        fine = torque_at(torques, t, samples, work)
+        v = slip_of(body, torques, t, samples, work)
+        if not (fine and is_finite(v)):
+            return state, False
+        half = 0.0, 0.5 * v[0], 0.5 * v[1], 0.5 * v[2]
+        a, b, c, d = product((1.0 + p[0], p[1], p[2], p[3]), half)
+        n, q = accelerations_of(body, work), by[0]
+        n = i[0] * n[0], i[1] * n[1], i[2] * n[2]
+        x, y, z = turned_by((1.0 + q[0], q[1], q[2], q[3]), n)
+        turn = (
+            turn[0] + weight * a,
+            turn[1] + weight * b,
+            turn[2] + weight * c,
+            turn[3] + weight * d,
+        )
+        gained = gained[0] + weight * x, gained[1] + weight * y, gained[2] + weight * z
+    return moved_by(state, _turned_back(i, state[1], turn, gained)), True
 
 
 @subroutine
-def _half_turn(v, half):
-    """The quaternion of a turn by 2 half |v| about v."""
-    size = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
-    if size == 0.0:
-        return 1.0, 0.0, 0.0, 0.0
-    sine = math.sin(half * size) / size
-    return math.cos(half * size), sine * v[0], sine * v[1], sine * v[2]
+def _turned_back(i, w, p, gained):
+    """The increment, of `moved_by`, by a turn 1 + p of any length and momentum over first axes.
+
+    Over axes that turn, a fixed vector turns back.  Differences alone are rounded.
+    """
+    s, x, y, z = p
+    size = 2.0 * s + (s * s + x * x + y * y + z * z)  # less 1, the square of that of 1 + p
+    root = math.sqrt(1.0 + size)
+    f = -size / (root + 1.0 + size)
+    s, x, y, z = s + f * (1.0 + s), x + f * x, y + f * y, z + f * z
+    a, b, c = i[0] * w[0] + gained[0], i[1] * w[1] + gained[1], i[2] * w[2] + gained[2]
+    a, b, c = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
+    e = 1.0 + s
+    change = (
+        (gained[0] - e * a + (y * c - z * b)) / i[0],
+        (gained[1] - e * b + (z * a - x * c)) / i[1],
+        (gained[2] - e * c + (x * b - y * a)) / i[2],
+    )
+    return (s, x, y, z), change, 0.0, _ZERO

@@ -83,8 +83,6 @@ class System:
         self.kicks = len(chosen.kicks)
         self.columns = sum(torque.columns for torque in torques)
         self.slips = any(torque.kind == SLIP for torque in torques)
-        # The midpoint rule of a slip is of second order in a scheme of any.
-        self.order = min(chosen.order, 2) if self.slips else chosen.order
 
     def under(self, torques: tuple[Torque, ...]) -> System:
         """The same system under other torques."""

@@ -293,8 +293,7 @@ class InternalDissipation(Torque):
     Notes
     -----
     Double-bracket dissipation (Bloch, Krishnaprasad, Marsden & Ratiu 1996, Commun. Math. Phys.
-    175, 1), the simplest model with these two laws.  Integrated to second order in the step,
-    whatever the scheme.
+    175, 1), the simplest model with these two laws.
     """
 
     strength: float | Rheology
@@ -360,9 +359,8 @@ class InertiaHistory(Torque):
     -----
     d(I w)/dt + w x I w = N, which is dL/dt = N over inertial axes: matter that leaves takes the
     momentum of its place along, and moves on straight or radial lines over the body (Thomson,
-    Introduction to Space Dynamics, 1986, section 7.3).  Of second order in the step, whatever the
-    scheme.  Angular velocities that the motion returns are I(t)^-1 L; its angular accelerations
-    are refused.
+    Introduction to Space Dynamics, 1986, section 7.3).  Angular velocities that the motion returns
+    are I(t)^-1 L; its angular accelerations are refused.
 
     >>> from attitude import Body, Spin
     >>> from attitude.splitting import TorquedRotation

@@ -366,7 +366,7 @@ class Front:
                 self.counts,
                 self.fine,
                 self.coarse,
-                system.order,
+                system.scheme.order,
                 most,
                 samples,
                 kept,
@@ -625,7 +625,7 @@ class BoundedSteps:
             share *= aim * self.tolerance / self._steps.error
             aim *= _AIM_AGAIN
             # The error over a span follows the power p of the step, that of a step the power p + 1.
-            change = share ** (1.0 + 1.0 / self.system.order)
+            change = share ** (1.0 + 1.0 / self.system.scheme.order)
             allowed = self._steps.tolerance * max(change, _LARGEST_CHANGE)
             if self._steps.tolerance <= _LEAST:
                 raise AttitudeError(

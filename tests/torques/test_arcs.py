@@ -473,7 +473,9 @@ def test_the_first_event_of_a_body_that_a_torque_spins_up(rate, within):
     """rate t + 0.005 t^2 is a right angle, after which the body turns ever faster."""
     crossing = AxisCrossesDirection(axis=(1, 0, 0), direction=(1, 0, 0), within=within)
     spin = Spin("2026-01-01", (1, 0, 0, 0), (0, 0, rate))
-    arcs = Arcs(Body((10, 20, 26)), spin, Impulse(crossing, (0, 0, 0)), ConstantTorque((0, 0, 0.26)))
+    arcs = Arcs(
+        Body((10, 20, 26)), spin, Impulse(crossing, (0, 0, 0)), ConstantTorque((0, 0, 0.26))
+    )
     expected = 100.0 * (np.sqrt(rate**2 + 0.01 * np.pi) - rate)
     assert arcs.joints[0] == pytest.approx(expected, rel=1e-9)
 
