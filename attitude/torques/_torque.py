@@ -419,8 +419,7 @@ class InertiaHistory(Torque):
                 "change of an InertiaHistory returned a matrix that is not finite or not "
                 "symmetric; a tensor of inertia is."
             )
-        rates[unknown] = np.nan
-        return rates
+        return np.where(unknown[:, None, None], np.nan, rates)
 
 
 # ---- A torque by a function of the user, in plain Python or compiled by numba
