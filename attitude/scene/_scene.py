@@ -240,7 +240,7 @@ class OfView(Observable):
                 while share * least < step / 2.0:
                     reach, step = step / share, max(share * least, step / _FINER)
                     finer.append((time - start[0] - reach, time - start[0] + reach, step))
-        inner = {float(edge) for part in finer for edge in part[:2] if 0.0 < edge < length}
+        inner = {float(edge) for *ends, _ in finer for edge in ends if 0.0 < edge < length}
         knots = [0.0, *sorted(inner), length]
         ends = [start, *(pairs.add(start, knot) for knot in knots[1:-1]), stop]
         steps = [
