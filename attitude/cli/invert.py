@@ -54,9 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     _options.add_site_argument(parser)
     parser.add_argument("--frame", default="icrf", help="axes of the vectors of the file (icrf)")
     parser.add_argument(
-        "--zero-points",
-        metavar="Z",
-        help='of sessions: auto, shared, free, or "0.05 mag" (those of the file, else auto)',
+        "--zero-points", help='of sessions: auto, shared, free, "0.05 mag" (of the file, else auto)'
     )
     parser.add_argument(
         "--modes",

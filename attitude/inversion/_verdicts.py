@@ -253,6 +253,12 @@ def of_floor(ratio: float, most: float, settings: Settings) -> str:
     return f"chi2/N is {ratio:.2f} with {errors} (floor {most:g})"
 
 
+def _of_left(left: float, floor: float, settings: Settings) -> str:
+    """The share of the variance that is left, and where it decides, what may be, in words."""
+    most = f" ({100.0 * settings.left:g} allowed above the floor)"
+    return f"{100.0 * left:.1f} % of the variance is left{most if floor >= settings.floor else ''}"
+
+
 def is_doubtful(best: Robust, problem: CurveProblem) -> bool:
     """Whether a solution hardly fits: differences of evidence are then those of a wrong model."""
     return _evidence.floor_ratio(best, problem) > problem.settings.doubtful
@@ -368,11 +374,8 @@ def verdict(
     gap_to_next, behind = _nearest(_of_other_periods(solutions, problem), best, problem)
     alike = [one for one in solutions[1:] if _has_periods(one.refined.state, state, problem)]
     poles = [other for other in alike if _competes(other, best, problem)]
-    above = f" ({100.0 * settings.left:g} above the floor)" if floor >= settings.floor else ""
-    words = (
-        f"{of_floor(floor, settings.floor, settings)}; {100.0 * left:.1f} % of the variance is "
-        f"left{above}; {_of_gap(gap_to_next, behind)}"
-    )
+    words = f"{of_floor(floor, settings.floor, settings)}; {_of_left(left, floor, settings)}"
+    words += f"; {_of_gap(gap_to_next, behind)}"
     # the dips of a moon are most of the variance: what is left says nothing of the rotation
     explains = floor < settings.floor or (left < settings.left and not problem.orbit)
     accepted = explains and gap_to_next > behind

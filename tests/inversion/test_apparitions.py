@@ -167,7 +167,6 @@ def test_a_budget_ends_a_search_of_millions_of_turns(known):
     found = inversion.spin_states(curve, "0.5 Hz", modes=("PA",), budget=0.1)
     assert len(found) == 0 and found.verdict == "not solved"
     assert "budget of 0.1 s ended the search" in found.criterion
-    assert "before all periods were tried" in found.notes[-1]
 
 
 def test_refine_keeps_a_rotation_about_one_axis(known):

@@ -269,7 +269,7 @@ def test_even_odds_prefer_no_motion():
 
 def test_a_search_that_was_cut_off_claims_nothing():
     verdict, words = _verdicts.verdict([_solution(7.0, 0.0, 0.01)], _problem(0.02), False)
-    assert verdict == _verdicts.OPEN and "give a larger one" in words
+    assert verdict == _verdicts.OPEN and "give a larger budget" in words
 
 
 def test_a_search_that_was_interrupted_asks_for_no_budget():

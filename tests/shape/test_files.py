@@ -101,7 +101,7 @@ def test_open_surfaces_are_read_when_asked_for(tmp_path):
 def test_names_and_formats(tmp_path):
     with pytest.raises(AttitudeError, match="there is no such file"):
         read(tmp_path / "none.obj")
-    with pytest.raises(AttitudeError, match="or give format="):
+    with pytest.raises(AttitudeError, match=r"name the file \.obj"):
         read(tmp_path / "shape.xyz")
     for unit in ("kg", "-1 km"):
         with pytest.raises(AttitudeError, match=f"unit is '{unit}'"):
