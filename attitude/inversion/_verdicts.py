@@ -495,7 +495,7 @@ def of_pole(
     if count * sigma < settings.near_pole:
         return SOLVED, criterion
     width, most = (math.degrees(angle) for angle in (count * sigma, settings.near_pole))
-    size = f"{width:.0f} degrees" if width < _WHOLE_SKY else "the whole sky"
+    size = f"{width:.3g} degrees" if width < _WHOLE_SKY else "the whole sky"
     return (
         PERIODS,
         f"{criterion[:-1]}; {count:g} standard errors of the pole are {size} ({most:.0f} at most).",

@@ -547,13 +547,13 @@ def test_the_note_on_zero_points_is_on_those_of_the_result(monkeypatch):
     ("degrees", "is_hidden", "verdict", "words"),
     [
         (7.4, False, _verdicts.SOLVED, "s behind."),
-        (7.6, False, _verdicts.PERIODS, "2 standard errors of the pole are 15 degrees (15 at"),
+        (7.6, False, _verdicts.PERIODS, "2 standard errors of the pole are 15.2 degrees (15 at"),
         (2.4, True, _verdicts.SOLVED, "s behind."),
         (
             3.7,
             True,
             _verdicts.PERIODS,
-            "6 standard errors of the pole are 22 degrees (15 at most).",
+            "6 standard errors of the pole are 22.2 degrees (15 at most).",
         ),
         (500.0, False, _verdicts.PERIODS, "are the whole sky"),
     ],
