@@ -4,6 +4,7 @@
     python benchmarks/inversion_apparitions.py near 12 SEED          the same, periods to 1 %
     python benchmarks/inversion_apparitions.py without 12 SEED       blind, the true rates left out
     python benchmarks/inversion_apparitions.py damit FILE P LONGITUDE LATITUDE [FOLDER]
+    python benchmarks/inversion_apparitions.py to-percent FILE P LONGITUDE LATITUDE
     python benchmarks/inversion_apparitions.py each FILE P LONGITUDE LATITUDE
     python benchmarks/inversion_apparitions.py two 6 SEED            tumblers, 2012-13 and 2020-21
     python benchmarks/inversion_apparitions.py drift 6 SEED          the same under a torque
@@ -13,11 +14,11 @@
 of it or twice is searched, so that each claim is wrong.  `damit`: a file of relative light curves
 in DAMIT's format, blind from 2 to 24 h and between P -+ 0.01 %, against the published period (h)
 and pole (ecliptic, deg); with FOLDER, in which `convexinv` is built, the same curves by that
-program from the published values.  `each`: every apparition of the file alone.  `two`: tumbling
-bodies of `inversion_cases` on the orbit of (99942) Apophis, seen on 40 nights from 23 December 2012
-to 15 April 2013 and on 60 from 15 November 2020 to 10 May 2021, three points an hour, errors of
-0.03 mag; `drift`: under a torque fixed in the body that changes its rates by 2 to 6 turns per
-span^2.
+program from the published values.  `to-percent`: that file with its period to 1 %.  `each`: every
+apparition of the file alone.  `two`: tumbling bodies of `inversion_cases` on the orbit of (99942)
+Apophis, seen on 40 nights from 23 December 2012 to 15 April 2013 and on 60 from 15 November 2020 to
+10 May 2021, three points an hour, errors of 0.03 mag; `drift`: under a torque fixed in the body
+that changes its rates by 2 to 6 turns per span^2.
 Processor seconds.
 """
 
@@ -340,6 +341,9 @@ def main(arguments: list[str]) -> None:
         without(int(given[0]), int(given[1]))
     elif what in ("two", "drift"):
         two(int(given[0]), int(given[1]), what == "drift")
+    elif what == "to-percent":
+        curve, period = inversion.LightCurve.read(given[0]), float(given[1])
+        solved(curve, period, _unit(*map(float, given[2:4])), period=f"{period} h")
     elif what == "damit":
         damit(given[0], *map(float, given[1:4]), *given[4:5])
     else:

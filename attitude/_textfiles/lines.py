@@ -160,7 +160,7 @@ def path_of_packaged(name: str) -> str:
 
 def unreadable(path: str | os.PathLike[str], err: OSError | ValueError) -> AttitudeError:
     """The AttitudeError for a file that the system refuses to read."""
-    reason = getattr(err, "strerror", None) or err
+    reason = (isinstance(err, OSError) and err.strerror) or err
     return AttitudeError(f"{os.fspath(path)!r} cannot be read: {reason}.")
 
 

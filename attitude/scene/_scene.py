@@ -214,10 +214,14 @@ class OfView(Observable):
         if self.step is not None:
             return self.step
         view, length = self._sampled(start, stop)
+        return self._spacing(view, length, _paths(view), start, stop)
+
+    def _spacing(self, view, length, paths, start, stop):
+        """The spacing by the view of samples of a span and its paths."""
         spacings = [length / _FEWEST] if length > 0.0 else [1.0]
         if "attitude" in view.evaluated:
             spacings.append(super().spacing(start, stop))
-        return min([*spacings, *(_scale(view, path, share) for path, share in _paths(view))])
+        return min([*spacings, *(_scale(view, path, share) for path, share in paths)])
 
     def _sampled(self, start, stop):
         """The view of samples of a span, in which the value is evaluated, and its length, s."""
@@ -230,10 +234,11 @@ class OfView(Observable):
         """The parts of a span and their spacings, which are finer about close encounters."""
         if self.step is not None:
             return super()._searches(start, stop)
-        spacing = self.spacing(start, stop)
         view, length = self._sampled(start, stop)
+        paths = _paths(view)
+        spacing = self._spacing(view, length, paths, start, stop)
         finer = []
-        for path, share in _paths(view):
+        for path, share in paths:
             for time, least in _encounters(view, path):
                 # A line of sight changes by `share` of |r|/|v|, which grows as the time from it.
                 step = spacing
