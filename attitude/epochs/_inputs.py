@@ -9,7 +9,8 @@ text
     ISO 8601 in UTC: ``2026-01-01``, ``2026-01-01T00:00:00.5``, a space for the T, ``Z`` or an
     offset such as ``+01:00`` at the end; CCSDS day of year, ``2026-001T00:00:00``; the name of
     another scale after a space, ``2026-01-01T00:00:00 TDB`` (UTC, TAI, GPS, TT, TDB, TCG, TCB,
-    UT1).  Second 60 is accepted only where there was a leap second.
+    UT1).  Second 60 is accepted only where there was a leap second.  A Julian date with its scale:
+    ``JD 2461041.5 TDB``, ``MJD 61041.0 UTC``.
 astropy Time
     Any scale but "local", any shape.  Location, masks, and a UT1 - UTC or TDB - TT set on the Time
     are used.

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import datetime
+import math
 import re
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -35,6 +37,8 @@ TEXT: re.Pattern[str] = re.compile(
     re.ASCII,
 )
 
+# A Julian date or modified Julian date with its time scale, which is never guessed.
+_JULIAN = re.compile(r"(M?JD) *(\d{1,7})(\.\d*)?(?: +([A-Za-z]\w+))?", re.ASCII | re.IGNORECASE)
 
 # TDB seconds past J2000 of the year -4712 and of the last day of ERFA's calendar, less a day.
 _CALENDAR = -_time_scales.J2000 * _time_scales.DAY, (1e9 - 2451546.0) * _time_scales.DAY
@@ -43,10 +47,13 @@ _CALENDAR = -_time_scales.J2000 * _time_scales.DAY, (1e9 - 2451546.0) * _time_sc
 def parsed(text: str, name: str) -> tuple[str, int, int, float]:
     """Scale, day (modified Julian date), whole seconds since its midnight, fraction of a second."""
     matched = TEXT.fullmatch(text.strip())
+    if matched is None and (julian := _JULIAN.fullmatch(text.strip())):
+        return _of_julian(julian, text, name)
     if matched is None:
         raise AttitudeError(
             f"{name} is {shown(text)}, which cannot be read as a date; write it like "
-            '"2026-01-01T00:00:00", "2026-001T00:00:00" or "2026-01-01T00:00:00 TDB".'
+            '"2026-01-01T00:00:00", "2026-001T00:00:00", "2026-01-01T00:00:00 TDB" or "JD '
+            '2461041.5 TDB".'
         )
     year, month, day, yearday, hour, minute, second, fraction, zone, scale = matched.groups()
     scale = _scale(scale, zone, text, name) if scale else "utc"
@@ -72,6 +79,24 @@ def parsed(text: str, name: str) -> tuple[str, int, int, float]:
     if seconds == 60:
         _refuse_false_leap(scale, date + shift, minutes, share, text, name)
     return scale, date + shift, minutes * 60 + seconds, share
+
+
+def _of_julian(julian: re.Match[str], text: str, name: str) -> tuple[str, int, int, float]:
+    """As `parsed`, of a match of _JULIAN; a day of UTC with a leap second has 86401 s."""
+    kind, whole, fraction, scale = julian.groups()
+    if scale is None:
+        raise AttitudeError(
+            f"{name} is {shown(text)}, a Julian date without a time scale; add it, as in "
+            f'"{text.strip()} UTC" or "{text.strip()} TDB".'
+        )
+    scale = _scale(scale, None, text, name)
+    days = Fraction(whole + (fraction or "")) - (Fraction(4800001, 2) if len(kind) == 2 else 0)
+    day = math.floor(days)
+    if not _time_scales.MJD_OF_ORDINAL_0 < day < _time_scales.YEAR_10000:
+        raise AttitudeError(f"{name} is {shown(text)}; give a date of the years 0001 to 9999.")
+    length = 86400 + (_time_scales.leap_of_day(day) if scale == "utc" else 0)
+    second = (days - day) * Fraction(float(length))
+    return scale, day, math.floor(second), float(second - math.floor(second))
 
 
 def _scale(scale: str, zone: str | None, text: str, name: str) -> str:

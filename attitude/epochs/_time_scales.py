@@ -45,7 +45,7 @@ _WHOLE_LEAPS = 41317.0
 # That of the day before 0001-01-01, where Python's calendar begins.
 MJD_OF_ORDINAL_0 = -678576
 # That of 10000-01-01, where it ends.
-_YEAR_10000 = 2973484.0
+YEAR_10000 = 2973484.0
 # Seconds.
 DAY: float = 86400.0
 TT_MINUS_TAI: float = 32.184
@@ -98,7 +98,7 @@ def tai_from_utc_jd(jd1: Doubles, jd2: Doubles) -> Pair:
 
 def tai_from_utc_day(day: Doubles | float, second: Any, low: Doubles | float = 0.0) -> Any:
     """TAI of UTC given as a civil day and the seconds second + low since its midnight."""
-    if type(day) is float and _WHOLE_LEAPS <= day < _YEAR_10000:
+    if type(day) is float and _WHOLE_LEAPS <= day < YEAR_10000:
         import erfa
 
         civil = datetime.date.fromordinal(int(day) - MJD_OF_ORDINAL_0).timetuple()

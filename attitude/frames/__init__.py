@@ -131,10 +131,10 @@ def attitude_to_icrf(frame: str, wxyz: ArrayLike) -> FloatArray:
     return np.moveaxis(turned, (0, 1), (-2, -1))
 
 
-def known(frame: str, name: str = "frame") -> str:
-    """The name of a frame in lower case."""
+def known(frame: str, name: str = "frame", more: tuple[str, ...] = ()) -> str:
+    """The name of a frame of FRAMES, or of `more` that the caller knows, in lower case."""
     lower = frame.lower() if isinstance(frame, str) else frame
-    if lower in FRAMES:
+    if lower in (*FRAMES, *more):
         return lower
     if lower == "j2000":
         raise AttitudeError(
@@ -142,7 +142,7 @@ def known(frame: str, name: str = "frame") -> str:
             'SPICE, "eme2000" for that of CCSDS and STK.'
         )
     raise AttitudeError(
-        f"{name} is {quoted(frame)}; it must be one of {', '.join(repr(word) for word in FRAMES)}."
+        f"{name} is {quoted(frame)}; it must be one of {', '.join(map(repr, (*FRAMES, *more)))}."
     )
 
 

@@ -11,6 +11,7 @@ Sources: IERS Conventions (2010), section 5.4.4 (the matrix of x, y and s); Capi
 
 from __future__ import annotations
 
+import re
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -157,8 +158,69 @@ def pole_of_teme(hi: FloatArray, lo: FloatArray) -> FloatArray:
 # Sources: IERS Conventions (2010), chapter 5, as in ERFA's c2t06a, pnm06a, pmat06, gst06a; Vallado
 # et al., AIAA 2006-6753 (TEME); Lieske, A&A 73, 282 (1979), as in ERFA's prec76 (B1950).
 
+# Names in files, in capital letters without hyphens, underscores and blanks, and the kind of axes.
+# Source: SANA registry of celestial body reference frames; EME2000 and J2000 are those of CCSDS and
+# STK, with the frame bias.
+FIXED_NAMES: dict[str, str] = {
+    **dict.fromkeys(("ICRF", "ICRF1", "ICRF2", "ICRF3", "GCRF", "BCRF"), "icrf"),
+    **dict.fromkeys(("ICRS", "GCRS", "BCRS"), "icrf"),
+    **dict.fromkeys(("EME2000", "J2000"), "eme2000"),
+    **dict.fromkeys(("ECLIPTIC", "ECLIPTICJ2000", "ECLIPJ2000"), "ecliptic"),
+    **dict.fromkeys(("B1950", "EME1950"), "b1950"),
+}
+TURNING_NAMES: dict[str, str] = {
+    **dict.fromkeys(("TEME", "TEMEOFDATE"), "teme"),
+    **dict.fromkeys(("ITRF", "ITRS"), "itrf"),
+    **dict.fromkeys(("TOD", "TODEARTH", "TRUEOFDATE"), "tod"),
+    **dict.fromkeys(("MOD", "MODEARTH", "MEANOFDATE"), "mod"),
+    **dict.fromkeys(("GTOD", "TDR"), "gtod"),
+    **{"CIRS": "cirs", "TIRS": "tirs"},
+}
+# Those that turn with the Earth, so that rates of vectors include its rotation.
+EARTH_FIXED: tuple[str, ...] = ("itrf", "tirs", "gtod")
+# s: half the interval of the differences of an Earth-fixed vector, whose rate then errs by 3e-15
+# of its length a second, and by its rounding.
+_STEP = 0.25
 # The Besselian epoch 1950.0 as Julian date.
 _B1950 = 2433282.42345905
+
+
+def normal(name: str) -> str:
+    """A name in capital letters without hyphens, underscores and blanks."""
+    return re.sub(r"[-_ ]", "", name).upper()
+
+
+def kind_of(name: str) -> str | None:
+    """The kind of axes that a name in a file means, of fixed axes and of the Earth's, or None.
+
+    >>> kind_of("ITRF-97"), kind_of("J2000"), kind_of("LVLH")
+    ('itrf', 'eme2000', None)
+    """
+    plain = normal(name)
+    if re.fullmatch(r"ITRF(19|20)?\d\d", plain):
+        plain = "ITRF"
+    return FIXED_NAMES.get(plain) or TURNING_NAMES.get(plain)
+
+
+def vectors_to_icrf(
+    kind: str, hi: FloatArray, lo: FloatArray, vectors: FloatArray, rates: FloatArray | None
+) -> tuple[FloatArray, FloatArray | None]:
+    """Vectors (N, 3) over axes of the Earth, and their rates as seen from these, over ICRF.
+
+    Axes of date are taken as at rest, as SGP4 and the standards of orbits do (1e-11 rad/s).
+    """
+
+    def turned(vectors, shift=0.0):
+        if kind == "b1950":
+            return quaternion.rotate(b1950(), vectors)
+        return quaternion.rotate(to_icrf(kind, *pairs.add((hi, lo), shift)), vectors)
+
+    if rates is None:
+        return turned(vectors), None
+    rates = turned(rates)
+    if kind in EARTH_FIXED:
+        rates += (turned(vectors, _STEP) - turned(vectors, -_STEP)) / (2.0 * _STEP)
+    return turned(vectors), rates
 
 
 def to_icrf(kind: str, hi: FloatArray, lo: FloatArray) -> FloatArray:

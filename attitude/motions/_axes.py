@@ -36,6 +36,7 @@ from attitude.errors import AttitudeError
 from attitude.frames import _earth
 from attitude.frames import quaternion as forms
 from attitude.frames import representations as frames_representations
+from attitude.frames._earth import normal
 from attitude.frames.representations import Attitudes
 from attitude.paths._composed import relative
 from attitude.paths._foreign import place_of
@@ -57,20 +58,9 @@ __all__ = ["WRITTEN", "Axes", "body_name_fault", "known", "named", "of_pair"]
 #
 # Source: SANA registries of celestial body, orbit-relative and spacecraft body reference frames.
 
-FIXED: dict[str, str] = {
-    **dict.fromkeys(("ICRF", "ICRF1", "ICRF2", "ICRF3", "GCRF", "BCRF"), "icrf"),
-    **dict.fromkeys(("ICRS", "GCRS", "BCRS"), "icrf"),
-    **dict.fromkeys(("EME2000", "J2000"), "eme2000"),
-    **dict.fromkeys(("ECLIPTIC", "ECLIPTICJ2000", "ECLIPJ2000"), "ecliptic"),
-    **dict.fromkeys(("B1950", "EME1950"), "b1950"),
-}
+FIXED: dict[str, str] = _earth.FIXED_NAMES
 TURNING: dict[str, str] = {
-    **dict.fromkeys(("TEME", "TEMEOFDATE"), "teme"),
-    **dict.fromkeys(("ITRF", "ITRS"), "itrf"),
-    **dict.fromkeys(("TOD", "TODEARTH", "TRUEOFDATE"), "tod"),
-    **dict.fromkeys(("MOD", "MODEARTH", "MEANOFDATE"), "mod"),
-    **dict.fromkeys(("GTOD", "TDR"), "gtod"),
-    **{"CIRS": "cirs", "TIRS": "tirs"},
+    **_earth.TURNING_NAMES,
     **dict.fromkeys(("RTN", "RSW", "RIC", "QSW"), "rtn"),
     **dict.fromkeys(("LVLH", "VVLH"), "lvlh"),
     **{"TNW": "tnw", "NTW": "ntw", "VNC": "vnc"},
@@ -97,11 +87,6 @@ _OF_BODIES = re.compile(
 _ALIKE = 0.86
 
 
-def normal(name: str) -> str:
-    """A name in capital letters without hyphens, underscores and blanks."""
-    return re.sub(r"[-_ ]", "", name).upper()
-
-
 def meaning(name: str) -> tuple[str, bool] | None:
     """Kind of axes that a name means, and whether rates in them are relative to inertial space.
 
@@ -115,9 +100,8 @@ def meaning(name: str) -> tuple[str, bool] | None:
         return FIXED[plain], False
     inertial = plain.endswith("INERTIAL")
     plain = plain.removesuffix("INERTIAL").removesuffix("ROTATING")
-    if re.fullmatch(r"ITRF(19|20)?\d\d", plain):
-        plain = "ITRF"
-    return (TURNING[plain], inertial) if plain in TURNING else None
+    kind = TURNING.get(plain) or _earth.kind_of(plain)
+    return None if kind is None or plain in FIXED else (kind, inertial)
 
 
 def named_elsewhere(name: str) -> bool:

@@ -1,7 +1,8 @@
 """CCSDS orbit ephemeris messages (OEM) in KVN and XML.
 
 Source: CCSDS 502.0-B-3, Orbit Data Messages, section 5 (versions 1 to 3).  Its units are km and
-km/s.  Covariances and accelerations are ignored.
+km/s.  Covariances and accelerations are ignored.  States over axes of the Earth (ITRF, TEME, TOD,
+...) are turned to ICRF and interpolated there.
 """
 
 from __future__ import annotations
@@ -11,11 +12,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from attitude import frames
 from attitude._textfiles import messages
 from attitude._textfiles.messages import Form, MessageRows
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
+from attitude.frames import _earth
 from attitude.paths._composed import relative
 from attitude.paths._path import SSB, body_name
 from attitude.paths._spk import Succession
@@ -55,9 +56,6 @@ _FORM = Form(
     skipped=("COVARIANCE",),
     marks={"metadata": "META", "data": ""},
 )
-# The frame in `frames.FRAMES` for each supported name of the standard.
-_FRAMES = {"ICRF": "icrf", "GCRF": "gcrf", "GCRF1": "gcrf", "EME2000": "eme2000", "ICRF2": "icrf",
-           "ICRF3": "icrf", "ECLIPJ2000": "ecliptic"}  # fmt: skip
 _SYSTEMS = ("UTC", "TAI", "GPS", "TT", "TDB", "TCG", "TCB", "UT1")
 
 
@@ -141,11 +139,11 @@ def _path(block, origin, degree):
             f"{where}: TIME_SYSTEM is {meta['TIME_SYSTEM']}; it must be one of "
             f"{', '.join(_SYSTEMS)}."
         )
-    frame = _FRAMES.get(meta["REF_FRAME"].upper())
+    frame = _earth.kind_of(meta["REF_FRAME"])
     if frame is None:
         raise AttitudeError(
-            f"{where}: REF_FRAME is {meta['REF_FRAME']}; it must be one of these inertial frames: "
-            f"{', '.join(_FRAMES)}."
+            f"{where}: REF_FRAME is {meta['REF_FRAME']}; it must be one of "
+            f"{', '.join((*_earth.FIXED_NAMES, *_earth.TURNING_NAMES))}."
         )
     if block.rows is None:
         raise AttitudeError(f"{where}: there are no states.")
@@ -161,7 +159,7 @@ def _path(block, origin, degree):
             interpolation=interpolation,
             degree=degree,
             center=body_name(meta["CENTER_NAME"], "CENTER_NAME"),
-            frame=frames.known(frame),
+            frame=frame,
             name=meta["OBJECT_NAME"],
             source=os.path.basename(origin),
             span=span,

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import operator
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NoReturn, TypeAlias, cast
@@ -179,18 +180,26 @@ class Ephemeris:
             For a name that is not known, and a body that the source lacks.
         """
         name = body_name(body)
-        if name not in self._steps:
-            path = self._step(name)
-            if path is None:
-                hint = ""
-                if f"{name} barycenter" in self.bodies:
-                    hint = f' It has the barycentre of its system: "{name} barycenter".'
-                raise AttitudeError(
-                    f"the ephemeris ({self.source}) has no {name}; it has "
-                    f"{', '.join(self.bodies)}.{hint} {self.advice}"
-                )
+        path = self.step_within(name, self)
+        if path is None:
+            hint = ""
+            if f"{name} barycenter" in self.bodies:
+                hint = f' It has the barycentre of its system: "{name} barycenter".'
+            raise AttitudeError(
+                f"the ephemeris ({self.source}) has no {name}; it has "
+                f"{', '.join(self.bodies)}.{hint} {self.advice}"
+            )
+        return path
+
+    def step_within(self, name: str, whole: Ephemeris) -> Path | None:
+        """The path of a body by its name, or None; `whole` is the ephemeris of which this is part.
+
+        A source uses it for bodies whose center differs from time to time.
+        """
+        path = self._steps.get(name)
+        if path is None and (path := self._step(name)) is not None:
             self._steps[name] = path
-        return self._steps[name]
+        return path
 
     def _step(self, name: str) -> Path | None:
         """The path of a body by its name, or None for a body that the source lacks."""
@@ -200,8 +209,31 @@ class Ephemeris:
         return f"<{self.source}: {', '.join(self.bodies)}>"
 
 
-# Arguments of `paths.ephemeris`: an ephemeris, a file, a name, or None for the default.
-EphemerisLike: TypeAlias = Ephemeris | str | os.PathLike[str] | None
+class JoinedEphemeris(Ephemeris):
+    """Several ephemerides as one: each body is that of the first that has it."""
+
+    advice = "Give one of these, or one ephemeris more."
+
+    def __init__(self, parts: tuple[Ephemeris, ...]) -> None:
+        self.parts = parts
+        self.source = ", ".join(dict.fromkeys(part.source for part in parts))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return JoinedEphemeris, (self.parts,)
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """The names of the bodies of all parts, in order."""
+        return tuple(dict.fromkeys(name for part in self.parts for name in part.bodies))
+
+    def _step(self, name: str) -> Path | None:
+        paths = (part.step_within(name, self) for part in self.parts)
+        return next((path for path in paths if path is not None), None)
+
+
+# Arguments of `paths.ephemeris`: an ephemeris, a file, a name, None for the default, or several.
+_OneEphemeris: TypeAlias = Ephemeris | str | os.PathLike[str] | None
+EphemerisLike: TypeAlias = _OneEphemeris | Sequence[_OneEphemeris]
 
 
 # ---- The base class of paths and directions: the center, the observer and the Sun of a scene

@@ -97,8 +97,8 @@ def place(
         The target of an SPK, or one body of several in a TLE, OMM or MPCORB.DAT.
     is_observer : bool
         Whether three characters are the code of an observatory rather than a NAIF number.
-    ephemeris : path of a kernel, name, Ephemeris or None
-        Of bodies given by name, as for `body`.
+    ephemeris : path of a kernel, name, Ephemeris, None, or a list of these
+        Of bodies given by name, as for `body`, and of files with several centers.
     folder : path
         Where relative names of files begin.
 
@@ -120,9 +120,9 @@ def place(
     if isinstance(given, Place):
         return given
     if isinstance(given, Mapping):
-        return _of_table(dict(given), name, os.fspath(folder))
+        return _of_table(dict(given), name, os.fspath(folder), ephemeris)
     if isinstance(given, os.PathLike):
-        return _of_file(os.path.join(folder, given), name, of)
+        return _of_file(os.path.join(folder, given), name, of, ephemeris)
     if isinstance(given, str):
         return _of_text(given, name, of, is_observer, ephemeris, os.fspath(folder))
     if naif_index(given) is not None:
@@ -159,7 +159,7 @@ def _of_text(text, name, of, is_observer, ephemeris, folder):
     if is_observer and is_code(stripped):
         return _of_code(stripped, name)
     if path and os.path.isfile(path):
-        return _of_file(path, name, of)
+        return _of_file(path, name, of, ephemeris)
     if of is not None:
         raise AttitudeError(
             f"{name} is {quoted(text)}, which is not a file; give a file with several bodies, or "
@@ -285,17 +285,20 @@ def _of_keywords(value: Any, name: str) -> Path:
 # ---- Tables of mission files
 
 
-def _of_table(table: dict[str, Any], name: str, folder: str) -> Place:
+def _of_table(table: dict[str, Any], name: str, folder: str, ephemeris: EphemerisLike) -> Place:
     kind = way_of(table, TABLES, name)
     refuse_unknown(table, (kind, *TABLES[kind]), name)
     settings = {key: table[key] for key in TABLES[kind] if key in table}
     value = table[kind]
+    if kind == "oem":
+        return _oem_file.oem(file_of(value, folder, f"{name} oem"), ephemeris=ephemeris, **settings)
     if kind in _FILES:
         return _FILES[kind](file_of(value, folder, f"{name} {kind}"), **settings)
     if kind == "spk":
         if "target" not in settings:
             raise AttitudeError(f"{name} spk needs a target, such as target = 20099942.")
-        return _spk.spk(file_of(value, folder, f"{name} spk"), settings["target"])
+        file = file_of(value, folder, f"{name} spk")
+        return _spk.spk(file, settings["target"], ephemeris=ephemeris)
     if kind == "kepler":
         return _of_keywords(value, name)
     if kind == "site":
@@ -310,7 +313,7 @@ def _of_table(table: dict[str, Any], name: str, folder: str) -> Place:
 
 
 # Readers of files, and makers of what needs no further argument, by the kind of the table.
-_FILES: dict[str, Any] = {"oem": _oem_file.oem, "tle": _satellite.tle, "omm": _satellite.omm}
+_FILES: dict[str, Any] = {"tle": _satellite.tle, "omm": _satellite.omm}
 _OTHERS: dict[str, Any] = {
     "mpc_orbit": _mpc_line.mpc_orbit,
     "observatory": _ground.observatory,
@@ -342,7 +345,7 @@ _MARKS = (
 )
 
 
-def _of_file(path: str, name: str, of: str | int | None) -> Place:
+def _of_file(path: str, name: str, of: str | int | None, ephemeris: EphemerisLike) -> Place:
     """The path in a file, whose format follows from its beginning."""
     kind = _kind(path, name)
     if kind == "oem":
@@ -350,7 +353,7 @@ def _of_file(path: str, name: str, of: str | int | None) -> Place:
             raise AttitudeError(
                 f"{name} {path!r} is an OEM, which holds one body; leave out {of!r}."
             )
-        return _oem_file.oem(path)
+        return _oem_file.oem(path, ephemeris=ephemeris)
     if kind == "spk":
         if of is None:
             raise AttitudeError(
@@ -359,13 +362,13 @@ def _of_file(path: str, name: str, of: str | int | None) -> Place:
             )
         target = of.strip() if isinstance(of, str) else of
         is_number = isinstance(target, str) and re.fullmatch(r"-?[0-9]+", target)
-        return _spk.spk(path, int(target) if is_number else target)
+        return _spk.spk(path, int(target) if is_number else target, ephemeris=ephemeris)
     if kind == "mpc":
         return _of_orbit_lines(path, name, of)
     if kind == "toml":
         if of is not None:
             raise AttitudeError(f"{name} {path!r} holds one body; leave out {of!r}.")
-        return _of_toml(path, name)
+        return _of_toml(path, name, ephemeris)
     return _FILES[kind](path, name=of)
 
 
@@ -405,15 +408,15 @@ def _of_orbit_lines(path: str, name: str, of: str | int | None) -> Path:
     return _mpc_line.mpc_orbit(rows[0])
 
 
-def _of_toml(path: str, name: str) -> Place:
+def _of_toml(path: str, name: str, ephemeris: EphemerisLike) -> Place:
     """The center of a mission file, or the place of a file of elements or of a table."""
     content = toml.parsed(toml.read(path, "file of elements or mission file"), path)
     folder = os.path.dirname(path)
     if "center" in content and set(content) - set(_ELEMENTS):
-        return place(content["center"], f"{path}: center", folder=folder)
+        return place(content["center"], f"{path}: center", folder=folder, ephemeris=ephemeris)
     kinds = [key for key in content if key in TABLES]
     if kinds:
-        return _of_table(content, path, folder)
+        return _of_table(content, path, folder, ephemeris)
     if "eccentricity" in content:
         return _of_keywords(content, path)
     raise AttitudeError(

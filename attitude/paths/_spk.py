@@ -24,10 +24,11 @@ from attitude._support.arrays import read_only
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
 from attitude.paths._compressed import EqualPieces
-from attitude.paths._path import Ephemeris, Path, body_name, since
+from attitude.paths._path import SSB, Ephemeris, JoinedEphemeris, Path, body_name, since
 
 if TYPE_CHECKING:
     from attitude._support.annotations import FilePath
+    from attitude.paths._path import EphemerisLike
 
 
 # ---- The base class of the segments of a kernel
@@ -127,7 +128,7 @@ class Kernel(Ephemeris):
     ``kernel.step(body)`` is the path of a body relative to the center that the file gives for it.
     """
 
-    advice = "Give one of these, or another kernel."
+    advice = "Give one of these, another kernel, or a list of kernels."
 
     def __init__(self, file: str) -> None:
         self.file = file
@@ -154,30 +155,46 @@ class Kernel(Ephemeris):
         """The path of one segment, by its number in the file from 0."""
         for target, segments in self._segments.items():
             if any(number == place for place, _ in segments):
-                self.step(target)
+                self._opened(body_name(target), segments)
                 return self._paths[number]
         raise AttitudeError(
             f"{self.source} has no segment {number} any more, so another file has replaced it; "
             "make the path anew."
         )
 
+    def step_within(self, name: str, whole: Ephemeris) -> Path | None:
+        """As that of `Ephemeris`; relative to "ssb" where segments have different centers."""
+        segments = self._segments_of(name)
+        if len(self.centers(name)) < 2:
+            return super().step_within(name, whole)
+        from attitude.paths._composed import relative
+
+        return _joined([relative(path, SSB, whole) for path in self._opened(name, segments)])
+
     def _step(self, name: str) -> Path | None:
+        segments = self._segments_of(name)
+        return _joined(self._opened(name, segments)) if segments else None
+
+    def centers(self, body: str | int) -> set[int]:
+        """NAIF numbers of the centers that the file gives for a body."""
+        return {segment.center for _, segment in self._segments_of(body_name(body))}
+
+    def _segments_of(self, name):
+        """The segments of a body and their numbers in the file."""
         numbers = [number for number in self._segments if body_name(number) == name]
-        return self._opened(name, self._segments[numbers[0]]) if numbers else None
+        return self._segments[numbers[0]] if numbers else []
 
     def _opened(self, name, segments):
-        """The path of a body from its segments."""
-        centers = {segment.center for _, segment in segments}
-        if len(centers) > 1:
-            listed = ", ".join(sorted(body_name(center) for center in centers))
-            raise AttitudeError(
-                f"{self.source} gives {name} relative to {listed} at different times; give a file "
-                "with one center for it."
-            )
-        parts = [_segment_path(self, name, number, segment) for number, segment in segments]
-        self._paths.update((path.number, path) for path in parts)
-        # Where segments overlap, the last in the file is used, as in SPICE.
-        return parts[0] if len(parts) == 1 else Succession(tuple(reversed(parts)), name)
+        """The paths of the segments of a body."""
+        for number, segment in segments:
+            if number not in self._paths:
+                self._paths[number] = _segment_path(self, name, number, segment)
+        return [self._paths[number] for number, _ in segments]
+
+
+def _joined(paths):
+    """The path of a body from those of its segments: the last that covers an epoch, as in SPICE."""
+    return paths[0] if len(paths) == 1 else Succession(tuple(reversed(paths)), paths[0].name)
 
 
 def open_kernel(file: FilePath) -> Kernel:
@@ -350,7 +367,7 @@ class Succession(Path):
             self.refuse_outside(instant, hi[np.argmax(left)])
 
 
-def spk(file: FilePath, target: str | int) -> Path:
+def spk(file: FilePath, target: str | int, *, ephemeris: EphemerisLike = None) -> Path:
     """The path of a target in an SPK file, relative to the center that the file gives for it.
 
     Parameters
@@ -360,6 +377,9 @@ def spk(file: FilePath, target: str | int) -> Path:
         ...) need spiceypy: the extra ``spice``.
     target : str or int
         A name such as "moon", or a NAIF number such as 20099942.
+    ephemeris : Ephemeris, path of a kernel, name, None, or a list of these
+        See `ephemeris`; used, with the file, if the file has several centers for the target (a
+        cruise and an orbit): the path is then relative to the barycentre, "ssb".
 
     Raises
     ------
@@ -371,4 +391,9 @@ def spk(file: FilePath, target: str | int) -> Path:
     Agrees with jplephem, skyfield and SPICE to rounding (0.1 mm at 1 au, 2 mm at Neptune), with
     SPICE at epochs that its one double holds.  `relative` changes the center.
     """
-    return open_kernel(file).step(target)
+    kernel = open_kernel(file)
+    if len(kernel.centers(target)) < 2:
+        return kernel.step(target)
+    from attitude.paths._solar_system import ephemeris as known_ephemeris
+
+    return JoinedEphemeris((kernel, known_ephemeris(ephemeris))).step(target)

@@ -12,6 +12,7 @@ from attitude._solver import chebyshev
 from attitude._support import pairs, validation
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
+from attitude.frames import _earth
 from attitude.paths._compressed import KnotPieces, PiecewisePath
 from attitude.paths._path import Path, known_center, spelled
 
@@ -86,6 +87,8 @@ def _newton_at(x, nodes, newton):
 
 INTERPOLATIONS: tuple[str, ...] = ("lagrange", "hermite")
 _HIGHEST_DEGREE = 31
+# Axes beside `frames.FRAMES`.
+_OF_EARTH = ("b1950", *dict.fromkeys(_earth.TURNING_NAMES.values()))
 # s: more than the rounding of an epoch.
 _ROUNDING = 1e-9
 
@@ -148,7 +151,8 @@ def table(
     center : Path, str or int
         A path, or a body by name or NAIF number.
     frame : str
-        Axes of the numbers, one of `frames.FRAMES`.
+        Axes of the numbers: one of `frames.FRAMES`, "b1950", or axes of the Earth: "itrf", "teme",
+        "tod", "mod", "gtod", "cirs", "tirs".  Velocities are those seen from Earth-fixed axes.
     name, source : str
         See `Path`.
     span : (epoch, epoch), optional
@@ -168,8 +172,12 @@ def table(
         v = validation.real(velocities, "velocities", shape=r.shape, unit="m/s")
     first, knots, low = _knots(times, start, len(r))
     method, degree = _method(interpolation, degree, v is not None, len(knots))
-    matrix = frames.matrix_to_icrf(frame)
-    if frames.known(frame) not in ("icrf", "gcrf"):
+    kind = frames.known(frame, more=_OF_EARTH)
+    if kind in _OF_EARTH:
+        at = pairs.add((knots, low), first.seconds, first.low)
+        r, v = _earth.vectors_to_icrf(kind, *at, r, v)
+    elif kind not in ("icrf", "gcrf"):
+        matrix = frames.matrix_to_icrf(kind)
         r = r @ matrix.T
         v = None if v is None else v @ matrix.T
 

@@ -811,3 +811,32 @@ def test_a_float_that_is_not_finite_gives_what_an_array_of_it_gives(seconds):
         except AttitudeError as err:
             said.append(str(err))
     assert len(set(said)) == 1
+
+
+@pytest.mark.parametrize(
+    "text, value, scale",
+    [
+        ("JD 2461041.5 TDB", "2461041.5", "tdb"),
+        ("mjd 57753.99999 UTC", "57753.99999", "utc"),  # of a day of 86401 s
+        ("JD2460000. TT", "2460000.0", "tt"),
+        ("JD 2451545.123456789 UT1", "2451545.123456789", "ut1"),
+    ],
+)
+def test_julian_dates_with_their_scale_are_those_of_astropy(text, value, scale):
+    kind = text[:3].strip().lower().removesuffix("2")
+    expected = instant(Time(value, format=kind, scale=scale))
+    assert abs(instant(text).since(expected)) < 1e-11
+
+
+@pytest.mark.parametrize(
+    "text, sentence",
+    [
+        ("JD 2461041.5", 'without a time scale; add it, as in "JD 2461041.5 UTC"'),
+        ("MJD 9999999 TT", "give a date of the years 0001 to 9999"),
+        ("JD 2461041.5 XYZ", "time scale 'XYZ' is not known"),
+        ("2461041.5", 'cannot be read as a date; .* or "JD 2461041.5 TDB"'),
+    ],
+)
+def test_julian_dates_that_are_refused(text, sentence):
+    with pytest.raises(AttitudeError, match=sentence):
+        instant(text)

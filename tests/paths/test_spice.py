@@ -5,9 +5,10 @@ import pickle
 import numpy as np
 import pytest
 
-from attitude import paths
+from attitude import Scene, paths
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
+from tests.support.kernels import kernel
 
 spiceypy = pytest.importorskip("spiceypy", reason="spiceypy is not installed")
 
@@ -26,9 +27,9 @@ def circle(seconds):
     return 1e-3 * np.stack([RADIUS * c, RADIUS * s, zero, -turning * s, turning * c, zero], -1)
 
 
-def written(file, kind, frame="J2000", epochs=EPOCHS, factor=1.0):
-    handle = spiceypy.spkopn(str(file), "test", 0)
-    given = handle, TARGET, 399, frame, epochs[0], epochs[-1], "test"
+def written(file, kind, frame="J2000", epochs=EPOCHS, factor=1.0, target=TARGET, center=399):
+    handle = spiceypy.spkopa(str(file)) if file.exists() else spiceypy.spkopn(str(file), "test", 0)
+    given = handle, target, center, frame, epochs[0], epochs[-1], "test"
     if kind == 3:
         width = 600.0
         records = []
@@ -137,12 +138,7 @@ def test_other_frames_are_refused(tmp_path):
 def test_segments_that_follow_each_other_make_one_path(tmp_path):
     file = tmp_path / "two.bsp"
     written(file, 13, epochs=EPOCHS[:50])
-    handle = spiceypy.spkopa(str(file))
-    late = EPOCHS[60:]
-    spiceypy.spkw13(
-        handle, TARGET, 399, "J2000", late[0], late[-1], "late", 7, len(late), circle(late), late
-    )
-    spiceypy.spkcls(handle)
+    written(file, 13, epochs=EPOCHS[60:])
     path = paths.spk(file, TARGET)
     et = np.array([EPOCHS[10], EPOCHS[70] + 1.0, EPOCHS[20]])
     assert np.abs(path.position(Instant(0.0), et) - 1e3 * circle(et)[:, :3]).max() < 1e-3
@@ -150,6 +146,46 @@ def test_segments_that_follow_each_other_make_one_path(tmp_path):
     assert all(one is other for one, other in zip(again.parts, path.parts, strict=True))
     with pytest.raises(AttitudeError, match=r"is known from 2022.* to 2022.*, 2022.* to 2022"):
         path.position(Instant(EPOCHS[55]), 0.0)
+
+
+def test_a_body_with_several_centers_is_relative_to_the_barycentre(tmp_path):
+    # A cruise about the Sun, then an orbit about the Earth, as in the kernels of missions.
+    file = written(tmp_path / "mission.bsp", 13, epochs=EPOCHS[:50], center=10)
+    written(file, 13, epochs=EPOCHS[60:])
+    path = paths.spk(file, TARGET, ephemeris=kernel("de421"))
+    assert path.center == "ssb"
+    et = np.array([EPOCHS[10], EPOCHS[70] + 1.0])
+    with spiceypy.KernelPool([str(file), str(kernel("de421"))]):
+        states = 1e3 * np.array(spiceypy.spkezr(str(TARGET), et, "J2000", "NONE", "0")[0])
+    position, velocity = path.state(Instant(0.0), et)
+    assert np.abs(position - states[:, :3]).max() < 2e-3  # of the one double of epochs of SPICE
+    assert np.abs(velocity - states[:, 3:]).max() < 1e-9
+    again = pickle.loads(pickle.dumps(path))
+    assert np.array_equal(again.position(Instant(0.0), et), position)
+    with pytest.raises(AttitudeError, match=r"mission.bsp\) has no earth; .* or a list of kernels"):
+        paths.body(TARGET, file)
+
+
+def test_kernels_are_joined(tmp_path):
+    # A spacecraft about an asteroid, the asteroid in a kernel of its own, the Sun in a third.
+    asteroid = written(tmp_path / "asteroid.bsp", 9, target=20099942, center=10, factor=1.0)
+    craft = written(tmp_path / "craft.bsp", 13, center=20099942)
+    kernels = [craft, asteroid, kernel("de421")]
+    et = EPOCHS[:40] + 1.0
+    with spiceypy.KernelPool([str(file) for file in kernels]):
+        states = 1e3 * np.array(spiceypy.spkezr(str(TARGET), et, "J2000", "NONE", "399")[0])
+    path = paths.relative(TARGET, "earth", kernels)
+    assert np.abs(path.position(Instant(0.0), et) - states[:, :3]).max() < 2e-3
+    scene = Scene(None, TARGET, observer=20099942, ephemeris=kernels)
+    assert np.allclose(scene.at(Instant(et[3])).distance, RADIUS, rtol=1e-9)
+    joined = paths.ephemeris(kernels)
+    assert joined.source == "craft.bsp, asteroid.bsp, de421.bsp"
+    assert {str(TARGET), "20099942", "earth", "ssb"} <= set(joined.bodies)
+    assert pickle.loads(pickle.dumps(joined)).step("earth") is joined.step("earth")
+    with pytest.raises(AttitudeError, match=r"has no 433; .* Give one of these, or one ephemeris"):
+        joined.step(433)
+    with pytest.raises(AttitudeError, match=r"ephemeris is \[\]; give .*, or a list of these"):
+        paths.ephemeris([])
 
 
 def test_a_file_that_is_written_again_is_read_again(tmp_path):
