@@ -12,7 +12,7 @@ from attitude.averaged import _rates as layout
 from attitude.averaged import _tables
 from attitude.averaged._means import Mean, slips
 from attitude.errors import AttitudeError
-from attitude.paths._composed import Composed
+from attitude.paths._path import Composed
 from attitude.torques._magnetic import EddyCurrent, MagneticDipole
 from attitude.torques._torque import Torque, positions, span_of
 

@@ -36,8 +36,7 @@ from attitude.paths._oem_file import oem
 from attitude.paths._path import Direction, Ephemeris, Path, direction, fixed, uniform
 from attitude.paths._places import place
 from attitude.paths._satellite import omm, tle
-from attitude.paths._solar_system import ephemeris, from_astropy
-from attitude.paths._spk import spk
+from attitude.paths._solar_system import ephemeris, from_astropy, spk
 from attitude.paths._tabulated import table
 from attitude.paths._two_body import Kepler, kepler
 

@@ -8,59 +8,12 @@ from itertools import pairwise
 from operator import attrgetter
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from attitude.errors import AttitudeError
-from attitude.paths._path import SSB, Path, Place, body_name, common_span, label_of
+from attitude.paths._path import SSB, Composed, Path, Place, body_name, label_of, ring_error
 from attitude.paths._solar_system import ephemeris
 
 if TYPE_CHECKING:
-    from attitude.epochs._instants import Instant
     from attitude.paths._path import EphemerisLike
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Composed(Path):
-    """A sum of paths, each with its sign.  Made by `relative`."""
-
-    plus: tuple[Path, ...]
-    minus: tuple[Path, ...]
-    name: str
-    center: str | Path
-
-    @property
-    def source(self) -> str:  # type: ignore[override]  # computed
-        """The sources of the parts, separated by commas."""
-        return ", ".join(dict.fromkeys(path.source for path in self.plus + self.minus))
-
-    @property
-    def span(self) -> tuple[Instant, Instant] | None:  # type: ignore[override]  # computed
-        """First and last epoch that all parts cover; None if no part has a limit."""
-        return common_span(self.plus + self.minus)
-
-    @property
-    def roughness(self) -> float:  # type: ignore[override]  # computed
-        """Sum of the roughness of the parts, m; see `Path`."""
-        return sum(path.roughness for path in self.plus + self.minus)
-
-    @property
-    def is_slow(self) -> bool:  # type: ignore[override]  # computed
-        """Whether a part is; see `Path`."""
-        return any(path.is_slow for path in self.plus + self.minus)
-
-    def _position(self, instant, hi, lo):
-        return self._added(np.zeros((3, hi.size)), lambda path: path._position(instant, hi, lo))
-
-    def _state(self, instant, hi, lo):
-        return self._added(np.zeros((2, 3, hi.size)), lambda path: path._state(instant, hi, lo))
-
-    def _added(self, total, vectors_of):
-        """A total to which the vectors of the parts are added, each with its sign."""
-        for path in self.plus:
-            total += vectors_of(path)
-        for path in self.minus:
-            total -= vectors_of(path)
-        return total
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -219,10 +172,7 @@ class _Chain:
         for step in steps:
             center = self._place(step.center)
             if center in self.places:
-                raise AttitudeError(
-                    f"the centers of {self.start} lead back to {center} ({step.source}), and not "
-                    "to the solar system barycentre; give another ephemeris."
-                )
+                raise ring_error(self.start, step)
             self.parts.append(step)
             self.places.append(center)
         return True

@@ -201,12 +201,30 @@ class Ephemeris:
             self._steps[name] = path
         return path
 
+    def to_barycentre(self, path: Path) -> Path:
+        """A path whose center is a body of this source, relative to "ssb"."""
+        steps = [path]
+        while (center := steps[-1].center) != SSB:
+            step = self.step(cast("str", center))
+            if step in steps:
+                raise ring_error(path.name, step)
+            steps.append(step)
+        return path if len(steps) == 1 else Composed(tuple(steps), (), path.name, SSB)
+
     def _step(self, name: str) -> Path | None:
         """The path of a body by its name, or None for a body that the source lacks."""
         raise NotImplementedError(f"{type(self).__name__} defines no _step")
 
     def __repr__(self) -> str:
         return f"<{self.source}: {', '.join(self.bodies)}>"
+
+
+def ring_error(start: object, step: Path) -> AttitudeError:
+    """The error for centers that lead back to one before; `step` is the path that does."""
+    return AttitudeError(
+        f"the centers of {start} lead back to {label_of(step.center)} ({step.source}), and not to "
+        "the solar system barycentre; give another ephemeris."
+    )
 
 
 class JoinedEphemeris(Ephemeris):
@@ -216,7 +234,7 @@ class JoinedEphemeris(Ephemeris):
 
     def __init__(self, parts: tuple[Ephemeris, ...]) -> None:
         self.parts = parts
-        self.source = ", ".join(dict.fromkeys(part.source for part in parts))
+        self.source = ", ".join(dict.fromkeys(source.source for source in parts))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return JoinedEphemeris, (self.parts,)
@@ -224,10 +242,10 @@ class JoinedEphemeris(Ephemeris):
     @property
     def bodies(self) -> tuple[str, ...]:
         """The names of the bodies of all parts, in order."""
-        return tuple(dict.fromkeys(name for part in self.parts for name in part.bodies))
+        return tuple(dict.fromkeys(name for source in self.parts for name in source.bodies))
 
     def _step(self, name: str) -> Path | None:
-        paths = (part.step_within(name, self) for part in self.parts)
+        paths = (source.step_within(name, self) for source in self.parts)
         return next((path for path in paths if path is not None), None)
 
 
@@ -456,6 +474,50 @@ def common_span(paths: Iterable[Any]) -> tuple[Instant, Instant] | None:
     order = operator.attrgetter("seconds", "low")
     firsts, lasts = zip(*spans, strict=True)
     return max(firsts, key=order), min(lasts, key=order)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Composed(Path):
+    """A sum of paths, each with its sign.  Made by `relative`."""
+
+    plus: tuple[Path, ...]
+    minus: tuple[Path, ...]
+    name: str
+    center: str | Path
+
+    @property
+    def source(self) -> str:  # type: ignore[override]  # computed
+        """The sources of the parts, separated by commas."""
+        return ", ".join(dict.fromkeys(path.source for path in self.plus + self.minus))
+
+    @property
+    def span(self) -> tuple[Instant, Instant] | None:  # type: ignore[override]  # computed
+        """First and last epoch that all parts cover; None if no part has a limit."""
+        return common_span(self.plus + self.minus)
+
+    @property
+    def roughness(self) -> float:  # type: ignore[override]  # computed
+        """Sum of the roughness of the parts, m; see `Path`."""
+        return sum(path.roughness for path in self.plus + self.minus)
+
+    @property
+    def is_slow(self) -> bool:  # type: ignore[override]  # computed
+        """Whether a part is; see `Path`."""
+        return any(path.is_slow for path in self.plus + self.minus)
+
+    def _position(self, instant, hi, lo):
+        return self._added(np.zeros((3, hi.size)), lambda path: path._position(instant, hi, lo))
+
+    def _state(self, instant, hi, lo):
+        return self._added(np.zeros((2, 3, hi.size)), lambda path: path._state(instant, hi, lo))
+
+    def _added(self, total, vectors_of):
+        """A total to which the vectors of the parts are added, each with its sign."""
+        for path in self.plus:
+            total += vectors_of(path)
+        for path in self.minus:
+            total -= vectors_of(path)
+        return total
 
 
 # ---- The simplest paths: a point at rest or in uniform motion; and directions without a distance

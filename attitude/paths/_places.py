@@ -16,7 +16,15 @@ from attitude._textfiles import toml
 from attitude._textfiles.lines import beginning, whole
 from attitude._textfiles.toml import refuse_unknown, way_of
 from attitude.errors import AttitudeError
-from attitude.paths import _ground, _mpc_line, _oem_file, _path, _satellite, _spk, _two_body
+from attitude.paths import (
+    _ground,
+    _mpc_line,
+    _oem_file,
+    _path,
+    _satellite,
+    _solar_system,
+    _two_body,
+)
 from attitude.paths._composed import NamedBody
 from attitude.paths._foreign import place_of
 from attitude.paths._path import Place, body_name, naif_index
@@ -298,7 +306,7 @@ def _of_table(table: dict[str, Any], name: str, folder: str, ephemeris: Ephemeri
         if "target" not in settings:
             raise AttitudeError(f"{name} spk needs a target, such as target = 20099942.")
         file = file_of(value, folder, f"{name} spk")
-        return _spk.spk(file, settings["target"], ephemeris=ephemeris)
+        return _solar_system.spk(file, settings["target"], ephemeris=ephemeris)
     if kind == "kepler":
         return _of_keywords(value, name)
     if kind == "site":
@@ -362,7 +370,7 @@ def _of_file(path: str, name: str, of: str | int | None, ephemeris: EphemerisLik
             )
         target = of.strip() if isinstance(of, str) else of
         is_number = isinstance(target, str) and re.fullmatch(r"-?[0-9]+", target)
-        return _spk.spk(path, int(target) if is_number else target, ephemeris=ephemeris)
+        return _solar_system.spk(path, int(target) if is_number else target, ephemeris=ephemeris)
     if kind == "mpc":
         return _of_orbit_lines(path, name, of)
     if kind == "toml":

@@ -24,11 +24,10 @@ from attitude._support.arrays import read_only
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
 from attitude.paths._compressed import EqualPieces
-from attitude.paths._path import SSB, Ephemeris, JoinedEphemeris, Path, body_name, since
+from attitude.paths._path import Ephemeris, Path, body_name, since
 
 if TYPE_CHECKING:
     from attitude._support.annotations import FilePath
-    from attitude.paths._path import EphemerisLike
 
 
 # ---- The base class of the segments of a kernel
@@ -167,9 +166,7 @@ class Kernel(Ephemeris):
         segments = self._segments_of(name)
         if len(self.centers(name)) < 2:
             return super().step_within(name, whole)
-        from attitude.paths._composed import relative
-
-        return _joined([relative(path, SSB, whole) for path in self._opened(name, segments)])
+        return _joined([whole.to_barycentre(path) for path in self._opened(name, segments)])
 
     def _step(self, name: str) -> Path | None:
         segments = self._segments_of(name)
@@ -365,35 +362,3 @@ class Succession(Path):
                 left &= ~inside
         if left.any():
             self.refuse_outside(instant, hi[np.argmax(left)])
-
-
-def spk(file: FilePath, target: str | int, *, ephemeris: EphemerisLike = None) -> Path:
-    """The path of a target in an SPK file, relative to the center that the file gives for it.
-
-    Parameters
-    ----------
-    file : path
-        An SPK kernel.  Types 2 and 3 need no other package, all others (21 of Horizons, 9, 13, 1,
-        ...) need spiceypy: the extra ``spice``.
-    target : str or int
-        A name such as "moon", or a NAIF number such as 20099942.
-    ephemeris : Ephemeris, path of a kernel, name, None, or a list of these
-        See `ephemeris`; used, with the file, if the file has several centers for the target (a
-        cruise and an orbit): the path is then relative to the barycentre, "ssb".
-
-    Raises
-    ------
-    AttitudeError
-        For a path that is not a file, a file that is not a kernel, and a target that it lacks.
-
-    Notes
-    -----
-    Agrees with jplephem, skyfield and SPICE to rounding (0.1 mm at 1 au, 2 mm at Neptune), with
-    SPICE at epochs that its one double holds.  `relative` changes the center.
-    """
-    kernel = open_kernel(file)
-    if len(kernel.centers(target)) < 2:
-        return kernel.step(target)
-    from attitude.paths._solar_system import ephemeris as known_ephemeris
-
-    return JoinedEphemeris((kernel, known_ephemeris(ephemeris))).step(target)
