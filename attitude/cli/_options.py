@@ -180,7 +180,7 @@ def periods(text: str, name: str) -> list[str]:
 
 def _moment(text: str, name: str) -> _instants.Instant | Fraction:
     """A date as Instant, a time after the epoch as Fraction."""
-    if re.match(r"\s*\d{4,}-\d", text):
+    if re.match(r"\s*(\d{4,}-\d|M?JD *\d)", text, re.IGNORECASE):
         return _inputs.instant(text, name)
     try:
         return duration(text, name)

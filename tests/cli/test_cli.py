@@ -120,6 +120,8 @@ def test_dates_are_stepped_in_utc(attitude_command):
         "--step", "500 ms",
     )  # fmt: skip
     assert code == 0
+    julian = ("--start", "2016-12-31T23:59:58.5", "--stop", "MJD 57754.000011575 UTC")
+    assert attitude_command("propagate", PAPER, *julian, "--step", "500 ms")[1] == out
     found = columns(out)
     assert found["utc"] == (
         "2016-12-31T23:59:58.500", "2016-12-31T23:59:59.000", "2016-12-31T23:59:59.500",
