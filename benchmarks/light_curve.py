@@ -30,12 +30,13 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from attitude._compilation.choice import compiling
-from attitude.light_curve import Visibility, brightness, brightness_by_rays, stream
+from attitude.light_curve import Visibility, brightness, stream
 from attitude.scattering import Hapke, LommelSeeliger, LommelSeeligerLambert, Material, Materials
 from attitude.shape import Ellipsoid, Mesh, box_wing
 from attitude.shape._ellipsoid import unit_sphere
 from benchmarks.doc_tables import Table, markdown
 from benchmarks.record import processor
+from tests.support.raycast import brightness_by_rays
 
 FACET_LAWS = (
     ("Hapke, rough", Hapke(), ">= 500 M"),

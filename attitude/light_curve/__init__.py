@@ -9,7 +9,6 @@ white Lambert disc of radius R, face on, has R^2.
 _brightness   `brightness`, `stream`: checks of directions, the choice of the loop, threads
 _magnitudes   reduced and apparent magnitudes; the mean over all orientations
 _visibility   `Visibility`: the table of shadows that a body casts on itself
-_raycast      `brightness_by_rays`: the same shadows by casting rays
 _sums         the compiled sums over facets, and the closed form of an ellipsoid
 """
 
@@ -23,14 +22,12 @@ from attitude.light_curve._magnitudes import (
     phased_magnitude,
     reduced_magnitude,
 )
-from attitude.light_curve._raycast import brightness_by_rays
 from attitude.light_curve._visibility import Visibility
 
 __all__ = [
     "Visibility",
     "apparent_magnitude",
     "brightness",
-    "brightness_by_rays",
     "mean_brightness",
     "phased_magnitude",
     "reduced_magnitude",

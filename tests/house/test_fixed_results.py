@@ -87,6 +87,7 @@ from attitude.formats import (
     stk,
     tables,
 )
+from tests.support.raycast import brightness_by_rays
 
 DATA = ROOT / "data"
 STORED = ROOT / "tests" / "data" / "fixed_results.json"
@@ -513,9 +514,7 @@ def light_curves():
     )
     yield (
         "two_lobes/rays",
-        light_curve.brightness_by_rays(
-            bodies["two_lobes"], laws["lambert"], sun[:40], observer[:40]
-        ),
+        brightness_by_rays(bodies["two_lobes"], laws["lambert"], sun[:40], observer[:40]),
     )
     yield "hg", scattering.hg(np.linspace(0.0, 2.0, 50), 19.09, 0.24)
     divided = bodies["two_lobes"].divided()

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from attitude.errors import AttitudeError
-from attitude.light_curve import Visibility, _visibility, brightness, brightness_by_rays
+from attitude.light_curve import Visibility, _visibility, brightness
 from attitude.scattering import Hapke, LommelSeeliger, Material
 from attitude.shape import Ellipsoid, Mesh, box, box_wing
 from attitude.shape._ellipsoid import unit_sphere
+from tests.support.raycast import brightness_by_rays
 
 
 def peanut(frequency, depth=0.12):
@@ -347,8 +348,6 @@ def test_a_table_of_another_mesh_is_refused():
     for given in ("mesh", Ellipsoid((1, 1, 1))):
         with pytest.raises(AttitudeError, match=r"give an attitude\.shape Mesh"):
             Visibility.of(given)
-        with pytest.raises(AttitudeError, match=r"give an attitude\.shape Mesh"):
-            brightness_by_rays(given, "lambert", up, up)
     with pytest.raises(AttitudeError, match="resolution is 2"):
         Visibility.of(peanut(3), resolution=2)
 

@@ -14,7 +14,7 @@ import attitude
 from attitude import AttitudeError, Scene, scattering
 from attitude._compilation.decorators import reduction_subroutine
 from attitude.formats import mission
-from attitude.light_curve import brightness, brightness_by_rays, mean_brightness
+from attitude.light_curve import brightness, mean_brightness
 from attitude.scattering import Hapke, Law, LommelSeeliger, Material, Materials, parameter
 from attitude.scattering._law import reflectances
 from attitude.shape import Ellipsoid, box
@@ -77,13 +77,11 @@ def test_a_new_law_is_what_it_says(new):
     lunar = new["LunarLambert"](albedo=0.4, share=0.2, width="90 deg")
     expected = 0.4 / np.pi * np.exp(-alpha / (np.pi / 2)) * mu0 * (0.4 / (mu0 + mu) + 0.8)
     assert lunar.reflectance(mu0, mu, alpha) == pytest.approx(expected, rel=1e-14)
-    # Laws with weights have a mean over all orientations and a sum by rays too.
+    # Laws with weights have a mean over all orientations too.
     means = [mean_brightness(SHAPE, new["LunarLambert"](width=w), 1.0) for w in (1.0, 2.0)]
     assert means[1] / means[0] == pytest.approx(np.exp(0.5), rel=1e-14)
     with pytest.raises(AttitudeError, match="phase function of its own"):
         mean_brightness(SHAPE, minnaert, 1.0)
-    with pytest.raises(AttitudeError, match="rays are cast only under laws"):
-        brightness_by_rays(SHAPE, minnaert, SUN, OBSERVER)
 
 
 def test_units_and_ranges_of_a_new_law_hold_in_mission_files(new):
