@@ -94,11 +94,13 @@ def positive(value: Real, name: str, *, unit: str | None = None) -> float:
     return value_given
 
 
-def count(value: object, name: str, least: int = 1) -> int:
-    """A whole number of at least `least` as an int; AttitudeError for anything else."""
-    if isinstance(value, (int, np.integer)) and not isinstance(value, bool) and value >= least:
-        return int(value)
-    raise AttitudeError(f"{name} is {shown(value)}; give a whole number, at least {least}.")
+def count(value: object, name: str, least: int = 1, most: float = math.inf) -> int:
+    """A whole number from `least` to `most` as an int; AttitudeError for anything else."""
+    number = value if isinstance(value, (int, np.integer)) else math.nan
+    if least <= number <= most and not isinstance(value, bool):
+        return int(number)
+    bounds = f", at least {least}" if most == math.inf else f" from {least} to {most}"
+    raise AttitudeError(f"{name} is {shown(value)}; give a whole number{bounds}.")
 
 
 def generator(seed: int | np.random.Generator, name: str = "seed") -> np.random.Generator:

@@ -10,7 +10,6 @@ import numpy as np
 
 from attitude._support import markup, validation
 from attitude._support.arrays import Immutable, frozen
-from attitude._support.quoting import quoted
 from attitude._support.synonyms import arguments
 from attitude.errors import AttitudeError
 from attitude.shape._mesh import MassProperties, Mesh
@@ -244,9 +243,6 @@ class Ellipsoid(Immutable):
         material : str
             Of all facets.
         """
-        if not (isinstance(count, (int, np.integer)) and 20 <= count <= 2_000_000):
-            raise AttitudeError(
-                f"count is {quoted(count)}; give a whole number of facets from 20 to 2000000."
-            )
-        vertices, triangles = unit_sphere(math.isqrt(int(count) // 20))
+        number = validation.count(count, "count", 20, 2_000_000)
+        vertices, triangles = unit_sphere(math.isqrt(number // 20))
         return Mesh(lifted(vertices, triangles) * self.semi_axes, triangles, material)

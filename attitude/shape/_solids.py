@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from attitude._support import validation
-from attitude._support.quoting import quoted
 from attitude._support.synonyms import arguments
 from attitude.errors import AttitudeError
 from attitude.shape._mesh import SURFACE, Mesh
@@ -87,8 +86,7 @@ def cylinder(
     r = validation.positive(radius, "radius", unit="m")
     length = validation.positive(height, "height", unit="m")
     along = _AXES.index(validation.one_of(axis, "axis", _AXES))
-    if not (isinstance(sides, (int, np.integer)) and 3 <= sides <= 100_000):
-        raise AttitudeError(f"sides is {quoted(sides)}; give a whole number from 3 to 100000.")
+    sides = validation.count(sides, "sides", 3, 100_000)
     turn = 2.0 * np.pi / sides
     rim = r * np.sqrt(turn / np.sin(turn))
     k = np.arange(sides)
