@@ -10,20 +10,15 @@ hold them for each of the four regions.
 
 from __future__ import annotations
 
-import hashlib
 import math
-import os
-from contextlib import suppress
-from pathlib import Path
 from typing import TYPE_CHECKING, Final
-from zipfile import BadZipFile
 
 import numpy as np
 
 from attitude._compilation.decorators import entry_point, subroutine
+from attitude._textfiles import kept_arrays
 from attitude.averaged._polhode import LAM_PLUS, direction, form, jacobi, theta_constants
 from attitude.averaged._rates import torques_at
-from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -267,7 +262,7 @@ def sums_of(coefficients: FloatArray, axes: Axes) -> tuple[FloatArray, FloatArra
     return means.reshape(4, len(h), -1), on_arcs.reshape(4, -1)
 
 
-# ---- Tables on disk: the folder of the tables of shadows, `attitude.light_curve._visibility`
+# ---- Tables on disk
 
 
 def kept(
@@ -279,42 +274,10 @@ def kept(
 
     key, arrays: on which they depend.
     """
-    folder = os.environ.get("ATTITUDE_CACHE")
-    if folder == "off":
-        return make()
-    if not folder:
-        base = os.environ.get("XDG_CACHE_HOME") or os.path.join("~", ".cache")
-        folder = os.path.join(base, "attitude")
-    name = hashlib.sha256(repr((_METHOD, _FINE, _STEP, *key)).encode())
-    for array in arrays:
-        name.update(np.ascontiguousarray(array).tobytes())
-    file = Path(folder).expanduser() / f"torque-{name.hexdigest()[:32]}.npz"
-    try:
-        with file.open("rb") as stream, np.load(stream) as stored:
-            arrays_on_disk = {label: stored[label] for label in stored.files}
-        if arrays_on_disk and all(np.all(np.isfinite(x)) for x in arrays_on_disk.values()):
-            os.utime(file)
-            return arrays_on_disk
-    except (OSError, ValueError, KeyError, EOFError, BadZipFile):
-        pass
+    file = kept_arrays.file_of("torque", repr((_METHOD, _FINE, _STEP, *key)), *arrays)
+    stored = kept_arrays.read(file)
+    if stored and all(np.all(np.isfinite(array)) for array in stored.values()):
+        return stored
     computed = make()
-    _write(file, computed)
+    kept_arrays.write(file, computed, _LARGEST)
     return computed
-
-
-def _write(file: Path, arrays: dict[str, FloatArray]) -> None:
-    """Keep arrays, and delete the files used longest ago beyond `_LARGEST` bytes."""
-    from attitude._textfiles.atomic_write import written_whole
-
-    # A full or unwritable disk costs the next process the time of computing, and is no error.
-    with suppress(OSError, AttitudeError):
-        file.parent.mkdir(parents=True, exist_ok=True)
-        with written_whole(file, "table of a torque", binary=True) as stream:
-            np.savez(stream, **arrays)  # type: ignore[arg-type]
-        others = [(table.stat(), table) for table in file.parent.glob("torque-*.npz")]
-        total = sum(status.st_size for status, _ in others)
-        for status, table in sorted(others, key=lambda pair: pair[0].st_mtime):
-            if total <= _LARGEST:
-                return
-            table.unlink(missing_ok=True)
-            total -= status.st_size

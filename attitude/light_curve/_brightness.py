@@ -12,8 +12,15 @@ from attitude._support.blocks import ProgressBar, in_blocks
 from attitude._support.validation import shown
 from attitude.errors import AttitudeError
 from attitude.light_curve import _sums
-from attitude.light_curve._few_facets import arranged, packs_of, summed_few_facets
-from attitude.light_curve._sums import SIZE, WORD, aligned, clusters_of
+from attitude.light_curve._sums import (
+    SIZE,
+    WORD,
+    aligned,
+    arranged,
+    clusters_of,
+    packs_of,
+    summed_few_facets,
+)
 from attitude.light_curve._visibility import POINTS, Visibility
 from attitude.scattering._law import law as known_law
 from attitude.scattering._law import laws
@@ -259,7 +266,9 @@ def kernel_of(
     function.
     """
     if isinstance(shape, Ellipsoid):
-        return _ellipsoid_kernel(shape, law)
+        require_ellipsoid_form(law)
+        axes, factor = tuple(float(axis) for axis in shape.semi_axes), law.weights[0]
+        return lambda *arrays: _sums.ellipsoid(*axes, factor, *arrays)
     if not isinstance(shape, Mesh):
         raise AttitudeError(f"shape is {shape!r}; give an attitude.shape Ellipsoid or Mesh.")
     if len(shape.inward_facets):
@@ -274,12 +283,6 @@ def kernel_of(
         arrays[-1][:] *= area
 
     return kernel
-
-
-def _ellipsoid_kernel(shape, law):
-    require_ellipsoid_form(law)
-    axes, factor = tuple(float(axis) for axis in shape.semi_axes), law.weights[0]
-    return lambda *arrays: _sums.ellipsoid(*axes, factor, *arrays)
 
 
 def require_ellipsoid_form(law: Law) -> None:

@@ -12,15 +12,10 @@ rather than its middle.
 
 from __future__ import annotations
 
-import hashlib
 import math
-import os
 import time
-from contextlib import suppress
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING
-from zipfile import BadZipFile
 
 import numpy as np
 
@@ -44,10 +39,12 @@ from attitude._compilation.simd import (
     root,
     truncated,
 )
+from attitude._support import validation
 from attitude._support.arrays import frozen
 from attitude._support.blocks import ProgressBar, in_blocks
+from attitude._textfiles import kept_arrays
 from attitude.errors import AttitudeError
-from attitude.light_curve._sums import SIZE, clusters_of, evened
+from attitude.light_curve._sums import SIZE, arranged, clusters_of, evened
 from attitude.shape._mesh import Mesh, edges_of, parts
 
 if TYPE_CHECKING:
@@ -57,8 +54,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from attitude._support.annotations import FloatArray, IntArray
-    from attitude.light_curve._few_facets import Packs
-    from attitude.light_curve._sums import Clusters
+    from attitude.light_curve._sums import Clusters, Packs
 
 
 # ---- Boxes around facets that lie together: groups that cannot hide the sky are skipped at once
@@ -700,10 +696,7 @@ def _highest(boxes, node, normal):
     return height
 
 
-# ---- Tables of shadows on disk, named by a hash of the mesh: a second process computes none anew
-# They lie in the folder ``attitude`` of the user's cache folder (``XDG_CACHE_HOME``, by default
-# ~/.cache), or in the folder that the environment variable ``ATTITUDE_CACHE`` names; ``off`` keeps
-# none.  When they exceed LARGEST bytes together, those used longest ago are deleted.
+# ---- The table of a mesh, kept on disk by a hash of the mesh
 
 # Seconds: a table computed in less is not worth its place on disk.
 WORTH = 1.0
@@ -711,63 +704,6 @@ WORTH = 1.0
 LARGEST = 1 << 31
 # To be raised when the bits of a table change.
 _METHOD = 2
-
-
-def file_of(corners: FloatArray, order: IntArray, resolution: int) -> Path | None:
-    """The file of the table of facets (F, 3, 3), which need not exist; None if none are kept."""
-    folder = os.environ.get("ATTITUDE_CACHE")
-    if folder == "off":
-        return None
-    if not folder:
-        base = os.environ.get("XDG_CACHE_HOME") or os.path.join("~", ".cache")
-        folder = os.path.join(base, "attitude")
-    name = hashlib.sha256(f"{_METHOD} {resolution} {corners.shape} ".encode())
-    name.update(np.ascontiguousarray(corners).tobytes())
-    name.update(np.ascontiguousarray(order).tobytes())
-    return Path(folder).expanduser() / f"shadows-{name.hexdigest()[:32]}.npz"
-
-
-def read(file: Path | None, shape: tuple[int, int]) -> NDArray[np.uint8] | None:
-    """The masks in a file, whose checksum is verified; None if there is no such table."""
-    if file is None or not file.is_file():
-        return None
-    try:
-        # numpy does not close a file by name that turns out to be cut short.
-        with file.open("rb") as stream, np.load(stream) as stored:
-            masks = stored["masks"]
-    except (OSError, ValueError, KeyError, EOFError, BadZipFile):
-        return None
-    if masks.shape != shape or masks.dtype != np.uint8:
-        return None
-    with suppress(OSError):
-        os.utime(file)
-    return masks
-
-
-def write(file: Path | None, masks: NDArray[np.uint8]) -> None:
-    """Keep a table, if the folder can be written and the table fits in it."""
-    if file is None or masks.nbytes > LARGEST:
-        return
-    from attitude._textfiles.atomic_write import written_whole
-
-    # A full or unwritable disk costs the next process the time of computing, and is no error.
-    with suppress(OSError, AttitudeError):
-        file.parent.mkdir(parents=True, exist_ok=True)
-        with written_whole(file, "table of shadows", binary=True) as stream:
-            np.savez(stream, masks=masks)
-        _delete_the_oldest(file.parent)
-
-
-def _delete_the_oldest(folder: Path) -> None:
-    files = [(file.stat(), file) for file in folder.glob("shadows-*.npz")]
-    total = sum(status.st_size for status, _ in files)
-    for status, file in sorted(files, key=lambda pair: pair[0].st_mtime):
-        if total <= LARGEST:
-            return
-        file.unlink(missing_ok=True)
-        total -= status.st_size
-
-
 # Points of each facet, one bit each.
 POINTS = 8
 # Upper bounds of the default: bytes of the table, and cells along an edge.  Doubling the cells
@@ -840,7 +776,7 @@ class Visibility:
             bar is drawn on standard error, if that is a terminal, after a second.
         keep : bool
             Whether the table is read from and, if it took more than a second, kept in the user's
-            cache folder (`file_of`).
+            cache folder (`attitude._textfiles.kept_arrays`).
 
         Raises
         ------
@@ -862,29 +798,24 @@ class Visibility:
         places = clusters.count * SIZE
         if resolution is None:
             resolution = int(min(_FINEST, max(16, np.sqrt(_LARGEST / (6 * places)))))
-        elif not (isinstance(resolution, (int, np.integer)) and 4 <= resolution <= 512):
-            raise AttitudeError(
-                f"resolution is {resolution!r}; give a whole number of cells from 4 to 512."
-            )
-        resolution = int(resolution)
-        file = file_of(mesh.corners, clusters.order, resolution) if keep else None
-        masks = read(file, (6 * resolution**2, places))
-        if masks is None:
+        resolution = validation.count(resolution, "resolution", 4, 512)
+        key = f"{_METHOD} {resolution} {mesh.corners.shape} "
+        file = kept_arrays.file_of("shadows", key, mesh.corners, clusters.order) if keep else None
+        masks = kept_arrays.read(file).get("masks", np.empty(0))
+        if masks.shape != (6 * resolution**2, places) or masks.dtype != np.uint8:
             begin = time.monotonic()
             if progress is None:
                 progress = ProgressBar(f"shadows of {len(mesh)} facets")
             masks = _painted(mesh, clusters, resolution, threads, progress)
             if time.monotonic() - begin > WORTH:
-                write(file, masks)
+                kept_arrays.write(file, {"masks": masks}, LARGEST)
         return cls(masks, resolution, clusters, mesh.corners)
 
     def arranged(self, packs: Packs) -> NDArray[np.uint64]:
-        """The masks as `_few_facets.arranged` has them; those of the last packs are kept."""
-        from attitude.light_curve import _few_facets
-
+        """The masks as `_sums.arranged` has them; those of the last packs are kept."""
         last = self._last[-1:]
         if not last or not np.array_equal(last[0][0], packs.order):
-            arranged_masks = _few_facets.arranged(self.masks, packs, self.clusters.order)
+            arranged_masks = arranged(self.masks, packs, self.clusters.order)
             self._last[:] = last = [(packs.order, arranged_masks)]
         return last[0][1]
 

@@ -169,9 +169,6 @@ ALLOWED_ACCESS = {
     "attitude.formats.tables": {"open", "json"},
     # An SPK, a binary format, is given to jplephem as an open file.
     "attitude.paths._spk": {"open"},
-    # A table of shadows in numpy's binary format.
-    "attitude.light_curve._visibility": {"file.open"},
-    "attitude.averaged._tables": {"file.open"},
     # The argument open= of a mesh, not the function.
     "attitude.shape._mesh": {"open"},
     # The sources of the package themselves, of which machine code on disk keeps a hash.

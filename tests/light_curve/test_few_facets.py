@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from attitude.light_curve import Visibility, _few_facets, brightness
+from attitude.light_curve import Visibility, _sums, brightness
 from attitude.light_curve._sums import clusters_of
 from attitude.scattering import Hapke, Material, Materials
 from attitude.shape import Ellipsoid, Mesh, box_wing
@@ -56,7 +56,7 @@ def test_shadows_against_gathered_facets(law, monkeypatch):
     sun, observer = directions(500, 3), directions(500, 4)[::-1]
     table = Visibility.of(SATELLITE, resolution=16, keep=False)
     found = [brightness(SATELLITE, law, sun, observer, shadows=each) for each in (table, False)]
-    monkeypatch.setattr(_few_facets, "MOST_PACKS", 0)
+    monkeypatch.setattr(_sums, "MOST_PACKS", 0)
     gathered = [brightness(SATELLITE, law, sun, observer, shadows=each) for each in (table, False)]
     np.testing.assert_allclose(found, gathered, rtol=2e-14)
     assert np.count_nonzero(found[0] < 0.99 * found[1]) > 20
@@ -66,7 +66,7 @@ def test_tables_are_arranged_once():
     table = Visibility.of(SATELLITE, resolution=8, keep=False)
     clusters = clusters_of(SATELLITE)
     number = np.arange(len(SATELLITE)) % 2
-    packs = _few_facets.packs_of(SATELLITE, number, 2, clusters.order)
+    packs = _sums.packs_of(SATELLITE, number, 2, clusters.order)
     words = table.arranged(packs)
     assert table.arranged(packs) is words
     bits = words.view(np.uint8)
@@ -74,7 +74,7 @@ def test_tables_are_arranged_once():
         column = np.flatnonzero(clusters.order == facet)[0] if facet >= 0 else None
         right = 0 if column is None else table.masks[:, column]
         assert np.all(bits[:, place] == right)
-    other = _few_facets.packs_of(SATELLITE, 1 - number, 2, clusters.order)
+    other = _sums.packs_of(SATELLITE, 1 - number, 2, clusters.order)
     assert not np.array_equal(table.arranged(other), words)
 
 
@@ -82,4 +82,4 @@ def test_meshes_of_more_facets_are_gathered():
     mesh = Ellipsoid((3, 2, 1)).facets(80)
     assert isinstance(mesh, Mesh)
     order, number = clusters_of(mesh).order, np.zeros(len(mesh), dtype=int)
-    assert _few_facets.packs_of(mesh, number, 1, order) is None
+    assert _sums.packs_of(mesh, number, 1, order) is None
