@@ -16,7 +16,8 @@ import numpy as np
 
 from attitude import frames
 from attitude._solver.states import States
-from attitude._support import quantity_text, validation
+from attitude._support import validation
+from attitude._support.quantity_text import time_unit
 from attitude._support.synonyms import arguments, of_module
 from attitude._textfiles.atomic_write import written_whole
 from attitude.errors import AttitudeError, AttitudeWarning
@@ -82,11 +83,15 @@ def overview(
 def _warn_of_coarse(motion: FreeRotation, seconds: ArrayLike) -> None:
     """Warn of steps between epochs that are coarse against the shortest period of a motion."""
     steps = np.abs(np.diff(np.asarray(seconds, dtype=np.float64)))
+    longest = float(np.max(steps, initial=0.0))
+    warn_of_coarse("the curves have a point", longest, shortest_period(motion), remedy="epochs")
+
+
+def shortest_period(motion: FreeRotation) -> float:
+    """The shortest period of a motion, s; infinite without any."""
     regime = motion.regime
     periods = [abs(period) for period in (regime.P_psi, regime.P_phi_L, regime.P_phi_S)]
-    shortest = min((period for period in periods if 0.0 < period < np.inf), default=np.inf)
-    longest = float(np.max(steps, initial=0.0))
-    warn_of_coarse("the curves have a point", longest, shortest, remedy="epochs")
+    return min((period for period in periods if 0.0 < period < np.inf), default=np.inf)
 
 
 def warn_of_coarse(
@@ -233,8 +238,7 @@ def polhode(axes: Any, motion: FreeRotation | None = None) -> Figure:
     axes.set_box_aspect(semi, zoom=1.5)
     axes.set_axis_off()
     axes.set_title(f"polhode, {motion.mode.name.lower().replace('_', ' ')}", fontsize=10)
-    figure: Figure = axes.figure
-    return figure
+    return axes.figure
 
 
 def _family(moments: FloatArray, semi: FloatArray) -> Iterator[tuple[str, FloatArray]]:
@@ -322,12 +326,6 @@ def _legend(axes: Axes, height: float) -> None:
     axes.legend(
         fontsize=9, ncols=3, loc="upper center", bbox_to_anchor=(0.5, height), frameon=False
     )
-
-
-def time_unit(longest: float) -> tuple[float, str]:
-    """The unit that suits a span of seconds: its length in s, and its name."""
-    name = quantity_text.time_unit(longest)
-    return quantity_text.TIME_UNITS[name], name
 
 
 def _time(times: ArrayLike, epoch: Instant) -> tuple[FloatArray, str]:

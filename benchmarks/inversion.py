@@ -312,7 +312,7 @@ class Judgement(NamedTuple):
 
 def share_of_sky(poles: Iterable[np.ndarray]) -> float:
     """The share of the sky within 15 degrees of any of these directions (3,)."""
-    sky = _pole_map.sphere(4000)
+    sky = _shapes.even_directions(4000)
     near = [sky @ each > math.cos(math.radians(15.0)) for each in poles]
     return float(np.mean(np.any(near, axis=0))) if near else 0.0
 
@@ -417,8 +417,8 @@ def speed() -> tuple[float, float]:
     y = np.cos(150.0 * t) + 0.1 * rng.normal(size=400)
     transforms = _spectrum.tables(t, w, y, 1.0 / 3.0, 5000)
     first, second = rng.integers(5, 600, (2, 20000))
-    gain, lines = np.empty(20000), _spectrum.harmonics(2)
-    spent = _best(lambda: _spectrum.decreases(transforms, first, second, lines, 1.0, gain))
+    lines = _spectrum.harmonics(2)
+    spent = _best(lambda: _spectrum.decreases(transforms, first, second, lines))
     pair = spent / 20000 * 1e6
     print(f"pair, order 2: {pair:.2f} us")
     sun, observer = rng.normal(size=(2, 3, 400))
@@ -451,7 +451,7 @@ def costs() -> dict[str, float]:
     states = _ellipsoid.starts(rng, *np.array(rates).T)
     held = _ellipsoid.Held(DEFAULT.tie)
     bodies = _ellipsoid.minimised(problem, states[:20], 8, tie=held).states
-    combs, poles = _apparitions.Combs(problem), _pole_map.sphere(_apparitions.POLES)
+    combs, poles = _apparitions.Combs(problem), _shapes.even_directions(_apparitions.POLES)
     work = {
         "pairs of frequencies": lambda: _lattices.lattice_pairs(problem, min(most, 250.0), 200),
         "screened ellipsoids": lambda: _ellipsoid.costs(problem, states),

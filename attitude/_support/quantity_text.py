@@ -113,16 +113,18 @@ def unit_of(text: str, name: str) -> UnitBase:
 TIME_UNITS: dict[str, float] = {"d": 86400.0, "h": 3600.0, "min": 60.0, "s": 1.0}
 
 
-def time_unit(seconds: float) -> str:
-    """The unit in which a time is read best: days from 2 days on, h, min, or s below 2 minutes.
+def time_unit(longest: float) -> tuple[float, str]:
+    """The unit that suits a time or a span of seconds: its length in s, and its name.
 
-    >>> [time_unit(each) for each in (5.4 * 86400.0, 7200.0, 600.0, 111.0, float("inf"))]
+    Days from 2 days on, h, min, or s below 2 minutes.
+
+    >>> [time_unit(each)[1] for each in (5.4 * 86400.0, 7200.0, 600.0, 111.0, float("inf"))]
     ['d', 'h', 'min', 's', 'd']
     """
-    size = abs(seconds)
-    return next(
-        (unit for unit, size_of_unit in TIME_UNITS.items() if size >= 2.0 * size_of_unit), "s"
-    )
+    size = abs(longest)
+    suiting = (unit for unit, length in TIME_UNITS.items() if size >= 2.0 * length)
+    name = next(suiting, "s")
+    return TIME_UNITS[name], name
 
 
 def of_time(seconds: float, digits: int = 6) -> str:
@@ -131,5 +133,5 @@ def of_time(seconds: float, digits: int = 6) -> str:
     >>> of_time(19123.0), of_time(111.4)
     ('5.31194 h', '111.4 s')
     """
-    unit = time_unit(seconds)
-    return f"{seconds / TIME_UNITS[unit]:.{digits}g} {unit}"
+    size, unit = time_unit(seconds)
+    return f"{seconds / size:.{digits}g} {unit}"

@@ -67,8 +67,7 @@ def run(arguments: argparse.Namespace) -> None:
             )
         error = folded.series.errors[k] * period**2
         size = float(np.ptp(folded.curve(phase, k)))
-        unit = quantity_text.time_unit(period)
-        scale = quantity_text.TIME_UNITS[unit]
+        scale, unit = quantity_text.time_unit(period)
         print(f"period {period / scale:.8g} +- {error / scale:.2g} {unit}, peak to peak {size:.3g}")
     print(f"rms of the residuals {folded.rms:.4g}, order {order}")
     if arguments.output is not None:

@@ -108,10 +108,9 @@ def data_of(arguments: argparse.Namespace) -> LightCurve:
 
 def _print(periods, arguments):
     """Print a table of the peaks in the unit of the best one, and what it may mean."""
-    from attitude._support.quantity_text import TIME_UNITS, time_unit
+    from attitude._support.quantity_text import time_unit
 
-    unit = time_unit(periods.period)
-    size = TIME_UNITS[unit]
+    size, unit = time_unit(periods.period)
     what = "pairs" if periods.count == 2 else "frequencies"
     print(
         f"{periods.tried} {what}; by chance 1 of 100 light curves leaves "

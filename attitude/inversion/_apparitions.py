@@ -26,7 +26,15 @@ import numpy as np
 from attitude._support import quoting
 from attitude._support.arrays import distinct, two_across
 from attitude._support.least_squares import Decomposed
-from attitude.inversion import _ellipsoid, _evidence, _neighbours, _pole_map, _refinement, _verdicts
+from attitude.inversion import (
+    _ellipsoid,
+    _evidence,
+    _neighbours,
+    _pole_map,
+    _refinement,
+    _shapes,
+    _verdicts,
+)
 from attitude.inversion._ellipsoid import SearchState
 from attitude.inversion._search import Search, never
 
@@ -498,21 +506,12 @@ class RotatorSearch(Search):
         starts = self.axial or self.convex[: settings.axial_others]
         rotators = [self._robust(problem, start) for start in starts]
         rotators, self.beside = _pole_map.listed(rotators, settings.axial_behind, settings)
-        rates = np.array([SearchState.of(one.refined.state).precession for one in rotators])
-        # the next number of turns decides whether this one is accepted, however far behind
-        others = [
-            rotator
-            for rotator in self.convex
-            if 2.0 * np.abs(rates - SearchState.of(rotator.state).precession).min()
-            > settings.same_rate
-        ]
-        return rotators + [
-            self._robust(problem, rotator) for rotator in others[: settings.axial_others]
-        ]
+        others = self._of_other_rates(rotators, self.convex, settings.same_rate)
+        return rotators + [self._robust(problem, rotator) for rotator in others]
 
     def _trials(self, chosen: list[tuple[float, float]]) -> tuple[list[Trial], int]:
         """The best trials of windows, the best first, and how many the budget allows to try."""
-        combs, poles = Combs(self.problem), _pole_map.sphere(POLES)
+        combs, poles = Combs(self.problem), _shapes.even_directions(POLES)
         tally = self.problem.tally
         trials: list[Trial] = []
         count = 0

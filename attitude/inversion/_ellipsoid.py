@@ -589,8 +589,7 @@ def starts(
 
 def any_x(generator: np.random.Generator, nutation: FloatArray) -> FloatArray:
     """A random X of a start for each nutation (S,), turns per span."""
-    out: FloatArray = generator.random(len(nutation)) * np.where(nutation > 0.0, *_X)
-    return out
+    return generator.random(len(nutation)) * np.where(nutation > 0.0, *_X)
 
 
 def minimised(

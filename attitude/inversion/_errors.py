@@ -72,10 +72,8 @@ def errors(
     if formal is None:
         formal = solution.refined.covariance[:count, :count]
     free = solution.refined.free[:count]
-    r, jacobian = (
-        problem.projected(problem.y - shape_model.magnitude),
-        problem.projected(shape_model.jacobian),
-    )
+    r = problem.projected(problem.y - shape_model.magnitude)
+    jacobian = problem.projected(shape_model.jacobian)
     scale = np.sqrt(np.diag(normal))
     jacobian /= scale[:, None]
     jacobian[:count][~free] = 0.0
@@ -131,23 +129,20 @@ def _larger(inflation: FloatArray, inner: FloatArray, groups: int) -> FloatArray
     values, vectors = np.linalg.eigh(back @ inner @ back.T)
     edge = (1.0 + math.sqrt(len(values) / groups)) ** 2
     values = np.where(values > edge, values, 1.0)
-    enlarged: FloatArray = root @ (vectors * values) @ vectors.T @ root.T
-    return enlarged
+    return root @ (vectors * values) @ vectors.T @ root.T
 
 
 def _root(matrix: FloatArray) -> FloatArray:
     """The symmetric root of a symmetric matrix."""
     values, vectors = np.linalg.eigh(0.5 * (matrix + matrix.T))
-    square_root: FloatArray = (vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T
-    return square_root
+    return (vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T
 
 
 def _regular(covariance: FloatArray) -> FloatArray:
     """A covariance whose factor exists."""
     size = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     scaled = covariance / np.outer(size, size) + 1e-10 * np.eye(len(size))
-    regular: FloatArray = scaled * np.outer(size, size)
-    return regular
+    return scaled * np.outer(size, size)
 
 
 def groupings(t: FloatArray, span: float, session: IntArray | None) -> tuple[IntArray, ...]:
@@ -416,6 +411,10 @@ def spread(covariance: FloatArray, rivals: Iterable[tuple[FloatArray, float]]) -
         if np.min(np.einsum("np,pq,nq->n", steps, inverse, steps)) > _DISTINCT**2:
             offsets.append(offset)
             weights.append(math.exp(-0.5 * behind))
+    return about_first(offsets, weights)
+
+
+def about_first(offsets: Sequence[FloatArray], weights: Sequence[float]) -> FloatArray:
+    """The second moments (P, P) of minima about the first, from their offsets (P,) and weights."""
     every, share = np.array(offsets), np.array(weights) / sum(weights)
-    outer: FloatArray = (every * share[:, None]).T @ every
-    return outer
+    return (every * share[:, None]).T @ every

@@ -299,8 +299,7 @@ def gain_of_nutation(solution: Robust) -> float:
 
 def weights(square: FloatArray) -> FloatArray:
     """Weights (N,) of Student's distribution for squares of residuals over their errors."""
-    of_points: FloatArray = (FREEDOM + 1.0) / (FREEDOM + square)
-    return of_points
+    return (FREEDOM + 1.0) / (FREEDOM + square)
 
 
 def student(

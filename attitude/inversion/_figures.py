@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from attitude import plots
-from attitude._support.quantity_text import TIME_UNITS, time_unit
+from attitude._support.quantity_text import time_unit
 from attitude.errors import AttitudeError
 from attitude.inversion import _lattices, _neighbours, _verdicts
 from attitude.inversion._ellipsoid import SearchState
@@ -15,6 +15,7 @@ from attitude.inversion._problem import interpolated
 from attitude.inversion._refinement import MOTION, NAMES
 from attitude.photometry import _folding, _spectrum
 from attitude.photometry._curve import LightCurve, dimming
+from attitude.photometry._figures import DATA, MODEL, OTHER
 from attitude.photometry._spectrum import OVERSAMPLING
 
 if TYPE_CHECKING:
@@ -31,12 +32,6 @@ if TYPE_CHECKING:
 
 # Grid frequencies of the map to either side.
 _SIDE = 60
-# Colours of points, of the model, and of what does not compete.
-_DATA = "#0072b2"
-_MODEL = "#d55e00"
-_OTHER = "0.6"
-
-
 # Nights of a figure at most.
 _NIGHTS = 20
 # Columns of panels.
@@ -45,8 +40,6 @@ _COLUMNS = 3
 _FEW = 3
 # Points of a line of the model.
 _FINE = 200
-# Time, s, beside predicted epochs within which points are of the same night.
-_BESIDE = 0.3 * 86400.0
 # Magnitudes that a panel shows at least.
 _LEAST_HEIGHT = 0.05
 
@@ -145,7 +138,7 @@ def _in_night(observed: LightCurve, prediction: Prediction, points: IntArray) ->
     """The observed points of the night of predicted epochs, or within these without geometry."""
     times = observed.seconds + (observed.epoch.seconds - prediction.epoch.seconds)
     first, last = prediction.seconds[points[[0, -1]]]
-    more = _BESIDE if observed.has_geometry else 0.0
+    more = _neighbours.NIGHT if observed.has_geometry else 0.0
     inside = (times >= first - more) & (times <= last + more)
     return observed[inside] if np.any(inside) else None
 
@@ -161,8 +154,7 @@ def _words_of_shifts(observed: LightCurve, shift: FloatArray) -> str:
 def _means(values: FloatArray, group: IntArray) -> FloatArray:
     """The mean (N,) of values (N,) in the group of each."""
     counts = np.maximum(np.bincount(group), 1)
-    means: FloatArray = (np.bincount(group, values) / counts)[group]
-    return means
+    return (np.bincount(group, values) / counts)[group]
 
 
 def _at(curve: LightCurve, emission: FloatArray) -> LightCurve:
@@ -199,18 +191,18 @@ def _panels(nights: Sequence[_Night], name: str, title: str) -> Figure:
         axes = cells[row, column].subplots(2 if off else 1, 1, sharex=True, gridspec_kw=ratios)
         above, below = axes if off else (axes, None)
         hours, model, band = night.line
-        above.fill_between(hours, model - band, model + band, color=_MODEL, alpha=0.25, lw=0)
+        above.fill_between(hours, model - band, model + band, color=MODEL, alpha=0.25, lw=0)
         if len(hours) > 1:
-            above.plot(hours, model, color=_MODEL, lw=1.2)
+            above.plot(hours, model, color=MODEL, lw=1.2)
         else:
-            above.errorbar(hours, model, band, fmt="D", ms=4, color=_MODEL)
+            above.errorbar(hours, model, band, fmt="D", ms=4, color=MODEL)
         if below is not None and len(night.hours):
             error = np.nan_to_num(night.error)
             for panel, values in ((above, night.value), (below, night.residual)):
-                panel.errorbar(night.hours, values, error, fmt="o", ms=2.5, lw=0.7, color=_DATA)
+                panel.errorbar(night.hours, values, error, fmt="o", ms=2.5, lw=0.7, color=DATA)
         if below is not None:
             below.set_ylim(1.3 * max(off), -1.3 * max(off))
-            below.axhline(0.0, color=_OTHER, lw=0.8)
+            below.axhline(0.0, color=OTHER, lw=0.8)
         middle = 0.5 * float(ranges[k].min() + ranges[k].max())
         above.set_ylim(middle + 0.5 * height, middle - 0.5 * height)
         above.set_title(night.title, fontsize=9)
@@ -253,11 +245,11 @@ def of_states(states: SpinStates[Solution], path: FilePath | None = None) -> Fig
     _fit(axes[0, 0], axes[1, 0], best)
     _folded(axes[0, 1], best, 0)
     colours = [
-        _MODEL
+        MODEL
         if _verdicts.competes(
             state.weighted, best.weighted, best._problem, is_hidden=not best.tie.is_wide
         )
-        else _OTHER
+        else OTHER
         for state in states
     ]
     _poles(axes[1, -1], states, colours)
@@ -271,10 +263,10 @@ def of_states(states: SpinStates[Solution], path: FilePath | None = None) -> Fig
 
 def _rates(axes: Axes, states: SpinStates[Solution], colours: Sequence[str]) -> None:
     """Both frequencies of each state, the best last, over the others."""
-    unit = time_unit(states[0].P_phi)
+    size, unit = time_unit(states[0].P_phi)
     for state, colour in zip(reversed(states), reversed(colours), strict=True):
         rates = np.array(SearchState.of(state.state).rates)
-        phi, psi = rates / state.curve.span * TIME_UNITS[unit]
+        phi, psi = rates / state.curve.span * size
         mark = "o" if state.mode == "LAM" else "s"
         axes.plot(phi, psi, mark, mfc="none", mew=1.8, color=colour)
     axes.set_xlabel(f"1/P_phi of the long axis, 1/{unit}")
@@ -282,7 +274,7 @@ def _rates(axes: Axes, states: SpinStates[Solution], colours: Sequence[str]) -> 
     axes.ticklabel_format(useOffset=False)
     axes.locator_params("x", nbins=4)
     for mode, mark in (("LAM", "o"), ("SAM or PA", "s")):
-        axes.plot([], [], mark, mfc="none", color=_MODEL, label=mode)
+        axes.plot([], [], mark, mfc="none", color=MODEL, label=mode)
     axes.legend(fontsize=9, loc="upper right")
 
 
@@ -311,9 +303,9 @@ def of_posterior(posterior: Posterior, path: FilePath | None = None) -> Figure:
             if column > row:
                 panel.set_visible(False)
             elif column == row:
-                panel.hist(of_best[:, row], 30, color=_DATA)
+                panel.hist(of_best[:, row], 30, color=DATA)
             else:
-                panel.plot(of_best[:, column], of_best[:, row], ",", color=_DATA)
+                panel.plot(of_best[:, column], of_best[:, row], ",", color=DATA)
             if row == MOTION - 1:
                 panel.set_xlabel(NAMES[column], fontsize=9)
             panel.locator_params(nbins=2)
@@ -364,10 +356,9 @@ def _map(axes: Axes, best: Solution) -> None:
         sides.append(np.arange(least, least + 2 * _SIDE + 1))
     sums = _lattices.tables(problem, 8 * int(max(side[-1] for side in sides)) + 8)
     one, two = (axis.ravel() for axis in np.meshgrid(*sides, indexing="ij"))
-    gain = np.empty(len(one))
-    _spectrum.decreases(sums, one, two, _spectrum.harmonics(2), 1.0, gain)
+    gain = _spectrum.decreases(sums, one, two, _spectrum.harmonics(2))
     left = (1.0 - gain / sums.total).reshape(len(sides[0]), len(sides[1]))
-    width = step / best.curve.span * TIME_UNITS[time_unit(best.P_phi)]
+    width = step / best.curve.span * time_unit(best.P_phi)[0]
     x, y = sides[0] * width, 0.5 * sides[1] * width
     shown = axes.pcolormesh(x, y, left.T, shading="nearest", cmap="viridis", vmin=0.0, vmax=1.0)
     axes.figure.colorbar(shown, ax=axes, label="chi-squared left")
@@ -378,11 +369,11 @@ def _map(axes: Axes, best: Solution) -> None:
 def _fit(above: Axes, below: Axes, solution: CurveFit) -> None:
     problem = solution.weighted.problem
     seconds = problem.seconds
-    unit = time_unit(float(np.ptp(seconds)))
-    t = seconds / TIME_UNITS[unit]
+    size, unit = time_unit(float(np.ptp(seconds)))
+    t = seconds / size
     shown = problem.magnitude - solution._zero_points
-    above.plot(t, shown, ".", color=_DATA, label="observed")
-    above.plot(t, shown - solution.residuals, "x", color=_MODEL, label="computed", ms=4)
+    above.plot(t, shown, ".", color=DATA, label="observed")
+    above.plot(t, shown - solution.residuals, "x", color=MODEL, label="computed", ms=4)
     above.invert_yaxis()
     above.set_ylabel("reduced magnitude")
     above.legend(fontsize=9, loc="best")
@@ -391,7 +382,7 @@ def _fit(above: Axes, below: Axes, solution: CurveFit) -> None:
     for number in np.unique(session):
         chosen = session == number
         below.plot(t[chosen], solution.residuals[chosen], ".", color=f"C{number % 10}")
-    below.axhline(0.0, color=_OTHER)
+    below.axhline(0.0, color=OTHER)
     below.invert_yaxis()
     for panel in (above, below):
         panel.set_xlabel(f"{unit} from {_date(solution.curve.epoch, 19)} UTC")
@@ -417,12 +408,12 @@ def _folded(axes: Axes, solution: Solution, which: int) -> None:
     except AttitudeError:  # fewer points than a series has unknowns
         axes.set_visible(False)
         return
-    axes.plot(folded.phase[which], folded.values[which], ".", color=_DATA, ms=3)
+    axes.plot(folded.phase[which], folded.values[which], ".", color=DATA, ms=3)
     phase = np.linspace(0.0, 1.0, 400)
-    axes.plot(phase, folded.curve(phase, which), color=_MODEL, lw=1.2)
+    axes.plot(phase, folded.curve(phase, which), color=MODEL, lw=1.2)
     if not folded.samples.is_flux:
         axes.invert_yaxis()
-    unit = time_unit(periods[which])
+    size, unit = time_unit(periods[which])
     name = ("P_phi", "P_psi")[which] if len(periods) == 2 else "P"
-    axes.set_xlabel(f"phase of {name} = {periods[which] / TIME_UNITS[unit]:.6g} {unit}{words}")
+    axes.set_xlabel(f"phase of {name} = {periods[which] / size:.6g} {unit}{words}")
     axes.set_ylabel("mag, without the other lines" if len(periods) == 2 else "mag")

@@ -22,6 +22,7 @@ from attitude.inversion import _errors, _evidence, _moving, _problem, _shapes, _
 from attitude.inversion._refine import Refinement
 from attitude.inversion._settings import Tally
 from attitude.inversion._shapes import Tie
+from attitude.inversion._solution import SpinStates
 from attitude.motions._body import Body
 from attitude.motions._free_rotation import FreeRotation
 from attitude.motions._propagation import linearized
@@ -383,8 +384,8 @@ def found(
     seed: int,
     settings: Settings,
     progress: Callable[[str], object],
-) -> tuple[list[Refinement], str, str, tuple[str, ...]]:
-    """Solutions, the best first, the verdict, its criterion, and notes; see `spin_states`."""
+) -> SpinStates[Refinement]:
+    """Ranked states and the verdict; see `spin_states`."""
     body = body_of(mesh, moments)
     axes = body.principal_axes
     known = _shapes.known(mesh, law).over(axes)
@@ -437,7 +438,7 @@ def found(
             f" {_verdicts.with_verb(turned, 'other state', 'differ')} from these only by a turn "
             "about the axis of symmetry of the shape, which brightness does not show."
         )
-    return solutions, verdict, criterion, (*curve.notes, *averaged)
+    return SpinStates(solutions, verdict, criterion, (*curve.notes, *averaged))
 
 
 class _Fitted(NamedTuple):

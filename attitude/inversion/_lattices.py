@@ -16,7 +16,7 @@ import numpy as np
 from attitude._support.arrays import distinct
 from attitude.photometry import _spectrum
 from attitude.photometry._lattices import SHORT_AXIS
-from attitude.photometry._spectrum import OVERSAMPLING, RIDGE
+from attitude.photometry._spectrum import OVERSAMPLING
 
 if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray
@@ -68,7 +68,7 @@ def lattice_pairs(problem: CurveProblem, most: float, keep: int) -> tuple[FloatA
     sums = tables(problem, 4 * _ORDER * end + 2)
     lines = _spectrum.harmonics(_ORDER)
     settings, grid = problem.settings, (least, end)
-    best_pairs = _spectrum.best(sums, grid, grid, lines, RIDGE, keep, fitted=settings.pairs_fitted)
+    best_pairs = _spectrum.best(sums, grid, grid, lines, keep, fitted=settings.pairs_fitted)
     fitted = min(best_pairs.tried, settings.pairs_fitted)
     problem.tally.add(fitted, settings.pair_cost)
     problem.tally.add(best_pairs.tried - fitted, settings.power_cost)
@@ -162,7 +162,6 @@ def lines(problem: CurveProblem, most: float, keep: int) -> FloatArray:
     grid = np.arange(max(1, int(LEAST * OVERSAMPLING)), int(most * OVERSAMPLING) + 1)
     sums = tables(problem, 8 * int(grid[-1] + 1))
     harmonics = np.array([(i, 0) for i in range(5)])
-    gain = np.empty(len(grid))
-    _spectrum.decreases(sums, grid, grid, harmonics, RIDGE, gain)
+    gain = _spectrum.decreases(sums, grid, grid, harmonics)
     frequencies = (float(grid[k]) / OVERSAMPLING for k in np.argsort(-gain, kind="stable"))
     return np.array(distinct(frequencies, lambda a, b: abs(a - b) <= _SAME_LINE, keep))

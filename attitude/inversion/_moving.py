@@ -107,8 +107,7 @@ class MovingPoint:
     @property
     def log_ratios(self) -> FloatArray:
         """ln I1/I3 and ln I2/I3 (2,)."""
-        ratios: FloatArray = np.log(self.body.moments[:2] / self.body.moments[2])
-        return ratios
+        return np.log(self.body.moments[:2] / self.body.moments[2])
 
     @property
     def values(self) -> FloatArray:

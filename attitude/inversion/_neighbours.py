@@ -29,7 +29,7 @@ _LEAST_NOISE = 0.05
 # four in an hour do.
 _BETWEEN = 0.5
 # Gap of the epochs, s, between two nights.
-_NIGHT = 0.3 * 86400.0
+NIGHT = 0.3 * 86400.0
 # Gap of the epochs, s, between two apparitions.
 _APPARITION = 60.0 * 86400.0
 
@@ -155,7 +155,7 @@ def too_large(problem: CurveProblem) -> float:
     1 where chance may do it.  Variation between neighbours counts as noise.  By a mean square: of
     magnitudes that are rounded to more than their noise the median difference is zero.
     """
-    scaled, apart = _beside_errors(problem, problem.y, _CLOSE * problem.span / _NIGHT)
+    scaled, apart = _beside_errors(problem, problem.y, _CLOSE * problem.span / NIGHT)
     if math.isnan(apart):
         return 1.0
     known = scaled[np.isfinite(scaled)]
@@ -165,7 +165,7 @@ def too_large(problem: CurveProblem) -> float:
 
 def nights_of(seconds: FloatArray) -> list[IntArray]:
     """Numbers of the epochs (T,) of each night, in time order."""
-    return _parts(seconds, _NIGHT)
+    return _parts(seconds, NIGHT)
 
 
 def apparitions_of(seconds: FloatArray) -> list[IntArray]:

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from attitude._support.arrays import distinct, in_turn
-from attitude.inversion import _ellipsoid, _evidence, _refinement, _shapes
+from attitude.inversion import _ellipsoid, _errors, _evidence, _refinement, _shapes
 from attitude.inversion._ellipsoid import (
     OF_FLAT,
     OF_FRAME,
@@ -70,22 +70,13 @@ _ENTRY = math.radians(15.0)
 _ONE_POLE = 1e-4
 
 
-def sphere(count: int) -> FloatArray:
-    """Directions (count, 3) all over the sky, evenly."""
-    k = np.arange(count) + 0.5
-    z = 1.0 - 2.0 * k / count
-    angle, r = math.pi * (1.0 + math.sqrt(5.0)) * k, np.sqrt(1.0 - z * z)
-    return np.stack([r * np.cos(angle), r * np.sin(angle), z], axis=-1)
-
-
 def turn_of_scene(problem: CurveProblem, poles: FloatArray) -> FloatArray:
     """The mean rate (P,), turns per span, of the bisector of Sun and observer about poles (P, 3).
 
     The rate of a body about a pole, less this, is the rate at which the scene sees it turn.
     """
     t = problem.t - problem.t.mean()
-    rates: FloatArray = np.unwrap(_seen_about(problem, poles)) @ t / (t @ t) / (2.0 * math.pi)
-    return rates
+    return np.unwrap(_seen_about(problem, poles)) @ t / (t @ t) / (2.0 * math.pi)
 
 
 def has_turn(problem: CurveProblem, a: FloatArray, b: FloatArray) -> bool:
@@ -112,8 +103,7 @@ def _seen_about(problem: CurveProblem, poles: FloatArray) -> FloatArray:
     """The angles (P, N) of the bisector of Sun and observer about poles (P, 3), rad."""
     bisector = problem.sun + problem.observer
     first = np.cross(poles, np.eye(3)[np.argmin(np.abs(poles), axis=1)])
-    angles: FloatArray = np.arctan2(np.cross(poles, first) @ bisector, first @ bisector)
-    return angles
+    return np.arctan2(np.cross(poles, first) @ bisector, first @ bisector)
 
 
 def _has_rates(problem: CurveProblem, a: FloatArray, b: FloatArray) -> bool:
@@ -143,16 +133,13 @@ def spread(
             offset[_refinement.PRECESSION] = fields_of_other.precession - fields.precession
             offsets.append(offset)
             weights.append(math.exp(-0.5 * (behind - evidence)))
-    every, share = np.array(offsets), np.array(weights) / sum(weights)
-    outer: FloatArray = (every * share[:, None]).T @ every
-    return outer
+    return _errors.about_first(offsets, weights)
 
 
 def plane_of(problem: CurveProblem) -> FloatArray:
     """The normal (3,) of the plane in which Sun and observer lie, seen from the body."""
     both = np.concatenate([problem.sun, problem.observer], axis=1)
-    normal: FloatArray = np.linalg.eigh(both @ both.T)[1][:, 0]
-    return normal
+    return np.linalg.eigh(both @ both.T)[1][:, 0]
 
 
 def mirrored(pole: FloatArray, normal: FloatArray) -> FloatArray:
@@ -161,8 +148,7 @@ def mirrored(pole: FloatArray, normal: FloatArray) -> FloatArray:
     Directions in that plane see both alike.  Angular momentum is an axial vector: its part along
     the plane changes sign, so that the longitude from the plane's axis changes by half a turn.
     """
-    reflected: FloatArray = 2.0 * (pole @ normal) * normal - pole
-    return reflected
+    return 2.0 * (pole @ normal) * normal - pole
 
 
 def images(problem: CurveProblem, state: FloatArray) -> list[FloatArray]:
@@ -237,7 +223,7 @@ def _at_poles(
 
     `has_x`: with the X of the state too.
     """
-    poles = sphere(count)
+    poles = _shapes.even_directions(count)
     turns = turn_of_scene(problem, np.concatenate([state[None, OF_POLE], poles]))
     size = starts_of_each * _TURNS
     starts = np.repeat(state[None, : _ellipsoid.WIDTH], count * size, axis=0)
@@ -313,7 +299,7 @@ def minima(
     Shapes: best (WIDTH,), fixed (SIZE,).  `redundancy` points count as one where poles compete.
     """
     settings, behind = problem.settings, problem.settings.axial_pole_behind * redundancy
-    poles = sphere(settings.axial_poles)
+    poles = _shapes.even_directions(settings.axial_poles)
     turns = turn_of_scene(rough, np.concatenate([best[None, OF_POLE], poles]))
     rates = 2.0 * SearchState.of(best).precession + turns[1:] - turns[0]
     starts = _ellipsoid.axial_at_poles(rough, generator, rates, poles, settings.axial_bodies)

@@ -181,8 +181,7 @@ class CurveProblem:
             return magnitude
         at = magnitude.reshape(*magnitude.shape[:-1], len(_NODES), -1)
         flux = np.sum(0.5 * _WEIGHTS[:, None] * 10.0 ** (-0.4 * at), axis=-2)
-        mean: FloatArray = -2.5 * np.log10(flux)
-        return mean
+        return -2.5 * np.log10(flux)
 
     def over_exposures(self, magnitude: FloatArray, jacobian: FloatArray) -> FloatArray:
         """Derivatives (P, N) of magnitudes of the mean fluxes, from those at the nodes (P, K N).
@@ -198,15 +197,13 @@ class CurveProblem:
     def projected(self, rows: FloatArray) -> FloatArray:
         """Weighted rows (..., N), the linear terms taken off."""
         weighted = rows * self.root
-        without_terms: FloatArray = weighted - (weighted @ self.u.T) @ self.u
-        return without_terms
+        return weighted - (weighted @ self.u.T) @ self.u
 
     def coefficients(self, model: FloatArray) -> FloatArray:
         """Coefficients (L,) of the linear terms for model magnitudes (N,)."""
         b = self.terms * self.root[:, None]
         inverse = _inverse_factor(b, self.prior)
-        offsets: FloatArray = inverse @ (inverse.T @ (b.T @ ((self.magnitude - model) * self.root)))
-        return offsets
+        return inverse @ (inverse.T @ (b.T @ ((self.magnitude - model) * self.root)))
 
     def offsets(self, model: FloatArray) -> FloatArray:
         """Zero points (S,), mag, of the calibrated sessions for model magnitudes (N,)."""
@@ -215,10 +212,7 @@ class CurveProblem:
     @property
     def detrended(self) -> FloatArray:
         """Magnitudes (N,) without the linear terms that fit them best."""
-        without_offsets: FloatArray = self.magnitude - self.terms @ self.coefficients(
-            np.zeros(len(self))
-        )
-        return without_offsets
+        return self.magnitude - self.terms @ self.coefficients(np.zeros(len(self)))
 
     def chi_squared(self, model: FloatArray) -> float:
         """Sum of squares of weighted residuals, least over the coefficients."""
@@ -447,5 +441,4 @@ def _averaged(curve: LightCurve, bins: IntArray | None) -> dict[str, Any]:
 
 
 def _unit(vectors: FloatArray) -> FloatArray:
-    unit: FloatArray = vectors / np.linalg.norm(vectors, axis=1)[:, None]
-    return unit
+    return vectors / np.linalg.norm(vectors, axis=1)[:, None]

@@ -174,8 +174,7 @@ class Refinement(CurveFit):
     @property
     def values_sigma(self) -> FloatArray:
         """Standard errors of `values`."""
-        errors_of: FloatArray = np.sqrt(np.diag(self.covariance)[_moving.STATE :])
-        return errors_of
+        return np.sqrt(np.diag(self.covariance)[_moving.STATE :])
 
     @cached_property
     def shape(self) -> Mesh:

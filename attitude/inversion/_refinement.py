@@ -42,8 +42,7 @@ def limited(threads: int = 1) -> AbstractContextManager[object]:
         from threadpoolctl import threadpool_limits
     except ImportError:
         return nullcontext()
-    limits: AbstractContextManager[object] = threadpool_limits(threads)
-    return limits
+    return threadpool_limits(threads)
 
 
 # ---- Least squares of any model with derivatives, from one start

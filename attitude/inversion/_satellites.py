@@ -370,8 +370,7 @@ def _distinct(pairs: list[AdditivePair]) -> list[AdditivePair]:
 def _rotations(problem: CurveProblem, most: float, count: int = _ROTATIONS) -> FloatArray:
     """Rates (R,), turns per span, of strong lines and half of them."""
     rotations = _lattices.rotations(problem, most, count)
-    long_ones: FloatArray = rotations[rotations > 2.0 * _lattices.LEAST]
-    return long_ones
+    return rotations[rotations > 2.0 * _lattices.LEAST]
 
 
 def _scanned(problem: CurveProblem, rotations: FloatArray) -> list[AdditivePair]:
@@ -393,8 +392,7 @@ def _scanned(problem: CurveProblem, rotations: FloatArray) -> list[AdditivePair]
         if not len(orbits):
             continue
         first = np.full(len(orbits), round(rotation * _FINE))
-        gain = np.empty(len(orbits))
-        _spectrum.decreases(sums, first, orbits, lines, _spectrum.RIDGE, gain)
+        gain = _spectrum.decreases(sums, first, orbits, lines)
         problem.tally.add(len(orbits), problem.settings.pair_cost)
         best = np.argsort(-gain, kind="stable")[: 8 * _ORBITS]
         rows = ((-float(gain[k]), float(rotation), float(orbits[k]) / _FINE) for k in best)
@@ -438,8 +436,7 @@ def rates_of(pairs: list[AdditivePair]) -> FloatArray:
 def _once(rates: FloatArray) -> FloatArray:
     """Rates of any shape, in order (R,), without those next to another one."""
     ordered = np.sort(rates, axis=None)
-    distinct_ones: FloatArray = ordered[np.diff(ordered, prepend=-math.inf) > _APART]
-    return distinct_ones
+    return ordered[np.diff(ordered, prepend=-math.inf) > _APART]
 
 
 def _is_multiple(one: AdditivePair, other: AdditivePair) -> bool:
@@ -541,8 +538,7 @@ def _slope(base: FloatArray, amplitudes: FloatArray) -> FloatArray:
     order = base.shape[1] // 2
     numbers = np.arange(1, order + 1)
     cosine, sine = amplitudes[:order] * numbers, amplitudes[order:] * numbers
-    slope: FloatArray = base[:, :order] @ sine - base[:, order:] @ cosine
-    return slope
+    return base[:, :order] @ sine - base[:, order:] @ cosine
 
 
 def _dips(amplitudes: FloatArray) -> tuple[float, float, float, float]:

@@ -47,21 +47,6 @@ def never(_: bool) -> bool:
     return False
 
 
-class _KnownFits:
-    """Robust fits that were made, for solutions are ranked anew whenever bodies were added."""
-
-    def __init__(self) -> None:
-        self._fits: dict[tuple[int, ...], tuple[object, ...]] = {}
-
-    def of(self, make: Callable[[], Fit], *arguments: object) -> Fit:
-        """The fit of these objects, from `make` where it is not known."""
-        key = tuple(id(argument) for argument in arguments)
-        if key not in self._fits:
-            # what identifies the fit is kept, so that no other object gets its identity
-            self._fits[key] = *arguments, make()
-        return cast("Fit", self._fits[key][-1])
-
-
 @dataclass(eq=False)
 class Search:
     """A search and what it has found.
@@ -129,7 +114,8 @@ class Search:
     _wide: list[BodyFit] = field(default_factory=list, init=False)
     # Pairs of frequencies (P, 2) of the last round, the best first.
     _pairs: FloatArray = field(default_factory=lambda: np.empty((0, 2)), init=False)
-    _known_fits: _KnownFits = field(default_factory=_KnownFits, init=False)
+    # Robust fits by the identities of what they depend on, with these objects.
+    _known_fits: dict[tuple[int, ...], tuple[object, ...]] = field(default_factory=dict, init=False)
     _own_problems: list[CurveProblem] = field(default_factory=list, init=False)
     is_ellipsoid: bool = False
     redundancy: float = 1.0
@@ -892,7 +878,7 @@ class Search:
         def fit() -> BodyFit:
             return self._fit(body.state, self.settings.ranked_steps, problem)
 
-        return self._known_fits.of(fit, problem, body, "ranked")
+        return self._known(fit, problem, body, "ranked")
 
     def _takes_noise(self, problem: CurveProblem, best: BodyFit) -> bool:
         """Whether errors are enlarged, where neighbouring residuals of a good body exceed them."""
@@ -917,7 +903,7 @@ class Search:
 
     def _with_own_error(self, best: BodyFit) -> CurveProblem:
         """The problem with the model error that the residuals of a body show."""
-        return self._known_fits.of(lambda: self._with_error_of(best), self.problem, best)
+        return self._known(lambda: self._with_error_of(best), self.problem, best)
 
     def _with_error_of(self, best: BodyFit) -> CurveProblem:
         """That, or the one of another body with nearly the same error, whose fits are known."""
@@ -965,17 +951,31 @@ class Search:
         if not is_behind:
             listed_ones += self._between(problem, listed_ones, more, behind)
         listed_ones = listed_ones[: self.settings.axial_finals]
-        # the next period decides whether this one is accepted, however far it lies behind
-        rates = np.array([SearchState.of(one.refined.state).precession for one in listed_ones])
-        next_ones = [
+        others = self._of_other_rates(listed_ones, axial, self.settings.axial_width)
+        return listed_ones + [self._compared(problem, fit) for fit in others]
+
+    def _of_other_rates(
+        self, entries: Sequence[Robust], fits: Iterable[BodyFit], width: float
+    ) -> list[BodyFit]:
+        """The best rotations about one axis at no rate of a list.
+
+        The next period decides whether one is accepted, however far it lies behind.
+        """
+        rates = np.array([SearchState.of(one.refined.state).precession for one in entries])
+        others = [
             fit
-            for fit in axial
-            if 2.0 * np.abs(rates - SearchState.of(fit.state).precession).min()
-            > self.settings.axial_width
+            for fit in fits
+            if 2.0 * np.abs(rates - SearchState.of(fit.state).precession).min() > width
         ]
-        return listed_ones + [
-            self._compared(problem, fit) for fit in next_ones[: self.settings.axial_others]
-        ]
+        return others[: self.settings.axial_others]
+
+    def _known(self, make: Callable[[], Fit], *arguments: object) -> Fit:
+        """The fit of these objects, made once: solutions are ranked anew whenever bodies come."""
+        key = tuple(id(argument) for argument in arguments)
+        if key not in self._known_fits:
+            # what identifies the fit is kept, so that no other object gets its identity
+            self._known_fits[key] = *arguments, make()
+        return cast("Fit", self._known_fits[key][-1])
 
     def _compared(self, problem: CurveProblem, body: BodyFit) -> Robust:
         """A rotation about one axis with the prior and the evidence of tumbling bodies."""
@@ -983,7 +983,7 @@ class Search:
 
     def _robust(self, problem: CurveProblem, body: BodyFit, *, is_wide: bool = False) -> Robust:
         """The body of largest posterior density near a body."""
-        return self._known_fits.of(
+        return self._known(
             lambda: self._weighted(problem, body, is_wide=is_wide), problem, body, is_wide
         )
 
@@ -1022,7 +1022,7 @@ class Search:
         def fit() -> Robust:
             return _evidence.refined(problem, body.state, tie=self.tie, fixed=fixed, held=held)
 
-        return self._known_fits.of(fit, problem, body, "held")
+        return self._known(fit, problem, body, "held")
 
     def _fixed(self, state: FloatArray) -> BoolArray:
         """Parameters that stay: of the axis for rotation about one, of areas for ellipsoids."""

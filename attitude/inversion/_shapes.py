@@ -60,6 +60,14 @@ _SPLIT = 0.02
 _CLOSE = 1e-6
 
 
+def even_directions(count: int) -> FloatArray:
+    """Directions (count, 3) all over the sky, evenly."""
+    k = np.arange(count) + 0.5
+    z = 1.0 - 2.0 * k / count
+    angle, r = math.pi * (1.0 + math.sqrt(5.0)) * k, np.sqrt(1.0 - z * z)
+    return np.stack([r * np.cos(angle), r * np.sin(angle), z], axis=-1)
+
+
 @dataclass(frozen=True, eq=False)
 class Sphere:
     """Normals (3, F), their squares, and modes (F, M) of the logarithm of the areas."""
@@ -72,10 +80,7 @@ class Sphere:
 @cache
 def sphere() -> Sphere:
     """The normals and modes of all bodies."""
-    k = np.arange(COUNT) + 0.5
-    z = 1.0 - 2.0 * k / COUNT
-    angle, r = math.pi * (1.0 + math.sqrt(5.0)) * k, np.sqrt(1.0 - z * z)
-    normals = np.ascontiguousarray(np.stack([r * np.cos(angle), r * np.sin(angle), z]))
+    normals = np.ascontiguousarray(even_directions(COUNT).T)
     kernel = _AMPLITUDE**2 * np.exp((normals.T @ normals - 1.0) / _LENGTH**2)
     values, vectors = np.linalg.eigh(kernel)
     modes = vectors[:, ::-1][:, :MODES] * np.sqrt(values[::-1][:MODES])
@@ -94,10 +99,7 @@ def _inversion() -> FloatArray:
     across = np.exp((-(on.normals.T @ on.normals) - 1.0) / _LENGTH**2)
     # the modes are eigenvectors: K^-1 of their factor is the factor over its eigenvalue
     sizes = np.sum(on.modes**2, axis=0)
-    products_of_modes: FloatArray = (
-        (on.modes / sizes).T @ (across @ (on.modes / sizes)) * _AMPLITUDE**2
-    )
-    return products_of_modes
+    return (on.modes / sizes).T @ (across @ (on.modes / sizes)) * _AMPLITUDE**2
 
 
 def inverted(modes: FloatArray) -> FloatArray:
@@ -182,8 +184,7 @@ class BodyLight:
     @cached_property
     def by_shape(self) -> FloatArray:
         """Derivatives (S, N) by the shape."""
-        product: FloatArray = self.slopes.T @ self.by_areas.T
-        return product
+        return self.slopes.T @ self.by_areas.T
 
 
 @dataclass(frozen=True, eq=False)
@@ -545,8 +546,7 @@ class KnownShape:
 
     def magnitudes(self, sun: FloatArray, observer: FloatArray, least: float) -> FloatArray:
         """Magnitudes (...) of the flux, or of `least` where it is smaller."""
-        values: FloatArray = _MAGNITUDE * np.log(np.maximum(self.flux(sun, observer), least))
-        return values
+        return _MAGNITUDE * np.log(np.maximum(self.flux(sun, observer), least))
 
     def floor(self, sun: FloatArray, observer: FloatArray) -> float:
         """The least flux that counts, from directions (..., 3) over any axes."""

@@ -149,74 +149,6 @@ class Prediction(Immutable):
         )
 
 
-def predicted(
-    solution: CurveFit,
-    times: Epochs | LightCurve | None,
-    path: Path | str | None = None,
-    site: Path | str | None = None,
-    filter: str | None = None,
-) -> Prediction:
-    """The magnitudes of a fit at epochs; see `CurveFit.predict`."""
-    curve = solution.curve
-    seconds, emission, sun, observer = _geometry(curve, times, path, site)
-    if not len(emission):
-        raise AttitudeError("times is empty; give at least one epoch.")
-    fitted_problem = solution.weighted.problem
-    filters = _filters(curve, times, filter, len(emission))
-    alpha = angle_between(sun, observer)
-    terms = _terms(solution, emission, alpha, filters)
-    by_filter = terms - _terms(solution, emission, alpha, np.full_like(filters, filters[0]))
-    to_sun, to_observer = (
-        (vectors / np.linalg.norm(vectors, axis=1)[:, None]).T for vectors in (sun, observer)
-    )
-    there = replace(
-        fitted_problem,
-        t=emission / fitted_problem.span,
-        sun=to_sun,
-        observer=to_observer,
-        exposure=_exposures(curve, times, len(emission), fitted_problem.span),
-    )
-    fitted = solution._model(fitted_problem)
-    model = solution._model(there)
-    coefficients = fitted_problem.coefficients(fitted.magnitude)
-    magnitude = model.magnitude + terms @ coefficients
-    if not curve.unit_distances:
-        magnitude += dimming(sun, observer)
-    # the linear terms follow the parameters
-    b = fitted_problem.terms * fitted_problem.root[:, None]
-    normal = b.T @ b + np.diag(1.0 / fitted_problem.prior**2)
-    of_terms = np.asarray(np.linalg.pinv(normal, hermitian=True), dtype=np.float64)
-    follow = -of_terms @ (b.T @ (fitted.jacobian * fitted_problem.root).T)
-    # columns whose outer product is the covariance of the magnitudes
-    factor = np.concatenate(
-        [
-            (model.jacobian.T + terms @ follow) @ _factor(solution.weighted.refined.covariance),
-            terms @ _factor(of_terms),
-        ],
-        axis=1,
-    )
-    mean = np.empty_like(factor)
-    groups = _neighbours.nights_of(emission)
-    if np.median([len(group) for group in groups]) < 3.0:
-        groups = [np.arange(len(emission))]
-    for night in groups:
-        mean[night] = factor[night].mean(axis=0)
-    floor = 1.48 * float(np.median(np.abs(solution.residuals)))
-    return Prediction(
-        epoch=curve.epoch,
-        seconds=frozen(seconds),
-        magnitude=frozen(magnitude),
-        sigma=frozen(np.sqrt(np.sum(factor**2, axis=1) + floor**2)),
-        form=frozen(np.sqrt(np.sum((factor - mean) ** 2, axis=1) + floor**2)),
-        level=frozen(np.linalg.norm(mean, axis=1)),
-        sun=sun,
-        observer=observer,
-        filter=frozen(filters),
-        colour=frozen(by_filter @ coefficients),
-        fit=solution,
-    )
-
-
 def _exposures(
     curve: LightCurve, times: Epochs | LightCurve | None, count: int, span: float
 ) -> FloatArray | None:
@@ -229,8 +161,7 @@ def _exposures(
 def _factor(covariance: FloatArray) -> FloatArray:
     """F (P, P) with F F^T the covariance, of which rounding may have left eigenvalues below 0."""
     values, vectors = np.linalg.eigh(0.5 * (covariance + covariance.T))
-    factor: FloatArray = vectors * np.sqrt(np.maximum(values, 0.0))
-    return factor
+    return vectors * np.sqrt(np.maximum(values, 0.0))
 
 
 def _geometry(
@@ -530,7 +461,64 @@ class CurveFit(Answering, ABC):
         The phase angle of a prediction may leave the range of the curve: `level` and `form` then
         grow with the errors of the phase terms, as far as these are linear.
         """
-        return predicted(self, times, path, site, filter)
+        curve = self.curve
+        seconds, emission, sun, observer = _geometry(curve, times, path, site)
+        if not len(emission):
+            raise AttitudeError("times is empty; give at least one epoch.")
+        fitted_problem = self.weighted.problem
+        filters = _filters(curve, times, filter, len(emission))
+        alpha = angle_between(sun, observer)
+        terms = _terms(self, emission, alpha, filters)
+        by_filter = terms - _terms(self, emission, alpha, np.full_like(filters, filters[0]))
+        to_sun, to_observer = (
+            (vectors / np.linalg.norm(vectors, axis=1)[:, None]).T for vectors in (sun, observer)
+        )
+        there = replace(
+            fitted_problem,
+            t=emission / fitted_problem.span,
+            sun=to_sun,
+            observer=to_observer,
+            exposure=_exposures(curve, times, len(emission), fitted_problem.span),
+        )
+        fitted = self._model(fitted_problem)
+        model = self._model(there)
+        coefficients = fitted_problem.coefficients(fitted.magnitude)
+        magnitude = model.magnitude + terms @ coefficients
+        if not curve.unit_distances:
+            magnitude += dimming(sun, observer)
+        # the linear terms follow the parameters
+        b = fitted_problem.terms * fitted_problem.root[:, None]
+        normal = b.T @ b + np.diag(1.0 / fitted_problem.prior**2)
+        of_terms = np.asarray(np.linalg.pinv(normal, hermitian=True), dtype=np.float64)
+        follow = -of_terms @ (b.T @ (fitted.jacobian * fitted_problem.root).T)
+        # columns whose outer product is the covariance of the magnitudes
+        factor = np.concatenate(
+            [
+                (model.jacobian.T + terms @ follow) @ _factor(self.weighted.refined.covariance),
+                terms @ _factor(of_terms),
+            ],
+            axis=1,
+        )
+        mean = np.empty_like(factor)
+        groups = _neighbours.nights_of(emission)
+        if np.median([len(group) for group in groups]) < 3.0:
+            groups = [np.arange(len(emission))]
+        for night in groups:
+            mean[night] = factor[night].mean(axis=0)
+        floor = 1.48 * float(np.median(np.abs(self.residuals)))
+        return Prediction(
+            epoch=curve.epoch,
+            seconds=frozen(seconds),
+            magnitude=frozen(magnitude),
+            sigma=frozen(np.sqrt(np.sum(factor**2, axis=1) + floor**2)),
+            form=frozen(np.sqrt(np.sum((factor - mean) ** 2, axis=1) + floor**2)),
+            level=frozen(np.linalg.norm(mean, axis=1)),
+            sun=sun,
+            observer=observer,
+            filter=frozen(filters),
+            colour=frozen(by_filter @ coefficients),
+            fit=self,
+        )
 
     @property
     def _zero_points(self) -> FloatArray:
@@ -638,8 +626,7 @@ class Solution(CurveFit):
     @property
     def moments(self) -> FloatArray:
         """(3,) relative principal moments, ascending."""
-        sorted_moments: FloatArray = np.sort(_states.physical(self.state, self.tie.moments).moments)
-        return sorted_moments
+        return np.sort(_states.physical(self.state, self.tie.moments).moments)
 
     @cached_property
     def _covariances(self) -> tuple[FloatArray, GroupErrors]:
@@ -658,8 +645,7 @@ class Solution(CurveFit):
         """(9, 9) of the rotation vector (rad, ICRF axes), rates (rad/s, body axes) and moments."""
         scale = np.ones(9)
         scale[3:6] = 1.0 / self.curve.span
-        scaled: FloatArray = self._covariances[0] * np.outer(scale, scale)
-        return scaled
+        return self._covariances[0] * np.outer(scale, scale)
 
     def published(self, convention: str = "L", frame: str = "ecliptic") -> Published:
         """The state in the form of papers; see `FreeRotation.published`."""
@@ -706,8 +692,7 @@ class Solution(CurveFit):
         wider = np.diag(self._covariances[1].covariance)[rates] / np.diag(curvature)[rates]
         inner = float(wider.max()) * curvature[begin:, begin:]
         by = self._frequencies_by
-        sigma: FloatArray = np.sqrt(np.diag(by @ inner @ by.T)) / self.curve.span**2
-        return sigma
+        return np.sqrt(np.diag(by @ inner @ by.T)) / self.curve.span**2
 
     @property
     def _frequencies_by(self) -> FloatArray:
@@ -773,13 +758,17 @@ class Solution(CurveFit):
         """Periods and pole with their standard errors."""
         longitude, latitude = np.degrees(self.pole)
         psi, phi = self.periods_sigma
+        sigma = math.degrees(self.pole_sigma)
         periods = [("period" if self.is_axial else "P_phi (long axis)", (self.P_phi, phi))]
         if not self.is_axial:
             periods.append(("P_psi", (self.P_psi, psi)))
         return [
             *((name, _with_error(*period)) for name, period in periods),
             ("pole, ecliptic", f"{longitude:.2f} {latitude:+.2f} deg"),
-            ("error of the pole", _of_pole(math.degrees(self.pole_sigma))),
+            (
+                "error of the pole",
+                f"{sigma:.2g} deg" if sigma < 90.0 else "above 90 deg, the whole sky",
+            ),
         ]
 
     def _words_of_errors(self) -> str:
@@ -814,15 +803,9 @@ _ALIKE = 25.0
 Fit = TypeVar("Fit", bound=CurveFit, covariant=True)
 
 
-def _of_pole(sigma: float) -> str:
-    """The standard error of a pole, deg, in words."""
-    return f"{sigma:.2g} deg" if sigma < 90.0 else "above 90 deg, the whole sky"
-
-
 def _with_error(seconds: float, sigma: float) -> str:
     """A period to the second digit of its standard error."""
-    unit = quantity_text.time_unit(seconds)
-    size = TIME_UNITS[unit]
+    size, unit = quantity_text.time_unit(seconds)
     digits = 1 - math.floor(math.log10(sigma / size)) if 0.0 < sigma < math.inf else 5
     return f"{seconds / size:.{min(max(digits, 0), 12)}f} +- {sigma / size:.2g} {unit}"
 
@@ -867,10 +850,9 @@ class SpinStates(Answering, Sequence[Fit]):
         return len(self._solutions)
 
     @property
-    def _unit(self) -> tuple[str, float]:
-        """The unit of time of the periods, and its seconds."""
-        unit = quantity_text.time_unit(self._solutions[0].P_phi if self._solutions else math.inf)
-        return unit, TIME_UNITS[unit]
+    def _unit(self) -> tuple[float, str]:
+        """The unit of time of the periods: its length in s, and its name."""
+        return quantity_text.time_unit(self._solutions[0].P_phi if self._solutions else math.inf)
 
     def table(self) -> FlatTable:
         """A row for each solution: mode, periods, pole, moments, fit, relation to the best."""
@@ -882,7 +864,7 @@ class SpinStates(Answering, Sequence[Fit]):
         first = rows[0].evidence if rows else 0.0
         moments = np.array([row.moments for row in rows]).reshape(-1, 3)
         poles = np.array([row.pole for row in rows]).reshape(-1, 2)
-        unit, size = self._unit
+        size, unit = self._unit
         return FlatTable(
             {
                 "rank": np.arange(len(rows)),
@@ -917,7 +899,7 @@ class SpinStates(Answering, Sequence[Fit]):
 
     def __str__(self) -> str:
         lines = [f"{self.verdict}: {self.criterion}", *self.notes]
-        unit, size = self._unit
+        size, unit = self._unit
         first = self._solutions[0].evidence if self._solutions else 0.0
         alike = sum(solution.evidence < first + _ALIKE for solution in self._solutions)
         shown = self._solutions[: max(_SHOWN, alike)]

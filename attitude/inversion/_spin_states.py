@@ -188,7 +188,7 @@ def spin_states(
         seconds = validation.positive(budget, "budget", unit="s")
         number = validation.count(threads, "threads")
         with _refinement.limited(number), timed(_LABEL, seconds, progress) as report:
-            states = _known.found(
+            return _known.found(
                 curve,
                 most,
                 shape,
@@ -199,7 +199,6 @@ def spin_states(
                 settings=settings,
                 progress=report,
             )
-            return SpinStates(*states)
     if law is not None:
         raise AttitudeError("law= is that of a known mesh; give shape=mesh, or leave law out.")
     tie = _checked(modes, shape, moments)

@@ -223,8 +223,7 @@ class Posterior:
         of_best = self.offsets[self.solution == 0]
         formal = np.sqrt(np.diag(self.covariance))
         spread = of_best.std(axis=0)
-        ratios: FloatArray = np.divide(spread, formal, out=np.ones(MOTION), where=formal > 0.0)
-        return ratios
+        return np.divide(spread, formal, out=np.ones(MOTION), where=formal > 0.0)
 
     def motions(self, count: int, seed: int = 0) -> list[FreeRotation]:
         """Motions of samples drawn at random, solutions by their weights."""

@@ -290,17 +290,14 @@ def _nearest(others: Sequence[Robust], best: Robust, problem: CurveProblem) -> t
         wide = settings.pole_errors * _evidence.standard_error(best, other, problem)
         if _is_half_of(best, other, problem) and _has_one_maximum(best, problem):
             wide = settings.alone
-        more = settings.against_axis if _is_nutation_of(best, other) else 0.0
+        more = 0.0
         if not is_axial(best.refined.state):
+            more = settings.against_axis if is_axial(other.refined.state) else 0.0
             more += max(0.0, other.refined.strain - best.refined.strain)
         behind = max(least + more, min(wide, settings.alone))
         gap = other.evidence - best.evidence
         margins.append((gap - behind, gap, behind))
     return min(margins)[1:] if margins else (math.inf, least)
-
-
-def _is_nutation_of(best: Robust, other: Robust) -> bool:
-    return is_axial(other.refined.state) and not is_axial(best.refined.state)
 
 
 def _is_half_of(best: Robust, other: Robust, problem: CurveProblem) -> bool:

@@ -14,7 +14,7 @@ import numpy as np
 
 from attitude import frames
 from attitude._support import markup, quantity_text, validation
-from attitude._support.arrays import Immutable, frozen
+from attitude._support.arrays import Immutable, between, frozen
 from attitude._support.constants import ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S
 from attitude._support.quoting import counted, quoted
 from attitude._support.synonyms import arguments
@@ -939,8 +939,7 @@ def _late(vectors: Any, time_of: str) -> Any:
 
 def angle_between(one: FloatArray, other: FloatArray) -> FloatArray:
     """Angles (N,) between vectors (N, 3), rad."""
-    cross = np.linalg.norm(np.cross(one, other), axis=1)
-    return np.arctan2(cross, np.sum(one * other, axis=1))
+    return between(one.T, other.T)
 
 
 def dimming(sun: FloatArray, observer: FloatArray) -> FloatArray:

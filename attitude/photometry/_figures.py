@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude import plots
-from attitude._support import quantity_text
+from attitude._support.quantity_text import of_time, time_unit
 
 if TYPE_CHECKING:
     from attitude._support.annotations import FilePath
@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 
 # Colours of data, of models, of what stands beside them, and of aliases.
-_DATA = "#0072b2"
-_MODEL = "#d55e00"
-_OTHER = "0.6"
+DATA = "#0072b2"
+MODEL = "#d55e00"
+OTHER = "0.6"
 _ALIAS = "#cc79a7"
 # Peaks that are named, and marks of pairs, which may lie close to each other.
 _NAMED = 5
@@ -28,17 +28,11 @@ _MARKS = "osD^v"
 _COLOURS = 10
 
 
-def _unit(span: float) -> tuple[float, str]:
-    """The unit of times and frequencies over a span, s: its length in s, and its name."""
-    name = quantity_text.time_unit(span)
-    return quantity_text.TIME_UNITS[name], name
-
-
 def of_light_curve(data: LightCurve, path: FilePath | None = None) -> Any:
     """Brightness against time, a colour a filter."""
     figure = plots.new_figure((9.0, 5.0))
     axes = figure.subplots()
-    unit, unit_name = _unit(data.span)
+    unit, unit_name = time_unit(data.span)
     for number, name in enumerate((*data.filters[:_COLOURS], "others")):
         in_filter = data.filter == number if number < _COLOURS else data.filter >= number
         if not np.any(in_filter):
@@ -59,29 +53,24 @@ def of_light_curve(data: LightCurve, path: FilePath | None = None) -> Any:
     return plots.saved(figure, path)
 
 
-def of_periods(periods: Periods, path: FilePath | None = None) -> Any:
-    """The figure of one period, or of two."""
-    return (_of_one if periods.count == 1 else _of_two)(periods, path)
-
-
-def _of_one(periods, path=None):
+def of_one(periods: Periods, path: FilePath | None = None) -> Any:
     """Power with its peaks, the spectral window, and the curve folded with the best period."""
     figure = plots.new_figure((9.0, 8.0))
     above, below = figure.subfigures(2, 1, height_ratios=(3, 2))
     axes = above.subplots()
-    unit, unit_name = _unit(periods.samples.span)
+    unit, unit_name = time_unit(periods.samples.span)
     frequency, power = plots.extremes(
         np.asarray(periods.frequency) * unit, np.asarray(periods.power)
     )
-    axes.plot(frequency, power, color=_DATA, lw=0.7)
+    axes.plot(frequency, power, color=DATA, lw=0.7)
     axes.axhline(
-        1.0 - periods.false_alarm, color=_OTHER, ls="--", lw=0.8, label="1 of 100 by chance"
+        1.0 - periods.false_alarm, color=OTHER, ls="--", lw=0.8, label="1 of 100 by chance"
     )
     for rank, peak in enumerate(periods.peaks[:_NAMED], 1):
-        colour = _ALIAS if peak.relation.startswith("alias") else _MODEL
+        colour = _ALIAS if peak.relation.startswith("alias") else MODEL
         at = unit / peak.period
         axes.plot(at, peak.power, "v", color=colour, ms=6)
-        label = f"#{rank}  {quantity_text.of_time(peak.period)}"
+        label = f"#{rank}  {of_time(peak.period)}"
         if peak.relation:
             label += f", {peak.relation}"
         axes.plot([], [], "v", color=colour, label=label)
@@ -105,10 +94,10 @@ def of_folded(folded: Folded, path: FilePath | None = None) -> Any:
         _folded(axes[k], folded, k)
     if folded.samples.curves <= _COLOURS and len(folded.samples.names) > 1:
         axes[0].legend(fontsize=9, loc="upper right")
-    unit, unit_name = _unit(folded.samples.span)
+    unit, unit_name = time_unit(folded.samples.span)
     since = (folded.samples.t - folded.samples.t.min()) / unit
-    axes[-1].plot(since, folded.residuals, ".", color=_DATA, ms=3)
-    axes[-1].axhline(0.0, color=_OTHER, lw=0.8)
+    axes[-1].plot(since, folded.residuals, ".", color=DATA, ms=3)
+    axes[-1].axhline(0.0, color=OTHER, lw=0.8)
     if not folded.samples.is_flux:
         axes[-1].invert_yaxis()
     label = f"time since the first point, {unit_name}"
@@ -116,29 +105,29 @@ def of_folded(folded: Folded, path: FilePath | None = None) -> Any:
     return plots.saved(figure, path)
 
 
-def _of_two(periods: Periods, path: FilePath | None = None) -> Any:
+def of_two(periods: Periods, path: FilePath | None = None) -> Any:
     """Chi-squared over both frequencies, the lines of the best pair, and both folded curves."""
     figure = plots.new_figure((9.0, 8.5))
     axes = figure.subplots(2, 2)
     plane, spectrum = axes[0]
-    unit, unit_name = _unit(periods.samples.span)
+    unit, unit_name = time_unit(periods.samples.span)
     assert periods.edges is not None and periods.map is not None
     edges = [frequencies * unit for frequencies in periods.edges]
     shown = plane.pcolormesh(edges[0], edges[1], periods.map.T, cmap="viridis", rasterized=True)
     figure.colorbar(shown, ax=plane, label="share of chi-squared left")
     for rank, (pair, mark) in enumerate(zip(periods.peaks, _MARKS, strict=False), 1):
-        colour = _MODEL if not pair.relation else _ALIAS
+        colour = MODEL if not pair.relation else _ALIAS
         at = [pair.first * unit], [pair.second * unit]
         plane.plot(*at, mark, mfc="none", color=colour, ms=9, label=f"#{rank}")
     plane.legend(fontsize=9, loc="lower right")
     plane.set(xlabel=f"first frequency, 1/{unit_name}", ylabel=f"second frequency, 1/{unit_name}")
     best = periods.peaks[0]
-    first, second = (quantity_text.of_time(period) for period in best.periods)
+    first, second = (of_time(period) for period in best.periods)
     plane.set_title(f"#1: {first} and {second}, {best.left:.3f} left", fontsize=9)
     lines = periods.lines()
     for line, amplitude in lines:
         x = line.frequency * unit
-        spectrum.plot([x, x], [0.0, amplitude], color=_DATA)
+        spectrum.plot([x, x], [0.0, amplitude], color=DATA)
         if amplitude > 0.15 * lines[0][1]:
             spectrum.annotate(f"{line.i},{line.j}", (x, amplitude), fontsize=9, ha="center")
     spectrum.set_ylim(0.0, None)
@@ -152,8 +141,8 @@ def _of_two(periods: Periods, path: FilePath | None = None) -> Any:
 
 def _window(axes: Any, periods: Periods) -> None:
     assert periods.window is not None
-    unit, unit_name = _unit(periods.samples.span)
-    axes.plot(periods.window.frequency * unit, periods.window.power, color=_OTHER, lw=0.7)
+    unit, unit_name = time_unit(periods.samples.span)
+    axes.plot(periods.window.frequency * unit, periods.window.power, color=OTHER, lw=0.7)
     for line in sorted(periods.window.lines):
         x = line.frequency * unit
         axes.plot([x], [line.power], "v", color=_ALIAS, ms=4, label=f"{x:.4g} /{unit_name}")
@@ -166,18 +155,18 @@ def _folded(axes: Any, folded: Folded, which: int) -> None:
     data = folded.samples
     for number in range(min(data.curves, _COLOURS + 1)):
         in_curve = data.curve == number if number < _COLOURS else data.curve >= number
-        colour = f"C{number}" if number < _COLOURS and data.curves > 1 else _DATA
+        colour = f"C{number}" if number < _COLOURS and data.curves > 1 else DATA
         name = data.names[number] if data.names and number < _COLOURS else None
         axes.plot(
             folded.phase[which, in_curve], folded.values[which, in_curve], ".", color=colour, ms=4,
             label=name or None,
         )  # fmt: skip
     phase = np.linspace(0.0, 1.0, 400)
-    axes.plot(phase, folded.curve(phase, which), color=_MODEL, lw=1.2)
+    axes.plot(phase, folded.curve(phase, which), color=MODEL, lw=1.2)
     if not data.is_flux:
         axes.invert_yaxis()
     axes.set(
-        xlabel=f"phase of {quantity_text.of_time(folded.periods[which], 7)}",
+        xlabel=f"phase of {of_time(folded.periods[which], 7)}",
         ylabel=("flux" if data.is_flux else "magnitude") + " less zero point",
         xlim=(0.0, 1.0),
     )

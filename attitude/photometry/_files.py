@@ -873,7 +873,10 @@ def opened(
     validation.one_of(bad, "bad", ("warn", "refuse", "ignore"))
     text, notes = _decoded(name, encoding)
     if format is None:
-        reader = _recognized(text)
+        # Records of the MPC begin with blanks, which are columns.
+        lines = text.lstrip("\ufeff\r\n").splitlines()[:200]
+        head = Head(text.lstrip("\ufeff \t\r\n"), [line for line in lines if line.strip()])
+        reader = next((reader for reader in READERS if reader.recognizes(head)), _TABLE)
     else:
         reader = _BY_NAME[validation.one_of(format, "format", FORMATS)]
     if not columns:
@@ -963,10 +966,6 @@ class Reader(NamedTuple):
     has_names: bool = False
 
 
-def _is_ecsv(head: Head) -> bool:
-    return head.start.startswith("# %ECSV")
-
-
 def _is_xml(head: Head) -> bool:
     return head.start.startswith("<")
 
@@ -979,10 +978,6 @@ def _is_ades_text(head: Head) -> bool:
     has_version = head.start.lower().startswith("# version=")
     has_names = any("obsTime" in row and "|" in row for row in head.rows)
     return (has_version or has_names) and not _is_xml(head)
-
-
-def _is_mpc(head: Head) -> bool:
-    return sum(is_mpc(row) for row in head.rows) > len(head.rows) // 3
 
 
 def _is_damit(head: Head) -> bool:
@@ -999,20 +994,12 @@ def _is_damit(head: Head) -> bool:
 # What no other reader recognizes is a table, which sentences name first.
 _TABLE = Reader("csv", lambda head: True, of_text, has_names=True)
 READERS: tuple[Reader, ...] = (
-    Reader("ecsv", _is_ecsv, of_ecsv, has_names=True),
+    Reader("ecsv", lambda head: head.start.startswith("# %ECSV"), of_ecsv, has_names=True),
     Reader("alcdef", _is_alcdef, of_alcdef),
     Reader("ades-psv", _is_ades_text, of_ades_text),
     Reader("ades-xml", _is_xml, of_ades_xml),
-    Reader("mpc", _is_mpc, of_mpc),
+    Reader("mpc", lambda head: sum(map(is_mpc, head.rows)) > len(head.rows) // 3, of_mpc),
     Reader("damit", _is_damit, of_damit),
 )
 _BY_NAME = {reader.name: reader for reader in (_TABLE, *READERS)}
 FORMATS: tuple[str, ...] = tuple(_BY_NAME)
-
-
-def _recognized(text: str) -> Reader:
-    """The reader of a text, by its first lines."""
-    # Records of the MPC begin with blanks, which are columns.
-    lines = text.lstrip("\ufeff\r\n").splitlines()[:200]
-    head = Head(text.lstrip("\ufeff \t\r\n"), [line for line in lines if line.strip()])
-    return next((reader for reader in READERS if reader.recognizes(head)), _TABLE)

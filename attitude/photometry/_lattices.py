@@ -15,7 +15,6 @@ What remains open: one cycle a day at one site, the mode, and bodies unlike the 
 from __future__ import annotations
 
 import math
-from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -88,15 +87,15 @@ def ranked(
         candidates += _of_series(rank, left, frequencies, resolution)
     candidates.sort(key=lambda candidate: (-candidate.score, candidate.mode != "LAM"))
     most = count if count > 0 else math.inf
-    return distinct(candidates, partial(_same, tolerance=resolution), most)
 
+    def are_one(one: PeriodCandidate, other: PeriodCandidate) -> bool:
+        return (
+            one.mode == other.mode
+            and abs(1.0 / one.P_psi - 1.0 / other.P_psi) < resolution
+            and abs(1.0 / one.P_phi - 1.0 / other.P_phi) < resolution
+        )
 
-def _same(one: PeriodCandidate, other: PeriodCandidate, tolerance: float) -> bool:
-    return (
-        one.mode == other.mode
-        and abs(1.0 / one.P_psi - 1.0 / other.P_psi) < tolerance
-        and abs(1.0 / one.P_phi - 1.0 / other.P_phi) < tolerance
-    )
+    return distinct(candidates, are_one, most)
 
 
 def _of_series(rank, left, series, resolution):

@@ -242,13 +242,13 @@ class Periods(Immutable):
 
         from attitude._support.tables import FlatTable
 
-        unit = quantity_text.time_unit(self.period)
+        size, unit = quantity_text.time_unit(self.period)
         names = ("period",) if self.count == 1 else ("first", "second")
         columns: dict[str, Any] = {}
         for k, name in enumerate(names):
             for suffix, key in (("", "periods"), ("_error", "errors")):
                 seconds = np.array([getattr(peak, key)[k] for peak in self.peaks])
-                columns[name + suffix] = seconds / quantity_text.TIME_UNITS[unit] * units.Unit(unit)
+                columns[name + suffix] = seconds / size * units.Unit(unit)
         columns["power"] = [peak.power for peak in self.peaks]
         columns["left"] = [peak.left for peak in self.peaks]
         columns["significant"] = [peak.left < self.false_alarm for peak in self.peaks]
@@ -259,7 +259,7 @@ class Periods(Immutable):
         """A figure: power or chi-squared left, peaks, folded curves; saved if a path is given."""
         from attitude.photometry import _figures
 
-        return _figures.of_periods(self, path)
+        return (_figures.of_one if self.count == 1 else _figures.of_two)(self, path)
 
     def _series(self, rank: int) -> _spectrum.RefinedSeries:
         numbers = _numbers(self.order, self.count, self.method == "additive")
@@ -279,8 +279,7 @@ class Periods(Immutable):
 
     def __repr__(self) -> str:
         best = self.peaks[0]
-        unit = quantity_text.time_unit(best.period)
-        size = quantity_text.TIME_UNITS[unit]
+        size, unit = quantity_text.time_unit(best.period)
         words = " and ".join(
             f"{period / size:.7g} +- {error / size:.2g} {unit}"
             for period, error in zip(best.periods, best.errors, strict=True)
@@ -476,7 +475,7 @@ def _two(data, low, high, number, is_additive, kept, seed, progress):
     lines = _spectrum.harmonics(number)
     if is_additive:
         lines = np.concatenate([lines[:1], numbers])
-    scan = _spectrum.best(sums, low, high, lines, _spectrum.RIDGE, most, bar)
+    scan = _spectrum.best(sums, low, high, lines, most, bar)
     pairs = _refined(data, scan, numbers, kept, (low, high))
     chance = _spectrum.share_of_chance(unit, weights, y / scale, end / OVERSAMPLING, lines, seed)
     size = OVERSAMPLING * data.span

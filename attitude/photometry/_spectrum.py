@@ -100,27 +100,19 @@ def series_numbers(order: int, count: int) -> IntArray:
     return np.arange(1, order + 1)[:, None] if count == 1 else harmonics(order)[1:, ::-1]
 
 
-def decreases(
-    transforms: Tables,
-    first: IntArray,
-    second: IntArray,
-    lines: IntArray,
-    ridge: float,
-    out: FloatArray,
-) -> None:
-    """Decrease of chi-squared by the series of each pair of grid numbers, into out (P,).
-
-    ridge: inverse variance of the amplitudes before the fit.
-    """
+def decreases(transforms: Tables, first: IntArray, second: IntArray, lines: IntArray) -> FloatArray:
+    """Decrease of chi-squared (P,) by the series of each pair of grid numbers (P,)."""
     wr, wi, yr, yi, _ = transforms
+    out = np.empty(len(first))
     unknown = 2 * len(lines) - 1
     size = _SIDE * max(1, int(_PRODUCTS / (_SIDE * unknown**3 / 6.0)))
 
     def work(begin: int, end: int) -> None:
         block = slice(begin, end)
-        _decreases(wr, wi, yr, yi, first[block], second[block], lines, ridge, out[block])
+        _decreases(wr, wi, yr, yi, first[block], second[block], lines, RIDGE, out[block])
 
     support_blocks.in_blocks(work, len(first), size, 1)
+    return out
 
 
 @entry_point
@@ -255,7 +247,6 @@ def best(
     first: tuple[int, int],
     second: tuple[int, int],
     lines: IntArray,
-    ridge: float,
     keep: int,
     progress: Callable[[int, int], None] | None = None,
     fitted: int | None = None,
@@ -278,9 +269,8 @@ def best(
         if least > -np.inf:
             chosen = _powers(transforms, a, b, lines) >= least
             a, b = a[chosen], b[chosen]
-        gain = np.empty(a.size)
         if a.size:
-            decreases(transforms, a, b, lines, ridge, gain)
+            gain = decreases(transforms, a, b, lines)
             _enter(cells, edges, a, b, gain)
             top = np.sort(np.argsort(-gain, kind="stable")[:_KEPT])
             kept.append((a[top], b[top], gain[top]))
@@ -595,7 +585,6 @@ def share_of_chance(
     for _ in range(_TIMES):
         mixed = y[generator.permutation(len(y))]
         transforms = tables(t, weights, mixed, 1.0 / OVERSAMPLING, size)
-        gain = np.empty(tried)
-        decreases(transforms, pair[0], pair[1], lines, RIDGE, gain)
+        gain = decreases(transforms, pair[0], pair[1], lines)
         best.append(float(gain.max() / transforms.total))
     return max(0.0, 1.0 - by_chance(best, all_pairs / tried))

@@ -62,10 +62,6 @@ class Parameter:
             raise AttitudeError(f"{name} is {number!r}; it must lie {self._range()}.")
         return number
 
-    def as_number(self, value: float | str) -> float:
-        """An accepted value for compiled code: the number, or the index of a word in `words`."""
-        return float(self.words.index(str(value)) if self.words else value)
-
     def __str__(self) -> str:
         if self.words:
             return f"one of {', '.join(map(repr, self.words))}"
@@ -266,7 +262,8 @@ class Law:
 
         A word is represented by its index among the words allowed.
         """
-        row = [param.as_number(getattr(self, name)) for name, param in self.parameters().items()]
+        values = zip(self.parameters().values(), self.values().values(), strict=True)
+        row = [param.words.index(value) if param.words else value for param, value in values]
         return np.array(row, dtype=np.float64)
 
     def rows(self, materials: Sequence[str]) -> tuple[FloatArray, IntArray]:

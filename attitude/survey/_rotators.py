@@ -308,8 +308,7 @@ def emission(mjd_tai: Reals, distance_km: Reals) -> FloatArray:
     """
     tai = np.asarray(mjd_tai, dtype=np.float64)
     light = np.asarray(distance_km, dtype=np.float64) * (1e3 / SPEED_OF_LIGHT_M_S)
-    emitted: FloatArray = tai + (_time_scales.TT_MINUS_TAI + _tdb_minus_tt(tai) - light) / _DAY
-    return emitted
+    return tai + (_time_scales.TT_MINUS_TAI + _tdb_minus_tt(tai) - light) / _DAY
 
 
 def _tdb_minus_tt(mjd):

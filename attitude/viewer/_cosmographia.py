@@ -80,7 +80,8 @@ def write_cosmographia(
              clock=clock)  # fmt: skip
     surface = _subject.surface(what, _MOST)
     with written_whole(f"{base}.obj") as file:
-        file.write(_obj(surface))
+        file.writelines(f"v {x:.7g} {y:.7g} {z:.7g}\n" for x, y, z in surface.vertices.tolist())
+        file.writelines(f"f {a} {b} {c}\n" for a, b, c in (surface.facets + 1).tolist())
     trajectory: dict[str, Any] = {"type": "FixedPoint", "position": [0.0, 0.0, 0.0]}
     if scene is not None and scene.center is not None:
         with written_whole(f"{base}.xyzv") as file:
@@ -122,12 +123,6 @@ def _frame(title):
     name = "".join(plain)
     name = (name if name[:1].isalpha() else f"B_{name}")[:26]
     return name, _CLOCKS - zlib.crc32(title.encode()) % _HOW_MANY_CLOCKS
-
-
-def _obj(surface):
-    rows = [f"v {x:.7g} {y:.7g} {z:.7g}" for x, y, z in surface.vertices.tolist()]
-    rows += [f"f {a} {b} {c}" for a, b, c in (surface.facets + 1).tolist()]
-    return "\n".join(rows) + "\n"
 
 
 def _center(path):

@@ -101,10 +101,7 @@ def content(
         "momentum": None if subject.motion.momentum is None else _momentum(subject.motion),
         "surface": _surface(subject),
         "poinsot": _poinsot(subject),
-        "sun": None,
-        "observer": None,
-        "shade": None,
-        "curve": None,
+        **dict.fromkeys(("sun", "observer", "shade", "curve")),
         "speed": seconds_a_second(subject, poses),
     }
     if subject.scene is not None:

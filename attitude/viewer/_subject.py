@@ -310,9 +310,7 @@ def construction(subject: Subject) -> dict[str, Any] | None:
 
 def _times_of_herpolhode(subject):
     """Times (N,), s, of the points of the herpolhode: as much of the span as is drawn finely."""
-    regime = subject.motion.regime
-    periods = [abs(period) for period in (regime.P_psi, regime.P_phi_L, regime.P_phi_S)]
-    shortest = min((x for x in periods if 0.0 < x < np.inf), default=subject.duration)
+    shortest = plots.shortest_period(subject.motion)
     span = min(subject.duration, shortest * _MOST / _A_TURN)
     return np.linspace(0.0, span, int(np.clip(_A_TURN * span / shortest, 64, _MOST)))
 

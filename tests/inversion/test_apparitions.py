@@ -59,7 +59,7 @@ def test_sums_of_cells_are_those_of_the_points(problem, is_one_night):
     assert (len(combs.centre) == 1) == is_one_night
     error = 1e-3 if is_one_night else 1e-6
     assert combs.total == pytest.approx(problem.chi_squared(np.zeros(len(problem))), rel=error)
-    columns = _apparitions.harmonics_about(problem, _pole_map.sphere(100)[37])
+    columns = _apparitions.harmonics_about(problem, _shapes.even_directions(100)[37])
     rates = 20000.0 + np.array([0.0, 0.4, 3.0])
     [(_, gain, _)] = combs.gains([columns], rates)
     exact = [next(combs.gains([columns], rates[k : k + 1])) for k in range(3)]

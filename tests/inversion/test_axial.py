@@ -172,7 +172,7 @@ def test_where_nearly_any_pole_fits_the_list_says_so():
     assert figures.share_of_sky(poles) > 0.5
     assert min(figures.judged(each, case)[1] for each in found) < 10.0
     # those of the map have no free pole, fit as well, and none comes first
-    held = (poles @ _pole_map.sphere(100).T).max(axis=1) > 1.0 - 1e-9
+    held = (poles @ _shapes.even_directions(100).T).max(axis=1) > 1.0 - 1e-9
     assert np.count_nonzero(held) > 20 and not held[0]
     assert all(each.rms < 1.2 * found[0].rms for each in np.array(found, object)[held])
 
@@ -238,7 +238,7 @@ def test_a_map_of_poles_ends_early_where_a_pole_is_far_behind(solved, monkeypatc
         free, held = _pole_map.minima(*arguments, 1.0, lambda: False)
         poles.append(free[0].state[_ellipsoid.OF_POLE])
         turned = np.array([fit.state[_ellipsoid.OF_POLE] for fit in held])
-        assert (turned @ _pole_map.sphere(40).T).max(axis=1) == pytest.approx(1.0, abs=1e-12)
+        assert (turned @ _shapes.even_directions(40).T).max(axis=1) == pytest.approx(1.0, abs=1e-12)
         spent.append(problem.tally.spent)
     assert poles[0] @ poles[1] > math.cos(math.radians(2.0))
     assert spent[0] < 0.8 * spent[1]

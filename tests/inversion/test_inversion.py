@@ -241,8 +241,8 @@ def test_pairs_against_the_normal_equations(order):
     y = generator.normal(size=80)
     transforms = _spectrum.tables(t, w, y, 1.0 / 3.0, 1200)
     first, second = np.array([36, 50, 7]), np.array([21, 90, 60])
-    lines, gain = _spectrum.harmonics(order), np.empty(3)
-    _spectrum.decreases(transforms, first, second, lines, 1.0, gain)
+    lines = _spectrum.harmonics(order)
+    gain = _spectrum.decreases(transforms, first, second, lines)
     for k in range(3):
         angle = 2.0 * np.pi / 3.0 * (lines @ [first[k], second[k]])[1:, None] * t
         a = np.concatenate([np.ones((1, 80)), np.cos(angle), np.sin(angle)])

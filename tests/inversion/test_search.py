@@ -239,7 +239,7 @@ def _search_of(problem, **results):
 
 @pytest.mark.parametrize(("ahead", "expected"), [(0.0, 12), (30.0, 12), (50.0, 3)])
 def test_few_poles_of_a_rotation_are_fitted_where_tumbling_is_ahead(monkeypatch, ahead, expected):
-    poles = _pole_map.sphere(12)
+    poles = _shapes.even_directions(12)
     rotations = [_weighted(0.0, 100.0 + 0.1 * k, 1.0).refined for k in range(12)]
     for pole, rotation in zip(poles, rotations, strict=True):
         rotation.state[_ellipsoid.OF_POLE] = pole
