@@ -142,6 +142,21 @@ def returned(values: object, name: str) -> FloatArray:
         ) from None
 
 
+def output(out: object, shape: tuple[int, ...]) -> FloatArray:
+    """The output array that was given, or a new one; AttitudeError for one of another kind."""
+    if out is None:
+        return np.empty(shape)
+    what = f"a {type(out).__name__}"
+    if isinstance(out, np.ndarray):
+        is_double = out.shape == shape and out.dtype == np.float64
+        if is_double and out.flags.c_contiguous and out.flags.writeable:
+            return out
+        what = f"an array of {out.dtype} of shape {out.shape}"
+    raise AttitudeError(
+        f"out is {what}; give a writable float64 array of shape {shape} in C order."
+    )
+
+
 def one_of(value: Choice, name: str, allowed: Collection[Choice]) -> Choice:
     """The value itself if it is among the allowed ones, else an AttitudeError."""
     if value not in allowed:

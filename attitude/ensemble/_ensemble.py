@@ -1055,7 +1055,7 @@ class Ensemble(Immutable):
         to_observer = _light.known_vectors(observer, "observer", epochs.shape)
         shapes = _light.known_shapes(shape, len(self), self.label)
         source = _light.Light(self._evaluation(), shapes, law, shadows)
-        result = _light.output(out, epochs.shape)
+        result = validation.output(out, epochs.shape)
         flat = result.reshape(-1)
         # Of the methods below: the Sun at 1 au, and whether at the lengths of the vectors.
         source.fill(epochs, to_sun, to_observer, flat, threads, *(_magnitudes or (None, False)))

@@ -334,18 +334,6 @@ def known_vectors(value: Any, name: str, shape: tuple[int, ...]) -> FloatArray:
         ) from err
 
 
-def output(out: Any, shape: tuple[int, ...]) -> FloatArray:
-    """The output array that was given, or a new one; AttitudeError for one of another kind."""
-    if out is None:
-        return np.empty(shape)
-    fits = isinstance(out, np.ndarray) and out.shape == shape and out.dtype == np.float64
-    if not fits or not out.flags.c_contiguous or not out.flags.writeable:
-        raise AttitudeError(
-            f"out is {validation.shown(out)}; give a writable float64 array {shape} in C order."
-        )
-    return out
-
-
 def _modulus(sun: FloatArray, observer: FloatArray) -> FloatArray:
     """5 log10 of the product of the lengths (K,), in au, of two vectors (K, 3) in m."""
     lengths = (np.sqrt(np.einsum("kj,kj->k", vectors, vectors)) for vectors in (sun, observer))

@@ -9,7 +9,7 @@ import numpy as np
 
 from attitude._support.arrays import frozen, read_only
 from attitude._support.blocks import ProgressBar, in_blocks
-from attitude._support.validation import shown
+from attitude._support.validation import output, shown
 from attitude.errors import AttitudeError
 from attitude.light_curve import _sums
 from attitude.light_curve._sums import (
@@ -177,19 +177,7 @@ def brightness(
     law = known_law(law)
     suns, observers, shape_out = paired(sun, observer)
     kernel = kernel_of(shape, law, shadows, threads)
-    if out is None:
-        out = np.empty(shape_out)
-    elif not (
-        isinstance(out, np.ndarray)
-        and out.shape == shape_out
-        and out.dtype == np.float64
-        and out.flags.c_contiguous
-        and out.flags.writeable
-    ):
-        raise AttitudeError(
-            f"out is {_described(out)}; give a writable float64 array of shape {shape_out} in C "
-            "order."
-        )
+    out = output(out, shape_out)
     flat, work = out.reshape(-1), with_phase(kernel, law)
 
     def fill(begin: int, end: int) -> None:
@@ -252,13 +240,6 @@ def stream(
         yield block
 
 
-def _described(out: object) -> str:
-    """Type, element type and shape of what was given as output array."""
-    if not isinstance(out, np.ndarray):
-        return f"a {type(out).__name__}"
-    return f"an array of {out.dtype} of shape {out.shape}"
-
-
 def kernel_of(
     shape: object, law: Law, shadows: bool | Visibility, threads: int
 ) -> Callable[..., object]:
@@ -266,9 +247,7 @@ def kernel_of(
     function.
     """
     if isinstance(shape, Ellipsoid):
-        require_ellipsoid_form(law)
-        axes, factor = tuple(float(axis) for axis in shape.semi_axes), law.weights[0]
-        return lambda *arrays: _sums.ellipsoid(*axes, factor, *arrays)
+        return _ellipsoid_kernel(shape, law)
     if not isinstance(shape, Mesh):
         raise AttitudeError(f"shape is {shape!r}; give an attitude.shape Ellipsoid or Mesh.")
     if len(shape.inward_facets):
@@ -283,6 +262,12 @@ def kernel_of(
         arrays[-1][:] *= area
 
     return kernel
+
+
+def _ellipsoid_kernel(shape, law):
+    require_ellipsoid_form(law)
+    axes, factor = tuple(float(axis) for axis in shape.semi_axes), law.weights[0]
+    return lambda *arrays: _sums.ellipsoid(*axes, factor, *arrays)
 
 
 def require_ellipsoid_form(law: Law) -> None:
