@@ -42,7 +42,7 @@ from astropy.time import Time
 
 from attitude import inversion
 from attitude.frames import matrix_to_icrf
-from attitude.inversion import _apparitions, _pole_map, _problem
+from attitude.inversion import _apparitions, _neighbours, _pole_map, _problem
 from attitude.inversion._ellipsoid import SearchState
 from benchmarks import inversion as inversion_benchmark
 from benchmarks import inversion_cases
@@ -261,7 +261,7 @@ def each(file: str, period: float, longitude: float, latitude: float) -> None:
     """Every apparition of a file alone, blind from 2 to 24 h."""
     curve = inversion.LightCurve.read(file)
     problem, _ = _problem.problem(curve, 12.0 / 86400.0, 0.07, curve.zero_points)
-    for on in _apparitions.apparitions(problem):
+    for on in _neighbours.apparitions_of(problem.seconds):
         if len(on) < 40:
             continue
         part = curve[on]

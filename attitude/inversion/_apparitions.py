@@ -242,11 +242,6 @@ def _first_of_cells(t: FloatArray, width: float) -> IntArray:
     return np.array(first)
 
 
-def apparitions(problem: CurveProblem) -> list[IntArray]:
-    """Numbers of the points of each apparition, ascending."""
-    return _neighbours.apparitions_of(problem.seconds)
-
-
 # ---- Rates of the apparitions, each with a series of its own
 
 # Harmonics of the series of an apparition.
@@ -282,7 +277,11 @@ class Windows(NamedTuple):
 
 def windows(problem: CurveProblem, low: float, high: float) -> Windows:
     """Windows of rates from `low` to `high`, turns per span."""
-    spans = [inside for inside in apparitions(problem) if len(inside) >= _LEAST_POINTS]
+    spans = [
+        inside
+        for inside in _neighbours.apparitions_of(problem.seconds)
+        if len(inside) >= _LEAST_POINTS
+    ]
     length = max((float(np.ptp(problem.t[inside])) for inside in spans), default=0.0)
     if length == 0.0 or high - low < _WHOLE:
         return Windows([(low, high)])
@@ -495,8 +494,12 @@ class RotatorSearch(Search):
         return _verdicts.gap(self.solutions, self.problem) > self.settings.alone
 
     @property
+    def _apparitions(self) -> int:
+        return len(_neighbours.apparitions_of(self.problem.seconds))
+
+    @property
     def _has_several(self) -> bool:
-        return len(apparitions(self.problem)) > 1
+        return self._apparitions > 1
 
     def _axial_solutions(self, problem: CurveProblem, tumbling: Sequence[Robust]) -> list[Robust]:
         """Rotations about one axis with the errors of a problem, the most probable first."""
@@ -578,7 +581,7 @@ class RotatorSearch(Search):
         )
         if len(chosen) > _WINDOWS:
             named += f", and {len(chosen) - _WINDOWS} other windows"
-        count = len(apparitions(self.problem))
+        count = self._apparitions
         return (
             f"Only rotations about one axis were searched, over {count} "
             f"apparition{'s' if count > 1 else ''}: periods of {named}."

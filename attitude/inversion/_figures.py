@@ -15,7 +15,7 @@ from attitude.inversion._problem import interpolated
 from attitude.inversion._refinement import MOTION, NAMES
 from attitude.photometry import _folding, _spectrum
 from attitude.photometry._curve import LightCurve, dimming
-from attitude.photometry._figures import DATA, MODEL, OTHER
+from attitude.photometry._figures import DATA, MODEL, OTHER, draw_series
 from attitude.photometry._spectrum import OVERSAMPLING
 
 if TYPE_CHECKING:
@@ -409,10 +409,7 @@ def _folded(axes: Axes, solution: Solution, which: int) -> None:
         axes.set_visible(False)
         return
     axes.plot(folded.phase[which], folded.values[which], ".", color=DATA, ms=3)
-    phase = np.linspace(0.0, 1.0, 400)
-    axes.plot(phase, folded.curve(phase, which), color=MODEL, lw=1.2)
-    if not folded.samples.is_flux:
-        axes.invert_yaxis()
+    draw_series(axes, folded, which)
     size, unit = time_unit(periods[which])
     name = ("P_phi", "P_psi")[which] if len(periods) == 2 else "P"
     axes.set_xlabel(f"phase of {name} = {periods[which] / size:.6g} {unit}{words}")

@@ -151,6 +151,14 @@ def _window(axes: Any, periods: Periods) -> None:
     axes.set(xlabel=f"frequency, 1/{unit_name}", ylabel="spectral window")
 
 
+def draw_series(axes: Any, folded: Folded, which: int) -> None:
+    """The series of a folded curve, and magnitudes downward."""
+    phase = np.linspace(0.0, 1.0, 400)
+    axes.plot(phase, folded.curve(phase, which), color=MODEL, lw=1.2)
+    if not folded.samples.is_flux:
+        axes.invert_yaxis()
+
+
 def _folded(axes: Any, folded: Folded, which: int) -> None:
     data = folded.samples
     for number in range(min(data.curves, _COLOURS + 1)):
@@ -161,10 +169,7 @@ def _folded(axes: Any, folded: Folded, which: int) -> None:
             folded.phase[which, in_curve], folded.values[which, in_curve], ".", color=colour, ms=4,
             label=name or None,
         )  # fmt: skip
-    phase = np.linspace(0.0, 1.0, 400)
-    axes.plot(phase, folded.curve(phase, which), color=MODEL, lw=1.2)
-    if not data.is_flux:
-        axes.invert_yaxis()
+    draw_series(axes, folded, which)
     axes.set(
         xlabel=f"phase of {of_time(folded.periods[which], 7)}",
         ylabel=("flux" if data.is_flux else "magnitude") + " less zero point",

@@ -524,12 +524,9 @@ _TIMES: dict[str, tuple[str | None, float, str]] = {
     "btjd": ("tdb", 2457000.0, "barycenter"),  # TESS
     "bkjd": ("tdb", 2454833.0, "barycenter"),  # Kepler
     "hjd": ("utc", 0.0, "heliocenter"),
-    "date": (None, 0.0, "reception"),
-    "datetime": (None, 0.0, "reception"),
-    "date_obs": (None, 0.0, "reception"),
-    "obstime": (None, 0.0, "reception"),
-    "time": (None, 0.0, "reception"),
-    "epoch": (None, 0.0, "reception"),
+    **dict.fromkeys(
+        ("date", "datetime", "date_obs", "obstime", "time", "epoch"), (None, 0.0, "reception")
+    ),
 }
 _BARE_DATE = re.compile(r"\s*(\d{4}[-/. ]\d{1,2}[-/. ]\d{1,2})?\s*")
 _CLOCK = re.compile(r"\s*(\d{1,2}:\d\d(:\d\d(\.\d*)?)?Z?)?\s*")

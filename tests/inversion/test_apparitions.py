@@ -19,6 +19,7 @@ from attitude.inversion import (
     _joined,
     _motions,
     _moving,
+    _neighbours,
     _pole_map,
     _problem,
     _refinement,
@@ -80,7 +81,7 @@ def test_sums_of_cells_are_those_of_the_points(problem, is_one_night):
 
 
 def test_a_curve_falls_into_its_apparitions(problem, known):
-    found = _apparitions.apparitions(problem)
+    found = _neighbours.apparitions_of(problem.seconds)
     assert sum(map(len, found)) == len(problem)
     order = np.argsort([problem.t[each].min() for each in found])
     ends = [(problem.t[found[k]].min(), problem.t[found[k]].max()) for k in order]
@@ -173,7 +174,7 @@ def test_refine_keeps_a_rotation_about_one_axis(known):
     """One apparition, from the truth with a wrong shape: rates across the axis stay zero."""
     curve, period, pole = known
     whole = _problem.problem(curve, 12.0 / 86400.0, 0.07, curve.zero_points)[0]
-    part = curve[max(_apparitions.apparitions(whole), key=len)]
+    part = curve[max(_neighbours.apparitions_of(whole.seconds), key=len)]
     wxyz = _turned_to(matrix_to_icrf("ecliptic") @ pole)
     rates = [0.0, 0.0, 2.0 * math.pi / (3600.0 * period)]
     start = FreeRotation(
