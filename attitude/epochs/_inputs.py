@@ -527,18 +527,13 @@ def seconds_since(
         For other types, booleans, mixed or ragged lists, dates that cannot be read, years outside
         of -4712 to 9999, UT1 outside of its table, `low` of another shape or with dates.
     """
-    if type(t) is np.ndarray and t.dtype == np.float64:
-        if low is None and t.size and _FIRST_PLAIN_JD <= t.flat[0] <= _LAST_PLAIN_JD:
-            _warn_of_julian_dates(t, name)
-        return pairs.Seconds(t, _low(low, t.shape, name))
-    if type(t) is float or (type(t) is int and abs(t) < 2**53):
-        if low is None and _FIRST_PLAIN_JD <= t <= _LAST_PLAIN_JD:
-            _warn_of_julian_dates(np.array(t), name)
-        return pairs.Seconds(np.array(float(t)), _low(low, (), name))
-    kind, leaves, shape = entries(t, name, _DATES_OR_SECONDS)
-    if kind == "number":
-        hi, _ = read(kind, leaves, shape, name)
-        if low is None and hi.size and _FIRST_PLAIN_JD <= hi.flat[0] <= _LAST_PLAIN_JD:
+    hi = _ready(t)
+    if hi is None:
+        kind, leaves, shape = entries(t, name, _DATES_OR_SECONDS)
+        if kind == "number":
+            hi, _ = read(kind, leaves, shape, name)
+    if hi is not None:
+        if low is None and hi.size and _FIRST_PLAIN_JD <= hi.item(0) <= _LAST_PLAIN_JD:
             _warn_of_julian_dates(hi, name)
         return pairs.Seconds(hi, _low(low, hi.shape, name))
     if low is not None:
@@ -606,30 +601,38 @@ def plain_seconds(
     AttitudeError
         For dates, durations and other types, ragged lists, and `low` of another shape.
     """
-    if isinstance(seconds, np.ndarray) and seconds.dtype == np.float64:
-        return pairs.Seconds(seconds, _low(low, seconds.shape, name))
-    if type(seconds) is float:
-        return pairs.Seconds(np.array(seconds), _low(low, (), name))
+    hi = _numbers(seconds, name, " (at(t) reads dates too)")
+    return pairs.Seconds(hi, _low(low, hi.shape, name))
+
+
+def _ready(seconds: Any) -> FloatArray | None:
+    """Plain seconds that need no reading as an array, a float64 array as it is; None for others."""
+    if type(seconds) is np.ndarray and seconds.dtype == np.float64:
+        return seconds
+    if type(seconds) is float or (type(seconds) is int and abs(seconds) < 2**53):
+        return np.array(float(seconds))
+    return None
+
+
+def _numbers(seconds: Any, name: str, hint: str = "") -> FloatArray:
+    """Plain seconds as an array; AttitudeError, which ends in the hint, for other kinds."""
+    hi = _ready(seconds)
+    if hi is not None:
+        return hi
     kind, leaves, shape = entries(seconds, name, "plain seconds")
     if kind != "number":
-        raise AttitudeError(
-            f"{name} is {validation.shown(seconds)}; give plain seconds (at(t) reads dates too)."
-        )
-    hi, _ = read(kind, leaves, shape, name)
-    return pairs.Seconds(hi, _low(low, hi.shape, name))
+        raise AttitudeError(f"{name} is {validation.shown(seconds)}; give plain seconds{hint}.")
+    return read(kind, leaves, shape, name)[0]
 
 
 def _low(low: Any, shape: tuple[int, ...], name: str) -> FloatArray | None:
     """The second double of plain seconds, broadcast to the shape of the first."""
     if low is None:
         return None
-    if type(low) is np.ndarray and low.dtype == np.float64 and low.shape == shape:
-        return low
-    kind, leaves, shape_given = entries(low, "low", "plain seconds")
-    if kind != "number":
-        raise AttitudeError(f"low is {validation.shown(low)}; give plain seconds.")
-    seconds, _ = read(kind, leaves, shape_given, "low")
-    if seconds.shape not in ((), shape):
+    seconds = _numbers(low, "low")
+    if seconds.shape == shape:
+        return seconds
+    if seconds.shape != ():
         raise AttitudeError(
             f"low has shape {seconds.shape}, {name} has {shape}; give both in the same shape."
         )

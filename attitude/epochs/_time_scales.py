@@ -25,6 +25,7 @@ import numpy as np
 
 from attitude._solver import chebyshev
 from attitude._support import pairs
+from attitude._support.arrays import frozen
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
@@ -40,6 +41,8 @@ if TYPE_CHECKING:
 
 # Julian date of 2000-01-01 12:00.
 J2000: float = 2451545.0
+# rad.
+ARCSEC: float = np.pi / 648000.0
 # Modified Julian date of 1972-01-01, since when UTC differs from TAI by whole seconds.
 _WHOLE_LEAPS = 41317.0
 # That of the day before 0001-01-01, where Python's calendar begins.
@@ -133,13 +136,23 @@ def tai_from_ut1(
     """TAI of UT1 by the table of astropy-iers-data, or by a given UT1 - UTC in seconds."""
     import erfa
 
-    jd1, jd2 = _filled(*jd_from_seconds(hi, lo))
-    if ut1_minus_utc is None:
-        # As in astropy: near a leap second the argument of the table must be UTC.
-        guess = erfa.ufunc.ut1utc(jd1, jd2, _ut1_minus_utc(jd1, jd2, name))[:2]
-        ut1_minus_utc = _ut1_minus_utc(guess[0], guess[1], name)
-    jd1, jd2 = erfa.ufunc.ut1utc(jd1, jd2, ut1_minus_utc)[:2]
-    return tai_from_utc_jd(jd1, np.where(np.isnan(hi), np.nan, jd2))
+    if ut1_minus_utc is not None:
+        jd1, jd2 = erfa.ufunc.ut1utc(*_filled(*jd_from_seconds(hi, lo)), ut1_minus_utc)[:2]
+        return tai_from_utc_jd(jd1, np.where(np.isnan(hi), np.nan, jd2))
+    # UT1 - TAI, some tens of seconds, changes by at most 5e-8 s a second.
+    tai = hi
+    for _ in range(3):
+        (ut1_minus_tai, *_), outside = orientation_at(tai)
+        tai = hi - ut1_minus_tai
+    if np.any(outside):
+        days = utc_day_from_tai(earth_rotation()[0][[0, -1]], np.zeros(2))[0].tolist()
+        first, last = (datetime.date.fromordinal(int(day) - MJD_OF_ORDINAL_0) for day in days)
+        raise AttitudeError(
+            f"{name} is in UT1 outside of {first} to {last}, the span of the installed table of "
+            "the Earth's rotation (astropy-iers-data); give UTC, TT or TDB, or update "
+            "astropy-iers-data."
+        )
+    return pairs.add((hi, lo), -ut1_minus_tai)
 
 
 def tdb_from(
@@ -344,23 +357,6 @@ def known_pieces(cache: dict[Any, Any], keys: list[Any], fitted: Callable[..., A
     return [have[key] for key in keys]
 
 
-def _ut1_minus_utc(jd1, jd2, name):
-    from astropy.time import Time
-    from astropy.utils import iers
-
-    table = earth_orientation()
-    difference, status = table.ut1_utc(np.atleast_1d(jd1), np.atleast_1d(jd2), return_status=True)
-    outside = (status == iers.TIME_BEFORE_IERS_RANGE) | (status == iers.TIME_BEYOND_IERS_RANGE)
-    if np.any(outside):
-        first, last = (Time(table["MJD"][k].value, format="mjd").iso[:10] for k in (0, -1))
-        raise AttitudeError(
-            f"{name} is in UT1 outside of {first} to {last}, the span of the installed table of "
-            "the Earth's rotation (astropy-iers-data); give UTC, TT or TDB, or update "
-            "astropy-iers-data."
-        )
-    return difference.to_value("s").reshape(np.shape(jd2))
-
-
 @lru_cache(maxsize=1)
 def earth_orientation() -> Any:
     """The table IERS_A of astropy-iers-data as installed, without a download.
@@ -377,3 +373,33 @@ def earth_orientation() -> Any:
     for name in ("UT1_UTC", "PM_x", "PM_y"):
         table[name][row[is_final]] = final[name][of_final[is_final]]
     return table
+
+
+@lru_cache(maxsize=1)
+def earth_rotation() -> tuple[FloatArray, ...]:
+    """TAI seconds past J2000, UT1 - TAI in s and the pole in rad, for each day of the table.
+
+    UT1 - TAI has no leap seconds, so that the interpolation from day to day crosses them.
+    """
+    table = earth_orientation()
+    day = np.asarray(table["MJD"].to_value("d"), dtype=np.float64)
+    ut1_minus_utc = np.asarray(table["UT1_UTC"].to_value("s"), dtype=np.float64)
+    poles = [
+        np.asarray(table[name].to_value("arcsec"), dtype=np.float64) * ARCSEC
+        for name in ("PM_x", "PM_y")
+    ]
+    known = np.isfinite(ut1_minus_utc) & np.isfinite(poles[0]) & np.isfinite(poles[1])
+    day, ut1_minus_utc = day[known], ut1_minus_utc[known]
+    tai = tai_from_utc_day(day, np.zeros_like(day))[0]
+    utc_minus_tai = (day - 51544.5) * DAY - tai
+    columns = tai, ut1_minus_utc + utc_minus_tai, poles[0][known], poles[1][known]
+    return tuple(map(frozen, columns))
+
+
+def orientation_at(tai: Doubles) -> tuple[list[Any], Any]:
+    """UT1 - TAI in s and the pole in rad at TAI seconds (N,), and whether the table lacks them."""
+    nodes, *columns = earth_rotation()
+    # The ends belong to the table, whatever the rounding of TDB; beyond them by rounding alone,
+    # numpy.interp returns the last value.
+    outside = (tai < nodes[0] - 1e-6) | (tai > nodes[-1] + 1e-6)
+    return [np.interp(tai, nodes, column) for column in columns], outside

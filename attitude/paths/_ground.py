@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from attitude._support import pairs, validation
-from attitude._support.arrays import frozen
 from attitude._support.constants import EARTH_FLATTENING, EARTH_RADIUS_M
 from attitude._support.synonyms import arguments
 from attitude._textfiles.lines import packaged
@@ -39,7 +38,6 @@ if TYPE_CHECKING:
 
 # rad/s of UT1, IERS Conventions (2010) eq. 5.15: 2 pi 1.00273781191135448 / 86400.
 RATE: float = 7.292115146706980e-5
-_ARCSEC = np.pi / 648000.0
 
 
 def to_celestial(
@@ -77,7 +75,7 @@ class _Earth:
         self._of_date = x, y, rotation_angle(*pairs.add(tai, ut1_minus_tai)) - s
         # Polar motion with the locator s': IERS Conventions (2010), eq. 5.3 and 5.13.
         centuries = tt[0] / (36525.0 * _time_scales.DAY)
-        self._polar_motion = *pole, -47e-6 * _ARCSEC * centuries
+        self._polar_motion = *pole, -47e-6 * _time_scales.ARCSEC * centuries
 
     def __call__(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
         """A vector (3,) of ITRS over GCRS (3, N), and over the terrestrial intermediate frame."""
@@ -111,7 +109,7 @@ def _without_polar_motion(vector, x_pole, y_pole, locator):
 
 def table_span() -> tuple[Instant, Instant]:
     """The first and last epoch of the installed IERS table."""
-    tai = _table()[0][[0, -1]]
+    tai = _time_scales.earth_rotation()[0][[0, -1]]
     hi, lo = (np.asarray(ends) for ends in _time_scales.tdb_from("tai", tai, np.zeros(2)))
     first, last = (Instant(*pair) for pair in zip(hi.tolist(), lo.tolist(), strict=True))
     return first, last
@@ -119,12 +117,7 @@ def table_span() -> tuple[Instant, Instant]:
 
 def _orientation(tai, tt, long_term, name):
     """UT1 - TAI in s, and the coordinates of the pole in rad."""
-    nodes, ut1, x_pole, y_pole = _table()
-    seconds = tai[0]
-    # The ends belong to the table, whatever the rounding of TDB; beyond them by rounding alone,
-    # numpy.interp returns the last value.
-    outside = (seconds < nodes[0] - 1e-6) | (seconds > nodes[-1] + 1e-6)
-    values_there = [np.interp(seconds, nodes, values) for values in (ut1, x_pole, y_pole)]
+    values_there, outside = _time_scales.orientation_at(tai[0])
     if not outside.any():
         return values_there
     if not long_term:
@@ -141,27 +134,6 @@ def _orientation(tai, tt, long_term, name):
     for pole in values_there[1:]:
         pole[outside] = 0.0
     return values_there
-
-
-@lru_cache(maxsize=1)
-def _table():
-    """TAI seconds past J2000, UT1 - TAI in s and the pole in rad, for each day of the table.
-
-    UT1 - TAI has no leap seconds, so that the interpolation from day to day crosses them.
-    """
-    table = _time_scales.earth_orientation()
-    day = np.asarray(table["MJD"].to_value("d"), dtype=np.float64)
-    ut1_minus_utc = np.asarray(table["UT1_UTC"].to_value("s"), dtype=np.float64)
-    poles = [
-        np.asarray(table[name].to_value("arcsec"), dtype=np.float64) * _ARCSEC
-        for name in ("PM_x", "PM_y")
-    ]
-    known = np.isfinite(ut1_minus_utc) & np.isfinite(poles[0]) & np.isfinite(poles[1])
-    day, ut1_minus_utc = day[known], ut1_minus_utc[known]
-    tai = _time_scales.tai_from_utc_day(day, np.zeros_like(day))[0]
-    utc_minus_tai = (day - 51544.5) * _time_scales.DAY - tai
-    columns = tai, ut1_minus_utc + utc_minus_tai, poles[0][known], poles[1][known]
-    return tuple(map(frozen, columns))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
