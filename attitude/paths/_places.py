@@ -139,7 +139,7 @@ def place(
     if foreign is not None:
         return foreign
     raise AttitudeError(
-        f"{name} is {validation.shown(given)}; give a path of attitude.paths, "
+        f"{name} is {validation.shown(given)}; give a path of attitude.paths, a direction, "
         f"{_ON_GROUND if is_observer else _MOVING}."
     )
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
@@ -19,9 +18,8 @@ from attitude.conditions._moments import Source, lengths
 from attitude.epochs import _inputs, _instants
 from attitude.errors import AttitudeError
 from attitude.paths import _composed, _path, _solar_system
-from attitude.paths._composed import NamedBody
 from attitude.paths._foreign import place_of
-from attitude.paths._path import Place, body_name, naif_index
+from attitude.paths._path import Place
 from attitude.scattering._law import law as known_law
 from attitude.scene import _shadow
 from attitude.scene._light_time import Steps
@@ -61,19 +59,6 @@ def place(
     value: Any, name: str, ephemeris: Ephemeris | None, *, is_direction_allowed: bool = False
 ) -> Place:
     """The path or direction given, that of astropy or skyfield, or of a body by name or number."""
-    if isinstance(value, (str, os.PathLike, Mapping)):
-        from attitude.paths import _places
-
-        value = _places.place(value, name, is_observer=name == "observer", ephemeris=ephemeris)
-    foreign = None if isinstance(value, (Place, list, tuple)) else place_of(value, name)
-    value = value if foreign is None else foreign
-    if isinstance(value, Place):
-        if is_direction_allowed or not value.is_direction:
-            return value
-        raise AttitudeError(
-            f"{name} is {value!r}, infinitely far away; give a path or a body, or None where Sun "
-            "and observer are directions."
-        )
     if isinstance(value, (list, tuple)) and any(
         (item[:1].isalpha() if isinstance(item, str) else isinstance(item, (Place, Mapping)))
         or place_of(item, name) is not None
@@ -82,12 +67,15 @@ def place(
         raise AttitudeError(f"{name} holds {len(value)} places; give one, and a Scene for each.")
     if isinstance(value, (list, tuple, np.ndarray)) and is_direction_allowed:
         return _path.direction(value, name=name)
-    if naif_index(value) is not None:
-        return NamedBody(body_name(value, name), ephemeris)
-    raise AttitudeError(
-        f"{name} is {type(value).__name__}; give the name of a body, a path of attitude.paths"
-        + (", or a direction (x, y, z) in ICRF." if is_direction_allowed else ".")
-    )
+    from attitude.paths import _places
+
+    known = _places.place(value, name, is_observer=name == "observer", ephemeris=ephemeris)
+    if known.is_direction and not is_direction_allowed:
+        raise AttitudeError(
+            f"{name} is {known!r}, infinitely far away; give a path or a body, or None where Sun "
+            "and observer are directions."
+        )
+    return known
 
 
 def known_shape(shape: Any, law: Law) -> Ellipsoid | Mesh | None:

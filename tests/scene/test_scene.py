@@ -525,7 +525,7 @@ def test_every_quantity_describes_itself():
         ({"motion": None, "observer": SOUTH}, "center is None, but sun is 'sun'"),
         ({"motion": None, "center": "vulcan"}, "center is 'vulcan'"),
         ({"motion": None, "center": paths.direction(SOUTH)}, "infinitely far away; give a path"),
-        ({"motion": None, "center": "mars", "observer": 1.5}, "observer is float"),
+        ({"motion": None, "center": "mars", "observer": 1.5}, "observer is 1.5; give a path"),
         ({"motion": None, "center": "mars", "observer": ["earth", "moon"]}, "holds 2 places"),
         ({"motion": None, "center": "mars", "shape": "ball"}, "shape is str"),
         ({"motion": None, "center": "mars", "light_time": "CN"}, "light_time is 'CN'"),
