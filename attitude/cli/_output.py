@@ -29,13 +29,13 @@ _WRITTEN = ("output", "figure", "prediction", "animate")
 PICTURES: tuple[str, ...] = ("png", "svg", "pdf", "jpg")
 
 
-def add_argument(parser: argparse.ArgumentParser) -> None:
-    """Add the option --output of a command that writes tables."""
-    parser.add_argument(
-        "--output",
-        metavar="FILE",
-        help="x.csv or x.ecsv (default: CSV to standard output); appears whole or not at all",
-    )
+def add_argument(
+    parser: argparse.ArgumentParser, kinds: str = "x.csv or x.ecsv", exception: str = ""
+) -> None:
+    """Add the option --output of a command that writes tables, by default to standard output."""
+    usual = f"CSV to standard output{exception}"
+    text = f"{kinds} (default: {usual}); appears whole or not at all"
+    parser.add_argument("--output", metavar="FILE", help=text)
 
 
 def add_figure(parser: argparse.ArgumentParser) -> None:

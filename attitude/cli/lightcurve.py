@@ -233,12 +233,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", metavar="MISSION.toml", help="mission file with a section [shape]")
     for name in geometry.TIMES:
         parser.add_argument(f"--{name}", metavar="TIME", help=f"replaces the {name} of the file")
-    parser.add_argument(
-        "--output",
-        metavar="FILE",
-        help="x.csv, x.ecsv, or x.txt in DAMIT's format (default: CSV to standard output); appears "
-        "whole or not at all",
-    )
+    _output.add_argument(parser, "x.csv, x.ecsv, or x.txt in DAMIT's format")
     parser.add_argument(
         "--observed",
         metavar="CURVE.csv",

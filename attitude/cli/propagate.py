@@ -147,12 +147,7 @@ def _add_arguments_of_evolve(parser: argparse.ArgumentParser) -> None:
         help="means of first (the default) or second order in the torques: 2 follows all paths",
     )
     _output.add_figure(parser)
-    parser.add_argument(
-        "--output",
-        metavar="FILE",
-        help="x.csv or x.ecsv (default: CSV to standard output, none with --figure alone); appears "
-        "whole or not at all",
-    )
+    _output.add_argument(parser, exception=", none with --figure alone")
 
 
 def run(arguments: argparse.Namespace, command: str) -> None:
