@@ -159,14 +159,18 @@ def tdb_from(
     scale: str, hi: Doubles, lo: Doubles, difference: Callable[..., Any] | None = None
 ) -> Pair:
     """TDB of a uniform scale: tai, gps, tt, tcg, tcb or tdb."""
-    if scale in ("tdb", "tcb"):
-        return (hi, lo) if scale == "tdb" else tdb_from_tcb(hi, lo)
+    import erfa
+
+    if scale == "tdb":
+        return hi, lo
+    if scale == "tcb":  # TDB = TCB - L_B (TCB - T_0) + TDB_0 (IAU 2006 B3)
+        return pairs.add((hi, lo), erfa.TDB0 - erfa.ELB * ((hi - _COMMON_EPOCH) + lo))
     if scale == "tai":
         hi, lo = pairs.add((hi, lo), TT_MINUS_TAI)
     elif scale == "gps":
         hi, lo = pairs.add((hi, lo), TT_MINUS_TAI + TAI_MINUS_GPS)
-    elif scale == "tcg":
-        hi, lo = tt_from_tcg(hi, lo)
+    elif scale == "tcg":  # TT = TCG - L_G (TCG - T_0) (IAU 2000 B1.9)
+        hi, lo = pairs.add((hi, lo), -erfa.ELG * ((hi - _COMMON_EPOCH) + lo))
     return pairs.add((hi, lo), (difference or difference_at)(hi, lo))
 
 
@@ -175,20 +179,6 @@ def scaled(hi: Doubles, lo: Doubles, scale: str) -> Pair:
     import erfa
 
     return pairs.add((hi, lo), -{"tcb": erfa.ELB, "tcg": erfa.ELG}[scale] * (hi + lo))
-
-
-def tdb_from_tcb(hi: Doubles, lo: Doubles) -> Pair:
-    """TDB = TCB - L_B (TCB - T_0) + TDB_0 (IAU 2006 B3)."""
-    import erfa
-
-    return pairs.add((hi, lo), erfa.TDB0 - erfa.ELB * ((hi - _COMMON_EPOCH) + lo))
-
-
-def tt_from_tcg(hi: Doubles, lo: Doubles) -> Pair:
-    """TT = TCG - L_G (TCG - T_0) (IAU 2000 B1.9)."""
-    import erfa
-
-    return pairs.add((hi, lo), -erfa.ELG * ((hi - _COMMON_EPOCH) + lo))
 
 
 def tt_from_tdb(hi: Doubles, lo: Doubles) -> Pair:
