@@ -54,6 +54,16 @@ class Lines:
         """An AttitudeError that begins with the name of the file and the number of the line."""
         return AttitudeError(f"{self.path}, line {line or self.number or 1}: {sentence}")
 
+    @contextmanager
+    def located(self, line: int | None = None, what: str = "") -> Iterator[None]:
+        """AttitudeErrors inside begin with file and line; `what` stands behind these."""
+        try:
+            yield
+        except AttitudeError as err:
+            if str(err).startswith(self.path):
+                raise
+            raise self.fault(f"{what}{err}", line) from err
+
     def text(self, line: bytes) -> str:
         """A line as text; AttitudeError if it is not UTF-8 or holds zero bytes."""
         try:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude._textfiles.lines import cut
-from attitude._textfiles.messages import refuse_line_breaks
+from attitude._textfiles.messages import comparable, refuse_line_breaks
 from attitude.errors import AttitudeError
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats._attitude_types import ANGLES, ANGLES_DOT, ANGVEL, Q_DOT, Q
@@ -140,6 +140,15 @@ def body_of(block: Block, products: str) -> Body:
         tensor[i, j] = tensor[j, i] = value if i == j else _signed(value, products)
     with block.located(what="the inertia: "):
         return Body(tensor=tensor)
+
+
+def refuse_other_axes(inertia: str | None, body: str | None) -> None:
+    """AttitudeError if an inertia is over other axes than those whose attitude is given."""
+    if inertia is not None and body is not None and comparable(inertia) != comparable(body):
+        raise AttitudeError(
+            f"the inertia is over the axes {cut(inertia, '')}, but the attitude is that of "
+            f"{cut(body, '')}; give a Body over the axes of the attitude: FreeRotation(body, spin)."
+        )
 
 
 def inertia_values(tensor: FloatArray, products: str | None, version: str) -> list[float]:

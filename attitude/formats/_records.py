@@ -121,6 +121,8 @@ class Rows(MessageRows):
 
     def joined(self) -> tuple[Instant, FloatArray, FloatArray, FloatArray, IntArray]:
         """First epoch, TDB seconds since it, hi and lo (N,), columns (N, width), lines (N,)."""
+        if not self._parts:
+            raise self.fault("the file has no attitudes.", None)
         hi, lo, values, lines = map(np.concatenate, zip(*self._parts, strict=True))
         epoch = Instant(hi[0], lo[0])
         return epoch, *pairs.add((hi, lo), -epoch.seconds, -epoch.low), values, lines

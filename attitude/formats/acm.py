@@ -373,13 +373,8 @@ class Comprehensive:
         if self.body is None or not rated:
             lacking = "inertia" if self.body is None else "attitude with an angular velocity"
             raise AttitudeError(f"the message has no {lacking}, from which a motion would follow.")
-        first, inertia = rated[0], self.meta["inertia_frame"]
-        body = first.meta["body_frame"]
-        if inertia is not None and comparable(inertia) != comparable(body):
-            raise AttitudeError(
-                f"the inertia is over the axes {cut(inertia, '')}, but the attitudes are those of "
-                f"{cut(body, '')}; give a Body over these axes."
-            )
+        first = rated[0]
+        _messages.refuse_other_axes(self.meta["inertia_frame"], first.meta["body_frame"])
         assert first.angular_velocity is not None
         spin = Spin(
             first.epoch.after(first.seconds[0], first.low[0]),

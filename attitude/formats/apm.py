@@ -414,13 +414,7 @@ class Parameters:
 
     def refuse_other_axes(self) -> None:
         """AttitudeError if the inertia is over other axes than those whose attitude is given."""
-        inertia, body = self.meta["inertia_frame"], self.meta["body_frame"]
-        if body is not None and comparable(inertia) != comparable(body):
-            raise AttitudeError(
-                f"the inertia is over the axes {cut(inertia, '')}, but the attitude is that of "
-                f"{cut(body, '')}; give a Body over the axes of the attitude: "
-                "FreeRotation(body, parameters.spin)."
-            )
+        _messages.refuse_other_axes(self.meta["inertia_frame"], self.meta["body_frame"])
 
 
 def read(

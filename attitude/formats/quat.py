@@ -27,7 +27,6 @@ import numpy as np
 from attitude._support import pairs
 from attitude._textfiles.atomic_write import written_whole
 from attitude._textfiles.lines import cut, is_number, opened, text_of_rows
-from attitude.errors import AttitudeError
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats import _sampling
 from attitude.formats._attitude_types import Convention
@@ -80,7 +79,11 @@ def read(
         scalar_first, words = _header(lines)
         to_body = words.get("direction", _DIRECTIONS[0]) == _DIRECTIONS[0]
         how = Convention(scalar_first=scalar_first, to_body=to_body)
-        axes = named(frame) if frame else _axes_of(words, lines)
+        if frame:
+            axes = named(frame)
+        else:
+            with lines.located(1):
+                axes = named(words.get("frame", "ICRF"))
         rows = _Records("utc", lines.fault, ("",) * 4)
         rows.epoch = words.get("epoch")
         for line in lines:
@@ -88,8 +91,6 @@ def read(
             if tokens and not tokens[0].startswith(b"#"):
                 rows.take(rows.known(tokens, lines.number), lines.number)
         rows.convert()
-        if not rows.count:
-            raise lines.fault("the file has no attitudes.")
         settings = {"meta": {"format": "quat", "frame": axes.name}}
         return rows.table("QUATERNION", how, axes, tolerance=tolerance, orbit=orbit, **settings)
 
@@ -122,14 +123,6 @@ def _header(lines):
         except ccsds_epochs.BadEpoch as err:
             raise lines.fault(f"epoch {cut(words['epoch'])}: {err.reason}.", 1) from err
     return _ORDERS[order], words
-
-
-def _axes_of(words, lines):
-    """The axes that the first line names."""
-    try:
-        return named(words.get("frame", "ICRF"))
-    except AttitudeError as err:
-        raise lines.fault(str(err), 1) from err
 
 
 class _Records(Rows):

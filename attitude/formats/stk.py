@@ -19,7 +19,6 @@ from __future__ import annotations
 import datetime
 import os
 import re
-from contextlib import contextmanager
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -281,13 +280,9 @@ class Header:
         """The error for the value of a keyword."""
         return self._lines.fault(sentence, self._where.get(keyword))
 
-    @contextmanager
-    def _located(self, keyword, begin=""):
+    def _located(self, keyword, what=""):
         """AttitudeErrors inside are those of a keyword."""
-        try:
-            yield
-        except AttitudeError as err:
-            raise self._fault(keyword, f"{begin}{err}") from err
+        return self._lines.located(self._where.get(keyword), what)
 
     def start(self) -> tuple[np.float64, np.float64]:
         """ScenarioEpoch: TAI seconds since J2000 in two doubles."""
@@ -460,8 +455,6 @@ def read(
                 f"the file has {records.count} records, but NumberOfAttitudePoints is "
                 f"{header.count}" + ("." if has_ended else "; is it cut off?"),
             )
-        if not records.count:
-            raise lines.fault("the file has no attitudes.")
         how = Convention(scalar_first=header.section.scalar_first, sequence=header.decoder.sequence)
         meta = {
             "format": "STK",
@@ -469,7 +462,7 @@ def read(
             "frame": records.axes.name,
             "center": header.keywords.get("CentralBody"),
         }
-        try:
+        with lines.located():
             return records.table(
                 header.section.kind,
                 how,
@@ -479,10 +472,6 @@ def read(
                 meta=meta,
                 **header.interpolation,
             )
-        except AttitudeError as err:
-            if str(err).startswith(lines.path):
-                raise
-            raise lines.fault(str(err)) from err
 
 
 class _Records(Rows):

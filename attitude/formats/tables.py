@@ -127,7 +127,7 @@ def _read_csv(path, tolerance):
         names = _names(lines)
         kind = "QUATERNION/ANGVEL" if RATES[0] in names else "QUATERNION"
         columns = [*ATTITUDE, *(RATES if kind.endswith("ANGVEL") else ())]
-        rows = _CsvRows("utc", lines.fault, columns)
+        rows, date = Rows("utc", lines.fault, columns), names.index("utc")
         rows.arrange([names.index(name) for name in ("utc", *columns)], len(names))
         for line in lines:
             if not line.strip():
@@ -137,19 +137,11 @@ def _read_csv(path, tolerance):
                 raise lines.fault(
                     f"it has {len(entries)} columns; the first line names {len(names)}."
                 )
+            entries[date] = entries[date].strip()
             rows.take(entries, lines.number)
         rows.convert()
-        if not rows.count:
-            raise lines.fault("the file has no rows.")
         meta = {"format": "CSV"}
         return rows.table(kind, _HOW, named("ICRF"), tolerance=tolerance, meta=meta)
-
-
-class _CsvRows(Rows):
-    """Rows whose epochs may stand between blanks."""
-
-    def _parsed(self, tokens):
-        return super()._parsed([token.strip() for token in tokens])
 
 
 def _names(lines):
