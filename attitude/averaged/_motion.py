@@ -32,7 +32,7 @@ from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.motions._body import Body
 from attitude.motions._free_rotation import FreeRotation
-from attitude.motions._spin import Spin
+from attitude.motions._spin import Spin, refuse_others
 from attitude.torques._torqued import TorquedRotation, _torques
 
 if TYPE_CHECKING:
@@ -275,11 +275,7 @@ class AveragedMotion(Immutable):
         degree: int = DEGREE,
         order: int = 1,
     ) -> None:
-        if not isinstance(body, Body) or not isinstance(spin, Spin):
-            raise AttitudeError(
-                "AveragedMotion takes a Body, a Spin and torques; given were "
-                f"{type(body).__name__} and {type(spin).__name__}."
-            )
+        refuse_others(body, spin, "AveragedMotion takes a Body, a Spin and torques")
         acting = _torques(torques)
         settings = Settings.checked(
             orbit, passages, least_tilt, tolerance, degree, len(acting), order
@@ -816,10 +812,8 @@ class Settings:
                 f'passages is {validation.shown(passages)}; give "likeliest", "all", or a whole '
                 "number from 0 on, the seed of a draw."
             )
-        degree = validation.count(degree, "degree", 2)
-        if degree > 64:
-            raise AttitudeError(f"degree is {degree}; give a whole number from 2 to 64.")
-        kinds, order = checked_orbits(orbit, count), validation.count(order, "order", 1)
+        degree = validation.count(degree, "degree", 2, 64)
+        kinds, order = checked_orbits(orbit, count), validation.count(order, "order")
         if order > 2:
             raise AttitudeError(f"order is {order}; give 1 or 2.")
         if order == 2 and "averaged" in kinds:

@@ -38,7 +38,7 @@ from attitude.motions._free_rotation import FreeRotation
 from attitude.motions._history import AttitudeHistory
 from attitude.motions._spin import Spin
 from attitude.torques import _schemes
-from attitude.torques._arcs import Arcs, Change
+from attitude.torques._arcs import Arcs, known_changes
 from attitude.torques._system import System
 from attitude.torques._torqued import TorquedRotation, whole_steps
 
@@ -54,6 +54,7 @@ if TYPE_CHECKING:
     from attitude.light_curve._visibility import Visibility
     from attitude.scattering._law import Law
     from attitude.scene._scene import Scene
+    from attitude.torques._arcs import Change
     from attitude.torques._schemes import Scheme
     from attitude.torques._torque import Torque
 
@@ -1525,19 +1526,14 @@ class ArcsEnsemble(Immutable):
 
     def __init__(self, ensemble: Ensemble, changes: Any) -> None:
         ensemble._refuse_epochs("changes")
-        changes_given = tuple(changes) if isinstance(changes, (list, tuple)) else (changes,)
-        self._set_all(ensemble=ensemble, changes=changes_given, _chains=None, _singles=None)
-        for k, change in enumerate(changes_given):
-            if not isinstance(change, Change):
-                raise AttitudeError(
-                    f"changes[{k}] is {change!r}; give Impulse or InertiaChange objects."
-                )
-        if len(ensemble) and not _arcs.are_alike(changes_given):
+        known = known_changes(changes)
+        self._set_all(ensemble=ensemble, changes=known, _chains=None, _singles=None)
+        if len(ensemble) and not _arcs.are_alike(known):
             self._set("_singles", tuple(self._single(k) for k in range(len(ensemble))))
             return
         with self._named():
             chains = _arcs.Chains(
-                ensemble._members, ensemble._inertia, ensemble.start_of_seconds, changes_given
+                ensemble._members, ensemble._inertia, ensemble.start_of_seconds, known
             )
             self._set("_chains", chains)
 

@@ -70,14 +70,9 @@ def certify(
     >>> f"{certificate.error[0]:.3e}"
     '2.000e-09'
     """
-    from attitude.motions._body import Body
-    from attitude.motions._spin import Spin
+    from attitude.motions._spin import refuse_others
 
-    if not isinstance(body, Body) or not isinstance(spin, Spin):
-        raise AttitudeError(
-            f"certify takes a Body and a Spin first; {type(body).__name__} and "
-            f"{type(spin).__name__} are given."
-        )
+    refuse_others(body, spin, "certify takes a Body and a Spin first")
     _check_inertia(body, spin)
     hi, lo = _inputs.seconds_since(spin.epoch, seconds, low, name="seconds")
     wxyz = validation.real(wxyz, "wxyz", shape=(*hi.shape, 4))

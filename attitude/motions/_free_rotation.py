@@ -26,7 +26,7 @@ from attitude.motions._body import Body
 from attitude.motions._certify import chain_of
 from attitude.motions._differentiable import Differentiable
 from attitude.motions._motion import RateBounds
-from attitude.motions._spin import Spin
+from attitude.motions._spin import Spin, refuse_others
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -186,11 +186,9 @@ class FreeRotation(Differentiable):
 
     def __post_init__(self) -> None:
         body, spin = self.body, self.spin
-        if not isinstance(body, Body) or not isinstance(spin, Spin):
-            raise AttitudeError(
-                "FreeRotation takes a Body and a Spin, as in FreeRotation(body, spin); given were "
-                f"{type(body).__name__} and {type(spin).__name__}."
-            )
+        refuse_others(
+            body, spin, "FreeRotation takes a Body and a Spin, as in FreeRotation(body, spin)"
+        )
         self._constants: Any
         wxyz, low = spin.wxyz_icrf, None
         if spin.is_rounded:

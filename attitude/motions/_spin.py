@@ -18,6 +18,7 @@ from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.motions import _published
+from attitude.motions._body import Body
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
     from attitude._solver.regime import Mode
     from attitude._support.annotations import Epoch, FloatArray, Real, Reals
     from attitude.epochs import _instants
-    from attitude.motions._body import Body
 
 
 _FIRST = "give wxyz=(w, x, y, z), the scalar first"
@@ -437,6 +437,12 @@ class Spin(Valued):
             rows.append(("sigma of attitude", f"{np.degrees(sigma[:3]).max():.3g} deg"))
             rows.append(("sigma of rates", f"{sigma[3:6].max():.3g} rad/s"))
         return markup.table("Spin", rows)
+
+
+def refuse_others(body: object, spin: object, takes: str) -> None:
+    """AttitudeError for anything but a Body and a Spin; `takes` begins its sentence."""
+    if not isinstance(body, Body) or not isinstance(spin, Spin):
+        raise AttitudeError(f"{takes}; given were {type(body).__name__} and {type(spin).__name__}.")
 
 
 def _attitude(wxyz: Reals | None, dcm: Reals | None) -> Reals:

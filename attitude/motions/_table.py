@@ -61,12 +61,7 @@ def settled(method: str | None, degree: int | None, count: int, has_rates: bool)
         )
     method = word
     degree = USUAL_DEGREE if degree is None else degree
-    whole = isinstance(degree, (int, np.integer)) and not isinstance(degree, bool)
-    if not whole or not 1 <= degree <= MOST_DEGREE:
-        raise AttitudeError(
-            f"the interpolation degree is {degree!r}; give a whole number from 1 to {MOST_DEGREE}."
-        )
-    degree = int(degree)
+    degree = validation.count(degree, "the interpolation degree", most=MOST_DEGREE)
     if method == "hermite" and not has_rates:
         method = "lagrange"
     if method == "slerp" or count == 1:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from attitude._support import validation
 from attitude.errors import AttitudeError
 from attitude.proof import _exact
 from attitude.proof._exact import Number, Solution, Undecided
@@ -104,11 +105,7 @@ class Certificate:
         AttitudeError
             For a number of digits that is not from 1 to 10,000.
         """
-        if isinstance(digits, bool) or not isinstance(digits, (int, np.integer)):
-            raise AttitudeError(f"digits is {digits!r}; give a whole number from 1 to 10000.")
-        digits = int(digits)
-        if not 1 <= digits <= 10_000:
-            raise AttitudeError(f"digits is {digits}; give a whole number from 1 to 10000.")
+        digits = validation.count(digits, "digits", most=10_000)
         rows = [_digits_of(build, t, digits) for build, t in self._builds]
         return np.array(rows, dtype=object).reshape(*self.error.shape, 4)
 

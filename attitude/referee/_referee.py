@@ -30,9 +30,8 @@ from attitude._support import validation
 from attitude._support.arrays import Immutable
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
-from attitude.motions._body import Body
 from attitude.motions._free_rotation import FreeRotation
-from attitude.motions._spin import Spin
+from attitude.motions._spin import refuse_others
 from attitude.torques._schemes import ascending
 
 if TYPE_CHECKING:
@@ -40,6 +39,8 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from attitude._support.annotations import FloatArray, Real
+    from attitude.motions._body import Body
+    from attitude.motions._spin import Spin
 
     Step = Callable[[FloatArray, FloatArray, FloatArray, float], tuple[ArrayLike, ArrayLike]]
 
@@ -384,14 +385,9 @@ def compare(
     The exact solution errs by 4e-15 rad; smaller errors are not resolved.  Cost: the best of three
     runs without compilation, one run of functions and of scipy.
     """
-    if not isinstance(body, Body) or not isinstance(spin, Spin):
-        raise AttitudeError(
-            "compare takes integrators, a Body, a Spin and a span; given were "
-            f"{type(body).__name__} and {type(spin).__name__}."
-        )
+    refuse_others(body, spin, "compare takes integrators, a Body, a Spin and a span")
     length = validation.positive(span, "span", unit="s")
-    if not isinstance(epochs, (int, np.integer)) or isinstance(epochs, bool) or epochs < 1:
-        raise AttitudeError(f"epochs is {epochs!r}; give a whole number from 1.")
+    epochs = validation.count(epochs, "epochs")
     names = _sequence(integrators)
     lengths = [validation.positive(step, "steps", unit="s") for step in _sequence(steps)]
     if not len(names):

@@ -41,7 +41,7 @@ from attitude.motions._certify import chain_of, inertia_of
 from attitude.motions._differentiable import Differentiable
 from attitude.motions._free_rotation import FreeRotation
 from attitude.motions._history import AttitudeHistory
-from attitude.motions._spin import Spin
+from attitude.motions._spin import Spin, refuse_others
 from attitude.torques._torqued import TorquedRotation
 from attitude.torques._triggers import Trigger, first_crossing
 
@@ -195,6 +195,24 @@ class InertiaChange(Change):
             raise AttitudeError(f"body is {type(body).__name__}; give a Body.")
         self._set("body", body)
         self._set_change(at, angular_momentum, frame)
+
+
+def known_changes(changes: Change | Iterable[Change]) -> tuple[Change, ...]:
+    """One change or several as a tuple; AttitudeError for anything else."""
+    if isinstance(changes, Change):
+        return (changes,)
+    if not isinstance(changes, Iterable):
+        raise AttitudeError(
+            f"changes is {validation.shown(changes)}; give an Impulse or InertiaChange, or a list "
+            "of them."
+        )
+    several = tuple(changes)
+    for k, change in enumerate(several):
+        if not isinstance(change, Change):
+            raise AttitudeError(
+                f"changes[{k}] is {change!r}; give Impulse or InertiaChange objects."
+            )
+    return several
 
 
 # ---- The times of changes, as far as they are given, in two doubles and in order
@@ -498,24 +516,8 @@ class Arcs(Differentiable):
         self._constants: FloatArray
         self._starts: FloatArray
         self._torqued: tuple[TorquedRotation, ...]
-        if not isinstance(body, Body) or not isinstance(spin, Spin):
-            raise AttitudeError(
-                "Arcs takes a Body, a Spin and a list of changes; given were "
-                f"{type(body).__name__} and {type(spin).__name__}."
-            )
-        if isinstance(changes, Change):
-            changes = (changes,)
-        if not isinstance(changes, Iterable):
-            raise AttitudeError(
-                f"changes is {validation.shown(changes)}; give an Impulse or InertiaChange, or a "
-                "list of them."
-            )
-        self._set_all(body=body, spin=spin, changes=tuple(changes))
-        for k, change in enumerate(self.changes):
-            if not isinstance(change, Change):
-                raise AttitudeError(
-                    f"changes[{k}] is {change!r}; give Impulse or InertiaChange objects."
-                )
+        refuse_others(body, spin, "Arcs takes a Body, a Spin and a list of changes")
+        self._set_all(body=body, spin=spin, changes=known_changes(changes))
         how: dict[str, Any] = dict(
             zip(_HOW, (step, scheme, tolerance, step_tolerance), strict=True)
         )

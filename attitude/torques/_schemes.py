@@ -97,9 +97,7 @@ class Scheme(Immutable):
                     f"the {label} of a Scheme add up to {total!r}; they are shares of a step: give "
                     "numbers that add up to 1."
                 )
-        if not isinstance(order, int) or order < 1:
-            raise AttitudeError(f"order is {order!r}; give a whole number from 1.")
-        self._set("order", order)
+        self._set("order", validation.count(order, "order"))
 
     @property
     def evaluations(self) -> int:

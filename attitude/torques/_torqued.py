@@ -34,7 +34,7 @@ from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.motions._body import Body
 from attitude.motions._differentiable import Differentiable
-from attitude.motions._spin import Spin
+from attitude.motions._spin import Spin, refuse_others
 from attitude.torques import _schemes
 from attitude.torques._system import LARGEST_TURN, System, TorquedSensitivity
 from attitude.torques._torque import CustomTorque, Torque
@@ -754,11 +754,7 @@ class TorquedRotation(Differentiable):
         self._lock: threading.Lock
         self._horizons: tuple[float, float]
         self._span_given: Any
-        if not isinstance(body, Body) or not isinstance(spin, Spin):
-            raise AttitudeError(
-                "TorquedRotation takes a Body, a Spin and torques; given were "
-                f"{type(body).__name__} and {type(spin).__name__}."
-            )
+        refuse_others(body, spin, "TorquedRotation takes a Body, a Spin and torques")
         self._set_all(body=body, spin=spin, torques=_torques(torques))
         if sum(one is not None for one in (step, tolerance, step_tolerance)) > 1:
             raise AttitudeError(
