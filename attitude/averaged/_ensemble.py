@@ -31,6 +31,13 @@ if TYPE_CHECKING:
 _AT_ONCE = 8
 
 
+def _gathered(name: str, meaning: str) -> FloatArray:
+    """The property of an `AveragedEnsembleHistory` that joins this one of its groups."""
+    joined: Any = cached_property(lambda self: self._of_groups(name))
+    joined.__doc__ = meaning
+    return joined
+
+
 class AveragedEnsembleHistory(Immutable):
     """Mean states (N, T) of the members of an `AveragedEnsemble`; NaN beyond the end of a member.
 
@@ -48,7 +55,7 @@ class AveragedEnsembleHistory(Immutable):
         self._groups: Sequence[tuple[IntArray, AveragedHistory]]
         self._set_all(seconds=frozen(np.array(seconds)), _groups=tuple(groups))
 
-    def _gathered(self, name: str) -> Any:
+    def _of_groups(self, name: str) -> Any:
         rows = [(index, np.asarray(getattr(states, name))) for index, states in self._groups]
         count = sum(len(index) for index, _ in rows)
         out = np.empty((count, *rows[0][1].shape[1:]), dtype=rows[0][1].dtype)
@@ -62,35 +69,21 @@ class AveragedEnsembleHistory(Immutable):
     def __repr__(self) -> str:
         return f"<AveragedEnsembleHistory of {len(self)} members, {len(self.seconds)} epochs>"
 
-    @cached_property
-    def momentum(self) -> FloatArray:
-        """(N, T, 3) in N m s, ICRF axes."""
-        return self._gathered("momentum")
-
-    @cached_property
-    def size(self) -> FloatArray:
-        """|L| (N, T) in N m s."""
-        return self._gathered("size")
-
-    @cached_property
-    def pole(self) -> FloatArray:
-        """Unit vectors (N, T, 3) along the momentum, ICRF axes."""
-        return self._gathered("pole")
-
-    @cached_property
-    def y(self) -> FloatArray:
-        """2 ln tan theta (N, T)."""
-        return self._gathered("y")
-
-    @cached_property
-    def theta(self) -> FloatArray:
-        """The angle (N, T) in rad between momentum and short axis, as of `AveragedHistory`."""
-        return self._gathered("theta")
+    momentum = _gathered("momentum", "(N, T, 3) in N m s, ICRF axes.")
+    size = _gathered("size", "|L| (N, T) in N m s.")
+    pole = _gathered("pole", "Unit vectors (N, T, 3) along the momentum, ICRF axes.")
+    y = _gathered("y", "2 ln tan theta (N, T).")
+    theta = _gathered(
+        "theta", "The angle (N, T) in rad between momentum and short axis, as of `AveragedHistory`."
+    )
+    energy = _gathered("energy", "Kinetic energy (N, T) in J.")
+    P_psi = _gathered("P_psi", "Periods of the nutation (N, T) in s.")
+    P_phi = _gathered("P_phi", "Mean periods (N, T) in s of the long axis about the momentum.")
 
     @cached_property
     def region(self) -> IntArray:
         """0 to 3 (N, T): SAM+, SAM-, LAM+, LAM-; -1 beyond the end of a member."""
-        known: IntArray = np.where(np.isfinite(self.y), self._gathered("region"), -1)
+        known: IntArray = np.where(np.isfinite(self.y), self._of_groups("region"), -1)
         return known
 
     @cached_property
@@ -104,21 +97,6 @@ class AveragedEnsembleHistory(Immutable):
         """ "SAM", "LAM" or "" (N, T)."""
         named = np.where(self.region < LAM_PLUS, "SAM", "LAM")
         return np.where(self.is_known, named, "")
-
-    @cached_property
-    def energy(self) -> FloatArray:
-        """Kinetic energy (N, T) in J."""
-        return self._gathered("energy")
-
-    @cached_property
-    def P_psi(self) -> FloatArray:
-        """Periods of the nutation (N, T) in s."""
-        return self._gathered("P_psi")
-
-    @cached_property
-    def P_phi(self) -> FloatArray:
-        """Mean periods (N, T) in s of the long axis about the momentum."""
-        return self._gathered("P_phi")
 
 
 class AveragedEnsemble(Immutable):

@@ -198,6 +198,12 @@ class Packing:
         self._windows: dict[int, Window] = {}
         self._kept = 0  # bytes of the windows
 
+    @property
+    def paths(self) -> list[tuple[Torque, float, bool]]:
+        """Each torque, the period of its path in s, and whether it is averaged over the turn."""
+        torques = self.torques
+        return list(zip(torques.torques, torques.periods, self.averaged, strict=True))
+
     def _mean_turn(self) -> float:
         """s, of the turns over which torques are averaged, by their shares of all torques."""
         torques, some = self.torques, np.array(self.averaged)

@@ -20,7 +20,6 @@ from attitude.torques._gravity_gradient import GravityGradient
 from attitude.torques._magnetic import EddyCurrent, MagneticDipole
 from attitude.torques._radiation import AerodynamicTorque, SolarRadiation
 from attitude.torques._torque import (
-    SLIP,
     ConstantTorque,
     InertiaHistory,
     InternalDissipation,
@@ -304,13 +303,9 @@ def tensor_numbers(x: FloatArray, points: FloatArray, gamma: FloatArray) -> Floa
 
 
 def _of_bilinear(
-    axes: Axes,
-    matrix: Callable[[FloatArray], FloatArray],
-    numbers: Numbers,
-    exponent: int,
-    strength: float,
-) -> Mean:
-    """The mean of N_i = e_ijk X_jm T_mk, X a function of l, by nodes of the nutation."""
+    axes: Axes, matrix: Callable[[FloatArray], FloatArray]
+) -> tuple[FloatArray, FloatArray]:
+    """`means` and `arcs` of N_i = e_ijk X_jm T_mk, X a function of l, by nodes of the nutation."""
     h = _tables.distances(_tables.coordinates(axes))
     means = np.empty((4, len(h), 10))
     for region, n in enumerate(_nutations(axes)):
@@ -323,7 +318,7 @@ def _of_bilinear(
     points, seconds, gamma, pq = _on_arcs(axes)
     arcs = np.array([seconds @ tensor_numbers(matrix(x), x, gamma / pq) for x in points])
     arcs[:, :3] = arcs[:, 6:] = 0.0
-    return Mean(_rates.TENSOR, numbers, means, arcs, exponent, strength, True)
+    return means, arcs
 
 
 @register(EddyCurrent)
@@ -347,25 +342,16 @@ def eddy(torque: EddyCurrent, body: Body, axes: Axes, degree: int) -> list[Mean]
     def products(given: FloatArray) -> FloatArray:
         return (given[:, 3:6, None] * given[:, None, :3]).reshape(-1, 9)
 
-    key, arrays = ("eddy",), (axes.numbers, tensor)
-
     def made() -> dict[str, FloatArray]:
-        pair = (
-            _of_bilinear(axes, turned, squares, 1, size / float(axes.moments[0])),
-            _of_bilinear(axes, still, products, 0, size),
-        )
-        return {
-            f"{name}{k}": getattr(mean, name)
-            for k, mean in enumerate(pair)
-            for name in ("means", "arcs")
-        }
+        arrays = *_of_bilinear(axes, turned), *_of_bilinear(axes, still)
+        return dict(zip(("means0", "arcs0", "means1", "arcs1"), arrays, strict=True))
 
-    table = _tables.kept(key, arrays, made)
+    table = _tables.kept(("eddy",), (axes.numbers, tensor), made)
+    strength = size / float(axes.moments[0])
     return [
-        Mean(_rates.TENSOR, squares, table["means0"], table["arcs0"], 1,
-             size / float(axes.moments[0]), True),
+        Mean(_rates.TENSOR, squares, table["means0"], table["arcs0"], 1, strength, True),
         Mean(_rates.TENSOR, products, table["means1"], table["arcs1"], 0, size, True),
-    ]  # fmt: skip
+    ]
 
 
 # ---- Tables of one direction
@@ -394,8 +380,3 @@ def one_direction(torque: Torque, body: Body, axes: Axes, degree: int) -> list[M
 
     strength = float(np.sqrt(np.sum(table["coefficients"] ** 2) / (4.0 * np.pi)))
     return [Mean(_rates.HARMONICS, numbers, table["means"], table["arcs"], 0, strength)]
-
-
-def slips(torque: Torque) -> bool:
-    """Whether the torque is a slip of the body under a fixed momentum."""
-    return torque.kind == SLIP

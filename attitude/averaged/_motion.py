@@ -38,7 +38,14 @@ from attitude.torques._torqued import TorquedRotation, _torques
 if TYPE_CHECKING:
     from astropy.table import QTable
 
-    from attitude._support.annotations import Epochs, FilePath, FloatArray, IntArray, Real
+    from attitude._support.annotations import (
+        BoolArray,
+        Epochs,
+        FilePath,
+        FloatArray,
+        IntArray,
+        Real,
+    )
     from attitude.epochs._instants import Instant
     from attitude.torques._torque import Torque
 
@@ -405,23 +412,16 @@ class AveragedMotion(Immutable):
         seconds = seconds_of(self.epoch, t)
         self._check_span(seconds)
         if self.passages == "all":
-            farthest = float(seconds.flat[np.argmax(np.abs(seconds))]) if seconds.size else 0.0
-            return self._tree(farthest).at(seconds)
-        flat = seconds.reshape(-1)
-        states, regions = np.empty((len(flat), 4)), np.zeros(len(flat), dtype=np.int64)
-        for sign in (1.0, -1.0):
-            chosen = flat >= 0.0 if sign > 0.0 else flat < 0.0
-            if not np.any(chosen):
-                continue
-            farthest = float(np.max(np.abs(flat[chosen]))) * sign
-            track = self._extended(farthest)
-            if track.ended is not None and (farthest - track.ended.seconds) * sign > 0.0:
+            end = float(seconds.flat[np.argmax(np.abs(seconds))]) if seconds.size else 0.0
+            return self._tree(end).at(seconds)
+        for farthest, _ in _directions(seconds):
+            ended = self._extended(farthest).ended
+            if ended is not None and abs(farthest) > abs(ended.seconds):
                 raise AttitudeError(
-                    f"the motion ends {track.ended.seconds:.9g} s after the epoch: "
-                    f"{track.ended.kind}. Give epochs up to that one, or integrate by "
-                    "TorquedRotation from there."
+                    f"the motion ends {ended.seconds:.9g} s after the epoch: {ended.kind}. Give "
+                    "epochs up to that one, or integrate by TorquedRotation from there."
                 )
-            states[chosen], regions[chosen] = track.states(flat[chosen])
+        states, regions = self._known(seconds.reshape(-1))
         shape = seconds.shape
         return AveragedHistory(
             self.packing, seconds, states.reshape(*shape, 4), regions.reshape(shape)
@@ -559,13 +559,10 @@ class AveragedMotion(Immutable):
         """
         seconds = seconds_of(self.epoch, t)
         self._check_span(seconds)
-        flat, out = seconds.reshape(-1), np.zeros(seconds.size)
-        for sign in (1.0, -1.0):
-            chosen = flat >= 0.0 if sign > 0.0 else flat < 0.0
-            if np.any(chosen):
-                farthest = self.reaches(float(np.max(np.abs(flat[chosen]))) * sign)
-                out[chosen] = self._extended(farthest).error_to(flat[chosen])
-        return out.reshape(seconds.shape)
+        out = np.zeros(seconds.shape)
+        for farthest, chosen in _directions(seconds):
+            out[chosen] = self._extended(self.reaches(farthest)).error_to(seconds[chosen])
+        return out
 
     def plot(self, path: FilePath | None = None, *, until: Epochs, title: str | None = None) -> Any:
         """A figure of momentum, tilt, pole and periods against time, with events.
@@ -736,6 +733,13 @@ class AveragedMotion(Immutable):
         momentum = quaternion.rotate(spin.wxyz_icrf, spin.angular_velocity @ self.body.tensor)
         state = np.append(momentum - shift, y - bend)
         return AveragedHistory(self.packing, np.array(seconds), state, np.array(region))
+
+
+def _directions(seconds: FloatArray) -> Iterator[tuple[float, BoolArray]]:
+    """The farthest of seconds from the epoch on, and before it, and which lie on that side."""
+    for sign, chosen in ((1.0, seconds >= 0.0), (-1.0, seconds < 0.0)):
+        if np.any(chosen):
+            yield sign * float(np.max(np.abs(seconds[chosen]))), chosen
 
 
 def _passed(track: Track, crossing: Crossing, least_odds: float) -> list[Track]:

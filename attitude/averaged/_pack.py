@@ -10,11 +10,11 @@ import numpy as np
 
 from attitude.averaged import _rates as layout
 from attitude.averaged import _tables
-from attitude.averaged._means import Mean, slips
+from attitude.averaged._means import Mean
 from attitude.errors import AttitudeError
 from attitude.paths._path import Composed
 from attitude.torques._magnetic import EddyCurrent, MagneticDipole
-from attitude.torques._torque import Torque, positions, span_of
+from attitude.torques._torque import SLIP, Torque, positions, span_of
 
 if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray, IntArray
@@ -197,7 +197,7 @@ class Packed:
                 row[layout.PARAMETERS] = parameters.ctypes.data
                 row[layout.SAMPLED] = torque.columns
                 row[layout.NUTATION] = row[layout.PRECESSION] = 16
-                row[layout.SLIPS] = int(slips(torque))
+                row[layout.SLIPS] = int(torque.kind == SLIP)
                 row[layout.WIDTH] = nodes * (torque.columns + 1)
             else:
                 width = 9 if mean.kind == layout.TENSOR else 4

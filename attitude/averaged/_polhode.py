@@ -110,7 +110,7 @@ class Axes(Immutable):
     def state(self, omega: FloatArray) -> tuple[float, float, int]:
         """|L| in N m s, y and the region of an angular velocity (3,) in rad/s, body axes.
 
-        y from squares of single components: exact to rounding at both ends.
+        y from 2 E C - L^2 and L^2 - 2 E A as squares of single components: exact at both ends.
         """
         a, b, c = self.moments
         w = omega @ self.matrix
@@ -118,7 +118,7 @@ class Axes(Immutable):
         size = float(np.sqrt(momentum @ momentum))
         if not size > 0.0:
             raise AttitudeError("the body does not rotate; give an angular velocity.")
-        over_c = _above_least(a, b, c, w)
+        over_c = a * (c - a) * w[0] ** 2 + b * (c - b) * w[1] ** 2
         below_a = c * (c - a) * w[2] ** 2 + b * (b - a) * w[1] ** 2
         with np.errstate(divide="ignore"):
             y = np.log(a / c * over_c) - np.log(below_a)
@@ -175,11 +175,6 @@ class Axes(Immutable):
         pace = np.sqrt(p * self.spread * self.numbers[SPREAD + 1])
         other = np.sqrt(complement * self.spread * self.numbers[SPREAD + 2])
         return float(max(pace, other))
-
-
-def _above_least(a: float, b: float, c: float, w: FloatArray) -> float:
-    """2 E C - L^2 of an angular velocity (3,) over the principal axes, without cancellation."""
-    return float(a * (c - a) * w[0] ** 2 + b * (c - b) * w[1] ** 2)
 
 
 def shares(y: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray, IntArray
     from attitude.averaged._mean_torques import Crossing, MeanTorques, Packing
     from attitude.averaged._tracks import Choice
+    from attitude.motions._spin import Spin
 
     # Of a resonance: j, k, region and count of events before it.
     Weak = tuple[int, int, int, int]
@@ -236,12 +237,9 @@ def _places_within(track: Track) -> tuple[FloatArray, FloatArray, FloatArray]:
 def _with_orbits(track: Track, until: float) -> list[tuple[float, tuple[int, int, int], float]]:
     """Seconds, (j, k, n) and y of crossings of resonances with the turns of averaged paths."""
     packing, rows = track.course.packing, track.rows
-    torques = packing.torques
     several = {
         period
-        for torque, period, averaged in zip(
-            torques.torques, torques.periods, packing.averaged, strict=True
-        )
+        for torque, period, averaged in packing.paths
         if averaged and not isinstance(torque, _WITHOUT_PHASE)
     }
     if not several or not len(rows):
@@ -399,8 +397,9 @@ def _odds_of_capture(
 
     area, _, push = loop(time, state[:3])
     growth = -area * _divergence(packing, time, state, region)
-    paths = zip(torques.periods, packing.averaged, strict=True)
-    followed = min((period for period, averaged in paths if not averaged), default=math.inf)
+    followed = min(
+        (period for _, period, averaged in packing.paths if not averaged), default=math.inf
+    )
     if np.isfinite(followed):
         first, last = torques.span
         later, earlier = min(time + _STEP * followed, last), max(time - _STEP * followed, first)
@@ -415,14 +414,8 @@ def _odds_of_capture(
 def _divergence(packing: Packing, time: float, state: FloatArray, region: int) -> float:
     """The rate, 1/s, at which a volume of states grows; of averaged torques, over their turns."""
     torques, total = packing.torques, 0.0
-    spin = (
-        AveragedHistory(packing, np.array(time), state, np.array(region))
-        .free_rotation(phases=(0.0, 0.0))
-        .spin
-    )
-    for torque, period, is_averaged in zip(
-        torques.torques, torques.periods, packing.averaged, strict=True
-    ):
+    spin = _spin_of(packing, time, state, region)
+    for torque, period, is_averaged in packing.paths:
         times = [time]
         if is_averaged and not isinstance(torque, _WITHOUT_PHASE):
             times = _turn(torques, time, period)
@@ -431,6 +424,12 @@ def _divergence(packing: Packing, time: float, state: FloatArray, region: int) -
             for when in times
         ]))  # fmt: skip
     return total
+
+
+def _spin_of(packing: Packing, time: float, state: FloatArray, region: int) -> Spin:
+    """The state of a rotation with a mean state (4,), at phases of 0."""
+    history = AveragedHistory(packing, np.array(time), state, np.array(region))
+    return history.free_rotation(phases=(0.0, 0.0)).spin
 
 
 def _turn(torques: MeanTorques, time: float, period: float) -> list[float]:
@@ -480,12 +479,9 @@ def _resonant(
     """The complex terms (N, 4) of dL/dt and dy/dt whose frequencies are 0, by their order."""
     torques = packing.torques
     total = np.zeros((0, 4), dtype=complex)
-    at = np.array(time), state, np.array(region)
-    spin = AveragedHistory(packing, *at).free_rotation(phases=(0.0, 0.0)).spin
+    spin = _spin_of(packing, time, state, region)
     _, k, n = order
-    for torque, period, is_averaged in zip(
-        torques.torques, torques.periods, packing.averaged, strict=True
-    ):
+    for torque, period, is_averaged in packing.paths:
         if isinstance(torque, _WITHOUT_PHASE) or (n != 0 and not is_averaged):
             continue
         times, waves = [time], [1.0 + 0.0j]
