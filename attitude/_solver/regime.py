@@ -81,7 +81,7 @@ def _number_of(name: str, meaning: str) -> Any:
 
 def _period_of(name: str, meaning: str) -> Any:
     """The property of the period, s, of a rate in turns per second."""
-    return property(lambda self: _period(self._rows[name]), doc=meaning)
+    return property(lambda self: period_of(self._rows[name]), doc=meaning)
 
 
 def _range_of(name: str, meaning: str) -> FloatArray:
@@ -320,7 +320,7 @@ def _states(moments: Reals, omega: Reals) -> tuple[FloatArray, FloatArray, tuple
     return moments, omega, lead
 
 
-def _period(rate: Any) -> Any:
+def period_of(rate: Any) -> Any:
     """The period, s, of a rate in turns per second: inf for 0, a float for one state."""
     with np.errstate(divide="ignore"):
         value = 1.0 / np.abs(rate)

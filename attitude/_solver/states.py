@@ -204,8 +204,7 @@ def joined(parts: Sequence[States]) -> States:
         first = arrays[0]
         if len(first) == 1 and all(array is first for array in arrays):
             return first
-        pairs_of = zip(arrays, counts, strict=True)
-        return np.concatenate([np.broadcast_to(a, (n, *a.shape[1:])) for a, n in pairs_of])
+        return spread_rows(arrays, counts)
 
     rates = [states.omega for states in parts]
     if len({omega.ndim for omega in rates}) > 1:
@@ -223,6 +222,12 @@ def joined(parts: Sequence[States]) -> States:
         np.concatenate([states.wxyz for states in parts]),
         joined_rows([(states.low, states.wxyz) for states in parts]),
     )
+
+
+def spread_rows(arrays: Sequence[NDArray[Any]], counts: Sequence[int]) -> NDArray[Any]:
+    """Arrays (1 or N, ...), each spread to the rows of its part, one after the other."""
+    parts = zip(arrays, counts, strict=True)
+    return np.concatenate([np.broadcast_to(a, (n, *a.shape[1:])) for a, n in parts])
 
 
 def joined_rows(parts: Sequence[tuple[FloatArray | None, FloatArray]]) -> FloatArray | None:

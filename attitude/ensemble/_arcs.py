@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude import frames
 from attitude._solver import evaluation
 from attitude._solver.principal_axes import PrincipalAxes
 from attitude._solver.records import CONSTANTS
@@ -114,14 +113,9 @@ def _records(
         beyond = np.abs(length[0]) > reaches(records[-1])
         if beyond.any():
             raise Failed(int(np.argmax(beyond)))
-        in_body, in_space = np.zeros(3), np.zeros((3, 2))
-        added = np.asarray(change.angular_momentum)
-        if change.frame == "body":
-            in_body[:] = added
-        else:
-            in_space[:] = frames.vector_to_icrf(change.frame, added)
+        momenta = _arcs.momenta_of(change, np.asarray(change.angular_momentum))
         arrays = read_only(moments), read_only(axes), read_only(principal)
-        compiled().join_members(records[-1], *arrays, length, q, w, in_body, in_space)
+        compiled().join_members(records[-1], *arrays, length, q, w, *momenta)
         if isinstance(change, InertiaChange):
             body = change.body
             new = body.moments_as_pairs, body._axes

@@ -141,11 +141,6 @@ def _covered(within: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]:
 # ---- The ensemble
 
 
-def _periods(rates: FloatArray) -> FloatArray:
-    with np.errstate(divide="ignore"):
-        return frozen(np.abs(1.0 / rates))
-
-
 class Ensemble(Immutable):
     """The free rotations of N bodies, as arrays.
 
@@ -788,12 +783,12 @@ class Ensemble(Immutable):
     @cached_property
     def period_psi(self) -> FloatArray:
         """(N,) periods, s, of the rotation about the axis about which the momentum circulates."""
-        return _periods(self._summary[1][0])
+        return solver_regime.period_of(self._summary[1][0])
 
     @cached_property
     def period_phi(self) -> FloatArray:
         """(N,) mean periods, s, of the axis of `period_psi` about the momentum."""
-        return _periods(self._summary[1][1])
+        return solver_regime.period_of(self._summary[1][1])
 
     @property
     def energy_ratio(self) -> FloatArray:
@@ -1636,11 +1631,10 @@ class TorquedEnsemble(Immutable):
         self._set("ensemble", ensemble)
         self._set("step", validation.positive(step, "step", unit="s"))
         self._set("scheme", _schemes.scheme(scheme))
-        acting = torques if isinstance(torques, Iterable) else (torques,)
         self._set_all(torques=(), _systems=[], _states=np.zeros((0, STATE_ENTRIES)))
         if len(ensemble):
             first = TorquedRotation(
-                ensemble[0].body, ensemble[0].spin, tuple(acting), step=None, scheme=self.scheme,
+                ensemble[0].body, ensemble[0].spin, torques, step=None, scheme=self.scheme,
                 step_tolerance=1e-2,
             )  # fmt: skip
             self._set("torques", first.torques)

@@ -10,7 +10,7 @@ import numpy as np
 
 from attitude import frames
 from attitude._solver.principal_axes import PrincipalAxes
-from attitude._solver.states import BLOCK, IDENTITY, symmetric_tensors
+from attitude._solver.states import BLOCK, IDENTITY, spread_rows, symmetric_tensors
 from attitude._support import pairs as support_pairs
 from attitude._support import validation
 from attitude._support.arrays import frozen
@@ -267,17 +267,13 @@ def joined_inertia(parts: Sequence[Inertia], counts: Sequence[int]) -> Inertia:
     if all(inertia is first and len(inertia) == 1 for inertia in parts):
         return first
     tensors = any(inertia.has_tensors for inertia in parts)
-
-    def rows(arrays: Sequence[Any]) -> Any:
-        pairs = zip(arrays, counts, strict=True)
-        return np.concatenate([np.broadcast_to(a, (n, *a.shape[1:])) for a, n in pairs])
-
-    array = rows([inertia.tensors() if tensors else inertia.array for inertia in parts])
-    bodies = None
-    if all(inertia.bodies is not None for inertia in parts):
-        bodies = rows([inertia.bodies for inertia in parts])
+    array = spread_rows(
+        [inertia.tensors() if tensors else inertia.array for inertia in parts], counts
+    )
+    objects = [inertia.bodies for inertia in parts if inertia.bodies is not None]
+    bodies = spread_rows(objects, counts) if len(objects) == len(parts) else None
     names = "moments", "axes", "principal"
-    arrays = (rows([getattr(inertia, name) for inertia in parts]) for name in names)
+    arrays = (spread_rows([getattr(inertia, name) for inertia in parts], counts) for name in names)
     return Inertia(array, first.relative, bodies, *arrays)
 
 

@@ -74,7 +74,8 @@ class PartitionedEnsemble(Immutable):
                 f"frame is {validation.shown(frame)}; give a dask dataframe, for example by "
                 "dask.dataframe.read_parquet."
             )
-        parts = [dask.delayed(_of_table)(partition, options) for partition in frame.to_delayed()]
+        made = dask.delayed(Ensemble.from_table)
+        parts = [made(partition, **options) for partition in frame.to_delayed()]
         lengths = [math.nan] * len(parts)
         if validation.flag(count, "count"):
             lengths = list(dask.compute(*[dask.delayed(len)(partition) for partition in parts]))
@@ -201,10 +202,6 @@ class PartitionedEnsemble(Immutable):
             for task, length in zip(tasks, self.lengths, strict=True)
         ]
         return array.concatenate(parts, allow_unknown_chunksizes=True)
-
-
-def _of_table(table: Any, options: Mapping[str, Any]) -> Ensemble:
-    return Ensemble.from_table(table, **options)
 
 
 def _of_arrays(rows: Mapping[str, Any], common: Mapping[str, Any]) -> Ensemble:

@@ -132,7 +132,7 @@ class AttitudeHistory(Attitudes):
         AttitudeError
             If the spin has no covariance.
         """
-        return frozen(self._covariance_at(rates=True))
+        return frozen(self._of_errors("covariance_at", rates=True))
 
     @cached_property
     def sigma(self) -> FloatArray:
@@ -154,10 +154,7 @@ class AttitudeHistory(Attitudes):
         """(S, 3, 3) covariance of the attitude (rotation vector, rad, ICRF axes)."""
         if "covariance" in self.__dict__:
             return self.covariance[..., :3, :3]
-        return frozen(self._covariance_at(rates=False))
-
-    def _covariance_at(self, *, rates: bool) -> FloatArray:
-        return self._of_errors("covariance_at", rates=rates)
+        return frozen(self._of_errors("covariance_at", rates=False))
 
     def _of_errors(self, method: str, **how: bool) -> FloatArray:
         """What a method of the motion answers of its errors at the epochs."""

@@ -270,13 +270,8 @@ def of_arrays(
             raise AttitudeError(f"{name} has shape {tuple(array.shape)}; give (..., {width}).")
     scalar = times.ndim == 0
     times = times.reshape(1) if scalar else times
-    shapes = [tuple(array.shape[:-1]) for array in (*bodies, times)]
-    try:
-        lead = np.broadcast_shapes(*shapes)
-    except ValueError as err:
-        raise AttitudeError(
-            f"the leading axes {shapes} of moments, wxyz0, omega0 and t do not broadcast."
-        ) from err
+    moments, wxyz0, omega0 = bodies
+    lead = _leading_shape(moments.shape[:-1], wxyz0, omega0, times)
     bodies = [broadcast_to(rows, (*lead, rows.shape[-1])) for rows in bodies]
     # Axes of length 1 keep the epochs shared.
     times = times.reshape((1,) * (len(lead) + 1 - times.ndim) + tuple(times.shape))
@@ -315,10 +310,10 @@ def _leading_shape(inertia, wxyz0, omega0, t):
     if inertia == () and wxyz0.ndim == omega0.ndim == t.ndim == 1:
         return ()
     parts = {
-        "moments or tensors": inertia,
-        "wxyz0": wxyz0.shape[:-1],
-        "omega0": omega0.shape[:-1],
-        "t": t.shape[:-1],
+        "moments or tensors": tuple(inertia),
+        "wxyz0": tuple(wxyz0.shape[:-1]),
+        "omega0": tuple(omega0.shape[:-1]),
+        "t": tuple(t.shape[:-1]),
     }
     try:
         return np.broadcast_shapes(*parts.values())

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property, partial
+from functools import cached_property, partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -27,7 +27,7 @@ from attitude._solver import evaluation, sensitivities
 from attitude._solver.evaluation import EPOCHS
 from attitude._solver.records import CONSTANTS
 from attitude._solver.sensitivities import Derivatives
-from attitude._solver.states import Evaluation, States
+from attitude._solver.states import Evaluation, States, compiled
 from attitude._support import markup, pairs, validation
 from attitude._support.arrays import Valued, frozen, read_only
 from attitude._support.synonyms import arguments
@@ -816,21 +816,15 @@ class Arcs(Differentiable):
 
     def _join(self, change, added, body, time, record, q, w):
         """Carry the state q, w from the start of an arc over its end, in place."""
-        from attitude._solver.chains import change_axes, exchange, flow, strike
-
+        loops, moments, axes = compiled(), body.moments_as_pairs, body._axes
         length = tuple(map(float, _since(self._starts[-1], *map(np.float64, time))))
-        change_axes(q, body._axes, body.principal_wxyz, 1.0)
-        flow(record, body.moments_as_pairs, length, q, w)
-        change_axes(q, body._axes, body.principal_wxyz, -1.0)
-        in_body, in_space = np.zeros(3), np.zeros((3, 2))
-        if change.frame == "body":
-            in_body[:] = added
-        else:
-            in_space[:] = frames.vector_to_icrf(change.frame, added)
-        strike(body.moments_as_pairs, body._axes, q, w, in_body, in_space)
+        loops.change_axes(q, axes, body.principal_wxyz, 1.0)
+        loops.flow(record, moments, length, q, w)
+        loops.change_axes(q, axes, body.principal_wxyz, -1.0)
+        loops.strike(moments, axes, q, w, *momenta_of(change, added))
         if isinstance(change, InertiaChange):
             new = change.body
-            exchange(body.moments_as_pairs, body._axes, new.moments_as_pairs, new._axes, w)
+            loops.exchange(moments, axes, new.moments_as_pairs, new._axes, w)
 
     # ---- Evaluation
 
@@ -852,7 +846,9 @@ class Arcs(Differentiable):
                 with np.errstate(invalid="ignore", over="ignore"):
                     pair = pairs.two_sum(t, seconds_low[begin : begin + EPOCHS])
                 t, t_low = frozen(pair[0]), frozen(pair[1])
-            beyond = _compiled()(self._constants, self._starts, t, t_low, wxyz, omega, begin)
+            beyond = compiled().evaluate_arcs(
+                self._constants, self._starts, t, t_low, wxyz, omega, begin
+            )
             if beyond >= 0:
                 self._refuse(float(t[beyond]))
         answers = [wxyz[0].T.reshape(*shape, 4)]
@@ -887,11 +883,14 @@ class Arcs(Differentiable):
         return max(sum((high, more) <= (t, low) for high, more in self._starts.tolist()) - 1, 0)
 
 
-@cache
-def _compiled():
-    from attitude._solver.chains import evaluate_arcs
-
-    return evaluate_arcs
+def momenta_of(change: Change, added: Any) -> tuple[FloatArray, FloatArray]:
+    """The momentum (3,) that a change adds over body axes, and (3, 2) over ICRF; one is zero."""
+    in_body, in_space = np.zeros(3), np.zeros((3, 2))
+    if change.frame == "body":
+        in_body[:] = added
+    else:
+        in_space[:] = frames.vector_to_icrf(change.frame, added)
+    return in_body, in_space
 
 
 def _constants(body, q, w, differences=None, low=None):

@@ -254,7 +254,8 @@ class System:
         """Take the steps of samples from states (N, 14), in place; states (N, T, 7)."""
         from attitude._solver.march import march_members
 
-        steps = (len(samples[0]) - 1) // self.kicks_between
+        # the last kick of a step is the first of the next
+        steps = (len(samples[0]) - 1) // (self.kicks - 1)
         out = np.empty((len(states), len(number), 7))
 
         member = 0
@@ -269,11 +270,6 @@ class System:
         except AttitudeError as err:
             raise AttitudeError(f"{label(member)}: {err}") from err
         return out
-
-    @property
-    def kicks_between(self) -> int:
-        """Kicks of a step, of which the last is the first of the next step."""
-        return self.kicks - 1
 
     def samples_of(
         self, start: int, h: float, steps: int, number: IntArray, parts: FloatArray
