@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 
 Choice = TypeVar("Choice")
+Kind = TypeVar("Kind")
 
 # Types of entries that need no conversion of unit and no check.
 _NUMBERS = {int, float}
@@ -192,6 +193,13 @@ def together(**arrays: FloatArray) -> tuple[FloatArray, ...]:
         raise AttitudeError(
             f"the leading axes do not broadcast: {listed}; give equal ones, or one of either."
         ) from err
+
+
+def instance(value: object, kind: type[Kind], name: str, wanted: str) -> Kind:
+    """The value itself if it is of a class, else an AttitudeError that says what is wanted."""
+    if isinstance(value, kind):
+        return value
+    raise AttitudeError(f"{name} is {shown(value)}; give {wanted}.")
 
 
 def refuse_class(value: object, name: str) -> None:

@@ -565,19 +565,9 @@ class AveragedMotion(Immutable):
         return out
 
     def plot(self, path: FilePath | None = None, *, until: Epochs, title: str | None = None) -> Any:
-        """A figure of momentum, tilt, pole and periods against time, with events.
+        """A figure (of matplotlib) from the epoch of the spin to another one, or to the end.
 
-        Parameters
-        ----------
-        path : str or path, optional
-            File of the picture to write, in a format of matplotlib.
-        until : epoch
-            From the epoch of the spin to this one, or to the end of the motion.
-        title : str, optional
-
-        Returns
-        -------
-        matplotlib Figure
+        Its panels, `path` and `title` are those of `AveragedHistory.plot`.
         """
         from attitude.averaged import _plots
 

@@ -233,8 +233,8 @@ class Ensemble(Immutable):
                 "Ensemble.of([FreeRotation(body, spin), ...])."
             )
         relative = validation.flag(relative, "relative")
-        rates = _members.rows(angular_velocity, "angular_velocity", 3, "rad/s")
-        attitudes = _members.rows(wxyz, "wxyz", 4, None)
+        rates = _members.rows(angular_velocity, "angular_velocity", (3,), "rad/s")
+        attitudes = _members.rows(wxyz, "wxyz", (4,), None)
         start = _members.of_members(epoch)
         inertias = [argument for argument in (body, moments, tensors) if argument is not None]
         if len(inertias) != 1:
@@ -316,12 +316,10 @@ class Ensemble(Immutable):
         AttitudeError
             For other objects, and for no motions.
         """
-        all_motions = list(_members.listed(motions))
-        for k, motion in enumerate(all_motions):
-            if not isinstance(motion, FreeRotation):
-                raise AttitudeError(
-                    f"motion {k} is {validation.shown(motion)}; give FreeRotations."
-                )
+        all_motions = [
+            validation.instance(motion, FreeRotation, f"motion {k}", "FreeRotations")
+            for k, motion in enumerate(_members.listed(motions))
+        ]
         if not all_motions:
             raise AttitudeError("no motions are given; give at least one FreeRotation.")
         bodies = [motion.body for motion in all_motions]
@@ -502,8 +500,7 @@ class Ensemble(Immutable):
             Without a covariance and distributions, for draws of other shapes, and if 9 of 10 draws
             are no body's moments.
         """
-        if not isinstance(motion, FreeRotation):
-            raise AttitudeError(f"motion is {validation.shown(motion)}; give a FreeRotation.")
+        validation.instance(motion, FreeRotation, "motion", "a FreeRotation")
         number = validation.count(count, "count", 0)
         if covariance is not None and distributions is not None:
             raise AttitudeError("covariance and distributions are both given; give one of them.")

@@ -226,22 +226,13 @@ class Inertia:
 
 def of_arrays(inertia: Reals, name: str, last: tuple[int, ...], relative: bool) -> Given:
     """Principal moments (3,) or (N, 3) about the body axes, or tensors (3, 3) or (N, 3, 3)."""
-    array = validation.real(inertia, name, unit=None if relative else "kg m2", finite=False)
-    if array.shape == last:
-        array = array[None]
-    if array.ndim != len(last) + 1 or array.shape[1:] != last:
-        shape = ", ".join(map(str, last))
-        raise AttitudeError(f"{name} has shape {array.shape}; give ({shape}) or (N, {shape}).")
-    return Given(array, relative, None)
+    return Given(rows(inertia, name, last, None if relative else "kg m2"), relative, None)
 
 
 def of_bodies(bodies: Sequence[Body]) -> Given:
     """Body objects, one for all members or one each."""
     for k, body in enumerate(bodies):
-        if not isinstance(body, Body):
-            raise AttitudeError(
-                f"body {k} is {validation.shown(body)}; give one Body, or one for each member."
-            )
+        validation.instance(body, Body, f"body {k}", "one Body, or one for each member")
     relative = {body.relative for body in bodies}
     if len(relative) > 1:
         raise AttitudeError(
@@ -307,14 +298,15 @@ def listed(objects: Any) -> Iterable[Any]:
         raise AttitudeError(f"{validation.shown(objects)} is not a list of objects.") from err
 
 
-def rows(values: Any, name: str, width: int, unit: str | None) -> FloatArray:
-    """Rows (N, width), or one row (1, width); NaN is left to the check of the members."""
+def rows(values: Any, name: str, last: tuple[int, ...], unit: str | None) -> FloatArray:
+    """Rows (N, *last), or one row (1, *last); NaN is left to the check of the members."""
     array = validation.real(values, name, unit=unit, finite=False)
-    if array.shape == (width,):
+    if array.shape == last:
         return array[None]
-    if array.ndim == 2 and array.shape[1] == width:
+    if array.shape[1:] == last:
         return array
-    raise AttitudeError(f"{name} has shape {array.shape}; give ({width},) or (N, {width}).")
+    listed = ", ".join(map(str, last))
+    raise AttitudeError(f"{name} has shape {array.shape}; give {last} or (N, {listed}).")
 
 
 def count(sizes: dict[str, int], names: Any) -> int:

@@ -1,18 +1,7 @@
 """Ensembles in tables (astropy, pandas, arrow, files), and random draws about a motion.
 
-One row is one member.  Columns, of which either form of each may be given:
-
-name            optional
-epoch           a Time column, dates as text (UTC), or ``epoch_seconds`` and ``epoch_low``: TDB
-                seconds past J2000 in two doubles
-wxyz            or ``w, x, y, z``: body to the frame of the table
-angular_velocity  or ``omega_x, omega_y, omega_z``: rad/s over the body axes
-moments         or ``moment_x, moment_y, moment_z``: kg m2, about the body axes
-tensor          or ``tensor_xx, tensor_xy, ... tensor_zz``: in place of the moments
-
-or, in place of wxyz, angular_velocity, moments and epoch, the columns of a survey's simulation,
-which `attitude.survey` lists: ObjID, axis_a, axis_b, axis_c, pole_lon_deg, period_h ...
-
+One row is one member, with the columns of `Ensemble.from_table`, or with those of a survey's
+simulation, which `attitude.survey` lists: ObjID, axis_a, axis_b, axis_c, pole_lon_deg, period_h ...
 The meta data ``frame`` and ``relative`` are those of the ensemble.  Files written here also have
 ``low_w, low_x, low_y, low_z``, the second doubles of attitudes, if there are any.
 """

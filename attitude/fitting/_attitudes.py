@@ -159,10 +159,7 @@ def point_of(model: Model, observed: Observations, start: object) -> Point:
     """The point of a motion that the caller gives as the first guess."""
     from attitude.motions._free_rotation import FreeRotation
 
-    if not isinstance(start, FreeRotation):
-        raise AttitudeError(
-            f"start is {validation.shown(start)}; give a FreeRotation, or leave it out."
-        )
+    start = validation.instance(start, FreeRotation, "start", "a FreeRotation, or leave it out")
     tensor = start.body.tensor / np.trace(start.body.tensor)
     off = np.max(np.abs(tensor - np.diag(np.diag(tensor))))
     if model.body is None and model.axes == "principal" and off > 1e-9:

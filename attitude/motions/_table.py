@@ -325,11 +325,8 @@ class AttitudeTable(Motion):
         meta: Mapping[str, Any] | None = None,
     ) -> AttitudeTable:
         """A table of the attitudes (and, with rates, `turning_rate`) of a history (N,)."""
-        if not isinstance(history, AttitudeHistory):
-            raise AttitudeError(
-                f"history is {validation.shown(history)}; give an AttitudeHistory, as motion.at(t) "
-                "returns."
-            )
+        wanted = "an AttitudeHistory, as motion.at(t) returns"
+        validation.instance(history, AttitudeHistory, "history", wanted)
         seconds, low = pairs.Seconds.of(history).mapped(np.array)
         return cls(
             history.epoch,
@@ -357,10 +354,7 @@ class AttitudeTable(Motion):
         """
         listed = tuple(tables) if isinstance(tables, Iterable) else (tables,)
         for k, table in enumerate(listed):
-            if not isinstance(table, AttitudeTable):
-                raise AttitudeError(
-                    f"tables[{k}] is {validation.shown(table)}; give AttitudeTable objects."
-                )
+            validation.instance(table, AttitudeTable, f"tables[{k}]", "AttitudeTable objects")
         segments = [segment for table in listed for segment in table.segments]
         if not segments:
             raise AttitudeError("there are no segments to join; give one table or more.")

@@ -191,9 +191,7 @@ class InertiaChange(Change):
         angular_momentum: AnyMomentum = (0.0, 0.0, 0.0),
         frame: str = "body",
     ) -> None:
-        if not isinstance(body, Body):
-            raise AttitudeError(f"body is {type(body).__name__}; give a Body.")
-        self._set("body", body)
+        self._set("body", validation.instance(body, Body, "body", "a Body"))
         self._set_change(at, angular_momentum, frame)
 
 
@@ -208,10 +206,8 @@ def known_changes(changes: Change | Iterable[Change]) -> tuple[Change, ...]:
         )
     several = tuple(changes)
     for k, change in enumerate(several):
-        if not isinstance(change, Change):
-            raise AttitudeError(
-                f"changes[{k}] is {change!r}; give Impulse or InertiaChange objects."
-            )
+        wanted = "Impulse or InertiaChange objects"
+        validation.instance(change, Change, f"changes[{k}]", wanted)
     return several
 
 
