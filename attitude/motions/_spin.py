@@ -442,7 +442,7 @@ class Spin(Valued):
 def refuse_others(body: object, spin: object, takes: str) -> None:
     """AttitudeError for anything but a Body and a Spin; `takes` begins its sentence."""
     if not isinstance(body, Body) or not isinstance(spin, Spin):
-        raise AttitudeError(f"{takes}; given were {type(body).__name__} and {type(spin).__name__}.")
+        raise AttitudeError(f"{takes}; {type(body).__name__} and {type(spin).__name__} are given.")
 
 
 def _attitude(wxyz: Reals | None, dcm: Reals | None) -> Reals:
