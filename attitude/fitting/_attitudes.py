@@ -478,16 +478,11 @@ def fit_rates(
         Increasing: epochs of any kind, or TDB seconds since `epoch`.
     angular_velocity : (N, 3) array_like
         rad/s over the body axes, relative to inertial space.
-    body : Body, optional
-        Of known inertia; by default the ratios of the inertia are fitted too.
     epoch : Epoch, optional
         From which plain numbers t count; with epochs t it is not needed.
-    axes : str
-        Without a body: "principal" if the body axes are the principal axes, "free" if the
-        principal axes are fitted too.
     sigma : float or (N,) array, optional
         Standard errors of the angular velocities, rad/s; by default they are equal.
-    loss, f_scale, start
+    body, axes, loss, f_scale, start
         As for `fit`.
 
     Returns
@@ -688,18 +683,13 @@ def fit_directions(
         Measured vectors over the body axes, of any length.
     inertial_directions : (N, 3) or (3,) array_like
         The same directions over the axes of `frame`; one for all, or one for each.
-    body : Body, optional
-        Of known inertia; by default the ratios of the inertia are fitted too.
     epoch : Epoch, optional
         From which plain numbers t count; with epochs t it is not needed.
     frame : str
         "icrf", "eme2000" or "ecliptic" (of J2000).
-    axes : str
-        Without a body: "principal" if the body axes are the principal axes, "free" if the
-        principal axes are fitted too.
     sigma : float or (N,) array, optional
         Standard errors of the directions about each axis across them, rad; by default equal.
-    loss, f_scale, start
+    body, axes, loss, f_scale, start
         As for `fit`.
 
     Returns
