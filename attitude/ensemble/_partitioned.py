@@ -74,8 +74,8 @@ class PartitionedEnsemble(Immutable):
                 f"frame is {validation.shown(frame)}; give a dask dataframe, for example by "
                 "dask.dataframe.read_parquet."
             )
-        made = dask.delayed(Ensemble.from_table)
-        parts = [made(partition, **options) for partition in frame.to_delayed()]
+        ensemble_of = dask.delayed(Ensemble.from_table)
+        parts = [ensemble_of(partition, **options) for partition in frame.to_delayed()]
         lengths = [math.nan] * len(parts)
         if validation.flag(count, "count"):
             lengths = list(dask.compute(*[dask.delayed(len)(partition) for partition in parts]))
