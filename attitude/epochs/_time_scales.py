@@ -145,8 +145,9 @@ def tai_from_ut1(
         (ut1_minus_tai, *_), outside = orientation_at(tai)
         tai = hi - ut1_minus_tai
     if np.any(outside):
-        days = utc_day_from_tai(earth_rotation()[0][[0, -1]], np.zeros(2))[0].tolist()
-        first, last = (datetime.date.fromordinal(int(day) - MJD_OF_ORDINAL_0) for day in days)
+        days = np.asarray(utc_day_from_tai(earth_rotation()[0][[0, -1]], np.zeros(2))[0])
+        ordinals = (days - MJD_OF_ORDINAL_0).astype(int).tolist()
+        first, last = map(datetime.date.fromordinal, ordinals)
         raise AttitudeError(
             f"{name} is in UT1 outside of {first} to {last}, the span of the installed table of "
             "the Earth's rotation (astropy-iers-data); give UTC, TT or TDB, or update "

@@ -118,11 +118,16 @@ def oem(file: FilePath, *, ephemeris: EphemerisLike = None, degree: int | None =
             f"{message.path} holds several objects ({', '.join(sorted(objects))}); give a file for "
             "each."
         )
-    several = [b for b in message.blocks if b.rows is None or len(b.rows.times) > 1]
+    several = [block for block in message.blocks if not _is_single(block.rows)]
     paths = [_path(block, message.path, degree) for block in several or message.blocks]
     if len({path.center for path in paths}) > 1:
         paths = [relative(path, SSB, ephemeris) for path in paths]
     return paths[0] if len(paths) == 1 else Succession(tuple(reversed(paths)), paths[0].name)
+
+
+def _is_single(rows):
+    """Whether a segment has one state."""
+    return rows is not None and len(rows.times) == 1
 
 
 def _path(block, origin, degree):
