@@ -951,8 +951,8 @@ class Search:
         if not is_behind:
             listed_ones += self._between(problem, listed_ones, more, behind)
         listed_ones = listed_ones[: self.settings.axial_finals]
-        others = self._of_other_rates(listed_ones, axial, self.settings.axial_width)
-        return listed_ones + [self._compared(problem, fit) for fit in others]
+        next_ones = self._of_other_rates(listed_ones, axial, self.settings.axial_width)
+        return listed_ones + [self._compared(problem, fit) for fit in next_ones]
 
     def _of_other_rates(
         self, entries: Sequence[Robust], fits: Iterable[BodyFit], width: float
