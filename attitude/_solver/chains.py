@@ -40,6 +40,8 @@ from attitude._solver.twofloat import (
 _LONGEST_PIECE = 0.25
 _TERMS = 16
 _LONGEST_APPROACH = 40.0
+# rad/s: below it squares of pairs underflow, and 1e113 s turn the body by less than 1e-17 rad.
+_AT_REST = 1e-130
 # Gauss-Legendre on (0, 1): lower half of the points and their weights, pairs.
 _GAUSS = np.array(
     [
@@ -79,6 +81,8 @@ def flow(c, moments, t, q, w):
         q        (4, 2) unit quaternion, principal axes to inertial, pairs
         w        (3, 2) rad/s over the principal axes, pairs
     """
+    if max(abs(w[0, 0]), abs(w[1, 0]), abs(w[2, 0])) < _AT_REST:
+        return
     precession = pair(c.precession)
     if c.form == codes.UNIFORM:
         _turn(q, pair(w[0]), pair(w[1]), pair(w[2]), mul(precession, t))
