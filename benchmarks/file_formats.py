@@ -2,13 +2,15 @@
 
     python benchmarks/all.py file_formats
 
-remakes the table of docs/formats.md from the registry of formats.
+remakes the tables of docs/formats.md from the registry of formats.
 """
+
+import inspect
 
 from attitude.formats import formats
 from benchmarks.doc_tables import Table, markdown
 
-MAKES = ("file formats",)
+MAKES = ("file formats", "keywords of writers")
 _HELD = {
     "records": "attitudes at epochs",
     "motion": "a free rotation",
@@ -17,7 +19,7 @@ _HELD = {
 
 
 def tables(quick):
-    """The table of docs/formats.md, a row for each format."""
+    """The tables of docs/formats.md, a row for each format (XML has the keywords of KVN)."""
     rows = [
         (
             entry.title,
@@ -30,6 +32,12 @@ def tables(quick):
     ]
     head = ("format", "module", "endings", "holds", "keywords")
     yield Table("file formats", markdown(head, rows))
+    written = [
+        (entry.title, code(name for name in [*inspect.signature(entry.write).parameters][2:]))
+        for entry in formats().values()
+        if not entry.name.endswith("-xml")
+    ]
+    yield Table("keywords of writers", markdown(("format", "keywords of `write`"), written))
 
 
 def code(words):

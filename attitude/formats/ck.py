@@ -21,7 +21,7 @@ import math
 import os
 from contextlib import ExitStack
 from dataclasses import dataclass
-from functools import partial
+from functools import partial, wraps
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -387,8 +387,11 @@ def _opened(path, *, body, kernels):
     return OpenedFile(KernelAttitude([path, *beside, *kernels], frame), {})
 
 
+@wraps(write)
 def _write(path, motion, start, stop, *, method=None, **settings):
-    return write(path, motion, start, stop, kind=3 if method == "linear" else 5, **settings)
+    if method == "linear":
+        settings["kind"] = 3
+    return write(path, motion, start, stop, **settings)
 
 
 _own_option = partial(Option, refusal="has no meaning for a file like {output}; leave it out.")

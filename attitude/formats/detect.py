@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 import re
 from typing import TYPE_CHECKING, Any
@@ -220,6 +221,7 @@ def write_any(
 ) -> SampledFile | None:
     """Write a motion in the format of the file's ending: `Motion.write`."""
     name, file_format = os.fspath(path), format_to_write(path)
+    _refuse_unknown_settings(name, file_format, settings)
     if file_format.holds == "motion":
         if not isinstance(motion, FreeRotation):
             raise AttitudeError(
@@ -237,10 +239,21 @@ def write_any(
     is_table = isinstance(motion, AttitudeTable)
     if t is None and not is_table and not {"start", "stop"} <= set(settings):
         raise AttitudeError(
-            f"{name!r} holds attitudes at epochs; give them, as in motion.write({name!r}, t), or "
-            "start=, stop= and tolerance= (rad)."
+            f"{name!r} holds attitudes at epochs; give them, as in motion.write({name!r}, t)"
+            + (", or start=, stop= and tolerance= (rad)." if file_format.is_sampled else ".")
         )
     return file_format.write(path, motion, t=t, **settings)
+
+
+def _refuse_unknown_settings(name, file_format, settings):
+    """Raise the AttitudeError for a keyword that the writer of a format does not have."""
+    known = inspect.signature(file_format.write).parameters
+    unknown = [key for key in settings if key not in known]
+    if unknown and all(one.kind is not one.VAR_KEYWORD for one in known.values()):
+        raise AttitudeError(
+            f"{name!r} is written without {unknown[0]}=; beside file and motion the writer of "
+            f"{file_format.title} takes {', '.join([*known][2:])}."
+        )
 
 
 # ---- A free rotation with its labels, from a file that holds one: spin file, APM, DAMIT spin file

@@ -135,8 +135,8 @@ def test_one_segment_only(tmp_path):
 def test_the_tables_of_the_docs_are_those_of_the_registry():
     """Names and endings as they are registered; conventions of each module, and of no other."""
     page = (ROOT / "docs" / "formats.md").read_text("utf-8")
-    (table,) = file_formats.tables(quick=True)
-    assert doc_tables.replaced(page, {table.name: table.text}) == page
+    tables = {table.name: table.text for table in file_formats.tables(quick=True)}
+    assert doc_tables.replaced(page, tables) == page
     conventions = page[page.index("| format | read | written |") :].split("\n\n")[0]
     firsts = [row.split("|")[1] for row in conventions.splitlines()[2:]]
     documented = {re.search(r"\(`(\w+)`", first).group(1) for first in firsts}

@@ -192,6 +192,15 @@ def test_what_is_refused(tmp_path, how, sentence):
             detect.write(tmp_path / name, MOTION, **how)
     with pytest.raises(AttitudeError, match="AttitudeHistory is given with tolerance="):
         aem.write(tmp_path / "a.aem", MOTION.at([0.0, 1.0]), tolerance=1e-6)
+    for name, unknown in (
+        *(("a.acm", "start"), ("a.acm.xml", "start"), ("a.aem", "object"), ("a.bc", "body")),
+        *(("a.toml", "object"), ("a.spin", "object"), ("a.csv", "object")),
+    ):
+        how = {"start": 0.0, "stop": 1.0, unknown: 0.5} if name not in ("a.toml", "a.spin") else {}
+        with pytest.raises(AttitudeError, match=rf"is written without {unknown}=; beside .* takes"):
+            MOTION.write(tmp_path / name, **{unknown: 0.5} | how)
+    with pytest.raises(AttitudeError, match=r"motion.write\('.*a.acm', t\)\.$"):
+        MOTION.write(tmp_path / "a.acm")
     assert not list(tmp_path.iterdir())
 
 
