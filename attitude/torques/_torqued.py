@@ -291,6 +291,10 @@ _COARSE_BESIDE = 1e-10
 _WINDOW = 64
 # More steps to the last epoch take hours.
 _MOST_AHEAD = 1e10
+# Steps, some seconds of work, in which the body must turn by this share of the tolerance in the
+# mean: a torque that switches at every step (a thruster on its threshold) leads to shorter ones.
+_MANY_STEPS = 1 << 17
+_LEAST_TURN = 1e-2
 
 
 class Front:
@@ -319,6 +323,8 @@ class Front:
         self.clock[layout.LENGTH] = sign * first
         self._wave, self._pace = 16, Pace(_STEPS_AT_ONCE)
         self._mark = 0, 0.0
+        self._turned = np.zeros(2)  # steps, and the turn in them, rad
+        self.goal = 0.0  # rad: the error allowed at the end; 0 without
 
     @property
     def time(self) -> float:
@@ -333,7 +339,7 @@ class Front:
     def from_row(self, row: FloatArray) -> Front:
         """The same integration, at a kept state."""
         other = self.copy()
-        other.counts[:], other.coarse = 0, np.empty(0)
+        other.counts[:], other.coarse, other.goal = 0, np.empty(0), 0.0
         other._mark = 0, float(row[layout.KEPT_TIME])
         other.clock[layout.TIME] = row[layout.KEPT_TIME]
         other.clock[layout.LENGTH] = row[layout.KEPT_LENGTH]
@@ -343,7 +349,7 @@ class Front:
     def copy(self) -> Front:
         """A copy that may advance, and be discarded if the advance fails."""
         other = copy.copy(self)
-        for name in ("clock", "counts", "fine", "coarse"):
+        for name in ("clock", "counts", "fine", "coarse", "_turned"):
             setattr(other, name, getattr(self, name).copy())
         return other
 
@@ -385,11 +391,20 @@ class Front:
         if steps < _WINDOW:
             return
         self._mark = count + steps, self.time
-        if abs(self.time - begin) / steps * _MOST_AHEAD < abs(until) - abs(self.time):
+        seconds = abs(self.time - begin)
+        self._turned += [steps, seconds * float(np.linalg.norm(self.fine[OMEGA]))]
+        trouble = ""
+        if seconds / steps * _MOST_AHEAD < abs(until) - abs(self.time):
+            trouble = f"more than {_MOST_AHEAD:.0e} would lead to the last epoch"
+        elif self._turned[0] >= _MANY_STEPS:
+            if self._turned[1] < _LEAST_TURN * self.goal * self._turned[0]:
+                trouble = "the body turns by less than a hundredth of the tolerance in each"
+            self._turned[:] = 0.0
+        if trouble:
             raise AttitudeError(
-                f"{self.time:.9g} s after the epoch the steps are so short that more than "
-                f"{_MOST_AHEAD:.0e} would lead to the last epoch; the torque is not smooth there, "
-                "or the tolerance is too small. Give a larger tolerance, or a fixed step."
+                f"{self.time:.9g} s after the epoch the steps are so short that {trouble}; the "
+                "torque is not smooth there, or the tolerance is too small. Give a larger "
+                "tolerance, or a fixed step."
             )
 
     def _samples(self, count: int) -> FloatArray:
@@ -541,6 +556,7 @@ class VaryingSteps(KeptStates):
         """Integrate to seconds `until`, or till the estimate of the error exceeds a limit."""
         self.farthest = max(self.farthest, abs(until))
         self._check_span(until)
+        self._front.goal = limit if limit < np.inf else 0.0
         while abs(self.reached) < abs(until) and self.error <= limit:
             self._is_thinned()
             rows = np.empty((min(_MOST + 1 - self.count, _ROWS_KEPT), KEPT_ENTRIES))

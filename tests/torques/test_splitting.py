@@ -766,3 +766,19 @@ def test_no_step_is_short_enough_for_a_jump():
         motion = TorquedRotation(BODY, SPIN, CustomTorque(noise, False), **how)
         with pytest.raises(AttitudeError, match=r"not smooth there"):
             motion.at(1.0)
+
+
+def test_thrusters_on_their_thresholds_are_refused_with_a_tolerance(monkeypatch):
+    """Two axes slide along the edge of a dead band: a step for each of countless switches."""
+    monkeypatch.setattr(_torqued, "_MANY_STEPS", 1 << 9)
+    body, rates = Body(moments=(820, 910, 1250)), (4e-4, -4e-4, 8e-4)
+
+    def thrusters(t, wxyz, omega):
+        return tuple(-5.0 * np.sign(rate) * (abs(rate) > 3.5e-4) for rate in omega)
+
+    spin = Spin(epoch="2027-01-01", wxyz=(1, 0, 0, 0), angular_velocity=rates)
+    motion = TorquedRotation(body, spin, CustomTorque(thrusters), tolerance=1e-5)
+    with pytest.raises(AttitudeError, match="turns by less than a hundredth of the tolerance in"):
+        motion.at(16.0)
+    fixed = TorquedRotation(body, spin, CustomTorque(thrusters), step=0.05).at(16.0)
+    assert np.all(np.abs(fixed.angular_velocity) < 4e-4)
