@@ -53,6 +53,11 @@ def run(arguments: argparse.Namespace) -> None:
 
     kind = _output.kind_of(arguments.output)
     mission = formats_mission.read(arguments.file)
+    if not mission.columns:
+        raise AttitudeError(
+            f"{arguments.file}: columns is missing; give a list of quantities, such as "
+            '["phase_angle deg"], from those that `attitude geometry --list` prints.'
+        )
     views_of_blocks = views(mission, arguments, _BLOCK, ProgressBar("geometry"))
     blocks = ([*dates(view, digits), *numbers(mission, view)] for view, digits in views_of_blocks)
     first = next(blocks)  # errors are raised before a row is written

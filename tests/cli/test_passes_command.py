@@ -40,6 +40,22 @@ def test_passes_are_those_of_the_function(attitude_command, tmp_path):
     )
     at_night = attitude_command("passes", PASS, *DAY, "--sunlit", "--night", "-6 deg")[1]
     assert len(at_night.splitlines()) == 6 and "visible_from" in at_night
+    # the least mission file and the options have neither columns nor [times]
+    site, orbit = "15.4933, 47.0671 deg, 539 m", str(ROOT / "data" / "paths" / "envisat-2013.tle")
+    (tmp_path / "least.toml").write_text(f'center = "{orbit}"\nobserver = "{site}"\n')
+    options = ("--orbit", orbit, "--site", site)
+    out = attitude_command("passes", tmp_path / "least.toml", *DAY)[1]
+    assert out == attitude_command("passes", *options, *DAY)[1]
+    # to the second: the file of the satellite has aberration
+    assert [row[:18] for row in out.splitlines()] == [row[:18] for row in rows]
+    code, _, err = attitude_command("passes", tmp_path / "least.toml", *DAY[:2])
+    assert code == 2 and "the stop of the search is not known; give --stop" in err
+    assert "leave it out" in attitude_command("passes", PASS, *options)[2]
+    assert (
+        "give a mission file, or --orbit and --site" in attitude_command("passes", *options[:2])[2]
+    )
+    least = (tmp_path / "least.toml", *DAY, "--step", "1 h")
+    assert "columns is missing; give a list" in attitude_command("geometry", *least)[2]
     out = attitude_command("passes", PASS, *DAY, "--elevation", "89.5 deg")[1]
     assert out == "no passes from 2013-10-23 on.\n"
 
