@@ -484,13 +484,13 @@ def instant(value: Epoch, name: str = "epoch") -> Instant:
 
 
 def seconds_since(
-    start: Instant, t: Epochs, low: ArrayLike | None = None, name: str = "t"
+    start: Epoch, t: Epochs, low: ArrayLike | None = None, name: str = "t"
 ) -> pairs.Seconds:
     """TDB seconds from an instant to other epochs, in two doubles.
 
     Parameters
     ----------
-    start : Instant
+    start : anything that `instant` takes
     t : array_like
         One of the following, of any shape; lists may be nested.
 
@@ -527,6 +527,7 @@ def seconds_since(
         For other types, booleans, mixed or ragged lists, dates that cannot be read, years outside
         of -4712 to 9999, UT1 outside of its table, `low` of another shape or with dates.
     """
+    start = instant(start, "start")
     hi = _ready(t)
     if hi is None:
         kind, leaves, shape = entries(t, name, _DATES_OR_SECONDS)

@@ -284,6 +284,13 @@ def test_neighbours_of_a_leap_day_in_quasi_julian_dates():
     assert error_against_astropy(START, time) < ASTROPY
 
 
+def test_the_start_is_an_epoch_of_any_type():
+    for start in ("2026-01-01 TDB", Time("2026-01-01", scale="tdb")):
+        assert epochs.seconds_since(start, "2026-01-02 TDB")[0] == 86400.0
+    with pytest.raises(AttitudeError, match=r"start is 3\.0, a length of time; give"):
+        epochs.seconds_since(3.0, "2026-01-02")
+
+
 @settings(max_examples=50)
 @given(st.lists(st.floats(-1e9, 1e9), min_size=1, max_size=20))
 def test_seconds_lead_to_times_and_back(seconds):
