@@ -83,7 +83,13 @@ class _States(MessageRows):
         self.line = lines[-1]
 
 
-def oem(file: FilePath, *, ephemeris: EphemerisLike = None, degree: int | None = None) -> Path:
+def oem(
+    file: FilePath,
+    *,
+    ephemeris: EphemerisLike = None,
+    degree: int | None = None,
+    center: Path | str | int | None = None,
+) -> Path:
     """The path in an OEM file.
 
     Parameters
@@ -97,6 +103,9 @@ def oem(file: FilePath, *, ephemeris: EphemerisLike = None, degree: int | None =
         See `ephemeris`; used if the segments have different centers.
     degree : int, optional
         Replaces the degree in the file.
+    center : Path, str or int, optional
+        Replaces CENTER_NAME, such as BENNU: the path of that body, or a body by its name or NAIF
+        number.
 
     Returns
     -------
@@ -109,7 +118,7 @@ def oem(file: FilePath, *, ephemeris: EphemerisLike = None, degree: int | None =
     AttitudeError
         With file, line and keyword, for a keyword that is missing or unknown and a value that
         cannot be read; for a frame or a time system that is not supported; for segments of several
-        objects.
+        objects; for segments of several centers with `center`.
     """
     message = messages.read(file, _FORM, lambda block, count: _States(block.message.fault))
     objects = {block.meta["OBJECT_NAME"] for block in message.blocks}
@@ -119,7 +128,13 @@ def oem(file: FilePath, *, ephemeris: EphemerisLike = None, degree: int | None =
             "each."
         )
     several = [block for block in message.blocks if not _is_single(block.rows)]
-    paths = [_path(block, message.path, degree) for block in several or message.blocks]
+    names = {block.meta["CENTER_NAME"] for block in message.blocks}
+    if center is not None and len(names) > 1:
+        raise AttitudeError(
+            f"{message.path} has several centers ({', '.join(sorted(names))}), which one center= "
+            "cannot replace; leave it out, or give a file for each."
+        )
+    paths = [_path(block, message.path, degree, center) for block in several or message.blocks]
     if len({path.center for path in paths}) > 1:
         paths = [relative(path, SSB, ephemeris) for path in paths]
     return paths[0] if len(paths) == 1 else Succession(tuple(reversed(paths)), paths[0].name)
@@ -130,8 +145,8 @@ def _is_single(rows):
     return rows is not None and len(rows.times) == 1
 
 
-def _path(block, origin, degree):
-    """The path of the data of one segment of a file."""
+def _path(block, origin, degree, center):
+    """The path of the data of one segment of a file, from its center or from the one given."""
     meta = block.meta
     where = f"{origin}, segment at line {meta.line}"
     if meta["TIME_SYSTEM"].upper() not in _SYSTEMS:
@@ -158,7 +173,7 @@ def _path(block, origin, degree):
             states[:, 3:],
             interpolation=interpolation,
             degree=degree,
-            center=body_name(meta["CENTER_NAME"], "CENTER_NAME"),
+            center=_center_of(meta) if center is None else center,
             frame=frame,
             name=meta["OBJECT_NAME"],
             source=os.path.basename(origin),
@@ -166,6 +181,14 @@ def _path(block, origin, degree):
         )
     except AttitudeError as err:
         raise AttitudeError(f"{where} (states to line {rows.line}): {err}") from err
+
+
+def _center_of(meta):
+    """The body that the file names."""
+    try:
+        return body_name(meta["CENTER_NAME"], "CENTER_NAME")
+    except AttitudeError as err:
+        raise AttitudeError(f"{err} center= gives the path of any other body.") from err
 
 
 def _interpolation(meta, where, degree, count):

@@ -185,8 +185,11 @@ class Ephemeris:
             hint = ""
             if f"{name} barycenter" in self.bodies:
                 hint = f' It has the barycentre of its system: "{name} barycenter".'
+            lack = f"no {name}"
+            if name in self.bodies:
+                lack = f"no path of {name}, only of bodies about it"
             raise AttitudeError(
-                f"the ephemeris ({self.source}) has no {name}; it has "
+                f"the ephemeris ({self.source}) has {lack}; it has "
                 f"{', '.join(self.bodies)}.{hint} {self.advice}"
             )
         return path

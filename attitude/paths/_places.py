@@ -37,8 +37,8 @@ if TYPE_CHECKING:
 TABLES: dict[str, tuple[str, ...]] = {
     "tle": ("name", "any_epoch"),
     "omm": ("name", "any_epoch"),
-    "oem": ("degree",),
-    "spk": ("target",),
+    "oem": ("degree", "center"),
+    "spk": ("target", "center"),
     "mpc_orbit": (),
     "kepler": (),
     "site": ("height", "name", "long_term"),
@@ -173,6 +173,11 @@ def _of_text(text, name, of, is_observer, ephemeris, folder):
             f"{name} is {quoted(text)}, which is not a file; give a file with several bodies, or "
             f"leave out {of!r}."
         )
+    if is_observer and re.fullmatch("[0-9]{4}", stripped):
+        raise AttitudeError(
+            f"{name} is {text!r}, neither the code of an observatory of the Minor Planet Center, "
+            f"of three characters, nor the NAIF number of a body; give {_ON_GROUND}."
+        )
     if is_body(stripped):
         return NamedBody(body_name(stripped, name), ephemeris)
     if _mpc_line.is_line(text):
@@ -225,6 +230,11 @@ def _of_coordinates(text: str, name: str) -> Place:
                 f"its number, as in {example}."
             )
     angles = parts[:2]
+    if any(re.search(r"[NSEW]$|\d *[:d°] *\d", word) for word in angles):
+        raise AttitudeError(
+            f"{name} is {quoted(text)}; give longitude and latitude in decimal degrees, positive "
+            f"to the east and north, as in {example}."
+        )
     if not any(map(quantity_text.is_quantity, angles)):
         numbers = [validation.number(_number(word, name), name) for word in angles]
         if abs(numbers[0]) <= _TURN and abs(numbers[1]) <= _RIGHT_ANGLE and any(numbers):
@@ -298,6 +308,9 @@ def _of_table(table: dict[str, Any], name: str, folder: str, ephemeris: Ephemeri
     refuse_unknown(table, (kind, *TABLES[kind]), name)
     settings = {key: table[key] for key in TABLES[kind] if key in table}
     value = table[kind]
+    if "center" in settings:
+        center = settings["center"]
+        settings["center"] = place(center, f"{name} center", folder=folder, ephemeris=ephemeris)
     if kind == "oem":
         return _oem_file.oem(file_of(value, folder, f"{name} oem"), ephemeris=ephemeris, **settings)
     if kind in _FILES:
@@ -306,7 +319,7 @@ def _of_table(table: dict[str, Any], name: str, folder: str, ephemeris: Ephemeri
         if "target" not in settings:
             raise AttitudeError(f"{name} spk needs a target, such as target = 20099942.")
         file = file_of(value, folder, f"{name} spk")
-        return _solar_system.spk(file, settings["target"], ephemeris=ephemeris)
+        return _solar_system.spk(file, **settings, ephemeris=ephemeris)
     if kind == "kepler":
         return _of_keywords(value, name)
     if kind == "site":
@@ -388,12 +401,12 @@ def _kind(path: str, name: str) -> str:
     if path.lower().endswith(".toml"):
         return "toml"
     lines = start.decode("utf-8", "replace").splitlines()
-    # A line cut at the end of what was read may lack its last columns, never its first ones.
-    if lines and _mpc_line.is_line(lines[0]):
-        return "mpc"
     for mark, kind in _MARKS[2:]:
         if re.match(mark, start, re.DOTALL):
             return kind
+    # A line cut at the end of what was read may lack its last columns, never its first ones.
+    if any(map(_mpc_line.is_line, lines)):  # with a header, or without
+        return "mpc"
     raise AttitudeError(
         f"{name} {path!r} is in no known format; give an OEM, two-line elements, an OMM, an "
         "SPK, lines of MPCORB.DAT, or elements or a mission file in TOML."

@@ -29,6 +29,7 @@ from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.frames._earth import pole_of_teme, to_gcrs
 from attitude.paths._path import Path, since, spelled
+from attitude.paths._spk import Succession
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -134,6 +135,37 @@ class Satellite(Path):
         )
 
 
+class NearestSets(Succession):
+    """Element sets of one satellite by ascending epoch, of which that of the nearest counts.
+
+    Position and velocity jump halfway between two epochs, by the error of SGP4.
+    """
+
+    center = "earth"
+    span = None  # type: ignore[assignment]
+
+    @property
+    def source(self) -> str:  # type: ignore[override]  # computed
+        """The number of sets, and the first and last."""
+        return f"{len(self.parts)} sets from {self.parts[0].source} to {self.parts[-1].source}"
+
+    def _by_part(self, instant, hi, lo):
+        """As that of `Succession`."""
+        epochs = np.array([sum(since(path.epoch, instant)) for path in self.parts])
+        nearest = np.searchsorted(0.5 * (epochs[1:] + epochs[:-1]), hi + lo)
+        lo = np.broadcast_to(lo, hi.shape)
+        for k in np.unique(nearest):
+            inside = nearest == k
+            yield self.parts[k], inside, (hi[inside], lo[inside])
+
+
+def _joined(sets):
+    """The path of the sets of one satellite, the last of each epoch."""
+    last = {(path.epoch.seconds, path.epoch.low): path for path in sets}
+    parts = tuple(last[epoch] for epoch in sorted(last))
+    return parts[0] if len(parts) == 1 else NearestSets(parts, parts[-1].name)
+
+
 def _elapsed_tai(epoch, elapsed):
     """Seconds of TAI since the epoch, from seconds of TDB."""
     start = np.float64(epoch.seconds), np.float64(epoch.low)
@@ -147,14 +179,15 @@ def _elapsed_tai(epoch, elapsed):
 )
 def tle(
     text: FilePath | Sequence[str], *, name: str | int | None = None, any_epoch: bool = False
-) -> Satellite:
+) -> Path:
     """The path of a satellite from two-line elements, relative to the Earth.
 
     Parameters
     ----------
     text : str, path or sequence of str
         The two lines, with or without a line for the name before them: as one text, as a list of
-        lines, or as the path of a file.
+        lines, or as the path of a file.  Of several sets of one satellite, in any order, that of
+        the nearest epoch is used, of several of one epoch the last; the state jumps in between.
     name : str or int, optional
         Name or catalog number, to select one satellite of several.
     any_epoch : bool
@@ -163,7 +196,7 @@ def tle(
 
     Returns
     -------
-    Satellite
+    Path
         Relative to the center of the Earth.
 
     Raises
@@ -184,7 +217,13 @@ def tle(
     <path of ENVISAT from earth: TLE of 2013-10-23T03:59:27.596 TDB>
     """
     lines, label = _text_lines(text)
-    title, first, second = _chosen(_pairs(lines, label), _names_of_lines, name, label)
+    chosen = _chosen(_pairs(lines, label), _names_of_lines, name, label)
+    return _joined([_of_lines(satellite, label, any_epoch) for satellite in chosen])
+
+
+def _of_lines(satellite, label, any_epoch):
+    """The satellite of a name and two lines."""
+    title, first, second = satellite
     _check_line(first, "1", label)
     _check_line(second, "2", label)
     if first[2:7] != second[2:7]:
@@ -205,7 +244,7 @@ def omm(
     *,
     name: str | int | None = None,
     any_epoch: bool = False,
-) -> Satellite:
+) -> Path:
     """The path of a satellite from a CCSDS orbit mean-elements message; see `tle`.
 
     Parameters
@@ -225,7 +264,12 @@ def omm(
         document type or entities.
     """
     satellites, label = _satellites(message)
-    fields = _chosen(satellites, _names_of_record, name, label)
+    chosen = _chosen(satellites, _names_of_record, name, label)
+    return _joined([_of_fields(fields, label, any_epoch) for fields in chosen])
+
+
+def _of_fields(fields, label, any_epoch):
+    """The satellite of the fields of an OMM."""
     for keyword in _OMM_NEEDED:
         if not fields.get(keyword):
             raise AttitudeError(f"{label} has no {keyword}, which SGP4 needs.")
@@ -332,21 +376,21 @@ def _pairs(lines, label):
 
 
 def _chosen(satellites, names_of, name, label):
-    """The only satellite, or the one with a name or number; `names_of(satellite)` has both."""
+    """The sets of the only satellite, or of the one with a name or number; `names_of` has both."""
+    different = named = [names_of(satellite) for satellite in satellites]
     if name is not None:
         wanted = str(name).strip().lower()
-        named = [names_of(satellite) for satellite in satellites]
         chosen = [wanted == title.lower() or _number(wanted) == number for title, number in named]
         satellites = list(compress(satellites, chosen))
-    if len(satellites) != 1:
-        if len(set(map(names_of, satellites))) == 1:
-            advice = " element sets of one satellite; give those of one epoch."
-        elif name is None:
-            advice = " satellites; give name=..."
-        else:
-            advice = f" satellites called {quoted(name)}; give another name."
-        raise AttitudeError(f"{label} holds {len(satellites)}{advice}")
-    return satellites[0]
+        # A catalog number is that of one satellite, under whatever names.
+        different = [number for _, number in compress(named, chosen)]
+    count = len(set(different))
+    if count != 1:
+        advice = (
+            "; give name=..." if name is None else f" called {quoted(name)}; give another name."
+        )
+        raise AttitudeError(f"{label} holds {count} satellites{advice}")
+    return satellites
 
 
 def _names_of_lines(satellite):

@@ -24,7 +24,16 @@ from attitude._support.arrays import read_only
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
 from attitude.paths._compressed import EqualPieces, PiecewisePath
-from attitude.paths._path import SSB, Ephemeris, JoinedEphemeris, Path, julian, since
+from attitude.paths._path import (
+    SSB,
+    Composed,
+    Ephemeris,
+    JoinedEphemeris,
+    Path,
+    julian,
+    known_center,
+    since,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -299,7 +308,13 @@ def ephemeris(kernel: EphemerisLike = None) -> Ephemeris:
 _ephemeris = ephemeris
 
 
-def spk(file: FilePath, target: str | int, *, ephemeris: EphemerisLike = None) -> Path:
+def spk(
+    file: FilePath,
+    target: str | int,
+    *,
+    ephemeris: EphemerisLike = None,
+    center: Path | str | int | None = None,
+) -> Path:
     """The path of a target in an SPK file, relative to the center that the file gives for it.
 
     Parameters
@@ -312,11 +327,15 @@ def spk(file: FilePath, target: str | int, *, ephemeris: EphemerisLike = None) -
     ephemeris : Ephemeris, path of a kernel, name, None, or a list of these
         See `ephemeris`; used, with the file, if the file has several centers for the target (a
         cruise and an orbit): the path is then relative to the barycentre, "ssb".
+    center : Path, str or int, optional
+        Replaces the one center of the file, such as 2101955: the path of that body, or another body
+        by its name or NAIF number.
 
     Raises
     ------
     AttitudeError
-        For a path that is not a file, a file that is not a kernel, and a target that it lacks.
+        For a path that is not a file, a file that is not a kernel, and a target that it lacks; for
+        several centers with `center`.
 
     Notes
     -----
@@ -327,5 +346,11 @@ def spk(file: FilePath, target: str | int, *, ephemeris: EphemerisLike = None) -
 
     kernel = open_kernel(file)
     if len(kernel.centers(target)) < 2:
-        return kernel.step(target)
+        path = kernel.step(target)
+        return path if center is None else Composed((path,), (), path.name, known_center(center))
+    if center is not None:
+        raise AttitudeError(
+            f"{kernel.source} has several centers for {target}, which one center= cannot replace; "
+            "leave it out, or give ephemeris= with their paths."
+        )
     return JoinedEphemeris((kernel, _ephemeris(ephemeris))).step(target)

@@ -132,6 +132,8 @@ def test_a_body_that_a_source_lacks_is_named_with_those_it_has(circles):
     message = r"\(circles\) has no mars; it has ssb, sun, .*\"mars barycenter\"\. Give one of these"
     with pytest.raises(AttitudeError, match=message):
         circles.step("mars")
+    with pytest.raises(AttitudeError, match=r"has no path of ssb, only of bodies about it; it has"):
+        circles.step("ssb")
     with pytest.raises(AttitudeError, match="'vulcan', which is not the name of a body"):
         circles.step("vulcan")
 

@@ -1,6 +1,7 @@
 """Satellites and ground sites against skyfield, astropy and ERFA, without any network."""
 
 import json
+import pickle
 import time
 
 import erfa
@@ -166,8 +167,7 @@ def test_names_and_numbers_of_an_omm():
     assert paths.omm(two, name="ENVISAT").name == "ENVISAT"
     with pytest.raises(AttitudeError, match="holds 2 satellites; give name"):
         paths.omm(two)
-    with pytest.raises(AttitudeError, match="2 element sets of one satellite; give those of one"):
-        paths.omm(kvn(OMM) * 2, name=27386)
+    assert repr(paths.omm(kvn(OMM) * 2, name=27386)) == repr(paths.omm(OMM))
 
 
 XML = (
@@ -290,6 +290,31 @@ def test_one_of_several_satellites_is_chosen_by_name_or_number():
         paths.tle(text, name="X")
     with pytest.raises(AttitudeError, match="cannot be read"):
         paths.tle(DATA / "missing.tle")
+
+
+def test_of_several_sets_the_one_of_the_nearest_epoch_is_used():
+    at = instant("2013-10-23")
+    sets = []
+    for day, anomaly in (("298", 191.5675), ("296", 280.5787), ("297", 56.0731), ("297", 50.0)):
+        one = summed(LINES[1].replace("13296.", f"13{day}.")[:68])
+        two = summed(LINES[2][:43] + f"{anomaly:8.4f}" + LINES[2][51:68])
+        sets.append([f"ENVISAT {len(sets)}", one, two])
+    whole = paths.tle([line for lines in sets for line in lines], name=27386)
+    assert "3 sets from TLE of 2013-10-23" in repr(whole) and whole.span is None
+    again = pickle.loads(pickle.dumps(whole))
+    seconds = np.array([[-1e4, 1.0e5, 5.0e4], [2.9e5, np.nan, 1.2e5]])
+    used = [[1, 3, 1], [0, 0, 3]]  # of one epoch the last counts
+    for path in (whole, again):
+        position, velocity = path.state(at, seconds)
+        for place, number in np.ndenumerate(used):
+            wanted = paths.tle(sets[number]).state(at, seconds[place])
+            assert np.array_equal(position[place], wanted[0], equal_nan=True)
+            assert np.array_equal(velocity[place], wanted[1], equal_nan=True)
+    with pytest.raises(AttitudeError, match="holds 4 satellites; give name"):
+        paths.tle([line for lines in sets for line in lines])
+    records = [{**OMM, "EPOCH": f"2013-10-2{k}T00:00:00", "BSTAR": "0"} for k in (5, 3)]
+    nearest = paths.omm(json.dumps(records)).position(instant("2013-10-24T13:00"), 0.0)
+    assert np.array_equal(nearest, paths.omm(records[0]).position(instant("2013-10-24T13:00"), 0.0))
 
 
 def test_a_satellite_that_has_decayed_is_refused_with_the_epoch():

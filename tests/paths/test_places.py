@@ -43,6 +43,7 @@ def folder(tmp_path):
     (tmp_path / "line.txt").write_text(LINE + "\n")
     other = LINE.replace("04179", "04180").replace("(4179) Toutatis", "(4180) Anaxagoras")
     (tmp_path / "many.dat").write_text(f"MINOR PLANET CENTER ORBIT DATABASE\n\n{other}\n{LINE}\n")
+    (tmp_path / "cut.dat").write_text(f"{'-' * 160}\n{LINE}\n")
     (tmp_path / "elements.toml").write_text(KEYWORDS)
     (tmp_path / "kepler.toml").write_text("[kepler]\n" + KEYWORDS)
     (tmp_path / "mission.toml").write_text(
@@ -55,7 +56,8 @@ def folder(tmp_path):
 def test_all_forms_of_one_orbit_give_one_path(folder):
     expected = paths.mpc_orbit(LINE).position(NOW, np.arange(3) * 1e6)
     given = [LINE, ELEMENTS, ELEMENTS.replace(", ", "\n"), {"mpc_orbit": LINE}]
-    given += [str(folder / name) for name in ("line.txt", "elements.toml", "kepler.toml")]
+    given += [str(folder / name) for name in ("line.txt", "cut.dat", "elements.toml")]
+    given += [folder / "kepler.toml"]
     given += [folder / "mission.toml"]
     for each in given:
         found = paths.place(each).position(NOW, np.arange(3) * 1e6)
@@ -96,6 +98,10 @@ def test_observatories_by_code_and_name():
     assert paths.observatory("Maunakea").name == "568 Maunakea"
     with pytest.raises(AttitudeError, match=r"in the names of \d+ observatories \("):
         paths.place("observatory", is_observer=True)
+    with pytest.raises(
+        AttitudeError, match=r"'7839', neither the code .* of three characters, nor"
+    ):
+        Scene(None, "mars", "7839")
     with pytest.raises(AttitudeError, match="'399', the NAIF number of 'earth' and the code"):
         Scene(None, "mars", "399")
     assert Scene(None, "mars", {"observatory": "399"}).observer.name == "399 Kushiro"
@@ -136,6 +142,8 @@ def test_the_packaged_list_is_that_of_the_minor_planet_center():
         ("15.5 deg, 1.2", "whose latitude has no unit"),
         ("15.5 deg, 47, 2700 m", "whose latitude has no unit"),
         ("12 deg", "not the name of a body"),
+        ("15.4933 E, 47.0671 N", "in decimal degrees, positive to the east and north"),
+        ("15d29m36s, 47d4m2s", "in decimal degrees, positive to the east and north"),
         (3.5, "give a path of attitude.paths"),
         ({"spk": "x.bsp"}, "spk needs a target"),
         ({"planet": "mars"}, "has none of tle, omm, oem"),

@@ -154,6 +154,17 @@ def test_a_body_with_several_centers_is_relative_to_the_barycentre(tmp_path):
     written(file, 13, epochs=EPOCHS[60:])
     path = paths.spk(file, TARGET, ephemeris=kernel("de421"))
     assert path.center == "ssb"
+    with pytest.raises(AttitudeError, match=f"several centers for {TARGET}, which one center="):
+        paths.spk(file, TARGET, center="moon")
+    one = written(tmp_path / "one.bsp", 13)
+    about = paths.spk(one, TARGET, center=(moon := paths.body("moon", kernel("de421"))))
+    assert (about.center, about.name) == (moon, str(TARGET))
+    place = {"spk": "one.bsp", "target": TARGET, "center": "moon"}
+    for other in (about, paths.place(place, folder=tmp_path), pickle.loads(pickle.dumps(about))):
+        apart = other.position(Instant(0.0), EPOCHS) - paths.spk(one, TARGET).position(
+            Instant(0.0), EPOCHS
+        )
+        assert np.all(apart == 0.0)
     et = np.array([EPOCHS[10], EPOCHS[70] + 1.0])
     with spiceypy.KernelPool([str(file), str(kernel("de421"))]):
         states = 1e3 * np.array(spiceypy.spkezr(str(TARGET), et, "J2000", "NONE", "0")[0])

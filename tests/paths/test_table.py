@@ -260,6 +260,27 @@ def test_the_useable_time_is_kept_to(tmp_path):
         path.position(instant("2026-01-01T00:00:30"), 0.0)
 
 
+def test_a_path_or_body_may_replace_the_center_of_a_message(tmp_path):
+    bennu = paths.uniform((1e11, 2e10, 0), (0, 3e4, 0), "2026-01-01", center="sun", name="Bennu")
+    file = message(tmp_path, ("CENTER_NAME = EARTH", "CENTER_NAME = BENNU"))
+    with pytest.raises(
+        AttitudeError, match=r"CENTER_NAME is 'BENNU'.*center= gives the path of any"
+    ):
+        paths.oem(file)
+    path, at = paths.oem(file, center=bennu), instant("2026-01-01T00:01:30")
+    assert path.center is bennu and paths.oem(file, center=2101955).center == "2101955"
+    about = paths.relative(path, "sun").position(at, 0.0) - bennu.position(at, 0.0)
+    assert about == pytest.approx([7e6, 9e4, 0.0], abs=1e-3)
+    elements = (
+        "a = 1.1 au, e = 0.2, i = 6 deg, node = 2 deg, peri = 66 deg, M = 5 deg, epoch = 2026"
+    )
+    table = {"oem": "probe.oem", "center": elements.replace("2026", "2026-01-01")}
+    assert paths.place(table, folder=tmp_path).center.center == "sun"
+    other = MESSAGE[MESSAGE.index("META_START") :].replace("= EARTH", "= MOON")
+    with pytest.raises(AttitudeError, match=r"several centers \(EARTH, MOON\), which one center="):
+        paths.oem(message(tmp_path, text=MESSAGE + other.replace("T00:0", "T01:0")), center=bennu)
+
+
 def test_segments_with_other_centers_lead_to_the_barycentre(tmp_path):
     second = MESSAGE[MESSAGE.index("META_START") :].replace("= EARTH", "= MOON")
     second = second.replace("T00:0", "T01:0")
