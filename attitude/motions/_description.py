@@ -31,6 +31,8 @@ _TOLERANCE = 0.1
 # 1 - m below which the times near the middle axis and of turning over are printed.
 _NEAR_SEPARATRIX = 1e-2
 _TUMBLING = (Mode.LONG_AXIS, Mode.SHORT_AXIS, Mode.SYMMETRIC)
+# deg: a nutation below it is that of the rounding of the input.
+_NO_NUTATION = 1e-13
 # Modes within the rounding of the input, and their consequences.
 _NEARLY = {
     Mode.SPHERICAL: "three equal moments",
@@ -137,10 +139,10 @@ def _periods(motion: FreeRotation, errors: _Errors) -> Rows:
     name = "axis of symmetry" if motion.mode is Mode.SYMMETRIC else f"{axis} axis"
     psi = period(motion.period_psi) + errors.of_period("period_psi", motion.period_psi)
     phi = period(motion.period_phi) + errors.of_period("period_phi", motion.period_phi)
-    rows = [
-        ("period psi", f"{psi}: rotation about the {name}"),
-        ("period phi", f"{phi}: {name} about the momentum"),
-    ]
+    rows = [("period phi", f"{phi}: {name} about the momentum")]
+    # Of equal moments, about one of their axes, psi is the slow turn by the last digits of both.
+    if not {Mode.PRINCIPAL_AXIS, Mode.SYMMETRIC} <= {*motion.within_rounding}:
+        rows.insert(0, ("period psi", f"{psi}: rotation about the {name}"))
     if motion.mode is not Mode.SYMMETRIC:
         letter = other[0].upper()
         seconds = float(motion.regime.P_phi(letter))
@@ -153,7 +155,9 @@ def _ranges(motion: FreeRotation, errors: _Errors) -> Rows:
     regime, axis = motion.regime, motion.circulates_about
     low, high = np.degrees(regime.nutation("L" if axis == "long" else "S"))
     least = f"{low:.6g}{errors.of('nutation_least', _DEGREE)}"
-    if motion.mode is Mode.SYMMETRIC:
+    if high < _NO_NUTATION and not errors.of("nutation_greatest"):
+        angle = f"none within rounding between {axis} axis and momentum"
+    elif motion.mode is Mode.SYMMETRIC:
         angle = f"{least} deg between axis of symmetry and momentum"
     else:
         greatest = f"{high:.6g}{errors.of('nutation_greatest', _DEGREE)}"

@@ -408,6 +408,7 @@ def motion_of(moments, rates):
         ((2, 5, 6), (6, 2, 6), ["On the separatrix", "infinite"]),
         ((1, 2, 3), (1e-20, 1, 0), ["within rounding", "rotation about a principal axis"]),
         ((1, 2, 2 + 4e-16), (1, 1e-3, 0), ["within rounding   a symmetric body"]),
+        ((1, 2, 2 + 4e-16), (0, 1e-17, 1), ["none within rounding between", "h\n  period phi"]),
     ],
 )
 def test_every_mode_has_its_words(moments, rates, wanted):
