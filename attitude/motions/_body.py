@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -204,29 +204,45 @@ class Body(Valued):
         {"mass": "give density=, or multiply: Body(tensor=mass / volume * tensor)"},
         "Body.from_shape(mesh, density=2000)",
     )
-    def from_shape(cls, shape: Mesh | Ellipsoid, *, density: Real | None = None) -> Body:
-        """A homogeneous solid of a shape.
+    def from_shape(
+        cls,
+        shape: Mesh | Ellipsoid,
+        *,
+        density: Real | None = None,
+        surface_density: Real | None = None,
+    ) -> Body:
+        """A homogeneous solid of a shape, or a thin shell.
 
         Parameters
         ----------
         shape : attitude.shape.Mesh or attitude.shape.Ellipsoid
             A closed mesh, m; the body axes are the axes of the shape.
         density : float, optional
-            kg/m3.  Without it the moments are relative.
+            kg/m3.  Without either density the moments are relative, those of a solid.
+        surface_density : float, optional
+            kg/m2, of a thin shell: a mesh, which may be open.
 
         Raises
         ------
         AttitudeError
-            For any other object, a mesh that is open or inside out, and a density not above zero.
+            For any other object, a solid whose mesh is open or inside out, both densities, and one
+            that is not above zero.
         """
-        known = None if density is None else validation.positive(density, "density", unit="kg/m3")
+        densities: dict[str, Any] = {"density": density, "surface_density": surface_density}
+        known = {
+            name: validation.positive(value, name, unit="kg/m3" if name == "density" else "kg/m2")
+            for name, value in densities.items()
+            if value is not None
+        }
         if not hasattr(shape, "mass_properties"):
             raise AttitudeError(f"shape is {shape!r}; give an attitude.shape Mesh or Ellipsoid.")
-        properties = shape.mass_properties(density=1.0 if known is None else known)
+        if surface_density is not None and not hasattr(shape, "vertices"):
+            raise AttitudeError("surface_density is that of a Mesh; give ellipsoid.facets(1000).")
+        properties = shape.mass_properties(**(known or {"density": 1.0}))
         return cls(
             tensor=properties.inertia,
-            mass=None if known is None else properties.mass,
-            relative=known is None,
+            mass=properties.mass if known else None,
+            relative=not known,
             center_of_mass=properties.center_of_mass,
         )
 

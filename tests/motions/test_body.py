@@ -58,6 +58,13 @@ def test_a_shape_with_and_without_a_density():
     """A cube of 2 m off the origin: 8 m3, and m s^2 / 6 about its centre."""
     cube = shape.box((2, 2, 2), center=(1, 2, 3))
     known, unknown = Body.from_shape(cube, density=1000.0), Body.from_shape(cube)
+    shell = Body.from_shape(cube, surface_density=20.0)
+    assert np.array_equal(shell.tensor, cube.mass_properties(surface_density=20.0).inertia)
+    assert shell.mass == pytest.approx(20.0 * cube.areas.sum()) and not shell.relative
+    with pytest.raises(AttitudeError, match="give either density"):
+        Body.from_shape(cube, density=1000.0, surface_density=20.0)
+    with pytest.raises(AttitudeError, match="surface_density is that of a Mesh"):
+        Body.from_shape(shape.Ellipsoid((3.0, 2.0, 1.0)), surface_density=20.0)
     assert known.mass == 8000.0 and not known.relative
     assert unknown.mass is None and unknown.relative
     assert np.allclose(known.moments, 16000 / 3, rtol=1e-15)
