@@ -1024,7 +1024,7 @@ class Ensemble(Immutable):
             The epochs at which light leaves the body, as in `at`.
         sun, observer : (..., 3) array_like
             Vectors from the body in ICRF, of any length above zero, that broadcast to (S, 3);
-            NaN gives NaN.
+            NaN gives NaN.  `member` is before them: give them by name, ``sun=, observer=``.
         shape : Ellipsoid, Mesh, N of them, or (3,) or (N, 3) array_like
             Arrays are semi-axes of ellipsoids along the body axes, m.
         law, shadows

@@ -584,7 +584,7 @@ class FreeRotation(Differentiable):
         Returns
         -------
         float
-            s, inf without errors.
+            s; inf too for a spin of which no errors are known (its ``covariance`` is None).
         """
         if moments_error is None and rates_error is None and self.spin.covariance is not None:
             return _predictability.time_of_covariance(self, tolerance)

@@ -386,7 +386,8 @@ class Motion(Valued):
             For any other motion.
         """
         raise AttitudeError(
-            f"{type(self).__name__} has no regime, periods or mode; give a FreeRotation."
+            f"{type(self).__name__} has no regime, periods or mode; give a FreeRotation, such as "
+            "FreeRotation(motion.body_at(t), motion.spin_at(t))."
         )
 
     def breaks(self) -> FloatArray:

@@ -42,18 +42,36 @@ _FASTER = 2.0
 class Trigger(Immutable):
     """The base of events at which a change may happen, found on the exact motion.
 
-    A new kind defines
+    A new kind is a frozen dataclass (a trigger is immutable) that defines
 
     ``values(history)``
         A smooth function of the attitude that changes its sign at the event, and its rate per
         second, at the epochs of an AttitudeHistory.
     ``arm``
-        Upper bound of the change of the function per radian of rotation.
+        Upper bound of the change of the function per radian of rotation; of an angular velocity
+        the largest one that the motion reaches.
     ``drift``
         Upper bound of the rate of the function at a fixed attitude, per second.
     ``within``
         Seconds after the change before it (or the epoch of the spin) in which the event must
         happen; None for a thousand turns at the fastest rate that the motion can have.
+
+    >>> from dataclasses import dataclass
+    >>> from attitude import Body, Spin
+    >>> from attitude.arcs import Arcs, Impulse
+    >>> @dataclass(frozen=True)
+    ... class RateReaches(Trigger):
+    ...     rate: float  # rad/s, about x
+    ...     arm: float
+    ...     drift: float = 0.0
+    ...     within: float = 1000.0  # s
+    ...     def values(self, history):
+    ...         about_x = history.angular_velocity[..., 0] - self.rate
+    ...         return about_x, history.angular_acceleration[..., 0]
+    >>> body, spin = Body(moments=(10, 20, 26)), Spin("2026-01-01", (1, 0, 0, 0), (0.1, 0.2, 0.3))
+    >>> motion = Arcs(body, spin, [Impulse(RateReaches(0.05, arm=0.5), (0.0, 0.0, -1.0))])
+    >>> round(float(motion.at(motion.joints[0]).angular_velocity[0]), 9)
+    0.05
     """
 
     arm: float

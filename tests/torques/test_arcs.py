@@ -239,6 +239,20 @@ def test_an_impulse_adds_what_it_says():
         assert np.max(np.abs(added - (1, -2, 3))) < 1e-12
 
 
+def test_a_despin_loop_goes_on_after_the_body_has_stopped():
+    """Each impulse leaves 1e-16 of the rate before; squares of 1e-160 rad/s underflow."""
+    stop = [Impulse(10.0 * k, lambda h: -h.angular_velocity @ BODY.tensor) for k in range(1, 25)]
+    motion = Arcs(BODY, SPIN, stop)
+    history = motion.at([35.0, 115.0, 125.0, 500.0])
+    assert np.all(np.abs(history.angular_velocity) < 1e-40)
+    assert np.ptp(history.wxyz, axis=0).max() < 1e-15
+    slow = Spin("2026-01-01", (1, 0, 0, 0), (1e-170, 2e-170, 1e-170))
+    history = Arcs(BODY, slow, [Impulse(9.0, (1e-3, 0.0, 0.0))]).at([5.0, 20.0])
+    assert history.angular_velocity[0] == pytest.approx(slow.angular_velocity, rel=1e-15, abs=0)
+    expected = [1e-3 / BODY.moments[0], 0.0, 0.0]
+    assert history.angular_velocity[1] == pytest.approx(expected, abs=1e-160)
+
+
 class FreeRotationAxes:
     """The ecliptic of J2000 by its definition: one turn about x by 84381.448 arcsec."""
 
