@@ -56,6 +56,8 @@ CASES = {
         f'{PASS} --start 2013-10-23 --stop 2013-10-24 --elevation "1 deg" --sunlit '
         '--night "-6 deg" --output OUT.csv',
         f"{PASS} --start 2013-10-23T09:00 --stop 2013-10-23T10:00",
+        f"--orbit {TLE} --orbit-of ENVISAT --site {_GROUND} --start 2013-10-23T09:00 "
+        "--stop 2013-10-23T15:00",
     ],
     "glints": [
         f'{GLINTS} --start 2013-10-23T20:50 --stop 2013-10-23T20:51 --side "body +z" --all '
