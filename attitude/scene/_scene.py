@@ -65,7 +65,10 @@ def place(
         for item in value
     ):
         raise AttitudeError(f"{name} holds {len(value)} places; give one, and a Scene for each.")
-    if isinstance(value, (list, tuple, np.ndarray)) and is_direction_allowed:
+    is_vector = isinstance(value, (list, tuple))
+    if isinstance(value, np.ndarray):  # as an EarthLocation is
+        is_vector = place_of(value, name) is None
+    if is_vector and is_direction_allowed:
         return _path.direction(value, name=name)
     from attitude.paths import _places
 
