@@ -215,14 +215,34 @@ class Differentiable(Motion):
     @property
     def momentum_covariance(self) -> FloatArray:
         """(3, 3) covariance of the momentum over ICRF axes; see `Motion.momentum_covariance`."""
-        body, spin, axes = self.body, self.spin, self.body.principal_axes
-        to_icrf = quaternion.matrix(spin.wxyz_icrf)
-        momentum = to_icrf @ body.tensor @ spin.angular_velocity
-        by_turn = np.cross(np.eye(3), momentum).T
-        by_moment = axes * (spin.angular_velocity @ axes)
-        by_state = [by_turn, to_icrf @ body.tensor, to_icrf @ by_moment]
-        changes = np.concatenate(by_state, axis=1) @ covariances.factor(self._errors())
-        return changes @ changes.T
+        if self.momentum is None:
+            raise AttitudeError(
+                f"the angular momentum of the motion ({self._kind}) changes with time; take "
+                "motion.momentum_covariance_at(seconds)."
+            )
+        state, (turns, omega) = self.spin, np.eye(9)[:6].reshape(2, 3, 9)
+        return self._momentum_covariance(state.wxyz_icrf, state.angular_velocity, turns, omega)
+
+    def momentum_covariance_at(
+        self, seconds: ArrayLike, low: ArrayLike | None = None
+    ) -> FloatArray:
+        """Covariance (S, 3, 3) of the momentum; see `Motion.momentum_covariance_at`."""
+        hi, lo = _inputs.plain_seconds(seconds, low)
+        wxyz, rates = self._evaluate(hi, lo, 1)[:2]
+        turns, omega = self._sensitivity.at(hi, lo, True)
+        self._warn_of_large(turns @ self._errors() @ np.swapaxes(turns, -1, -2), hi, lo)
+        return self._momentum_covariance(wxyz, rates, turns, omega)
+
+    def _momentum_covariance(self, wxyz, rates, turns, omega):
+        """(S, 3, 3) of states (S, 4), (S, 3) with derivatives (S, 3, 9) of turn and rates."""
+        body = self.constant_body("the covariance of the angular momentum")
+        tensor, axes, to_icrf = body.tensor, body.principal_axes, quaternion.matrix(wxyz)
+        momentum = to_icrf @ (rates @ tensor)[..., None]
+        in_body = tensor @ omega
+        in_body[..., 6:] += axes * (rates @ axes)[..., None, :]
+        changes = np.cross(turns, momentum, axis=-2) + to_icrf @ in_body
+        changes = changes @ covariances.factor(self._errors())
+        return changes @ np.swapaxes(changes, -1, -2)
 
     def nonlinearity_at(self, seconds: ArrayLike, low: ArrayLike | None = None) -> FloatArray:
         """Second over first order (S,) of the attitude's errors of one standard deviation.

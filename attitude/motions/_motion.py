@@ -263,7 +263,16 @@ class Motion(Valued):
     def momentum_covariance(self) -> FloatArray:
         """(3, 3) covariance of `momentum`, in its unit squared, from that of the spin.
 
-        AttitudeError as `covariance_at`.
+        AttitudeError as `covariance_at`, and for a momentum that changes.
+        """
+        raise self._without_derivatives()
+
+    def momentum_covariance_at(
+        self, seconds: ArrayLike, low: ArrayLike | None = None
+    ) -> FloatArray:
+        """Covariance (S, 3, 3) of the momentum over ICRF axes, at TDB seconds since the epoch.
+
+        AttitudeError as `covariance_at`, and for a body that changes.
         """
         raise self._without_derivatives()
 

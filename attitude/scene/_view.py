@@ -534,12 +534,7 @@ class View(Immutable):
     @kept
     def momentum_direction_icrf(self) -> FloatArray:
         """Unit vector (3, N) or (3, 1) of the angular momentum, ICRF; (3, 1) if it is constant."""
-        motion = self._motion()
-        if motion.momentum is not None:
-            momentum = np.asarray(motion.momentum, dtype=np.float64)[:, None]
-        else:
-            in_body = motion.momentum_in_body(self.attitude)
-            momentum = self._flat(self.attitude.body_to_inertial(in_body))
+        momentum = self._momentum()
         size = np.sqrt(np.sum(momentum * momentum, axis=0))
         if np.any(size == 0.0):
             raise AttitudeError(
@@ -547,6 +542,14 @@ class View(Immutable):
                 "its axes instead."
             )
         return momentum / size
+
+    def _momentum(self) -> FloatArray:
+        """Angular momentum (3, N), ICRF; (3, 1) if it is constant."""
+        motion = self._motion()
+        if motion.momentum is not None:
+            return np.asarray(motion.momentum, dtype=np.float64)[:, None]
+        in_body = motion.momentum_in_body(self.attitude)
+        return self._flat(self.attitude.body_to_inertial(in_body))
 
     @quantity("rad")
     def aspect_angle(self) -> FloatArray:
@@ -891,10 +894,14 @@ class View(Immutable):
         return self._angle_to_momentum_deviations(self.sun_line.unit)
 
     def _angle_to_momentum_deviations(self, unit: FloatArray) -> FloatArray:
-        covariance = self._motion().momentum_covariance
+        motion = self._motion()
+        if motion.momentum is None:
+            covariance = motion.momentum_covariance_at(*self.emission.flat)
+        else:
+            covariance = motion.momentum_covariance
         axis = self._in_rows(self.momentum_direction_icrf)
         tilt = np.cross(axis, _axis_of(axis, self._in_rows(unit)))
-        size = np.linalg.norm(np.asarray(self._motion().momentum))
+        size = np.linalg.norm(self._momentum(), axis=0)
         return self._numbers(turned_deviations(covariance, tilt) / size)
 
     @quantity("rad", _AXES)

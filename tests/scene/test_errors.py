@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 
-from attitude import AttitudeError, Body, FreeRotation, Scene, Spin, shape
+from attitude import Arcs, AttitudeError, Body, FreeRotation, Impulse, Scene, Spin, shape
+from attitude.arcs import InertiaChange
 from attitude.motions._table import AttitudeTable
 from attitude.scene import View
+from attitude.splitting import TorquedRotation
+from attitude.torques import ConstantTorque
 
 COUNT = 1500
 T = np.array([0.0, 3.0, 11.0])
@@ -139,6 +142,38 @@ def test_the_momentum_has_the_covariance_of_samples(samples):
     size = np.sqrt(np.diag(found))
     scatter = np.outer(size, size) * np.sqrt(2.0 / COUNT)
     assert np.all(np.abs(each.T @ each / COUNT - found) < 5.0 * scatter)
+
+
+@pytest.mark.parametrize(
+    "motion",
+    [
+        Arcs(BODY, SPIN, [Impulse(at=2.0, angular_momentum=(0, 3.0, 9.0))]),
+        TorquedRotation(BODY, SPIN, ConstantTorque((0.3, -0.2, 0.3)), step=0.1),
+    ],
+)
+def test_a_momentum_that_changes_has_a_covariance_at_each_epoch(motion):
+    """Against half the differences of motions one standard deviation to either side."""
+
+    def values(one):
+        history, view = one.at(T), fixed(one).at(T)
+        momentum = history.body_to_inertial(history.angular_velocity @ one.body.tensor)
+        return np.column_stack([momentum, view.aspect_angle, view.sun_aspect_angle])
+
+    ends = np.array([values(one) for one in motion.sigma_points()])
+    half = 0.5 * (ends[::2] - ends[1::2])
+    expected = np.einsum("kti,ktj->tij", half, half)
+    found = motion.momentum_covariance_at(T)
+    assert np.max(np.abs(found - expected[:, :3, :3])) < 1e-6 * np.max(found)
+    view = fixed(motion).at(T)
+    sigmas = np.stack([view.aspect_angle_sigma, view.sun_aspect_angle_sigma], axis=-1)
+    variances = np.diagonal(expected, axis1=1, axis2=2)[:, 3:]
+    assert sigmas == pytest.approx(np.sqrt(variances), rel=1e-6)
+    with pytest.raises(AttitudeError, match="momentum_covariance_at"):
+        motion.momentum_covariance  # noqa: B018
+    known = MOTION.momentum_covariance
+    assert MOTION.momentum_covariance_at(T) == pytest.approx(np.tile(known, (3, 1, 1)), rel=1e-9)
+    with pytest.raises(AttitudeError, match=r"covariance of the angular momentum .* changes"):
+        Arcs(BODY, SPIN, [InertiaChange(at=2.0, body=BODY)]).momentum_covariance_at(T)
 
 
 class Foreign:
