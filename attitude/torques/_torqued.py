@@ -745,8 +745,6 @@ class TorquedRotation(Differentiable):
     step_tolerance: float | None
     origin: Instant | None
 
-    smooth = True
-
     _value = (
         *("body", "spin", "torques", "scheme"),
         *("step", "tolerance", "step_tolerance", "_span_given", "origin"),
@@ -880,6 +878,11 @@ class TorquedRotation(Differentiable):
     def epoch(self) -> Instant:
         """Instant from which its seconds count: that of the spin."""
         return self.spin.epoch
+
+    @property
+    def smooth(self) -> bool:
+        """Whether angular accelerations are known: not under an `InertiaHistory`."""
+        return self._system.inertia is None
 
     @property
     def steps_taken(self) -> tuple[float, float]:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from attitude import AttitudeError, Body, Spin
+from attitude import AttitudeError, AttitudeTable, Body, Spin, events
 from attitude.arcs import Arcs, InertiaChange
 from attitude.averaged import AveragedMotion
 from attitude.ensemble import Ensemble
@@ -96,6 +96,24 @@ def test_the_momentum_is_kept_to_rounding():
         motion.constant_body("the energy")
     with pytest.raises(AttitudeError, match="accelerations"):
         _ = motion.at(3.0).angular_acceleration
+
+
+def test_events_are_those_of_a_table():
+    """Whose rates are differences: an InertiaHistory has no accelerations."""
+    motion = TorquedRotation(BODY, SPIN, InertiaHistory(boom), step=0.5)
+    t = np.linspace(-1.0, 61.0, 4000)
+    table = AttitudeTable(SPIN.epoch, t, motion.at(t).wxyz)
+    count = 0
+    for search, condition in (
+        (events.find_discrete, events.illuminated),
+        (events.find_minima, events.separation),
+    ):
+        found, expected = (
+            search(0.0, 60.0, condition(one, (0, 0.6, 0.8), (1, 0, 0))) for one in (motion, table)
+        )
+        assert found.seconds == pytest.approx(expected.seconds, abs=1e-5)
+        count += len(found)
+    assert count > 4
 
 
 def test_a_fast_deployment_is_an_instant_change():
