@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -669,13 +670,14 @@ class Scene(Immutable):
         is_cheap = isinstance(self.shape, Ellipsoid) and self.law.has_ellipsoid_form
         if not is_cheap or self.motion is None or self.center is not None:
             return []
-        rate = float(np.linalg.norm(self.motion.at(0.0).angular_velocity))
-        if not rate > 0.0:
-            return []
-        times = np.linspace(0.0, 4.0 * np.pi / rate, 201)
-        magnitudes = self.at(times).reduced_magnitude
-        caption = f"reduced magnitude over {times[-1]:.4g} s"
-        return [markup.line_plot([(times, magnitudes)], caption, is_downward=True)]
+        with suppress(AttitudeError):  # a table may not cover two turns from its epoch
+            rate = float(np.linalg.norm(self.motion.at(0.0).angular_velocity))
+            if rate > 0.0:
+                times = np.linspace(0.0, 4.0 * np.pi / rate, 201)
+                magnitudes = self.at(times).reduced_magnitude
+                caption = f"reduced magnitude over {times[-1]:.4g} s"
+                return [markup.line_plot([(times, magnitudes)], caption, is_downward=True)]
+        return []
 
     def __repr__(self) -> str:
         motion = "no motion" if self.motion is None else type(self.motion).__name__

@@ -67,6 +67,11 @@ def test_a_scene():
     tree, words = parsed(Scene(PAPER, None, (1, 0, 0), (0, 1, 0), shape=ball))
     assert "lommel-seeliger" in words and "reduced magnitude" in words
     assert len(list(tree.iter("path"))) == 1
+    for start in (0.0, 5.0):  # a table of less than two turns, and one without its epoch
+        history = PAPER.at(np.linspace(start, start + 0.5, 20))
+        table = AttitudeTable(PAPER.epoch, history.seconds, history.wxyz)
+        tree, _ = parsed(Scene(table, None, (1, 0, 0), (0, 1, 0), shape=ball))
+        assert not list(tree.iter("path"))
     tree, _ = parsed(Scene(PAPER, None, (1, 0, 0), (0, 1, 0)))
     assert not list(tree.iter("path"))
 
