@@ -60,7 +60,8 @@ def propagate(
     ------
     AttitudeError
         For tensors that are not float64 or not in the memory of the processor, shapes that do not
-        broadcast, and what `attitude.propagate` refuses (for derivatives, rods too).
+        broadcast, what `attitude.propagate` refuses (for derivatives, rods too), and second
+        derivatives.
 
     Notes
     -----
@@ -74,6 +75,8 @@ def propagate(
 
 def _tensor(value, name):
     if not isinstance(value, torch.Tensor):
+        if isinstance(value, (list, tuple)) and any(map(torch.is_tensor, value)):
+            raise AttitudeError(f"{name} is a list of tensors; give torch.stack(...) of them.")
         return torch.as_tensor(np.asarray(value, dtype=np.float64))
     if value.dtype != torch.float64:
         raise AttitudeError(
@@ -101,7 +104,6 @@ class _Propagation(torch.autograd.Function):
         ctx.save_for_forward(*inputs, *output)
 
     @staticmethod
-    @torch.autograd.function.once_differentiable
     def backward(ctx, g_wxyz, g_omega):
         moments, wxyz0, omega0, t, wxyz, omega = ctx.saved_tensors
         turns, rates = _Derivatives.apply(moments, wxyz0, omega0, t)
@@ -147,7 +149,16 @@ class _Derivatives(torch.autograd.Function):
 
     @staticmethod
     def setup_context(ctx, inputs, output):
-        ctx.mark_non_differentiable(*output)
+        pass
+
+    @staticmethod
+    def backward(ctx, *gradients):
+        raise AttitudeError(
+            "attitude.torch has first derivatives only; give a loss that needs no second ones, or "
+            "take differences of gradients."
+        )
+
+    jvp = backward
 
     @staticmethod
     def vmap(info, in_dims, *arguments):

@@ -10,7 +10,7 @@ from attitude.frames import quaternion
 torch = pytest.importorskip("torch", reason="torch is not installed")
 
 # torch warns of itself at its first forward derivative
-pytestmark = pytest.mark.filterwarnings("ignore:.*torch.jit.script.*:FutureWarning")
+pytestmark = pytest.mark.filterwarnings("ignore:.*torch.jit.script")
 
 MOMENTS = np.array([10.0, 20, 26])
 WXYZ = np.array([1.0, 2, 3, 4])
@@ -78,7 +78,26 @@ def test_shared_epochs_and_broadcast_bodies_sum_their_gradients():
     assert torch.allclose(total, moments.grad, rtol=1e-12)
 
 
+def test_second_derivatives_are_refused():
+    def loss(w):
+        return torch.sum(_propagate(MOMENTS, WXYZ, w, T)[..., 0] ** 2)
+
+    (rates,) = _tensors(RATES[0])
+    (gradient,) = torch.autograd.grad(loss(rates), rates, create_graph=True)
+    for second in (
+        lambda: torch.autograd.functional.hessian(loss, rates),
+        lambda: torch.func.jacrev(torch.func.jacrev(loss))(rates),
+        lambda: torch.func.hessian(loss)(rates),
+        lambda: torch.func.jacfwd(torch.func.jacfwd(loss))(rates),
+        lambda: torch.sum(gradient**2).backward(),
+    ):
+        with pytest.raises(AttitudeError, match="first derivatives only"):
+            second()
+
+
 def test_bad_input():
+    with pytest.raises(AttitudeError, match="torch.stack"):
+        _propagate(list(_tensors(*MOMENTS)), WXYZ, RATES[0], T)
     with pytest.raises(AttitudeError, match=r"omega0 has shape \(2,\)"):
         _propagate(MOMENTS, WXYZ, [1.0, 2.0], T)
     with pytest.raises(AttitudeError, match="do not broadcast"):
