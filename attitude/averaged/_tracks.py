@@ -52,7 +52,8 @@ class AveragedEvent:
         TDB seconds since the epoch of the spin.
     before, after : str
         Regions: "SAM+", "SAM-", "LAM+", "LAM-", the mode and the end of the circulated axis that
-        the momentum is near.
+        the momentum is near.  Before and after on the way from the epoch: at negative seconds the
+        motion leads, forwards in time, from `after` to `before`.
     odds : dict of str to float
         Of a passage: the odds of the regions that may follow.
     is_proved : bool
@@ -112,10 +113,11 @@ class AveragedEvent:
         return self.strength > 1.0
 
     def __str__(self) -> str:
+        back = " backwards in time" if self.seconds < 0.0 else ""
         if self.kind == "passage":
             shares = ", ".join(f"{name} {share:.3g}" for name, share in self.odds.items())
             doubt = "" if self.is_proved else "; the rule for the odds is not proved here"
-            return f"passage from {self.before} to {self.after} (odds: {shares}{doubt})"
+            return f"passage from {self.before} to {self.after}{back} (odds: {shares}{doubt})"
         if self.kind == "resonance":
             odds = "" if math.isnan(self.capture) else f", odds {self.capture:.2g}"
             held = f"; it may capture the motion{odds}" if self.may_capture else ""
@@ -127,7 +129,7 @@ class AveragedEvent:
                 f"resonance {name} crossed in {self.before} (scatter of y "
                 f"{self.scatter:.2g}, strength {self.strength:.2g}{held})"
             )
-        return f"{self.kind} ({self.before})"
+        return f"{self.kind}{back} ({self.before})"
 
 
 @dataclass(frozen=True, eq=False)

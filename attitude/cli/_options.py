@@ -96,13 +96,7 @@ class Grid:
 
 
 def grid(
-    epoch: _instants.Instant,
-    start: str,
-    stop: str,
-    step: str,
-    *,
-    is_tdb: bool = False,
-    last_name: str = "--stop",
+    epoch: _instants.Instant, start: str, stop: str, step: str, *, is_tdb: bool = False
 ) -> Grid:
     """The Grid of the texts of --start, --stop and --step, in seconds of UTC, or else of TDB."""
     pace = duration(step, "--step")
@@ -112,11 +106,11 @@ def grid(
         raise AttitudeError(
             f"--step is {step}; give at least 1e-9 s, the shortest step that dates resolve."
         )
-    first, last = _moment(start, "--start"), _moment(stop, last_name)
+    first, last = _moment(start, "--start"), _moment(stop, "--stop")
     is_tdb = is_tdb or re.search(r"\bTDB\s*$", start, re.IGNORECASE) is not None
     uniform_in = "tdb" if is_tdb else "utc"
     begin = _instant(first, epoch, uniform_in, "--start", start)
-    end = _instant(last, epoch, uniform_in, last_name, stop)
+    end = _instant(last, epoch, uniform_in, "--stop", stop)
     if isinstance(first, Fraction) and isinstance(last, Fraction):
         span = last - first
     elif is_tdb:
@@ -126,7 +120,7 @@ def grid(
     if span * pace < 0 and abs(span) > _ROUNDING:
         where = "before" if span < 0 else "after"
         raise AttitudeError(
-            f"{last_name} {stop} lies {where} --start {start}, but --step is {step}; exchange the "
+            f"--stop {stop} lies {where} --start {start}, but --step is {step}; exchange the "
             "two, or change the sign of the step."
         )
     count = math.floor(span / pace + _ROUNDING) + 1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import warnings
 from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any
@@ -118,7 +119,9 @@ def _add_arguments_of_evolve(parser: argparse.ArgumentParser) -> None:
         help='last epoch: a date (UTC), or a time such as "20 yr" after the epoch of the spin',
     )
     parser.add_argument(
-        "--step", metavar="TIME", help='time between rows, such as "10 d" (default: 1000 rows)'
+        "--step",
+        metavar="TIME",
+        help='time between rows, such as "10 d" (default: for at most 1000 rows)',
     )
     parser.add_argument(
         "--passages",
@@ -245,15 +248,17 @@ def _averaged(arguments: argparse.Namespace) -> AveragedMotion:
 def _epochs(motion: AveragedMotion, arguments: argparse.Namespace) -> Grid:
     """The epochs of the rows, from the epoch of the spin."""
     start, until, step = motion.epoch, arguments.until, arguments.step
+    if re.fullmatch(r"\s*\d{4}\s*", until):
+        raise AttitudeError(f'--until is {until}; give a date, "{until}-01-01", or "{until} s".')
+    end = _options.one(start, until, "--until")
+    span = (end.seconds - start.seconds) + (end.low - start.low)
+    if span == 0.0:
+        raise AttitudeError("--until is the epoch of the spin; give another epoch.")
     if step is None:
-        end = _options.one(start, until, "--until")
-        span = (end.seconds - start.seconds) + (end.low - start.low)
-        if span == 0.0:
-            raise AttitudeError("--until is the epoch of the spin; give another epoch.")
         least = abs(span) / _ROWS
-        length = next((seconds for seconds in _STEPS if seconds >= least), _STEPS[-1])
-        step = f"{'-' if span < 0.0 else ''}{length} s"
-    times = _options.grid(start, "0", until, step, last_name="--until")
+        step = f"{next((seconds for seconds in _STEPS if seconds >= least), _STEPS[-1])} s"
+    ahead = step.strip().lstrip("+-")
+    times = _options.grid(start, "0", until, f"-{ahead}" if span < 0.0 else ahead)
     if times.count > _MOST_ROWS:
         raise AttitudeError(
             f"--step {step} makes {times.count} rows, more than {_MOST_ROWS}; take a longer step."
