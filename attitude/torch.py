@@ -76,8 +76,8 @@ def propagate(
 def _tensor(value, name):
     if not isinstance(value, torch.Tensor):
         if isinstance(value, (list, tuple)) and any(map(torch.is_tensor, value)):
-            raise AttitudeError(f"{name} is a list of tensors; give torch.stack(...) of them.")
-        return torch.as_tensor(np.asarray(value, dtype=np.float64))
+            return torch.stack([_tensor(number, name) for number in value])
+        return torch.as_tensor(validation.real(value, name, finite=False))
     if value.dtype != torch.float64:
         raise AttitudeError(
             f"{name} is a tensor of {value.dtype}, which has too few digits; give float64, such as "

@@ -78,6 +78,14 @@ def test_shared_epochs_and_broadcast_bodies_sum_their_gradients():
     assert torch.allclose(total, moments.grad, rtol=1e-12)
 
 
+def test_numbers_of_a_list_may_be_tensors():
+    moments = (*_tensors(*MOMENTS[:2]), MOMENTS[2])
+    stacked = torch.tensor(MOMENTS, requires_grad=True)
+    for one in (moments, stacked):
+        torch.sum(_propagate(one, WXYZ, RATES[0], T)[..., 1]).backward()
+    assert [each.grad for each in moments[:2]] == list(stacked.grad[:2])
+
+
 def test_second_derivatives_are_refused():
     def loss(w):
         return torch.sum(_propagate(MOMENTS, WXYZ, w, T)[..., 0] ** 2)
@@ -96,8 +104,8 @@ def test_second_derivatives_are_refused():
 
 
 def test_bad_input():
-    with pytest.raises(AttitudeError, match="torch.stack"):
-        _propagate(list(_tensors(*MOMENTS)), WXYZ, RATES[0], T)
+    with pytest.raises(AttitudeError, match="moments is 'a'"):
+        _propagate("a", WXYZ, RATES[0], T)
     with pytest.raises(AttitudeError, match=r"omega0 has shape \(2,\)"):
         _propagate(MOMENTS, WXYZ, [1.0, 2.0], T)
     with pytest.raises(AttitudeError, match="do not broadcast"):
