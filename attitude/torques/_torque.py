@@ -281,9 +281,10 @@ class InternalDissipation(Torque):
     Parameters
     ----------
     strength : float or Rheology
-        Pure number, not negative: about the inverse of the quality factor.  Of a `Rheology`, the
-        strength is that which takes its mean power over the nutation of the present energy and
-        momentum: the same evolution over many nutations, not within one.
+        Pure number, not negative.  Of a solid of radius a about rho a^2 w^2/(mu Q), 1e-13 of rock
+        that turns in days: take a `Rheology`, whose strength is that which takes its mean power
+        over the nutation of the present energy and momentum: the same evolution over many
+        nutations, not within one.
 
     Raises
     ------
