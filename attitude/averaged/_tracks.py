@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import chain
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -33,6 +34,9 @@ _ROWS = 512
 _FIRST, _RATIO = 1e4, 1.25
 # Tolerance of the path along which the drift of second order is found.
 _COARSE = 1e-6
+# Share of the change by light or flow that harmonics beyond a degree have, times its square: that
+# of the pole of a box with a wing at a degree of 32; that of |L| is a fifth of it.
+_BEYOND_DEGREE = 0.6
 # Passages without progress after which a rotation stays at the separatrix.
 _MOST_PASSAGES = 100
 
@@ -388,6 +392,12 @@ class Track:
                 for row, x in zip(rows, starts, strict=True)
             ]
         )
+        beyond = [
+            _BEYOND_DEGREE / mean.degree**2
+            for mean in chain(*packing.torques.means)
+            if mean.kind == layout.HARMONICS and not mean.is_linear
+        ]
+        eps = eps + max(beyond, default=0.0)
         # |N| T/(2 pi |L|) for the turns T over which torques are averaged
         of_turns = eps * size / float(packing.axes.moments[2]) * packing.turn / (2.0 * math.pi)
         total = np.concatenate([[0.0], np.cumsum(change * (eps + of_turns))])

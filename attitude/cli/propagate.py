@@ -65,7 +65,8 @@ columns:
   theta             angle between momentum and short axis where the middle axis is across, rad
   energy            kinetic energy, J
   P_psi, P_phi      periods of nutation and of the long axis about the momentum, s
-  weakness          |N| P / (2 pi |L|); means err by about this share of what changes
+  weakness          |N| P / (2 pi |L|); means err by about this share of what changes,
+                    under light by 6e-4 of it more
 
 With --output FILE passages of the separatrix, uniform rotation reached and left, and resonances are
 listed on standard output. A mean motion ends where the torques are no longer weak, or where the

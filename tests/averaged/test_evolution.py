@@ -271,6 +271,15 @@ def test_the_estimate_bounds_the_error_of_first_order(scale):
     assert found["pole"] < estimate < 0.1 * abs(found["size change"])
 
 
+def test_the_estimate_has_the_harmonics_that_are_left_out():
+    """The error of first order alone is below half of the error of |L|."""
+    motion = AveragedMotion(GOES, spinning((0.05, 0.004, 0.003)), sunlit())
+    found = motion.check(60)
+    estimate = float(motion.error_estimate(found["seconds"]))
+    assert abs(found["size"]) < estimate < 0.1 * abs(found["size change"])
+    assert found["pole"] < 3.0 * estimate
+
+
 # ---- Resonances
 
 
