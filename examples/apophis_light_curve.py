@@ -130,7 +130,7 @@ def draw(
     for k in range(1, int(hours[-1] / 30.56) + 1):
         part.axvline(k * 30.56, color="0.5", lw=0.8, ls=":")
     part.set(
-        ylabel="magnitude over its mean at that phase",
+        ylabel="magnitude over H, G at that phase",
         xlabel="hours since 31 January 2013 00:00 UTC (dotted: every 30.56 h)",
         xlim=(0, hours[-1]),
     )
@@ -147,7 +147,7 @@ def draw(
         )  # fmt: skip
     lines.plot([], [], "o", color="#d55e00", ms=4, label="lines (i, j) at |i/P_phi + j/P_psi|")
     lines.set_yscale("log")
-    lines.set(ylabel="amplitude (mag)", xlabel="frequency (1/h)", xlim=(0, 0.16), ylim=(1e-3, 5.0))
+    lines.set(ylabel="amplitude (mag)", xlabel="frequency (1/h)", xlim=(0, 0.16), ylim=(1e-3, 20.0))
     lines.legend(loc="upper right")
     for panel in (whole, part, lines):
         panel.grid(alpha=0.3)

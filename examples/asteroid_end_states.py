@@ -2,9 +2,10 @@
 
 Bodies of ten sizes begin to turn in random states, with periods of 3 to 300 h.  Sunlight (YORP)
 changes rate, pole and mode in a time that grows as the square of the diameter, friction damps the
-tumbling in a time that grows as the cube of the period; both ends of a thousand mean rotations are
+tumbling in a time that grows as the cube of the period; the ends of a thousand mean rotations are
 drawn in the plane of Pravec et al. (2014, Icarus 233, 48, on Apophis): period against diameter,
-with lines of equal damping time.  Slow and small bodies stay tumblers, fast and large ones relax.
+the diameters spread by 15 %, with lines of equal damping time.  Slow and small bodies stay
+tumblers, fast and large ones relax.
 
 All have one invented convex shape, with moments that sunlight acts on as strongly as on (54509)
 YORP of that size.  Friction is that of a quality factor, `attitude.torques.Rheology` with mu Q =
@@ -68,8 +69,8 @@ def orbit() -> Kepler:
     )
 
 
-def evolved(diameter: float, count: int, seed: int) -> tuple[Array, Array, NDArray[np.int64]]:
-    """Periods at the start and the end in h, and the final state as a place in `STATES`."""
+def evolved(diameter: float, count: int, seed: int) -> tuple[Array, NDArray[np.int64]]:
+    """Periods at the end in h, and the final state as a place in `STATES`."""
     mesh = asteroid(diameter)
     body = Body.from_shape(mesh, density=DENSITY)
     rng = np.random.default_rng(seed)
@@ -88,7 +89,7 @@ def evolved(diameter: float, count: int, seed: int) -> tuple[Array, Array, NDArr
     state = np.where(np.degrees(table["theta"].value) < 1.0, 0, tumbling)
     state[np.array([event not in ("", "stays at the separatrix") for event in table["end"]])] = 3
     # |L| tells the period of relaxed rotation, as the lines of damping times take it
-    return periods, 2.0 * np.pi * body.moments.max() / size / HOUR, state
+    return 2.0 * np.pi * body.moments.max() / size / HOUR, state
 
 
 def friction(diameter: float) -> Rheology:
@@ -114,7 +115,7 @@ def main() -> None:
     print(f"{'km':>6}{'Myr':>8}  " + "  ".join(name for name, _ in STATES))
     points = []
     for seed, diameter in enumerate(DIAMETERS):
-        _, periods, state = evolved(float(diameter), members, seed)
+        periods, state = evolved(float(diameter), members, seed)
         counts = [int(np.sum(state == k)) for k in range(len(STATES))]
         columns = "".join(
             f"{n:{len(name) + 2}d}" for n, (name, _) in zip(counts, STATES, strict=True)

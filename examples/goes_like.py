@@ -40,10 +40,10 @@ def main() -> None:
     for leaf in tree[:5]:
         days = [f"{event.seconds / 86400.0:.0f}" for event in leaf.events if event.odds]
         print(f"  {leaf.odds:.3f}  {' '.join(leaf.regions)}  (passages on day {', '.join(days)})")
-    likeliest = AveragedMotion(given.body, given.spin, given.torques)
-    likeliest.at(YEARS * YEAR)
-    strong = [event for event in likeliest.events if event.may_capture]
-    print(f"\nOf the likeliest way {len(strong)} resonances may capture the motion.")
+    greater = AveragedMotion(given.body, given.spin, given.torques)
+    greater.at(YEARS * YEAR)
+    strong = [event for event in greater.events if event.may_capture and event.capture != 0.0]
+    print(f"\nWith the greater odds at each passage {len(strong)} resonances may capture it.")
     for event in strong:
         print(f"  day {event.seconds / 86400.0:.0f}: {event}")
     draw(tree)

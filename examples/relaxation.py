@@ -1,8 +1,8 @@
 """Relaxation of a tumbling asteroid: from long-axis mode through the separatrix to short-axis spin.
 
-The moments and rates are those of Toutatis; the friction is at least a thousand times that of rock,
-so that days replace millions of years.  The angular momentum is constant to rounding; the energy
-decreases to the least value for this momentum.
+The moments and rates are those of Toutatis; the friction is some 1e11 times that of rock, so that
+days replace 1e11 years.  The angular momentum is constant to rounding; the energy decreases to the
+least value for this momentum.
 
     python examples/relaxation.py
 """

@@ -1,10 +1,10 @@
 """Toutatis from its photometry of 1992-93 alone, against the attitudes that radar saw.
 
-The light curve has 370 magnitudes of 26 observers over 188 days.  The search knows nothing of the
+The light curve has 370 magnitudes of 27 observers over 188 days.  The search knows nothing of the
 body but that it turns less than 0.75 times a day.  It finds the long-axis mode, both periods, the
-pole, moments and a convex shape.  Radar attitudes of December 1992 (Takahashi, Busch & Scheeres
-2013, after Hudson & Ostro 1995) lie 6 to 19 degrees from those of the solution, axes being lines.
-Some 40 seconds of processor.
+pole, moments and a convex shape; its verdict is "periods only", for other poles compete.  Radar
+attitudes of December 1992 (Takahashi, Busch & Scheeres 2013, after Hudson & Ostro 1995) lie 6 to 19
+degrees from those of the solution, axes being lines.  Some 40 seconds of processor.
 
     python examples/toutatis_photometry.py
 """
