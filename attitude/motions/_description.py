@@ -26,6 +26,8 @@ _DAY = 86400.0
 _DEGREE = math.degrees(1.0)
 # Errors upward and downward that differ by less, relative to their sum, are printed as one.
 _ASYMMETRY = 0.05
+# Ratio of both from which the normal distribution of the state does not tell the error of a period.
+_SKEWED = 3.0
 # Error of the attitude, rad, up to which a motion is called predictable.
 _TOLERANCE = 0.1
 # 1 - m below which the times near the middle axis and of turning over are printed.
@@ -60,6 +62,11 @@ class _Errors:
             return f" +- {0.5 * (plus + minus):.2g}"
         return f" +{plus:.2g} -{minus:.2g}"
 
+    def is_skewed(self, name: str) -> bool:
+        """Whether both errors differ so much that the number is not linear in the state."""
+        _, minus, plus = self._found.get(name, (0.0, 0.0, 0.0))
+        return max(plus, minus) > _SKEWED * min(plus, minus)
+
     def of_period(self, name: str, seconds: float) -> str:
         """The error of a period in the last unit of its text."""
         size, unit = _period_units(seconds)[-1]
@@ -76,7 +83,7 @@ def description(motion: FreeRotation, *, predictable: bool = False) -> str:
     if motion.mode in (*_TUMBLING, Mode.SEPARATRIX):
         rows.append(("1 - 2 E I2 / L^2", _separatrix(motion, errors)))
     if motion.spin.covariance is not None:
-        rows += _of_errors(motion, predictable)
+        rows += _of_errors(motion, errors, predictable)
     rows += [("within rounding", _NEARLY[mode]) for mode in _near(motion)]
     width = max(len(label) for label, _ in rows)
     lines = [f"  {label:<{width}}  {value}" for label, value in rows]
@@ -94,7 +101,7 @@ def _body(motion: FreeRotation) -> str:
     return f"principal moments {', '.join(texts)} {unit}"
 
 
-def _of_errors(motion: FreeRotation, predictable: bool) -> Rows:
+def _of_errors(motion: FreeRotation, errors: _Errors, predictable: bool) -> Rows:
     """What the errors of the spin mean for the motion."""
     covariance = motion.spin.covariance
     assert covariance is not None  # as the caller has found
@@ -107,6 +114,8 @@ def _of_errors(motion: FreeRotation, predictable: bool) -> Rows:
     ]
     if math.isfinite(_predictability.flip_within_errors(motion)):
         rows.append(("  separatrix", "within the errors: the mode is uncertain"))
+    elif motion.mode in _TUMBLING and any(map(errors.is_skewed, ("period_psi", "period_phi"))):
+        rows.append(("  periods", "not linear in rates and moments, so that + and - differ"))
     if predictable and np.all(motion.body.moments > 0.0):
         seconds = motion.predictable_time(tolerance=_TOLERANCE)
         when = "always" if math.isinf(seconds) else f"for {period(seconds)}"

@@ -139,3 +139,9 @@ def test_the_text(tmp_path, capsys):
     for line in out.splitlines()[2:]:
         if any(key in line for key in ("nutation", "spin rate", "energy", "1 - m", "2 E")):
             assert " +- " in line, line
+
+
+@pytest.mark.parametrize(("error", "is_said"), [(0.1, False), (6.0, True)])
+def test_periods_that_are_not_linear_are_said_to_be(error, is_said):
+    motion = motion_of(*MOTIONS["LAM"], {"attitude": 0.01, "moments": [error, 0.1, 0.1]})
+    assert ("not linear in rates and moments" in str(motion)) == is_said
