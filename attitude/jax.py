@@ -77,6 +77,8 @@ def propagate(
             "JAX computes in float32, which has 7 digits; switch 64-bit floats on first: "
             'jax.config.update("jax_enable_x64", True).'
         )
+    if any(map(np.iscomplexobj, (moments, wxyz0, omega0, t))):
+        raise AttitudeError("an argument is complex; give real numbers.")
     arrays = [jnp.asarray(argument, dtype=jnp.float64) for argument in (moments, wxyz0, omega0, t)]
     return of_arrays(arrays, jnp.broadcast_to, _propagate, angular_velocity)
 

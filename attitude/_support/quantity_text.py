@@ -64,7 +64,7 @@ def numbers_and_unit(text: str, name: str) -> tuple[list[str], str]:
     if match is None:
         raise AttitudeError(
             f"{name} is {quoted(text)}, which is not a number with a unit that astropy knows; "
-            'write it like "14.5 deg/day" or "14.51, 33.529, -98.709 deg/day".'
+            'write it like "5.2 h" or "14.51, 33.529, -98.709 deg/day".'
         )
     numbers, unit = match.groups()
     return re.split(_BETWEEN, numbers), (unit or "").strip()

@@ -76,8 +76,6 @@ MOST: Final = 65
 DATA_START: Final = AXES_ENTRIES + 3 + 2 * MOST
 # Head of a block of `forcing`: first second, step, intervals (0: constant).
 HEAD: Final = 3
-# Scratch: rows of the recursion of Legendre's functions, then the numbers of an epoch.
-LEGENDRE: Final = 8
 # Nearest distance from the separatrix, and where the other side begins.
 NEAREST: Final = 1e-7
 BEYOND: Final = 1e-6

@@ -169,7 +169,10 @@ def periods(text: str, name: str) -> list[str]:
         raise AttitudeError(
             f'{name} is {text!r}, whose last number has no unit; write it like "5.7, 5.8 h".'
         )
-    return [f"{number} {unit or common}".strip() for numbers, unit in parts for number in numbers]
+    times = [f"{number} {unit or common}".strip() for numbers, unit in parts for number in numbers]
+    if len(times) > 2:
+        raise AttitudeError(f'{name} is {text!r}; give one time or two, like "5.7, 5.8 h".')
+    return times
 
 
 def _moment(text: str, name: str) -> _instants.Instant | Fraction:

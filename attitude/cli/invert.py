@@ -109,6 +109,11 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.zero_points is not None:
         of_file["zero_points"] = _zero_points(arguments.zero_points)
     curve = _curve(arguments, arguments.file, **of_file)
+    if not curve.has_geometry:
+        raise AttitudeError(
+            "the photometry has no directions to Sun and observer; give --orbit and --site, or a "
+            "file with the columns of the vectors."
+        )
     kind, dates = _prediction_of(arguments)
     period: Any = arguments.period
     if period is not None:
@@ -123,7 +128,7 @@ def run(arguments: argparse.Namespace) -> None:
         **_surface(arguments),
         drift=arguments.drift,
         budget=validation.positive(arguments.budget, "--budget", unit="s"),
-        seed=arguments.seed,
+        seed=validation.count(arguments.seed, "--seed", 0),
     )
     print(curve)
     print(states)
@@ -185,7 +190,7 @@ def _dates(text, arguments):
         return _dates_of_span(text, *span.groups())
     else:
         dates = [date.strip() for date in text.split(",")]
-    _inputs.past_j2000(dates)
+    _inputs.past_j2000(dates, "--predict")
     return dates
 
 
@@ -232,7 +237,12 @@ def _predict(states, dates, kind, output):
 def _zero_points(text):
     if text in ("auto", "shared", "free"):
         return text
-    return validation.positive(text if " " in text else f"{text} mag", "--zero-points", unit="mag")
+    try:
+        return validation.positive(text if " " in text else f"{text} mag", "", unit="mag")
+    except AttitudeError:
+        raise AttitudeError(
+            f'--zero-points is {text!r}; give auto, shared, free, or a spread like "0.02 mag".'
+        ) from None
 
 
 def _moments(text):

@@ -110,7 +110,8 @@ def run(arguments: argparse.Namespace, command: str) -> None:
     elif count:
         print(timetable)
     else:
-        print(f"{counted} from {arguments.start or 'the start'} on.")
+        start, stop = (end.utc_iso[:19] for end in ends)
+        print(f"{counted} from {start} to {stop} UTC.")
 
 
 def _mission(arguments, command):

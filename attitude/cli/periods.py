@@ -70,6 +70,12 @@ def run(arguments: argparse.Namespace) -> None:
 
     _output.picture_of(arguments)
     count = validation.count(arguments.count, "--count")
+    if arguments.bootstrap is not None:
+        validation.count(arguments.bootstrap, "--bootstrap", 2)
+    if arguments.method == "additive" and not arguments.two:
+        raise AttitudeError("--method additive is the sum of two series; give --two too.")
+    if arguments.method == "pdm" and arguments.two:
+        raise AttitudeError("--method pdm knows one period; leave out --two, or --method.")
     data = data_of(arguments)
     print(repr(data)[1:-1])
     for note in data.notes:

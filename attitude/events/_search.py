@@ -34,7 +34,6 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from attitude._support.annotations import (
-        BoolArray,
         Epoch,
         EpochOrSeconds,
         FloatArray,
@@ -46,7 +45,6 @@ if TYPE_CHECKING:
     from attitude.conditions._moments import Pair
     from attitude.motions._motion import HasAttitudes
 
-    Changes: TypeAlias = tuple[FloatArray, FloatArray, IntArray, BoolArray]
     AnyMotion: TypeAlias = HasAttitudes | Scene
     StateFunction: TypeAlias = Callable[[FloatArray], ArrayLike]
 

@@ -279,7 +279,7 @@ def _check_drift(drift, curve, modes, period, shape):
     is_tumbling = period is None and "PA" not in modes and not isinstance(shape, Mesh)
     if not (is_tumbling and len(_joined.apparitions(curve)) > 1):
         raise AttitudeError(
-            "drift=True is for a body of unknown shape that tumbles over several apparitions, with "
+            "drift is for a body of unknown shape that tumbles over several apparitions, with "
             "gaps above 60 d between them; leave it out."
         )
 

@@ -110,7 +110,7 @@ class Satellite(Path):
             raise AttitudeError(
                 f"{self.name} is evaluated {farthest:.4g} days from the epoch of its elements "
                 f"({spelled(self.epoch)}), where positions of SGP4 mean little; give elements of "
-                f"an epoch within {_REFUSED:.0f} days, or any_epoch=True."
+                f"an epoch within {_REFUSED:.0f} days, or any_epoch=True (true in a file)."
             )
         if farthest > _WARNED and not self.__dict__.get("_has_warned"):
             object.__setattr__(self, "_has_warned", True)

@@ -57,7 +57,7 @@ def test_passes_are_those_of_the_function(attitude_command, tmp_path):
     least = (tmp_path / "least.toml", *DAY, "--step", "1 h")
     assert "columns is missing; give a list" in attitude_command("geometry", *least)[2]
     out = attitude_command("passes", PASS, *DAY, "--elevation", "89.5 deg")[1]
-    assert out == "no passes from 2013-10-23 on.\n"
+    assert out == "no passes from 2013-10-23T00:00:00 to 2013-10-24T00:00:00 UTC.\n"
 
 
 def test_the_span_of_the_file_is_the_default(attitude_command, tmp_path):

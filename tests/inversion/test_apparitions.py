@@ -343,7 +343,7 @@ def test_a_drift_is_that_of_the_frequencies(tumbling, nutation):
 
 
 def test_a_drift_is_refused_where_it_is_not_searched(known):
-    with pytest.raises(AttitudeError, match="drift=True is for a body of unknown shape that tum"):
+    with pytest.raises(AttitudeError, match="drift is for a body of unknown shape that tum"):
         inversion.spin_states(known[0], period="5 h", drift=True)
 
 

@@ -80,6 +80,8 @@ def test_bad_input():
         _propagate(np.ones((2, 3)), WXYZ, np.ones((3, 3)), T)
     with pytest.raises(Exception, match="no body has a moment of inertia"):
         _propagate([1.0, 1, 5], WXYZ, RATES[0], T).block_until_ready()
+    with pytest.raises(AttitudeError, match="complex"):
+        _propagate(MOMENTS + 0j, WXYZ, RATES[0], T)
     jax.config.update("jax_enable_x64", False)
     with pytest.raises(AttitudeError, match="float32"):
         _propagate(MOMENTS, WXYZ, RATES[0], T)
