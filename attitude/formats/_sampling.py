@@ -25,6 +25,7 @@ from attitude.motions import _table
 from attitude.motions._history import AttitudeHistory
 from attitude.motions._motion import Motion
 from attitude.motions._table import AttitudeTable
+from attitude.paths._tabulated import MOST_DEGREE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -484,4 +485,4 @@ def stated(
     """Method and degree that a file will state, by default a table's; see `_table.settled`."""
     if method is None and isinstance(source, AttitudeTable):
         method, degree = source.method, degree or source.degree
-    return _table.settled(method, degree, _table.MOST_DEGREE + 1, has_rates)
+    return _table.settled(method, degree, MOST_DEGREE + 1, has_rates)

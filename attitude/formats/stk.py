@@ -40,6 +40,7 @@ from attitude.frames import representations as forms
 from attitude.motions import _axes as motions_axes
 from attitude.motions import _table
 from attitude.motions._table import AttitudeTable
+from attitude.paths._tabulated import MOST_DEGREE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -362,7 +363,7 @@ class Header:
 
     def _interpolation(self):
         """Method and degree, as of AttitudeTable."""
-        degree, most = self._whole("InterpolationOrder", 1), _table.MOST_DEGREE
+        degree, most = self._whole("InterpolationOrder", 1), MOST_DEGREE
         if degree > most:
             raise self._fault(
                 "InterpolationOrder", f"InterpolationOrder is {degree}; it must be 0 to {most}."
@@ -615,10 +616,8 @@ def write(
         )
     _refuse_body(axes.kind, _NAMES[axes.kind], center)
     sequence = quaternion.known_sequence(sequence).upper()
-    if order is not None and not (isinstance(order, int) and 1 <= order <= _table.MOST_DEGREE):
-        raise AttitudeError(
-            f"order is {order!r}; give a whole number from 1 to {_table.MOST_DEGREE}."
-        )
+    if order is not None and not (isinstance(order, int) and 1 <= order <= MOST_DEGREE):
+        raise AttitudeError(f"order is {order!r}; give a whole number from 1 to {MOST_DEGREE}.")
     head = {"CentralBody": center, "CoordinateAxes": _NAMES[axes.kind]}
     if SECTIONS[section].kind == "EULER_ANGLE":
         head["Sequence"] = sequence.translate(str.maketrans("XYZ", "123"))

@@ -19,6 +19,7 @@ from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.motions._history import AttitudeHistory
 from attitude.motions._motion import Motion
+from attitude.paths._tabulated import settled_degree
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -37,7 +38,6 @@ if TYPE_CHECKING:
 # normalised, as in SPICE's CK types 5 and 6.
 
 METHODS: tuple[str, ...] = ("slerp", "lagrange", "hermite")
-MOST_DEGREE: int = 31
 # The default: four records with rates, or eight without.
 USUAL_DEGREE: int = 7
 _CHUNK = 8192
@@ -46,9 +46,8 @@ _CHUNK = 8192
 def settled(method: str | None, degree: int | None, count: int, has_rates: bool) -> tuple[str, int]:
     """The method and degree of a table of `count` records, from those requested.
 
-    None is the default.  Hermite without rates becomes Lagrange; a degree is reduced to that of
-    all the records, and an even one of Hermite by one; a single record is a fixed attitude
-    ("slerp").
+    None is the default.  Hermite without rates becomes Lagrange; for the degree see
+    `settled_degree`; a single record is a fixed attitude ("slerp").
     """
     if method is None:
         method = "hermite" if has_rates else "lagrange"
@@ -61,14 +60,10 @@ def settled(method: str | None, degree: int | None, count: int, has_rates: bool)
         )
     method = word
     degree = USUAL_DEGREE if degree is None else degree
-    degree = validation.count(degree, "the interpolation degree", most=MOST_DEGREE)
     if method == "hermite" and not has_rates:
         method = "lagrange"
-    if method == "slerp" or count == 1:
-        return "slerp", 1
-    if method == "hermite":
-        return method, max(1, min((degree + 1) // 2, count)) * 2 - 1
-    return method, min(degree, count - 1)
+    degree = settled_degree(degree, max(count, 2), method == "hermite")
+    return ("slerp", 1) if method == "slerp" or count == 1 else (method, degree)
 
 
 def evaluate(

@@ -97,8 +97,8 @@ def oem(
     file : path
         A message in KVN or XML about one object; any number of segments, each interpolated on its
         own by its keywords INTERPOLATION and INTERPOLATION_DEGREE (Hermite or Lagrange polynomials;
-        Hermite of degree 7, or what its states allow, without them).  One that has a single state,
-        as at a manoeuvre, covers no time and is left out.
+        Hermite of degree 7 without them), reduced to what its states allow as in `table`.  One that
+        has a single state, as at a manoeuvre, covers no time and is left out.
     ephemeris : Ephemeris, path of a kernel, or None
         See `ephemeris`; used if the segments have different centers.
     degree : int, optional
@@ -163,7 +163,7 @@ def _path(block, origin, degree, center):
     if block.rows is None:
         raise AttitudeError(f"{where}: there are no states.")
     rows = block.rows
-    interpolation, degree = _interpolation(meta, where, degree, len(rows.times))
+    interpolation, degree = _interpolation(meta, where, degree)
     states = 1e3 * np.concatenate(rows.states)
     span = _useable(meta, rows.times, where)
     try:
@@ -191,12 +191,11 @@ def _center_of(meta):
         raise AttitudeError(f"{err} center= gives the path of any other body.") from err
 
 
-def _interpolation(meta, where, degree, count):
-    """The interpolation and degree of a segment of so many states, as `table` takes them."""
+def _interpolation(meta, where, degree):
+    """The interpolation and degree of a segment, as `table` takes them."""
     name = meta.get("INTERPOLATION", "HERMITE").upper()
     if degree is None:
-        most = 2 * count - 1 if name == "HERMITE" else count - 1
-        text = meta.get("INTERPOLATION_DEGREE", str(max(1, min(7, most))))
+        text = meta.get("INTERPOLATION_DEGREE", "7")
         if not text.isdigit():
             raise AttitudeError(
                 f"{where}: INTERPOLATION_DEGREE is {text}; it must be a whole number."

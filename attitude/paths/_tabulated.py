@@ -30,6 +30,10 @@ if TYPE_CHECKING:
 # Source: Newton's divided differences with repeated nodes (Stoer & Bulirsch, section 2.1.5).
 
 
+# The greatest degree.
+MOST_DEGREE: int = 31
+
+
 def _interval_polynomials(knots, knots_low, values, rates, degree):
     """Chebyshev coefficients between rows at knots (N,) s, of values and rates (N, 3)."""
     window = rows_needed(degree, rates is not None)
@@ -60,6 +64,18 @@ def rows_needed(degree: int, with_rates: bool) -> int:
     return (degree + 1) // 2 if with_rates else degree + 1
 
 
+def settled_degree(degree: int, rows: int, with_rates: bool) -> int:
+    """The degree of polynomials through two rows or more, from that requested.
+
+    It is reduced to what the rows allow.  Hermite's is odd, and that of two rows, 3, at least:
+    through one row it would extrapolate to the next.
+    """
+    degree = validation.count(degree, "the interpolation degree", most=MOST_DEGREE)
+    if with_rates:
+        return 2 * min(max((degree + 1) // 2, 2), rows) - 1
+    return min(degree, rows - 1)
+
+
 def _divided_differences(nodes, values, slopes):
     """The coefficients of Newton's form (intervals, nodes, 3); nodes may be equal in pairs."""
     table = values.copy()
@@ -86,11 +102,8 @@ def _newton_at(x, nodes, newton):
 
 
 INTERPOLATIONS: tuple[str, ...] = ("lagrange", "hermite")
-_HIGHEST_DEGREE = 31
 # Axes beside `frames.FRAMES`.
 _OF_EARTH = ("b1950", *dict.fromkeys(_earth.TURNING_NAMES.values()))
-# s: more than the rounding of an epoch.
-_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -146,8 +159,8 @@ def table(
         and separate ones through the velocities, if given.  The default is "hermite" with
         velocities, "lagrange" without.
     degree : int
-        Degree of the polynomials, odd for Hermite's: 7 uses 4 rows for Hermite's, 8 for
-        Lagrange's, half on each side of an epoch.
+        Degree of the polynomials: 7 uses 4 rows for Hermite's, 8 for Lagrange's, half on each side
+        of an epoch.  Reduced if there are too few rows; Hermite's to an odd one, 3 at least.
     center : Path, str or int
         A path, or a body by name or NAIF number.
     frame : str
@@ -156,13 +169,13 @@ def table(
     name, source : str
         See `Path`.
     span : (epoch, epoch), optional
-        First and last epoch of the path, within the table; the whole table, if not given.
+        First and last epoch of the path, by default and at most those of the table.
 
     Raises
     ------
     AttitudeError
-        For too few rows, rows that are not finite or not ascending, a span that is not within
-        them, other shapes and units.
+        For a single row, rows that are not finite or not ascending, a span that has no time in
+        common with them, other shapes and units.
     """
     r = validation.real(positions, "positions", shape=(..., 3), unit="m")
     if r.ndim != 2:
@@ -211,11 +224,12 @@ def _span(span, first, last):
     if not isinstance(span, (tuple, list)) or len(span) != 2:
         raise AttitudeError(f"span is {validation.shown(span)}; give its first and last epoch.")
     begin, end = (_inputs.instant(epoch, "span") for epoch in span)
-    # The ends of the table, as dates, may differ from its rows by their rounding.
-    if begin.since(first) < -_ROUNDING or end.since(begin) < 0.0 or last.since(end) < -_ROUNDING:
+    begin = begin if begin.since(first) > 0.0 else first
+    end = end if end.since(last) < 0.0 else last
+    if end.since(begin) < 0.0:
         raise AttitudeError(
-            f"the span {spelled(begin)} to {spelled(end)} is not within the rows, from "
-            f"{spelled(first)} to {spelled(last)}; give one that is."
+            f"the span {spelled(begin)} to {spelled(end)} ends before it begins, or is not within "
+            f"the rows, from {spelled(first)} to {spelled(last)}; give one that is."
         )
     return begin, end
 
@@ -265,20 +279,6 @@ def _method(interpolation, degree, with_rates, rows):
     )
     if interpolation == "hermite" and not with_rates:
         raise AttitudeError('"hermite" needs velocities; give velocities, or "lagrange".')
-    whole = isinstance(degree, (int, np.integer)) and not isinstance(degree, bool)
-    if not whole or not 1 <= degree <= _HIGHEST_DEGREE:
-        raise AttitudeError(
-            f"degree is {degree!r}; it must be a whole number from 1 to {_HIGHEST_DEGREE}."
-        )
-    if interpolation == "hermite" and degree % 2 == 0:
-        raise AttitudeError(
-            f"degree is {degree}; Hermite polynomials through positions and velocities are of odd "
-            f"degree: give {degree - 1} or {degree + 1}."
-        )
-    needed = rows_needed(degree, interpolation == "hermite")
-    if rows < max(needed, 2):
-        raise AttitudeError(
-            f"{rows} rows are too few for {interpolation} polynomials of degree {degree}, which "
-            f"need {max(needed, 2)}; give more, or a lower degree."
-        )
-    return interpolation, int(degree)
+    if rows < 2:
+        raise AttitudeError("a table of one row covers no time; give two rows or more.")
+    return interpolation, settled_degree(degree, rows, interpolation == "hermite")

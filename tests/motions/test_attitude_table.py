@@ -134,6 +134,8 @@ def test_shapes_of_t_are_kept_and_a_single_record_holds_still():
     assert np.array_equal(one.at(5.0).angular_velocity, (0, 0, 0))
     two = AttitudeTable("2026-01-01", [5.0, 6.0], [[1, 0, 0, 0], [0.8, 0, 0, 0.6]])
     assert (two.method, two.degree) == ("lagrange", 1)
+    # Hermite of one record would extrapolate from it to the next.
+    assert [table(True, degree=degree).degree for degree in (1, 2, 4, 6)] == [3, 3, 3, 5]
 
 
 def test_nanoseconds_between_records_far_from_the_epoch():

@@ -44,6 +44,9 @@ COVARIANCE_STOP
 """
 
 
+LAGRANGE = [("LAGRANGE", 2, 2), ("LAGRANGE", 9, 4)]
+
+
 def circle(t):
     angle = 1e-3 * t
     position = 7e6 * np.stack([np.cos(angle), np.sin(angle), 0.0 * t], -1)
@@ -113,18 +116,17 @@ def test_frames_are_turned():
         ({"times": [0.0, np.nan, 1.0, 2.0]}, "NaN"),
         ({"times": [0.0, 1.0]}, "there are 4 positions"),
         ({"start": None}, "give start"),
-        ({"degree": 7}, "too few for lagrange polynomials of degree 7, which need 8"),
+        ({"times": [0.0], "positions": np.zeros((1, 3))}, "covers no time"),
         ({"degree": 0}, "whole number from 1"),
         ({"degree": 2.0}, "whole number from 1"),
         ({"interpolation": "hermite"}, "needs velocities"),
         ({"interpolation": "spline"}, "must be one of 'lagrange', 'hermite'"),
-        ({"velocities": np.zeros((4, 3)), "degree": 4}, "odd degree: give 3 or 5"),
         ({"positions": np.full((4, 3), np.nan)}, "positions holds nan"),
         ({"positions": np.zeros((4, 2))}, "positions has shape"),
         ({"frame": "rtn"}, "frame is 'rtn'; it must be one of 'icrf', .*'itrf'"),
         ({"frame": "itrf"}, "[Ee]arth"),  # 2029 is beyond the table of Earth orientation
         ({"center": "nowhere"}, "center is 'nowhere'"),
-        ({"span": ("2020-01-01", START)}, "2020-.* is not within the rows, from 2029"),
+        ({"span": ("2020-01-01", "2020-01-02")}, "2020-.* is not within the rows, from 2029"),
         ({"span": START}, "span is .*; give its first and last epoch"),
     ],
 )
@@ -194,6 +196,17 @@ def test_a_message_in_utc_with_all_that_may_stand_in_it(tmp_path):
     assert path.position(at, 0.0) == pytest.approx([7e6, 9e4, 0.0], abs=1e-4)
     assert path.velocity(at, 0.0) == pytest.approx([0.0, 1e3, 0.0], abs=1e-9)
     assert (path.interpolation, path.degree, path.source) == ("lagrange", 3, "probe.oem")
+
+
+@pytest.mark.parametrize("name, degree, used", [("HERMITE", 1, 3), ("HERMITE", 15, 9), *LAGRANGE])
+def test_degrees_are_those_that_the_states_allow(tmp_path, name, degree, used):
+    """Hermite of one state would extrapolate from it to the next: 60 km here."""
+    lines = MESSAGE.replace("LAGRANGE", name).replace("DEGREE = 3", f"DEGREE = {degree}")
+    lines = lines.replace("META_STOP", "USEABLE_START_TIME = 2025-12-31T00:00:00\nMETA_STOP")
+    path = paths.oem(message(tmp_path, text=lines.replace(" 1.0 0\n", " 0.0 0\n")))
+    before, after = (instant(f"2026-01-01T00:0{end}") for end in ("1:59.9999", "2:00.0001"))
+    assert path.degree == used
+    assert np.abs(path.position(before, 0.0) - path.position(after, 0.0)).max() < 2.0
 
 
 def test_segments_of_few_states_and_names_in_lower_case(tmp_path):
@@ -318,11 +331,11 @@ def test_segments_with_other_centers_lead_to_the_barycentre(tmp_path):
         ),
         (
             "META_STOP",
-            "USEABLE_START_TIME = 2025-12-31T23:59:59\nMETA_STOP",
-            r"the span 2026-01-01T00:01:08.184 TDB to .* is not within the rows, from 2026",
+            "USEABLE_START_TIME = 2026-01-01T00:04:01\nMETA_STOP",
+            r"the span 2026-01-01T00:05:10.184 TDB to .* is not within the rows, from 2026",
         ),
         ("DEGREE = 3", "DEGREE = x", r"INTERPOLATION_DEGREE is x"),
-        ("DEGREE = 3", "DEGREE = 9", r"too few for lagrange polynomials of degree 9"),
+        ("DEGREE = 3", "DEGREE = 0", r"the interpolation degree is 0; give a whole number"),
         ("7000.0 60 0", "7000.0 nan 0", r"line 18: a number is not finite; a state has"),
         (
             "7000.0 60 0 0 1.0 0",
