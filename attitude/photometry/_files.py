@@ -535,12 +535,12 @@ _JULIAN_NAME = re.compile(r"(\w*jd)(?:_(utc|tdb|tt|tai))?(?:_*-_*(\d+(?:\.\d*)?)
 _NAMES: dict[str, tuple[str, ...]] = {
     "magnitude": ("magnitude", "mag", "m", "v", "r_mag", "vmag", "rmag", "magpsf"),
     "reduced": ("reduced_magnitude", "reduced_mag", "redmag"),
-    "flux": ("flux", "intensity", "counts", "brightness", "psfflux"),
+    "flux": ("flux", "intensity", "counts", "brightness", "psfflux", "ujy"),
     "reduced flux": ("reduced_flux",),
     "error": (
         *("sigma", "error", "merr", "mag_err", "e_mag", "dm", "err", "flux_err", "magerr"),
         *("rmsmag", "sigmag", "mag_error", "e_flux", "fluxerr", "flux_error", "uncertainty"),
-        *("dmag", "sigmapsf", "psffluxerr"),
+        *("dmag", "sigmapsf", "psffluxerr", "dujy"),
     ),
     "exposure": ("exposure", "exptime", "exp_time", "exposure_time"),
     "session": ("session", "night", "observer", "code", "curve"),
@@ -551,6 +551,10 @@ _NAMES: dict[str, tuple[str, ...]] = {
     "site": ("site", "station", "stn", "obs_code", "mpc_code", "observatory", "mpccode"),
     "object": ("object", "designation"),
 }
+# Forced photometry of ATLAS: its m is -m where the flux is negative, and dates are the starts of
+# exposures of 30 s (fallingstar-data.com/forcedphot/resultdesc).
+_ATLAS = {"mjd", "ujy", "dujy"}
+_ATLAS_MIDDLE = 15.0 / 86400.0
 _BRIGHTNESS = ("magnitude", "reduced", "flux", "reduced flux")
 _MEANINGS = {"zero_phase": ("no", "yes"), "zero_points": ("free", "shared")}
 _TEXTS = ("error", "filter", "site", "session", "object")
@@ -624,7 +628,7 @@ def _with_remark(rows, text, name, columns):
 
 def _of_table(table, lines, name, columns=None, bad=None):
     """Keywords of `LightCurve` from columns of text; lines (N,) of the rows."""
-    chosen = {}
+    chosen, is_atlas = {}, table.keys() >= _ATLAS
     for meant, column in (columns or {}).items():
         if _plain(column) not in table:
             raise AttitudeError(
@@ -634,8 +638,11 @@ def _of_table(table, lines, name, columns=None, bad=None):
     # in place of all columns of the same meaning
     meanings = {_meaning(key) for key in chosen} - {""}
     others = {key: table[key] for key in table if _meaning(key) not in meanings}
+    if is_atlas and not chosen.keys() & {*_NAMES["magnitude"]}:
+        others = {key: others[key] for key in others if key not in ("m", "dm", "err")}
     table = _with_clocks(others | chosen)
     date, (scale, offset, place) = _dates(table, name)
+    offset += _ATLAS_MIDDLE * (is_atlas and date == "mjd")
     brightness, key = next(
         ((kind, key) for kind in _BRIGHTNESS if (key := _key(table, kind))), ("", "")
     )
@@ -667,6 +674,12 @@ def _of_table(table, lines, name, columns=None, bad=None):
         for k, line in enumerate(lines)
     ]
     keywords = _of_rows(rows, name, scale=scale, offset=offset, is_flux=is_flux, bad=bad)
+    if is_atlas:
+        what = "m" if brightness == "magnitude" else "uJy"
+        keywords["notes"].append(
+            f"It is forced photometry of ATLAS: {what} is used, and dates of the start of "
+            "exposures are moved by 15 s to the middle."
+        )
     keywords |= {"time_of": place, "unit_distances": brightness.startswith("reduced")}
     return keywords | _geometry(table, keywords, name) | _meanings(table, keywords, name)
 

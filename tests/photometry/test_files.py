@@ -75,7 +75,7 @@ def test_dates(tmp_path, header, first, scale, offset, time_of):
         (
             "###MJD m dm uJy duJy F err chi/N\n58200.1 18 0.05 200 10 o 0 1.1\n"
             "58200.2 18.5 0.05 150 10 c 0 1.1\n",
-            18.0, 0.05, ("c", "o"), "reception",
+            200.0, 10.0, ("c", "o"), "reception",
         ),
         ("# taken at home\n2450000.5 1.1 0.01\n", 1.1, 0.01, ("",), "reception"),
     ],
@@ -84,8 +84,20 @@ def test_dates(tmp_path, header, first, scale, offset, time_of):
 def test_names_of_columns_in_a_remark(tmp_path, text, value, sigma, filters, time_of):
     found = read(tmp_path, text)
     assert found.value[0] == value and found.filters == filters and found.time_of == time_of
-    assert found.is_flux == ("flux" in text)
+    assert found.is_flux == ("flux" in text or "uJy" in text)
     np.testing.assert_array_equal(found.sigma[0], sigma)
+
+
+@pytest.mark.parametrize("chosen", [{}, {"flux": "uJy"}, {"magnitude": "m"}])
+def test_forced_photometry_of_atlas(tmp_path, chosen):
+    """Where the flux is negative m is -m, no magnitude; dates are starts of 30 s."""
+    text = "###MJD m dm uJy duJy F err\n58200.1 -17 0.02 -820 18 o 0\n"
+    found = read(tmp_path, text, columns=chosen)
+    expected = (-17.0, 0.02) if "magnitude" in chosen else (-820.0, 18.0)
+    assert (found.value[0], found.sigma[0]) == expected
+    middle = Time(58200.1, 15.0 / 86400.0, format="mjd", scale="utc")
+    assert abs((found.times[0] - middle).to_value("s")) < 1e-4
+    assert "forced photometry of ATLAS" in found.notes[0]
 
 
 def test_tables_of_surveys(tmp_path):
