@@ -626,7 +626,7 @@ class TableSegments:
 
     def __init__(self, table: AttitudeTable, tolerance: float):
         self.tolerance: float = known_angle(tolerance)
-        self._parts = list(table.segments)
+        self._parts = [_of_its_span(segment) for segment in table.segments]
         epochs = [
             pairs.add((segment.seconds, segment.low), segment.epoch.seconds, segment.epoch.low)
             for segment in self._parts
@@ -636,6 +636,11 @@ class TableSegments:
         start = min(float(hi[0]) for hi, _ in epochs)
         self.first: float = float(np.nextafter(start - margin, -np.inf))
         self._clock = [pairs.add(pair, -self.first)[0] for pair in epochs]
+        # Records outside of the span serve the interpolation within it.
+        self._ends = [
+            [float(pairs.add((end.seconds, end.low), -self.first)[0]) for end in segment.span]
+            for segment in self._parts
+        ]
         steps = [np.diff(seconds) for seconds in self._clock]
         if any(np.any(step <= 0.0) for step in steps):
             raise AttitudeError("two records of the table fall on one double of time.")
@@ -645,15 +650,16 @@ class TableSegments:
     def write(self, path: str, clock: KernelClock, instrument: int) -> None:
         """Write the C-kernel to a new file; AttitudeError for errors of SPICE."""
         with opened(path) as (spice, handle):
-            for segment, seconds in zip(self._parts, self._clock, strict=True):
-                _write_part(spice, handle, segment, clock.ticks(seconds), clock, instrument)
+            for segment, seconds, ends in zip(self._parts, self._clock, self._ends, strict=True):
+                ticks, limits = clock.ticks(seconds), clock.ticks(np.array(ends))
+                _write_part(spice, handle, segment, ticks, limits, clock, instrument)
 
     def measured(self, path: str, clock: KernelClock, instrument: int) -> tuple[float, float]:
         """Largest deviations, rad and rad/s, of the kernel read by SPICE from the table."""
         random = np.random.default_rng(2006)
         worst = [0.0, 0.0]
-        for segment, seconds in zip(self._parts, self._clock, strict=True):
-            some = np.sort(random.uniform(seconds[0], seconds[-1], _CHECKS // len(self._parts) + 2))
+        for segment, ends in zip(self._parts, self._ends, strict=True):
+            some = np.sort(random.uniform(*ends, _CHECKS // len(self._parts) + 2))
             ticks = clock.ticks(some)
             has_rates = segment.angular_velocity is not None
             matrices, rates = measured_at(path, ticks, instrument, rates=has_rates)
@@ -665,6 +671,19 @@ class TableSegments:
         return worst[0], worst[1]
 
 
+def _of_its_span(segment: AttitudeTable) -> AttitudeTable:
+    """Great circles over the span of a segment: type 3 has a record at its ends, none beyond."""
+    hi, lo, (begin, end) = segment.seconds, segment.low, segment._limits
+    if segment.method != "slerp" or (begin, end) == ((hi[0], lo[0]), (hi[-1], lo[-1])):
+        return segment
+    inside = ((hi - begin[0]) + (lo - begin[1]) > 0.0) & ((end[0] - hi) + (end[1] - lo) > 0.0)
+    ends = zip(begin, (hi, lo), end, strict=True)
+    seconds, low = (np.concatenate([[a], column[inside], [b]]) for a, column, b in ends)
+    has_rates = segment.angular_velocity is not None
+    kept = segment.at(seconds, low)
+    return _table.AttitudeTable.from_history(kept, rates=has_rates, method="slerp")
+
+
 def _degree(table: AttitudeTable) -> int:
     """The degree of SPICE's polynomials for those of a table."""
     if table.method == "hermite":
@@ -672,10 +691,9 @@ def _degree(table: AttitudeTable) -> int:
     return min(table.degree - (table.degree + 1) % 2, _MOST_DEGREE)
 
 
-def _write_part(spice, handle, segment, ticks, clock, instrument):
+def _write_part(spice, handle, segment, ticks, ends, clock, instrument):
     wxyz, has_rates = segment.nodes, segment.angular_velocity is not None
     rates = quaternion.rotate(wxyz, segment.angular_velocity) if has_rates else None
-    ends = ticks[0], ticks[-1]
     if segment.method == "slerp":
         _put_3(spice, handle, instrument, ends, ticks, wxyz, rates)
         return

@@ -219,7 +219,8 @@ class AttitudeTable(Motion):
     degree : int, optional
         Of the interpolating polynomial, by default 7; reduced if there are too few records.
     usable : pair of epochs, optional
-        First and last epoch of interpolated attitudes; by default those of the records.
+        First and last epoch of interpolated attitudes; by default, and at most, those of the
+        records.  A single record has no others.
     meta : dict, optional
         Names and comments of the file.
 
@@ -495,13 +496,13 @@ class AttitudeTable(Motion):
                 "be None."
             )
         for k, end in enumerate(ends):
-            if end is not None:
+            # Examples of the standard show the first record alone, which is before the usable time.
+            if end is not None and len(self) > 1:
                 hi, lo = _inputs.one_since(self.epoch, _inputs.instant(end, "usable"))
                 beyond = (hi - limits[k][0]) + (lo - limits[k][1])
                 if (beyond > 0.0) == (k == 0):  # inside of the records, not beyond them
                     limits[k] = hi, lo
-        # Examples of the standard show the first record alone, which is before the usable time.
-        if len(self) > 1 and limits[0] > limits[1]:
+        if limits[0] > limits[1]:
             raise AttitudeError(
                 "the usable span ends before it begins, or lies outside of the records; give one "
                 "between the first and the last record (usable=, USEABLE times of a message)."

@@ -227,6 +227,26 @@ def test_methods(tmp_path):
         assert not (tmp_path / name).exists()
 
 
+@pytest.mark.parametrize("method", ["hermite", "lagrange", "slerp"])
+def test_a_usable_span_is_that_of_the_kernel(tmp_path, method):
+    given = MOTION.at(seconds := np.arange(0.0, 61.0))
+    usable = [MOTION.epoch.after(second) for second in (4.0, 56.5)]
+    table = AttitudeTable(
+        MOTION.epoch, seconds, given.wxyz, angular_velocity=given.angular_velocity,
+        method=method, usable=usable,
+    )  # fmt: skip
+    made = ck.write(tmp_path / "a.bc", table)
+    assert made.error < 1e-9
+    with ck.KernelAttitude(made.kernels, "TUMBLER") as kernel:
+        for seconds, is_within in ((3.9, False), (4.1, True), (56.4, True), (56.6, False)):
+            epoch = MOTION.epoch.after(seconds)
+            if is_within:
+                assert apart(kernel.at(epoch).wxyz, table.at(epoch).wxyz) < 1e-7
+            else:
+                with pytest.raises(AttitudeError, match="no attitude of TUMBLER"):
+                    kernel.at(epoch)
+
+
 @pytest.mark.parametrize(("method", "degree"), [("hermite", 5), ("lagrange", 2)])
 def test_a_degree_that_spice_does_not_have(tmp_path, method, degree):
     history = MOTION.at(np.arange(0.0, 41.0, 2.0))

@@ -161,7 +161,7 @@ def test_names_of_bodies(name):
     assert _axes.body_name_fault(name) is None
 
 
-def test_files_of_orekit():
+def test_files_of_orekit(tmp_path):
     """What Orekit reads in them, to rounding: `tests/data/orekit/README.md` has their source."""
     with pytest.raises(AttitudeError, match="segments 0 and 1 overlap"):
         aem.read(OREKIT / "AEMExample17.txt")
@@ -169,6 +169,9 @@ def test_files_of_orekit():
         for k in range(count):
             table = aem.read(OREKIT / name, segment=k, rates="euler")
             assert table.meta["body_frame"] == "SC_BODY_1"
+            # The only record of AEMExample05 is before its USEABLE_START_TIME.
+            aem.write(tmp_path / "again.aem", table)
+            assert aem.read(tmp_path / "again.aem").span == table.span
 
 
 @pytest.mark.parametrize("name", ["AEMExample17.txt", "AEMExample11.xml", "AEMExample05.txt"])
