@@ -571,12 +571,9 @@ class WrittenSegment:
         return {"INTERPOLATION_METHOD": method, "INTERPOLATION_DEGREE": str(degree)}
 
     def _usable(self):
-        table = self._records.table
-        if table is None:
-            return {}
-        ends = list(zip(*self._records.first_and_last(), strict=True))
-        limits = max(table._limits[0], ends[0]), min(table._limits[1], ends[1])
-        if limits == tuple(ends):
+        limits = self._records.usable
+        if limits is None:
             return {}
         names = ("USEABLE_START_TIME", "USEABLE_STOP_TIME")
-        return dict(zip(names, self._texts(table.epoch, *np.array(limits).T), strict=True))
+        texts = self._texts(self._records.epoch, *np.array(limits).T)
+        return dict(zip(names, texts, strict=True))

@@ -9,6 +9,7 @@ and, for a table, at its gaps: no reader interpolates across.
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
@@ -18,7 +19,7 @@ from attitude._support import pairs
 from attitude._support.pairs import Seconds
 from attitude._textfiles.atomic_write import made_whole
 from attitude.epochs import _inputs
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.motions import _table
@@ -64,7 +65,19 @@ def _only(source, t, holder):
             f"{len(parts)} segments are given; {holder} holds one. Write a file for each, or an "
             "AEM, ECSV or FITS."
         )
+    warn_of_usable(parts, holder)
     return parts[0]
+
+
+def warn_of_usable(parts: Sequence[Records], holder: str) -> None:
+    """Warn that a kind of file holds all records of tables that have attitudes in fewer."""
+    if any(records.usable for records in parts):
+        warnings.warn(
+            f"{holder} has no place for the usable span of a table: readers interpolate up to its "
+            "first and last record. AEM, ECSV, FITS and parquet files have one.",
+            AttitudeWarning,
+            stacklevel=3,
+        )
 
 
 def _motion_of(source, name="source"):
@@ -136,6 +149,16 @@ class Records:
     def first_and_last(self) -> tuple[FloatArray, FloatArray]:
         """`seconds` and `low` of the first and the last record, as arrays (2,)."""
         return self.seconds[[0, -1]], Seconds.of(self).low[[0, -1]]
+
+    @property
+    def usable(self) -> _table.Limits | None:
+        """First and last epoch, hi and lo, of a table, if its records go beyond them."""
+        if self.table is None or self.table._limits is None:
+            return None
+        hi, lo = self.first_and_last()
+        first, last = zip(hi.tolist(), lo.tolist(), strict=True)
+        limits = max(self.table._limits[0], first), min(self.table._limits[1], last)
+        return None if limits == (first, last) else limits
 
     def pieces(self) -> Iterator[AttitudeHistory]:
         """The records in order, as histories of at most PIECE epochs."""

@@ -864,6 +864,7 @@ def write(
     """
     refuse_foreign(path, "acm")
     parts = _sampling.segments(source, t)
+    _sampling.warn_of_usable(parts, "an ACM")
     motion, meta = parts[0].motion, parts[0].meta
     axes = _axes.named(frame or meta.get("frame") or "ICRF")
     name = _axes.WRITTEN[axes.kind] if axes.name.islower() else axes.name

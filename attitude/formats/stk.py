@@ -625,6 +625,7 @@ def write(
     write_file = partial(_write, section=section, axes=axes, how=how, head=head, orbit=orbit)
     is_of_records = split and tolerance is None and start is None and stop is None
     if is_of_records and len(parts := _sampling.segments(source, t)) > 1:
+        _sampling.warn_of_usable(parts, "an STK file")
         for name, records in zip(_names(path, len(parts)), parts, strict=True):
             write_file(name, records, order=order)
         return None

@@ -477,7 +477,9 @@ def _have_rates(parts):
 def _said_of(parts):
     """The first rows of segments, and their interpolation if they are those of tables.
 
-    Method and degree are lists if they are not those of all segments.
+    Method and degree are lists if they are not those of all segments.  If one is usable in less
+    than its rows, `usable` holds the first and last epoch of each: TDB seconds since J2000, each
+    the sum of two numbers.
     """
     meta, tables = {"segment": np.cumsum([0, *map(len, parts)])[:-1].tolist()}, []
     for segment in parts:
@@ -487,6 +489,9 @@ def _said_of(parts):
     for key in ("method", "degree"):
         values = [getattr(table, key) for table in tables]
         meta[key] = values if len(set(values)) > 1 else values[0]
+    if any(segment.usable for segment in parts):
+        ends = (end for table in tables for end in table.span)
+        meta["usable"] = [number for end in ends for number in (end.seconds, end.low)]
     return meta
 
 
@@ -538,7 +543,7 @@ def _plain(column, unit):
 
 
 def _segmented(time, wxyz, rates, meta):
-    """The AttitudeTable of rows with the meta data segment, method and degree."""
+    """The AttitudeTable of rows with the meta data segment, method, degree and usable."""
     hi, lo = time
     try:
         starts = [int(start) for start in _values_of(meta.get("segment", 0))]
@@ -548,6 +553,10 @@ def _segmented(time, wxyz, rates, meta):
             values * len(starts) if len(values) == 1 else values
             for values in (_values_of(meta.get(key)) for key in ("method", "degree"))
         )
+        usable: list[Any] = [None] * len(starts)
+        if "usable" in meta:
+            ends = np.reshape([float(end) for end in _values_of(meta["usable"])], (-1, 2, 2))
+            usable = [[_instants.Instant(*end) for end in pair] for pair in ends]
         epoch = _instants.Instant(hi[0], lo[0])
         hi, lo = pairs.add((hi, lo), -epoch.seconds, -epoch.low)
         rows = map(slice, starts, [*starts[1:], len(hi)])
@@ -560,9 +569,10 @@ def _segmented(time, wxyz, rates, meta):
                 angular_velocity=None if rates is None else rates[k],
                 method=method,
                 degree=None if degree is None else int(degree),
+                usable=pair,
                 meta=meta,
             )
-            for k, method, degree in zip(rows, methods, degrees, strict=True)
+            for k, method, degree, pair in zip(rows, methods, degrees, usable, strict=True)
         ]
         return AttitudeTable.joined(parts)
     except (ValueError, TypeError, IndexError, AttributeError) as err:

@@ -254,6 +254,8 @@ def test_several_segments_and_meta_data_are_kept(tmp_path):
         HISTORY.wxyz,
         usable=(HISTORY.epoch.after(1.0), HISTORY.epoch.after(15.0)),
     )
+    # Epochs of the segments of a table are chosen like those of a motion.
+    assert len(read(written(tmp_path, AttitudeTable.joined([found, used]), t=[1.0, 2.0]))) == 2
     back = read(written(tmp_path, used))
     assert abs(back.span[0].seconds - used.span[0].seconds) < 1e-9
     assert read(written(tmp_path, usable)).span[1].seconds > used.span[1].seconds

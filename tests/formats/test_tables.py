@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, Spin, epochs, paths
-from attitude.formats import tables
+from attitude.errors import AttitudeWarning
+from attitude.formats import acm, cic, quat, stk, tables
 from attitude.motions._table import AttitudeTable
 
 SPIN = Spin(epoch="2016-12-31T23:59:50.25", wxyz=(1, 2, 3, 4), angular_velocity=(0.01, 0.15, 0.01))
@@ -253,6 +254,29 @@ def test_unknown_axes_in_the_meta_data():
     table.meta["frame"] = "FOO"
     with pytest.raises(AttitudeError, match="the table: frame is 'FOO'; known axes are"):
         tables.from_table(table)
+
+
+@pytest.mark.parametrize("ending", ["ecsv", "fits", "parquet"])
+def test_usable_spans_are_kept(tmp_path, ending):
+    skip_without_pyarrow(ending)
+    spans = [[MOTION.epoch.after(end) for end in ends] for ends in ((0.1, 5.2), (12.0, 18.3))]
+    parts = [
+        AttitudeTable(MOTION.epoch, part.seconds, part.wxyz, usable=span)
+        for part, span in zip((HISTORY[:30], HISTORY[30:]), spans, strict=True)
+    ]
+    tables.write(tmp_path / f"a.{ending}", AttitudeTable.joined(parts))
+    read = tables.read(tmp_path / f"a.{ending}")
+    assert [list(part.span) for part in read.segments] == spans
+
+
+@pytest.mark.parametrize(
+    "module, name", [(tables, "a.csv"), (quat, "a.quat"), (stk, "a.a"), (cic, "a.cic"), (acm, "a")]
+)
+def test_usable_spans_that_are_lost_are_said(tmp_path, module, name):
+    span = [MOTION.epoch.after(end) for end in (1.0, 5.0)]
+    table = AttitudeTable(MOTION.epoch, HISTORY.seconds, HISTORY.wxyz, usable=span)
+    with pytest.warns(AttitudeWarning, match="has no place for the usable span"):
+        module.write(tmp_path / name, table)
 
 
 @pytest.mark.parametrize("ending", ["ecsv", "fits", "parquet"])
