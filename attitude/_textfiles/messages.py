@@ -582,6 +582,8 @@ class _MessageReader(ElementReader):
         # Tags of the open elements with the blocks they begin; then those of the open row.
         self._tags, self._attributes, self._comments = [], {}, []
         self._is_leaf, self._leaves, self._texts = False, None, []
+        # The tag of the open message of another kind, in an <ndm> of several.
+        self._other = None
         row = form.rows.get(_DATA, "")
         self._begin, self._end = f"<{row}>".encode(), f"</{row}>".encode()
         # Bytes that are kept back from the parser.
@@ -589,6 +591,10 @@ class _MessageReader(ElementReader):
 
     def begin(self, tag, attributes):
         form, message, name = self._form, self.message, None
+        if tag in MESSAGES and tag != form.kind.lower() and self._above() == "ndm":
+            self._other = tag
+        if self._other is not None:
+            return
         if self._leaves is None:
             if tag in MESSAGES or (message is None and tag not in _OUTSIDE):
                 version = self.version(tag, attributes, form.kind.lower(), form.versions)
@@ -628,6 +634,9 @@ class _MessageReader(ElementReader):
         return self._tags[-1][0] if self._tags else None
 
     def end(self, tag, text):
+        if self._other is not None:
+            self._other = None if tag == self._other else self._other
+            return
         name, message = self._tags.pop()[1], self.message
         is_leaf, self._is_leaf = self._is_leaf, False
         if message is None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import os
 import re
+from mmap import ACCESS_READ, mmap
 from typing import TYPE_CHECKING, Any
 
 from attitude._textfiles.lines import beginning, is_number
@@ -102,14 +103,21 @@ def _of_xml(path, text):
     """The format of a file in XML, by the element of its message."""
     from attitude._textfiles.messages import MESSAGES
 
-    matched = re.search(rf"<(?:[\w.-]+:)?({'|'.join(MESSAGES)})[\s>]".encode(), text)
-    name = matched.group(1).decode() if matched else "aem"
-    for one in formats().values():
-        if one.element == name:
-            return one
+    pattern = re.compile(rf"<(?:[\w.-]+:)?({'|'.join(MESSAGES)})[\s>]".encode())
+    kinds = pattern.findall(text) or [b"aem"]
+    if b"<ndm" in text:  # a combination of messages
+        with open(path, "rb") as file, mmap(file.fileno(), 0, access=ACCESS_READ) as content:
+            kinds = pattern.findall(content)
+    known = [one for one in formats().values() if (one.element or "").encode() in kinds]
+    if len(known) == 1:
+        return known[0]
+    listed = " and an ".join(dict.fromkeys(kind.decode().upper() for kind in kinds))
     raise AttitudeError(
-        f"{os.fspath(path)!r} is an {name.upper()}, which holds no attitudes; give an AEM, APM "
-        "or ACM."
+        f"{os.fspath(path)!r} holds an {listed}; write each into a file of its own, or in Python "
+        "read one with its module, such as attitude.formats.aem."
+        if known
+        else f"{os.fspath(path)!r} is an {listed or 'NDM'}, which holds no attitudes; give an AEM, "
+        "APM or ACM."
     )
 
 

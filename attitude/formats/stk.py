@@ -497,13 +497,21 @@ class _Records(Rows):
                 continue
             if len(tokens) != self.step and [word.lower() for word in tokens] == _END:
                 self.convert()
-                for more in lines:
-                    if more.strip() and not more.strip().startswith(b"#"):
-                        raise lines.fault("there is more after END Attitude.")
+                self._refuse_more(lines)
                 return True
             self.take(self.known(tokens, lines.number), lines.number)
         self.convert()
         return False
+
+    def _refuse_more(self, lines):
+        """AttitudeError for lines behind END Attitude, but the plots of STK's simulator."""
+        is_plotted = False
+        for line in lines:
+            words = line.lower().split()[:2] or [b"#"]
+            if words[-1] == b"datagroup" and words[0] in (b"begin", b"end"):
+                is_plotted = words[0] == b"begin"
+            elif not is_plotted and not words[0].startswith(b"#"):
+                raise lines.fault("there is more after END Attitude; delete it.")
 
     def add(self, leads, values, lines):
         """Add N records, of which the first ones have the lines."""

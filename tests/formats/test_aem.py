@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, Spin, epochs
-from attitude.formats import _attitude_types, aem
+from attitude.formats import _attitude_types, aem, detect
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.motions._table import AttitudeTable
@@ -655,9 +655,18 @@ def test_a_message_in_a_combined_one_and_several(tmp_path):
     head, body = path.read_text().split("<aem ", 1)
     path.write_text(f"{head}<ndm><COMMENT>around it</COMMENT><aem {body}</ndm>")
     assert read(path).meta["comments"] == ("around it",)
-    path.write_text(f"{head}<ndm><aem {body}<aem {body}</ndm>")
-    with pytest.raises(AttitudeError, match="several messages"):
-        read(path)
+    opm = f'<opm id="CCSDS_OPM_VERS" version="2.0"><COMMENT>{"x" * 5000}</COMMENT><body/></opm>'
+    path.write_text(f"{head}<ndm>{opm}<aem {body}{opm}</ndm>")
+    assert np.array_equal(detect.read(path).wxyz, read(path).wxyz)
+    assert read(path).meta["comments"] == ()
+    for content, sentence in (
+        (f"{opm}<aem {body}<apm {body}", "holds an OPM and an AEM and an APM; write each into"),
+        (opm, "is an OPM, which holds no attitudes"),
+        (f"<aem {body}<aem {body}", "several messages"),
+    ):
+        path.write_text(f"{head}<ndm>{content}</ndm>")
+        with pytest.raises(AttitudeError, match=sentence):
+            detect.read(path)
     for tolerance in (-1.0, float("nan"), "x", None, True):
         with pytest.raises(AttitudeError, match="tolerance is"):
             read(path, tolerance=tolerance)

@@ -67,6 +67,9 @@ def test_by_hand(tmp_path):
     assert apart(found.at(45.0).wxyz, forms.from_axis_angle((0, 0, 1), np.pi / 4)) < 1e-8
     assert np.allclose(found.angular_velocity, np.radians([0, 0, 1]), atol=1e-17)
     assert found.method == "slerp"
+    # STK's simulator of attitudes appends plots.
+    path.write_text(f"{BY_HAND}BEGIN DataGroup\n BEGIN DataElement\n 1 2\nEND DataGroup\n")
+    assert np.array_equal(stk.read(path).wxyz, found.wxyz)
     matrix = "0.0 1 0 0 0 1 0 0 0 1\n90 0 1 0 -1 0 0 0 0 1\nEND Attitude\n"
     text = re.sub(r"(?s)AttitudeTimeQ.*", "AttitudeTimeDCM\n" + matrix, BY_HAND)
     path.write_text(text)
