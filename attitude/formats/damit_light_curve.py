@@ -230,8 +230,8 @@ def _icrf_units(vectors):
 # Each line is one point: the Julian date corrected for light time (when the light left the
 # asteroid), the brightness in units of intensity, not magnitudes, and the vectors from the asteroid
 # to the Sun and to the Earth in au, over ecliptic J2000 axes.  Calibrated curves share one unit of
-# brightness; a relative curve has its own.  Entries behind the eighth number of a line or behind
-# the second of a header are ignored, as by DAMIT's programs.
+# brightness; a relative curve has its own.  Entries behind the eighth number of a line (with a
+# warning if they are numbers) or behind the second of a header are ignored, as by DAMIT's programs.
 #
 # Format: M. Kaasalainen, J. Torppa, J. Durech, documentation of convexinv, in DAMIT
 # (https://astro.troja.mff.cuni.cz/projects/damit); Durech, Sidorin, Kaasalainen, A&A 513, A46,
@@ -269,12 +269,20 @@ def read_damit_light_curves(path: FilePath, *, time_system: str = "TDB") -> list
         if header is None:
             raise lines.fault("the file is empty; a light-curve file begins with their number.", 1)
         count = _count(lines, header[0], "the number of light curves")
-        curves = [_curve(lines, rows, k, count, time_system) for k in range(count)]
+        longer: list[int] = []
+        curves = [_curve(lines, rows, k, count, time_system, longer) for k in range(count)]
         if next(rows, None) is not None:
             raise lines.fault(
                 f"there is more after the {count} light curves that line 1 announces; is their "
                 "number correct?"
             )
+    if longer:
+        warnings.warn(
+            f"{lines.path}, line {longer[0]}: it has more than eight numbers, as have "
+            f"{len(longer) - 1} others; what is behind the eighth, as an exposure, is not read.",
+            AttitudeWarning,
+            stacklevel=2,
+        )
     return curves
 
 
@@ -369,7 +377,7 @@ def _rows(lines):
             yield tokens
 
 
-def _curve(lines, rows, number, count, time_system):
+def _curve(lines, rows, number, count, time_system, longer):
     where = f"light curve {number + 1} of {count}"
     header = next(rows, None)
     if header is None:
@@ -385,6 +393,7 @@ def _curve(lines, rows, number, count, time_system):
         tokens = next(rows, None)
         if tokens is None:
             raise lines.fault(f"the file ends after {k} of the {points} points of {where}.")
+        longer += [lines.number] * (len(tokens) > 8 and is_number(tokens[8]))
         table.append(_point(lines, tokens, f"point {k + 1} of {where}"))
         # The difference between the decimals of a date and its double, exact before rounding.
         low.append(float(Decimal(tokens[0].decode("ascii")) - Decimal(table[-1][0])))

@@ -17,7 +17,7 @@ FILE = """\
 2
 2 1
 2433827.771536 9.977964e-01 2.5 0.5 0.25 1.6 0.4 0.3
-2433827.778296 1.008107e+00 2.5 0.5 0.25 1.6 0.4 0.3   17.2
+2433827.778296 1.008107e+00 2.5 0.5 0.25 1.6 0.4 0.3   V 17.2
 1 0
   2433828.50000000001  0.5  -1 0 0   0 -2 0
 """
@@ -38,6 +38,14 @@ def test_two_curves_are_read(tmp_path):
     np.testing.assert_array_equal(second.earth, [[0.0, -2.0, 0.0]])
     # The decimals that a double of days (5e-10 d here) leaves out are kept.
     assert second.jd_low[0] == pytest.approx(1e-11, abs=1e-20)
+
+
+def test_numbers_behind_the_eighth_are_said(tmp_path):
+    path = tmp_path / "lc.txt"
+    point = "2454035.6 1.04 -1.2 0.3 0.1 -0.4 0.9 0.1"
+    path.write_text(f"1\n3 1\n{point} remark\n{point} 0.0054\n{point} 0.0054\n")
+    with pytest.warns(AttitudeWarning, match=r"line 4: it has more than eight .* 1 others"):
+        read_damit_light_curves(path)
 
 
 def test_directions_are_turned_from_ecliptic_to_icrf(tmp_path):
