@@ -188,6 +188,7 @@ class Block(dict[str, str]):
         values = list(map(float, words)) if are_numbers else []
         if len(values) != count or not all(map(math.isfinite, values)):
             what = "a finite number" if count == 1 else f"{count} finite numbers"
+            what += "".join(f" in {unit}" for unit in self.message.form.units.get(keyword, ())[:1])
             raise self.fault(f"{keyword} is {cut(value)}; give {what}.", keyword)
         return values
 

@@ -332,7 +332,7 @@ _WORDS = {
 }
 
 
-_FILES = "a body and its state in a file: spin file (.toml), APM, or DAMIT spin file (.spin)"
+_FILES = "a body and its state in a file: spin file (.toml), APM, ACM, or DAMIT spin file (.spin)"
 
 
 def add_target_arguments(parser: argparse.ArgumentParser, files: str = _FILES) -> None:

@@ -159,6 +159,9 @@ class _Segment(Rows):
         self.block, self._options = block, options
         self._is_cic = form.family == "CIC"  # whose versions have the keywords of AEM 1.0
         self._is_old = self._is_cic or block.message.version == "1.0"
+        is_mms = options.lenient and not self._is_cic and count == _MMS
+        if is_mms:
+            meta["ATTITUDE_TYPE"] = "QUATERNION"  # in place of QUATERNION/RATE/SPIN/NUTATION
         if options.lenient:
             self._fill()
         with meta.located("ATTITUDE_TYPE"):
@@ -172,9 +175,10 @@ class _Segment(Rows):
         _messages.refuse_reversed(meta, *self._limits)
         _messages.refuse_reversed(meta, *self._usable, "USEABLE_")
         self._interpolation = self._recommended()
-        if options.lenient and not self._is_cic and count == _MMS:
+        if is_mms:
             block.message.assume(
-                "21 columns are those of MMS: Q1, Q2, Q3, QC and rates in deg/s over the body"
+                "21 columns are those of MMS: Q1, Q2, Q3, QC and rates in deg/s over the body; the "
+                "flag of quality (QF) is not read"
             )
             self._kind, self.others = "QUATERNION/ANGVEL", {_MMS: _READ}
             self._how = replace(self._how, rates_over_body=True, scalar_first=False)

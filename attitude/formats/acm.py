@@ -249,6 +249,9 @@ class Maneuver:
 
 # ---- The content of an Attitude Comprehensive Message
 
+# s: more than the rounding of an epoch.
+_ROUNDING = 1e-9
+
 
 @dataclass(frozen=True, eq=False)
 class AttitudeCovariance:
@@ -381,10 +384,13 @@ class Comprehensive:
             first.wxyz[0],
             first.angular_velocity[0],
         )
-        later = [item for item in self.maneuvers if item.begin.since(spin.epoch) >= 0.0]
+        # Those that end at the epoch of the state, to rounding, are over; they are in any order.
+        ends = [(m.begin.since(spin.epoch), m.end.since(spin.epoch), m) for m in self.maneuvers]
+        later = [item for item in ends if item[0] >= 0.0 and item[1] > _ROUNDING]
         if not later:
             return FreeRotation(self.body, spin)
-        return Arcs(self.body, spin, [item.impulse() for item in later])
+        later.sort(key=lambda item: item[0] + item[1])
+        return Arcs(self.body, spin, [maneuver.impulse() for _, _, maneuver in later])
 
 
 # ---- Rows of attitudes and covariances of an Attitude Comprehensive Message

@@ -8,9 +8,9 @@ import re
 from mmap import ACCESS_READ, mmap
 from typing import TYPE_CHECKING, Any
 
-from attitude._textfiles.lines import beginning, is_number
+from attitude._textfiles.lines import beginning, is_number, prefixed
 from attitude.errors import AttitudeError
-from attitude.formats import spin_file
+from attitude.formats import acm, spin_file
 from attitude.formats._format import Format, OpenedFile, ending_of, endings, formats
 from attitude.motions._free_rotation import FreeRotation
 from attitude.motions._table import AttitudeTable
@@ -272,10 +272,13 @@ def read_state(path: FilePath) -> spin_file.SpinFile:
     if _is_spin_file(path):
         return spin_file.read(path)
     motion, said = opened(path)
+    if format_of(path).module == acm.__name__:
+        with prefixed(path):
+            motion = acm.read(path).motion
     if not isinstance(motion, FreeRotation):
         raise AttitudeError(
-            f"{os.fspath(path)}: holds attitudes at epochs, from which no motion is known; give a "
-            "spin file (.toml), an APM or a DAMIT spin file; `attitude convert IN OUT.toml --fit` "
+            f"{os.fspath(path)}: holds attitudes or maneuvers, and no free rotation; give a spin "
+            "file (.toml), an APM, an ACM or a DAMIT spin file; `attitude convert IN OUT.toml --fit` "
             "makes one of attitudes."
         )
     name = said.get("object_name") or os.path.splitext(os.path.basename(os.fspath(path)))[0]

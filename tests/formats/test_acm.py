@@ -164,6 +164,18 @@ MAN_STOP
     arcs = acm.read(path).motion
     after = arcs.at(arcs.joints[0])
     assert after.motion.momentum_in_body(after) == pytest.approx((1, 2, -3), abs=1e-12)
+    # In any order; one that ends at the epoch of the state is over.
+    blocks = (f"MAN_BEGIN_TIME = {begin}" for begin in ("3.0 [s]", "0.0 [s]", "1.0 [s]"))
+    several = (block.format(frame="ICRF").replace("MAN_BEGIN_TIME = 2.0 [s]", b) for b in blocks)
+    path.write_text(text + "".join(several))
+    assert acm.read(path).motion.joints == pytest.approx([2.0, 3.0, 5.0], abs=1e-8)
+    at_once = block.format(frame="ICRF").replace("2.0 [s]", "0.0").replace("4.0 [s]", "0.0")
+    path.write_text(text + at_once)
+    assert apart(acm.read(path).motion.at(60.0).wxyz, MOTION.at(60.0).wxyz) < 1e-12
+    assert apart(detect.read_state(path).motion.at(60.0).wxyz, MOTION.at(60.0).wxyz) < 1e-12
+    path.write_text(text + block.format(frame="ICRF").replace("2.0 [s]", "2026-01-01T00:00:00"))
+    with pytest.raises(AttitudeError, match=r"BEGIN_TIME is '2026-.*give a finite number in s"):
+        acm.read(path)
     path.write_text(text + block.format(frame="ITRF"))
     with pytest.raises(AttitudeError, match="TARGET_MOM_FRAME is ITRF, axes that turn"):
         acm.read(path).maneuvers[0].impulse()
