@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
     from attitude._support.annotations import FloatArray
     from attitude.catalog import Entry
+    from attitude.formats._format import Format, Option
     from attitude.formats.spin_file import SpinFile
     from attitude.motions._free_rotation import FreeRotation
     from attitude.paths._path import Path, Place
@@ -287,6 +288,28 @@ def path_of(arguments: argparse.Namespace) -> Path | None:
             "give a file whose center is the body at the focus of the orbit."
         )
     return path
+
+
+def of_formats(*, of_reading: bool = False) -> list[Option]:
+    """The options that the registered formats add to commands: all, or those of reading."""
+    from attitude.formats._format import formats
+
+    all_options = [option for entry in formats().values() for option in entry.options]
+    return [option for option in all_options if option.of_reading or not of_reading]
+
+
+def of_reading(
+    arguments: argparse.Namespace, what: str, read: Format | None, writing: Sequence[str] = ()
+) -> dict[str, Any]:
+    """Keywords of `detect.opened` from the options of reading.
+
+    AttitudeError for one that neither the format read has, nor the options `writing` of OUT.
+    """
+    options = of_formats(of_reading=True)
+    known = () if read is None else read.reading
+    others = [x.attribute for x in options if x.keyword not in known and x.attribute not in writing]
+    refuse(arguments, others, what)
+    return {option.keyword: getattr(arguments, option.attribute) for option in options}
 
 
 def site_of(arguments: argparse.Namespace) -> Place | None:

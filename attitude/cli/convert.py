@@ -8,7 +8,7 @@ import warnings
 from attitude.cli import _options
 from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.formats import detect
-from attitude.formats._format import OpenedFile, Option, endings, formats, message_labels
+from attitude.formats._format import OpenedFile, endings, formats, message_labels
 from attitude.formats._sampling import Records
 from attitude.motions._free_rotation import FreeRotation
 from attitude.motions._table import AttitudeTable
@@ -50,7 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="largest error between the records of OUT, from which the step follows (of a C-kernel "
         "1e-9 by default); of a table IN, and with --step, of the length of quaternions read",
     )
-    for option in options():
+    for option in _options.of_formats():
         parser.add_argument(f"--{option.name}", help=option.help, **option.settings)
     _options.add_orbit_arguments(
         parser,
@@ -74,11 +74,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = "\n".join([EPILOG, "endings that OUT may have:", *listed])
 
 
-def options() -> list[Option]:
-    """The options that the registered formats add to the command."""
-    return [option for entry in formats().values() for option in entry.options]
-
-
 # Ratio of the rms of two fits from which the principal axes are fitted too.
 _BETTER = 0.9
 
@@ -91,12 +86,7 @@ def run(arguments: argparse.Namespace) -> None:
     # An entry of the catalogue is as a spin file.
     is_catalogued = not _options.is_file(arguments.input) and catalog.has(arguments.input)
     read = formats()["spin"] if is_catalogued else detect.format_of(arguments.input)
-    of_others = [
-        option.attribute
-        for option in options()
-        if option.of_reading and option.attribute not in (*read.reading, *written.writing)
-    ]
-    _options.refuse(arguments, of_others, f"{arguments.input} as IN")
+    choices = _options.of_reading(arguments, f"{arguments.input} as IN", read, written.writing)
     # The tolerance of a C-kernel, or of a motion that is sampled, is not that of lengths read.
     sampled = written.holds == "span" or (
         (read.holds != "records" or arguments.fit) and arguments.step is None
@@ -114,9 +104,6 @@ def run(arguments: argparse.Namespace) -> None:
         source = OpenedFile(entry.motion(), labels)
     else:
         tolerance = None if sampled else arguments.tolerance
-        choices = {
-            one.name: getattr(arguments, one.attribute) for one in options() if one.of_reading
-        }
         source = detect.opened(arguments.input, tolerance=tolerance, orbit=path, **choices)
     for text in source.motion.meta.get("assumed", ()):
         print(f"{arguments.input}: assumed: {text}")
@@ -264,7 +251,7 @@ def _settings(arguments, written, path):
     """The keyword arguments of the writer; AttitudeError for an option of other formats."""
     noun = written.noun.format(output=arguments.output)
     values = {"tolerance": arguments.tolerance, "orbit": path}
-    for option in options():
+    for option in _options.of_formats():
         value = getattr(arguments, option.attribute)
         if value is option.settings.get("default", False):
             value = None

@@ -32,15 +32,18 @@ def opened(arguments: argparse.Namespace) -> dict[str, Any]:
     if is_file:
         _options.refuse_completing(arguments)
     is_message = is_file and not target.endswith((".toml", ".spin", ".apm"))
-    if not is_message or "kernels" not in detect.format_of(target).reading:
-        _options.refuse(arguments, ("body", "kernels"), f"{target}, which is no C-kernel")
+    read = detect.format_of(target) if is_message else None
+    choices = _options.of_reading(arguments, target, read)
+    path = _options.path_of(arguments)
+    if path is not None and (read is None or "orbit" not in read.reading):
+        raise AttitudeError(f"--orbit has no meaning for {target}; leave it out.")
     if is_file and target.endswith(".toml") and _is_mission(target):
         return _of_mission(arguments, target, mesh)
     if not is_file and (scene := _scene_of(arguments)) is not None:
         return _of_mission(arguments, scene, mesh)
     law: Any = None
     if is_message:
-        motion = detect.opened(target, body=arguments.body, kernels=arguments.kernels or ()).motion
+        motion = detect.opened(target, orbit=path, **choices).motion
         title = _stem(target)
     else:
         state = _options.opened(arguments)[0]
@@ -162,10 +165,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         parser.add_argument(
             f"--{name}", nargs="+", metavar="X,Y,Z", help=f"direction to the {name}, ICRF"
         )
-    parser.add_argument("--body", metavar="NAME", help="name of the frame in a C-kernel")
-    parser.add_argument(
-        "--kernels", nargs="+", metavar="FILE", help="further kernels that a C-kernel needs"
-    )
+    for option in _options.of_formats(of_reading=True):
+        text = option.help.replace(" IN", " FILE")
+        parser.add_argument(f"--{option.name}", help=text, **option.settings)
+    _options.add_orbit_arguments(parser, "path of the body, where its axes are those of the orbit")
     parser.add_argument(
         "--frames", type=int, metavar="N", help=f"of an animation (default: {_FRAMES})"
     )

@@ -464,7 +464,8 @@ class WrittenSegment:
             raise AttitudeError(
                 f"{_attitude_types.IN_VERSION_1[self._kind]} of AEM 1.0 is read in two ways; give "
                 'rates="body" (components of the angular velocity) or rates="euler" (derivatives '
-                "of the angles), or kind QUATERNION/DERIVATIVE, which all readers understand."
+                "of the angles; on the command line --rates), or kind QUATERNION/DERIVATIVE, which "
+                "all readers understand."
             )
         self._axes = _axes.named(settings["frame"] or records.meta.get("frame") or "ICRF")
         self._scale = ccsds_epochs.writable(

@@ -66,7 +66,7 @@ def warn(path: str, what: str) -> None:
     warnings.warn(
         f"{path}: the rates of {what} of version 1 are read as components of the angular velocity; "
         'some tools, such as Orekit, write derivatives of the Euler angles: give rates="body" or '
-        'rates="euler".',
+        'rates="euler" (on the command line --rates).',
         AttitudeWarning,
         stacklevel=2,
     )

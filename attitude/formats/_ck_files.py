@@ -486,7 +486,8 @@ def measured_at(
         if "BADQUATSIGN" in reason:
             raise AttitudeError(
                 f"{sentence} The body turns too far between two records for its interpolation; "
-                "give start= and stop= for records that follow from the tolerance."
+                "give start= and stop= (on the command line --start), for records that follow from "
+                "the tolerance."
             ) from err
         raise cannot(sentence) from err
     finally:
@@ -659,7 +660,7 @@ class TableSegments:
         random = np.random.default_rng(2006)
         worst = [0.0, 0.0]
         for segment, ends in zip(self._parts, self._ends, strict=True):
-            some = np.sort(random.uniform(*ends, _CHECKS // len(self._parts) + 2))
+            some = np.sort(random.uniform(ends[0], ends[1], _CHECKS // len(self._parts) + 2))
             ticks = clock.ticks(some)
             has_rates = segment.angular_velocity is not None
             matrices, rates = measured_at(path, ticks, instrument, rates=has_rates)

@@ -59,8 +59,8 @@ class Option:
     settings : mapping
         Further keyword arguments of argparse's `add_argument`.
     of_reading : bool
-        Whether the option is a keyword of `detect.opened`.  Others belong to writers, and are
-        refused for formats that do not name them in `Format.writing`.
+        Whether the option is a keyword of `detect.opened` (without -in at its end).  Others belong
+        to writers, and are refused for formats that do not name them in `Format.writing`.
     refusal : str
         What the option of a writer says of other formats; {noun} is `Format.noun`.
     """
@@ -75,6 +75,11 @@ class Option:
     def attribute(self) -> str:
         """The name of the option in parsed arguments."""
         return self.name.replace("-", "_")
+
+    @property
+    def keyword(self) -> str:
+        """The keyword of `detect.opened` that an option of reading is."""
+        return self.attribute.removesuffix("_in")
 
 
 def no_labels(motion: Motion, said: Mapping[str, Any]) -> dict[str, Any]:

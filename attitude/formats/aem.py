@@ -244,6 +244,12 @@ _OPTIONS = (
     Option("version", "of CCSDS messages (default 2.0)", {"metavar": "1.0|2.0"}),
     Option("type", "attitude type of an AEM, section of STK", {"metavar": "NAME"}),
     Option("frame", "axes of OUT, such as ICRF or EME2000", {"metavar": "NAME"}),
+    Option(
+        "frame-in",
+        "external axes of IN, where its file does not name them, such as ICRF or EME2000",
+        {"metavar": "NAME"},
+        of_reading=True,
+    ),
     Option("time-system", "of CCSDS messages: UTC, TAI, TDB, ..", {"metavar": "NAME"}),
     Option(
         "for",

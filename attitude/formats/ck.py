@@ -338,7 +338,7 @@ def _written(path, plan, clock, name, instrument, center, frame_kernel, files):
                     f"the kernel deviates by {error:.2g} rad from the table, more than {most:g}: "
                     "SPICE has Hermite polynomials of degree 3, 7, 11, ... and Lagrange ones of "
                     "odd degree to 23. Give start= and stop=, for records that follow from the "
-                    "tolerance, or a larger tolerance."
+                    f"tolerance (on the command line --tolerance {most:g}), or a larger one."
                 )
         else:
             error, rate_error = _halved(temporary, plan, clock, instrument)

@@ -278,8 +278,8 @@ def read_state(path: FilePath) -> spin_file.SpinFile:
     if not isinstance(motion, FreeRotation):
         raise AttitudeError(
             f"{os.fspath(path)}: holds attitudes or maneuvers, and no free rotation; give a spin "
-            "file (.toml), an APM, an ACM or a DAMIT spin file; `attitude convert IN OUT.toml --fit` "
-            "makes one of attitudes."
+            "file (.toml), an APM, an ACM or a DAMIT spin file; `attitude convert IN OUT.toml "
+            "--fit` makes one of attitudes."
         )
     name = said.get("object_name") or os.path.splitext(os.path.basename(os.fspath(path)))[0]
     return spin_file.SpinFile(motion.body, motion.spin, name)

@@ -302,7 +302,7 @@ class Header:
             if "CoordinateAxes" not in self.keywords:
                 raise AttitudeError(
                     "the file has no CoordinateAxes, which names the axes that the attitudes are "
-                    "relative to; add it to the file, or give frame=, such as frame='ICRF'."
+                    f"relative to; add it to the file, or give {motions_axes.AS_FRAME}."
                 )
             return self._axes(self.keywords["CoordinateAxes"])
 
@@ -313,12 +313,13 @@ class Header:
         if custom and lower != "vvlh":
             raise AttitudeError(
                 f"CoordinateAxes is {name[:40]!r}, axes that a scenario of STK defines; give "
-                "what they are with frame=."
+                f"what they are with {motions_axes.AS_FRAME}."
             )
         if lower == "lvlh":
             raise AttitudeError(
                 "CoordinateAxes is LVLH, in which STK's x points away from the center, as that of "
-                'RTN, and that of CCSDS along the orbit; give frame="RTN" or frame="LVLH".'
+                "RTN, and that of CCSDS along the orbit; give RTN or LVLH with "
+                f"{motions_axes.AS_FRAME}."
             )
         kind = motions_axes.OF_EPOCH.get(motions_axes.normal(lower))
         if kind is not None:
@@ -409,7 +410,7 @@ def _refuse_body(kind, name, body):
     if bodies and body and body.title() not in bodies:
         raise AttitudeError(
             f"the axes are {name[:40]} of {body[:40]!r}, and are known for the "
-            f"{' and the '.join(bodies)} only: give what they are with frame=."
+            f"{' and the '.join(bodies)} only: give what they are with {motions_axes.AS_FRAME}."
         )
 
 

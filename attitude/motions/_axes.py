@@ -65,6 +65,8 @@ TURNING: dict[str, str] = {
     **dict.fromkeys(("LVLH", "VVLH"), "lvlh"),
     **{"TNW": "tnw", "NTW": "ntw", "VNC": "vnc"},
 }
+# What sentences say of axes that a file does not name.
+AS_FRAME: str = "frame=, such as frame='ICRF' (on the command line --frame-in)"
 OF_ORBIT: tuple[str, ...] = ("rtn", "lvlh", "tnw", "ntw", "vnc")
 # Axes at one epoch that the file gives (STK): name -> kind of the axes of date.
 OF_EPOCH: dict[str, str] = {"TRUEOFEPOCH": "tod", "MEANOFEPOCH": "mod", "TEMEOFEPOCH": "teme"}
@@ -309,7 +311,7 @@ def of_pair(a: str, b: str, frame: str | None) -> tuple[Axes, str, bool]:
         if known(name) is None and why is not None:
             raise AttitudeError(
                 f"{shown}; {cut(name)} {why}. If it is the body's own frame, name the external "
-                "axes with frame=."
+                f"axes with {AS_FRAME}."
             )
     if both[0] is not None:
         return both[0], b, False
@@ -317,7 +319,7 @@ def of_pair(a: str, b: str, frame: str | None) -> tuple[Axes, str, bool]:
         return both[1], a, True
     raise AttitudeError(
         f"{shown}, and none is known as ICRF, EME2000, ITRF, TEME, TOD, RTN, LVLH or other "
-        "external axes; give the name of the external axes with frame=."
+        f"external axes; give the name of the external axes with {AS_FRAME}."
     )
 
 

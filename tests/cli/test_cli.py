@@ -253,7 +253,7 @@ BAD = [
     (("geometry", "--list", "--output", "y.csv"), "--output has no meaning for --list"),
     (("view", "toutatis", "--unit", "furlong"), "--unit has no meaning for a view without --shape"),
     (("view", "toutatis", "--frames", "3"), "--frames has no meaning for a view without --animate"),
-    (("view", TOUTATIS, "--body", "foo"), "which is no C-kernel"),
+    (("view", TOUTATIS, "--body", "foo"), "--body has no meaning for"),
     (("convert", "toutatis", "x.aem", "--object", "foo"), "--object has no meaning for toutatis"),
     (("convert", TOUTATIS, "x.aem", "--segment", "0"), "--segment has no meaning for"),
     ((*GO, "--stop", "1", "--step", "1", "--output", "a.xls"), "ends in .csv or"),

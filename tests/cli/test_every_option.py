@@ -105,6 +105,8 @@ CASES = {
         *(f'{each} --stop "1 h" --output OUT{k}.html' for k, each in enumerate(_VALUES)),
         'state.toml --start 0 --stop "1 h" --sun 1 0 0 --observer 0 1 0 --shape box.obj --unit km '
         "--output OUT.html",
+        "table.aem --lenient --object TOUTATIS --segment 0 --frame-in ICRF --rates body "
+        f"--orbit {TLE} --orbit-of ENVISAT --output OUT.html",
         'state.toml --animate OUT.gif --frames 2 --stop "1 h"',
     ],
     "convert": [
@@ -117,7 +119,7 @@ CASES = {
         'state.toml OUT.a --split --stop "1 h" --step "1 min"',
         f"state.toml OUT.aem --frame LVLH --orbit {TLE} --orbit-of ENVISAT "
         '--start 2013-10-23T00:00:00 --stop 2013-10-23T00:10:00 --step "60 s"',
-        "table.aem OUT.ecsv --lenient --segment 0",
+        "table.aem OUT.ecsv --lenient --segment 0 --frame-in EME2000",
         "table.aem OUT.ecsv --object TOUTATIS",
         "table.aem OUT.toml --fit --axes free --rms 0.1",
     ],
