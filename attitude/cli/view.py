@@ -34,6 +34,8 @@ def opened(arguments: argparse.Namespace) -> dict[str, Any]:
     is_message = is_file and not target.endswith((".toml", ".spin", ".apm"))
     read = detect.format_of(target) if is_message else None
     choices = _options.of_reading(arguments, target, read)
+    if read is not None and read.holds == "span" and None in (arguments.start, arguments.stop):
+        raise AttitudeError(f"{target} has no span of its own; give --start and --stop.")
     path = _options.path_of(arguments)
     if path is not None and (read is None or "orbit" not in read.reading):
         raise AttitudeError(f"--orbit has no meaning for {target}; leave it out.")

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import math
 import os
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from functools import partial, wraps
 from typing import TYPE_CHECKING
@@ -93,11 +93,13 @@ class KernelAttitude(Motion):
         names = [kernels] if isinstance(kernels, (str, os.PathLike)) else list(kernels)
         loaded = LoadedKernels(names)
         if not isinstance(frame, str) or spiceypy().namfrm(frame) == 0:
+            held = ", ".join(dict.fromkeys(_frames_of(names)))
             loaded.close()
             listed = ", ".join(os.fspath(name) for name in names)
             raise AttitudeError(
                 f"frame is {frame!r}, which the kernels {listed or '(none)'} do not define; give "
-                "the name of a frame, and its frame kernel."
+                f"the name of a frame{f', such as {held}' if held else ''}, and its frame kernel "
+                "(on the command line --body, --kernels)."
             )
         self._set("kernels", tuple(os.fspath(name) for name in names))
         self._set("frame", frame)
@@ -171,8 +173,23 @@ class KernelAttitude(Motion):
         where = f"{self.epoch.after(second).utc_iso} UTC" if math.isfinite(second) else second
         raise AttitudeError(
             f"the kernels have no attitude of {self.frame} at {where} ({reason.short}); give "
-            "epochs within their coverage (SPICE's ckbrief lists it)."
+            "epochs within their coverage (SPICE's ckbrief lists it), and kernels of the frames "
+            "that it is relative to, as the spacecraft's (on the command line --kernels)."
         ) from reason
+
+
+def _frames_of(names):
+    """The frames of the C-kernels among loaded kernels, as far as these define them."""
+    spice = spiceypy()
+    for name in names:
+        try:
+            numbers = list(spice.ckobj(os.fspath(name)))
+        except spice.exceptions.SpiceyError:  # no C-kernel
+            spice.reset()
+            continue
+        for number in numbers:
+            with suppress(spice.exceptions.NotFoundError):
+                yield spice.ccifrm(3, number)[1]
 
 
 @dataclass(frozen=True)

@@ -271,8 +271,9 @@ def read_state(path: FilePath) -> spin_file.SpinFile:
     """The free rotation in a file; of a DAMIT spin file, without inertia, with equal moments."""
     if _is_spin_file(path):
         return spin_file.read(path)
-    motion, said = opened(path)
-    if format_of(path).module == acm.__name__:
+    file_format = format_of(path)
+    motion, said = (None, {}) if file_format.holds == "span" else opened(path)
+    if file_format.module == acm.__name__:
         with prefixed(path):
             motion = acm.read(path).motion
     if not isinstance(motion, FreeRotation):

@@ -136,9 +136,18 @@ def test_c_kernels(tmp_path, spin, capsys):
         apart(spin_file.read(tmp_path / "b.toml").motion.at(300.0).wxyz, MOTION.at(300.0).wxyz)
         < 1e-8
     )
-    for words in ((), ("--step", "1 s"), ("--body", "NOWHERE", *at), ("--kernels", "none.tf", *at)):
-        with pytest.raises(AttitudeError):
+    for words, sentence in (
+        ((), "has no span of its own; give --start|are sampled at epochs; give --start"),
+        (("--step", "1 s"), "has no span of its own; give --start"),
+        (("--body", "NOWHERE", *at), "give the name of a frame, such as TUMBLER, and its frame"),
+        (("--kernels", "none.tf", *at), "none.tf"),
+    ):
+        with pytest.raises(AttitudeError, match=sentence):
             run(tmp_path / "a.bc", tmp_path / "d.csv", *words)
+    with pytest.raises(AttitudeError, match=r"a\.bc: holds attitudes or maneuvers, and no free"):
+        detect.read_state(tmp_path / "a.bc")
+    assert main(["view", str(tmp_path / "a.bc"), "--output", str(tmp_path / "a.html")]) == 2
+    assert "a.bc has no span of its own; give --start and --stop" in capsys.readouterr().err
     with pytest.raises(AttitudeError, match="no attitude of TUMBLER"):
         run(tmp_path / "a.bc", tmp_path / "d.csv", *at[:3], "2026-01-02", *at[4:])
     assert not (tmp_path / "d.csv").exists()
