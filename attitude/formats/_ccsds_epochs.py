@@ -55,7 +55,8 @@ _YEARDAY = {4: "-", 8: "T", 11: ":", 14: ":"}, 17
 
 def known(time_system: str, name: str = "TIME_SYSTEM") -> str:
     """The time scale, in lower case, of a CCSDS time system; `name` stands in the error message."""
-    system = time_system.strip().upper() if isinstance(time_system, str) else None
+    system = time_system.strip().upper() if isinstance(time_system, str) else ""
+    system = system.replace("_", " ")  # CCSDS 504.0-B-2, 6.8.8
     if system not in TIME_SYSTEMS:
         raise AttitudeError(
             f"{name} is {cut(time_system)}, which cannot be converted; it must be one of "

@@ -13,6 +13,7 @@ agree.
 
 from __future__ import annotations
 
+import os
 import warnings
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -36,7 +37,7 @@ from attitude.motions import _axes as motions_axes
 from attitude.motions._body import Body
 from attitude.motions._free_rotation import FreeRotation
 from attitude.motions._spin import Spin
-from attitude.motions._table import refuse_speed
+from attitude.motions._table import AttitudeTable, refuse_speed
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -571,8 +572,27 @@ def write(
 def _opened(path, **keywords):
     message = read(path, **keywords)
     names = ("object_name", "object_id", "center", "comments")
+    said = {name: message.meta[name] for name in names}
     with prefixed(path):
-        return OpenedFile(message.motion, {name: message.meta[name] for name in names})
+        if message.body is not None or message.wxyz is None:
+            return OpenedFile(message.motion, said)
+        warnings.warn(
+            f"{os.fspath(path)}: the message has no inertia, without which no motion follows: its "
+            "one attitude is read.",
+            AttitudeWarning,
+            stacklevel=2,
+        )
+        rates = message.angular_velocity
+        return OpenedFile(
+            AttitudeTable(
+                message.epoch,
+                [0.0],
+                message.wxyz[None],
+                angular_velocity=None if rates is None else rates[None],
+                meta=message.meta,
+            ),
+            said,
+        )
 
 
 def _labels(motion, said):

@@ -270,9 +270,6 @@ def omm(
 
 def _of_fields(fields, label, any_epoch):
     """The satellite of the fields of an OMM."""
-    for keyword in _OMM_NEEDED:
-        if not fields.get(keyword):
-            raise AttitudeError(f"{label} has no {keyword}, which SGP4 needs.")
     for keyword, allowed in (
         ("MEAN_ELEMENT_THEORY", ("SGP4", "SGP/SGP4", "SGP")),
         ("REF_FRAME", ("TEME",)),
@@ -283,6 +280,9 @@ def _of_fields(fields, label, any_epoch):
         stated = fields.get(keyword) or allowed[0]
         if stated.upper() not in allowed:
             raise AttitudeError(f"{label}: {keyword} is {quoted(stated)}; it must be {allowed[0]}.")
+    for keyword in _OMM_NEEDED:
+        if not fields.get(keyword):
+            raise AttitudeError(f"{label} has no {keyword}, which SGP4 needs.")
     fields = {key: value for key, value in fields.items() if value}
     epoch = _inputs.instant(f"{fields['EPOCH'].removesuffix('Z')} UTC", f"{label}: EPOCH")
     # The form that sgp4 reads, which has no leap seconds; the path counts from `epoch`.
@@ -386,10 +386,11 @@ def _chosen(satellites, names_of, name, label):
         different = [number for _, number in compress(named, chosen)]
     count = len(set(different))
     if count != 1:
-        advice = (
-            "; give name=..." if name is None else f" called {quoted(name)}; give another name."
-        )
-        raise AttitudeError(f"{label} holds {count} satellites{advice}")
+        advice = f" satellites called {quoted(name)}; give another name."
+        if name is None:
+            some = [title or str(number) for title, number in dict.fromkeys(named)][:3]
+            advice = f" satellites; give name= (--orbit-of), such as: {', '.join(some)}."
+        raise AttitudeError(f"{label} holds {count}{advice}")
     return satellites
 
 

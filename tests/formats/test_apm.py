@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from attitude import AttitudeError, Body, FreeRotation, Spin
+from attitude.errors import AttitudeWarning
 from attitude.formats import apm, detect
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
@@ -228,6 +229,11 @@ def test_names_and_comments_go_with_the_parameters(tmp_path):
     apm.write(again, read(path), inertia=False)
     with pytest.raises(AttitudeError, match=r"b\.apm: the message has no inertia"):
         detect.read_state(again)
+    # As a table of one attitude it is converted to other formats.
+    with pytest.warns(AttitudeWarning, match="no inertia, .* its one attitude is read"):
+        table = detect.read(again)
+    assert np.array_equal(table.wxyz[0], read(again).wxyz) and len(table) == 1
+    assert np.array_equal(table.angular_velocity[0], read(again).angular_velocity)
 
 
 def test_rates_and_inertia_of_another_body_are_refused(tmp_path):

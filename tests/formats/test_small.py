@@ -147,6 +147,13 @@ def test_what_is_left_out_is_assumed_and_listed(tmp_path, capsys):
     assert aem.read(path, lenient=True).meta["assumed"] == ()
 
 
+def test_an_underscore_is_a_blank_in_a_time_system(tmp_path):
+    aem.write(tmp_path / "a.aem", HISTORY, time_system="GPS")
+    text = (tmp_path / "a.aem").read_text().replace("= GPS\n", "= GPS_TIME\n")
+    (tmp_path / "b.aem").write_text(text)
+    assert aem.read(tmp_path / "b.aem").epoch == aem.read(tmp_path / "a.aem").epoch
+
+
 def test_comments_before_and_between_records_without_data_start(tmp_path):
     path = tmp_path / "a.aem"
     aem.write(path, HISTORY, version="1.0", kind="QUATERNION")
