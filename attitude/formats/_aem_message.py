@@ -184,7 +184,7 @@ class _Segment(Rows):
             self._how = replace(self._how, rates_over_body=True, scalar_first=False)
         columns = _attitude_types.COLUMNS[self._kind]
         names = _scalar_first(columns) if self._how.scalar_first else columns
-        lead, epoch = (2, "a day and its seconds") if self._is_cic else (1, "an epoch")
+        lead, epoch = (2, "an MJD and its seconds") if self._is_cic else (1, "an epoch")
         super().__init__(scale, block.message.fault, names, lead)
         self.holds = (
             f"{cut(meta['ATTITUDE_TYPE'], '')} has {epoch} and {len(columns)} numbers: "

@@ -7,7 +7,7 @@ import pytest
 
 import attitude
 from attitude import AttitudeError, Body, FreeRotation, Spin, cli
-from attitude.cli import convert
+from attitude.cli import _options
 from attitude.formats import _format, detect, quat, spin_file
 from attitude.frames import quaternion
 from benchmarks import doc_tables, file_formats
@@ -151,7 +151,7 @@ def test_every_file_that_registers_is_named():
 
 
 def test_options_that_writers_take_exist_once():
-    names = [each.attribute for each in convert.options()]
+    names = [each.attribute for each in _options.of_formats()]
     assert len(set(names)) == len(names)
     known = {*names, "orbit", "tolerance"}  # of the command itself
     for each in _format.formats().values():
