@@ -318,8 +318,8 @@ class Header:
         if lower == "lvlh":
             raise AttitudeError(
                 "CoordinateAxes is LVLH, in which STK's x points away from the center, as that of "
-                "RTN, and that of CCSDS along the orbit; give RTN or LVLH with "
-                f"{motions_axes.AS_FRAME}."
+                'RTN, and that of CCSDS along the orbit; give frame="RTN" or frame="LVLH" (on the '
+                "command line --frame-in)."
             )
         kind = motions_axes.OF_EPOCH.get(motions_axes.normal(lower))
         if kind is not None:

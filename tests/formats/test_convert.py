@@ -202,8 +202,10 @@ def test_motions_into_everything(tmp_path):
     from attitude.formats import apm
 
     assert apm.read(tmp_path / "c.apm").body is None
-    with pytest.raises(AttitudeError, match="no inertia"):
-        run(tmp_path / "c.apm", tmp_path / "c.toml")
+    with pytest.warns(AttitudeWarning, match="no inertia"):
+        run(tmp_path / "c.apm", tmp_path / "c.csv")
+        with pytest.raises(AttitudeError, match="attitudes at epochs; give --fit"):
+            run(tmp_path / "c.apm", tmp_path / "c.toml")
 
 
 def test_names_sources_and_comments_go_along(tmp_path):
