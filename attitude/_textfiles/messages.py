@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import chain, groupby
+from mmap import ACCESS_READ, mmap
 from typing import IO, TYPE_CHECKING, TypeAlias
 
 from attitude._textfiles.atomic_write import written_whole
@@ -572,6 +573,15 @@ _OUTER = frozenset(("ndm", "body", "segment", *_PARTS))
 _LONGEST_ROW = 1 << 16
 # Layouts of rows in one file for which patterns are compiled.
 _MOST_PATTERNS = 50
+
+
+def kinds_in(path: FilePath, text: bytes) -> list[str]:
+    """The kinds of messages in a file in XML that begins with a text; of an <ndm> several."""
+    pattern = re.compile(rf"<(?:[\w.-]+:)?({'|'.join(MESSAGES)})[\s>]".encode())
+    if b"<ndm" not in text:
+        return [kind.decode() for kind in pattern.findall(text)[:1]] or ["aem"]
+    with open(path, "rb") as file, mmap(file.fileno(), 0, access=ACCESS_READ) as content:
+        return list(dict.fromkeys(kind.decode() for kind in pattern.findall(content)))
 
 
 class _MessageReader(ElementReader):

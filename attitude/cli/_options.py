@@ -305,11 +305,12 @@ def of_reading(
 
     AttitudeError for one that neither the format read has, nor the options `writing` of OUT.
     """
-    options = of_formats(of_reading=True)
+    names = [option.attribute for option in of_formats(of_reading=True)]
+    keywords = {name: name.removesuffix("_in") for name in names}
     known = () if read is None else read.reading
-    others = [x.attribute for x in options if x.keyword not in known and x.attribute not in writing]
+    others = [name for name in names if keywords[name] not in known and name not in writing]
     refuse(arguments, others, what)
-    return {option.keyword: getattr(arguments, option.attribute) for option in options}
+    return {keywords[name]: getattr(arguments, name) for name in names}
 
 
 def site_of(arguments: argparse.Namespace) -> Place | None:

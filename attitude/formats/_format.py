@@ -76,11 +76,6 @@ class Option:
         """The name of the option in parsed arguments."""
         return self.name.replace("-", "_")
 
-    @property
-    def keyword(self) -> str:
-        """The keyword of `detect.opened` that an option of reading is."""
-        return self.attribute.removesuffix("_in")
-
 
 def no_labels(motion: Motion, said: Mapping[str, Any]) -> dict[str, Any]:
     """`Format.labels` of a format that has no place for names and comments."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import inspect
 import os
 import re
-from mmap import ACCESS_READ, mmap
 from typing import TYPE_CHECKING, Any
 
 from attitude._textfiles.lines import beginning, is_number, prefixed
@@ -101,17 +100,13 @@ def format_to_write(path: FilePath) -> Format:
 
 def _of_xml(path, text):
     """The format of a file in XML, by the element of its message."""
-    from attitude._textfiles.messages import MESSAGES
+    from attitude._textfiles.messages import kinds_in
 
-    pattern = re.compile(rf"<(?:[\w.-]+:)?({'|'.join(MESSAGES)})[\s>]".encode())
-    kinds = pattern.findall(text) or [b"aem"]
-    if b"<ndm" in text:  # a combination of messages
-        with open(path, "rb") as file, mmap(file.fileno(), 0, access=ACCESS_READ) as content:
-            kinds = pattern.findall(content)
-    known = [one for one in formats().values() if (one.element or "").encode() in kinds]
+    kinds = kinds_in(path, text)
+    known = [one for one in formats().values() if one.element in kinds]
     if len(known) == 1:
         return known[0]
-    listed = " and an ".join(dict.fromkeys(kind.decode().upper() for kind in kinds))
+    listed = " and an ".join(kind.upper() for kind in kinds)
     raise AttitudeError(
         f"{os.fspath(path)!r} holds an {listed}; write each into a file of its own, or in Python "
         "read one with its module, such as attitude.formats.aem."
