@@ -234,8 +234,8 @@ def polhode(axes: Any, motion: FreeRotation | None = None) -> Figure:
         end = np.zeros((3, 2))
         end[k] = 0.0, 1.25 * semi[k]
         axes.plot(*end, color=_COLORS[0], linewidth=0.8)
-        axes.text(*(end[:, 1] * 1.05), name, color=_COLORS[0], fontsize=9)
-    axes.set_box_aspect(semi, zoom=1.5)
+        axes.text(*(end[:, 1] * 1.05), name, color=_COLORS[0], fontsize=9, ha="center")
+    axes.set_box_aspect(semi, zoom=1.3)
     axes.set_axis_off()
     axes.set_title(f"polhode, {motion.mode.name.lower().replace('_', ' ')}", fontsize=10)
     return axes.figure
