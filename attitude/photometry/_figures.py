@@ -53,10 +53,11 @@ def of_light_curve(data: LightCurve, path: FilePath | None = None) -> Any:
     return plots.saved(figure, path)
 
 
-def of_one(periods, path=None):
+def of_one(periods: Periods, path: FilePath | None = None) -> Any:
     """Power with its peaks, the spectral window, and the curve folded with the best period."""
     figure = plots.new_figure((9.0, 8.0))
-    above, below = figure.subfigures(2, 1, height_ratios=(3, 2))
+    halves: Any = figure.subfigures(2, 1, height_ratios=(3, 2))
+    above, below = halves
     axes = above.subplots()
     unit, unit_name = time_unit(periods.samples.span)
     frequency, power = plots.extremes(

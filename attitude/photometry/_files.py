@@ -554,7 +554,7 @@ _NAMES: dict[str, tuple[str, ...]] = {
 # Forced photometry of ATLAS: its m is -m where the flux is negative, and dates are the starts of
 # exposures of 30 s (fallingstar-data.com/forcedphot/resultdesc).
 _ATLAS = {"mjd", "ujy", "dujy"}
-_ATLAS_MIDDLE = 15.0 / 86400.0
+_ATLAS_MIDDLE = 15.0 / _SECONDS
 _BRIGHTNESS = ("magnitude", "reduced", "flux", "reduced flux")
 _MEANINGS = {"zero_phase": ("no", "yes"), "zero_points": ("free", "shared")}
 _TEXTS = ("error", "filter", "site", "session", "object")

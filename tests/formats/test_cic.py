@@ -192,7 +192,7 @@ FAULTS = {
     "negative": (("51179 0 ", "51179 -1 "), "its seconds are not those of a day"),
     "far": (("51179 0 ", "9999999 0 "), "its year is after 9999"),
     "nan": (("51179 0 ", "51179 nan "), "its seconds are not those of a day"),
-    "no seconds": (("51179 0 ", "51179 "), "line 16: it has 5 entries; QUATERNION has a day and"),
+    "no seconds": (("51179 0 ", "51179 "), "line 16: it has 5 entries; QUATERNION has an MJD and"),
     "dates": (("51179 0 ", "1999-01-01T00:00:00 "), "it has 5 entries"),
     "backwards": (("51180 0 ", "51178 0 "), "line 18: the epoch goes backwards"),
     "direction": (("ATTITUDE_DIR = A2B\n", ""), "the meta data lack ATTITUDE_DIR"),

@@ -489,7 +489,7 @@ def test_commands(tmp_path, capsys, monkeypatch):
         (("periods", str(PHOTOMETRY), "--filter", "V"), "filter is 'V'"),
         (("periods", str(PHOTOMETRY), "--two", "--order", "5"), "order is 5"),
         (("fold", str(PHOTOMETRY), "--period", "5 kg"), "give it in s"),
-        (("fold", str(PHOTOMETRY), "--period", "1, 2, 3 h"), "shape of period"),
+        (("fold", str(PHOTOMETRY), "--period", "1, 2, 3 h"), "give one time or two"),
     ],
 )
 def test_wrong_commands(capsys, arguments, words):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from attitude import Body, FreeRotation, Spin, propagate
-from attitude._solver import evaluation
+from attitude._solver import chains, evaluation
 from attitude._support import arrays
 from attitude.arcs import Arcs, Impulse
 from attitude.torques import _arcs
@@ -74,8 +74,8 @@ def test_ctrl_c_is_heard_after_a_block(call, monkeypatch):
     calls = []
     evaluate = interrupting(evaluation.evaluate_all, calls)
     monkeypatch.setattr(evaluation, "evaluate_all", evaluate)
-    chain = interrupting(_arcs._compiled(), calls)
-    monkeypatch.setattr(_arcs, "_compiled", lambda: chain)
+    chain = interrupting(chains.evaluate_arcs, calls)
+    monkeypatch.setattr(chains, "evaluate_arcs", chain)
     with pytest.raises(KeyboardInterrupt):
         CALLS[call]()
     assert 2 <= len(calls) <= 3
