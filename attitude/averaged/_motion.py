@@ -552,8 +552,8 @@ class AveragedMotion(Immutable):
         """The error of the mean momentum to expect, a share of |L|, at epochs of shape S.
 
         The sum over steps of |change of L|/|L| times eps = |N| P/(2 pi |L|), the order of
-        first-order means, to which light and flow add 6e-4 (32/degree)^2, about what the harmonics
-        beyond the degree have; where torques are averaged over turns T of their paths,
+        first-order means, to which light and flow add 6e-4 (32/degree)^2 for harmonics beyond the
+        degree; where torques are averaged over turns T of their paths,
         |N| T/(2 pi |L|) is added to eps, and once to the sum, since the place on the path at the
         epoch is averaged too.  Resonances and the branch that a passage takes are left out;
         `check` measures.

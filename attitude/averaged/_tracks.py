@@ -34,8 +34,9 @@ _ROWS = 512
 _FIRST, _RATIO = 1e4, 1.25
 # Tolerance of the path along which the drift of second order is found.
 _COARSE = 1e-6
-# Share of the change by light or flow that harmonics beyond a degree have, times its square: that
-# of the pole of a box with a wing at a degree of 32; that of |L| is a fifth of it.
+# Share of the change by light or flow that harmonics beyond a degree have, times its square: three
+# times the errors of mean torques in "averaged costs" of benchmarks/averaged.py, which are shares
+# of the torque, and a mean is smaller.
 _BEYOND_DEGREE = 0.6
 # Passages without progress after which a rotation stays at the separatrix.
 _MOST_PASSAGES = 100

@@ -132,6 +132,9 @@ class Format:
         Options and the value that is what `write` does anyway, such as --for stk.
     is_sampled : bool
         Whether `write` of records takes start=, stop= and tolerance=.
+    read_message : function or None
+        ``read_message(path)`` has ``motion`` and ``meta``, of a format whose messages may state the
+        inertia and so a motion beside their attitudes.
     labels : function
         ``labels(motion, said)`` are settings of `write` that follow from what was read.
     """
@@ -153,6 +156,7 @@ class Format:
     options: tuple[Option, ...] = ()
     fulfilled: Mapping[str, str] = field(default_factory=dict)
     is_sampled: bool = True
+    read_message: Callable[..., Any] | None = None
     labels: Callable[[Motion, Mapping[str, Any]], dict[str, Any]] = no_labels
     beside: Mapping[str, str] = field(default_factory=dict)
 

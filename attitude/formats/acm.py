@@ -964,6 +964,7 @@ register_message(
     module=__name__,
     read=_opened,
     reading=("tolerance", "frame", "orbit", "segment"),
+    read_message=read,
     writing=("frame", "time_system", "orbit"),
     noun="an ACM",
     is_sampled=False,

@@ -613,6 +613,7 @@ register_message(
     module=__name__,
     read=_opened,
     reading=("tolerance", "frame", "orbit", "rates"),
+    read_message=read,
     writing=("version", "frame", "time_system", "rates"),
     holds="motion",
     labels=_labels,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from attitude._textfiles.lines import beginning, is_number, prefixed
 from attitude.errors import AttitudeError
-from attitude.formats import acm, apm, spin_file
+from attitude.formats import spin_file
 from attitude.formats._format import Format, OpenedFile, ending_of, endings, formats
 from attitude.motions._free_rotation import FreeRotation
 from attitude.motions._table import AttitudeTable
@@ -267,11 +267,10 @@ def read_state(path: FilePath) -> spin_file.SpinFile:
     if _is_spin_file(path):
         return spin_file.read(path)
     file_format = format_of(path)
-    message = {acm.__name__: acm, apm.__name__: apm}.get(file_format.module)
-    if message is not None:
-        content = message.read(path)
+    if file_format.read_message is not None:
+        message = file_format.read_message(path)
         with prefixed(path):
-            motion, said = content.motion, content.meta
+            motion, said = message.motion, message.meta
     else:
         motion, said = (None, {}) if file_format.holds == "span" else opened(path)
     if not isinstance(motion, FreeRotation):

@@ -177,7 +177,7 @@ TURNING_NAMES: dict[str, str] = {
     **{"CIRS": "cirs", "TIRS": "tirs"},
 }
 # Those that turn with the Earth, so that rates of vectors include its rotation.
-EARTH_FIXED: tuple[str, ...] = ("itrf", "tirs", "gtod")
+_EARTH_FIXED = ("itrf", "tirs", "gtod")
 # s: half the interval of the differences of an Earth-fixed vector, whose rate then errs by 3e-15
 # of its length a second, and by its rounding.
 _STEP = 0.25
@@ -210,17 +210,16 @@ def vectors_to_icrf(
     Axes of date are taken as at rest, as SGP4 and the standards of orbits do (1e-11 rad/s).
     """
 
-    def turned(vectors, shift=0.0):
-        if kind == "b1950":
-            return quaternion.rotate(b1950(), vectors)
-        return quaternion.rotate(to_icrf(kind, *pairs.add((hi, lo), shift)), vectors)
-
+    axes = b1950() if kind == "b1950" else to_icrf(kind, hi, lo)
+    turned = quaternion.rotate(axes, vectors)
     if rates is None:
-        return turned(vectors), None
-    rates = turned(rates)
-    if kind in EARTH_FIXED:
-        rates += (turned(vectors, _STEP) - turned(vectors, -_STEP)) / (2.0 * _STEP)
-    return turned(vectors), rates
+        return turned, None
+    rates = quaternion.rotate(axes, rates)
+    if kind in _EARTH_FIXED:
+        later, earlier = (to_icrf(kind, *pairs.add((hi, lo), step)) for step in (_STEP, -_STEP))
+        change = quaternion.rotate(later, vectors) - quaternion.rotate(earlier, vectors)
+        rates += change / (2.0 * _STEP)
+    return turned, rates
 
 
 def to_icrf(kind: str, hi: FloatArray, lo: FloatArray) -> FloatArray:

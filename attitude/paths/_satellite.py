@@ -13,7 +13,7 @@ import os
 import re
 import warnings
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import compress
 from typing import TYPE_CHECKING, Any
 
@@ -34,7 +34,7 @@ from attitude.paths._spk import Succession
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from attitude._support.annotations import FilePath
+    from attitude._support.annotations import FilePath, FloatArray
 
 
 _KM = 1000.0
@@ -141,6 +141,7 @@ class NearestSets(Succession):
     Position and velocity jump halfway between two epochs, by the error of SGP4.
     """
 
+    parts: tuple[Satellite, ...]
     center = "earth"
     span = None  # type: ignore[assignment]
 
@@ -149,10 +150,15 @@ class NearestSets(Succession):
         """The number of sets, and the first and last."""
         return f"{len(self.parts)} sets from {self.parts[0].source} to {self.parts[-1].source}"
 
+    @cached_property
+    def _changes(self) -> FloatArray:
+        """Where the nearest set changes, in seconds since the epoch of the first."""
+        epochs = np.array([path.epoch.since(self.parts[0].epoch) for path in self.parts])
+        return 0.5 * (epochs[1:] + epochs[:-1])
+
     def _by_part(self, instant, hi, lo):
         """As that of `Succession`."""
-        epochs = np.array([sum(since(path.epoch, instant)) for path in self.parts])
-        nearest = np.searchsorted(0.5 * (epochs[1:] + epochs[:-1]), hi + lo)
+        nearest = np.searchsorted(self._changes, hi - self.parts[0].epoch.since(instant) + lo)
         lo = np.broadcast_to(lo, hi.shape)
         for k in np.unique(nearest):
             inside = nearest == k

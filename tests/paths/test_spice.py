@@ -187,8 +187,8 @@ def test_kernels_are_joined(tmp_path):
         states = 1e3 * np.array(spiceypy.spkezr(str(TARGET), et, "J2000", "NONE", "399")[0])
     path = paths.relative(TARGET, "earth", kernels)
     assert np.abs(path.position(Instant(0.0), et) - states[:, :3]).max() < 2e-3
-    scene = Scene(None, TARGET, observer=20099942, ephemeris=kernels)
-    assert np.allclose(scene.at(Instant(et[3])).observer_distance, RADIUS, rtol=1e-6)
+    scene = Scene(None, TARGET, observer=20099942, ephemeris=kernels, light_time=False)
+    assert abs(scene.at(Instant(et[3])).observer_distance - RADIUS) < 2e-3
     joined = paths.ephemeris(kernels)
     assert joined.source == "craft.bsp, asteroid.bsp, de421.bsp"
     assert {str(TARGET), "20099942", "earth", "ssb"} <= set(joined.bodies)
