@@ -631,3 +631,18 @@ def placed(member, first, places, order):
         place = places[member[k]]
         order[place] = first + k
         places[member[k]] = place + 1
+
+
+@sized_entry_point
+def scattered(rows, order, out):
+    """Fill the columns (W, R) of given numbers (K,) with those of rows (W, K)."""
+    for k in range(len(order)):
+        place = order[k]
+        for i in range(len(rows)):
+            out[i, place] = rows[i, k]
+
+
+@scattered.for_python
+def _scattered_at_once(rows, order, out):
+    """As `scattered`."""
+    out[:, order] = rows

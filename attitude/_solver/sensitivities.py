@@ -183,57 +183,42 @@ def covariances(
 ) -> None:
     """Fill out (B, 3, 3, T) with the covariances of B motions at given epochs."""
     short = _short_of(constants, tangents, t, None, out.shape[1] == 6, True)
-    if len(short):
-        factors = np.moveaxis(of.factors, 1, 2)[short["motion"]]
-        short["series"] = factors[:, None] @ short["series"]
+    records = short[0]
+    if len(records):
+        factors = np.moveaxis(of.factors, 1, 2)[records["motion"]]
+        records["series"] = factors[:, None] @ records["series"]
     body = _in_blocks(constants, of.tangents, short, t, t_low, 1, (out, out), None)
     _refuse(constants, of.tangents, body, t, t_low)
 
 
 def _short_of(constants, tangents, t, edges, rates, every):
-    """The series of motions for epochs near that of the state, or none if no epoch needs them.
+    """The series of motions with epochs near that of the state, and their numbers (B,); -1: none.
 
     Those of every motion, or of those whose terms cancel.
     """
-    loops, span = _compiled()[1], np.empty(len(constants))
-    loops.spans_of(evaluation.writable(constants), span)
+    loops, count, span = _compiled()[1], len(constants), np.empty(len(constants))
+    constants, tangents = evaluation.writable(constants), evaluation.writable(tangents)
+    loops.spans_of(constants, span)
     of_terms = tangents["spans"][:, 0 if every else 1]
-    spans = np.maximum(of_terms, 1)
-    reach = np.empty(len(constants))
-    loops.reaches(evaluation.writable(tangents), span * spans, reach)
+    most = np.maximum(of_terms, 1)
+    reach = np.empty(count)
+    loops.reaches(tangents, span * most, reach)
     if not every:
         few = (constants["form"] != codes.UNIFORM) & (of_terms == 0)
         reach[few & (tangents["slow"][:, 0] == 0.0)] = -1.0
-    far = reach[:, None] if edges is None else np.repeat(reach, np.diff(edges))[None]
-    rows = np.abs(t if edges is None else t[:, edges[0] : edges[-1]])
-    with np.errstate(invalid="ignore"):
-        within = rows <= far
-    if not np.any(within if rates else within & (rows != 0.0)):
-        return np.empty(0, loops.SHORT)
+    farthest, numbers = np.empty((count, 2)), np.full(count, -1)
+    every_epoch = _edges(edges, count, 0, t.shape[1])
+    loops.farthest_near(read_only(t), every_epoch, reach, farthest)
+    if not np.any(farthest >= 0.0 if rates else farthest > 0.0):
+        return np.empty(0, loops.SHORT), numbers
     # series reach as far as the epochs on each side; motions without such epochs have none
-    later = t if edges is None else t[:, edges[0] : edges[-1]]
-    sides = [
-        _farthest(np.where(within & (sign * later >= 0.0), rows, -1.0), edges) for sign in (1, -1)
-    ]
-    farthest = np.stack(sides, axis=1)
-    span = np.where(np.any(farthest >= 0.0, axis=1), span, -1.0)
-    steps = np.ceil(farthest / np.maximum(span, 1e-300)[:, None])
-    spans = np.clip(steps, 1, spans[:, None]).astype(np.int64)
-    short = np.zeros(len(constants) + int(np.sum(spans - 1)), loops.SHORT)
-    loops.short_setup(
-        evaluation.writable(constants), evaluation.writable(tangents), span, spans, short
-    )
-    return short
-
-
-def _farthest(distances, edges):
-    """The largest of the rows (B, T), or of the runs of one row; -1 of runs without any."""
-    if edges is None:
-        return distances.max(axis=1, initial=-1.0)
-    largest, filled = np.full(len(edges) - 1, -1.0), np.diff(edges) > 0
-    if np.any(filled):
-        largest[filled] = np.maximum.reduceat(distances[0], (edges[:-1] - edges[0])[filled])
-    return largest
+    near = np.flatnonzero(np.any(farthest >= 0.0, axis=1))
+    steps = np.ceil(farthest[near] / np.maximum(span[near, None], 1e-300))
+    spans = np.clip(steps, 1, most[near, None]).astype(np.int64)
+    short = np.zeros(len(near) + int(np.sum(spans - 1)), loops.SHORT)
+    loops.short_setup(constants, tangents, near, span, spans, short)
+    numbers[near] = np.arange(len(near))
+    return short, numbers
 
 
 def _mixed(tangents, factors):
@@ -248,7 +233,7 @@ def _mixed(tangents, factors):
 
 def _in_blocks(constants, tangents, short, t, t_low, kind, outputs, runs):
     """Call the loops of each form, so many epochs at a time that Ctrl-C is heard; -1, or a body
-    with an epoch beyond its reach.
+    with an epoch beyond its reach.  `short`: as of `_short_of`.
     """
     body = _first_that_overflows(tangents, t, t_low, runs)
     if body >= 0:
@@ -260,7 +245,7 @@ def _in_blocks(constants, tangents, short, t, t_low, kind, outputs, runs):
     for edges in _parts(runs, len(constants), t.shape[1]):
         for form in forms:
             loop = _compiled()[0].OF_FORM[form][kind]
-            body = loop(constants, tangents, short, t, t_low, block, *outputs, edges)
+            body = loop(constants, tangents, *short, t, t_low, block, *outputs, edges)
             if body >= 0:
                 return body
     return -1
@@ -268,12 +253,16 @@ def _in_blocks(constants, tangents, short, t, t_low, kind, outputs, runs):
 
 def _parts(runs, bodies, count):
     """Edges (B, 2) of the epochs of each body, for each call of a loop."""
-    if runs is not None:
-        yield np.stack([runs[:-1], runs[1:]], axis=1)
-        return
-    size = max(evaluation.EPOCHS // (4 * max(bodies, 1)), 1)
+    size = max(evaluation.EPOCHS // (4 * max(bodies, 1)), 1) if runs is None else max(count, 1)
     for first in range(0, count, size):
-        yield np.full((bodies, 2), (first, min(first + size, count)), dtype=np.int64)
+        yield _edges(runs, bodies, first, min(first + size, count))
+
+
+def _edges(runs, bodies, first, end):
+    """Edges (B, 2) of the epochs of each body: of its run, or from the first to the end."""
+    if runs is None:
+        return np.full((bodies, 2), (first, end), dtype=np.int64)
+    return np.stack([runs[:-1], runs[1:]], axis=1)
 
 
 def reaches(tangents: NDArray[Any]) -> FloatArray:

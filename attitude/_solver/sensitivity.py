@@ -3,7 +3,8 @@
 Given
     constants  (B,) of records.CONSTANTS; those of another form are skipped
     tangents   (B,) of records.TANGENTS
-    short      records of short_times, or (0,) if no epoch is within its reach
+    short      records of short_times
+    numbers    (B,) that of each body, or -1 if no epoch is within its reach
     t          (1 or B, T) seconds since the epoch of the state
     t_low      a second double of the seconds, in the same shape, or (1, 0) where there is none:
                None would be another type, for which each loop would be compiled anew
@@ -262,7 +263,7 @@ def no_fill(c, d, n, block):
 def _loop_of(name, form, fill_block, fill_attitudes, fill_rates, has_rates, again_of, store):
     """The loop of the columns or covariances of a form, by the functions of both."""
 
-    def loop(constants, tangents, short, t, t_low, block, out, rates, edges):
+    def loop(constants, tangents, short, numbers, t, t_low, block, out, rates, edges):
         fill_still_rows(block)
         zeros, with_rates = np.zeros(BLOCK), has_rates(out, rates)
         for b in range(len(constants)):
@@ -272,20 +273,19 @@ def _loop_of(name, form, fill_block, fill_attitudes, fill_rates, has_rates, agai
                 continue
             if _is_beyond(c, t, t_low, k, first, end):
                 return b
-            again = again_of(out, end - first)
+            again, near = again_of(out, end - first), numbers[b]
             for start in range(first, end, BLOCK - again):
                 stop = min(start + BLOCK - again, end)
                 head = max(start - again, first)
                 times, low = t[k, head:stop], _lows(t_low, zeros, k, head, stop)
                 fill_block(c, d, times, low, block)
-                by_series = len(short) > 0 and any_near(times, short[b].reach)
+                by_series = near >= 0 and any_near(times, short[near].reach)
                 if by_series or with_rates:
                     fill_attitudes(c, d, stop - head, block)
                 if rates is not None and with_rates:
                     fill_rates(c, d, stop - head, block)
-                store(
-                    c, d, short, b, by_series, block, (first, start, stop, end), again, out, rates
-                )
+                series, spans = (short, near, by_series), (first, start, stop, end)
+                store(c, d, series, b, block, spans, again, out, rates)
         finish_stores()
         return -1
 
@@ -323,15 +323,16 @@ def _storing_columns(name, attitude_column, rate_column, by_lines):
     """
     still = TURNS if by_lines else 0
 
-    def store(c, d, short, b, by_series, block, spans, again, attitude, omega):
+    def store(c, d, series, b, block, spans, again, attitude, omega):
         first, start, stop, _ = spans
+        by_series = series[2]
         head = max(start - again, first)
         if by_lines and again and not by_series and not any_missing(stop - head, block):
             _stream(attitude_column, True, (c, d, b, block, spans, head), attitude)
             if omega is not None:
                 _stream(rate_column, False, (c, d, b, block, spans, head), omega)
         else:
-            filled = c, d, short, b, by_series, block, head, stop
+            filled = c, d, series, b, block, head, stop
             _store(attitude_column, near_column, True, still, filled, attitude)
             if omega is not None:
                 _store(rate_column, near_rate_column, False, still, filled, omega)
@@ -342,7 +343,7 @@ def _storing_columns(name, attitude_column, rate_column, by_lines):
 @force_inlined
 def _store(column, near_column, turned, still, filled, out):
     """Store the columns of a block: of attitude, the first being unit vectors, or of rates."""
-    c, d, short, b, by_series, block, head, stop = filled
+    c, d, (short, near, by_series), b, block, head, stop = filled
     row = b if len(out) > 1 else 0
     for j in range(out.shape[2]):
         x, y, z = rows_of(out, row, j, head, stop)
@@ -351,7 +352,7 @@ def _store(column, near_column, turned, still, filled, out):
             continue
         column(c, d, j, block, x, y, z)
         if by_series:
-            near_column(d, short, b, j, block, x, y, z)
+            near_column(d, short, near, j, block, x, y, z)
 
 
 @force_inlined
@@ -374,7 +375,8 @@ def _storing_sums(name, attitude_column, rate_column, triangular):
     Columns in triangular form are added at once; see `columns`.
     """
 
-    def store(c, d, short, b, by_series, block, spans, again, out, rates):
+    def store(c, d, series, b, block, spans, again, out, rates):
+        short, near, by_series = series
         o, length, flat = b if len(out) > 1 else 0, out.shape[3], out.reshape(out.size)
         first, start, stop, _ = spans
         n = stop - max(start - again, first)
@@ -386,12 +388,12 @@ def _storing_sums(name, attitude_column, rate_column, triangular):
                 sums_of_columns(c, d, block, whole, n, places_of_sums(), block, False)
                 copy_sums(block, o, whole, start + whole, stop, out)
             return
-        _sum(attitude_column, rate_column, (c, d, short, b, by_series, block, n), out.shape[1] == 6)
+        _sum(attitude_column, rate_column, (c, d, series, block, n), out.shape[1] == 6)
         if triangular:
             keep_near_sums(n, block)
             sums_of_columns(c, d, block, 0, n, places_of_sums(), block, False)
             if by_series:
-                use_near_sums(n, short[b].reach, block)
+                use_near_sums(n, short[near].reach, block)
         if again:
             stream_sums(block, o, spans, out)
         else:
@@ -403,19 +405,19 @@ def _storing_sums(name, attitude_column, rate_column, triangular):
 @force_inlined
 def _sum(attitude_column, rate_column, filled, rates):
     """Sum the products of the columns of a block."""
-    c, d, short, b, by_series, block, n = filled
+    c, d, (short, near, by_series), block, n = filled
     start_sums(n, 21 if rates else 6, block)
     x, y, z = found_rows(block, n)
     for j in range(COLUMNS):
         attitude_column(c, d, j, block, x, y, z)
         if by_series:
-            near_column(d, short, b, j, block, x, y, z)
+            near_column(d, short, near, j, block, x, y, z)
         add_products(n, block)
         if rates:
             keep_turn(n, block)
             rate_column(c, d, j, block, x, y, z)
             if by_series:
-                near_rate_column(d, short, b, j, block, x, y, z)
+                near_rate_column(d, short, near, j, block, x, y, z)
             add_products_of_rates(n, block)
 
 

@@ -70,8 +70,8 @@ ROWS_OF_SERIES = 10
 _ZETA = 6
 _ETA = 7
 
-# The first B records are those of B motions; those of the spans that follow stand after them, the
-# later ones of a motion first, then the earlier ones.
+# The first records are those of motions; those of the spans that follow stand after them, the later
+# ones of a motion first, then the earlier ones.
 SHORT: np.dtype[np.void] = np.dtype(
     [
         ("reach", "f8"),  # seconds to either side within which the series of the motion hold
@@ -142,26 +142,44 @@ def span_of(c):
 
 
 @slowly_compiled
-def short_setup(constants, tangents, span, spans, out):
-    """Fill the series of SHORT of those of B motions that are not at rest.
+def farthest_near(t, edges, reach, out):
+    """Fill the largest |t| (B, 2) within reach (B,) of the later and of the earlier epochs.
+
+    -1 where there is none.  Epochs (1 or B, T) of a body stand between two edges (B, 2).
+    """
+    for b in range(len(reach)):
+        k, later, earlier = b if len(t) > 1 else 0, -1.0, -1.0
+        for i in range(edges[b, 0], edges[b, 1]):
+            seconds = t[k, i]
+            if abs(seconds) <= reach[b]:
+                later = max(later, seconds) if seconds >= 0.0 else later
+                earlier = max(earlier, -seconds) if seconds <= 0.0 else earlier
+        out[b, 0], out[b, 1] = later, earlier
+
+
+@slowly_compiled
+def short_setup(constants, tangents, motions, span, spans, out):
+    """Fill the series of SHORT of M of B motions; none of one at rest.
 
     Given
-        span   (B,) of `spans_of`
-        spans  (B, 2) number of series to later and to earlier epochs
+        motions  (M,) numbers of the motions
+        span     (B,) of `spans_of`
+        spans    (M, 2) number of series to later and to earlier epochs
     Filled
-        out    (B + sum of (spans - 1),)
+        out      (M + sum of (spans - 1),)
     """
     w, turn = np.zeros(3 * TERMS), np.zeros(3 * TERMS * _LANES)
     dw, momentum = np.zeros(3 * TERMS * _LANES), np.zeros(3 * TERMS * _LANES)
     axes = np.zeros((2, 3, 3))
     state, ends = np.zeros((_ROWS_OF_STATE, 4)), np.zeros((2, _ROWS_OF_STATE, 4))
     again = np.zeros((2, _ROWS_OF_STATE, 4))
-    place = len(constants)
-    for b in range(len(constants)):
-        c, d, s = constants[b], tangents[b], out[b]
+    place = len(motions)
+    for number in range(len(motions)):
+        b = motions[number]
+        c, d, s = constants[b], tangents[b], out[number]
         s.span, s.next, s.motion = span[b], place, b
-        s.spans[0], s.spans[1] = spans[b, 0], spans[b, 1]
-        s.reach = max(span[b] * max(spans[b, 0], spans[b, 1]), slow_reach(d))
+        s.spans[0], s.spans[1] = spans[number, 0], spans[number, 1]
+        s.reach = max(span[b] * max(s.spans[0], s.spans[1]), slow_reach(d))
         if span[b] <= 0.0:
             continue
         moments = 1.0 / d.inverse[0], 1.0 / d.inverse[1], 1.0 / d.inverse[2]
@@ -175,8 +193,8 @@ def short_setup(constants, tangents, span, spans, out):
             _ends_of(turn, side, axes[side])
         for side in range(2):
             _copy(ends[side], state)
-            for k in range(1, spans[b, side]):
-                before, later = out[b if k == 1 else place - 1], out[place]
+            for k in range(1, spans[number, side]):
+                before, later = out[number if k == 1 else place - 1], out[place]
                 later.span, later.motion, later.unit = span[b], b, span[b]
                 later.centre = span[b] * (k if side == 0 else -k)
                 for j in range(COLUMNS):

@@ -385,12 +385,14 @@ class Evaluation:
 
         def gathered(begin: int, end: int) -> None:
             assert order is not None
-            some = order[begin:end]
+            some = read_only(order[begin:end])
             copies = out.mapped(lambda array: np.empty((*array.shape[:-1], len(some))))
             self.runs(member[some], 0, len(some), t.taken(some), copies)
             for whole, copy in zip(out, copies, strict=True):
                 if whole is not None and copy is not None:
-                    np.moveaxis(whole, -1, 0)[some] = np.moveaxis(copy, -1, 0)
+                    numbers = whole.reshape(-1, len(member))
+                    assert np.shares_memory(numbers, whole)
+                    compiled().scattered(copy.reshape(-1, len(some)), some, numbers)
 
         bar = ProgressBar("rows")
         in_blocks(direct if order is None else gathered, len(member), ROWS, threads, bar)

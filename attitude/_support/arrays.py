@@ -59,13 +59,12 @@ def copied(array: Array) -> Array:
 
 
 def put(target: NDArray[Any], source: NDArray[Any]) -> None:
-    """Copy an array (..., N) or (..., N, K) into one of the same shape, in parts as `copied`."""
+    """Copy an array into one of the same shape, in parts as `copied` of its longest axis."""
     if target.size <= _PART:
         target[...] = source
         return
-    axis = target.ndim - 1 if target.ndim < 2 or target.shape[-1] > target.shape[-2] else -2
-    before = (slice(None),) * (axis % target.ndim)
-    length = target.shape[axis]
+    length = max(target.shape)
+    before = (slice(None),) * target.shape.index(length)
     step = max(length * _PART // target.size, 1)
     for first in range(0, length, step):
         place = (*before, slice(first, first + step))

@@ -142,10 +142,10 @@ def test_series_in_python_and_in_vectors_have_the_same_bits():
     short_times.spans_of(prepared.constants, span)
     assert np.all(span > 0.0)
     records = []
-    given = prepared.constants.view(np.recarray), tangents.view(np.recarray), span, spans
+    of_motions = prepared.constants.view(np.recarray), tangents.view(np.recarray), np.arange(3)
     for setup in (short_times.short_setup.dispatcher, short_times.short_setup.uncompiled):
         records.append(np.zeros(3 + int(np.sum(spans - 1)), short_times.SHORT).view(np.recarray))
-        setup(*given, records[-1])
+        setup(*of_motions, span, spans, records[-1])
     assert np.max(np.abs(records[0]["series"])) > 0.1
     for name in short_times.SHORT.names:
         assert np.array_equal(records[0][name], records[1][name]), name
