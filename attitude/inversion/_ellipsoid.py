@@ -20,6 +20,7 @@ from attitude._support.least_squares import Near
 from attitude.inversion import _motions
 from attitude.inversion._lattices import Candidate
 from attitude.inversion._motions import (
+    LANES,
     attitudes,
     matrix_rows,
     moments,
@@ -55,6 +56,17 @@ def _aligned(shape: tuple[int, ...]) -> FloatArray:
     return memory[skipped : skipped + count].reshape(shape)
 
 
+def _span(rows: FloatArray) -> tuple[int, int]:
+    """The first and the end of the vectors of epochs at which rows (4, N) are not all zero.
+
+    All of rows that are still empty, those of a state.
+    """
+    on = np.flatnonzero(rows.any(axis=0))
+    if not on.size:
+        return 0, rows.shape[1]
+    return int(on[0]) // LANES * LANES, (int(on[-1]) // LANES + 1) * LANES
+
+
 class EllipsoidCurve:
     """Magnitudes of ellipsoids against those of a problem, for many states (S, 16) at a time.
 
@@ -80,6 +92,7 @@ class EllipsoidCurve:
         self._turns, self._tangents = _aligned((2, 9 * t.size))
         self._memory = _aligned((_ROWS + count + -count % _FOUR, t.size))
         self._memory[_ROWS : _ROWS + count, : len(problem)] = problem.u
+        self._spans = np.array([_span(rows) for rows in self._memory.reshape(-1, _FOUR, t.size)])
         self.rows = self._memory[:_ROWS]
 
     def _products(self, states: FloatArray, size: int, tangents: FloatArray) -> FloatArray:
@@ -87,7 +100,8 @@ class EllipsoidCurve:
         products = np.empty((len(states), size, size))
         of_rows = np.empty((size + 1, len(self._memory)))
         rows = self._memory.reshape(-1)
-        _products(states, *self._epochs, self._turns, tangents, rows, of_rows, products)
+        of_fours = rows, self._spans, of_rows
+        _products(states, *self._epochs, self._turns, tangents, *of_fours, products)
         return products
 
     def costs(self, states: FloatArray) -> FloatArray:
@@ -206,8 +220,9 @@ def residuals(state, t, sun, observer, y, weight, r, g, rows):
 
 
 @reduction_within
-def _two_by_four(rows, a, b, n):
-    """Products of two rows of n numbers, from a on, with four, from b on."""
+def _two_by_four(rows, a, b, n, first, end):
+    """Products of two rows of n numbers, from a on, with four, from b on: numbers first to end."""
+    a, b, last = a + first, b + first, end - first
     x, y = eight(rows, a), eight(rows, a + n)
     z = eight(rows, b)
     p0, q0 = x * z, y * z
@@ -217,7 +232,7 @@ def _two_by_four(rows, a, b, n):
     p2, q2 = x * z, y * z
     z = eight(rows, b + 3 * n)
     p3, q3 = x * z, y * z
-    for i in range(8, n, 8):
+    for i in range(8, last, 8):
         x, y = eight(rows, a + i), eight(rows, a + n + i)
         z = eight(rows, b + i)
         p0, q0 = p0 + x * z, q0 + y * z
@@ -234,12 +249,13 @@ def _two_by_four(rows, a, b, n):
 
 
 @reduction
-def _products(states, t, sun, observer, y, weight, r, g, rows, of_rows, out):
+def _products(states, t, sun, observer, y, weight, r, g, rows, spans, of_rows, out):
     """Products of the residuals and derivatives of states (S, 16), into out (S, R, R).
 
     R is 11, or 1 for residuals alone, where g is empty.  rows ((12 + L) N,): those of a state as in
-    `residuals`, which are overwritten, then L that are projected out; of_rows (R + 1, 12 + L) is
-    working memory; L is a multiple of four.  The others are as in `residuals`.
+    `residuals`, which are overwritten, then L that are projected out, every four of which are zero
+    outside of a span (3 + L / 4, 2); of_rows (R + 1, 12 + L) is working memory; L is a multiple of
+    four.  The others are as in `residuals`.
     """
     n, count, columns = t.size, out.shape[1], of_rows.shape[1]
     for number in range(states.shape[0]):
@@ -249,7 +265,8 @@ def _products(states, t, sun, observer, y, weight, r, g, rows, of_rows, out):
             for column in range(0, columns, 4):
                 if row + 1 < column < _ROWS:
                     continue
-                sums = _two_by_four(rows, row * n, column * n, n)
+                first, end = spans[column // 4, 0], spans[column // 4, 1]
+                sums = _two_by_four(rows, row * n, column * n, n, first, end)
                 for k in range(4):
                     of_rows[row, column + k] = sums[k]
                     of_rows[row + 1, column + k] = sums[4 + k]
@@ -499,9 +516,50 @@ def _linearised(curve: EllipsoidCurve, states: FloatArray, fixed: BoolArray, tie
         cost += np.sum(tied**2, axis=1)
         normal += rows.swapaxes(1, 2) @ rows
         gradient -= (tied[:, None, :] @ rows)[:, 0]
-    gradient[:, fixed] = normal[:, fixed] = normal[:, :, fixed] = 0.0
-    normal[:, fixed, fixed] = 1.0
+    if fixed.any():
+        gradient[:, fixed] = normal[:, fixed] = normal[:, :, fixed] = 0.0
+        normal[:, fixed, fixed] = 1.0
     return Near(states, cost, normal, gradient)
+
+
+def _steps(linearised: Near, damping: FloatArray) -> FloatArray:
+    """As `least_squares.damped_steps`."""
+    steps = linearised.gradient.copy()
+    _solve(linearised.normal, damping, np.empty(linearised.normal.shape[1:]), steps)
+    return steps
+
+
+@reduction
+def _solve(normal, damping, lower, steps):
+    """Replace gradients (S, P) by damped steps: Cholesky's factors, whose memory is lower (P, P).
+
+    A pivot that rounding makes smaller than the damping counts as this.
+    """
+    size = lower.shape[0]
+    for i in range(steps.shape[0]):
+        step, more = steps[i], damping[i]
+        for j in range(size):
+            scale = math.sqrt(max(normal[i, j, j], 0.0)) + 1e-12
+            for k in range(j + 1):
+                lower[j, k] = normal[i, j, k]
+            lower[j, j] += more * scale * scale
+            for k in range(j):
+                total = lower[j, k]
+                for m in range(k):
+                    total -= lower[j, m] * lower[k, m]
+                lower[j, k] = total * lower[k, k]
+            pivot, total = lower[j, j], step[j]
+            for m in range(j):
+                pivot -= lower[j, m] * lower[j, m]
+                total -= lower[j, m] * step[m]
+            # the diagonal of the factor is kept as its inverse
+            lower[j, j] = 1.0 / math.sqrt(max(pivot, more * scale * scale))
+            step[j] = total * lower[j, j]
+        for j in range(size - 1, -1, -1):
+            total = step[j]
+            for m in range(j + 1, size):
+                total -= lower[m, j] * step[m]
+            step[j] = total * lower[j, j]
 
 
 def costs(problem: CurveProblem, starts: FloatArray) -> FloatArray:
@@ -616,6 +674,7 @@ def minimised(
         lambda states: _linearised(curve, states, fixed, tie),
         stepped,
         lambda states: _cost(curve, states, tie),
+        steps=_steps,
     )
     on = are_allowed(starts)
     pool = Pool(np.full(len(starts), np.inf), starts.copy())

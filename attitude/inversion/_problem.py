@@ -31,9 +31,36 @@ _COPY = 1e-10
 
 
 def _inverse_factor(terms: FloatArray, prior: FloatArray) -> FloatArray:
-    """W (L, K) with W W^T the inverse of B^T B + V^-1."""
+    """W (L, K) with W W^T the inverse of B^T B + V^-1.
+
+    Terms that share no point, such as sessions, have the first columns, each one of its own: B W
+    is zero there but for the points of the term.
+    """
     inner = terms.T @ terms + np.diag(1.0 / prior**2)
-    return Decomposed(inner).inverse_factor(_COPY)
+    apart = _without_common_points(terms)
+    others = np.setdiff1d(np.arange(len(prior)), apart)
+    diagonal, crossed = inner[apart, apart], inner[np.ix_(apart, others)]
+    shares = crossed / diagonal[:, None]
+    rest = inner[np.ix_(others, others)]
+    scale = np.sqrt(np.diag(rest))
+    factor = Decomposed(rest - crossed.T @ shares, scale).inverse_factor(_COPY)
+    out = np.zeros((len(prior), len(apart) + factor.shape[1]))
+    out[apart, np.arange(len(apart))] = 1.0 / np.sqrt(diagonal)
+    out[apart, len(apart) :] = -shares @ factor
+    out[others, len(apart) :] = factor
+    return out
+
+
+def _without_common_points(terms: FloatArray) -> IntArray:
+    """Terms (N, L) with few of the points, and none that is another one's, by their first point."""
+    has = terms != 0.0
+    taken, chosen = np.zeros(len(terms), bool), []
+    for k, points in enumerate(has.T):
+        if 0 < 2 * np.count_nonzero(points) < len(points) and not np.any(taken & points):
+            chosen.append(k)
+            taken |= points
+    numbers = np.array(chosen, int)
+    return numbers[np.argsort(has.argmax(axis=0)[numbers], kind="stable")]
 
 
 @dataclass(frozen=True, eq=False)
