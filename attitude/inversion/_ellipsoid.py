@@ -140,9 +140,10 @@ def _dimming(u, y):
     s = at_most(u, 0.0625)
     x = root(at_least(u, 0.0625))
     atanh = (0.5 * math.log(2.0)) * binary_logarithm((1.0 + x) * (1.0 + x) / y)
-    cube = x * x * x
-    closed = (x - y * atanh) / cube
-    slope = atanh / cube - 1.5 * closed / (x * x)
+    over = 1.0 / x
+    square = over * over
+    closed = (x - y * atanh) * square * over
+    slope = square * (atanh * over - 1.5 * closed)
     g = s * 0.010256410256410256 + 0.013986013986013986
     g = s * g + 0.020202020202020204
     g = s * g + 0.031746031746031744
