@@ -407,8 +407,7 @@ class Attitudes(Immutable):
             For a sequence without three axes of which neighbours differ, and NaN attitudes.
         """
         self._refuse_nan("Euler angles")
-        angles: FloatArray = self.as_rotation().as_euler(quaternion.known_sequence(sequence))
-        return angles.reshape(*self.shape, 3)
+        return to_euler(sequence, self.wxyz)
 
     def _refuse_nan(self, what: str) -> None:
         if np.any(np.isnan(self.wxyz)):

@@ -11,6 +11,7 @@ from astropy.time import Time
 from scipy.spatial.transform import Rotation
 
 from attitude import AttitudeError, AttitudeHistory, Body, FreeRotation, Spin
+from attitude.frames import quaternion
 from attitude.motions._history import _MANY
 
 MOTION = FreeRotation(
@@ -72,6 +73,17 @@ def test_the_paper_composes_a_from_three_angles(history):
     assert np.max(np.abs(again - history.matrix)) < 2e-15
     assert np.array_equal(angles, history.euler("313"))
     assert angles.shape == (40, 3)
+
+
+@pytest.mark.parametrize(
+    ("sequence", "angles"), [("ZXZ", (0.7, 9e-8, 0.4)), ("XYZ", (0.7, 0.5 * math.pi - 5e-8, 0.4))]
+)
+def test_angles_beside_gimbal_lock_are_those_of_the_attitude(sequence, angles):
+    wxyz = quaternion.from_euler(sequence, angles)
+    spin = Spin(epoch="2026-01-01", wxyz=wxyz, angular_velocity=(0, 0, 0))
+    found = FreeRotation(MOTION.body, spin).at([0.0]).euler(sequence)
+    assert np.allclose(found, [angles], rtol=0, atol=1e-7)
+    assert np.allclose(abs(quaternion.from_euler(sequence, found[0]) @ wxyz), 1.0, atol=1e-15)
 
 
 def test_scipy_rotation(history):
