@@ -266,11 +266,19 @@ def times(start: Instant, seconds: ArrayLike, low: ArrayLike | None = None) -> T
     seconds, low : float64 arrays of one shape
         TDB seconds, as `seconds_since` returns them.  A Time cannot hold NaN: such entries are
         masked.
+
+    Raises
+    ------
+    AttitudeError
+        For a start that is no Instant, and what is no number or length of time.
     """
     from astropy.time import Time
 
-    seconds = np.asarray(seconds, dtype=np.float64)
-    low_parts = np.float64(0.0) if low is None else np.asarray(low, dtype=np.float64)
+    require(start, "start")
+    seconds, low_parts = validation.together(
+        seconds=validation.real(seconds, "seconds", unit="s", finite=False),
+        low=validation.real(0.0 if low is None else low, "low", unit="s", finite=False),
+    )
     unknown = ~np.isfinite(seconds + low_parts)
     hi, lo = pairs.two_sum(np.where(unknown, 0.0, seconds), np.where(unknown, 0.0, low_parts))
     hi, lo = pairs.add((hi, lo), start.seconds, start.low)

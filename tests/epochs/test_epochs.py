@@ -735,6 +735,22 @@ def test_the_time_of_an_instant_is_astropys():
     assert abs((START.time - time.tdb).sec) < ASTROPY
     masked = epochs.times(START, np.array([0.0, np.nan]))
     assert masked.mask.tolist() == [False, True]
+    assert abs((epochs.times(START, [1] * units.min)[0] - START.time).sec - 60.0) < ASTROPY
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        (("2026-01-01", [1.0]), "start is '2026-01-01'; give an Instant"),
+        ((START, None), "seconds is None; give real numbers"),
+        ((START, [1 + 1j]), "give real numbers"),
+        ((START, np.ma.masked_array([1.0, 2.0], [False, True])), "masked entries"),
+        ((START, [1.0, 2.0], [1.0, 2.0, 3.0]), r"seconds \(2,\), low \(3,\)"),
+    ],
+)
+def test_what_times_refuses(given, sentence):
+    with pytest.raises(AttitudeError, match=sentence):
+        epochs.times(*given)
 
 
 def test_an_instant_and_seconds_after_it():
