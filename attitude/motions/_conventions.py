@@ -30,12 +30,12 @@ from attitude._solver.regime import known_convention
 from attitude._support import validation
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
+from attitude.motions._body import Body
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from attitude._support.annotations import FloatArray, IntArray, Real, Reals
-    from attitude.motions._body import Body
 
 
 # Angles are published in [0, 360) or (-180, 180]; a number above a turn was meant in degrees.
@@ -45,7 +45,7 @@ QUARTER: float = 0.5 * math.pi * (1.0 + 1e-12)
 
 def order(body: Body) -> IntArray:
     """Indices (3,) of the body's principal moments in ascending order; equal ones keep theirs."""
-    pairs = body.moments_as_pairs
+    pairs = validation.instance(body, Body, "body", "a Body").moments_as_pairs
     return np.lexsort((pairs[:, 1], pairs[:, 0]))
 
 
@@ -56,7 +56,8 @@ def moments(body: Body, convention: str) -> FloatArray:
     >>> moments(Body(moments=(26, 10, 20)), "L")
     array([20., 26., 10.])
     """
-    a, b, c = body.moments[order(body)]
+    ascending = order(body)
+    a, b, c = body.moments[ascending]
     return np.array([b, c, a] if known_convention(convention) == "L" else [a, b, c])
 
 

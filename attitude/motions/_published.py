@@ -365,7 +365,7 @@ def states_from_two_periods(
     mode, convention = known_mode(mode), known_convention(convention)
     P_psi = validation.positive(P_psi, "P_psi", unit="s")
     P_phi = validation.positive(P_phi, "P_phi", unit="s")
-    moments = _ascending(body)
+    moments = _conventions.moments(body, "S")
     refuse_missing_mode(moments, mode)
     place = dynamic_inertia_from_periods(moments, mode, convention, P_psi, P_phi)
     return from_place(
@@ -568,7 +568,7 @@ def published(
     momentum = axes.T @ (body.tensor @ (angular_velocity / np.max(np.abs(angular_velocity))))
     attitude = quaternion.multiply(wxyz, _conventions.axes_wxyz(body, convention))
     pole, phi, theta, psi = _conventions.angles_of(attitude, momentum)
-    a, b, c = _ascending(body)
+    a, b, c = _conventions.moments(body, "S")
     return Published(
         mode={1: "SAM", -1: "LAM", 0: None}[regime.circulates],
         convention=convention,
@@ -605,8 +605,9 @@ def from_energy(
     convention = known_convention(convention)
     if (P_psi is None) == (P_phi is None):
         raise AttitudeError("give one of P_psi and P_phi; the other follows from the energy.")
-    mode_of_energy, position = dynamic_inertia_from_energy(_ascending(body), energy_ratio, mode)
-    turns, unit_period = cycle(_ascending(body), mode_of_energy, position)
+    moments = _conventions.moments(body, "S")
+    mode_of_energy, position = dynamic_inertia_from_energy(moments, energy_ratio, mode)
+    turns, unit_period = cycle(moments, mode_of_energy, position)
     if P_psi is not None:
         seconds = validation.positive(P_psi, "P_psi", unit="s")
     else:
@@ -691,11 +692,6 @@ def from_angles(
     rate = validation.real(angular_velocity, "angular_velocity", shape=(3,), unit="rad/s")
     to_frame = (0.0, 0.5 * math.pi)  # a pole that turns nothing
     return from_labelled(body, known_convention(convention), (*to_frame, phi, theta, psi), rate)
-
-
-def _ascending(body: Body) -> FloatArray:
-    """The principal moments in ascending order."""
-    return body.moments[_conventions.order(body)]
 
 
 # ---- States of many bodies from arrays of published numbers: `states_from_periods`

@@ -379,6 +379,22 @@ def test_impossible_sets_are_sentences(change, sentence):
         motion_of(APOPHIS, **{**SET, **change})
 
 
+@pytest.mark.parametrize(
+    ("make", "given"),
+    [
+        (Spin.from_periods, {"P": 100.0}),
+        (Spin.from_periods, SET),
+        (Spin.from_energy, {"energy_ratio": 1.2, "convention": "L", "P_psi": 300.0, "psi0": 0.0}),
+        (Spin.from_pole, {"convention": "L", "angular_velocity": (0, 0, 1)}),
+        (Spin.from_angles, {"convention": "L", "angles": (0, 0, 0), "angular_velocity": (0, 0, 1)}),
+    ],
+)
+def test_what_is_no_body_is_a_sentence(make, given):
+    usual = {"pole": (1.0, 0.2), "phi0": 0.1} if make != Spin.from_angles else {}
+    with pytest.raises(AttitudeError, match=r"body is \(0.6, 0.9, 1\); give a Body"):
+        make((0.6, 0.9, 1), **{"epoch": "2026-01-01", **usual, **given})
+
+
 def test_the_greatest_possible_period_is_the_limit():
     for mode in ("LAM", "SAM"):
         for convention in "LS":
