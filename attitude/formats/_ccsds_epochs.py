@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from attitude._support import pairs
+from attitude._support import pairs, validation
 from attitude._textfiles.lines import cut, is_number
 from attitude.epochs import _inputs, _instants, _time_scales
 from attitude.errors import AttitudeError
@@ -226,6 +226,7 @@ def days_and_seconds(
 
 def rounded(second: FloatArray, low: FloatArray, digits: int) -> tuple[FloatArray, FloatArray]:
     """second + low (N,) as whole seconds, and units of 10^-digits s, rounded."""
+    digits = validation.count(digits, "digits", 0, _MOST_DECIMALS)
     whole = np.floor(second)
     ticks = np.rint(((second - whole) + low) * 10.0**digits)
     carry = np.floor(ticks / 10.0**digits)

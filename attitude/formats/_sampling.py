@@ -17,6 +17,7 @@ import numpy as np
 
 from attitude._support import pairs
 from attitude._support.pairs import Seconds
+from attitude._support.validation import shown
 from attitude._textfiles.atomic_write import made_whole
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError, AttitudeWarning
@@ -97,7 +98,11 @@ def known_of(source: AttitudeSource, t: Epochs | None) -> tuple[dict[str, Any], 
 
 
 def refuse_breaks(motion: object, holder: str) -> None:
-    """AttitudeError for a motion whose angular velocity jumps; `holder` holds one state."""
+    """AttitudeError for what has no spin, and jumps of its rate; `holder` holds one state."""
+    if not hasattr(motion, "spin"):
+        raise AttitudeError(
+            f"motion is {shown(motion)}; {holder} holds the state of a FreeRotation. Give one."
+        )
     if isinstance(motion, Motion) and len(motion.breaks()):
         count = len(motion.breaks())
         raise AttitudeError(
@@ -177,6 +182,8 @@ def segments(source: AttitudeSource, t: Epochs | None = None) -> list[Records]:
     if t is not None:
         return _cut(_of_motion(source, t))
     if isinstance(source, (list, tuple)):
+        if not source:
+            raise AttitudeError("no segments are given; give one or more.")
         return [records for item in source for records in segments(item)]
     if isinstance(source, AttitudeTable):
         return [_of_history(item.history) for item in source.segments]

@@ -179,8 +179,8 @@ def write(
     creation_date : str, optional
         Now, in UTC, by default.
     digits : int, optional
-        Decimals of the seconds; by default the fewest of 3, 6, 9 and 12 that return the epochs to
-        1e-11 s.
+        Decimals of the seconds, 0 to 18; by default the fewest of 3, 6, 9 and 12 that return the
+        epochs to 1e-11 s.
     orbit : Path, optional
         Path of the body about its center, for LVLH and RTN.
 

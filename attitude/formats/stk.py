@@ -617,7 +617,7 @@ def write(
     section = section or ("AttitudeTimeQuatAngVels" if has_rates else "AttitudeTimeQuaternions")
     if section not in WRITTEN:
         raise AttitudeError(f"section is {section!r}; it must be one of {', '.join(WRITTEN)}.")
-    axes = motions_axes.named(_AXES.get(frame.lower(), frame))
+    axes = motions_axes.named(_AXES.get(str(frame).lower(), frame))
     if axes.kind not in _NAMES:
         raise AttitudeError(
             f"frame is {frame!r}, which STK attitude files do not know; give one of "

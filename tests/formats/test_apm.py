@@ -190,6 +190,9 @@ def test_what_cannot_be_written(tmp_path):
     ]:
         with pytest.raises(AttitudeError, match=sentence):
             apm.write(tmp_path / "x", relative, **how)
+    for ending in ("apm", "spin"):
+        with pytest.raises(AttitudeError, match=r"motion is .* holds the state of a FreeRotation"):
+            detect.write_motion(tmp_path / f"x.{ending}", relative.at([0.0]))
     assert not list(tmp_path.iterdir())
     apm.write(tmp_path / "x", relative, inertia=False)
     assert read(tmp_path / "x").body is None

@@ -254,6 +254,25 @@ def test_quaternions_in_axes_of_an_orbit_keep_their_sign(tmp_path, monkeypatch, 
     assert np.min(np.sum(wxyz[1:] * wxyz[:-1], axis=1)) > 0.99
 
 
+@pytest.mark.parametrize("ending", ["aem", "acm", "cic", "apm"])
+@pytest.mark.parametrize("digits", [19, 20, -3, 1.5, "6", True])
+def test_decimals_are_from_0_to_18(tmp_path, ending, digits):
+    path = tmp_path / f"a.{ending}"
+    t = {} if ending == "apm" else {"t": [0.94, 1.97]}
+    with pytest.raises(AttitudeError, match=f"digits is {digits!r}; give a whole number from 0"):
+        MOTION.write(path, **t, digits=digits)
+    assert not list(tmp_path.iterdir())
+    MOTION.write(path, **t, digits=18)
+    assert detect.read(path) is not None
+
+
+@pytest.mark.parametrize("ending", ["aem", "acm", "cic", "quat", "csv", "a"])
+def test_no_segments_are_refused(tmp_path, ending):
+    for source in ([], [MOTION.at([0.0, 1.0]), ()]):
+        with pytest.raises(AttitudeError, match="no segments are given; give one or more"):
+            detect.write(tmp_path / f"a.{ending}", source)
+
+
 @pytest.mark.parametrize("ending", ["aem", "xml", "acm", "cic", "quat", "csv"])
 def test_epochs_that_would_be_the_same_text_are_refused(tmp_path, ending):
     path = tmp_path / f"a.{ending}"

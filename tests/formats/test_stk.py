@@ -132,6 +132,7 @@ def test_what_cannot_be_written(tmp_path):
         (HISTORY, {"section": "AttitudeTimeDCM"}, "section is"),
         (HISTORY, {"frame": "ecliptic"}, "do not know"),
         (HISTORY, {"frame": "VVLH"}, "orbit="),
+        (HISTORY, {"frame": None}, "frame is None"),
         (HISTORY, {"order": 0}, "order is 0"),
         (HISTORY, {"order": 40}, "order is 40"),
     ]:
