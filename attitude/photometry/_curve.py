@@ -453,7 +453,12 @@ class LightCurve(Immutable):
 
         `changes` are keywords of the class; arrays are those of the chosen points.
         """
-        which: Any = slice(None) if chosen is None else chosen
+        try:
+            which = np.arange(len(self))[slice(None) if chosen is None else chosen]
+        except (IndexError, ValueError):
+            raise AttitudeError(
+                f"chosen is {quoted(chosen)}; give whole numbers from 0 to {len(self) - 1}."
+            ) from None
         keywords = {key: getattr(self, key) for key in _AS_GIVEN}
         keywords |= {"bad": self.bad, "exposure": self.exposure[which]}
         keywords |= self._words(which)

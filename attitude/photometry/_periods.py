@@ -222,7 +222,7 @@ class Periods(Immutable):
     def fold(self, rank: int = 0, *, order: int | None = None) -> Folded:
         """The light curve folded with the periods of a peak; see `photometry.fold`."""
         number = order or (self.order if self.count == 2 else max(self.order, 2))
-        return _folding.fold(self.samples, self.peaks[rank].periods, order=number)
+        return _folding.fold(self.samples, self._peak(rank).periods, order=number)
 
     def bootstrap(self, rank: int = 0, *, draws: int = 100, seed: int = 0) -> tuple[float, ...]:
         """Standard errors of the periods of a peak, s, from points drawn anew.
@@ -233,7 +233,7 @@ class Periods(Immutable):
         """
         number = validation.count(draws, "draws", 2)
         f = _spectrum.bootstrap(self.samples, self._series(rank), number, seed)
-        spread = np.std(f, axis=0, ddof=1) * np.array(self.peaks[rank].periods) ** 2
+        spread = np.std(f, axis=0, ddof=1) * np.array(self._peak(rank).periods) ** 2
         return tuple(spread.tolist())
 
     def table(self) -> FlatTable:
@@ -263,7 +263,10 @@ class Periods(Immutable):
 
     def _series(self, rank: int) -> _spectrum.RefinedSeries:
         numbers = _numbers(self.order, self.count, self.method == "additive")
-        return _spectrum.fixed(self.samples, np.array(self.peaks[rank].frequencies), numbers)
+        return _spectrum.fixed(self.samples, np.array(self._peak(rank).frequencies), numbers)
+
+    def _peak(self, rank: int) -> Peak:
+        return self.peaks[validation.count(rank, "rank", 0, len(self) - 1)]
 
     def _repr_html_(self) -> str:
         """A table of the peaks for notebooks, and the light curve folded with the best."""
@@ -374,7 +377,7 @@ def periods(
         ("min_period", min_period), ("max_period", max_period), ("first", first), ("second", second)
     ):  # fmt: skip
         _samples.warn_of_plain(bound, name, data.t)
-    if count not in (1, 2):
+    if not isinstance(count, (int, np.integer)) or count not in (1, 2):
         raise AttitudeError(f"count is {count!r}; give 1 period or 2; keep= is that of the peaks.")
     number = validation.count(order, "order")
     validation.one_of(method, "method", ("fourier", "pdm", "additive"))

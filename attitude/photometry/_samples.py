@@ -306,8 +306,9 @@ def _errors(errors: Any, unit: Any, shape: tuple[int, ...]) -> FloatArray | None
         return None
     unit_of_errors, numbers = _unit(errors)
     if unit_of_errors is not None and unit is not None and unit_of_errors != unit:
-        numbers = getattr(errors, "quantity", errors).to_value(unit)
-    sigmas = np.broadcast_to(validation.real(numbers, "errors", shape=None), shape).copy()
+        numbers = validation.real(errors, "errors", unit=unit)
+    sigmas = validation.real(numbers, "errors")
+    sigmas = validation.broadcast(sigmas, "errors", shape, "value").copy()
     if not np.all(sigmas > 0.0):
         bad = sigmas[~(sigmas > 0.0)][0]
         raise AttitudeError(

@@ -79,6 +79,8 @@ def test_errors_in_another_unit_than_the_values():
     t, y = np.arange(50.0), np.cos(np.arange(50.0))
     one = _samples.of(t, y * units.mag, np.full(50, 20.0) * units.mmag)
     np.testing.assert_allclose(one.errors, 0.02)
+    with pytest.raises(AttitudeError, match="errors is in Jy; give it in mag"):
+        _samples.of(t, y * units.mag, 1.0 * units.Jy)
 
 
 @pytest.mark.parametrize("size", [1.0, 1e-10, 1e12])
@@ -318,12 +320,30 @@ def test_zero_points_of_sessions_are_free():
         ({"method": "box"}, "method is 'box'"),
         ({"order": 0}, "order is 0"),
         ({"order": 200}, "give more values, or a lower order"),
+        ({"count": 2.0}, r"count is 2\.0; give 1 period or 2"),
+        ({"errors": np.ones(7)}, r"errors has shape \(7,\); give a single number, or one for each"),
     ],
 )
 def test_wrong_arguments(options, words):
     t = nights(6)
     with pytest.raises(AttitudeError, match=words):
         photometry.periods(t, np.cos(t), **options)
+
+
+@pytest.mark.parametrize("rank", [99, 1.0, "0"])
+@pytest.mark.parametrize("name", ["fold", "lines", "bootstrap"])
+def test_peaks_that_are_not_there(name, rank):
+    t = nights(2)
+    peaks = photometry.periods(t, np.cos(t / HOUR), min_period="3 h", max_period="9 h", order=1)
+    with pytest.raises(AttitudeError, match=f"rank is {rank!r}; give a whole number from 0"):
+        getattr(peaks, name)(rank)
+
+
+@pytest.mark.parametrize("chosen", [[0.5], ["a"], [99], [[1], [1, 2]]])
+def test_points_that_are_not_there(chosen):
+    data = photometry.LightCurve([0.0, 1.0, 2.0], [15.0, 15.1, 15.2], epoch="2026-01-01")
+    with pytest.raises(AttitudeError, match=r"chosen is .*; give whole numbers from 0 to 2\."):
+        data.replaced(chosen)
 
 
 def test_relations_of_periods_in_words():
