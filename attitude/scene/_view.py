@@ -238,7 +238,7 @@ class View(Immutable):
 
         known = self.columns()
         for name in names:
-            if name not in known:
+            if not isinstance(name, str) or name not in known:
                 raise AttitudeError(
                     f"{name!r} is not a quantity of a view; give some of {', '.join(known)}."
                 )
