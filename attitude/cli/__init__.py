@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import argparse
 import difflib
+import io
 import os
 import re
 import sys
@@ -69,6 +70,8 @@ _INTERRUPTED = 130
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line."""
+    if isinstance(sys.stdout, io.TextIOWrapper):  # letters it cannot encode are written as \u014c
+        sys.stdout.reconfigure(errors="backslashreplace")
     try:
         arguments = _parsed(sys.argv[1:] if argv is None else list(argv))
         with warnings.catch_warnings():

@@ -299,6 +299,15 @@ def test_out_of_reach_is_said_before_a_row(tmp_path, attitude_command):
 # describe -----------------------------------------------------------------------------------------
 
 
+def test_letters_that_stdout_cannot_encode_are_escaped(tmp_path, monkeypatch):
+    path = tmp_path / "a.toml"
+    spin_file.write(path, spin_file.read(PAPER).motion, name="\u014ctani")
+    stdout = io.TextIOWrapper(io.BytesIO(), encoding="cp1252")
+    monkeypatch.setattr(sys, "stdout", stdout)
+    assert cli.main(["describe", str(path)]) == 0
+    assert stdout.buffer.getvalue().startswith(rb"\u014ctani")
+
+
 def test_describe_toutatis(attitude_command):
     code, out, err = attitude_command("describe", TOUTATIS)
     assert (code, err) == (0, "")
