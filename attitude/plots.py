@@ -20,6 +20,7 @@ from attitude._support import validation
 from attitude._support.quantity_text import time_unit
 from attitude._support.synonyms import arguments, of_module
 from attitude._textfiles.atomic_write import written_whole
+from attitude._textfiles.lines import path_text
 from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.motions import _conventions
 from attitude.motions import _polhode as curves
@@ -117,7 +118,7 @@ def new_figure(size: tuple[float, float]) -> Figure:
 def saved(figure: Figure, path: FilePath | None, dpi: float = 130.0) -> Figure:
     """The figure itself; with a path it is written there whole, in the format of the ending."""
     if path is not None:
-        kind = os.path.splitext(path)[1][1:].lower()
+        kind = os.path.splitext(path_text(path))[1][1:].lower()
         known = figure.canvas.get_supported_filetypes()
         if kind not in known:
             raise AttitudeError(

@@ -12,6 +12,7 @@ import time
 from contextlib import contextmanager, suppress
 from typing import IO, TYPE_CHECKING, Any
 
+from attitude._textfiles.lines import path_text
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
@@ -194,9 +195,9 @@ def _delete_unlocked(path: str) -> None:
 
 def _target(path, name):
     """The file behind symbolic links; folders and empty names are refused."""
-    if not os.fspath(path):
+    if not path_text(path, name):
         raise AttitudeError(f"{name} is an empty text; give the name of a file.")
-    target = os.path.realpath(path)
+    target = os.path.realpath(os.fsdecode(path))
     if os.path.isdir(target):
         raise AttitudeError(f"{name} {os.fspath(path)!r} is a folder; give the name of a file.")
     return target

@@ -82,9 +82,17 @@ class Lines:
                 yield text
 
 
+def path_text(path: object, name: str = "path") -> str:
+    """The path of a file as text; AttitudeError for all that is none, such as the number of one."""
+    if isinstance(path, (str, bytes, os.PathLike)):
+        return os.fsdecode(path)
+    raise AttitudeError(f"{name} is {cut(path)}; give the name of a file, as text or a Path.")
+
+
 @contextmanager
 def opened(path: str | os.PathLike[str]) -> Iterator[Lines]:
     """The `Lines` of a file, which is closed at the end of the block."""
+    path = path_text(path)
     try:
         with open(path, "rb") as file:
             start = file.peek(1)
@@ -128,6 +136,7 @@ def of_text(text: str, name: str) -> Lines:
 
 def whole(path: str | os.PathLike[str], advice: str, encoding: str = "UTF-8") -> str:
     """The text of a file, its lines ended by line feeds."""
+    path = path_text(path)
     try:
         with open(path, "rb") as file:
             text = file.read().decode("utf-8-sig" if encoding == "UTF-8" else encoding)
@@ -149,6 +158,7 @@ def whole(path: str | os.PathLike[str], advice: str, encoding: str = "UTF-8") ->
 
 def beginning(path: str | os.PathLike[str]) -> bytes:
     """The first 4096 bytes of a file without leading blanks: enough to recognize its format."""
+    path = path_text(path)
     try:
         with open(path, "rb") as file:
             return file.read(_RECOGNIZED).lstrip(b"\xef\xbb\xbf \t\r\n")

@@ -32,6 +32,8 @@ def read(path: str | os.PathLike[str], kind: str) -> str:
 
 def parsed(text: str, origin: str) -> dict[str, Any]:
     """The content of a TOML text as dicts and lists; `origin`, as the file's name, is in errors."""
+    if not isinstance(text, str):
+        raise AttitudeError(f"{origin}: text is {cut(text)}; give the content of a TOML file.")
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as err:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude._support import pairs, validation
-from attitude._textfiles.lines import unreadable
+from attitude._textfiles.lines import path_text, unreadable
 from attitude.epochs import _inputs, _time_scales
 from attitude.errors import AttitudeError
 from attitude.formats._sampling import apart, known_angle, longest_of
@@ -96,7 +96,7 @@ class LoadedKernels:
         self._own: set[str] = set()
         count, known = spice.ktotal("ALL"), self._variables()
         # whole, since the folder of the process may be another one when a kernel is unloaded
-        for name in [os.path.abspath(os.fspath(kernel)) for kernel in names]:
+        for name in [os.path.abspath(path_text(kernel, "kernels")) for kernel in names]:
             try:
                 broken = fault(name)
                 if broken is None:

@@ -9,6 +9,7 @@ from functools import partial
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from attitude._textfiles.lines import path_text
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
@@ -275,7 +276,7 @@ def refuse_foreign(path: object, name: str) -> None:
 
 def ending_of(path: str | os.PathLike[str]) -> str:
     """The ending of the name of a file, in lower case; of several that are known the longest."""
-    name = os.path.basename(os.fspath(path)).lower()
+    name = os.path.basename(path_text(path)).lower()
     longer = (ending for ending in endings() if ending.count(".") > 1 and name.endswith(ending))
     return next(longer, os.path.splitext(name)[1])
 

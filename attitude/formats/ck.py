@@ -27,6 +27,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from attitude._textfiles.atomic_write import made_whole, written_whole
+from attitude._textfiles.lines import path_text
 from attitude.epochs import _instants
 from attitude.errors import AttitudeError
 from attitude.formats import _ck_files
@@ -382,7 +383,7 @@ def _halved(temporary, plan, clock, instrument):
 
 
 def _check_names(path, name, instrument, clock, center):
-    if not os.fspath(path).endswith(".bc"):
+    if not path_text(path).endswith(".bc"):
         raise AttitudeError(f"{os.fspath(path)!r} does not end in .bc, as C-kernels do.")
     if not (isinstance(name, str) and name.isascii() and name.isidentifier() and len(name) <= 26):
         raise AttitudeError(

@@ -7,7 +7,7 @@ import os
 import re
 from typing import TYPE_CHECKING, Any
 
-from attitude._textfiles.lines import beginning, is_number, prefixed
+from attitude._textfiles.lines import beginning, is_number, path_text, prefixed
 from attitude.errors import AttitudeError
 from attitude.formats import spin_file
 from attitude.formats._format import Format, OpenedFile, ending_of, endings, formats
@@ -223,7 +223,7 @@ def write_any(
     path: FilePath, motion: Motion, *, t: Epochs | None = None, **settings: Any
 ) -> SampledFile | None:
     """Write a motion in the format of the file's ending: `Motion.write`."""
-    name, file_format = os.fspath(path), format_to_write(path)
+    name, file_format = path_text(path), format_to_write(path)
     _refuse_unknown_settings(name, file_format, settings)
     if file_format.holds == "motion":
         if not isinstance(motion, FreeRotation):
@@ -285,7 +285,7 @@ def read_state(path: FilePath) -> spin_file.SpinFile:
 
 def _is_spin_file(path: FilePath) -> bool:
     """Whether a file is a spin file by its ending, or because it is in no other known format."""
-    if os.path.splitext(os.fspath(path))[1].lower() == ".toml":  # loads no other format
+    if os.path.splitext(path_text(path))[1].lower() == ".toml":  # loads no other format
         return True
     first = beginning(path).lstrip().split(b"\n")[0].split()
     if len(first) == 3 and all(map(is_number, first)):  # of DAMIT, and no TOML

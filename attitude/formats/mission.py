@@ -102,7 +102,7 @@ from attitude import catalog, torques
 from attitude._support import quantity_text, validation
 from attitude._support.quoting import quoted
 from attitude._textfiles import toml
-from attitude._textfiles.lines import prefixed
+from attitude._textfiles.lines import path_text, prefixed
 from attitude._textfiles.toml import refuse_unknown, text_of, way_of
 from attitude.errors import AttitudeError
 from attitude.formats import _surface, detect, spin_file
@@ -202,7 +202,7 @@ def read(path: FilePath) -> Mission:
         it names and that do not exist or cannot be read, and unknown quantities; the message begins
         with the name of the file.
     """
-    path = os.fspath(path)
+    path = path_text(path)
     return parse(toml.read(path, "mission file"), path, folder=os.path.dirname(path))
 
 
@@ -265,7 +265,7 @@ def read_motion(path: FilePath) -> FreeRotation | TorquedRotation:
     AttitudeError
         As `read`, and for a file without a spin.
     """
-    path = os.fspath(path)
+    path = path_text(path)
     content = toml.parsed(toml.read(path, "mission file"), path)
     with prefixed(path):
         motion = _File(content, os.path.dirname(path)).motion()

@@ -64,7 +64,7 @@ from attitude._support.arrays import Immutable
 from attitude._support.quoting import quoted
 from attitude._textfiles import toml
 from attitude._textfiles.atomic_write import written_whole
-from attitude._textfiles.lines import cut, prefixed
+from attitude._textfiles.lines import cut, path_text, prefixed
 from attitude._textfiles.toml import listed, refuse_unknown
 from attitude.epochs import _inputs, _instants
 from attitude.errors import AttitudeError
@@ -357,7 +357,7 @@ def read(path: FilePath) -> SpinFile:
         values of a wrong type, shape or unit, and as `Body` and `Spin`; each message begins with
         the name of the file.
     """
-    path = os.fspath(path)
+    path = path_text(path)
     return parse(toml.read(path, "spin file"), path, folder=os.path.dirname(path))
 
 

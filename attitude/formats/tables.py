@@ -27,7 +27,7 @@ import numpy as np
 from attitude._support import pairs, validation
 from attitude._support.quoting import quoted
 from attitude._textfiles.atomic_write import written_whole
-from attitude._textfiles.lines import opened, prefixed, text_of_rows, whole
+from attitude._textfiles.lines import opened, path_text, prefixed, text_of_rows, whole
 from attitude.epochs import _inputs, _instants, _time_scales
 from attitude.errors import AttitudeError
 from attitude.formats import _ccsds_epochs as ccsds_epochs
@@ -212,7 +212,7 @@ def read_parquet(path: FilePath) -> Table:
     from astropy.table import Table
 
     pyarrow = _pyarrow()
-    origin = os.fspath(path)
+    origin = path_text(path)
     try:
         table = pyarrow.parquet.read_table(origin)
         meta = meta_of(table)
@@ -455,7 +455,7 @@ def write_columns(path: FilePath, table: Table) -> None:
 
 def kind_of(path: FilePath) -> str:
     """The kind of a file by its ending: "ecsv", "fits", "csv" or "parquet"."""
-    ending = os.path.splitext(os.fspath(path))[1].lower()
+    ending = os.path.splitext(path_text(path))[1].lower()
     if ending not in KINDS:
         raise AttitudeError(
             f"{os.fspath(path)!r} ends in {ending!r}; tables end in {', '.join(KINDS)}."

@@ -18,6 +18,7 @@ from attitude._support.constants import SPEED_OF_LIGHT_M_S
 from attitude._support.least_squares import inverse
 from attitude._support.quantity_text import TIME_UNITS
 from attitude._support.synonyms import Answering
+from attitude._textfiles.lines import path_text
 from attitude.epochs import _inputs, _instants
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
@@ -558,7 +559,7 @@ class CurveFit(Answering, ABC):
         """
         from attitude.formats import _surface, spin_file
 
-        if not os.fspath(path).lower().endswith(".toml"):
+        if not path_text(path).lower().endswith(".toml"):
             raise AttitudeError(
                 f"{os.fspath(path)!r} is to hold the state, its errors and the shape as a spin "
                 "file; give a name that ends in .toml. The shape alone is written by "

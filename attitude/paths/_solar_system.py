@@ -21,6 +21,7 @@ import numpy as np
 
 from attitude._solver import chebyshev
 from attitude._support.arrays import read_only
+from attitude._textfiles.lines import path_text
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
 from attitude.paths._compressed import EqualPieces, PiecewisePath
@@ -122,7 +123,7 @@ def from_astropy(body: str, ephemeris: FilePath = "builtin") -> AstropyBody:
         source_of_bodies, source = "builtin", BUILT_IN_SOURCE
         known = ("sun", "earth", "moon", *solar_system.PLAN94_BODY_NAME_TO_PLANET_INDEX)
     else:
-        source_of_bodies = os.path.abspath(os.path.expanduser(os.fspath(ephemeris)))
+        source_of_bodies = os.path.abspath(os.path.expanduser(path_text(ephemeris, "ephemeris")))
         known = tuple(solar_system.BODY_NAME_TO_KERNEL_SPEC)
         source = f"{os.path.basename(source_of_bodies)} through astropy"
         if not os.path.isfile(source_of_bodies):

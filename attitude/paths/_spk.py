@@ -21,6 +21,7 @@ import numpy as np
 from attitude import frames
 from attitude._support import pairs, validation
 from attitude._support.arrays import read_only
+from attitude._textfiles.lines import path_text
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
 from attitude.paths._compressed import EqualPieces
@@ -196,8 +197,9 @@ def _joined(paths):
 
 def open_kernel(file: FilePath) -> Kernel:
     """The `Kernel` of an SPK file, which is opened once."""
-    path = os.path.abspath(os.path.expanduser(os.fspath(file)))
-    return _open_once(path, _status(path, os.fspath(file)))
+    name = path_text(file, "file")
+    path = os.path.abspath(os.path.expanduser(name))
+    return _open_once(path, _status(path, name))
 
 
 @lru_cache(maxsize=64)

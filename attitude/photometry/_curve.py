@@ -19,6 +19,7 @@ from attitude._support.constants import ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S
 from attitude._support.quoting import counted, quoted
 from attitude._support.synonyms import arguments
 from attitude._textfiles.atomic_write import written_whole
+from attitude._textfiles.lines import path_text
 from attitude.epochs import _inputs, _instants
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
@@ -583,7 +584,7 @@ class LightCurve(Immutable):
         AttitudeError
             For another ending, and if the file cannot be written.
         """
-        if os.path.splitext(path)[1].lower() != ".csv":
+        if os.path.splitext(path_text(path))[1].lower() != ".csv":
             raise AttitudeError(
                 f"the file of photometry is {os.fspath(path)!r}; it is written as CSV: give a name "
                 "that ends in .csv."

@@ -879,7 +879,7 @@ def opened(
     encoding: str | None = None,
 ) -> Keywords:
     """Keywords of `LightCurve` from a file, and "rows"; arguments as `LightCurve.read`."""
-    name = os.fspath(path)
+    name = textfiles_lines.path_text(path)
     validation.one_of(bad, "bad", ("warn", "refuse", "ignore"))
     text, notes = _decoded(name, encoding)
     if format is None:
@@ -905,7 +905,7 @@ def opened(
 
 def text_of(path: FilePath) -> str:
     """The text of a file."""
-    return _decoded(os.fspath(path), None)[0]
+    return _decoded(textfiles_lines.path_text(path), None)[0]
 
 
 def _decoded(name: str, encoding: str | None) -> tuple[str, list[str]]:

@@ -13,9 +13,9 @@ import numpy as np
 
 from attitude._support import validation
 from attitude._support.quoting import quoted
-from attitude._support.validation import flag, shown
+from attitude._support.validation import flag
 from attitude._textfiles.atomic_write import written_whole
-from attitude._textfiles.lines import whole
+from attitude._textfiles.lines import path_text, whole
 from attitude.errors import AttitudeError
 from attitude.shape._mesh import SURFACE, Mesh, of_printed, of_single_precision
 
@@ -139,9 +139,7 @@ def damit_lines(vertices: FloatArray, mesh: Mesh) -> Iterator[str]:
 
 def _file_and_kind(path, format, done):
     """The Path of a file to be read or written, and its format: as given, or of its ending."""
-    if not isinstance(path, (str, os.PathLike)):
-        raise AttitudeError(f"path is {shown(path)}; give the path of a shape as text or a Path.")
-    file = Path(path)
+    file = Path(path_text(path))
     kind = format or _FORMATS.get(file.suffix.lower(), "")
     if kind not in _FORMATS.values():
         other = "" if format is None else f", or give one of these as format=, not {quoted(format)}"

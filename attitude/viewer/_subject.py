@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import warnings
 from dataclasses import dataclass
 from itertools import pairwise
@@ -14,6 +13,7 @@ import numpy as np
 from attitude import plots
 from attitude._support import pairs
 from attitude._support.quoting import quoted
+from attitude._textfiles.lines import path_text
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.frames import quaternion
@@ -497,9 +497,7 @@ class Subject:
 
 def output_name(output: FilePath, endings: Sequence[str]) -> str:
     """The name of a file with one of some endings; AttitudeError for others."""
-    if not isinstance(output, (str, os.PathLike)):
-        raise AttitudeError(f"output is {quoted(output)}; give the name of a file.")
-    name = os.fspath(output)
+    name = path_text(output, "output")
     if name.rpartition(".")[2].lower() not in endings:
         listed = " or ".join(f".{ending}" for ending in endings)
         raise AttitudeError(f"output is {name!r}; give a name that ends in {listed}.")

@@ -74,8 +74,8 @@ CASES = {
         lambda: HISTORY.inertial_to_body(np.ones((5, 3))),
         r"v has shape \(5, 3\), and the history has epochs \(3,\)",
     ),
-    "number for a file": (lambda: shape.read(5), "path is 5; give the path of a shape"),
-    "no file": (lambda: shape.read(None), "path is None; give the path"),
+    "number for a file": (lambda: shape.read(5), "path is 5; give the name of a file"),
+    "no file": (lambda: shape.read(None), "path is None; give the name"),
     "word for a flag": (
         lambda: shape.read("a.obj", closed="yes"),
         "closed is 'yes'; it must be True or False",

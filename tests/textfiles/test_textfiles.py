@@ -1,5 +1,7 @@
 """Reading of text files: line ends, encodings, and errors that name the file and the line."""
 
+import os
+
 import numpy as np
 import pytest
 
@@ -56,6 +58,19 @@ def test_what_cannot_be_read_is_refused_with_advice(tmp_path):
     for read in (numbered, lines.beginning):
         with pytest.raises(AttitudeError, match=r"none' cannot be read: No such file"):
             read(tmp_path / "none")
+
+
+def test_numbers_of_open_files_are_no_paths(tmp_path):
+    with open(tmp_path / "x.txt", "w+") as file:
+        for read in (numbered, lines.beginning, lambda path: lines.whole(path, "give text")):
+            for wrong in (file.fileno(), True, None):
+                with pytest.raises(
+                    AttitudeError, match=f"path is {wrong}; give the name of a file"
+                ):
+                    read(wrong)
+        assert os.fstat(file.fileno())  # it is still open
+    with pytest.raises(AttitudeError, match=r"origin: text is None; give the content"):
+        toml.parsed(None, "origin")
 
 
 def test_the_beginning_of_a_file_tells_its_format(tmp_path):
