@@ -62,7 +62,7 @@ _PHRASES = {
 
 def known_convention(convention: str) -> str:
     """The labelling "L" or "S" in capitals."""
-    capital = convention.upper() if isinstance(convention, str) else convention
+    capital = convention.upper() if isinstance(convention, str) else None
     if capital in ("L", "S"):
         return capital
     raise AttitudeError(

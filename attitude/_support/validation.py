@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import numbers
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Hashable, Sequence
 from types import EllipsisType
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -160,7 +160,7 @@ def output(out: object, shape: tuple[int, ...]) -> FloatArray:
 
 def one_of(value: Choice, name: str, allowed: Collection[Choice]) -> Choice:
     """The value itself if it is among the allowed ones, else an AttitudeError."""
-    if value not in allowed:
+    if not isinstance(value, Hashable) or value not in allowed:
         listed = ", ".join(repr(choice) for choice in allowed)
         raise AttitudeError(f"{name} is {shown(value)}; it must be one of {listed}.")
     return value
@@ -245,7 +245,8 @@ def _floats(value: Any, name: str, unit: str | None) -> FloatArray:
     if hasattr(value, "unit") and hasattr(value, "to_value"):
         value = _in_unit(value, name, unit)
     try:
-        array = np.asarray(value)
+        # of a truth value among numbers numpy would make a number
+        array = np.asarray(value, object if _holds(value, (bool, np.bool_)) else None)
     except ValueError as err:
         raise AttitudeError(f"{name} is ragged; give an array with rows of equal length.") from err
     except TypeError as err:

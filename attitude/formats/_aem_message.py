@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from attitude._support import validation
 from attitude._textfiles import messages
 from attitude._textfiles.lines import cut, prefixed
 from attitude._textfiles.messages import (
@@ -471,8 +472,7 @@ class WrittenSegment:
         self._scale = ccsds_epochs.writable(
             settings["time_system"] or records.meta.get("time_system") or "UTC"
         )
-        if settings["rates_over"] not in ("body", "frame"):
-            raise AttitudeError(f"rates_over is {settings['rates_over']!r}; give body or frame.")
+        validation.one_of(settings["rates_over"], "rates_over", ("body", "frame"))
         self._how = _attitude_types.Convention(
             rates_over_body=settings["rates_over"] == "body",
             rates_follow=version != "1.0",

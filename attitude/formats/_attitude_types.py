@@ -53,7 +53,7 @@ MEANINGS: tuple[str, ...] = ("body", "euler")
 
 def known_rates(rates: str | None) -> str | None:
     """The meaning itself; AttitudeError for an unknown one."""
-    if rates is not None and rates not in MEANINGS:
+    if rates is not None and (not isinstance(rates, str) or rates not in MEANINGS):
         raise AttitudeError(
             f'rates is {rates!r}; give "body" for components of the angular velocity, or "euler" '
             "for derivatives of the Euler angles."

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from attitude._support import validation
 from attitude._textfiles.lines import cut
 from attitude._textfiles.messages import comparable, refuse_line_breaks
 from attitude.errors import AttitudeError
@@ -123,9 +124,7 @@ def known_products(products: str | None, version: str) -> str:
     """The convention of the products of inertia, by default that of the version's book."""
     if products is None:
         return _OF_VERSION[version]
-    if products not in _SIGNS:
-        raise AttitudeError(f'products is {products!r}; give "tensor" or "integral".')
-    return products
+    return validation.one_of(products, "products", tuple(_SIGNS))
 
 
 def body_of(block: Block, products: str) -> Body:

@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from attitude._support import validation
 from attitude._textfiles.atomic_write import made_whole, written_whole
 from attitude._textfiles.lines import path_text
 from attitude.epochs import _instants
@@ -287,8 +288,7 @@ def write(
             f"{'t is given' if t is not None else 'start or stop is missing'}: give start= and "
             "stop= (one epoch each), and no t=."
         )
-    if time_scale not in ("tdb", "spice"):
-        raise AttitudeError(f'time_scale is {time_scale!r}; give "tdb" or "spice".')
+    validation.one_of(time_scale, "time_scale", ("tdb", "spice"))
     of_mission, of_spice = not isinstance(clock, int), time_scale == "spice"
     if of_spice and (of_mission or of_records):
         raise AttitudeError(

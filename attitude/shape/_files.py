@@ -140,7 +140,7 @@ def damit_lines(vertices: FloatArray, mesh: Mesh) -> Iterator[str]:
 def _file_and_kind(path, format, done):
     """The Path of a file to be read or written, and its format: as given, or of its ending."""
     file = Path(path_text(path))
-    kind = format or _FORMATS.get(file.suffix.lower(), "")
+    kind = _FORMATS.get(file.suffix.lower(), "") if format is None else str(format)
     if kind not in _FORMATS.values():
         other = "" if format is None else f", or give one of these as format=, not {quoted(format)}"
         raise AttitudeError(

@@ -153,7 +153,7 @@ def box_wing(
     depth = validation.positive(thickness, "thickness", unit="m")
     angle = validation.number(wing_angle, "wing_angle", unit="rad")
     along = _AXES.index(validation.one_of(wing_axis, "wing_axis", _AXES))
-    validation.one_of(wings, "wings", (1, 2))
+    wings = validation.count(wings, "wings", 1, 2)
     if apart < 0.0:
         raise AttitudeError(
             f"gap is {apart!r} m; it must not be negative, or the parts would overlap."

@@ -482,7 +482,7 @@ def test_what_is_wrong_in_xml_is_told(tmp_path, old, new, sentence):
         ({"frame": "MOON"}, "frame is 'MOON'"),
         ({"time_system": "UT1"}, "not written in UT1"),
         ({"time_system": "LOCAL"}, "cannot be converted"),
-        ({"rates_over": "moon"}, "body or frame"),
+        ({"rates_over": "moon"}, "one of 'body', 'frame'"),
         ({"object_name": "a\nb"}, "one line of text"),
         ({"body_frame": "ICRF"}, "the name of other axes"),
         ({"sequence": "XXY"}, "sequence"),
