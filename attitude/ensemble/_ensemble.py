@@ -672,6 +672,7 @@ class Ensemble(Immutable):
 
     def label(self, k: int) -> str:
         """The name of member k in error messages."""
+        k = self.number(k)
         where = f"member {k} of {len(self)}"
         return where if self.names is None else f"{where} ({str(self.names[k])!r})"
 
@@ -702,14 +703,16 @@ class Ensemble(Immutable):
     @property
     def epoch(self) -> _instants.Instant | None:
         """The epoch that all members share, or None."""
-        return self.epoch_of(0) if self._start.shape[1] == 1 else None
+        return _instants.Instant(*self._start[:, 0]) if self._start.shape[1] == 1 else None
 
     def epoch_of(self, k: int) -> _instants.Instant:
         """The epoch from which the seconds of member k count."""
+        k = self.number(k)
         return _instants.Instant(*self._start[:, k if self._start.shape[1] > 1 else 0])
 
     def epochs_of(self, member: IntArray) -> tuple[FloatArray, FloatArray]:
         """The epochs of members, TDB seconds past J2000 in two doubles, of the shape given."""
+        member = self._members_of(member)[0]
         which = member if self._start.shape[1] > 1 else np.zeros_like(member)
         return self._start[0][which], self._start[1][which]
 
