@@ -27,6 +27,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from attitude._support import validation
 from attitude._support.arrays import frozen
 from attitude._support.pairs import add, times
 from attitude._support.quoting import quoted
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from attitude._support.annotations import FloatArray
+    from attitude._support.annotations import FloatArray, Reals
 
 __all__ = [
     "FRAMES",
@@ -104,9 +105,10 @@ def wxyz_to_icrf(frame: str) -> FloatArray:
     return _quaternion(known(frame))
 
 
-def vector_to_icrf(frame: str, vector: Iterable[float]) -> FloatArray:
+def vector_to_icrf(frame: str, vector: Reals) -> FloatArray:
     """Components in ICRF (3, 2) of components (3,) in a frame, each exact to a pair of doubles."""
-    return _pairs(_exact_matrix(known(frame)) @ _fractions(vector))
+    components = validation.real(vector, "vector", shape=(3,)).tolist()
+    return _pairs(_exact_matrix(known(frame)) @ _fractions(components))
 
 
 def attitude_to_icrf(frame: str, wxyz: ArrayLike) -> FloatArray:
@@ -115,7 +117,7 @@ def attitude_to_icrf(frame: str, wxyz: ArrayLike) -> FloatArray:
     Exact to 1e-31, where `quaternion.multiply` rounds to doubles.
     """
     a, b, c, d = _exact_in_pairs(known(frame))
-    pairs = np.asarray(wxyz, dtype=np.float64)
+    pairs = validation.rows(wxyz, "wxyz", 2)
     if pairs.ndim == 2:  # floats are ten times faster than arrays of one number
         w, x, y, z = pairs.tolist()
     else:
@@ -133,7 +135,7 @@ def attitude_to_icrf(frame: str, wxyz: ArrayLike) -> FloatArray:
 
 def known(frame: str, name: str = "frame", more: tuple[str, ...] = ()) -> str:
     """The name of a frame of FRAMES, or of `more` that the caller knows, in lower case."""
-    lower = frame.lower() if isinstance(frame, str) else frame
+    lower = frame.lower() if isinstance(frame, str) else None
     if lower in (*FRAMES, *more):
         return lower
     if lower == "j2000":

@@ -341,7 +341,7 @@ def to_rotation(wxyz: Reals) -> Rotation:
     """A scipy Rotation, body to inertial, of attitudes (4,) or (N, 4)."""
     from scipy.spatial.transform import Rotation
 
-    return Rotation.from_quat(np.array(to_xyzw(wxyz)))
+    return Rotation.from_quat(to_xyzw(unit(wxyz)))
 
 
 def _wrapped(angle):
@@ -391,12 +391,9 @@ class Attitudes(Immutable):
         return np.swapaxes(self.matrix, -1, -2)
 
     def as_rotation(self) -> Rotation:
-        """The attitudes as a scipy Rotation, as `wxyz`, of shape S; AttitudeError for NaN."""
-        from scipy.spatial.transform import Rotation
-
+        """The attitudes as a scipy Rotation, as `wxyz`, flattened; AttitudeError for NaN."""
         self._refuse_nan("a scipy Rotation")
-        flat = Rotation.from_quat(np.array(self.xyzw).reshape(-1, 4))
-        return flat[0] if not self.shape else flat
+        return to_rotation(self.wxyz.reshape(-1, 4) if self.shape else self.wxyz)
 
     def euler(self, sequence: str) -> FloatArray:
         """Euler angles (S, 3) in rad: "ZXZ" or "313" is matrix = Rz(a) Rx(b) Rz(c).
