@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from attitude import frames
+from attitude._support import validation
 from attitude._textfiles.atomic_write import written_whole
 from attitude._textfiles.lines import is_number, opened
 from attitude.epochs import _inputs, _time_scales
@@ -72,6 +73,11 @@ class RelaxedRotator:
     phi0_deg: float
     scattering: tuple[str, ...] = ()
     time_system: str = "TDB"
+
+    def __post_init__(self) -> None:
+        for name in ("longitude_deg", "latitude_deg", "period_h", "jd0", "phi0_deg"):
+            object.__setattr__(self, name, validation.number(getattr(self, name), name))
+        validation.positive(self.period_h, "period_h")
 
     @property
     def spin(self) -> Spin:
