@@ -396,7 +396,7 @@ class FieldOnPath:
             at = (starts[..., None] + 0.5 / parts * (x + 1.0)) * width
             field = self.direct(instant, at.ravel(), np.zeros(at.size)).reshape(*at.shape, 3)
             table = np.moveaxis(chebyshev.coefficients(np.moveaxis(field, 2, 0)), 0, -1)
-            size = np.abs(table).max(axis=(2, 3))
+            size = np.abs(table).max(axis=(2, 3)) + 1e-300  # of no field too
             tail = np.max(np.abs(table[..., -2:]).max(axis=(2, 3)) / size, axis=1)
             fits = tail <= _TAIL
             for k, rows in zip(numbers[fits], table[fits], strict=True):

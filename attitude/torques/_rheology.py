@@ -20,6 +20,7 @@ import numpy as np
 from attitude._support import validation
 from attitude._support.arrays import Immutable, frozen
 from attitude.errors import AttitudeError
+from attitude.motions._body import Body
 from attitude.torques._schemes import ascending
 
 if TYPE_CHECKING:
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from attitude._support.annotations import FloatArray, Real, Reals
-    from attitude.motions._body import Body
 
     Compliance: TypeAlias = Callable[[FloatArray], NDArray[Any]]
 
@@ -293,7 +293,7 @@ class Rheology(Immutable):
 
     def loss(self, frequency: ArrayLike) -> FloatArray:
         """-Im J (...) in 1/Pa, with self-gravity, at angular frequencies (...) in rad/s."""
-        rate = np.asarray(frequency, dtype=np.float64)
+        rate = validation.real(frequency, "frequency", unit="rad/s")
         compliance = np.asarray(self.compliance(rate), dtype=np.complex128)
         radius = float(np.cbrt(np.prod(self.axes)))
         # rho g R of a sphere
@@ -348,6 +348,11 @@ class Rheology(Immutable):
         momentum, p = np.broadcast_arrays(
             validation.real(momentum, "momentum"), validation.real(sine_squared, "sine_squared")
         )
+        if not (np.all(momentum > 0.0) and np.all((p >= 0.0) & (p <= 1.0))):
+            raise AttitudeError(
+                f"momentum is {validation.shown(momentum)}, sine_squared {validation.shown(p)}; "
+                "give momenta above zero, and numbers from 0 to 1."
+            )
         edge, strengths = _separatrix(moments), np.empty(p.shape)
         for long, table in zip((False, True), self.strengths(body), strict=True):
             on = (p > edge) == long
@@ -368,6 +373,7 @@ class Rheology(Immutable):
 
         Relative moments are scaled to the largest of the ellipsoid.
         """
+        validation.instance(body, Body, "body", "a Body")
         moments = np.sort(np.asarray(body.moments, dtype=np.float64))
         if not body.relative:
             return moments

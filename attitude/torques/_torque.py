@@ -476,6 +476,7 @@ class CustomTorque(Torque):
     is_of_seconds = True
 
     def __post_init__(self) -> None:
+        validation.flag(self.depends_on_rate, "depends_on_rate")
         self._set_all(kind=BY_RATE if self.depends_on_rate else BY_ATTITUDE, _callbacks={})
         self._check("function", "omega")
         if self.slope is None:

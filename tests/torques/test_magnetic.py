@@ -241,6 +241,12 @@ def test_dipole_by_its_formula():
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-15)
 
 
+def test_a_dipole_of_no_moment_has_no_torque():
+    torque = EddyCurrent(1e6, DipoleField((0, 0, 0)), orbit)
+    free, motion = FreeRotation(BODY, SPIN), TorquedRotation(BODY, SPIN, torque, step=1.0)
+    assert angle(motion.at(50.0).wxyz, free.at(50.0).wxyz) < 1e-12
+
+
 def test_air_by_a_sum_over_facets():
     shape = box((1.0, 2.0, 0.5))
     body = Body(moments=(20.0, 24.0, 30.0), center_of_mass=(0.1, 0.05, -0.2))

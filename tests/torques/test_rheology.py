@@ -12,6 +12,7 @@ from tests.support.torqued import torque_at_start
 
 AXES = np.array([1.0, 0.8, 0.6])
 DENSITY = 2000.0
+ROCK = Rheology((3, 2, 1), DENSITY, QualityFactor(5e9, 100))
 
 
 def ellipsoid(axes=AXES, density=DENSITY):
@@ -238,6 +239,11 @@ def test_relative_moments_are_those_of_the_ellipsoid():
         (lambda: Rheology((1, 2, 3), 1, 5e12), "give QualityFactor"),
         (lambda: Rheology((1, 2, 3), 1, QualityFactor(1, 1), 0.6), "from 0 to 0.5"),
         (lambda: Rheology((1, 2, 3), 1, lambda f: 1.0 + 1j * f).loss([1.0]), "not positive"),
+        (lambda: ROCK.loss("a"), "frequency is 'a'"),
+        (lambda: ROCK.loss(np.nan), "frequency holds nan"),
+        (lambda: ROCK.strength_at(ellipsoid(), 1e6, 2.0), "numbers from 0 to 1"),
+        (lambda: ROCK.strength_at(ellipsoid(), 0.0, 0.5), "give momenta above zero"),
+        (lambda: ROCK.power(None, 1e6, 0.5), "body is None; give a Body"),
         (lambda: Maxwell(-1.0, 1.0), "rigidity"),
         (lambda: QualityFactor(1.0, 0.0), "quality"),
     ],
