@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from attitude.motions._free_rotation import FreeRotation
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PaperSteps:
     """The constants of a motion; made by `steps`.
 

@@ -144,8 +144,7 @@ class Differentiable(Motion):
         `attitude.splitting.TorquedRotation`.
         """
         seconds, lo = _inputs.seconds_since(self.epoch, t, low)
-        if axes not in ("inertial", "body"):
-            raise AttitudeError(f'axes is {axes!r}; give "inertial" or "body".')
+        validation.one_of(axes, "axes", ("inertial", "body"))
         validation.one_of(by, "by", ("state", "elements"))
         rates = validation.flag(angular_velocity, "angular_velocity")
         attitude, omega = self._sensitivity.at(seconds, lo, rates)
@@ -266,7 +265,8 @@ class Differentiable(Motion):
         )
         # A turn of more than half a revolution is another one's: nothing is linear any more.
         far = np.max(np.sum(plus**2 + minus**2, axis=-1), axis=0) > 0.5 * np.pi**2
-        shares = np.where(np.isnan(hi), np.nan, np.where(far, np.maximum(shares, 1.0), shares))
+        unknown = np.isnan(wxyz[..., 0])
+        shares = np.where(unknown, np.nan, np.where(far, np.maximum(shares, 1.0), shares))
         largest = float(np.fmax.reduce(shares, axis=None, initial=0.0))
         if largest > _LARGEST_NONLINEARITY:
             self._warn(f"the nonlinearity of the errors of the attitude reaches {largest:.2g}")
@@ -304,7 +304,7 @@ class Differentiable(Motion):
         -----
         Draws whose moments are no body's are drawn anew.
         """
-        number = validation.count(count, "count")
+        number = validation.count(count, "count", 1, 10_000_000)
         factor = covariances.factor(self._errors())
         generator = validation.generator(seed)
         drawn: list[Self] = []

@@ -27,10 +27,7 @@ def polhode(constants: Any, principal_axes: FloatArray, points: int) -> FloatArr
     w1 = a1 cos am, w2 = -a2 sin am, w3 = a3 sqrt(cos^2 am + (1-m) sin^2 am) over the axes in
     Jacobi order: van Zon & Schofield (2006), eqs. 3.36-3.41.
     """
-    number = validation.number(points, "points")
-    if number != int(number) or number < 2:
-        raise AttitudeError(f"points is {points!r}; give a whole number of at least 2.")
-    count = int(number)
+    count = validation.count(points, "points", 2, 10_000_000)
     if constants["form"] == codes.UNIFORM:
         w = np.ldexp(constants["omega"][:, 0], int(constants["tempo"]))
         return np.tile(principal_axes @ w, (count, 1))

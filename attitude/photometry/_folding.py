@@ -151,6 +151,7 @@ def fold(
 
 def _folded(data, periods, numbers, epoch, refine):
     data.refuse_constant()
+    validation.flag(refine, "refine")
     series = (_spectrum.refined if refine else _spectrum.fixed)(data, 1.0 / periods, numbers)
     if refine:
         periods = 1.0 / series.frequencies

@@ -35,6 +35,8 @@ _FLOOR = 0.05
 _ROUNDING = 1e-12
 # Greatest size of values and errors, and the inverse of the least: their fourth powers are doubles.
 _HUGE = 1e70
+# Greatest order of lines, of which there are 2e6 then.
+_MOST = 1000
 # Turns in a span from which plain numbers of seconds are doubted.
 _TURNS = 3e5
 # Spans in a period from which they are.
@@ -398,9 +400,9 @@ def known_orders(order: Any) -> tuple[int, int]:
     """The orders of psi and of phi from one whole number or two, else an AttitudeError."""
     pair = (order, order) if np.ndim(order) == 0 else tuple(order)
     whole = all(isinstance(n, (int, np.integer)) and not isinstance(n, bool) for n in pair)
-    if len(pair) != 2 or not whole or min(pair) < 0 or max(pair) < 1:
+    if len(pair) != 2 or not whole or min(pair) < 0 or not 0 < max(pair) <= _MOST:
         raise AttitudeError(
-            f"order is {order!r}; give a whole number above zero, or two of them: of psi, of phi."
+            f"order is {order!r}; give a whole number from 1 to {_MOST}, or two: of psi, of phi."
         )
     return int(pair[0]), int(pair[1])
 

@@ -802,7 +802,7 @@ class View(Immutable):
         """Magnitudes (S), NaN where a ground site with limits does not observe."""
         scene = self.scene
         if not (scene.site_limits and scene.observer.has_horizon):
-            return magnitude
+            return np.array(magnitude)[()]
         return np.where(self.is_observable, magnitude, np.nan)[()]
 
     @kept

@@ -9,24 +9,28 @@ from attitude import (
     AttitudeError,
     AttitudeTable,
     Body,
+    Ensemble,
     FreeRotation,
     Scene,
     Spin,
     fit,
+    photometry,
     propagate,
     shape,
 )
 from attitude.arcs import Arcs, Impulse
-from attitude.formats import ck
+from attitude.formats import ck, damit
+from attitude.frames import representations
 from attitude.light_curve import Visibility
 from attitude.shape import Mesh
 from attitude.splitting import TorquedRotation
-from attitude.torques import ConstantTorque, GravityGradient, SolarRadiation
+from attitude.torques import ConstantTorque, CustomTorque, GravityGradient, SolarRadiation
 
 BODY = Body(moments=(1, 2, 2.5))
 SPIN = Spin("2026-01-01", (1, 0, 0, 0), (0.1, 0.2, 0.3))
 FREE = FreeRotation(BODY, SPIN)
 HISTORY = FREE.at([0.0, 0.5, 1.0])
+ENSEMBLE = Ensemble.of([FREE, FREE])
 BOX = shape.box((1, 2, 3))
 TORQUE = ConstantTorque((0.1, 0, 0))
 PLACES = {"center": None, "observer": (1, 0, 0), "sun": (0, 1, 0)}
@@ -119,6 +123,46 @@ CASES = {
         lambda: propagate((1, 2, 2.5), (1, 0, 0, 0), (1, 1, 1), [1.0], angular_velocity="yes"),
         "angular_velocity is 'yes'; it must be True or False",
     ),
+    "array for a frame": (
+        lambda: Spin("2026-01-01", (1, 0, 0, 0), (0, 0, 1), frame=np.zeros(3)),
+        r"frame is array\(\[0., 0., 0.\]\); it must be one of 'icrf'",
+    ),
+    "array for a convention": (lambda: FREE.published(np.zeros(3)), "convention is array"),
+    "array for a word": (lambda: FREE.sensitivity_at([0.0], by=np.zeros(3)), "by is array"),
+    "array for axes": (lambda: FREE.sensitivity_at([0.0], axes=np.zeros(3)), "axes is array"),
+    "truth value among numbers": (
+        lambda: shape.Ellipsoid(True, 2, 1),
+        r"semi_axes is \[True, 2, 1\]; give real numbers in m",
+    ),
+    "number of wings": (
+        lambda: shape.box_wing((1, 1, 1), (1, 1), wings=1.0),
+        "wings is 1.0; give a whole number from 1 to 2",
+    ),
+    "too many points": (lambda: FREE.polhode(10**18), "points is 10*; give a whole number from 2"),
+    "too many lines": (lambda: photometry.lines(FREE, order=2**63), "a whole number from 1 to"),
+    "word for refine": (
+        lambda: photometry.fold(np.arange(9.0), 2.5, np.cos(np.arange(9.0)), order=1, refine="no"),
+        "refine is 'no'; it must be True or False",
+    ),
+    "zero for scipy": (
+        lambda: representations.to_rotation([0, 0, 0, 0]),
+        r"wxyz holds \(0, 0, 0, 0\), which is no attitude",
+    ),
+    "word for a rate": (
+        lambda: CustomTorque(lambda t, q, w: (0, 0, 0), depends_on_rate="no"),
+        "depends_on_rate is 'no'; it must be True or False",
+    ),
+    "period of a DAMIT spin": (
+        lambda: damit.RelaxedRotator(10.0, 20.0, 0.0, 2451545.0, 0.0),
+        "period_h is 0.0; it must be greater than zero",
+    ),
+    "epoch of a DAMIT spin": (
+        lambda: damit.RelaxedRotator(10.0, 20.0, 5.0, np.inf, 0.0),
+        "jd0 holds inf",
+    ),
+    "member of an ensemble": (lambda: ENSEMBLE.label(5), "member 5 is out of range"),
+    "epoch of a member": (lambda: ENSEMBLE.epoch_of("a"), "no member is called 'a'"),
+    "epochs of members": (lambda: ENSEMBLE.epochs_of([7]), "member 7 of row 0 is out of range"),
     "law": (lambda: Scene(FREE, law="x"), "law is 'x'; give one of 'lambert'"),
     "class of laws": (lambda: Scene(FREE, law=Scene, **PLACES), "law is <class .*Scene"),
     "shadows": (lambda: Scene(FREE, shadows="x", **PLACES), "shadows is 'x'; give True, False"),

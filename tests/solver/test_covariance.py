@@ -115,6 +115,7 @@ def test_nonlinearity_says_when_the_covariance_misleads():
     )
     t = np.array([0.0, 1.0, 100.0])
     assert np.all(small.at(t).nonlinearity < 1e-4)
+    assert np.isnan(small.nonlinearity_at([0.0, 1.0], [np.nan, 0.0])).tolist() == [True, False]
     with pytest.warns(CovarianceWarning, match="nonlinearity"):
         found = large.at(t).nonlinearity
     assert found[0] < 1e-6 and found[2] >= 1.0
