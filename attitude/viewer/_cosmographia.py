@@ -21,8 +21,7 @@ if TYPE_CHECKING:
     from attitude.shape._mesh import Mesh
 
 
-# States of the trajectory.
-_STATES = 2000
+# Facets of the mesh at most.
 _MOST = 200_000
 # km, of a body whose size is unknown.
 _SIZE = 0.01
@@ -137,8 +136,7 @@ def _center(path):
 
 def _states(what, center):
     """Rows of a Julian date (TDB), km and km/s."""
-    times = np.linspace(0.0, what.duration, _STATES)
-    position, velocity = center.state(what.start, times)
+    times, position, velocity = _subject.trajectory(what, center)
     dates = _instants.times(what.start, times).tdb.jd
     table = np.column_stack([dates, position / 1000.0, velocity / 1000.0])
     return "".join(

@@ -25,12 +25,8 @@ if TYPE_CHECKING:
     from attitude.shape._mesh import Mesh
 
 
-# Seconds between positions.
-_STEP = 60.0
-# Degree of Cesium's polynomials through them.
+# Degree of Cesium's polynomials through the positions.
 _DEGREE = 7
-# Positions at most.
-_MOST = 20_000
 # Share of a tolerance that the turn of the Earth between two attitudes cannot exceed.
 _TOLERANCE = 0.8 * _subject.TOLERANCE
 
@@ -93,8 +89,7 @@ def _packets(what, center, model):
     begin, end = (f"{date}Z" for date in what.utc(np.array([0.0, what.duration])))
     clock = {"interval": f"{begin}/{end}", "currentTime": begin}
     clock |= {"multiplier": 1, "range": "LOOP_STOP"}
-    count = int(np.clip(np.ceil(what.duration / _STEP), _DEGREE + 1, _MOST)) + 1
-    times = np.linspace(0.0, what.duration, count)
+    times, position, _ = _subject.trajectory(what, center)
     packet = {
         "id": what.title,
         "name": what.title,
@@ -104,7 +99,7 @@ def _packets(what, center, model):
             "interpolationDegree": _DEGREE,
             "referenceFrame": "INERTIAL",
             "epoch": begin,
-            "cartesian": np.column_stack([times, center.position(what.start, times)]).ravel(),
+            "cartesian": np.column_stack([times, position]).ravel(),
         },
         "orientation": {
             "interpolationAlgorithm": "LINEAR",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from attitude.motions._body import Body
     from attitude.motions._history import AttitudeHistory
     from attitude.motions._motion import HasAttitudes, Motion
+    from attitude.paths._path import Path
     from attitude.scene._view import View
 
 
@@ -127,12 +129,18 @@ def _error(subject: Subject, begin: float, length: float, count: int) -> float:
     return worst
 
 
-# ---- Directions to Sun and observer and the light curve, at epochs close enough for lines between
+# ---- Directions, trajectory and light curve, at epochs close enough for curves between
 
 # Epochs of directions at first.
 _FIRST = 33
-# Epochs of directions at most.
-_MOST_DIRECTIONS = 8193
+# Epochs of directions at most: 4 MB of text.
+_MOST_DIRECTIONS = 262_145
+# s between states of a trajectory at first, their number at first, and at most: 14 MB of text.
+_STEP = 60.0
+_FIRST_STATES = 2_001
+_MOST_STATES = 128_001
+# Largest error of a trajectory between its states, m.
+_OFF = 10.0
 # Points of a light curve for each half turn, where these are at most _CURVE, and at least.
 _HALF_TURN = 40.0
 _FEWEST = 10.0
@@ -152,18 +160,59 @@ def directions(subject: Subject, which: str) -> FloatArray:
 
     Lines between neighbours stay within 0.1 degree; a fixed direction is one row.
     """
-    count = _FIRST
-    while True:
-        vectors = subject.toward(which, np.linspace(0.0, subject.duration, count))
-        if np.ptp(vectors, axis=0).max() == 0.0:
-            return vectors[:1]
+
+    def error(times, vectors):
         middle = vectors[:-2:2] + vectors[2::2]
         middle = middle / np.linalg.norm(middle, axis=1)[:, None]
-        if (
-            np.linalg.norm(middle - vectors[1:-1:2], axis=1).max() < TOLERANCE
-            or count >= _MOST_DIRECTIONS
-        ):
-            return vectors
+        # That of lines over twice the step, which falls with its square.
+        return np.degrees(np.linalg.norm(middle - vectors[1:-1:2], axis=1).max()) / 4.0
+
+    vectors = _close_enough(
+        subject.duration, partial(subject.toward, which), error, np.degrees(TOLERANCE),
+        (_FIRST, _MOST_DIRECTIONS), f"directions to the {which}", "deg",
+    )[1]  # fmt: skip
+    return vectors if np.ptp(vectors, axis=0).max() > 0.0 else vectors[:1]
+
+
+def trajectory(subject: Subject, path: Path) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Times (N,), s from the start, at equal steps, positions (N, 3), m, and velocities (N, 3).
+
+    Cubic Hermite curves between neighbours stay within 10 m.
+    """
+
+    def error(times, states):
+        (a, middle, b), (before, _, after) = (
+            (rows[:-2:2], rows[1:-1:2], rows[2::2]) for rows in states
+        )
+        off = middle - 0.5 * (a + b) - times[2] / 8.0 * (before - after)
+        # That over twice the step, which falls with its fourth power.
+        return np.linalg.norm(off, axis=1).max() / 16.0
+
+    first = int(np.clip(np.ceil(subject.duration / _STEP) + 1.0, 9, _FIRST_STATES))
+    times, states = _close_enough(
+        subject.duration, partial(path.state, subject.start), error, _OFF,
+        (first, _MOST_STATES), "positions", "m",
+    )  # fmt: skip
+    return times, *states
+
+
+def _close_enough(duration, sample, error, bound, counts, what, unit):
+    """Times (N,) and what a function returns there, with an error within a bound, or a warning."""
+    count, most = counts
+    while True:
+        times = np.linspace(0.0, duration, count)
+        rows = sample(times)
+        worst = error(times, rows)
+        if worst <= bound:
+            return times, rows
+        if count >= most:
+            warnings.warn(
+                f"the {what} are {times[1]:.4g} s apart, and off by up to {worst:.2g} {unit} in "
+                f"between, where {bound:.1g} {unit} is aimed at; give a shorter span.",
+                AttitudeWarning,
+                stacklevel=3,
+            )
+            return times, rows
         count = 2 * count - 1
 
 

@@ -361,6 +361,23 @@ def test_a_long_span_has_all_eclipses(monkeypatch):
         _subject.shade(what)
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_long_span_has_all_passes(monkeypatch):
+    """The direction to a site over 10 days of Envisat, as lines between neighbours draw it."""
+    scene = mission.read(ROOT / "data" / "mission" / "envisat-glints.toml").scene
+    orbit = Scene(None, scene.center, scene.observer, scene.sun)
+    start = epochs.instant("2013-10-23")
+    what = _subject.Subject(None, orbit, None, start, 10.0 * DAY, "", None, "")
+    rows = _subject.directions(what, "observer")
+    middle = rows[1:] + rows[:-1]
+    times = (np.arange(len(middle)) + 0.5) * what.duration / len(middle)
+    sines = np.linalg.norm(np.cross(middle, what.toward("observer", times)), axis=1)
+    assert np.all(sines < np.radians(0.1) * np.linalg.norm(middle, axis=1))
+    monkeypatch.setattr(_subject, "_MOST_DIRECTIONS", 8193)
+    with pytest.warns(AttitudeWarning, match="directions to the observer are 105.5 s apart"):
+        _subject.directions(what, "observer")
+
+
 def test_the_light_curve_of_many_turns(monkeypatch):
     """A box that turns 2001 times has two maxima a turn, whose light curve is that of one turn."""
     spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0, 0, 1))
