@@ -77,7 +77,7 @@ def overview(
         rates(figure.add_subplot(2, 2, 3), motion, seconds)
         angles(figure.add_subplot(2, 2, 4), motion, seconds)
     if title:
-        figure.suptitle(title)
+        figure.suptitle(title, parse_math=False)
     return figure
 
 

@@ -74,7 +74,7 @@ def of_history(
     for axes in panels:
         axes.margins(x=0.01)
     if title:
-        figure.suptitle(title)
+        figure.suptitle(title, parse_math=False)
     return plots.saved(figure, path)
 
 

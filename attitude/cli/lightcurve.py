@@ -74,7 +74,7 @@ def of(
     below.set(ylabel="phase angle (deg)", xlabel=f"time since {start} UTC, {unit}")
     for axes in (above, below):
         axes.margins(x=0.01)
-    figure.suptitle(mission.name or "Light curve")
+    figure.suptitle(mission.name or "Light curve", parse_math=False)
     return figure
 
 

@@ -205,7 +205,7 @@ def _panels(nights: Sequence[_Night], name: str, title: str) -> Figure:
             below.axhline(0.0, color=OTHER, lw=0.8)
         middle = 0.5 * float(ranges[k].min() + ranges[k].max())
         above.set_ylim(middle + 0.5 * height, middle - 0.5 * height)
-        above.set_title(night.title, fontsize=9)
+        above.set_title(night.title, fontsize=9, parse_math=False)
         for panel, count in ((above, 5), (below, 3)):
             if panel is not None:
                 panel.tick_params(labelsize=9)

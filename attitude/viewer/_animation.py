@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 
 _ENDINGS = ("webp", "gif", "mp4")
+# Frames a second that all endings hold.
+_RATES = (0.01, 1000)
 # Facets that are drawn.
 _FACETS = 4000
 # Least brightness of a facet, where no light falls.
@@ -76,7 +78,7 @@ def animate(
         Ends in .webp, .gif (both by Pillow) or .mp4 (by ffmpeg).
     frames : int
     rate : float
-        Frames a second.
+        Frames a second, 0.01 to 1000; .gif rounds the time of a frame to 0.01 s, .webp to 0.001 s.
     size : (int, int)
         Width and height, pixels.
     progress : callable, optional
@@ -85,7 +87,7 @@ def animate(
     Raises
     ------
     AttitudeError
-        For another ending, if Pillow or ffmpeg is not installed, and as `view`.
+        For another ending or rate, if Pillow or ffmpeg is not installed, and as `view`.
 
     Notes
     -----
@@ -96,7 +98,8 @@ def animate(
     path = _subject.output_name(output, _ENDINGS)
     ending = path.rpartition(".")[2].lower()
     count = validation.count(frames, "frames", 2)
-    validation.positive(rate, "rate")
+    if not _RATES[0] <= validation.number(rate, "rate") <= _RATES[1]:
+        raise AttitudeError(f"rate is {rate:g} frames a second; give {_RATES[0]} to {_RATES[1]}.")
     what = subject(motion, start, stop, shape=shape, title=title, magnitude=magnitude)
     picture = _Picture(what, count, size)
     if ending == "mp4":
@@ -119,7 +122,7 @@ class _Picture:
         above = figure.add_subplot(grid[0])
         above.set(xlim=(-1.5, 1.5), ylim=(-1.5, 1.5), aspect="equal", facecolor=_GROUND)
         above.set_axis_off()
-        above.set_title(what.title, color=_TEXT, fontsize=11)
+        above.set_title(what.title, color=_TEXT, fontsize=11, parse_math=False)
         self.line = None if curve is None else _axes_of(figure.add_subplot(grid[1]), curve)
         self.toward = _toward(what, "observer", times)
         self.sun = _toward(what, "sun", times)
@@ -136,8 +139,10 @@ class _Picture:
         self.arrows = [_arrow(above, *arrow) for arrow in (*_AXES, _MOMENTUM)]
         style = {"color": _TEXT, "fontsize": 10, "family": "monospace", "va": "top"}
         self.clock = figure.text(0.02, 0.94, "", **style)
-        short = what.duration < _SHORT
-        self.utc = [date.replace("T", " ")[: 19 if short else 16] for date in what.utc(times)]
+        letters = 8 if what.duration < _SHORT else 5
+        # A second that is short of a whole one by rounding is that one.
+        dates = (date.partition("T") for date in what.utc(times + 5e-4))
+        self.utc = [f"{day} {time_of_day[:letters]}" for day, _, time_of_day in dates]
         self.facets = PolyCollection([], linewidths=0.3)
         above.add_collection(self.facets)
 
@@ -217,7 +222,7 @@ def _axes_of(axes, curve):
     axes.set_facecolor(_GROUND)
     axes.tick_params(colors=_TEXT, labelsize=10)
     axes.set_xlabel(name, color=_TEXT, fontsize=10)
-    axes.set_ylabel(curve["label"], color=_TEXT, fontsize=10)
+    axes.set_ylabel(curve["label"], color=_TEXT, fontsize=10, parse_math=False)
     for side in axes.spines.values():
         side.set_color("#2b3140")
     return axes.plot([], [], color=_LINE, linewidth=1.2)[0]
@@ -288,7 +293,7 @@ def _write_film(path, picture, rate, progress):
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     FigureCanvasAgg(picture.figure)
-    writer = FFMpegWriter(fps=round(rate), extra_args=["-pix_fmt", "yuv420p"])
+    writer = FFMpegWriter(fps=rate, extra_args=["-pix_fmt", "yuv420p"])
     with (
         made_whole(path) as temporary,
         writer.saving(picture.figure, temporary, dpi=_PER_INCH),

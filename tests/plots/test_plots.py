@@ -28,7 +28,7 @@ def motion_of(moments, omega):
 @pytest.mark.parametrize("name", MOTIONS)
 def test_an_overview_of_every_kind_of_motion(name, tmp_path):
     motion = motion_of(*MOTIONS[name])
-    figure = plots.overview(motion, title=name)
+    figure = plots.overview(motion, title=rf"{name}, no $\foo$ of mathematics")
     figure.savefig(tmp_path / "motion.png", dpi=40)
     assert (tmp_path / "motion.png").stat().st_size > 5000
     assert len(figure.axes) == 4

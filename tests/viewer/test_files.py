@@ -11,7 +11,7 @@ import pytest
 from attitude import Body, FreeRotation, Scene, Spin, cli, paths, shape
 from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.frames import quaternion
-from attitude.viewer import animate, write_cosmographia, write_czml, write_glb
+from attitude.viewer import _animation, _subject, animate, write_cosmographia, write_czml, write_glb
 from tests.support.places import ROOT
 
 TLE = ROOT / "data" / "paths" / "envisat-2013.tle"
@@ -162,6 +162,21 @@ def test_cosmographia_is_beside_a_c_kernel_that_spice_reads(tmp_path):
     assert trimesh.load(tmp_path / item["geometry"]["source"]).is_watertight
 
 
+@pytest.mark.filterwarnings("error")
+def test_trajectories_of_long_spans_are_dense(monkeypatch):
+    """Of 10 days of Envisat: cubic Hermite curves between states, as Cosmographia's."""
+    from scipy.interpolate import CubicHermiteSpline
+
+    path, what = orbiting().center, _subject.subject(tumbler(), stop=864000.0)
+    curve = CubicHermiteSpline(*_subject.trajectory(what, path))
+    times = np.random.default_rng(1).uniform(0.0, what.duration, 4000)
+    off = np.linalg.norm(curve(times) - path.position(what.start, times), axis=1)
+    assert off.max() < 10.0  # m
+    monkeypatch.setattr(_subject, "_MOST_STATES", 2001)
+    with pytest.warns(AttitudeWarning, match="positions are 432 s apart, and off by up to .* m"):
+        _subject.trajectory(what, path)
+
+
 @pytest.mark.parametrize("order", [(0, 1), (1, 0)])
 def test_catalogues_of_cosmographia_are_loaded_together(tmp_path, order):
     spiceypy = pytest.importorskip("spiceypy")
@@ -204,8 +219,18 @@ def test_an_animation_as_mp4(tmp_path):
     if shutil.which("ffmpeg") is None:
         pytest.skip("ffmpeg is not installed")
     path = tmp_path / "a.mp4"
-    animate(tumbler(), path, stop=60.0, frames=4, size=(160, 160))
-    assert path.read_bytes()[4:8] == b"ftyp"
+    title = r"Cubesat $\foo$ 3"  # which is no mathematics
+    for rate in (0.5, 20.0):
+        animate(tumbler(), path, stop=60.0, title=title, frames=4, rate=rate, size=(160, 160))
+        assert path.read_bytes()[4:8] == b"ftyp"
+
+
+@pytest.mark.filterwarnings("ignore:the animation has a frame")
+def test_the_clock_of_an_animation():
+    """Seconds of TDB are some nanoseconds short of those of UTC."""
+    for stop, end in ((20.0, "00:00:20"), (72000.0, "20:00")):
+        picture = _animation._Picture(_subject.subject(tumbler(), stop=stop), 11, (160, 160))
+        assert picture.utc[-1] == f"2013-10-23 {end}"
 
 
 def test_frames_that_skip_turns_are_said(tmp_path):
@@ -221,6 +246,8 @@ def test_bad_outputs_are_sentences(tmp_path, capsys):
     assert not list(tmp_path.iterdir())
     with pytest.raises(AttitudeError, match=r"ends in \.webp or \.gif or \.mp4"):
         animate(tumbler(), tmp_path / "a.avi")
+    with pytest.raises(AttitudeError, match="rate is 1e-06 frames a second; give"):
+        animate(tumbler(), tmp_path / "a.gif", rate=1e-6)
     assert cli.main(["view", "toutatis", "--output", "x.pdf"]) == 2
     assert ".czml" in capsys.readouterr().err
     both = ["view", "toutatis", "--output", "x.html", "--animate", "x.gif"]
