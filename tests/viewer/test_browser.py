@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from attitude import Arcs, Impulse, Scene, catalog, cli, shape
+from attitude import Arcs, Body, FreeRotation, Impulse, Scene, Spin, catalog, cli, shape
 from attitude.formats import mission
 from attitude.frames import quaternion
 from attitude.viewer import _subject, view
@@ -129,6 +129,37 @@ def test_the_cursor_of_the_curve_is_dragged(shown):
     page.mouse.move(middle, box["y"] + 60)
     page.mouse.up()
     assert page.evaluate("attitudeViewer.clock.time") == pytest.approx(15 * DAY, rel=0.01)
+
+
+def test_a_thinned_curve_has_no_dot_and_late_years_no_date(chromium, tmp_path):
+    """Of 3200 turns the curve holds extremes, which have no value at a time."""
+    body = shape.Ellipsoid((3, 2, 1.5)).facets(300)
+    spin = Spin(epoch="9999-12-31T23:59", wxyz=(1, 0, 0, 0), angular_velocity=(0.1, 0.15, 1))
+    scene = Scene(
+        FreeRotation(Body(moments=(10, 20, 26)), spin), None, (0, 1, 0), (1, 0, 0), shape=body
+    )
+    for stop, has_dot in ((600.0, True), (20_000.0, False)):
+        view(scene, stop=stop, output=tmp_path / "late.html")
+        with browser.opened(chromium, tmp_path / "late.html") as (page, errors):
+            page.evaluate(
+                "t => { attitudeViewer.clock.play(false); attitudeViewer.clock.set(t);"
+                " attitudeViewer.drawAt(t); }", stop / 2
+            )  # fmt: skip
+            assert page.inner_text("#utc") in ("300.0000 s", "10000.00 s")
+            columns = page.evaluate(
+                """() => {
+                  const { width, height } = document.getElementById("curve");
+                  const pen = document.getElementById("curve").getContext("2d");
+                  const data = pen.getImageData(0, 0, width, height).data;
+                  const white = new Set();
+                  for (let k = 0; k < data.length; k += 4)
+                    if (Math.min(data[k], data[k + 1], data[k + 2]) > 250 && data[k + 3] > 250)
+                      white.add((k / 4) % width);
+                  return white.size;
+                }"""
+            )
+            assert (columns > 3) == has_dot
+            assert known(errors) == []
 
 
 def test_views_turn_the_world(shown):

@@ -48,10 +48,11 @@ export class Clock {
     this.set(this.time);
   }
 
-  // UTC, with milliseconds where the span is short.
+  // UTC, with milliseconds where the span is short; seconds where JavaScript has no date.
   utc() {
     const part = this.duration > 0 ? this.time / this.duration : 0;
     const unit = this.duration < 600 ? 1 : 1000;
+    if (!Number.isFinite(this.begin + this.end)) return `${this.time.toPrecision(7)} s`;
     const moment = Math.round((this.begin + part * (this.end - this.begin)) / unit) * unit;
     const text = new Date(moment).toISOString();
     return `${text.slice(0, unit === 1 ? 23 : 19).replace("T", " ")} UTC`;

@@ -145,6 +145,7 @@ export class Curve {
     pen.drawImage(this.still, 0, 0, clientWidth, clientHeight);
     pen.fillStyle = "#ffffff";
     pen.fillRect(this.x(time) - 0.5, MARGIN.top, 1, clientHeight - MARGIN.top - MARGIN.bottom);
+    if (this.times[1] === this.times[0]) return; // extremes, which have no value at a time
     const value = this.valueAt(time);
     if (!Number.isFinite(value)) return;
     pen.beginPath();
