@@ -433,17 +433,16 @@ class Fit(Immutable):
 
     def _repr_html_(self) -> str:
         """A table for notebooks: residuals, then the motion with its errors."""
-        size = self.rms if len(self.residuals) else self.rate_rms
-        unit = "rad" if len(self.residuals) else "rad/s"
-        count = len(self.residuals) or len(self.rate_residuals or ())
         head, rows = markup.rows_of(str(self.motion))
-        return markup.table(f"Fit. {head}", [("records", f"{count}, rms {size:.3g} {unit}"), *rows])
+        return markup.table(f"Fit. {head}", [("fitted to", self._records()), *rows])
 
     def __repr__(self) -> str:
+        return f"<Fit: {self._records()}, {self.motion!r}>"
+
+    def _records(self) -> str:
         if len(self.residuals) or self.rate_residuals is None:
-            return f"<Fit: {len(self.residuals)} records, rms {self.rms:.3g} rad, {self.motion!r}>"
-        count = len(self.rate_residuals)
-        return f"<Fit: {count} records, rms {self.rate_rms:.3g} rad/s, {self.motion!r}>"
+            return f"{len(self.residuals)} records, rms {self.rms:.3g} rad"
+        return f"{len(self.rate_residuals)} records, rms {self.rate_rms:.3g} rad/s"
 
 
 def fitted(

@@ -17,6 +17,7 @@ from attitude import (
     catalog,
     events,
     fit,
+    fit_rates,
     inversion,
     paths,
     photometry,
@@ -86,9 +87,10 @@ def test_an_entry_of_the_catalogue_and_a_published_state():
 
 def test_a_fit_and_a_table():
     t = np.linspace(0, 3, 40)
-    found = fit(PAPER.at(t))
-    _, words = parsed(found)
-    assert "40, rms" in words and "Short-axis mode" in words
+    rates = fit_rates(t, PAPER.at(t).angular_velocity, epoch=PAPER.epoch)
+    for found in (fit(PAPER.at(t)), rates):
+        _, words = parsed(found)
+        assert "40 records, rms" in words and "Short-axis mode" in words
     table = AttitudeTable("2026-01-01", [0, 10], [[1, 0, 0, 0], [0, 0, 0, 1]], method="slerp")
     assert "2026-01-01" in parsed(table)[1]
 
