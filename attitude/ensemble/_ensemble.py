@@ -577,6 +577,9 @@ class Ensemble(Immutable):
     def __len__(self) -> int:
         return len(self.wxyz)
 
+    def __iter__(self) -> Iterator[FreeRotation]:
+        return map(self.__getitem__, range(len(self)))
+
     def __getitem__(self, index: Any) -> Any:
         """A FreeRotation for a number or a name; an Ensemble for a slice, mask or index array."""
         if isinstance(index, (str, int, np.integer)) and not isinstance(index, bool):
@@ -1554,6 +1557,9 @@ class ArcsEnsemble(Immutable):
     def __len__(self) -> int:
         return len(self.ensemble)
 
+    def __iter__(self) -> Iterator[Arcs]:
+        return map(self.__getitem__, range(len(self)))
+
     def __getitem__(self, k: int | str) -> Arcs:
         """The motion of one member, of a number or a name."""
         number = self.ensemble.number(k)
@@ -1669,6 +1675,9 @@ class TorquedEnsemble(Immutable):
 
     def __len__(self) -> int:
         return len(self.ensemble)
+
+    def __iter__(self) -> Iterator[TorquedRotation]:
+        return map(self.__getitem__, range(len(self)))
 
     def __getitem__(self, k: int | str) -> TorquedRotation:
         """The motion of one member, of a number or a name."""

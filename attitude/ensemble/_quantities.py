@@ -242,14 +242,9 @@ class AngleTo(Immutable):
 
     def measured(self, history: AttitudeHistory, epochs: slice) -> FloatArray:
         """Numbers (N, T) that grow with the angle, of a history at some epochs of all."""
-
         count, length = history.shape
         target = self._target
         if target.ndim == 2:
-            if epochs.stop > len(target):
-                raise AttitudeError(
-                    f"target has {len(target)} directions; give one, or one for each epoch."
-                )
             target = target[epochs]
         parts = (
             read_only(np.ascontiguousarray(np.broadcast_to(target[..., k], length)))
@@ -321,8 +316,16 @@ def known(
         base, grid = bound(scene, ensemble, seconds, lows)
         return Seen(quantity, base), grid
     if isinstance(quantity, AngleTo) or (callable(quantity) and not isinstance(quantity, type)):
-        known_quantity = quantity if isinstance(quantity, AngleTo) else Computed(quantity)
-        return known_quantity, ensemble.grid_of(t, low)
+        grid = ensemble.grid_of(t, low)
+        if not isinstance(quantity, AngleTo):
+            return Computed(quantity), grid
+        target = quantity._target
+        if target.ndim == 2 and len(target) != grid.length:
+            raise AttitudeError(
+                f"target has {len(target)} directions, and t {grid.length} epochs; give one "
+                "direction, or one for each epoch."
+            )
+        return quantity, grid
     raise AttitudeError(
         f"quantity is {validation.shown(quantity)}; give the name of a quantity of a scene, an "
         "AngleTo(axis, target), or a function of an EnsembleHistory."

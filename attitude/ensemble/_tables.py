@@ -385,7 +385,10 @@ def _of_distributions(
             turns = forms.from_rotation_vector(rows("attitude", count))
             wxyz = quaternion.multiply(to_icrf, quaternion.multiply(turns, spin.wxyz))
         elif "wxyz" in distributions:
-            wxyz = quaternion.multiply(to_icrf, rows("wxyz", count))
+            wxyz = rows("wxyz", count)
+            if not np.all(np.any(wxyz, axis=1)):
+                raise AttitudeError("the draw of wxyz holds a zero quaternion; give unit ones.")
+            wxyz = quaternion.multiply(to_icrf, wxyz)
         rates = np.broadcast_to(spin.angular_velocity, (count, 3))
         if "angular_velocity" in distributions:
             rates = rows("angular_velocity", count)

@@ -190,6 +190,8 @@ def test_of_motions():
         for k, motion in enumerate(part):
             assert _same(ensemble.at(t), k, motion.at(t))
             assert _same(ensemble.at(t), k, ensemble[k].at(t))
+        assert np.array_equal([motion.spin.wxyz for motion in ensemble], ensemble.wxyz)
+        assert len(list(ensemble[:10].arcs([]))) == 10
     assert Ensemble.of(motions[:2])[1].body is motions[1].body
 
 

@@ -131,6 +131,7 @@ def test_bad_input(ensemble):
         (lambda: AngleTo((0, 0, 0), (1, 0, 0)), "axis is zero"),
         (lambda: AngleTo((0, 0, 1), np.zeros((4, 3))), "target holds a zero vector"),
         (lambda: ensemble.percentiles(AngleTo((0, 0, 1), np.ones((4, 3))), T), "target has 4"),
+        (lambda: ensemble.percentiles(AngleTo((0, 0, 1), np.ones((400, 3))), T), "target has 400"),
     ):  # fmt: skip
         with pytest.raises(AttitudeError, match=sentence):
             call()

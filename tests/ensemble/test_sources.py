@@ -260,6 +260,7 @@ def test_distributions():
         ({}, "the spin has no covariance"),
         ({"distributions": {}}, "give some of attitude"),
         ({"distributions": {"rates": 1}}, "rates"),
+        ({"distributions": {"wxyz": lambda g, n: np.zeros((n, 4))}}, "holds a zero quaternion"),
         ({"distributions": {"moments": lambda g, n: np.ones(3)}}, "the draw of moments has shape"),
         ({"covariance": {"attitude": 1}, "distributions": {"moments": 1}}, "both given"),
         ({"count": -5, "covariance": {"attitude": 1}}, "count is -5"),

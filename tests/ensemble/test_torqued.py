@@ -94,6 +94,7 @@ def test_bad_input():
     with pytest.raises(AttitudeError, match="finite epochs"):
         torqued.at([np.inf])
     assert len(ensemble[:0].torqued(_torques(), step=0.5).at([1.0]).wxyz) == 0
+    assert len(list(ensemble[:2].torqued(_torques(), step=0.5))) == 2
 
 
 def test_arcs_of_members():
