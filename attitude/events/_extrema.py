@@ -227,8 +227,8 @@ def find_maxima(
     Returns
     -------
     Events
-        ``times, values = find_maxima(...)``; the values are those of f.  For a flat top, its
-        middle.
+        ``times, values = find_maxima(...)``; the values are those of f.  A top that is flat
+        over three samples or more, such as no brightness in an umbra, is none.
 
     Raises
     ------
