@@ -238,15 +238,17 @@ class Packing:
             self._kept += forcing.nbytes
         return window
 
-    def weakness_of(self, t: float, x: FloatArray, region: int) -> float:
+    def weakness_of(self, t: float, x: FloatArray, region: int, means: Any = ...) -> float:
         """|N| P/(2 pi |L|) of a state (4,): L, y."""
-        return self.rates_of(t, x, region)[1]
+        return self.rates_of(t, x, region, means)[1]
 
-    def rates_of(self, t: float, x: FloatArray, region: int) -> tuple[FloatArray, float]:
-        """dL/dt and dy/dt (4,) of a state (4,), and |N| P/(2 pi |L|)."""
+    def rates_of(
+        self, t: float, x: FloatArray, region: int, means: Any = ...
+    ) -> tuple[FloatArray, float]:
+        """dL/dt and dy/dt (4,) of a state (4,), and |N| P/(2 pi |L|), of all or some means."""
         window = self.window(t, 1.0 if t < self.torques.span[1] else -1.0)
         out, work = np.empty(4), np.empty_like(self.packed.work)
-        arguments = self.packed.data, window.models, window.forcing, work, out, 1
+        arguments = self.packed.data, window.models[means], window.forcing, work, out, 1
         with raising_callback_errors():
             eps = layout.rates_at(t, np.array(x), region, *arguments)
         return out, float(eps)

@@ -247,7 +247,8 @@ class AveragedMotion(Immutable):
     tolerance : float
         Of a step, of L in units of |L| and of y.
     degree : int
-        Largest degree of the spherical harmonics of light and flow.
+        Largest degree of the spherical harmonics of light and flow, 2 to 64; for the YORP effect
+        64, since it is a small remainder of the torque.
     order : int
         1, or 2 for means of second order in the torques, which need paths that are followed, and
         some 10 ms in each step: docs/averaged.md has what they gain.
@@ -552,11 +553,11 @@ class AveragedMotion(Immutable):
         """The error of the mean momentum to expect, a share of |L|, at epochs of shape S.
 
         The sum over steps of |change of L|/|L| times eps = |N| P/(2 pi |L|), the order of
-        first-order means, to which light and flow add 6e-4 (32/degree)^2 for harmonics beyond the
-        degree; where torques are averaged over turns T of their paths,
+        first-order means; where torques are averaged over turns T of their paths,
         |N| T/(2 pi |L|) is added to eps, and once to the sum, since the place on the path at the
-        epoch is averaged too.  Resonances and the branch that a passage takes are left out;
-        `check` measures.
+        epoch is averaged too.  Harmonics beyond the degree add 0.25/degree^2 of |N| dt/|L| of
+        light and flow, a bound for meshes of asteroids.  Resonances and the branch that a passage
+        takes are left out; `check` measures.
         """
         seconds = seconds_of(self.epoch, t)
         self._check_span(seconds)

@@ -34,10 +34,9 @@ _ROWS = 512
 _FIRST, _RATIO = 1e4, 1.25
 # Tolerance of the path along which the drift of second order is found.
 _COARSE = 1e-6
-# Share of the change by light or flow that harmonics beyond a degree have, times its square: three
-# times the errors of mean torques in "averaged costs" of benchmarks/averaged.py, which are shares
-# of the torque, and a mean is smaller.
-_BEYOND_DEGREE = 0.6
+# Share of the torque of light or flow that harmonics beyond a degree have, times its square: at
+# least the errors of mean torques in "averaged costs" of benchmarks/averaged.py.
+_BEYOND_DEGREE = 0.25
 # Passages without progress after which a rotation stays at the separatrix.
 _MOST_PASSAGES = 100
 
@@ -387,21 +386,24 @@ class Track:
         starts = rows[:, layout.ROW_TERMS : layout.ROW_TERMS + 4]
         size = np.sqrt(np.sum(starts[:, :3] ** 2, axis=1))
         change = np.sqrt(np.sum((at_ends - starts)[:, :3] ** 2, axis=1)) / size
-        eps = np.array(
-            [
-                packing.weakness_of(float(row[layout.ROW_START]), x, int(row[layout.ROW_REGION]))
-                for row, x in zip(rows, starts, strict=True)
-            ]
+        means = packing.torques.means
+        of_light = [m.kind == layout.HARMONICS and not m.is_linear for m in chain(*means)]
+        # |N| P/(2 pi |L|) of all torques, and of light and flow
+        eps, light = (
+            np.array(
+                [
+                    packing.weakness_of(row[layout.ROW_START], x, int(row[layout.ROW_REGION]), some)
+                    for row, x in zip(rows, starts, strict=True)
+                ]
+            )
+            for some in (..., np.flatnonzero(of_light))
         )
-        beyond = [
-            _BEYOND_DEGREE / mean.degree**2
-            for mean in chain(*packing.torques.means)
-            if mean.kind == layout.HARMONICS and not mean.is_linear
-        ]
-        eps = eps + max(beyond, default=0.0)
+        rate = size / float(packing.axes.moments[2])
         # |N| T/(2 pi |L|) for the turns T over which torques are averaged
-        of_turns = eps * size / float(packing.axes.moments[2]) * packing.turn / (2.0 * math.pi)
-        total = np.concatenate([[0.0], np.cumsum(change * (eps + of_turns))])
+        of_turns = eps * rate * packing.turn / (2.0 * math.pi)
+        beyond = _BEYOND_DEGREE / packing.torques.degree**2 * light * rate
+        beyond *= np.abs(ends - rows[:, layout.ROW_START])
+        total = np.concatenate([[0.0], np.cumsum(change * (eps + of_turns) + beyond)])
         times = np.concatenate([[0.0], ends]) * self.sign
         offset = np.concatenate([of_turns[:1], of_turns])
         return np.interp(t * self.sign, times, total) + np.interp(t * self.sign, times, offset)

@@ -280,6 +280,17 @@ def test_the_estimate_has_the_harmonics_that_are_left_out():
     assert found["pole"] < 3.0 * estimate
 
 
+def test_the_estimate_under_sunlight_averaged_over_an_orbit():
+    """The place on the orbit at the epoch, and harmonics beyond the degree, as shares of torque."""
+    motion = AveragedMotion(GOES, spinning((0.0, 0.01, 9.0)), sunlit(), orbit="averaged", degree=12)
+    first, rate = motion.at(0.0), motion.at(0.0).size / GOES.moments[2]
+    start, later = motion.error_estimate([1.0, 1.0 + 365.25 * DAY])
+    assert start == pytest.approx(first.weakness * rate * 365.25 * DAY / (2.0 * math.pi), rel=1e-3)
+    assert later - start == pytest.approx(
+        0.25 / 12**2 * first.weakness * rate * 365.25 * DAY, rel=0.05
+    )
+
+
 # ---- Resonances
 
 
