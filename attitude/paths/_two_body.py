@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -126,18 +126,25 @@ def states(hi, lo, base_hi, base_lo, period, q, e, k, basis, position, velocity)
             velocity[axis, n] = vx * basis[0, axis] + vy * basis[1, axis]
 
 
-# m3/s2 of DE440, in TDB (Park et al., AJ 161, 105, 2021, table 2).
+# m3/s2 of DE440, in TDB (Park et al., AJ 161, 105, 2021, table 2); of planets without their moons
+# those of NAIF's gm_de440.tpc.
 GM: dict[str, float] = {
     "sun": 1.32712440041279419e20,
     "mercury": 2.2031868551e13,
     "venus": 3.24858592e14,
     "earth": 3.98600435507e14,
     "moon": 4.902800118e12,
+    "mars": 4.2828373621e13,
     "mars barycenter": 4.2828375816e13,
+    "jupiter": 1.2668653190e17,
     "jupiter barycenter": 1.26712764100e17,
+    "saturn": 3.7931206234e16,
     "saturn barycenter": 3.7940584841800e16,
+    "uranus": 5.7939512565e15,
     "uranus barycenter": 5.794556400e15,
+    "neptune": 6.8351031455e15,
     "neptune barycenter": 6.836527100580e15,
+    "pluto": 8.696138178e11,
     "pluto barycenter": 9.75500e11,
 }
 
@@ -242,7 +249,8 @@ def kepler(
     center : Path, str or int
         A path, or a body by name or NAIF number.
     gm : float or Quantity, optional
-        m3/s2; that of DE440 for the Sun and the planets, if not given.
+        m3/s2; that of DE440 for the Sun, the Moon, planets and barycentres of planets with their
+        moons, if not given.
     frame : str
         Axes of the elements, one of `frames.FRAMES`.
     name, source : str
@@ -263,7 +271,7 @@ def kepler(
     if e < 0.0:
         raise AttitudeError(f"eccentricity is {e!r}; it must be zero or greater.")
     origin = known_center(center)
-    k = _gm(origin) if gm is None else validation.positive(gm, "gm", unit="m3/s2")
+    k = gm_of(origin) if gm is None else validation.positive(gm, "gm", unit="m3/s2")
     q = _pericenter_distance(semi_major_axis, pericenter_distance, e)
     angles = {"inclination": inclination, "node": node, "pericenter_argument": pericenter_argument}
     turns = [validation.number(value, label, unit="rad") for label, value in angles.items()]
@@ -283,11 +291,11 @@ def kepler(
     return Kepler(q, e, k, pericenter, basis, name, origin, source)
 
 
-def _gm(center):
-    """The GM in m3/s2 of a center by name."""
+def gm_of(center: str | Path, name: str = "gm") -> float:
+    """The GM in m3/s2 of a center as `known_center` returns it; name: of the parameter for it."""
     if center in GM:
-        return GM[center]
-    raise AttitudeError(f"the GM of {label_of(center)} is not known here; give gm in m3/s2.")
+        return GM[cast("str", center)]
+    raise AttitudeError(f"the GM of {label_of(center)} is not known here; give {name} in m3/s2.")
 
 
 def _pericenter_distance(axis, distance, e):

@@ -12,6 +12,7 @@ from attitude._support.pairs import Seconds
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.paths import _two_body
+from attitude.paths._path import body_name
 from attitude.torques._torque import Torque, path_of, positions
 
 if TYPE_CHECKING:
@@ -21,13 +22,6 @@ if TYPE_CHECKING:
     from attitude.motions._history import AttitudeHistory
     from attitude.paths._path import Path
     from attitude.torques._torque import AnyPath
-
-
-_BARYCENTER = " barycenter"
-# m3/s2, by the names of the planets: from afar, the mass of a planet includes its moons.
-GM: dict[str, float] = {
-    name.removesuffix(_BARYCENTER): value for name, value in _two_body.GM.items()
-}
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -41,7 +35,8 @@ class GravityGradient(Torque):
         A function takes TDB seconds (...) since the epoch of the spin and returns (..., 3), m,
         over ICRF axes.
     mu : float, Quantity or str
-        GM of the point mass in m3/s2, or "sun", "moon" or the name of a planet, "earth".
+        GM of the point mass in m3/s2, or a body by name or digits of its NAIF number: "sun",
+        "moon", a planet alone ("saturn") or with its moons ("saturn barycenter").
 
     Attributes
     ----------
@@ -52,7 +47,8 @@ class GravityGradient(Torque):
     Raises
     ------
     AttitudeError
-        For a path or GM of another type, a name that is not in `GM`, a GM that is not positive.
+        For a path or GM of another type, a body whose GM is not known, a path from another named
+        body than that one, a GM that is not positive.
 
     Notes
     -----
@@ -69,9 +65,19 @@ class GravityGradient(Torque):
     def __init__(self, path: AnyPath, mu: Real) -> None:
         self._set("path", path_of(path, "path"))
         if isinstance(mu, str):
-            validation.one_of(mu, "mu", tuple(GM))
-            mu = GM[mu]
+            mu = self._gm_of(body_name(mu, "mu"))
         self._set("mu", validation.positive(mu, "mu", unit="m3/s2"))
+
+    def _gm_of(self, mass: str) -> float:
+        """The GM in m3/s2 of a body by name, which is at one end of the path."""
+        names = str(self.path.center), self.path.name.lower()
+        ends = [name.removesuffix(" barycenter") for name in names]
+        if ends[0] in _two_body.GM and mass.removesuffix(" barycenter") not in ends:
+            raise AttitudeError(
+                f"path is relative to {names[0]}, and mu is that of {mass}; give a path "
+                f"relative to {mass}, or mu in m3/s2."
+            )
+        return _two_body.gm_of(mass, "mu")
 
     def parameters(self, body: Body) -> FloatArray:
         """GM, and the upper triangle by rows of the tensor less a multiple of the identity (7,)."""

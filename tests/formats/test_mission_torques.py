@@ -56,6 +56,10 @@ ORBIT = paths.kepler(
     pericenter_argument=0.0,
     mean_anomaly=0.0,
 )
+FLAT = dict.fromkeys(("inclination", "node", "pericenter_argument", "mean_anomaly"), 0.0)
+FLAT |= {"epoch": "2024-03-01", "eccentricity": 0.1}
+SATURNIAN = paths.kepler(center="saturn barycenter", semi_major_axis=2e8, **FLAT)
+HELIOCENTRIC = paths.kepler(semi_major_axis=1e10, **FLAT)
 BODY = Body(moments=(900, 1100, 1300), center_of_mass=(0.1, 0.05, -0.2))
 SPIN = Spin("2024-03-01", (1, 2, 3, 4), (0.01, 0.02, 0.1))
 BOX = box((2.0, 1.0, 3.0))
@@ -68,6 +72,18 @@ def air(heights):
 
 KINDS = {
     "gravity": ('kind = "gravity_gradient"', GravityGradient(ORBIT, "earth")),
+    "gravity about Saturn": (
+        'kind = "gravity_gradient"\nbody = "saturn barycenter"\npath = { kepler = { center = '
+        '"saturn barycenter", semi_major_axis = "2e5 km", eccentricity = 0.1, inclination = 0.0, '
+        'node = 0.0, pericenter_argument = 0.0, mean_anomaly = 0.0, epoch = "2024-03-01" } }',
+        GravityGradient(SATURNIAN, "6"),
+    ),
+    "gravity of the Sun": (
+        'kind = "gravity_gradient"\npath = { kepler = { semi_major_axis = "1e7 km", '
+        "eccentricity = 0.1, inclination = 0.0, node = 0.0, pericenter_argument = 0.0, "
+        'mean_anomaly = 0.0, epoch = "2024-03-01" } }',
+        GravityGradient(HELIOCENTRIC, "sun"),
+    ),
     "mass": ('kind = "gravity_gradient"\nmu = 4e14', GravityGradient(ORBIT, 4e14)),
     "currents": (
         'kind = "eddy_current"\ntensor = 5e7\nfield = 3',
@@ -164,6 +180,8 @@ def test_the_command_propagates_under_torques(tmp_path, capsys):
         ('kind = "eddy_current"\ntensor = 1\nfield = "dipole"', "give a degree of the IGRF"),
         ('kind = "eddy_current"\ntensor = 1\nfield = 14', "degrees 1 to 13"),
         ('kind = "gravity_gradient"\nbody = "vulcan"', "vulcan"),
+        ('kind = "gravity_gradient"\nbody = 3', "no body whose gravity acts; give body"),
+        ('kind = "gravity_gradient"\npath = "moon"\nmu = 1e13', "no body whose gravity acts"),
         ('kind = "solar_radiation"\nshadow_of = 3', "give names of bodies"),
         ('kind = "solar_radiation"\nshadows = "yes"', "shadows"),
         ('kind = "internal_dissipation"', "quality"),

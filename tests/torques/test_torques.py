@@ -8,7 +8,7 @@ import pytest
 from astropy import units
 from mpmath import mp, mpf
 
-from attitude import AttitudeError, Body, FreeRotation, Mode, Spin
+from attitude import AttitudeError, Body, FreeRotation, Mode, Spin, paths
 from attitude._compilation.pointers import C_FUNCTION
 from attitude._solver.march import kicks
 from attitude.frames import quaternion
@@ -79,6 +79,17 @@ def called(compiled, wxyz, y, place, parameters):
     pointer = ctypes.POINTER(ctypes.c_double)
     C_FUNCTION(compiled.address)(0.0, *(each.ctypes.data_as(pointer) for each in (*given, out)))
     return out
+
+
+def test_masses_by_name_are_those_of_orbits():
+    for name in ("pluto", "saturn barycenter", "499", "301"):
+        elements = dict.fromkeys(("eccentricity", "inclination", "node", "pericenter_argument"), 0)
+        orbit = paths.kepler(center=name, semi_major_axis=1e9, epoch="2024-03-01", **elements)
+        assert GravityGradient(orbit, name).mu == orbit.gm
+    alone, system = (
+        GravityGradient(lambda t: t, f"pluto{more}").mu for more in ("", " barycenter")
+    )
+    assert alone == pytest.approx(8.696e11, rel=1e-4) and system == 9.755e11
 
 
 def test_slope_of_gravity_gradient_times_a_held_vector():
@@ -358,6 +369,8 @@ def nothing(t, wxyz, omega):
     [
         (lambda: GravityGradient(3.0, MU), "path is 3.0"),
         (lambda: GravityGradient(still, "vulcan"), "mu is 'vulcan'"),
+        (lambda: GravityGradient(still, "ssb"), "GM of ssb is not known here; give mu"),
+        (lambda: GravityGradient(paths.relative("moon", "earth"), "sun"), "relative to earth, and"),
         (lambda: GravityGradient(still, -1.0), "greater than zero"),
         (lambda: ConstantTorque((1, 2)), "shape"),
         (lambda: LinearDamping(np.eye(2)), "shape"),
