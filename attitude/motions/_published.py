@@ -1058,7 +1058,13 @@ def symmetric_moments(*, mode: str | Mode, P_psi: Real, P_phi: Real, theta: Real
     phi, psi, tilt = _rates(mode, P_psi, P_phi, theta)
     ratio = psi / (phi * math.cos(tilt)) + 1.0  # I / Iz
     if not ratio >= 0.5:
-        low = math.degrees(math.acos(min(1.0, 2.0 * abs(psi) / phi)))
+        cosine = 2.0 * abs(psi) / phi
+        if cosine > 1.0:
+            raise AttitudeError(
+                "no body in SAM that is symmetric about its axis has P_psi below twice P_phi; "
+                "give other periods."
+            )
+        low = math.degrees(math.acos(cosine))
         raise AttitudeError(
             f"with theta {math.degrees(tilt):.6g} deg the moment about the axis would be "
             f"{1.0 / ratio:.6g} times the other two, but at most twice is possible: with these "
