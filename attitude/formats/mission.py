@@ -359,7 +359,7 @@ class _File:
                     "out."
                 )
             sections = {key: self.content[key] for key in self.content if key in _OF_STATE}
-            return spin_file.of_sections(sections)
+            return spin_file.of_sections(sections, self.folder, self.content.get("shape"))
         if section is None:
             return None
         if isinstance(section, str):

@@ -25,7 +25,8 @@
 =========  =========================================================================================
 [body]     ``moments`` (three), or ``tensor`` (three rows), or ``ellipsoid`` (three semi-axes), or
            ``masses`` with ``positions``; as in `Body`, `Body.from_ellipsoid`, `Body.from_points`;
-           or the ratios of papers, ``A_over_C`` with ``B_over_C``.
+           or the ratios of papers, ``A_over_C`` with ``B_over_C``; or ``density`` (kg/m3) of the
+           solid of [shape].
            ``mass``, ``center_of_mass``; ``relative = true`` where the unit of inertia is unknown.
 [spin]     ``epoch`` (UTC, or with the name of a time scale behind it), ``angular_velocity`` over
            the body axes, and the attitude from body axes to ``frame`` ("icrf" if left out): one of
@@ -33,6 +34,7 @@
            published state, as in `Spin.from_periods`: ``mode`` ("LAM", "SAM"), ``convention``
            ("L", "S"), ``P_psi``, ``P_phi``, ``pole`` (longitude, latitude in ``frame``, "ecliptic"
            if left out), ``phi0``, ``psi0``, ``epoch``, and ``theta_branch`` where psi librates.
+           Of a relaxed rotator: ``P``, ``pole``, ``phi0``, ``epoch``.
 [errors]   optional; one standard deviation, one number or three: ``attitude`` (about the axes of
            ``frame``), ``angular_velocity`` (body axes), ``moments`` (of the principal moments, in
            the unit of the body); or ``covariance``, nine or six rows as in `Spin`, in rad, rad/s
@@ -94,11 +96,12 @@ _BODIES = {
     "ellipsoid": ((), ("mass",)),
     "masses": (("positions",), ("relative",)),
     "A_over_C": (("B_over_C",), ()),
+    "density": ((), ()),
 }
 _ATTITUDES = {"wxyz": ((), ()), "matrix": ((), ()), "sequence": (("angles",), ())}
 _SPIN = ("epoch", "angular_velocity")
 # Keys of a published state, with their units; those that may be left out.
-_PUBLISHED = {"P_psi": "s", "P_phi": "s", "pole": "rad", "phi0": "rad", "psi0": "rad"}
+_PUBLISHED = {"P_psi": "s", "P_phi": "s", "pole": "rad", "phi0": "rad", "psi0": "rad", "P": "s"}
 _PUBLISHED_WORDS = ("mode", "convention")
 _OF_PUBLISHED = ("theta_branch", "frame")
 _ERRORS = ("attitude", "angular_velocity", "moments")
@@ -115,6 +118,7 @@ _EXAMPLES = {
     "B_over_C": "0.965",
     "mode": '"SAM"',
     "convention": '"S"',
+    "P": '"4.3 h"',
     "P_psi": '"263 h"',
     "P_phi": '"27.38 h"',
     "pole": '"250, -75 deg"',
@@ -123,9 +127,14 @@ _EXAMPLES = {
 }
 
 
-def body_and_spin(content: Mapping[str, Any]) -> tuple[Body, Spin]:
-    """The Body and the Spin of the sections [body], [spin] and [errors] of a parsed text."""
-    body = _body(_section(content, "body"))
+def body_and_spin(
+    content: Mapping[str, Any], shape: Any = None, folder: str = "."
+) -> tuple[Body, Spin]:
+    """The Body and the Spin of the sections [body], [spin] and [errors] of a parsed text.
+
+    shape: the section [shape], of which a density makes the body; folder: of its file.
+    """
+    body = _body(_section(content, "body"), shape, folder)
     section = _section(content, "spin")
     published = any(key in section for key in (*_PUBLISHED, *_PUBLISHED_WORDS))
     spin = _published(section, body) if published else _spin(section)
@@ -155,7 +164,7 @@ def with_errors(content: Mapping[str, Any], body: Body, spin: Spin) -> Spin:
     return spin.with_covariance(known)
 
 
-def _body(section):
+def _body(section, shape, folder):
     way = _way(section, _BODIES, (), "body")
     relative = section.get("relative", False)
     if not isinstance(relative, bool):
@@ -178,6 +187,13 @@ def _body(section):
     if way == "A_over_C":
         ratios = (float(value(key, ())) for key in ("A_over_C", "B_over_C"))
         return Body(moments=moments_from_ratios(*ratios), relative=True)
+    if way == "density":
+        if shape is None:
+            raise AttitudeError("[body] density is that of a section [shape]; give the section.")
+        from attitude.formats import _surface as surface
+
+        solid = surface.shape_of(shape, None, partial(surface.beside, folder=folder))["shape"]
+        return Body.from_shape(solid, density=float(value("density", (), "kg/m3")))
     masses = value("masses", None, "kg")
     positions = _numbers(section, "body", "positions", (..., 3), None if relative else "m")
     return Body.from_points(masses, positions, relative=relative)
@@ -201,18 +217,20 @@ def _spin(section):
 
 def _published(section, body):
     """The Spin of a state as papers print it: mode, convention, periods, pole, angles."""
-    needed = (*_PUBLISHED_WORDS, *_PUBLISHED, "epoch")
-    refuse_unknown(section, (*needed, *_OF_PUBLISHED, *_ATTITUDES, *_SPIN), "[spin]")
+    known = (*_PUBLISHED_WORDS, *_PUBLISHED, "epoch")
+    refuse_unknown(section, (*known, *_OF_PUBLISHED, *_ATTITUDES, *_SPIN), "[spin]")
     for key in (*_ATTITUDES, "angular_velocity"):
         if key in section:
             raise AttitudeError(
                 f"[spin] {key} does not go with a published state (mode, convention, P_psi ...); "
                 "leave one of them out."
             )
-    _require(section, "spin", needed)
+    one = ("P", "pole", "phi0", "epoch")
+    _require(section, "spin", one if "P" in section else [key for key in known if key != "P"])
     values = {key: section[key] for key in (*_PUBLISHED_WORDS, *_OF_PUBLISHED) if key in section}
-    for key, unit in _PUBLISHED.items():
-        number = _numbers(section, "spin", key, (2,) if key == "pole" else (), unit)
+    for key in [key for key in _PUBLISHED if key in section]:
+        shape = (2,) if key == "pole" else ()
+        number = _numbers(section, "spin", key, shape, _PUBLISHED[key])
         values[key] = number if key == "pole" else float(number)
     return Spin.from_periods(body, epoch=_epoch(section["epoch"]), **values)
 
@@ -388,12 +406,15 @@ def parse(text: str, origin: str = "text", *, folder: str = ".") -> SpinFile:
         return of_sections(content, folder, **labels)
 
 
-def of_sections(content: Mapping[str, Any], folder: str = ".", **labels: str | None) -> SpinFile:
+def of_sections(
+    content: Mapping[str, Any], folder: str = ".", of_body: Any = None, **labels: str | None
+) -> SpinFile:
     """The `SpinFile` of the sections [body], [spin], [errors] and [shape] of a parsed text.
 
-    `labels` are its name, source and note.  AttitudeError as `read`.
+    `of_body` is a section [shape] for the body alone; `labels` are its name, source and note.
+    AttitudeError as `read`.
     """
-    body, spin = body_and_spin(content)
+    body, spin = body_and_spin(content, content.get("shape", of_body), folder)
     shape, law = _surface(content, body, folder)
     return SpinFile(body, spin, **labels, shape=shape, law=law)
 

@@ -517,6 +517,34 @@ def test_a_published_state_is_a_spin():
     assert np.degrees([found.phi0, found.psi0]) == pytest.approx([152.0, 14.0], abs=1e-9)
 
 
+def test_a_relaxed_rotator_of_a_shape_and_a_density(tmp_path):
+    mesh = shape.box((2.0, 1.0, 3.0)).moved((0.1, 0.0, 0.0))
+    mesh.write(tmp_path / "box.obj")
+    text = (
+        '[body]\ndensity = "2.5 g/cm3"\n[shape]\nfile = "box.obj"\n'
+        '[spin]\nP = "4.3 h"\npole = "250, -75 deg"\nphi0 = "152 deg"\nepoch = "2012-12-23"\n'
+    )
+    (tmp_path / "box.toml").write_text(text)
+    body = Body.from_shape(mesh, density=2500.0)
+    spin = Spin.from_periods(
+        body, P="4.3 h", pole="250, -75 deg", phi0="152 deg", epoch="2012-12-23"
+    )
+    for found in (
+        spin_file.read(tmp_path / "box.toml"),
+        mission.read_motion(tmp_path / "box.toml"),
+    ):
+        np.testing.assert_allclose(found.body.tensor, body.tensor, rtol=1e-12, atol=1e-6)
+        np.testing.assert_allclose(found.body.center_of_mass, (0.1, 0.0, 0.0), atol=1e-12)
+        np.testing.assert_allclose(found.spin.wxyz_icrf, spin.wxyz_icrf, atol=1e-15)
+    for old, new, words in (
+        ('[shape]\nfile = "box.obj"\n', "", "density is that of a section .shape."),
+        ("phi0", 'mode = "SAM"\nphi0', "P is the one period of a relaxed rotator; leave out mode"),
+        ('phi0 = "152 deg"\n', "", "no phi0"),
+    ):
+        with pytest.raises(AttitudeError, match=words):
+            spin_file.parse(text.replace(old, new), folder=str(tmp_path))
+
+
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [

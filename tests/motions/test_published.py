@@ -245,9 +245,9 @@ def test_oblate_precession():
     moments = symmetric_moments(mode="SAM", P_psi=10.0, P_phi=4.0, theta=0.3)
     found = regimes(moments, np.array([0.0, math.sin(0.3), math.cos(0.3)]) / moments)
     assert found.P_psi / found.P_phi_S == pytest.approx(2.5, rel=1e-14)
-    with pytest.raises(AttitudeError, match="no body in SAM .* P_psi below twice P_phi"):
+    with pytest.raises(AttitudeError, match=r"no body in SAM .* P_psi below twice P_phi"):
         symmetric_moments(mode="SAM", P_psi=10.0, P_phi=9.0, theta=0.3)
-    with pytest.raises(AttitudeError, match="at most twice .* give theta up to 36.8699 deg"):
+    with pytest.raises(AttitudeError, match=r"at most twice .* give theta up to 36.8699 deg"):
         symmetric_moments(mode="SAM", P_psi=10.0, P_phi=4.0, theta=0.7)
     for function in (symmetric_moments, total_spin):
         with pytest.raises(AttitudeError, match="90 deg or more"):
