@@ -42,6 +42,8 @@ _SHORTEST = Fraction(1, 10**9)
 # Seconds since J2000 of the beginning of the year 0001, and of the end of 9999.
 _FIRST = -63082281600.0
 _LAST = 252455529600.0
+# s, of the longest time after the epoch beyond the calendar: twice the age of the universe.
+_FARTHEST = 10**18
 # From 1972 on, in seconds since J2000, UTC has the seconds of TAI.
 _EVEN_UTC = -883655957.9
 # The stop is included if a whole number of steps misses it by no more, in steps.
@@ -97,9 +99,18 @@ class Grid:
 
 
 def grid(
-    epoch: _instants.Instant, start: str, stop: str, step: str, *, is_tdb: bool = False
+    epoch: _instants.Instant,
+    start: str,
+    stop: str,
+    step: str,
+    *,
+    is_tdb: bool = False,
+    is_far: bool = False,
 ) -> Grid:
-    """The Grid of the texts of --start, --stop and --step, in seconds of UTC, or else of TDB."""
+    """The Grid of the texts of --start, --stop and --step, in seconds of UTC, or else of TDB.
+
+    is_far: start and stop are times after the epoch, in TDB, as `is_beyond_dates` says.
+    """
     pace = duration(step, "--step")
     if pace == 0:
         raise AttitudeError('--step is zero; give the time between two rows, like "10 s" or "1 h".')
@@ -108,10 +119,10 @@ def grid(
             f"--step is {step}; give at least 1e-9 s, the shortest step that dates resolve."
         )
     first, last = _moment(start, "--start"), _moment(stop, "--stop")
-    is_tdb = is_tdb or re.search(r"\bTDB\s*$", start, re.IGNORECASE) is not None
+    is_tdb = is_tdb or is_far or re.search(r"\bTDB\s*$", start, re.IGNORECASE) is not None
     uniform_in = "tdb" if is_tdb else "utc"
     begin = _instant(first, epoch, uniform_in, "--start", start)
-    end = _instant(last, epoch, uniform_in, "--stop", stop)
+    end = begin if is_far else _instant(last, epoch, uniform_in, "--stop", stop)
     if isinstance(first, Fraction) and isinstance(last, Fraction):
         span = last - first
     elif is_tdb:
@@ -135,6 +146,19 @@ def grid(
 def one(epoch: _instants.Instant, text: str, name: str) -> _instants.Instant:
     """The Instant of one text, as --start of `grid`; the name begins error messages."""
     return _instant(_moment(text, name), epoch, "utc", name, text)
+
+
+def is_beyond_dates(epoch: _instants.Instant, text: str, name: str) -> bool:
+    """Whether a text is a time after the epoch that leads out of the years 0001 to 9999."""
+    moment = _moment(text, name)
+    if not isinstance(moment, Fraction) or abs(moment) > _FARTHEST:
+        return False
+    return not has_date(epoch.seconds + float(moment))
+
+
+def has_date(seconds: Any) -> Any:
+    """Whether seconds since J2000 lie in the years 0001 to 9999."""
+    return (seconds >= _FIRST) & (seconds < _LAST)
 
 
 def duration(text: str, name: str) -> Fraction:
@@ -208,7 +232,7 @@ def _instant(moment, epoch, scale, name, text):
             tt = pairs.add(_tt(epoch), hi, lo)
             tdb = _time_scales.tdb_from("tt", np.float64(tt[0]), np.float64(tt[1]))
             instant = _instants.Instant(float(tdb[0]), float(tdb[1]))
-    if not _FIRST <= instant.seconds < _LAST:
+    if not has_date(instant.seconds):
         raise _out_of_calendar(name, text)
     return instant
 

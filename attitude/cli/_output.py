@@ -10,6 +10,8 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from attitude._support import quantity_text
 from attitude.errors import AttitudeError
 from attitude.formats import _ccsds_epochs as ccsds_epochs
@@ -175,12 +177,15 @@ def ecsv(
     columns: Mapping[str, tuple[Any, str, str | None]],
     meta: Mapping[str, str],
 ) -> str:
-    """An ECSV: UTC, then columns by name, each with unit ("") and description."""
+    """An ECSV: UTC or "" (masked), then columns by name, each with unit ("") and description."""
     from astropy.table import QTable
     from astropy.time import Time
     from astropy.units import Quantity
 
-    table = QTable({"utc": Time(dates, format="isot", scale="utc", precision=9)})
+    utc = Time([date or dates[0] for date in dates], format="isot", scale="utc", precision=9)
+    if "" in dates:
+        utc[[not date for date in dates]] = np.ma.masked
+    table = QTable({"utc": utc})
     for name, (values, unit, about) in columns.items():
         table[name] = Quantity(values, quantity_text.unit_of(unit, name)) if unit else values
         if about is not None:

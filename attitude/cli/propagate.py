@@ -19,6 +19,8 @@ from attitude.formats import _ccsds_epochs as ccsds_epochs
 if TYPE_CHECKING:
     from attitude.averaged import AveragedHistory, AveragedMotion
     from attitude.cli._options import Grid
+    from attitude.epochs._instants import Instant
+    from attitude.torques._torqued import TorquedRotation
 
 HELP: dict[str, str] = {
     "propagate": "write a table of attitudes at equally spaced epochs",
@@ -58,15 +60,15 @@ needed. Torques are averaged over nutation and precession (docs/averaged.md): at
 known, momentum and mode are.
 
 columns:
-  utc, tdb_seconds  ISO date; TDB seconds since the epoch of the spin
+  utc, tdb_seconds  ISO date, empty beyond the year 9999; TDB seconds since the epoch of the spin
   branch, odds      with --passages all: number of the branch, and its odds
   mode, end         SAM or LAM; + or -, the end of the circulated axis that the momentum is near
   momentum_x _y _z  angular momentum over the axes of ICRF, N m s
   theta             angle between momentum and short axis where the middle axis is across, rad
   energy            kinetic energy, J
   P_psi, P_phi      periods of nutation and of the long axis about the momentum, s
-  weakness          |N| P / (2 pi |L|); means err by about this share of what changes,
-                    under light by 6e-4 of it more
+  weakness          |N| P / (2 pi |L|); means err by about this share of what changes, under
+                    light by more (docs/averaged.md, limits)
 
 With --output FILE passages of the separatrix, uniform rotation reached and left, and resonances are
 listed on standard output. A mean motion ends where the torques are no longer weak, or where the
@@ -186,11 +188,21 @@ def run(arguments: argparse.Namespace, command: str) -> None:
 def _evolve(arguments: argparse.Namespace) -> None:
     """Compute the mean rotation of a mission file, then write table and figure together."""
     from attitude._textfiles.atomic_write import written_whole
+    from attitude.averaged import AveragedMotion
 
     kind = _output.kind_of(arguments.output)
     picture = _output.picture_of(arguments)
-    motion = _averaged(arguments)
-    epochs = _epochs(motion, arguments)
+    full, passages = _torqued(arguments)
+    epochs = _epochs(full.spin.epoch, arguments)
+    motion = AveragedMotion(
+        full.body,
+        full.spin,
+        full.torques,
+        orbit=arguments.paths,
+        passages=passages,
+        least_tilt=validation.number(arguments.least_tilt, "--least-tilt", unit="rad"),
+        order=arguments.order,
+    )
     hi, low = epochs.block(0, epochs.count)
     last = _last(motion, float(hi[-1] + low[-1]))
     count = int(np.count_nonzero(np.abs(hi + low) <= abs(last)))
@@ -210,9 +222,8 @@ def _evolve(arguments: argparse.Namespace) -> None:
         _print_events(motion, last)
 
 
-def _averaged(arguments: argparse.Namespace) -> AveragedMotion:
-    """The mean rotation of a mission file under its torques."""
-    from attitude.averaged import AveragedMotion
+def _torqued(arguments: argparse.Namespace) -> tuple[TorquedRotation, Any]:
+    """The motion of a mission file under its torques, and the choice at the separatrix."""
     from attitude.formats import mission
     from attitude.torques._torqued import TorquedRotation
 
@@ -235,31 +246,27 @@ def _averaged(arguments: argparse.Namespace) -> AveragedMotion:
             f"{arguments.file} has no sections [[torque]], without which nothing evolves; give "
             'them, as in [[torque]] kind = "gravity_gradient".'
         )
-    return AveragedMotion(
-        full.body,
-        full.spin,
-        full.torques,
-        orbit=arguments.paths,
-        passages=passages,
-        least_tilt=validation.number(arguments.least_tilt, "--least-tilt", unit="rad"),
-        order=arguments.order,
-    )
+    return full, passages
 
 
-def _epochs(motion: AveragedMotion, arguments: argparse.Namespace) -> Grid:
+def _epochs(start: Instant, arguments: argparse.Namespace) -> Grid:
     """The epochs of the rows, from the epoch of the spin."""
-    start, until, step = motion.epoch, arguments.until, arguments.step
+    until, step = arguments.until, arguments.step
     if re.fullmatch(r"\s*\d{4}\s*", until):
         raise AttitudeError(f'--until is {until}; give a date, "{until}-01-01", or "{until} s".')
-    end = _options.one(start, until, "--until")
-    span = (end.seconds - start.seconds) + (end.low - start.low)
+    is_far = _options.is_beyond_dates(start, until, "--until")
+    if is_far:
+        span = float(_options.duration(until, "--until"))
+    else:
+        span = _options.one(start, until, "--until").since(start)
     if span == 0.0:
         raise AttitudeError("--until is the epoch of the spin; give another epoch.")
     if step is None:
         least = abs(span) / _ROWS
         step = f"{next((seconds for seconds in _STEPS if seconds >= least), _STEPS[-1])} s"
     ahead = step.strip().lstrip("+-")
-    times = _options.grid(start, "0", until, f"-{ahead}" if span < 0.0 else ahead)
+    pace = f"-{ahead}" if span < 0.0 else ahead
+    times = _options.grid(start, "0", until, pace, is_far=is_far)
     if times.count > _MOST_ROWS:
         raise AttitudeError(
             f"--step {step} makes {times.count} rows, more than {_MOST_ROWS}; take a longer step."
@@ -274,7 +281,7 @@ def _last(motion: AveragedMotion, until: float) -> float:
     last = motion.reaches(until)
     if last != until:
         end = motion.events[-1 if until > 0.0 else 0]
-        date = motion.epoch.after(last).utc_iso[:19]
+        date = _date(motion, last)
         warnings.warn(
             f"the mean motion ends at {date} UTC, {end.kind}; the table and the figure end there.",
             AttitudeWarning,
@@ -306,7 +313,9 @@ def _text_of(states: AveragedHistory, epochs: Grid, kind: str) -> str:
     """The table as CSV or ECSV; numbers are read back as the same doubles."""
     hi, low = epochs.block(0, states.seconds.shape[-1])
     repeated = states.seconds.size // len(hi)
-    dates = ccsds_epochs.texts(epochs.epoch, hi, low, "utc", epochs.digits) * repeated
+    dated = _options.has_date(epochs.epoch.seconds + hi)
+    dates = ccsds_epochs.texts(epochs.epoch, hi[dated], low[dated], "utc", epochs.digits)
+    dates = [*dates, *[""] * int(np.sum(~dated))] * repeated
     columns = {"tdb_seconds": (np.tile(hi, repeated), "s"), **_columns(states)}
     if kind == "csv":
         rows = [dates, *(values.tolist() for values, _ in columns.values())]
@@ -323,4 +332,9 @@ def _print_events(motion: AveragedMotion, last: float) -> None:
             print(f"branch {number}, odds {branch.odds:.4g}: {' '.join(branch.regions)}")
         return
     for event in motion.events:
-        print(f"{motion.epoch.after(event.seconds).utc_iso[:19]} {event}")
+        print(f"{_date(motion, event.seconds)} {event}")
+
+
+def _date(motion: AveragedMotion, seconds: float) -> str:
+    """The date in UTC to a second, or text where the calendar ends."""
+    return re.sub(r"\.\d+$", "", motion.epoch.after(seconds).utc_iso)

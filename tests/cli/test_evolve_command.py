@@ -127,6 +127,21 @@ def test_times_before_the_epoch(file):
     assert last.startswith("2025-12-31T00:00:00,-86400.00002826621,LAM,+")
 
 
+@pytest.mark.parametrize(("until", "step"), [("4e4 yr", "2e4 yr"), ("-4e3 yr", "2e3 yr")])
+def test_dates_end_with_the_calendar_and_the_table_goes_on(file, until, step, capsys):
+    Path(file).write_text(FRICTION.split('[[torque]]\nkind = "linear')[0])
+    assert run(file, "--until", until, "--step", step, "--output", "x.csv") == 0
+    rows = [line.split(",") for line in Path("x.csv").read_text().splitlines()[1:]]
+    assert [bool(row[0]) for row in rows] == [True, until[0] == "-", False]
+    pace = float(until.split()[0]) / 2.0 * 365.25 * 86400.0
+    np.testing.assert_allclose([float(row[1]) for row in rows], pace * np.arange(3), rtol=1e-12)
+    assert run(file, "--until", "4e4 yr", "--step", "2e4 yr", "--output", "x.ecsv") == 0
+    table = QTable.read("x.ecsv")
+    assert list(table["utc"].mask) == [False, True, True]
+    assert run(file, "--until", "12026-01-01", "--output", "x.csv") == 2
+    assert "--until" in capsys.readouterr().err
+
+
 def test_a_motion_that_ends_is_a_shorter_table_with_a_warning(file, capsys):
     text = FRICTION.replace("0.002 N m s", "2 N m s")
     Path(file).write_text(text + '[[torque]]\nkind = "constant"\ntorque = "0, 0.02, 0 N m"\n')
