@@ -49,8 +49,8 @@ _NOTHING = 1e-10
 _SMALL_KICK = 1e-3
 # The mean of a cosine over a quarter of its turn.
 _QUARTER = math.sin(0.25 * math.pi) / (0.25 * math.pi)
-# Nodes of each phase and share of L for derivatives of a loop: kinks of facets make noise.
-_FINE_NODES, _STEP = 256, 0.02
+# Nodes of each phase; those and the share of L for derivatives of a loop: kinks make noise.
+_COARSE_NODES, _FINE_NODES, _STEP = 64, 256, 0.02
 # Epochs of the turn of a path over which resonant terms are averaged.
 _ORBIT = 16
 # Largest j and k, and largest n, of resonances with the turn of a path that are listed.
@@ -396,6 +396,8 @@ def _odds_of_capture(
         return _loop(rates, terms, float(np.sqrt(momentum @ momentum)), slope)
 
     area, _, push = loop(time, state[:3])
+    if not area > 0.0:
+        return 0.0
     growth = -area * _divergence(packing, time, state, region)
     followed = min(
         (period for _, period, averaged in packing.paths if not averaged), default=math.inf
@@ -474,7 +476,7 @@ def _resonant(
     state: FloatArray,
     region: int,
     order: tuple[int, int, int],
-    nodes: int = 64,
+    nodes: int = _COARSE_NODES,
 ) -> NDArray[np.complex128]:
     """The complex terms (N, 4) of dL/dt and dy/dt whose frequencies are 0, by their order."""
     torques = packing.torques
@@ -484,13 +486,15 @@ def _resonant(
     for torque, period, is_averaged in packing.paths:
         if isinstance(torque, _WITHOUT_PHASE) or (n != 0 and not is_averaged):
             continue
-        times, waves = [time], [1.0 + 0.0j]
+        times, waves, count = [time], [1.0 + 0.0j], nodes
         if is_averaged:
             times = _turn(torques, time, period)
+            # epochs and phases together make the noise of kinks small
+            count = max(nodes // math.isqrt(_ORBIT), _COARSE_NODES)
             waves = list(np.exp(-2j * np.pi * n * (np.arange(_ORBIT) + 0.5) / _ORBIT))
         for when, wave in zip(times, waves, strict=True):
             fourier = _mean_state.series(
-                packing.axes, torques.body, spin, [torque], torques.instant, when, nodes
+                packing.axes, torques.body, spin, [torque], torques.instant, when, count
             )
             if fourier is None:
                 continue

@@ -514,6 +514,19 @@ def damping_shares(axes, y):
     return -lost[0] / lost[2]
 
 
+def test_the_loop_of_a_torque_averaged_over_an_orbit_takes_few_nodes(monkeypatch):
+    """16 epochs of 64 nodes of each phase have those of 256 at one epoch."""
+    taken, series = [], _mean_state.series
+    monkeypatch.setattr(
+        _mean_state, "series", lambda *args: taken.append(args[-1]) or series(*args)
+    )
+    for orbit, nodes in (("averaged", [64] * 16), ("followed", [256])):
+        packing = AveragedMotion(GOES, spinning(), sunlit(), orbit=orbit, degree=12).packing
+        taken.clear()
+        _resonances._resonant(packing, 0.0, np.array([0.0, 300.0, 400.0, 9.0]), 2, (1, 1, 0), 256)
+        assert taken == nodes
+
+
 def test_a_strong_resonance_is_named():
     """P_psi/P_phi = 1/1 under sunlight: resonant terms are ten times the mean rate."""
     _, event = crossing((1, 1), 6.0 * DAY, 8.0 * DAY)
