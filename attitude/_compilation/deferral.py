@@ -96,16 +96,6 @@ def release_interrupts() -> None:
             raise KeyboardInterrupt
 
 
-@contextmanager
-def interrupts_held() -> Iterator[None]:
-    """Defer Ctrl-C to the end of a block of foreign code that would swallow its exception."""
-    hold_interrupts()
-    try:
-        yield
-    finally:
-        release_interrupts()
-
-
 def _record_interrupt(number: int, frame: FrameType | None) -> None:
     global _interrupted
     _interrupted = True

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from attitude._compilation import deferral
 from attitude._compilation.decorators import entry_point
 from attitude._support import blocks, validation
 from attitude._support.arrays import distinct
@@ -16,7 +14,7 @@ from attitude.errors import AttitudeError
 from attitude.photometry import _spectrum
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from attitude._support.annotations import FloatArray, Real
     from attitude.photometry._samples import Samples
@@ -158,11 +156,12 @@ _MOST = 5_000_000
 # Shortest period by default, in median distances of successive epochs of a night.
 _NYQUIST = 2.0
 _PERMUTATIONS = 12
-# Frequencies of one call of nifty-ls, some 0.05 s: Python acts on signals, such as that of Ctrl-C,
-# between two calls.  More frequencies also take longer each, beyond the caches.
-_FREQUENCIES = 1 << 15
-# Products of points and frequencies of one call of phase dispersion, as long.
+# Numbers of the matrices of one block of frequencies, and products of points and frequencies of one
+# call of phase dispersion, some 0.1 s: Python acts on signals, such as that of Ctrl-C, between two.
+_NUMBERS = 1 << 18
 _POINTS = 5_000_000
+# Added to the diagonal of normal equations of weights of sum 1: ten times the errors of `sums`.
+_RIDGE = 1e-10
 
 
 class Scan(NamedTuple):
@@ -180,19 +179,32 @@ def scan(
     order: int,
     method: str,
     bins: int,
-    engine: str,
     seed: int,
+    progress: Callable[[int, int], None],
 ) -> Scan:
     """The scan between two periods, s."""
     if len(data.t) < data.linear + 2 * order + 2:
         points = counted(data.linear, "zero point")
         raise _spectrum.too_few(data, f"{points} and {counted(order, 'harmonic')}")
     frequency = _grid(data, *bounds, order)
+    y, generator = data.detrended, validation.generator(seed)
+    values = np.stack([y, *(y[generator.permutation(len(y))] for _ in range(_PERMUTATIONS))])
+    t, weights = data.t - data.t.min(), data.weights**2 / np.sum(data.weights**2)
     if method == "fourier":
-        power_of = partial(_fourier, data, frequency, order, engine)
+        shares_of, number = _by_series, order
+        size = _NUMBERS // (2 * order + 1) ** 2
     else:
-        power_of = partial(_dispersion, data, frequency, validation.count(bins, "bins", 3))
-    power, chance = power_of(data.detrended), _chance(data.detrended, power_of, seed)
+        shares_of, number = _by_dispersion, validation.count(bins, "bins", 3)
+        size = _POINTS // values.size
+    power, largest = np.empty_like(frequency), np.full(len(values), -np.inf)
+
+    def work(begin: int, end: int) -> None:
+        shares = shares_of(t, weights, values, frequency[begin:end], number)
+        power[begin:end] = shares[0]
+        np.maximum(largest, shares.max(axis=1), out=largest)
+
+    blocks.in_blocks(work, len(frequency), max(2, size), 1, progress)
+    chance = min(1.0, _spectrum.by_chance(largest[1:].tolist()))
     # zero points that are fitted with the series leave fewer values to it
     chance = min(1.0, chance * (len(data.t) - 1) / max(1, len(data.t) - data.linear))
     window = spectral_window(data, max(3.0 / _DAY, min(frequency[-1], 12.0 / _DAY)))
@@ -229,69 +241,39 @@ def shortest(data: Samples, order: int) -> float:
     return min(_NYQUIST * float(np.median(steps[steps > 0.0])) * order, 0.25 * data.span)
 
 
-def _fourier(data, frequency, order, engine, y):
-    """The share of the variance explained, by astropy's LombScargle."""
-    from astropy.timeseries import LombScargle
+def _by_series(t, weights, values, frequency, order):
+    """Shares (P, K) of the variance of P rows of values that a Fourier series explains.
 
-    series = LombScargle(data.t - data.t.min(), y, data.errors, nterms=order)
-    power = np.empty_like(frequency)
-
-    def computed(begin: int, end: int, method: str = "fastnifty_chi2") -> None:
-        block = slice(begin, end)
-        power[block] = series.power(frequency[block], method=method, assume_regular_frequency=True)
-
-    if _has_nifty(engine):
-        # finufft swallows an exception that comes while it hands over arguments or deletes a plan.
-        def undisturbed(begin: int, end: int) -> None:
-            with deferral.interrupts_held():
-                computed(begin, end)
-
-        count = -(-len(frequency) // _FREQUENCIES)  # of equal length: none has one frequency alone
-        blocks.in_blocks(undisturbed, len(frequency), -(-len(frequency) // count), 1)
-    else:
-        computed(0, len(frequency), "fastchi2" if len(frequency) > 200 else "chi2")
-    return np.clip(power, 0.0, 1.0)
-
-
-def _has_nifty(engine: str) -> bool:
-    """Whether nifty-ls computes; AttitudeError if it is wanted and cannot.
-
-    nifty-ls is imported also where finufft, with which it computes, cannot be.
+    The normal matrix of exp(2 pi i m f t), |m| <= order, holds the sums of the weights times those
+    of twice the order, and is one for all rows.
     """
-    validation.one_of(engine, "engine", ("auto", "astropy", "nifty-ls"))
-    if engine == "astropy":
-        return False
-    reason = ""
-    try:
-        from nifty_ls.core import AVAILABLE_BACKENDS  # it registers itself with astropy
-    except ImportError:
-        reason = "nifty-ls is not installed; install it"
-    else:
-        if not {"finufft_chi2", "cufinufft_chi2"} & set(AVAILABLE_BACKENDS):
-            reason = "finufft, with which nifty-ls computes, cannot be imported here"
-    if reason and engine == "nifty-ls":
-        raise AttitudeError(f'{reason}, or give engine="astropy".')
-    return not reason
+    values = values - (values @ weights)[:, None]
+    rows = np.concatenate([weights[None], weights * values])
+    step = frequency[1] - frequency[0] if len(frequency) > 1 else 0.0
+    sums = []
+    for m in range(2 * order + 1):
+        turned = rows[: None if m <= order else 1] * np.exp(2j * np.pi * m * frequency[0] * t)
+        real, imaginary = (
+            _spectrum.sums(t, part, m * step, len(frequency)) for part in (turned.real, turned.imag)
+        )
+        sums.append(real + 1j * imaginary)
+    first = np.array([row[0] for row in sums])
+    m = np.arange(2 * order + 1)
+    both = np.concatenate([first[:0:-1].conj(), first]).T
+    matrix = both[:, 2 * order + m[:, None] - m] + _RIDGE * np.eye(len(m))
+    right = np.array([row[1:] for row in sums[: order + 1]])
+    right = np.concatenate([right[:0:-1].conj(), right]).transpose(2, 0, 1)
+    solution = np.linalg.solve(matrix, right)
+    gain = np.einsum("kmp,kmp->pk", right.conj(), solution).real
+    return np.clip(gain / (values**2 @ weights)[:, None], 0.0, 1.0)
 
 
-def _dispersion(data: Samples, frequency: FloatArray, bins: int, y: FloatArray) -> FloatArray:
-    theta = np.empty_like(frequency)
-    start = np.ascontiguousarray(data.t - data.t.min())
-    values, weights = np.ascontiguousarray(y), data.weights**2
-
-    def work(begin: int, end: int) -> None:
-        block = slice(begin, end)
-        dispersions(start, values, weights, frequency[block], bins, 2, theta[block])
-
-    blocks.in_blocks(work, len(theta), max(1, _POINTS // len(start)), 1)
+def _by_dispersion(t, weights, values, frequency, bins):
+    """Shares (P, K) of the variance of P rows of values that lie between bins of phase."""
+    theta = np.empty((len(values), len(frequency)))
+    for row, out in zip(values, theta, strict=True):
+        dispersions(t, row, weights, frequency, bins, 2, out)
     return 1.0 - theta
-
-
-def _chance(y, power_of, seed):
-    """The power that 1 of 100 light curves of permuted values y (N,) exceeds."""
-    generator = validation.generator(seed)
-    largest = [power_of(y[generator.permutation(len(y))]).max() for _ in range(_PERMUTATIONS)]
-    return min(1.0, _spectrum.by_chance(largest))
 
 
 def refined(data: Samples, frequency: float, order: int) -> _spectrum.RefinedSeries:

@@ -308,7 +308,6 @@ def periods(
     bins: int = 10,
     keep: int | None = None,
     curve: ArrayLike | None = None,
-    engine: str = "auto",
     seed: int = 0,
     zero_points: str = "auto",
     progress: Callable[[int, int], None] | None = None,
@@ -338,15 +337,14 @@ def periods(
         series in each, without lines at sums and differences: a rotation and a moon's orbit.
     keep : int, optional
         Peaks that are returned at most: 10, or 20 pairs.
-    engine : "auto", "astropy" or "nifty-ls"
-        What computes series of one period: astropy's LombScargle, by itself or with nifty-ls.
     seed : int
         Of the permutations.
     zero_points : "auto", "free" or "shared"
         Of the sessions of a light curve: "auto" gives each its own where the best series with them
         is the more probable one (`_samples.settled`).
     progress : function, optional
-        Of pairs: called with the number done and of all; by default a bar on a terminal.
+        Called with the number of frequencies or pairs done and of all; by default a bar on a
+        terminal.
 
     Returns
     -------
@@ -396,7 +394,7 @@ def periods(
         samples.refuse_constant()
         if count == 1:
             bounds = min_period, max_period
-            return _one(samples, bounds, number, method, bins, engine, kept, seed)
+            return _one(samples, bounds, number, method, bins, kept, seed, progress)
         low, high = _bounds(samples, min_period, max_period, first, second, number)
         return _two(samples, low, high, number, is_additive, kept, seed, progress)
 
@@ -437,8 +435,9 @@ def _significant(result: Periods) -> _spectrum.RefinedSeries | None:
     return result._series(0)
 
 
-def _one(data, bounds, order, method, bins, engine, kept, seed):
-    scanned = _periodogram.scan(data, bounds, order, method, bins, engine, seed)
+def _one(data, bounds, order, method, bins, kept, seed, progress):
+    bar = ProgressBar("frequencies") if progress is None else progress
+    scanned = _periodogram.scan(data, bounds, order, method, bins, seed, bar)
     peaks = tuple(
         Peak((f,), (error,), left, words)
         for f, error, left, words in _periodogram.best_peaks(data, scanned, order, kept)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -44,11 +45,18 @@ def sums(t: FloatArray, weights: FloatArray, spacing: float, count: int) -> NDAr
     grid = np.zeros((len(weights), size))
     _spread(place, np.ascontiguousarray(weights), grid)
     transform: NDArray[np.complex128] = np.fft.rfft(grid)[:, :count].conj()
+    transform /= _of_kernel(size, count)
+    return transform
+
+
+@lru_cache(maxsize=4)
+def _of_kernel(size: int, count: int) -> FloatArray:
+    """The transform (count,) of the kernel; sums of equal size share it."""
     nodes, by = np.polynomial.legendre.leggauss(64)
     z = 0.5 * _WIDTH * nodes
     kernel = 0.5 * _WIDTH * by * np.exp(_SHAPE * (np.sqrt(1.0 - nodes**2) - 1.0))
     k = np.arange(count)
-    transform /= np.cos(2.0 * math.pi / size * k[:, None] * z) @ kernel
+    transform: FloatArray = np.cos(2.0 * math.pi / size * k[:, None] * z) @ kernel
     return transform
 
 

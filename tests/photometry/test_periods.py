@@ -2,12 +2,8 @@
 
 import re
 import signal
-import subprocess
-import sys
 import time
-import types
 import warnings
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -22,7 +18,7 @@ from attitude._support.constants import SPEED_OF_LIGHT_M_S as C
 from attitude.errors import AttitudeWarning
 from attitude.photometry import _lattices, _periodogram, _samples, _spectrum
 from attitude.scene import Scene
-from tests.support.places import PHOTOMETRY, ROOT
+from tests.support.places import PHOTOMETRY
 
 HOUR = 3600.0
 DAY = 86400.0
@@ -237,6 +233,21 @@ def test_one_period_with_its_error_and_aliases(method):
     words = [text.get_text() for text in window.get_legend().get_texts()]
     assert words == [f"{f * DAY:.4g} /d" for f in sorted(line[0] for line in found.window.lines)]
     assert not window.texts  # which would overlap
+
+
+@pytest.mark.parametrize("order", [1, 2, 4])
+@pytest.mark.parametrize("has_errors", [False, True])
+def test_power_is_that_of_least_squares(order, has_errors):
+    """Those of astropy, at nights that see all phases of every period searched."""
+    t, generator = nights(), np.random.default_rng(3)
+    t = t + generator.uniform(0.0, 3.0, 12).repeat(25) * HOUR * 8.0
+    y = tumbler(t) + 15.0
+    errors = generator.uniform(0.01, 0.3, t.size) if has_errors else None
+    found = photometry.periods(t, y, errors, min_period="2 h", order=order)
+    used = found.samples.errors
+    series = LombScargle(t - t.min(), y, used, nterms=order)
+    power = series.power(found.frequency, method="chi2")
+    np.testing.assert_allclose(found.power, power, atol=1e-8)
 
 
 def test_errors_by_curvature_and_by_bootstrap_are_those_of_repeated_noise():
@@ -517,50 +528,6 @@ def test_wrong_commands(capsys, arguments, words):
     assert words in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
-    ("core", "sentence"),
-    [
-        (None, "nifty-ls is not installed; install it, or give"),
-        (SimpleNamespace(AVAILABLE_BACKENDS=["auto"]), "finufft, .* cannot be imported here"),
-    ],
-    ids=["absent", "without finufft"],
-)
-def test_without_nifty_ls_astropy_computes(core, sentence, monkeypatch):
-    """By default; where nifty-ls is asked for, a sentence."""
-    monkeypatch.setitem(sys.modules, "nifty_ls", core)
-    monkeypatch.setitem(sys.modules, "nifty_ls.core", core)
-    t = nights(6)
-    given = (t, np.cos(2 * np.pi * t / (6.1 * HOUR)))
-    limits = {"min_period": "4 h", "max_period": "20 h"}
-    one = photometry.periods(*given, engine="astropy", **limits)
-    assert np.array_equal(photometry.periods(*given, **limits).power, one.power)
-    with pytest.raises(AttitudeError, match=sentence):
-        photometry.periods(*given, engine="nifty-ls", **limits)
-
-
-_BOTH = """
-import numpy as np
-from attitude import photometry
-
-t = np.sort(np.random.default_rng(0).uniform(0.0, 5e5, 150))
-y = np.cos(2 * np.pi * t / 21960.0)
-one, other = (
-    photometry.periods(t, y, engine=each, min_period="4 h", max_period="20 h")
-    for each in ("astropy", "nifty-ls")
-)
-assert one.power.max() > 0.9
-print(np.max(np.abs(one.power - other.power)))
-"""
-
-
-def test_both_engines_agree():
-    """In a process of its own: in that of other tests finufft could not always be imported."""
-    pytest.importorskip("nifty_ls", reason="nifty-ls is not installed")
-    run = subprocess.run([sys.executable, "-c", _BOTH], capture_output=True, text=True, cwd=ROOT)
-    assert run.returncode == 0, run.stderr
-    assert float(run.stdout) < 1e-6  # share of the variance: finufft's tolerance
-
-
 # Ctrl-C -------------------------------------------------------------------------------------------
 
 
@@ -585,61 +552,13 @@ def test_searches_hear_signals_soon(monkeypatch):
     y, few = tumbler(t), slice(100)
     photometry.periods(t[few], y[few], min_period="24 h", max_period="40 h", count=2)  # compiles
     photometry.periods(t[few], y[few], min_period="24 h", method="pdm")
+    photometry.periods(t[few], y[few], min_period="24 h")
     work = (
         lambda: photometry.periods(t, y, min_period="4 h", max_period="40 h", count=2),
         lambda: photometry.periods(t, y, min_period="0.5 h", method="pdm"),
+        lambda: photometry.periods(t, y, min_period="0.5 h", order=4),
     )
     assert [round(each, 2) for each in map(longest_silence, work) if each > 0.2] == []
-
-
-def test_ctrl_c_in_a_destructor_of_finufft_is_not_lost(monkeypatch):
-    """Python prints and swallows what a destructor raises; finufft's plans have one."""
-
-    class Plan:
-        def __del__(self):
-            signal.raise_signal(signal.SIGINT)
-
-    calls = []
-
-    def power(series, frequency, method, assume_regular_frequency):
-        assert method == "fastnifty_chi2" and len(frequency) > 1
-        calls.append(len(frequency))
-        plan = Plan()
-        del plan
-        return np.zeros(len(frequency))
-
-    core = SimpleNamespace(AVAILABLE_BACKENDS=["finufft_chi2"])
-    monkeypatch.setitem(sys.modules, "nifty_ls", types.ModuleType("nifty_ls"))
-    monkeypatch.setitem(sys.modules, "nifty_ls.core", core)
-    monkeypatch.setattr(LombScargle, "power", power)
-    t = np.linspace(0.0, 60.0 * DAY, 300)
-    with pytest.raises(KeyboardInterrupt):
-        photometry.periods(t, tumbler(t), min_period="0.5 h", engine="nifty-ls")
-    assert len(calls) == 1
-
-
-_PARTS = """
-import numpy as np
-from attitude import photometry
-from attitude.photometry import _periodogram
-
-t = np.sort(np.random.default_rng(0).uniform(0.0, 60.0 * 86400.0, 200))
-y = np.cos(2 * np.pi * t / 21960.0) + 0.3 * np.cos(2 * np.pi * t / 71000.0)
-powers = []
-for most in (1 << 15, 1000):
-    _periodogram._FREQUENCIES = most
-    powers.append(photometry.periods(t, y, min_period="2 h", engine="nifty-ls").power)
-assert len(powers[0]) > 2000
-print(np.abs(powers[1] - powers[0]).max())
-"""
-
-
-def test_parts_of_the_grid_of_nifty_ls_join():
-    """The powers of the parts are those of the whole, to the errors of its transforms, 1e-7."""
-    pytest.importorskip("nifty_ls", reason="nifty-ls is not installed")
-    run = subprocess.run([sys.executable, "-c", _PARTS], capture_output=True, text=True, cwd=ROOT)
-    assert run.returncode == 0, run.stderr
-    assert float(run.stdout) < 1e-7
 
 
 def test_two_periods_whose_series_add():
