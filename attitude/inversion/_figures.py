@@ -13,7 +13,7 @@ from attitude.inversion import _lattices, _neighbours, _verdicts
 from attitude.inversion._ellipsoid import SearchState
 from attitude.inversion._problem import interpolated
 from attitude.inversion._refinement import MOTION, NAMES
-from attitude.photometry import _folding, _spectrum
+from attitude.photometry import _folding, _samples, _spectrum
 from attitude.photometry._curve import LightCurve, dimming
 from attitude.photometry._figures import DATA, MODEL, OTHER, draw_series
 from attitude.photometry._spectrum import OVERSAMPLING
@@ -138,7 +138,7 @@ def _in_night(observed: LightCurve, prediction: Prediction, points: IntArray) ->
     """The observed points of the night of predicted epochs, or within these without geometry."""
     times = observed.seconds + (observed.epoch.seconds - prediction.epoch.seconds)
     first, last = prediction.seconds[points[[0, -1]]]
-    more = _neighbours.NIGHT if observed.has_geometry else 0.0
+    more = _samples.NIGHT if observed.has_geometry else 0.0
     inside = (times >= first - more) & (times <= last + more)
     return observed[inside] if np.any(inside) else None
 

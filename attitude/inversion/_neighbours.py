@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from attitude.photometry._samples import NIGHT
+
 if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray, IntArray
     from attitude.inversion._problem import CurveProblem
@@ -28,8 +30,6 @@ _LEAST_NOISE = 0.05
 # The largest share of the points of a survey that lie between close neighbours: half of those of
 # four in an hour do.
 _BETWEEN = 0.5
-# Gap of the epochs, s, between two nights.
-NIGHT = 0.3 * 86400.0
 # Gap of the epochs, s, between two apparitions.
 _APPARITION = 60.0 * 86400.0
 

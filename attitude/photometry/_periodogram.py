@@ -73,21 +73,21 @@ def spectral_window(samples: Samples, most: float) -> Window:
 def relation(
     frequency: float, better: Sequence[float], lines: Sequence[WindowLine], tolerance: float
 ) -> str:
-    """How a frequency follows from a better one: "beside #1", "2 x #1", "alias of #1 (+1 /d)"."""
+    """How a period follows from a better one: "beside #1", "2 x #1", "alias of #1 (+1 /d)"."""
     for rank, other in enumerate(better, 1):
         if abs(frequency - other) < _SIDELOBE * tolerance:
             return f"beside #{rank}"
     for rank, other in enumerate(better, 1):
         for a, b in _RATIOS:
             if abs(frequency - other * a / b) < tolerance:
-                return f"{a}/{b} of #{rank}" if b > 1 else f"{a} x #{rank}"
+                return f"{b}/{a} of #{rank}" if a > 1 else f"{b} x #{rank}"
     for rank, other in enumerate(better, 1):
         for line in lines:
             for many in _MULTIPLES:
                 for ratio in (1.0, 0.5, 2.0) if line.power > _DOMINANT else (1.0,):
                     expected = abs(other * ratio + many * line.frequency)
                     if abs(frequency - expected) < tolerance:
-                        share = {1.0: "", 0.5: "half of ", 2.0: "twice "}[ratio]
+                        share = {1.0: "", 0.5: "2 x ", 2.0: "1/2 of "}[ratio]
                         shift = _spelled(many * line.frequency, tolerance)
                         return f"alias of {share}#{rank} ({shift})"
     return ""
@@ -298,9 +298,11 @@ def best_peaks(
             rows.append((f, float(best.errors[0]), best.chi_squared / total))
     if not rows:
         # no maximum within the range: the power rises towards an end
-        f = float(frequency[np.argmax(power)])
-        best = _spectrum.fixed(data, np.array([f]), _spectrum.series_numbers(order, 1))
-        rows.append((f, float(best.errors[0]), best.chi_squared / total))
+        k = int(np.argmax(power))
+        best = _spectrum.fixed(data, frequency[k : k + 1], _spectrum.series_numbers(order, 1))
+        end = "longest" if 2 * k < len(power) else "shortest"
+        left = best.chi_squared / total
+        return [(frequency[k], best.errors[0], left, f"at the {end} period searched")]
     rows.sort(key=lambda row: row[2])
     frequencies = [row[0] for row in rows]
     return [

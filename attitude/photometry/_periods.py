@@ -62,8 +62,8 @@ class Peak(NamedTuple):
     """One frequency, or two, with their errors, Hz, the lower one first, and what they leave.
 
     left : float, the share of chi-squared that the series leaves.  relation : str, how it follows
-    from a better one: "alias of #1 (+1 /d)", "2 x #1", "beside #1" (a sidelobe within 1.5/span),
-    "same lines as #1: f1, f2 - f1", or "".
+    from a better one: "alias of #1 (+1 /d)", "2 x #1" for twice its period, "beside #1" (a sidelobe
+    within 1.5/span), "same lines as #1: f1, f2 - f1", "at the longest period searched", or "".
     """
 
     frequencies: tuple[float, ...]
@@ -78,7 +78,7 @@ class Peak(NamedTuple):
 
     @property
     def errors(self) -> tuple[float, ...]:
-        """Standard errors of the periods, s, by curvature."""
+        """Standard errors of the periods, s, by curvature, or by the scatter of five nights on."""
         both = zip(self.frequencies, self.frequency_errors, strict=True)
         return tuple(error / f**2 for f, error in both)
 
@@ -168,7 +168,7 @@ class Periods(Immutable):
 
     @property
     def error(self) -> float:
-        """Its standard error by curvature, s."""
+        """Its standard error, s."""
         return self.peaks[0].error
 
     @property
@@ -225,7 +225,9 @@ class Periods(Immutable):
         return _folding.fold(self.samples, self._peak(rank).periods, order=number)
 
     def bootstrap(self, rank: int = 0, *, draws: int = 100, seed: int = 0) -> tuple[float, ...]:
-        """Standard errors of the periods of a peak, s, from points drawn anew.
+        """Standard errors of the periods of a peak, s, from nights drawn anew.
+
+        Nights are parted by gaps of 0.3 d; of fewer than five, points are drawn.
 
         Parameters
         ----------

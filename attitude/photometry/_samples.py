@@ -41,6 +41,10 @@ _MOST = 1000
 _TURNS = 3e5
 # Spans in a period from which they are.
 SPANS = 10.0
+# Gap of the epochs, s, between two nights.
+NIGHT = 0.3 * 86400.0
+# Nights at least of a standard error.
+_NIGHTS = 5
 _UNIT = re.compile(r"[A-Za-df-z]")
 # Change of the phase angle, rad, from which its terms are fitted.
 _SWEEP = np.radians(2.0)
@@ -97,6 +101,17 @@ class Samples:
     def linear(self) -> int:
         """The number of zero points and further linear terms."""
         return self.curves + (0 if self.terms is None else self.terms.shape[1])
+
+    @cached_property
+    def group(self) -> IntArray:
+        """The number (N,) of the group of each value: of its night, or its own of fewer than 5.
+
+        Residuals of one night are correlated where a series or the photometry errs.
+        """
+        order = np.argsort(self.t, kind="stable")
+        night = np.empty(len(order), np.int64)
+        night[order] = np.cumsum(np.diff(self.t[order], prepend=-np.inf) > NIGHT) - 1
+        return night if night.max() + 1 >= _NIGHTS else np.arange(len(order))
 
     @cached_property
     def columns(self) -> FloatArray:

@@ -376,7 +376,9 @@ _RANK = 1e-11
 class RefinedSeries:
     """A series at the least squares of all its parameters.
 
-    Frequencies (D,), Hz, with a covariance from the residuals; lines numbers (K, D) . f with
+    Frequencies (D,), Hz, with a covariance by the curvature and the mean square of the residuals,
+    or where it is wider by their scatter between nights (Cameron & Miller, Journal of Human
+    Resources 50, 317, 2015; `Samples.group`); lines numbers (K, D) . f with
     cosines and sines (K,) of 2 pi n . f (t - start); offsets (C,) of the curves.
     """
 
@@ -449,11 +451,16 @@ def refined(
             break
     joint = model.joint(fit)
     freedom = max(1, len(samples.t) - parameters)
-    inverse = least_squares.inverse(joint.T @ joint)[-dimensions:, -dimensions:]
+    inverse = least_squares.inverse(joint.T @ joint)[-dimensions:]
+    curvature = inverse[:, -dimensions:] * fit.chi_squared / freedom
+    scores = np.zeros((samples.group.max() + 1, joint.shape[1]))
+    np.add.at(scores, samples.group, joint * fit.residuals[:, None])
+    scatter = np.sum((scores @ inverse.T) ** 2, axis=0) * len(scores) / max(1, len(scores) - 1)
+    wider = np.sqrt(np.maximum(1.0, scatter / np.maximum(np.diag(curvature), 1e-300)))
     first = samples.linear
     return RefinedSeries(
         frequencies=f,
-        covariance=inverse * model.unit**2 * fit.chi_squared / freedom,
+        covariance=curvature * np.outer(wider, wider) * model.unit**2,
         numbers=numbers,
         offsets=fit.solution[: samples.curves],
         cosines=fit.solution[first : first + lines],
@@ -471,13 +478,13 @@ def fixed(samples: Samples, frequencies: FloatArray, numbers: IntArray) -> Refin
 
 
 def bootstrap(samples: Samples, series: RefinedSeries, draws: int, seed: int) -> FloatArray:
-    """Frequencies (draws, D) of the series through points drawn anew with replacement."""
+    """Frequencies (draws, D) of the series through nights drawn anew, or points of few nights."""
     generator = validation.generator(seed)
-    count = len(samples.t)
+    count = int(samples.group.max()) + 1
     out = np.empty((draws, len(series.frequencies)))
     for draw in range(draws):
         often = np.bincount(generator.integers(0, count, count), minlength=count)
-        weights = samples.weights * np.sqrt(often)
+        weights = samples.weights * np.sqrt(often[samples.group])
         model = _Model(samples, series.numbers, series.start, weights)
         f = series.frequencies.copy()
         for _ in range(4):
