@@ -131,7 +131,9 @@ def run(arguments: argparse.Namespace) -> None:
         seed=validation.count(arguments.seed, "--seed", 0),
     )
     print(curve)
-    print(states)
+    print(states._ranking(), flush=True)
+    if len(states):
+        print(states._errors_of_best(), flush=True)
     if arguments.output or arguments.figure:
         if len(states) == 0:
             raise AttitudeError("nothing was found, so that --output and --figure have no content.")

@@ -567,7 +567,7 @@ def _warn_of_julian_dates(t: FloatArray, name: str) -> None:
     warnings.warn(
         f"{name} is {validation.shown(float(t.flat[0]))}, taken for seconds since the epoch, but "
         'it looks like a Julian date; give a date such as "2026-01-01" or astropy.time.Time('
-        f'{float(t.flat[0])!r}, format="jd"), or the seconds as a Quantity or with low=0.',
+        f'{float(t.flat[0])!r}, format="jd"), or the seconds as a Quantity.',
         AttitudeWarning,
         stacklevel=4,
     )

@@ -363,7 +363,7 @@ def problem(
         exposure=values["exposure"] / span if np.any(values["exposure"]) else None,
         series=values["session"] * len(curve.filters) + values["filter"],
     )
-    if bins is None:
+    if bins is None or len(whole_problem) == len(curve):
         return whole_problem, []
     return whole_problem, [f"{len(curve)} points were averaged to {len(whole_problem)}."]
 

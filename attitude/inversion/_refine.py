@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from attitude.inversion._problem import CurveProblem
     from attitude.motions._body import Body
     from attitude.motions._published import Published
+    from attitude.motions._uncertainty import Uncertain
     from attitude.photometry._curve import LightCurve
     from attitude.scattering._law import Law
     from attitude.torques._arcs import Impulse
@@ -140,6 +141,25 @@ class Refinement(CurveFit):
     def pole(self) -> FloatArray:
         """Longitude and latitude of the momentum, J2000 ecliptic, rad, on the first arc."""
         return self._published.pole
+
+    @property
+    def periods_sigma(self) -> tuple[float, float]:
+        """Standard errors of P_psi and P_phi (long axis), s, on the first arc."""
+        return self._deviation("period_psi"), self._deviation("P_phi_L")
+
+    @property
+    def pole_sigma(self) -> float:
+        """Standard error of the direction of the momentum, rad, the larger of two."""
+        across = math.cos(self.pole[1]) * self._deviation("longitude")
+        return max(self._deviation("latitude"), across)
+
+    def _deviation(self, name: str) -> float:
+        """The mean of the errors downward and upward of a number of `FreeRotation.deviations`."""
+        return 0.5 * (self._deviations[name].minus + self._deviations[name].plus)
+
+    @cached_property
+    def _deviations(self) -> dict[str, Uncertain]:
+        return FreeRotation(self.motion.body, self.motion.spin).deviations()
 
     @cached_property
     def _published(self) -> Published:

@@ -356,7 +356,7 @@ class Settings:
     comb_width: float = 1.0
     # Neighbouring residuals over the errors from which the errors are taken to be too small.
     noisier: float = 1.3
-    # Least number of turns of each period.
+    # Least number of turns of psi, and half of that of phi.
     least_turns: float = 1.2
     # Least rho (the tangent of half the tilt of the axis) of a nutation that is no wobble.
     wide: float = 0.08

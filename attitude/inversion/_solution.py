@@ -30,6 +30,7 @@ from attitude.inversion import (
     _satellites,
     _shapes,
     _states,
+    _verdicts,
 )
 from attitude.inversion._ellipsoid import SearchState, is_axial
 from attitude.inversion._shapes import sphere
@@ -393,8 +394,18 @@ class CurveFit(Answering, ABC):
 
     @property
     @abstractmethod
+    def periods_sigma(self) -> tuple[float, float]:
+        """Standard errors of P_psi and P_phi (long axis), s."""
+
+    @property
+    @abstractmethod
     def pole(self) -> FloatArray:
         """Longitude and latitude of the momentum, J2000 ecliptic, rad."""
+
+    @property
+    @abstractmethod
+    def pole_sigma(self) -> float:
+        """Standard error of the direction of the momentum, rad, the larger of two."""
 
     def __repr__(self) -> str:
         longitude, latitude = np.degrees(self.pole)
@@ -405,9 +416,27 @@ class CurveFit(Answering, ABC):
             f"{latitude:+.1f} deg, rms {self.rms:.3f} mag>"
         )
 
+    def _values(self) -> list[tuple[str, str]]:
+        """Periods and pole with their standard errors."""
+        longitude, latitude = np.degrees(self.pole)
+        is_rotation = self.mode == "PA"
+        psi, phi = self.periods_sigma
+        sigma = math.degrees(self.pole_sigma)
+        periods = [("period" if is_rotation else "P_phi (long axis)", (self.P_phi, phi))]
+        if not is_rotation:
+            periods.append(("P_psi", (self.P_psi, psi)))
+        return [
+            *((name, _with_error(*period)) for name, period in periods),
+            ("pole, ecliptic", f"{longitude:.2f} {latitude:+.2f} deg"),
+            (
+                "error of the pole",
+                f"{sigma:.2g} deg" if sigma < 90.0 else "above 90 deg, the whole sky",
+            ),
+        ]
+
     def _words_of_errors(self) -> str:
-        """Periods and pole with their standard errors; "" where these are in `covariance` alone."""
-        return ""
+        """Periods and pole with their standard errors."""
+        return ", ".join(" ".join(row) for row in self._values())
 
     @abstractmethod
     def _model(self, problem: CurveProblem) -> _refinement.ShapeModel:
@@ -755,27 +784,6 @@ class Solution(CurveFit):
         """Magnitudes and their derivatives at the epochs of a problem."""
         return _refinement.model(problem, self.state)
 
-    def _values(self) -> list[tuple[str, str]]:
-        """Periods and pole with their standard errors."""
-        longitude, latitude = np.degrees(self.pole)
-        psi, phi = self.periods_sigma
-        sigma = math.degrees(self.pole_sigma)
-        periods = [("period" if self.is_axial else "P_phi (long axis)", (self.P_phi, phi))]
-        if not self.is_axial:
-            periods.append(("P_psi", (self.P_psi, psi)))
-        return [
-            *((name, _with_error(*period)) for name, period in periods),
-            ("pole, ecliptic", f"{longitude:.2f} {latitude:+.2f} deg"),
-            (
-                "error of the pole",
-                f"{sigma:.2g} deg" if sigma < 90.0 else "above 90 deg, the whole sky",
-            ),
-        ]
-
-    def _words_of_errors(self) -> str:
-        """Periods and pole with their standard errors."""
-        return "best: " + ", ".join(" ".join(row) for row in self._values())
-
     def _repr_html_(self) -> str:
         """A table for notebooks, the fit and the shape."""
         rows = [("rank, relation", f"{self.rank}, {self.relation}"), ("mode", self.mode)]
@@ -899,12 +907,18 @@ class SpinStates(Answering, Sequence[Fit]):
         return f"<SpinStates: {self.verdict}, {len(self)} solutions>"
 
     def __str__(self) -> str:
+        return "\n".join(text for text in (self._ranking(), self._errors_of_best()) if text)
+
+    def _ranking(self) -> str:
+        """Verdict, notes and a row for each of the first solutions, and for the first of a mode."""
         lines = [f"{self.verdict}: {self.criterion}", *self.notes]
         size, unit = self._unit
         first = self._solutions[0].evidence if self._solutions else 0.0
         alike = sum(solution.evidence < first + _ALIKE for solution in self._solutions)
-        shown = self._solutions[: max(_SHOWN, alike)]
-        for k, solution in enumerate(shown):
+        modes = [solution.mode for solution in self._solutions]
+        shown = {*range(len(self))[: max(_SHOWN, alike)], *map(modes.index, modes)}
+        for k in sorted(shown):
+            solution = self._solutions[k]
             psi, phi = solution.P_psi / size, solution.P_phi / size
             longitude, latitude = np.degrees(solution.pole)
             lines.append(
@@ -913,6 +927,12 @@ class SpinStates(Answering, Sequence[Fit]):
                 f"{solution.evidence - first:+8.1f}  {solution.relation}"
             )
         if len(shown) < len(self):
-            lines.append(f"and {len(self) - len(shown)} more, further behind")
-        lines += [solution._words_of_errors() for solution in shown[:1]]
+            lines.append(f"and {len(self) - len(shown)} more")
         return "\n".join(line for line in lines if line)
+
+    def _errors_of_best(self) -> str:
+        """Periods and pole of the best with their errors, which take a while; "" without any."""
+        if not self._solutions:
+            return ""
+        name = "rank 0, if it is right" if self.verdict.endswith(_verdicts.OPEN) else "best"
+        return f"{name}: {self._solutions[0]._words_of_errors()}"

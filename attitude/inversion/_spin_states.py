@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from attitude._support import validation
+from attitude._support import quantity_text, validation
 from attitude._support.arrays import distinct
 from attitude._support.blocks import timed
 from attitude._support.synonyms import arguments
@@ -219,7 +219,7 @@ def spin_states(
             search = _joined_search(curve, wanted, drift)
         else:
             search = _searched(curve, wanted.searches(curve))
-    return _results(curve, search)
+    return _results(curve, search, 1.0 / window[0])
 
 
 @dataclass(frozen=True)
@@ -536,7 +536,7 @@ def _offsets_of(solution: Weighted[object]) -> FloatArray:
     return solution.problem.offsets(solution.refined.magnitude)
 
 
-def _results(curve, searched):
+def _results(curve, searched, longest):
     ahead = searched.satellite_is_ahead()
     search = searched.rival if ahead > 0.0 else searched
     settings = search.settings
@@ -557,11 +557,14 @@ def _results(curve, searched):
     ]
     verdict, criterion = search.verdict_of(admissible)
     if verdict == _verdicts.SOLVED:
-        best = solutions[0]
-        is_hidden = best.is_axial and not search.tie.is_wide
-        verdict, criterion = _verdicts.of_pole(
-            criterion, best.pole_sigma, settings, is_hidden=is_hidden
-        )
+        is_hidden = solutions[0].is_axial and not search.tie.is_wide
+        try:
+            sigma = solutions[0].pole_sigma
+        except KeyboardInterrupt:
+            verdict = _verdicts.PERIODS
+            criterion += " Ctrl-C ended the errors before that of the pole was known."
+        else:
+            verdict, criterion = _verdicts.of_pole(criterion, sigma, settings, is_hidden=is_hidden)
     if searched.rival is not None:
         period = curve.span / searched.rival.problem.orbit / _DAY
         verdict, criterion = _verdicts.of_satellite(
@@ -570,10 +573,22 @@ def _results(curve, searched):
     if searched.constant:
         verdict, criterion = _verdicts.OPEN, f"{searched.constant}; {criterion}"
     notes = list(searched.notes)
+    if solutions and _has_half_the_turns(solutions[0], longest):
+        double = quantity_text.of_time(2.0 * solutions[0].P_phi)
+        notes.append(
+            "the curve has one maximum in the period found, and most bodies have two a turn: twice "
+            f"the period, {double}, is beyond the longest one searched."
+        )
     if solutions and np.any(solutions[0].drift):
         notes.append(_words_of_drift(solutions[0]))
     criterion += _verdicts.ended_by(verdict, search.problem.tally)
     return SpinStates(solutions, verdict, criterion, tuple(notes))
+
+
+def _has_half_the_turns(best: Solution, longest: float) -> bool:
+    """Whether a rotation has one maximum a turn, and twice its period is above the longest, s."""
+    is_beyond = best.is_axial and 2.0 * best.P_phi > longest
+    return is_beyond and _verdicts.has_one_maximum(best.weighted, best.weighted.problem)
 
 
 def _rivals(solution: Robust, solutions: Sequence[Robust], search: _search.Search) -> list[Robust]:

@@ -93,6 +93,8 @@ def _of_rates(state: FloatArray, best: FloatArray, span: float) -> str:
             return f"{prefix}half the period of {name}"
         if abs(2.0 * a - b) < _RATE:
             return f"{prefix}twice the period of {name}"
+    if same_phi and len(named) == 1:
+        return "other number of turns"
     if same_phi or same_psi:
         return f"{prefix}other period of {'psi' if same_phi else 'phi'}"
     if abs(phi + psi - phi0 - psi0) < _RATE:
@@ -199,7 +201,7 @@ def behind_twice_the_period(solutions: list[Robust], problem: CurveProblem) -> l
         and _is_half_of(best, one, problem)
         and _evidence.gain(best, one, problem) < problem.settings.doubled
     ]
-    if best is None or not doubled or not _has_one_maximum(best, problem):
+    if best is None or not doubled or not has_one_maximum(best, problem):
         return solutions
     more = _evidence.behind(min(doubled)) - best.evidence
     return [
@@ -288,7 +290,7 @@ def _nearest(others: Sequence[Robust], best: Robust, problem: CurveProblem) -> t
     margins = []
     for other in others:
         wide = settings.pole_errors * _evidence.standard_error(best, other, problem)
-        if _is_half_of(best, other, problem) and _has_one_maximum(best, problem):
+        if _is_half_of(best, other, problem) and has_one_maximum(best, problem):
             wide = settings.alone
         more = 0.0
         if not is_axial(best.refined.state):
@@ -310,7 +312,7 @@ def _is_half_of(best: Robust, other: Robust, problem: CurveProblem) -> bool:
     return abs(rate - 2.0 * half) < 2.0 * problem.settings.comb_width
 
 
-def _has_one_maximum(best: Robust, problem: CurveProblem) -> bool:
+def has_one_maximum(best: Robust, problem: CurveProblem) -> bool:
     """Whether the magnitudes of a rotation vary most with one maximum a turn."""
     state, magnitude = SearchState.of(best.refined.state), best.refined.magnitude
     rate = state.rates[0] - float(_pole_map.turn_of_scene(problem, state.pole[None])[0])
@@ -319,6 +321,16 @@ def _has_one_maximum(best: Robust, problem: CurveProblem) -> bool:
     terms = np.concatenate([waves.real, waves.imag, np.ones((len(angle), 1))], axis=1)
     series = np.linalg.lstsq(terms, magnitude, rcond=None)[0]
     return bool(np.hypot(series[0], series[2]) > np.hypot(series[1], series[3]))
+
+
+def _of_few_turns(fields: SearchState, least: float) -> str:
+    """In words: turns of phi or psi in the span, if they are too few to tell a period."""
+    phi, psi = 2.0 * abs(fields.precession), abs(fields.nutation)
+    if phi < 2.0 * least:
+        return f"; the span has {phi:.3g} turns of phi ({2.0 * least:g} needed)"
+    if psi < least and not fields.is_axial:
+        return f"; the span has {psi:.3g} turns of psi ({least:g} needed)"
+    return ""
 
 
 def gap(solutions: Sequence[Robust], problem: CurveProblem) -> float:
@@ -377,16 +389,14 @@ def verdict(
     explains = floor < settings.floor or (left < settings.left and not problem.orbit)
     accepted = explains and gap_to_next > behind
     fields = SearchState.of(state)
-    turns = abs(fields.precession)
-    if not fields.is_axial:
-        turns = min(turns, abs(fields.nutation))
+    few = _of_few_turns(fields, settings.least_turns)
     if not is_complete:
         reason = "Not all periods were tried; give a larger budget."
         if is_interrupted:
             reason = "Ctrl-C ended the search before all periods were tried."
         return OPEN, f"{reason} {words}."
-    if not accepted or turns < settings.least_turns:
-        return OPEN, words + "."
+    if not accepted or few:
+        return OPEN, f"{words}{few}."
     if not is_axial(state):
         unseen = _unseen_phases(state, problem)
         if unseen > settings.unseen:

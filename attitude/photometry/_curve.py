@@ -85,7 +85,7 @@ class LightCurve(Immutable):
     magnitude, flux : (N,) array_like
         One of them; Quantities, or flux in any linear unit.
     sigma : (N,) array_like or float, optional
-        Standard errors in the unit of the brightness; zero and NaN are unknown errors.
+        Standard errors in the unit of the brightness; zero, NaN and masked ones are unknown.
     sun, observer : (N, 3) array_like, optional
         Vectors from the body, m or Quantities, over the axes of `frame`; of the observer, to where
         the light of the body arrived from where the body was when it left.
@@ -668,6 +668,8 @@ def _brightness(magnitude: Any, flux: Any, sigma: Any, count: int) -> tuple[Floa
         )
     if sigma is None:
         return values, np.full(count, np.nan)
+    if hasattr(sigma, "filled"):  # masked errors are unknown
+        sigma = sigma.astype(float).filled(np.nan)
     errors = _of_each(_plain(sigma, "sigma", unit, usual), "sigma", count, "times").copy()
     if np.any(errors < 0.0):
         raise AttitudeError("sigma has entries below zero; give standard errors.")

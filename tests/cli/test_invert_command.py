@@ -2,6 +2,7 @@
 
 import inspect
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -86,6 +87,27 @@ def test_three_known_moments_are_those_of_the_search(monkeypatch, capsys):
     options = ["--max-frequency", "0.5 /d", "--moments", "3.0, 1, 3.2"]
     assert cli.main(["invert", str(PHOTOMETRY), *options]) == 2
     assert "the search of the test" in capsys.readouterr().err
+
+
+def test_rows_are_printed_before_errors_are_computed(monkeypatch, capsys):
+    """Ctrl-C in the errors lost the answer; a rotation about one axis at rank 13 was not named."""
+
+    def interrupted():
+        raise KeyboardInterrupt
+
+    rows = [
+        SimpleNamespace(
+            mode="PA" if k > 12 else "SAM", evidence=30.0 * k, P_phi=2e4, P_psi=4e4,
+            pole=np.zeros(2), rms=0.02, relation="", _words_of_errors=interrupted,
+        )
+        for k in range(15)
+    ]  # fmt: skip
+    found = inversion.SpinStates(rows, "not solved", "A criterion.", ())
+    monkeypatch.setattr(_spin_states, "spin_states", lambda *_, **__: found)
+    assert cli.main(["invert", str(PHOTOMETRY), "--period", "5 d"]) == 130
+    lines = capsys.readouterr().out.splitlines()
+    assert "not solved: A criterion." in lines and lines[-1] == "and 4 more"
+    assert [line[:6].split() for line in lines[-3:-1]] == [["9", "SAM"], ["13", "PA"]]
 
 
 @pytest.mark.parametrize(

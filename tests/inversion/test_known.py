@@ -67,6 +67,9 @@ def test_rates_and_attitude_of_a_satellite():
     rate, true_rate = (each.matrix[0] @ each.angular_velocity[0] for each in (here, truth))
     assert np.linalg.norm(rate - true_rate) < 0.02 * np.linalg.norm(true_rate)
     assert found[0].rms < 0.07
+    (_, phi), sigma = found[0].periods_sigma, found[0].pole_sigma
+    assert 0.0 < phi < 0.02 * found[0].P_phi and 0.0 < sigma < 0.2
+    assert "best: P_phi (long axis)" in str(found) and "+-" in str(found)
     assert len(found.table()) == len(found)
     copy = pickle.loads(pickle.dumps(found[0]))
     assert copy.rms == found[0].rms and np.array_equal(

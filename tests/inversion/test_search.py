@@ -25,6 +25,7 @@ from attitude.inversion import (
     _search,
     _settings,
     _shapes,
+    _spin_states,
     _verdicts,
 )
 from attitude.inversion._ellipsoid import SearchState
@@ -1090,6 +1091,9 @@ def test_half_a_period_of_one_maximum_needs_more(maxima, turns, needed):
     residual = 0.01 * generator.normal(size=COUNT)
     both = [replace(one, residual=residual) for one in (best, other)]
     assert _verdicts._nearest(both[1:], both[0], given) == (14.0, needed)
+    best = SimpleNamespace(is_axial=True, P_phi=3.0, weighted=replace(best, problem=given))
+    beyond = [_spin_states._has_half_the_turns(best, longest) for longest in (5.9, 6.1)]
+    assert beyond == [maxima == 1, False]
 
 
 @pytest.mark.parametrize(
