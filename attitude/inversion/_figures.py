@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from attitude import plots
+from attitude._support.constants import GAP_OF_NIGHTS_S
 from attitude._support.quantity_text import time_unit
 from attitude.errors import AttitudeError
 from attitude.inversion import _lattices, _neighbours, _verdicts
 from attitude.inversion._ellipsoid import SearchState
 from attitude.inversion._problem import interpolated
 from attitude.inversion._refinement import MOTION, NAMES
-from attitude.photometry import _folding, _samples, _spectrum
+from attitude.photometry import _folding, _spectrum
 from attitude.photometry._curve import LightCurve, dimming
 from attitude.photometry._figures import DATA, MODEL, OTHER, draw_series
 from attitude.photometry._spectrum import OVERSAMPLING
@@ -138,7 +139,7 @@ def _in_night(observed: LightCurve, prediction: Prediction, points: IntArray) ->
     """The observed points of the night of predicted epochs, or within these without geometry."""
     times = observed.seconds + (observed.epoch.seconds - prediction.epoch.seconds)
     first, last = prediction.seconds[points[[0, -1]]]
-    more = _samples.NIGHT if observed.has_geometry else 0.0
+    more = GAP_OF_NIGHTS_S if observed.has_geometry else 0.0
     inside = (times >= first - more) & (times <= last + more)
     return observed[inside] if np.any(inside) else None
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from attitude.photometry._samples import NIGHT
+from attitude._support.constants import GAP_OF_NIGHTS_S
 
 if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray, IntArray
@@ -155,7 +155,7 @@ def too_large(problem: CurveProblem) -> float:
     1 where chance may do it.  Variation between neighbours counts as noise.  By a mean square: of
     magnitudes that are rounded to more than their noise the median difference is zero.
     """
-    scaled, apart = _beside_errors(problem, problem.y, _CLOSE * problem.span / NIGHT)
+    scaled, apart = _beside_errors(problem, problem.y, _CLOSE * problem.span / GAP_OF_NIGHTS_S)
     if math.isnan(apart):
         return 1.0
     known = scaled[np.isfinite(scaled)]
@@ -165,7 +165,7 @@ def too_large(problem: CurveProblem) -> float:
 
 def nights_of(seconds: FloatArray) -> list[IntArray]:
     """Numbers of the epochs (T,) of each night, in time order."""
-    return _parts(seconds, NIGHT)
+    return _parts(seconds, GAP_OF_NIGHTS_S)
 
 
 def apparitions_of(seconds: FloatArray) -> list[IntArray]:

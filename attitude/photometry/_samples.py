@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 import numpy as np
 
 from attitude._support import quantity_text, validation
+from attitude._support.constants import GAP_OF_NIGHTS_S
 from attitude.epochs import _inputs
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError, AttitudeWarning
@@ -41,8 +42,6 @@ _MOST = 1000
 _TURNS = 3e5
 # Spans in a period from which they are.
 SPANS = 10.0
-# Gap of the epochs, s, between two nights.
-NIGHT = 0.3 * 86400.0
 # Nights at least of a standard error.
 _NIGHTS = 5
 _UNIT = re.compile(r"[A-Za-df-z]")
@@ -110,7 +109,7 @@ class Samples:
         """
         order = np.argsort(self.t, kind="stable")
         night = np.empty(len(order), np.int64)
-        night[order] = np.cumsum(np.diff(self.t[order], prepend=-np.inf) > NIGHT) - 1
+        night[order] = np.cumsum(np.diff(self.t[order], prepend=-np.inf) > GAP_OF_NIGHTS_S) - 1
         return night if night.max() + 1 >= _NIGHTS else np.arange(len(order))
 
     @cached_property
