@@ -134,7 +134,7 @@ def inertia_of_rates(t: FloatArray, omega: FloatArray, axes: str, *, robust: boo
     step = np.diff(t)
     speed = np.linalg.norm(omega, axis=1)
     joined = 0.5 * (speed[1:] + speed[:-1]) * step <= _FARTHEST
-    if np.count_nonzero(joined) < min(len(basis), 3):
+    if np.count_nonzero(joined) < 3:
         raise AttitudeError(
             "the angular velocities are too far apart for a first guess of the inertia: fewer than "
             f"3 of their {len(step)} steps are turns of less than {_FARTHEST:g} rad. Give denser "
@@ -336,7 +336,7 @@ def fit(
         Without a body: "principal" if the body axes are the principal axes, "free" if the
         principal axes are fitted too.
     sigma : float or (N,) array, optional
-        Standard errors of the attitudes, rad; by default they are equal.
+        Standard errors of the attitudes, rad; by default they are equal.  inf leaves records out.
     rate_sigma : float or (N,) array, optional
         Standard errors of given angular velocities, rad/s; by default `sigma` times their mean
         size.  inf leaves them out.
@@ -347,7 +347,8 @@ def fit(
         In standard errors, by default 1: the size from which residuals count as outliers.  The
         residual of a record is one vector.
     start : FreeRotation, optional
-        A motion near the truth, in place of the first guess from the records.
+        A motion near the truth, in place of the first guess from the records; the loss of all
+        records is minimised from it too.
 
     Returns
     -------
@@ -365,8 +366,10 @@ def fit(
     records, other first guesses are tried, and the motion of least loss is kept.  A warning says
     that its residuals too are far larger than the errors (without `sigma`, than 0.2 rad).
 
-    Moments follow from the wobble alone: a steady rotation fits any body, and the one returned is
-    close to a sphere.  Derivatives are in closed form (`attitude.propagate`, `sensitivity=True`).
+    Moments follow from the wobble alone.  Where that of no body lowers chi2 by 20, the body is a
+    sphere: the rotation is steady, with infinite variances of the moments in `covariance`.  A
+    warning says where turns in a gap of the records are not counted.  Derivatives are in closed
+    form (`attitude.propagate`, `sensitivity=True`).
 
     >>> from attitude import Body, FreeRotation, Spin
     >>> spin = Spin(epoch="2026-01-01", wxyz=(1, 0, 0, 0), angular_velocity=(0.1, 1.5, 0.1))
@@ -378,12 +381,12 @@ def fit(
     observed = _observed(table, sigma, rate_sigma)
     model = Model(body, axes)
     how = known_loss(loss, f_scale, sigma)
-    if len(observed) < (3 if model.count > 6 else 2):
-        raise AttitudeError(_too_few(len(observed)))
+    if observed.used < (3 if model.count > 6 else 2):
+        raise AttitudeError(_too_few(observed.used))
     states = velocities_observed(observed)
     speed = float(np.median(np.linalg.norm(states[2], axis=1)))
     first = first_stage(observed.t, speed, FEWEST_ROBUST if how.robust else FEWEST)
-    others: Callable[[], Sequence[Point]] = tuple
+    others: Callable[[], Sequence[Point]] | None = None
     if start is not None:
         point = point_of(model, observed, start)
     else:
@@ -419,7 +422,10 @@ def velocities_observed(observed: Observations) -> tuple[FloatArray, FloatArray,
 def _too_few(count: int) -> str:
     """The sentence about a table that is too short."""
     plural = "" if count == 1 else "s"
-    return f"the table has {count} record{plural}; give three or more (two with body=)."
+    return (
+        f"the table has {count} record{plural}; give three or more of finite sigma (two with "
+        "body=)."
+    )
 
 
 def _observed(
@@ -437,13 +443,15 @@ def _observed(
         raise AttitudeError(_too_few(0))
     epoch, seconds = epochs_of_history(history)
     attitudes = Attitudes(weights(sigma, count, "sigma", "rad"), np.asarray(history.wxyz))
+    used = attitudes.weight > 0.0
+    if not np.any(used):
+        raise AttitudeError(_too_few(0))
     kinds: tuple[Measured, ...] = (attitudes,)
     omega = table.angular_velocity
     if omega is not None:
         rates = Rates(attitudes.weight, np.asarray(omega))
         if rate_sigma is None:
-            with np.errstate(divide="ignore"):
-                usual = float(np.mean(1.0 / attitudes.weight)) * rates.scale()
+            usual = float(np.mean(1.0 / attitudes.weight[used])) * rates.scale()
             rate_sigma = usual if np.any(rates.omega) else np.inf
         kinds = (attitudes, Rates(weights(rate_sigma, count, "rate_sigma", "rad/s"), rates.omega))
     return Observations(epoch, seconds, kinds)
@@ -517,13 +525,14 @@ def fit_rates(
     first_epoch, seconds = epochs_of(t, epoch)
     count = len(seconds)
     omega = validation.real(angular_velocity, "angular_velocity", shape=(count, 3), unit="rad/s")
-    if count < (3 if body is None else 1):
-        raise AttitudeError(
-            f"there {'is' if count == 1 else 'are'} {count} angular "
-            f"velocit{'y' if count == 1 else 'ies'}; give three or more (one with body=)."
-        )
     rates = Rates(weights(sigma, count, "sigma", "rad/s"), omega)
     observed = Observations(first_epoch, seconds, (rates,))
+    fewest = 1 if body is not None else 3 if start is not None else 4
+    if observed.used < fewest:
+        raise AttitudeError(
+            f"angular velocities with finite sigma are {observed.used}; give four or more (three "
+            "with start=, one with body=)."
+        )
     speed = float(np.mean(np.linalg.norm(omega, axis=1)))
     first = first_stage(seconds, speed, FEWEST_ROBUST if how.robust else FEWEST)
     if start is not None:
@@ -538,7 +547,7 @@ def fit_rates(
         point = best_state(problem, shape, (seconds, attitudes, omega))
     # The attitude has no influence: that of the first record is the identity.
     point = replace(point, wxyz=_IDENTITY)
-    return fitted(model, observed, how, point, first)
+    return fitted(model, observed, how, point, first, None if start is not None else tuple)
 
 
 # ---- Attitudes and angular velocities from directions, by Davenport's method
@@ -736,20 +745,21 @@ def fit_directions(
         measured,
         known @ frames.matrix_to_icrf(frames.known(frame)).T,
     )
-    if 2 * count < model.count:
+    observed = Observations(first_epoch, seconds, (directions,))
+    used = observed.used
+    if 2 * used < model.count:
         raise AttitudeError(
-            f"there {'is' if count == 1 else 'are'} {count} "
-            f"direction{'' if count == 1 else 's'} for {model.count} parameters; give "
+            f"there {'is' if used == 1 else 'are'} {used} direction{'' if used == 1 else 's'} "
+            f"with finite sigma for {model.count} parameters; give "
             f"{(model.count + 1) // 2} or more."
         )
-    observed = Observations(first_epoch, seconds, (directions,))
     fewest = FEWEST_ROBUST if how.robust else _FEWEST
     if start is not None:
         point = point_of(model, observed, start)
     else:
         point = _guess(model, observed, directions, how, fewest)
     first = first_stage(seconds, float(np.linalg.norm(point.omega)), fewest)
-    return fitted(model, observed, how, point, first)
+    return fitted(model, observed, how, point, first, None if start is not None else tuple)
 
 
 def _guess(

@@ -18,8 +18,10 @@ from attitude._support.arrays import Immutable, frozen
 from attitude._support.least_squares import Decomposed, Near
 from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.fitting import _observations as records
+from attitude.fitting._model import Model, Point
 from attitude.fitting._observations import Rates
 from attitude.frames import quaternion
+from attitude.motions._body import Body
 from attitude.motions._free_rotation import FreeRotation
 from attitude.motions._spin import Spin
 
@@ -29,9 +31,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from attitude._support.annotations import BoolArray, FloatArray, IntArray, Real, Reals
-    from attitude.fitting._model import Model, Point, Prediction
+    from attitude.fitting._model import Prediction
     from attitude.fitting._observations import Observations
-    from attitude.motions._body import Body
 
 
 # ---- Robust losses: how much a record counts whose residual is large
@@ -129,13 +130,15 @@ _LAST_EARLY = 0.1
 _MOST_RECORDS = 100
 # Predicted error of attitudes, rad, up to which the next stage extends.
 _REACH = 0.05
+# The same, beyond a step of half a turn, from which turns are not counted: a sixth of that.
+_COUNTED = 0.5
 # Rms, rad, of residuals that are right in any case, and of those that are large where errors are
 # not known.
 _NEGLIGIBLE = 1e-9
 _LARGE = 0.1
-# Share of the records that are no outliers, at least, and the square of residuals that is usual, in
-# numbers that a record measures.
-_INLIERS = 0.7
+# Share of the records of each half of them that are no outliers, at least, and the square of
+# residuals that is usual, in numbers that a record measures.
+_INLIERS = 0.5
 _USUAL = 1.7
 # Correlation of residuals with neighbours, up to so many records away, from which they are alike.
 _ALIKE = 0.3
@@ -144,6 +147,16 @@ _LAGS = 8
 _EXCUSED = 5.0
 # Misfit from which a warning is given.
 _UNEXPLAINED = 2.0
+# Sine of the angle between momentum and angular velocity up to which a rotation is nearly steady.
+_WOBBLE = 0.05
+# Decrease of the cost, in variances of a record, from which a wobble is evident: 20 of chi2; and
+# how many times that is a wobble whose minimum is plain.
+_EVIDENT = 10.0
+_PLAIN = 10.0
+# Frequencies of a wobble that are tried, and records for that, at most.
+_MOST_WOBBLES = 400
+# Those from which the iteration begins.
+_BEST = 24
 # Epochs of prediction.
 _PREDICTED = 64
 # Variance, rad2, of each component of the rotation vector of an attitude of which nothing is known:
@@ -158,9 +171,10 @@ class Linearised:
     cost: half the sum of the losses.
     gradient: (P,), the direction of descent: minus the derivative of the cost.
     variance: of the records, in units of their standard errors: that of residuals as large as
-        these.
+        these; without more numbers than parameters the given one, or infinite.
     bending, normal: the second derivatives (P, P) of the cost, from first ones of the residuals:
         with the weights of the loss, and with those of the standard errors alone.
+    gap: the number of the record before which turns are not counted; 0 where there is none.
     """
 
     point: Point
@@ -170,6 +184,7 @@ class Linearised:
     variance: float
     bending: FloatArray
     normal: Decomposed
+    gap: int = 0
 
 
 class Problem:
@@ -201,9 +216,11 @@ class Problem:
             score += float(np.sum(first**2 * squares))
             bend += float(np.sum((kind.dimensions * first + 2.0 * second)[used]))
         by_errors = Decomposed(normal)
+        freedom = numbers - int(np.count_nonzero(by_errors.values > _LOST))
         # Huber's variance of a robust estimate; that of least squares with a linear loss.
-        variance = score / max(numbers - int(np.count_nonzero(by_errors.values > _LOST)), 1)
-        variance /= max(bend / max(numbers, 1), _LEAST_BEND) ** 2
+        variance = score / max(freedom, 1) / max(bend / max(numbers, 1), _LEAST_BEND) ** 2
+        if freedom <= 0:
+            variance = np.inf if self.loss.usual is None else self.loss.usual**2
         bending = weighted if robust else normal
         return Linearised(point, predicted, cost, gradient, variance, bending, by_errors)
 
@@ -213,7 +230,8 @@ class Problem:
         share = _LAST if last else _LAST_EARLY
 
         def enough(states: NDArray[Any]) -> FloatArray:
-            return np.array([max(share * states[0].variance, lowest)])
+            gain = share * states[0].variance
+            return np.array([max(gain if gain < np.inf else 0.0, lowest)])
 
         problem = least_squares.Problem(self._near, self._moved, enough=enough)
         start, most = np.array([point], dtype=object), _MOST if last else _MOST_EARLY
@@ -244,22 +262,39 @@ class Problem:
 
 
 def minimum_of_stages(
-    model: Model, observed: Observations, loss: Loss, point: Point, first: int
+    model: Model,
+    observed: Observations,
+    loss: Loss,
+    point: Point,
+    first: int,
+    *,
+    is_start: bool = False,
 ) -> Linearised:
-    """The loss near its least point, from a first guess.
+    """The loss near its least point, from a first guess, or from a start that the caller gives.
 
     Stages take the first records, so many that no phase of a tumbler is wrong by a revolution: the
-    next stage extends to where attitudes are predicted to `_REACH`.
+    next stage extends to where attitudes are predicted to `_REACH`.  From a start, and from the
+    stage before a gap that is longer, the loss of all records is minimised at once too.
     """
-    total, count = len(observed), min(first, len(observed))
+    total, count, gap = len(observed), min(first, len(observed)), 0
+    start, before = [point] if is_start else [], []
     while count < total or total > _MOST_RECORDS or loss.robust:
         stage = Problem(model, observed.at(thinned(count)), loss.wide).minimum(point, last=False)
         point = stage.point
         if count == total:
             break
-        count = max(_reach(model, observed, stage, count), int(1.5 * count), count + 1)
-        count = min(count, total)
-    return Problem(model, observed, loss).minimum(point)
+        reach, error = _reach(model, observed, stage, count)
+        turns = np.diff(observed.t) * float(np.linalg.norm(point.omega))
+        gaps = np.flatnonzero(turns > np.pi) + 1
+        if reach == count and count in gaps:
+            before = [point]
+            gap = count if error > _COUNTED else gap
+        ends = [max(int(1.5 * count), count + 1), *gaps[gaps >= max(reach, count + 1)][:1]]
+        count = min(max(reach, int(min(ends))), total)
+    problem = Problem(model, observed, loss)
+    trials = [problem.minimum(trial) for trial in (point, *before, *start)]
+    best = min(trials, key=lambda trial: trial.cost)
+    return replace(best, gap=0 if is_start else gap)
 
 
 def _minimum_of_all(
@@ -268,17 +303,17 @@ def _minimum_of_all(
     loss: Loss,
     point: Point,
     first: int,
-    others: Callable[[], Sequence[Point]],
+    others: Callable[[], Sequence[Point]] | None,
 ) -> Linearised:
     """The loss near its least point, from a first guess or, where that fails, from others.
 
     A warning says that none explains the records.
     """
-    best = minimum_of_stages(model, observed, loss, point, first)
+    best = minimum_of_stages(model, observed, loss, point, first, is_start=others is None)
     misfit = misfit_of(observed, loss, best)
     if misfit <= 1.0:
         return best
-    for other in others():
+    for other in others() if others else ():
         with suppress(AttitudeError):
             trial = minimum_of_stages(model, observed, loss, other, first)
             if trial.cost < best.cost:
@@ -312,7 +347,8 @@ def misfit_of(observed: Observations, loss: Loss, best: Linearised) -> float:
     if loss.usual is None:
         size = float(np.sqrt(np.mean(squares))) / (_LARGE * one)
     else:
-        typical = np.quantile(squares, _INLIERS) if loss.robust else np.mean(squares)
+        halves = np.array_split(squares, 2) if loss.robust else ()
+        typical = max((np.quantile(half, _INLIERS) for half in halves), default=np.mean(squares))
         size = float(np.sqrt(typical / (_USUAL * kind.dimensions))) / loss.usual
         if size <= 1.0:
             return size
@@ -328,6 +364,8 @@ def misfit_of(observed: Observations, loss: Loss, best: Linearised) -> float:
 
 def covariance_at_minimum(normal: Decomposed, variance: float) -> FloatArray:
     """Covariance of the parameters; infinite variances of those that are undetermined."""
+    if variance == np.inf:
+        return np.diag(np.full(len(normal.scale), np.inf))
     lost = normal.values <= _LOST
     vectors = normal.vectors
     inverse: FloatArray = (vectors / np.where(lost, np.inf, normal.values)) @ vectors.T
@@ -360,22 +398,31 @@ def thinned(end: int, first: int = 0, most: int = _MOST_RECORDS) -> IntArray:
     return np.unique(chosen.round().astype(np.int64))
 
 
-def _reach(model: Model, observed: Observations, stage: Linearised, count: int) -> int:
-    """The number of first records that are predicted to `_REACH`."""
+def _reach(
+    model: Model, observed: Observations, stage: Linearised, count: int
+) -> tuple[int, float]:
+    """The number of first records that are predicted to `_REACH`, and the error of the next one."""
     ahead = thinned(len(observed), count, _PREDICTED)
     records_ahead = observed.at(ahead)
     try:
         predicted = model.predict(stage.point, records_ahead.t, rates=records_ahead.with_rates)
     except AttitudeError:
-        return count
+        return count, 0.0
     speed = float(np.linalg.norm(stage.point.omega)) or 1.0
     factor = bounded_factor(stage.normal, stage.variance, speed)
     square = np.zeros(len(ahead))
     for kind in records_ahead.kinds:
         errors = factor.T @ (kind.compare(predicted)[1] / kind.scale())
         square = np.maximum(square, np.sum(errors**2, axis=(0, 1)))
-    beyond = np.flatnonzero(square > _REACH**2)
-    return int(ahead[beyond[0]]) if len(beyond) else len(observed)
+    error = float(np.sqrt(square[0]))
+    beyond = np.append(np.flatnonzero(square > _REACH**2), len(ahead))[0]
+    if beyond == 0 or beyond == len(ahead):
+        return (count if beyond == 0 else len(observed)), error
+    # The records between may have a gap: which of them is the first one that is not predicted?
+    low, high = ahead[beyond - 1] + 1, ahead[beyond]
+    if low == high:
+        return int(high), error
+    return _reach(model, observed.at(slice(high + 1)), stage, int(low))[0], error
 
 
 # ---- What a fit returns: the motion, its errors, and the residuals
@@ -400,7 +447,8 @@ class Fit(Immutable):
     rate_residuals : (N, 3) array or None
         rad/s: given angular velocities less those of the model.
     covariance : (P, P) array
-        Of the parameters, for records whose errors are as large as the residuals: turn of the
+        Of the parameters, for records whose errors are as large as the residuals (with no more
+        numbers than parameters, as large as `sigma`; without it infinite): turn of the
         first attitude (3, rad, body axes), angular velocity then (3, rad/s), logarithms of the
         second moments of mass (the rest: 2 of the diagonal, with axes="free" 3 more, xy, xz, yz).
         Infinite for parameters that the records leave undetermined.
@@ -409,11 +457,12 @@ class Fit(Immutable):
     -----
     The covariance of the spin is finite.  Combinations of parameters that the records leave
     undetermined have there the variance 1.76 of an attitude of which nothing is known (rad2; the
-    angular velocity in units of its size; the logarithms of the second moments).  A given body
-    counts as exact.  With axes="free" the errors of attitude and angular velocity are those of the
-    principal axes: the nine parameters of a spin hold no errors of their directions in the body,
-    which do not grow with time; these are in `covariance`.  Errors of more than 0.05 rad are those
-    of equal axes of a nearly symmetric body, and are left out of the covariance of the spin.
+    angular velocity in units of its size; the logarithms of the second moments).  A given body, or
+    the sphere of a steady rotation, counts as exact.  With axes="free" the errors of attitude and
+    angular velocity are those of the principal axes: the nine parameters of a spin hold no errors
+    of their directions in the body, which do not grow with time; these are in `covariance`.  Errors
+    of more than 0.05 rad are those of equal axes of a nearly symmetric body, and are left out of
+    the covariance of the spin.
     """
 
     motion: FreeRotation
@@ -451,12 +500,20 @@ def fitted(
     loss: Loss,
     point: Point,
     first: int,
-    others: Callable[[], Sequence[Point]] = tuple,
+    others: Callable[[], Sequence[Point]] | None,
 ) -> Fit:
-    """The motion of least loss, from a first guess, on so many records first, or from others."""
+    """The motion of least loss, from a first guess, on so many records first, or from others.
+
+    others: None where the first guess is a start that the caller gives.
+    """
     best = _minimum_of_all(model, observed, loss, point, first, others)
-    point = best.point
-    body = model.body_of(point.shape)
+    best = _steady(model, observed, loss, best)
+    for said in _open_questions(best):
+        warnings.warn(said, AttitudeWarning, stacklevel=4)
+    point, lost = best.point, model.count - len(best.gradient)
+    body = model.body_of(np.pad(point.shape, (0, lost)))
+    if lost:
+        model = Model(body, "principal")
     spin = Spin(
         observed.epoch,
         point.wxyz,
@@ -470,8 +527,74 @@ def fitted(
             rates = frozen(residuals)
         else:
             turns = residuals
-    covariance = covariance_at_minimum(best.normal, best.variance)
+    covariance = np.diag(np.full(len(best.gradient) + lost, np.inf))
+    covariance[: len(best.gradient), : len(best.gradient)] = covariance_at_minimum(
+        best.normal, best.variance
+    )
     return Fit(FreeRotation(body, spin), frozen(turns), rates, frozen(covariance))
+
+
+def _steady(model: Model, observed: Observations, loss: Loss, best: Linearised) -> Linearised:
+    """The loss near its least point, of a sphere where the wobble of no body is evident.
+
+    That of a nearly steady rotation has a minimum for each frequency of the wobble: all are tried.
+    """
+    moments, axes = model.principal(best.point.shape)
+    omega = best.point.omega @ axes
+    momentum = moments * omega
+    size = float(np.linalg.norm(omega) * np.linalg.norm(momentum))
+    is_steady = np.linalg.norm(np.cross(omega, momentum)) <= _WOBBLE * size
+    if model.body is not None or not is_steady or best.variance == np.inf:
+        return best
+    start = Point(best.point.wxyz, best.point.omega, np.zeros(0))
+    sphere = Problem(Model(Body(moments=np.ones(3)), "principal"), observed, loss).minimum(start)
+    least = _EVIDENT * best.variance + records.floor(observed, float(np.linalg.norm(omega)))
+    if sphere.cost > least and sphere.cost - best.cost < _PLAIN * least:
+        few = Problem(model, observed.at(thinned(len(observed), most=_MOST_WOBBLES)), loss)
+        shapes = _shapes_of_wobbles(model, sphere.point.omega, float(observed.t[-1]))
+        wobbles = [few.linearised(replace(sphere.point, shape=shape)) for shape in shapes]
+        wobbles.sort(key=_promised)
+        points = [best.point, *(few.minimum(w.point, last=False).point for w in wobbles[:_BEST])]
+        point = min(points, key=lambda point: few.linearised(point).cost)
+        best = replace(Problem(model, observed, loss).minimum(point), gap=best.gap)
+    return replace(sphere, gap=best.gap) if sphere.cost - best.cost < least else best
+
+
+def _promised(near: Linearised) -> float:
+    """The cost after Gauss and Newton's step."""
+    step = near.normal.inverse_factor(_LOST).T @ near.gradient
+    return near.cost - 0.5 * float(step @ step)
+
+
+def _shapes_of_wobbles(model: Model, omega: FloatArray, span: float) -> FloatArray:
+    """Shapes (K, P - 6), symmetric about the axis of rotation, with wobbles half a cycle apart."""
+    speed = float(np.linalg.norm(omega))
+    axis = omega / (speed or 1.0)
+    if model.axes == "principal":
+        axis = np.eye(3)[np.argmax(np.abs(omega))]
+    # Their frequencies, relative to the rotation, are those ratios.
+    ratios = np.linspace(-1.0, 1.0, int(min(2.0 * speed * span / np.pi, _MOST_WOBBLES)) + 4)[1:-1]
+    matrix = np.eye(3) - 3.0 * np.outer(axis, axis)
+    elements = matrix[[0, 1, 0, 0, 1], [0, 1, 1, 2, 2]][: model.count - 6]
+    return np.arctanh(ratios)[:, None] / 1.5 * elements
+
+
+def _open_questions(best: Linearised) -> list[str]:
+    """Sentences on what the records do not determine."""
+    sentences = []
+    if best.gap:
+        sentences.append(
+            f"turns between records {best.gap - 1} and {best.gap} (from 0) are not counted: the "
+            f"records before predict the attitude to {_COUNTED:g} rad or worse there, so that "
+            "motions of other numbers of turns may fit as well. Give records between, the body, "
+            "or a motion near the truth, start=FreeRotation(...)."
+        )
+    if best.variance == np.inf:
+        sentences.append(
+            "the records have no more numbers than the motion has parameters, and residuals say "
+            "nothing about their errors: those of the motion count as unknown. Give sigma=."
+        )
+    return sentences
 
 
 def _spin_covariance(model: Model, body: Body, best: Linearised) -> FloatArray:

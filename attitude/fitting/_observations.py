@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 _ROUNDING = 4e-15
 # That of both, relative to the angle turned, by the rounding of the parameters.
 _OF_ANGLE = 4e-16
+# The largest standard error, and the inverse of the least: their squares are numbers.
+_EXTREME = 1e100
 
 
 @dataclass(frozen=True)
@@ -162,6 +164,11 @@ class Observations:
         return replace(self, t=self.t[index], kinds=kinds)
 
     @property
+    def used(self) -> int:
+        """The number of records that are not left out by infinite errors."""
+        return int(np.count_nonzero(sum(kind.weight for kind in self.kinds)))
+
+    @property
     def with_rates(self) -> bool:
         """Whether angular velocities are among the records."""
         return any(isinstance(kind, Rates) for kind in self.kinds)
@@ -211,14 +218,15 @@ def _first(t: Epochs) -> Instant:
 
 
 def weights(sigma: Reals | None, count: int, name: str, unit: str) -> FloatArray:
-    """1 / standard errors (N,); ones if they are None."""
+    """1 / standard errors (N,); ones if they are None, 0 of infinite errors."""
     if sigma is None:
         return np.ones(count)
     errors = validation.real(sigma, name, unit=unit, finite=False)
-    if errors.shape not in ((), (count,)) or not np.all(errors > 0.0):
+    known = (errors >= 1.0 / _EXTREME) & ((errors <= _EXTREME) | (errors == np.inf))
+    if errors.shape not in ((), (count,)) or not np.all(known):
         raise AttitudeError(
             f"{name} is {validation.shown(sigma)}; give one number greater than zero, or one "
-            "for each record."
+            f"for each record, from {1.0 / _EXTREME:g} to {_EXTREME:g}; inf leaves records out."
         )
     return np.broadcast_to(1.0 / errors, (count,))
 

@@ -128,6 +128,7 @@ def test_outliers():
         (lambda t, b, s: fit_directions(t, b, s[:4], epoch=EPOCH), "inertial_directions has"),
         (lambda t, b, s: fit_directions(t, 0.0 * b, s, epoch=EPOCH), "length zero"),
         (lambda t, b, s: fit_directions(t[:3], b[:3], s[:3], epoch=EPOCH), "8 parameters"),
+        (lambda t, b, s: fit_directions(t, b, s, epoch=EPOCH, sigma=np.inf), "0 directions with"),
         (lambda t, b, s: fit_directions(t[::-1], b, s, epoch=EPOCH), "do not increase"),
         (lambda t, b, s: fit_directions(t, b, s, epoch=EPOCH, frame="mars"), "frame"),
         (lambda t, b, s: fit_directions(t, b, s, epoch=EPOCH, loss="huber"), "f_scale="),

@@ -25,6 +25,24 @@ def motion(moments, rates):
     return FreeRotation(Body(moments=moments), spin)
 
 
+def noisy(given, t, sigma, seed):
+    """A table of attitudes with errors."""
+    noise = np.random.default_rng(seed).normal(size=(len(t), 3)) * sigma
+    wxyz = quaternion.multiply(given.at(t).wxyz, forms.from_rotation_vector(noise))
+    return AttitudeTable("2026-01-01", t, wxyz)
+
+
+def excess(motion, given, table, sigma):
+    """chi2 of a motion less that of the truth."""
+    turns = [
+        forms.to_rotation_vector(
+            quaternion.multiply(table.history.wxyz, quaternion.conjugate(m.at(table.seconds).wxyz))
+        )
+        for m in (motion, given)
+    ]
+    return (np.sum(turns[0] ** 2) - np.sum(turns[1] ** 2)) / sigma**2
+
+
 def apart(p, q):
     d = quaternion.multiply(quaternion.conjugate(p), q)
     return np.max(2.0 * np.arctan2(np.linalg.norm(d[..., 1:], axis=-1), np.abs(d[..., 0])))
@@ -82,6 +100,55 @@ def test_a_steady_rotation_leaves_the_moments_open():
     assert np.isinf(found.covariance[6:, 6:].diagonal()).any() or np.all(
         np.abs(found.covariance) < 1.0
     )
+
+
+@pytest.mark.parametrize("seed", [0, 5])
+def test_the_wobble_of_a_nearly_steady_rotation(seed):
+    """Of its many minima the one of the truth, or a lower one, is returned."""
+    given = motion((10, 20, 26), (0.001, 0.001, 1.0))
+    table = noisy(given, np.arange(0.0, 120.0, 0.5), 2e-3, seed)
+    assert excess(fit(table, sigma=2e-3).motion, given, table, 2e-3) < 0.0
+
+
+@pytest.mark.parametrize("rates", [(0.0, 0.0, 1.0), (1.0, 0.0, 0.0)])
+def test_without_an_evident_wobble_the_body_is_a_sphere(rates):
+    given = motion((10, 20, 26), rates)
+    found = fit(noisy(given, np.arange(0.0, 120.0, 0.5), 2e-3, 8), sigma=2e-3)
+    assert np.allclose(found.motion.body.moments, 1.0 / 3.0, rtol=1e-12)
+    assert np.all(np.isinf(found.covariance.diagonal()[6:]))
+    late, true = found.motion.at(200.0), given.at(200.0)
+    assert apart(late.wxyz, true.wxyz) < 5.0 * np.max(late.sigma)
+    off = late.angular_velocity - true.angular_velocity
+    assert np.all(np.abs(off) < 5.0 * late.sigma_angular_velocity)
+
+
+@pytest.mark.parametrize("later", [3000.0, 30000.0])
+def test_two_sessions(later):
+    """The first one predicts the second to 0.2 rad, or not at all."""
+    given = motion((10, 20, 26), (0.4, 0.3, 1.0))
+    t = np.concatenate([np.arange(0.0, 20.0, 0.3), np.arange(later, later + 20.0, 0.3)])
+    if later > 1e4:
+        with pytest.warns(AttitudeWarning, match="between records 66 and 67 .* are not counted"):
+            fit(noisy(given, t, 3e-3, 1), sigma=3e-3)
+        return
+    for seed in (0, 6, 7):
+        table = noisy(given, t, 3e-3, seed)
+        found = fit(table, sigma=3e-3)
+        assert excess(found.motion, given, table, 3e-3) < 0.0
+        late = found.motion.at(1.5 * later)
+        assert apart(late.wxyz, given.at(1.5 * later).wxyz) < 5.0 * np.max(late.sigma)
+
+
+def test_errors_without_degrees_of_freedom():
+    """Six numbers for six parameters: the errors are those of sigma, or unknown."""
+    given = motion((10, 20, 26), (0.1, 0.15, 1.0))
+    table = noisy(given, np.array([0.0, 1.0]), 0.01, 0)
+    found = fit(table, given.body, sigma=0.01)
+    assert np.allclose(found.motion.at(0.0).sigma, 0.01, rtol=1e-6)
+    with pytest.warns(AttitudeWarning, match="no more numbers than .* Give sigma="):
+        found = fit(table, given.body)
+    assert np.all(np.isinf(found.covariance.diagonal()))
+    assert np.all(found.motion.spin.covariance.diagonal()[:3] > 1.0)
 
 
 def test_coarse_records_with_rates():
@@ -181,6 +248,15 @@ def test_a_start_in_place_of_the_first_guess():
     assert apart(found.motion.at(1000.0).wxyz, given.at(1000.0).wxyz) < 1e-7
 
 
+def test_a_fit_does_not_move_away_from_its_start():
+    """Four flips of a T-handle; the first records alone leave its shape open."""
+    given = motion((10, 20, 26), (0.001, 1.0, 0.001))
+    for seed in (1, 2):
+        table = noisy(given, np.arange(0.0, 100.0, 0.25), 3e-3, seed)
+        found = fit(table, sigma=3e-3, start=given)
+        assert excess(found.motion, given, table, 3e-3) < 0.0
+
+
 # Random bodies and axes of rotation; exact records 2.2 and 2.8 rad apart.
 @pytest.mark.parametrize("loss", ["linear", "soft_l1", "huber", "cauchy"])
 @pytest.mark.parametrize("step", [2.2, 2.8])
@@ -225,6 +301,17 @@ def test_robust_losses_of_large_noise(loss, share):
         assert apart(found.motion.at(history.seconds).wxyz, history.wxyz) < 0.05
 
 
+def test_a_third_of_outliers_without_a_warning():
+    given = motion((10, 20, 26), (0.1, 0.3, 1.0))
+    history, random = given.at(np.arange(0.0, 60.0, 0.2)), np.random.default_rng(1)
+    noise = random.normal(scale=1e-2, size=(300, 3))
+    noise[random.random(300) < 0.33] *= 100.0
+    wxyz = quaternion.multiply(history.wxyz, forms.from_rotation_vector(noise))
+    table = AttitudeTable(history.epoch, history.seconds, wxyz)
+    found = fit(table, sigma=1e-2, loss="cauchy")
+    assert apart(found.motion.at(history.seconds).wxyz, history.wxyz) < 0.02
+
+
 @pytest.mark.parametrize("axes", ["principal", "free"])
 @pytest.mark.parametrize("rates", [True, False])
 def test_a_body_at_rest(axes, rates):
@@ -254,6 +341,15 @@ def test_a_warning_where_no_free_rotation_fits():
         (lambda table: fit(motion(*STATES["flat"]).at([0.0, np.nan, 2.0])), "not finite"),
         (lambda table: fit(table, body=3), "Body"),
         (lambda table: fit(table, sigma=0.0), "give one number greater than zero"),
+        (lambda table: fit(table, sigma=1e-300), "from 1e-100 to 1e.100"),
+        (lambda table: fit(table, sigma=np.inf), "0 records; give three or more of finite"),
+        (
+            lambda table: fit(
+                AttitudeTable.from_history(table.history, rates=False),
+                sigma=[0.1, 0.1] + 8 * [np.inf],
+            ),
+            "2 records; give",
+        ),
         (lambda table: fit(table.history[:2]), "2 records"),
         (lambda table: fit(table, loss="huber"), "give sigma=, or f_scale="),
         (lambda table: fit(table, loss="l1", sigma=1.0), "must be one of"),

@@ -70,7 +70,9 @@ def test_the_attitude_is_undetermined():
 def test_a_known_body_needs_one_record():
     given = motion(*STATES["short axis"])
     rates = given.at(T).angular_velocity
-    one = fit_rates([10.0], rates[25:26], given.body, epoch=EPOCH)
+    one = fit_rates([10.0], rates[25:26], given.body, epoch=EPOCH, sigma=1e-3)
+    # three numbers for three rates, whose errors are therefore those given
+    assert np.allclose(one.covariance.diagonal()[3:], 1e-6, rtol=1e-9)
     assert np.allclose(one.motion.spin.angular_velocity, rates[25], rtol=0.0, atol=1e-15)
     assert one.motion.spin.epoch == given.epoch.after(10.0)
     many = fit_rates(T, rates, given.body, epoch=EPOCH)
@@ -108,7 +110,7 @@ def test_dates_are_epochs():
     [
         (lambda t, w: fit_rates(t, w), "with epoch="),
         (lambda t, w: fit_rates(t, w[:4], epoch=EPOCH), "angular_velocity has shape"),
-        (lambda t, w: fit_rates(t[:2], w[:2], epoch=EPOCH), "2 angular velocities"),
+        (lambda t, w: fit_rates(t[:3], w[:3], epoch=EPOCH), "are 3; give four or more"),
         (lambda t, w: fit_rates(t[::-1], w, epoch=EPOCH), "do not increase"),
         (lambda t, w: fit_rates(t[::20], w[::20], epoch=EPOCH), "too far apart"),
         (lambda t, w: fit_rates(t, w, epoch=EPOCH, sigma=-1.0), "greater than zero"),
