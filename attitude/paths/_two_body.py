@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -294,7 +294,7 @@ def kepler(
 def gm_of(center: str | Path, name: str = "gm") -> float:
     """The GM in m3/s2 of a center as `known_center` returns it; name: of the parameter for it."""
     if center in GM:
-        return GM[cast("str", center)]
+        return GM[center]
     raise AttitudeError(f"the GM of {label_of(center)} is not known here; give {name} in m3/s2.")
 
 
