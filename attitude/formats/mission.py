@@ -110,6 +110,7 @@ from attitude.formats import _surface, detect, spin_file
 from attitude.formats._surface import MagnitudeScale
 from attitude.motions._free_rotation import FreeRotation
 from attitude.paths import _composed, _places
+from attitude.paths._path import Path
 from attitude.paths._solar_system import SOURCES
 from attitude.scene._scene import Scene
 from attitude.scene._view import View
@@ -359,7 +360,8 @@ class _File:
                     "out."
                 )
             sections = {key: self.content[key] for key in self.content if key in _OF_STATE}
-            return spin_file.of_sections(sections, self.folder, self.content.get("shape"))
+            shape = self.content.get("shape")
+            return spin_file.SpinFile(*spin_file.body_and_spin(sections, shape, self.folder))
         if section is None:
             return None
         if isinstance(section, str):
@@ -549,7 +551,8 @@ class _Torque:
         return _composed.relative(self.place(), origin, self.ephemeris)
 
     def gravity_gradient(self):
-        center = self.section.get("body", getattr(self.place(), "center", None))
+        place = self.place()
+        center = self.section.get("body", place.center if isinstance(place, Path) else None)
         if not isinstance(center, str):
             raise AttitudeError(
                 f"{self.where} has no body whose gravity acts; give body = the name of one."

@@ -127,9 +127,7 @@ _EXAMPLES = {
 }
 
 
-def body_and_spin(
-    content: Mapping[str, Any], shape: Any = None, folder: str = "."
-) -> tuple[Body, Spin]:
+def body_and_spin(content: Mapping[str, Any], shape: Any, folder: str) -> tuple[Body, Spin]:
     """The Body and the Spin of the sections [body], [spin] and [errors] of a parsed text.
 
     shape: the section [shape], of which a density makes the body; folder: of its file.
@@ -406,15 +404,12 @@ def parse(text: str, origin: str = "text", *, folder: str = ".") -> SpinFile:
         return of_sections(content, folder, **labels)
 
 
-def of_sections(
-    content: Mapping[str, Any], folder: str = ".", of_body: Any = None, **labels: str | None
-) -> SpinFile:
+def of_sections(content: Mapping[str, Any], folder: str = ".", **labels: str | None) -> SpinFile:
     """The `SpinFile` of the sections [body], [spin], [errors] and [shape] of a parsed text.
 
-    `of_body` is a section [shape] for the body alone; `labels` are its name, source and note.
-    AttitudeError as `read`.
+    `labels` are its name, source and note.  AttitudeError as `read`.
     """
-    body, spin = body_and_spin(content, content.get("shape", of_body), folder)
+    body, spin = body_and_spin(content, content.get("shape"), folder)
     shape, law = _surface(content, body, folder)
     return SpinFile(body, spin, **labels, shape=shape, law=law)
 
