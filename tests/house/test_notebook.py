@@ -87,7 +87,7 @@ def test_an_entry_of_the_catalogue_and_a_published_state():
 
 def test_a_fit_and_a_table():
     t = np.linspace(0, 3, 40)
-    rates = fit_rates(t, PAPER.at(t).angular_velocity, epoch=PAPER.epoch)
+    rates = fit_rates(t, PAPER.at(t).angular_velocity, PAPER.body, epoch=PAPER.epoch)
     for found in (fit(PAPER.at(t)), rates):
         _, words = parsed(found)
         assert "40 records, rms" in words and "Short-axis mode" in words
