@@ -118,7 +118,7 @@ _LEAST_BEND = 1e-3
 # Largest step: rad of attitude, angular velocity relative to its size, logarithms of the shape.
 _LONGEST = (0.5, 0.3, 1.0)
 # Evaluations of the last stage, at most.
-_MOST = 100
+_MOST = 1000
 # Evaluations of a stage before, at most.
 _MOST_EARLY = 12
 # Gain of a step, in variances of a record, below which the iteration of the last stage ends: 1e-3
