@@ -302,7 +302,8 @@ def best_peaks(
         best = _spectrum.fixed(data, frequency[k : k + 1], _spectrum.series_numbers(order, 1))
         end = "longest" if 2 * k < len(power) else "shortest"
         left = best.chi_squared / total
-        return [(frequency[k], best.errors[0], left, f"at the {end} period searched")]
+        error = float(best.errors[0])
+        return [(float(frequency[k]), error, left, f"at the {end} period searched")]
     rows.sort(key=lambda row: row[2])
     frequencies = [row[0] for row in rows]
     return [
