@@ -212,12 +212,12 @@ def _short_of(constants, tangents, t, edges, rates, every):
     if not np.any(farthest >= 0.0 if rates else farthest > 0.0):
         return np.empty(0, loops.SHORT), numbers
     # series reach as far as the epochs on each side; motions without such epochs have none
-    near = np.flatnonzero(np.any(farthest >= 0.0, axis=1))
-    steps = np.ceil(farthest[near] / np.maximum(span[near, None], 1e-300))
-    spans = np.clip(steps, 1, most[near, None]).astype(np.int64)
-    short = np.zeros(len(near) + int(np.sum(spans - 1)), loops.SHORT)
-    loops.short_setup(constants, tangents, near, span, spans, short)
-    numbers[near] = np.arange(len(near))
+    chosen = np.flatnonzero(np.any(farthest >= 0.0, axis=1))
+    steps = np.ceil(farthest[chosen] / np.maximum(span[chosen, None], 1e-300))
+    spans = np.clip(steps, 1, most[chosen, None]).astype(np.int64)
+    short = np.zeros(len(chosen) + int(np.sum(spans - 1)), loops.SHORT)
+    loops.short_setup(constants, tangents, chosen, span, spans, short)
+    numbers[chosen] = np.arange(len(chosen))
     return short, numbers
 
 

@@ -273,18 +273,18 @@ def _loop_of(name, form, fill_block, fill_attitudes, fill_rates, has_rates, agai
                 continue
             if _is_beyond(c, t, t_low, k, first, end):
                 return b
-            again, near = again_of(out, end - first), numbers[b]
+            again, record = again_of(out, end - first), numbers[b]
             for start in range(first, end, BLOCK - again):
                 stop = min(start + BLOCK - again, end)
                 head = max(start - again, first)
                 times, low = t[k, head:stop], _lows(t_low, zeros, k, head, stop)
                 fill_block(c, d, times, low, block)
-                by_series = near >= 0 and any_near(times, short[near].reach)
+                by_series = record >= 0 and any_near(times, short[record].reach)
                 if by_series or with_rates:
                     fill_attitudes(c, d, stop - head, block)
                 if rates is not None and with_rates:
                     fill_rates(c, d, stop - head, block)
-                series, spans = (short, near, by_series), (first, start, stop, end)
+                series, spans = (short, record, by_series), (first, start, stop, end)
                 store(c, d, series, b, block, spans, again, out, rates)
         finish_stores()
         return -1
@@ -343,7 +343,7 @@ def _storing_columns(name, attitude_column, rate_column, by_lines):
 @force_inlined
 def _store(column, near_column, turned, still, filled, out):
     """Store the columns of a block: of attitude, the first being unit vectors, or of rates."""
-    c, d, (short, near, by_series), b, block, head, stop = filled
+    c, d, (short, record, by_series), b, block, head, stop = filled
     row = b if len(out) > 1 else 0
     for j in range(out.shape[2]):
         x, y, z = rows_of(out, row, j, head, stop)
@@ -352,7 +352,7 @@ def _store(column, near_column, turned, still, filled, out):
             continue
         column(c, d, j, block, x, y, z)
         if by_series:
-            near_column(d, short, near, j, block, x, y, z)
+            near_column(d, short, record, j, block, x, y, z)
 
 
 @force_inlined
@@ -376,7 +376,7 @@ def _storing_sums(name, attitude_column, rate_column, triangular):
     """
 
     def store(c, d, series, b, block, spans, again, out, rates):
-        short, near, by_series = series
+        short, record, by_series = series
         o, length, flat = b if len(out) > 1 else 0, out.shape[3], out.reshape(out.size)
         first, start, stop, _ = spans
         n = stop - max(start - again, first)
@@ -393,7 +393,7 @@ def _storing_sums(name, attitude_column, rate_column, triangular):
             keep_near_sums(n, block)
             sums_of_columns(c, d, block, 0, n, places_of_sums(), block, False)
             if by_series:
-                use_near_sums(n, short[near].reach, block)
+                use_near_sums(n, short[record].reach, block)
         if again:
             stream_sums(block, o, spans, out)
         else:
@@ -405,19 +405,19 @@ def _storing_sums(name, attitude_column, rate_column, triangular):
 @force_inlined
 def _sum(attitude_column, rate_column, filled, rates):
     """Sum the products of the columns of a block."""
-    c, d, (short, near, by_series), block, n = filled
+    c, d, (short, record, by_series), block, n = filled
     start_sums(n, 21 if rates else 6, block)
     x, y, z = found_rows(block, n)
     for j in range(COLUMNS):
         attitude_column(c, d, j, block, x, y, z)
         if by_series:
-            near_column(d, short, near, j, block, x, y, z)
+            near_column(d, short, record, j, block, x, y, z)
         add_products(n, block)
         if rates:
             keep_turn(n, block)
             rate_column(c, d, j, block, x, y, z)
             if by_series:
-                near_rate_column(d, short, near, j, block, x, y, z)
+                near_rate_column(d, short, record, j, block, x, y, z)
             add_products_of_rates(n, block)
 
 

@@ -560,10 +560,10 @@ def _steady(model: Model, observed: Observations, loss: Loss, best: Linearised) 
     return replace(sphere, gap=best.gap) if sphere.cost - best.cost < least else best
 
 
-def _promised(near: Linearised) -> float:
+def _promised(linearised: Linearised) -> float:
     """The cost after Gauss and Newton's step."""
-    step = near.normal.inverse_factor(_LOST).T @ near.gradient
-    return near.cost - 0.5 * float(step @ step)
+    step = linearised.normal.inverse_factor(_LOST).T @ linearised.gradient
+    return linearised.cost - 0.5 * float(step @ step)
 
 
 def _shapes_of_wobbles(model: Model, omega: FloatArray, span: float) -> FloatArray:

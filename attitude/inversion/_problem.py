@@ -41,9 +41,9 @@ def _inverse_factor(terms: FloatArray, prior: FloatArray) -> FloatArray:
     others = np.setdiff1d(np.arange(len(prior)), apart)
     diagonal, crossed = inner[apart, apart], inner[np.ix_(apart, others)]
     shares = crossed / diagonal[:, None]
-    rest = inner[np.ix_(others, others)]
-    scale = np.sqrt(np.diag(rest))
-    factor = Decomposed(rest - crossed.T @ shares, scale).inverse_factor(_COPY)
+    of_others = inner[np.ix_(others, others)]
+    scale = np.sqrt(np.diag(of_others))
+    factor = Decomposed(of_others - crossed.T @ shares, scale).inverse_factor(_COPY)
     out = np.zeros((len(prior), len(apart) + factor.shape[1]))
     out[apart, np.arange(len(apart))] = 1.0 / np.sqrt(diagonal)
     out[apart, len(apart) :] = -shares @ factor

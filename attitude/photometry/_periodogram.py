@@ -254,7 +254,8 @@ def _by_series(t, weights, values, frequency, order):
     for m in range(2 * order + 1):
         turned = rows[: None if m <= order else 1] * np.exp(2j * np.pi * m * frequency[0] * t)
         real, imaginary = (
-            _spectrum.sums(t, part, m * step, len(frequency)) for part in (turned.real, turned.imag)
+            _spectrum.sums(t, component, m * step, len(frequency))
+            for component in (turned.real, turned.imag)
         )
         sums.append(real + 1j * imaginary)
     first = np.array([row[0] for row in sums])
