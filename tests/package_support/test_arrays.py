@@ -6,7 +6,7 @@ import pytest
 from attitude._support import arrays
 
 
-@pytest.mark.parametrize("shape", [(5003,), (4, 5003), (5003, 4), (2, 3, 5003), ()])
+@pytest.mark.parametrize("shape", [(5003,), (4, 5003), (5003, 4), (2, 3, 5003), (5003, 3, 9), ()])
 def test_copies_in_parts(shape, monkeypatch):
     monkeypatch.setattr(arrays, "_PART", 1000)
     array = np.random.default_rng(1).normal(size=shape)
