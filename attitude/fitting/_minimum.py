@@ -155,7 +155,7 @@ _EVIDENT = 10.0
 _PLAIN = 10.0
 # Frequencies of a wobble that are tried, and records for that, at most.
 _MOST_WOBBLES = 400
-# Those from which the iteration begins.
+# Those from which the iteration begins, at most: until one is lower than others promise.
 _BEST = 24
 # Epochs of prediction.
 _PREDICTED = 64
@@ -554,8 +554,14 @@ def _steady(model: Model, observed: Observations, loss: Loss, best: Linearised) 
         shapes = _shapes_of_wobbles(model, sphere.point.omega, float(observed.t[-1]))
         wobbles = [few.linearised(replace(sphere.point, shape=shape)) for shape in shapes]
         wobbles.sort(key=_promised)
-        points = [best.point, *(few.minimum(w.point, last=False).point for w in wobbles[:_BEST])]
-        point = min(points, key=lambda point: few.linearised(point).cost)
+        point, lowest = best.point, few.linearised(best.point).cost
+        for wobble in wobbles[:_BEST]:
+            if lowest <= _promised(wobble):
+                break
+            is_evident = wobble.cost - _promised(wobble) > least
+            trial = few.minimum(wobble.point, last=is_evident)
+            if trial.cost < lowest:
+                point, lowest = trial.point, trial.cost
         best = replace(Problem(model, observed, loss).minimum(point), gap=best.gap)
     return replace(sphere, gap=best.gap) if sphere.cost - best.cost < least else best
 

@@ -102,12 +102,19 @@ def test_a_steady_rotation_leaves_the_moments_open():
     )
 
 
-@pytest.mark.parametrize("seed", [0, 5])
-def test_the_wobble_of_a_nearly_steady_rotation(seed):
+@pytest.mark.parametrize(
+    ("seed", "rates", "sigma", "t"),
+    [
+        (0, (0.001, 0.001, 1.0), 2e-3, np.arange(0.0, 120.0, 0.5)),
+        (5, (0.001, 0.001, 1.0), 2e-3, np.arange(0.0, 120.0, 0.5)),
+        (1, (0.0005, 0.001, 0.15), 3e-3, np.linspace(0.0, 2000.0, 1000)),
+    ],
+)
+def test_the_wobble_of_a_nearly_steady_rotation(seed, rates, sigma, t):
     """Of its many minima the one of the truth, or a lower one, is returned."""
-    given = motion((10, 20, 26), (0.001, 0.001, 1.0))
-    table = noisy(given, np.arange(0.0, 120.0, 0.5), 2e-3, seed)
-    assert excess(fit(table, sigma=2e-3).motion, given, table, 2e-3) < 0.0
+    given = motion((10, 20, 26), rates)
+    table = noisy(given, t, sigma, seed)
+    assert excess(fit(table, sigma=sigma).motion, given, table, sigma) < 0.0
 
 
 @pytest.mark.parametrize("rates", [(0.0, 0.0, 1.0), (1.0, 0.0, 0.0)])
