@@ -1,5 +1,5 @@
 """Values that do not change: read-only arrays, immutable classes; memory for results; components
-of vectors; distinct ones of many values.
+of vectors; distinct ones of many values, and those between gaps.
 
 An immutable object stays so after copying, pickling and unpickling.
 
@@ -24,7 +24,7 @@ from attitude._support.synonyms import Answering
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
-    from attitude._support.annotations import FloatArray
+    from attitude._support.annotations import FloatArray, IntArray
 
 
 Array = TypeVar("Array", bound=NDArray[Any])
@@ -178,7 +178,7 @@ def components_first(array: FloatArray) -> FloatArray:
     return array.T if array.ndim <= 2 else array.transpose(-1, *range(array.ndim - 1))
 
 
-# ---- Distinct ones of many values
+# ---- Distinct ones of many values, and values between gaps
 
 
 def distinct(
@@ -192,6 +192,20 @@ def distinct(
             if len(chosen) >= most:
                 break
     return chosen
+
+
+def parted(values: FloatArray, gap: float) -> list[IntArray]:
+    """Numbers of the values (N,) between gaps wider than a given one, in ascending order."""
+    order = np.argsort(values, kind="stable")
+    return np.split(order, np.flatnonzero(np.diff(values[order]) > gap) + 1)
+
+
+def part_of_each(values: FloatArray, gap: float) -> IntArray:
+    """The number (N,) of the part of `parted` that each value is in."""
+    numbers = np.empty(len(values), np.int64)
+    for number, places in enumerate(parted(values, gap)):
+        numbers[places] = number
+    return numbers
 
 
 def in_turn(*sequences: Iterable[Item]) -> Iterator[Item]:

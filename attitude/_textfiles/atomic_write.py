@@ -195,11 +195,12 @@ def _delete_unlocked(path: str) -> None:
 
 def _target(path, name):
     """The file behind symbolic links; folders and empty names are refused."""
-    if not path_text(path, name):
+    path = path_text(path, name)
+    if not path:
         raise AttitudeError(f"{name} is an empty text; give the name of a file.")
-    target = os.path.realpath(os.fsdecode(path))
+    target = os.path.realpath(path)
     if os.path.isdir(target):
-        raise AttitudeError(f"{name} {os.fspath(path)!r} is a folder; give the name of a file.")
+        raise AttitudeError(f"{name} {path!r} is a folder; give the name of a file.")
     return target
 
 

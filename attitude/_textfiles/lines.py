@@ -83,7 +83,7 @@ class Lines:
 
 
 def path_text(path: object, name: str = "path") -> str:
-    """The path of a file as text; AttitudeError for all that is none, such as the number of one."""
+    """The path of a file as text; AttitudeError for anything else, such as a file descriptor."""
     if isinstance(path, (str, bytes, os.PathLike)):
         return os.fsdecode(path)
     raise AttitudeError(f"{name} is {cut(path)}; give the name of a file, as text or a Path.")

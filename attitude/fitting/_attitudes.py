@@ -386,14 +386,14 @@ def fit(
     states = velocities_observed(observed)
     speed = float(np.median(np.linalg.norm(states[2], axis=1)))
     first = first_stage(observed.t, speed, FEWEST_ROBUST if how.robust else FEWEST)
-    others: Callable[[], Sequence[Point]] | None = None
+    others: Callable[[], Sequence[Point]] = tuple
     if start is not None:
         point = point_of(model, observed, start)
     else:
         point = guess(Problem(model, observed.at(slice(first)), how.wide), states)
         turn = first_stage(observed.t, speed, 1)
         others = partial(points_of_windows, Problem(model, observed, how), turn)
-    return fitted(model, observed, how, point, first, others)
+    return fitted(model, observed, how, point, first, others, is_start=start is not None)
 
 
 def guess(problem: Problem, states: tuple[FloatArray, FloatArray, FloatArray]) -> Point:
@@ -547,7 +547,7 @@ def fit_rates(
         point = best_state(problem, shape, (seconds, attitudes, omega))
     # The attitude has no influence: that of the first record is the identity.
     point = replace(point, wxyz=_IDENTITY)
-    return fitted(model, observed, how, point, first, None if start is not None else tuple)
+    return fitted(model, observed, how, point, first, is_start=start is not None)
 
 
 # ---- Attitudes and angular velocities from directions, by Davenport's method
@@ -759,7 +759,7 @@ def fit_directions(
     else:
         point = _guess(model, observed, directions, how, fewest)
     first = first_stage(seconds, float(np.linalg.norm(point.omega)), fewest)
-    return fitted(model, observed, how, point, first, None if start is not None else tuple)
+    return fitted(model, observed, how, point, first, is_start=start is not None)
 
 
 def _guess(

@@ -303,17 +303,18 @@ def _minimum_of_all(
     loss: Loss,
     point: Point,
     first: int,
-    others: Callable[[], Sequence[Point]] | None,
+    others: Callable[[], Sequence[Point]],
+    is_start: bool,
 ) -> Linearised:
     """The loss near its least point, from a first guess or, where that fails, from others.
 
     A warning says that none explains the records.
     """
-    best = minimum_of_stages(model, observed, loss, point, first, is_start=others is None)
+    best = minimum_of_stages(model, observed, loss, point, first, is_start=is_start)
     misfit = misfit_of(observed, loss, best)
     if misfit <= 1.0:
         return best
-    for other in others() if others else ():
+    for other in others():
         with suppress(AttitudeError):
             trial = minimum_of_stages(model, observed, loss, other, first)
             if trial.cost < best.cost:
@@ -500,13 +501,15 @@ def fitted(
     loss: Loss,
     point: Point,
     first: int,
-    others: Callable[[], Sequence[Point]] | None,
+    others: Callable[[], Sequence[Point]] = tuple,
+    *,
+    is_start: bool,
 ) -> Fit:
     """The motion of least loss, from a first guess, on so many records first, or from others.
 
-    others: None where the first guess is a start that the caller gives.
+    is_start: whether the first guess is a start that the caller gives.
     """
-    best = _minimum_of_all(model, observed, loss, point, first, others)
+    best = _minimum_of_all(model, observed, loss, point, first, others, is_start)
     best = _steady(model, observed, loss, best)
     for said in _open_questions(best):
         warnings.warn(said, AttitudeWarning, stacklevel=4)
@@ -553,13 +556,13 @@ def _steady(model: Model, observed: Observations, loss: Loss, best: Linearised) 
         few = Problem(model, observed.at(thinned(len(observed), most=_MOST_WOBBLES)), loss)
         shapes = _shapes_of_wobbles(model, sphere.point.omega, float(observed.t[-1]))
         wobbles = [few.linearised(replace(sphere.point, shape=shape)) for shape in shapes]
-        wobbles.sort(key=_promised)
+        promised = np.array([_promised(wobble) for wobble in wobbles])
         point, lowest = best.point, few.linearised(best.point).cost
-        for wobble in wobbles[:_BEST]:
-            if lowest <= _promised(wobble):
+        for k in np.argsort(promised, kind="stable")[:_BEST]:
+            if lowest <= promised[k]:
                 break
-            is_evident = wobble.cost - _promised(wobble) > least
-            trial = few.minimum(wobble.point, last=is_evident)
+            is_evident = bool(wobbles[k].cost - promised[k] > least)
+            trial = few.minimum(wobbles[k].point, last=is_evident)
             if trial.cost < lowest:
                 point, lowest = trial.point, trial.cost
         best = replace(Problem(model, observed, loss).minimum(point), gap=best.gap)

@@ -558,7 +558,7 @@ class _Torque:
                 f"{self.where} has no body whose gravity acts; give body = the name of one."
             )
         mu = self.number("mu", "m3/s2") if "mu" in self.section else center
-        return torques.GravityGradient(self.path(center), mu)
+        return torques.GravityGradient(_composed.relative(place, center, self.ephemeris), mu)
 
     def eddy_current(self):
         return torques.EddyCurrent(self.number("tensor", "S m4"), self.field(), self.path("earth"))

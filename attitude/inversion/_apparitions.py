@@ -25,7 +25,6 @@ import numpy as np
 
 from attitude._support import quoting
 from attitude._support.arrays import distinct, two_across
-from attitude._support.least_squares import Decomposed
 from attitude.inversion import (
     _ellipsoid,
     _evidence,
@@ -36,6 +35,7 @@ from attitude.inversion import (
     _verdicts,
 )
 from attitude.inversion._ellipsoid import SearchState
+from attitude.inversion._problem import inverse_factor
 from attitude.inversion._search import Search, never
 
 if TYPE_CHECKING:
@@ -63,8 +63,6 @@ _TWO = 0.4
 _OTHER = 0.15
 # Amplitudes grow with the phase angle, per rad.
 _BY_PHASE = 1.1
-# Eigenvalues of the linear terms, relative to 1, below which a combination is a copy.
-_COPY = 1e-9
 # Poles of the grid.
 POLES = 100
 # Rates solved side by side.
@@ -109,25 +107,13 @@ class Combs:
         """Split the linear terms into those of one cell that share no point and all others."""
         problem, y = self.problem, self._y
         weighted = problem.terms[self._order] * self._root[:, None]
-        has_points = weighted != 0.0
-        used = np.logical_or.reduceat(has_points, self._first, axis=0)
-        one = used.sum(axis=0) == 1
-        taken = np.zeros(len(y), bool)
-        # a zero point and a slope of one night are not at right angles
-        for term in np.flatnonzero(one):
-            one[term] = not np.any(taken & has_points[:, term])
-            taken |= has_points[:, term]
-        local = weighted[:, one]
-        self._local = local / np.sqrt(1.0 / problem.prior[one] ** 2 + np.sum(local**2, axis=0))
-        left = y - self._local @ (self._local.T @ y)
-        others, prior = weighted[:, ~one], problem.prior[~one]
-        across = others - self._local @ (self._local.T @ others)
-        inner = across.T @ others + np.diag(1.0 / prior**2)
-        # against their size before zero points: what these take off whole is a copy
-        scale = np.sqrt(np.sum(others**2, axis=0) + 1.0 / prior**2)
-        mix = Decomposed(inner, scale).inverse_factor(_COPY)
-        self._whole, self._along = across @ mix, (others @ mix).T @ left
-        self.total = float(y @ left - self._along @ self._along)
+        used = np.logical_or.reduceat(weighted != 0.0, self._first, axis=0)
+        inverse, count = inverse_factor(weighted, problem.prior, used.sum(axis=0) == 1)
+        combined = weighted @ inverse
+        self._local, self._whole = combined[:, :count], combined[:, count:]
+        along = combined.T @ y
+        self._along = along[count:]
+        self.total = float(y @ y - along @ along)
 
     def gains(
         self, columns: Sequence[Columns], rates: FloatArray

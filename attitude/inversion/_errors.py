@@ -19,9 +19,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from attitude._support.arrays import part_of_each
+from attitude._support.constants import GAP_OF_NIGHTS_S
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
-from attitude.inversion import _ellipsoid, _neighbours, _refinement
+from attitude.inversion import _ellipsoid, _refinement
 from attitude.inversion._ellipsoid import SearchState
 from attitude.inversion._refinement import MOTION
 from attitude.motions._propagation import propagate
@@ -151,10 +153,7 @@ def groupings(t: FloatArray, span: float, session: IntArray | None) -> tuple[Int
     Shapes: t (N,), session (N,).
     """
     parts = np.floor((t - t.min()) * (_PARTS * 0.999999 / max(float(np.ptp(t)), 1e-12)))
-    night = np.zeros(len(t), np.int64)
-    for number, points in enumerate(_neighbours.nights_of(t * span)):
-        night[points] = number
-    groups = [night, _dense(parts)]
+    groups = [part_of_each(t * span, GAP_OF_NIGHTS_S), _dense(parts)]
     if session is not None and len(session) == len(t):
         groups.append(_dense(session))
     return tuple(groups)

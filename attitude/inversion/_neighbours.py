@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from attitude._support.arrays import parted
 from attitude._support.constants import GAP_OF_NIGHTS_S
 
 if TYPE_CHECKING:
@@ -165,14 +166,9 @@ def too_large(problem: CurveProblem) -> float:
 
 def nights_of(seconds: FloatArray) -> list[IntArray]:
     """Numbers of the epochs (T,) of each night, in time order."""
-    return _parts(seconds, GAP_OF_NIGHTS_S)
+    return parted(seconds, GAP_OF_NIGHTS_S)
 
 
 def apparitions_of(seconds: FloatArray) -> list[IntArray]:
     """Numbers of the epochs (T,) of each apparition, ascending."""
-    return [np.sort(numbers) for numbers in _parts(seconds, _APPARITION)]
-
-
-def _parts(seconds: FloatArray, gap: float) -> list[IntArray]:
-    order = np.argsort(seconds, kind="stable")
-    return np.split(order, np.flatnonzero(np.diff(seconds[order]) > gap) + 1)
+    return [np.sort(numbers) for numbers in parted(seconds, _APPARITION)]

@@ -30,35 +30,44 @@ _INSTANT = 1e-9
 _COPY = 1e-10
 
 
-def _inverse_factor(terms: FloatArray, prior: FloatArray) -> FloatArray:
-    """W (L, K) with W W^T the inverse of B^T B + V^-1.
+def inverse_factor(
+    terms: FloatArray, prior: FloatArray, is_local: BoolArray
+) -> tuple[FloatArray, int]:
+    """W (L, K) with W W^T the inverse of B^T B + V^-1, and how many of its columns are local.
 
-    Terms that share no point, such as sessions, have the first columns, each one of its own: B W
-    is zero there but for the points of the term.
+    These are the first ones: one for each local term that shares no point with another one, so that
+    B W is zero there but for the points of the term, by the first of them.
+
+    Given
+        terms     B (N, L), weighted
+        prior     (L,) roots of the diagonal of V
+        is_local  (L,) terms that may be local: those of one session, say
     """
     inner = terms.T @ terms + np.diag(1.0 / prior**2)
-    apart = _without_common_points(terms)
+    apart = _without_common_points(terms, np.flatnonzero(is_local))
     others = np.setdiff1d(np.arange(len(prior)), apart)
     diagonal, crossed = inner[apart, apart], inner[np.ix_(apart, others)]
     shares = crossed / diagonal[:, None]
     of_others = inner[np.ix_(others, others)]
+    # against their size before the local terms: what these take off whole is a copy
     scale = np.sqrt(np.diag(of_others))
     factor = Decomposed(of_others - crossed.T @ shares, scale).inverse_factor(_COPY)
     out = np.zeros((len(prior), len(apart) + factor.shape[1]))
     out[apart, np.arange(len(apart))] = 1.0 / np.sqrt(diagonal)
     out[apart, len(apart) :] = -shares @ factor
     out[others, len(apart) :] = factor
-    return out
+    return out, len(apart)
 
 
-def _without_common_points(terms: FloatArray) -> IntArray:
-    """Terms (N, L) with few of the points, and none that is another one's, by their first point."""
+def _without_common_points(terms: FloatArray, local: IntArray) -> IntArray:
+    """Those of some terms (N, L) that share no point with one before, by their first point."""
     has = terms != 0.0
     taken, chosen = np.zeros(len(terms), bool), []
-    for k, points in enumerate(has.T):
-        if 0 < 2 * np.count_nonzero(points) < len(points) and not np.any(taken & points):
+    # a zero point and a slope of one night are not at right angles
+    for k in local:
+        if not np.any(taken & has[:, k]):
             chosen.append(k)
-            taken |= points
+            taken |= has[:, k]
     numbers = np.array(chosen, int)
     return numbers[np.argsort(has.argmax(axis=0)[numbers], kind="stable")]
 
@@ -135,7 +144,12 @@ class CurveProblem:
         Marginal over coefficients of variance V: I - B (V^-1 + B^T B)^-1 B^T.
         """
         weighted = self.terms * self.root[:, None]
-        return np.ascontiguousarray((weighted @ _inverse_factor(weighted, self.prior)).T)
+        return np.ascontiguousarray((weighted @ self._inverse(weighted)).T)
+
+    def _inverse(self, weighted: FloatArray) -> FloatArray:
+        """That of `inverse_factor`, where terms of less than half of the points are local."""
+        count = np.count_nonzero(weighted, axis=0)
+        return inverse_factor(weighted, self.prior, (count > 0) & (2 * count < len(self)))[0]
 
     @cached_property
     def y(self) -> FloatArray:
@@ -229,7 +243,7 @@ class CurveProblem:
     def coefficients(self, model: FloatArray) -> FloatArray:
         """Coefficients (L,) of the linear terms for model magnitudes (N,)."""
         b = self.terms * self.root[:, None]
-        inverse = _inverse_factor(b, self.prior)
+        inverse = self._inverse(b)
         return inverse @ (inverse.T @ (b.T @ ((self.magnitude - model) * self.root)))
 
     def offsets(self, model: FloatArray) -> FloatArray:

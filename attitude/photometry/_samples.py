@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 import numpy as np
 
 from attitude._support import quantity_text, validation
+from attitude._support.arrays import part_of_each
 from attitude._support.constants import GAP_OF_NIGHTS_S
 from attitude.epochs import _inputs
 from attitude.epochs._instants import Instant
@@ -107,10 +108,8 @@ class Samples:
 
         Residuals of one night are correlated where a series or the photometry errs.
         """
-        order = np.argsort(self.t, kind="stable")
-        night = np.empty(len(order), np.int64)
-        night[order] = np.cumsum(np.diff(self.t[order], prepend=-np.inf) > GAP_OF_NIGHTS_S) - 1
-        return night if night.max() + 1 >= _NIGHTS else np.arange(len(order))
+        night = part_of_each(self.t, GAP_OF_NIGHTS_S)
+        return night if night.max() + 1 >= _NIGHTS else np.arange(len(night))
 
     @cached_property
     def columns(self) -> FloatArray:

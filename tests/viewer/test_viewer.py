@@ -344,13 +344,17 @@ def test_the_shade_is_that_of_the_scene():
     assert _subject.shade(_subject.subject(scene.motion)) is None
 
 
-@pytest.mark.filterwarnings("ignore:ENVISAT is evaluated")
-def test_a_long_span_has_all_eclipses(monkeypatch):
-    """Of 60 days of Envisat against samples each minute."""
+def days_of_envisat(count):
     scene = mission.read(ROOT / "data" / "mission" / "envisat-glints.toml").scene
     orbit = Scene(None, scene.center, scene.observer, scene.sun)
     start = epochs.instant("2013-10-23")
-    what = _subject.Subject(None, orbit, None, start, 60.0 * DAY, "", None, "")
+    return _subject.Subject(None, orbit, None, start, count * DAY, "", None, "")
+
+
+@pytest.mark.filterwarnings("ignore:ENVISAT is evaluated")
+def test_a_long_span_has_all_eclipses(monkeypatch):
+    """Of 60 days of Envisat against samples each minute."""
+    what = days_of_envisat(60.0)
     seconds = np.arange(0.0, 60.0 * DAY, 60.0)
     exact = what.view(seconds).lit_fraction
     shade = _subject.shade(what)
@@ -364,10 +368,7 @@ def test_a_long_span_has_all_eclipses(monkeypatch):
 @pytest.mark.filterwarnings("error")
 def test_a_long_span_has_all_passes(monkeypatch):
     """The direction to a site over 10 days of Envisat, as lines between neighbours draw it."""
-    scene = mission.read(ROOT / "data" / "mission" / "envisat-glints.toml").scene
-    orbit = Scene(None, scene.center, scene.observer, scene.sun)
-    start = epochs.instant("2013-10-23")
-    what = _subject.Subject(None, orbit, None, start, 10.0 * DAY, "", None, "")
+    what = days_of_envisat(10.0)
     rows = _subject.directions(what, "observer")
     middle = rows[1:] + rows[:-1]
     times = (np.arange(len(middle)) + 0.5) * what.duration / len(middle)
