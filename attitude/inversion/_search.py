@@ -639,7 +639,7 @@ class Search:
     def _by_short_fits(self, pool: Pool, problem: CurveProblem) -> list[FloatArray]:
         """The states of a pool in the order of short convex fits of the best of each rates.
 
-        Of all rates with few modes, to the points of the ellipsoids; of the best with all.
+        Of all rates with few modes, of the best with all; to the points of the ellipsoids.
         """
         classes: list[list[FloatArray]] = []
         firsts = np.empty((0, _ellipsoid.WIDTH))
@@ -651,15 +651,15 @@ class Search:
                 classes.append([state])
                 firsts = np.concatenate([firsts, state[None]])
         stages = (
-            (len(classes), self.settings.first_steps, problem, self.settings.short_modes),
-            (self.settings.whole_classes, self.settings.short_steps, self.problem, _shapes.MODES),
+            (len(classes), self.settings.first_steps, self.settings.short_modes),
+            (self.settings.whole_classes, self.settings.short_steps, _shapes.MODES),
         )
-        for most, steps, points, modes in stages:
+        for most, steps, modes in stages:
             costs = []
             for members in classes[:most]:
                 if self.is_over:
                     return list(pool.states)
-                fit = self._fit(members[0], steps, points, modes)
+                fit = self._fit(members[0], steps, problem, modes)
                 members[0] = fit.state
                 costs.append(fit.cost)
                 if modes < _shapes.MODES and not is_axial(fit.state):
