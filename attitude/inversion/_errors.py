@@ -276,14 +276,19 @@ def log_density(solution: Robust, tie: Tie, factor: FloatArray) -> Callable[[Flo
         offsets[which] = factor @ scaled
         trial = moved(state, offsets)
         trial[_ellipsoid.OF_SHAPE] += follow @ offsets
-        fields = SearchState.of(trial)
-        inside = _ellipsoid.LEAST_X < fields.x < _ellipsoid.MOST_X
-        inside &= _ellipsoid.LEAST_RHO < fields.log_rho < _ellipsoid.MOST_RHO
-        if not fields.is_axial and not (inside and _ellipsoid.is_admissible(trial)):
+        if not exists(trial):
             return -math.inf
         return -0.5 * _refinement.profiled_cost(problem, trial, tie)
 
     return density
+
+
+def exists(state: FloatArray) -> bool:
+    """Whether elements are within their bounds, and a body has the moments that follow."""
+    fields = SearchState.of(state)
+    inside = _ellipsoid.LEAST_X < fields.x < _ellipsoid.MOST_X
+    inside &= _ellipsoid.LEAST_RHO < fields.log_rho < _ellipsoid.MOST_RHO
+    return fields.is_axial or (inside and _ellipsoid.is_admissible(state))
 
 
 def moved(state: FloatArray, offsets: FloatArray) -> FloatArray:

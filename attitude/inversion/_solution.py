@@ -595,7 +595,7 @@ class CurveFit(Answering, ABC):
                 'shape.write("x.obj"), also .txt (DAMIT), .stl and .ply.'
             )
         law = self.law if _surface.has_lines(self.law) else None
-        note = labels.pop("note", None) or f"{self._made}: {self!r}"
+        note = labels.pop("note", None) or f"{self._made}: {self!r}, {self._words_of_errors()}."
         if self._is_changing:
             note += " Its motion is no free rotation: the state is that at its epoch alone."
         source = labels.pop("source", None) or "attitude.inversion"
@@ -756,9 +756,14 @@ class Solution(CurveFit):
         inner = self._covariances[1].covariance[_refinement.TILT, _refinement.TILT]
         return math.sqrt(float(np.linalg.eigvalsh(inner)[-1]))
 
-    def sample(self, count: int, seed: int = 0) -> list[FreeRotation]:
-        """Motions drawn from the covariance; see `FreeRotation.sample`."""
-        return self.motion.sample(count, seed)
+    def sample(self, count: int, seed: int | np.random.Generator = 0) -> list[FreeRotation]:
+        """Motions drawn from the errors of the direction of the momentum and the five elements.
+
+        In these the posterior is nearly normal: periods scatter by `periods_sigma`, attitudes by
+        the standard deviations of ``motion``.  Draws of the latter, in rates and moments, do not.
+        As `FreeRotation.sample`, it draws anew what is no body's, and refuses 9 of 10 of these.
+        """
+        return _states.drawn(self, count, seed)
 
     def posterior(
         self, method: str = "emcee", *, walkers: int = 32, steps: int = 600, seed: int = 0

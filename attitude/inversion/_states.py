@@ -17,6 +17,7 @@ from attitude.inversion._ellipsoid import SearchState, is_axial
 from attitude.inversion._refinement import MOTION
 from attitude.inversion._shapes import Tie
 from attitude.motions._body import Body
+from attitude.motions._differentiable import samples
 from attitude.motions._free_rotation import FreeRotation
 from attitude.motions._spin import Spin
 
@@ -171,6 +172,19 @@ def _slopes(state: FloatArray) -> FloatArray:
         slopes[3:6, p] = (ends[0].rates - ends[1].rates) / width
         slopes[6:, p] = (ends[0].moments - ends[1].moments) / width
     return slopes
+
+
+def drawn(solution: Solution, count: int, seed: int | np.random.Generator) -> list[FreeRotation]:
+    """Motions drawn from the normal distribution of the eight parameters of the motion."""
+
+    def changed(offsets: FloatArray) -> FreeRotation:
+        state = _errors.moved(solution.state, offsets)
+        if not _errors.exists(state):
+            raise AttitudeError("the elements are those of no body; draw others.")
+        return motion(state, solution.curve.span, solution.curve.epoch, None, solution.tie.moments)
+
+    of_elements = solution._errors_of(solution.weighted).covariance
+    return samples(count, seed, of_elements, changed, "take posterior()")
 
 
 # ---- Samples of the motion from its posterior density, by emcee, from all competing solutions

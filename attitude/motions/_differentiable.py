@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, Literal, Self, overload
+from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar, overload
 
 import numpy as np
 
@@ -20,11 +20,16 @@ from attitude.motions._body import Body, tensors_of
 from attitude.motions._motion import Motion
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import ArrayLike
 
     from attitude._solver.sensitivities import Derivatives
     from attitude._support.annotations import Epochs, FloatArray
     from attitude.motions._spin import Spin
+
+# Of samples: motions of one class.
+Drawn = TypeVar("Drawn")
 
 
 def changed(body: Body, spin: Spin, changes: FloatArray) -> tuple[Body, Spin]:
@@ -43,6 +48,29 @@ def changed(body: Body, spin: Spin, changes: FloatArray) -> tuple[Body, Spin]:
     if np.array_equal(body.principal_axes, np.eye(3)):
         return Body(moments=moments, **more), moved
     return Body(tensor=tensors_of(moments, body.principal_axes), **more), moved
+
+
+def samples(
+    count: int,
+    seed: int | np.random.Generator,
+    covariance: FloatArray,
+    changed_by: Callable[[FloatArray], Drawn],
+    remedy: str,
+) -> list[Drawn]:
+    """Motions after changes (P,) drawn from a covariance (P, P); those of no body drawn anew."""
+    number = validation.count(count, "count", 1, 10_000_000)
+    factor = covariances.factor(covariance)
+    generator = validation.generator(seed)
+    drawn: list[Drawn] = []
+    most = 10 * number + 100
+    for _ in range(most):
+        if len(drawn) == number:
+            return drawn
+        with suppress(AttitudeError):
+            drawn.append(changed_by(factor @ generator.standard_normal(len(factor))))
+    raise AttitudeError(
+        f"{most} draws gave {len(drawn)} motions whose moments are those of a body; {remedy}."
+    )
 
 
 # Squares of turns, rad2, that are rounding errors of attitudes.
@@ -205,8 +233,9 @@ class Differentiable(Motion):
         if "_has_warned" not in self.__dict__:
             self._set("_has_warned", True)
             warnings.warn(
-                f"{what}: covariances do not describe such errors. Take motion.sample(n), "
-                "motion.sigma_points(), or epochs within motion.predictable_time().",
+                f"{what}: covariances do not describe such errors. Take motion.sample(n) (of an "
+                "inversion solution.sample(n)), motion.sigma_points(), or epochs within "
+                "motion.predictable_time().",
                 CovarianceWarning,
                 stacklevel=2,
             )
@@ -304,20 +333,8 @@ class Differentiable(Motion):
         -----
         Draws whose moments are no body's are drawn anew.
         """
-        number = validation.count(count, "count", 1, 10_000_000)
-        factor = covariances.factor(self._errors())
-        generator = validation.generator(seed)
-        drawn: list[Self] = []
-        most = 10 * number + 100
-        for _ in range(most):
-            if len(drawn) == number:
-                return drawn
-            with suppress(AttitudeError):
-                drawn.append(self.changed(factor @ generator.standard_normal(9)))
-        raise AttitudeError(
-            f"{most} draws gave {len(drawn)} motions whose moments are those of a body; give "
-            "smaller errors of the moments."
-        )
+        remedy = "give smaller errors of the moments"
+        return samples(count, seed, self._errors(), self.changed, remedy)
 
     def _errors(self) -> FloatArray:
         covariance = self.spin.covariance_icrf

@@ -14,7 +14,7 @@ from astropy.time import Time
 from attitude import Body, FreeRotation, Spin, inversion, photometry
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError, AttitudeWarning
-from attitude.frames import matrix_to_icrf
+from attitude.frames import matrix_to_icrf, quaternion, representations
 from attitude.inversion import (
     _ellipsoid,
     _errors,
@@ -438,7 +438,15 @@ def test_what_a_solution_offers(solved, tmp_path, monkeypatch):
     assert best.published("L").mode == case.mode
     assert best.P_psi == pytest.approx(best.motion.period_psi, rel=1e-9)
     assert np.all(np.linalg.eigvalsh(best.covariance) > -1e-12)
-    assert len(best.sample(3)) == 3
+    draws = best.sample(300)
+    of_draws = [[motion.period_psi, motion.regime.P_phi_L] for motion in draws]
+    assert np.std(of_draws, axis=0) == pytest.approx(best.periods_sigma, rel=0.2)
+    # attitudes too, at the ends of the curve, where draws of rates and moments scatter more
+    ends = curve.emission[[0, -1]]
+    middle = quaternion.conjugate(best.motion.at(ends).wxyz)
+    turns = [quaternion.multiply(motion.at(ends).wxyz, middle) for motion in draws]
+    scatter = np.std(representations.to_rotation_vector(np.array(turns)), axis=0)
+    assert scatter == pytest.approx(best.motion.at(ends).sigma, rel=0.2)
     magnitude, sigma = best.predict()
     assert np.std(curve.magnitude - magnitude) == pytest.approx(best.rms, rel=0.05)
     assert np.all(sigma > 0.0)
