@@ -374,7 +374,7 @@ _NUMBERS = {
 _WORDS = {
     "mode": "LAM or SAM",
     "convention": "L or S: phi of the long or the short axis",
-    "theta_branch": "acute or obtuse, where psi librates",
+    "theta_branch": "acute or obtuse, where psi librates; obtuse for theta0 above 90 deg",
     "epoch": "date in UTC; alone: one to which the state is propagated",
     "frame": "frame of the pole or of wxyz",
 }

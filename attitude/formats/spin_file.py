@@ -33,7 +33,8 @@
            ``wxyz`` (scalar first), ``matrix`` (three rows), ``sequence`` with ``angles``.  Or a
            published state, as in `Spin.from_periods`: ``mode`` ("LAM", "SAM"), ``convention``
            ("L", "S"), ``P_psi``, ``P_phi``, ``pole`` (longitude, latitude in ``frame``, "ecliptic"
-           if left out), ``phi0``, ``psi0``, ``epoch``, and ``theta_branch`` where psi librates.
+           if left out), ``phi0``, ``psi0``, ``epoch``, and ``theta_branch`` where psi librates or
+           theta0 exceeds 90 degrees.
            Of a relaxed rotator: ``P``, ``pole``, ``phi0``, ``epoch``.
 [errors]   optional; one standard deviation, one number or three: ``attitude`` (about the axes of
            ``frame``), ``angular_velocity`` (body axes), ``moments`` (of the principal moments, in

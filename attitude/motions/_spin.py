@@ -257,7 +257,7 @@ class Spin(Valued):
             rad, at the epoch; theta0 follows.
         theta_branch : "acute" or "obtuse", optional
             theta0 up to or above 90 degrees.  Required where psi librates (SAM with "L", LAM with
-            "S"); otherwise "acute" by default.
+            "S"); otherwise "acute" by default, so that a printed theta0 above 90 needs "obtuse".
         P : float or Quantity
             s; in place of mode, convention, P_psi, P_phi and psi0: a relaxed rotator, about the
             short axis of the body or, with body=None, about its z axis, as in DAMIT.

@@ -14,7 +14,7 @@ period_h              Sidereal period of a relaxed rotator; or, of a tumbler,
 P_psi_h, P_phi_h      the two periods,
 mode, convention      "LAM" or "SAM", "L" or "S",
 psi0_deg              the angle psi at the epoch, and
-theta_branch          "acute" or "obtuse" where psi librates
+theta_branch          "acute" or "obtuse" where psi librates; "obtuse" for theta0 above 90 deg
 ====================  ============================================================================
 
 They mean what `Spin.from_periods` says.  A column that is absent can be drawn: each number of an
