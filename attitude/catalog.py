@@ -249,7 +249,7 @@ class Entry(Answering):
         kind = self._kind(keywords)
         missing = [name for name in _NEEDED[kind] if name not in keywords and not self._has(name)]
         if missing:
-            raise AttitudeError(self._request(missing))
+            raise AttitudeError(self._request(missing, keywords))
         body = self.body(moments=keywords.get("moments"))
         frame = keywords.get("frame", self.frame)
         if kind == "rates":
@@ -281,8 +281,14 @@ class Entry(Answering):
     def _repr_html_(self) -> str:
         return markup.table(*markup.rows_of(str(self)))
 
-    def _request(self, missing: list[str]) -> str:
-        """The error text for missing values."""
+    def _request(self, missing: list[str], keywords: Mapping[str, Any]) -> str:
+        """The error text for missing values, or for those that are no part of a whole state."""
+        if not self.missing:
+            surplus = [name for name in keywords if name not in ("moments", "epoch", "frame")]
+            return (
+                f"the catalogue has a whole state of {self.name}; leave out {', '.join(surplus)}, "
+                f"or give {', '.join(missing)} too."
+            )
         them = "it as a keyword" if len(missing) == 1 else "them as keywords"
         open_mode = f" {self.note}" if "mode" in missing and self.note else ""
         return (

@@ -87,6 +87,8 @@ def test_what_is_missing_is_asked_for(name):
 def test_complete_entries_want_nothing():
     assert catalog.entry("4179 Toutatis").missing == ()
     assert catalog.entry("Envisat").missing == ()
+    with pytest.raises(AttitudeError, match=r"a whole state of 4179 .*out phi0, or give P_psi, P_"):
+        catalog.load("toutatis", phi0=3.0, frame="icrf")
 
 
 def test_toutatis():
