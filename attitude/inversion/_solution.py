@@ -757,11 +757,11 @@ class Solution(CurveFit):
         return math.sqrt(float(np.linalg.eigvalsh(inner)[-1]))
 
     def sample(self, count: int, seed: int | np.random.Generator = 0) -> list[FreeRotation]:
-        """Motions drawn from the errors of the direction of the momentum and the five elements.
+        """Motions drawn from the errors of the five elements and of axes along the momentum.
 
         In these the posterior is nearly normal: periods scatter by `periods_sigma`, attitudes by
-        the standard deviations of ``motion``.  Draws of the latter, in rates and moments, do not.
-        As `FreeRotation.sample`, it draws anew what is no body's, and refuses 9 of 10 of these.
+        the standard deviations of ``motion``.  Draws of the latter, in rates and moments, scatter
+        more.  Draws that are no body's are drawn anew; an AttitudeError if 9 of 10 are.
         """
         return _states.drawn(self, count, seed)
 
