@@ -405,11 +405,21 @@ class FreeRotation(Differentiable):
         elif self.mode is not Mode.AT_REST:
             if np.sum(rates > _ROUNDING * rates.max()) == 1:
                 modes.append(Mode.PRINCIPAL_AXIS)
-            elif not np.any(close) and abs(self.separatrix_distance) <= _ROUNDING:
+            elif not np.any(close) and self._constants["d2"][0, 0] <= self._rounding_of_d2():
                 modes.append(Mode.SEPARATRIX)
         if np.any(close) and not np.all(close):
             modes.append(Mode.SYMMETRIC)
         return tuple(mode for mode in modes if mode is not self.mode)
+
+    def _rounding_of_d2(self):
+        """By how much rounding of the input changes D2 = L^2 - 2 E I2, of the scaled state."""
+        c, outer = self._constants[0], self._constants["order"][0, [0, 2]]
+        moments, rates, gaps = c["moments"][outer, 0], np.abs(c["omega"][outer, 0]), c["gaps"][:, 0]
+        largest, fastest = moments[1], np.abs(c["omega"][:, 0]).max()
+        # rounding of a tensor turns its axes by that of the largest moment over the gap
+        is_turned = not np.array_equal(self.body.principal_axes, np.eye(3))
+        by_rates = 2.0 * moments * (largest if is_turned else gaps) * rates * fastest
+        return _ROUNDING * np.sum(by_rates + (2.0 * moments + gaps) * largest * rates**2)
 
     @property
     def circulates_about(self) -> str | None:

@@ -123,6 +123,16 @@ def test_what_holds_within_rounding_is_told(family, expected):
         assert motion.mode is expected or expected in motion.within_rounding
 
 
+@pytest.mark.parametrize("omega", [(1e-7, 1, 1e-7), (1e-9, 1, 1e-8), (3e-8, 1, 0), (2e-14, 1, 0)])
+def test_a_flip_far_from_the_separatrix_is_told_to_be_none_of_it(omega):
+    """The distance is of the second order in the two other rates; their rounding is of them."""
+    assert _motion(np.diag([1.0, 2.0, 2.7]), (1, 0, 0, 0), omega).within_rounding == ()
+    on_it, moments = np.array([1e-7, 1, 1e-7 / np.sqrt(2.7 * 0.7)]), np.array([1.0, 2.0, 2.7])
+    for order in ([0, 1, 2], [1, 2, 0]):
+        motion = _motion(np.diag(moments[order]), (1, 0, 0, 0), on_it[order])
+        assert motion.mode is Mode.SEPARATRIX or Mode.SEPARATRIX in motion.within_rounding
+
+
 def test_momentum_and_energy_of_a_tensor():
     state = states.sample(1, families=["tumbling"])[0]
     rows, omega0 = states.tensor(state)
