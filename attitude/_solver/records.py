@@ -125,9 +125,11 @@ TANGENTS: np.dtype[np.void] = np.dtype(
         # attitude at the epoch as given, to 1 rounding: that of the solution errs by as much as its
         # frame, which series from the epoch would keep
         ("start", "f8", 4),
-        # angular momentum, inertial axes; inverse inertia, principal axes
+        # angular momentum, inertial axes, and inverse inertia, principal axes, by scaled moments; a
+        # unit of the given moments among the scaled ones
         ("momentum", "f8", 3),
         ("inverse", "f8", 3),
+        ("moment_unit", "f8"),
         ("principal", "f8", (3, 3)),
         # uniform rotation: turns per second of half the oscillation of a wobble, negative squared
         # where it grows, and what the scalars of uniform_tangents multiply

@@ -33,7 +33,9 @@ if TYPE_CHECKING:
 PARAMETERS = COLUMNS
 # In place of second doubles of the epochs, where there are none.
 _NO_LOW = frozen(np.empty((1, 0)))
-_NO_RODS: IntArray = frozen(np.zeros(0, dtype=np.int64))
+# Power of two of the largest rate, rad/s, beyond which terms of the third order, and products of
+# two of them, leave the range of doubles.
+_LARGEST_TEMPO = 300
 # Growth of a rotation about an unstable axis, as a power of e, beyond which squares overflow.
 _MOST_GROWTH = 280.0
 
@@ -41,17 +43,20 @@ _MOST_GROWTH = 280.0
 def tangents_of(
     moments: FloatArray, wxyz: FloatArray, principal: FloatArray, constants: NDArray[Any]
 ) -> NDArray[Any]:
-    """The derivatives of the elements of B motions, constants (B,); AttitudeError for a rod."""
-    rods = rods_among(moments)
-    if len(rods):
-        raise AttitudeError(of_rod(moments[rods[0]]))
-    return tangents_without_rods(moments, wxyz, principal, constants)
+    """The derivatives of the elements of B motions, constants (B,).
+
+    AttitudeError for a motion without derivatives; see `why_none`.
+    """
+    lacking = without_derivatives(moments, constants)
+    if len(lacking):
+        raise AttitudeError(why_none(moments[lacking[0]]))
+    return tangents_of_all(moments, wxyz, principal, constants)
 
 
-def tangents_without_rods(
+def tangents_of_all(
     moments: FloatArray, wxyz: FloatArray, principal: FloatArray, constants: NDArray[Any]
 ) -> NDArray[Any]:
-    """The derivatives of the elements of B motions, constants (B,), none of a rod."""
+    """The derivatives of the elements of B motions, constants (B,), all of which have some."""
     tangents = np.zeros(len(constants), TANGENTS)
     arrays = [evaluation.writable(array) for array in (moments, wxyz, principal, constants)]
     forms = set(constants["form"].tolist())
@@ -62,15 +67,19 @@ def tangents_without_rods(
     return tangents
 
 
-def rods_among(moments: FloatArray) -> IntArray:
-    """Numbers (K,) of the bodies with moments (B, 3, 2) of which one is zero."""
-    if moments[:, :, 0].all():
-        return _NO_RODS
-    return np.flatnonzero(np.any(moments[:, :, 0] == 0.0, axis=1))
+def without_derivatives(moments: FloatArray, constants: NDArray[Any]) -> IntArray:
+    """Numbers (K,) of the motions, moments (B, 3, 2), that are refused; see `why_none`."""
+    is_extreme = np.abs(constants["tempo"]) > _LARGEST_TEMPO
+    return np.flatnonzero(is_extreme | np.any(moments[:, :, 0] == 0.0, axis=1))
 
 
-def of_rod(moments: FloatArray) -> str:
-    """The sentence on moments (3, 2) of which one is zero."""
+def why_none(moments: FloatArray) -> str:
+    """The sentence on a motion without derivatives, moments (3, 2)."""
+    if moments[:, 0].all():
+        return (
+            "products of its rates leave the range of doubles; sensitivities need a largest rate "
+            "between 1e-90 and 1e90 rad/s, or a body at rest."
+        )
     return (
         f"moments are {moments[:, 0].tolist()}; sensitivities need three moments above zero: the "
         "rotation of an ideal rod about itself is undefined."

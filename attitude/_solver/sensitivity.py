@@ -111,9 +111,8 @@ def uniform_setup(moments, wxyz, principal, constants, tangents):
         c, d = constants[b], tangents[b]
         if c.fault == codes.FINE and c.form == codes.UNIFORM:
             to_body = four(principal[b if len(principal) > 1 else 0])
-            of_moments = moments[b, 0, 0], moments[b, 1, 0], moments[b, 2, 0]
-            _state(c, d, of_moments, four(wxyz[b]), to_body)
-            fill_uniform(c, d, of_moments, four(wxyz[b]), to_body)
+            _state(c, d, moments[b], four(wxyz[b]), to_body)
+            fill_uniform(c, d, four(wxyz[b]), to_body)
 
 
 @slowly_compiled
@@ -134,11 +133,10 @@ def tumbling_setup(moments, wxyz, principal, constants, tangents, block):
         c, d = constants[b], tangents[b]
         if c.fault == codes.FINE and c.form != codes.UNIFORM:
             to_body = four(principal[b if len(principal) > 1 else 0])
-            of_moments = moments[b, 0, 0], moments[b, 1, 0], moments[b, 2, 0]
-            _state(c, d, of_moments, four(wxyz[b]), to_body)
+            inertia = _state(c, d, moments[b], four(wxyz[b]), to_body)
             if c.form == codes.HYPERBOLIC:
                 (d.decay[0], d.decay[1]), d.nome = passage(c)
-            derive(math.frexp(max(of_moments[0], of_moments[1], of_moments[2]))[1], c, d.by_input)
+            derive(inertia, c, d.by_input)
             _invariant(c.frame, d.invariant)
             _weights(c, d)
             fill_rates(c, d)
@@ -185,21 +183,28 @@ def _count_spans(d, j, epochs, block):
 
 @subroutine
 def _state(c, d, moments, wxyz, to_body):
-    """Fill attitude and momentum at the epoch, inverse inertia and principal axes."""
+    """Fill attitude and momentum at the epoch, inverse inertia and principal axes.
+
+    Returns the power of two by which the moments are scaled.
+    """
+    inertia = math.frexp(max(moments[0, 0], moments[1, 0], moments[2, 0]))[1]
+    d.moment_unit = math.ldexp(1.0, -inertia)
     start = unit(wxyz)
     for k in range(4):
         d.start[k] = start[k]
     omega = omega_of(c)
     to_inertial = product(start, to_body)
     momentum = turned_by(
-        to_inertial, (moments[0] * omega[0], moments[1] * omega[1], moments[2] * omega[2])
+        to_inertial,
+        (c.moments[0, 0] * omega[0], c.moments[1, 0] * omega[1], c.moments[2, 0] * omega[2]),
     )
     for k in range(3):
         d.momentum[k] = momentum[k]
-        d.inverse[k] = 1.0 / moments[k]
+        d.inverse[k] = 1.0 / c.moments[k, 0]
         axis = turned_by(to_body, unit_vector(k))
         for i in range(3):
             d.principal[i, k] = axis[i]
+    return inertia
 
 
 @subroutine

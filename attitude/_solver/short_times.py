@@ -259,7 +259,7 @@ def _fill(c, d, moments, state, w, dw, momentum, ends, s):
     k = pairs[0][0], pairs[1][0], pairs[2][0]
     ones = 1.0, 1.0, 1.0
     one, two = forced(k, ones, moments, 0), forced(k, ones, moments, 1)
-    three = forced(k, ones, moments, 2)
+    three, unit = forced(k, ones, moments, 2), d.moment_unit
     for i in range(3):
         w[i * TERMS] = state[0, i]
         for j in range(_CHANGING):
@@ -271,7 +271,7 @@ def _fill(c, d, moments, state, w, dw, momentum, ends, s):
             square = _product(w, w, left, right, n)
             w[i * TERMS + n + 1] = over * k[i] * square
             more = _sums(dw, left, w, TERMS * right, 1, n) + _products(w, left, dw, right, n)
-            change = lanes((0.0, 0.0, 0.0, one[i], two[i], three[i], 0.0, 0.0))
+            change = lanes((0.0, 0.0, 0.0, unit * one[i], unit * two[i], unit * three[i], 0.0, 0.0))
             more = more * k[i] + change * square
             put_eight(dw, _LANES * (i * TERMS + n + 1), over * more)
     for side in range(2):
@@ -283,7 +283,7 @@ def _fill(c, d, moments, state, w, dw, momentum, ends, s):
     _store(d, moments, w, dw, momentum, s)
     size = math.sqrt(d.momentum[0] ** 2 + d.momentum[1] ** 2 + d.momentum[2] ** 2)
     for j in range(_FIRST, COLUMNS):
-        _store_zeta(w, j, size, state, ends, s)
+        _store_zeta(w, j, unit, size, state, ends, s)
 
 
 @subroutine
@@ -472,8 +472,10 @@ def _store(d, moments, w, dw, momentum, s):
     """Fill the series of the columns from those over the principal axes."""
     series, axes = s.series, d.principal
     for i in range(3):
-        unit = unit_vector(i)
-        unit = lanes((0.0, 0.0, 0.0, unit[0], unit[1], unit[2], 0.0, 0.0))
+        x, y, z = unit_vector(i)
+        unit = lanes(
+            (0.0, 0.0, 0.0, d.moment_unit * x, d.moment_unit * y, d.moment_unit * z, 0.0, 0.0)
+        )
         for n in range(TERMS):
             at = _LANES * (i * TERMS + n)
             put_eight(momentum, at, moments[i] * eight(dw, at) + w[i * TERMS + n] * unit)
@@ -495,7 +497,7 @@ def _store_at_once(d, moments, w, dw, momentum, s):
     momenta = []
     for i in range(3):
         unit = np.zeros(_LANES)
-        unit[_FIRST : _FIRST + 3] = unit_vector(i)
+        unit[_FIRST + i] = d.moment_unit
         momenta.append(moments[i] * rates[i] + turning[i][:, None] * unit)
     across = []
     for i, j in ((1, 2), (2, 0), (0, 1)):
@@ -531,7 +533,7 @@ def _across(moments, w, momentum, i, j, n):
 
 
 @subroutine
-def _store_zeta(w, j, size, state, ends, s):
+def _store_zeta(w, j, unit, size, state, ends, s):
     """Fill the series of zeta of one column: n dw by the energy, whose change is constant.
 
     For velocities I w dw is that of the epoch, for moments I w dw + w^2/2 is.
@@ -543,7 +545,7 @@ def _store_zeta(w, j, size, state, ends, s):
         for side in range(2):
             ends[side, _DROPS, m] = state[_DROPS, m]
         for n in range(1, TERMS):
-            change = -0.5 * _product(w, w, m, m, n)
+            change = -0.5 * unit * _product(w, w, m, m, n)
             ends[0, _DROPS, m] += change
             ends[1, _DROPS, m] += change if n % 2 == 0 else -change
             if n < TERMS - 1:

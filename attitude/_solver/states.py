@@ -468,17 +468,25 @@ class Evaluation:
     def _tangents(self, solved: Solved, numbers: range | IntArray) -> NDArray[Any]:
         """The derivatives of the elements of a block of states."""
         moments, wxyz, principal = solved.moments, solved.wxyz, solved.principal
-        rods = sensitivities.rods_among(moments)
-        if self.raises and len(rods):
-            k = int(rods[0])
-            self._refuse(int(numbers[k]), sensitivities.of_rod(moments[k]))
-        unknown = np.union1d(rods, solved.bad) if len(rods) or len(solved.bad) else rods
+        unknown = sensitivities.without_derivatives(moments, solved.constants)
+        if self.raises and len(unknown):
+            k = int(unknown[0])
+            self._refuse(int(numbers[k]), sensitivities.why_none(moments[k]))
+        if len(solved.bad):
+            unknown = np.union1d(unknown, solved.bad)
         if len(unknown):
             moments = moments.copy()
             moments[unknown] = 1.0
-        tangents = sensitivities.tangents_without_rods(moments, wxyz, principal, solved.constants)
+        tangents = sensitivities.tangents_of_all(moments, wxyz, principal, solved.constants)
         if len(unknown):
-            for name in ("weights", "offset", "amplitudes", "uniform", "uniform_rates"):
+            for name in (
+                "weights",
+                "offset",
+                "amplitudes",
+                "uniform",
+                "uniform_rates",
+                "principal",
+            ):
                 tangents[name][unknown] = np.nan
         return tangents
 

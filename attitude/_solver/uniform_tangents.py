@@ -132,15 +132,14 @@ def unit_vector(k):
 
 
 @subroutine
-def fill_uniform(c, d, moments, wxyz, principal):
+def fill_uniform(c, d, wxyz, principal):
     """Fill what the scalars of `uniform_block` multiply.
 
     Given
         c, d       records of records.CONSTANTS and, filled but for this, records.TANGENTS
-        moments    (3) principal moments
         wxyz, principal  attitude at the epoch, and principal to given body axes
     """
-    pairs_of = couplings_of(c)
+    pairs_of, moments = couplings_of(c), (c.moments[0, 0], c.moments[1, 0], c.moments[2, 0])
     _wobble(c, d, pairs_of)
     couplings = pairs_of[0][0], pairs_of[1][0], pairs_of[2][0]
     omega = omega_of(c)
@@ -208,9 +207,9 @@ def _put_beats(d, j, turns, axis, u0, u1):
 
 @subroutine
 def _put_rates(d, j, row, principal, v):
-    v = turned_by(principal, v)
+    v, unit = turned_by(principal, v), d.moment_unit if j >= 6 else 1.0
     for k in range(3):
-        d.uniform_rates[row, k, j] = v[k]
+        d.uniform_rates[row, k, j] = unit * v[k]
 
 
 @subroutine
@@ -225,12 +224,12 @@ def _put_turn(d, j, row, turns, moments, axis, change):
     # over the body axes, where the product is 0 if v lies along a principal axis that L has
     momentum = moments[0] * omega[0], moments[1] * omega[1], moments[2] * omega[2]
     squared = _dot(momentum, momentum)
-    over = 0.0 if squared == 0.0 else -1.0 / squared
+    over, unit = 0.0 if squared == 0.0 else -1.0 / squared, d.moment_unit if j >= 6 else 1.0
     now = _to_inertial(turns, _cross(momentum, v))
     later = _to_inertial(turns, _cross(momentum, _cross(axis, v)))
     for k in range(3):
-        d.uniform[2 + row, k, j] = over * now[k]
-        d.uniform[6 + row, k, j] = over * later[k]
+        d.uniform[2 + row, k, j] = unit * (over * now[k])
+        d.uniform[6 + row, k, j] = unit * (over * later[k])
 
 
 @elementwise

@@ -68,6 +68,18 @@ def with_faults(on_error):
     )
 
 
+def test_rates_whose_products_are_no_doubles_have_no_derivatives():
+    kwargs = {"moments": (1, 2, 2.7), "wxyz": (1, 0, 0, 0), "epoch": EPOCH}
+    kwargs["angular_velocity"] = [(0.1, 0.2, 0.3), (1e-160, 2e-160, 0), (0, 0, 1e-160), (0, 0, 0)]
+    found = Ensemble(**kwargs, on_error="nan").sensitivity_at([1.0], angular_velocity=True)
+    for columns in found:
+        assert np.array_equal(
+            np.isnan(columns[:, 0, 0, 3:]).all(axis=-1), [False, True, True, False]
+        )
+    with pytest.raises(AttitudeError, match=r"member 1.* between 1e-90 and 1e90 rad/s"):
+        Ensemble(**kwargs).sensitivity_at([1.0])
+
+
 def test_members_without_derivatives_are_named_or_nan():
     found = with_faults("nan").sensitivity_at([0.0, 1e4])
     assert np.all(np.isnan(found[:2])) and np.all(np.isfinite(found[3]))

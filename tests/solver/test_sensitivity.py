@@ -207,6 +207,20 @@ def test_series_of_short_times_of_nearly_symmetric_bodies():
     _compare(found, sensitivity(moments, WXYZ, omega, times)[0], 4e-15)
 
 
+@pytest.mark.parametrize("omega", [(0.3, 0.2, 1.0), (1e-5, 1.0, 1e-6), (0.0, 0.0, 1.0)])
+@pytest.mark.parametrize(("inertia", "tempo"), [(600, 0), (-600, 0), (-400, -290), (500, 290)])
+def test_units_change_no_digit(omega, inertia, tempo):
+    """Squares of the momentum are no doubles, its derivatives are: the same bits in all units."""
+    t, moments = np.array([0.1, 3.0, 40.0]), np.array([1.0, 2.0, 2.7])
+    right = propagate(moments, WXYZ, omega, t, angular_velocity=True, sensitivity=True)[2:]
+    size, rate = 2.0**inertia, 2.0**tempo
+    given = size * moments, WXYZ, rate * np.array(omega), t / rate
+    found = propagate(*given, angular_velocity=True, sensitivity=True)[2:]
+    for ours, scaled, unit in zip(right, found, (1.0, rate), strict=True):
+        assert np.array_equal(ours[..., 3:6], scaled[..., 3:6] * rate / unit)
+        assert np.array_equal(ours[..., 6:], scaled[..., 6:] * size / unit)
+
+
 def test_the_middle_axis_grows_as_it_should():
     moments, omega = (1, 2, 2.7), (0, 1.0, 0)
     times = [1.0, 10.0, 30.0]
