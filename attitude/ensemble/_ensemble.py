@@ -157,7 +157,7 @@ class Ensemble(Immutable):
     frame : str
         As for `Spin`.
     names : N of str, optional
-        Names of the members, which differ from each other.
+        Names of the members, which differ from each other; blanks at their ends are left out.
     moments : (3,) or (N, 3) array_like
         Principal moments about the body axes, kg m2.
     tensors : (3, 3) or (N, 3, 3) array_like
@@ -181,7 +181,7 @@ class Ensemble(Immutable):
     ------
     AttitudeError
         For members that are not physical, the first of which is named; arrays of different
-        lengths; names given twice.
+        lengths; names given twice, empty names.
 
     Notes
     -----
@@ -1341,8 +1341,11 @@ class Ensemble(Immutable):
         Raises
         ------
         AttitudeError
-            For another ending, and a file that cannot be written.
+            For another ending, names that it cannot hold, and a file that cannot be written.
         """
+        comments = self.names is not None and np.char.startswith(self.names, "#").any()
+        if comments and tables.kind_of(path) == "ecsv":
+            raise AttitudeError("a name begins with '#', as comments in ECSV do; give .fits.")
         tables.write_columns(path, self.table())
 
 

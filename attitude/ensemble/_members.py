@@ -326,16 +326,18 @@ def count(sizes: dict[str, int], names: Any) -> int:
 
 
 def known_names(names: Any, count: int) -> NDArray[np.str_] | None:
-    """Names (N,) of which no two are equal, or None."""
+    """Names (N,) of which no two are equal, without blanks at their ends, or None."""
     if names is None:
         return None
-    labels = np.array([str(label) for label in np.asarray(names).ravel().tolist()], dtype=np.str_)
+    labels = np.array([str(label).strip() for label in np.asarray(names).ravel().tolist()], np.str_)
     if len(labels) != count:
         raise AttitudeError(f"{len(labels)} names are given for {count} members; give one each.")
     unique, times = np.unique(labels, return_counts=True)
     if len(unique) < len(labels):
         name = unique[np.argmax(times > 1)]
         raise AttitudeError(f"two members are called {str(name)!r}; give names that differ.")
+    if "" in unique:
+        raise AttitudeError(f"member {labels.tolist().index('')} has an empty name; give it one.")
     return frozen(labels)
 
 

@@ -431,11 +431,7 @@ def write_columns(path: FilePath, table: Table) -> None:
 
     The file appears whole or not at all.  Parquet takes columns (N,) of numbers or text.
     """
-    kind = kind_of(path)
-    if kind == "csv":
-        raise AttitudeError(
-            f"{os.fspath(path)!r} is CSV, which has no meta data; give .ecsv, .fits or .parquet."
-        )
+    kind = _kind_among([ending for ending in KINDS if ending != ".csv"], path)
     if kind == "parquet":
         write_parquet_columns(path, {name: table[name] for name in table.colnames}, table.meta)
         return
@@ -448,17 +444,27 @@ def write_columns(path: FilePath, table: Table) -> None:
         content = io.BytesIO()
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # lower-case keywords become upper-case
-            table.write(content, format="fits")
+            try:
+                table.write(content, format="fits")
+            except UnicodeEncodeError as err:
+                raise AttitudeError(
+                    f"{os.fspath(path)!r}: FITS has no letter {err.object[err.start]!r}, only "
+                    "those of ASCII; give .ecsv or .parquet."
+                ) from None
     with written_whole(path, "the table", binary=kind == "fits") as file:
         file.write(content.getvalue())
 
 
 def kind_of(path: FilePath) -> str:
     """The kind of a file by its ending: "ecsv", "fits", "csv" or "parquet"."""
+    return _kind_among(KINDS, path)
+
+
+def _kind_among(endings, path):
     ending = os.path.splitext(path_text(path))[1].lower()
-    if ending not in KINDS:
+    if ending not in endings:
         raise AttitudeError(
-            f"{os.fspath(path)!r} ends in {ending!r}; tables end in {', '.join(KINDS)}."
+            f"{os.fspath(path)!r} ends in {ending!r}; tables end in {', '.join(endings)}."
         )
     return KINDS[ending]
 

@@ -304,6 +304,8 @@ RATES = [(0.1, 0, 0.2)] * 2
         ({"epoch": np.array(["2026-01-01", "NaT"], "M8[s]")}, "epoch 1 of 2 is missing"),
         ({"moments": None}, "takes one of body="),
         ({"names": ["a", "a"]}, "two members are called 'a'"),
+        ({"names": ["a ", "a"]}, "two members are called 'a'"),
+        ({"names": ["a", " "]}, "member 1 has an empty name"),
         ({"names": ["a"] * 3}, "names 3"),
         ({"names": 5}, "names is 5"),
         ({"frame": "j2000"}, "means two things"),

@@ -91,10 +91,28 @@ def test_files_give_back_the_bits(ending, tmp_path):
         assert len(list(tmp_path.iterdir())) == k + 1
     with pytest.raises(AttitudeError, match="cannot be written"):
         named.write(tmp_path / "no" / f"x.{ending}")
-    with pytest.raises(AttitudeError, match="is CSV"):
-        named.write(tmp_path / "x.csv")
+    for name in ("x.csv", "x"):
+        with pytest.raises(AttitudeError, match=r"tables end in .ecsv, .fits, .parquet, .fit\."):
+            named.write(tmp_path / name)
     with pytest.raises(AttitudeError, match="cannot be read"):
         Ensemble.from_table(tmp_path / f"none.{ending}")
+
+
+@pytest.mark.parametrize(
+    ("ending", "name", "sentence"),
+    [
+        ("fits", "Šteins", "FITS has no letter 'Š', only those of ASCII; give .ecsv or .parquet"),
+        ("ecsv", "#1", "a name begins with '#', as comments in ECSV do; give .fits"),
+    ],
+)
+def test_names_that_a_file_cannot_hold(ending, name, sentence, tmp_path):
+    others = {"ecsv", "fits"} - {ending}
+    ensemble = Ensemble.of([MOTION, MOTION], names=[f" {name}\t", "b"])
+    with pytest.raises(AttitudeError, match=sentence):
+        ensemble.write(tmp_path / f"x.{ending}")
+    assert not list(tmp_path.iterdir())
+    ensemble.write(tmp_path / f"x.{others.pop()}")
+    assert list(Ensemble.from_table(next(tmp_path.iterdir())).names) == [name, "b"]
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="limits of files are those of Unix")
