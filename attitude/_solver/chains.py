@@ -70,16 +70,15 @@ _GAUSS = np.array(
 
 
 @sized_entry_point
-def flow(c, moments, t, q, w):
+def flow(c, t, q, w):
     """Move a state to time t.
 
     Given
-        c        the record (records.CONSTANTS) of the motion that starts with it
-        moments  (3, 2) principal moments in any order, pairs
-        t        pair, s
+        c  the record (records.CONSTANTS) of the motion that starts with it
+        t  pair, s
     Changed
-        q        (4, 2) unit quaternion, principal axes to inertial, pairs
-        w        (3, 2) rad/s over the principal axes, pairs
+        q  (4, 2) unit quaternion, principal axes to inertial, pairs
+        w  (3, 2) rad/s over the principal axes, pairs
     """
     if max(abs(w[0, 0]), abs(w[1, 0]), abs(w[2, 0])) < _AT_REST:
         return
@@ -94,7 +93,7 @@ def flow(c, moments, t, q, w):
     p[0, 0] = 1.0
     for k in range(3):
         # Not row to row: numba would compile the message of a shape error, for more than a second.
-        put(i[k], pair(moments[order[k]]))
+        put(i[k], pair(c.moments[order[k]]))
         put(o[k], scale(pair(w[order[k]]), sign))
     if c.winds != 0.0:
         rate = pair(c.nutation)
@@ -532,7 +531,7 @@ def join_members(records, moments, axes, principal, length, q, w, in_body, in_sp
         i, j = b if len(moments) > 1 else 0, b if len(axes) > 1 else 0
         rounded_axes = principal[b if len(principal) > 1 else 0]
         change_axes(q[b], axes[j], rounded_axes, 1.0)
-        flow(records[b], moments[i], t, q[b], w[b])
+        flow(records[b], t, q[b], w[b])
         change_axes(q[b], axes[j], rounded_axes, -1.0)
         strike(moments[i], axes[j], q[b], w[b], in_body, in_space)
 

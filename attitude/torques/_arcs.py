@@ -815,7 +815,7 @@ class Arcs(Differentiable):
         loops, moments, axes = compiled(), body.moments_as_pairs, body._axes
         length = tuple(map(float, _since(self._starts[-1], *map(np.float64, time))))
         loops.change_axes(q, axes, body.principal_wxyz, 1.0)
-        loops.flow(record, moments, length, q, w)
+        loops.flow(record, length, q, w)
         loops.change_axes(q, axes, body.principal_wxyz, -1.0)
         loops.strike(moments, axes, q, w, *momenta_of(change, added))
         if isinstance(change, InertiaChange):
