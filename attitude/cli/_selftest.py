@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 # Accepted errors: rad, and of the angular velocity relative to its largest component.
 LARGEST_ERROR: float = 4e-15
 # The folder of this package, and a file in it of the other project of its name, Attitude 0.5.0.
-_FOLDER = Path(__file__).resolve().parent
+_FOLDER = Path(__file__).resolve().parent.parent
 _OTHERS = Path("orientation", "pca.py")
 _PACKAGES = ("numpy", "scipy", "astropy", "skyfield", "numba", "llvmlite")
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
+import attitude
 from attitude import cli
 from attitude._solver import warm_up
 from attitude.cli import _selftest
@@ -39,6 +40,7 @@ def test_the_full_check_compares_more_and_can_fail(monkeypatch, capsys):
 def test_another_project_in_the_same_folder_is_named(tmp_path, monkeypatch, capsys):
     """PyPI's Attitude 0.5.0, by its metadata, and by a file where these are lost."""
     assert _selftest.other_project() is None
+    assert (_selftest._FOLDER / "__init__.py").samefile(attitude.__file__)
     monkeypatch.setattr(_selftest, "_FOLDER", tmp_path / "attitude")
     (tmp_path / "attitude" / "orientation").mkdir(parents=True)
     assert _selftest.other_project() is None
