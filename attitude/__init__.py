@@ -98,7 +98,10 @@ _MODULES = tuple(dict.fromkeys(name.split(".")[1] for name in PUBLIC_MODULES[1:]
 
 def __getattr__(name: str) -> Any:
     if name in _MODULES:
-        return import_module(f"attitude.{name}")
+        try:
+            return import_module(f"attitude.{name}")
+        except ImportError as err:  # jax, torch: to hasattr, help and inspect a name that is absent
+            raise AttributeError(str(err), name=name) from err
     if name not in _WHERE:
         raise absent("attitude", name)
     value = getattr(import_module(_WHERE[name]), name)
