@@ -421,7 +421,8 @@ class CompilationStatus:
     compiled : tuple of str
         The entry points that run as machine code.
     cache : pathlib.Path
-        The folder in which machine code is kept if it can be written.
+        The folder below which machine code is kept: ``NUMBA_CACHE_DIR``, else the package's, in
+        folders ``__pycache__``.  If it cannot be written: numba's in the user's cache folder.
     """
 
     mode: str
@@ -445,5 +446,5 @@ def compilation_status() -> CompilationStatus:
         limits=(choice.TO_LOAD, choice.TO_COMPILE),
         compiler_loaded="numba" in sys.modules,
         compiled=tuple(sorted(compiled_names())),
-        cache=Path(chosen) if chosen else Path(__file__).parent / "__pycache__",
+        cache=Path(chosen) if chosen else Path(__file__).parent.parent,
     )

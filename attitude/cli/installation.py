@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import shlex
 import time
 
@@ -12,8 +13,9 @@ HELP: dict[str, str] = {
 }
 EPILOG: dict[str, str] = {
     "warm-up": """\
-Machine code is kept in the folder of NUMBA_CACHE_DIR, else beside the package, else in the user's
-cache folder. It serves all users who may read that folder, on the same kind of processor.
+Machine code is kept in the folder of NUMBA_CACHE_DIR, else in folders __pycache__ of the package,
+else in the user's cache folder. It serves all users who may read that folder, on the same kind of
+processor.
 """,
     "completion": """\
 examples:
@@ -56,9 +58,10 @@ def _warm_up(*, everything: bool) -> None:
         feature()
         print(f"{feature.__name__.replace('_', ' '):<24} {time.perf_counter() - start:6.1f} s")
     status = compilation_status()
+    where = "" if os.access(status.cache, os.W_OK) else "in your cache folder (numba), not "
     print(
         f"{len(status.compiled)} entry points in {time.perf_counter() - begin:.1f} s; "
-        f"kept in {status.cache}."
+        f"kept {where}below {status.cache}."
     )
 
 

@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,7 +12,9 @@ import pytest
 from attitude import FreeRotation, Spin, propagate
 from attitude._compilation import choice, decorators
 from attitude._compilation.decorators import EntryPoint, sized_entry_point, slowly_compiled
+from attitude._solver import kernel
 from attitude.motions._body import Body
+from attitude.scene import _angles
 
 # Machine code that the tests share.
 CACHE = os.environ["NUMBA_CACHE_DIR"]
@@ -260,6 +263,13 @@ def test_warm_up_compiles_what_a_later_process_loads():
     assert any("entry points in" in line and str(CACHE) in line for line in shown)
     later = needed(START + "motion.at(60.0)")
     assert later and set(later) <= set(shown)
+
+
+def test_the_folder_of_the_status_is_above_all_loops(monkeypatch):
+    monkeypatch.delenv("NUMBA_CACHE_DIR")
+    folder = decorators.compilation_status().cache
+    for loop in (kernel.trigonometric, _angles.earlier):
+        assert folder in Path(loop.py_func.__code__.co_filename).parents
 
 
 @pytest.mark.slow
