@@ -267,7 +267,7 @@ _OF_MODULES = {
         "write save": "use motion.write(file), or attitude.formats.detect.write",
     },
     "attitude.paths": {
-        "planet sun earth moon mars": 'use paths.body("mars")',
+        "planet sun earth moon mars": 'use paths.body("mars barycenter")',
         "mpc mpcorb elements": "use paths.mpc_orbit(line) or paths.kepler(...)",
         "horizons asteroid": "use paths.mpc_orbit(line), or paths.spk(file) of Horizons",
         "satellite sgp4 from_tle TLE": "use paths.tle(file)",
@@ -344,10 +344,12 @@ def absent(owner: str, name: str) -> AttributeError:
 
 def of_module(owner: str, where: Mapping[str, str] | None = None) -> Callable[[str], Any]:
     """A ``__getattr__`` of a module: it imports names, when they are first used, from the modules
-    that `where` gives for them, and answers each absent name.
+    that `where` gives for them, and public modules in it, and answers each absent name.
     """
 
     def __getattr__(name: str) -> Any:
+        if f"{owner}.{name}" in sys.modules["attitude"].PUBLIC_MODULES:
+            return import_module(f"{owner}.{name}")
         if where is None or name not in where:
             raise absent(owner, name)
         value = getattr(import_module(where[name]), name)

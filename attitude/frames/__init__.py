@@ -31,6 +31,7 @@ from attitude._support import validation
 from attitude._support.arrays import frozen
 from attitude._support.pairs import add, times
 from attitude._support.quoting import quoted
+from attitude._support.synonyms import of_module
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
@@ -49,6 +50,9 @@ __all__ = [
     "wxyz_to_icrf",
 ]
 
+if not TYPE_CHECKING:
+    # Hidden from type checkers: a module with __getattr__ has every name, misspelt ones too.
+    __getattr__ = of_module(__name__)
 
 FRAMES: tuple[str, ...] = ("icrf", "gcrf", "eme2000", "ecliptic")
 

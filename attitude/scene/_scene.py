@@ -408,7 +408,7 @@ class Scene(Immutable):
     sun_magnitude: float | None
     phase_function: Callable[[FloatArray], FloatArray] | None
 
-    @arguments(_HINTS, 'Scene(motion, center="mars", observer="earth")')
+    @arguments(_HINTS, 'Scene(motion, center="mars barycenter", observer="earth")')
     def __init__(
         self,
         motion: HasAttitudes | str | None,

@@ -232,8 +232,10 @@ def test_no_hint_hides_a_name_and_each_names_one_that_exists():
                 assert hasattr(importlib.import_module(f"attitude.{module}"), function), hint
     for name, hints in synonyms.MODULES.items():
         module = importlib.import_module(name)
-        for absent in hints:
+        for absent, hint in hints.items():
             assert absent not in dir(module), f"{name}.{absent} exists"
+            for address in re.findall(r"\battitude(?:\.\w+)+", hint):
+                assert eval(address) is not None
             with pytest.raises(AttributeError, match="use "):
                 getattr(module, absent)
 
