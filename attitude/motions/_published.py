@@ -26,6 +26,7 @@ import numpy as np
 from attitude._solver.regime import Mode, known_convention, regimes
 from attitude._support import markup, validation
 from attitude._support.arrays import Immutable, frozen, read_only
+from attitude._support.quantity_text import of_time
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.motions import _conventions
@@ -517,13 +518,13 @@ class Published(Immutable):
         uniform = ""
         if self.period > 0.0:
             uniform = (
-                f"  uniform rotation about a principal axis, period {self.period / 3600.0:.9g} h; "
+                f"  uniform rotation about a principal axis, period {of_time(self.period, 9)}; "
                 "of small nutations:\n"
             )
         return (
             f"{self.mode or 'neither mode'}, convention {self.convention}, {self.frame}, "
             f"{self.epoch.utc_iso} UTC\n{uniform}"
-            f"  P_psi {self.P_psi / 3600.0:.9g} h, P_phi {self.P_phi / 3600.0:.9g} h\n"
+            f"  P_psi {of_time(self.P_psi, 9)}, P_phi {of_time(self.P_phi, 9)}\n"
             "  pole {:.6f} {:+.6f} deg, phi0 {:.6f}, theta0 {:.6f}, psi0 {:.6f} deg\n".format(
                 *degrees
             )

@@ -456,4 +456,6 @@ def test_a_body_at_rest_has_nothing_to_publish():
 
 def test_the_table_in_words():
     text = str(motion_of(APOPHIS, **SET).published("S"))
-    assert "P_psi 263 h, P_phi 27.38 h" in text and "pole 250.000000 -75.000000 deg" in text
+    assert "P_psi 10.9583333 d, P_phi 27.38 h" in text and "pole 250.000000 -75.000000" in text
+    short = motion_of(APOPHIS, **{**SET, "P_psi": "263 ms", "P_phi": "27.38 ms"}).published("S")
+    assert "P_psi 0.263 s, P_phi 0.02738 s\n" in str(short)
