@@ -252,7 +252,7 @@ def kepler(
         m3/s2; that of DE440 for the Sun, the Moon, planets and barycentres of planets with their
         moons, if not given.
     frame : str
-        Axes of the elements, one of `frames.FRAMES`.
+        Axes of the elements, one of `frames.FRAMES`; the ecliptic by default, about the Earth too.
     name, source : str
         See `Path`.
 
