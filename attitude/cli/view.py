@@ -116,7 +116,7 @@ def _lit(arguments, motion, shape, law):
     for name, texts in words.items():
         if texts is None:
             raise AttitudeError(f'--{name} is missing; give both, as in --{name} "1, 0, 0".')
-        direction = validation.real(" ".join(texts), f"--{name}", shape=(3,))
+        direction = validation.unit_vector(" ".join(texts), f"--{name}")
         directions.append(_path.direction(direction, name=name))
     if shape is None and motion.body is not None:
         shape = Ellipsoid.of_moments(motion.body.moments)

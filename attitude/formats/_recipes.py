@@ -72,7 +72,10 @@ def of_aem(tool: str | None, chosen: dict[str, Any], has_rates: bool) -> dict[st
         return chosen
     recipe = AEM.get(tool.lower()) if isinstance(tool, str) else None
     if recipe is None:
-        raise AttitudeError(f"for_ is {tool!r}; known tools are {', '.join(AEM)}.")
+        raise AttitudeError(
+            f"for_ (--for) is {tool!r}; known tools are {', '.join(AEM)}. SPICE reads x.bc, Cesium "
+            "columns of x.csv, both without it."
+        )
     if recipe.tool == "GMAT" and chosen.get("kind") == "EULER_ANGLE":
         raise AttitudeError(
             "kind is 'EULER_ANGLE', whose angles GMAT interpolates across their jumps from 180 to "

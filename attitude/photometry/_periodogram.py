@@ -228,8 +228,8 @@ def _grid(data: Samples, least: Real | None, most: Real | None, order: int) -> F
     count = int(np.ceil((1.0 / low - 1.0 / high) / step)) + 1
     if count > _MOST:
         raise AttitudeError(
-            f"between the periods lie {count} frequencies, and at most {_MOST} are searched; give "
-            "a longer min_period, or a shorter span."
+            f"between the periods {low:.6g} s and {high:.6g} s lie {count} frequencies, and at "
+            f"most {_MOST} are searched; give a longer min_period, or a shorter span."
         )
     # from one bound to the other, a little denser than the step
     return np.linspace(1.0 / high, 1.0 / low, count)

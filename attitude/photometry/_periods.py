@@ -462,13 +462,13 @@ def _two(data, low, high, number, is_additive, kept, seed, progress):
     if len(data.t) <= data.linear + 2 * len(numbers) + 2:
         points = counted(data.linear, "zero point")
         raise _spectrum.too_few(data, f"{points} and {counted(len(numbers), 'line')}")
+    end = max(low[1], high[1])
     count = (low[1] - low[0]) * (high[1] - high[0]) // (2 if low == high else 1)
     if count > _MOST_PAIRS:
         raise AttitudeError(
-            f"between the periods lie {count:.2g} pairs, and at most {_MOST_PAIRS:.2g} are "
-            "searched; give a longer min_period, or first= and second=."
+            f"from {OVERSAMPLING * data.span / end:.4g} s on lie {count:.2g} pairs of periods, at "
+            f"most {_MOST_PAIRS:.2g} are searched; give a longer min_period, or first= and second=."
         )
-    end = max(low[1], high[1])
     y = data.detrended
     scale = float(np.std(y)) or 1.0
     weights = data.weights**2 / np.mean(data.weights**2) / _NOISE**2

@@ -144,8 +144,8 @@ def _file_and_kind(path, format, done):
     if kind not in _FORMATS.values():
         other = "" if format is None else f", or give one of these as format=, not {quoted(format)}"
         raise AttitudeError(
-            f"{file.name}: a shape is {done} as obj, damit, stl or ply; name the file .obj, .txt, "
-            f".stl or .ply{other}."
+            f"{file.name or file}: a shape is {done} as obj, damit, stl or ply; name the file "
+            f".obj, .txt, .stl or .ply{other}."
         )
     return file, kind
 

@@ -236,7 +236,7 @@ BAD = [
     ({"for_": "gmat", "kind": "EULER_ANGLE"}, "kind is 'EULER_ANGLE', whose angles GMAT"),
     ({"for_": "brahe", "version": "1.0"}, "version is '1.0', which brahe does not read"),
     ({"for_": "orekit", "rates": "body"}, "rates is 'body', which Orekit does not read"),
-    ({"for_": "celestia"}, "for_ is 'celestia'; known tools are gmat, orekit, stk, brahe"),
+    ({"for_": "spice"}, "(--for) is 'spice'; known tools are gmat, orekit, stk, brahe. SPICE"),
 ]
 
 
