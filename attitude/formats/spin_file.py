@@ -26,7 +26,7 @@
 [body]     ``moments`` (three), or ``tensor`` (three rows), or ``ellipsoid`` (three semi-axes), or
            ``masses`` with ``positions``; as in `Body`, `Body.from_ellipsoid`, `Body.from_points`;
            or the ratios of papers, ``A_over_C`` with ``B_over_C``; or ``density`` (kg/m3) of the
-           solid of [shape].
+           ellipsoid or of the solid of [shape].
            ``mass``, ``center_of_mass``; ``relative = true`` where the unit of inertia is unknown.
 [spin]     ``epoch`` (UTC, or with the name of a time scale behind it), ``angular_velocity`` over
            the body axes, and the attitude from body axes to ``frame`` ("icrf" if left out): one of
@@ -53,6 +53,7 @@ that differs from its date to the nanosecond is written as two doubles,
 
 from __future__ import annotations
 
+import math
 import os
 import re
 from dataclasses import dataclass
@@ -94,7 +95,7 @@ __all__ = ["SpinFile", "of_sections", "parse", "read", "text", "write"]
 _BODIES = {
     "moments": ((), ("mass", "relative", "center_of_mass")),
     "tensor": ((), ("mass", "relative", "center_of_mass")),
-    "ellipsoid": ((), ("mass",)),
+    "ellipsoid": ((), ("mass", "density")),
     "masses": (("positions",), ("relative",)),
     "A_over_C": (("B_over_C",), ()),
     "density": ((), ()),
@@ -182,7 +183,13 @@ def _body(section, shape, folder):
     if way == "tensor":
         return Body(tensor=value("tensor", (3, 3), "kg m2"), relative=relative, **extra)
     if way == "ellipsoid":
-        return Body.from_ellipsoid(value("ellipsoid", (3,), "m"), **extra)
+        axes = value("ellipsoid", (3,), "m")
+        if "density" in section:
+            if extra:
+                raise AttitudeError("[body] has both mass and density; give one of them.")
+            density = validation.positive(value("density", (), "kg/m3"), "[body] density")
+            extra["mass"] = density * (4.0 / 3.0 * math.pi) * axes.prod()
+        return Body.from_ellipsoid(axes, **extra)
     if way == "A_over_C":
         ratios = (float(value(key, ())) for key in ("A_over_C", "B_over_C"))
         return Body(moments=moments_from_ratios(*ratios), relative=True)
@@ -247,6 +254,7 @@ def _way(section, ways, common, name):
         known += [way, *needed, *optional]
     refuse_unknown(section, known, f"[{name}]")
     taken = [way for way in ways if way in section]
+    taken = [way for way in taken if not any(way in ways[other][1] for other in taken)]
     if not taken:
         # Half of a pair was given: the message names the other half.
         for way, (needed, _) in ways.items():

@@ -222,6 +222,8 @@ def test_bodies_of_all_kinds():
     ellipsoid = body(ellipsoid='"3, 2, 1 km"', mass="5e12")
     assert ellipsoid.moments == pytest.approx([5e18, 1e19, 1.3e19], rel=1e-15)
     assert not ellipsoid.relative
+    dense = body(ellipsoid='"3, 2, 1 km"', density='"2 g/cm3"')
+    assert dense.mass == pytest.approx(1.6e13 * np.pi, rel=1e-15) and not dense.relative
     assert body(ellipsoid="[3, 2, 1]").relative
     sized = body(ellipsoid='"380, 240, 180 m"')  # as shape.Ellipsoid takes it
     assert sized.relative and sized.moments == pytest.approx([18000.0, 35360.0, 40400.0], rel=1e-15)
@@ -273,6 +275,9 @@ BAD = [
     (toml(body={"tensor": "[[1]]"}), r"\[body\] has both moments and tensor; give one"),
     (toml(body={"moments": None, "positions": "[[1, 2, 3]]"}), r"\[body\] has no masses"),
     (toml(body={"moments": None, "masses": "[1]"}), r"\[body\] has no positions"),
+    (toml(body={"moments": None, "ellipsoid": "[1,2,3]", "mass": "1", "density": "1"}), "both ma"),
+    (toml(body={"moments": None, "ellipsoid": "[1,2,3]", "density": "0"}), "density is 0"),
+    (toml(body={"density": "1"}), "both moments and density"),
     (toml(body={"positions": "[1]"}), r"positions does not go with moments; leave it out"),
     (toml(body={"moments": None, "ellipsoid": "[1,2,3]", "relative": "true"}), "does not go"),
     (toml(body={"relative": "1"}), r"relative is 1; give true or false"),
