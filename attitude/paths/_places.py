@@ -47,7 +47,7 @@ TABLES: dict[str, tuple[str, ...]] = {
 }
 _BODIES = "the name of a planet, the Sun or the Moon"
 _MOVING = (
-    f"{_BODIES}, a file (OEM, TLE, OMM, SPK, MPCORB line, elements in TOML, mission file), a line "
+    f"{_BODIES}, a file (OEM, TLE, OMM, SPK, MPCORB line, elements, mission file), a line "
     'of MPCORB.DAT, or elements such as "a = 2.53 au, e = 0.63, i = 0.45 deg, node = 124 deg, '
     'peri = 279 deg, M = 12 deg, epoch = 2026-01-01 TT"'
 )
@@ -93,8 +93,8 @@ def place(
     ----------
     given : Path, Direction, object of astropy or skyfield, int, str, path or mapping
         A NAIF number; the name of a planet, of the Sun or the Moon; a file: OEM, TLE, OMM, SPK, a
-        line of MPCORB.DAT or the whole file, elements in TOML (keywords of `kepler`), a mission
-        file (its ``center``); a line of MPCORB.DAT or CometEls.txt; elements as text,
+        line of MPCORB.DAT or the whole file, elements (text, or TOML with its names or the keywords
+        of `kepler`), a mission file (its ``center``); a line of MPCORB.DAT or CometEls.txt; text,
         ``"a = 2.53 au, e = 0.63, i = 0.45 deg, node = ..., peri = ..., M = ..., epoch = ..."``.
         Of an observer also the code or the name of an observatory, and ``"longitude, latitude[,
         height]"`` with units or, plain, in degrees and m.  A mapping is a table of mission files,
@@ -390,6 +390,8 @@ def _of_file(path: str, name: str, of: str | int | None, ephemeris: EphemerisLik
         if of is not None:
             raise AttitudeError(f"{name} {path!r} holds one body; leave out {of!r}.")
         return _of_toml(path, name, ephemeris)
+    if kind == "elements":
+        return _of_elements(whole(path, "give a file of elements"), path)
     return _FILES[kind](path, name=of)
 
 
@@ -407,9 +409,11 @@ def _kind(path: str, name: str) -> str:
     # A line cut at the end of what was read may lack its last columns, never its first ones.
     if any(map(_mpc_line.is_line, lines)):  # with a header, or without
         return "mpc"
+    if lines and lines[0].partition("=")[0].strip() in _ELEMENTS:
+        return "elements"
     raise AttitudeError(
         f"{name} {path!r} is in no known format; give an OEM, two-line elements, an OMM, an "
-        "SPK, lines of MPCORB.DAT, or elements or a mission file in TOML."
+        "SPK, lines of MPCORB.DAT, elements, or a mission file in TOML."
     )
 
 
@@ -440,8 +444,9 @@ def _of_toml(path: str, name: str, ephemeris: EphemerisLike) -> Place:
         return _of_table(content, path, folder, ephemeris)
     if "eccentricity" in content:
         return _of_keywords(content, path)
+    if "e" in content:
+        return _of_elements("\n".join(f"{key} = {value}" for key, value in content.items()), path)
     raise AttitudeError(
-        f"{name} {path!r} has neither a center, as a mission file, nor elements; give the keywords "
-        "of paths.kepler (semi_major_axis, eccentricity, inclination, node, pericenter_argument, "
-        "mean_anomaly, epoch), or mpc_orbit = LINE."
+        f"{name} {path!r} has neither a center, as a mission file, nor elements; give a, e, i, "
+        "node, peri, M and epoch, or the keywords of paths.kepler, or mpc_orbit = LINE."
     )

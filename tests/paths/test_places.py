@@ -45,6 +45,9 @@ def folder(tmp_path):
     (tmp_path / "many.dat").write_text(f"MINOR PLANET CENTER ORBIT DATABASE\n\n{other}\n{LINE}\n")
     (tmp_path / "cut.dat").write_text(f"{'-' * 160}\n{LINE}\n")
     (tmp_path / "elements.toml").write_text(KEYWORDS)
+    (tmp_path / "elements.txt").write_text(ELEMENTS)
+    short = ELEMENTS.replace(" = ", ' = "').replace(", ", '"\n') + '"\n'
+    (tmp_path / "short.toml").write_text(short.replace('"0.6247431"', "0.6247431"))
     (tmp_path / "kepler.toml").write_text("[kepler]\n" + KEYWORDS)
     (tmp_path / "mission.toml").write_text(
         'center = { mpc_orbit = "' + LINE + '" }\ncolumns = ["observer_distance au"]\n'
@@ -57,6 +60,7 @@ def test_all_forms_of_one_orbit_give_one_path(folder):
     expected = paths.mpc_orbit(LINE).position(NOW, np.arange(3) * 1e6)
     given = [LINE, ELEMENTS, ELEMENTS.replace(", ", "\n"), {"mpc_orbit": LINE}]
     given += [str(folder / name) for name in ("line.txt", "cut.dat", "elements.toml")]
+    given += [folder / name for name in ("elements.txt", "short.toml")]
     given += [folder / "kepler.toml"]
     given += [folder / "mission.toml"]
     for each in given:
