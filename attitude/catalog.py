@@ -28,7 +28,7 @@ import numpy as np
 
 from attitude._support import markup, validation
 from attitude._support.quoting import quoted
-from attitude._support.synonyms import Answering, of_module
+from attitude._support.synonyms import Answering, arguments, of_module
 from attitude._textfiles import toml
 from attitude._textfiles.lines import packaged, path_of_packaged
 from attitude.errors import AttitudeError
@@ -348,6 +348,7 @@ def names() -> tuple[str, ...]:
     return tuple(_entries())
 
 
+@arguments({}, 'entry("toutatis")')
 def entry(name: str) -> Entry:
     """The `Entry` of a name, of its number, or of the beginning of a word of it, in any case.
 

@@ -102,6 +102,8 @@ _OF_CLASSES = {
         "to_body apply_inverse": "use inertial_to_body(v)",
         "errors error std": "use sigma (rad), sigma_deg or covariance",
     },
+    "AttitudeTable": {"time times t epochs": "use history.time, or seconds since epoch"},
+    "AveragedHistory": {"branches events": "use branches() and events of the AveragedMotion"},
     "Body": {
         "inertia inertia_tensor I": "use tensor (body axes) or moments, kg m2",
         "principal_moments Ixx Iyy Izz A B C": "use moments, kg m2",
@@ -246,7 +248,8 @@ _OF_MODULES = {
         "Trajectory rotation dcm euler integrate simulate solve Simulation": (
             "use FreeRotation(body, spin).at(t)"
         ),
-        "Quaternion": "use plain arrays (..., 4), attitude.frames.quaternion",
+        "Quaternion quaternions": "use plain arrays (..., 4), attitude.frames.quaternion",
+        "lightcurve": "use attitude.light_curve, or Scene(motion, ..., shape=mesh).at(times)",
         "State Attitude SpinState": "use Spin(epoch=, wxyz=, angular_velocity=)",
         "Maneuver Manoeuvre Burn Thruster": "use Arcs with Impulse",
         "glints Glint find_glints": "use attitude.events.glints(scene, ...)",
@@ -286,6 +289,7 @@ _OF_MODULES = {
     "attitude.photometry": {
         "lomb_scargle LombScargle": "use photometry.periods(curve)",
         "load from_file": "use photometry.read(file)",
+        "Lightcurve": "use photometry.LightCurve",
     },
     "attitude.viewer": {
         "show plot render": "use viewer.view(motion, output=file)",

@@ -22,6 +22,7 @@ import numpy as np
 
 from attitude._support import validation
 from attitude._support.arrays import Immutable, frozen
+from attitude._support.synonyms import arguments
 from attitude.averaged import _mean_state, _resonances
 from attitude.averaged._history import AveragedHistory
 from attitude.averaged._mean_torques import Crossing, MeanTorques, Packing, checked_orbits
@@ -270,6 +271,7 @@ class AveragedMotion(Immutable):
     spin: Spin
     torques: tuple[Torque, ...]
 
+    @arguments({"torque": "give torques="}, "AveragedMotion(body, spin, torques)")
     def __init__(
         self,
         body: Body,

@@ -9,6 +9,7 @@ import numpy as np
 from attitude._support import markup, validation
 from attitude._support.arrays import Immutable, frozen
 from attitude._support.constants import SPEED_OF_LIGHT_M_S
+from attitude._support.synonyms import arguments
 from attitude.conditions._conditions import condition_of
 from attitude.conditions._moments import Source
 from attitude.conditions._search import difference
@@ -423,6 +424,10 @@ class Passes(Timetable):
     """
 
 
+@arguments(
+    dict.fromkeys(("center", "path", "site", "observer"), "give it to the scene"),
+    'passes(Scene(None, center="iss.tle", observer="568"), elevation="10 deg")',
+)
 def passes(
     scene: Scene,
     start: EpochOrSeconds | None = None,
@@ -574,6 +579,7 @@ class Glints(Timetable):
     """
 
 
+@arguments({"shape": "give it to the scene"}, "glints(Scene(motion, ..., shape=mesh))")
 def glints(
     scene: Scene,
     start: EpochOrSeconds | None = None,

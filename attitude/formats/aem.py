@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from attitude._support.synonyms import arguments
 from attitude._textfiles import messages
 from attitude.errors import AttitudeError
 from attitude.formats import _aem_message, _attitude_types, _recipes, _sampling
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
 __all__ = ["read", "write"]
 
 
+@arguments({}, 'aem.read("m.aem")')
 def read(
     path: FilePath,
     *,
@@ -100,6 +102,7 @@ def read(
     return _aem_message.read(path, _aem_message.FORM, options)
 
 
+@arguments({"motion": "give source="}, 'aem.write("m.aem", motion, start=0, stop=60)')
 def write(
     path: FilePath,
     source: AttitudeSource,

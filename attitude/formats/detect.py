@@ -7,6 +7,7 @@ import os
 import re
 from typing import TYPE_CHECKING, Any
 
+from attitude._support.synonyms import arguments
 from attitude._textfiles.lines import beginning, is_number, path_text, prefixed
 from attitude.errors import AttitudeError
 from attitude.formats import spin_file
@@ -116,6 +117,7 @@ def _of_xml(path, text):
     )
 
 
+@arguments({}, 'detect.read("m.aem")')
 def read(
     path: FilePath,
     *,

@@ -259,6 +259,7 @@ class LightCurve(Immutable):
         self._set("notes", tuple(dict.fromkeys(notes)))
 
     @classmethod
+    @arguments({}, 'LightCurve.read("curve.csv"); path= is the orbit of the body')
     def read(
         cls,
         path: FilePath,

@@ -195,7 +195,7 @@ def _report(name: str, left_out: list[BadRow], bad: str) -> None:
     words = f"{name}: {rows} cannot be used: {listed(left_out, '; ')}"
     if bad == "refuse":
         raise AttitudeError(f'{words}; correct or delete them, or give bad="warn".')
-    warnings.warn(f"{words}. Left out.", AttitudeWarning, stacklevel=4)
+    warnings.warn(f"{words}. Left out.", AttitudeWarning, stacklevel=5)
 
 
 def _brightness(row: RawPoint, word: str, is_flux: bool) -> tuple[str | None, float, float]:

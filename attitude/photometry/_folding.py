@@ -9,6 +9,7 @@ import numpy as np
 
 from attitude._support import quantity_text, validation
 from attitude._support.arrays import Immutable, frozen
+from attitude._support.synonyms import arguments
 from attitude.epochs import _inputs, _instants
 from attitude.errors import AttitudeError
 from attitude.photometry import _samples, _spectrum
@@ -90,6 +91,7 @@ class Folded(Immutable):
         return f"<Folded: {len(self.residuals)} points at {periods}, rms {self.rms:.3g}>"
 
 
+@arguments({"periods": "give period="}, 'fold(curve, "5.3 h")')
 def fold(
     t: Epochs | LightCurve | Samples,
     period: Real | Reals,

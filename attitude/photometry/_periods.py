@@ -15,6 +15,7 @@ from attitude._support import markup, quantity_text, validation
 from attitude._support.arrays import Immutable, frozen
 from attitude._support.blocks import ProgressBar
 from attitude._support.quoting import counted
+from attitude._support.synonyms import arguments
 from attitude.errors import AttitudeError
 from attitude.photometry import _folding, _lattices, _periodogram, _samples, _spectrum
 from attitude.photometry._samples import Line, line_at
@@ -295,6 +296,9 @@ class Periods(Immutable):
         )
 
 
+@arguments(
+    {"min": "give min_period=", "max": "give max_period="}, 'periods(curve, min_period="2 h")'
+)
 def periods(
     t: Epochs | LightCurve,
     values: Reals | None = None,

@@ -30,6 +30,7 @@ from attitude._solver import march_layout as layout
 from attitude._solver.adaptive import estimated
 from attitude._solver.march_layout import KEPT_ENTRIES, OMEGA, STATE_ENTRIES
 from attitude._support import pairs, validation
+from attitude._support.synonyms import arguments
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.motions._body import Body
@@ -750,6 +751,7 @@ class TorquedRotation(Differentiable):
         *("step", "tolerance", "step_tolerance", "_span_given", "origin"),
     )
 
+    @arguments({"torque": "give torques="}, "TorquedRotation(body, spin, torques, step=1.0)")
     def __init__(
         self,
         body: Body,

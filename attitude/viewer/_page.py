@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude._support import markup
+from attitude._support.synonyms import arguments
 from attitude._textfiles import lines, toml
 from attitude.shape._mesh import Mesh
 from attitude.viewer import _subject
@@ -249,6 +250,7 @@ class Viewer:
         return f"<Viewer of {self.title}: a page of {len(self.html) / 1e3:.0f} kB>"
 
 
+@arguments(dict.fromkeys(("file", "path"), "give output="), 'view(motion, output="m.html")')
 def view(
     motion: HasAttitudes | Scene,
     *,
