@@ -399,12 +399,13 @@ def test_labels_hide_no_other_on_a_small_screen(chromium, eclipsed):
     """At 390 pixels, where momentum, rate and z point to one side: at 40 times of the span."""
     with browser.opened(chromium, eclipsed[0], width=390, height=760) as (page, _):
         page.evaluate("attitudeViewer.clock.play(false)")
-        worst = page.evaluate(
+        worst, hidden = page.evaluate(
             """() => {
               const { drawAt, stage, clock } = attitudeViewer;
-              let worst = 0;
+              let worst = 0, hidden = 0;
               for (let k = 0; k <= 40; k++) {
                 drawAt((k / 40) * clock.duration);
+                hidden += document.querySelectorAll("#labels span[hidden]").length;
                 const boxes = [...document.querySelectorAll("#labels span, #views")]
                   .filter((each) => !each.hidden).map((each) => each.getBoundingClientRect());
                 for (const a of boxes) for (const b of boxes) if (a !== b) {
@@ -413,9 +414,10 @@ def test_labels_hide_no_other_on_a_small_screen(chromium, eclipsed):
                   if (x > 0) worst = Math.max(worst, y);
                 }
               }
-              return worst;
+              return [worst, hidden];
             }"""
         )
+        assert hidden == 0  # of arrows beyond the edge
         assert worst < 3.0  # pixels: lines of text are 16 apart and 17 high
         box = page.locator("#utc").bounding_box()
         assert box["x"] >= 0 and box["x"] + box["width"] <= 390

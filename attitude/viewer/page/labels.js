@@ -37,9 +37,11 @@ export class Labels {
       span.hidden = !shown;
       if (!shown) continue;
       entry.width ||= span.offsetWidth;
-      entry.x = ((this.point.x + 1) / 2) * width + 4;
+      // beyond the tip, seen from the centre: not on the arrow
+      const { x, y } = this.point;
+      entry.x = ((x + 1) / 2) * width + (x < 0 ? -4 - entry.width : 4);
       entry.x = Math.max(0, Math.min(entry.x, width - entry.width));
-      entry.y = this.free(entry, ((1 - this.point.y) / 2) * height - 18, taken, height);
+      entry.y = this.free(entry, ((1 - y) / 2) * height + (y < 0 ? 2 : -18), taken, height);
       taken.push(entry);
       span.style.transform = `translate(${entry.x.toFixed(1)}px, ${entry.y.toFixed(1)}px)`;
     }

@@ -97,6 +97,7 @@ export class Stage {
     const { clientWidth, clientHeight } = this.canvas.parentElement;
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.camera.aspect = clientWidth / Math.max(clientHeight, 1);
+    this.camera.zoom = Math.min(1, this.camera.aspect); // arrows to the side are in it too
     this.camera.updateProjectionMatrix();
   }
 
