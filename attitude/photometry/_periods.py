@@ -470,8 +470,8 @@ def _two(data, low, high, number, is_additive, kept, seed, progress):
     count = (low[1] - low[0]) * (high[1] - high[0]) // (2 if low == high else 1)
     if count > _MOST_PAIRS:
         raise AttitudeError(
-            f"from {OVERSAMPLING * data.span / end:.4g} s on lie {count:.2g} pairs of periods, at "
-            f"most {_MOST_PAIRS:.2g} are searched; give a longer min_period, or first= and second=."
+            f"from {OVERSAMPLING * data.span / end:.4g} s on lie {count:.2g} pairs, and at most "
+            f"{_MOST_PAIRS:.2g} are searched; give a longer min_period, or first= and second=."
         )
     y = data.detrended
     scale = float(np.std(y)) or 1.0
