@@ -9,25 +9,31 @@ the attitude of the body over axes with z along the momentum is the pair of poly
 
 from __future__ import annotations
 
+import cmath
 import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from attitude._solver import codes, evaluation
+from attitude._solver import codes
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Sequence
 
     from attitude._support.annotations import FloatArray
 
 
-# Ratios of moments at which a solution is sought.
-_GRID = 2000
-# Share of the precession rate by which rounding may move the elements of a lamina off all bodies.
+# Share by which rounding may move the moments of a lamina off all bodies.
 _ROUNDED = 1e-11
-_TERMS = 12
+# Series of the nome 0.21 or less: powers of n^2.
+_TERMS = 7
+# Nome below which one term is left of each series.
+_SMALL_NOME = 1e-17
+# Complex step of X, and of rho over itself: its square is below every rounding.
+_STEP = 1e-30
+# ln(rho^4 X^2) above which mc is less than 1e-285: squares of its root are nearly 0.
+_SEPARATRIX = -0.03
 
 
 class Elements(NamedTuple):
@@ -77,53 +83,68 @@ def elements_of(c: Any) -> Elements:
         x, rho = 0.0, 0.0
     if c["form"] == codes.TRIGONOMETRIC and rho < 0.5:
         # From the tilt, which keeps its digits where the nome underflows or is 0
-        top, low = _sums(rho**4, x, -1.0)
-        rho = float(c["wobble"]) * low / top
+        rho = float(c["wobble"]) / _half_tilt(rho**4, x, _one_less_x(c))
     turn = 2.0 * math.pi
     return Elements(precession, turn * rate, turn * phase, rho, x)
 
 
-def inputs_by_elements(c: Any, by_input: FloatArray) -> FloatArray:
-    """The least change (6, 5) of angular velocity and moments for a unit change of each element,
-    by_input (7, 6): the inverse of the Jacobian but for the scale of the moments, which changes no
-    attitude.
+class Tangents(NamedTuple):
+    """What the columns by the five elements need: weights (6, 5), amplitudes (3, 5) and by_third as
+    in `records.TANGENTS`, and the change of the logarithms of the moments (3, 5), as given.
     """
-    if c["form"] == codes.UNIFORM or (c["form"] == codes.HYPERBOLIC and c["winds"] == 0.0):
+
+    weights: FloatArray
+    amplitudes: FloatArray
+    by_third: tuple[float, float]
+    log_moments: FloatArray
+
+
+def tangents_by_elements(c: Any) -> Tangents:
+    """The derivatives by the elements of a record of `records.CONSTANTS`, by complex steps in the
+    series of `_form`.
+    """
+    near = c["form"] == codes.HYPERBOLIC
+    if c["form"] == codes.UNIFORM or (near and c["winds"] == 0.0):
         raise AttitudeError(
             "the motion has no derivatives by its elements: in uniform rotation and on the "
             'separatrix they do not follow from the state. Take by="state".'
         )
-    rho, x = elements_of(c)[3:]
-    if c["form"] == codes.TRIGONOMETRIC:
-        jacobian = by_input[:5].copy()
-        jacobian[0] *= 0.5
-        jacobian[3] *= rho
-    else:
-        jacobian = _of_hyperbolic(c, by_input, rho, x)
-    # Rates and moments have different scales: the scale of the moments is the null space.
-    size = np.abs(jacobian).max(axis=0)
-    size[size == 0.0] = 1.0
-    return np.linalg.pinv(jacobian / size) / size[:, None]
+    elements = elements_of(c)
+    less = _one_less_x(c)
+    weights, amplitudes, log_moments = np.zeros((6, 5)), np.zeros((3, 5)), np.zeros((3, 5))
+    first, second = int(c["jacobi"][0]), int(c["jacobi"][1])
+    order = [first, second, 3 - first - second]
+    momentum = math.ldexp(np.linalg.norm(c["moments"][:, 0] * c["omega"][:, 0]), int(c["tempo"]))
+    inverse, scale = momentum / c["moments"][order, 0], 1.0
+    extremes = c["amplitudes"] / inverse
+    cosines = extremes[2] * np.array([1.0, math.sqrt(c["mc"][0])])
+    for k in range(5):
+        # all is linear in the rates and the phase
+        step = 1.0 if k < 3 else _STEP * (elements.rho if k == 3 else 1.0)
+        moved = [complex(value, step if j == k else 0.0) for j, value in enumerate(elements)]
+        form = _form(moved, complex(less, -step if k == 4 else 0.0), near, cosines)
+        scale = form.stretch.real
+        weights[:, k] = [
+            2.0 * (moved[0] - form.shift * moved[1]).imag,
+            moved[1].imag / scale,
+            moved[2].imag / scale,
+            form.second.imag,
+            form.third.imag,
+            form.nome.imag,
+        ]
+        # over those of the state, which have the digits of a needle
+        log_moments[order, k] = -form.inverse.imag / inverse
+        amplitudes[:, k] = form.extremes.imag / extremes - log_moments[order, k]
+        amplitudes[:, k] += form.quotients.imag / form.quotients.real
+        for array in (weights, amplitudes, log_moments):
+            array[:, k] /= step
+    by_third = scale / (math.pi * form.third.real) if near else 0.0
+    return Tangents(weights, amplitudes, (by_third, 0.0), log_moments)
 
 
-def _of_hyperbolic(c, h, rho, x):
-    """The Jacobian of the elements from that of the elements near the separatrix."""
-    stretch, nutation = float(c["stretch"]), float(c["nutation"][0])
-    d, quarter = 0.25 * math.pi * float(c["fraction"]), float(c["quarter"][0])
-    other = 0.5 * stretch * quarter  # K'
-    d_quarter = h[6] * 2.0 * other / math.pi
-    by_quarter = d_quarter / quarter
-    rate = math.pi * nutation  # 2 pi f
-    d_rate = 2.0 * other / quarter * h[1] - rate * by_quarter
-    phase = math.pi * float(c["nutation0"][0])
-    d_phase = 2.0 * other / quarter * h[2] - phase * by_quarter
-    # lambda = lambda' + 4 d f
-    d_precession = 0.5 * h[0] + 2.0 / math.pi * (rate * h[4] + d * d_rate)
-    ratio = 0.5 * stretch  # K'/K
-    d_ratio = ratio * (h[3] - by_quarter)
-    d_log_rho = (2.0 * d - 0.5 * math.pi) * d_ratio + 2.0 * ratio * h[4]
-    d_x = -4.0 * x * (d * d_ratio + ratio * h[4])
-    return np.stack([d_precession, d_rate, d_phase, rho * d_log_rho, d_x])
+def _one_less_x(c: Any) -> float:
+    """1 - X of a record."""
+    return -math.expm1(-0.5 * math.pi * float(c["stretch"] * c["fraction"]))
 
 
 def _of_uniform(c: Any) -> Elements:
@@ -147,15 +168,14 @@ def _of_uniform(c: Any) -> Elements:
     )
 
 
-def _sums(s: float, x: float, sign: float) -> tuple[float, float]:
-    """Sums whose quotient times rho is the tangent of half the tilt, at v = 0 (-1) or pi/2 (1)."""
-    top = low = 0.0
-    for n in range(_TERMS):
-        factor = sign**n
-        top += factor * s ** (n * n + n) * x ** (2 * n * n + n) * (1.0 + sign * x ** (2 * n + 1))
-        if n > 0:
-            low += factor * s ** (n * n) * x ** (2 * n * n - n) * (1.0 + x ** (2 * n))
-    return top, 1.0 + low
+def _half_tilt(s: float, x: float, less: float) -> float:
+    """The tangent of half the least tilt over rho; less = 1 - X."""
+    top, low = less, 1.0
+    for n in range(1, _TERMS):
+        sign, ends = (-1.0) ** n, less * sum(x**j for j in range(2 * n + 1))
+        top += sign * s ** (n * n + n) * x ** (2 * n * n + n) * ends
+        low += sign * s ** (n * n) * x ** (2 * n * n - n) * (1.0 + x ** (2 * n))
+    return top / low
 
 
 def state_of(elements: Elements) -> tuple[FloatArray, FloatArray]:
@@ -163,115 +183,145 @@ def state_of(elements: Elements) -> tuple[FloatArray, FloatArray]:
     principal axes in the order of the solution: the momentum circulates about the third, the second
     is the middle one.
     """
-    from scipy.special import ellipj, ellipk
-
     _check(elements)
-    rho, x = elements.rho, elements.X
-    low_tilt, high_tilt, rise = _tilts(rho, x)
-    l0 = (1.0 - low_tilt**2) / (1.0 + low_tilt**2)
-    drop = 2.0 * rise * (low_tilt + high_tilt) / ((1.0 + low_tilt**2) * (1.0 + high_tilt**2))
-    m = drop * (2.0 * l0 - drop) / l0**2
-    minus_n = m * l0**2 / (4.0 * low_tilt**2 / (1.0 + low_tilt**2) ** 2)
-    quarter = float(ellipk(m))
-    long_axis = elements.nutation_rate > 0.0
-
-    def states(r: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Moments and rates (N, 3) of ratios of the third to the first moment."""
-        split = minus_n / r  # d12/d23
-        d13 = np.abs(1.0 - r)
-        d12, d23 = d13 * split / (1.0 + split), d13 / (1.0 + split)
-        second = 1.0 - d12 if long_axis else 1.0 + d12
-        moments = np.stack([np.ones_like(r), second, r], axis=-1)
-        speed = 2.0 * quarter * abs(elements.nutation_rate) / math.pi
-        a1 = speed**2 * second * r / d23
-        a3 = a1 * r * (1.0 - l0**2) / l0**2
-        sn, cn, dn, _ = ellipj(2.0 * quarter * elements.phase / math.pi, m)
-        w1, w2 = np.sqrt(a3 / d13) * cn, -np.sqrt(a3 / (second * d23)) * sn
-        return moments, np.stack([w1, w2, np.sqrt(a1 / (r * d13)) * dn], axis=-1)
-
-    def excess(r: FloatArray) -> FloatArray:
-        moments, omega = states(np.atleast_1d(r))
-        pairs = np.zeros((2, len(moments), 3, 2))
-        pairs[0, ..., 0], pairs[1, ..., 0] = moments, omega
-        wxyz = np.tile([1.0, 0.0, 0.0, 0.0], (len(moments), 1))
-        constants, faults = evaluation.prepared(pairs[0], wxyz, pairs[1], wxyz[:1], rates=False)
-        if faults:
-            k = int(np.argmax(constants["fault"] != 0))
-            raise AttitudeError(
-                evaluation.fault_of(constants[k], pairs[0, k], wxyz[k], pairs[1, k])
-            )
-        return 2.0 * math.pi * constants["precession"][:, 0] - elements.precession_rate
-
-    # needles and laminas: the ratio is found to its digits wherever it lies
-    u = 0.5 * (1.0 + np.tanh(np.linspace(-18.0, 18.0, _GRID)))
-    r = np.unique(u[(u > 0.0) & (u < 1.0)])
-    r = r if long_axis else 1.0 / r[::-1]
-    r = _of_bodies(lambda ratios: states(ratios)[0], r)
-    ratio = _root(excess, r, abs(elements.precession_rate)) if len(r) else None
-    if ratio is None:
+    near = elements.X > 0.0 and _log_nome(elements.rho, elements.X).real > -math.pi
+    form = _form([complex(value) for value in elements], complex(1.0 - elements.X), near)
+    inverse = form.inverse.real
+    ratios = inverse.max() / inverse if inverse.min() > 0.0 else np.array([np.nan] * 3)
+    moments = ratios / ratios.max()
+    largest = int(np.argmax(moments))
+    others = moments.sum() - moments[largest]
+    if not others >= 1.0 - _ROUNDED:
         raise AttitudeError(
             f"no body has {elements}: no moments that satisfy the triangle inequality precess at "
             "this rate with this nutation. Change precession_rate or nutation_rate."
         )
-    moments, omega = (state[0] for state in states(np.array([ratio])))
-    return moments / moments.max(), omega
-
-
-def _of_bodies(moments_of: Callable[[FloatArray], FloatArray], r: FloatArray) -> FloatArray:
-    """Ratios of a grid whose moments satisfy the triangle inequality, and those of its laminas."""
-
-    def slack(ratios: FloatArray) -> FloatArray:
-        moments = moments_of(ratios)
-        return moments.sum(axis=1) - 2.0 * moments.max(axis=1)
-
-    inside = slack(r) >= 0.0
-    edges = []
-    for k in np.flatnonzero(inside[:-1] != inside[1:]):
-        body, none = (r[k], r[k + 1]) if inside[k] else (r[k + 1], r[k])
-        middle = 0.5 * (body + none)
-        while middle not in (body, none):
-            if slack(np.array([middle]))[0] >= 0.0:
-                body = middle
-            else:
-                none = middle
-            middle = 0.5 * (body + none)
-        edges.append(body)
-    return np.unique(np.concatenate([r[inside], edges]))
-
-
-def _root(excess: Any, r: FloatArray, rate: float) -> float | None:
-    """The ratio at which the precession has its rate, within the range of ratios of bodies."""
-    from scipy.optimize import brentq
-
-    values = excess(r)
-    cross = np.flatnonzero(np.sign(values[:-1]) * np.sign(values[1:]) <= 0.0)
-    if len(cross) == 0:
-        nearest = int(np.argmin(np.abs(values)))
-        return float(r[nearest]) if abs(values[nearest]) <= _ROUNDED * rate else None
-    k = int(cross[0])
-    root = brentq(
-        lambda x: float(excess(np.array([x]))[0]), r[k], r[k + 1], xtol=1e-300, rtol=1e-15
+    if others < 1.0:
+        moments[largest] = others
+        moments /= others
+    turns = round(elements.phase / math.pi)
+    sign = -1.0 if near and turns % 2 else 1.0
+    z = 2j * (elements.phase - math.pi * turns) / form.stretch.real if near else elements.phase
+    two, one, three, four = _thetas(form.nome, z)
+    quotients = (
+        [sign * four / two, sign * 1j * one / two, three / two]
+        if near
+        else [two / four, -one / four, three / four]
     )
-    return float(root)
+    return moments, (form.extremes * form.inverse * form.quotients * quotients).real
 
 
-def _tilts(rho: float, x: float) -> tuple[float, float, float]:
-    """Tangents of half the least and the greatest tilt, and their difference without loss."""
-    even = {"top": 0.0, "low": 1.0}
-    odd = {"top": 0.0, "low": 0.0}
-    s = rho**4
+class _Form(NamedTuple):
+    """What follows from the elements, real or with a complex step.
+
+    extremes: largest |z| along each axis; inverse: L over each moment.  Their product is the
+    amplitude of the angular velocity, that times quotients the factor of its quotient of theta
+    functions, whose nome is given.  stretch: T, or 1; shift: d over pi/2, or 0; second, third:
+    ln rho and X, near the separatrix d and Q'.
+    """
+
+    extremes: Any
+    inverse: Any
+    quotients: Any
+    nome: complex
+    stretch: complex
+    shift: complex
+    second: complex
+    third: complex
+
+
+def _form(elements: Sequence[complex], less: complex, near: bool, cosines: Any = None) -> _Form:
+    """Moments and amplitudes in closed form (docs/derivation.md, section 15).
+
+    less: 1 - X.  cosines (2,): of the least and the greatest tilt, if they are known better.
+
+    The angular velocity is 2 lambda z + v' B_v, z the direction of the momentum and B_v the turn by
+    the phase, and its component along axis i is that of z over I_i: with the ratio g_i of the two
+    components, 1/I_i = (2 lambda + v' g_i)/L.
+    """
+    precession, nutation, _, rho, x = elements
+    if near:
+        stretch = -_log_nome(rho, x) / math.pi
+        d, third = -cmath.log(x) / (2.0 * stretch), cmath.exp(-math.pi / stretch)
+        extremes, g = _near_separatrix(third, d)
+        second, shift, nome = d, 2.0 / math.pi * d, third * third
+    else:
+        extremes, g = _apart(rho, x, less, cosines)
+        second, third, nome = cmath.log(rho), x, rho * rho * x
+        stretch, shift = complex(1.0), complex(0.0)
+    inverse = 2.0 * (precession - shift * nutation) + nutation / stretch * g
+    two, _, three, four = _thetas(nome, 0.0)
+    quotients = [two / four, three / four, two / three]
+    if not near:
+        quotients = [four / two, three / two, four / three]
+    return _Form(extremes, inverse, np.array(quotients), nome, stretch, shift, second, third)
+
+
+def _log_nome(rho: complex, x: complex) -> complex:
+    """ln Q = -pi T."""
+    return 4.0 * cmath.log(rho) + 2.0 * cmath.log(x)
+
+
+def _thetas(q: complex, z: complex) -> tuple[complex, complex, complex, complex]:
+    """theta2 and theta1 over 2 q^(1/4), theta3 and theta4; |Im z| at most |ln q|/2."""
+    two, one, three, four = 0j, 0j, 1.0 + 0j, 1.0 + 0j
+    for n in range(_TERMS if abs(q) > _SMALL_NOME else 1):
+        sign, odd = (-1.0) ** n, q ** (n * n + n)
+        two += odd * cmath.cos((2 * n + 1) * z)
+        one += sign * odd * cmath.sin((2 * n + 1) * z)
+        even = 2.0 * q ** ((n + 1) ** 2) * cmath.cos((2 * n + 2) * z)
+        three += even
+        four -= sign * even
+    return two, one, three, four
+
+
+def _apart(rho: complex, x: complex, less: complex, cosines: Any) -> tuple[Any, Any]:
+    """The largest |z_i| of each axis, and g_i, by series in rho and X.
+
+    At the phases 0 and pi/2 the pair is (low, -i rho top) and (low, -rho top) of two entries, V of
+    section 15 is -rho wave and i rho wave.
+    """
+    square = rho * rho
+    s, q = square * square, square * x
+    top, low, wave = np.zeros(2, complex), np.ones(2, complex), np.zeros(2, complex)
+    norm, slope, product, at_zero = 1.0 + 0j, 0j, 1.0 + 0j, 1.0 + 0j
     for n in range(_TERMS):
-        series, other = (even, odd) if n % 2 == 0 else (odd, even)
-        y = s ** (n * n + n) * x ** (2 * n * n + n)
-        series["top"] += y
-        other["top"] += y * x ** (2 * n + 1)
+        loss, gain = less * sum(x**j for j in range(2 * n + 1)), 1.0 + x ** (2 * n + 1)
+        sign, even = (-1.0) ** n, 1.0 + x ** (2 * n)
+        top += s ** (n * n + n) * x ** (2 * n * n + n) * np.array([sign * loss, gain])
+        wave += square ** (n * n + n) * x ** (n * n) * np.array([gain, sign * loss])
         if n > 0:
-            series["low"] += s ** (n * n) * x ** (2 * n * n - n) * (1.0 + x ** (2 * n))
-    least = even["low"] - odd["low"], even["low"] + odd["low"]
-    low = rho * (even["top"] - odd["top"]) / least[0]
-    high = rho * (even["top"] + odd["top"]) / least[1]
-    rise = odd["top"] * even["low"] - even["top"] * odd["low"]
-    return low, high, 2.0 * rho * rise / (least[0] * least[1])
+            low += s ** (n * n) * x ** (2 * n * n - n) * even * np.array([sign, 1.0])
+            term = square ** (n * n) * x ** (n * n - n)
+            norm += term * even
+            slope += n * term * less * sum(x**j for j in range(2 * n))
+            product += q ** (n * n + n)
+            at_zero += 2.0 * sign * q ** (2 * n * n)
+    tilt = rho * top / low  # tan of half of it
+    wave *= at_zero * at_zero * product / (low**2 * (1.0 + tilt**2))
+    flat, whole = 1.0 - tilt**2, 1.0 + tilt**2
+    if cosines is not None:
+        flat = whole.real * cosines + 1j * flat.imag
+    # x cot, y cot and -x tan of the tilts
+    turns = -wave * flat * low / top
+    turns = np.append(turns, 4.0 * rho * wave[0] * tilt[0] / flat[0])
+    sine = 2.0 * tilt / whole
+    return np.array([*sine, flat[0] / whole[0]]), turns - 2.0 * slope / norm
+
+
+def _near_separatrix(p: complex, d: complex) -> tuple[Any, Any]:
+    """As `_apart`, by Q' and d: at y = 0 and at the end of a passage."""
+    low, top, three, four = _thetas(p, d)
+    _, wave, upright, at_zero = _thetas(p * p, 2.0 * d)
+    size = _thetas(p, 0.0)[0] ** 2 * _thetas(p * p, 0.0)[3]
+    slope = sum(n * p ** (2 * n * n) * cmath.sin(4 * n * d) for n in range(1, _TERMS))
+    along = 8.0 * slope / upright
+    square, middle = low * low + top * top, three * three + four * four
+    cosine, sine = (low * low - top * top) / square, 2.0 * low * top / square
+    turn = -2.0 * size * at_zero / square
+    less = 16.0 * p * size * wave / middle * (three * three - four * four) / (2.0 * three * four)
+    g = along + np.array([turn * cosine / sine, -less, -turn * sine / cosine])
+    return np.array([sine, 2.0 * three * four / middle, cosine]), g
 
 
 def _check(elements: Elements) -> None:
@@ -287,4 +337,10 @@ def _check(elements: Elements) -> None:
         raise AttitudeError(
             f"rho is {elements.rho:.6g} and X is {elements.X:.6g}; rho lies between 0 and 1 "
             "(exclusive; without nutation no ratios of moments follow), X from 0 to 1."
+        )
+    if elements.X > 0.0 and _log_nome(elements.rho, elements.X).real > _SEPARATRIX:
+        raise AttitudeError(
+            f"1 - rho is {1.0 - elements.rho:.3g} and 1 - X is {1.0 - elements.X:.3g}: the "
+            "separatrix to all digits, where no one body follows. Give the moments and the "
+            "angular velocity."
         )

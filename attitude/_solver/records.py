@@ -113,7 +113,7 @@ TANGENTS: np.dtype[np.void] = np.dtype(
         ("by_nome", "f8", (4, 5)),
         ("offset", "f8", (3, COLUMNS)),
         # series of `short_times` to either side that serve while the terms above cancel: for all
-        # digits, and for least squares
+        # digits, and for least squares; 0 of columns by elements, which cancel within a radian
         ("spans", "i8", 2),
         # turns per second of the precession of a needle, a pair, where it is slow; otherwise 0
         ("slow", "f8", 2),

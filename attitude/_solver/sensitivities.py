@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from functools import cache
+from functools import cache, cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -12,7 +12,7 @@ import numpy as np
 from attitude._compilation.deferral import uncollected
 from attitude._compilation.simd import LINE
 from attitude._solver import codes, covariance, evaluation
-from attitude._solver.elements import inputs_by_elements
+from attitude._solver.elements import tangents_by_elements
 from attitude._solver.records import BLOCK, COLUMNS, ROWS, TANGENTS
 from attitude._support import pairs
 from attitude._support.arrays import frozen, new_array, read_only
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 PARAMETERS = COLUMNS
 # In place of second doubles of the epochs, where there are none.
 _NO_LOW = frozen(np.empty((1, 0)))
+_EPOCH = frozen(np.zeros((1, 1)))
 # Power of two of the largest rate, rad/s, beyond which terms of the third order, and products of
 # two of them, leave the range of doubles.
 _LARGEST_TEMPO = 300
@@ -95,9 +96,11 @@ def evaluate(
     omega: FloatArray | None = None,
     *,
     edges: IntArray | None = None,
+    factors: FloatArray | None = None,
 ) -> None:
     """As `evaluate_all`; AttitudeError for a body with an epoch beyond its reach."""
-    body = evaluate_all(constants, tangents, t, t_low, attitude, omega, edges=edges)
+    arrays = attitude, omega
+    body = evaluate_all(constants, tangents, t, t_low, *arrays, edges=edges, factors=factors)
     _refuse(constants, tangents, body, t, t_low, edges)
 
 
@@ -111,6 +114,7 @@ def evaluate_all(
     *,
     edges: IntArray | None = None,
     all_digits: bool = True,
+    factors: FloatArray | None = None,
 ) -> int:
     """Fill attitude, omega (B, 3, P, T) with the derivatives of B motions at epochs t, t_low (1 or
     B, T).
@@ -120,8 +124,9 @@ def evaluate_all(
     edges: (B + 1,), of rows (1, R) of epochs, of which those of a body stand between two edges.
     all_digits: whether columns have all digits near the epoch of the state, by series; otherwise
         those of their terms, and series only where these cancel to 4e-12.
+    factors: as in `Factored`, with the tangents of that; None: of the parameters themselves.
     """
-    short = _short_of(constants, tangents, t, edges, omega is not None, all_digits)
+    short = _short_of(constants, tangents, t, edges, omega is not None, all_digits, factors)
     return _in_blocks(constants, tangents, short, t, t_low, 0, (attitude, omega), edges)
 
 
@@ -191,24 +196,24 @@ def covariances(
     out: FloatArray,
 ) -> None:
     """Fill out (B, 3, 3, T) with the covariances of B motions at given epochs."""
-    short = _short_of(constants, tangents, t, None, out.shape[1] == 6, True)
-    records = short[0]
-    if len(records):
-        factors = np.moveaxis(of.factors, 1, 2)[records["motion"]]
-        records["series"] = factors[:, None] @ records["series"]
+    short = _short_of(constants, tangents, t, None, out.shape[1] == 6, True, of.factors)
     body = _in_blocks(constants, of.tangents, short, t, t_low, 1, (out, out), None)
     _refuse(constants, of.tangents, body, t, t_low)
 
 
-def _short_of(constants, tangents, t, edges, rates, every):
+def _short_of(constants, tangents, t, edges, rates, every, factors):
     """The series of motions with epochs near that of the state, and their numbers (B,); -1: none.
 
-    Those of every motion, or of those whose terms cancel.
+    Those of every motion, or of those whose terms cancel; of parameters of which the ones of the
+    state are combinations by `factors` (B, 9, 9), if given.
     """
     loops, count, span = _compiled()[1], len(constants), np.empty(len(constants))
     constants, tangents = evaluation.writable(constants), evaluation.writable(tangents)
     loops.spans_of(constants, span)
     of_terms = tangents["spans"][:, 0 if every else 1]
+    few = np.flatnonzero((of_terms == 0) & (constants["form"] != codes.UNIFORM) & every)
+    speed = np.linalg.norm(constants["omega"][few, :, 0], axis=1)
+    span[few] = np.minimum(span[few], np.ldexp(1.0 / speed, -constants["tempo"][few]))
     most = np.maximum(of_terms, 1)
     reach = np.empty(count)
     loops.reaches(tangents, span * most, reach)
@@ -226,6 +231,9 @@ def _short_of(constants, tangents, t, edges, rates, every):
     spans = np.clip(steps, 1, most[chosen, None]).astype(np.int64)
     short = np.zeros(len(chosen) + int(np.sum(spans - 1)), loops.SHORT)
     loops.short_setup(constants, tangents, chosen, span, spans, short)
+    if factors is not None:
+        turned = np.moveaxis(factors, 1, 2)[short["motion"]]
+        short["series"] = turned[:, None] @ short["series"]
     numbers[chosen] = np.arange(len(chosen))
     return short, numbers
 
@@ -313,8 +321,10 @@ class Derivatives(ABC):
         """Changes of attitude (S, 3, 9), ICRF axes, and of the angular velocity, body axes."""
 
     @abstractmethod
-    def by_elements(self) -> FloatArray:
-        """Changes (6, 5) of angular velocity and moments with the elements at the epoch."""
+    def by_elements(
+        self, seconds: FloatArray, low: FloatArray | None, rates: bool
+    ) -> tuple[FloatArray, FloatArray | None]:
+        """As `at`, (S, 3, 8), by the first attitude and the elements at the epoch."""
 
     def covariance_at(
         self, of_state: FloatArray, seconds: FloatArray, low: FloatArray | None, rates: bool
@@ -359,17 +369,44 @@ class Sensitivity(Derivatives):
         self, seconds: FloatArray, low: FloatArray | None, rates: bool
     ) -> tuple[FloatArray, FloatArray | None]:
         """Changes of attitude (S, 3, 9), ICRF axes, and of the angular velocity, body axes."""
+        return self._columns(self._tangents, None, seconds, low, rates)
+
+    def _columns(self, tangents, factors, seconds, low, rates):
         t, t_low = pairs.rows(seconds, low)
         attitude = new_array(1, 3, 9, t.size)
         omega = new_array(1, 3, 9, t.size) if rates else None
-        evaluate(self._constants, self._tangents, t, t_low, attitude, omega)
+        evaluate(self._constants, tangents, t, t_low, attitude, omega, factors=factors)
         shape = (*seconds.shape, 3, 9)
         changes = np.moveaxis(attitude[0], -1, 0).reshape(shape)
         return changes, None if omega is None else np.moveaxis(omega[0], -1, 0).reshape(shape)
 
-    def by_elements(self) -> FloatArray:
-        """Changes (6, 5) of angular velocity and moments with the elements."""
-        return inputs_by_elements(self._constants[0], self._tangents["by_input"][0])
+    def by_elements(
+        self, seconds: FloatArray, low: FloatArray | None, rates: bool
+    ) -> tuple[FloatArray, FloatArray | None]:
+        """As `Derivatives.by_elements`."""
+        of = self.of_elements
+        attitude, omega = self._columns(of.tangents, of.factors, seconds, low, rates)
+        return attitude[..., :8], None if omega is None else omega[..., :8]
+
+    @cached_property
+    def of_elements(self) -> Factored:
+        """The `Factored` whose parameters are the first attitude, the elements, and nothing."""
+        of = tangents_by_elements(self._constants[0])
+        tangents = evaluation.copy_of(self._tangents)
+        record, factors = tangents[0], np.eye(9)[None]
+        for name in ("weights", "amplitudes", "offset"):
+            record[name][:, 3:] = 0.0
+        record["weights"][:, 3:8], record["amplitudes"][:, 3:8] = of.weights, of.amplitudes
+        record["by_third"], record["spans"] = of.by_third, 0
+        # the state by the elements, without series: from the columns at the epoch
+        columns = np.empty((2, 1, 3, 9, 1))
+        none = np.empty(0, _compiled()[1].SHORT), np.full(1, -1)
+        _in_blocks(self._constants, tangents, none, _EPOCH, None, 0, columns, None)
+        record["offset"][:, 3:] = -columns[0, 0, :, 3:, 0]
+        factors[0, 3:, 3:] = 0.0
+        factors[0, 3:6, 3:8] = columns[1, 0, :, 3:8, 0]
+        factors[0, 6:, 3:8] = of.log_moments / record["inverse"][:, None]
+        return Factored(factors, tangents)
 
     def covariance_at(
         self, of_state: FloatArray, seconds: FloatArray, low: FloatArray | None, rates: bool

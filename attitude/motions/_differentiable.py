@@ -167,25 +167,25 @@ class Differentiable(Motion):
 
         Notes
         -----
-        Errors are 4e-15 of the largest entry of a column, near the separatrix 1e-15/mc: closed
-        forms (docs/derivation.md), not differences.  For motions under torques see
-        `attitude.splitting.TorquedRotation`.
+        Closed forms (docs/derivation.md), not differences.  Errors are 4e-15 of the largest entry
+        of a column, or 2^-52 of its condition number where that is more (docs/sensitivities.md), as
+        after a passage near the separatrix.  By elements the same, but up to 1e-11 of a column by
+        rho or X that begins beside the equator of a nearly symmetric body.  For motions under
+        torques see `attitude.splitting.TorquedRotation`.
         """
         seconds, lo = _inputs.seconds_since(self.epoch, t, low)
         validation.one_of(axes, "axes", ("inertial", "body"))
         validation.one_of(by, "by", ("state", "elements"))
         rates = validation.flag(angular_velocity, "angular_velocity")
-        attitude, omega = self._sensitivity.at(seconds, lo, rates)
+        of = self._sensitivity
+        columns_of = of.by_elements if by == "elements" else of.at
+        attitude, omega = columns_of(seconds, lo, rates)
         if axes == "body":
             wxyz = self._evaluate(seconds, lo, 0)[0]
             start = quaternion.matrix(self.spin.wxyz_icrf)
             attitude = np.swapaxes(quaternion.matrix(wxyz), -1, -2) @ attitude
             for columns in (attitude,) if omega is None else (attitude, omega):
                 columns[..., :3] = columns[..., :3] @ start
-        if by == "elements":
-            change = self._sensitivity.by_elements()
-            attitude = _combined(attitude, change)
-            omega = None if omega is None else _combined(omega, change)
         return attitude if omega is None else (attitude, omega)
 
     def covariance_at(
@@ -355,8 +355,3 @@ class Differentiable(Motion):
         """
         vector = validation.real(changes, "changes", shape=(9,))
         return self._with(*changed(self.body, self.spin, vector))
-
-
-def _combined(columns: FloatArray, change: FloatArray) -> FloatArray:
-    """Columns (..., 3, 8) by attitude and elements from those (..., 3, 9) by the state."""
-    return np.concatenate([columns[..., :3], columns[..., 3:] @ change], axis=-1)

@@ -309,7 +309,7 @@ class _ChainedSensitivity(Derivatives):
             maps.append(after)
         return self._chained(maps, seconds, low, False)
 
-    def _chained(self, maps, seconds, low, rates):
+    def _chained(self, maps, seconds, low, rates, by_elements=False):
         """Changes (S, 3, P) of attitude and rates from those (9, P) of each arc's first state."""
         t, t_low = pairs.Seconds(seconds, low).flat
         width = maps[0].shape[1]
@@ -318,7 +318,7 @@ class _ChainedSensitivity(Derivatives):
         high, t_low, arcs = _numbers_of_arcs(self._starts, t, t_low)
         for k in np.unique(arcs):
             on = arcs == k
-            one, two = self._on_arc(int(k), high[on], t_low[on], rates)
+            one, two = self._on_arc(int(k), high[on], t_low[on], rates, by_elements and k == 0)
             attitude[on] = one @ maps[k]
             if omega is not None:
                 assert two is not None
@@ -326,21 +326,29 @@ class _ChainedSensitivity(Derivatives):
         shape = (*np.shape(seconds), 3, width)
         return attitude.reshape(shape), None if omega is None else omega.reshape(shape)
 
-    def by_elements(self) -> FloatArray:
-        """Changes (6, 5) of angular velocity and moments with the elements of the first arc."""
-        return self._arcs[0]._sensitivity.by_elements()
+    def by_elements(self, seconds, low, rates):
+        """As `at`, (S, 3, 8), by the first attitude and the elements of the first arc."""
+        maps = [np.eye(8)]
+        for k, change in enumerate(self._changes):
+            maps.append(self._over_joint(k, change, by_elements=k == 0) @ maps[k])
+        return self._chained(maps, seconds, low, rates, by_elements=True)
 
-    def _on_arc(self, k, high, low, rates):
-        """The columns (n, 3, 9) by the first state of an arc."""
-        return self._arcs[k]._sensitivity.at(*_since(self._starts[k], high, low), rates)
+    def _on_arc(self, k, high, low, rates, by_elements=False):
+        """The columns (n, 3, 9) by the first state of an arc, or (n, 3, 8) by its elements."""
+        of = self._arcs[k]._sensitivity
+        return (of.by_elements if by_elements else of.at)(
+            *_since(self._starts[k], high, low), rates
+        )
 
-    def _over_joint(self, k: int, change: Change) -> FloatArray:
-        """The map (9, 9) from the first state of an arc to that of the next."""
+    def _over_joint(self, k: int, change: Change, by_elements: bool = False) -> FloatArray:
+        """The map (9, 9) from the first state of an arc to that of the next; (9, 8): elements."""
         end = self._starts[k + 1]
-        attitude, omega = self._on_arc(k, end[:1], end[1:], rates=True)
+        attitude, omega = self._on_arc(k, end[:1], end[1:], True, by_elements)
         assert omega is not None
-        whole = np.zeros((9, 9))
-        whole[:3], whole[3:6], whole[6:, 6:] = attitude[0], omega[0], np.eye(3)
+        width = attitude.shape[-1]
+        whole = np.zeros((9, width))
+        moments = self._arcs[k]._sensitivity.of_elements.factors[0] if by_elements else np.eye(9)
+        whole[:3], whole[3:6], whole[6:] = attitude[0], omega[0], moments[6:, :width]
         wxyz, before = self._state(k, end)
         old: Body = self._bodies[k]
         new: Body = self._bodies[k + 1]

@@ -471,7 +471,9 @@ class TorquedSensitivity(Derivatives):
         omega = derivatives[:, 3:6].reshape(shape) if rates else None
         return derivatives[:, :3].reshape(shape), omega
 
-    def by_elements(self) -> FloatArray:
+    def by_elements(
+        self, seconds: FloatArray, low: FloatArray | None, rates: bool
+    ) -> tuple[FloatArray, FloatArray | None]:
         """Refused: the elements of a torqued motion change with time."""
         raise AttitudeError(
             'by is "elements"; a motion under torques has no constant elements. Give by="state".'
