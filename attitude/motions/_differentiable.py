@@ -169,9 +169,9 @@ class Differentiable(Motion):
         -----
         Closed forms (docs/derivation.md), not differences.  Errors are 4e-15 of the largest entry
         of a column, or 2^-52 of its condition number where that is more (docs/sensitivities.md), as
-        after a passage near the separatrix.  By elements the same, but up to 1e-11 of a column by
-        rho or X that begins beside the equator of a nearly symmetric body.  For motions under
-        torques see `attitude.splitting.TorquedRotation`.
+        after a passage near the separatrix.  By elements the same, but up to 1e-11 of the first
+        columns by rho or X of a tilted needle, and of a nearly symmetric body beside its equator.
+        For motions under torques see `attitude.splitting.TorquedRotation`.
         """
         seconds, lo = _inputs.seconds_since(self.epoch, t, low)
         validation.one_of(axes, "axes", ("inertial", "body"))
