@@ -28,11 +28,18 @@ _STRONG = 0.15
 _DOMINANT = 0.5
 # Distance of sidelobes from a peak at most, 1/span: a series of one harmonic has its first at 1.43.
 _SIDELOBE = 1.5
-# Lines of a window that are kept, multiples of them, ratios of harmonics.
+# Differences of distances, 1/span, up to which relations fit a period equally well.
+_EQUAL = 0.1
+# Lines of a window that are kept, multiples of them (halves are aliases of the second harmonic),
+# ratios of harmonics.
 _KEPT = 6
-_MULTIPLES = (1, -1, 2, -2)
+_MULTIPLES = (1, -1, 0.5, -0.5, 2, -2)
 _RATIOS = ((1, 2), (2, 1), (1, 3), (3, 1), (2, 3), (3, 2), (1, 4), (4, 1), (3, 4), (4, 3))
-_NAMES = ((1.0 / 86400.0, "1 /d"), (1.0 / 86164.1, "1 /sidereal d"), (2.0 / 86400.0, "2 /d"))
+_SHARES = {1.0: "", 0.5: "2 x ", 2.0: "1/2 of "}
+_NAMES = (
+    *((0.5 / 86400.0, "1/2 /d"), (1.0 / 86400.0, "1 /d")),
+    *((1.0 / 86164.1, "1 /sidereal d"), (2.0 / 86400.0, "2 /d")),
+)
 
 
 class WindowLine(NamedTuple):
@@ -77,20 +84,26 @@ def relation(
     for rank, other in enumerate(better, 1):
         if abs(frequency - other) < _SIDELOBE * tolerance:
             return f"beside #{rank}"
+    expected = []
     for rank, other in enumerate(better, 1):
         for a, b in _RATIOS:
-            if abs(frequency - other * a / b) < tolerance:
-                return f"{b}/{a} of #{rank}" if a > 1 else f"{b} x #{rank}"
-    for rank, other in enumerate(better, 1):
-        for line in lines:
-            for many in _MULTIPLES:
-                for ratio in (1.0, 0.5, 2.0) if line.power > _DOMINANT else (1.0,):
-                    expected = abs(other * ratio + many * line.frequency)
-                    if abs(frequency - expected) < tolerance:
-                        share = {1.0: "", 0.5: "2 x ", 2.0: "1/2 of "}[ratio]
-                        shift = _spelled(many * line.frequency, tolerance)
-                        return f"alias of {share}#{rank} ({shift})"
-    return ""
+            expected.append((other * a / b, f"{b}/{a} of #{rank}" if a > 1 else f"{b} x #{rank}"))
+        for ratio, share in _SHARES.items():
+            for line in (line for line in lines if ratio == 1.0 or line.power > _DOMINANT):
+                for many in _MULTIPLES:
+                    shift = many * line.frequency
+                    words = f"alias of {share}#{rank} ({_spelled(shift, tolerance)})"
+                    expected.append((abs(other * ratio + shift), words))
+    distances = [abs(frequency - other) for other, _ in expected]
+    least = min(distances, default=tolerance)
+    if least >= tolerance:
+        return ""
+    # the plainest one of those that are as near as the nearest
+    return next(
+        words
+        for (_, words), distance in zip(expected, distances, strict=True)
+        if distance <= least + _EQUAL * tolerance
+    )
 
 
 def _spelled(shift: float, tolerance: float) -> str:

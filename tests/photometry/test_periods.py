@@ -373,6 +373,12 @@ def test_relations_of_periods_in_words():
     shifted = _periodogram.relation(f / 2 + 1 / DAY, [f], [line], near)
     assert shifted == "alias of 2 x #1 (+1 /d)"
     assert _periodogram.relation(f * 1.234, [f], [line], near) == ""
+    # within the 1/span of six nights of 3/4 f and of f: the nearest counts, the plainest of equals
+    f, few = 3.8624 / DAY, 0.168 / DAY
+    for shift, words in ((-0.998, "-1"), (1.002, "+1"), (-0.497, "-1/2"), (0.497, "+1/2")):
+        found = _periodogram.relation(f + shift / DAY, [f, 2 * f], [line], few)
+        assert found == f"alias of #1 ({words} /d)"
+    assert _periodogram.relation(f * 0.749, [f, 2 * f], [line], few) == "4/3 of #1"
 
 
 # Two periods --------------------------------------------------------------------------------------
