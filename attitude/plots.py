@@ -21,9 +21,11 @@ from attitude._support.quantity_text import time_unit
 from attitude._support.synonyms import arguments, of_module
 from attitude._textfiles.atomic_write import written_whole
 from attitude._textfiles.lines import path_text
+from attitude.catalog import motion_of
 from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.motions import _conventions
 from attitude.motions import _polhode as curves
+from attitude.motions._free_rotation import FreeRotation
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -34,7 +36,6 @@ if TYPE_CHECKING:
 
     from attitude._support.annotations import FilePath, FloatArray, Real
     from attitude.epochs._instants import Instant
-    from attitude.motions._free_rotation import FreeRotation
 
 __all__ = [
     "angles",
@@ -60,13 +61,14 @@ _A_TURN = 8.0
 
 @arguments({}, 'overview(motion, title="Toutatis")')
 def overview(
-    motion: FreeRotation,
+    motion: FreeRotation | str,
     *,
     span: Real | None = None,
     frame: str = "ecliptic",
     title: str | None = None,
 ) -> Figure:
     """A figure of four plots: polhode, sky, angular velocity, Euler angles."""
+    motion = _free(motion)
     figure = new_figure((9.0, 7.8))
     seconds = np.linspace(0.0, time_span(motion, span), _POINTS)
     _warn_of_coarse(motion, seconds)
@@ -79,6 +81,13 @@ def overview(
     if title:
         figure.suptitle(title, parse_math=False)
     return figure
+
+
+def _free(motion: FreeRotation | str) -> FreeRotation:
+    """The free rotation that is given, or that of a name in the catalogue."""
+    known = motion_of(motion) if isinstance(motion, str) else motion
+    wanted = "a FreeRotation, such as FreeRotation(motion.body_at(t), motion.spin_at(t))"
+    return validation.instance(known, FreeRotation, "motion", wanted)
 
 
 def _warn_of_coarse(motion: FreeRotation, seconds: ArrayLike) -> None:
@@ -170,9 +179,9 @@ def _figure_class() -> type[Figure]:
     return ShownFigure
 
 
-def time_span(motion: FreeRotation, span: Real | None = None) -> float:
+def time_span(motion: FreeRotation | str, span: Real | None = None) -> float:
     """The seconds to show: as given, or three turns of the slower phase."""
-    regime = motion.regime
+    regime = _free(motion).regime
     slowest = [x for x in (regime.P_psi, regime.P_phi_L, regime.P_phi_S) if np.isfinite(x)]
     if not slowest:
         raise AttitudeError("the body is at rest: there is no motion to draw; give one that turns.")
@@ -184,7 +193,7 @@ def time_span(motion: FreeRotation, span: Real | None = None) -> float:
     return 3.0 * longest if np.isfinite(regime.P_psi) else max(3.0 * longest, once)
 
 
-def polhode(axes: Any, motion: FreeRotation | None = None) -> Figure:
+def polhode(axes: Any, motion: FreeRotation | str | None = None) -> Figure:
     """Draw the path of the angular velocity on the ellipsoid of its energy.
 
     Grey: the polhodes of other momenta of the same energy; black: the separatrix.
@@ -193,7 +202,7 @@ def polhode(axes: Any, motion: FreeRotation | None = None) -> Figure:
     ----------
     axes : matplotlib axes of projection "3d"
         ``polhode(motion)`` draws into a new figure.
-    motion : FreeRotation
+    motion : FreeRotation, or its name in the catalogue
 
     Returns
     -------
@@ -207,6 +216,7 @@ def polhode(axes: Any, motion: FreeRotation | None = None) -> Figure:
     """
     if motion is None:
         motion, axes = axes, new_figure((6.0, 6.0)).add_subplot(projection="3d")
+    motion = _free(motion)
     body = motion.body
     order = _conventions.order(body)
     moments = body.moments[order]
@@ -261,11 +271,14 @@ def _family(moments: FloatArray, semi: FloatArray) -> Iterator[tuple[str, FloatA
 
 
 @arguments({}, "sky(axes, motion, seconds)")
-def sky(axes: Axes, motion: FreeRotation, seconds: ArrayLike, *, frame: str = "ecliptic") -> None:
+def sky(
+    axes: Axes, motion: FreeRotation | str, seconds: ArrayLike, *, frame: str = "ecliptic"
+) -> None:
     """Draw the directions of the long and the short axis and of the momentum on the sky.
 
     Shapes: seconds (N,).
     """
+    motion = _free(motion)
     _warn_of_coarse(motion, seconds)
     history = motion.at(seconds)
     turn = frames.matrix_to_icrf(frame)
@@ -286,11 +299,12 @@ def sky(axes: Axes, motion: FreeRotation, seconds: ArrayLike, *, frame: str = "e
 
 
 @arguments({}, "rates(axes, motion, seconds)")
-def rates(axes: Axes, motion: FreeRotation, seconds: ArrayLike) -> None:
+def rates(axes: Axes, motion: FreeRotation | str, seconds: ArrayLike) -> None:
     """Draw the angular velocity over the axes of inertia against time, in deg/s or deg/d.
 
     Shapes: seconds (N,).
     """
+    motion = _free(motion)
     _warn_of_coarse(motion, seconds)
     omega = motion.angular_velocity_at(seconds) @ _conventions.axes(motion.body, "S")
     largest = np.degrees(np.max(np.abs(omega)))
@@ -304,12 +318,13 @@ def rates(axes: Axes, motion: FreeRotation, seconds: ArrayLike) -> None:
 
 @arguments({}, "angles(axes, motion, seconds)")
 def angles(
-    axes: Axes, motion: FreeRotation, seconds: ArrayLike, *, convention: str | None = None
+    axes: Axes, motion: FreeRotation | str, seconds: ArrayLike, *, convention: str | None = None
 ) -> None:
     """Draw phi, theta, psi about the momentum against time, in degrees.
 
     Shapes: seconds (N,).
     """
+    motion = _free(motion)
     _warn_of_coarse(motion, seconds)
     if convention is None:
         convention = "L" if motion.regime.circulates < 0 else "S"

@@ -18,13 +18,13 @@ import numpy as np
 
 from attitude._support import pairs, validation
 from attitude._textfiles.lines import path_text, unreadable
+from attitude.catalog import motion_of
 from attitude.epochs import _inputs, _time_scales
 from attitude.errors import AttitudeError
 from attitude.formats._sampling import apart, known_angle, longest_of
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.motions import _table
-from attitude.motions._motion import motion_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -184,7 +184,7 @@ class Plan:
 
     def __init__(
         self,
-        motion: HasAttitudes,
+        motion: HasAttitudes | str,
         start: EpochOrSeconds,
         stop: EpochOrSeconds,
         kind: int,

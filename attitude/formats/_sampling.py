@@ -36,7 +36,9 @@ if TYPE_CHECKING:
     from attitude.epochs import _instants
     from attitude.motions._motion import HasAttitudes
 
-    AttitudeSource: TypeAlias = "HasAttitudes | AttitudeHistory | Records | Sequence[_Segment]"
+    AttitudeSource: TypeAlias = (
+        "HasAttitudes | str | AttitudeHistory | Records | Sequence[_Segment]"
+    )
     _Segment: TypeAlias = "AttitudeHistory | AttitudeTable | Records"
 
 
@@ -91,7 +93,8 @@ def _motion_of(source, name="source"):
 def known_of(source: AttitudeSource, t: Epochs | None) -> tuple[dict[str, Any], bool]:
     """Names and comments of what a writer was given, and whether it has angular velocities."""
     of_records = (Records, AttitudeHistory, AttitudeTable, list, tuple)
-    if t is None and not isinstance(source, of_records) and callable(getattr(source, "at", None)):
+    is_motion = isinstance(source, str) or callable(getattr(source, "at", None))
+    if t is None and is_motion and not isinstance(source, of_records):
         return dict(_motion_of(source).meta), True
     parts = segments(source, t)
     return dict(parts[0].meta), all(records.has_rates for records in parts)

@@ -221,7 +221,7 @@ class Written:
 
 def write(
     path: FilePath,
-    motion: HasAttitudes,
+    motion: HasAttitudes | str,
     start: EpochOrSeconds | None = None,
     stop: EpochOrSeconds | None = None,
     *,
@@ -242,7 +242,7 @@ def write(
     ----------
     path : str or path
         Ends in .bc; the frame kernel .tf and the clock kernel .tsc are written beside it.
-    motion : FreeRotation, AttitudeTable, or anything else with ``.at(t)``
+    motion : FreeRotation, AttitudeTable, name in the catalogue, or anything else with ``.at(t)``
     start, stop : epochs, or TDB seconds since the epoch of the motion
         Both are required, but for a table: without both its records are written as they are, a
         segment for each stretch without gaps (see `_ck_files.TableSegments`).

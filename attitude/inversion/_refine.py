@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude._support import validation
+from attitude.catalog import motion_of
 from attitude.inversion import _errors, _moving, _problem, _refinement, _shapes, _states
 from attitude.inversion._ellipsoid import OF_SHAPE
 from attitude.inversion._problem import usable
@@ -215,7 +216,7 @@ class Refinement(CurveFit):
 
 def refine(
     curve: LightCurve,
-    start: Solution | Refinement | Motion,
+    start: Solution | Refinement | Motion | str,
     *,
     arcs: Impulse | Sequence[Impulse] | None = None,
     torques: Torque | Sequence[Torque] | None = None,
@@ -228,7 +229,7 @@ def refine(
     Parameters
     ----------
     curve : LightCurve
-    start : Solution, Refinement, FreeRotation, Arcs or TorquedRotation
+    start : Solution, Refinement, FreeRotation, Arcs, TorquedRotation, or name in the catalogue
         A motion near the truth at its epoch; a solution brings its shape too.  Rotation about one
         principal axis stays that: a torque that is found acts along the axis alone.
     arcs : Impulse or sequence of them, optional
@@ -302,7 +303,7 @@ def _start(start: Any) -> tuple[Any, FloatArray | None]:
     if isinstance(start, Refinement):
         shape = start.weighted.refined.state.shape
         return start.point.motion, shape if len(shape) else None
-    return start, None
+    return motion_of(start) if isinstance(start, str) else start, None
 
 
 def _ellipsoid(moments: FloatArray) -> FloatArray:

@@ -13,6 +13,7 @@ import numpy as np
 from attitude._support import quantity_text, validation
 from attitude._support.arrays import part_of_each
 from attitude._support.constants import GAP_OF_NIGHTS_S
+from attitude.catalog import motion_of
 from attitude.epochs import _inputs
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError, AttitudeWarning
@@ -370,7 +371,7 @@ def line_at(i: int, j: int, frequency: float) -> Line:
 
 
 def lines(
-    motion: Motion | Sequence[Real],
+    motion: Motion | str | Sequence[Real],
     order: int | Sequence[int] = 2,
     *,
     convention: str | None = None,
@@ -379,7 +380,7 @@ def lines(
 
     Parameters
     ----------
-    motion : FreeRotation, or pair (P_psi, P_phi)
+    motion : FreeRotation, its name in the catalogue, or pair (P_psi, P_phi)
         s, or Quantities.
     order : int or pair (order of psi, order of phi)
         Lines with |j| and i up to these.
@@ -422,6 +423,7 @@ def known_orders(order: Any) -> tuple[int, int]:
 
 def _frequencies(motion, convention):
     """1 / P_psi and 1 / P_phi in Hz."""
+    motion = motion_of(motion) if isinstance(motion, str) else motion
     if isinstance(motion, Motion):
         regime = motion.regime
         P_phi = motion.period_phi if convention is None else regime.P_phi(convention)

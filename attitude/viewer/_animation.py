@@ -50,7 +50,7 @@ _SHORT = 7200.0
 
 
 def animate(
-    motion: HasAttitudes | Scene,
+    motion: HasAttitudes | Scene | str,
     output: FilePath,
     *,
     start: EpochOrSeconds | None = None,
@@ -69,7 +69,7 @@ def animate(
 
     Parameters
     ----------
-    motion : HasAttitudes or Scene
+    motion : HasAttitudes, name in the catalogue, or Scene
         As in `view`.  Without an observer the body is seen across its momentum; without a Sun the
         light comes from beside the camera.
     start, stop, shape, title, magnitude

@@ -35,7 +35,7 @@ _HOW_MANY_CLOCKS = 800_000
 
 def write_cosmographia(
     path: FilePath,
-    motion: HasAttitudes | Scene,
+    motion: HasAttitudes | Scene | str,
     *,
     start: EpochOrSeconds | None = None,
     stop: EpochOrSeconds | None = None,

@@ -34,7 +34,7 @@ _UPRIGHT = [-np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)]
 
 def write_glb(
     path: FilePath,
-    motion: HasAttitudes | Scene,
+    motion: HasAttitudes | Scene | str,
     *,
     start: EpochOrSeconds | None = None,
     stop: EpochOrSeconds | None = None,

@@ -252,7 +252,7 @@ class Viewer:
 
 @arguments(dict.fromkeys(("file", "path"), "give output="), 'view(motion, output="m.html")')
 def view(
-    motion: HasAttitudes | Scene,
+    motion: HasAttitudes | Scene | str,
     *,
     output: FilePath | None = None,
     start: EpochOrSeconds | None = None,
@@ -266,7 +266,7 @@ def view(
 
     Parameters
     ----------
-    motion : Motion, object with ``.at(t)``, or Scene
+    motion : Motion, its name in the catalogue, object with ``.at(t)``, or Scene
         Of a Scene the page shows what the light shows that is received at its times.
     output : str or path, optional
         File to write; by default none.

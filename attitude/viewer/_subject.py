@@ -15,12 +15,12 @@ from attitude import plots
 from attitude._support import pairs
 from attitude._support.quoting import quoted
 from attitude._textfiles.lines import path_text
+from attitude.catalog import motion_of
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.motions._free_rotation import FreeRotation
-from attitude.motions._motion import motion_of
 from attitude.scene._scene import Scene
 from attitude.shape._ellipsoid import Ellipsoid
 from attitude.shape._mesh import Mesh
@@ -554,7 +554,7 @@ def output_name(output: FilePath, endings: Sequence[str]) -> str:
 
 
 def subject(
-    motion_or_scene: HasAttitudes | Scene,
+    motion_or_scene: HasAttitudes | Scene | str,
     start: EpochOrSeconds | None = None,
     stop: EpochOrSeconds | None = None,
     *,

@@ -6,8 +6,20 @@ import math
 import numpy as np
 import pytest
 
-from attitude import AttitudeError, FreeRotation, Mode, Scene, Spin, catalog
+from attitude import (
+    AttitudeError,
+    FreeRotation,
+    Mode,
+    Scene,
+    Spin,
+    catalog,
+    photometry,
+    plots,
+    viewer,
+)
 from attitude._solver.regime import regimes
+from attitude.formats import aem
+from attitude.inversion import _refine
 from attitude.motions._published import possible, symmetric_moments
 from tests.support.places import ROOT
 
@@ -224,11 +236,20 @@ def test_krylov():
     assert regime.P_phi("L") / 3600.0 == pytest.approx(82.188, rel=2e-3)
 
 
-def test_names_where_motions_are_taken():
+def test_names_where_motions_are_taken(tmp_path):
     scene = Scene("4179 Toutatis", None, (1, 0, 0), (0, 1, 0))
     assert scene.motion.period_psi == catalog.entry("toutatis").motion().period_psi
     with pytest.raises(AttitudeError, match="the catalogue has no 'Vesta'"):
         Scene("Vesta", None, (1, 0, 0), (0, 1, 0))
+    motion = catalog.entry("toutatis").motion()
+    axes = plots.new_figure((4, 4)).add_subplot()
+    plots.rates(axes, "toutatis", [0.0, 1e4])
+    assert plots.time_span("toutatis") == plots.time_span(motion) and len(axes.lines) == 3
+    assert photometry.lines("toutatis") == photometry.lines(motion)
+    assert "FreeRotation" in str(viewer.view("toutatis", stop="3 d"))
+    assert _refine._start("toutatis") == (motion, None)
+    aem.write(tmp_path / "x.aem", "toutatis", start=0.0, stop=1e5, tolerance=1e-6)
+    assert aem.read(tmp_path / "x.aem").span[0] == motion.epoch
 
 
 def test_units_are_converted_as_by_astropy():

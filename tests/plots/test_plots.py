@@ -81,6 +81,10 @@ def test_bad_input_is_a_sentence():
         plots.overview(motion_of((0.0, 1.0, 1.0), (0.0, 1.0, 0.0)))
     with pytest.raises(AttitudeError, match="frame"):
         plots.overview(motion_of(*MOTIONS["long axis"]), frame="galactic")
+    for wrong in (None, motion_of(*MOTIONS["long axis"]).spin):
+        for drawn in (plots.overview, plots.polhode):
+            with pytest.raises(AttitudeError, match=r"motion is .*; give a FreeRotation"):
+                drawn(wrong)
 
 
 def run(arguments, capsys):
