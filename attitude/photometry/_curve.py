@@ -893,7 +893,8 @@ def _place(name: str, places: dict[str, Any]) -> Any:
         return _places.place(name, "site", is_observer=True)
     except AttitudeError as err:
         raise AttitudeError(
-            f"{err} Or give site= for all points, or places= with {quoted(name)}."
+            f"{err} Or give site= (--site) for all points, or a dict with the place of "
+            f"{quoted(name)}: as site= of reduced and read, as places= of LightCurve."
         ) from None
 
 

@@ -377,8 +377,9 @@ def _alcdef_row(number: int, parts: list[str], meta: dict[str, str], block: int)
     session = f"{block} {meta.get('SESSIONDATE', '')}".strip()
     error = parts[2].strip() if len(parts) > 2 else ""
     site = meta.get("MPCCODE", "")
-    if not site and "" not in (place := [meta.get(key, "") for key in _ALCDEF_PLACE]):
-        site = f"{place[0]}, {place[1]} deg"
+    if site.lower() in (*_BLANK, "xxx", "---"):
+        place = [meta.get(key, "") for key in _ALCDEF_PLACE]
+        site = "" if "" in place else f"{place[0]}, {place[1]} deg"
     body = " ".join((meta.get("OBJECTNAME") or meta.get("MPCDESIG", "")).split())
     return RawPoint(number, date, parts[1].strip(), error, band, site, session, exposure, body)
 

@@ -180,6 +180,9 @@ def test_alcdef(tmp_path):
     assert len(found) == 3 and found.name == "Example" and found.filters == ("C", "R")
     assert found.sessions == ("1 2011-09-13", "2 2011-09-16")
     assert found.sites == ("-116.38361, +34.29111 deg",)
+    for code in ("NONE", "XXX", "-"):
+        coded = ALCDEF.replace("OBSLATITUDE", f"MPCCODE={code}\nOBSLATITUDE")
+        assert read(tmp_path, coded, bad="ignore").sites == found.sites
     # the exposure of 86.4 s begins at the date: its middle is 0.0005 d later
     middle = Time(2455820.0, 0.791528, format="jd", scale="utc")
     assert abs((found.times[2] - middle).to_value("s")) < 1e-3
@@ -364,6 +367,10 @@ def test_sites_of_rows_and_of_sessions(tmp_path):
     assert not np.allclose(alone[0].observer, alone[1].observer, rtol=1e-6)
     part = curves[1][2:]
     assert set(part.scenes) == {"a", "b"} and len(part) == 4
+    raw = photometry.LightCurve.read(path)
+    np.testing.assert_array_equal(raw.reduced(orbit, site=places).observer, curves[1].observer)
+    with pytest.raises(AttitudeError, match="the place of 'a': as site= of reduced and read"):
+        raw.reduced(orbit)
     with pytest.raises(AttitudeError, match="light curve has no sessions"):
         path.write_text("jd,mag\n2461041.5,15\n2461042.5,15\n")
         photometry.LightCurve.read(path, path=orbit, site=places)
