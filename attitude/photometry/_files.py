@@ -14,7 +14,7 @@ flux, intensity, counts             in place of them
 reduced_mag, reduced_flux           at 1 au from Sun and observer
 zero_phase                          yes: at zero phase angle
 zero_points                         of sessions: free, shared, or a standard deviation in mag
-sigma, error, merr, mag_err ...     standard errors, in the unit of the brightness
+sigma, error, mag_err, e_vmag ...   standard errors, in the unit of the brightness
 filter, band, filtercode, f ...     filter
 site, station, stn, obs_code        code of the observatory
 session, night, observer            session
@@ -557,6 +557,9 @@ _NAMES: dict[str, tuple[str, ...]] = {
 _ATLAS = {"mjd", "ujy", "dujy"}
 _ATLAS_MIDDLE = 15.0 / _SECONDS
 _BRIGHTNESS = ("magnitude", "reduced", "flux", "reduced flux")
+# Names of columns of errors of another column, and columns of brightness where they have errors.
+_ERROR_OF = r"(?:e|err|error|sigma)_{0}(?:_\w+)?|{0}_?(?:err|error|sigma)"
+_BANDS = (*"ubvrigzjhk",)
 _MEANINGS = {"zero_phase": ("no", "yes"), "zero_points": ("free", "shared")}
 _TEXTS = ("error", "filter", "site", "session", "object")
 _PLACE = (("ra_deg", "ra"), ("dec_deg", "dec"), ("delta", "delta_au"))
@@ -629,13 +632,13 @@ def _with_remark(rows, text, name, columns):
 
 def _of_table(table, lines, name, columns=None, bad=None):
     """Keywords of `LightCurve` from columns of text; lines (N,) of the rows."""
-    chosen, is_atlas = {}, table.keys() >= _ATLAS
+    chosen, stems, is_atlas = {}, {}, table.keys() >= _ATLAS
     for meant, column in (columns or {}).items():
         if _plain(column) not in table:
             raise AttitudeError(
                 f"{name}: has no column {quoted(column)}; it has {_names_of(table) or 'none'}."
             )
-        chosen[_plain(meant)] = table[_plain(column)]
+        chosen[_plain(meant)], stems[_plain(meant)] = table[_plain(column)], _plain(column)
     # in place of all columns of the same meaning
     meanings = {_meaning(key) for key in chosen} - {""}
     others = {key: table[key] for key in table if _meaning(key) not in meanings}
@@ -660,8 +663,9 @@ def _of_table(table, lines, name, columns=None, bad=None):
     unit = table[key].unit if is_flux else "mag"
     values = _in_unit(table, key, unit, name)
     texts = {kind: table[_key(table, kind)].entries for kind in _TEXTS if _key(table, kind)}
-    if "error" in texts:
-        texts["error"] = _in_unit(table, _key(table, "error"), unit, name)
+    error = "" if "error" in meanings else _error_of(table, stems.get(key, key))
+    if error := error or _key(table, "error"):
+        texts["error"] = _in_unit(table, error, unit, name)
     exposure = _key(table, "exposure")
     exposures = _in_unit(table, exposure, "s", name) if exposure else []
     rows = [
@@ -681,8 +685,28 @@ def _of_table(table, lines, name, columns=None, bad=None):
             f"It is forced photometry of ATLAS: {what} is used, and dates of the start of "
             "exposures are moved by 15 s to the middle."
         )
+    keywords["notes"] += [] if "brightness" in meanings else _others(table, key)
     keywords |= {"time_of": place, "unit_distances": brightness.startswith("reduced")}
     return keywords | _geometry(table, keywords, name) | _meanings(table, keywords, name)
+
+
+def _error_of(table: _Table, key: str) -> str:
+    """The column that has the name of errors of another, "" if there is none."""
+    form = re.compile(_ERROR_OF.format(re.escape(key)))
+    return next((name for name in table if form.fullmatch(name)), "")
+
+
+def _others(table: _Table, key: str) -> list[str]:
+    """A note of the columns of brightness beside the one that is used."""
+    others = [
+        name
+        for name in table
+        if _meaning(name) == "brightness" or (name in _BANDS and _error_of(table, name))
+    ]
+    if others == [key]:
+        return []
+    used = f"{key} is used; in Python columns= chooses another."
+    return [f"The columns {quoted(', '.join(others), 120, '')} hold brightness: {used}"]
 
 
 def _meanings(table: _Table, keywords: Keywords, name: str) -> dict[str, Any]:

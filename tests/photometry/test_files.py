@@ -40,6 +40,24 @@ def test_named_columns(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("header", "columns", "value", "sigma", "used"),
+    [
+        ("JD,V,e_V,R,e_R", {}, 1.0, 2.0, "v, r hold brightness: v is used"),
+        ("JD,V,e_V,R,e_R", {"mag": "R"}, 3.0, 4.0, None),
+        ("JD,V,e_V,R,e_R", {"mag": "R", "error": "e_V"}, 3.0, 2.0, None),
+        ("JD,Vmag,e_Vmag,x,y", {}, 1.0, 2.0, None),
+        ("JD,mag,e_mag_V,x,y", {}, 1.0, 2.0, None),
+        ("JD,Rmag,e_Rmag,Vmag,Vmag_err", {}, 3.0, 4.0, "rmag, vmag hold brightness: vmag is"),
+        ("JD,mag,sigma,flux,x", {}, 1.0, 2.0, "mag, flux hold brightness: mag is used"),
+    ],
+)
+def test_errors_of_one_of_several_bands(tmp_path, header, columns, value, sigma, used):
+    found = read(tmp_path, f"{header}\n2460000.7,1,2,3,4\n", columns=columns)
+    assert (found.value[0], found.sigma[0]) == (value, sigma)
+    assert (used in found.notes[0]) if used else not found.notes
+
+
+@pytest.mark.parametrize(
     ("header", "first", "scale", "offset", "time_of"),
     [
         ("bjd_tdb,flux,flux_err", "2455817.7", "tdb", 0.0, "barycenter"),
