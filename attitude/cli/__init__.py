@@ -23,7 +23,7 @@ import re
 import sys
 import warnings
 from collections.abc import Callable, Sequence
-from contextlib import suppress
+from contextlib import nullcontext, redirect_stdout, suppress
 from functools import partial
 from importlib import import_module
 from typing import Any, NamedTuple, NoReturn
@@ -97,11 +97,21 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _run(arguments: argparse.Namespace) -> None:
-    """Run a command whose files can be written."""
+    """Run a command whose files can be written; where it writes any, its text follows them.
+
+    A reader that closes the output, as "| head -1" does, would end it before.
+    """
     from attitude.cli import _output
 
     _output.require_usable(arguments)
-    arguments.run(arguments)
+    text = io.StringIO()
+    is_held = sys.stdout is not None and _output.writes(arguments)
+    try:
+        with redirect_stdout(text) if is_held else nullcontext():
+            arguments.run(arguments)
+    finally:
+        if is_held:
+            print(text.getvalue(), end="", flush=True)
 
 
 def _is_interrupt(error: BaseException | None) -> bool:

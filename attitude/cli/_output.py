@@ -51,6 +51,11 @@ def picture_of(arguments: argparse.Namespace) -> str | None:
     return None if arguments.figure is None else kind_of(arguments.figure, PICTURES, "--figure")
 
 
+def writes(arguments: argparse.Namespace) -> bool:
+    """Whether a command writes a file of --output, --figure, ..."""
+    return any(vars(arguments).get(name) is not None for name in _WRITTEN)
+
+
 def require_usable(arguments: argparse.Namespace) -> None:
     """Raise the AttitudeError for a file of --output, ... that is read, or cannot be written."""
     from attitude._textfiles.atomic_write import require_writable

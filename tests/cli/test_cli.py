@@ -537,6 +537,17 @@ def test_a_closed_pipe_is_silent():
     assert running.wait(60) == 141
 
 
+def test_files_are_written_where_the_reader_closes_the_pipe(curve, monkeypatch):
+    monkeypatch.setenv("PYTHONUNBUFFERED", "1")
+    options = ["--period", "6 h", "--output", "f.csv", "--figure", "f.png"]
+    running = started("fold", str(curve), *options, stdout=subprocess.PIPE)
+    running.stdout.close()
+    with running.stderr as errors:
+        errors.read()
+    assert running.wait(120) == 141
+    assert Path("f.csv").stat().st_size > 1000 and Path("f.png").stat().st_size > 10_000
+
+
 @pytest.mark.skipif(os.name == "nt", reason="Ctrl-C is another thing there")
 def test_ctrl_c_is_silent_and_leaves_nothing(tmp_path):
     output = tmp_path / "a.csv"
