@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from attitude._support.annotations import (
+        BoolArray,
         Epoch,
         EpochOrSeconds,
         FloatArray,
@@ -63,30 +64,75 @@ _PARTS = 16
 _RESOLUTION = 1e-9
 
 
-def _level_changes(source, levels, searches, advance):
-    """All sign changes of levels, each with the parts of its search, in order of time."""
-    blocks = []
+def _level_changes(conditions, channels, slow, start, advance, searches):
+    """All sign changes of levels, each with the parts of its search, in order of time.
+
+    Those between samples are divided only where they can decide a condition; others stay at the
+    second sample.
+    """
+    source, blocks = conditions[0].source, []
     for search in sorted(set(searches)):
         # Levels of one spacing are sampled together: a view computes each quantity once.
-        some = [k for k, other in enumerate(searches) if other == search]
-        for start, stop, spacing in search:
-            parts = _blocks(source, [levels[k] for k in some], start, stop, spacing, advance)
-            blocks += [(hi, lo, np.asarray(some)[k], up) for hi, lo, k, up in parts]
+        some = [k for k, other in zip(slow, searches, strict=True) if other == search]
+        for begin, stop, spacing in search:
+            blocks += _blocks(source, [(k, slow[k]) for k in some], begin, stop, spacing, advance)
         advance.next_round()
-    if not blocks:
-        return np.zeros(0), np.zeros(0), np.zeros(0, int), np.zeros(0, bool)
-    return _in_order(blocks)
+    sampled = {block.channel for block in blocks if block.step}
+    unknown = [k for k in range(len(channels)) if k not in slow or k in sampled]
+    known = _in_order([block.changes() for block in blocks if block.channel not in unknown])
+    if not sampled:
+        return known
+    need = _needed(conditions, channels, unknown, known, start)
+    count = np.pad(np.cumsum(need, axis=1), ((0, 0), (1, 0)))
+    return _in_order(
+        [block.divided(source, channels, known[0], count).changes() for block in blocks]
+    )
+
+
+class _Block(NamedTuple):
+    """Changes of a channel, s after a base; if step > 0, between samples, begin and end, of it."""
+
+    channel: int
+    base: Pair
+    begin: FloatArray
+    end: FloatArray
+    rising: BoolArray
+    step: float = 0.0
+
+    def changes(self) -> tuple[FloatArray, FloatArray, IntArray, BoolArray]:
+        """Seconds hi + lo, channels and new signs (N,)."""
+        channels = np.full(len(self.end), self.channel)
+        return *shifted(self.base, self.end), channels, self.rising
+
+    def divided(
+        self, source: Source, channels: Sequence[Any], known: FloatArray, count: IntArray
+    ) -> _Block:
+        """The block with epochs of the changes that decide a condition.
+
+        Shapes: known (M,), s; count (channels, M + 2) of the parts before each, and before all and
+        after all, in which a channel decides one.
+        """
+        level, end = channels[self.channel], self.end.copy()
+        first, last = (shifted(self.base, s)[0] for s in (self.begin, end))
+        parts = np.searchsorted(known, first), np.searchsorted(known, last, side="right") + 1
+        some = count[self.channel, parts[1]] > count[self.channel, parts[0]]
+        end[some] = _sectioned(
+            lambda s: level.sign(source.at(*shifted(self.base, s))),
+            *(self.begin[some], end[some], self.rising[some], _RESOLUTION * self.step),
+        )
+        return self._replace(end=end)
 
 
 def _in_order(blocks):
-    """The `Changes` of several blocks in order of time."""
-    columns = [np.concatenate(column) for column in zip(*blocks, strict=True)]
+    """The changes of several blocks in order of time."""
+    none = np.zeros(0), np.zeros(0), np.zeros(0, int), np.zeros(0, bool)
+    columns = [np.concatenate(column) for column in zip(none, *blocks, strict=True)]
     order = np.lexsort((columns[1], columns[0]))
     return tuple(column[order] for column in columns)
 
 
 def _blocks(source, levels, start, stop, spacing, advance):
-    """The changes between knots one spacing apart, block by block."""
+    """The changes of levels, (channel, Level), between knots one spacing apart, by blocks."""
     base = start
     while (remaining := difference(base, stop)) > 0.0:
         advance.reached(base)
@@ -96,20 +142,20 @@ def _blocks(source, levels, start, stop, spacing, advance):
         knots = np.arange(count + 1, dtype=np.float64) * (length / count)
         knots[-1] = length
         moment = source.at(*shifted(base, knots), step=length / count)
-        for k, level in enumerate(levels):
+        for k, level in levels:
             signs = level.sign(moment)
             values = np.asarray(level.value(moment), dtype=np.float64)
-            s, rising = _in_block(source, level, base, knots, values, signs)
-            yield *shifted(base, s), np.full(len(s), k), rising
+            yield _in_block(source, k, level, base, knots, values, signs)
         base = stop if last else pairs.add(base, length)
 
 
-def _in_block(source, level, base, knots, values, signs):
-    """Seconds from the base (N,) of the changes of a level, and whether each is one to True."""
+def _in_block(source, channel, level, base, knots, values, signs):
+    """The `_Block` of the changes of a level."""
     observable = level.observable
     step = knots[1] - knots[0]
     if not (observable.is_smooth or observable.rate) or not np.all(np.isfinite(values)):
-        return _sectioned(lambda s: level.sign(source.at(*shifted(base, s))), knots, signs)
+        k = np.flatnonzero(signs[1:] != signs[:-1])
+        return _Block(channel, base, knots[k], knots[k + 1], signs[k + 1], step)
     if observable.rate:
         first, second, step_share = observable.rate, np.inf, _RATED_PART
     else:
@@ -125,17 +171,12 @@ def _in_block(source, level, base, knots, values, signs):
     brackets = isolated(evaluate, knots, values, first, second, step_share * step, noise)
     s = refined(evaluate, *brackets)
     above = level.comparison.startswith(">")
-    return s, (brackets[2] < 0.0) == above
+    return _Block(channel, base, s, s, (brackets[2] < 0.0) == above)
 
 
-def _sectioned(sign, knots, signs):
-    """The first change between samples of different sign, by sections of sixteen parts."""
-    k = np.flatnonzero(signs[1:] != signs[:-1])
-    a, b, rising = knots[k], knots[k + 1], signs[k + 1]
-    if not len(k):
-        return a, rising
-    width = _RESOLUTION * (knots[1] - knots[0])
-    while np.max(b - a) > max(width, 16.0 * np.spacing(np.max(np.abs(b)))):
+def _sectioned(sign, a, b, rising, width):
+    """The first changes (N,) between samples of different sign, by sections of sixteen parts."""
+    while len(a) and np.max(b - a) > max(width, 16.0 * np.spacing(np.max(np.abs(b)))):
         points = a + (b - a) * (np.arange(_PARTS + 1) / _PARTS)[:, None]
         points[-1] = b
         new = np.empty(points.shape, dtype=bool)
@@ -144,7 +185,7 @@ def _sectioned(sign, knots, signs):
         first = np.argmax(new == rising, axis=0)
         every = np.arange(len(first))
         a, b = points[first - 1, every], points[first, every]
-    return b, rising
+    return b
 
 
 # ---- Sign changes of the channels of conditions, each searched only where it can decide one
@@ -163,8 +204,7 @@ def _sign_changes(conditions, channels, start, stop):
         return
     searches = [level.observable._searches(start, stop) for level in slow.values()]
     advance = Advance(start, stop, len(set(searches)) + bool(fast))
-    hi, lo, number, rising = _level_changes(source, [*slow.values()], searches, advance)
-    slow_changes = hi, lo, np.array([*slow])[number], rising
+    slow_changes = _level_changes(conditions, channels, slow, start, advance, searches)
     done = 0
     for first, last, begin, end, needed in _open_parts(
         conditions, channels, fast, slow_changes, start, stop
@@ -174,7 +214,7 @@ def _sign_changes(conditions, channels, start, stop):
         yield from _merged(source, channels, needed, begin, end, levelled, advance)
         done = last
     advance.end()
-    yield _part(slow_changes, done, len(hi))
+    yield _part(slow_changes, done, len(slow_changes[0]))
 
 
 def _part(changes, first, last):
@@ -186,12 +226,23 @@ def _open_parts(conditions, channels, fast, slow_changes, start, stop):
 
     Numbers of the first change after begin and after end, both ends, and the deciding channels.
     """
-    hi, lo, number, rising = slow_changes
+    hi, lo, _, _ = slow_changes
+    need = _needed(conditions, channels, fast, slow_changes, start)
+    ends = [start, *zip(hi.tolist(), lo.tolist(), strict=True), stop]
+    edges = (np.flatnonzero(np.any(need[:, 1:] != need[:, :-1], axis=0)) + 1).tolist()
+    for a, b in pairwise([0, *edges, len(hi) + 1]):
+        if np.any(need[:, a]):
+            yield a, b - 1, ends[a], ends[b], np.flatnonzero(need[:, a])
+
+
+def _needed(conditions, channels, unknown, changes, start):
+    """Whether channels that are not known decide a condition, (channels, M + 1) between changes."""
+    hi, _, number, rising = changes
     moment = conditions[0].source.at(np.array([start[0]]), np.array([start[1]]))
-    # The sign of each channel before the first change and after each, -1 for those not searched.
+    # The sign of each channel before the first change and after each, -1 for those not known.
     signs = np.full((len(channels), len(hi) + 1), -1)
     for k, channel in enumerate(channels):
-        if k not in fast:
+        if k not in unknown:
             place = np.where(number == k, np.arange(1, len(hi) + 1), 0)
             last = np.maximum.accumulate(np.concatenate([[0], place]))
             known = np.concatenate([channel.sign(moment), rising])
@@ -201,12 +252,8 @@ def _open_parts(conditions, channels, fast, slow_changes, start, stop):
         places_of = [channels.index(channel) for channel in condition.channels]
         is_open = undecided(condition.logic, [signs[k] for k in places_of])
         for k in places_of:
-            need[k] |= is_open & (k in fast)
-    ends = [start, *zip(hi.tolist(), lo.tolist(), strict=True), stop]
-    edges = (np.flatnonzero(np.any(need[:, 1:] != need[:, :-1], axis=0)) + 1).tolist()
-    for a, b in pairwise([0, *edges, len(hi) + 1]):
-        if np.any(need[:, a]):
-            yield a, b - 1, ends[a], ends[b], np.flatnonzero(need[:, a])
+            need[k] |= is_open & (k in unknown)
+    return need
 
 
 def _merged(source, channels, needed, begin, end, levelled, advance):

@@ -102,6 +102,19 @@ def test_one_change_of_two_channels_is_one_event(scene):
     assert len(events.find_discrete(START, STOP, rough | twin)) == 0
 
 
+def test_samples_are_divided_only_where_they_decide(scene):
+    epochs_of = {}
+    for name, lowest in (("decides", "-89.9 deg"), ("decided", "89.9 deg")):
+        sizes = epochs_of[name] = []
+        distance = scene.quantity(
+            lambda view, sizes=sizes: sizes.append(len(view)) or view.observer_distance,
+            unit="m", step=30,
+        )  # fmt: skip
+        up = scene.quantity("elevation") > lowest
+        events.find_discrete(START, STOP, up & (distance > "6000 km"))
+    assert sum(epochs_of["decided"]) < 0.7 * sum(epochs_of["decides"])
+
+
 def test_a_pass_shorter_than_the_spacing_is_found():
     """Grazing passes are found by the bounds of derivatives."""
     scene = Scene(
