@@ -131,9 +131,12 @@ def grid(
         span = _exact(_tt(end)) - _exact(_tt(begin))
     if span * pace < 0 and abs(span) > _ROUNDING:
         where = "before" if span < 0 else "after"
+        since, counted = "", stop if isinstance(last, Fraction) else start
+        if type(first) is not type(last):
+            since = f" ({counted} counts from the epoch, {epoch.utc_iso} UTC)"
         raise AttitudeError(
-            f"--stop {stop} lies {where} --start {start}, but --step is {step}; exchange the "
-            "two, or change the sign of the step."
+            f"--stop {stop} lies {where} --start {start}{since}, but --step is {step}; exchange "
+            "the two, or change the sign of the step."
         )
     count = math.floor(span / pace + _ROUNDING) + 1
     if count > _MOST_ROWS:

@@ -235,6 +235,10 @@ BAD = [
     ((*GO, "--stop", "1", "--step", "1e-10"), "shortest"),
     ((*GO, "--stop", "1", "--step", "-1"), "lies after --start 0, but --step is -1"),
     ((*GO, "--stop", "-1", "--step", "1"), "lies before --start 0"),
+    (
+        (*GO, "--start", "1992-12-02", "--stop", "3 d", "--step", "1 d"),
+        "lies before --start 1992-12-02 (3 d counts from the epoch, 1992-11-09T17:49:47",
+    ),
     ((*GO, "--stop", "1 d", "--step", "1e-8 s"), "more than 10000000000"),
     ((*GO, "--stop", "1", "--step", "1 m"), "--step is '1 m'; give a time, like"),
     ((*GO, "--stop", "1", "--step", "1 hor"), "not a unit that astropy knows"),
