@@ -405,7 +405,8 @@ class Sensitivity(Derivatives):
         record["offset"][:, 3:] = -columns[0, 0, :, 3:, 0]
         factors[0, 3:, 3:] = 0.0
         factors[0, 3:6, 3:8] = columns[1, 0, :, 3:8, 0]
-        factors[0, 6:, 3:8] = of.log_moments / record["inverse"][:, None]
+        moments = 1.0 / (record["inverse"] * record["moment_unit"])
+        factors[0, 6:, 3:8] = moments[:, None] * of.log_moments
         return Factored(factors, tangents)
 
     def covariance_at(

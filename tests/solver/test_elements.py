@@ -264,3 +264,15 @@ def test_the_scale_of_the_body():
         elements, epoch="2026-01-01", wxyz=WXYZ, largest_moment="26 kg m2"
     ).body
     assert not body.relative and np.allclose(np.sort(body.moments), [10, 20, 26], rtol=1e-14)
+
+
+@pytest.mark.parametrize("inertia", [3, 600, -600])
+def test_columns_by_the_elements_in_any_unit_of_inertia(inertia):
+    """No element has the unit of inertia; powers of two change no bit."""
+    columns = [
+        motion_of(size * np.array([10.0, 20.0, 26.0]), (9, 2, 1)).sensitivity_at(
+            [0.1, 3.0], by="elements"
+        )
+        for size in (1.0, 2.0**inertia)
+    ]
+    assert np.array_equal(*columns)
