@@ -82,16 +82,16 @@ class Chain:
 
     def solution(self, arc: int = 0) -> Solution:
         """The `Solution` of an arc at the present precision; Undecided for too few bits."""
-        key = _exact.flint().ctx.prec, arc
-        if key not in self._solutions:
-            state = (self._wxyz, self._rates) if arc == 0 else self._after(arc)
-            choice = self._choice if arc == 0 else (None, None)
-            self._solutions[key] = Solution(self._inertia[arc], *state, *choice)
-        return self._solutions[key]
+        bits = _exact.flint().ctx.prec
+        for k in range(arc + 1):
+            if (bits, k) not in self._solutions:
+                state = self._after(bits, k) if k else (self._wxyz, self._rates, *self._choice)
+                self._solutions[bits, k] = Solution(self._inertia[k], *state)
+        return self._solutions[bits, arc]
 
-    def _after(self, arc: int) -> tuple[list[Number], list[Number]]:
+    def _after(self, bits: int, arc: int) -> tuple[list[Number], list[Number]]:
         """Attitude and angular velocity at the beginning of an arc, after the change."""
-        before, joint = self.solution(arc - 1), self._joints[arc - 1]
+        before, joint = self._solutions[bits, arc - 1], self._joints[arc - 1]
         wxyz = before.at(self._starts[arc] - self._starts[arc - 1])
         rates = before.given_rates if before.form == "uniform" else before.rates(wxyz)
         added = [rational(*row) for row in joint.added.tolist()]

@@ -326,6 +326,12 @@ def test_exact_degenerate_arcs_are_decided():
     assert np.all(motion.certificate([3.0, 5.0, 1e4]).error < 4e-15)
 
 
+def test_a_thousand_changes_are_no_limit():
+    body, spin = Body(moments=(1, 2, 3)), Spin("2026-01-01", (1, 0, 0, 0), (0, 0, 0.5))
+    changes = [Impulse(at=k + 1.0, angular_momentum=(0, 0, 0.25 * (-1) ** k)) for k in range(1000)]
+    assert Arcs(body, spin, changes).certificate([1000.5]).error < 4e-15
+
+
 def test_changes_that_are_rounded_end_what_is_certified():
     changes = [
         Impulse(at=10.0, angular_momentum=lambda history: (0.0, 0.0, 1.0)),
