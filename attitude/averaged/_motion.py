@@ -242,9 +242,8 @@ class AveragedMotion(Immutable):
         "likeliest" takes the greater odds, a whole number seeds a draw, and "all" follows all
         branches: `at` then returns states (B, ...) of the branches that `branches` names.
     least_tilt : float or Quantity
-        rad, or text with its unit.  The tilt from an axis to which damping may lead; it decides
-        when an unstable uniform rotation is left.  Less next to an axis that the separatrix nears:
-        there tan^2 of it differs by a factor of e from that of the separatrix.
+        rad, or text with its unit.  The greatest nutation to which damping may lead, and that of a
+        state that nutates less; it decides when an unstable uniform rotation is left.
     tolerance : float
         Of a step, of L in units of |L| and of y.
     degree : int
@@ -311,7 +310,10 @@ class AveragedMotion(Immutable):
         size, y, region = self.axes.state(spin.angular_velocity)
         ends, edge = (self.least_y, -self.least_y), self.axes.separatrix
         if abs(edge) < FARTHEST:
-            ends = min(ends[0], edge - 1.0), max(ends[1], edge + 1.0)
+            # sin^2 of the greatest nutation is p/p_s in SAM, (1 - p)/(1 - p_s) in LAM
+            square = math.exp(-self.least_y)
+            low, high = (math.log(square + (1.0 + square) * math.exp(x)) for x in (-edge, edge))
+            ends = -low, high
         packing = shared.packing(settings.kinds, size, y, region)
         momentum = quaternion.rotate(spin.wxyz_icrf, spin.angular_velocity @ body.tensor)
         self._refuse_strong(packing, np.append(momentum, y), region)
@@ -391,8 +393,9 @@ class AveragedMotion(Immutable):
         begin = min(first, 0.0) if first < _ROUNDED else first
         if seconds.size and (np.min(seconds) < begin or np.max(seconds) > last):
             raise AttitudeError(
-                f"an epoch lies outside of the paths of the torques, which cover {first:.6g} to "
-                f"{last:.6g} s after the epoch of the spin; give a longer path, or other epochs."
+                "an epoch lies outside of the paths and fields of the torques, which cover "
+                f"{first:.6g} to {last:.6g} s after the epoch of the spin; give a longer path, a "
+                "field of one epoch, as IGRF(epoch=...), or other epochs."
             )
 
     def _extended(self, until: float) -> Track:
@@ -769,7 +772,7 @@ class Settings:
         "auto", "averaged" or "followed" of each torque.
     passages : str or int
     least_y : float
-        y of the least tilt.
+        2 ln tan of the least tilt.
     tolerance : float
     degree : int
     order : int

@@ -137,7 +137,7 @@ def _add_arguments_of_evolve(parser: argparse.ArgumentParser) -> None:
         "--least-tilt",
         default="0.01 deg",
         metavar="ANGLE",
-        help="the tilt from an axis to which damping may lead (0.01 deg)",
+        help="the greatest nutation to which damping may lead (0.01 deg)",
     )
     parser.add_argument(
         "--paths",

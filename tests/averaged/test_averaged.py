@@ -6,7 +6,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from attitude import AttitudeError, Body, quaternion, shape
+from attitude import AttitudeError, Body, FreeRotation, quaternion, shape
 from attitude.averaged import AveragedMotion, _tables, over_torus
 from attitude.averaged import _means as means
 from attitude.averaged import _polhode as polhode
@@ -170,7 +170,7 @@ def test_a_path_may_begin_at_the_epoch():
     states = motion.at([0.0, 2.9e4])
     assert np.array_equal(states.momentum[0], motion.start[:3])
     assert np.all(np.isfinite(states.weakness))
-    with pytest.raises(AttitudeError, match="outside of the paths"):
+    with pytest.raises(AttitudeError, match="outside of the paths and fields"):
         motion.at(-1.0)
 
 
@@ -343,6 +343,32 @@ def test_the_least_tilt_leads_over_no_separatrix(moments, omega, torque, tilt, m
     motion = AveragedMotion(Body(moments=moments), spinning(omega), torque, least_tilt=tilt)
     assert [str(m) for m in motion.at([0.0, 1e4]).mode] == [mode, mode]
     assert not any(event.kind == "passage" for event in motion.events)
+
+
+@pytest.mark.parametrize(
+    ("moments", "omega"),
+    [
+        ((1, 500, 500.5), (-6.3605e-4, -4.9896e-4, -0.02246678)),
+        ((5e3, 1e5, 1.001e5), (2e-5, 0.0012, 0.06)),
+        ((1000, 1000.05, 1900), (0.06, 0.0005, 1e-7)),
+    ],
+)
+def test_the_least_tilt_is_one_of_the_greatest_nutation(moments, omega):
+    """States that nutate by more keep their energy, also next to an axis the separatrix nears."""
+    body, spin = Body(moments=moments), spinning(omega)
+    states = AveragedMotion(body, spin, InternalDissipation(1e-12)).at(0.0)
+    assert states.P_psi == pytest.approx(FreeRotation(body, spin).period_psi, rel=1e-9)
+
+
+@pytest.mark.parametrize("moments", [(10, 20, 26), (1, 500, 500.5), (1000, 1000.05, 1900)])
+@pytest.mark.parametrize(("axis", "seconds"), [("S", 1e10), ("L", -1e10)])
+def test_friction_leads_to_the_least_tilt(moments, axis, seconds):
+    """From the long axis, forwards and backwards in time."""
+    torque = InternalDissipation(1e-4)
+    spin = spinning((0.1, 1e-5, 1e-6))
+    motion = AveragedMotion(Body(moments=moments), spin, torque, least_tilt="2 deg")
+    free = motion.at(seconds).free_rotation((0.0, 0.0))
+    assert free.regime.nutation(axis)[1] == pytest.approx(math.radians(2.0), rel=1e-9)
 
 
 def test_a_sphere_and_a_body_at_rest_are_refused():
