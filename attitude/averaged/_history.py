@@ -241,18 +241,25 @@ class AveragedHistory(Immutable):
         return _plots.of_history(self, events, path, title)
 
     def table(self) -> QTable:
-        """A QTable with a row for each epoch: times, momentum, theta, mode, energy, periods."""
+        """A QTable with a row for each epoch: times, momentum, theta, mode, energy, periods.
+
+        Epochs of several axes in the order of their elements; those of all branches one branch
+        after another, with its number from 1 on, `branch`, and its `odds`.
+        """
         from astropy.table import QTable
         from astropy.units import Quantity
 
-        t = np.atleast_1d(self.seconds)
+        t = self.seconds.ravel()
         table = QTable({"time": _instants.times(self.epoch, t)})
         table["tdb_seconds"] = Quantity(t, "s")
+        if len(self.odds):
+            table["branch"] = np.repeat(np.arange(1, len(self) + 1), len(t) // len(self))
+            table["odds"] = self.odds[table["branch"] - 1]
         for name, unit in (("size", "N m s"), ("theta", "rad"), ("energy", "J")):
-            table[name] = Quantity(np.atleast_1d(getattr(self, name)), unit)
+            table[name] = Quantity(getattr(self, name).ravel(), unit)
         for k, name in enumerate(("pole_x", "pole_y", "pole_z")):
-            table[name] = np.atleast_2d(self.pole)[:, k]
-        table["region"] = [REGIONS[k] for k in np.atleast_1d(self.region)]
+            table[name] = self.pole[..., k].ravel()
+        table["region"] = np.array(REGIONS)[self.region.ravel()]
         for name in ("P_psi", "P_phi"):
-            table[name] = Quantity(np.atleast_1d(getattr(self, name)), "s")
+            table[name] = Quantity(getattr(self, name).ravel(), "s")
         return table

@@ -210,6 +210,11 @@ def test_branches_are_known_up_to_the_end_of_the_tree():
     with pytest.raises(AttitudeError, match="longer tree"):
         leaves.at(-1.0)
     assert len(leaves.table()) == len(leaves)
+    table = states[:, :].table()
+    assert np.array_equal(table["size"].value, states.size.ravel(), equal_nan=True)
+    table = states.table()
+    assert np.array_equal(table["branch"], np.repeat(np.arange(1, len(leaves) + 1), 50))
+    assert np.array_equal(table["odds"], np.repeat(leaves.odds, 50))
     with pytest.raises(AttitudeError, match="no epoch has been asked"):
         tumbling().branches()
 
