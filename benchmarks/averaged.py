@@ -986,7 +986,7 @@ def over_nodes(axes, body, torque, state, region, count):
 def _share(errors, key):
     """Error over change; the error itself in brackets where the mean is constant."""
     change = errors[f"{key} change"]
-    if abs(change) < 10.0 * abs(errors[key]):
+    if abs(change) <= 10.0 * abs(errors[key]):  # both are 0 where nothing moves |L|
         return f"({abs(errors[key]):.0e})"
     return f"{abs(errors[key] / change):.1e}"
 
