@@ -261,7 +261,7 @@ def _state(states):
 def test_a_path_that_is_shorter_than_the_span_is_a_sentence():
     motion = AveragedMotion(ENVISAT, spinning(), GravityGradient(circle(12e6, -1e5, 1e6), GM))
     motion.at(9e5)
-    with pytest.raises(AttitudeError, match="give a longer path, or other epochs"):
+    with pytest.raises(AttitudeError, match="give a longer path, a field of one epoch"):
         motion.at(2e6)
 
 

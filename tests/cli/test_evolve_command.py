@@ -228,7 +228,7 @@ def test_an_orbit_too_short_and_too_fast(tmp_path, monkeypatch, capsys):
         f'center = {{ oem = "{oem}" }}\n' + content + gravity + 'body = "sun"\n'
     )
     assert run("short.toml", "--until", "2020-01-01", "--output", "x.csv") == 2
-    assert "give a longer path, or other epochs" in capsys.readouterr().err
+    assert "give a longer path, a field of one epoch" in capsys.readouterr().err
     assert not os.path.exists("x.csv")
     assert run("short.toml", "--until", "2013-01-01", "--paths", "averaged") == 2
     assert "a turn of it takes" in capsys.readouterr().err
