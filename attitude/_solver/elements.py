@@ -103,8 +103,8 @@ def tangents_by_elements(c: Any) -> Tangents:
     """The derivatives by the elements of a record of `records.CONSTANTS`, by complex steps in the
     series of `_form`.
     """
-    near = c["form"] == codes.HYPERBOLIC
-    if c["form"] == codes.UNIFORM or (near and c["winds"] == 0.0):
+    hyperbolic = c["form"] == codes.HYPERBOLIC
+    if c["form"] == codes.UNIFORM or (hyperbolic and c["winds"] == 0.0):
         raise AttitudeError(
             "the motion has no derivatives by its elements: in uniform rotation and on the "
             'separatrix they do not follow from the state. Take by="state".'
@@ -122,7 +122,7 @@ def tangents_by_elements(c: Any) -> Tangents:
         # all is linear in the rates and the phase
         step = 1.0 if k < 3 else _STEP * (elements.rho if k == 3 else 1.0)
         moved = [complex(value, step if j == k else 0.0) for j, value in enumerate(elements)]
-        form = _form(moved, complex(less, -step if k == 4 else 0.0), near, cosines)
+        form = _form(moved, complex(less, -step if k == 4 else 0.0), hyperbolic, cosines)
         scale = form.stretch.real
         weights[:, k] = [
             2.0 * (moved[0] - form.shift * moved[1]).imag,
@@ -138,7 +138,7 @@ def tangents_by_elements(c: Any) -> Tangents:
         amplitudes[:, k] += form.quotients.imag / form.quotients.real
         for array in (weights, amplitudes, log_moments):
             array[:, k] /= step
-    by_third = scale / (math.pi * form.third.real) if near else 0.0
+    by_third = scale / (math.pi * form.third.real) if hyperbolic else 0.0
     return Tangents(weights, amplitudes, (by_third, 0.0), log_moments)
 
 
@@ -184,8 +184,8 @@ def state_of(elements: Elements) -> tuple[FloatArray, FloatArray]:
     is the middle one.
     """
     _check(elements)
-    near = elements.X > 0.0 and _log_nome(elements.rho, elements.X).real > -math.pi
-    form = _form([complex(value) for value in elements], complex(1.0 - elements.X), near)
+    hyperbolic = elements.X > 0.0 and _log_nome(elements.rho, elements.X).real > -math.pi
+    form = _form([complex(value) for value in elements], complex(1.0 - elements.X), hyperbolic)
     inverse = form.inverse.real
     ratios = inverse.max() / inverse if inverse.min() > 0.0 else np.array([np.nan] * 3)
     moments = ratios / ratios.max()
@@ -200,12 +200,16 @@ def state_of(elements: Elements) -> tuple[FloatArray, FloatArray]:
         moments[largest] = others
         moments /= others
     turns = round(elements.phase / math.pi)
-    sign = -1.0 if near and turns % 2 else 1.0
-    z = 2j * (elements.phase - math.pi * turns) / form.stretch.real if near else elements.phase
+    sign = -1.0 if hyperbolic and turns % 2 else 1.0
+    z = (
+        2j * (elements.phase - math.pi * turns) / form.stretch.real
+        if hyperbolic
+        else elements.phase
+    )
     two, one, three, four = _thetas(form.nome, z)
     quotients = (
         [sign * four / two, sign * 1j * one / two, three / two]
-        if near
+        if hyperbolic
         else [two / four, -one / four, three / four]
     )
     return moments, (form.extremes * form.inverse * form.quotients * quotients).real
@@ -230,7 +234,9 @@ class _Form(NamedTuple):
     third: complex
 
 
-def _form(elements: Sequence[complex], less: complex, near: bool, cosines: Any = None) -> _Form:
+def _form(
+    elements: Sequence[complex], less: complex, hyperbolic: bool, cosines: Any = None
+) -> _Form:
     """Moments and amplitudes in closed form (docs/derivation.md, section 15).
 
     less: 1 - X.  cosines (2,): of the least and the greatest tilt, if they are known better.
@@ -240,7 +246,7 @@ def _form(elements: Sequence[complex], less: complex, near: bool, cosines: Any =
     components, 1/I_i = (2 lambda + v' g_i)/L.
     """
     precession, nutation, _, rho, x = elements
-    if near:
+    if hyperbolic:
         stretch = -_log_nome(rho, x) / math.pi
         d, third = -cmath.log(x) / (2.0 * stretch), cmath.exp(-math.pi / stretch)
         extremes, g = _near_separatrix(third, d)
@@ -252,7 +258,7 @@ def _form(elements: Sequence[complex], less: complex, near: bool, cosines: Any =
     inverse = 2.0 * (precession - shift * nutation) + nutation / stretch * g
     two, _, three, four = _thetas(nome, 0.0)
     quotients = [two / four, three / four, two / three]
-    if not near:
+    if not hyperbolic:
         quotients = [four / two, three / two, four / three]
     return _Form(extremes, inverse, np.array(quotients), nome, stretch, shift, second, third)
 
