@@ -61,9 +61,8 @@ _CUT = 9.0
 _MEAN_BELOW = 0.9733
 # The model error, mag, that any solution has at least.
 _LEAST_ERROR = 0.003
-# Relative gains of the cost at which fits end: without weights, then each with those of Student's
-# distribution for the residuals before it.
-_GAINS = (3e-3, 3e-3, 1e-4)
+# Fits with weights of Student's distribution, each with those of the residuals before it.
+_ROUNDS = 2
 # The largest share of their variance that neighbouring residuals are taken to have in common.
 _MOST_COMMON = 0.9
 # Nights at least of a standard error.
@@ -144,8 +143,8 @@ def refined(
     """
     stay = fixed if held is None else held
 
-    def fit(reweighted: CurveProblem, state: FloatArray, gain: float) -> Evaluation[FloatArray]:
-        return _refinement.refine(reweighted, state, tie=tie, fixed=stay, gain=gain)
+    def fit(reweighted: CurveProblem, state: FloatArray) -> Evaluation[FloatArray]:
+        return _refinement.refine(reweighted, state, tie=tie, fixed=stay, gain=1e-4)
 
     robust = student(problem, start, fit, int(np.count_nonzero(~fixed[:MOTION])), trials)
     if held is not None:
@@ -306,18 +305,18 @@ def weights(square: FloatArray) -> FloatArray:
 def student(
     problem: CurveProblem,
     start: State,
-    fit: Callable[[CurveProblem, State, float], Evaluation[State]],
+    fit: Callable[[CurveProblem, State], Evaluation[State]],
     free: int,
     trials: float = 1.0,
 ) -> Weighted[State]:
     """The state of largest posterior density near a start, with Student's errors."""
     state, reweighted, size = start, problem, problem.errors
-    for turn, gain in enumerate(_GAINS):
-        evaluation = fit(reweighted, state, gain)
+    for turn in range(_ROUNDS + 1):
+        evaluation = fit(reweighted, state)
         fitted, state = evaluation.fitted, evaluation.fitted.state
         residual, coefficients = residuals(reweighted, fitted.magnitude)
         square = (residual / size) ** 2
-        if turn + 1 < len(_GAINS):
+        if turn < _ROUNDS:
             reweighted = replace(problem, sigma=size / np.sqrt(weights(square)), model_error=0.0)
     evidence = (FREEDOM + 1.0) * float(np.sum(np.log1p(square / FREEDOM)))
     evidence += 2.0 * float(np.sum(np.log(size)))
@@ -333,7 +332,7 @@ def constant(problem: CurveProblem) -> Weighted[None]:
 
     nothing = np.zeros(0)
 
-    def fit(reweighted: CurveProblem, _state: None, _gain: float) -> Evaluation[None]:
+    def fit(reweighted: CurveProblem, _: None) -> Evaluation[None]:
         chi = reweighted.chi_squared(zeros)
         fitted = Fitted(None, cost=chi, chi_squared=chi, strain=0.0, areas=nothing, magnitude=zeros)
         return Evaluation(fitted, lambda: (nothing[:, None], nothing))

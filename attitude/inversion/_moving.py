@@ -405,7 +405,7 @@ class MovingFit:
         return _evidence.student(
             whole,
             best.state,
-            lambda reweighted, state, _: self.minimum(reweighted, state, _LAST, 1e-5),
+            lambda reweighted, state: self.minimum(reweighted, state, _LAST, 1e-5),
             free,
         )
 
