@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 PARAMETERS = COLUMNS
 # In place of second doubles of the epochs, where there are none.
 _NO_LOW = frozen(np.empty((1, 0)))
+# The epoch of the state, of one body.
 _EPOCH = frozen(np.zeros((1, 1)))
 # Power of two of the largest rate, rad/s, beyond which terms of the third order, and products of
 # two of them, leave the range of doubles.
