@@ -53,7 +53,6 @@ that differs from its date to the nanosecond is written as two doubles,
 
 from __future__ import annotations
 
-import math
 import os
 import re
 from dataclasses import dataclass
@@ -187,8 +186,10 @@ def _body(section, shape, folder):
         if "density" in section:
             if extra:
                 raise AttitudeError("[body] has both mass and density; give one of them.")
-            density = validation.positive(value("density", (), "kg/m3"), "[body] density")
-            extra["mass"] = density * (4.0 / 3.0 * math.pi) * axes.prod()
+            from attitude.shape._ellipsoid import Ellipsoid
+
+            density = float(value("density", (), "kg/m3"))
+            return Body.from_shape(Ellipsoid(axes), density=density)
         return Body.from_ellipsoid(axes, **extra)
     if way == "A_over_C":
         ratios = (float(value(key, ())) for key in ("A_over_C", "B_over_C"))
