@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from attitude.motions._free_rotation import FreeRotation
 
 HELP: str = "compare this installation with reference solutions, and measure its speed"
+# rad, the default of --tolerance: records with seven decimals are within it.
+_TOLERANCE = 1e-6
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -37,16 +39,26 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--spin", metavar="FILE", help="with --prove FILE: the motion, or a name in the catalogue"
     )
+    parser.add_argument(
+        "--tolerance",
+        type=float,
+        metavar="RAD",
+        help="with --prove FILE: largest accepted distance of a record; the exit code is 1 beyond "
+        f"it ({_TOLERANCE:g} by default)",
+    )
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Run the self-test, or certify a file, and print the result."""
     from attitude.cli import _selftest
 
-    if arguments.spin is not None and not arguments.prove:
-        raise AttitudeError("--spin is for --prove FILE, as in --prove t.aem --spin t.toml.")
+    for option in ("spin", "tolerance"):
+        if getattr(arguments, option) is not None and not arguments.prove:
+            raise AttitudeError(
+                f"--{option} is for --prove FILE, as in --prove t.aem --spin t.toml."
+            )
     if arguments.prove:
-        _prove_file(arguments.prove, arguments.spin)
+        _prove_file(arguments.prove, arguments.spin, arguments.tolerance)
         return
     other = _selftest.other_project()
     if other is not None:
@@ -95,15 +107,16 @@ def run(arguments: argparse.Namespace) -> None:
         raise SystemExit(1)
 
 
-def _prove_file(file: str, spin: str | None) -> None:
+def _prove_file(file: str, spin: str | None, tolerance: float | None) -> None:
     """Print the largest proved distance of the records of a file from a free rotation."""
-    from attitude._support import pairs
+    from attitude._support import pairs, validation
     from attitude.formats import detect
     from attitude.motions._certify import certify
     from attitude.motions._table import AttitudeTable
 
     if spin is None:
         raise AttitudeError("--prove FILE needs --spin FILE, the motion that its records have.")
+    limit = _TOLERANCE if tolerance is None else validation.positive(tolerance, "--tolerance")
     motion = _motion(spin)
     with detect.opened(file).motion as table:
         if not isinstance(table, AttitudeTable):
@@ -119,6 +132,13 @@ def _prove_file(file: str, spin: str | None) -> None:
         f"{certificate.error[k]:.3g} rad from the free rotation of {spin} (the farthest at {when} "
         f"UTC). Assumed: {'; '.join(certificate.assumed)}; the seconds from the epoch of the spin."
     )
+    beyond = int((certificate.error > limit).sum())
+    if beyond:
+        print(
+            f"FAILED: {beyond} of the records {'is' if beyond == 1 else 'are'} farther than "
+            f"{limit:g} rad, the accepted distance (--tolerance RAD)."
+        )
+        raise SystemExit(1)
 
 
 def _motion(name: str) -> FreeRotation:

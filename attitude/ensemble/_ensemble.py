@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self, cast
 
 import numpy as np
 
-from attitude import frames
+from attitude import catalog, frames
 from attitude._solver import regime as solver_regime
 from attitude._solver import sensitivities, states
 from attitude._solver.march_layout import OMEGA, STATE_ENTRIES, WXYZ
@@ -301,12 +301,14 @@ class Ensemble(Immutable):
     # ---- Construction
 
     @classmethod
-    def of(cls, motions: Iterable[FreeRotation], names: Sequence[str] | None = None) -> Self:
+    def of(
+        cls, motions: Iterable[FreeRotation | str] | str, names: Sequence[str] | None = None
+    ) -> Self:
         """The ensemble of motions.
 
         Parameters
         ----------
-        motions : iterable of FreeRotation
+        motions : iterable of FreeRotation, or of names in the catalogue
             Their frames are those of the spins; several frames become ICRF.  Covariances of spins
             are left out.
         names : sequence of str, optional
@@ -316,9 +318,12 @@ class Ensemble(Immutable):
         AttitudeError
             For other objects, and for no motions.
         """
+        listed = [motions] if isinstance(motions, str) else _members.listed(motions)
         all_motions = [
-            validation.instance(motion, FreeRotation, f"motion {k}", "FreeRotations")
-            for k, motion in enumerate(_members.listed(motions))
+            catalog.entry(motion).motion()
+            if isinstance(motion, str)
+            else validation.instance(motion, FreeRotation, f"motion {k}", "FreeRotations")
+            for k, motion in enumerate(listed)
         ]
         if not all_motions:
             raise AttitudeError("no motions are given; give at least one FreeRotation.")

@@ -77,9 +77,22 @@ def test_proofs_of_the_self_test_and_of_a_file(tmp_path, monkeypatch, capsys):
     # epochs are written to 1e-12 s
     assert "none of 9 records of t.aem" in shown
     assert float(re.search(r"more than (\S+) rad", shown)[1]) < 4e-15
+    lines = (tmp_path / "t.aem").read_text().splitlines()
+    last = lines.index("DATA_STOP") - 1  # with the attitude of the first record
+    first = lines[lines.index("DATA_START") + 1].split()[1:]
+    lines[last] = " ".join([lines[last].split()[0], *first])
+    (tmp_path / "wrong.aem").write_text("\n".join(lines) + "\n")
+    against = ["--spin", "4179 Toutatis"]
+    assert cli.main(["check", "--prove", "wrong.aem", *against]) == 1
+    assert "FAILED: 1 of the records is farther than 1e-06 rad" in capsys.readouterr().out
+    assert cli.main(["check", "--prove", "wrong.aem", *against, "--tolerance", "3.2"]) == 0
+    assert cli.main(["check", "--prove", "t.aem", *against, "--tolerance", "1e-20"]) == 1
+    assert "FAILED: 9 of the records are" in capsys.readouterr().out
     for wrong, sentence in (
         (["--prove", "t.aem"], "--prove FILE needs --spin FILE"),
         (["--spin", "4179 Toutatis"], "--spin is for --prove FILE"),
+        (["--tolerance", "1e-9"], "--tolerance is for --prove FILE"),
+        (["--prove", "t.aem", *against, "--tolerance", "-1"], "--tolerance is -1"),
         (["--prove", "t.aem", "--spin", "t.aem"], "t.aem holds no free rotation"),
     ):
         assert cli.main(["check", *wrong]) == 2

@@ -7,7 +7,7 @@ import pytest
 from astropy import units
 from astropy.time import Time, TimeDelta
 
-from attitude import AttitudeError, Body, Ensemble, FreeRotation, Mode, Spin
+from attitude import AttitudeError, Body, Ensemble, FreeRotation, Mode, Spin, catalog
 from tests.support import states
 
 EPOCH = "2026-01-01T00:00:00"
@@ -193,6 +193,9 @@ def test_of_motions():
         assert np.array_equal([motion.spin.wxyz for motion in ensemble], ensemble.wxyz)
         assert len(list(ensemble[:10].arcs([]))) == 10
     assert Ensemble.of(motions[:2])[1].body is motions[1].body
+    toutatis = catalog.entry("toutatis").motion()
+    for named in ("toutatis", ["toutatis"], [toutatis]):
+        assert _same(Ensemble.of(named).at(t), 0, toutatis.at(t))
 
 
 def test_members_that_are_not_physical():
