@@ -411,7 +411,7 @@ def is_file(text: str) -> bool:
 
 def motion_of(arguments: argparse.Namespace) -> FreeRotation | TorquedRotation:
     """The motion of parsed arguments; that of a mission file with sections [[torque]] too."""
-    if is_file(arguments.target) and _mission(arguments.target):
+    if is_file(arguments.target) and content_of_mission(arguments.target):
         from attitude.formats import mission
 
         refuse_completing(arguments)
@@ -447,7 +447,7 @@ def incomplete(arguments: argparse.Namespace) -> Entry | None:
     return entry if entry.missing else None
 
 
-def _mission(path: str) -> dict[str, Any]:
+def content_of_mission(path: str) -> dict[str, Any]:
     """The content of a file that is a mission file; empty if it is none."""
     from attitude._textfiles import toml
     from attitude.formats.spin_file import OF_MISSIONS
@@ -462,7 +462,7 @@ def _mission(path: str) -> dict[str, Any]:
 def _from_file(arguments):
     path = arguments.target
     refuse_completing(arguments)
-    content = _mission(path)
+    content = content_of_mission(path)
     if not content:
         from attitude.formats import detect
 

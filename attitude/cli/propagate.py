@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import re
 import warnings
 from contextlib import ExitStack
@@ -211,7 +212,9 @@ def _evolve(arguments: argparse.Namespace) -> None:
     if arguments.output is not None or picture is None:
         text = _text_of(states, epochs, kind)
     if picture is not None:
-        figure = motion.plot(until=last, title=arguments.file)
+        stem = os.path.splitext(os.path.basename(arguments.file))[0]
+        label = _options.content_of_mission(arguments.file).get("name") or stem
+        figure = motion.plot(until=last, title=f"{label}\nmean rotation under torques")
     with ExitStack() as files:
         if text is not None:
             files.enter_context(_output.opened(arguments.output)).write(text)

@@ -79,6 +79,7 @@ def test_the_friction_of_a_material(file):
 
 
 def test_ecsv_has_units_and_branches_have_odds(file, capsys):
+    Path(file).write_text('name = "a wheel of $5"\n' + FRICTION)
     words = ("--until", "30 d", "--passages", "all", "--least-tilt", "1 deg")
     assert run(file, *words, "--output", "x.ecsv", "--figure", "x.svg") == 0
     table = QTable.read("x.ecsv")
@@ -93,7 +94,9 @@ def test_ecsv_has_units_and_branches_have_odds(file, capsys):
     least = np.sin(np.deg2rad(1.0)) * np.sqrt(edge)
     assert np.sin(float(np.min(first["theta"].value))) == pytest.approx(least, rel=1e-6)
     assert {first["end"][-1], second["end"][-1]} == {"+", "-"}
-    assert Path("x.svg").read_text().startswith("<?xml")
+    figure = Path("x.svg").read_text()
+    assert figure.startswith("<?xml")
+    assert "<!-- a wheel of $5 -->" in figure and "<!-- mean rotation under torques -->" in figure
     assert "branch 2, odds 0.5: LAM+ SAM" in capsys.readouterr().out
 
 
