@@ -124,6 +124,11 @@ def new_figure(size: tuple[float, float]) -> Figure:
     return _figure_class()(figsize=size, layout="constrained")
 
 
+def plain(text: str) -> str:
+    """A label that is drawn as it stands: without mathematics, and not left out of a legend."""
+    return (" " if text.startswith("_") else "") + text.replace("$", r"\$")
+
+
 def saved(figure: Figure, path: FilePath | None, dpi: float = 130.0) -> Figure:
     """The figure itself; with a path it is written there whole, in the format of the ending."""
     if path is not None:

@@ -40,7 +40,7 @@ def of_light_curve(data: LightCurve, path: FilePath | None = None) -> Any:
         error = np.where(np.isfinite(data.sigma[in_filter]), data.sigma[in_filter], 0.0)
         axes.errorbar(
             data.seconds[in_filter] / unit, data.value[in_filter], error, fmt=".", ms=4, lw=0.6,
-            color=f"C{number}" if number < _COLOURS else "k", label=name or None,
+            color=f"C{number}" if number < _COLOURS else "k", label=plots.plain(name) or None,
         )  # fmt: skip
     if not data.is_flux:
         axes.invert_yaxis()
@@ -49,7 +49,7 @@ def of_light_curve(data: LightCurve, path: FilePath | None = None) -> Any:
     axes.set(xlabel=since, ylabel=brightness)
     if any(data.filters):
         axes.legend(title="filter", fontsize=9)
-    axes.set_title(repr(data)[1:-1], fontsize=9)
+    axes.set_title(repr(data)[1:-1], fontsize=9, parse_math=False)
     return plots.saved(figure, path)
 
 
@@ -165,10 +165,10 @@ def _folded(axes: Any, folded: Folded, which: int) -> None:
     for number in range(min(data.curves, _COLOURS + 1)):
         in_curve = data.curve == number if number < _COLOURS else data.curve >= number
         colour = f"C{number}" if number < _COLOURS and data.curves > 1 else DATA
-        name = data.names[number] if data.names and number < _COLOURS else None
+        name = data.names[number] if data.names and number < _COLOURS else ""
         axes.plot(
             folded.phase[which, in_curve], folded.values[which, in_curve], ".", color=colour, ms=4,
-            label=name or None,
+            label=plots.plain(name) or None,
         )  # fmt: skip
     draw_series(axes, folded, which)
     axes.set(

@@ -568,3 +568,13 @@ def test_written_dates_at_a_center_are_exact(tmp_path, center):
     data.write(tmp_path / "a.csv")
     back = photometry.read(tmp_path / "a.csv")
     assert np.abs((back.times - times).to_value("s")).max() < 1e-6
+
+
+def test_names_of_filters_in_figures_are_no_mathematics(tmp_path):
+    t = np.arange(40.0) * 3600.0
+    names = ["$r^$", "_g"] * 20
+    curve = photometry.LightCurve(t, np.cos(t), filter=names, name="$_$", epoch="2020-01-01")
+    folded = photometry.fold(curve, "20 h")
+    for figure in (curve.plot(tmp_path / "curve.png"), folded.plot(tmp_path / "fold.png")):
+        shown = figure.axes[0].get_legend().get_texts()
+        assert [text.get_text() for text in shown[:2]] == [r"\$r^\$", " _g"]
