@@ -101,7 +101,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Search, print verdict and table, write the spin file and the figure."""
-    from attitude.inversion import _spin_states
+    from attitude.inversion import _solution, _spin_states
 
     _output.picture_of(arguments)
     _output.kind_of(arguments.output, ("toml",))
@@ -131,9 +131,8 @@ def run(arguments: argparse.Namespace) -> None:
         seed=validation.count(arguments.seed, "--seed", 0),
     )
     print(curve)
-    print(states._ranking(), flush=True)
-    if len(states):
-        print(states._errors_of_best(), flush=True)
+    for text in _solution.texts_of(states):
+        print(text, flush=True)
     if arguments.output or arguments.figure:
         if len(states) == 0:
             raise AttitudeError("nothing was found, so that --output and --figure have no content.")

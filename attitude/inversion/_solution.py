@@ -912,7 +912,7 @@ class SpinStates(Answering, Sequence[Fit]):
         return f"<SpinStates: {self.verdict}, {len(self)} solutions>"
 
     def __str__(self) -> str:
-        return "\n".join(text for text in (self._ranking(), self._errors_of_best()) if text)
+        return "\n".join(texts_of(self))
 
     def _ranking(self) -> str:
         """Verdict, notes and a row for each of the first solutions, and for the first of a mode."""
@@ -936,8 +936,13 @@ class SpinStates(Answering, Sequence[Fit]):
         return "\n".join(line for line in lines if line)
 
     def _errors_of_best(self) -> str:
-        """Periods and pole of the best with their errors, which take a while; "" without any."""
-        if not self._solutions:
-            return ""
+        """Periods and pole of the best with their errors, which take a while."""
         name = "rank 0, if it is right" if self.verdict.endswith(_verdicts.OPEN) else "best"
         return f"{name}: {self._solutions[0]._words_of_errors()}"
+
+
+def texts_of(states: SpinStates[Any]) -> Iterator[str]:
+    """The verdict with the ranked solutions, then the errors of the best, which take a while."""
+    yield states._ranking()
+    if len(states):
+        yield states._errors_of_best()
