@@ -308,7 +308,7 @@ FEWEST_ROBUST = 30
 @arguments(
     dict.fromkeys(
         ("t", "times", "wxyz", "quaternions", "attitudes"),
-        "give an AttitudeTable: fit(AttitudeTable(t, wxyz))",
+        "give an AttitudeTable: fit(AttitudeTable(epoch, t, wxyz))",
     ),
     "fit(table)",
 )

@@ -311,12 +311,14 @@ def _minimum_of_all(
     A warning says that none explains the records.
     """
     best = minimum_of_stages(model, observed, loss, point, first, is_start=is_start)
+    best = _steady(model, observed, loss, best)
     misfit = misfit_of(observed, loss, best)
     if misfit <= 1.0:
         return best
     for other in others():
         with suppress(AttitudeError):
             trial = minimum_of_stages(model, observed, loss, other, first)
+            trial = _steady(model, observed, loss, trial)
             if trial.cost < best.cost:
                 best, misfit = trial, misfit_of(observed, loss, trial)
         if misfit <= 1.0:
@@ -510,7 +512,6 @@ def fitted(
     is_start: whether the first guess is a start that the caller gives.
     """
     best = _minimum_of_all(model, observed, loss, point, first, others, is_start)
-    best = _steady(model, observed, loss, best)
     for said in _open_questions(best):
         warnings.warn(said, AttitudeWarning, stacklevel=4)
     point, lost = best.point, model.count - len(best.gradient)

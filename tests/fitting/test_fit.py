@@ -117,6 +117,14 @@ def test_the_wobble_of_a_nearly_steady_rotation(seed, rates, sigma, t):
     assert excess(fit(table, sigma=sigma).motion, given, table, sigma) < 0.0
 
 
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_needle_that_turns_about_its_long_axis(seed):
+    """Its wobble is found before other first guesses are tried, and without a warning."""
+    given = motion((0.01, 1.0, 1.005), (1.0, 3.0e-4, 4.0e-4))
+    table = noisy(given, np.linspace(0.0, 2000.0, 2000), 0.01, seed)
+    assert excess(fit(table, sigma=0.01).motion, given, table, 0.01) < 0.0
+
+
 @pytest.mark.parametrize("rates", [(0.0, 0.0, 1.0), (1.0, 0.0, 0.0)])
 def test_without_an_evident_wobble_the_body_is_a_sphere(rates):
     given = motion((10, 20, 26), rates)

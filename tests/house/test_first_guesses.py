@@ -158,7 +158,7 @@ THIRD = {
     "shape.Mesh(vertices=np.eye(3), faces=[[0, 1, 2]])": "facets=",
     "mesh.inertia": "mass_properties",
     "attitude.propagate(body, spin, t)": "FreeRotation(body, spin).at(t)",
-    "attitude.fit(times=t, quaternions=history.wxyz)": "AttitudeTable(t, wxyz)",
+    "attitude.fit(times=t, quaternions=history.wxyz)": "AttitudeTable(epoch, t, wxyz)",
     "attitude.light_curve.magnitude(scene, t)": "at(times).magnitude",
     "attitude.integrate(motion)": ".at(t)",
     "attitude.Orbit": "attitude.paths.kepler",
