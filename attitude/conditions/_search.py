@@ -70,14 +70,15 @@ _MOST_STEPS = 120
 
 
 def refined(
-    evaluate: Callable[[FloatArray], FloatArray],
+    evaluate: Callable[[FloatArray, IntArray], FloatArray],
     a: FloatArray,
     b: FloatArray,
     p: FloatArray,
     q: FloatArray,
 ) -> FloatArray:
-    """The zeros (N,) of a function in brackets a, b with values p, q of opposite sign, (N,) each.
+    """The zeros (N,) of functions in brackets a, b with values p, q of opposite sign, (N,) each.
 
+    evaluate: values (K,) at times (K,) within the brackets of numbers (K,).
     Chandrupatla's method (Adv. Eng. Softw. 28, 145, 1997): each step is one call for all brackets.
     """
     x = np.where(np.abs(p) < np.abs(q), a, b)
@@ -91,7 +92,7 @@ def refined(
         if not len(open_):
             break
         new = x1 + fraction * (x2 - x1)
-        value = evaluate(new)
+        value = evaluate(new, open_)
         same = (value < 0.0) == (f1 < 0.0)
         x3, f3 = np.where(same, x1, x2), np.where(same, f1, f2)
         x2, f2 = np.where(same, x2, x1), np.where(same, f2, f1)
@@ -248,7 +249,7 @@ def crossings(
         for k, channel in enumerate(channels):
             first, second, fastest = bounds[k]
 
-            def evaluate(s, channel=channel, base=base):
+            def evaluate(s, _=None, channel=channel, base=base):
                 return channel.value(source.at(*shifted(base, s)))
 
             noise = channel.noise * (_SCENE_NOISE if in_scene else 1.0)

@@ -77,6 +77,7 @@ def _level_changes(conditions, channels, slow, start, advance, searches):
         for begin, stop, spacing in search:
             blocks += _blocks(source, [(k, slow[k]) for k in some], begin, stop, spacing, advance)
         advance.next_round()
+    blocks = _with_zeros(source, channels, blocks)
     sampled = {block.channel for block in blocks if block.step}
     unknown = [k for k in range(len(channels)) if k not in slow or k in sampled]
     known = _in_order([block.changes() for block in blocks if block.channel not in unknown])
@@ -89,8 +90,33 @@ def _level_changes(conditions, channels, slow, start, advance, searches):
     )
 
 
+def _with_zeros(source, channels, blocks):
+    """The blocks with zeros in place of brackets: those of a channel are refined together."""
+    bracketed = [block for block in blocks if block.values is not None]
+    others = [block for block in blocks if block.values is None]
+    for number in {block.channel for block in bracketed}:
+        some = [block for block in bracketed if block.channel == number]
+        counts = [len(block.begin) for block in some]
+        base = np.repeat(np.transpose([block.base for block in some]), counts, axis=1)
+
+        def evaluate(s, of, number=number, base=base):
+            return channels[number].value(source.at(*pairs.add(base[:, of], s)))
+
+        ends = (np.concatenate([block[k] for block in some]) for k in (2, 3))
+        values = np.concatenate([block.values for block in some], axis=1)
+        zeros = np.split(refined(evaluate, *ends, *values), np.cumsum(counts)[:-1])
+        others += [
+            block._replace(begin=s, end=s, values=None)
+            for block, s in zip(some, zeros, strict=True)
+        ]
+    return others
+
+
 class _Block(NamedTuple):
-    """Changes of a channel, s after a base; if step > 0, between samples, begin and end, of it."""
+    """Changes of a channel, s after a base; if step > 0, between samples, begin and end, of it.
+
+    values: (2, N) at begin and end, of brackets that `_with_zeros` takes.
+    """
 
     channel: int
     base: Pair
@@ -98,6 +124,7 @@ class _Block(NamedTuple):
     end: FloatArray
     rising: BoolArray
     step: float = 0.0
+    values: FloatArray | None = None
 
     def changes(self) -> tuple[FloatArray, FloatArray, IntArray, BoolArray]:
         """Seconds hi + lo, channels and new signs (N,)."""
@@ -169,9 +196,8 @@ def _in_block(source, channel, level, base, knots, values, signs):
 
     noise = 1e-9 * (abs(level.threshold) + float(np.max(np.abs(values))))
     brackets = isolated(evaluate, knots, values, first, second, step_share * step, noise)
-    s = refined(evaluate, *brackets)
-    above = level.comparison.startswith(">")
-    return _Block(channel, base, s, s, (brackets[2] < 0.0) == above)
+    rising = (brackets[2] < 0.0) == level.comparison.startswith(">")
+    return _Block(channel, base, *brackets[:2], rising, values=brackets[2:])
 
 
 def _sectioned(sign, a, b, rising, width):
