@@ -81,8 +81,10 @@ export class Stage {
       left: -1.1, right: 1.1, top: 1.1, bottom: -1.1, near: 1, far: 5,
     });
     // Of a closed body the sides away from the Sun are in the map, and lit ones need no bias.
-    this.light.shadow.normalBias = data.surface.closed ? 0 : 0.02;
-    this.light.shadow.bias = -0.0005;
+    const { closed, smooth } = data.surface;
+    this.light.shadow.normalBias = closed ? 0 : 0.02;
+    // Towards the shadow, or light gets into the creases of a round body; flat ones have thin panels.
+    this.light.shadow.bias = closed && smooth ? 0.002 : -0.0005;
     this.world.add(this.light, this.light.target);
     this.scene.add(new THREE.AmbientLight(0xffffff, 0.18));
   }
