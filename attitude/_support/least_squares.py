@@ -143,10 +143,21 @@ def damped_steps(linearised: Near, damping: FloatArray) -> FloatArray:
     scale = np.sqrt(np.maximum(linearised.normal[:, diagonal, diagonal], 0.0)) + 1e-12
     scaled = linearised.normal / (scale[:, :, None] * scale[:, None, :])
     scaled[:, diagonal, diagonal] += damping[:, None]
-    return np.linalg.solve(scaled, (linearised.gradient / scale)[:, :, None])[:, :, 0] / scale
+    right = linearised.gradient / scale
+    if len(scaled) == 1:
+        return solved(scaled[0], right[0])[None] / scale
+    return np.linalg.solve(scaled, right[:, :, None])[:, :, 0] / scale
 
 
 # ---- Normal matrices, whose parameters may have any units
+
+
+def solved(normal: FloatArray, right: FloatArray) -> FloatArray:
+    """The solution (P,), by Cholesky's factors where rounding leaves a matrix that has them."""
+    from scipy.linalg.lapack import dposv
+
+    _, solution, failed = dposv(normal, right, lower=1)
+    return np.linalg.solve(normal, right) if failed else solution
 
 
 class Decomposed:

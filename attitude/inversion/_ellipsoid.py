@@ -507,20 +507,31 @@ def _cost(curve: EllipsoidCurve, states: FloatArray, tie: Held) -> FloatArray:
 def _linearised(curve: EllipsoidCurve, states: FloatArray, fixed: BoolArray, tie: Held) -> Near:
     """The sums of squares near states, with those of the priors."""
     products = curve.products(states)
+    if tie.width < math.inf:
+        _add_rows(*_tied(states, tie), products)
     cost, normal, gradient = products[:, 0, 0], products[:, 1:, 1:], products[:, 1:, 0]
     shape, weight = states[:, OF_FLAT], 1.0 / _RATIOS**2
     cost += weight * np.sum(shape**2, axis=1)
     normal[:, [8, 9], [8, 9]] += weight
     gradient[:, 8:] -= weight * shape
-    if tie.width < math.inf:
-        tied, rows = _tied(states, tie)
-        cost += np.sum(tied**2, axis=1)
-        normal += rows.swapaxes(1, 2) @ rows
-        gradient -= (tied[:, None, :] @ rows)[:, 0]
     if fixed.any():
         gradient[:, fixed] = normal[:, fixed] = normal[:, :, fixed] = 0.0
         normal[:, fixed, fixed] = 1.0
     return Near(states, cost, normal, gradient)
+
+
+@reduction
+def _add_rows(values, slopes, products):
+    """Add those of residuals (S, R), and slopes (S, R, P), to products (S, 1 + P, 1 + P)."""
+    for i in range(values.shape[0]):
+        for row in range(values.shape[1]):
+            value = values[i, row]
+            products[i, 0, 0] += value * value
+            for k in range(slopes.shape[2]):
+                slope = slopes[i, row, k]
+                products[i, 1 + k, 0] -= value * slope
+                for j in range(slopes.shape[2]):
+                    products[i, 1 + k, 1 + j] += slope * slopes[i, row, j]
 
 
 def _steps(linearised: Near, damping: FloatArray) -> FloatArray:

@@ -176,7 +176,7 @@ def _dense(numbers: FloatArray | IntArray) -> IntArray:
 # Rounds of sampling at most, each from the second moments so far.
 _ROUNDS = 5
 # Effective number of samples that are enough: standard errors to 4 %.
-_ENOUGH = 400.0
+_ENOUGH = 300.0
 # Samples of a round.
 _SAMPLES = 350
 # Degrees of freedom of their distribution.

@@ -203,7 +203,7 @@ _STEPS = 7
 # 1/|1 - r| nearer than this to where no positive moments exist is continued by a straight line, so
 # that an iteration is led back.
 _EDGE = 0.05
-# Steps of derivatives by precession and nutation, relative, and by ln rho and X.
+# Step of derivatives by ln rho and X.
 _STEP = 1e-6
 
 
@@ -260,7 +260,10 @@ def _integrals(mc, p):
 
 @subroutine
 def _of_one(precession, nutation, log_rho, x):
-    """ln I1/I3, ln I2/I3, whether the body exists (1, else 0), and L/I3."""
+    """ln I1/I3, ln I2/I3, whether the body exists (1, else 0), and L/I3.
+
+    Then the slopes of the first two by ln(precession / nutation).
+    """
     size = abs(x)
     low, high = _tilts(math.exp(log_rho), size)
     cosine = (1.0 - low * low) / (1.0 + low * low)
@@ -273,37 +276,42 @@ def _of_one(precession, nutation, log_rho, x):
     root = math.sqrt(1.0 + nu)
     c = third / quarter - 0.5 * math.pi * cosine / (quarter * root)
     rate = 4.0 * quarter * abs(nutation)
-    q = 2.0 * cosine * 2.0 * math.pi * precession / (rate * root)
+    of_rates = 2.0 * cosine * 2.0 * math.pi * precession / (rate * root)
+    q = of_rates
     if nutation > 0.0:
         q += c
         beyond_one = max(q, 1.0 + _EDGE)
         log_r = math.log((beyond_one - 1.0) / beyond_one) + (q - beyond_one) / (
             beyond_one * (beyond_one - 1.0)
         )
+        by_rates = of_rates / (beyond_one * (beyond_one - 1.0))
     else:
         q -= c
         beyond_one = max(q, _EDGE)
         log_r = math.log((beyond_one + 1.0) / beyond_one) - (q - beyond_one) / (
             beyond_one * (beyond_one + 1.0)
         )
-    log_r = min(max(log_r, -30.0), 30.0)
+        by_rates = -of_rates / (beyond_one * (beyond_one + 1.0))
+    if abs(log_r) > 30.0:
+        log_r, by_rates = math.copysign(30.0, log_r), 0.0
     r = math.exp(log_r)
     first, second = -log_r, math.log((1.0 + nu) / (r + nu))
     one, two = math.exp(first), math.exp(second)
     exists = q > (1.0 if nutation > 0.0 else 0.0) and 2.0 * max(one, two, 1.0) <= one + two + 1.0
     exists = 1.0 if exists else 0.0
     momentum = rate * root / (abs(1.0 - r) * cosine)
+    by_second = -by_rates * r / (r + nu)
     # X < 0 exchanges the first two axes
     if x < 0.0:
-        return second, first, exists, momentum
-    return first, second, exists, momentum
+        return second, first, exists, momentum, by_second, -by_rates
+    return first, second, exists, momentum, -by_rates, by_second
 
 
 @entry_point
 def _of_many(elements, out):
     """What `_of_one` gives for elements (4, N), into out (4, N)."""
     for i in range(elements.shape[1]):
-        one, two, exists, momentum = _of_one(
+        one, two, exists, momentum, _, _ = _of_one(
             elements[0, i], elements[1, i], elements[2, i], elements[3, i]
         )
         out[0, i], out[1, i], out[2, i], out[3, i] = one, two, exists, momentum
@@ -327,16 +335,13 @@ def with_slopes(states, ratios, slopes):
     """
     for i in range(states.shape[0]):
         p, f, log_rho, x = states[i, 0], states[i, 1], states[i, 3], states[i, 4]
-        ratios[i, 0], ratios[i, 1], _, _ = _of_one(p, f, log_rho, x)
-        for k in range(4):
-            h = _STEP
-            if k == 0:
-                h *= abs(p)
-            if k == 1:
-                h *= abs(f)
-            dp, df = (h if k == 0 else 0.0), (h if k == 1 else 0.0)
-            dr, dx = (h if k == 2 else 0.0), (h if k == 3 else 0.0)
-            one, two, _, _ = _of_one(p + dp, f + df, log_rho + dr, x + dx)
-            first, second, _, _ = _of_one(p - dp, f - df, log_rho - dr, x - dx)
-            slopes[i, 0, k] = 0.5 * (one - first) / h
-            slopes[i, 1, k] = 0.5 * (two - second) / h
+        one, two, _, _, by_first, by_second = _of_one(p, f, log_rho, x)
+        ratios[i, 0], ratios[i, 1] = one, two
+        slopes[i, 0, 0], slopes[i, 1, 0] = by_first / p, by_second / p
+        slopes[i, 0, 1], slopes[i, 1, 1] = -by_first / f, -by_second / f
+        for k in range(2):
+            dr, dx = (0.0, _STEP) if k else (_STEP, 0.0)
+            one, two, _, _, _, _ = _of_one(p, f, log_rho + dr, x + dx)
+            first, second, _, _, _, _ = _of_one(p, f, log_rho - dr, x - dx)
+            slopes[i, 0, 2 + k] = 0.5 * (one - first) / _STEP
+            slopes[i, 1, 2 + k] = 0.5 * (two - second) / _STEP

@@ -318,7 +318,7 @@ def profiled_cost(problem: CurveProblem, state: FloatArray, tie: _shapes.Tie) ->
     """The cost of a motion after one Gauss-Newton step of its shape."""
     held = np.arange(len(state) - WIDTH + SIZE) < MOTION
     fit = _at(problem, state, tie, held).linearised
-    return fit.cost - float(fit.gradient @ np.linalg.solve(fit.normal, fit.gradient))
+    return fit.cost - float(fit.gradient @ least_squares.solved(fit.normal, fit.gradient))
 
 
 def _at(

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from functools import cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -195,8 +196,16 @@ def _explained(
 
 def series(frequency: float, order: int, t: FloatArray) -> FloatArray:
     """Cosines and sines (N, 2 order) of the multiples of a frequency at epochs (N,)."""
-    angle = 2.0 * math.pi * frequency * np.outer(t, np.arange(1, order + 1))
-    return np.concatenate([np.cos(angle), np.sin(angle)], axis=1)
+    angle = 2.0 * math.pi * frequency * t
+    first = np.cos(angle) + 1j * np.sin(angle)
+    powers = np.multiply.accumulate(np.broadcast_to(first, (order, len(t))), axis=0)
+    return np.concatenate([powers.real, powers.imag]).T
+
+
+@cache
+def _lasting(order: int) -> FloatArray:
+    """The series (P, 2 order) of an orbit at `_PHASES` epochs of it."""
+    return series(1.0, order, np.arange(_PHASES) / _PHASES)
 
 
 def changing(frequency: float, t: FloatArray, order: int = DIPS) -> FloatArray:
@@ -242,7 +251,7 @@ def brightening(beside: CurveProblem, alone: Explained) -> float:
     terms = beside.terms[:, -4 * DIPS :]
     inner, along = alone.beside(terms)
     amplitudes = np.linalg.solve(inner + np.diag(beside.prior[-4 * DIPS :] ** -2.0), along)
-    lasting = series(1.0, DIPS, np.arange(_PHASES) / _PHASES) @ amplitudes[: 2 * DIPS]
+    lasting = _lasting(DIPS) @ amplitudes[: 2 * DIPS]
     return max(_brightening(terms @ amplitudes), _brightening(lasting))
 
 
@@ -543,7 +552,7 @@ def _slope(base: FloatArray, amplitudes: FloatArray) -> FloatArray:
 
 def _dips(amplitudes: FloatArray) -> tuple[float, float, float, float]:
     """Dips of a series in the orbit, mag: range, skewness, second depth, and brightening."""
-    dips = series(1.0, len(amplitudes) // 2, np.arange(_PHASES) / _PHASES) @ amplitudes
+    dips = _lasting(len(amplitudes) // 2) @ amplitudes
     off = dips - dips.mean()
     skewness = float(np.mean(off**3) / max(float(np.mean(off**2)) ** 1.5, 1e-30))
     from_deepest = np.roll(dips, -int(np.argmax(dips)))

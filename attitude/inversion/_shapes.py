@@ -18,7 +18,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from attitude._compilation.decorators import reduction, reduction_subroutine
+from attitude._compilation.simd import at_least, chosen, eight, every, put_eight, summed_up
 from attitude.errors import AttitudeError
+from attitude.inversion._motions import LANES, padded, three
 from attitude.light_curve._brightness import BLOCK, components, kernel_of, paired, with_phase
 from attitude.scattering._law import law as known_law
 from attitude.scattering._weighted import LommelSeeligerLambert
@@ -27,12 +29,16 @@ from attitude.shape._mesh import Mesh
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from numpy.typing import NDArray
+
     from attitude._support.annotations import FloatArray
     from attitude.scattering._law import Law
 
 
 # Facets of a convex body.
 COUNT = 260
+# The same with facets of no area, to whole vectors.
+_PADDED = COUNT + -COUNT % LANES
 # Modes of the logarithms of their areas.
 MODES = 90
 # Standard deviation of the logarithm of an area.
@@ -75,6 +81,11 @@ class Sphere:
     normals: FloatArray
     squares: FloatArray
     modes: FloatArray
+
+    @cached_property
+    def padded_normals(self) -> FloatArray:
+        """The components of the normals, one after the other, each to whole vectors."""
+        return padded(self.normals).reshape(-1)
 
 
 @cache
@@ -172,19 +183,21 @@ class BodyLight:
     """Magnitudes (N,) of a body seen from given directions, and their derivatives.
 
     across (N, 3): by a turn of the body, rad, over its own axes; areas (F,) and the slopes (F, S)
-    of their logarithms, by which by_areas (N, F) are derivatives.
+    of their logarithms; light of each facet (N, F), in single precision, and in total (N,).
     """
 
     magnitude: FloatArray
     across: FloatArray
     areas: FloatArray
     slopes: FloatArray
-    by_areas: FloatArray
+    of_facets: NDArray[np.float32]
+    total: FloatArray
 
     @cached_property
     def by_shape(self) -> FloatArray:
-        """Derivatives (S, N) by the shape."""
-        return self.slopes.T @ self.by_areas.T
+        """Derivatives (S, N) by the shape, to some 1e-7: steps and errors need no more."""
+        product = self.slopes.T.astype(np.float32) @ self.of_facets.T
+        return product * (_MAGNITUDE / self.total)
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,9 +243,13 @@ def magnitudes(sun: FloatArray, observer: FloatArray, shape: FloatArray) -> Body
     """The magnitudes of a shape (S,) seen from unit vectors (N, 3) over its axes."""
     count = len(sun)
     area, slopes = areas(shape[:ELLIPSOID], shape[ELLIPSOID:])
-    by_areas, magnitude, across = np.empty((count, COUNT)), np.empty(count), np.empty((count, 3))
-    _light(sun, observer, sphere().normals, area, LAMBERT, by_areas, magnitude, across)
-    return BodyLight(magnitude, across, area, slopes, by_areas)
+    of_facets, total = np.empty((count, _PADDED), np.float32), np.empty(count)
+    across, padded_areas = np.empty((count, 3)), np.zeros(_PADDED)
+    padded_areas[:COUNT] = area
+    normals = sphere().padded_normals
+    _light(sun, observer, normals, padded_areas, LAMBERT, of_facets.reshape(-1), total, across)
+    magnitude = _MAGNITUDE * np.log(total)
+    return BodyLight(magnitude, across, area, slopes, of_facets[:, :COUNT], total)
 
 
 class Priors(NamedTuple):
@@ -458,42 +475,39 @@ def _constraints(flat, areas, normals, values, by_areas):
 
 
 @reduction
-def _light(sun, observer, normals, areas, lambert, by_areas, magnitude, across):
-    """Magnitudes of a body, into magnitude (N,), and slopes by a turn, into across (N, 3).
+def _light(sun, observer, normals, areas, lambert, of_facets, total, across):
+    """The light of facets, into of_facets (N F,), their sums, into total (N,).
 
-    Those by the logarithms of the areas (F,) go into by_areas (N, F).  sun, observer (N, 3): unit
-    vectors over body axes; normals (3, F).
+    Into across (N, 3) the slopes of magnitudes by a turn.  sun, observer (N, 3): unit vectors over
+    body axes; normals (3 F,) by components; areas (F,), where `LANES` divides F.
     """
     count = areas.size
     for i in range(sun.shape[0]):
         s0, s1, s2 = sun[i, 0], sun[i, 1], sun[i, 2]
         o0, o1, o2 = observer[i, 0], observer[i, 1], observer[i, 2]
-        total = a0 = a1 = a2 = b0 = b1 = b2 = 0.0
-        for j in range(count):
-            x, y, z = normals[0, j], normals[1, j], normals[2, j]
-            m0 = max(s0 * x + s1 * y + s2 * z, 0.0)
-            m = max(o0 * x + o1 * y + o2 * z, 0.0)
-            area = areas[j] if m0 * m > 0.0 else 0.0
-            over = 1.0 / max(m0 + m, 1e-9)
-            light = area * m0 * m * (over + lambert)
-            by_areas[i, j] = light
-            total += light
-            by_m0 = area * m * (m * over * over + lambert)
-            by_m = area * m0 * (m0 * over * over + lambert)
-            a0 += by_m0 * x
-            a1 += by_m0 * y
-            a2 += by_m0 * z
-            b0 += by_m * x
-            b1 += by_m * y
-            b2 += by_m * z
-        total = max(total, 1e-12)
-        factor = _MAGNITUDE / total
-        magnitude[i] = _MAGNITUDE * math.log(total)
-        across[i, 0] = factor * (a1 * s2 - a2 * s1 + b1 * o2 - b2 * o1)
-        across[i, 1] = factor * (a2 * s0 - a0 * s2 + b2 * o0 - b0 * o2)
-        across[i, 2] = factor * (a0 * s1 - a1 * s0 + b0 * o1 - b1 * o0)
-        for j in range(count):
-            by_areas[i, j] *= factor
+        zero = every(0.0, eight(areas, 0))
+        light = a0 = a1 = a2 = b0 = b1 = b2 = zero
+        for j in range(0, count, 8):
+            x, y, z = three(normals, j, count)
+            m0 = at_least(s0 * x + s1 * y + s2 * z, 0.0)
+            m = at_least(o0 * x + o1 * y + o2 * z, 0.0)
+            area = chosen(m0 * m, eight(areas, j), zero)
+            over = 1.0 / at_least(m0 + m, 1e-9)
+            by_m0, by_m = area * m, area * m0
+            of_facet = by_m * m * (over + lambert)
+            put_eight(of_facets, i * count + j, of_facet)
+            light = light + of_facet
+            square = over * over
+            by_m0, by_m = by_m0 * (m * square + lambert), by_m * (m0 * square + lambert)
+            a0, a1, a2 = a0 + by_m0 * x, a1 + by_m0 * y, a2 + by_m0 * z
+            b0, b1, b2 = b0 + by_m * x, b1 + by_m * y, b2 + by_m * z
+        total[i] = max(summed_up(light), 1e-12)
+        factor = _MAGNITUDE / total[i]
+        u0, u1, u2 = summed_up(a0), summed_up(a1), summed_up(a2)
+        v0, v1, v2 = summed_up(b0), summed_up(b1), summed_up(b2)
+        across[i, 0] = factor * (u1 * s2 - u2 * s1 + v1 * o2 - v2 * o1)
+        across[i, 1] = factor * (u2 * s0 - u0 * s2 + v2 * o0 - v0 * o2)
+        across[i, 2] = factor * (u0 * s1 - u1 * s0 + v0 * o1 - v1 * o0)
 
 
 # ---- Magnitudes of a known shape under a known law, with their derivative by a turn of the body
@@ -561,8 +575,10 @@ class KnownShape:
                 for side in (_STEP_OF_DIFFERENCES, -_STEP_OF_DIFFERENCES)
             ]
             across[..., k] = (ends[0] - ends[1]) / (2.0 * _STEP_OF_DIFFERENCES)
-        values, nothing = self.magnitudes(sun, observer, least), np.zeros((sun.shape[0], 0))
-        return BodyLight(values, across, _NOTHING, np.zeros((0, 0)), nothing)
+        values, nothing = self.magnitudes(sun, observer, least), np.zeros((len(sun), 0), np.float32)
+        return BodyLight(
+            values, across, _NOTHING, np.zeros((0, 0)), nothing, np.ones(len(sun))
+        )
 
 
 def known(mesh: Mesh, law: str | Law | None) -> KnownShape:
