@@ -576,9 +576,7 @@ class KnownShape:
             ]
             across[..., k] = (ends[0] - ends[1]) / (2.0 * _STEP_OF_DIFFERENCES)
         values, nothing = self.magnitudes(sun, observer, least), np.zeros((len(sun), 0), np.float32)
-        return BodyLight(
-            values, across, _NOTHING, np.zeros((0, 0)), nothing, np.ones(len(sun))
-        )
+        return BodyLight(values, across, _NOTHING, np.zeros((0, 0)), nothing, np.ones(len(sun)))
 
 
 def known(mesh: Mesh, law: str | Law | None) -> KnownShape:
