@@ -157,7 +157,7 @@ def solved(normal: FloatArray, right: FloatArray) -> FloatArray:
     from scipy.linalg.lapack import dposv
 
     _, solution, failed = dposv(normal, right, lower=1)
-    return np.linalg.solve(normal, right) if failed else solution
+    return np.asarray(np.linalg.solve(normal, right) if failed else solution, np.float64)
 
 
 class Decomposed:
