@@ -309,13 +309,13 @@ def _hold_back(by: FloatArray, moments: MotionMoments) -> float:
 
     0 of nearly all bodies.
     """
-    ratios = np.exp(np.append(moments.log_ratios, 0.0))
-    largest = int(np.argmax(ratios))
-    others = ratios.sum() - ratios[largest]
+    ratios = [*map(math.exp, moments.log_ratios.tolist()), 1.0]
+    largest = ratios.index(max(ratios))
+    others = sum(ratios) - ratios[largest]
     beyond = math.log(ratios[largest] / others) - _FLATTEST
     if beyond <= 0.0:
         return 0.0
-    by_ratios = -ratios / others
+    by_ratios = np.array(ratios) / -others
     by_ratios[largest] = 1.0
     by += by_ratios[:2] @ moments.slopes / _BEYOND
     return beyond / _BEYOND
@@ -327,17 +327,18 @@ def _allow_concave(r: FloatArray, by: FloatArray, moments: MotionMoments) -> Non
     The least moment of the motion is smaller than that of the shape.
     """
     if moments.is_long_axis:
-        along = np.full(2, math.sqrt(0.5))
+        along = math.sqrt(0.5), math.sqrt(0.5)
     else:
-        along = np.array([0.0, -1.0] if moments.is_swapped else [-1.0, 0.0])
-    size = float(along @ r)
+        along = (0.0, -1.0) if moments.is_swapped else (-1.0, 0.0)
+    size = along[0] * float(r[0]) + along[1] * float(r[1])
     if size <= _CONCAVE:
         return
     less = math.sqrt(_CONCAVE * (2.0 * size - _CONCAVE))
-    by += np.outer(along, (_CONCAVE / less - 1.0) * (along @ by))
-    r += (less - size) * along
+    by += np.outer(along, (_CONCAVE / less - 1.0) * (np.array(along) @ by))
+    r += (less - size) * np.array(along)
 
 
+@cache
 def widths(is_axial: bool) -> FloatArray:
     """Standard deviations (SIZE,) of the parameters of a shape before the curve is seen."""
     ratios, modes = (_AXIAL_RATIOS, _AXIAL_MODES) if is_axial else (_RATIOS, _MODES)
