@@ -78,7 +78,7 @@ def errors(
     jacobian = problem.projected(shape_model.jacobian)
     scale = np.sqrt(np.diag(normal))
     jacobian /= scale[:, None]
-    jacobian[:count][~free] = 0.0
+    jacobian[~solution.refined.free] = 0.0
     scaled = normal / np.outer(scale, scale)
     factor = _factor(_regular(formal[np.ix_(free, free)]))
     inflation = np.eye(len(factor))

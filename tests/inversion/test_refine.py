@@ -157,6 +157,17 @@ def test_what_is_held_has_no_errors():
     assert found.predict().form.max() < 0.2 and found.predict().level.max() < 0.2
 
 
+def test_nights_that_are_off_widen_the_errors_of_an_ellipsoid():
+    """Its modes of areas are held: they took up what each night changes, so that none did."""
+    curve = _curve(FreeRotation(BODY, SPIN))
+    half_day = np.floor(curve.seconds / (0.5 * DAY)).astype(int)
+    off = 0.05 * np.random.default_rng(1).normal(size=11)[half_day]
+    shifted = curve.replaced(magnitude=curve.magnitude + off)
+    found = inversion.refine(shifted, start_beside(), shape="ellipsoid")
+    wider = np.diag(found.covariance) / np.diag(found.weighted.refined.covariance)[: _moving.STATE]
+    assert np.median(np.sqrt(wider)) > 1.3
+
+
 def test_a_file_says_what_it_does_not_store(tmp_path):
     curve, path = _curve(FreeRotation(BODY, SPIN)), tmp_path / "spin.toml"
     for arcs in (None, Impulse(0.5 * DAY, (0.0, 0.0, 0.0))):
