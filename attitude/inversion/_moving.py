@@ -228,7 +228,15 @@ def moving_point(
         )
     shift = epoch.seconds - spin.epoch.seconds
     ends = reach[0] + shift, reach[1] + shift
-    return MovingPoint(body_alone, Spin(spin.epoch, wxyz, omega), impulses, loads, ends)
+    point = MovingPoint(body_alone, Spin(spin.epoch, wxyz, omega), impulses, loads, ends)
+    for k, time in enumerate(point.motion.joints if impulses else ()):
+        if not ends[0] < time < ends[1]:
+            raise AttitudeError(
+                f"arcs[{k}] at {impulses[k].at} lies {'before' if time <= ends[0] else 'after'} "
+                "all points of the light curve, which then says nothing of its momentum; leave it "
+                "out."
+            )
+    return point
 
 
 def seconds_of(point: MovingPoint, epoch: Instant, seconds: FloatArray) -> FloatArray:
@@ -397,6 +405,7 @@ class MovingFit:
             grown = self._in_stages(whole, start)
             best = min(best, grown, key=lambda fit: fit.cost)
         if not math.isfinite(best.cost):
+            self.at(whole, start)  # why there are none, if a motion or a shape says so
             raise AttitudeError("the start has no magnitudes at the epochs of the curve.")
         for _ in range(2):
             whole = _evidence.with_error_of(whole, best.magnitude)

@@ -233,8 +233,10 @@ def refine(
         A motion near the truth at its epoch; a solution brings its shape too.  Rotation about one
         principal axis stays that: a torque that is found acts along the axis alone.
     arcs : Impulse or sequence of them, optional
-        Changes of the momentum at known epochs after that of the start, such as an encounter with a
-        planet: their momenta are found, from those given.  One shape, a spin state on either side.
+        Changes of the momentum at known epochs, such as an encounter with a planet: their momenta
+        are found, from those given.  One shape, a spin state on either side.  They lie between
+        points of the curve, in order of time, after the epoch of the start: that of a solution is
+        the middle of the curve, and an earlier start ``FreeRotation(body, motion.spin_at(date))``.
     torques : Torque or sequence of them, optional
         A `ConstantTorque` is found, and the strength of a `SolarRadiation` (YORP); other torques
         are taken as known.
@@ -252,8 +254,8 @@ def refine(
     Raises
     ------
     AttitudeError
-        For other kinds of start and change, arcs together with torques, and a start without
-        magnitudes at the epochs of the curve.
+        For other kinds of start and change, arcs together with torques, impulses outside of the
+        curve or not after the start, and a start without magnitudes at the epochs of the curve.
 
     Notes
     -----

@@ -138,6 +138,34 @@ def test_what_cannot_be_refined():
         inversion.refine(curve, start, arcs=Impulse(0.0, lambda history: np.zeros(3)))
     with pytest.raises(AttitudeError, match="moments is"):
         inversion.refine(curve, start, moments="known")
+    relative = FreeRotation(Body(moments=MOMENTS, relative=True), start.spin)
+    yorp = SolarRadiation(SHAPE.facets(20), lambda t: np.ones((*np.shape(t), 3)))
+    with pytest.raises(AttitudeError, match="moments of the body are relative"):
+        inversion.refine(curve, relative, torques=yorp)
+
+
+@pytest.mark.parametrize(
+    ("days", "words"),
+    [
+        ([5.5], "after all points"),
+        ([1.0, 5.5], r"arcs\[1\].*after all points"),
+        ([-1.0], "earlier than the epoch of the spin"),
+        ([1.0, 1.0], "the same as"),
+        ([2.0, 1.0], "earlier than"),
+    ],
+)
+def test_impulses_of_which_a_curve_says_nothing(days, words):
+    curve = _curve(FreeRotation(BODY, SPIN), count=40)
+    arcs = [Impulse(day * DAY, (0.0, 0.0, 0.0)) for day in days]
+    with pytest.raises(AttitudeError, match=words):
+        inversion.refine(curve, start_beside(), arcs=arcs)
+
+
+def test_impulses_before_all_points():
+    curve, start = _curve(FreeRotation(BODY, SPIN), count=40), start_beside()
+    early = FreeRotation(start.body, start.spin_at(-9.0 * DAY))
+    with pytest.raises(AttitudeError, match="before all points"):
+        inversion.refine(curve, early, arcs=Impulse(DAY, (0.0, 0.0, 0.0)))
 
 
 def test_moments_that_are_given_stay():
