@@ -460,8 +460,9 @@ class CurveFit(Answering, ABC):
         Parameters
         ----------
         times : epochs, or LightCurve, optional
-            Any number of epochs, of reception, or of emission where those of the curve are; beyond
-            the curve too if it was made with ``path=`` or ``scene=``.  With geometry given as
+            Any number of epochs, of reception, or of emission where those of the curve are; plain
+            numbers are TDB seconds since ``curve.epoch``, the middle of the curve.  Beyond the
+            curve too if it was made with ``path=`` or ``scene=``.  With geometry given as
             vectors, epochs near its points, where it is interpolated: anywhere in gaps of up to
             7 d and 20 degrees.  Or a curve with geometry of its own.  By default the epochs of the
             curve.
