@@ -70,18 +70,18 @@ class Settings:
     # The same without derivatives.
     screen_cost: float = 1.9e-8
     # A step of an ellipsoid, whatever the number of points.
-    start_cost: float = 5.5e-6
+    start_cost: float = 3.1e-6
     # The products of a linear term with the rows of an ellipsoid, a point.
     term_cost: float = 6.0e-10
     # A convex body, a point, with derivatives and its part of the normal matrix, half of it with
     # few modes.
-    body_cost: float = 2.8e-6
+    body_cost: float = 2.1e-6
     # What of a step of a convex body does not depend on the points: its priors and the solution.
-    step_cost: float = 1.5e-4
+    step_cost: float = 1.0e-4
     # A step of the series of a rotation and an orbit, a point.
-    series_cost: float = 3.8e-6
+    series_cost: float = 2.9e-6
     # A term of the series of an orbit beside a body, a point.
-    orbit_cost: float = 4.0e-8
+    orbit_cost: float = 3.0e-8
     # A linear fit of functions that turn with a body, at one rate.
     comb_cost: float = 1.3e-5
     # The part of that fit of each night.
