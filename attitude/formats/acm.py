@@ -22,6 +22,7 @@ from __future__ import annotations
 import math
 import os
 import re
+import warnings
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -33,7 +34,7 @@ from attitude._textfiles.lines import NoNumber, cut, numbers, prefixed
 from attitude._textfiles.messages import Form, Generator, comparable, refuse_line_breaks
 from attitude.epochs import _time_scales
 from attitude.epochs._instants import Instant
-from attitude.errors import AttitudeError
+from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.formats import _ccsds_epochs as ccsds_epochs
 from attitude.formats import _messages, _sampling
 from attitude.formats._aem_message import refuse_contradictions
@@ -766,20 +767,26 @@ def _covariances(records, body, texts):
     return _WrittenBlock("COV", entries, rows)
 
 
-def _physics(body, frame, products):
-    """The block PHYS of a body in kg m2."""
+def _physics(motion, epochs, frame, products):
+    """The block PHYS in kg m2 of the body of a motion at the first of some epochs."""
+    body, *later = (motion.body_at(motion.epoch.after(*map(float, epoch))) for epoch in epochs)
+    if not all(np.array_equal(body.tensor, other.tensor) for other in later):
+        warnings.warn(
+            "an ACM holds one body: the inertia at its first epoch is written, and that it changes "
+            "later is left out. Write a file for each stretch between changes of the inertia.",
+            AttitudeWarning,
+            stacklevel=3,
+        )
     values = _messages.inertia_values(body.tensor, products, "2.0")
     mass = [] if body.mass is None else [("WET_MASS", float(body.mass))]
     inertia = [("INERTIA_REF_FRAME", frame), *zip(INERTIA, values, strict=True)]
     return _WrittenBlock("PHYS", [*mass, *inertia])
 
 
-def _maneuvers(motion, seconds, ends, frame, axes):
-    """A block MAN for each impulse of a motion between its ends, with the momentum after it."""
+def _maneuvers(motion, breaks, seconds, frame, axes):
+    """A block MAN for each impulse at some joints of a motion, with the momentum after it."""
     inner = None if axes.turning else quaternion.conjugate(axes.to_icrf(motion.epoch, 0.0, None))
-    for hi, lo in motion.breaks():
-        if not ends[0] <= hi <= ends[1]:
-            continue
+    for hi, lo in breaks:
         after = motion.at(np.array([hi]), np.array([lo]))
         before = motion.at(np.array([hi]), np.array([np.nextafter(lo, -np.inf)]))
         old, new = (
@@ -847,7 +854,8 @@ def write(
 
     Each segment becomes a block ATT (quaternions and angular velocities, at seconds since the first
     epoch); the inertia in kg m2 a block PHYS; each impulse of `Arcs` a block MAN without duration,
-    with the angular momentum after it; standard deviations a block COV for each segment.
+    with the angular momentum after it; standard deviations a block COV for each segment.  PHYS has
+    the inertia of the first epoch; where it changes later, an AttitudeWarning says so.
 
     Parameters
     ----------
@@ -893,14 +901,15 @@ def write(
     blocks = [_attitudes(records, name, axes, body, texts, orbit) for records in parts]
     has_inertia = motion.body is not None and not motion.body.relative
     if has_inertia:
-        blocks.append(_physics(motion.body, body, products))
+        breaks = [joint for joint in motion.breaks() if begin[0][0] <= joint[0] <= end[0][1]]
+        epochs = [np.array(begin)[:, 0], *breaks, np.array(end)[:, 1]]
+        blocks.append(_physics(motion, epochs, body, products))
     if covariance is None:
         covariance = _has_covariance(parts[0])
     if covariance:
         blocks += [_covariances(records, body, texts) for records in parts]
     if has_inertia:
-        ends = float(begin[0][0]), float(end[0][1])
-        blocks += _maneuvers(motion, seconds, ends, name, axes)
+        blocks += _maneuvers(motion, breaks, seconds, name, axes)
     for block in blocks:
         refuse_line_breaks(*block.comments)
 

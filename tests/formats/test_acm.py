@@ -8,6 +8,7 @@ import pytest
 from attitude import AttitudeError, Body, FreeRotation, Spin, frames
 from attitude.arcs import Arcs, Impulse, InertiaChange
 from attitude.cli import main
+from attitude.errors import AttitudeWarning
 from attitude.fitting import fit
 from attitude.formats import acm, aem, detect, spin_file
 from attitude.frames import quaternion
@@ -132,6 +133,23 @@ def test_impulses_are_maneuvers(tmp_path, xml):
     # The motion of the message: from its first state, with the impulses.
     t = np.linspace(0.0, 30.0, 100)
     assert apart(found.motion.at(t).wxyz, given.at(t).wxyz) < 1e-12
+
+
+def test_one_body_is_written(tmp_path):
+    """That of the first epoch; a warning tells of another one later."""
+    later = Body(moments=(30.0, 40.0, 26.0))
+    given = Arcs(BODY, SPIN, [Impulse(1.2, (0.1, 0.3, -0.2)), InertiaChange(3.1, later)])
+    path = tmp_path / "a.acm"
+    acm.write(path, given, t=T[T >= 3.2])  # of which no warning speaks
+    found, t = acm.read(path), np.linspace(4.0, 30.0, 50)
+    assert found.body.tensor == pytest.approx(later.tensor, rel=1e-15)
+    seconds = t - found.motion.epoch.since(SPIN.epoch)
+    assert apart(found.motion.at(seconds).wxyz, given.at(t).wxyz) < 1e-12
+    back = Arcs(BODY, SPIN, [InertiaChange(3.1, later), InertiaChange(4.1, BODY)])
+    for motion in (given, back):
+        with pytest.warns(AttitudeWarning, match="an ACM holds one body"):
+            acm.write(path, motion, t=T)
+        assert acm.read(path).body.tensor == pytest.approx(BODY.tensor, rel=1e-15)
 
 
 def test_a_maneuver_as_torque(tmp_path):
