@@ -76,6 +76,9 @@ class MeanTorques:
         # filled by `_resonances.listed`
         self.resonances: list[tuple[int, int, bool, float]] | None = None
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.body, self.torques, self.instant, self.degree)
+
     @cached_property
     def periods(self) -> list[float]:
         """s, of one turn of the path of each torque; infinite without one."""
@@ -180,7 +183,7 @@ class Packing:
     """
 
     def __init__(self, torques: MeanTorques, averaged: tuple[tuple[bool, float], ...]) -> None:
-        self.torques, self.axes = torques, torques.axes
+        self.torques, self.axes, self._kinds = torques, torques.axes, averaged
         self.averaged = tuple(turn for turn, _ in averaged)
         means = []
         rows = zip(torques.torques, torques.periods, averaged, torques.means, strict=True)
@@ -197,6 +200,10 @@ class Packing:
         self.turn = self._mean_turn()
         self._windows: dict[int, Window] = {}
         self._kept = 0  # bytes of the windows
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Packed means hold addresses of functions, which are those of one process.
+        return type(self), (self.torques, self._kinds)
 
     @property
     def paths(self) -> list[tuple[Torque, float, bool]]:

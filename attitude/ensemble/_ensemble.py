@@ -1654,6 +1654,10 @@ class TorquedEnsemble(Immutable):
             self._set("torques", first.torques)
             self._prepare()
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        # The systems hold addresses, which are those of one process.
+        return type(self), (self.ensemble, self.torques, self.step, self.scheme)
+
     def _prepare(self) -> None:
         """Pack the bodies and the states of the members."""
         ensemble = self.ensemble

@@ -1,6 +1,7 @@
 """Mean rotation under weak torques, against mpmath, brute means and full integrations."""
 
 import math
+import pickle
 
 import mpmath as mp
 import numpy as np
@@ -397,6 +398,23 @@ def test_the_key_of_a_shaded_table_has_no_address():
 
 def _at_earth(seconds):
     return np.broadcast_to([1.496e11, 0.0, 0.0], (len(seconds), 3))
+
+
+def _drag(t, wxyz, omega):
+    return -0.05 * omega
+
+
+@pytest.mark.parametrize("torque", [GravityGradient(_at_earth, 1e27), _drag])
+def test_pickles_answer_as_the_motion(torque):
+    """Means of closed form, and over nodes of both phases, whose function has an address."""
+    motion = AveragedMotion(ENVISAT, spinning(), torque)
+    states = motion.at([0.0, 3e3])
+    again, history = pickle.loads(pickle.dumps((motion, states)))
+    for found in (again.at([0.0, 3e3]), history):
+        np.testing.assert_array_equal(found.momentum, states.momentum)
+        np.testing.assert_array_equal(found.P_psi, states.P_psi)
+    copied, own = again.packing.packed.models, motion.packing.packed.models
+    assert (copied[0, rates.PARAMETERS] != own[0, rates.PARAMETERS]) == (torque is _drag)
 
 
 @pytest.mark.parametrize("degree", [1, 2, 7, 32, 64])

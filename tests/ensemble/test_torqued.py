@@ -1,5 +1,10 @@
 """Ensembles under torques: the motions of TorquedRotation for every member."""
 
+import copy
+import pickle
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -48,6 +53,20 @@ def test_bodies_of_their_own():
     # before the epoch the damping drives the last one beyond what the step resolves
     with pytest.raises(AttitudeError, match=r"member 2 of 3: a step of 0\.5 s cannot resolve"):
         torqued.at([-300.0])
+
+
+def test_copies_and_pickles_hold_no_addresses(tmp_path):
+    """Parameters of a copy are its own, and another process reads a pickle."""
+    torqued = _members(2).torqued(_torques(), step=0.5)
+    for again in (copy.deepcopy(torqued), pickle.loads(pickle.dumps(torqued))):
+        assert not np.array_equal(again._systems[0].setup[2], torqued._systems[0].setup[2])
+        assert np.array_equal(again.at([9.0, 70.0]).wxyz, torqued.at([9.0, 70.0]).wxyz)
+    (tmp_path / "t.pkl").write_bytes(pickle.dumps(torqued))
+    code = "import pickle; print(pickle.load(open('t.pkl', 'rb')).at([9.0, 70.0]).wxyz.tolist())"
+    run = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert run.stdout == f"{torqued.at([9.0, 70.0]).wxyz.tolist()}\n", run
 
 
 def test_torques_in_python_and_in_time():
