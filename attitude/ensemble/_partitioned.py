@@ -189,7 +189,7 @@ class PartitionedEnsemble(Immutable):
         """The epochs of each partition, and how many they are."""
         if _is_lazy(t):
             return _blocks(t, "t", self.lengths), t.shape[1]
-        if isinstance(t, (int, float, str)):
+        if isinstance(t, str) or getattr(t, "shape", None) == () or not hasattr(t, "__len__"):
             raise AttitudeError("t is a single epoch; give an array (T,).")
         return [t] * len(self.parts), len(t)
 

@@ -4,11 +4,13 @@ import os
 import signal
 import sys
 import time
+from datetime import date
 from importlib.util import find_spec
 from itertools import pairwise
 
 import numpy as np
 import pytest
+from astropy.time import Time
 
 from attitude import AttitudeError, Ensemble
 from attitude.ensemble._partitioned import PartitionedEnsemble
@@ -150,8 +152,16 @@ def test_what_is_refused():
     with pytest.raises(AttitudeError, match="give a dask dataframe"):
         PartitionedEnsemble.of_dataframe([1, 2])
     many = PartitionedEnsemble.of_arrays(**given, epoch="2026-01-01")
-    with pytest.raises(AttitudeError, match="t is a single epoch"):
-        many.at(1.0)
+    for one in (
+        1.0,
+        np.int64(3),
+        np.array(3.0),
+        Time("2026-01-02"),
+        date(2026, 1, 2),
+        "2026-01-02",
+    ):
+        with pytest.raises(AttitudeError, match="t is a single epoch"):
+            many.at(one)
     bad = {**given, "angular_velocity": given["angular_velocity"] * np.nan}
     with pytest.raises(AttitudeError, match="angular velocity is"):
         PartitionedEnsemble.of_arrays(**bad, epoch="2026-01-01").at(T).compute()
