@@ -233,15 +233,15 @@ def _floats(value: Any, name: str, unit: str | None) -> FloatArray:
         numbers = _common(value, name, unit)
         if numbers is not None:
             return numbers
-    mask = _mask_of(value)
+    mask = unmasked(value)[1]
     if mask is not None and np.any(mask):
         raise AttitudeError(
             f"{name} has masked entries; give a number for each, or leave them out."
         )
-    if isinstance(value, str) or _holds(value, str) or _holds_quantities(value):
+    if isinstance(value, str) or _holds(value, str) or holds_quantities(value):
         value = _quantity(value, name)
-    elif getattr(value, "unit", None) is not None and not hasattr(value, "to_value"):
-        value = value.quantity if hasattr(value, "quantity") else value  # a column of a table
+    elif not hasattr(value, "to_value"):
+        value = _with_unit(value, getattr(value, "unit", None))  # a column of a table
     if hasattr(value, "unit") and hasattr(value, "to_value"):
         value = _in_unit(value, name, unit)
     try:
@@ -286,20 +286,33 @@ def _common(text: str, name: str, unit: str | None) -> FloatArray | None:
     return (numbers if len(numbers) > 1 else numbers[0:1].reshape(())) * factor
 
 
-def _mask_of(value: Any) -> BoolArray | None:
-    """The mask of numpy's and of astropy's masked arrays, or None."""
+def unmasked(value: Any) -> tuple[Any, BoolArray | None]:
+    """The data without its mask, and the mask or None, for masked arrays of numpy and astropy."""
     if isinstance(value, np.ma.MaskedArray):
-        return np.ma.getmaskarray(value)
-    return np.asarray(value.mask) if hasattr(value, "unmasked") else None
+        unit = getattr(value, "unit", None)
+        return _with_unit(np.ma.getdata(value), unit), np.ma.getmaskarray(value)
+    if hasattr(value, "unmasked") and hasattr(value, "mask"):
+        return value.unmasked, np.asarray(value.mask)
+    return value, None
+
+
+def _with_unit(data: Any, unit: Any) -> Any:
+    """The data, as a Quantity if they are numbers and there is a unit."""
+    if unit is None or np.asarray(data).dtype.kind not in "fiu":
+        return data
+    from astropy.units import Quantity
+
+    return Quantity(np.asarray(data), unit)
 
 
 def _holds(value, kind):
     return isinstance(value, (list, tuple)) and any(isinstance(item, kind) for item in value)
 
 
-def _holds_quantities(value):
+def holds_quantities(value: Any) -> bool:
+    """Whether a list holds Quantities, at any depth."""
     return isinstance(value, (list, tuple)) and any(
-        hasattr(item, "to_value") or _holds_quantities(item) for item in value
+        hasattr(item, "to_value") or holds_quantities(item) for item in value
     )
 
 

@@ -87,19 +87,35 @@ def arguments(
         keywords.pop("moments", None)
     elif "moments" not in keywords:
         raise AttitudeError(f"{origin}: it has neither moments nor tensor; give one of them.")
-    keywords["epoch"] = _epochs(columns, origin)
-    if "name" in columns:
-        names = np.asarray(columns["name"])
-        names = np.char.decode(names, "utf-8") if names.dtype.kind == "S" else names  # FITS
-        keywords["names"] = [str(name_of_row) for name_of_row in names.tolist()]
-    return keywords
+    keywords["epoch"] = _epochs(columns, origin) if len(keywords["wxyz"]) else "2000-01-01"
+    return keywords | {"names": _names(columns, ("name",), origin)}
+
+
+def words(column: Any) -> list[Any]:
+    """The entries of a column of text: None where it is masked, text in place of FITS' bytes."""
+    entries = np.ma.asarray(np.atleast_1d(np.asanyarray(column, dtype=object))).tolist()
+    return [word.decode("utf-8", "replace") if type(word) is bytes else word for word in entries]
+
+
+def _names(columns: Mapping[str, Any], labels: tuple[str, ...], origin: str) -> list[str] | None:
+    """The names in the first column with one of some labels, or None."""
+    label = next((label for label in labels if label in columns), None)
+    names = [] if label is None else words(columns[label])
+    missing = [k for k, name in enumerate(names) if name is None]
+    if missing:
+        raise AttitudeError(
+            f"{origin}: the {label} of row {missing[0]} is missing; give one for each row, or "
+            "leave out the column."
+        )
+    return None if label is None else [str(name) for name in names]
 
 
 def _epochs(columns: Mapping[str, Any], origin: str) -> Any:
     """What `Ensemble` takes as epochs: dates, or Seconds."""
     if "epoch_seconds" in columns:
-        low = columns.get("epoch_low", np.zeros(len(columns["epoch_seconds"])))
-        seconds = np.array([columns["epoch_seconds"], low], dtype=np.float64)
+        both = {"epoch_low": np.zeros(len(columns["epoch_seconds"])), **columns}
+        names = ("epoch_seconds", "epoch_low")
+        seconds = np.asarray(_numbers(both, "seconds", names, "s", origin)).T
         if not np.all(np.isfinite(seconds)):
             row = int(np.argmin(np.isfinite(seconds).all(axis=0)))
             raise AttitudeError(f"{origin}: the epoch of row {row} is missing.")
@@ -108,9 +124,7 @@ def _epochs(columns: Mapping[str, Any], origin: str) -> Any:
         raise AttitudeError(
             f"{origin}: it has no epochs; give a column epoch of dates, or epoch_seconds."
         )
-    seconds = columns["epoch"]
-    kind = getattr(getattr(seconds, "dtype", None), "kind", "")
-    return np.asarray(seconds).tolist() if kind in "OSU" and kind else seconds
+    return columns["epoch"]
 
 
 def _numbers(
@@ -164,6 +178,8 @@ _ROTATOR_NUMBERS: dict[str, float | None] = {
     **dict.fromkeys(("period_h", "P_psi_h", "P_phi_h", "psi0_deg"), math.nan),
 }
 _ROTATOR_WORDS = ("mode", "convention", "theta_branch")
+# Units of plain numbers, by the ends of the names of columns; of others m.
+_UNITS = {"_h": "h", "eg": "deg", "DB": "d"}
 ROTATOR_COLUMNS: frozenset[str] = frozenset({*AXES, "shape", *_ROTATOR_NUMBERS, *_ROTATOR_WORDS})
 # Modified Julian date, TDB, of J2000.
 _MJD_OF_J2000 = 51544.5
@@ -180,7 +196,7 @@ def rotator_numbers(
     default: float | None = None,
     names: Sequence[object] | None = None,
 ) -> FloatArray:
-    """A column as float64; a default for each object if it is absent."""
+    """A column as float64, NaN where it is masked; a default for each object if it is absent."""
     if name not in columns and default is None:
         raise AttitudeError(
             f"the column {name} is missing; give it, or a distribution from which it is drawn."
@@ -189,14 +205,18 @@ def rotator_numbers(
     shape = np.shape(columns[first])[:1]
     if name not in columns:
         return np.full(shape, default)
-    values = np.asarray(columns[name])
+    values, mask = validation.unmasked(columns[name])
+    if getattr(values, "unit", None) not in (None, "") or validation.holds_quantities(values):
+        values = validation.real(values, name, unit=_UNITS.get(name[-2:], "m"), finite=False)
+    values = np.asarray(values)
     if values.ndim != 1 or values.shape != shape:
         raise AttitudeError(
             f"the column {name} has shape {values.shape}; give one number for each object, as many "
             f"as the column {first} has, {shape}."
         )
     try:
-        return np.array(values, dtype=np.float64)
+        numbers = np.array(values, dtype=np.float64)
+        return numbers if mask is None else np.where(mask, math.nan, numbers)
     except (TypeError, ValueError):
         for k, value in enumerate(values.tolist()):
             try:
@@ -247,7 +267,7 @@ def rotator_states(
         P_phi=numbers["P_phi_h"] * hour,
         P=numbers["period_h"] * hour,
         on_error="nan",
-        **{name: columns.get(name) for name in _ROTATOR_WORDS},
+        **{name: words(columns[name]) for name in _ROTATOR_WORDS if name in columns},
     )
     if on_error == "raise" and states.bad.any():
         k = int(np.flatnonzero(states.bad)[0])
@@ -264,8 +284,7 @@ def rotator_states(
 
 def _of_rotators(columns: Mapping[str, Any], origin: str, on_error: str) -> dict[str, Any]:
     """The arguments of `Ensemble` in the columns of a survey."""
-    label = next((column for column in ("ObjID", "name") if column in columns), None)
-    names = None if label is None else [str(name) for name in np.asarray(columns[label]).tolist()]
+    names = _names(columns, ("ObjID", "name"), origin)
     try:
         _, moments = rotator_moments(columns, names)
         states, mjd = rotator_states(columns, moments, None, names, on_error)

@@ -212,32 +212,12 @@ def _lengths(read_one):
     return reader
 
 
-def _unmasked(value):
-    """The data without its mask, and the mask or None, for masked arrays of numpy and astropy."""
-    if isinstance(value, np.ma.MaskedArray):
-        unit = getattr(value, "unit", None)
-        return _with_unit(np.ma.getdata(value), unit), np.ma.getmaskarray(value)
-    if hasattr(value, "unmasked") and hasattr(value, "mask"):
-        return value.unmasked, np.asarray(value.mask)
-    return value, None
-
-
-def _with_unit(data, unit):
-    if unit is None:
-        return data
-    from astropy.units import Quantity
-
-    return Quantity(np.asarray(data), unit)
-
-
 # ---- Lengths of time: list of entries -> seconds from the start
 
 
 def _floats(value, name):
     """One array or number as float64 seconds, NaN where masked."""
-    value, mask = _unmasked(value)
-    if not hasattr(value, "to_value"):
-        value = _with_unit(value, getattr(value, "unit", None))  # a column of a table
+    value, mask = validation.unmasked(value)
     seconds = validation.real(value, name, unit="s", finite=False)
     if mask is not None:
         seconds[mask] = np.nan
@@ -260,8 +240,10 @@ _SECOND = np.timedelta64(1, "s")
 
 def _time_delta(start, delta, name):
     """The seconds of TDB from start to the epoch that astropy computes as start + delta."""
-    days, mask = _unmasked(delta.jd1)
-    hi, lo = _time_scales.seconds_from_days(_nan_where(mask, days), _unmasked(delta.jd2)[0])
+    days, mask = validation.unmasked(delta.jd1)
+    hi, lo = _time_scales.seconds_from_days(
+        _nan_where(mask, days), validation.unmasked(delta.jd2)[0]
+    )
     scale = delta.scale
     if scale in (None, "tdb"):
         return hi, lo
@@ -288,8 +270,8 @@ def _instants(leaves, name):
 
 
 def _astropy_time(time, name):
-    jd1, mask = _unmasked(time.jd1)
-    jd1, jd2 = _nan_where(mask, jd1), np.asarray(_unmasked(time.jd2)[0])
+    jd1, mask = validation.unmasked(time.jd1)
+    jd1, jd2 = _nan_where(mask, jd1), np.asarray(validation.unmasked(time.jd2)[0])
     _refuse_far_years(jd1, name)
     scale, difference = time.scale, None
     if scale == "local":
@@ -307,7 +289,7 @@ def _astropy_time(time, name):
         return _time_scales.tdb_from("tai", hi, lo, difference)
     hi, lo = _time_scales.seconds_from_jd(jd1, jd2)
     if scale == "ut1":
-        set_by_user = _unmasked(getattr(time, "_delta_ut1_utc", None))[0]
+        set_by_user = validation.unmasked(getattr(time, "_delta_ut1_utc", None))[0]
         hi, lo = _time_scales.tai_from_ut1(hi, lo, name, set_by_user)
         scale = "tai"
     return _time_scales.tdb_from(scale, hi, lo, difference)
@@ -315,7 +297,7 @@ def _astropy_time(time, name):
 
 def _constant(seconds):
     """TDB - TT as a function of the epoch that returns the seconds given."""
-    known = np.asarray(_unmasked(seconds)[0], dtype=np.float64)
+    known = np.asarray(validation.unmasked(seconds)[0], dtype=np.float64)
     return lambda hi, lo: known
 
 
@@ -355,7 +337,7 @@ def _civil(moment, name):
 
 
 def _datetime64(moments, name):
-    moments, mask = _unmasked(moments)
+    moments, mask = validation.unmasked(moments)
     moments = np.asarray(moments)
     # A bare NaT has no unit; numpy's integers overflow with the attoseconds of a second.
     unit = {"generic": "s", "as": "fs"}.get(np.datetime_data(moments.dtype)[0])

@@ -1,6 +1,7 @@
 """Rotators of a survey: states from columns or drawn, and their light relative to its mean.
 
-Columns, one row for each object; those that an object does not need are NaN, empty or absent:
+Columns, one row for each object; those that an object does not need are NaN, empty, masked or
+absent.  Columns with units are converted, those of semi-axes to m:
 
 ====================  ============================================================================
 axis_a, axis_b,       Semi-axes of a homogeneous ellipsoid along the body axes x, y, z, in any unit;
@@ -43,6 +44,7 @@ from attitude.ensemble._tables import (
     rotator_moments,
     rotator_numbers,
     rotator_states,
+    words,
 )
 from attitude.epochs import _time_scales
 from attitude.epochs._instants import Instant
@@ -178,7 +180,7 @@ class Rotators:
             if "shape" not in columns:
                 raise AttitudeError("the column shape is missing, which names one of the shapes.")
             labels, shapes = list(shape), list(shape.values())
-            named = np.asarray(columns["shape"], dtype=object)
+            named = np.array(words(columns["shape"]), dtype=object)
             if named.shape != (count,):
                 raise AttitudeError(
                     f"the column shape has shape {named.shape}; give one name for each object, "

@@ -8,7 +8,7 @@ import textwrap
 import numpy as np
 import pytest
 from astropy import units
-from astropy.table import QTable
+from astropy.table import MaskedColumn, QTable, Table
 from astropy.time import Time
 
 from attitude import AttitudeError, Body, Ensemble, FreeRotation, Mode, Spin
@@ -178,8 +178,37 @@ def test_tables_of_astropy_and_mappings():
             Ensemble.from_table(rest)
     with pytest.raises(AttitudeError, match="the table: member 1 of 2: wxyz is"):
         Ensemble.from_table({**columns, "x": [0, 0]})
+    texts = Table({**columns, "omega_x": MaskedColumn(["0", "x"], unit="deg / s")})
+    with pytest.raises(AttitudeError, match=r"the table: omega_x is .*give real numbers in rad/s"):
+        Ensemble.from_table(texts)
     with pytest.raises(AttitudeError, match="the table is 3; give"):
         Ensemble.from_table(3)
+
+
+@pytest.mark.parametrize("masked", ["name", "epoch", "epoch_seconds", None])
+def test_masked_cells_are_missing(masked, tmp_path):
+    ensemble = _ensemble(names=[f"n{k}" for k in range(12)])
+    table = Table(ensemble.table())
+    if masked is None:
+        table["name"] = table["name"].astype("S")
+        table["epoch_seconds"].unit = None
+        table["epoch_seconds"] = table["epoch_seconds"] / 86400.0 * units.day
+        found = Ensemble.from_table(table)
+        assert list(found.names) == list(ensemble.names)
+        assert abs(found.epoch_of(3).since(ensemble.epoch_of(3))) < 1e-6
+        return
+    if masked == "epoch":
+        table.remove_column("epoch_seconds")
+        table["epoch"] = [EPOCH] * 12
+    table[masked] = MaskedColumn(table[masked], mask=np.arange(12) == 3)
+    with pytest.raises(AttitudeError, match=r"row 3 is missing|epoch 3 of 12|epoch_seconds has"):
+        Ensemble.from_table(table)
+
+
+def test_tables_without_rows():
+    columns = {"epoch": [], **dict.fromkeys(("wxyz", "angular_velocity", "moments"))}
+    columns |= {name: np.zeros((0, 4 if name == "wxyz" else 3)) for name in list(columns)[1:]}
+    assert len(Ensemble.from_table(columns)) == 0
 
 
 @pytest.mark.parametrize("ending", ["ecsv", "fits"])

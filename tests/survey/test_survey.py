@@ -153,6 +153,53 @@ def test_the_columns_of_a_survey_make_an_ensemble(tmp_path):
         assert min(abs(found[k] - exact).max(), abs(found[k] + exact).max()) < 1e-10
 
 
+@pytest.mark.parametrize("ending", ["csv", "ecsv", "fits"])
+def test_empty_cells_of_files(ending, tmp_path):
+    """Masked by astropy; with the states of NaN and empty text.  FITS has bytes as text."""
+    from astropy.table import Table
+
+    wanted = {**columns(8), "ObjID": [f"S{k}" for k in range(8)]}
+    rows = [wanted, *zip(*wanted.values(), strict=True)]
+    source = tmp_path / "rotation.csv"
+    source.write_text("".join(",".join(map(str, row)) + "\n" for row in rows).replace("nan", ""))
+    table = Table.read(source, format="ascii.csv")
+    assert table["P_psi_h"].mask.any() and table["mode"].mask.any()
+    if ending != "csv":
+        table.write(tmp_path / f"rotation.{ending}")
+    t = ["2024-03-01T12:00:00"]
+    exact = Ensemble.from_table(wanted).at(t).wxyz
+    for given in (table, tmp_path / f"rotation.{ending}"):
+        found = Ensemble.from_table(given)
+        np.testing.assert_array_equal(found.at(t).wxyz, exact)
+        assert found.names.tolist() == wanted["ObjID"]
+    Rotators({name: table[name] for name in table.colnames})
+
+
+def test_columns_with_units_and_masks():
+    from astropy import units
+    from astropy.table import MaskedColumn, QTable
+
+    plain = {name: each[[0, 2]] for name, each in columns(4).items()}
+    exact = Ensemble.from_table(plain)
+    t = exact.epoch_of(0).after(5e6)
+    changed = {
+        "period_h": plain["period_h"] * 60.0 * units.min,
+        "pole_lon_deg": np.radians(plain["pole_lon_deg"]) * units.rad,
+        "axis_a": plain["axis_a"] * units.km,
+        "axis_b": plain["axis_b"] * 1e3 * units.m,
+        "axis_c": list(plain["axis_c"] * 1e5 * units.cm),
+    }
+    found = Ensemble.from_table(QTable({**plain, **changed}))
+    np.testing.assert_allclose(found.period_psi, exact.period_psi, rtol=1e-12)
+    np.testing.assert_allclose(found.at(t).wxyz, exact.at(t).wxyz, atol=1e-8)
+    with pytest.raises(AttitudeError, match="period_h is in m; give it in h"):
+        Ensemble.from_table({**plain, "period_h": [1.0, 2.0] * units.m})
+    for name, sentence in (("period_h", "P_psi, P_phi"), ("pole_lon_deg", "pole holds nan")):
+        masked = MaskedColumn(plain[name], mask=[False, True])
+        with pytest.raises(AttitudeError, match=f"Member 1: .*{sentence}"):
+            Ensemble.from_table(QTable({**plain, name: masked}))
+
+
 @pytest.mark.parametrize(
     ("changed", "options", "sentence"),
     [
