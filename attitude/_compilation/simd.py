@@ -113,7 +113,7 @@ def sixteen(array: FloatArray, i: int) -> Lanes:
 
 
 def put_eight(array: FloatArray, i: int, a: Lanes) -> None:
-    """Store a vector as array[i], ..., array[i + 7] of a contiguous array of doubles or floats."""
+    """Store a vector as array[i], ..., array[i + 7] of a contiguous array of doubles."""
     i = int(i)
     array[i : i + 8] = a._numbers
 

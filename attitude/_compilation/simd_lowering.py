@@ -308,11 +308,8 @@ def _put_type(array, i, *vectors):
 @instruction(simd.put_eight, _put_type)
 def _put_eight(context, builder, signature, arguments):
     array, i, numbers = arguments
-    kind = signature.args[0]
-    if kind.dtype == types.float32:
-        numbers = builder.fptrunc(numbers, ir.VectorType(ir.FloatType(), signature.args[2].count))
-    place = _place(context, builder, kind, array, i, numbers.type)
-    builder.store(numbers, place, align=kind.dtype.bitwidth // 8)
+    place = _place(context, builder, signature.args[0], array, i, numbers.type)
+    builder.store(numbers, place, align=8)
     return context.get_dummy_value()
 
 

@@ -29,8 +29,6 @@ from attitude.shape._mesh import Mesh
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from numpy.typing import NDArray
-
     from attitude._support.annotations import FloatArray
     from attitude.scattering._law import Law
 
@@ -183,21 +181,21 @@ class BodyLight:
     """Magnitudes (N,) of a body seen from given directions, and their derivatives.
 
     across (N, 3): by a turn of the body, rad, over its own axes; areas (F,) and the slopes (F, S)
-    of their logarithms; light of each facet (N, F), in single precision, and in total (N,).
+    of their logarithms; light of each facet (N, F), and in total (N,).
     """
 
     magnitude: FloatArray
     across: FloatArray
     areas: FloatArray
     slopes: FloatArray
-    of_facets: NDArray[np.float32]
+    of_facets: FloatArray
     total: FloatArray
 
     @cached_property
     def by_shape(self) -> FloatArray:
-        """Derivatives (S, N) by the shape, to some 1e-7: steps and errors need no more."""
-        product = self.slopes.T.astype(np.float32) @ self.of_facets.T
-        return product * (_MAGNITUDE / self.total)
+        """Derivatives (S, N) by the shape."""
+        # in single precision processors that round otherwise lead a search to other minima
+        return self.slopes.T @ self.of_facets.T * (_MAGNITUDE / self.total)
 
 
 @dataclass(frozen=True, eq=False)
@@ -243,7 +241,7 @@ def magnitudes(sun: FloatArray, observer: FloatArray, shape: FloatArray) -> Body
     """The magnitudes of a shape (S,) seen from unit vectors (N, 3) over its axes."""
     count = len(sun)
     area, slopes = areas(shape[:ELLIPSOID], shape[ELLIPSOID:])
-    of_facets, total = np.empty((count, _PADDED), np.float32), np.empty(count)
+    of_facets, total = np.empty((count, _PADDED)), np.empty(count)
     across, padded_areas = np.empty((count, 3)), np.zeros(_PADDED)
     padded_areas[:COUNT] = area
     normals = sphere().padded_normals
@@ -576,7 +574,7 @@ class KnownShape:
                 for side in (_STEP_OF_DIFFERENCES, -_STEP_OF_DIFFERENCES)
             ]
             across[..., k] = (ends[0] - ends[1]) / (2.0 * _STEP_OF_DIFFERENCES)
-        values, nothing = self.magnitudes(sun, observer, least), np.zeros((len(sun), 0), np.float32)
+        values, nothing = self.magnitudes(sun, observer, least), np.zeros((len(sun), 0))
         return BodyLight(values, across, _NOTHING, np.zeros((0, 0)), nothing, np.ones(len(sun)))
 
 
