@@ -143,7 +143,9 @@ def minimum(
         state = moved(best[0].fitted.state, steps[0])
         return _alone(None if state is None else at(state)), np.array([state is not None])
 
-    problem = least_squares.Problem(_near, stepped, _costs, is_cost_first=True)
+    problem = least_squares.Problem(
+        _near, stepped, _costs, is_cost_first=True, steps=least_squares.steps_of_one
+    )
     rule = _RULE._replace(gain=gain)
     best: Evaluation[State]
     best = least_squares.minimum(problem, _alone(at(start)), rule, iterations).states[0]
