@@ -249,12 +249,12 @@ def crossings(
         for k, channel in enumerate(channels):
             first, second, fastest = bounds[k]
 
-            def evaluate(s, _=None, channel=channel, base=base):
+            def evaluate(s, channel=channel, base=base):
                 return channel.value(source.at(*shifted(base, s)))
 
             noise = channel.noise * (_SCENE_NOISE if in_scene else 1.0)
             brackets = isolated(evaluate, knots, values[k], first, second, touch / fastest, noise)
-            s = refined(evaluate, *brackets)
+            s = refined(lambda s, _: evaluate(s), *brackets)
             zeros.append((s, np.full(len(s), k), brackets[2] < 0.0))
         s, which, rising = (np.concatenate(column) for column in zip(*zeros, strict=True))
         if len(s):

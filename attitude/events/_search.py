@@ -102,9 +102,10 @@ def _with_zeros(source, channels, blocks):
         def evaluate(s, of, number=number, base=base):
             return channels[number].value(source.at(*pairs.add(base[:, of], s)))
 
-        ends = (np.concatenate([block[k] for block in some]) for k in (2, 3))
+        begin = np.concatenate([block.begin for block in some])
+        end = np.concatenate([block.end for block in some])
         values = np.concatenate([block.values for block in some], axis=1)
-        zeros = np.split(refined(evaluate, *ends, *values), np.cumsum(counts)[:-1])
+        zeros = np.split(refined(evaluate, begin, end, *values), np.cumsum(counts)[:-1])
         others += [
             block._replace(begin=s, end=s, values=None)
             for block, s in zip(some, zeros, strict=True)

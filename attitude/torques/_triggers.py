@@ -248,7 +248,7 @@ def first_crossing(event: Trigger, motion: Motion, start: float, end: float, nam
         knots = np.minimum(spacing / rate * np.arange(_BLOCK + 1.0), last - left)
         knots = knots[: np.argmax(knots) + 1]
 
-        def evaluate(s: FloatArray, _: object = None, base: float = left) -> FloatArray:
+        def evaluate(s: FloatArray, base: float = left) -> FloatArray:
             return event.values(motion.at(*shifted((base, 0.0), s)))[0]
 
         history = motion.at(*shifted((left, 0.0), knots))
@@ -264,7 +264,7 @@ def first_crossing(event: Trigger, motion: Motion, start: float, end: float, nam
             bound = event.arm * bounds.second
             brackets = isolated(evaluate, knots, values, np.inf, bound, TOUCH / rate, noise)
         if brackets.size:
-            return float(left + np.min(refined(evaluate, *brackets)))
+            return float(left + np.min(refined(lambda s, _: evaluate(s), *brackets)))
         left += float(knots[-1])
         rate = max(pace(left), _SLOWEST * rate)
     raise AttitudeError(
