@@ -53,7 +53,7 @@ def test_toutatis_damping(tmp_path):
 @pytest.mark.slow
 def test_asteroid_end_states(tmp_path):
     printed = lines("asteroid_end_states.py", tmp_path, "40")
-    counts = np.array([row for row in rows_of(printed, 6)])
+    counts = np.array(rows_of([line for line in printed if "%" not in line], 6))
     assert counts.shape == (10, 6)
     assert np.all(np.sum(counts[:, 2:], axis=1) == 4)
     # small bodies tumble, large ones relax

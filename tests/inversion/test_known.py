@@ -276,8 +276,8 @@ def test_second_moments_of_a_density_with_wide_tails():
 
     found = _errors.second_moments(density, 3, np.random.default_rng(0))
     assert np.diag(found) == pytest.approx(np.full(3, 2.0), rel=0.2)
-    # the first round has the 300 effective samples that are asked for
-    assert counts == [350]
+    # the first round has the 200 effective samples that are asked for
+    assert counts == [260]
     normal = _errors.second_moments(
         lambda points: -0.5 * np.sum(points**2, axis=1), 3, np.random.default_rng(1)
     )
@@ -293,7 +293,7 @@ def test_second_moments_of_a_density_wider_than_its_curvature_says():
         return -0.5 * np.sum(points**2, axis=1) / 9.0
 
     wide = _errors.second_moments(density, 3, np.random.default_rng(0))
-    assert 1 < len(counts) < 5
+    assert 1 < len(counts) < 7
     assert np.diag(wide) == pytest.approx(np.full(3, 9.0), rel=0.2)
 
 
