@@ -27,6 +27,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 import numpy as np
 
 from attitude._support import markup, validation
+from attitude._support.constants import DAY_S
 from attitude._support.quoting import quoted
 from attitude._support.synonyms import Answering, arguments, of_module
 from attitude._textfiles import toml
@@ -51,8 +52,8 @@ __all__ = ["Entry", "entry", "has", "load", "motion_of", "names"]
 
 # SI units and radians in the units of the catalogue, as astropy converts them.
 _DEGREE = np.pi / 180.0
-_SI = {None: 1.0, "s": 1.0, "kg": 1.0, "kg m2": 1.0, "h": 3600.0, "day": 86400.0}
-_SI |= {"deg": _DEGREE, "deg/day": _DEGREE / 86400.0}
+_SI = {None: 1.0, "s": 1.0, "kg": 1.0, "kg m2": 1.0, "h": 3600.0, "day": DAY_S}
+_SI |= {"deg": _DEGREE, "deg/day": _DEGREE / DAY_S}
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ import numpy as np
 from attitude import frames
 from attitude._solver.states import States
 from attitude._support import validation
+from attitude._support.constants import COLORS, DAY_S
 from attitude._support.quantity_text import time_unit
 from attitude._support.synonyms import arguments, of_module
 from attitude._textfiles.atomic_write import written_whole
@@ -50,7 +51,6 @@ __all__ = [
 ]
 
 
-_COLORS = ("#0072b2", "#d55e00", "#009e73")
 _NAMES = ("long axis", "middle axis", "short axis")
 _POINTS = 1201
 # Parts of a longer curve that is drawn by its extremes, enough for a figure of 1500 pixels.
@@ -243,14 +243,14 @@ def polhode(axes: Any, motion: FreeRotation | str | None = None) -> Figure:
     for color, line in _family(moments, semi):
         axes.plot(*line.T, color=color, linewidth=0.6)
     path = motion.polhode(721) @ turn * scale
-    axes.plot(*path.T, color=_COLORS[1], linewidth=2.0)
+    axes.plot(*path.T, color=COLORS[1], linewidth=2.0)
     now = motion.spin.angular_velocity @ turn * scale
-    axes.plot(*now[:, None], "o", color=_COLORS[1])
+    axes.plot(*now[:, None], "o", color=COLORS[1])
     for k, name in enumerate(_NAMES):
         end = np.zeros((3, 2))
         end[k] = 0.0, 1.25 * semi[k]
-        axes.plot(*end, color=_COLORS[0], linewidth=0.8)
-        axes.text(*(end[:, 1] * 1.05), name, color=_COLORS[0], fontsize=9, ha="center")
+        axes.plot(*end, color=COLORS[0], linewidth=0.8)
+        axes.text(*(end[:, 1] * 1.05), name, color=COLORS[0], fontsize=9, ha="center")
     axes.set_box_aspect(semi, zoom=1.3)
     axes.set_axis_off()
     axes.set_title(f"polhode, {motion.mode.name.lower().replace('_', ' ')}", fontsize=10)
@@ -291,8 +291,8 @@ def sky(
     for k, name in enumerate(_NAMES):
         if k != 1:
             path = history.body_to_inertial(directions[:, k]) @ turn
-            axes.plot(*_unbroken(*_map(path)), color=_COLORS[k], linewidth=0.8, label=name)
-            axes.plot(*_map(path[:1]), "o", color=_COLORS[k], markersize=4, clip_on=False)
+            axes.plot(*_unbroken(*_map(path)), color=COLORS[k], linewidth=0.8, label=name)
+            axes.plot(*_map(path[:1]), "o", color=COLORS[k], markersize=4, clip_on=False)
     if np.any(motion.momentum):
         pole = _map((motion.momentum @ turn)[None])
         axes.plot(*pole, "k*", markersize=9, label="momentum", clip_on=False)
@@ -313,10 +313,10 @@ def rates(axes: Axes, motion: FreeRotation | str, seconds: ArrayLike) -> None:
     _warn_of_coarse(motion, seconds)
     omega = motion.angular_velocity_at(seconds) @ _conventions.axes(motion.body, "S")
     largest = np.degrees(np.max(np.abs(omega)))
-    factor, unit = (1.0, "deg/s") if largest > 0.1 else (86400.0, "deg/d")
+    factor, unit = (1.0, "deg/s") if largest > 0.1 else (DAY_S, "deg/d")
     time, label = _time(seconds, motion.epoch)
     for k, name in enumerate(_NAMES):
-        axes.plot(time, np.degrees(omega[:, k]) * factor, color=_COLORS[k], label=name)
+        axes.plot(time, np.degrees(omega[:, k]) * factor, color=COLORS[k], label=name)
     axes.set(xlabel=label, ylabel=f"angular velocity, {unit}")
     _legend(axes, -0.13)
 
@@ -336,7 +336,7 @@ def angles(
     degrees = np.degrees(motion.angles(seconds, convention))
     time, label = _time(seconds, motion.epoch)
     for k, name in enumerate(("phi", "theta", "psi")):
-        axes.plot(*_unbroken(time, degrees[:, k], 180.0), color=_COLORS[k], label=name)
+        axes.plot(*_unbroken(time, degrees[:, k], 180.0), color=COLORS[k], label=name)
     axes.set(xlabel=label, ylabel="deg", ylim=(0.0, 360.0), yticks=range(0, 361, 60))
     axes.set_title(f'Euler angles about the momentum, convention "{convention}"', fontsize=10)
     _legend(axes, -0.13)

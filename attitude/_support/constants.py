@@ -1,7 +1,9 @@
-"""Constants that more than one module uses, each once, in SI units named by the suffix.
+"""Constants that more than one module uses, each once: SI units named by the suffix; colours.
 
 Sources: the speed of light, SI; the astronomical unit, IAU 2012 resolution B2; the Sun's nominal
-radius, IAU 2015 resolution B3; the Earth's ellipsoid, WGS 84.
+radius, IAU 2015 resolution B3; the Earth's ellipsoid, WGS 84; the sidereal day, one turn of the
+Earth from equinox to equinox, Explanatory Supplement to the Astronomical Almanac; colours
+that readers who confuse red and green can tell apart, Okabe and Ito 2008.
 """
 
 from __future__ import annotations
@@ -13,5 +15,16 @@ ASTRONOMICAL_UNIT_M: Final = 149597870700.0
 SUN_RADIUS_M: Final = 6.957e8
 EARTH_RADIUS_M: Final = 6378137.0
 EARTH_FLATTENING: Final = 1.0 / 298.257223563
+DAY_S: Final = 86400.0
+SIDEREAL_DAY_S: Final = 86164.0905
+# Julian date at which modified Julian dates begin.
+JD_OF_MJD_0: Final = 2400000.5
+# Modified Julian date of 2000 January 1, 12 h.
+MJD_OF_J2000: Final = 51544.5
+BLUE: Final = "#0072b2"
+VERMILION: Final = "#d55e00"
+GREEN: Final = "#009e73"
+PURPLE: Final = "#cc79a7"
+COLORS: Final = BLUE, VERMILION, GREEN
 # Least gap between the observations of two nights.
-GAP_OF_NIGHTS_S: Final = 0.3 * 86400.0
+GAP_OF_NIGHTS_S: Final = 0.3 * DAY_S

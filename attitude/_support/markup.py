@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from attitude._support.constants import COLORS
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -105,7 +107,7 @@ def attitudes(head: str, seconds: NDArray[np.float64], wxyz: NDArray[np.float64]
     if len(times) < 3:
         return table(head, cells)
     lines = [(times, rows[:, k]) for k in range(4)]
-    colors = ("#444444", "#0072b2", "#d55e00", "#009e73")
+    colors = ("#444444", *COLORS)
     return table(head, cells, line_plot(lines, "w, x, y, z against time", colors=colors))
 
 
@@ -113,7 +115,7 @@ def line_plot(
     lines: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]],
     caption: str,
     *,
-    colors: Sequence[str] = ("#0072b2", "#d55e00", "#009e73"),
+    colors: Sequence[str] = COLORS,
     is_equal: bool = False,
     is_downward: bool = False,
     is_dotted: bool = False,

@@ -14,6 +14,7 @@ import math
 import re
 from typing import TYPE_CHECKING
 
+from attitude._support.constants import DAY_S
 from attitude._support.quoting import quoted
 from attitude.errors import AttitudeError
 
@@ -40,7 +41,7 @@ _SPELLINGS = {
 }
 # Common units with the factors by which astropy converts them, to the bit: reading them does not
 # import astropy, which takes 0.1 s.
-_TIMES = {"s": 1.0, "min": 60.0, "h": 3600.0, "hour": 3600.0, "d": 86400.0, "day": 86400.0}
+_TIMES = {"s": 1.0, "min": 60.0, "h": 3600.0, "hour": 3600.0, "d": DAY_S, "day": DAY_S}
 _TURNS = {"rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180.0, "cycle": 2.0 * math.pi}
 _COMMON = {
     "rad": {**_TURNS, "arcmin": math.pi / 10800.0, "arcsec": math.pi / 648000.0},
@@ -110,7 +111,7 @@ def unit_of(text: str, name: str) -> UnitBase:
 
 # ---- Times in the unit that their size asks for
 
-TIME_UNITS: dict[str, float] = {"d": 86400.0, "h": 3600.0, "min": 60.0, "s": 1.0}
+TIME_UNITS: dict[str, float] = {"d": DAY_S, "h": 3600.0, "min": 60.0, "s": 1.0}
 
 
 def time_unit(longest: float) -> tuple[float, str]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from attitude._support.constants import DAY_S
 from attitude.averaged import _rates as layout
 from attitude.averaged import _tables
 from attitude.averaged._means import Mean
@@ -345,7 +346,7 @@ class Packed:
             t = np.clip(np.array([0.0, 1e3, 1e5, 1e7]), first, last)
             if _spread(self.sampled(sampling, mean, t)) <= _REPEATS:
                 return float("inf")
-            period = 86400.0
+            period = DAY_S
         least = period / _MOST
         if np.isfinite(sampling.ripple):
             least = max(least, sampling.ripple)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude import plots
+from attitude._support.constants import COLORS, DAY_S, GREEN, PURPLE
 from attitude.averaged._polhode import LAM_PLUS
 from attitude.errors import AttitudeError
 
@@ -18,15 +19,14 @@ if TYPE_CHECKING:
     from attitude.averaged._motion import AveragedMotion
     from attitude.averaged._tracks import AveragedEvent
 
-_COLORS = ("#0072b2", "#d55e00", "#009e73")
 _POINTS = 3001
 # Least span in days, days in the unit, and its name.
 _UNITS = ((3.0 * 365.25e3, 365.25e3, "kyr"), (3.0 * 365.25, 365.25, "years"), (0.0, 1.0, "days"))
 # Kinds of events: colour, line style, label.
 _MARKS = {
     "passage": ("0.5", "-", "passage of the separatrix"),
-    "uniform rotation reached": ("#009e73", ":", "uniform rotation reached"),
-    "uniform rotation left": ("#cc79a7", ":", "uniform rotation left"),
+    "uniform rotation reached": (GREEN, ":", "uniform rotation reached"),
+    "uniform rotation left": (PURPLE, ":", "uniform rotation left"),
     "resonance": ("#e69f00", "--", "resonance that may capture"),
 }
 _END = ("#d62728", "-", "end of the mean motion")
@@ -62,14 +62,14 @@ def of_history(
             "least, or those of branches, (B, T)."
         )
     figure, panels = plots.stacked((9.0, 11.0), 4, height_ratios=(1.0, 1.3, 1.0, 1.2))
-    span = float(np.ptp(states.seconds)) / 86400.0
+    span = float(np.ptp(states.seconds)) / DAY_S
     _, days, unit = next(row for row in _UNITS if span >= row[0])
-    time = np.atleast_2d(states.seconds) / (86400.0 * days)
+    time = np.atleast_2d(states.seconds) / (DAY_S * days)
     _momentum(panels[0], time, states)
     _tilt(panels[1], time, states)
     _pole(panels[2], time, states)
     _periods(panels[3], time, states)
-    _mark(panels, events, 86400.0 * days)
+    _mark(panels, events, DAY_S * days)
     panels[-1].set_xlabel(f"{unit} since {states.epoch.utc_iso[:19].replace('T', ' ')} UTC")
     for axes in panels:
         axes.margins(x=0.01)
@@ -96,7 +96,7 @@ def _lines(axes: Any, time: FloatArray, values: FloatArray, states: AveragedHist
 
 
 def _momentum(axes: Any, time: FloatArray, states: AveragedHistory) -> None:
-    _lines(axes, time, states.size, states, color=_COLORS[0])
+    _lines(axes, time, states.size, states, color=COLORS[0])
     axes.set(ylabel="|L| (N m s)", ylim=(0.0, 1.05 * float(np.nanmax(states.size))))
 
 
@@ -106,8 +106,8 @@ def _tilt(axes: Any, time: FloatArray, states: AveragedHistory) -> None:
     is_long = states.region >= LAM_PLUS
     edge = float(np.degrees(np.arctan(np.exp(0.5 * states.separatrix))))
     for flags, color, label in (
-        (~is_long, _COLORS[0], "short-axis mode"),
-        (is_long, _COLORS[1], "long-axis mode"),
+        (~is_long, COLORS[0], "short-axis mode"),
+        (is_long, COLORS[1], "long-axis mode"),
     ):
         if np.any(flags):
             _lines(axes, time, np.where(flags, theta, np.nan), states, color=color, label=label)
@@ -123,23 +123,23 @@ def _pole(axes: Any, time: FloatArray, states: AveragedHistory) -> None:
     longitude = np.atleast_2d(np.degrees(np.arctan2(y, x)) % 360.0).copy()
     longitude[:, 1:][np.abs(np.diff(longitude, axis=1)) > 180.0] = np.nan
     latitude = np.degrees(np.arcsin(np.clip(z, -1.0, 1.0)))
-    _lines(axes, time, latitude, states, color=_COLORS[0], label="declination")
+    _lines(axes, time, latitude, states, color=COLORS[0], label="declination")
     axes.set(ylabel="declination of L (deg)", ylim=(-95.0, 95.0), yticks=range(-90, 91, 45))
     other = axes.twinx()
-    _lines(other, time, longitude, states, color=_COLORS[1], linestyle=(0, (4, 1)))
+    _lines(other, time, longitude, states, color=COLORS[1], linestyle=(0, (4, 1)))
     other.set(ylabel="right ascension of L (deg)", ylim=(-10.0, 370.0), yticks=range(0, 361, 90))
-    axes.yaxis.label.set_color(_COLORS[0])
-    other.yaxis.label.set_color(_COLORS[1])
+    axes.yaxis.label.set_color(COLORS[0])
+    other.yaxis.label.set_color(COLORS[1])
 
 
 def _periods(axes: Any, time: FloatArray, states: AveragedHistory) -> None:
     middle = float(np.nanmedian(np.concatenate([states.P_psi.ravel(), states.P_phi.ravel()])))
     factor, name = (1.0, "s") if middle < 600.0 else (3600.0, "h")
-    if middle > 86400.0 * 3.0:
-        factor, name = 86400.0, "d"
+    if middle > DAY_S * 3.0:
+        factor, name = DAY_S, "d"
     for values, color, label in (
-        (states.P_psi, _COLORS[2], "P_psi, nutation"),
-        (states.P_phi, _COLORS[1], "P_phi, long axis about L"),
+        (states.P_psi, COLORS[2], "P_psi, nutation"),
+        (states.P_phi, COLORS[1], "P_phi, long axis about L"),
     ):
         _lines(axes, time, values / factor, states, color=color, label=label)
     shown = np.concatenate([states.P_psi.ravel(), states.P_phi.ravel()]) / factor

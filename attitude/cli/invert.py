@@ -11,6 +11,7 @@ import numpy as np
 
 from attitude import frames
 from attitude._support import validation
+from attitude._support.constants import DAY_S
 from attitude.cli import _options, _output
 from attitude.epochs import _inputs, _instants
 from attitude.errors import AttitudeError
@@ -203,7 +204,7 @@ def _dates_of_span(text, first, last, step):
         seconds = validation.positive(step, "the step of --predict", unit="s")
     if not length > 0.0 or length / seconds > _MOST_EPOCHS:
         raise AttitudeError(
-            f"--predict is {text!r}: {length / 86400.0:.6g} d in steps of {seconds:.6g} s; give a "
+            f"--predict is {text!r}: {length / DAY_S:.6g} d in steps of {seconds:.6g} s; give a "
             f"stop after the start, and at most {_MOST_EPOCHS} epochs."
         )
     return _instants.times(start, np.arange(int(length / seconds + 1e-9) + 1) * seconds)

@@ -13,6 +13,7 @@ import numpy as np
 
 from attitude import plots
 from attitude._support.blocks import ProgressBar
+from attitude._support.constants import BLUE, DAY_S, VERMILION
 from attitude._support.quoting import counted
 from attitude.cli import _options, _output, geometry
 from attitude.errors import AttitudeError
@@ -29,9 +30,7 @@ if TYPE_CHECKING:
 
 # ---- The figure of a light curve: magnitude and phase angle against time
 
-# Colours of the magnitude, of the phase angle, and of epochs below the horizon.
-_CURVE = "#0072b2"
-_PHASE = "#d55e00"
+# Colour of epochs below the horizon.
 _BELOW = "0.45"
 # Elevation of the Sun at the end of astronomical twilight, rad.
 _TWILIGHT = np.radians(-18.0)
@@ -59,9 +58,9 @@ def of(
     if elevation is not None:
         up = elevation > 0.0
         _line(above, t, np.where(up, np.nan, shown), _BELOW, None)
-        _line(above, t, np.where(up, shown, np.nan), _CURVE, "above the horizon")
+        _line(above, t, np.where(up, shown, np.nan), BLUE, "above the horizon")
     else:
-        _line(above, t, shown, _CURVE, None)
+        _line(above, t, shown, BLUE, None)
     _shade(above, t, lit_fraction, elevation, sun_elevation)
     assert mission.magnitude is not None
     source = "" if mission.scene.phase_function is None else " from H"
@@ -69,7 +68,7 @@ def of(
     above.set_ylabel(f"{mission.magnitude.kind} magnitude{source} (mag)")
     if above.get_legend_handles_labels()[0]:
         above.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=5, fontsize=9)
-    _line(below, t, np.degrees(phase_angle), _PHASE, None)
+    _line(below, t, np.degrees(phase_angle), VERMILION, None)
     start = epoch.after(float(seconds[0])).utc_iso[:19].replace("T", " ")
     below.set(ylabel="phase angle (deg)", xlabel=f"time since {start} UTC, {unit}")
     for axes in (above, below):
@@ -114,8 +113,6 @@ def _line(axes: Axes, t: FloatArray, y: FloatArray, color: str, label: str | Non
 
 # ---- ``--observed CURVE.csv``: the light curve of a mission against observations
 
-_DAY = 86400.0
-
 
 def run_observed(mission: Mission, observed: str, target: str | None, figure: str | None) -> None:
     """Write observed and computed magnitudes with a zero point a session and filter; print the rms
@@ -145,7 +142,7 @@ def run_observed(mission: Mission, observed: str, target: str | None, figure: st
             cells = [view.epoch.after(float(time)).utc_iso, *map(_curve.cell, names[number])]
             file.write(",".join(cells + [f"{x:.4f}" for x in numbers]) + "\n")
     if figure is not None:
-        _draw(view.seconds / _DAY, curve.magnitude, residual, group, figure)
+        _draw(view.seconds / DAY_S, curve.magnitude, residual, group, figure)
         lines.append(figure)
     notes = [f"note: {note}" for note in curve.notes]
     print("\n".join([*notes, *lines]), file=sys.stderr if target is None else sys.stdout)

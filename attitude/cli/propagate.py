@@ -13,6 +13,7 @@ import numpy as np
 
 from attitude._support import validation
 from attitude._support.blocks import ProgressBar
+from attitude._support.constants import DAY_S
 from attitude.cli import _options, _output
 from attitude.errors import AttitudeError, AttitudeWarning
 from attitude.formats import _ccsds_epochs as ccsds_epochs
@@ -81,7 +82,7 @@ _BLOCK = 16384
 # Seconds of the steps of a table without --step.
 _STEPS = (
     *(1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 1200, 1800, 3600, 7200, 10800, 21600, 43200),
-    *(86400 * factor * 10**power for power in range(7) for factor in (1, 2, 5)),
+    *(int(DAY_S) * factor * 10**power for power in range(7) for factor in (1, 2, 5)),
 )
 _ROWS = 1000
 _MOST_ROWS = 1_000_000

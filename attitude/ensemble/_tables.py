@@ -19,7 +19,7 @@ from attitude import frames
 from attitude._solver import covariance as covariances
 from attitude._solver.states import States
 from attitude._support import pairs, validation
-from attitude.epochs import _time_scales
+from attitude._support.constants import DAY_S, MJD_OF_J2000
 from attitude.errors import AttitudeError
 from attitude.formats.tables import meta_of
 from attitude.frames import quaternion
@@ -182,7 +182,6 @@ _ROTATOR_WORDS = ("mode", "convention", "theta_branch")
 _UNITS = {"_h": "h", "eg": "deg", "DB": "d"}
 ROTATOR_COLUMNS: frozenset[str] = frozenset({*AXES, "shape", *_ROTATOR_NUMBERS, *_ROTATOR_WORDS})
 # Modified Julian date, TDB, of J2000.
-_MJD_OF_J2000 = 51544.5
 
 
 def rotator_label(k: int, names: Sequence[object] | None) -> str:
@@ -294,7 +293,7 @@ def _of_rotators(columns: Mapping[str, Any], origin: str, on_error: str) -> dict
         "wxyz": states.wxyz,
         "angular_velocity": states.angular_velocity,
         "moments": moments,
-        "epoch": pairs.Seconds(*pairs.product(mjd - _MJD_OF_J2000, _time_scales.DAY)),
+        "epoch": pairs.Seconds(*pairs.product(mjd - MJD_OF_J2000, DAY_S)),
         "names": names,
         "frame": "ecliptic",
         "relative": True,

@@ -36,6 +36,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude._support import pairs, quantity_text, validation
+from attitude._support.constants import DAY_S, MJD_OF_J2000
 from attitude.epochs import _instants as epochs_instants
 from attitude.epochs import _time_scales
 from attitude.epochs._instants import Instant, times
@@ -155,8 +156,6 @@ def _kind(value: Any) -> str | None:
 
 # ---- A reader for each kind of epoch: a flat list of entries to TDB in two doubles
 
-# Modified Julian date of 1970-01-01.
-_MJD_OF_1970 = 40587
 # The first Julian date of ERFA's calendar.
 _FIRST_JD = 0.0
 # 10000-01-01: the limit of calendars of four digits.
@@ -352,8 +351,8 @@ def _datetime64(moments, name):
     # numpy rounds down to the coarser unit: the rest is not negative.
     second = moments.astype("M8[s]")
     fractions = (moments - second) / _SECOND
-    day, second = np.divmod(second.astype(np.int64), 86400)
-    day = np.where(unknown, np.nan, day + float(_MJD_OF_1970))
+    day, second = np.divmod(second.astype(np.int64), int(DAY_S))
+    day = np.where(unknown, np.nan, day + float(_time_scales.MJD_OF_1970))
     return tdb_of_day("utc", day, second.astype(np.float64), fractions, name)
 
 
@@ -399,7 +398,7 @@ def tdb_of_day(
     """TDB of a civil day (modified Julian date) and the seconds second + low since its midnight."""
     if scale == "utc":
         return _time_scales.tdb_from("tai", *_time_scales.tai_from_utc_day(day, second, low))
-    hi, lo = pairs.add(((day - 51544.5) * _time_scales.DAY, 0.0 * day), second, low)
+    hi, lo = pairs.add(((day - MJD_OF_J2000) * DAY_S, 0.0 * day), second, low)
     if scale == "ut1":
         return _time_scales.tdb_from("tai", *_time_scales.tai_from_ut1(hi, lo, name))
     return _time_scales.tdb_from(scale, hi, lo)

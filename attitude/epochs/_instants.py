@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from attitude._support import pairs, validation
+from attitude._support.constants import DAY_S, JD_OF_MJD_0
 from attitude._support.validation import shown
 from attitude.epochs import _time_scales
 from attitude.errors import AttitudeError
@@ -41,7 +42,7 @@ TEXT: re.Pattern[str] = re.compile(
 _JULIAN = re.compile(r"(M?JD) *(\d{1,7})(\.\d*)?(?: +([A-Za-z]\w+))?", re.ASCII | re.IGNORECASE)
 
 # TDB seconds past J2000 of the year -4712 and of the last day of ERFA's calendar, less a day.
-_CALENDAR = -_time_scales.J2000 * _time_scales.DAY, (1e9 - 2451546.0) * _time_scales.DAY
+_CALENDAR = -_time_scales.J2000 * DAY_S, (1e9 - 2451546.0) * DAY_S
 
 
 def parsed(text: str, name: str) -> tuple[str, int, int, float]:
@@ -90,11 +91,11 @@ def _of_julian(julian: re.Match[str], text: str, name: str) -> tuple[str, int, i
             f'"{text.strip()} UTC" or "{text.strip()} TDB".'
         )
     scale = _scale(scale, None, text, name)
-    days = Fraction(whole + (fraction or "")) - (Fraction(4800001, 2) if len(kind) == 2 else 0)
+    days = Fraction(whole + (fraction or "")) - (Fraction(JD_OF_MJD_0) if len(kind) == 2 else 0)
     day = math.floor(days)
     if not _time_scales.MJD_OF_ORDINAL_0 < day < _time_scales.YEAR_10000:
         raise AttitudeError(f"{name} is {shown(text)}; give a date of the years 0001 to 9999.")
-    length = 86400 + (_time_scales.leap_of_day(day) if scale == "utc" else 0)
+    length = DAY_S + (_time_scales.leap_of_day(day) if scale == "utc" else 0)
     second = (days - day) * Fraction(float(length))
     return scale, day, math.floor(second), float(second - math.floor(second))
 
@@ -141,10 +142,10 @@ def utc_text(day: float, second: float, low: float) -> str:
     whole = int(second // 1.0)
     nano = round(((second - whole) + low) * 1e9)
     whole, nano = whole + nano // 10**9, nano % 10**9
-    left = (_time_scales.DAY - second) + (_time_scales.leap_of_day(day) - low)
+    left = (DAY_S - second) + (_time_scales.leap_of_day(day) - low)
     if left <= 0.5e-9:
         day, whole, nano = day + 1.0, 0, 0  # rounded up to midnight
-    year, month, date = erfa.ufunc.jd2cal(2400000.5, day)[:3]
+    year, month, date = erfa.ufunc.jd2cal(JD_OF_MJD_0, day)[:3]
     minute = min(whole // 60, 1439)  # a leap second belongs to the last minute of the day
     text = (
         f"{year:04d}-{month:02d}-{date:02d}T"

@@ -26,6 +26,7 @@ import numpy as np
 from attitude._solver import chebyshev
 from attitude._support import pairs
 from attitude._support.arrays import frozen
+from attitude._support.constants import DAY_S, JD_OF_MJD_0, MJD_OF_J2000
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
@@ -47,14 +48,15 @@ ARCSEC: float = np.pi / 648000.0
 _WHOLE_LEAPS = 41317.0
 # That of the day before 0001-01-01, where Python's calendar begins.
 MJD_OF_ORDINAL_0 = -678576
+# That of 1970-01-01, from which numpy counts days and months.
+MJD_OF_1970 = 40587
 # That of 10000-01-01, where it ends.
 YEAR_10000 = 2973484.0
 # Seconds.
-DAY: float = 86400.0
 TT_MINUS_TAI: float = 32.184
 TAI_MINUS_GPS: float = 19.0
 # 1977-01-01T00:00:00 TAI, where TCG, TCB and TT agree: seconds since J2000, IAU 2000 B1.9.
-_COMMON_EPOCH = -8400.5 * DAY + TT_MINUS_TAI
+_COMMON_EPOCH = -8400.5 * DAY_S + TT_MINUS_TAI
 
 # TDB - TT in pieces of 16 days by polynomials of degree 16 errs by 2e-15 s against ERFA's series
 # over 1900-2100, and 5e-15 s over 1000-3000, where the date itself rounds to 3e-15 s.
@@ -68,9 +70,9 @@ _pieces: dict[int, FloatArray] = {}
 def seconds_from_days(days: Doubles, more: Doubles | float = 0.0) -> Pair:
     """The sum of two doubles of days as a pair of seconds, exactly."""
     whole, whole_more = np.rint(days), np.rint(more)
-    pair = (whole + whole_more) * DAY, 0.0 * whole
-    pair = pairs.add(pair, *_stretched(days - whole, DAY))
-    return pairs.add(pair, *_stretched(more - whole_more, DAY))
+    pair = (whole + whole_more) * DAY_S, 0.0 * whole
+    pair = pairs.add(pair, *_stretched(days - whole, DAY_S))
+    return pairs.add(pair, *_stretched(more - whole_more, DAY_S))
 
 
 def seconds_from_jd(jd1: Doubles, jd2: Doubles) -> Pair:
@@ -80,8 +82,8 @@ def seconds_from_jd(jd1: Doubles, jd2: Doubles) -> Pair:
 
 def jd_from_seconds(hi: Doubles, lo: Doubles) -> Pair:
     """Seconds since J2000 as a two-part Julian date: a whole number, and a rest to 5e-12 s."""
-    whole = np.rint(hi / DAY)
-    return J2000 + whole, ((hi - whole * DAY) + lo) / DAY
+    whole = np.rint(hi / DAY_S)
+    return J2000 + whole, ((hi - whole * DAY_S) + lo) / DAY_S
 
 
 def tai_from_utc_jd(jd1: Doubles, jd2: Doubles) -> Pair:
@@ -94,7 +96,7 @@ def tai_from_utc_jd(jd1: Doubles, jd2: Doubles) -> Pair:
     shift = np.where(noon >= 0.5, 1.0, np.where(noon < -0.5, -1.0, 0.0))
     day = whole + shift - 2400001.0
     known = _utc_days(day)
-    length = DAY + known[2]
+    length = DAY_S + known[2]
     second, low = _stretched(noon - shift, length)
     return _tai_of_day(day, known, *pairs.two_sum(0.5 * length + second, low))
 
@@ -123,7 +125,7 @@ def utc_day_from_tai(hi: Doubles, lo: Doubles) -> tuple[Doubles, Doubles, Double
     """
     # TAI is ahead of UTC by 0 to some tens of seconds: the day of UTC is that of TAI or the one
     # before.
-    day = np.floor(((hi + lo) / DAY) + 51544.5)
+    day = np.floor(((hi + lo) / DAY_S) + MJD_OF_J2000)
     day = np.where(_since_midnight(day, hi, lo)[0] < 0.0, day - 1.0, day)
     second, low = _since_midnight(day, hi, lo)
     drift = _utc_days(day)[1]
@@ -191,7 +193,7 @@ def tt_from_tdb(hi: Doubles, lo: Doubles) -> Pair:
 
 def difference_at(hi: Doubles, lo: Doubles) -> FloatArray:
     """TDB - TT in seconds for a pair of seconds of TT; see `tdb_minus_tt`."""
-    return tdb_minus_tt(J2000, (hi + lo) / DAY)
+    return tdb_minus_tt(J2000, (hi + lo) / DAY_S)
 
 
 def tdb_minus_tt(tt_jd1: ArrayLike, tt_jd2: ArrayLike = 0.0) -> FloatArray:
@@ -234,7 +236,7 @@ def tdb_minus_tt_at(location: Any, hi: Doubles, lo: Doubles) -> FloatArray:
     day_fraction = (jd1 - 0.5) % 1.0 + jd2
     return erfa.dtdb(
         J2000,
-        (hi + lo) / DAY,
+        (hi + lo) / DAY_S,
         day_fraction,
         location.lon.to_value("rad"),
         np.hypot(location.x, location.y).to_value("km"),
@@ -255,7 +257,7 @@ def _stretched(fraction, length):
 def _tai_of_day(day, known, second, low):
     """TAI from the civil day, its offset and drift (`_utc_days`), and the seconds second + low."""
     offset, drift, _ = known
-    midnight = (day - 51544.5) * DAY
+    midnight = (day - MJD_OF_J2000) * DAY_S
     if type(drift) is not float and np.any(drift):
         # Before 1972 the second of UTC was not that of TAI.
         offset = offset + drift * (second + low)
@@ -264,7 +266,7 @@ def _tai_of_day(day, known, second, low):
 
 def _since_midnight(day, hi, lo):
     """Seconds of TAI since the midnight of UTC that begins a civil day."""
-    return pairs.add(pairs.add((hi, lo), (51544.5 - day) * DAY), -_utc_days(day)[0])
+    return pairs.add(pairs.add((hi, lo), (MJD_OF_J2000 - day) * DAY_S), -_utc_days(day)[0])
 
 
 def _utc_days(day):
@@ -273,12 +275,12 @@ def _utc_days(day):
 
     day = np.asarray(day, dtype=np.float64)
     number, index, _ = _distinct(day.ravel())
-    today = erfa.ufunc.jd2cal(2400000.5, number)[:3]
-    tomorrow = erfa.ufunc.jd2cal(2400000.5, number + 1.0)[:3]
+    today = erfa.ufunc.jd2cal(JD_OF_MJD_0, number)[:3]
+    tomorrow = erfa.ufunc.jd2cal(JD_OF_MJD_0, number + 1.0)[:3]
     first = erfa.ufunc.dat(*today, 0.0)[0]
     drift = 2.0 * (erfa.ufunc.dat(*today, 0.5)[0] - first)
     jump = erfa.ufunc.dat(*tomorrow, 0.0)[0] - (first + drift)
-    return [column[index].reshape(day.shape) for column in (first, drift / DAY, jump)]
+    return [column[index].reshape(day.shape) for column in (first, drift / DAY_S, jump)]
 
 
 def _distinct(whole):
@@ -382,7 +384,7 @@ def earth_rotation() -> tuple[FloatArray, ...]:
     known = np.isfinite(ut1_minus_utc) & np.isfinite(poles[0]) & np.isfinite(poles[1])
     day, ut1_minus_utc = day[known], ut1_minus_utc[known]
     tai = tai_from_utc_day(day, np.zeros_like(day))[0]
-    utc_minus_tai = (day - 51544.5) * DAY - tai
+    utc_minus_tai = (day - MJD_OF_J2000) * DAY_S - tai
     columns = tai, ut1_minus_utc + utc_minus_tai, poles[0][known], poles[1][known]
     return tuple(map(frozen, columns))
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude._support import pairs, validation
+from attitude._support.constants import DAY_S, MJD_OF_J2000
 from attitude._textfiles.lines import cut, is_number
 from attitude.epochs import _inputs, _instants, _time_scales
 from attitude.errors import AttitudeError
@@ -45,8 +46,6 @@ _MOST_DECIMALS = 18
 # A modified Julian date in text, and that of the last day of the year 9999.
 _DAY = re.compile(rb"\d{1,7}(\.0*)?")
 _LAST_DAY = 2973483.0
-# Modified Julian date of 1970-01-01, from which numpy counts days and months.
-_MJD_OF_1970 = 40587
 _0 = ord("0")
 _9 = ord("9")
 _CALENDAR = {4: "-", 7: "-", 10: "T", 13: ":", 16: ":"}, 19
@@ -97,7 +96,7 @@ def parsed(tokens: Sequence[bytes], scale: str) -> tuple[FloatArray, FloatArray]
             day[rows], second[rows], fraction[rows] = group
         else:
             raise BadEpoch(int(rows[np.argmax(group)]), "write it like 2026-01-01T00:00:00.000")
-    false = second >= _time_scales.DAY
+    false = second >= DAY_S
     if scale == "utc" and np.any(false):
         false &= fraction >= _time_scales.leap_of_day(day)
     if np.any(false):
@@ -113,7 +112,7 @@ def parsed_days(
         if _DAY.fullmatch(day) is None or not is_number(second):
             raise BadEpoch(k, "write a modified Julian date and seconds, like 61041 43200.0")
     date, second_of_day = (np.array(list(map(float, column))) for column in (days, seconds))
-    length = _time_scales.DAY + (_time_scales.leap_of_day(date) if scale == "utc" else 0.0)
+    length = DAY_S + (_time_scales.leap_of_day(date) if scale == "utc" else 0.0)
     outside = ~((second_of_day >= 0.0) & (second_of_day <= length)) | (date > _LAST_DAY)
     if np.any(outside):
         reason = "its seconds are not those of a day, or its year is after 9999"
@@ -283,12 +282,12 @@ def _fields(chars, calendar):
 def _day_number(year, month, date):
     """Modified Julian date of a Gregorian date; month 13 is January of the next year."""
     months = (12 * (year - 1970) + month - 1).astype("datetime64[M]")
-    return months.astype("datetime64[D]").astype(np.int64) + (_MJD_OF_1970 + date - 1)
+    return months.astype("datetime64[D]").astype(np.int64) + (_time_scales.MJD_OF_1970 + date - 1)
 
 
 def _calendar(day):
     """Gregorian year, month and date of a Modified Julian date."""
-    dates = (day.astype(np.int64) - _MJD_OF_1970).astype("datetime64[D]")
+    dates = (day.astype(np.int64) - _time_scales.MJD_OF_1970).astype("datetime64[D]")
     months = dates.astype("datetime64[M]")
     count = months.astype(np.int64)
     return 1970 + count // 12, count % 12 + 1, (dates - months).astype(np.int64) + 1
@@ -304,17 +303,17 @@ def _civil(hi, lo, scale, digits):
         hi, lo = pairs.add((hi, lo), -_time_scales.TT_MINUS_TAI)
     if scale == "utc":
         day, second, low = _time_scales.utc_day_from_tai(hi, lo)
-        length = _time_scales.DAY + _time_scales.leap_of_day(day)
+        length = DAY_S + _time_scales.leap_of_day(day)
     else:
-        day = np.floor((hi + lo) / _time_scales.DAY + 51544.5)
-        second, low = pairs.add((hi, lo), (51544.5 - day) * _time_scales.DAY)
-        length = _time_scales.DAY
+        day = np.floor((hi + lo) / DAY_S + MJD_OF_J2000)
+        second, low = pairs.add((hi, lo), (MJD_OF_J2000 - day) * DAY_S)
+        length = DAY_S
     whole, ticks = rounded(second, low, digits)
     after = (whole >= length) | ((length - second) - low <= 0.5 * 10.0**-digits)
     day, whole = np.where(after, day + 1.0, day), np.where(after, 0.0, whole)
     ticks = np.where(after, 0.0, ticks)  # days before 1972 end within a tick
     before = whole < 0.0
-    day, whole = np.where(before, day - 1.0, day), np.where(before, whole + _time_scales.DAY, whole)
+    day, whole = np.where(before, day - 1.0, day), np.where(before, whole + DAY_S, whole)
     return day, whole.astype(np.int64), ticks.astype(np.int64)
 
 

@@ -19,6 +19,7 @@ import numpy as np
 
 from attitude import frames
 from attitude._support import validation
+from attitude._support.constants import DAY_S
 from attitude._textfiles.atomic_write import written_whole
 from attitude._textfiles.lines import is_number, opened
 from attitude.epochs import _inputs, _time_scales
@@ -182,7 +183,7 @@ def write(path: FilePath, motion: FreeRotation, *, scattering: Iterable[str] = (
     epoch = np.float64(motion.spin.epoch.seconds), np.float64(motion.spin.epoch.low)
     jd1, jd2 = map(float, _time_scales.jd_from_seconds(*epoch))
     jd0 = jd1 + jd2
-    rounding = ((jd0 - jd1) - jd2) * 86400.0
+    rounding = ((jd0 - jd1) - jd2) * DAY_S
     phi0 = (phi0 + float(np.degrees(z * rounding))) % 360.0
     period = float(2.0 * np.pi / z / _HOUR)
     lines = [f"{longitude % 360.0!r} {90.0 - tilt!r} {period!r}", f"{jd0!r} {phi0!r}", *scattering]

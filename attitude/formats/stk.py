@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from attitude._support import pairs
+from attitude._support.constants import DAY_S
 from attitude._textfiles.atomic_write import require_writable, written_whole
 from attitude._textfiles.lines import is_number, opened, text_of_rows
 from attitude.epochs import _time_scales
@@ -67,7 +68,7 @@ MONTHS: tuple[str, ...] = (
 _DATE = re.compile(r"(\d{1,2}) ([A-Za-z]{3,9}) (\d{4}) (\d{1,2}):(\d{2}):(\d{2})(\.\d*)?", re.ASCII)
 _ISO = re.compile(r"\d{4}-(\d{2}-\d{2}|\d{3})T\d{2}:\d{2}:\d{2}(\.\d*)?Z?", re.ASCII)
 # TimeFormat in lower case -> seconds of its unit, and for dates the words of one.
-UNITS: dict[str, float] = {"epsec": 1.0, "epmin": 60.0, "ephr": 3600.0, "epday": 86400.0}
+UNITS: dict[str, float] = {"epsec": 1.0, "epmin": 60.0, "ephr": 3600.0, "epday": DAY_S}
 DATES: dict[str, int] = {"utcg": 4, "iso-ymd": 1, "iso-yd": 1}
 FORMATS: str = "EpSec, EpMin, EpHr, EpDay, UTCG, ISO-YMD, ISO-YD"
 

@@ -20,6 +20,7 @@ import numpy as np
 from attitude._solver import chebyshev
 from attitude._support import pairs
 from attitude._support.arrays import frozen, read_only
+from attitude._support.constants import DAY_S
 from attitude.epochs import _time_scales
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
 
 
 # Two days and 10 nodes: 1e-15 rad from the series themselves, 7e-9 m at the Earth's surface.
-_WIDTH = 2.0 * _time_scales.DAY
+_WIDTH = 2.0 * DAY_S
 _COUNT = 10
 # Records by series and number of the two days.
 _pieces: dict[tuple[Series, int], FloatArray] = {}
@@ -128,7 +129,7 @@ def timescale() -> Timescale:
 
 def _tt(jd1, jd2):
     """A two-part Julian date of TT from one of TDB."""
-    return jd1, jd2 - _time_scales.tdb_minus_tt(jd1, jd2) / _time_scales.DAY
+    return jd1, jd2 - _time_scales.tdb_minus_tt(jd1, jd2) / DAY_S
 
 
 def pole_of_date(hi: FloatArray, lo: FloatArray) -> FloatArray:

@@ -25,6 +25,7 @@ import numpy as np
 
 from attitude._support import quoting
 from attitude._support.arrays import distinct, two_across
+from attitude._support.constants import DAY_S
 from attitude.inversion import (
     _ellipsoid,
     _evidence,
@@ -50,9 +51,8 @@ if TYPE_CHECKING:
     ComplexArray = NDArray[np.complex128]
 
 
-_DAY = 86400.0
 # Epochs within so many seconds are one cell.
-_CELL = 0.4 * _DAY
+_CELL = 0.4 * DAY_S
 # Steps of a rate in one turn per span, and of a rate in one turn per apparition.
 _STEPS = 8.0
 # The largest error, rad, of the phase of the fourth harmonic at the ends of a cell.
@@ -319,7 +319,7 @@ def _fastest(problem: CurveProblem, spans: Sequence[IntArray]) -> float:
         # less than a full turn about a pole close by
         if length > 0.0:
             fastest = max(fastest, min(angle / math.pi, 0.5) / max(length, 1e-9))
-    return min(fastest, 2.0 * problem.span / (365.25 * _DAY))
+    return min(fastest, 2.0 * problem.span / (365.25 * DAY_S))
 
 
 # ---- Every rate about every pole

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from attitude._support.arrays import parted
-from attitude._support.constants import GAP_OF_NIGHTS_S
+from attitude._support.constants import DAY_S, GAP_OF_NIGHTS_S
 
 if TYPE_CHECKING:
     from attitude._support.annotations import FloatArray, IntArray
@@ -32,7 +32,7 @@ _LEAST_NOISE = 0.05
 # four in an hour do.
 _BETWEEN = 0.5
 # Gap of the epochs, s, between two apparitions.
-_APPARITION = 60.0 * 86400.0
+_APPARITION = 60.0 * DAY_S
 
 
 def off_neighbours(

@@ -14,7 +14,7 @@ import numpy as np
 
 from attitude._support import markup, quantity_text, validation
 from attitude._support.arrays import Immutable, frozen
-from attitude._support.constants import SPEED_OF_LIGHT_M_S
+from attitude._support.constants import DAY_S, SPEED_OF_LIGHT_M_S
 from attitude._support.least_squares import inverse
 from attitude._support.quantity_text import TIME_UNITS
 from attitude._support.synonyms import Answering
@@ -213,7 +213,7 @@ def _of_scene(
 
 # Gap between two points of a curve, s, in whose middle vectors are interpolated, as near to points
 # of wider gaps: as far as the Earth bends its way, those of a body at 1 au are off by 0.1 degrees.
-_GAP = 7.0 * 86400.0
+_GAP = 7.0 * DAY_S
 # The angle between their directions up to which they are interpolated.
 _TURN = math.radians(20.0)
 

@@ -11,6 +11,7 @@ import numpy as np
 from attitude._support import quantity_text, validation
 from attitude._support.arrays import distinct
 from attitude._support.blocks import timed
+from attitude._support.constants import DAY_S
 from attitude._support.synonyms import arguments
 from attitude.errors import AttitudeError
 from attitude.inversion import (
@@ -57,7 +58,6 @@ _ROTATION = ("PA",)
 _TURNS = 2.0
 # Share of a period about which it is searched.
 _OF_PERIOD = 0.01
-_DAY = 86400.0
 _LABEL = "spin states"
 _IS_CONSTANT = "the brightness is constant within the errors"
 
@@ -295,7 +295,7 @@ def _joined_search(curve: LightCurve, wanted: _Wanted, drift: bool) -> _search.S
             one = _searched(apparition, wanted.searches(apparition))
             known.append(_joined.alone(curve, apparition, one, wanted.settings, size))
             words.append(
-                f"Apparition {number} ({apparition.span / _DAY:.0f} d, {len(apparition)} points): "
+                f"Apparition {number} ({apparition.span / DAY_S:.0f} d, {len(apparition)} points): "
                 f"{one.verdict_of(one.solutions)[0]}, "
                 f"{_verdicts.with_verb(len(known[-1].solutions), 'tumbling state', 'continue')}."
             )
@@ -370,8 +370,8 @@ def _checked_turns(curve, max_frequency, settings, is_limited, parts):
         one = "an apparition" if len(parts) > 1 else "the light curve"
         raise AttitudeError(
             f"{one} spans {turns:.0f} turns at max_frequency{plain}; at most {limit:.0f} "
-            f"are searched for tumbling. Give at most {limit / turns * most * _DAY:.3g} /d, a part "
-            'of the curve, or modes=("PA",) for rotation about one axis.'
+            f"are searched for tumbling. Give at most {limit / turns * most * DAY_S:.3g} /d, "
+            'a part of the curve, or modes=("PA",) for rotation about one axis.'
         )
     warn_of_plain(max_frequency, "max_frequency", curve.seconds, "Hz")
     return most
@@ -523,12 +523,12 @@ def _as_constant(problem: CurveProblem, solutions: Sequence[Robust]) -> str:
 
 def _shifts(curve: LightCurve, share: float) -> tuple[float, ...]:
     """A day in turns per span, if most points lie at one time of the day."""
-    if curve.span < 2.0 * _DAY:
+    if curve.span < 2.0 * DAY_S:
         return ()
-    angle = 2.0 * np.pi * curve.seconds / _DAY
+    angle = 2.0 * np.pi * curve.seconds / DAY_S
     hour = np.mod(angle - np.angle(np.mean(np.exp(1j * angle))) + np.pi, 2.0 * np.pi) - np.pi
     one_site = np.mean(np.abs(hour) < np.pi / 3.0) > share
-    return (curve.span / _DAY,) if one_site else ()
+    return (curve.span / DAY_S,) if one_site else ()
 
 
 def _offsets_of(solution: Weighted[object]) -> FloatArray:
@@ -566,7 +566,7 @@ def _results(curve, searched, longest):
         else:
             verdict, criterion = _verdicts.of_pole(criterion, sigma, settings, is_hidden=is_hidden)
     if searched.rival is not None:
-        period = curve.span / searched.rival.problem.orbit / _DAY
+        period = curve.span / searched.rival.problem.orbit / DAY_S
         verdict, criterion = _verdicts.of_satellite(
             (verdict, criterion), period, ahead, searched.rival.needed_ahead
         )
@@ -602,7 +602,7 @@ def _rivals(solution: Robust, solutions: Sequence[Robust], search: _search.Searc
 
 def _words_of_drift(best: Solution) -> str:
     phi, psi = (
-        f"{value * _DAY**2:.4g} +- {sigma * _DAY**2:.2g} /d^2"
+        f"{value * DAY_S**2:.4g} +- {sigma * DAY_S**2:.2g} /d^2"
         for value, sigma in zip(best.drift, best.drift_sigma, strict=True)
     )
     return f"1/P_phi of the long axis changes by {phi}, 1/P_psi by {psi}."

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from attitude._support import quoting
+from attitude._support.constants import DAY_S, SIDEREAL_DAY_S
 from attitude.inversion import _ellipsoid, _evidence, _pole_map
 from attitude.inversion._ellipsoid import SearchState, is_axial
 
@@ -35,8 +36,6 @@ _NEAR = math.radians(25.0)
 # Difference of frequencies, turns per span, within which they are.
 _RATE = 0.5
 # Days, s, by which epochs of one site are displaced.
-_SIDEREAL_DAY = 86164.0905
-_DAY = 86400.0
 
 
 def relation(
@@ -84,7 +83,7 @@ def _of_rates(state: FloatArray, best: FloatArray, span: float) -> str:
     both = (("phi", phi, phi0), ("psi", psi, psi0))
     # about one axis nothing turns at psi
     named = both if psi or psi0 else both[:1]
-    for day in (span / _DAY, span / _SIDEREAL_DAY):
+    for day in (span / DAY_S, span / SIDEREAL_DAY_S):
         for name, a, b in named:
             if abs(abs(a - b) - day) < _RATE:
                 return f"{prefix}one cycle a day in {name}"
@@ -535,7 +534,7 @@ def of_dips(
     ]
     if not alike:
         return verdict
-    period = problem.span / alike[0].orbit / _DAY
+    period = problem.span / alike[0].orbit / DAY_S
     words = f"rotation with an additive series of period {period:.6g} d, as of a moon, fits as well"
     return OPEN, f"{verdict[1]} {words}."
 

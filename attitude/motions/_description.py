@@ -10,6 +10,7 @@ import numpy as np
 from attitude import frames
 from attitude._solver import covariance as covariances
 from attitude._solver.regime import Mode
+from attitude._support.constants import DAY_S
 from attitude.errors import AttitudeError
 from attitude.motions import _predictability
 from attitude.motions._uncertainty import in_quadrature, possible_end
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     Rows: TypeAlias = list[tuple[str, str]]
 
 
-_DAY = 86400.0
 _DEGREE = math.degrees(1.0)
 # Errors upward and downward that differ by less, relative to their sum, are printed as one.
 _ASYMMETRY = 0.05
@@ -130,7 +130,7 @@ def _rates(motion: FreeRotation, errors: _Errors) -> Rows:
         return []
     text = f"{rate:.9g}{errors.of('spin_rate', _DEGREE)} deg/s"
     if rate < 0.1:
-        text += f" = {rate * _DAY:.9g}{errors.of('spin_rate', _DEGREE * _DAY)} deg/d"
+        text += f" = {rate * DAY_S:.9g}{errors.of('spin_rate', _DEGREE * DAY_S)} deg/d"
     rows = [("angular velocity", f"{text} at the epoch")]
     if motion.mode in (Mode.SPHERICAL, Mode.PRINCIPAL_AXIS):
         rows.append(("period", period(360.0 / rate) + errors.of_period("period", 360.0 / rate)))
@@ -196,7 +196,7 @@ def _ranges(motion: FreeRotation, errors: _Errors) -> Rows:
 
 def _rate(degrees: float, errors: _Errors, name: str) -> str:
     """A rate in deg/s, or in deg/d if it is below 0.1 deg/s, with the error of a name."""
-    factor, unit = (1.0, "deg/s") if degrees >= 0.1 else (_DAY, "deg/d")
+    factor, unit = (1.0, "deg/s") if degrees >= 0.1 else (DAY_S, "deg/d")
     return f"{degrees * factor:.6g}{errors.of(name, _DEGREE * factor)} {unit}"
 
 
@@ -213,7 +213,7 @@ def period(seconds: float) -> str:
 
 def _period_units(seconds: float) -> list[tuple[float, str]]:
     """A period in seconds, and in hours and days if it is at least 0.1 of them."""
-    units = [(seconds, "s"), (seconds / 3600.0, "h"), (seconds / _DAY, "d")]
+    units = [(seconds, "s"), (seconds / 3600.0, "h"), (seconds / DAY_S, "d")]
     return [(size, unit) for size, unit in units if unit == "s" or size >= 0.1]
 
 

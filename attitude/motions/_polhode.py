@@ -8,6 +8,7 @@ import numpy as np
 
 from attitude._solver import codes
 from attitude._support import markup, validation
+from attitude._support.constants import VERMILION
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.motions import _conventions
@@ -69,7 +70,7 @@ def pictures(body: Body, energy: float, curve: Callable[[int], FloatArray]) -> l
         markup.line_plot(
             [(points_of @ right, points_of @ up) for points_of in (*sections, curve(181))],
             "polhode on the ellipsoid of its energy, with the principal sections",
-            colors=("#bbbbbb", "#bbbbbb", "#bbbbbb", "#d55e00"),
+            colors=("#bbbbbb", "#bbbbbb", "#bbbbbb", VERMILION),
             is_equal=True,
         )
     ]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from attitude._support.constants import DAY_S
 from attitude._support.validation import shown
 from attitude.epochs import _time_scales
 from attitude.errors import AttitudeError
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
 
 
 # ---- Paths of skyfield's vector functions: bodies, satellites, ground sites and their sums
-
-_DAY = 86400.0
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -38,7 +37,7 @@ class SkyfieldPath(Path):
         from skyfield.errors import EphemerisRangeError
 
         jd1, jd2 = np.broadcast_arrays(*julian(instant, hi, lo))
-        time = timescale().tt_jd(jd1, jd2 - _time_scales.tdb_minus_tt(jd1, jd2) / _DAY)
+        time = timescale().tt_jd(jd1, jd2 - _time_scales.tdb_minus_tt(jd1, jd2) / DAY_S)
         # skyfield's own TDB, a short series, which kernels use, is off by up to 10 microseconds.
         time.tdb_fraction = (jd1 - time.whole) + jd2
         try:
@@ -48,7 +47,7 @@ class SkyfieldPath(Path):
                 f"skyfield does not cover every epoch of {self.name}: {err}; leave out the epochs "
                 "outside."
             ) from err
-        position, velocity = answer.position.au * AU_M, answer.velocity.au_per_d * (AU_M / _DAY)
+        position, velocity = answer.position.au * AU_M, answer.velocity.au_per_d * (AU_M / DAY_S)
         # For a decayed satellite skyfield returns a message, and sometimes a finite position
         # inside the Earth.
         messages = [message for message in np.ravel(getattr(answer, "message", None)) if message]

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from attitude._support import pairs, validation
-from attitude._support.constants import EARTH_FLATTENING, EARTH_RADIUS_M
+from attitude._support.constants import DAY_S, EARTH_FLATTENING, EARTH_RADIUS_M
 from attitude._support.synonyms import arguments
 from attitude._textfiles.lines import packaged
 from attitude.epochs import _time_scales
@@ -74,7 +74,7 @@ class _Earth:
         x, y, s = pole_of_date(hi, lo)
         self._of_date = x, y, rotation_angle(*pairs.add(tai, ut1_minus_tai)) - s
         # Polar motion with the locator s': IERS Conventions (2010), eq. 5.3 and 5.13.
-        centuries = tt[0] / (36525.0 * _time_scales.DAY)
+        centuries = tt[0] / (36525.0 * DAY_S)
         self._polar_motion = *pole, -47e-6 * _time_scales.ARCSEC * centuries
 
     def __call__(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -89,8 +89,8 @@ class _Earth:
 
 def rotation_angle(hi: FloatArray, lo: FloatArray) -> FloatArray:
     """The Earth rotation angle, rad, at UT1 seconds past J2000, to 1e-15 turns (ERFA's era00)."""
-    whole = np.rint(hi / _time_scales.DAY)
-    fraction = ((hi - whole * _time_scales.DAY) + lo) / _time_scales.DAY
+    whole = np.rint(hi / DAY_S)
+    fraction = ((hi - whole * DAY_S) + lo) / DAY_S
     turns = 0.7790572732640 + fraction + 0.00273781191135448 * (whole + fraction)
     return 2.0 * np.pi * (turns - np.floor(turns))
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from attitude._support.constants import ASTRONOMICAL_UNIT_M
+from attitude._support.constants import ASTRONOMICAL_UNIT_M, DAY_S
 from attitude.epochs._inputs import instant
 from attitude.errors import AttitudeError
 from attitude.paths._two_body import GM, kepler
@@ -126,7 +126,7 @@ def _comet(line, gm):
     return kepler(
         pericenter_distance=value["perihelion distance"] * ASTRONOMICAL_UNIT_M,
         # A second of TT equals one of TDB to 3e-10, and the day is printed to 9 s.
-        epoch=start.after((day - int(day)) * 86400.0),
+        epoch=start.after((day - int(day)) * DAY_S),
         source="MPC comet orbit line",
         **_shared(value, gm, line),
     )

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude._support import pairs, validation
+from attitude._support.constants import DAY_S, JD_OF_MJD_0
 from attitude._support.quoting import quoted
 from attitude._support.synonyms import arguments
 from attitude._textfiles import messages, toml, xml
@@ -93,7 +94,7 @@ class Satellite(Path):
         """Positions and velocities (3, N) over TEME axes, m and m/s."""
         model = _model(self.lines)
         # The rates of TDB and TAI agree to 3e-10, 1 ms a month.
-        days = _elapsed_tai(self.epoch, elapsed) / _time_scales.DAY
+        days = _elapsed_tai(self.epoch, elapsed) / DAY_S
         if not self.any_epoch and days.size:
             self._check_distance(days)
         whole = np.floor(days)
@@ -127,7 +128,7 @@ class Satellite(Path):
 
         bad = int(np.argmax(errors != 0))
         at = instant.after(hi[bad])
-        days = (at.seconds - self.epoch.seconds) / _time_scales.DAY
+        days = (at.seconds - self.epoch.seconds) / DAY_S
         raise AttitudeError(
             f"SGP4 gives no position of {self.name} at {spelled(at)}, {days:+.1f} days from the "
             f"elements' epoch: {SGP4_ERRORS[int(errors[bad])]}; give times nearer to that epoch, "
@@ -318,8 +319,8 @@ def _satellite(lines, name, kind, any_epoch, epoch=None):
 def _tai_of_utc(jd1, jd2):
     """TAI seconds past J2000 in two doubles from sgp4's two-part Julian date of UTC."""
     # sgp4 counts 86400 s in every day; a leap second follows at the end of its day.
-    day = np.floor(jd1 - 2400000.5 + jd2)
-    second = ((jd1 - 2400000.5 - day) + jd2) * _time_scales.DAY
+    day = np.floor(jd1 - JD_OF_MJD_0 + jd2)
+    second = ((jd1 - JD_OF_MJD_0 - day) + jd2) * DAY_S
     return _time_scales.tai_from_utc_day(day, second)
 
 

@@ -21,6 +21,7 @@ import numpy as np
 
 from attitude._solver import chebyshev
 from attitude._support.arrays import read_only
+from attitude._support.constants import DAY_S
 from attitude._textfiles.lines import path_text
 from attitude.epochs._instants import Instant
 from attitude.errors import AttitudeError
@@ -48,7 +49,7 @@ if TYPE_CHECKING:
 
 BUILT_IN_SOURCE: str = "ERFA series built into astropy"
 # The range of ERFA's epv00, outside of which it warns: 1900-01-01 to 2100-01-01.
-_SERIES_SPAN = Instant(-36524.5 * 86400.0), Instant(36524.5 * 86400.0)
+_SERIES_SPAN = Instant(-36524.5 * DAY_S), Instant(36524.5 * DAY_S)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -15,7 +15,7 @@ import numpy as np
 from attitude import frames
 from attitude._support import markup, quantity_text, validation
 from attitude._support.arrays import Immutable, between, frozen
-from attitude._support.constants import ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S
+from attitude._support.constants import ASTRONOMICAL_UNIT_M, DAY_S, SPEED_OF_LIGHT_M_S
 from attitude._support.quoting import counted, quoted
 from attitude._support.synonyms import arguments
 from attitude._textfiles.atomic_write import written_whole
@@ -336,7 +336,7 @@ class LightCurve(Immutable):
 
     def _repr_html_(self) -> str:
         """A table for notebooks, and the brightness against time."""
-        days = (self.seconds - self.seconds[:1]) / 86400.0
+        days = (self.seconds - self.seconds[:1]) / DAY_S
         rows = [
             ("points", f"{len(self)}{' fluxes' if self.is_flux else ''}"),
             ("sessions", str(len(self.sessions))),

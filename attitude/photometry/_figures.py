@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude import plots
+from attitude._support.constants import BLUE, PURPLE, VERMILION
 from attitude._support.quantity_text import of_time, time_unit
 
 if TYPE_CHECKING:
@@ -17,10 +18,10 @@ if TYPE_CHECKING:
 
 
 # Colours of data, of models, of what stands beside them, and of aliases.
-DATA = "#0072b2"
-MODEL = "#d55e00"
+DATA = BLUE
+MODEL = VERMILION
 OTHER = "0.6"
-_ALIAS = "#cc79a7"
+_ALIAS = PURPLE
 # Peaks that are named, and marks of pairs, which may lie close to each other.
 _NAMED = 5
 _MARKS = "osD^v"

@@ -42,7 +42,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
 import numpy as np
 
 from attitude._support import quantity_text, validation
-from attitude._support.constants import ASTRONOMICAL_UNIT_M, SPEED_OF_LIGHT_M_S
+from attitude._support.constants import ASTRONOMICAL_UNIT_M, DAY_S, JD_OF_MJD_0, SPEED_OF_LIGHT_M_S
 from attitude._support.quoting import counted, quoted
 from attitude._textfiles import lines as textfiles_lines
 from attitude._textfiles import toml, xml
@@ -295,7 +295,6 @@ def julian(days: Sequence[str] | FloatArray, scale: str, offset: float = 0.0) ->
 
 # Days of the exposure by which a date moves to its middle.
 _MIDDLE = {"START": 0.5, "END": -0.5}
-_SECONDS = 86400.0
 _ALCDEF_PLACE = ("OBSLONGITUDE", "OBSLATITUDE")
 _NO = ("", "NONE", "FALSE")
 # Columns of ADES that are used, and those that name the body, of which the first one counts.
@@ -370,7 +369,7 @@ def _alcdef_row(number: int, parts: list[str], meta: dict[str, str], block: int)
     try:
         if shift and exposure > 0.0:
             whole, _, fraction = date.partition(".")
-            date = f"{int(whole) + float(f'0.{fraction or 0}') + shift * exposure / _SECONDS:.9f}"
+            date = f"{int(whole) + float(f'0.{fraction or 0}') + shift * exposure / DAY_S:.9f}"
     except (ValueError, OverflowError):
         pass  # a date that is no number, or too large, is reported with its row
     band = meta.get("FILTER") or meta.get("MAGBAND", "")
@@ -516,12 +515,12 @@ def of_damit(text: str, name: str) -> Keywords:
 # a table has counts: dates of the observer, which need no path, before those at a center.
 _TIMES: dict[str, tuple[str | None, float, str]] = {
     "jd": ("utc", 0.0, "reception"),
-    "mjd": ("utc", 2400000.5, "reception"),
-    "midpointmjdtai": ("tai", 2400000.5, "reception"),  # Rubin
+    "mjd": ("utc", JD_OF_MJD_0, "reception"),
+    "midpointmjdtai": ("tai", JD_OF_MJD_0, "reception"),  # Rubin
     "utc": (None, 0.0, "reception"),
     "utc_emission": (None, 0.0, "emission"),
     "bjd": ("tdb", 0.0, "barycenter"),
-    "bmjd": ("tdb", 2400000.5, "barycenter"),
+    "bmjd": ("tdb", JD_OF_MJD_0, "barycenter"),
     "btjd": ("tdb", 2457000.0, "barycenter"),  # TESS
     "bkjd": ("tdb", 2454833.0, "barycenter"),  # Kepler
     "hjd": ("utc", 0.0, "heliocenter"),
@@ -555,7 +554,7 @@ _NAMES: dict[str, tuple[str, ...]] = {
 # Forced photometry of ATLAS: its m is -m where the flux is negative, and dates are the starts of
 # exposures of 30 s (fallingstar-data.com/forcedphot/resultdesc).
 _ATLAS = {"mjd", "ujy", "dujy"}
-_ATLAS_MIDDLE = 15.0 / _SECONDS
+_ATLAS_MIDDLE = 15.0 / DAY_S
 _BRIGHTNESS = ("magnitude", "reduced", "flux", "reduced flux")
 # Names of columns of errors of another column, and columns of brightness where they have errors.
 _ERROR_OF = r"(?:e|err|error|sigma)_{0}(?:_\w+)?|{0}_?(?:err|error|sigma)"
@@ -805,7 +804,7 @@ def _dates(table: _Table, name: str) -> tuple[str, tuple[str | None, float, str]
 
 def _scale_of_numbers(first: float, name: str, key: str) -> tuple[str, float]:
     """Numbers under the name of a date: Julian dates in UTC, or modified ones."""
-    for low, high, offset in ((2.4e6, 2.5e6, 0.0), (1e4, 1e5, 2400000.5)):
+    for low, high, offset in ((2.4e6, 2.5e6, 0.0), (1e4, 1e5, JD_OF_MJD_0)):
         if low < first < high:
             return "utc", offset
     raise AttitudeError(

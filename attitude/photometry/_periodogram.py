@@ -9,6 +9,7 @@ import numpy as np
 from attitude._compilation.decorators import entry_point
 from attitude._support import blocks, validation
 from attitude._support.arrays import distinct
+from attitude._support.constants import DAY_S, SIDEREAL_DAY_S
 from attitude._support.quoting import counted
 from attitude.errors import AttitudeError
 from attitude.photometry import _spectrum
@@ -37,8 +38,8 @@ _MULTIPLES = (1, -1, 0.5, -0.5, 2, -2)
 _RATIOS = ((1, 2), (2, 1), (1, 3), (3, 1), (2, 3), (3, 2), (1, 4), (4, 1), (3, 4), (4, 3))
 _SHARES = {1.0: "", 0.5: "2 x ", 2.0: "1/2 of "}
 _NAMES = (
-    *((0.5 / 86400.0, "1/2 /d"), (1.0 / 86400.0, "1 /d")),
-    *((1.0 / 86164.1, "1 /sidereal d"), (2.0 / 86400.0, "2 /d")),
+    *((0.5 / DAY_S, "1/2 /d"), (1.0 / DAY_S, "1 /d")),
+    *((1.0 / SIDEREAL_DAY_S, "1 /sidereal d"), (2.0 / DAY_S, "2 /d")),
 )
 
 
@@ -111,7 +112,7 @@ def _spelled(shift: float, tolerance: float) -> str:
     for size, name in _NAMES:
         if abs(abs(shift) - size) < tolerance:
             return f"{sign}{name}"
-    return f"{sign}{abs(shift) * 86400.0:.4g} /d"
+    return f"{sign}{abs(shift) * DAY_S:.4g} /d"
 
 
 # ---- Phase dispersion minimisation, compiled: variances within bins of phase at many frequencies
@@ -161,7 +162,6 @@ def dispersions(t, y, weights, frequencies, bins, covers, out):
 
 # ---- The scan over one frequency, by Fourier series of any order or by phase dispersion
 
-_DAY = 86400.0
 # Grid frequencies per 1/(order span).
 _OVERSAMPLING = 5.0
 # Frequencies at most.
@@ -220,7 +220,7 @@ def scan(
     chance = min(1.0, _spectrum.by_chance(largest[1:].tolist()))
     # zero points that are fitted with the series leave fewer values to it
     chance = min(1.0, chance * (len(data.t) - 1) / max(1, len(data.t) - data.linear))
-    window = spectral_window(data, max(3.0 / _DAY, min(frequency[-1], 12.0 / _DAY)))
+    window = spectral_window(data, max(3.0 / DAY_S, min(frequency[-1], 12.0 / DAY_S)))
     return Scan(frequency, power, chance, window)
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from attitude._support import markup, quantity_text, validation
 from attitude._support.arrays import Immutable, frozen
 from attitude._support.blocks import ProgressBar
+from attitude._support.constants import DAY_S, SIDEREAL_DAY_S
 from attitude._support.quoting import counted
 from attitude._support.synonyms import arguments
 from attitude.errors import AttitudeError
@@ -54,7 +55,7 @@ _SLOW = 4.0
 # Shortest period by default, in spans: 4000 frequencies, 8e6 pairs.
 _FEWEST = OVERSAMPLING / 4000.0
 # Periods, s, of the Sun and of the stars, at which the observations of one site recur.
-_DAYS = (86400.0, 86164.1)
+_DAYS = (DAY_S, SIDEREAL_DAY_S)
 # Bounds of one period or of both.
 _Bounds = tuple[tuple[int, int], tuple[int, int]]
 

@@ -35,7 +35,7 @@ import numpy as np
 from attitude._compilation.decorators import entry_point, sized_entry_point
 from attitude._support import validation
 from attitude._support.arrays import between, read_only
-from attitude._support.constants import SPEED_OF_LIGHT_M_S
+from attitude._support.constants import DAY_S, JD_OF_MJD_0, SPEED_OF_LIGHT_M_S
 from attitude.ensemble._ensemble import Ensemble
 from attitude.ensemble._light import known_vectors
 from attitude.ensemble._tables import (
@@ -98,8 +98,6 @@ def interpolated(x, first, table, out):
 
 # Magnitudes fainter than the mean by which a body counts where none of its lit surface is seen.
 UNSEEN: float = 50.0
-_DAY = _time_scales.DAY
-_MJD = 2400000.5  # Julian date of the origin of modified Julian dates
 
 
 class Rotators:
@@ -246,7 +244,7 @@ class Rotators:
             known_vectors(vectors, name, who.shape)
             for vectors, name in ((sun, "sun"), (observer, "observer"))
         )
-        t = (mjd - self.epochs[who]) * _DAY
+        t = (mjd - self.epochs[who]) * DAY_S
         one = isinstance(self._shapes, list) and len(set(map(id, self._shapes))) == 1
         bright = self.ensemble.brightness(
             t, who, sun, observer, shape=self._shapes[0] if one else self._shapes,
@@ -310,7 +308,7 @@ def emission(mjd_tai: Reals, distance_km: Reals) -> FloatArray:
     """
     tai = np.asarray(mjd_tai, dtype=np.float64)
     light = np.asarray(distance_km, dtype=np.float64) * (1e3 / SPEED_OF_LIGHT_M_S)
-    return tai + (_time_scales.TT_MINUS_TAI + _tdb_minus_tt(tai) - light) / _DAY
+    return tai + (_time_scales.TT_MINUS_TAI + _tdb_minus_tt(tai) - light) / DAY_S
 
 
 def _tdb_minus_tt(mjd):
@@ -318,8 +316,8 @@ def _tdb_minus_tt(mjd):
     is_finite = mjd.size and np.isfinite(mjd).all()
     first, last = (math.floor(mjd.min()), math.floor(mjd.max()) + 1) if is_finite else (0, 1)
     if not is_finite or last - first > mjd.size:
-        return _time_scales.tdb_minus_tt(_MJD, mjd)
-    table = _time_scales.tdb_minus_tt(_MJD, first + 0.5 * np.arange(2 * (last - first) + 1))
+        return _time_scales.tdb_minus_tt(JD_OF_MJD_0, mjd)
+    table = _time_scales.tdb_minus_tt(JD_OF_MJD_0, first + 0.5 * np.arange(2 * (last - first) + 1))
     difference = np.empty(mjd.shape)
     flat = read_only(np.ascontiguousarray(mjd).reshape(-1))
     interpolated(flat, float(first), read_only(table), difference.reshape(-1))

@@ -16,8 +16,8 @@ import numpy as np
 from attitude._solver import chebyshev
 from attitude._support import pairs, validation
 from attitude._support.arrays import Immutable, frozen, read_only
+from attitude._support.constants import DAY_S
 from attitude._textfiles.lines import packaged
-from attitude.epochs import _time_scales
 from attitude.epochs._inputs import instant as instant_of
 from attitude.errors import AttitudeError
 from attitude.paths import _ground
@@ -187,14 +187,14 @@ class IGRF(MagneticField):
             return -math.inf, math.inf
         known, _ = _coefficients()
         days = (known[[0, -1]] - 2000.0) * 365.25 - 0.5
-        first, last = days * _time_scales.DAY - (instant.seconds + instant.low)
+        first, last = days * DAY_S - (instant.seconds + instant.low)
         return float(first), float(last)
 
 
 def _years(instant: Instant, seconds: FloatArray, low: FloatArray) -> FloatArray:
     """Years (K,) of the calendar, to a day."""
     hi, lo = pairs.add((seconds, low), instant.seconds, instant.low)
-    return 2000.0 + ((hi + lo) / _time_scales.DAY + 0.5) / 365.25
+    return 2000.0 + ((hi + lo) / DAY_S + 0.5) / 365.25
 
 
 def _coefficients_in(years: FloatArray) -> FloatArray:
@@ -417,7 +417,7 @@ class FieldOnPath:
         before, after = positions(self._path, instant, t, np.zeros(2), "path")
         size = np.sqrt(np.sum(before * before) * np.sum(after * after))
         turn = np.sqrt(np.sum(np.cross(before, after) ** 2)) / size
-        slowest = _time_scales.DAY / (2.0 * np.pi) * _TURN
+        slowest = DAY_S / (2.0 * np.pi) * _TURN
         if not t[1] > t[0] or not turn > 0.0:  # an epoch outside of the span: halvings find it
             return slowest
         return float(min(slowest, 0.5 * _TURN * float(t[1] - t[0]) / turn))

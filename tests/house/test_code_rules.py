@@ -96,16 +96,19 @@ FOREIGN = {
 }
 
 
-def test_each_physical_constant_stands_once():
-    values = {value: name for name, value in vars(constants).items() if isinstance(value, float)}
-    assert len(values) >= 4
+def test_each_constant_stands_once():
+    """Physical constants, lengths of days, origins of calendars, colours of figures."""
+    kinds = (float, str)
+    values = {value: name for name, value in vars(constants).items() if name.isupper()}
+    values = {value: name for value, name in values.items() if isinstance(value, kinds)}
+    assert len(values) >= 13
     for name in MODULES:
         if name == "attitude._support.constants":
             continue
         for node in nodes_of(name):
-            if isinstance(node, ast.Constant) and isinstance(node.value, (int, float)):
-                assert float(node.value) not in values, (
-                    f"{name}:{node.lineno} has {values[float(node.value)]} as a number"
+            if isinstance(node, ast.Constant) and isinstance(node.value, (int, *kinds)):
+                assert node.value not in values, (
+                    f"{name}:{node.lineno} writes {values[node.value]} out"
                 )
 
 
