@@ -162,10 +162,10 @@ def _computed(mission, view, *, is_reduced):
 
 def _reduced(mission, view, *, everywhere=False):
     """Magnitudes of a View at unit distances, dimmed by the shadows of other bodies."""
-    from attitude.light_curve._magnitudes import dimming
+    from attitude.light_curve._magnitudes import shadow_dimming
 
     reduced = replace(mission.magnitude, kind="reduced").of(view, everywhere=everywhere)
-    return reduced + dimming(view.lit_fraction) if view.scene.shadow_of else reduced
+    return reduced + shadow_dimming(view.lit_fraction) if view.scene.shadow_of else reduced
 
 
 def _compared(observed, computed, group, names):

@@ -94,7 +94,7 @@ class MagnitudeScale:
         observer = view.observer_distance if observer is None else observer
         magnitudes = view.reduced_magnitude + _magnitudes.distance_modulus(sun, observer)
         if view.scene.shadow_of:
-            magnitudes = magnitudes + _magnitudes.dimming(view.lit_fraction)
+            magnitudes = magnitudes + _magnitudes.shadow_dimming(view.lit_fraction)
         return magnitudes
 
 

@@ -117,7 +117,7 @@ def distance_modulus(sun_distance: Reals, observer_distance: Reals) -> FloatArra
     return one + other
 
 
-def dimming(lit: Reals) -> FloatArray:
+def shadow_dimming(lit: Reals) -> FloatArray:
     """Magnitudes by which a body is fainter if a fraction `lit` of the Sun's disc lights it; inf
     for 0.
     """

@@ -824,7 +824,7 @@ class View(Immutable):
         ]
         magnitudes[known] += _magnitudes.distance_modulus(*far)
         if self.scene.shadow_of:
-            magnitudes += _magnitudes.dimming(self.lit_fraction.reshape(-1))
+            magnitudes += _magnitudes.shadow_dimming(self.lit_fraction.reshape(-1))
         return self._numbers(magnitudes)
 
     # ---- Standard deviations, from the covariance of the motion's spin
