@@ -157,6 +157,11 @@ def two_across(unit: FloatArray) -> tuple[FloatArray, FloatArray]:
     return first, np.cross(unit, first)
 
 
+def units(vectors: FloatArray) -> FloatArray:
+    """Vectors (..., k) divided by their lengths."""
+    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+
+
 def between(a: FloatArray, b: FloatArray) -> FloatArray:
     """The angle (N,) between directions (3, N) of any length, 0 to pi rad, exact at both ends."""
     out = new_array(a.shape[1])
@@ -176,6 +181,21 @@ def components_last(array: FloatArray) -> FloatArray:
 def components_first(array: FloatArray) -> FloatArray:
     """A view (k, ...) of an array (..., k), as ``numpy.moveaxis(array, -1, 0)``, by few calls."""
     return array.T if array.ndim <= 2 else array.transpose(-1, *range(array.ndim - 1))
+
+
+def bisected(is_low: Callable[[Any], Any], low: Any, high: Any, steps: int) -> tuple[Any, Any]:
+    """Both ends, numbers or arrays (...), after so many halvings of the intervals between them.
+
+    `is_low` says of places in their middles whether they lie on the side of `low`.
+    """
+    for _ in range(steps):
+        middle = 0.5 * (low + high)
+        below = is_low(middle)
+        if isinstance(below, np.ndarray):
+            low, high = np.where(below, middle, low), np.where(below, high, middle)
+        else:
+            low, high = (middle, high) if below else (low, middle)
+    return low, high
 
 
 # ---- Distinct ones of many values, and values between gaps

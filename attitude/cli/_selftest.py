@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude._solver.warm_up import compile_ahead
+from attitude._support.arrays import units
 from attitude._textfiles import toml
 from attitude._textfiles.lines import packaged
 from attitude.motions._propagation import propagate
@@ -156,16 +157,12 @@ def _facets(random: np.random.Generator) -> float:
     from attitude.shape._ellipsoid import Ellipsoid
 
     solid = Ellipsoid((3.0, 2.0, 1.0))
-    sun = _units(random.normal(size=(200, 3)))
+    sun = units(random.normal(size=(200, 3)))
     # Phase angles below 45 degrees: thin crescents lose more to the edges of facets.
-    observer = _units(sun + 0.7 * _units(random.normal(size=(200, 3))))
+    observer = units(sun + 0.7 * units(random.normal(size=(200, 3))))
     exact = brightness(solid, "lommel-seeliger", sun, observer)
     computed = brightness(solid.facets(_FACETS), "lommel-seeliger", sun, observer)
     return float(np.max(np.abs(computed / exact - 1.0)))
-
-
-def _units(vectors):
-    return vectors / np.linalg.norm(vectors, axis=1)[:, None]
 
 
 def reference_states() -> list[dict[str, Any]]:

@@ -11,7 +11,7 @@ import numpy as np
 from attitude._compilation.decorators import entry_point, subroutine
 from attitude._compilation.instructions import as_bits
 from attitude._support import pairs, validation
-from attitude._support.arrays import Immutable, frozen, read_only
+from attitude._support.arrays import Immutable, frozen, read_only, units
 from attitude.ensemble import _members
 from attitude.ensemble._evaluation import MemberGrid
 from attitude.errors import AttitudeError
@@ -93,7 +93,7 @@ class MemberView(View):
         """Unit vectors (3, N T) of the angular momenta, ICRF."""
         momentum = self._history.ensemble.momentum[self._history.member[:, 0]]
         with np.errstate(invalid="ignore"):
-            unit = momentum / np.linalg.norm(momentum, axis=-1, keepdims=True)
+            unit = units(momentum)
         return unit.T.repeat(self.shape[1], axis=1)
 
     def _motion(self) -> Motion:
@@ -237,8 +237,7 @@ class AngleTo(Immutable):
         largest = np.max(np.abs(vectors), axis=-1, keepdims=True)
         if np.any(largest == 0.0):
             raise AttitudeError("target holds a zero vector, which has no direction.")
-        vectors = vectors / largest
-        self._set("_target", frozen(vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)))
+        self._set("_target", frozen(units(vectors / largest)))
 
     def measured(self, history: AttitudeHistory, epochs: slice) -> FloatArray:
         """Numbers (N, T) that grow with the angle, of a history at some epochs of all."""

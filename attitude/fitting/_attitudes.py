@@ -12,6 +12,7 @@ import numpy as np
 
 from attitude import frames
 from attitude._support import validation
+from attitude._support.arrays import units
 from attitude._support.synonyms import arguments
 from attitude.errors import AttitudeError
 from attitude.fitting._minimum import (
@@ -796,5 +797,4 @@ def _unit(value: Reals, name: str, count: int) -> FloatArray:
     size = np.max(np.abs(vectors), axis=-1, keepdims=True)
     if np.any(size == 0.0):
         raise AttitudeError(f"{name} holds a vector of length zero, which has no direction.")
-    scaled = vectors / size
-    return np.broadcast_to(scaled / np.linalg.norm(scaled, axis=-1, keepdims=True), (count, 3))
+    return np.broadcast_to(units(vectors / size), (count, 3))

@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from attitude._support import pairs
+from attitude._support.arrays import units
 from attitude._support.constants import DAY_S
 from attitude._textfiles.atomic_write import require_writable, written_whole
 from attitude._textfiles.lines import is_number, opened, text_of_rows
@@ -231,8 +232,7 @@ def _pointed(values, axes, epoch, hi, lo, orbit):
 
 def _unit(v):
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        v = v / np.max(np.abs(v), axis=1, keepdims=True)
-        return v / np.linalg.norm(v, axis=1, keepdims=True)
+        return units(v / np.max(np.abs(v), axis=1, keepdims=True))
 
 
 # ---- The head of an STK attitude file: version, keywords, axes, interpolation, times

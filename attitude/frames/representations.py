@@ -296,7 +296,7 @@ def from_pole(right_ascension: Reals, declination: Reals, spin_angle: Reals) -> 
 def to_pole(wxyz: Reals) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Right ascension in [0, 2 pi), declination, spin angle in [0, 2 pi): arrays (...), rad."""
     node, tilt, spin = np.moveaxis(to_euler("ZXZ", wxyz), -1, 0)
-    return _positive(node - 0.5 * np.pi), 0.5 * np.pi - tilt, _positive(spin)
+    return turned_positive(node - 0.5 * np.pi), 0.5 * np.pi - tilt, turned_positive(spin)
 
 
 # ---- Rates
@@ -350,7 +350,7 @@ def _wrapped(angle):
     return np.where(angle <= -np.pi, angle + 2.0 * np.pi, angle)
 
 
-def _positive(angle):
+def turned_positive(angle):
     """Angles within one turn of [0, 2 pi) brought into it."""
     angle = np.where(angle < 0.0, angle + 2.0 * np.pi, angle)
     return np.where(angle >= 2.0 * np.pi, 0.0, angle)

@@ -15,7 +15,7 @@ from attitude._compilation.decorators import reduction, reduction_within
 from attitude._compilation.elementary import binary_logarithm
 from attitude._compilation.simd import at_least, at_most, chosen, eight, put_eight, root, summed_up
 from attitude._support import least_squares
-from attitude._support.arrays import distinct
+from attitude._support.arrays import distinct, units
 from attitude._support.least_squares import Near
 from attitude.inversion import _motions
 from attitude.inversion._lattices import Candidate
@@ -613,8 +613,7 @@ class Pool(NamedTuple):
 
 def rotations(generator: np.random.Generator, count: int) -> FloatArray:
     """Uniformly random rotation matrices (count, 9)."""
-    q = generator.standard_normal((count, 4))
-    w, x, y, z = (q / np.linalg.norm(q, axis=1)[:, None]).T
+    w, x, y, z = units(generator.standard_normal((count, 4))).T
     entries = (
         1 - 2 * (y * y + z * z),
         2 * (x * y - w * z),
@@ -735,8 +734,8 @@ def narrowed(
     rates: list[Candidate],
     count: int,
     *,
-    tie: Held = _FREELY,
-    poles: FloatArray | None = None,
+    tie: Held,
+    poles: FloatArray | None,
 ) -> Pool:
     """The best minimum of each pair of rates: of many starts a few steps, of the best more.
 

@@ -32,6 +32,7 @@ from typing import TYPE_CHECKING, Generic, Protocol, TypeAlias, TypeVar
 
 import numpy as np
 
+from attitude._support.arrays import bisected
 from attitude.inversion import _neighbours, _refinement, _shapes
 from attitude.inversion._ellipsoid import (
     OF_LOG_RHO,
@@ -112,13 +113,13 @@ def residuals(problem: CurveProblem, magnitude: FloatArray) -> tuple[FloatArray,
 
 def model_error(problem: CurveProblem, residual: FloatArray) -> float:
     """The error, mag, that has to be added to sigma for the residuals to be as expected."""
-    low, high = _LEAST_ERROR, 2.0
-    for _ in range(40):
-        middle = 0.5 * (low + high)
-        squares = residual**2 / (problem.sigma**2 + middle**2)
+
+    def is_too_small(error: float) -> bool:
+        squares = residual**2 / (problem.sigma**2 + error**2)
         below = squares < _CUT
-        mean = np.mean(squares[below]) if np.any(below) else np.inf
-        low, high = (middle, high) if mean > _MEAN_BELOW else (low, middle)
+        return not np.any(below) or float(np.mean(squares[below])) > _MEAN_BELOW
+
+    low, high = bisected(is_too_small, _LEAST_ERROR, 2.0, 40)
     return low if high > _LEAST_ERROR * 1.01 else _LEAST_ERROR
 
 

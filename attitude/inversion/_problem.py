@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from attitude._support import validation
+from attitude._support.arrays import units
 from attitude._support.least_squares import Decomposed
 from attitude.errors import AttitudeError
 from attitude.inversion._settings import DEFAULT, Settings, Tally
@@ -460,8 +461,8 @@ def _averaged(curve: LightCurve, bins: IntArray | None) -> dict[str, Any]:
         "session": curve.session,
         "filter": curve.filter,
         "exposure": curve.exposure,
-        "sun": _unit(curve.vectors[0]),
-        "observer": _unit(curve.vectors[1]),
+        "sun": units(curve.vectors[0]),
+        "observer": units(curve.vectors[1]),
     }
     if bins is not None:
         weight = 1.0 / curve.sigma**2
@@ -471,7 +472,7 @@ def _averaged(curve: LightCurve, bins: IntArray | None) -> dict[str, Any]:
             values[name] = np.bincount(bins, weight * values[name]) / total
         for name in ("sun", "observer"):
             mean = [np.bincount(bins, weight * component) / total for component in values[name].T]
-            values[name] = _unit(np.stack(mean, axis=1))
+            values[name] = units(np.stack(mean, axis=1))
         values["sigma"] = 1.0 / np.sqrt(total)
         for name in ("session", "filter", "exposure"):
             values[name] = values[name][first]
@@ -479,7 +480,3 @@ def _averaged(curve: LightCurve, bins: IntArray | None) -> dict[str, Any]:
         values = {name: column[order] for name, column in values.items()}
     values["alpha"] = angle_between(values["sun"], values["observer"])
     return values
-
-
-def _unit(vectors: FloatArray) -> FloatArray:
-    return vectors / np.linalg.norm(vectors, axis=1)[:, None]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast, overload
 import numpy as np
 
 from attitude._support import markup, quantity_text, validation
-from attitude._support.arrays import Immutable, frozen
+from attitude._support.arrays import Immutable, frozen, units
 from attitude._support.constants import DAY_S, SPEED_OF_LIGHT_M_S
 from attitude._support.least_squares import inverse
 from attitude._support.quantity_text import TIME_UNITS
@@ -501,9 +501,7 @@ class CurveFit(Answering, ABC):
         alpha = angle_between(sun, observer)
         terms = _terms(self, emission, alpha, filters)
         by_filter = terms - _terms(self, emission, alpha, np.full_like(filters, filters[0]))
-        to_sun, to_observer = (
-            (vectors / np.linalg.norm(vectors, axis=1)[:, None]).T for vectors in (sun, observer)
-        )
+        to_sun, to_observer = (units(vectors).T for vectors in (sun, observer))
         there = replace(
             fitted_problem,
             t=emission / fitted_problem.span,

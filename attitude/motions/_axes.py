@@ -29,7 +29,7 @@ import numpy as np
 
 from attitude import frames
 from attitude._support import pairs, validation
-from attitude._support.arrays import between, frozen
+from attitude._support.arrays import between, frozen, units
 from attitude._textfiles.lines import cut
 from attitude.epochs import _instants
 from attitude.errors import AttitudeError
@@ -150,13 +150,13 @@ def to_icrf(kind: str, hi: FloatArray, lo: FloatArray, orbit: Path | None, name:
     position, velocity = state(hi, lo, orbit, name)
     momentum = np.cross(position, velocity)
     _refuse_no_plane(momentum, -1, orbit)
-    normal = _unit(momentum)
+    normal = units(momentum)
     if kind in ("rtn", "lvlh"):
-        radial = _unit(position)
+        radial = units(position)
         transverse = np.cross(normal, radial)
         columns = (radial, transverse, normal) if kind == "rtn" else (transverse, -normal, -radial)
     else:
-        along = _unit(velocity)
+        along = units(velocity)
         columns = {
             "tnw": (along, np.cross(normal, along), normal),
             "ntw": (np.cross(along, normal), along, normal),
@@ -206,10 +206,6 @@ def _refuse_no_plane(momentum, axis, orbit):
             f"{orbit.name} rests relative to {label_of(orbit.center)}, or moves straight to or "
             "from it, so that its orbit has no plane; give the path of a body about its center."
         )
-
-
-def _unit(v):
-    return v / np.linalg.norm(v, axis=-1, keepdims=True)
 
 
 # Step, s, of the differences that give the rate of turning axes: error 6e-14 rad/s for the Earth.

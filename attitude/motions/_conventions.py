@@ -30,6 +30,7 @@ from attitude._solver.regime import known_convention
 from attitude._support import validation
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
+from attitude.frames.representations import turned_positive
 from attitude.motions._body import Body
 
 if TYPE_CHECKING:
@@ -161,7 +162,5 @@ def _check(
 
 
 def _positive(angle):
-    """In [0, 2 pi)."""
-    angle = np.fmod(angle, 2.0 * np.pi)
-    angle = np.where(angle < 0.0, angle + 2.0 * np.pi, angle)
-    return np.where(angle >= 2.0 * np.pi, 0.0, angle)[()]
+    """Any angle in [0, 2 pi)."""
+    return turned_positive(np.fmod(angle, 2.0 * np.pi))[()]

@@ -19,6 +19,7 @@ from attitude._solver import covariance as covariances
 from attitude._solver.regime import Mode, regime_of
 from attitude._solver.states import Evaluation, States
 from attitude._support import pairs, validation
+from attitude._support.arrays import bisected
 from attitude.errors import AttitudeError
 
 if TYPE_CHECKING:
@@ -128,9 +129,7 @@ def _crossing(
     """The first of increasing times at which the angle is reached, by bisection between them."""
     k = int(np.argmax(largest(seconds) >= angle))
     low, high = float(seconds[max(k - 1, 0)]), float(seconds[k])
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if largest(np.array([middle]))[0] >= angle else (middle, high)
+    _, high = bisected(lambda time: not largest(np.array([time]))[0] >= angle, low, high, 60)
     return high
 
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from attitude._solver.regime import known_convention, regimes
 from attitude._support import validation
+from attitude._support.arrays import bisected
 from attitude.errors import AttitudeError
 from attitude.motions._published import dynamic_inertia_from_periods as from_periods
 from attitude.motions._published import known_mode, moments_from_ratios, refuse_missing_mode
@@ -135,11 +136,8 @@ def possible_end(
     """values + step, or the farthest point in that direction that exists, by bisection."""
     if not np.any(step) or exists(values + step):
         return values + step
-    low, high = 0.0, 1.0
-    for _ in range(30):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if exists(values + middle * step) else (low, middle)
-    return values + low * step
+    share, _ = bisected(lambda share: exists(values + share * step), 0.0, 1.0, 30)
+    return values + share * step
 
 
 def _results(sets, mode, convention):

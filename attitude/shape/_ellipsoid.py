@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from attitude._support import markup, validation
-from attitude._support.arrays import Immutable, frozen
+from attitude._support.arrays import Immutable, frozen, units
 from attitude._support.synonyms import arguments
 from attitude.errors import AttitudeError
 from attitude.shape._mesh import MassProperties, Mesh
@@ -47,7 +47,7 @@ def unit_sphere(frequency: int) -> tuple[FloatArray, IntArray]:
     _, first, joined = np.unique(key, axis=0, return_index=True, return_inverse=True)
     offsets = np.arange(len(faces))[:, None, None] * len(i)
     triangles = joined.reshape(-1)[(pattern[None] + offsets).reshape(-1, 3)]
-    return _relaxed(_unit(points[first]), triangles), triangles
+    return _relaxed(units(points[first]), triangles), triangles
 
 
 def lifted(vertices: FloatArray, triangles: IntArray) -> FloatArray:
@@ -78,7 +78,7 @@ def _relaxed(vertices: FloatArray, triangles: IntArray) -> FloatArray:
         a, b, c = (vertices[triangles[:, k]] for k in range(3))
         pull = np.repeat(_areas(vertices, triangles)[:, None] * (a + b + c), 3, axis=0)
         sums = [np.bincount(triangles.ravel(), along, count) for along in pull.T]
-        vertices = _unit(np.stack(sums, axis=1))
+        vertices = units(np.stack(sums, axis=1))
     return vertices
 
 
@@ -95,11 +95,7 @@ def _icosahedron() -> tuple[FloatArray, IntArray]:
         [(3, 9, 4), (3, 4, 2), (3, 2, 6), (3, 6, 8), (3, 8, 9)],
         [(4, 9, 5), (2, 4, 11), (6, 2, 10), (8, 6, 7), (9, 8, 1)],
     ]
-    return _unit(np.reshape(vertices, (-1, 3))), np.reshape(faces, (-1, 3))
-
-
-def _unit(vectors: FloatArray) -> FloatArray:
-    return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
+    return units(np.reshape(vertices, (-1, 3))), np.reshape(faces, (-1, 3))
 
 
 @dataclass(frozen=True, eq=False, init=False)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from attitude._support.arrays import units
 from attitude.viewer import _subject
 from attitude.viewer._page import seconds_a_second
 from attitude.viewer._subject import subject
@@ -109,7 +110,7 @@ def _keys(pieces: list[_subject.PosePiece], pace: float) -> tuple[Any, Any]:
     times = (np.concatenate([piece.times for piece in pieces]) / pace).astype(np.float32)
     turns = np.concatenate([piece.wxyz[:, [1, 2, 3, 0]] for piece in pieces])
     kept = np.concatenate([[True], np.diff(np.maximum.accumulate(times)) > 0.0])
-    return times[kept], turns[kept] / np.linalg.norm(turns[kept], axis=1)[:, None]
+    return times[kept], units(turns[kept])
 
 
 class _Buffer:

@@ -13,6 +13,7 @@ import numpy as np
 
 from attitude import plots
 from attitude._support import pairs
+from attitude._support.arrays import units
 from attitude._support.quoting import quoted
 from attitude._textfiles.lines import path_text
 from attitude.catalog import motion_of
@@ -162,8 +163,7 @@ def directions(subject: Subject, which: str) -> FloatArray:
     """
 
     def error(times, vectors):
-        middle = vectors[:-2:2] + vectors[2::2]
-        middle = middle / np.linalg.norm(middle, axis=1)[:, None]
+        middle = units(vectors[:-2:2] + vectors[2::2])
         # That of lines over twice the step, which falls with its square.
         return np.degrees(np.linalg.norm(middle - vectors[1:-1:2], axis=1).max()) / 4.0
 
