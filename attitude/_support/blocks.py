@@ -110,7 +110,7 @@ def in_rectangles(
     most_epochs: int,
     rows: int,
     threads: int,
-    progress: Callable[[int, int], object] | None = None,
+    progress: Callable[[int, int], object] | None,
 ) -> None:
     """Call ``work(part, (first, end))`` for rectangles of bodies and epochs that cover all."""
     if not bodies:

@@ -114,9 +114,9 @@ def generator(seed: int | np.random.Generator, name: str = "seed") -> np.random.
         ) from None
 
 
-def not_negative(value: Real, name: str, *, unit: str | None = None) -> float:
-    """One finite number of at least zero as a float in `unit`; see `real`."""
-    value_given = number(value, name, unit=unit)
+def not_negative(value: Real, name: str) -> float:
+    """One finite number of at least zero as a float; see `real`."""
+    value_given = number(value, name)
     if value_given < 0.0:
         raise AttitudeError(f"{name} is {shown(value_given)}; it must not be negative.")
     return value_given

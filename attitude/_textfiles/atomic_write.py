@@ -67,7 +67,7 @@ def written_whole(
             raise _not_writable(path, name, err) from err
 
 
-def require_writable(path: str | os.PathLike[str], name: str = "output") -> None:
+def require_writable(path: str | os.PathLike[str], name: str) -> None:
     """AttitudeError for a file in no writable folder: before work whose result is written there."""
     target = _target(path, name)
     folder, is_device = os.path.dirname(target), os.path.exists(target) > os.path.isfile(target)

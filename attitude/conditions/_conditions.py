@@ -286,7 +286,7 @@ class Condition(Joinable):
         return f"<Condition of {count} channel{'s' if count > 1 else ''}>"
 
 
-def condition_of(value: object, name: str = "f") -> Condition:
+def condition_of(value: object, name: str) -> Condition:
     """The Condition that an object is or stands for."""
     if not isinstance(value, Joinable):
         raise AttitudeError(

@@ -75,7 +75,7 @@ def values_at(
     source: Source,
     value: Callable[[Moment], NDArray[Any]],
     t: Epochs,
-    low: ArrayLike | None = None,
+    low: ArrayLike | None,
 ) -> NDArray[Any]:
     """The values of a function of a Moment at epochs t of any shape and type."""
     times = _inputs.seconds_since(source.epoch, t, low)

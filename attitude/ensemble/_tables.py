@@ -229,7 +229,7 @@ def rotator_numbers(
 
 
 def rotator_moments(
-    columns: Mapping[str, Any], names: Sequence[object] | None = None
+    columns: Mapping[str, Any], names: Sequence[object] | None
 ) -> tuple[FloatArray, FloatArray]:
     """Semi-axes (N, 3), and relative moments (N, 3) of the homogeneous ellipsoids with them."""
     axes = np.stack([rotator_numbers(columns, name, None, names) for name in AXES], axis=1)
@@ -246,8 +246,8 @@ def rotator_moments(
 def rotator_states(
     columns: Mapping[str, Any],
     moments: FloatArray,
-    principal_axes: FloatArray | None = None,
-    names: Sequence[object] | None = None,
+    principal_axes: FloatArray | None,
+    names: Sequence[object] | None,
     on_error: str = "raise",
 ) -> tuple[_published.PeriodStates, FloatArray]:
     """States in the ecliptic of J2000, and their epochs (N,), modified Julian dates in TDB."""

@@ -67,7 +67,7 @@ _MOST_PIECES = 4096
 _pieces: dict[int, FloatArray] = {}
 
 
-def seconds_from_days(days: Doubles, more: Doubles | float = 0.0) -> Pair:
+def seconds_from_days(days: Doubles, more: Doubles) -> Pair:
     """The sum of two doubles of days as a pair of seconds, exactly."""
     whole, whole_more = np.rint(days), np.rint(more)
     pair = (whole + whole_more) * DAY_S, 0.0 * whole

@@ -204,7 +204,7 @@ def _of_tensor(tensor, rates, near_axes):
     return decided
 
 
-def _determinant(tensor, x=0):
+def _determinant(tensor, x):
     """The determinant of J - x."""
     (a, b, c), (d, e, f), (g, h, i) = tensor
     return dot([a - x, b, c], cross([d, e - x, f], [g, h, i - x]))

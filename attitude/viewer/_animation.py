@@ -136,7 +136,7 @@ class _Picture:
             "the animation has a frame", times[1], turn, most=_MOST_OF_A_TURN, remedy="frames"
         )
         self.wxyz, self.momentum = history.wxyz, _momenta(what, history)
-        self.arrows = [_arrow(above, *arrow) for arrow in (*_AXES, _MOMENTUM)]
+        self.arrows = [_arrow(above, *arrow[1:]) for arrow in (*_AXES, _MOMENTUM)]
         style = {"color": _TEXT, "fontsize": 10, "family": "monospace", "va": "top"}
         self.clock = figure.text(0.02, 0.94, "", **style)
         letters = 8 if what.duration < _SHORT else 5
@@ -196,7 +196,7 @@ class _Picture:
             label.set(visible=shown, position=(1.06 * x, 1.06 * y))
 
 
-def _arrow(axes, length, color, name):
+def _arrow(axes, color, name):
     """A line from the centre and the label at its end."""
     line = axes.plot([], [], color=color, linewidth=1.2)[0]
     return line, axes.text(0, 0, name, color=color, fontsize=10, ha="center", va="center")
