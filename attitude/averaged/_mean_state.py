@@ -37,9 +37,12 @@ if TYPE_CHECKING:
     Numbers: TypeAlias = tuple[float, FloatArray, FloatArray]
 
 _NODES = 64
-# Step of differences along paths, in nutations; the least frequency, in units of that of the
-# nutation, of terms that are corrected for them; the share of a path below which it stands still.
-_PATH_STEP, _FAST, _STILL = 0.25, 0.1, 1e-3
+# Step of differences along paths, in nutations.
+_PATH_STEP = 0.25
+# Least frequency of terms that are corrected for paths, in units of that of the nutation.
+_FAST = 0.1
+# Share of a path below which it stands still.
+_STILL = 1e-3
 
 
 def corrections(

@@ -350,9 +350,9 @@ def slowest_turns(axes: Axes, size: FloatArray, y: FloatArray, region: int) -> F
         return 2.0 * np.pi / size * np.maximum(axes.moments[2], 1.0 / pace)
 
 
-def checked_orbits(given: Any, count: int) -> list[str]:
+def checked_orbits(words: Any, count: int) -> list[str]:
     """The word of each torque."""
-    several = [given] * count if isinstance(given, str) else given
+    several = [words] * count if isinstance(words, str) else words
     if not isinstance(several, Iterable):
         raise AttitudeError('orbit is not text; give "auto", "averaged" or "followed".')
     listed = list(several)

@@ -105,8 +105,8 @@ def means_of(torque: Torque, body: Body, axes: Axes, degree: int) -> Sequence[Me
 
 def over_torus(torque: Torque) -> Mean:
     """The mean of any torque over nodes of both phases."""
-    return Mean(_rates.TORUS, lambda given: given, np.zeros((4, 2, 0)), np.zeros((4, 0)), 0, 1.0,
-                torque=torque)  # fmt: skip
+    empty = np.zeros((4, 2, 0)), np.zeros((4, 0))
+    return Mean(_rates.TORUS, lambda samples: samples, *empty, 0, 1.0, torque=torque)
 
 
 def over_plane(mean: Mean) -> Mean:
@@ -137,9 +137,9 @@ def _on_arcs(axes: Axes) -> tuple[FloatArray, FloatArray, FloatArray, float]:
     return arcs, seconds, np.array([1.0 - p, 0.0, -p]), p * (1.0 - p) or math.inf
 
 
-def _alone(given: FloatArray) -> FloatArray:
+def _alone(samples: FloatArray) -> FloatArray:
     """The numbers of a torque without a direction."""
-    return np.tile([0.0, 0.0, 1.0, 1.0], (len(given), 1))
+    return np.tile([0.0, 0.0, 1.0, 1.0], (len(samples), 1))
 
 
 def _of_rates(
@@ -164,7 +164,7 @@ def friction(torque: InternalDissipation, body: Body, axes: Axes, degree: int) -
         return [_of_rheology(torque, body, axes)]
     factor = -torque.strength * axes.spread
     table = _nutations(axes)
-    energy = [factor * np.sum(n.gamma**2 * n.squares, axis=1) / (n.p * n.rest) for n in table]
+    energy = [factor * np.sum(n.gamma**2 * n.squares, axis=1) / (n.p * n.complement) for n in table]
     arcs, seconds, gamma, pq = _on_arcs(axes)
     on_arcs = factor * np.sum((arcs * gamma) ** 2, axis=2) @ seconds / pq
     nothing = [np.zeros(len(n.p)) for n in table]
@@ -183,7 +183,7 @@ def _of_rheology(torque: InternalDissipation, body: Body, axes: Axes) -> Mean:
     means = []
     for n in _nutations(axes):
         strength = torque.strength_at(body, sizes, n.p[:, None])
-        shape = axes.spread * np.sum(n.gamma**2 * n.squares, axis=1) / (n.p * n.rest)
+        shape = axes.spread * np.sum(n.gamma**2 * n.squares, axis=1) / (n.p * n.complement)
         means.append(kept(strength, shape[:, None] * sizes**2))
     points, seconds, gamma, pq = _on_arcs(axes)
     on_arcs = axes.spread * np.sum((points * gamma) ** 2, axis=2) @ seconds / pq
@@ -209,7 +209,7 @@ def damping(torque: LinearDamping, body: Body, axes: Axes, degree: int) -> list[
     matrix = np.diag(axes.matrix.T @ torque.coefficient @ axes.matrix) / axes.moments
     table = _nutations(axes)
     along = [-n.squares @ matrix for n in table]
-    energy = [-np.sum(n.gamma * n.squares * matrix, axis=1) / (n.p * n.rest) for n in table]
+    energy = [-np.sum(n.gamma * n.squares * matrix, axis=1) / (n.p * n.complement) for n in table]
     arcs, seconds, gamma, pq = _on_arcs(axes)
     turned = axes.matrix.T @ torque.coefficient @ axes.matrix / axes.moments
     on_arcs = -np.einsum("ani,ij,anj,n->a", arcs * gamma, turned, arcs, seconds) / pq
@@ -222,7 +222,7 @@ def constant(torque: ConstantTorque, body: Body, axes: Axes, degree: int) -> lis
     over = torque.torque @ axes.matrix
     table = _nutations(axes)
     along = [n.along @ over for n in table]
-    energy = [(n.gamma * n.along) @ over / (n.p * n.rest) for n in table]
+    energy = [(n.gamma * n.along) @ over / (n.p * n.complement) for n in table]
     arcs, seconds, gamma, pq = _on_arcs(axes)
     on_arcs = np.einsum("ani,i,n->a", arcs * gamma, over, seconds) / pq
     return [_of_rates(along, energy, on_arcs, 0, float(np.sqrt(over @ over)))]
@@ -256,9 +256,9 @@ def gravity(torque: GravityGradient, body: Body, axes: Axes, degree: int) -> lis
 def dipole(torque: MagneticDipole, body: Body, axes: Axes, degree: int) -> list[Mean]:
     """dL/dt = m_a <l_a> l x B; y is constant."""
 
-    def numbers(given: FloatArray) -> FloatArray:
-        size = max(float(np.mean(np.sqrt(np.sum(given**2, axis=1)))), 1e-300)
-        return np.concatenate([given / size, np.full((len(given), 1), size)], axis=1)
+    def numbers(samples: FloatArray) -> FloatArray:
+        size = max(float(np.mean(np.sqrt(np.sum(samples**2, axis=1)))), 1e-300)
+        return np.concatenate([samples / size, np.full((len(samples), 1), size)], axis=1)
 
     over = torque.moment @ axes.matrix
     table = _nutations(axes)
@@ -309,7 +309,7 @@ def _of_bilinear(
     h = _tables.distances(_tables.coordinates(axes))
     means = np.empty((4, len(h), 10))
     for region, n in enumerate(_nutations(axes)):
-        gamma = n.gamma / (n.p * n.rest)[:, None]
+        gamma = n.gamma / (n.p * n.complement)[:, None]
         sign = 1.0 if region > 1 else -1.0
         for j, distance in enumerate(h):
             count = 24 + int(14.0 * max(1.0, -np.log(distance)))
@@ -336,11 +336,11 @@ def eddy(torque: EddyCurrent, body: Body, axes: Axes, degree: int) -> list[Mean]
     def still(points: FloatArray) -> FloatArray:
         return np.broadcast_to(-tensor, (len(points), 3, 3))
 
-    def squares(given: FloatArray) -> FloatArray:
-        return (given[:, :3, None] * given[:, None, :3]).reshape(-1, 9)
+    def squares(samples: FloatArray) -> FloatArray:
+        return (samples[:, :3, None] * samples[:, None, :3]).reshape(-1, 9)
 
-    def products(given: FloatArray) -> FloatArray:
-        return (given[:, 3:6, None] * given[:, None, :3]).reshape(-1, 9)
+    def products(samples: FloatArray) -> FloatArray:
+        return (samples[:, 3:6, None] * samples[:, None, :3]).reshape(-1, 9)
 
     def made() -> dict[str, FloatArray]:
         arrays = *_of_bilinear(axes, turned), *_of_bilinear(axes, still)
@@ -373,9 +373,9 @@ def one_direction(torque: Torque, body: Body, axes: Axes, degree: int) -> list[M
     contents = torque.contents(body) if isinstance(torque, SolarRadiation) else (parameters,)
     table = _tables.kept(key, (axes.numbers, *contents), made)
 
-    def numbers(given: FloatArray) -> FloatArray:
-        square = np.sum(given[:, :3] ** 2, axis=1)
-        unit = given[:, :3] / np.sqrt(square)[:, None]
+    def numbers(samples: FloatArray) -> FloatArray:
+        square = np.sum(samples[:, :3] ** 2, axis=1)
+        unit = samples[:, :3] / np.sqrt(square)[:, None]
         return np.concatenate([unit, (1.0 / square)[:, None]], axis=1)
 
     strength = float(np.sqrt(np.sum(table["coefficients"] ** 2) / (4.0 * np.pi)))

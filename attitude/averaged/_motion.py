@@ -52,16 +52,24 @@ if TYPE_CHECKING:
 
 # Default largest degree of the harmonics of a torque of one direction.
 DEGREE = 32
-# Of `check`: turn of the body in the longest step of the full motion, rad; how often steps are
-# halved, and the share of the difference from the means below which their error is small.
-_COARSEST, _HALVINGS, _CLOSE, _ROUNDING = 0.15, 4, 0.1, 1e-10
+# Of `check`: turn of the body in the longest step of the full motion, rad.
+_COARSEST = 0.15
+# How often these steps are halved at most: light on facets needs that many.
+_HALVINGS = 4
+# Share of the difference from the means below which their error is small.
+_CLOSE = 0.1
+# Error that is rounding, however small the difference is.
+_ROUNDING = 1e-10
 # Seconds by which a path may begin behind the epoch of the spin, by rounding.
 _ROUNDED = 1e-9
 # Turn of the body in a step of the full motion through a resonance, rad.
 _FINE = 0.05
-# Of the branches of a tree at most, the share up to which resonances are split; the least odds of
-# one, over that of equally likely ones.
-_MOST_BRANCHES, _SPLIT_SHARE, _LEAST_ODDS = 256, 0.25, 0.256
+# Branches of a tree, at most.
+_MOST_BRANCHES = 256
+# Share of these up to which resonances are split: passages have to be split too.
+_SPLIT_SHARE = 0.25
+# Least odds of a branch, over those of equally likely ones: 0.001 in a tree of 256.
+_LEAST_ODDS = 0.256
 
 
 # ---- Branches

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from attitude._support.arrays import bisected
 from attitude._support.constants import DAY_S
 from attitude.averaged import _rates as layout
 from attitude.averaged import _tables
@@ -26,19 +27,32 @@ if TYPE_CHECKING:
 
 # Epochs of one turn of a path over which means are taken.
 ORBIT = 32
-# Epochs of one turn by which its weight is found to be even over the angle, and to which share.
-_PLANE, _EVEN = 256, 1e-6
-# Turns of a field under the weights that average over them, and epochs of one turn of the path.
-_FIELD_TURNS, _FIELD_ORBIT = 3, 16
-# Epochs of a turn about a planet, and least ratio of the year of the planet to it.
-_RIPPLE, _RIPPLES = 48, 20.0
-# Least count of samples of a turn of a path that is followed, and most; the share of the largest
-# number by which their splines may err.
-_FEWEST, _MOST, _CLOSE = 32, 2048, 1e-6
-# Intervals of a window of time, and of one whose numbers are all averaged over turns.
-_INTERVALS, _FEW_INTERVALS = 1024, 64
-# Turns after which a path that repeats itself is back to this share of its numbers.
-_TURNS, _REPEATS = (1, 3, 10, 31, 100, 316, 1000), 1e-9
+# Epochs of one turn by which its weight is found to be even over the angle.
+_PLANE = 256
+# Share of the weight up to which it is even.
+_EVEN = 1e-6
+# Turns of a field under the weights that average over them.
+_FIELD_TURNS = 3
+# Epochs of one turn of the path under these weights.
+_FIELD_ORBIT = 16
+# Epochs of a turn about a planet.
+_RIPPLE = 48
+# Least ratio of the year of the planet to that turn.
+_RIPPLES = 20.0
+# Samples of a turn of a path that is followed, at least.
+_FEWEST = 32
+# The same, at most.
+_MOST = 2048
+# Share of the largest number by which splines through samples may err.
+_CLOSE = 1e-6
+# Intervals of a window of time.
+_INTERVALS = 1024
+# Intervals of a window whose numbers are all averaged over turns: each takes many samples.
+_FEW_INTERVALS = 64
+# Turns after which a path is compared with its begin.
+_TURNS = (1, 3, 10, 31, 100, 316, 1000)
+# Share of its numbers to which a path that repeats itself is back.
+_REPEATS = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,12 +165,7 @@ def _closed(unit, begin, t, turned):
         ahead = unit(begin + 1.001 * p) - unit(begin + 0.999 * p)
         return float((other - target) @ ahead)
 
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        if behind(middle) < 0.0:
-            low = middle
-        else:
-            high = middle
+    low, high = bisected(lambda p: behind(p) < 0.0, low, high, 60)
     return 0.5 * (low + high)
 
 

@@ -339,7 +339,7 @@ class Nutations:
 
     Attributes
     ----------
-    p, rest : arrays of shape S
+    p, complement : arrays of shape S
         sin^2 theta and cos^2 theta.
     gamma : (S, 3) array
     squares : (S, 3) array
@@ -351,7 +351,7 @@ class Nutations:
     """
 
     p: FloatArray
-    rest: FloatArray
+    complement: FloatArray
     gamma: FloatArray
     squares: FloatArray
     along: FloatArray
@@ -372,18 +372,18 @@ def fill_means(axes, region, h, out):
         m, mc = math.exp(-h[j]), -math.expm1(-h[j])
         k, square = quarter_and_mean_square(m, mc)
         sine, cosine, gamma, side, pace = form(axes, region, h[j])
-        p, rest = sine * sine, cosine * cosine
+        p, complement = sine * sine, cosine * cosine
         row = out[j]
-        row[0], row[1] = p, rest
-        row[2], row[3], row[4] = rest, gamma, -p
+        row[0], row[1] = p, complement
+        row[2], row[3], row[4] = complement, gamma, -p
         middle = side * side * square
         row[6] = middle
         half = 0.5 * math.pi / k
         row[8], row[9], row[10] = 0.0, 0.0, 0.0
         if region < LAM_PLUS:
-            row[5], row[7] = p * (1.0 - square), rest * (1.0 - m * square)
+            row[5], row[7] = p * (1.0 - square), complement * (1.0 - m * square)
             row[10] = cosine * half * (1.0 if region == SAM_PLUS else -1.0)
         else:
-            row[5], row[7] = p * (1.0 - m * square), rest * (1.0 - square)
+            row[5], row[7] = p * (1.0 - m * square), complement * (1.0 - square)
             row[8] = sine * half * (1.0 if region == LAM_PLUS else -1.0)
         row[11] = 4.0 * k / pace

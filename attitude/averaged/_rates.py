@@ -187,7 +187,7 @@ def one_direction(data, work, table, s, degree, l0, l1, l2):
 
 
 @subroutine
-def several_directions(data, work, table, s, count, degree, l0, l1, l2, legendre):
+def several_directions(data, work, table, count, degree, l0, l1, l2, legendre):
     """The same for the sum over directions, whose recursions run side by side."""
     # rows of work from `legendre`, as slices: c; P and P' before; P and P'; the sums a, e, p, v
     cosine, before, slope_before = (
@@ -206,7 +206,7 @@ def several_directions(data, work, table, s, count, degree, l0, l1, l2, legendre
         work[legendre + 8 * count : legendre + 9 * count],
     )
     for q in range(count):
-        k = s + 4 * q
+        k = 4 * q
         c = work[k] * l0 + work[k + 1] * l1 + work[k + 2] * l2
         cosine[q], before[q], value[q] = c, 1.0, c
         slope_before[q], slope[q] = 0.0, 1.0
@@ -228,7 +228,7 @@ def several_directions(data, work, table, s, count, degree, l0, l1, l2, legendre
             across[q] += slope_after * t3
     o0 = o1 = o2 = g = total = 0.0
     for q in range(count):
-        k = s + 4 * q
+        k = 4 * q
         x, y, z, w = work[k], work[k + 1], work[k + 2], work[k + 3]
         p, v = radial[q], across[q]
         a = along[q] - p * cosine[q]
@@ -241,25 +241,21 @@ def several_directions(data, work, table, s, count, degree, l0, l1, l2, legendre
 
 
 @subroutine
-def of_tensor(work, table, s, l0, l1, l2):
-    """Torque over inertial axes and rate of y from a tensor T by rows, work[s:s + 9].
+def of_tensor(work, table, l0, l1, l2):
+    """Torque over inertial axes and rate of y from a tensor T by rows, work[:9].
 
     Table: along l per tr T, l.T l, l.vec T; the same for y; across l per T l, l x T l, T' l,
     l x T' l, where vec T = (T21 - T12, ...).
     """
-    x0 = work[s] * l0 + work[s + 1] * l1 + work[s + 2] * l2
-    x1 = work[s + 3] * l0 + work[s + 4] * l1 + work[s + 5] * l2
-    x2 = work[s + 6] * l0 + work[s + 7] * l1 + work[s + 8] * l2
-    z0 = work[s] * l0 + work[s + 3] * l1 + work[s + 6] * l2
-    z1 = work[s + 1] * l0 + work[s + 4] * l1 + work[s + 7] * l2
-    z2 = work[s + 2] * l0 + work[s + 5] * l1 + work[s + 8] * l2
-    trace = work[s] + work[s + 4] + work[s + 8]
+    x0 = work[0] * l0 + work[1] * l1 + work[2] * l2
+    x1 = work[3] * l0 + work[4] * l1 + work[5] * l2
+    x2 = work[6] * l0 + work[7] * l1 + work[8] * l2
+    z0 = work[0] * l0 + work[3] * l1 + work[6] * l2
+    z1 = work[1] * l0 + work[4] * l1 + work[7] * l2
+    z2 = work[2] * l0 + work[5] * l1 + work[8] * l2
+    trace = work[0] + work[4] + work[8]
     form_ = x0 * l0 + x1 * l1 + x2 * l2
-    turn = (
-        (work[s + 7] - work[s + 5]) * l0
-        + (work[s + 2] - work[s + 6]) * l1
-        + (work[s + 3] - work[s + 1]) * l2
-    )
+    turn = (work[7] - work[5]) * l0 + (work[2] - work[6]) * l1 + (work[3] - work[1]) * l2
     a = work[table] * trace + work[table + 1] * form_ + work[table + 2] * turn
     e = work[table + 3] * trace + work[table + 4] * form_ + work[table + 5] * turn
     f0, f1 = work[table + 6], work[table + 7]
@@ -268,7 +264,7 @@ def of_tensor(work, table, s, l0, l1, l2):
     u0, u1, u2 = f1 * x0 + f3 * z0, f1 * x1 + f3 * z1, f1 * x2 + f3 * z2
     size = 0.0
     for k in range(9):
-        size += work[s + k] * work[s + k]
+        size += work[k] * work[k]
     return (
         a * l0 + f0 * x0 + f2 * z0 + l1 * u2 - l2 * u1,
         a * l1 + f0 * x1 + f2 * z1 + l2 * u0 - l0 * u2,
@@ -313,7 +309,7 @@ def turned_to(x, l0, l1, l2):
 
 
 @subroutine
-def torque_at(t, q, x, size, data, given, model, models, at):
+def torque_at(t, q, x, size, data, sample, model, models, at):
     """A torque at one attitude: over inertial axes, and gamma . l N, from l (principal axes).
 
     q: principal axes to ICRF.  The returned energy rate is (w across L) . N / (L D).
@@ -333,7 +329,7 @@ def torque_at(t, q, x, size, data, given, model, models, at):
         put(at, 4 + k, data[row] * w[0] + data[row + 1] * w[1] + data[row + 2] * w[2])
         put(at, 8 + k, math.nan)
     function, parameters = models[model, FUNCTION], models[model, PARAMETERS]
-    call(function, t, at, at + 32, given, parameters, at + 64)
+    call(function, t, at, at + 32, sample, parameters, at + 64)
     n0, n1, n2 = number(at, 8), number(at, 9), number(at, 10)
     o0 = data[m] * n0 + data[m + 3] * n1 + data[m + 6] * n2
     o1 = data[m + 1] * n0 + data[m + 4] * n1 + data[m + 7] * n2
@@ -373,13 +369,13 @@ def over_precession(t, x, turn, size, l0, l1, l2, data, first, model, models, wo
     q0 = turned_to(x, l0, l1, l2)
     o0 = o1 = o2 = g = total = 0.0
     for k in range(epochs):
-        given = work.ctypes.data + 8 * (first + k * (sampled + 1) + 1)
+        sample = work.ctypes.data + 8 * (first + k * (sampled + 1) + 1)
         when = t + work[first + k * (sampled + 1)]
         for j in range(count):
             half = math.pi * (j + turn) / count
             s = math.sin(half)
             q = product((math.cos(half), s * l0, s * l1, s * l2), q0)
-            torque, rate, strength = torque_at(when, q, x, size, data, given, model, models, at)
+            torque, rate, strength = torque_at(when, q, x, size, data, sample, model, models, at)
             o0 += torque[0]
             o1 += torque[1]
             o2 += torque[2]
@@ -438,7 +434,7 @@ def rates(t, x, region, data, models, forcing, work, at, out):
             table = width
             interpolated(data, models[k, TABLE], columns, region, interval, d, count, work, table)
             if kind == TENSOR:
-                mean = of_tensor(work, table, 0, l0, l1, l2)
+                mean = of_tensor(work, table, l0, l1, l2)
             elif kind == FRICTION:
                 lost = at_size(work, table, columns, size, data, models[k, STRENGTH] + 1)
                 mean = (0.0, 0.0, 0.0, -lost, lost)
@@ -446,7 +442,7 @@ def rates(t, x, region, data, models, forcing, work, at, out):
                 mean = one_direction(data, work, table, 0, models[k, DEGREE], l0, l1, l2)
             else:
                 mean = several_directions(
-                    data, work, table, 0, nodes, models[k, DEGREE], l0, l1, l2, table + columns
+                    data, work, table, nodes, models[k, DEGREE], l0, l1, l2, table + columns
                 )
             factor = power(size, models[k, EXPONENT])
             strength = data[models[k, STRENGTH]]
@@ -497,7 +493,7 @@ def changes_on_arcs(t, x, data, models, forcing, arcs, seconds, work, out):
                 for j in range(columns):
                     work[width + j] = data[base + j]
                 if kind == TENSOR:
-                    g = of_tensor(work, width, 0, l0, l1, l2)[3]
+                    g = of_tensor(work, width, l0, l1, l2)[3]
                 elif kind == FRICTION:
                     g = -at_size(work, width, columns, size, data, models[k, STRENGTH] + 1)
                 else:
@@ -527,12 +523,12 @@ def stage(x, k, h, weights, count, out):
 @subroutine
 def at_share(row, share, out):
     """Fill the state (4,) at a share of a step."""
-    rest = 1.0 - share
+    remaining = 1.0 - share
     for j in range(4):
         k = ROW_TERMS + j
-        a = row[k + 12] + rest * row[k + 16]
+        a = row[k + 12] + remaining * row[k + 16]
         a = row[k + 8] + share * a
-        a = row[k + 4] + rest * a
+        a = row[k + 4] + remaining * a
         out[j] = row[k] + share * a
 
 
@@ -737,7 +733,7 @@ def advance(clock, x, region, until, tolerance, limits, data, models, forcing, w
 
 
 @entry_point
-def torques_at(address, parameters, t, wxyz, omega, given, out):
+def torques_at(address, parameters, t, wxyz, omega, samples, out):
     """Fill a torque (N, 3) at times (N,), attitudes (N, 4), rates (N, 3), samples (N, C)."""
     at = scratch()
     for n in range(len(out)):
@@ -746,8 +742,8 @@ def torques_at(address, parameters, t, wxyz, omega, given, out):
         for k in range(3):
             put(at, 4 + k, omega[n, k])
             put(at, 8 + k, math.nan)
-        samples = given.ctypes.data + 8 * n * given.shape[1]
-        call(address, t[n], at, at + 32, samples, parameters, at + 64)
+        row = samples.ctypes.data + 8 * n * samples.shape[1]
+        call(address, t[n], at, at + 32, row, parameters, at + 64)
         for k in range(3):
             out[n, k] = number(at, 8 + k)
     return 0

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from attitude._solver import regime as solver_regime
+from attitude._support.arrays import bisected
 from attitude.averaged import _mean_state
 from attitude.averaged import _rates as layout
 from attitude.averaged._history import AveragedHistory
@@ -29,7 +30,7 @@ from attitude.torques._torque import ConstantTorque, InternalDissipation, Linear
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from attitude._support.annotations import FloatArray, IntArray
+    from attitude._support.annotations import BoolArray, FloatArray, IntArray
     from attitude.averaged._mean_torques import Crossing, MeanTorques, Packing
     from attitude.averaged._tracks import Choice
     from attitude.motions._spin import Spin
@@ -39,22 +40,34 @@ if TYPE_CHECKING:
 
 # Largest j and k of the resonances that are listed.
 HIGHEST: int = 8
-# Places of a step at which y is compared with those of resonances; crossings that are evaluated.
-_WITHIN, _MOST = 4, 2000
-# Nearest and farthest distance from the separatrix, in y, of the search for resonances.
-_NEAR, _FAR, _GRID = 1e-4, 60.0, 2000
+# Places of a step at which y is compared with those of resonances.
+_WITHIN = 4
+# Crossings that are evaluated, at most.
+_MOST = 2000
+# Nearest distance from the separatrix, in y, of the search for resonances.
+_NEAR = 1e-4
+# Farthest distance from it.
+_FAR = 60.0
+# Distances between both at which the search looks.
+_GRID = 2000
 # Scatter of y that is rounding: the torque has no term there.
 _NOTHING = 1e-10
 # Share of the square of a kick that is left out.
 _SMALL_KICK = 1e-3
 # The mean of a cosine over a quarter of its turn.
 _QUARTER = math.sin(0.25 * math.pi) / (0.25 * math.pi)
-# Nodes of each phase; those and the share of L for derivatives of a loop: kinks make noise.
-_COARSE_NODES, _FINE_NODES, _STEP = 64, 256, 0.02
+# Nodes of each phase.
+_COARSE_NODES = 64
+# Nodes for derivatives of a loop: kinks make noise.
+_FINE_NODES = 256
+# Step of these derivatives, as a share of L or of a turn of the path.
+_STEP = 0.02
 # Epochs of the turn of a path over which resonant terms are averaged.
 _ORBIT = 16
-# Largest j and k, and largest n, of resonances with the turn of a path that are listed.
-_LOW, _SIDES = 3, 4
+# Largest j and k of resonances with the turn of a path that are listed.
+_LOW = 3
+# Largest n of these.
+_SIDES = 4
 # Torques that are the same at all phases of the precession.
 _WITHOUT_PHASE = ConstantTorque, InternalDissipation, LinearDamping
 # Nodes of the table of frequencies in which they are sought.
@@ -91,11 +104,12 @@ def places(axes: Axes) -> list[tuple[int, int, bool, float]]:
     below, above = np.array(low), np.array(high)
     one, two = frequencies(axes, below)
     begin = j * one - k * two
-    for _ in range(52):
-        middle = 0.5 * (below + above)
-        one, two = frequencies(axes, middle)
-        same = (j * one - k * two) * begin > 0.0
-        below, above = np.where(same, middle, below), np.where(same, above, middle)
+
+    def is_below(y: FloatArray) -> BoolArray:
+        one, two = frequencies(axes, y)
+        return (j * one - k * two) * begin > 0.0
+
+    below, above = bisected(is_below, below, above, 52)
     middles = 0.5 * (below + above)
     return [(*order, float(y)) for order, y in zip(orders, middles, strict=True)]
 
@@ -304,11 +318,12 @@ def _times(track: Track, until: float) -> list[tuple[float, int, int, float]]:
 
 def _bisected(row: FloatArray, low: float, high: float, place: float, sign: float) -> float:
     only = np.zeros(1, dtype=np.int64)
-    begin = float(_states(row, np.array([low]), sign, only)[0, 3]) - place
-    for _ in range(50):
-        middle = 0.5 * (low + high)
-        gap = float(_states(row, np.array([middle]), sign, only)[0, 3]) - place
-        low, high = (middle, high) if gap * begin > 0.0 else (low, middle)
+
+    def gap(time: float) -> float:
+        return float(_states(row, np.array([time]), sign, only)[0, 3]) - place
+
+    begin = gap(low)
+    low, high = bisected(lambda time: gap(time) * begin > 0.0, low, high, 50)
     return 0.5 * (low + high)
 
 
@@ -499,7 +514,12 @@ def _resonant(
             if fourier is None:
                 continue
             path_rate = 2.0 * np.pi * n / period
-            some = wave * (_on_line(*fourier) if n == 0 else _beside(*fourier, k, path_rate))
+            terms, frequency, nutation = fourier
+            some = wave * (
+                _on_line(terms, frequency, nutation)
+                if n == 0
+                else _beside(terms, frequency, k, path_rate)
+            )
             longer = np.zeros((max(len(some), len(total)), 4), dtype=complex)
             longer[: len(total)] += total
             longer[: len(some)] += some / len(times)
@@ -508,7 +528,7 @@ def _resonant(
 
 
 def _beside(
-    terms: NDArray[np.complex128], frequency: FloatArray, nutation: float, k: int, path_rate: float
+    terms: NDArray[np.complex128], frequency: FloatArray, k: int, path_rate: float
 ) -> NDArray[np.complex128]:
     """The term (1, 4) of order k in the precession whose frequency is that of the path."""
     row = int(np.argmin(np.abs(frequency[:, k] + path_rate)))

@@ -48,8 +48,8 @@ _GROWTH = 5.0
 def drift(packing: Packing, seconds: float, x: FloatArray, region: int) -> FloatArray:
     """What second order adds to dL/dt and dy/dt (4,) of a mean state; 0 where it does not hold."""
     size, unit = float(np.sqrt(x[:3] @ x[:3])), x[:3] / np.sqrt(x[:3] @ x[:3])
-    near = min(1.0, abs(float(x[3]) - packing.axes.separatrix))
-    middle, above, below = (_torus_of(packing, x, region, k * _STEP * near) for k in (0, 1, -1))
+    reach = min(1.0, abs(float(x[3]) - packing.axes.separatrix))
+    middle, above, below = (_torus_of(packing, x, region, k * _STEP * reach) for k in (0, 1, -1))
     if middle is None or above is None or below is None:
         return np.zeros(4)
     torques, across = packing.torques, two_across(unit)
@@ -58,12 +58,12 @@ def drift(packing: Packing, seconds: float, x: FloatArray, region: int) -> Float
     # of ln |L|, of turns of L about two axes across it, and of y
     pairs = [(middle.scaled(1.0 + _STEP), middle.scaled(1.0 - _STEP), _STEP)]
     pairs += [(middle.turned(axis, _STEP), middle.turned(axis, -_STEP), _STEP) for axis in across]
-    pairs.append((above, below, _STEP * near))
-    inverse = np.linalg.inv(_derivatives(packing, middle, above, below, unit, _STEP * near))
+    pairs.append((above, below, _STEP * reach))
+    inverse = np.linalg.inv(_derivatives(packing, middle, above, below, unit, _STEP * reach))
     changes = np.einsum("nij,nj->ni", inverse, kicks)
     terms, beats = middle.series(rates), _beats(middle)
     waves = terms * beats
-    if np.sqrt(np.sum(np.abs(waves[..., 3]) ** 2)) > _LARGEST * near:
+    if np.sqrt(np.sum(np.abs(waves[..., 3]) ** 2)) > _LARGEST * reach:
         return np.zeros(4)
     # u over ln |L|, both turns and y
     turns = np.cross(unit, waves[..., :3]) / size

@@ -121,12 +121,12 @@ def harmonics(field: Callable[[FloatArray], FloatArray], degree: int) -> FloatAr
     functions = np.zeros((count, degree + 2, degree + 2))
     fill_legendre(degree, z, _steps(degree), functions)
     functions = functions[:, : degree + 1, : degree + 1] * sines[:, None, None] ** orders
-    found = np.empty((3, 2, degree + 1, degree + 1))
+    coefficients = np.empty((3, 2, degree + 1, degree + 1))
     for k, wave in enumerate((np.cos(phases), np.sin(phases))):
         parts = np.einsum("mp,zpi->zmi", wave, torques, optimize=True)
         parts *= weights[:, None, None] * (math.pi / count)
-        found[:, k] = np.einsum("zlm,zmi->ilm", functions, parts, optimize=True)
-    return found
+        coefficients[:, k] = np.einsum("zlm,zmi->ilm", functions, parts, optimize=True)
+    return coefficients
 
 
 @subroutine
@@ -183,7 +183,7 @@ def fill_sums(degree, axes, region, h, coefficients, steps, out):
     for i in range(len(h)):
         constants = theta_constants(h[i])
         shape = form(axes, region, h[i])
-        p, rest = shape[0] * shape[0], shape[1] * shape[1]
+        p, complement = shape[0] * shape[0], shape[1] * shape[1]
         # as many nodes as 1e-6 takes near the separatrix, and powers of sin theta far from it
         k = constants[0]
         ratio = k * constants[2] / (0.5 * math.pi) if not constants[1] else 0.5
@@ -192,9 +192,9 @@ def fill_sums(degree, axes, region, h, coefficients, steps, out):
         for j in range(count):
             x = direction(region, shape, jacobi(4.0 * k * (j + 0.5) / count, constants))
             rate = (
-                rest * x[0] / (p * rest),
-                shape[2] * x[1] / (p * rest),
-                -p * x[2] / (p * rest),
+                complement * x[0] / (p * complement),
+                shape[2] * x[1] / (p * complement),
+                -p * x[2] / (p * complement),
             )
             sums_at(degree, x, rate, coefficients, steps, values, waves, 1.0 / count, out[i])
 

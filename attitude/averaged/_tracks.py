@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from attitude._compilation.callbacks import raising_callback_errors
+from attitude._support.arrays import bisected
 from attitude.averaged import _rates as layout
 from attitude.averaged import _second_order
 from attitude.averaged._mean_torques import SLOWEST, Crossing, Packing, delay, slowest_turns
@@ -29,9 +30,11 @@ if TYPE_CHECKING:
 WEAK = 0.05
 # Rows of the trajectory that one call fills.
 _ROWS = 512
-# Turns of the first stretch of a trajectory, and the ratio of the ends of two stretches: steps end
-# there and at the ends of windows, never at an epoch of a caller.
-_FIRST, _RATIO = 1e4, 1.25
+# Turns of the first stretch of a trajectory: steps end at the ends of stretches and of windows,
+# never at an epoch of a caller.
+_FIRST = 1e4
+# Ratio of the ends of two stretches.
+_RATIO = 1.25
 # Tolerance of the path along which the drift of second order is found.
 _COARSE = 1e-6
 # Share of the torque of light or flow that harmonics beyond a degree have, times its square: at
@@ -299,9 +302,7 @@ class Track:
             return False
         row = rows[ends[0]]
         low, high = row[layout.ROW_START], row[layout.ROW_END]
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            low, high = (low, middle) if slow(np.array([middle]))[0] else (middle, high)
+        low, _ = bisected(lambda time: not slow(np.array([time]))[0], low, high, 60)
         self.blocks[-1] = rows[: ends[0] + 1].copy()
         self.blocks[-1][-1, layout.ROW_END] = low
         self.clock[0] = low

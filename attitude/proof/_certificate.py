@@ -22,8 +22,10 @@ if TYPE_CHECKING:
 # A solution at the present precision, which may raise Undecided.
 Build = Callable[[], Solution]
 
-# Bits at first, and the most; the precision is doubled where it does not suffice.
-_FIRST, _MOST = 128, 1 << 16
+# Bits at first; the precision is doubled where it does not suffice.
+_FIRST = 128
+# Bits at most.
+_MOST = 1 << 16
 # Largest radius of an error, rad (of an angular velocity, relative to its magnitude).
 _RADIUS = 1e-18
 

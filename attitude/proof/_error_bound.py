@@ -31,10 +31,13 @@ LOOPS: dict[int, float] = {
 TURNS: float = 1e15
 # The theorem holds for coefficients of the series within this of those of some body.
 SLACK: float = 4e-15
-# Largest rotation angle, rad, of the internal pair per rad of v (trigonometric form) and per unit
-# of y (hyperbolic form; 2 on the exact separatrix), and its largest turn on S3 through Q'/E and
-# Q' E per unit of the nome Q': proved over all bodies by tests/proof/test_theorem.py.
-PER_RADIAN, PER_Y, PER_NOME = 2.41, 2.65, 1.07
+# The next three are proved over all bodies by tests/proof/test_theorem.py.
+# Largest rotation angle, rad, of the internal pair per rad of v (trigonometric form).
+PER_RADIAN = 2.41
+# The same per unit of y (hyperbolic form); 2 on the exact separatrix.
+PER_Y = 2.65
+# Largest turn of the internal pair on S3 through Q'/E and Q' E per unit of the nome Q'.
+PER_NOME = 1.07
 _TWO_PI = 2.0 * math.pi
 _BITS = 256
 _ASSUMED = (*ASSUMED, "fused multiply-adds round once, and the compiler keeps what is written")
