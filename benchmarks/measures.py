@@ -19,7 +19,7 @@ rest (LATER):
 * bases for one class: classes that have one subclass in the package, in another file, and whose
   name no `__init__.py` down to the second level holds.
 * assignments of several names: statements with a tuple of two or more targets on the left.
-* vague names: places that assign one of VAGUE, and parameters of such a name.
+* vague names: places that assign one of VAGUE, and parameters of such a name, of all files.
 * long calls: functions with more than eight positional parameters, without the compiled ones.
 * kinds of code: each line of code is counted once, in the first that fits of imports; signatures,
   with decorators; raised errors; constants of modules; fields of classes; bodies of compiled
@@ -110,12 +110,12 @@ class Measures:
     folders: dict
 
 
-def modules_of(root):
-    """{dotted name: Module} of the package in a checkout."""
+def modules_of(root, left_out=LATER):
+    """{dotted name: Module} of the package in a checkout, without some files and folders."""
     package = root / PACKAGE
     modules = {}
     for path in sorted(package.rglob("*.py")):
-        if path.relative_to(package).parts[0] in LATER:
+        if path.relative_to(package).parts[0] in left_out:
             continue
         parts = path.relative_to(root).with_suffix("").parts
         name = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
@@ -360,6 +360,7 @@ def measure(root):
     across = [c for c in circles if len({modules[name].folder for name in c}) > 1]
     sizes = _by_folder(modules)
     files, lines, code, tokens = (sum(row[k] for row in sizes.values()) for k in range(4))
+    every = modules_of(root, left_out=())
     return Measures(
         files=files,
         lines=lines,
@@ -372,7 +373,7 @@ def measure(root):
         between=across + circles_of(folders),
         bases=bases_for_one_class(root, modules),
         several_names=sum(map(several_names, modules.values())),
-        vague={name: places for name, m in modules.items() if (places := vague_names(m))},
+        vague={name: places for name, m in every.items() if (places := vague_names(m))},
         long_calls=[(name, *call) for name, m in modules.items() for call in long_calls(m)],
         folders=sizes,
     )

@@ -63,7 +63,7 @@ FILES = {
         from ..body import body
         from attitude.body.body import Body
     """,
-    "proof/__init__.py": "X = 1\n",
+    "proof/__init__.py": "part = 1\n",
 }
 
 
@@ -125,6 +125,7 @@ def test_bases_vague_names_and_long_calls(counted):
         "found",
         "given",
     ]
+    assert counted.vague["attitude.proof"] == [("part", 1)]
     assert counted.long_calls == [("attitude.numbers", "total", 4, 9)]
 
 
