@@ -14,9 +14,9 @@
 Nothing of a truth is in the input; the search goes up to 3.2 turns in a mean rotation.  Processor
 seconds of one core; the first call, which compiles, is not counted.  Rotators about one axis whose
 magnitude varies by less than its errors, which no light curve decides, are not drawn: their seeds
-are printed (`inversion_cases.is_decidable`, of the truth alone).
+are printed (`synthetic_curves.is_decidable`, of the truth alone).
 
-Bodies from "nonconvex" on are those of `inversion_meshes`: random ones, or, where the environment
+Bodies from "nonconvex" on are those of `mesh_curves`: random ones, or, where the environment
 variable MESHES names a folder, its OBJ files.
 """
 
@@ -24,10 +24,9 @@ from __future__ import annotations
 
 import itertools
 import math
-import os
 import sys
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -35,29 +34,34 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from astropy import units
-from astropy.time import Time
-
 from attitude import catalog, inversion
-from attitude.frames import matrix_to_icrf
 from attitude.inversion import (
     _apparitions,
     _ellipsoid,
     _lattices,
-    _pole_map,
     _problem,
     _refinement,
     _shapes,
     _verdicts,
 )
-from attitude.inversion._ellipsoid import SearchState
 from attitude.inversion._problem import CurveProblem
 from attitude.inversion._settings import DEFAULT
 from attitude.inversion._spin_states import is_constant
 from attitude.photometry import _spectrum
-from benchmarks import inversion_cases, inversion_meshes
 from benchmarks.doc_tables import Table, markdown
 from examples import toutatis_photometry
+from tests.support import synthetic_curves
+from tests.support.inversion_families import (
+    KINDS,
+    cases_of,
+    curve_of,
+    errors_of,
+    judged,
+    mirror_angle,
+    share_of_sky,
+    sides,
+)
+from tests.support.synthetic_curves import Case
 
 # Difference of evidence within which a solution counts as listed; work of a search, s, its default.
 LISTED, BUDGET = 20.0, 60.0
@@ -88,210 +92,6 @@ def tables(quick: bool):
     yield Table("inversion", markdown(("what", "measured"), rows), costs=costs)
 
 
-# Mode, mean period of rotation (d), span (d), nights, hours a night, points an hour, noise (mag).
-_NAMES = ("mode", "P", "span", "nights", "hours", "per_hour", "noise")
-STYLES = [
-    dict(zip(_NAMES, row, strict=True))
-    for row in (
-        ("SAM", 1.1, 90, 40, (3, 7), 2, 0.02),
-        ("LAM", 2.2, 120, 45, (3, 7), 2, 0.02),
-        ("LAM", 0.35, 30, 16, (3, 7), 5, 0.03),
-        ("SAM", 0.25, 25, 14, (3, 7), 6, 0.02),
-        ("SAM", 0.8, 60, 25, (2, 6), 3, 0.05),
-        ("LAM", 3.5, 160, 60, (1, 4), 2, 0.05),
-        ("LAM", 0.08, 5, 4, (4, 8), 15, 0.03),
-        ("SAM", 0.5, 60, 30, (2, 6), 3, 0.03),
-        ("LAM", 0.6, 60, 30, (2, 6), 3, 0.03),
-        ("SAM", 1.3, 136, 38, (2, 6), 3, 0.03),
-        ("SAM", 0.12, 6, 5, (4, 8), 12, 0.02),
-        ("LAM", 1.0, 80, 35, (3, 6), 3, 0.03),
-    )
-]
-NIGHTS = [
-    {**style, "noise": 0.05, "zero": 0.3, "one_site": True, "per_hour": 2 * style["per_hour"]}
-    for style in STYLES
-]
-AXIAL = [
-    {**style, "mode": "PA", "P": P}
-    for style, P in zip(
-        STYLES, (0.2, 0.5, 0.3, 0.11, 0.4, 1.3, 0.09, 0.25, 0.6, 0.35, 0.12, 0.8), strict=True
-    )
-]
-# Turns of days, seen in an hour to four of a night, whose offsets are not given.
-SLOW = [
-    dict(zip(_NAMES, (*row, (1, 4), 2, noise), strict=True))
-    for row, noise in zip(
-        (
-            ("LAM", 3.5, 160, 60),
-            ("SAM", 2.5, 150, 60),
-            ("LAM", 5.0, 200, 70),
-            ("SAM", 4.0, 180, 65),
-            ("LAM", 2.5, 120, 50),
-            ("SAM", 3.0, 160, 60),
-        ),
-        (0.05, 0.05, 0.03, 0.03, 0.05, 0.05),
-        strict=True,
-    )
-]
-
-
-def _varied(styles: list[dict], kinds: tuple[str, ...], **more: object) -> list[dict]:
-    """Styles with kinds of bodies in turn, and other keywords of `inversion_meshes.case`."""
-    bodies = itertools.cycle(kinds)
-    return [{**style, "kind": next(bodies), **more} for style in styles]
-
-
-LUMPY, CONCAVE = ("lumpy",), ("bilobed", "bent", "lumpy", "bent", "bilobed")
-# Binaries: periods (d) of the primary, spans (d), nights.
-BINARIES = [
-    dict(zip(_NAMES, ("PA", P, span, nights, (4, 8), 8, 0.015), strict=True))
-    for P, span, nights in ((0.1, 20, 12), (0.13, 25, 14), (0.2, 30, 16), (0.11, 15, 10))
-]
-
-
-class Kind(NamedTuple):
-    """What cases are drawn: styles, zero points, and whether undecidable ones are left out.
-
-    `meshes`: by `inversion_meshes`, with files where there are any.
-    """
-
-    styles: list[dict]
-    zero_points: str
-    decidable: bool = False
-    meshes: bool = False
-
-    def case(self, seed: int, number: int) -> inversion_cases.Case:
-        """The case of a seed, of the style of a number."""
-        style = self.styles[number % len(self.styles)]
-        if not self.meshes:
-            return inversion_cases.case(seed, style)
-        folder = os.environ.get("MESHES")
-        files = sorted(Path(folder).glob("*.obj")) if folder and style["kind"] != "lumpy" else None
-        return inversion_meshes.case(seed, style, files)
-
-
-KINDS = {
-    "tumblers": Kind(STYLES, "shared"),
-    "nights": Kind(NIGHTS, "free"),
-    "axial": Kind(AXIAL, "shared", decidable=True),
-    "sessions": Kind(STYLES, "auto"),
-    "slow-tumblers": Kind(SLOW, "auto", decidable=True),
-    "nonconvex": Kind(_varied(STYLES, CONCAVE, zero=(0.02, 0.1)), "auto", meshes=True),
-    "albedo": Kind(_varied(STYLES, LUMPY, spots=0.25), "shared", meshes=True),
-    "inertia": Kind(_varied(STYLES, LUMPY, inertia=True), "shared", meshes=True),
-    "wobble": Kind(_varied(STYLES, LUMPY, tilt=(1.5, 15.0)), "shared", meshes=True),
-    "survey": Kind(
-        _varied([x for x in STYLES if x["span"] >= 25], LUMPY, survey=(100, 200)), "shared",
-        meshes=True,
-    ),
-    "outliers": Kind(
-        _varied(STYLES, LUMPY, outliers=0.03, halved=True, clock=0.002), "shared", meshes=True
-    ),
-    "exposures": Kind(
-        [
-            {**style, "exposure": 0.2 * style["P"]}
-            for style in _varied([x for x in STYLES if x["P"] < 0.7], LUMPY)
-        ],
-        "shared", meshes=True,
-    ),
-    "moons": Kind(_varied(BINARIES, LUMPY, moon=True, most=3.0), "shared", meshes=True),
-    "rotators": Kind(
-        _varied(AXIAL, CONCAVE, zero=(0.02, 0.05)), "auto", decidable=True, meshes=True
-    ),
-}  # fmt: skip
-
-
-def curve_of(case: inversion_cases.Case, zero_points: str) -> inversion.LightCurve:
-    """The light curve of a case."""
-    return inversion.LightCurve(
-        Time(case.jd, format="jd", scale="tdb"),
-        case.magnitude,
-        case.sigma,
-        sun=case.sun * units.au,
-        observer=case.observer * units.au,
-        session=case.session,
-        filter=case.filter,
-        exposure=case.exposure * units.day,
-        zero_points=zero_points,
-        frame="ecliptic",
-    )
-
-
-def judged(found: inversion.Solution, case: inversion_cases.Case) -> tuple[bool, float]:
-    """Whether mode and periods are right, and the angle to the true pole, deg.
-
-    Where all lines of a tumbling body are those of the rotation found, it counts as this one.
-    """
-    span = np.ptp(case.jd)
-    near = abs(86400.0 / found.P_phi - 1.0 / case.P_phi) * span < 0.35
-    if case.mode != "PA":
-        near &= abs(86400.0 / found.P_psi - 1.0 / case.P_psi) * span < 0.35
-    pole = matrix_to_icrf("ecliptic").T @ SearchState.of(found.state).pole
-    angle = math.degrees(math.acos(max(-1.0, min(1.0, float(pole @ case.pole)))))
-    return bool(near and found.mode == case.mode) or is_comb(found, case), angle
-
-
-def is_comb(found: inversion.Solution, case: inversion_cases.Case) -> bool:
-    """Whether both rates of a tumbling body are multiples of half the rotation that was found.
-
-    Within a turn of the span, and 0.35 turns between the two; up to six, phi an even one.
-    """
-    if found.mode != "PA" or case.mode == "PA":
-        return False
-    half, rates = 43200.0 / found.P_phi, np.array([1.0 / case.P_phi, 1.0 / case.P_psi])
-    multiples = np.rint(rates / half)
-    if multiples[0] % 2 or multiples.min() < 1 or multiples.max() > 6:
-        return False
-    span = np.ptp(case.jd)
-    apart = abs(rates[0] * multiples[1] - rates[1] * multiples[0])
-    apart /= math.gcd(*multiples.astype(int))
-    return bool(apart * span < 0.35 and np.abs(rates - multiples * half).max() * span < 1.0)
-
-
-def _sides(found: inversion.Solution) -> tuple[np.ndarray, np.ndarray]:
-    """The pole, and its mirror image in the plane of the scene, ecliptic axes."""
-    here, normal = SearchState.of(found.state).pole, _pole_map.plane_of(found.weighted.problem)
-    turn = matrix_to_icrf("ecliptic").T
-    return turn @ here, turn @ _pole_map.mirrored(here, normal)
-
-
-def _mirrored(found: inversion.Solution, case: inversion_cases.Case) -> float:
-    """The angle of the mirror pole in the plane of the scene to the true pole, deg."""
-    return math.degrees(math.acos(max(-1.0, min(1.0, float(_sides(found)[1] @ case.pole)))))
-
-
-def errors_of(found: inversion.Solution, case: inversion_cases.Case) -> np.ndarray:
-    """Errors of two periods, the pole and two ratios of moments, in standard errors."""
-    sigma = found.periods_sigma
-    out = [(found.P_phi / 86400.0 - case.P_phi) / (sigma[1] / 86400.0)]
-    pole = judged(found, case)[1]
-    out.append(math.radians(pole) / found.pole_sigma / math.sqrt(1.5))
-    if case.mode != "PA":
-        out.append((found.P_psi / 86400.0 - case.P_psi) / (sigma[0] / 86400.0))
-        moments, cov = found.motion.body.moments, found.covariance[6:, 6:]
-        order = np.argsort(moments)
-        scaled = moments[order] / moments[order[2]]
-        wide = np.sqrt(np.maximum(np.diag(cov)[order], 0.0)) / moments[order[2]]
-        out += [(scaled[k] - case.moments[k]) / max(wide[k], 1e-9) for k in (0, 1)]
-    return np.array(out)
-
-
-def made(kind: Kind, count: int, seed: int) -> Iterator[inversion_cases.Case]:
-    """Cases of successive seeds, styles in turn; seeds that are left out are printed."""
-    for k in range(count):
-        case = kind.case(seed, k)
-        while kind.decidable and not inversion_cases.is_decidable(case):
-            print(
-                f"left out: seed {seed}, {inversion_cases.variation(case):.3f} mag of variation in "
-                f"errors of {math.sqrt(float(np.mean(case.sigma**2))):.3f}",
-                flush=True,
-            )
-            seed += 1
-            case = kind.case(seed, k)
-        yield case
-        seed += 1
-
-
 class Judgement(NamedTuple):
     """How a search came out: ranks, angles of poles (deg), processor seconds, and errors.
 
@@ -310,14 +110,7 @@ class Judgement(NamedTuple):
     orbit: float = 0.0
 
 
-def share_of_sky(poles: Iterable[np.ndarray]) -> float:
-    """The share of the sky within 15 degrees of any of these directions (3,)."""
-    sky = _shapes.even_directions(4000)
-    near = [sky @ each > math.cos(math.radians(15.0)) for each in poles]
-    return float(np.mean(np.any(near, axis=0))) if near else 0.0
-
-
-def solved(case: inversion_cases.Case, zero_points: str, budget: float) -> Judgement:
+def solved(case: Case, zero_points: str, budget: float) -> Judgement:
     """The search of one case, printed."""
     curve = curve_of(case, zero_points)
     begin = time.process_time()
@@ -330,8 +123,8 @@ def solved(case: inversion_cases.Case, zero_points: str, budget: float) -> Judge
         for each, (near, angle) in zip(found, judgements, strict=True)
         if near and each.evidence - found[0].evidence < LISTED
     ]
-    listed = [min(angle, _mirrored(each, case)) for each, angle in rows]
-    poles = [side for each, _ in rows for side in _sides(each)]
+    listed = [min(angle, mirror_angle(each, case)) for each, angle in rows]
+    poles = [side for each, _ in rows for side in sides(each)]
     rank = right[0] if right else None
     pole, own = min(listed, default=180.0), judgements[0][1] if judgements else 180.0
     has_mode = rank == 0 and found[0].mode == case.mode
@@ -352,7 +145,7 @@ def solved(case: inversion_cases.Case, zero_points: str, budget: float) -> Judge
     return Judgement(rank, pole, own, found.verdict, spent, errors, len(listed), share, orbit)
 
 
-def run(cases: Iterable[inversion_cases.Case], zero_points: str, first: int = 0) -> str:
+def run(cases: Iterable[Case], zero_points: str, first: int = 0) -> str:
     """Solve cases and print each with its number from `first`; the sums, printed too."""
     rows = []
     for k, case in enumerate(cases, first):
@@ -394,13 +187,13 @@ def called_constant(count: int, seed: int) -> tuple[list[int], int]:
     prior explain the curve, both explanations are compared after the search and both are given.
     """
     kind, found, explained = KINDS["slow-tumblers"], [], 0
-    for k, case in enumerate(made(kind, count, seed)):
+    for k, case in enumerate(cases_of(kind, count, seed)):
         curve = curve_of(case, kind.zero_points)
         given = case.most / 86400.0, DEFAULT.ellipsoid_error
         one, own = (_problem.problem(curve, *given, each)[0] for each in ("shared", "auto"))
         explained += is_constant(own)
         if is_constant(one):
-            varies = inversion_cases.variation(case)
+            varies = synthetic_curves.variation(case)
             print(f"{k}: {case.mode} P_phi {case.P_phi:.3f} d, {varies:.3f} mag")
             found.append(k)
     print(
@@ -518,7 +311,7 @@ def main(arguments: list[str]) -> None:
         return
     kind, count, seed = KINDS[what], int(arguments[1]), int(arguments[2])
     first = int(arguments[3]) if len(arguments) > 3 else 0
-    run(itertools.islice(made(kind, count, seed), first, None), kind.zero_points, first)
+    run(itertools.islice(cases_of(kind, count, seed), first, None), kind.zero_points, first)
 
 
 if __name__ == "__main__":

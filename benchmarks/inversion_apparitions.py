@@ -10,12 +10,12 @@
     python benchmarks/inversion_apparitions.py drift 6 SEED          the same under a torque
 
 `rotators`: relative nights and calibrated sparse points of another forward model
-(`inversion_cases`), blind from 2 to 24 h, budget 60 s.  `without`: no window of the true rate, half
-of it or twice is searched, so that each claim is wrong.  `damit`: a file of relative light curves
-in DAMIT's format, blind from 2 to 24 h and between P -+ 0.01 %, against the published period (h)
-and pole (ecliptic, deg); with FOLDER, in which `convexinv` is built, the same curves by that
+(`synthetic_curves`), blind from 2 to 24 h, budget 60 s.  `without`: no window of the true rate,
+half of it or twice is searched, so that each claim is wrong.  `damit`: a file of relative light
+curves in DAMIT's format, blind from 2 to 24 h and between P -+ 0.01 %, against the published period
+(h) and pole (ecliptic, deg); with FOLDER, in which `convexinv` is built, the same curves by that
 program from the published values.  `to-percent`: that file with its period to 1 %.  `each`: every
-apparition of the file alone.  `two`: tumbling bodies of `inversion_cases` on the orbit of (99942)
+apparition of the file alone.  `two`: tumbling bodies of `synthetic_curves` on the orbit of (99942)
 Apophis, seen on 40 nights from 23 December 2012 to 15 April 2013 and on 60 from 15 November 2020 to
 10 May 2021, three points an hour, errors of 0.03 mag; `drift`: under a torque fixed in the body
 that changes its rates by 2 to 6 turns per span^2.
@@ -37,106 +37,18 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from astropy import units
-from astropy.time import Time
-
 from attitude import inversion
-from attitude.frames import matrix_to_icrf
-from attitude.inversion import _apparitions, _neighbours, _pole_map, _problem
-from attitude.inversion._ellipsoid import SearchState
-from benchmarks import inversion as inversion_benchmark
-from benchmarks import inversion_cases
+from attitude.inversion import _apparitions, _neighbours, _problem
+from tests.support import inversion_families, synthetic_curves
+from tests.support.apparition_curves import judged, rotator
 
 BUDGET = 900.0
 _HOURS = 3600.0
 
 
-def rotator(seed: int) -> tuple[inversion.LightCurve, float, np.ndarray]:
-    """A light curve of 25 years, the period (h) and the pole (ecliptic axes)."""
-    rng = np.random.default_rng(seed)
-    _, normals, areas = inversion_cases.hull(rng)
-    period = math.exp(rng.uniform(math.log(2.6), math.log(20.0)))
-    pole = rng.normal(size=3)
-    pole /= np.linalg.norm(pole)
-    a = rng.uniform(2.1, 2.8)
-    body = (a, rng.uniform(0.05, 0.2), math.radians(rng.uniform(2, 15)))
-    body += (*rng.uniform(0.0, 2.0 * math.pi, 3), inversion_cases.GAUSS / a**1.5)
-    earth = (1.0, 0.0167, 0.0, 0.0, 1.8, rng.uniform(0.0, 2.0 * math.pi), inversion_cases.GAUSS)
-    t, session = _epochs(rng, body, earth)
-    place = inversion_cases._kepler(body, t)
-    sun, observer = -place, inversion_cases._kepler(earth, t) - place
-    first = np.cross(pole, [0.3, 0.5, 0.8])
-    first /= np.linalg.norm(first)
-    angle = 2.0 * math.pi * 24.0 / period * t
-    x = np.outer(np.cos(angle), first) + np.outer(np.sin(angle), np.cross(pole, first))
-    turn = np.stack([x, np.cross(pole, x), np.broadcast_to(pole, x.shape)], axis=-1)
-    r, d = np.linalg.norm(sun, axis=1), np.linalg.norm(observer, axis=1)
-    s = np.einsum("tji,tj->ti", turn, sun / r[:, None]) @ normals.T
-    o = np.einsum("tji,tj->ti", turn, observer / d[:, None]) @ normals.T
-    both = (s > 0.0) & (o > 0.0)
-    lit = np.where(both, s * o * (1.0 / np.where(both, s + o, 1.0) + 0.1), 0.0)
-    phase = np.degrees(np.arccos(np.clip(np.sum(sun * observer, axis=1) / r / d, -1.0, 1.0)))
-    flux = (lit @ areas) * (0.5 * np.exp(-phase / 5.0) - 0.006 * phase + 1.0)
-    is_sparse = session == "survey"
-    sigma = np.where(is_sparse, 0.05, 0.015)
-    names = np.unique(session[~is_sparse])
-    zero = dict(zip(names, rng.normal(0.0, 0.5, len(names)), strict=True)) | {"survey": 0.0}
-    magnitude = 15.0 - 2.5 * np.log10(flux / areas.sum()) + 5.0 * np.log10(r * d)
-    magnitude += sigma * rng.normal(size=t.size) + np.array([zero[each] for each in session])
-    curve = inversion.LightCurve(
-        Time(2455000.5 + t, format="jd", scale="tdb"), magnitude, sigma,
-        sun=sun * units.au, observer=observer * units.au, session=session,
-        zero_points=tuple(names.tolist()), light_time=False, frame="ecliptic",
-    )  # fmt: skip
-    return curve, period, pole
-
-
-def _epochs(rng, body, earth):
-    """Days from the middle, and sessions: nights of six apparitions, and a survey."""
-    days = np.arange(-4500.0, 4500.0)
-    place = inversion_cases._kepler(body, days)
-    line = place - inversion_cases._kepler(earth, days)
-    cosine = np.sum(place * line, axis=1)
-    cosine /= np.linalg.norm(place, axis=1) * np.linalg.norm(line, axis=1)
-    is_seen = cosine > math.cos(math.radians(22.0))
-    starts = np.flatnonzero(is_seen[1:] & ~is_seen[:-1])
-    t, session = [], []
-    for number, start in enumerate(rng.choice(starts[:-1], 6, replace=False)):
-        end = start + 1 + int(np.argmin(is_seen[start + 1 :]))
-        for night in range(4):
-            begin = days[rng.integers(start + 1, end)] + rng.uniform(0.0, 0.3)
-            inside = np.sort(rng.uniform(0.0, rng.uniform(3.0, 7.0) / 24.0, 24))
-            t.append(begin + inside)
-            session.append([f"{number}-{night}"] * 24)
-    late = days[is_seen & (days > 1000.0)]
-    t.append(rng.choice(late, 120) + rng.uniform(0.0, 0.4, 120))
-    session.append(["survey"] * 120)
-    t, session = np.concatenate(t), np.concatenate(session)
-    order = np.argsort(t)
-    return t[order], session[order]
-
-
 def _unit(longitude: float, latitude: float) -> np.ndarray:
     a, b = math.radians(longitude), math.radians(latitude)
     return np.array([math.cos(b) * math.cos(a), math.cos(b) * math.sin(a), math.sin(b)])
-
-
-def judged(found, curve, period: float, pole: np.ndarray) -> tuple[bool, float, float]:
-    """Whether rank 1 has the right number of turns; angles of it and of the list, deg."""
-    truth = matrix_to_icrf("ecliptic") @ pole
-    listed, own, right = 180.0, 180.0, False
-    for each in found:
-        here = SearchState.of(each.state).pole
-        other = _pole_map.mirrored(here, _pole_map.plane_of(each.weighted.problem))
-        cosines = np.clip([here @ truth, other @ truth], -1.0, 1.0)
-        angles = np.degrees(np.arccos(cosines)).tolist()
-        turns = curve.span / _HOURS * abs(_HOURS / each.P_phi - 1.0 / period)
-        if each is found[0]:
-            own, right = angles[0], turns < 0.5
-        # about other poles the scene turns otherwise
-        if turns < 1.5:
-            listed = min(listed, *angles)
-    return right, own, listed
 
 
 def solved(
@@ -270,22 +182,22 @@ def each(file: str, period: float, longitude: float, latitude: float) -> None:
 
 # ---- Tumbling bodies
 
-# Orbits of Apophis (osculating, December 2012; inversion_cases' elements) and the Earth.
-_MOTION = inversion_cases.GAUSS / 0.9222973**1.5
+# Orbits of Apophis (osculating, December 2012; synthetic_curves' elements) and the Earth.
+_MOTION = synthetic_curves.GAUSS / 0.9222973**1.5
 _APOPHIS = (0.9222973, 0.1911723, 0.0581371, -2.7154762, 2.2062004)
 _APOPHIS += (1.4257796 + _MOTION * (2460000.5 - 2456262.5), _MOTION)
-_EARTH = (1.0, 0.0167, 0.0, 0.0, 1.7966419, inversion_cases.GAUSS * (2460000.5 - 2455931.5))
-_EARTH += (inversion_cases.GAUSS,)
+_EARTH = (1.0, 0.0167, 0.0, 0.0, 1.7966419, synthetic_curves.GAUSS * (2460000.5 - 2455931.5))
+_EARTH += (synthetic_curves.GAUSS,)
 _SEEN = [(2456284.5, 2456397.5, 40), (2459168.5, 2459344.5, 60)]
 
 
-def tumbler(seed: int, mode: str, drift: float = 0.0) -> inversion_cases.Case:
+def tumbler(seed: int, mode: str, drift: float = 0.0) -> synthetic_curves.Case:
     """A tumbling body on the orbit of Apophis; drift: of its rates, turns per span^2."""
     style = {
         "mode": mode, "P": 1.1, "span": 3060, "hours": (2, 6), "per_hour": 3, "noise": 0.03,
         "orbits": (_APOPHIS, _EARTH), "apparitions": _SEEN, "drift": drift,
     }  # fmt: skip
-    return inversion_cases.case(seed, style)
+    return synthetic_curves.case(seed, style)
 
 
 def two(count: int, seed: int, drifts: bool = False) -> str:
@@ -294,11 +206,11 @@ def two(count: int, seed: int, drifts: bool = False) -> str:
     for number in range(count):
         drift = (-1.0) ** (number // 2) * (2.0 + number % 5) if drifts else 0.0
         case = tumbler(seed + number, ("SAM", "LAM")[number % 2], drift)
-        curve = inversion_benchmark.curve_of(case, "shared")
+        curve = inversion_families.curve_of(case, "shared")
         begin = time.process_time()
         found = inversion.spin_states(curve, f"{case.most} /d", budget=BUDGET, drift=drifts)
         spent = time.process_time() - begin
-        right = [k for k, each in enumerate(found) if inversion_benchmark.judged(each, case)[0]]
+        right = [k for k, each in enumerate(found) if inversion_families.judged(each, case)[0]]
         rank = right[0] if right else None
         behind = math.nan if rank is None else found[rank].evidence - found[0].evidence
         near = sum(each.evidence - found[0].evidence < 13.0 for each in found)

@@ -20,7 +20,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from benchmarks import inversion
-from benchmarks.inversion_cases import Case
+from tests.support.synthetic_curves import Case
 
 
 def cases(folder: Path, first: int = 0, last: int | None = None) -> Iterator[Case]:

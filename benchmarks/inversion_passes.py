@@ -1,7 +1,7 @@
 """A satellite of known shape over a site: `python benchmarks/inversion_passes.py 20 7000 [2 [5]]`.
 
 Circular orbits over a site, a box with one wing of random size and materials, tumbling by Euler's
-equations (DOP853, `inversion_cases`); brightness from facets divided in 16, with finer shadows.
+equations (DOP853, `synthetic_curves`); brightness from facets divided in 16, with finer shadows.
 200 points of 0.1 mag a pass; a third argument is the number of passes, an orbit apart, in one
 curve, a fourth the budget in seconds, which is compared with what a search took.  The input has
 shape, materials, moments and geometry, rates up to twice the true one are searched.  The rate
@@ -24,7 +24,7 @@ from attitude import Body, FreeRotation, Spin, inversion, light_curve
 from attitude.frames import quaternion
 from attitude.scattering import Material, Materials
 from attitude.shape import box_wing
-from benchmarks.inversion_cases import _integrated, _matrices
+from tests.support.synthetic_curves import _integrated, _matrices
 
 EARTH, GM, TURN = 6378.0e3, 3.986e14, 7.292e-5  # m, m3/s2, rad/s
 AU = 1.495978707e11

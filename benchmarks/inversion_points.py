@@ -1,6 +1,6 @@
 """A light curve of very many points from the command line: `python benchmarks/inversion_points.py`.
 
-A tumbler of `inversion_cases` with so many points an hour that its CSV has a million rows (another
+A tumbler of `synthetic_curves` with so many points an hour that its CSV has a million rows (another
 number as argument).  Processor seconds and memory are those of `attitude invert` as a process of
 its own, compiled code read from the cache.
 """
@@ -17,17 +17,18 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from benchmarks import inversion, inversion_cases
+from tests.support import synthetic_curves
+from tests.support.inversion_families import STYLES
 
 NAMES = "jd_tdb,mag,sigma,session,sun_x,sun_y,sun_z,observer_x,observer_y,observer_z"
 
 
-def write(path: Path, points: int) -> inversion_cases.Case:
+def write(path: Path, points: int) -> synthetic_curves.Case:
     """A CSV of about so many points; the case."""
-    style = inversion.STYLES[2]
+    style = STYLES[2]
     hours = style["nights"] * sum(style["hours"]) / 2.0
     style = {**style, "per_hour": points / hours, "even": True, "noise": 0.1}
-    case = inversion_cases.case(7500000, style)
+    case = synthetic_curves.case(7500000, style)
     rows = case.jd, case.magnitude, case.sigma, case.session, case.sun, case.observer
     formats = ["%.9f", "%.4f", "%.4f", "%d"] + 6 * ["%.9f"]
     np.savetxt(path, np.column_stack(rows), fmt=formats, delimiter=",", header=NAMES, comments="")

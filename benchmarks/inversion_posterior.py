@@ -1,6 +1,6 @@
 """Posterior samples against the covariance: `python benchmarks/inversion_posterior.py 4 SEED`.
 
-Cases of `inversion_cases` are solved blindly; emcee samples the eight parameters of the best
+Cases of `synthetic_curves` are solved blindly; emcee samples the eight parameters of the best
 motion, and the standard deviations of the samples are divided by those of the covariance.
 """
 
@@ -17,10 +17,10 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from attitude import inversion
 from attitude.inversion._refinement import NAMES
 from benchmarks import inversion as figures
-from benchmarks import inversion_cases
+from tests.support import inversion_families, synthetic_curves
 
 # Style of each case: long and short-axis modes, spans of 5 to 120 days.
-STYLES = [figures.STYLES[k] for k in (6, 1, 0, 2, 10, 8)]
+STYLES = [inversion_families.STYLES[k] for k in (6, 1, 0, 2, 10, 8)]
 WALKERS, STEPS = 32, 400
 LEAST, MOST = 0.8, 1.25
 
@@ -29,8 +29,8 @@ def run(count: int, seed: int) -> str:
     """Sample cases and print each; the sums."""
     ratios = []
     for k in range(count):
-        case = inversion_cases.case(seed + k, STYLES[k % len(STYLES)])
-        curve = figures.curve_of(case, "shared")
+        case = synthetic_curves.case(seed + k, STYLES[k % len(STYLES)])
+        curve = inversion_families.curve_of(case, "shared")
         found = inversion.spin_states(curve, f"{case.most} /d", budget=figures.BUDGET)
         if found[0].is_axial:
             print(f"{k:2d} {case.mode}: found as a rotation about one axis")

@@ -31,13 +31,13 @@ from attitude.inversion._errors import GroupErrors
 from attitude.inversion._problem import CurveProblem
 from attitude.inversion._solution import Solution
 from attitude.torques import ConstantTorque
-from benchmarks import inversion_apparitions
+from tests.support import apparition_curves
 
 
 @pytest.fixture(scope="module")
 def known():
     """A curve of 25 years of relative nights and a survey, its period (h) and its pole."""
-    return inversion_apparitions.rotator(100)
+    return apparition_curves.rotator(100)
 
 
 @pytest.fixture(scope="module")
@@ -131,9 +131,9 @@ def test_far_ahead_within_the_errors_is_claimed_before_all_are_tried(
 @pytest.mark.slow
 def test_all_windows_of_25_years_are_tried():
     """Twenty of them, in a quarter of the budget."""
-    curve, period, pole = inversion_apparitions.rotator(103)
+    curve, period, pole = apparition_curves.rotator(103)
     found = inversion.spin_states(curve, "12 /d", modes=("PA",))
-    right, own, _ = inversion_apparitions.judged(found, curve, period, pole)
+    right, own, _ = apparition_curves.judged(found, curve, period, pole)
     assert found.verdict == "solved" and right and own < 10.0
     assert not any("were tried" in note for note in found.notes)
 
@@ -145,7 +145,7 @@ def test_a_noisy_survey_without_errors(known):
     noise = np.where(noisy, 0.15 * np.random.default_rng(7).normal(size=len(curve)), 0.0)
     blank = curve.replaced(magnitude=curve.magnitude + noise, sigma=np.zeros(len(curve)))
     found = inversion.spin_states(blank, period=f"{period} h", budget=900)
-    right, own, _ = inversion_apparitions.judged(found, curve, period, pole)
+    right, own, _ = apparition_curves.judged(found, curve, period, pole)
     assert found.verdict in ("solved", "periods only") and right and own < 10.0
     assert any("points far apart in time of 1 session are up to" in note for note in found.notes)
     assert "best: period" in str(found) and "+-" in str(found)
@@ -155,7 +155,7 @@ def test_period_and_pole_of_25_years(known):
     """The number of turns, among those of 2 % of the period, and the pole to 10 degrees."""
     curve, period, pole = known
     found = inversion.spin_states(curve, period=f"{period * 1.003} h", budget=900)
-    right, own, _ = inversion_apparitions.judged(found, curve, period, pole)
+    right, own, _ = apparition_curves.judged(found, curve, period, pole)
     assert found.verdict == "solved" and found[0].mode == "PA"
     assert right and own < 10.0
     assert abs(found[0].P_phi / 3600.0 - period) < 4.0 * found[0].periods_sigma[1] / 3600.0
@@ -412,6 +412,6 @@ def test_modes_are_not_joined(tumbling):
 
 
 def test_too_many_turns_of_one_apparition_are_refused():
-    curve, _, _ = inversion_apparitions.rotator(103)
+    curve, _, _ = apparition_curves.rotator(103)
     with pytest.raises(AttitudeError, match=r"an apparition spans \d+ turns"):
         inversion.spin_states(curve, "300 /d")

@@ -17,9 +17,9 @@ from attitude.inversion import (
 )
 from attitude.inversion._problem import CurveProblem
 from attitude.inversion._settings import DEFAULT
-from benchmarks import inversion as figures
-from benchmarks import inversion_cases
-from tests.support.inversion_cases import in_plane
+from tests.support import inversion_families as families
+from tests.support import synthetic_curves
+from tests.support.inversion_geometry import in_plane
 
 
 def problem_of(sun, observer, t):
@@ -104,33 +104,33 @@ def test_other_minima_widen_the_errors_of_a_pole():
 
 def test_cases_that_vary_by_less_than_their_errors_are_not_drawn(capsys):
     """By the truth alone; the seed is printed and the next one taken, with the same style."""
-    style = figures.AXIAL[8]
-    case = inversion_cases.case(7300008, style)
+    style = families.AXIAL[8]
+    case = synthetic_curves.case(7300008, style)
     errors = (case.magnitude - case.exact) / case.sigma
     assert errors.std() == pytest.approx(1.0, abs=4.0 / math.sqrt(2.0 * len(errors)))
-    assert inversion_cases.variation(case) == pytest.approx(0.022, abs=5e-4)
-    assert not inversion_cases.is_decidable(case)
-    [drawn] = figures.made(figures.Kind([style], "shared", decidable=True), 1, 7300008)
+    assert synthetic_curves.variation(case) == pytest.approx(0.022, abs=5e-4)
+    assert not synthetic_curves.is_decidable(case)
+    [drawn] = families.cases_of(families.Kind([style], "shared", decidable=True), 1, 7300008)
     assert "seed 7300008, 0.022 mag" in capsys.readouterr().out
-    assert np.array_equal(drawn.magnitude, inversion_cases.case(7300009, style).magnitude)
-    assert inversion_cases.variation(drawn) > 0.03
+    assert np.array_equal(drawn.magnitude, synthetic_curves.case(7300009, style).magnitude)
+    assert synthetic_curves.variation(drawn) > 0.03
 
 
 def test_what_every_fit_projects_out_is_no_variation():
-    case = inversion_cases.case(7300009, figures.AXIAL[9])
-    before = inversion_cases.variation(case)
+    case = synthetic_curves.case(7300009, families.AXIAL[9])
+    before = synthetic_curves.variation(case)
     r, d = np.linalg.norm(case.sun, axis=1), np.linalg.norm(case.observer, axis=1)
     alpha = np.arccos(np.sum(case.sun * case.observer, axis=1) / r / d)
     case.exact = case.exact + 0.3 + 2.0 * alpha - np.exp(-alpha / math.radians(5.0))
-    assert inversion_cases.variation(case) == pytest.approx(before, rel=1e-9)
+    assert synthetic_curves.variation(case) == pytest.approx(before, rel=1e-9)
 
 
 def test_the_share_of_the_sky_that_a_list_covers():
     cap = 0.5 * (1.0 - math.cos(math.radians(15.0)))
     up = np.array([0.0, 0.0, 1.0])
-    assert figures.share_of_sky([up, up]) == pytest.approx(cap, rel=0.02)
-    assert figures.share_of_sky([up, -up]) == pytest.approx(2.0 * cap, rel=0.02)
-    assert figures.share_of_sky([]) == 0.0
+    assert families.share_of_sky([up, up]) == pytest.approx(cap, rel=0.02)
+    assert families.share_of_sky([up, -up]) == pytest.approx(2.0 * cap, rel=0.02)
+    assert families.share_of_sky([]) == 0.0
 
 
 def test_a_list_has_poles_fifteen_degrees_apart_of_each_rate():
@@ -162,15 +162,15 @@ def test_poles_apart_from_better_and_from_other_ones():
 @pytest.mark.slow
 def test_where_nearly_any_pole_fits_the_list_says_so():
     """Six nights of ten: minima are a fifth of the sky, and the truth lies between them."""
-    case = inversion_cases.case(2, {**figures.AXIAL[0], "per_hour": 2})
-    curve = figures.curve_of(case, "shared")
+    case = synthetic_curves.case(2, {**families.AXIAL[0], "per_hour": 2})
+    curve = families.curve_of(case, "shared")
     curve = curve[case.jd < case.jd[0] + 10.2]
     settings = inversion.Settings(axial_poles=100, axial_freed=20)
     found = inversion.spin_states(curve, f"{1.3 / case.P_phi} /d", modes=("PA",), settings=settings)
-    assert found.verdict == "periods only" and figures.judged(found[0], case)[0]
+    assert found.verdict == "periods only" and families.judged(found[0], case)[0]
     poles = np.array([_ellipsoid.SearchState.of(each.state).pole for each in found])
-    assert figures.share_of_sky(poles) > 0.5
-    assert min(figures.judged(each, case)[1] for each in found) < 10.0
+    assert families.share_of_sky(poles) > 0.5
+    assert min(families.judged(each, case)[1] for each in found) < 10.0
     # those of the map have no free pole, fit as well, and none comes first
     held = (poles @ _shapes.even_directions(100).T).max(axis=1) > 1.0 - 1e-9
     assert np.count_nonzero(held) > 20 and not held[0]
@@ -180,8 +180,8 @@ def test_where_nearly_any_pole_fits_the_list_says_so():
 @pytest.fixture(scope="module")
 def solved():
     """A synthetic rotator of an independent model, and a search of fewer poles and pairs."""
-    case = inversion_cases.case(1, {**figures.AXIAL[0], "per_hour": 1})
-    curve = figures.curve_of(case, "shared")
+    case = synthetic_curves.case(1, {**families.AXIAL[0], "per_hour": 1})
+    curve = families.curve_of(case, "shared")
     most = f"{1.3 / case.P_phi} /d"
     settings = inversion.Settings(
         pairs=10,
@@ -199,10 +199,10 @@ def solved():
 def test_a_rotation_about_one_axis_is_found(solved):
     """Period at rank 1, pole or mirror pole among those that compete, errors that contain it."""
     case, found = solved
-    assert found[0].mode == "PA" and figures.judged(found[0], case)[0]
+    assert found[0].mode == "PA" and families.judged(found[0], case)[0]
     assert found.verdict != "not solved"
     near = [each for each in found if each.evidence < found[0].evidence + 12.0]
-    angles = [figures.judged(each, case)[1] for each in near]
+    angles = [families.judged(each, case)[1] for each in near]
     assert min(angles) < 15.0
     assert np.radians(min(angles)) < 4.0 * near[int(np.argmin(angles))].pole_sigma
 

@@ -29,9 +29,10 @@ from attitude.inversion import _problem as inversion_problem
 from attitude.inversion._spin_states import is_constant
 from attitude.light_curve import _sums
 from attitude.photometry import _spectrum
-from benchmarks import inversion as figures
-from benchmarks import inversion_cases
-from tests.support.inversion_cases import COUNT, ellipsoid_state, geometry
+from benchmarks import inversion as benchmark
+from tests.support import inversion_families as families
+from tests.support import synthetic_curves
+from tests.support.inversion_geometry import COUNT, ellipsoid_state, geometry
 
 
 def _problem(t, sun, observer):
@@ -325,7 +326,7 @@ def test_epochs_given_twice_are_averaged_and_few_are_refused():
 
 def test_vectors_of_an_observer_on_the_earth_over_other_axes_are_doubted():
     """The Sun stands on the ecliptic over one frame alone; the curve stays as it was given."""
-    case = inversion_cases.case(500, figures.STYLES[6])
+    case = synthetic_curves.case(500, families.STYLES[6])
 
     def notes(frame):
         times = Time(case.jd, format="jd", scale="tdb")
@@ -404,9 +405,9 @@ def test_settings_are_numbers_of_at_least_zero(name, value, words):
 @pytest.fixture(scope="module")
 def solved():
     """A synthetic tumbler of an independent forward model, and a search with half the starts."""
-    style = {**figures.STYLES[6], "per_hour": 9}
-    case = inversion_cases.case(31, style)
-    curve = figures.curve_of(case, "shared")
+    style = {**families.STYLES[6], "per_hour": 9}
+    case = synthetic_curves.case(31, style)
+    curve = families.curve_of(case, "shared")
     half = inversion.Settings(pairs=100, classes=15, convex=20, short_classes=30, rounds=1)
     found = inversion.spin_states(curve, f"{case.most} /d", budget=300, seed=1, settings=half)
     return case, curve, found
@@ -414,14 +415,14 @@ def solved():
 
 def test_a_tumbler_is_found(solved):
     case, curve, found = solved
-    right, _ = figures.judged(found[0], case)
+    right, _ = families.judged(found[0], case)
     assert right and found.verdict in ("solved", "periods only")
     assert found[0].rms < 0.05
     # one of the poles that compete, or its mirror
     angles = [
-        figures.judged(each, case)[1] for each in found if each.evidence < found[0].evidence + 20
+        families.judged(each, case)[1] for each in found if each.evidence < found[0].evidence + 20
     ]
-    mirrors = [figures._mirrored(each, case) for each in found[:4]]
+    mirrors = [families.mirror_angle(each, case) for each in found[:4]]
     assert min(*angles, *mirrors) < 20.0
     assert len(found[0].residuals) == len(curve)
 
@@ -514,18 +515,18 @@ def test_a_tumbling_body_with_the_lines_of_a_rotation_counts_as_it(modes, period
     case = SimpleNamespace(
         mode=modes[1], P_phi=periods[0], P_psi=periods[1], jd=np.array([2460000.0, 2460027.0])
     )
-    assert figures.is_comb(found, case) is expected
+    assert families.is_comb(found, case) is expected
 
 
 @pytest.mark.slow
 def test_a_rotation_of_days_is_found_in_sessions_of_hours(small_search):
     """Offsets of its 60 sessions, 0.1 mag, explain the whole curve, and evidence rejects them."""
-    case = inversion_cases.case(501, figures.STYLES[5])
-    curve = figures.curve_of(case, "auto")
+    case = synthetic_curves.case(501, families.STYLES[5])
+    curve = families.curve_of(case, "auto")
     given, _ = inversion_problem.problem(curve, case.most / 86400.0, 0.07, "auto")
     assert is_constant(given)
     found = inversion.spin_states(curve, f"{case.most} /d", modes=("LAM",), settings=SMALL)
-    assert figures.judged(found[0], case)[0]
+    assert families.judged(found[0], case)[0]
     assert "sessions" not in " ".join(found.notes)
 
 
@@ -542,14 +543,14 @@ def test_a_rotation_of_days_is_found_in_sessions_of_hours(small_search):
 )
 def test_offsets_of_sessions_about_a_constant_brightness(small_search, zero_points, explained):
     """Within their prior no tumbling body explains them better; with "free" the note says so."""
-    case = inversion_cases.case(501, {**figures.STYLES[5], "nights": 24})
+    case = synthetic_curves.case(501, {**families.STYLES[5], "nights": 24})
     generator = np.random.default_rng(6)
     zero = 0.08 * generator.normal(size=case.session.max() + 1)
     size = np.linalg.norm(case.sun, axis=1) * np.linalg.norm(case.observer, axis=1)
     noise = case.sigma * generator.normal(size=len(case.sigma))
     flat = replace(case, magnitude=5.0 * np.log10(size) + zero[case.session] + noise)
     few = replace(SMALL, pairs=10, deep_starts=4, classes=4, convex=3, short_classes=4, finals=2)
-    curve = figures.curve_of(flat, zero_points)
+    curve = families.curve_of(flat, zero_points)
     found = inversion.spin_states(curve, f"{case.most} /d", modes=("LAM",), settings=few)
     assert found.verdict == "not solved"
     assert "within the errors" not in found.criterion
@@ -559,20 +560,22 @@ def test_offsets_of_sessions_about_a_constant_brightness(small_search, zero_poin
 @pytest.mark.slow
 def test_offsets_that_the_data_ask_for_are_fitted(small_search):
     """Sessions of a fast tumbler whose zero points differ by 0.1 mag."""
-    case = inversion_cases.case(31, {**figures.STYLES[6], "per_hour": 9, "zero": 0.1})
-    found = inversion.spin_states(figures.curve_of(case, "auto"), f"{case.most} /d", settings=SMALL)
+    case = synthetic_curves.case(31, {**families.STYLES[6], "per_hour": 9, "zero": 0.1})
+    found = inversion.spin_states(
+        families.curve_of(case, "auto"), f"{case.most} /d", settings=SMALL
+    )
     assert "sessions have zero points of their own" in " ".join(found.notes)
     assert found[0].rms < 0.05
 
 
 def test_no_slow_tumbler_is_called_constant():
-    assert figures.called_constant(4, 8100006)[0] == []
+    assert benchmark.called_constant(4, 8100006)[0] == []
 
 
 @pytest.mark.slow
 def test_no_slow_tumbler_of_many_is_called_constant():
     """Offsets of the sessions within their prior explain one curve in six."""
-    found, explained = figures.called_constant(300, 8100000)
+    found, explained = benchmark.called_constant(300, 8100000)
     assert not found and explained > 30
 
 
@@ -618,8 +621,8 @@ def test_the_same_seed_gives_the_same_result(monkeypatch):
         "short_classes": 4,
     }
     settings = inversion.Settings(**few)
-    case = inversion_cases.case(31, {**figures.STYLES[6], "per_hour": 3})
-    curve, most = figures.curve_of(case, "shared"), f"{case.most} /d"
+    case = synthetic_curves.case(31, {**families.STYLES[6], "per_hour": 3})
+    curve, most = families.curve_of(case, "shared"), f"{case.most} /d"
     given = {"modes": ("LAM",), "budget": 0.5, "seed": 1, "settings": settings}
     one = inversion.spin_states(curve, most, **given)
     clock = itertools.count(step=50.0)

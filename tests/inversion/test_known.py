@@ -24,7 +24,7 @@ from attitude.inversion import (
 )
 from attitude.scattering import Material, Materials
 from attitude.shape import box_wing
-from tests.support.inversion_cases import ellipsoid_state, geometry
+from tests.support.inversion_geometry import ellipsoid_state, geometry
 
 MESH = box_wing((3.0, 2.0, 1.2), (4.0, 1.5), gap=0.5, wings=1, wing_angle=0.5, thickness=0.1)
 LAW = Materials(

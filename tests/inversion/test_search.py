@@ -32,9 +32,9 @@ from attitude.inversion._ellipsoid import SearchState
 from attitude.inversion._settings import DEFAULT
 from attitude.scattering import LommelSeeligerLambert
 from attitude.shape import Mesh, box
-from benchmarks import inversion as figures
-from benchmarks import inversion_meshes
-from tests.support.inversion_cases import in_plane
+from tests.support import inversion_families as families
+from tests.support import mesh_curves, synthetic_curves
+from tests.support.inversion_geometry import in_plane
 
 COUNT = 400
 
@@ -604,9 +604,9 @@ def test_ellipsoids_are_fitted_to_some_of_many_points():
 
 
 def test_a_verdict_says_that_the_budget_ended_the_search():
-    style = {**figures.STYLES[6], "per_hour": 3}
-    case = figures.inversion_cases.case(31, style)
-    found = inversion.spin_states(figures.curve_of(case, "shared"), f"{case.most} /d", budget=0.5)
+    style = {**families.STYLES[6], "per_hour": 3}
+    case = synthetic_curves.case(31, style)
+    found = inversion.spin_states(families.curve_of(case, "shared"), f"{case.most} /d", budget=0.5)
     assert found.verdict == "not solved" and "budget of 0.5 s ended the search" in found.criterion
 
 
@@ -694,9 +694,9 @@ def test_the_pole_of_a_body_of_two_lobes_is_found_by_convex_bodies():
     Or at the antipode, 9 degrees away, which fits as well: a search starts the images of each pole.
     """
     row = "SAM", 0.5, 60, 30, (2, 6), 3, 0.03
-    style = {**dict(zip(figures._NAMES, row, strict=True)), "kind": "bilobed"}
-    case = inversion_meshes.case(30, style)
-    curve = figures.curve_of(case, "shared")
+    style = {**dict(zip(families.NAMES, row, strict=True)), "kind": "bilobed"}
+    case = mesh_curves.case(30, style)
+    curve = families.curve_of(case, "shared")
     problem, _ = _problem.problem(curve, case.most / 86400.0, 0.07, "shared")
     generator = np.random.default_rng(30)
     span = np.ptp(case.jd)
@@ -1261,8 +1261,8 @@ def test_the_symmetry_of_a_shape():
 
 def test_a_known_sum_over_facets_with_shadows():
     """Two walls of a corner: the forward model of the families hides what a ray meets."""
-    points, facets = inversion_meshes.icosphere(2)
-    solid = inversion_meshes.Solid.of(points * [1.0, 0.7, 0.5], facets, False)
+    points, facets = mesh_curves.icosphere(2)
+    solid = mesh_curves.Solid.of(points * [1.0, 0.7, 0.5], facets, False)
     up = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
     alone = solid.flux(up, up)
     # the moments of an ellipsoid: (b^2 + c^2)/(a^2 + b^2) and (a^2 + c^2)/(a^2 + b^2)
@@ -1270,7 +1270,7 @@ def test_a_known_sum_over_facets_with_shadows():
     # seen from above a sphere of 0.6 above hides the body, from its side it does not
     moon = np.array([[0.0, 0.0, 3.0], [0.0, 0.0, 3.0]])
     both = solid.flux(up, up, moon, 1.2)
-    own = inversion_meshes.Solid.of(*inversion_meshes.icosphere(2), False)
+    own = mesh_curves.Solid.of(*mesh_curves.icosphere(2), False)
     sphere = own.flux(up, up) * (4.0 * math.pi * 1.2**2 / own.areas.sum())
     assert both[0] == pytest.approx(sphere[0], rel=0.01)
     assert both[1] == pytest.approx(sphere[1] + alone[1], rel=0.01)

@@ -1,4 +1,4 @@
-"""Light curves of known bodies for `benchmarks/inversion.py`, by a forward model of its own.
+"""Light curves of known bodies for the inversion, by a forward model of its own.
 
 Random convex hulls with planed faces; moments by signed tetrahedra; Euler's equations and the
 quaternion by DOP853 to 1e-12; brightness by sums over facets (Lommel-Seeliger and Lambert, a phase

@@ -1,9 +1,9 @@
-"""Light curves of non-convex bodies and of bodies with a moon, for `benchmarks/inversion.py`.
+"""Light curves of non-convex bodies and of bodies with a moon, for the inversion.
 
 Closed meshes (two lobes, bent, cratered, or files of real bodies) with shadows by rays to Sun and
 observer, Hapke's or the Lunar-Lambert law, albedo spots, moments that are not those of the
 homogeneous body, outliers, clocks that are off, exposures, and a moon that eclipses and is
-eclipsed.  Motion, orbits and epochs are those of `inversion_cases`: nothing of the package is
+eclipsed.  Motion, orbits and epochs are those of `synthetic_curves`: nothing of the package is
 imported.
 """
 
@@ -16,8 +16,15 @@ from pathlib import Path
 import numba
 import numpy as np
 
-from benchmarks import inversion_cases
-from benchmarks.inversion_cases import LIGHT_DAY_AU, Case, _integrated, _kepler, _matrices, _unit
+from tests.support import synthetic_curves
+from tests.support.synthetic_curves import (
+    LIGHT_DAY_AU,
+    Case,
+    _integrated,
+    _kepler,
+    _matrices,
+    _unit,
+)
 
 # Facets of a moon, and the share of Lambert in the Lunar-Lambert law.
 _MOON_LEVEL, _SHARE = 2, 0.25
@@ -386,7 +393,7 @@ def _moon(rng, style, pole):
 def case(seed: int, style: dict, meshes: list[Path] | None = None) -> Case:
     """A case of a seed and a style.
 
-    Beside the keywords of `inversion_cases`: kind, spots, inertia, tilt, survey, outliers,
+    Beside the keywords of `synthetic_curves`: kind, spots, inertia, tilt, survey, outliers,
     halved, clock (d), exposure (d), moon.
     """
     rng = np.random.default_rng(seed)
@@ -400,7 +407,7 @@ def case(seed: int, style: dict, meshes: list[Path] | None = None) -> Case:
             break
     q = rng.normal(size=4)
     start = np.r_[q / np.linalg.norm(q), w]
-    orbits = inversion_cases.encounter(rng, style["span"])
+    orbits = synthetic_curves.encounter(rng, style["span"])
     jd, session, filters = _epochs(rng, style)
     t = jd - 2460000.5
     light = np.zeros_like(t)
@@ -431,7 +438,7 @@ def case(seed: int, style: dict, meshes: list[Path] | None = None) -> Case:
     if style["mode"] == "PA":
         mode, P_psi, P_phi = "PA", math.inf, style["P"]
     else:
-        mode, P_psi, P_phi, pole = inversion_cases._periods(moments, start)
+        mode, P_psi, P_phi, pole = synthetic_curves._periods(moments, start)
     return Case(
         jd, magnitude, sigma, session, to_sun, to_observer, mode, P_psi, P_phi, pole, moments,
         style.get("most", 3.2) / style["P"], exact, filters,
@@ -514,7 +521,7 @@ def _magnitudes(body, moments, start, left, to_sun, to_observer, moon, style, is
 def _epochs(rng, style):
     """Julian dates, sessions, and filters (or None): nights, or points of a survey."""
     if "survey" not in style:
-        return *inversion_cases._epochs(rng, style), None
+        return *synthetic_curves._epochs(rng, style), None
     count = int(rng.integers(*style["survey"]))
     nights = np.sort(rng.uniform(0.0, style["span"], count // 2))
     t = np.concatenate([nights, nights + rng.uniform(0.01, 0.03, nights.size)])
