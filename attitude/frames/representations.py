@@ -350,7 +350,7 @@ def _wrapped(angle):
     return np.where(angle <= -np.pi, angle + 2.0 * np.pi, angle)
 
 
-def turned_positive(angle):
+def turned_positive(angle: FloatArray) -> FloatArray:
     """Angles within one turn of [0, 2 pi) brought into it."""
     angle = np.where(angle < 0.0, angle + 2.0 * np.pi, angle)
     return np.where(angle >= 2.0 * np.pi, 0.0, angle)
