@@ -118,7 +118,7 @@ def divergence(
 ) -> float:
     """Mean over both phases of the divergence of torques by L over the body axes, 1/s.
 
-    The rate at which a volume of states grows: 0 of torques that do not depend on the rate.
+    At this rate a volume of states grows: 0 of torques that do not depend on the rate.
     """
     phases = torus(body, spin, _NODES)
     if phases is None:
@@ -139,24 +139,12 @@ def divergence(
 
 @dataclass(frozen=True, eq=False)
 class Torus:
-    """A free rotation at nodes of both phases, those of the precession next to each other.
+    """A free rotation at nodes of both phases, those of the precession next to each other."""
 
-    Attributes
-    ----------
-    wxyz : (N, 4) array
-        Attitudes.
-    omega : (N, 3) array
-        rad/s over the body axes.
-    size : float
-        |L|, N m s.
-    paces : (2,) array
-        Frequencies of nutation and precession, rad/s.
-    """
-
-    wxyz: FloatArray
-    omega: FloatArray
-    size: float
-    paces: FloatArray
+    wxyz: FloatArray  # (N, 4)
+    omega: FloatArray  # (N, 3), rad/s over the body axes
+    size: float  # |L|, N m s
+    paces: FloatArray  # (2,), frequencies of nutation and precession, rad/s
 
     @property
     def nodes(self) -> int:

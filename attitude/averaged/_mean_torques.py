@@ -37,34 +37,18 @@ _LARGEST = 1 << 28
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """Numbers of the paths in a window of time, as the compiled loops take them.
-
-    Attributes
-    ----------
-    forcing : array
-    models : array
-        Of `Packed`, with the places of blocks in `forcing`.
-    begin, end : float
-        TDB seconds since the epoch; infinite where nothing changes.
-    """
+    """Numbers of the paths in a window of time, as the compiled loops take them."""
 
     forcing: FloatArray
-    models: IntArray
-    begin: float
+    models: IntArray  # of `Packed`, with the places of blocks in `forcing`
+    begin: float  # TDB seconds since the epoch; infinite where nothing changes, as `end`
     end: float
 
 
 class MeanTorques:
-    """The means of torques on one body, for any of its states at one epoch.
+    """The means of torques on one body, for any of its states; seconds count from `instant`.
 
-    Parameters
-    ----------
-    body : Body
-    torques : tuple of Torque
-    instant : Instant
-        Epoch from which seconds count.
-    degree : int
-        Largest degree of the harmonics of torques of one direction.
+    degree: the largest of the harmonics of torques of one direction.
     """
 
     def __init__(
@@ -168,18 +152,8 @@ class MeanTorques:
 class Packing:
     """The means of torques, packed, with windows of the numbers of their paths.
 
-    Parameters
-    ----------
-    torques : MeanTorques
-    averaged : tuple of (bool, float)
-        Of each torque: whether it is averaged over the turn of its path, and the s of the turn
-        about a planet over which it is averaged, or infinity.
-
-    Attributes
-    ----------
-    averaged : tuple of bool
-    turn : float
-        s, of the turns over which torques are averaged: the mean by their sizes; 0 for none.
+    averaged: of each torque, whether it is averaged over the turn of its path, and the s of the
+    turn about a planet over which it is averaged, or infinity.
     """
 
     def __init__(self, torques: MeanTorques, averaged: tuple[tuple[bool, float], ...]) -> None:
@@ -197,6 +171,7 @@ class Packing:
                     (replace(bare, interval=interval), over_plane(mean) if bare.is_even else mean)
                 )
         self.packed = Packed(self.axes, torques.body, means, torques.instant)
+        # s, of the turns over which torques are averaged: mean by size; 0: none
         self.turn = self._mean_turn()
         self._windows: dict[int, Window] = {}
         self._kept = 0  # bytes of the windows
@@ -295,20 +270,13 @@ class Packing:
 
 @dataclass(frozen=True)
 class Crossing:
-    """A passage of the separatrix.
+    """A passage of the separatrix."""
 
-    Attributes
-    ----------
-    odds : dict of int to float
-        Of the two regions beyond: those of arcs that lead away, in proportion to the change of y.
-    laps : dict of int to tuple
-        Of a region, what `delay` takes; none where y rises on one arc and falls on another.
-    is_proved : bool
-        Whether y changes to the same side on both arcs, as the rule for the odds has it.
-    """
-
+    # Of the two regions beyond: those of arcs that lead away, in proportion to the change of y.
     odds: dict[int, float]
+    # Of a region, what `delay` takes; none where y rises on one arc and falls on another.
     laps: dict[int, tuple[float, float, float, float]]
+    # whether y changes to the same side on both arcs, as the rule for the odds has it
     is_proved: bool
 
 

@@ -772,23 +772,11 @@ def _differences(truth: AveragedHistory, other: AveragedHistory) -> dict[str, fl
 
 @dataclass(frozen=True)
 class Settings:
-    """What the arguments of `AveragedMotion` say.
+    """What the arguments of `AveragedMotion` say."""
 
-    Attributes
-    ----------
-    kinds : list of str
-        "auto", "averaged" or "followed" of each torque.
-    passages : str or int
-    least_y : float
-        2 ln tan of the least tilt.
-    tolerance : float
-    degree : int
-    order : int
-    """
-
-    kinds: list[str]
+    kinds: list[str]  # "auto", "averaged" or "followed" of each torque
     passages: Any
-    least_y: float
+    least_y: float  # 2 ln tan of the least tilt
     tolerance: float
     degree: int
     order: int = 1

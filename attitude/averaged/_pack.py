@@ -57,33 +57,19 @@ _REPEATS = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Sampling:
-    """How one torque's path enters.
-
-    Attributes
-    ----------
-    torque : Torque
-    period : float
-        s, of one turn of the path; infinite for a torque without samples or a fixed direction.
-    is_averaged : bool
-        Over the turn.
-    interval : float
-        s between samples; infinite for numbers that do not change.
-    ripple : float
-        s, of the turn about a planet over which direction and weight are averaged; else infinite.
-    smooth : float
-        s, of the smooth weights under which linear numbers are averaged in place of one turn: days
-        of a field that turns with its planet; 0 for one turn.
-    is_even : bool
-        Whether a turn takes a weight that is even over the angle in one plane (`is_even`), so that
-        the normal of the plane stands for all directions.
-    """
+    """How one torque's path enters."""
 
     torque: Torque
-    period: float
-    is_averaged: bool
-    interval: float
+    period: float  # s, of one turn of the path; infinite for no samples or a fixed direction
+    is_averaged: bool  # over the turn
+    interval: float  # s between samples; infinite for numbers that do not change
+    # s, of the turn about a planet over which direction and weight are averaged; else infinite
     ripple: float = float("inf")
+    # s, of the smooth weights under which linear numbers are averaged in place of one turn: days of
+    # a field that turns with its planet; 0 for one turn
     smooth: float = 0.0
+    # whether a turn takes a weight that is even over the angle in one plane (`Packed.is_even`), so
+    # that the normal of the plane stands for all directions
     is_even: bool = False
 
 
@@ -170,13 +156,7 @@ def _closed(unit, begin, t, turned):
 
 
 class Packed:
-    """Means of torques on one body, as the compiled loops take them.
-
-    Attributes
-    ----------
-    data, models, work : arrays
-        See `_rates`.
-    """
+    """Means of torques on one body, as compiled loops take them: data, models, work of `_rates`."""
 
     def __init__(
         self,

@@ -56,20 +56,11 @@ AXES_ENTRIES: Final = 23
 
 @dataclass(frozen=True, eq=False, init=False)
 class Axes(Immutable):
-    """The principal axes of a body in the order A <= B <= C, as the compiled loops take them.
+    """The principal axes of a body in the order A <= B <= C, as the compiled loops take them."""
 
-    Attributes
-    ----------
-    moments : (3,) array
-        kg m2, ascending.
-    matrix : (3, 3) array
-        Columns: the principal axes over the body axes, right-handed.
-    numbers : (AXES_ENTRIES,) array
-    """
-
-    moments: FloatArray
-    matrix: FloatArray
-    numbers: FloatArray
+    moments: FloatArray  # (3,), kg m2, ascending
+    matrix: FloatArray  # (3, 3), columns: the principal axes over the body axes, right-handed
+    numbers: FloatArray  # (AXES_ENTRIES,)
 
     def __init__(self, body: Body) -> None:
         moments = np.sort(body.moments)
@@ -220,8 +211,7 @@ def quarter_and_mean_square(m, mc):
 def theta_constants(h):
     """K, whether real nome is used, pi/2 by the period of its variable, nome, theta 2, 3, 4.
 
-    The nome of m for m <= 1/2, that of 1 - m above: at most exp(-pi).  theta 2 is divided by
-    2 nome^(1/4).
+    The nome of m <= 1/2, that of 1 - m above: at most exp(-pi).  theta 2 is over 2 nome^(1/4).
     """
     m, mc = math.exp(-h), -math.expm1(-h)
     k = quarter_period(math.sqrt(mc))
@@ -335,27 +325,14 @@ def fill_nodes(axes, region, h, out):
 
 @dataclass(frozen=True, eq=False)
 class Nutations:
-    """Rotations of one body, each described by its region and h (arrays of one shape S).
+    """Rotations of one body, each described by its region and h (arrays of one shape S)."""
 
-    Attributes
-    ----------
-    p, complement : arrays of shape S
-        sin^2 theta and cos^2 theta.
-    gamma : (S, 3) array
-    squares : (S, 3) array
-        Means of l_i^2.
-    along : (S, 3) array
-        Means of l_i; that of the circulated axis alone is not zero.
-    period : array of shape S
-        Of the nutation in s for |L| = 1 N m s: P_psi = period / |L|.
-    """
-
-    p: FloatArray
-    complement: FloatArray
-    gamma: FloatArray
-    squares: FloatArray
-    along: FloatArray
-    period: FloatArray
+    p: FloatArray  # sin^2 theta, (S)
+    complement: FloatArray  # cos^2 theta, (S)
+    gamma: FloatArray  # (S, 3)
+    squares: FloatArray  # (S, 3), means of l_i^2
+    along: FloatArray  # (S, 3), means of l_i; that of the circulated axis alone is not zero
+    period: FloatArray  # (S), of the nutation in s for |L| = 1 N m s: P_psi = period / |L|
 
     @classmethod
     def of(cls, axes: Axes, region: int, h: FloatArray) -> Nutations:

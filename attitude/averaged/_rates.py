@@ -661,7 +661,7 @@ def located(row, status, held, region, limits, data, models, forcing, work, at, 
 
 @entry_point
 def advance(clock, x, region, until, tolerance, limits, data, models, forcing, work, rows):
-    """Integrate from a state to an epoch or to the next event.
+    """Integrate to an epoch or to the next event: what ended it (REACHED ...), count of the rows.
 
     Given and changed
         clock     (3,)  seconds; length of the next step with its sign; end at which y is held
@@ -670,8 +670,6 @@ def advance(clock, x, region, until, tolerance, limits, data, models, forcing, w
     Given
         region    of the state
         limits    (4,)  least and greatest y, greatest eps, sign of time
-    Returned
-        what ended the call (REACHED ...), and the count of the rows
     """
     k, trial, other = np.empty((7, 4)), np.empty(4), np.empty(4)
     at = scratch()

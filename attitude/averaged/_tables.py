@@ -270,10 +270,7 @@ def kept(
     arrays: tuple[FloatArray, ...],
     make: Callable[[], dict[str, FloatArray]],
 ) -> dict[str, FloatArray]:
-    """The arrays that `make` returns, from the disk where a process has made them.
-
-    key, arrays: on which they depend.
-    """
+    """What `make` returns, from the disk where a process has made it: by key and `arrays`."""
     file = kept_arrays.file_of("torque", repr((_METHOD, _FINE, _STEP, *key)), *arrays)
     stored = kept_arrays.read(file)
     if stored and all(np.all(np.isfinite(array)) for array in stored.values()):

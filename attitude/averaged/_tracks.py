@@ -141,25 +141,13 @@ class AveragedEvent:
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """What all tracks of a motion share.
-
-    Attributes
-    ----------
-    packing : Packing
-    ends : (float, float)
-        Least and greatest y.
-    tolerance : float
-    pace : float
-        s, a turn of the body at the epoch.
-    order : int
-        1, or 2 with the drift of second order.
-    """
+    """What all tracks of a motion share."""
 
     packing: Packing
-    ends: tuple[float, float]
+    ends: tuple[float, float]  # least and greatest y
     tolerance: float
-    pace: float
-    order: int = 1
+    pace: float  # s, a turn of the body at the epoch
+    order: int = 1  # 1, or 2 with the drift of second order
 
 
 class Track:
