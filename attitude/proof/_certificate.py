@@ -151,21 +151,10 @@ def certified(
 ) -> Certificate:
     """The certificate of attitudes (T, 4), of any length, and of angular velocities (T, 3).
 
-    Parameters
-    ----------
-    motions : sequence of (function, indices)
-        Solutions, and which of the epochs are theirs.
-    times : sequence of fractions
-        Seconds since t = 0 of the solution of each epoch.
-    seconds : pair of (...) arrays
-        As the certificate shows them.
-    wxyz, rates : arrays
-        What is certified.
-
-    Raises
-    ------
-    AttitudeError
-        If an attitude is not finite, or not enclosed at 65,536 bits.
+    motions: functions that make solutions, and which of the epochs are theirs.
+    times: fractions, seconds since t = 0 of the solution of each epoch.
+    seconds: as the certificate shows them, two arrays (...).
+    AttitudeError if an attitude is not finite, or not enclosed at 65,536 bits.
     """
     count = len(times)
     if not np.all(np.isfinite(wxyz)) or np.any(np.all(wxyz == 0.0, axis=-1)):

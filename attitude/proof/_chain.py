@@ -23,43 +23,25 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Joint:
-    """A change between two arcs.
+    """A change between two arcs."""
 
-    Attributes
-    ----------
-    seconds : (2,) array
-        Its time since the epoch, the sum of two doubles.
-    added : (3, 2) array
-        Angular momentum that it adds, each component the sum of two doubles.
-    in_body : bool
-        Whether that is over the body axes, or over ICRF.
-    inertia : (3,) or (3, 3) array
-        Of the next arc: principal moments about the body axes, or a tensor.
-    """
-
-    seconds: FloatArray
+    seconds: FloatArray  # (2,), since the epoch, the sum of two doubles
+    # (3, 2), angular momentum that it adds, each component the sum of two doubles
     added: FloatArray
-    in_body: bool
+    in_body: bool  # whether that is over the body axes, or over ICRF
+    # of the next arc: (3,) principal moments about the body axes, or a (3, 3) tensor
     inertia: FloatArray
 
 
 class Chain:
     """Arcs from an exact state on.
 
-    Parameters
-    ----------
-    inertia : (3,) or (3, 3) array
-        Of the first arc.
-    wxyz : (4, 2) array
-        Attitude at the epoch, body to ICRF, each component the sum of two doubles.
-    rates : (3,) array
-        Angular velocity at the epoch over the body axes, rad/s.
-    joints : sequence of Joint
-    order : three indices, optional
-        Of the moments of the first arc, where equal ones leave it open.
-    axes : (3, 3) array, optional
-        Principal axes of the first tensor as columns, where two equal moments leave them open, or
-        a rate of zero the sense of one.
+    inertia: of the first arc, (3,) or (3, 3), as those of joints.
+    wxyz: (4, 2), attitude at the epoch, body to ICRF, each component the sum of two doubles.
+    rates: (3,), angular velocity at the epoch over the body axes, rad/s.
+    order: of the moments of the first arc, where equal ones leave it open.
+    axes: (3, 3), columns: principal axes of the first tensor, where two equal moments leave them
+        open, or a rate of zero the sense of one.
     """
 
     def __init__(
@@ -110,10 +92,7 @@ class Chain:
     ) -> Certificate:
         """The certificate of attitudes (..., 4), and angular velocities (..., 3), at epochs (...).
 
-        Raises
-        ------
-        AttitudeError
-            For epochs that are not finite, and as `certified`.
+        AttitudeError for epochs that are not finite, and as `certified`.
         """
         shape = seconds.shape
         lows = np.broadcast_to(pairs.Seconds(seconds, low).low, shape)

@@ -78,19 +78,10 @@ class ErrorBound:
 
 
 def error_bound_of(record: Any, solution_of: Any) -> ErrorBound:
-    """The bound of one motion.
+    """The bound of one motion, whose loops read a record of `records.CONSTANTS`.
 
-    Parameters
-    ----------
-    record : records.CONSTANTS
-        What the loops read.
-    solution_of : function
-        Returns the `Solution` of the same doubles, with axes in the order of the record.
-
-    Raises
-    ------
-    AttitudeError
-        If the constants are not near enough to the exact ones for the theorem to hold.
+    solution_of: returns the `Solution` of the same doubles, with axes in the order of the record.
+    AttitudeError if the constants are not near enough to the exact ones for the theorem to hold.
     """
     with precision(_BITS):
         try:

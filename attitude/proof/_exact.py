@@ -262,33 +262,14 @@ def _axes(tensor, moments, single, near_axes):
 
 
 class Solution:
-    """The exact motion at the present precision.
+    """The exact motion at the present precision; Undecided, if this does not suffice for a branch.
 
-    Parameters
-    ----------
-    inertia : three numbers or 3 x 3 numbers
-        Fractions: principal moments about the body axes, or a symmetric tensor.
-    wxyz : four numbers
-        Attitude at t = 0, of any length.
-    rates : three numbers
-        Angular velocity over the body axes, rad/s.
-    order : three indices, optional
-        Of the moments, ascending, where equal ones leave it open.
-    axes : three vectors, optional
-        Near the principal axes of a tensor, or near the reverse of them: where two equal moments
+    inertia: fractions, three principal moments about the body axes, or a symmetric 3 x 3 tensor.
+    wxyz: attitude at t = 0, of any length.
+    rates: angular velocity over the body axes, rad/s.
+    order: of the moments, ascending, where equal ones leave it open.
+    axes: near the principal axes of a tensor, or near the reverse of them: where two equal moments
         leave them open, those nearest; where a rate is zero, the sense of its axis.
-
-    Attributes
-    ----------
-    form : str
-        "uniform", "separatrix", "symmetric" or "theta".
-    start : list of four balls
-        The unit quaternion at t = 0.
-
-    Raises
-    ------
-    Undecided
-        If the precision does not suffice for a branch.
     """
 
     def __init__(
@@ -299,7 +280,7 @@ class Solution:
         order: Sequence[int] | None = None,
         axes: Sequence[Vector] | None = None,
     ):
-        self.start: list[Number] = unit(wxyz)
+        self.start: list[Number] = unit(wxyz)  # the unit quaternion at t = 0
         self.is_full: bool = isinstance(inertia[0], (list, tuple))
         if self.is_full:
             decided = _of_tensor(inertia, rates, axes)
@@ -314,7 +295,7 @@ class Solution:
             at_rest = all(isinstance(x, flint().fmpq) and x == 0 for x in rates)
             self.axis: list[Number] = [ball(0)] * 3 if at_rest else [x / self.speed for x in balls]
             return
-        self.form = decided.form
+        self.form = decided.form  # "uniform", "separatrix", "symmetric" or "theta"
         self._set_internal_axes()
         self._set_constants()
         self.first: list[Number] = self.internal(ball(0))
@@ -435,10 +416,7 @@ class Solution:
         return product(turned, conjugate(self.internal(t)))
 
     def rates(self, wxyz: Vector) -> list[Number]:
-        """The exact angular velocity (3), rad/s over the body axes, where the attitude is `wxyz`.
-
-        The momentum is constant in space.
-        """
+        """The exact rad/s (3) over the body axes at an attitude `wxyz`: L is constant in space."""
         if self.form == "uniform":
             return [ball(x) for x in self.given_rates]
         right, moments = self.decided.right, self.decided.moments

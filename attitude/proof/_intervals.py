@@ -15,13 +15,7 @@ UNIT_ROUNDOFF: float = 2.0**-53
 
 
 class Intervals:
-    """Intervals [lo, hi] of doubles: arrays of one shape.
-
-    Parameters
-    ----------
-    lo, hi : array_like
-        `hi` is `lo` by default: exact numbers.
-    """
+    """Intervals [lo, hi] of doubles: arrays of one shape; exact numbers without `hi`."""
 
     __slots__ = ("hi", "lo")
 
@@ -115,10 +109,6 @@ class Turn:
     A rotation angle is twice that.  An error e of a number x turns the direction of y by at most
     |e| sup |D_j y_k - D_k y_j| / inf |y|^2, D = dy/dx (Lagrange's identity); on wide boxes
     |e| sup |D| / inf |y| is smaller.  Components are summed before norms are taken (Minkowski).
-
-    Parameters
-    ----------
-    vector : four Intervals
     """
 
     def __init__(self, vector: list[Intervals]):
