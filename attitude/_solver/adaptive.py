@@ -195,7 +195,7 @@ _UNKNOWN: Final = False, (0.0, 0.0, 0.0)
 
 @entry_point
 def adapt(c, scheme, models, clock, counts, fine, coarse, order, most, at_kicks, kept, every):
-    """Try up to `most` steps, until the seconds clock[UNTIL] are reached.
+    """Try up to `most` steps, until the seconds clock[UNTIL] are reached; as `march`, or TOO_ROUGH.
 
     Given
         c, scheme, models   as in `march`
@@ -210,8 +210,6 @@ def adapt(c, scheme, models, clock, counts, fine, coarse, order, most, at_kicks,
         coarse   (14,) that of the motion with whole steps, or (0,)
     Filled
         kept     (K, 16); the loop ends when it is full
-    Returned
-        as `march`, or TOO_ROUGH
     """
     n = scheme.shape[1] - 1
     work, row = scratch(), layout.ENTRY_BYTES * at_kicks.shape[2]
@@ -337,10 +335,7 @@ def _tried(body, plan, torques, times, state, beside, paired, addresses, held, p
 
 @subroutine
 def _judged(clock, counts, error, h, length, order, longest):
-    """The length of the next step, and whether one of h seconds with an error is accepted.
-
-    longest   s, to which the step may grow
-    """
+    """Length of the next step, up to `longest`, s, and whether one of h s and error is accepted."""
     tolerance = clock[layout.TOLERANCE]
     accepted = error <= tolerance
     if accepted:
@@ -368,7 +363,7 @@ def _same(order):
 
 @entry_point
 def between(c, scheme, models, states, times, place, parts, within, out):
-    """States between adaptive steps, by two halves of a shorter step.
+    """States between adaptive steps, by two halves of a shorter step; returns as `march`.
 
     Given
         c, scheme, models   as in `march`
@@ -378,8 +373,6 @@ def between(c, scheme, models, states, times, place, parts, within, out):
         within   (T, 2 n + 1, columns) samples at the kicks
     Filled
         out      (T, 7) wxyz and angular velocity
-    Returned
-        as `march`
     """
     n = scheme.shape[1] - 1
     work, row = scratch(), layout.ENTRY_BYTES * within.shape[2]

@@ -71,14 +71,9 @@ _GAUSS = np.array(
 
 @sized_entry_point
 def flow(c, t, q, w):
-    """Move a state to time t.
+    """Move a state q (4, 2), principal axes to inertial, and w (3, 2), rad/s over these, to time t.
 
-    Given
-        c  the record (records.CONSTANTS) of the motion that starts with it
-        t  pair, s
-    Changed
-        q  (4, 2) unit quaternion, principal axes to inertial, pairs
-        w  (3, 2) rad/s over the principal axes, pairs
+    All are pairs; c is the record (records.CONSTANTS) of the motion that starts with the state.
     """
     if max(abs(w[0, 0]), abs(w[1, 0]), abs(w[2, 0])) < _AT_REST:
         return
@@ -290,13 +285,10 @@ def _cosine_and_sine(turns):
 
 @sized_entry_point
 def change_axes(q, axes, rounded, sense):
-    """q becomes q times the quaternion of a rotation or, for a sense of -1, times its inverse.
+    """q (4, 2) becomes q times the quaternion of a turn or, for a sense of -1, times its inverse.
 
-    Given
-        axes   (3, 3, 2) the rotation matrix, pairs
-        rounded   (4,) its quaternion, rounded
-    Changed
-        q      (4, 2) pairs, left at unit length
+    axes (3, 3, 2) is the rotation matrix, pairs; rounded (4,) its quaternion.  q is left of unit
+    length.
     """
     s = _quaternion(axes, rounded)
     for k in range(1, 4):
@@ -334,14 +326,10 @@ def strike(moments, axes, q, w, in_body, in_space):
 
 @sized_entry_point
 def exchange(moments, axes, new_moments, new_axes, w):
-    """Give a body other moments and axes at the same angular momentum.
+    """Give a body other moments and axes, as in `strike`, at the same angular momentum.
 
-    Given
-        moments, axes          as in `strike`
-        new_moments, new_axes  of the body afterwards
-    Changed
-        w    (3, 2) rad/s over the principal axes, afterwards the new ones; infinite about an axis
-             without inertia
+    w (3, 2), rad/s over the principal axes, afterwards the new ones, is changed; it is infinite
+    about an axis without inertia.
     """
     momentum = np.zeros((3, 2))
     for k in range(3):
@@ -538,13 +526,10 @@ def join_members(records, moments, axes, principal, length, q, w, in_body, in_sp
 
 @entry_point
 def exchange_members(moments, axes, new_moments, new_axes, w):
-    """Give all members one other body at the same angular momentum.
+    """Give all members, as in `join_members`, one other body at the same angular momentum.
 
-    Given
-        moments, axes          (1 or N, ...) as in `join_members`
-        new_moments, new_axes  (3, 2), (3, 3, 2) of the body afterwards
-    Changed
-        w    (N, 3, 2) rad/s over the principal axes
+    new_moments (3, 2) and new_axes (3, 3, 2) are those of the body afterwards; w (N, 3, 2), rad/s
+    over the principal axes, is changed.
     """
     for b in range(len(w)):
         i, j = b if len(moments) > 1 else 0, b if len(axes) > 1 else 0
@@ -553,8 +538,7 @@ def exchange_members(moments, axes, new_moments, new_axes, w):
 
 @entry_point
 def evaluate_members(constants, starts, t, t_low, wxyz, rates, column):
-    """As `evaluate_arcs` for N members: constants (N, K), starts (K, 2); wxyz (N, 4, T), rates (N,
-    3, T).
+    """`evaluate_arcs` of N members: constants (N, K), starts (K, 2); wxyz, rates (N, 4 or 3, T).
 
     Returns -1, or the first member with an epoch beyond its reach.
     """

@@ -46,9 +46,7 @@ def nodes(count: int) -> FloatArray:
 
 
 def coefficients(values: ArrayLike) -> FloatArray:
-    """Chebyshev coefficients (count, ...) of the polynomial through values (count, ...) at the
-    nodes.
-    """
+    """Chebyshev coefficients (count, ...) of the polynomial of values (count, ...) at nodes."""
     values = np.asarray(values, dtype=np.float64)
     count = len(values)
     order = np.arange(count)
@@ -62,9 +60,7 @@ def coefficients(values: ArrayLike) -> FloatArray:
 
 
 def evaluate(table: FloatArray, piece: NDArray[np.integer[Any]], x: FloatArray) -> FloatArray:
-    """Values at N epochs of the polynomials of their pieces (N,) at x (N,), by Clenshaw's
-    recurrence.
-    """
+    """Values at x (N,) of the polynomials of their pieces (N,), by Clenshaw's recurrence."""
     out = np.empty((*table.shape[1:-1], len(x)))
     for start in range(0, len(x), _CHUNK):
         chunk = slice(start, start + _CHUNK)
@@ -102,10 +98,7 @@ def _clenshaw(table, piece, x):
 
 @quickly_compiled
 def place_equal(hi, lo, base_hi, base_lo, least, most, width, pieces, piece, x):
-    """Fill piece and x for pieces of one width in seconds.
-
-    Returns -1, or the index of an epoch outside of least..most seconds after the start.
-    """
+    """Fill piece, x for pieces of one width, s; -1, or an epoch out of least..most after start."""
     step = 0 if lo.size == 1 else 1
     outside = -1
     for k in range(hi.size):
@@ -143,10 +136,7 @@ def place_cells(hi, lo, base_hi, base_lo, least, most, width, cells, starts, wid
 
 @quickly_compiled
 def place_knots(hi, lo, base_hi, base_lo, knots, knots_low, piece, x):
-    """As `place_equal`, for pieces between ascending knots (pieces + 1,), seconds in two doubles.
-
-    Returns -1, or the index of an epoch outside of the knots.
-    """
+    """`place_equal` for pieces between ascending knots (pieces + 1,), seconds in two doubles."""
     step = 0 if lo.size == 1 else 1
     outside = -1
     last = knots.size - 1
@@ -211,9 +201,7 @@ def _four_at_once(rows, first, count, t):
 
 @quickly_compiled
 def values(records, skip, count, piece, x, factor, out):
-    """Fill out (3, N) with the vector at each epoch times a factor; eight of one piece at once, by
-    SIMD.
-    """
+    """Fill out (3, N) with vectors at epochs times a factor; eight of a piece at once, by SIMD."""
     out_a, out_b, out_c = out[0], out[1], out[2]
     for first in range(0, piece.size, 8):
         row = piece[first]

@@ -188,12 +188,10 @@ def stream_rows(x, y, z, out, head, spans):
 
 @force_inlined
 def _stream_row(values, row, head, spans):
-    """Store the whole lines of epochs start to stop of a row past the caches, and its ends.
+    """Store whole lines of the epochs start to stop of a row (T,) past the caches, and its ends.
 
-    Given
-        values      (stop - head,) the row at epochs head to stop
-        row        (T,) a contiguous row of the result
-        spans      the first epoch of the motion, of the block, that after the block, after the last
+    values (stop - head,) is the row at the epochs head to stop; spans are the first epoch of the
+    motion, of the block, that after the block, and after the last.
     """
     first, start, stop, end = spans
     past = past_line(row)
@@ -417,8 +415,7 @@ def sums_of_columns(c, d, block, first, n, places, out, streams):
                    after them, are triangular
         block      rows that `tangents` filled
         first, n   the first epoch, a multiple of 8, and the epochs of the block
-        streams    whether the lines of the cache of `out` start at the places and are stored past
-                   it
+        streams    whether lines of the cache of `out` start at the places and are stored past it
     Filled
         out        flat array: the sums xx, xy, xz, yx, yy, yz, zx, zy, zz of the epochs first to
                    n - 1, rounded up to eight, at nine places + the number of the epoch

@@ -72,7 +72,7 @@ _MOST_PARTS = 2 * 2 * 4 * 4 * 8
 
 @sized_entry_point
 def classify_all(moments, wxyz, omega, constants):
-    """Check, scale and sort B states.
+    """Check, scale and sort B states; how many have a fault, are uniform, and need D2 exactly.
 
     Given
         moments    (B, 3, 2) principal moments of inertia, pairs, any unit and order
@@ -81,8 +81,6 @@ def classify_all(moments, wxyz, omega, constants):
     Filled
         constants  (B,) fault, mode (as far as it does not depend on D2), form, the scaled state,
                    its ascending order, and D2 to the rounding of its terms
-    Returned
-        how many have a fault, rotate uniformly, and need D2 computed exactly
     """
     faults = uniform = cancelled = 0
     for b in range(len(constants)):

@@ -197,10 +197,8 @@ def _amplitudes(state, one):
 def _precession(state, one, less, action, rate):
     """d of twice the precession rate (rad per scaled second), of one of the two periods.
 
-    Given
-        less    the mean of sn^2 over the period less that at the epoch
-        action  J 2 pi f = 2 E - 2 lambda L
-        rate    d ln f
+    less is the mean of sn^2 over the period less that at the epoch, action J 2 pi f = 2 E - 2
+    lambda L, rate d ln f.
     """
     (i1, i2, i3), (w1, w2, w3), (_d12, d23, d13), (a1, _a2, a3), _, size, _, (m, _) = state
     x1, x2, x3, y1, y2, y3 = one
@@ -310,9 +308,7 @@ def ellipticity(c):
 
 @subroutine
 def passage(c):
-    """A pair a with exp(-2|y|) = 2^(-a |dx|), Q' = 2^(-a/2): motions about the middle axis keep all
-    digits.
-    """
+    """A pair a with exp(-2|y|) = 2^(-a |dx|), Q' = 2^(-a/2): all digits about the middle axis."""
     if c.winds == 0.0:
         return TWO_OVER_LOG_2, 0.0
     # K' = pi/2 over the mean of 1 and sqrt(m)

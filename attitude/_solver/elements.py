@@ -100,9 +100,7 @@ class Tangents(NamedTuple):
 
 
 def tangents_by_elements(c: Any) -> Tangents:
-    """The derivatives by the elements of a record of `records.CONSTANTS`, by complex steps in the
-    series of `_form`.
-    """
+    """Derivatives by elements of a `records.CONSTANTS`, by complex steps in series of `_form`."""
     hyperbolic = c["form"] == codes.HYPERBOLIC
     if c["form"] == codes.UNIFORM or (hyperbolic and c["winds"] == 0.0):
         raise AttitudeError(
@@ -218,20 +216,18 @@ def state_of(elements: Elements) -> tuple[FloatArray, FloatArray]:
 class _Form(NamedTuple):
     """What follows from the elements, real or with a complex step.
 
-    extremes: largest |z| along each axis; inverse: L over each moment.  Their product is the
-    amplitude of the angular velocity, that times quotients the factor of its quotient of theta
-    functions, whose nome is given.  stretch: T, or 1; shift: d over pi/2, or 0; second, third:
-    ln rho and X, near the separatrix d and Q'.
+    Amplitudes of the angular velocity are extremes times inverse, factors of its quotients of theta
+    functions, whose nome is given, these times quotients.
     """
 
-    extremes: Any
-    inverse: Any
+    extremes: Any  # largest |z| along each axis
+    inverse: Any  # L over each moment
     quotients: Any
     nome: complex
-    stretch: complex
-    shift: complex
-    second: complex
-    third: complex
+    stretch: complex  # T, or 1
+    shift: complex  # d over pi/2, or 0
+    second: complex  # ln rho, near the separatrix d
+    third: complex  # X, near the separatrix Q'
 
 
 def _form(

@@ -236,8 +236,7 @@ def refusal(constants: Any, t: FloatArray, t_low: FloatArray | None) -> str:
 
 
 def writable(array: Any) -> Any:
-    """The array, or a contiguous copy of one that is read-only or strided: numba would compile
-    everything anew for its type."""
+    """The array; of a read-only or strided one, for which numba compiles anew, a plain copy."""
     return array if array.flags.carray else copy_of(array)
 
 

@@ -94,14 +94,12 @@ _UNIT = np.eye(4)
 
 @sized_entry_point
 def attach_all(wxyz, wxyz_low, principal, constants):
-    """Fill the frame and the axes of those of B motions that tumble.
+    """Fill the frame and the axes in constants (B,) (records.CONSTANTS) of the motions that tumble.
 
     Given
         wxyz       (B, 4) body to inertial at the epoch, of any length
         wxyz_low   (1 or B, 4) second doubles of wxyz, then of unit length; or zeros
         principal  (1 or B, 4) principal axes to given body axes
-    Filled
-        constants  (B,) frame and axes (records.CONSTANTS)
     """
     for b in range(len(constants)):
         c = constants[b]
@@ -134,9 +132,7 @@ def product(p, q):
 
 @subroutine
 def at_start(wxyz, low):
-    """The unit quaternion of the epoch: wxyz of any length, or wxyz + low of unit length if low is
-    not zero.
-    """
+    """The unit quaternion of wxyz of any length, or wxyz + low of unit length if low is not 0."""
     return wxyz if any_of(low) else unit(wxyz)
 
 

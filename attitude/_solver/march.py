@@ -61,7 +61,7 @@ def march(c, scheme, models, state, start, h, steps, at_kicks, kept, every):
 
 @sized_entry_point
 def revisit(c, scheme, models, states, starts, h, place, steps, parts, at_kicks, within, out):
-    """States between steps: from kept states by whole steps, then a part of one.
+    """States between steps: from kept ones by whole steps, then a part of one; returns as `march`.
 
     Given
         c, scheme, models, h   as in `march`
@@ -73,8 +73,6 @@ def revisit(c, scheme, models, states, starts, h, place, steps, parts, at_kicks,
         within   (T, n + 1, columns) samples at the kicks of the parts
     Filled
         out      (T, 7) wxyz and angular velocity
-    Returned
-        as `march`
     """
     n = scheme.shape[1] - 1
     work, row = scratch(), layout.ENTRY_BYTES * at_kicks.shape[2]
@@ -131,15 +129,9 @@ def _walked(body, plan, torques, now, start, h, steps, kicks_of, number, parts, 
 
 @entry_point
 def accelerations(c, models, states, times, at_kicks, out):
-    """Angular accelerations at some states.
+    """Angular accelerations, out (T, 3), rad/s2 over principal axes, at states; returns as `march`.
 
-    Given
-        c, models, at_kicks as in `march`, a row of `at_kicks` for each state
-        states   (T, 14), times (T,) s
-    Filled
-        out      (T, 3) rad/s2 over the principal axes
-    Returned
-        as `march`
+    states are (T, 14), times (T,) s; c, models, at_kicks as in `march`, a row of these a state.
     """
     body, torques = body_of(c), torques_of(models)
     k1, k2, k3 = gains(body[0])
@@ -159,10 +151,7 @@ def accelerations(c, models, states, times, at_kicks, out):
 
 @entry_point
 def slips(c, models, states, times, at_kicks, out):
-    """The turns of the body under its momentum at some states.
-
-    Arguments and answer as of `accelerations`; out (T, 3) rad/s.
-    """
+    """The turns, out (T, 3) rad/s, of the body under its momentum; the rest as `accelerations`."""
     body, torques = body_of(c), torques_of(models)
     work, samples, row = scratch(), at_kicks.ctypes.data, layout.ENTRY_BYTES * at_kicks.shape[1]
     for i in range(len(times)):
@@ -176,17 +165,10 @@ def slips(c, models, states, times, at_kicks, out):
 
 @entry_point
 def kicks(c, models, states, times, lengths, cubes, at_kicks, out):
-    """Apply the torques to some states, as in a step.
+    """Apply the torques to some states, as in a step: out (T, 14), the states after.
 
-    Given
-        c, models, at_kicks as in `march`, a row of `at_kicks` for each state
-        states   (T, 14), times (T,) s
-        lengths  (T,) s for which the torques act, at a fixed attitude
-        cubes    (T,) s3, coefficient of the force gradient times the cube of the step
-    Filled
-        out      (T, 14) the states after
-    Returned
-        as `march`
+    Arguments and answer as in `accelerations`; lengths (T,) s for which torques act, at a fixed
+    attitude; cubes (T,) s3, coefficient of the force gradient times the cube of the step.
     """
     body, torques = body_of(c), torques_of(models)
     work, samples, row = scratch(), at_kicks.ctypes.data, layout.ENTRY_BYTES * at_kicks.shape[1]
@@ -215,10 +197,10 @@ def kicks(c, models, states, times, lengths, cubes, at_kicks, out):
 def march_members(c, scheme, models, states, start, h, steps, number, parts, at_kicks, within, out):
     """Take `steps` steps with each of N states, and parts of steps to epochs between.
 
+    Returns as `march`, and the member.
+
     Given
-        c        (1 or N, 30) numbers of the bodies, scheme (3, n + 1), models (1 or N, M, 5):
-                 `march_layout`
-        start    number of steps from the epoch to the first, a double; h s, of either sign
+        c        (1 or N, 30), scheme (3, n + 1), models (1 or N, M, 5), start, h: as in `march`
         number   (T,) whole steps from the first to the one before each epoch, ascending, at most
                  `steps`
         parts    (T,) s after those, less than a step
@@ -228,9 +210,6 @@ def march_members(c, scheme, models, states, start, h, steps, number, parts, at_
         states   (N, 14) as in step, over the principal axes in ascending order
     Filled
         out      (N, T, 7) wxyz and angular velocity
-    Returned
-        FINE, BAD_TORQUE or TOO_LONG; the seconds at which; for TOO_LONG the angle turned between
-        torques over the step, rad/s; and the member
     """
     work, row = scratch(), layout.ENTRY_BYTES * at_kicks.shape[1]
     plan = scheme.ctypes.data, scheme.shape[1] - 1

@@ -329,9 +329,7 @@ _APART = 2.0**-20
 
 @subroutine
 def approach(tensor, exponent, t, axes, wxyz, w):
-    """Turn the matrix of w and its axes to axes of the tensor; t, axes (3, 3), wxyz (4,) are
-    memory.
-    """
+    """Turn the matrix of w, and its axes, to axes of the tensor; t, axes, wxyz are memory."""
     for i in range(3):
         for j in range(3):
             t[i, j] = math.ldexp(tensor[i, j], -exponent)
@@ -530,18 +528,16 @@ def _put_differences(w, x, z, tempo, out):
 class PrincipalAxes(NamedTuple):
     """Principal moments and axes of B symmetric tensors, whose doubles are taken as exact.
 
-    words: (B, 7 KEPT), the moments and the axes to 115 digits, integers of `wide`.
-    moments: (B, 3, 2), pairs of doubles in the unit of the tensors: ascending, of a diagonal tensor
-        its diagonal. A least moment that is zero within rounding is 0; the body is then a rod.
-    axes: (B, 3, 3, 2), pairs of doubles: unit columns over the body axes, right-handed.  The
-        largest component of each is positive, except where that would make the third left-handed.
-    wxyz: (B, 4), unit quaternions from the principal axes to the body axes, w >= 0.
+    moments: pairs of doubles in the unit of the tensors: ascending, of a diagonal tensor its
+        diagonal.  A least moment that is zero within rounding is 0; the body is then a rod.
+    axes: pairs of doubles: unit columns over the body axes, right-handed.  The largest component
+        of each is positive, except where that would make the third left-handed.
     """
 
-    words: NDArray[np.int64]
-    moments: FloatArray
-    axes: FloatArray
-    wxyz: FloatArray
+    words: NDArray[np.int64]  # (B, 7 KEPT), moments and axes to 115 digits, integers of `wide`
+    moments: FloatArray  # (B, 3, 2)
+    axes: FloatArray  # (B, 3, 3, 2)
+    wxyz: FloatArray  # (B, 4), unit quaternions, principal axes to body axes, w >= 0
 
     @classmethod
     def of(cls, tensors: FloatArray) -> PrincipalAxes:
@@ -557,9 +553,7 @@ class PrincipalAxes(NamedTuple):
         return axes
 
     def over_axes(self, omega: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Angular velocities (N, 3) over the principal axes, (N, 3, 2), and differences (N, 3, 2)
-        beside them.
-        """
+        """Angular velocities (N, 3) over principal axes, (N, 3, 2), and differences (N, 3, 2)."""
         rates, differences = np.empty((len(omega), 3, 2)), np.empty((len(omega), 3, 2))
         _over_axes_all(self.words, omega, rates, differences)
         return rates, differences

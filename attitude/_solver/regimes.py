@@ -52,14 +52,7 @@ _TAIL = 42.0
 
 @sized_entry_point
 def regimes_all(moments, constants, out):
-    """Fill the regimes (B,) of B states.
-
-    Given
-        moments    (B, 3, 2) pairs, from which the constants were computed
-        constants  (B,) records (records.CONSTANTS)
-    Filled
-        out        (B,) of REGIME
-    """
+    """Fill out (B,) of REGIME, from pairs of moments (B, 3, 2) and their records.CONSTANTS (B,)."""
     for b in range(len(out)):
         c, o = constants[b], out[b]
         largest = max(moments[b, 0, 0], moments[b, 1, 0], moments[b, 2, 0])
@@ -217,14 +210,11 @@ def _between(field, x, y):
 
 @sized_entry_point
 def mean_speeds(regimes, out):
-    """Fill the time averages (N,) of the magnitude of the angular velocity, rad/s.
+    """Fill the time averages (N,) of |angular velocity|, rad/s, from regimes (N,) of REGIME.
 
-    The magnitude is sqrt(s0^2 cn^2 + s1^2 sn^2).  In x = ln tan(am u) the average is an integral
-    over the whole line of a function that is analytic for |Im x| < pi/2 at any modulus: the
-    trapezoidal sum has all digits, also where the period is 1e100 flips long.
-
-    Given
-        regimes  (N,) of REGIME
+    It is sqrt(s0^2 cn^2 + s1^2 sn^2).  In x = ln tan(am u) the average is an integral over the
+    whole line of a function that is analytic for |Im x| < pi/2 at any modulus: the trapezoidal sum
+    has all digits, also where the period is 1e100 flips long.
     """
     for b in range(len(out)):
         o = regimes[b]
@@ -364,16 +354,11 @@ def _solved(a, b, c, long_axis, ratio, farthest):
 
 @sized_entry_point
 def positions_all(moments, long_axis, ratios, out):
-    """Fill y, 1 - y and P_psi for L = 1 of given P_psi / P_phi of the long axis.
+    """Fill out (N, 3): y, 1 - y and P_psi for L = 1 of given P_psi / P_phi (N,) of the long axis.
 
-    The ratio falls from infinity on the separatrix to its limit for rotation about the axis, so
-    that there is at most one D.
-
-    Given
-        moments (N, 3) ascending; long_axis (N,) booleans; ratios (N,)
-    Filled
-        out (N, 3); NaN where the ratio is below its limit, or so large that D is within 1e-300 of
-        the separatrix
+    The ratio falls from infinity on the separatrix to its limit for rotation about the axis: there
+    is at most one D.  NaN where it is below its limit, or so large that D is within 1e-300 of the
+    separatrix.  moments (N, 3) ascend; long_axis (N,) are booleans.
     """
     for n in range(len(out)):
         a, b, c = moments[n, 0], moments[n, 1], moments[n, 2]

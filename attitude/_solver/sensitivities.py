@@ -45,10 +45,7 @@ _MOST_GROWTH = 280.0
 def tangents_of(
     moments: FloatArray, wxyz: FloatArray, principal: FloatArray, constants: NDArray[Any]
 ) -> NDArray[Any]:
-    """The derivatives of the elements of B motions, constants (B,).
-
-    AttitudeError for a motion without derivatives; see `why_none`.
-    """
+    """Derivatives of the elements of B motions; AttitudeError where there are none: `why_none`."""
     lacking = without_derivatives(moments, constants)
     if len(lacking):
         raise AttitudeError(why_none(moments[lacking[0]]))
@@ -117,8 +114,7 @@ def evaluate_all(
     all_digits: bool = True,
     factors: FloatArray | None = None,
 ) -> int:
-    """Fill attitude, omega (B, 3, P, T) with the derivatives of B motions at epochs t, t_low (1 or
-    B, T).
+    """Fill attitude, omega (B, 3, P, T) with derivatives of B motions at t, t_low (1 or B, T).
 
     Returns -1, or the number of a body with an epoch beyond its reach; then not all are filled.
 
@@ -164,13 +160,11 @@ def _refuse(constants, tangents, body, t, t_low, edges=None):
 class Factored(NamedTuple):
     """What `covariances` needs of B motions and the covariances of their parameters.
 
-    factors: (B, 9, 9), W of covariances W W^T, such that W^T makes the columns triangular.
-    tangents: (B,) structured, those of parameters of which the given ones are combinations by the
-        factors.
+    tangents: of parameters of which the given ones are combinations by the factors.
     """
 
-    factors: FloatArray
-    tangents: NDArray[Any]
+    factors: FloatArray  # (B, 9, 9), W of covariances W W^T; W^T makes columns triangular
+    tangents: NDArray[Any]  # (B,)
 
 
 def factored(constants: NDArray[Any], tangents: NDArray[Any], factors: FloatArray) -> Factored:
@@ -338,13 +332,7 @@ class Derivatives(ABC):
 
 
 class Sensitivity(Derivatives):
-    """The derivatives of one motion at any epoch.
-
-    Parameters
-    ----------
-    moments, wxyz, principal, constants
-        Of `tangents_of`, of one motion.
-    """
+    """The derivatives of one motion, with the arguments of `tangents_of`, at any epoch."""
 
     def __init__(
         self,

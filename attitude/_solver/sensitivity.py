@@ -117,16 +117,14 @@ def uniform_setup(moments, wxyz, principal, constants, tangents):
 
 @slowly_compiled
 def tumbling_setup(moments, wxyz, principal, constants, tangents, block):
-    """Fill the records of those of B motions that tumble.
+    """Fill tangents (B,) of records.TANGENTS, zeros at first, of those of B motions that tumble.
 
     Given
         moments    (B, 3, 2) principal moments, pairs, all above zero
         wxyz       (B, 4) body to inertial at the epoch, of any length
         principal  (1 or B, 4) principal axes to given body axes
-        constants  (B,) of records.CONSTANTS.CONSTANTS
+        constants  (B,) of records.CONSTANTS
         block      (ROWS BLOCK,) working memory
-    Filled
-        tangents   (B,) of records.TANGENTS, zeros at first
     """
     epochs = np.zeros(2 * MOST_SPANS - 1)
     for b in range(len(constants)):
@@ -183,10 +181,7 @@ def _count_spans(d, j, epochs, block):
 
 @subroutine
 def _state(c, d, moments, wxyz, to_body):
-    """Fill attitude and momentum at the epoch, inverse inertia and principal axes.
-
-    Returns the power of two by which the moments are scaled.
-    """
+    """Fill attitude, momentum, inverse inertia, axes at the epoch; n: moments scaled by 2^n."""
     inertia = math.frexp(max(moments[0, 0], moments[1, 0], moments[2, 0]))[1]
     d.moment_unit = math.ldexp(1.0, -inertia)
     start = unit(wxyz)

@@ -159,14 +159,10 @@ def farthest_near(t, edges, reach, out):
 
 @slowly_compiled
 def short_setup(constants, tangents, motions, span, spans, out):
-    """Fill the series of SHORT of M of B motions; none of one at rest.
+    """Fill out (M + sum of (spans - 1),), series of SHORT of M of B motions; none of one at rest.
 
-    Given
-        motions  (M,) numbers of the motions
-        span     (B,) of `spans_of`
-        spans    (M, 2) number of series to later and to earlier epochs
-    Filled
-        out      (M + sum of (spans - 1),)
+    motions (M,) are numbers of the motions, span (B,) of `spans_of`, spans (M, 2) numbers of series
+    to later and to earlier epochs.
     """
     w, turn = np.zeros(3 * TERMS), np.zeros(3 * TERMS * _LANES)
     dw, momentum = np.zeros(3 * TERMS * _LANES), np.zeros(3 * TERMS * _LANES)
@@ -356,10 +352,7 @@ def _at_end(a, side):
 
 @subroutine
 def _turn(w, axes, turn, s):
-    """The columns of the rotation from principal to inertial axes, in t / s.unit: R' = R w x.
-
-    From those at 0.
-    """
+    """Columns of the turn, principal to inertial, from those at 0, in t / s.unit: R' = R w x."""
     for j in range(3):
         for i in range(3):
             turn[_LANES * j * TERMS + i] = axes[i, j]
@@ -581,10 +574,7 @@ def fill_slow(c, d):
 
 @subroutine
 def slow_reach(d):
-    """The seconds to either side of the epoch within which a needle precesses by `_FAR` at most.
-
-    -1 of other motions.
-    """
+    """s to either side of the epoch in which a needle precesses by `_FAR` at most; else -1."""
     if d.slow[0] == 0.0:
         return -1.0
     return _FAR / (2.0 * math.pi * abs(d.slow[0]))

@@ -87,21 +87,15 @@ class Source(Protocol):
 class States:
     """States of B bodies, as the compiled solution takes them.
 
-    moments: (1 or B, 3) or (1 or B, 3, 2), principal moments.
-    principal: (1 or B, 4), unit quaternions from principal to body axes.
-    omega: (B, 3) or (B, 3, 2), rad/s over the principal axes.  Of both the last axis has pairs of
-        doubles; without it the second doubles are zero.
-    differences: (B, 3, 2) array or None, see `PrincipalAxes.over_axes`; NaN for states without.
-    wxyz, low: (B, 4) arrays, attitudes of the body axes; `low`, their second doubles, is None if
-        all are zero.
+    The last axis of moments and omega may have pairs of doubles; without it second ones are zero.
     """
 
-    moments: FloatArray
-    principal: FloatArray
-    omega: FloatArray
-    differences: FloatArray | None
-    wxyz: FloatArray
-    low: FloatArray | None = None
+    moments: FloatArray  # (1 or B, 3) or (1 or B, 3, 2), principal moments
+    principal: FloatArray  # (1 or B, 4), unit quaternions from principal to body axes
+    omega: FloatArray  # (B, 3) or (B, 3, 2), rad/s over the principal axes
+    differences: FloatArray | None  # (B, 3, 2), see `PrincipalAxes.over_axes`; NaN: none
+    wxyz: FloatArray  # (B, 4), attitudes of the body axes
+    low: FloatArray | None = None  # (B, 4), their second doubles; None if all are zero
 
     @classmethod
     def of_principal_axes(cls, moments: FloatArray, omega: FloatArray) -> States:
@@ -175,16 +169,11 @@ class States:
 
 
 class StatesOfTensors(NamedTuple):
-    """States of B bodies over axes that are not principal; these are found block by block.
+    """States of B bodies over axes that are not principal; these are found block by block."""
 
-    tensors: (B, 3, 3), whose doubles are exact.
-    wxyz: (B, 4)
-    omega: (B, 3), rad/s over the body axes.
-    """
-
-    tensors: FloatArray
-    wxyz: FloatArray
-    omega: FloatArray
+    tensors: FloatArray  # (B, 3, 3), whose doubles are exact
+    wxyz: FloatArray  # (B, 4)
+    omega: FloatArray  # (B, 3), rad/s over the body axes
 
     def prepared(self, numbers: range | IntArray, *, rates: bool = True) -> Solved:
         """The constants of some states, those of the angular velocity only with rates."""
@@ -301,18 +290,13 @@ _LONG_RUN = 64
 class Results(NamedTuple):
     """Arrays to be filled, of B states at T epochs each; None for what is not computed.
 
-    wxyz: (B, 4, T), attitudes, body to inertial.
-    rates: (B, 3, T), angular velocities, rad/s over the body axes.
-    columns, rate_columns: (B, 3, 9, T), the derivatives of attitudes, and of angular velocities.
-        `sensitivities` has the parameters.
-
-    Of rows, each of one state: (4, R), (3, R), (3, 9, R).
+    Of R rows, each of one state: (4, R), (3, R), (3, 9, R).  `sensitivities` has the 9 parameters.
     """
 
-    wxyz: FloatArray | None = None
-    rates: FloatArray | None = None
-    columns: FloatArray | None = None
-    rate_columns: FloatArray | None = None
+    wxyz: FloatArray | None = None  # (B, 4, T), attitudes, body to inertial
+    rates: FloatArray | None = None  # (B, 3, T), angular velocities, rad/s over the body axes
+    columns: FloatArray | None = None  # (B, 3, 9, T), derivatives of attitudes
+    rate_columns: FloatArray | None = None  # (B, 3, 9, T), of angular velocities
 
     def mapped(self, function: Callable[[FloatArray], FloatArray]) -> Results:
         """Those arrays after a function of each."""
@@ -322,11 +306,8 @@ class Results(NamedTuple):
 class Evaluation:
     """Attitudes and derivatives of states at epochs.
 
-    source: States, StatesOfTensors or Solved.
-    label: name of a state in errors, by its number; empty where there is one.
     raises: whether states that are not physical or, of derivatives, rods, and epochs beyond the
         reach of a state are refused; otherwise they give NaN.
-    all_digits: as in `sensitivities.evaluate_all`.
     """
 
     __slots__ = "all_digits", "label", "raises", "source"
@@ -339,9 +320,9 @@ class Evaluation:
         all_digits: bool = True,
     ) -> None:
         self.source = source
-        self.label = label
+        self.label = label  # name of a state in errors, by its number; empty for one state
         self.raises = raises
-        self.all_digits = all_digits
+        self.all_digits = all_digits  # as in `sensitivities.evaluate_all`
 
     def grid(self, t: Seconds, out: Results, threads: int = 1, first: int = 0) -> None:
         """Fill results of B states, from number `first` on, at T epochs each; t (1 or B, T)."""
@@ -372,10 +353,9 @@ class Evaluation:
     def rows(
         self, member: IntArray, t: Seconds, order: IntArray | None, out: Results, threads: int = 1
     ) -> None:
-        """Fill results of R rows, each of one state.
+        """Fill results of R rows at t (R,), each of the state member (R,).
 
-        Shapes: member, t (R,); order (R,), in which those of one state stand together, or None if
-        they do already.
+        Rows of one state stand together, or do so in `order` (R,).
         """
         if not len(member):
             return
@@ -492,9 +472,7 @@ class Evaluation:
 
 
 def _attitudes(solved, t, wxyz, rates, span):
-    """Fill attitudes and rates of a block of states; -1, or the number of a state with an epoch
-    beyond its reach.
-    """
+    """Fill attitudes, rates of a block of states; -1, or a state with an epoch beyond its reach."""
     if isinstance(span, tuple):
         return evaluation.evaluate_all(solved.constants, t.hi, t.lo, wxyz, rates, *span)
     records = read_only(solved.constants)

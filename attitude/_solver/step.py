@@ -416,12 +416,7 @@ def _over_root(a):
 
 @force_inlined
 def advance(moments, k, h, state):
-    """The state after h seconds of free rotation.
-
-    Given
-        state   (4) wxyz, (3) angular velocity over the principal axes, (4) and (3) their lower
-                halves
-    """
+    """The state after h s of free rotation: wxyz (4), w (3) over principal axes, and low halves."""
     rate = rates(k, state[1])
     size, speed = speed_of(state[1], rate)
     count, piece = 1, h
@@ -448,14 +443,11 @@ _MOST: Final = 1e6
 
 @force_inlined
 def advance_two(moments, k, h, state, squares):
-    """Free motions of two bodies of the same moments.
+    """Free motions of two bodies of the same moments: states, and whether they are right.
 
-    Given
-        h, state   as in `advance`; SIMD vectors, of a lane for each body
-        squares    of the longest pieces of both (see `step.LONGEST_PIECE`)
-    Returned
-        the state, and whether it is right: not for bodies at rest, and turns by more than a right
-        angle
+    They are not for bodies at rest, and turns by more than a right angle.  h, state: as in
+    `advance`, SIMD vectors with a lane for each body; squares: of the longest pieces
+    (`step.LONGEST_PIECE`).
     """
     rate = rates(k, state[1])
     size, speed = speed_of(state[1], rate)

@@ -133,11 +133,9 @@ def unit_vector(k):
 
 @subroutine
 def fill_uniform(c, d, wxyz, principal):
-    """Fill what the scalars of `uniform_block` multiply.
+    """Fill what scalars of `uniform_block` multiply in records.TANGENTS d, of records.CONSTANTS c.
 
-    Given
-        c, d       records of records.CONSTANTS and, filled but for this, records.TANGENTS
-        wxyz, principal  attitude at the epoch, and principal to given body axes
+    wxyz: attitude at the epoch; principal: principal axes to given body axes.
     """
     pairs_of, moments = couplings_of(c), (c.moments[0, 0], c.moments[1, 0], c.moments[2, 0])
     _wobble(c, d, pairs_of)

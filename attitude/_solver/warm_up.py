@@ -20,9 +20,7 @@ from attitude._solver.records import CONSTANTS
 
 
 def compile_ahead() -> None:
-    """Compile the functions that are not in the disk cache, in a second process; not on a single
-    core.
-    """
+    """Compile what is not in the disk cache, in a second process; not on a single core."""
     if not sys.executable or _cores() < 2:
         return
     package = Path(__file__).parent.parent
