@@ -111,11 +111,9 @@ _ATTRIBUTE = "_attitude_callback"
 
 
 class Callback:
-    """A C function, compiled at the first use of its address.
+    """A C function with the arguments of `C_FUNCTION`, compiled at the first use of its address.
 
-    python: of the six arguments of `pointers.C_FUNCTION`.
-    fastmath: the argument of `numba.cfunc`.
-    kept: whether the machine code is kept on disk.
+    fastmath is the argument of `numba.cfunc`; machine code is `kept` on disk.
     """
 
     def __init__(

@@ -79,10 +79,9 @@ def is_worth_python(
 ) -> bool:
     """Whether a call of a function that takes `predicted` seconds in Python is to run there.
 
-    `kept` tells whether machine code is on the disk; otherwise compiling takes `to_compile` s.
-    `spent` are the seconds that the `calls` before have taken in Python, `steps` those of all steps
-    of the call that repeats, with those of the next one (infinite for a step of one that is
-    compiled).
+    If no machine code is `kept` on the disk, compiling takes `to_compile` s.  `spent` are the
+    seconds that the `calls` before have taken in Python, `steps` those of all steps of the call
+    that repeats, with those of the next one (infinite for a step of one that is compiled).
     """
     if _forced:
         return False

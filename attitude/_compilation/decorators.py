@@ -69,17 +69,10 @@ _NO_WORK = {"block", "records", "cells", "starts", "widths", "knots", "knots_low
 
 
 class Compilable:
-    """A function of numbers and arrays that numba can compile.
+    """A Python function of numbers and arrays that numba can compile by options of `njit`.
 
-    A call from Python runs the function in Python; compiled code calls its machine code.
-
-    python: the function in Python.
-    options: options of `numba.njit`.
-    kept: whether the machine code is kept on disk.
-
-    py_func: the function in Python.
-    targetoptions: options of `numba.njit`.  numba reads both names of a global function to inline
-        it.
+    A call from Python runs the function in Python; compiled code calls its machine code, which is
+    `kept` on disk.  numba reads py_func and targetoptions of a global function to inline it.
     is_elementwise: whether its loop is one pass over arrays in Python; see `elementwise`.
     """
 
@@ -394,9 +387,7 @@ def reduction_within(function: Callable[..., Any]) -> Compilable:
 
 
 def reduction_inlined(function: Callable[..., Any]) -> Compilable:
-    """As `reduction`, copied into callers before types are inferred: a call would stop
-    vectorisation.
-    """
+    """As `reduction`, copied into callers before types are inferred: calls stop vectorisation."""
     return Compilable(function, {**_ANY_ORDER, "inline": "always"})
 
 

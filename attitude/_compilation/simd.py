@@ -119,10 +119,7 @@ def put_eight(array: FloatArray, i: int, a: Lanes) -> None:
 
 
 def add_in_columns(array: NDArray[np.uint8], i: int, rows: Lanes, amounts: Lanes) -> None:
-    """Add amounts[k] to array[i + 8 rows[k] + k] for each lane k, modulo 256.
-
-    `array` is flat, of bytes; the rows are whole numbers from 0 on.
-    """
+    """Add amounts[k] to array[i + 8 rows[k] + k], flat, of bytes, for lanes k, modulo 256."""
     for k, (row, amount) in enumerate(zip(rows.lanes, amounts.lanes, strict=True)):
         place = int(i) + 8 * int(row) + k
         array[place] = (int(array[place]) + int(amount)) % 256
