@@ -41,16 +41,12 @@ def frozen(array: Array) -> Array:
 
 
 def read_only(array: Array) -> Array:
-    """A read-only view: to numba a writable array has another type, for which it would compile once
-    more.
-    """
+    """A read-only view: for a writable array, another type to numba, it would compile once more."""
     return frozen(array.view())
 
 
 def copied(array: Array) -> Array:
-    """A copy, made in parts between which Python acts on signals: new memory costs more than the
-    copy.
-    """
+    """A copy in parts, between which Python acts on signals: new memory costs more than copying."""
     if array.size <= _PART:
         return array.copy(order="K")
     copy = np.empty_like(array)

@@ -146,10 +146,7 @@ _called = -_RELEASE
 
 
 class ProgressBar:
-    """A function of (done, total) that draws a bar if standard error is a terminal.
-
-    label: what is computed.
-    """
+    """A function of (done, total) that draws a bar with a label if standard error is a terminal."""
 
     def __init__(self, label: str) -> None:
         self._label = label

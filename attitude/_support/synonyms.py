@@ -415,8 +415,7 @@ class Answering(metaclass=_AnsweringClass):
 def arguments(hints: Mapping[str, str], example: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
     """A decorator of a function or ``__init__``: a wrong call is an AttitudeError.
 
-    hints: what to do in place of an argument that does not exist.
-    example: a call that is right.
+    It has the hint for an argument that does not exist, and an example of a call that is right.
     """
 
     def decorated(function: Callable[P, R]) -> Callable[P, R]:
