@@ -26,10 +26,7 @@ if TYPE_CHECKING:
 
 
 def file_of(kind: str, key: str, *arrays: NDArray[Any]) -> Path | None:
-    """The file of arrays of a kind, which need not exist; None if none are kept.
-
-    key, arrays: on which they depend.
-    """
+    """The file, perhaps absent, of arrays of a kind by what they depend on; None: none are kept."""
     folder = os.environ.get("ATTITUDE_CACHE")
     if folder == "off":
         return None

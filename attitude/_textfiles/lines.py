@@ -206,24 +206,21 @@ BATCH: int = 16384
 class BulkRows:
     """Rows of a file, converted to numbers in bulk: base of the classes that collect them.
 
-    fault: makes the error for a sentence and the number of a line.
     names: the numbers of a row; "" for those without a name.
     lead: entries before the numbers, such as an epoch, or a day and its seconds.
-    holds: what a row holds, in sentences.
-    others: other count of entries -> the places of those that are read.
-    entries, lines: the entries of the rows that are not yet converted, and the line of each row.
     order, step: the places of lead and names among the entries of a row, and the count of these.
     """
 
-    holds: str = ""
+    holds: str = ""  # what a row holds, in sentences
+    # other count of entries -> the places of those that are read
     others: Mapping[int, Sequence[int]] = {}
 
     def __init__(self, fault: Fault, names: Sequence[str], lead: int = 1):
-        self.fault: Fault = fault
+        self.fault: Fault = fault  # an error of a sentence and a line
         self.names: Sequence[str] = names
         self.lead: int = lead
-        self.entries: list[bytes] = []
-        self.lines: list[int] = []
+        self.entries: list[bytes] = []  # of the rows not yet converted
+        self.lines: list[int] = []  # the line of each of these rows
         self.order: list[int] = list(range(lead + len(names)))
         self.step: int = lead + len(names)
 

@@ -31,49 +31,40 @@ if TYPE_CHECKING:
 class Form:
     """What a kind of message may hold.
 
-    kind, family: such as "AEM"; "CCSDS" or "CIC".
     versions, header, meta: the versions, and the keywords of the header and the meta data; a
         keyword that ends in * stands for all that begin so.
-    needed: keywords that the meta data must have.
-    only: keyword of the meta data -> the one version that has it.
-    blocks: block -> its keywords.
-    units: keyword -> units that may stand behind its value; a value without a unit is in the first.
-    elements: element of XML -> block.
-    rows: block with rows -> the element of XML that holds one.
-    inner: block that stands inside of another one -> that one.
-    once, repeated: blocks that a message has once, keywords that a block may have several times.
-    skipped: blocks that are not read.
-    old: keyword of version 1.0, whose blocks have no marks in KVN -> block, and keyword there.
-    groups: elements of XML that stand between a block or a row and its keywords.
-    anywhere: keywords of the meta data that stand in a block of XML.
     marks: "metadata" and "data" -> what marks them in KVN, if there are marks.  A message with
         "data" has segments, each with meta data and a block DATA; "" if the meta data end where it
         begins.
-    lenient: whether unknown meta data are left out, and the marks of DATA may be missing.
-    spaced: whether empty lines stand around the written meta data.
     """
 
-    kind: str
+    kind: str  # such as "AEM"
     versions: tuple[str, ...]
     header: tuple[str, ...]
     meta: tuple[str, ...] = ()
-    family: str = "CCSDS"
-    needed: tuple[str, ...] = ()
+    family: str = "CCSDS"  # or "CIC"
+    needed: tuple[str, ...] = ()  # keywords that the meta data must have
+    # keyword of the meta data -> the one version that has it
     only: Mapping[str, str] = field(default_factory=dict)
-    blocks: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    blocks: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # block -> its keywords
+    # keyword -> units that may stand behind its value; a value without a unit is in the first
     units: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    elements: Mapping[str, str] = field(default_factory=dict)
+    elements: Mapping[str, str] = field(default_factory=dict)  # element of XML -> block
+    # block with rows -> the element of XML that holds one
     rows: Mapping[str, str] = field(default_factory=dict)
+    # block that stands inside of another one -> that one
     inner: Mapping[str, str] = field(default_factory=dict)
-    once: tuple[str, ...] = ()
-    repeated: tuple[str, ...] = ()
-    skipped: tuple[str, ...] = ()
+    once: tuple[str, ...] = ()  # blocks that a message has once
+    repeated: tuple[str, ...] = ()  # keywords that a block may have several times
+    skipped: tuple[str, ...] = ()  # blocks that are not read
+    # keyword of version 1.0, whose blocks have no marks in KVN -> block, and keyword there
     old: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    # elements of XML that stand between a block or a row and its keywords
     groups: tuple[str, ...] = ()
-    anywhere: tuple[str, ...] = ()
+    anywhere: tuple[str, ...] = ()  # keywords of the meta data that stand in a block of XML
     marks: Mapping[str, str] = field(default_factory=dict)
-    lenient: bool = False
-    spaced: bool = False
+    lenient: bool = False  # unknown meta data are left out, and marks of DATA may be missing
+    spaced: bool = False  # whether empty lines stand around the written meta data
 
     def meta_of(self, version: str) -> tuple[str, ...]:
         """The keywords of the meta data in a version, in their order."""
