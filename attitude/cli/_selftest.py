@@ -41,16 +41,13 @@ _PACKAGES = ("numpy", "scipy", "astropy", "skyfield", "numba", "llvmlite")
 
 @dataclass(frozen=True)
 class CheckResult:
-    """Errors and cost found by the self-test.
+    """Errors and cost found by the self-test."""
 
-    worst: families of states in the order of the file, each with its largest attitude error in rad
-        and relative rate error; ratio: cost of an epoch with its rates over that of numpy.sin.
-    """
-
+    # families of states as in the file: largest errors, rad, relative rate
     worst: list[tuple[str, float, float]]
     states: int
     epochs: int
-    ratio: float
+    ratio: float  # cost of an epoch with its rates over that of numpy.sin
     nanoseconds: float
     seconds: float
 
@@ -187,10 +184,7 @@ def errors_of(state: Mapping[str, Any]) -> tuple[float, float]:
 
 
 def certificates() -> list[Certificate]:
-    """Proved bounds of the errors of each stored state, at its epochs.
-
-    AttitudeError without python-flint.
-    """
+    """Proved error bounds of stored states at their epochs; AttitudeError without python-flint."""
     from attitude.proof._chain import Chain
 
     bounds = []

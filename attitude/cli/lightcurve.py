@@ -115,9 +115,7 @@ def _line(axes: Axes, t: FloatArray, y: FloatArray, color: str, label: str | Non
 
 
 def run_observed(mission: Mission, observed: str, target: str | None, figure: str | None) -> None:
-    """Write observed and computed magnitudes with a zero point a session and filter; print the rms
-    of each.
-    """
+    """Write observed and computed magnitudes, a zero point a session and filter; print each rms."""
     from attitude.epochs import _instants
     from attitude.photometry import _curve
 
