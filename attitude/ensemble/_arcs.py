@@ -48,12 +48,9 @@ def are_alike(changes: Sequence[Change]) -> bool:
 
 
 class Chains:
-    """The arcs of N members between K changes at given epochs.
+    """The arcs of N members, states at `start`, between K `changes` for which `are_alike` holds.
 
-    members, inertia: states at the epoch `start`.
-    changes: for which `are_alike` holds.
-    Failed for a member that no chain exists of.
-    AttitudeError for times that are not in order.
+    Failed for a member that no chain exists of; AttitudeError for times that are not in order.
     """
 
     def __init__(

@@ -23,29 +23,17 @@ if TYPE_CHECKING:
 
 
 class Piece(NamedTuple):
-    """Rows of which those of one member stand together.
+    """Rows of which those of one member stand together."""
 
-    place: of the rows among all.
-    member: (K,) array of int
-    t: (K,), since the epoch of the member.
-    """
-
-    place: slice | IntArray
-    member: IntArray
-    t: Seconds
+    place: slice | IntArray  # of the rows among all
+    member: IntArray  # (K,)
+    t: Seconds  # (K,), since the epoch of the member
 
 
 class MemberGrid:
-    """All of N members at T epochs.
+    """All of N = `count` members, from the number `first` on, at T epochs.
 
-    count: N.
-    t: (1 or N, T), since the epoch of the member.
     scalar: whether one epoch was given, so that the answers have no axis of epochs.
-    first: number of the first member.
-
-    shape: S: (N, T), or (N,) for one epoch.
-    member: (S) array of int
-    seconds: (S)
     """
 
     def __init__(self, count: int, t: Seconds, scalar: bool, first: int = 0) -> None:
@@ -53,9 +41,10 @@ class MemberGrid:
         # Epochs that all members share are few: a copy does not change with the caller's array.
         few = len(t.hi) == 1 and t.hi.size < 1 << 20
         hi = t.hi.copy() if few else t.hi
+        # (1 or N, T), since the epoch of the member
         self.t = Seconds(hi, t.lo).mapped(np.ascontiguousarray)
         self.length: int = t.hi.shape[1]
-        self.shape: tuple[int, ...] = (count,) if scalar else (count, self.length)
+        self.shape: tuple[int, ...] = (count,) if scalar else (count, self.length)  # S, of all
         self.member = self._over_epochs(np.arange(first, first + count)[:, None])
         self.seconds = self.t.mapped(self._over_epochs)
 
@@ -116,11 +105,8 @@ class MemberGrid:
 
 
 class MemberRows:
-    """Rows of one epoch of one of N members each.
+    """Rows of shape S, each of one epoch, since that of the member, of one of N = `count` members.
 
-    count: N.
-    member: (S) array of int
-    seconds: (S), since the epoch of the member.
     in_runs: whether rows of one member stand together, in long runs (`survey`), if known.
     """
 

@@ -136,11 +136,7 @@ _ROWS_OF_MESHES = 1 << 12
 
 
 class Light:
-    """The brightness of members with given shapes under a law.
-
-    shapes: of `known_shapes`.
-    shadows: as in `light_curve.brightness`.
-    """
+    """The brightness of members with `known_shapes`; shadows as in `light_curve.brightness`."""
 
     def __init__(
         self,

@@ -109,9 +109,7 @@ def of_rows(
 def _epochs(
     start: FloatArray, t: Any, low: ArrayLike | None
 ) -> tuple[FloatArray, FloatArray | None, bool]:
-    """Epochs in two doubles, and whether they are dates past J2000, of members with epochs of their
-    own; otherwise they are seconds as given, or since the one epoch.
-    """
+    """Epochs in two doubles, and whether they are past J2000; else s as given, or since a date."""
     if start.shape[1] != 1 and not (type(t) is np.ndarray and t.dtype == np.float64):
         kind, _, _ = _inputs.entries(t, "t", _DATES)
         if kind == "TimeDelta":
@@ -137,15 +135,12 @@ def _epochs(
 class Given(NamedTuple):
     """What a caller gave as bodies, one row for all of them or one each.
 
-    array: (1 or N, 3) or (1 or N, 3, 3), principal moments about the body axes, or tensors; kg m2,
-        or relative.
-    relative: whether the unit is unknown.
-    bodies: (1 or N,) array of Body, or None, the bodies, if objects were given.
+    array: principal moments about the body axes, or tensors; kg m2, or relative.
     """
 
-    array: FloatArray
-    relative: bool
-    bodies: NDArray[np.object_] | None
+    array: FloatArray  # (1 or N, 3) or (1 or N, 3, 3)
+    relative: bool  # whether the unit is unknown
+    bodies: NDArray[np.object_] | None  # (1 or N,) of Body, if objects were given
 
     def resolved(
         self, omega: FloatArray, raises: bool
@@ -182,17 +177,14 @@ class Inertia:
     """Moments of N bodies; arrays have the leading axis 1 if all bodies share one inertia.
 
     array, relative, bodies: as in `Given`.
-    moments: (1 or N, 3, 2), principal moments in pairs of doubles.
-    axes: (1 or N, 3, 3), columns: the principal axes in body axes.
-    principal: (1 or N, 4), the unit quaternion from principal to body axes.
     """
 
     array: FloatArray
     relative: bool
     bodies: NDArray[np.object_] | None
-    moments: FloatArray
-    axes: FloatArray
-    principal: FloatArray
+    moments: FloatArray  # (1 or N, 3, 2), principal moments in pairs of doubles
+    axes: FloatArray  # (1 or N, 3, 3), columns: the principal axes in body axes
+    principal: FloatArray  # (1 or N, 4), the unit quaternion from principal to body axes
 
     def __len__(self) -> int:
         """1, or the number of bodies."""

@@ -30,9 +30,7 @@ if TYPE_CHECKING:
 
 
 class MemberView(View):
-    """What is seen of N members at T epochs: a View of shape (N, T).
-
-    Lines of sight are those of the centre, the same for all members.
+    """What is seen of N members at T epochs: a View of shape (N, T) whose lines are to the centre.
 
     base: the scene at all epochs.
     epochs: the epochs of the history among them.
@@ -135,12 +133,8 @@ BINS = 4096
 def squared_tangents(wxyz, axis, x, y, z, out):
     """Squares of tan(angle / 2) between a body axis and directions, for N members at T epochs.
 
-    Given
-        wxyz     (N, 4, T) body to ICRF
-        axis     (3,) unit vector in body axes
-        x, y, z  (T,) unit vectors in ICRF
-    Filled
-        out      (N, T): |a - b|^2 / |a + b|^2, which keeps all digits at 0 and at pi
+    Into out (N, T): |a - b|^2 / |a + b|^2, which keeps all digits at 0 and at pi; wxyz (N, 4, T),
+    body to ICRF; unit vectors axis (3,), body axes, and x, y, z (T,), ICRF.
     """
     a, b, c = axis[0], axis[1], axis[2]
     for n in range(len(out)):
@@ -159,7 +153,7 @@ def squared_tangents(wxyz, axis, x, y, z, out):
 
 @entry_point
 def candidates(values, ranks, counts, wanted, kept, places):
-    """The numbers of a row among which those of given ranks are, by their leading bits.
+    """The count of numbers of a row among which those of given ranks are, by their leading bits.
 
     Given
         values  (N,) numbers, none of them NaN, N >= 1
@@ -168,8 +162,6 @@ def candidates(values, ranks, counts, wanted, kept, places):
     Filled
         kept    (N,) numbers that share leading bits with one of the wanted ones, in any order
         places  (R,) the ranks among these
-    Returned
-        how many numbers are kept
     """
     least = most = _key(values[0])
     for k in range(1, len(values)):
@@ -259,10 +251,7 @@ class AngleTo(Immutable):
 
 
 class Computed:
-    """A quantity that a function of an EnsembleHistory returns.
-
-    function: returns an array (N, T) for a history of that shape.
-    """
+    """A quantity (N, T) that a function returns of an EnsembleHistory of that shape."""
 
     def __init__(self, function: Callable[[Any], Any]) -> None:
         self._function = function
@@ -283,9 +272,8 @@ class Computed:
 
 
 class Seen(Computed):
-    """A quantity of a scene by its name, such as "magnitude" or "aspect_angle".
+    """A quantity of a scene with one number an epoch, by its name, such as "aspect_angle".
 
-    name: a quantity of `attitude.scene.View` with one number for each epoch.
     base: the scene at all epochs, without a motion.
     """
 

@@ -306,16 +306,11 @@ _WIDTHS = {"attitude": 3, "wxyz": 4, "angular_velocity": 3, "moments": 3}
 
 
 class Drawn(NamedTuple):
-    """States of N members.
+    """States of N members."""
 
-    wxyz: (N, 4), body to ICRF.
-    rates: (N, 3), rad/s over the body axes.
-    moments: (N, 3) array or None, principal moments; None for those of the motion.
-    """
-
-    wxyz: FloatArray
-    rates: FloatArray
-    moments: FloatArray | None
+    wxyz: FloatArray  # (N, 4), body to ICRF
+    rates: FloatArray  # (N, 3), rad/s over the body axes
+    moments: FloatArray | None  # (N, 3), principal ones; None: those of the motion
 
 
 def drawn(
