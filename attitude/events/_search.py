@@ -114,10 +114,7 @@ def _with_zeros(source, channels, blocks):
 
 
 class _Block(NamedTuple):
-    """Changes of a channel, s after a base; if step > 0, between samples, begin and end, of it.
-
-    values: (2, N) at begin and end, of brackets that `_with_zeros` takes.
-    """
+    """Changes of a channel, s after a base; if step > 0, between samples, begin and end, of it."""
 
     channel: int
     base: Pair
@@ -125,6 +122,7 @@ class _Block(NamedTuple):
     end: FloatArray
     rising: BoolArray
     step: float = 0.0
+    # (2, N) at begin and end, of brackets that `_with_zeros` takes
     values: FloatArray | None = None
 
     def changes(self) -> tuple[FloatArray, FloatArray, IntArray, BoolArray]:
@@ -295,10 +293,7 @@ def _merged(source, channels, needed, begin, end, levelled, advance):
 
 
 def _changed(condition, channels, moment, number, rising):
-    """Whether sign changes at a block of epochs change a condition, and its new states (N,).
-
-    Changes of several channels at one epoch are one change.
-    """
+    """Whether sign changes (several at an epoch are one) change a condition; new states (N,)."""
     places = {channel: k for k, channel in enumerate(condition.channels)}
     numbers_of = np.array([places.get(channel, -1) for channel in channels])[number]
     kept, states = np.zeros(len(numbers_of), bool), np.zeros(len(numbers_of), bool)
