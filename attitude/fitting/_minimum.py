@@ -47,16 +47,11 @@ _WIDE = 30.0
 
 @dataclass(frozen=True)
 class Loss:
-    """A loss and its scale.
+    """A loss and its scale."""
 
-    name: one of `NAMES`.
-    scale: in standard errors: where residuals begin to count as outliers.
-    usual: the standard error of a residual times its weight; None where it is not known.
-    """
-
-    name: str
-    scale: float
-    usual: float | None = None
+    name: str  # one of `NAMES`
+    scale: float  # in standard errors: where residuals begin to count as outliers
+    usual: float | None = None  # the standard error of a residual times its weight, if known
 
     @property
     def robust(self) -> bool:
@@ -168,23 +163,20 @@ UNKNOWN = (np.pi**2 / 3.0 + 2.0) / 3.0
 class Linearised:
     """The loss near a point.
 
-    cost: half the sum of the losses.
-    gradient: (P,), the direction of descent: minus the derivative of the cost.
     variance: of the records, in units of their standard errors: that of residuals as large as
         these; without more numbers than parameters the given one, or infinite.
     bending, normal: the second derivatives (P, P) of the cost, from first ones of the residuals:
         with the weights of the loss, and with those of the standard errors alone.
-    gap: the number of the record before which turns are not counted; 0 where there is none.
     """
 
     point: Point
     predicted: Prediction
-    cost: float
-    gradient: FloatArray
+    cost: float  # half the sum of the losses
+    gradient: FloatArray  # (P,), the direction of descent: minus the derivative of the cost
     variance: float
     bending: FloatArray
     normal: Decomposed
-    gap: int = 0
+    gap: int = 0  # number of the record before which turns are not counted; 0: none
 
 
 class Problem:

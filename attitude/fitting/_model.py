@@ -60,40 +60,31 @@ class Point:
 class Prediction(NamedTuple):
     """The motion of a point at N epochs, over the principal axes of inertia, and its derivatives.
 
-    wxyz: (N, 4), principal axes to ICRF.
-    omega: (N, 3) array or None, rad/s, principal axes.
-    axes: (3, 3), columns: the principal axes over the body axes.
-    to_body: (4,) array or None, the same as a quaternion; None where they are the body axes.
-    attitude: (3, P, N), the turn of the body, ICRF axes, for a unit change of each parameter.
-    rates: (3, P, N) array or None, the change of the angular velocity of the body, over the
-        (unchanged) principal axes.
+    rates: the change of the angular velocity of the body, over the (unchanged) principal axes.
     """
 
-    wxyz: FloatArray
-    omega: FloatArray | None
-    axes: FloatArray
-    to_body: FloatArray | None
+    wxyz: FloatArray  # (N, 4), principal axes to ICRF
+    omega: FloatArray | None  # (N, 3), rad/s, principal axes
+    axes: FloatArray  # (3, 3), columns: the principal axes over the body axes
+    to_body: FloatArray | None  # (4,), the same as a quaternion; None: they are the body axes
+    # (3, P, N), turn of the body, ICRF axes, for a unit change of each parameter
     attitude: FloatArray
-    rates: FloatArray | None
+    rates: FloatArray | None  # (3, P, N)
 
 
 class Chain(NamedTuple):
     """What a change of the parameters does to the nine parameters of the principal axes.
 
-    state: (9, P), first attitude of the principal axes (rad, ICRF axes), angular velocity (rad/s,
-        principal axes), principal moments of the tensor of unit trace.
-    turns: (3, P), turn of the principal axes in the body, rad, over themselves.
+    state: first attitude of the principal axes (rad, ICRF axes), angular velocity (rad/s, principal
+        axes), principal moments of the tensor of unit trace.
     """
 
-    state: FloatArray
-    turns: FloatArray
+    state: FloatArray  # (9, P)
+    turns: FloatArray  # (3, P), turn of the principal axes in the body, rad, over themselves
 
 
 class Model:
-    """Free rotations of a known body, or of a body of any shape.
-
-    axes: without a body: "principal" or "free".
-    """
+    """Free rotations of a known body, or of one of any shape with "principal" or "free" `axes`."""
 
     def __init__(self, body: Body | None, axes: str) -> None:
         if body is not None and not isinstance(body, Body):

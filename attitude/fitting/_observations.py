@@ -37,10 +37,7 @@ _EXTREME = 1e100
 
 @dataclass(frozen=True)
 class Measured:
-    """Base of the kinds of N records, with their weights, 1 / standard errors (N,).
-
-    `dimensions` are the numbers that one record measures.
-    """
+    """Base of kinds of N records of `dimensions` numbers; weights (N,), 1 / standard errors."""
 
     weight: FloatArray
     dimensions = 3
@@ -144,16 +141,11 @@ class Directions(Measured):
 
 @dataclass(frozen=True)
 class Observations:
-    """Records of one kind or more at N epochs.
+    """Records of one kind or more at N epochs."""
 
-    epoch: of the first record.
-    t: (N,), TDB seconds since then.
-    kinds: records of N epochs each.
-    """
-
-    epoch: Instant
-    t: FloatArray
-    kinds: tuple[Measured, ...]
+    epoch: Instant  # of the first record
+    t: FloatArray  # (N,), TDB seconds since then
+    kinds: tuple[Measured, ...]  # records of N epochs each
 
     def __len__(self) -> int:
         return len(self.t)
