@@ -547,18 +547,12 @@ _DATA_TYPE = "SCLK_DATA_TYPE_"
 
 @dataclass(frozen=True)
 class KernelClock:
-    """A clock, for seconds counted from the begin of a kernel.
+    """A clock, for seconds counted from the begin of a kernel."""
 
-    number: NAIF number, negative.
-    ticks: encoded clock times (N,) of seconds (N,) since `first`.
-    per_tick: seconds of a tick.
-    text: the clock kernel to be written; None for that of a mission.
-    """
-
-    number: int
-    ticks: Callable[[FloatArray], FloatArray]
-    per_tick: float
-    text: str | None
+    number: int  # NAIF number, negative
+    ticks: Callable[[FloatArray], FloatArray]  # encoded clock times (N,) of s (N,)
+    per_tick: float  # seconds of a tick
+    text: str | None  # the clock kernel to be written; None for that of a mission
 
 
 def own(number: int, first: float, scale: str) -> KernelClock:

@@ -20,18 +20,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Recipe:
-    """Settings for one tool.
+    """Settings for one tool."""
 
-    tool: its name in error messages.
-    settings: settings of the writer of the format, by name.
-    allowed: values of settings that the tool reads, where it does not read all.
-    samples: whether the tool interpolates from degree + 1 records, with angular velocities too.
-    """
-
-    tool: str
-    settings: Mapping[str, Any]
+    tool: str  # its name in error messages
+    settings: Mapping[str, Any]  # settings of the writer of the format, by name
+    # values of settings that the tool reads, where it does not read all
     allowed: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
-    samples: bool = False
+    samples: bool = False  # it interpolates from degree + 1 records, with angular velocities too
 
 
 _EME2000 = ("EME2000", "J2000")

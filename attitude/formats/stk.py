@@ -126,17 +126,14 @@ def _tai_of(hi, lo):
 
 
 class Section(NamedTuple):
-    """What stands in the rows of a section: a CCSDS attitude type, numbers behind the time, form.
-
-    initial: keyword of the angles at the first record; axes: those that CoordinateAxes cannot set.
-    """
+    """What rows of a section hold: a CCSDS attitude type, numbers behind the time, form."""
 
     kind: str
     width: int
     form: str
     scalar_first: bool = False
-    initial: str | None = None
-    axes: str | None = None
+    initial: str | None = None  # keyword of the angles at the first record
+    axes: str | None = None  # those that CoordinateAxes cannot set
 
 
 _BOTH = "EULER_ANGLE/DERIVATIVE"
