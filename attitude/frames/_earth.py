@@ -92,10 +92,7 @@ def to_gcrs(x: FloatArray, y: FloatArray, angle: FloatArray, vectors: FloatArray
 
 
 def erfa_series(jd1: FloatArray, jd2: FloatArray) -> FloatArray:
-    """x, y (1) and s (rad) of the celestial intermediate pole (3, N), by ERFA's xys06a.
-
-    IAU 2006/2000A; jd1 + jd2 is the Julian date of TDB.
-    """
+    """x, y (1), s (rad) of the CIP (3, N), IAU 2006/2000A, by ERFA's xys06a, at jd1 + jd2, TDB."""
     import erfa
 
     return np.stack(erfa.xys06a(*_tt(jd1, jd2)))

@@ -144,8 +144,7 @@ def unit(wxyz: Reals, name: str = "wxyz", *, tolerance: float | None = None) -> 
 def unit_in_pairs(wxyz: Reals) -> FloatArray:
     """One quaternion (4,) of any length as a unit quaternion (4, 2), exact to 1e-31.
 
-    One of unit length within rounding is kept bit for bit, as files are read back, its low parts
-    zero.
+    One of unit length within rounding is kept bit for bit, as files are read back; low parts zero.
     """
     components = validation.real(wxyz, "wxyz", shape=(4,))
     pairs = np.zeros((4, 2))
@@ -164,10 +163,7 @@ def unit_in_pairs(wxyz: Reals) -> FloatArray:
 
 
 def all_unit_in_pairs(wxyz: FloatArray) -> tuple[FloatArray, FloatArray | None]:
-    """As `unit_in_pairs` for quaternions (N, 4): the first doubles (N, 4), and the second ones.
-
-    The second doubles are None if all are zero.  Rows that are no attitude are NaN.
-    """
+    """`unit_in_pairs` of (N, 4): first doubles, NaN: no attitude; second ones, None if all zero."""
     high, low = wxyz, None
     with np.errstate(all="ignore"):
         for begin in range(0, len(wxyz), _BLOCK):
