@@ -243,9 +243,7 @@ def stream(
 def kernel_of(
     shape: object, law: Law, shadows: bool | Visibility, threads: int
 ) -> Callable[..., object]:
-    """The function of six components and an output that evaluates a block, without the phase
-    function.
-    """
+    """The function of six components and an output for a block, without the phase function."""
     if isinstance(shape, Ellipsoid):
         return _ellipsoid_kernel(shape, law)
     if not isinstance(shape, Mesh):

@@ -89,15 +89,14 @@ _made: weakref.WeakKeyDictionary[Mesh, Clusters] = weakref.WeakKeyDictionary()
 class Clusters:
     """The facets of a mesh in the memory layout of the compiled sums: C clusters of SIZE places.
 
-    blocks (C * ROWS * SIZE,): slopes of normals along the two axes after that of the cluster,
-    heights along it, shares of the area, 0 in empty places. axes (C, 2): indices into (x, y, z, x,
-    y, -x, -y, -z) of a direction. sky (cells^3, C / WORD): a bit for each cluster that faces a
-    direction of the cell.
+    blocks: slopes of normals along the two axes after that of the cluster, heights along it, shares
+    of the area, 0 in empty places. axes: indices into (x, y, z, x, y, -x, -y, -z) of a direction.
+    sky: a bit for each cluster that faces a direction of the cell.
     """
 
-    blocks: FloatArray
-    axes: NDArray[np.uint64]
-    sky: NDArray[np.uint64]
+    blocks: FloatArray  # (C * ROWS * SIZE,)
+    axes: NDArray[np.uint64]  # (C, 2)
+    sky: NDArray[np.uint64]  # (cells^3, C / WORD)
     cells: int
     order: IntArray
     area: float

@@ -235,9 +235,7 @@ def axes_of(face):
 
 @reduction_within
 def side_shown(boxes, fronts, node, middle):
-    """1 if all facets of a group show their fronts to all points about a facet, -1 their backs,
-    else 0.
-    """
+    """1 if all facets of a group show fronts to all points about a facet, -1: backs, else 0."""
     spread = middle[_3] + middle[_4] + middle[_5]
     least, most = -fronts[node, 7] - spread, spread - fronts[node, 6]
     for k in range(3):
@@ -516,9 +514,7 @@ def _above(height, slope, resolution):
 
 @reduction_subroutine
 def fill(normal, across, up, resolution, frames, counts, drawn, sky, member, members):
-    """Clear the bits of cells above the horizon whose counts are not 0, and the counts; `sky` cell
-    by cell.
-    """
+    """Clear bits of `sky`, cell by cell, above the horizon where counts are not 0, and these."""
     for face in range(FACES):
         w, u, v = axes_of(face)
         sign = 1.0 - 2.0 * (face % 2)
@@ -558,9 +554,7 @@ _THREE = np.uint64(3)
 
 
 def tangents(shift: FloatArray, resolution: int) -> tuple[FloatArray, FloatArray]:
-    """Tangents along rows and columns of a face for each cell and point, flat; shift (8, 2) in
-    cells.
-    """
+    """Tangents along rows, columns of a face for cells and points, flat; shift (8, 2) in cells."""
     places = (np.arange(resolution)[:, None, None] + 0.5 + shift) / (0.5 * resolution) - 1.0
     # the inverse of `_sums.evened`
     places_of = np.sign(places) * ((1.0 + np.abs(places)) ** 2 - 1.0) / 3.0
@@ -842,9 +836,7 @@ def require_mesh(mesh: object) -> None:
 
 
 def points_of(corners: FloatArray) -> FloatArray:
-    """Points (F, POINTS, 3) that sample each triangle of corners (F, 3, 3) evenly, with equal
-    weights.
-    """
+    """Points (F, POINTS, 3) that sample triangles of corners (F, 3, 3) evenly, of equal weights."""
     # A Kronecker sequence of the plastic number fills the square, folded onto the triangle
     # (Roberts 2018).  Of 40000 starts this one has the best moments: the mean is the centroid to
     # 6e-4, second moments are those of the triangle to 0.014, and every weight is above 0.04.
