@@ -191,10 +191,7 @@ def known_path(orbit: object, name: str) -> Path:
 def ends(
     orbit: Path, hi: FloatArray, lo: FloatArray
 ) -> Iterator[tuple[_instants.Instant, float, FloatArray]]:
-    """Ends of the span of a path, if it has one: (end, sign, seconds of the epochs inside of it).
-
-    The sign is 1 for the first end, -1 for the last.
-    """
+    """Ends of the span of a path, if any: (end, 1 first or -1 last, seconds of epochs within)."""
     for end, sign in zip(orbit.span or (), (1.0, -1.0), strict=False):
         yield end, sign, sign * ((hi - end.seconds) + (lo - end.low))
 

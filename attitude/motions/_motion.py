@@ -45,9 +45,7 @@ _NO_JOINTS = frozen(np.zeros(0))
 
 
 class RateBounds(NamedTuple):
-    """Upper bounds, rad/s, rad/s2, rad/s3, or inf, of |(R a)'|, |(R a)''|, |(R a)'''| for any unit
-    a.
-    """
+    """Upper bounds, rad/s^k or inf, of the size of the k-th derivative of R a, for any unit a."""
 
     first: float
     second: float

@@ -235,12 +235,10 @@ def linearized(
     *,
     angular_velocity: bool = False,
 ) -> tuple[FloatArray, ...]:
-    """As `propagate` with derivatives, of B states (B, 4), (B, 3) of one body at epochs (T,), for
-    least squares.
+    """`propagate` with derivatives, for least squares: B states (B, 4), (B, 3) of a body at (T,).
 
     Columns of derivatives are within 4e-12 of their largest entries over some turns, not of those
-    at each epoch.  That saves the series of epochs close to that of the state, which take longer
-    than all others.
+    at each epoch.  That saves the series of epochs near that of the state, which take longest.
     """
     count, length = len(wxyz), len(t)
     rates = new_array(count, 3, length) if angular_velocity else None

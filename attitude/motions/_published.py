@@ -261,21 +261,14 @@ _IN_ORDER = np.arange(3)[None]
 
 
 class Labels(NamedTuple):
-    """Moments, axes, mode and convention of N bodies, as the compiled solution takes them.
+    """Moments, axes, mode and convention of N bodies, as the compiled solution takes them."""
 
-    moments: (N, 3), ascending.
-    order: (N, 3), indices of the principal moments, ascending.
-    axes: (1 or N, 3, 3), principal axes as columns over the body axes.
-    long_axis, long_labels: (N,) arrays, whether the mode is "LAM", the convention "L".
-    branches: (N,), 0 where theta_branch is not given, else 1 for "acute" and 2 for "obtuse".
-    """
-
-    moments: FloatArray
-    order: IntArray
-    axes: FloatArray
-    long_axis: BoolArray
-    long_labels: BoolArray
-    branches: IntArray
+    moments: FloatArray  # (N, 3), ascending
+    order: IntArray  # (N, 3), indices of the principal moments, ascending
+    axes: FloatArray  # (1 or N, 3, 3), principal axes as columns over the body axes
+    long_axis: BoolArray  # (N,), whether the mode is "LAM"
+    long_labels: BoolArray  # (N,), whether the convention is "L"
+    branches: IntArray  # (N,), 0 without theta_branch, else 1 for "acute", 2 for "obtuse"
 
     @classmethod
     def of(
