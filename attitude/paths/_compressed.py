@@ -98,15 +98,12 @@ class EqualPieces(Pieces):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CellPieces(Pieces):
-    """Pieces that each fill one or more cells of a width, s: short where the motion is quick.
-
-    cells: the piece of each; starts: of pieces, s; most: the end of the range of epochs, s.
-    """
+    """Pieces that each fill one or more cells of a width, s: short where the motion is quick."""
 
     width: float
-    cells: NDArray[np.int32]
-    starts: FloatArray
-    most: float
+    cells: NDArray[np.int32]  # the piece of each
+    starts: FloatArray  # of pieces, s
+    most: float  # the end of the range, s
 
     def _fill(self, hi, lo, base_hi, base_lo, piece, x):
         cells, starts, widths, most = self.cells, self.starts, self.widths, self.most
