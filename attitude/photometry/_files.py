@@ -989,13 +989,12 @@ class Head(NamedTuple):
 class Reader(NamedTuple):
     """A format of photometry.
 
-    recognizes: whether a file begins so; the first of `READERS` that says yes reads it.
     read: ``read(text, name)``, with `columns` as a third argument where columns have names, returns
         keywords of `LightCurve`; name is that of the file.
     """
 
     name: str
-    recognizes: Callable[[Head], bool]
+    recognizes: Callable[[Head], bool]  # the first of `READERS` to say yes reads a file
     read: Callable[..., Keywords]
     has_names: bool = False
 
