@@ -56,9 +56,7 @@ def parts(count: int) -> Iterator[slice]:
 
 
 def bisector(sun: FloatArray, observer: FloatArray) -> FloatArray:
-    """Ecliptic (J2000) longitude and latitude (2, N), rad, of -(s + o), s and o unit vectors (3,
-    N), ICRF.
-    """
+    """Ecliptic (J2000) longitude, latitude (2, N), rad, of -(s + o), unit vectors (3, N), ICRF."""
     turn = -frames.matrix_to_icrf("ecliptic").T
     out = new_array(2, max(sun.shape[1], observer.shape[1]))
     for block in parts(out.shape[1]):
@@ -68,9 +66,7 @@ def bisector(sun: FloatArray, observer: FloatArray) -> FloatArray:
 
 
 def position_angle(axis: FloatArray, line_of_sight: FloatArray) -> FloatArray:
-    """The angle (N,) on the sky from north through east to an axis, 0 to 2 pi; directions (3, N),
-    ICRF.
-    """
+    """The angle (N,), 0 to 2 pi, from north through east to an axis; directions (3, N), ICRF."""
     out = new_array(line_of_sight.shape[1])
     for block in parts(out.size):
         (a, b, c), (x, y, z) = axis[:, block], line_of_sight[:, block]

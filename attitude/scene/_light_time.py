@@ -177,9 +177,7 @@ class Sightline(Path):
         return vectors_at, 0.0
 
     def _guess(self, instant, hi, lo, path):
-        """Positions at the epochs of reception, or the end of the target's span: emission is
-        earlier.
-        """
+        """Positions at reception, or the end of the target's span: emission is earlier."""
         if self._ends is not None and hi.size:
             last = since(self._ends[1], instant)
             beyond = (hi - last[0]) + (lo - last[1]) > 0.0

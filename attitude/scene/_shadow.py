@@ -90,9 +90,7 @@ class _Outlines:
         return area / whole
 
     def _samples(self) -> tuple[FloatArray, FloatArray]:
-        """Ascending angles (K, M) on the outlines of the discs, with the extremes of depth, and
-        depths there.
-        """
+        """Ascending angles (K, M) on outlines, with the extremes of depth, and depths there."""
         step = 2.0 * np.pi / _POINTS
         phi = np.broadcast_to(step * np.arange(_POINTS), (self.half_angle.size, _POINTS))
         rows = np.arange(len(phi))

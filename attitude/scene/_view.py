@@ -449,9 +449,7 @@ class View(Immutable):
         return self._numbers(np.maximum(lit, 0.0, out=lit))
 
     def _velocity_of(self, body: str, block: slice, where: BoolArray) -> FloatArray:
-        """Barycentric velocities (3, K) of a body at marked epochs of emission of a part, m/s,
-        ICRF.
-        """
+        """Barycentric velocities (3, K), m/s, ICRF, of a body at marked epochs of emission."""
         hi, lo = self.emission.taken(block).flat
         return self._velocity(body, hi[where], lo[where])
 
