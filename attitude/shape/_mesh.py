@@ -83,15 +83,11 @@ def height_errors(corners: FloatArray, points: FloatArray, rounding: float) -> F
 
 @dataclass(frozen=True, eq=False)
 class Edges:
-    """The edges of facets; edge 3 f + k runs from corner k of facet f to the next.
+    """The edges of facets; edge 3 f + k runs from corner k of facet f to the next."""
 
-    unbalanced: (N,), facets with an edge passed more often one way; repeated: (M,), passed twice in
-    one direction; mates: (F, 3), the edge that passes the same vertices the other way, or -1.
-    """
-
-    unbalanced: IntArray
-    repeated: IntArray
-    mates: IntArray
+    unbalanced: IntArray  # (N,), facets with an edge passed more often one way
+    repeated: IntArray  # (M,), passed twice in one direction
+    mates: IntArray  # (F, 3), the edge that passes the same vertices the other way, or -1
 
 
 def edges_of(facets: IntArray, count: int) -> Edges:
