@@ -72,10 +72,8 @@ if TYPE_CHECKING:
 def over_mean(areas, factor, sun, observer, brightness):
     """Divide brightness (R,), m2/sr, by its mean over all orientations, for Lommel-Seeliger's law.
 
-    Given
-        areas           (R,) surface areas of the bodies over that of a sphere of radius 1
-        factor          weight of the law
-        sun, observer   (3, R) vectors of any length
+    areas (R,): of bodies over that of the unit sphere; factor of the law; vectors (3, R) of any
+    length.
     """
     scale = 0.25 * math.pi * factor
     for n in range(brightness.size):
