@@ -60,16 +60,12 @@ _BEFORE = 1e-9
 
 @dataclass(frozen=True)
 class PosePiece:
-    """Equally spaced attitudes between two jumps of the angular velocity.
+    """Equally spaced attitudes between two jumps of the angular velocity."""
 
-    start, step: s from the start of the span, and between attitudes.
-    wxyz, angular_velocity: (N, 4), (N, 3) arrays, body to ICRF; rad/s over the body axes.
-    """
-
-    start: float
-    step: float
-    wxyz: FloatArray
-    angular_velocity: FloatArray
+    start: float  # s from that of the span
+    step: float  # s
+    wxyz: FloatArray  # (N, 4), body to ICRF
+    angular_velocity: FloatArray  # (N, 3), rad/s over the body axes
 
     @property
     def times(self) -> FloatArray:
@@ -262,15 +258,11 @@ _FINER = 33
 
 
 class Shade(NamedTuple):
-    """How much of the Sun's disc other bodies leave free.
+    """How much of the Sun's disc other bodies leave free, by lines between times."""
 
-    times, lit: (N,) arrays, s from the start, and fractions; lines between them.
-    names: of the bodies, as in "the Earth's".
-    """
-
-    times: FloatArray
-    lit: FloatArray
-    names: str
+    times: FloatArray  # (N,), s from the start
+    lit: FloatArray  # (N,), fractions
+    names: str  # of the bodies, as in "the Earth's"
 
 
 def shade(subject: Subject) -> Shade | None:
@@ -381,22 +373,14 @@ _BOX = (1.0, 0.7, 0.45)
 
 
 class Surface(NamedTuple):
-    """Triangles in body axes.
+    """Triangles in body axes."""
 
-    vertices: (V, 3), in units of the greatest distance of a vertex from the origin.
-    facets: (F, 3) array of int
-    kind: "mesh", "ellipsoid", "ellipsoid of inertia" or "box".
-    size: the unit of the vertices in m; NaN if the size is unknown.
-    closed: whether no facet is seen from behind.
-    smooth: whether the facets stand for a curved surface.
-    """
-
-    vertices: FloatArray
-    facets: IntArray
-    kind: str
-    size: float
-    closed: bool
-    smooth: bool
+    vertices: FloatArray  # (V, 3), in units of the greatest distance of a vertex from the origin
+    facets: IntArray  # (F, 3)
+    kind: str  # "mesh", "ellipsoid", "ellipsoid of inertia" or "box"
+    size: float  # the unit of the vertices in m; NaN if the size is unknown
+    closed: bool  # whether no facet is seen from behind
+    smooth: bool  # whether the facets stand for a curved surface
 
 
 def surface(subject: Subject, most: int = MOST_FACETS) -> Surface:
