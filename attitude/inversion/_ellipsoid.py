@@ -57,10 +57,7 @@ def _aligned(shape: tuple[int, ...]) -> FloatArray:
 
 
 def _span(rows: FloatArray) -> tuple[int, int]:
-    """The first and the end of the vectors of epochs at which rows (4, N) are not all zero.
-
-    All of rows that are still empty, those of a state.
-    """
+    """First and end of vectors of epochs where rows (4, N) are not all 0; all of empty rows."""
     on = np.flatnonzero(rows.any(axis=0))
     if not on.size:
         return 0, rows.shape[1]
@@ -68,17 +65,7 @@ def _span(rows: FloatArray) -> tuple[int, int]:
 
 
 class EllipsoidCurve:
-    """Magnitudes of ellipsoids against those of a problem, for many states (S, 16) at a time.
-
-    Parameters
-    ----------
-    problem : CurveProblem
-
-    Attributes
-    ----------
-    rows : (12, N) array
-        The residuals of the last state, and the Jacobian, as in `residuals`.
-    """
+    """Magnitudes of ellipsoids against those of a problem, for many states (S, 16) at a time."""
 
     def __init__(self, problem: CurveProblem) -> None:
         t = _motions.padded(problem.t)
@@ -93,6 +80,7 @@ class EllipsoidCurve:
         self._memory = _aligned((_ROWS + count + -count % _FOUR, t.size))
         self._memory[_ROWS : _ROWS + count, : len(problem)] = problem.u
         self._spans = np.array([_span(rows) for rows in self._memory.reshape(-1, _FOUR, t.size)])
+        # (12, N), residuals of the last state, and their Jacobian, as in `residuals`
         self.rows = self._memory[:_ROWS]
 
     def _products(self, states: FloatArray, size: int, tangents: FloatArray) -> FloatArray:
@@ -326,22 +314,16 @@ _RATIOS = 1.5
 
 
 class SearchState(NamedTuple):
-    """The entries of a state by name.
+    """The entries of a state by name."""
 
-    precession (lambda / 2 pi), nutation (f, signed by the mode), turns per span, and phase, turns,
-    at the middle of the span; log_rho, x of the normal form; frame (3, 3): axes along the momentum,
-    columns, ICRF; flat (2,): logarithms of squared ratios of axes; modes (M,) of the areas, none
-    for an ellipsoid, and a drift of the rates, if the state has one.
-    """
-
-    precession: float
-    nutation: float
-    phase: float
-    log_rho: float
+    precession: float  # lambda / 2 pi, turns per span
+    nutation: float  # f, signed by the mode, turns per span
+    phase: float  # turns, at the middle of the span
+    log_rho: float  # of the normal form, as x
     x: float
-    frame: FloatArray
-    flat: FloatArray
-    modes: FloatArray
+    frame: FloatArray  # (3, 3), axes along the momentum, columns, ICRF
+    flat: FloatArray  # (2,), logarithms of squared ratios of axes
+    modes: FloatArray  # (M,) of the areas, none for an ellipsoid; and a drift of the rates, if any
 
     @classmethod
     def of(cls, state: FloatArray) -> SearchState:
@@ -385,9 +367,7 @@ def is_admissible(state: FloatArray) -> bool:
 
 
 def without_nutation(state: FloatArray) -> FloatArray:
-    """The rotation about one axis with the attitude of a state (16 or more,) at t = 0, its rate and
-    its shape.
-    """
+    """Rotation about one axis with attitude at t = 0, rate, shape of a state (16 or more,)."""
     rotation = state.copy()
     rotation[OF_ELEMENTS] = state[OF_PRECESSION], 0.0, 0.0, AXIAL, 0.0
     zero = np.zeros(1)
@@ -397,10 +377,7 @@ def without_nutation(state: FloatArray) -> FloatArray:
 
 
 def have_rates(states: FloatArray, state: FloatArray, width: float) -> BoolArray:
-    """Which of the states (..., 16 or more) have the mode and the rates of one (16 or more,).
-
-    To a width in turns per span.
-    """
+    """Which states (..., 16 or more) have mode and rates of one, to a width in turns per span."""
     alike = 2.0 * np.abs(states[..., OF_PRECESSION] - state[OF_PRECESSION]) < width
     axial = states[..., OF_LOG_RHO] == AXIAL
     if is_axial(state):
@@ -415,13 +392,10 @@ def have_pole(a: FloatArray, b: FloatArray, width: float) -> bool:
 
 
 class Held(NamedTuple):
-    """What is known of the moments of the motion beside the curve.
+    """What is known of the moments of the motion beside the curve."""
 
-    Standard deviation of their logarithms from those of the ellipsoid, or from those given, of
-    which moments has the logarithms, ascending.
-    """
-
-    width: float = math.inf
+    width: float = math.inf  # standard deviation of logarithms from the ellipsoid's, or given ones
+    # the logarithms of these, ascending
     moments: tuple[float, float, float] = (math.nan, math.nan, math.nan)
 
 

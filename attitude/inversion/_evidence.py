@@ -84,25 +84,15 @@ _NEXT = 1.0
 class Weighted(Generic[AnyState]):
     """A refined state with weights of its own; `Robust` is one whose state is an array (WIDTH,).
 
-    Attributes
-    ----------
-    refined : Linearised
-    problem : CurveProblem
-        With the weights of this solution.
-    evidence : float
-        Minus twice the logarithm of the posterior density at its maximum, but for constants, with
-        the terms of the table above: those of `student`, of `refined` the next three too.
-    residual : (N,) array
-        Magnitudes, observed less computed, linear terms included.
-    chi_squared : float
-        Mean square of residuals over sigma and the model error.
+    evidence: minus twice the logarithm of the posterior density at its maximum, but for constants,
+        with the terms of the table above: those of `student`, of `refined` the next three too.
     """
 
     refined: Linearised[AnyState]
-    problem: CurveProblem
+    problem: CurveProblem  # with the weights of this solution
     evidence: float
-    residual: FloatArray
-    chi_squared: float
+    residual: FloatArray  # (N,), magnitudes, observed less computed, linear terms included
+    chi_squared: float  # mean square of residuals over sigma and the model error
 
 
 def residuals(problem: CurveProblem, magnitude: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -162,9 +152,7 @@ def refined(
 
 
 def occam(normal: FloatArray, points: int) -> float:
-    """What replaces ln N for orientation and rate: the logarithm of the determinant of a
-    Hessian.
-    """
+    """What replaces ln N for orientation and rate: the log-determinant of a Hessian."""
     kept = np.ones(len(normal), bool)
     kept[_ALWAYS : _ALWAYS + _NUTATION] = False
     inner = normal[np.ix_(kept, kept)].copy()

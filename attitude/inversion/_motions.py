@@ -208,15 +208,11 @@ _STEP = 1e-6
 
 
 class ElementMoments(NamedTuple):
-    """What follows from elements of shape (...).
+    """What follows from elements of shape (...)."""
 
-    ln I1/I3 and ln I2/I3, log_ratios (2, ...); whether a body has such moments, exists (...); and
-    L/I3, momentum (...), rad per unit of time.
-    """
-
-    log_ratios: FloatArray
-    exists: BoolArray
-    momentum: FloatArray
+    log_ratios: FloatArray  # (2, ...), ln I1/I3 and ln I2/I3
+    exists: BoolArray  # (...), whether a body has such moments
+    momentum: FloatArray  # (...), L/I3, rad per unit of time
 
 
 @subroutine
@@ -318,10 +314,7 @@ def _of_many(elements, out):
 
 
 def moments(elements: FloatArray) -> ElementMoments:
-    """The moments that give elements (4, ...): precession, nutation, ln rho, X.
-
-    Precession and nutation are in turns per unit of time (lambda / 2 pi, f).
-    """
+    """Moments of elements (4, ...): precession, nutation (turns per unit of time), ln rho, X."""
     all_moments = np.empty(elements.shape)
     _of_many(np.ascontiguousarray(elements.reshape(4, -1)), all_moments.reshape(4, -1))
     return ElementMoments(all_moments[:2], all_moments[2] > 0.0, all_moments[3])

@@ -52,24 +52,13 @@ _SHARE = 0.1
 
 @dataclass(frozen=True, eq=False)
 class MovingPoint:
-    """A state and the changes of the motion from then on.
-
-    Attributes
-    ----------
-    body : Body
-    spin : Spin
-        Of ICRF axes.
-    impulses : tuple of Impulse
-    torques : tuple of Torque
-    reach : (float, float)
-        First and last epoch of the curve, s since that of the spin.
-    """
+    """A state and the changes of the motion from then on."""
 
     body: Body
-    spin: Spin
+    spin: Spin  # of ICRF axes
     impulses: tuple[Impulse, ...]
     torques: tuple[Torque, ...]
-    reach: tuple[float, float]
+    reach: tuple[float, float]  # first and last epoch of the curve, s since that of the spin
 
     @property
     def size(self) -> int:
@@ -194,10 +183,7 @@ class MovingPoint:
 def moving_point(
     start: Motion, epoch: Instant, reach: tuple[float, float], arcs: Any, torques: Any
 ) -> MovingPoint:
-    """The point of a motion and of changes that are given, at the epoch of its spin.
-
-    Shapes: reach (float, float).
-    """
+    """The point of a motion and of changes that are given, at the epoch of its spin."""
     if not isinstance(start, (FreeRotation, Arcs, TorquedRotation)):
         raise AttitudeError(
             f"start is {type(start).__name__}; give a Solution or Refinement, a FreeRotation, Arcs "
@@ -302,31 +288,14 @@ class MovingState:
 
 @dataclass(frozen=True, eq=False)
 class MovingFit:
-    """What is fitted.
+    """What is fitted."""
 
-    Attributes
-    ----------
-    epoch : Instant
-        Of the curve.
-    known : KnownShape or None
-        None for a convex shape, which is found too.
-    least : float
-        Flux of a known shape that counts as dark.
-    tie : Tie
-        Of the moments of motion and shape.
-    fixed : (P,) array of bool
-        Parameters that stay.
-    is_axial : bool
-        Whether the motion is rotation about the third axis, that of the largest moment of the
-        shape.
-    """
-
-    epoch: Instant
-    known: KnownShape | None
-    least: float
-    tie: _shapes.Tie
-    fixed: BoolArray
-    is_axial: bool = False
+    epoch: Instant  # of the curve
+    known: KnownShape | None  # None for a convex shape, which is found too
+    least: float  # flux of a known shape that counts as dark
+    tie: _shapes.Tie  # of the moments of motion and shape
+    fixed: BoolArray  # (P,), parameters that stay
+    is_axial: bool = False  # rotation about the third axis, that of the shape's largest moment
 
     def model(self, problem: CurveProblem, state: MovingState) -> ShapeModel:
         """The magnitudes of a state, means over exposures, with derivatives."""

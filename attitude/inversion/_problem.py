@@ -75,51 +75,23 @@ def _without_common_points(terms: FloatArray, local: IntArray) -> IntArray:
 
 @dataclass(frozen=True, eq=False)
 class CurveProblem:
-    """Magnitudes with weights, and the terms in which they are linear.
+    """Magnitudes with weights, and the terms in which they are linear."""
 
-    Attributes
-    ----------
-    t : (N,) array
-        Epochs of emission from the middle of the span, in spans.
-    span : float
-        s.
-    sun, observer : (3, N) array
-        Unit vectors, ICRF.
-    magnitude : (N,) array
-        Reduced to unit distances.
-    sigma : (N,) array
-        Of the magnitudes as given.
-    terms : (N, L) array
-        Terms in which the magnitude is linear.
-    prior : (L,) array
-        Standard deviation of the coefficient of each term; infinite for a free one.
-    model_error : float
-        Magnitudes, added to sigma in quadrature.
-    orbit : float
-        Frequency, turns per span, of the series of a moon's orbit, whose terms are the last; 0: no
-        such series.
-    settings : Settings
-    tally : Tally
-        The work done on this and on all problems that were made from it.
-    exposure : (N,) array or None
-        Exposure times, spans, over which the brightness is averaged; None without any.
-    series : (N,) array
-        The number of the session and filter of each point; by default all are of one.
-    """
-
-    t: FloatArray
-    span: float
-    sun: FloatArray
-    observer: FloatArray
-    magnitude: FloatArray
-    sigma: FloatArray
-    terms: FloatArray
-    prior: FloatArray
-    model_error: float
-    orbit: float = 0.0
+    t: FloatArray  # (N,), epochs of emission from the middle of the span, in spans
+    span: float  # s
+    sun: FloatArray  # (3, N), unit vectors, ICRF
+    observer: FloatArray  # (3, N), as `sun`
+    magnitude: FloatArray  # (N,), reduced to unit distances
+    sigma: FloatArray  # (N,), of the magnitudes as given
+    terms: FloatArray  # (N, L), in which the magnitude is linear
+    prior: FloatArray  # (L,), standard deviation of the coefficient of each term; inf: free
+    model_error: float  # magnitudes, added to sigma in quadrature
+    orbit: float = 0.0  # turns per span of the series of a moon's orbit, the last terms; 0: none
     settings: Settings = DEFAULT
+    # The work done on this and on all problems that were made from it.
     tally: Tally = field(default_factory=Tally)
-    exposure: FloatArray | None = None
+    exposure: FloatArray | None = None  # (N,), spans, over which the brightness is averaged, if any
+    # The number (N,) of the session and filter of each point; by default all are of one.
     series: IntArray = field(default_factory=lambda: np.zeros(0, int))
 
     def __post_init__(self) -> None:
@@ -204,10 +176,7 @@ class CurveProblem:
         return self.t * self.span
 
     def at_nodes(self) -> CurveProblem:
-        """The problem at the nodes of the exposures, (K, N) in one row; without any, itself.
-
-        The directions of Sun and observer are those of the middle.
-        """
+        """The problem at nodes of the exposures, (K, N) in a row, if any; vectors of the middle."""
         if self.exposure is None or float(self.exposure.max()) < _INSTANT:
             return self
         count = len(_NODES)
@@ -226,10 +195,7 @@ class CurveProblem:
         return -2.5 * np.log10(flux)
 
     def over_exposures(self, magnitude: FloatArray, jacobian: FloatArray) -> FloatArray:
-        """Derivatives (P, N) of magnitudes of the mean fluxes, from those at the nodes (P, K N).
-
-        magnitude (K N,): at the nodes.
-        """
+        """Derivatives (P, N) of magnitudes of mean fluxes, from (P, K N) of those at nodes (K N,)."""
         if len(magnitude) == len(self):
             return jacobian
         at = magnitude.reshape(len(_NODES), -1)

@@ -130,20 +130,13 @@ def areas(flat: FloatArray, modes: FloatArray) -> tuple[FloatArray, FloatArray]:
 class Constraints(NamedTuple):
     """What a shape has to satisfy, and slopes by its parameters (2 + M).
 
-    Attributes
-    ----------
-    offsets : (6,) array
-        Residuals of the closure, and of the directions of its principal axes, in standard
+    offsets: residuals of the closure, and of the directions of its principal axes, in standard
         deviations.
-    log_ratios : (2,) array
-        ln I1/I3 and ln I2/I3 of the homogeneous body.
-    slopes : (8, 2 + M) array
-        Of both.
     """
 
-    offsets: FloatArray
-    log_ratios: FloatArray
-    slopes: FloatArray
+    offsets: FloatArray  # (6,)
+    log_ratios: FloatArray  # (2,), ln I1/I3 and ln I2/I3 of the homogeneous body
+    slopes: FloatArray  # (8, 2 + M), of both
 
 
 def constraints(flat: FloatArray, area: FloatArray, slopes: FloatArray) -> Constraints:
@@ -202,21 +195,15 @@ class BodyLight:
 class Tie:
     """What the moments of the motion agree with.
 
-    Attributes
-    ----------
-    tolerance : float
-        Standard deviation of the logarithms of their ratios from those of the homogeneous shape;
-        infinite: any moments.
-    moments : (3,) array, optional
-        Ascending, in place of those of the shape.
-    is_wide : bool
-        Whether rotations about one axis have the prior of the shapes of tumbling bodies, under
-        which they are compared with those; under their own their poles are ranked.  Several
+    tolerance: standard deviation of the logarithms of their ratios from those of the homogeneous
+        shape; infinite: any moments.
+    is_wide: whether rotations about one axis have the prior of the shapes of tumbling bodies,
+        under which they are compared with those; under their own their poles are ranked.  Several
         apparitions show a body from all sides: there the wide one holds, and is not compared.
     """
 
     tolerance: float = TOLERANCE
-    moments: FloatArray | None = None
+    moments: FloatArray | None = None  # (3,), ascending, in place of those of the shape
     is_wide: bool = False
 
     @property
@@ -226,15 +213,12 @@ class Tie:
 
 
 class MotionMoments(NamedTuple):
-    """ln I1/I3 and ln I2/I3 of a motion, their slopes (2, M) by its M parameters, and its mode.
-
-    is_swapped: I1 and I2 are exchanged against an order in which I1 is farthest from I3.
-    """
+    """ln I1/I3, ln I2/I3 of a motion, slopes (2, M) by its M parameters, and its mode."""
 
     log_ratios: FloatArray
     slopes: FloatArray
     is_long_axis: bool
-    is_swapped: bool
+    is_swapped: bool  # I1 and I2, against an order in which I1 is farthest from I3
 
 
 def magnitudes(sun: FloatArray, observer: FloatArray, shape: FloatArray) -> BodyLight:
@@ -423,10 +407,7 @@ def _equivalent(one, two, f, g, normals):
 
 @reduction
 def _constraints(flat, areas, normals, values, by_areas):
-    """The offsets and log_ratios of `Constraints`, into values (8,).
-
-    Their slopes by the logarithms of the areas (F,) go into by_areas (8, F).
-    """
+    """`Constraints` less slopes into values (8,); slopes by ln areas (F,) into by_areas (8, F)."""
     total = 0.0
     x = y = z = xx = yy = zz = xy = xz = yz = 0.0
     for i in range(areas.size):
@@ -520,14 +501,7 @@ _NOTHING = np.zeros(0)
 
 @dataclass(frozen=True, eq=False)
 class KnownShape:
-    """A mesh with its law.
-
-    Attributes
-    ----------
-    mesh : Mesh
-        Over the axes of the body, whose attitude is sought.
-    law : Law
-    """
+    """A mesh, over the axes of the body, whose attitude is sought, with its law."""
 
     mesh: Mesh
     law: Law
@@ -579,9 +553,7 @@ class KnownShape:
 
 
 def known(mesh: Mesh, law: str | Law | None) -> KnownShape:
-    """The mesh with a law, or with its name; by default Lommel-Seeliger's and a tenth of
-    Lambert's.
-    """
+    """The mesh with a law, or its name; by default Lommel-Seeliger's and a tenth of Lambert's."""
     chosen = LAW if law is None else known_law(law)
     if not isinstance(mesh, Mesh):
         raise AttitudeError(f"shape is {mesh!r}; give a Mesh.")
@@ -619,10 +591,7 @@ def closed(areas: FloatArray, normals: FloatArray) -> FloatArray:
 
 
 def mesh(areas: FloatArray, normals: FloatArray) -> Mesh:
-    """The polyhedron as a mesh about its centre of mass, of the volume of the unit sphere.
-
-    Shapes: areas (F,), normals (3, F).
-    """
+    """Areas (F,), normals (3, F) as a mesh about its mass centre, of the unit sphere's volume."""
     from scipy.optimize import minimize
 
     areas_closed = closed(areas, normals)

@@ -121,10 +121,7 @@ def covariance(
     tie: Tie,
     rivals: Sequence[Robust] = (),
 ) -> tuple[FloatArray, GroupErrors]:
-    """The covariance of the state (9, 9), per span, and those of the parameters of the motion.
-
-    Shapes: groups (N,).
-    """
+    """Covariance of the state (9, 9), per span, and those of parameters of motion; groups (N,)."""
     state, problem = solution.refined.state, solution.problem
     fixed = ~solution.refined.free
 

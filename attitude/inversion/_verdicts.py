@@ -41,12 +41,10 @@ _RATE = 0.5
 def relation(
     state: FloatArray, best: FloatArray, problem: CurveProblem, length: float = 0.0
 ) -> str:
-    """The relation of a state to the best one: of modes, periods and poles.
+    """The relation of a state (WIDTH,) to the best one: of modes, periods and poles.
 
     `length`, spans, from one apparition to another one with which it was joined; numbers of turns
     between them are named then.
-
-    Shapes: state, best (WIDTH,).
     """
     if state is best:
         return "best"
