@@ -195,7 +195,7 @@ class CurveProblem:
         return -2.5 * np.log10(flux)
 
     def over_exposures(self, magnitude: FloatArray, jacobian: FloatArray) -> FloatArray:
-        """Derivatives (P, N) of magnitudes of mean fluxes, from (P, K N) of those at nodes (K N,)."""
+        """Derivatives (P, N) of magnitudes of mean fluxes, from (P, K N) of (K N,) at nodes."""
         if len(magnitude) == len(self):
             return jacobian
         at = magnitude.reshape(len(_NODES), -1)
