@@ -29,6 +29,8 @@ _evidence      Student's errors, and what solutions are ranked by
 _settings      the thresholds of a search, and the work that it counts
 _motions       attitudes and moments of inertia from the five elements, compiled
 _moving        motions with parameters, and their least squares with a shape
+_neighbours    outliers, noise and correlation, from neighbours in time, and nights
+_satellites    rotation about one axis beside an additive series: bodies with a moon
 _apparitions   rotations about one axis over many years; _joined, tumbling over several apparitions
 _known         the search for states of a body of known shape
 _pole_map      poles of a rotation about one axis
