@@ -7,6 +7,7 @@ _free_rotation     `FreeRotation`; _description, _polhode, _predictability and _
 _table             `AttitudeTable`: attitudes that are given at epochs
 _propagation       `propagate`: plain arrays in, plain arrays out
 _published         states in the form of papers; _conventions of their angles, _uncertainty
+_certify           `certify`: proved distances of attitudes from the exact free rotation
 _axes              attitudes relative to other axes than ICRF
 
 Chains of free rotations and motions under torques stand in `attitude.torques`.
