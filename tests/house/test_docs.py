@@ -32,14 +32,17 @@ def test_first_lines_of_docstrings_fit_the_list_of_files():
     assert len(list(make_map.lines())) == len(files) - 1  # the package itself has no line
 
 
-def test_docstrings_of_folders_name_files_that_exist():
+def test_docstrings_of_folders_name_their_files_and_no_others():
     """The map of a folder, with private files as `_name`."""
     count = 0
-    for file in (ROOT / "attitude").rglob("__init__.py"):
+    for file in (ROOT / "attitude").glob("*/__init__.py"):
         text = ast.get_docstring(ast.parse(file.read_text()))
-        for name in re.findall(r"(?<![\w.])_[a-z]\w*", text):
-            assert file.with_name(f"{name}.py").is_file(), f"{file.parent.name} names {name}"
-            count += 1
+        files = {each.stem for each in file.parent.glob("*.py")} - {"__init__"}
+        named = set(re.findall(r"(?<![\w.])_[a-z]\w*", text))
+        assert named <= files, f"{file.parent.name} names {named - files}"
+        missing = files - set(re.findall(r"\w+", text))
+        assert not missing, f"{file.parent.name} misses {missing}"
+        count += len(named)
     assert count > 80
 
 
