@@ -55,7 +55,7 @@ MODULES = {
     "jacobi": "attitude.jacobi._jacobi",
     "steps": "attitude.jacobi._steps",
     "principal_axes": "attitude._solver.principal_axes",
-    "regimes": "attitude._solver.regimes",
+    "regime_loops": "attitude._solver.regime_loops",
     "regime": "attitude._solver.regime",
 }
 # Derivatives of attitudes.  Their checks take twenty seconds where they pass: of all changes of
@@ -64,7 +64,7 @@ SAMPLED = {
     name: f"attitude._solver.{name}"
     for name in (
         *("derivatives", "tangents", "uniform_tangents", "short_times", "columns"),
-        *("sensitivity", "sensitivities"),
+        *("sensitivity_loops", "sensitivities"),
     )
 }
 # Changes of the modules of SAMPLED that are drawn, and the seed of the draw.
@@ -329,7 +329,7 @@ _FIRST = {
     "jacobi": ("jacobi",),
     "steps": ("steps",),
     "principal_axes": ("wide_numbers", "principal_axes", "diagonal_tensors"),
-    "regimes": ("cycles", "uniform_regimes", "periods"),
+    "regime_loops": ("cycles", "uniform_regimes", "periods"),
     "regime": ("blocks_of_regimes", "uniform_regimes", "periods"),
 }
 

@@ -10,13 +10,14 @@ constants       the stages that fill a record: classes, rates and phases, coeffi
 kernel          attitudes and rates from a record, in loops over bodies and epochs
 series          the internal motion at given phases; elliptic, elliptic integrals
 twofloat        arithmetic of pairs of doubles
-sensitivities   entry points: derivatives, covariances, samples; covariance, errors that are given
-sensitivity     their loops; derivatives, tangents, uniform_tangents, columns and short_times
+sensitivities   entry points: derivatives, covariances, samples; covariance, errors that are given;
+                sensitivity_loops, their set-up and loops, which take derivatives, tangents,
+                uniform_tangents, columns and short_times
 elements        the five elements of a motion
 step            the same rotation over short times, for integrators
 torqued_step    a step with torques; march (fixed steps), adaptive, march_layout (their arrays)
 chains          states in pairs from arc to arc, and attitudes on a chain of arcs
-regime          kind, periods and ranges of motions; regimes, their loops
+regime          kind, periods and ranges of motions; regime_loops, their compiled loops
 principal_axes  principal axes of inertia tensors, in whole numbers of 448 bits
 vectors         vectors over body axes, angles between vectors, attitudes from labelled axes
 chebyshev       smooth functions of time as Chebyshev polynomials

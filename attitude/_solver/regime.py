@@ -220,7 +220,7 @@ class Regime(Immutable):
     def mean_spin_rate(self) -> Any:
         """Average over time, rad/s, of the magnitude of the angular velocity."""
         if "_mean" not in self.__dict__:
-            from attitude._solver.regimes import mean_speeds
+            from attitude._solver.regime_loops import mean_speeds
 
             mean = np.empty(self._rows.size)
             mean_speeds(self._rows.reshape(-1), mean)
@@ -267,7 +267,7 @@ def regimes(moments: Reals, omega: Reals) -> Regime:
 
 def regime_of(moments: FloatArray, constants: NDArray[Any]) -> Regime:
     """The Regime of one motion, from its moments (1, 3, 2), pairs, and its constants (1,)."""
-    from attitude._solver.regimes import REGIME
+    from attitude._solver.regime_loops import REGIME
 
     rows = np.zeros(1, REGIME)
     _fill(moments, constants, rows)
@@ -279,7 +279,7 @@ def summary(states: Evaluation, count: int) -> tuple[NDArray[Any], FloatArray]:
 
     States that are not physical, unless they are refused, have NaN and the mode NO_MODE.
     """
-    from attitude._solver.regimes import REGIME
+    from attitude._solver.regime_loops import REGIME
     from attitude._solver.states import BLOCK, NO_MODE
 
     rows, rates = np.zeros(count, REGIME), np.empty((2, count))
@@ -297,7 +297,7 @@ def summary(states: Evaluation, count: int) -> tuple[NDArray[Any], FloatArray]:
 
 def _fill(moments, constants, rows):
     """Fill rows (B,) of `regimes.REGIME` from moments (B, 3, 2), pairs, and constants (B,)."""
-    from attitude._solver.regimes import regimes_all
+    from attitude._solver.regime_loops import regimes_all
 
     # A motion keeps read-only arrays: one type of array for all.
     regimes_all(read_only(moments), read_only(constants), rows)

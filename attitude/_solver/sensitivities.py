@@ -416,6 +416,6 @@ class Sensitivity(Derivatives):
 def _compiled():
     """The modules of set-up and loops, of series for short times, and of columns."""
     with uncollected():
-        from attitude._solver import columns, sensitivity, short_times
+        from attitude._solver import columns, sensitivity_loops, short_times
 
-    return sensitivity, short_times, columns
+    return sensitivity_loops, short_times, columns

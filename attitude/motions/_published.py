@@ -159,7 +159,7 @@ def places_of_dynamic_inertia(
     """y, 1 - y and P_psi for a momentum of 1, (N, 3), of moments (N, 3), ascending; long_axis and
     ratios P_psi / P_phi_L (N,); NaN where no motion has the ratio.
     """
-    from attitude._solver.regimes import positions_all
+    from attitude._solver.regime_loops import positions_all
 
     out = np.empty((len(ratios), 3))
     positions_all(moments, long_axis, ratios, out)
@@ -177,7 +177,7 @@ def _solved(moments: ArrayLike, mode: str, ratio: float) -> FloatArray:
 
 def cycle(moments: ArrayLike, mode: str, position: Sequence[float]) -> FloatArray:
     """P_psi / P_phi_L at (y, 1 - y) of ascending moments (3,), and P_psi for a momentum of 1."""
-    from attitude._solver.regimes import cycles_all
+    from attitude._solver.regime_loops import cycles_all
 
     out = np.empty((1, 2))
     y, one_minus_y = (np.array([number], dtype=float) for number in position)

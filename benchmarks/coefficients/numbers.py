@@ -8,7 +8,7 @@ from benchmarks.coefficients import rules, sources
 from benchmarks.coefficients.table import Claim, CoefficientTable
 
 _ELLIPTIC = "_solver/elliptic.py"
-_REGIMES = "_solver/regimes.py"
+_REGIME_LOOPS = "_solver/regime_loops.py"
 _INTEGRATORS = "referee/_referee.py"
 
 
@@ -164,7 +164,7 @@ def _means():
         for name, near, bound in (("_CLOSE", "1e-8", 1e-16), ("_CLOSE_PAIR", "1e-16", 1e-32))
     ] + [
         _exact(
-            _REGIMES,
+            _REGIME_LOOPS,
             ("_STEP", "_TAIL"),
             "step and end of the trapezoidal sum in ln tan(am) for the mean speed; relative error",
             lambda: [mpf(1) / 4, 42],
@@ -192,7 +192,7 @@ def _error_of_sum(numbers):
 
 
 def _mean_speed(step, tail, mc, p, q):
-    """The time average of sqrt(p cn^2 + q sn^2), as attitude/_solver/regimes.py sums it."""
+    """The time average of sqrt(p cn^2 + q sn^2), as attitude/_solver/regime_loops.py sums it."""
     total = weights = mpf(0)
     for k in range(int((2 * tail - mp.log(mc) / 2) / step) + 1):
         square = mp.exp(2 * (k * step - tail))

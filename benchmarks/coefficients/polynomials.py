@@ -10,6 +10,7 @@ from benchmarks.coefficients.table import Claim, CoefficientTable
 
 _PHASES = "_solver/series.py"
 _STEP = "_solver/step.py"
+_REGIME_LOOPS = "_solver/regime_loops.py"
 _ELEMENTARY = "_compilation/elementary.py"
 _CLOSED_FORM = "light_curve/_sums.py"
 _DIMMING = "inversion/_ellipsoid.py"
@@ -189,10 +190,10 @@ def _series():
             claims=(Claim(2e-21, "ten terms leave 2e-21 at |z| = 1"),),
         ),
         CoefficientTable(
-            "_solver/regimes.py",
+            _REGIME_LOOPS,
             ("_tumbling",),
             "2 K(m) - pi = (pi/4) m (1 + 9/16 m) below m = _SMALL_M; relative error",
-            lambda: [x for x in sources.literals("_solver/regimes.py", "_tumbling") if 4 * x % 1],
+            lambda: [x for x in sources.literals(_REGIME_LOOPS, "_tumbling") if 4 * x % 1],
             lambda: [mpf(9) / 16],
             error=_error_of_quarter,
             claims=(Claim(1e-20, "its series to two terms, good to 1e-20"),),
@@ -213,5 +214,5 @@ def _error_of_stumpff(numbers):
 
 def _error_of_quarter(numbers):
     (second,) = numbers
-    m = mpf(sources.named("_solver/regimes.py", "_SMALL_M")[0])
+    m = mpf(sources.named(_REGIME_LOOPS, "_SMALL_M")[0])
     return abs(mp.pi / 4 * m * (1 + second * m) / (2 * mp.ellipk(m) - mp.pi) - 1)

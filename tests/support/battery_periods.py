@@ -362,24 +362,24 @@ def check_long_dwells(truths):
 def check_cycles(truths):
     """Turns in a period of psi at a dynamic inertia, and the dynamic inertia of these turns."""
     from attitude._compilation import decorators
-    from attitude._solver import regimes
+    from attitude._solver import regime_loops
 
     rows = [np.array(column) for column in zip(*truths.cycles, strict=True)]
     moments, long_axis, y, rest, turns, periods = rows
     out = np.empty((len(turns), 2))
-    regimes.cycles_all(moments, long_axis, y, rest, out)
+    regime_loops.cycles_all(moments, long_axis, y, rest, out)
     assert np.max(np.abs(out[:, 0] / turns - 1.0)) < 2e-15
     assert np.max(np.abs(out[:, 1] / periods - 1.0)) < 1e-15
     calls, most = [], 0
-    counted = regimes.cycle
+    counted = regime_loops.cycle
 
     def cycle(*arguments):
         calls.append(arguments)
         return counted(*arguments)
 
-    regimes.cycle = cycle
+    regime_loops.cycle = cycle
     # in Python with this function among its names: compiled code does not count
-    positions = decorators._for_python(regimes.positions_all.py_func)
+    positions = decorators._for_python(regime_loops.positions_all.py_func)
     try:
         for k in range(len(turns)):
             found = np.empty((1, 3))
@@ -387,20 +387,20 @@ def check_cycles(truths):
             one = slice(k, k + 1)
             positions(moments[one], long_axis[one], out[one, 0], found)
             most += len(calls)
-            _check_place(truths.cycles[k], out[k, 0], found[0].tolist(), regimes)
+            _check_place(truths.cycles[k], out[k, 0], found[0].tolist(), regime_loops)
     finally:
-        regimes.cycle = counted
+        regime_loops.cycle = counted
     # the method of Chandrupatla takes 9.7 in the mean
     assert most <= 10.3 * len(turns), most / len(turns)
-    _check_places(regimes)
+    _check_places(regime_loops)
 
 
-def _check_place(case, ratio, answer, regimes):
+def _check_place(case, ratio, answer, regime_loops):
     """The place of a ratio is as near as the ratio resolves it."""
     moments, long_axis, y, rest, _, period = case
     place, left, psi = answer
     again = np.empty((1, 2))
-    regimes.cycles_all(
+    regime_loops.cycles_all(
         np.array([moments]), np.array([long_axis]), np.array([place]), np.array([left]), again
     )
     # z = ln y to one unit in its last place, from which y follows
@@ -416,17 +416,17 @@ def _check_place(case, ratio, answer, regimes):
         assert place == 1.0 and left < 1e-13
 
 
-def _check_places(regimes):
+def _check_places(regime_loops):
     """Ratios at the limit, below and beyond it, and bodies without motions of the mode."""
     moments = np.array([(1.0, 2.0, 2.5)])
     nan = [math.nan] * 3
     for is_long in (True, False):
         long_axis, limit, out = np.array([is_long]), np.empty((1, 2)), np.empty((1, 3))
-        regimes.cycles_all(moments, long_axis, np.array([1.0]), np.array([0.0]), limit)
+        regime_loops.cycles_all(moments, long_axis, np.array([1.0]), np.array([0.0]), limit)
         farthest, period = limit[0].tolist()
 
         def place(ratio, moments=moments, long_axis=long_axis, out=out):
-            regimes.positions_all(moments, long_axis, np.array([ratio]), out)
+            regime_loops.positions_all(moments, long_axis, np.array([ratio]), out)
             return out[0].tolist()
 
         for ratio in (farthest, farthest * (1.0 - 0.9e-14), farthest * (1.0 - 1e-14)):
@@ -438,7 +438,7 @@ def _check_places(regimes):
             assert np.array_equal(place(bad), nan, equal_nan=True), bad
         # the largest ratio is that at a distance of exp(-690) from the separatrix
         given = np.array([math.exp(-690.0)]), np.array([1.0])
-        regimes.cycles_all(moments, long_axis, *given, limit)
+        regime_loops.cycles_all(moments, long_axis, *given, limit)
         assert place(limit[0, 0] * (1.0 - 5e-4))[0] > 0.0
         assert np.array_equal(place(limit[0, 0] * (1.0 + 5e-4)), nan, equal_nan=True)
         # no motion in long-axis mode of a body with A = B, none in the other with B = C
