@@ -18,7 +18,7 @@ How to use it::
 `docs/inversion.md` says what a light curve can and cannot tell, and how the search works.
 
 _spin_states   `spin_states`: the blind search, its options and its result
-_refine        `refine`: from a start, with impulses or torques, and its `Refinement`
+_from_start    `refine`: from a start, with impulses or torques, and its `Refinement`
 _solution      `Solution` and `SpinStates`, predicted magnitudes; _figures, their figures
 _problem       a light curve as numbers, and terms that are projected out
 _search        the stages of the search; _lattices, candidate rates
@@ -42,7 +42,7 @@ _verdicts      relations between solutions in words; what a curve decides
 from typing import TYPE_CHECKING
 
 from attitude._support.synonyms import of_module
-from attitude.inversion._refine import Refinement, refine
+from attitude.inversion._from_start import Refinement, refine
 from attitude.inversion._settings import Settings
 from attitude.inversion._solution import Prediction, Solution, SpinStates
 from attitude.inversion._spin_states import spin_states

@@ -19,7 +19,7 @@ from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.inversion import _errors, _evidence, _moving, _problem, _shapes, _verdicts
-from attitude.inversion._refine import Refinement
+from attitude.inversion._from_start import Refinement
 from attitude.inversion._settings import Tally
 from attitude.inversion._shapes import Tie
 from attitude.inversion._solution import SpinStates

@@ -39,8 +39,8 @@ if TYPE_CHECKING:
 
     from attitude._support.annotations import FloatArray, Real
     from attitude.inversion._evidence import Robust, Weighted
+    from attitude.inversion._from_start import Refinement
     from attitude.inversion._problem import CurveProblem
-    from attitude.inversion._refine import Refinement
     from attitude.inversion._shapes import Tie
     from attitude.motions._body import Body
     from attitude.photometry._curve import LightCurve

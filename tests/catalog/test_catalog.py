@@ -19,7 +19,7 @@ from attitude import (
 )
 from attitude._solver.regime import regimes
 from attitude.formats import aem
-from attitude.inversion import _refine
+from attitude.inversion import _from_start
 from attitude.motions._published import possible, symmetric_moments
 from tests.support.places import ROOT
 
@@ -247,7 +247,7 @@ def test_names_where_motions_are_taken(tmp_path):
     assert plots.time_span("toutatis") == plots.time_span(motion) and len(axes.lines) == 3
     assert photometry.lines("toutatis") == photometry.lines(motion)
     assert "FreeRotation" in str(viewer.view("toutatis", stop="3 d"))
-    assert _refine._start("toutatis") == (motion, None)
+    assert _from_start._start("toutatis") == (motion, None)
     aem.write(tmp_path / "x.aem", "toutatis", start=0.0, stop=1e5, tolerance=1e-6)
     assert aem.read(tmp_path / "x.aem").span[0] == motion.epoch
 
