@@ -11,7 +11,6 @@ from attitude._support import validation
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.viewer import _subject
-from attitude.viewer._subject import subject
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -100,8 +99,8 @@ def animate(
     count = validation.count(frames, "frames", 2)
     if not _RATES[0] <= validation.number(rate, "rate") <= _RATES[1]:
         raise AttitudeError(f"rate is {rate:g} frames a second; give {_RATES[0]} to {_RATES[1]}.")
-    what = subject(motion, start, stop, shape=shape, title=title, magnitude=magnitude)
-    picture = _Picture(what, count, size)
+    subject = _subject.subject(motion, start, stop, shape=shape, title=title, magnitude=magnitude)
+    picture = _Picture(subject, count, size)
     if ending == "mp4":
         _write_film(path, picture, rate, progress)
     else:
@@ -111,37 +110,37 @@ def animate(
 class _Picture:
     """A figure of one frame after the other."""
 
-    def __init__(self, what, count, size):
+    def __init__(self, subject, count, size):
         from matplotlib.collections import PolyCollection
 
-        self.times = times = np.linspace(0.0, what.duration, count)
+        self.times = times = np.linspace(0.0, subject.duration, count)
         self.figure = figure = plots.new_figure((size[0] / _PER_INCH, size[1] / _PER_INCH))
         figure.set(dpi=_PER_INCH, facecolor=_GROUND)
-        self.curve = curve = _subject.light_curve(what)
+        self.curve = curve = _subject.light_curve(subject)
         grid = figure.add_gridspec(2 if curve else 1, 1, height_ratios=(2, 1) if curve else (1,))
         above = figure.add_subplot(grid[0])
         above.set(xlim=(-1.5, 1.5), ylim=(-1.5, 1.5), aspect="equal", facecolor=_GROUND)
         above.set_axis_off()
-        above.set_title(what.title, color=_TEXT, fontsize=11, parse_math=False)
+        above.set_title(subject.title, color=_TEXT, fontsize=11, parse_math=False)
         self.line = None if curve is None else _axes_of(figure.add_subplot(grid[1]), curve)
-        self.toward = _toward(what, "observer", times)
-        self.sun = _toward(what, "sun", times)
-        self.surface = _subject.surface(what, _FACETS)
-        shade = _subject.shade(what)
+        self.toward = _toward(subject, "observer", times)
+        self.sun = _toward(subject, "sun", times)
+        self.surface = _subject.surface(subject, _FACETS)
+        shade = _subject.shade(subject)
         self.lit = np.ones(count) if shade is None else np.interp(times, shade.times, shade.lit)
-        history = what.at(times)
+        history = subject.at(times)
         fastest = float(np.max(np.linalg.norm(history.angular_velocity, axis=1)))
         turn = 2.0 * np.pi / fastest if fastest > 0.0 else np.inf
         plots.warn_of_coarse(
             "the animation has a frame", times[1], turn, most=_MOST_OF_A_TURN, remedy="frames"
         )
-        self.wxyz, self.momentum = history.wxyz, _momenta(what, history)
+        self.wxyz, self.momentum = history.wxyz, _momenta(subject, history)
         self.arrows = [_arrow(above, *arrow[1:]) for arrow in (*_AXES, _MOMENTUM)]
         style = {"color": _TEXT, "fontsize": 10, "family": "monospace", "va": "top"}
         self.clock = figure.text(0.02, 0.94, "", **style)
-        letters = 8 if what.duration < _SHORT else 5
+        letters = 8 if subject.duration < _SHORT else 5
         # A second that is short of a whole one by rounding is that one.
-        dates = (date.partition("T") for date in what.utc(times + 5e-4))
+        dates = (date.partition("T") for date in subject.utc(times + 5e-4))
         self.utc = [f"{day} {time_of_day[:letters]}" for day, _, time_of_day in dates]
         self.facets = PolyCollection([], linewidths=0.3)
         above.add_collection(self.facets)
@@ -202,11 +201,11 @@ def _arrow(axes, color, name):
     return line, axes.text(0, 0, name, color=color, fontsize=10, ha="center", va="center")
 
 
-def _momenta(what, history):
+def _momenta(subject, history):
     """Unit vectors (N, 3) of the momentum, ICRF; zeros where there is none, or no body."""
-    if what.motion.body is None:
+    if subject.motion.body is None:
         return np.zeros((*history.wxyz.shape[:1], 3))
-    momentum = quaternion.rotate(history.wxyz, what.motion.momentum_in_body(history))
+    momentum = quaternion.rotate(history.wxyz, subject.motion.momentum_in_body(history))
     size = np.linalg.norm(momentum, axis=1)[:, None]
     return momentum / np.where(size > 0.0, size, 1.0)
 
@@ -228,13 +227,13 @@ def _axes_of(axes, curve):
     return axes.plot([], [], color=_LINE, linewidth=1.2)[0]
 
 
-def _toward(what, which, times):
+def _toward(subject, which, times):
     """Unit vectors (N, 3) to observer or Sun; without a scene a side view, and zeros."""
-    if what.scene is not None:
-        return what.toward(which, times)
+    if subject.scene is not None:
+        return subject.toward(which, times)
     if which == "sun":
         return np.zeros((len(times), 3))
-    momentum = what.motion.momentum
+    momentum = subject.motion.momentum
     pole = np.array([0.0, 0.0, 1.0]) if momentum is None or not np.any(momentum) else momentum
     side = np.cross(pole / np.linalg.norm(pole), [0.6, 0.64, 0.48])
     return np.broadcast_to(side / np.linalg.norm(side), (len(times), 3))

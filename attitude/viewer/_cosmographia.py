@@ -12,7 +12,6 @@ from attitude.epochs import _instants
 from attitude.errors import AttitudeError
 from attitude.scene._scene import Scene
 from attitude.viewer import _subject
-from attitude.viewer._subject import subject
 
 if TYPE_CHECKING:
     from attitude._support.annotations import EpochOrSeconds, FilePath
@@ -66,28 +65,36 @@ def write_cosmographia(
 
     path = _subject.output_name(path, ("json",))
     scene = motion if isinstance(motion, Scene) else None
-    seen = subject(motion, start, stop, shape=shape, title=title)
+    seen = _subject.subject(motion, start, stop, shape=shape, title=title)
     ends = seen.start.time, seen.start.after(seen.duration).time
-    what = subject(seen.motion, *ends, shape=seen.shape)
+    subject = _subject.subject(seen.motion, *ends, shape=seen.shape)
     base = os.path.splitext(path)[0]
     center, number = "Sun", 10
     if scene is not None and scene.center is not None:
         center, number = _center(scene.center)
     frame, clock = _frame(seen.title)
-    ck.write(f"{base}.bc", what.motion, what.start.time, what.start.after(what.duration).time,
-             tolerance=tolerance, name=frame, instrument=1000 * clock, center=number,
-             clock=clock)  # fmt: skip
-    surface = _subject.surface(what, _MOST)
+    ck.write(
+        f"{base}.bc",
+        subject.motion,
+        subject.start.time,
+        subject.start.after(subject.duration).time,
+        tolerance=tolerance,
+        name=frame,
+        instrument=1000 * clock,
+        center=number,
+        clock=clock,
+    )
+    surface = _subject.surface(subject, _MOST)
     with written_whole(f"{base}.obj") as file:
         file.writelines(f"v {x:.7g} {y:.7g} {z:.7g}\n" for x, y, z in surface.vertices.tolist())
         file.writelines(f"f {a} {b} {c}\n" for a, b, c in (surface.facets + 1).tolist())
     trajectory: dict[str, Any] = {"type": "FixedPoint", "position": [0.0, 0.0, 0.0]}
     if scene is not None and scene.center is not None:
         with written_whole(f"{base}.xyzv") as file:
-            file.write(_states(what, scene.center))
+            file.write(_states(subject, scene.center))
         trajectory = {"type": "InterpolatedStates", "source": f"{os.path.basename(base)}.xyzv"}
     name = os.path.basename(base)
-    begin, end = (f"{date} UTC" for date in what.utc(np.array([0.0, what.duration])))
+    begin, end = (f"{date} UTC" for date in subject.utc(np.array([0.0, subject.duration])))
     catalogue = {
         "version": "1.0",
         "name": seen.title,
@@ -134,10 +141,10 @@ def _center(path):
     return _CENTERS[about]
 
 
-def _states(what, center):
+def _states(subject, center):
     """Rows of a Julian date (TDB), km and km/s."""
-    times, position, velocity = _subject.trajectory(what, center)
-    dates = _instants.times(what.start, times).tdb.jd
+    times, position, velocity = _subject.trajectory(subject, center)
+    dates = _instants.times(subject.start, times).tdb.jd
     table = np.column_stack([dates, position / 1000.0, velocity / 1000.0])
     return "".join(
         f"{row[0]:.9f} {' '.join(f'{number:.12g}' for number in row[1:])}\n" for row in table

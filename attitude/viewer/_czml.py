@@ -16,7 +16,6 @@ from attitude.frames import quaternion
 from attitude.paths import _ground
 from attitude.scene._scene import Scene
 from attitude.viewer import _subject
-from attitude.viewer._subject import subject
 
 if TYPE_CHECKING:
     from attitude._support.annotations import EpochOrSeconds, FilePath, FloatArray
@@ -79,20 +78,20 @@ def write_czml(
         )
     if scene.motion is None:
         raise AttitudeError("the scene has no motion; give Scene(motion, ...) to write one.")
-    what = subject(scene.motion, start, stop, title=title or scene.center.name)
+    subject = _subject.subject(scene.motion, start, stop, title=title or scene.center.name)
     with written_whole(path) as file:
-        file.write(toml.written(_packets(what, scene.center, model)))
+        file.write(toml.written(_packets(subject, scene.center, model)))
 
 
-def _packets(what, center, model):
+def _packets(subject, center, model):
     """The packets of the document and of the body."""
-    begin, end = (f"{date}Z" for date in what.utc(np.array([0.0, what.duration])))
+    begin, end = (f"{date}Z" for date in subject.utc(np.array([0.0, subject.duration])))
     clock = {"interval": f"{begin}/{end}", "currentTime": begin}
     clock |= {"multiplier": 1, "range": "LOOP_STOP"}
-    times, position, _ = _subject.trajectory(what, center)
+    times, position, _ = _subject.trajectory(subject, center)
     packet = {
-        "id": what.title,
-        "name": what.title,
+        "id": subject.title,
+        "name": subject.title,
         "availability": f"{begin}/{end}",
         "position": {
             "interpolationAlgorithm": "LAGRANGE",
@@ -105,7 +104,7 @@ def _packets(what, center, model):
             "interpolationAlgorithm": "LINEAR",
             "interpolationDegree": 1,
             "epoch": begin,
-            "unitQuaternion": _orientation(what).ravel(),
+            "unitQuaternion": _orientation(subject).ravel(),
         },
         "path": {"width": 1, "leadTime": 3000, "trailTime": 3000},
     }
@@ -113,14 +112,14 @@ def _packets(what, center, model):
         packet["model"] = {"gltf": model, "minimumPixelSize": 64}
     else:
         packet["box"] = {"dimensions": {"cartesian": [10.0, 4.0, 4.0]}}
-    return [{"id": "document", "name": what.title, "version": "1.0", "clock": clock}, packet]
+    return [{"id": "document", "name": subject.title, "version": "1.0", "clock": clock}, packet]
 
 
-def _orientation(what):
+def _orientation(subject):
     """Rows of time in s, x, y, z, w: body to ITRS."""
     rows = []
-    for piece in _subject.pieces(what, _TOLERANCE):
-        wxyz = quaternion.multiply(to_itrs(what.start, piece.times), piece.wxyz)
+    for piece in _subject.pieces(subject, _TOLERANCE):
+        wxyz = quaternion.multiply(to_itrs(subject.start, piece.times), piece.wxyz)
         signs = np.cumprod(np.where(np.sum(wxyz[1:] * wxyz[:-1], axis=1) < 0.0, -1.0, 1.0))
         wxyz[1:] *= signs[:, None]
         rows.append(np.column_stack([piece.times, wxyz[:, 1:], wxyz[:, 0]]))

@@ -10,7 +10,6 @@ import numpy as np
 from attitude._support.arrays import units
 from attitude.viewer import _subject
 from attitude.viewer._page import seconds_a_second
-from attitude.viewer._subject import subject
 
 if TYPE_CHECKING:
     from attitude._support.annotations import EpochOrSeconds, FilePath
@@ -70,10 +69,12 @@ def write_glb(
     from attitude._textfiles.atomic_write import written_whole
 
     path = _subject.output_name(path, ("glb",))
-    what = subject(motion, start, stop, shape=shape, title=title)
-    poses = _subject.pieces(what)
-    pace = seconds_a_second(what, poses) if speed is None else validation.positive(speed, "speed")
-    surface = _subject.surface(what, _MOST)
+    subject = _subject.subject(motion, start, stop, shape=shape, title=title)
+    poses = _subject.pieces(subject)
+    pace = (
+        seconds_a_second(subject, poses) if speed is None else validation.positive(speed, "speed")
+    )
+    surface = _subject.surface(subject, _MOST)
     size = surface.size if np.isfinite(surface.size) else 1.0
     buffer = _Buffer()
     vertices = buffer.add(surface.vertices * size, "<f4", "VEC3", _VERTICES)
@@ -84,10 +85,10 @@ def write_glb(
     content = {
         "asset": {"version": "2.0", "generator": "attitude"},
         "scene": 0,
-        "scenes": [{"nodes": [0], "name": what.title}],
+        "scenes": [{"nodes": [0], "name": subject.title}],
         "nodes": [
             {"name": "ICRF", "children": [1], "rotation": _UPRIGHT},
-            {"name": what.title, "mesh": 0},
+            {"name": subject.title, "mesh": 0},
         ],
         "meshes": [{"primitives": [{"attributes": {"POSITION": vertices}, "indices": facets}]}],
         "animations": [
@@ -95,7 +96,7 @@ def write_glb(
                 "name": "rotation",
                 "channels": [{"sampler": 0, "target": {"node": 1, "path": "rotation"}}],
                 "samplers": [{"input": inputs, "output": outputs, "interpolation": "LINEAR"}],
-                "extras": {"speed": pace, "start_utc": what.start.utc_iso},
+                "extras": {"speed": pace, "start_utc": subject.start.utc_iso},
             }
         ],
         **buffer.described(),

@@ -16,7 +16,6 @@ from attitude._support.synonyms import arguments
 from attitude._textfiles import lines, toml
 from attitude.shape._mesh import Mesh
 from attitude.viewer import _subject
-from attitude.viewer._subject import subject
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -309,8 +308,8 @@ def view(
     "the paper's body"
     """
     name = None if output is None else _subject.output_name(output, ("html", "htm"))
-    what = subject(motion, start, stop, shape=shape, title=title, magnitude=magnitude)
-    viewer = Viewer(page(content(what, progress)), what.title)
+    subject = _subject.subject(motion, start, stop, shape=shape, title=title, magnitude=magnitude)
+    viewer = Viewer(page(content(subject, progress)), subject.title)
     if name is not None:
         viewer.write(name)
     return viewer

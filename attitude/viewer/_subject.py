@@ -192,7 +192,7 @@ def trajectory(subject: Subject, path: Path) -> tuple[FloatArray, FloatArray, Fl
     return times, *states
 
 
-def _close_enough(duration, sample, error, bound, counts, what, unit):
+def _close_enough(duration, sample, error, bound, counts, noun, unit):
     """Times (N,) and what a function returns there, with an error within a bound, or a warning."""
     count, most = counts
     while True:
@@ -203,7 +203,7 @@ def _close_enough(duration, sample, error, bound, counts, what, unit):
             return times, rows
         if count >= most:
             warnings.warn(
-                f"the {what} are {times[1]:.4g} s apart, and off by up to {worst:.2g} {unit} in "
+                f"the {noun} are {times[1]:.4g} s apart, and off by up to {worst:.2g} {unit} in "
                 f"between, where {bound:.1g} {unit} is aimed at; give a shorter span.",
                 AttitudeWarning,
                 stacklevel=3,
