@@ -857,8 +857,8 @@ class Ensemble(Immutable):
             members out of range.
         """
         epochs = self._epochs(t, low, member)
-        both = validation.flag(angular_velocity, "angular_velocity") or rates_out is not None
-        outs = [(out, "out", 4), (rates_out, "rates_out", 3)][: 1 + both]
+        with_rates = validation.flag(angular_velocity, "angular_velocity") or rates_out is not None
+        outs = [(out, "out", 4), (rates_out, "rates_out", 3)][: 1 + with_rates]
         return self._history(epochs, outs, threads)
 
     def blocks(
@@ -892,8 +892,8 @@ class Ensemble(Immutable):
             As `at`.
         """
         epochs = self._epochs(t, low, member)
-        both = validation.flag(angular_velocity, "angular_velocity")
-        outs = [(None, "out", 4), (None, "rates_out", 3)][: 1 + both]
+        with_rates = validation.flag(angular_velocity, "angular_velocity")
+        outs = [(None, "out", 4), (None, "rates_out", 3)][: 1 + with_rates]
         parts = epochs.parts(validation.count(rows, "rows"))
         return ((place, self._history(block, outs, threads)) for place, block in parts)
 
@@ -938,12 +938,12 @@ class Ensemble(Immutable):
         The bits and the accuracy of `FreeRotation.sensitivity_at`.
         """
         epochs = self._epochs(t, low, member)
-        both = validation.flag(angular_velocity, "angular_velocity") or rates_out is not None
-        outs = [(out, "out"), (rates_out, "rates_out")][: 1 + both]
+        with_rates = validation.flag(angular_velocity, "angular_velocity") or rates_out is not None
+        outs = [(out, "out"), (rates_out, "rates_out")][: 1 + with_rates]
         memory = [epochs.memory(*array, 3, sensitivities.PARAMETERS) for array in outs]
         epochs.fill(self._evaluation(), Results(None, None, *memory), threads)
         views = [epochs.shaped(a, b[0]) for a, b in zip(memory, outs, strict=True)]
-        return (views[0], views[1]) if both else views[0]
+        return (views[0], views[1]) if with_rates else views[0]
 
     def evaluated(
         self, member: IntArray, seconds: FloatArray, low: FloatArray | None

@@ -113,11 +113,11 @@ class PartitionedEnsemble(Immutable):
 
     def at(self, t: Epochs, *, angular_velocity: bool = False) -> Any:
         """Attitudes (N, T, 4), a dask array with a chunk for each partition; t (T,)."""
-        both = validation.flag(angular_velocity, "angular_velocity")
+        with_rates = validation.flag(angular_velocity, "angular_velocity")
         times, length = self._epochs(t)
-        tasks = self._mapped(_attitudes, [(time, both) for time in times])
+        tasks = self._mapped(_attitudes, [(time, with_rates) for time in times])
         parts = self._arrays(tasks, 0, (length, 4))
-        return (parts, self._arrays(tasks, 1, (length, 3))) if both else parts
+        return (parts, self._arrays(tasks, 1, (length, 3))) if with_rates else parts
 
     def brightness(self, t: Epochs, sun: Reals, observer: Reals, **options: Any) -> Any:
         """Brightness (N, T), m2/sr, a dask array with a chunk for each partition; sun (3,)."""
@@ -153,9 +153,9 @@ class PartitionedEnsemble(Immutable):
         missing = [name for name in (member, seconds) if name not in frame.columns]
         if missing:
             raise AttitudeError(f"frame has no column {missing[0]!r}.")
-        both = validation.flag(angular_velocity, "angular_velocity")
-        added = {name: np.empty(0, "f8") for name in _ATTITUDE + _RATE * both}
-        tasks = self._mapped(_rows, [(row, member, seconds, both) for row in rows])
+        with_rates = validation.flag(angular_velocity, "angular_velocity")
+        added = {name: np.empty(0, "f8") for name in _ATTITUDE + _RATE * with_rates}
+        tasks = self._mapped(_rows, [(row, member, seconds, with_rates) for row in rows])
         return dataframe.from_delayed(tasks, meta=frame._meta.assign(**added))
 
     def map(self, function: Callable[..., Any], *others: Sequence[Any]) -> list[Any]:
@@ -173,10 +173,11 @@ class PartitionedEnsemble(Immutable):
         name, seconds, and those of `rows`.  The tasks return the names of the files.
         """
         os.makedirs(folder, exist_ok=True)
-        both = validation.flag(angular_velocity, "angular_velocity")
+        with_rates = validation.flag(angular_velocity, "angular_velocity")
         times, _ = self._epochs(t)
         files = [os.path.join(folder, f"part-{k:05d}.parquet") for k in range(len(times))]
-        return self._mapped(_written, [(*row, both) for row in zip(times, files, strict=True)])
+        tasks = [(*row, with_rates) for row in zip(times, files, strict=True)]
+        return self._mapped(_written, tasks)
 
     def _mapped(
         self, function: Callable[..., Any], arguments: Sequence[tuple[Any, ...]]
