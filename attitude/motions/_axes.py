@@ -290,12 +290,12 @@ def body_name_fault(name: str) -> str | None:
 
 def of_pair(a: str, b: str, frame: str | None) -> tuple[Axes, str, bool]:
     """The external axes of a rotation from A to B, the body's name, and whether the body is A."""
-    both = [known(name) for name in (a, b)]
+    axes_of_a, axes_of_b = known(a), known(b)
     if frame is not None:
-        body_is_a = both[0] is None and both[1] is not None
+        body_is_a = axes_of_a is None and axes_of_b is not None
         return named(frame), a if body_is_a else b, body_is_a
     shown = f"REF_FRAME_A is {cut(a)} and REF_FRAME_B is {cut(b)}"
-    if both[0] is not None and both[1] is not None:
+    if axes_of_a is not None and axes_of_b is not None:
         raise AttitudeError(
             f"{shown}, both of them known external axes; one of them must be the body's."
         )
@@ -306,10 +306,10 @@ def of_pair(a: str, b: str, frame: str | None) -> tuple[Axes, str, bool]:
                 f"{shown}; {cut(name)} {why}. If it is the body's own frame, name the external "
                 f"axes with {AS_FRAME}."
             )
-    if both[0] is not None:
-        return both[0], b, False
-    if both[1] is not None:
-        return both[1], a, True
+    if axes_of_a is not None:
+        return axes_of_a, b, False
+    if axes_of_b is not None:
+        return axes_of_b, a, True
     raise AttitudeError(
         f"{shown}, and none is known as ICRF, EME2000, ITRF, TEME, TOD, RTN, LVLH or other "
         f"external axes; give the name of the external axes with {AS_FRAME}."
