@@ -313,9 +313,9 @@ def _fastest(problem: CurveProblem, spans: Sequence[IntArray]) -> float:
     fastest = 0.0
     for chosen in spans:
         length = float(np.ptp(problem.t[chosen]))
-        both = (problem.sun + problem.observer)[:, chosen]
-        both = both / np.linalg.norm(both, axis=0)
-        angle = math.acos(max(-1.0, float((both.T @ both).min())))
+        bisector = (problem.sun + problem.observer)[:, chosen]
+        bisector = bisector / np.linalg.norm(bisector, axis=0)
+        angle = math.acos(max(-1.0, float((bisector.T @ bisector).min())))
         # less than a full turn about a pole close by
         if length > 0.0:
             fastest = max(fastest, min(angle / math.pi, 0.5) / max(length, 1e-9))
@@ -338,10 +338,10 @@ class Trial(NamedTuple):
 def harmonics_about(problem: CurveProblem, pole: FloatArray) -> Columns:
     """Spherical harmonics of the bisector of Sun and observer about a pole (3,)."""
     first, second = two_across(pole)
-    both = problem.sun + problem.observer
-    both = both / np.linalg.norm(both, axis=0)
-    z = pole @ both
-    across = (first @ both) + 1j * (second @ both)
+    bisector = problem.sun + problem.observer
+    bisector = bisector / np.linalg.norm(bisector, axis=0)
+    z = pole @ bisector
+    across = (first @ bisector) + 1j * (second @ bisector)
     alpha = np.arccos(np.clip(np.sum(problem.sun * problem.observer, axis=0), -1.0, 1.0))
     more = 1.0 + _BY_PHASE * alpha
     values = [

@@ -138,8 +138,8 @@ def spread(
 
 def plane_of(problem: CurveProblem) -> FloatArray:
     """The normal (3,) of the plane in which Sun and observer lie, seen from the body."""
-    both = np.concatenate([problem.sun, problem.observer], axis=1)
-    return np.linalg.eigh(both @ both.T)[1][:, 0]
+    directions = np.concatenate([problem.sun, problem.observer], axis=1)
+    return np.linalg.eigh(directions @ directions.T)[1][:, 0]
 
 
 def mirrored(pole: FloatArray, normal: FloatArray) -> FloatArray:
