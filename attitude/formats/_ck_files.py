@@ -24,7 +24,8 @@ from attitude.errors import AttitudeError
 from attitude.formats._sampling import apart, known_angle, longest_of
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
-from attitude.motions import _table
+from attitude.motions._table import AttitudeTable
+from attitude.paths._tabulated import newton_form, newton_values
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
     from attitude._support.annotations import EpochOrSeconds, FilePath, FloatArray, IntArray
     from attitude.motions._history import AttitudeHistory
     from attitude.motions._motion import HasAttitudes
-    from attitude.motions._table import AttitudeTable
 
 
 _RECORD = 1024
@@ -333,15 +333,14 @@ class Plan:
             rates = w[0] + share * (w[1] - w[0])
             interpolated = quaternion.multiply(q[0], turned), rates
         else:
-            at = np.broadcast_to(np.arange(width), (len(first), width)).astype(float)
-            x = (middle - first) / steps
+            at, x = np.arange(float(width))[:, None], (middle - first) / steps
             speed = self.speed(first[:, None] + place)[..., None]
             change = speed * forms.quaternion_rate(nodes.wxyz, nodes.turning_rate)
             bends = speed * quaternion.rotate(nodes.wxyz, nodes.angular_acceleration)
-            slopes = [[one[:, k] * steps[:, None] for k in range(width)] for one in (change, bends)]
+            slopes = [np.moveaxis(rates, 1, 0) * steps[:, None] for rates in (change, bends)]
             interpolated = [
-                _table.polynomials(at, list(values), slope, x, 0)[0]
-                for values, slope in zip((q, w), slopes, strict=True)
+                newton_values(*newton_form(at, values, rates), x)[0]
+                for values, rates in zip((q, w), slopes, strict=True)
             ]
         off = longest_of(interpolated[1] - true.angular_velocity_inertial)
         return apart(quaternion.unit(interpolated[0]), true.wxyz), off
@@ -676,7 +675,7 @@ def _of_its_span(segment: AttitudeTable) -> AttitudeTable:
     seconds, low = (np.concatenate([[a], column[inside], [b]]) for a, column, b in ends)
     has_rates = segment.angular_velocity is not None
     kept = segment.at(seconds, low)
-    return _table.AttitudeTable.from_history(kept, rates=has_rates, method="slerp")
+    return AttitudeTable.from_history(kept, rates=has_rates, method="slerp")
 
 
 def _degree(table: AttitudeTable) -> int:
@@ -719,12 +718,9 @@ def _padded(ticks, values, slopes, width):
     ):
         step = abs(ticks[end] - ticks[1 if end == 0 else -2])
         x = beyond * step / scale
-        at = np.broadcast_to((ticks[window] - ticks[end]) / scale, (count, width))
-        rows = [np.broadcast_to(v, (count, values.shape[1])) for v in values[window]]
-        bends = None
-        if slopes is not None:
-            bends = [np.broadcast_to(v * scale, (count, 4)) for v in slopes[window]]
-        p, dp, _ = _table.polynomials(at, rows, bends, x, 1)
+        at = (ticks[window, None] - ticks[end]) / scale
+        bends = None if slopes is None else slopes[window, None] * scale
+        p, dp = newton_values(*newton_form(at, values[window, None], bends), x, 1)
         more = ticks[end] + beyond * step, p, None if slopes is None else dp / scale
         blocks.insert(0 if end == 0 else 2, more)
     return tuple(

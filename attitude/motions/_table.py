@@ -19,7 +19,7 @@ from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.motions._history import AttitudeHistory
 from attitude.motions._motion import Motion
-from attitude.paths._tabulated import settled_degree
+from attitude.paths._tabulated import newton_form, newton_values, settled_degree
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -89,26 +89,22 @@ def _by_polynomial(table, row, ahead, order):
     repeat = 2 if table.method == "hermite" else 1
     width = (table.degree + 1) // repeat
     first, x, scale, at = _window(table, row, ahead, width)
-    index = first[:, None] + np.arange(width)
-    columns = [table.nodes[index[:, k]] for k in range(width)]
-    slopes = None
+    rows = first + np.arange(width)[:, None]
+    values, slopes = table.nodes[rows], None
     if repeat == 2:
-        rates = [table.angular_velocity[index[:, k]] for k in range(width)]
-        slopes = [
-            scale[:, None] * forms.quaternion_rate(q, w)
-            for q, w in zip(columns, rates, strict=True)
-        ]
-    p, dp, ddp = polynomials(at, columns, slopes, x, order)
+        slopes = scale[:, None] * forms.quaternion_rate(values, table.angular_velocity[rows])
+    p, *derivatives = newton_values(*newton_form(at, values, slopes), x, order)
     square = np.sum(p * p, axis=1, keepdims=True)
     out = [p / np.sqrt(square)]
     if order:
-        turn = quaternion.conjugate(p)
+        turn, dp = quaternion.conjugate(p), derivatives[0]
         omega = 2.0 * quaternion.multiply(turn, dp)[:, 1:] / square
         out.append(omega / scale[:, None])
     if order > 1:
         # d/dt of 2 vec(q* q') / |q|^2, in which vec(q'* q') vanishes
         change = 2.0 * np.sum(p * dp, axis=1, keepdims=True)
-        bend = (2.0 * quaternion.multiply(turn, ddp)[:, 1:] - omega * change) / square
+        bend = 2.0 * quaternion.multiply(turn, derivatives[1])[:, 1:] - omega * change
+        bend /= square
         out.append(bend / scale[:, None] ** 2)
     return out
 
@@ -118,50 +114,14 @@ def _window(table, row, ahead, width):
     its length in s; the epochs of its records.
     """
     first = np.clip(row - (width - 1) // 2, 0, len(table.seconds) - width)
-    index = first[:, None] + np.arange(width)
-    offsets = _apart(table, row[:, None], index)
-    scale = offsets[:, -1] - offsets[:, 0] if width > 1 else np.ones(len(row))
-    return first, ahead / scale, scale, offsets / scale[:, None]
+    offsets = _apart(table, row, first + np.arange(width)[:, None])
+    scale = offsets[-1] - offsets[0] if width > 1 else np.ones(len(row))
+    return first, ahead / scale, scale, offsets / scale
 
 
 def _apart(table, row, later):
     """Seconds from records to later ones."""
     return (table.seconds[later] - table.seconds[row]) + (table.low[later] - table.low[row])
-
-
-def polynomials(
-    at: FloatArray,
-    values: Sequence[FloatArray],
-    slopes: Any,
-    x: FloatArray,
-    order: int,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """The polynomials (T, ...) through rows of values (and slopes) at x, and two derivatives, of
-    which those above `order` are 0; at (T, width), values, slopes (T, ...), x (T,).
-    """
-    repeat = 1 if slopes is None else 2
-    node = np.repeat(at, repeat, axis=1)
-    level = [value for value in values for _ in range(repeat)]
-    coefficients = [level[0]]
-    for step in range(1, len(level)):
-        following = []
-        for k in range(len(level) - 1):
-            if step == 1 and repeat == 2 and k % 2 == 0:
-                following.append(slopes[k // 2])
-            else:
-                gap = (node[:, k + step] - node[:, k])[:, None]
-                following.append((level[k + 1] - level[k]) / gap)
-        level = following
-        coefficients.append(level[0])
-    p, dp, ddp = coefficients[-1], 0.0 * coefficients[-1], 0.0 * coefficients[-1]
-    for k in range(len(coefficients) - 2, -1, -1):
-        ahead = (x - node[:, k])[:, None]
-        if order > 1:
-            ddp = ddp * ahead + 2.0 * dp
-        if order:
-            dp = dp * ahead + p
-        p = p * ahead + coefficients[k]
-    return p, dp, ddp
 
 
 def _along_circles(table, row, ahead, order):
@@ -183,8 +143,8 @@ def _interpolated_rates(table, row, ahead):
         return [table.angular_velocity[row], np.zeros((len(row), 3))]
     width = 2 if table.method == "slerp" else table.degree + 1
     first, x, scale, at = _window(table, row, ahead, width)
-    values = [table.angular_velocity[first + k] for k in range(width)]
-    p, dp, _ = polynomials(at, values, None, x, 1)
+    values = table.angular_velocity[first + np.arange(width)[:, None]]
+    p, dp = newton_values(*newton_form(at, values), x, 1)
     return [p, dp / scale[:, None]]
 
 

@@ -17,7 +17,7 @@ from attitude.paths._compressed import KnotPieces, PiecewisePath
 from attitude.paths._path import Path, known_center, spelled
 
 if TYPE_CHECKING:
-    from attitude._support.annotations import Epoch, Epochs, Reals
+    from attitude._support.annotations import Epoch, Epochs, FloatArray, Reals
     from attitude.epochs._instants import Instant
 
 
@@ -38,24 +38,18 @@ def _interval_polynomials(knots, knots_low, values, rates, degree):
     """Chebyshev coefficients between rows at knots (N,) s, of values and rates (N, 3)."""
     window = rows_needed(degree, rates is not None)
     first = np.arange(len(knots) - 1) - (window - 1) // 2
-    rows = np.clip(first, 0, len(knots) - window)[:, None] + np.arange(window)
+    rows = np.clip(first, 0, len(knots) - window) + np.arange(window)[:, None]
     width = np.diff(knots) + np.diff(knots_low)
     # Time from the start of the interval in units of its length.
-    nodes = (knots[rows] - knots[:-1, None]) + (knots_low[rows] - knots_low[:-1, None])
-    nodes /= width[:, None]
+    nodes = ((knots[rows] - knots[:-1]) + (knots_low[rows] - knots_low[:-1])) / width
     # Differences from the value at the start: the rounding errors of the divided differences are
     # then relative to these, not to the size of the orbit.
-    start = values[:-1, None, :]
-    known = values[rows] - start
-    slopes = None
-    if rates is not None:
-        slopes = rates[rows] * width[:, None, None]
-        nodes, known, slopes = (np.repeat(array, 2, axis=1) for array in (nodes, known, slopes))
-    newton = _divided_differences(nodes, known, slopes)
+    start = values[:-1]
+    slopes = None if rates is None else rates[rows] * width[:, None]
+    newton = newton_form(nodes, values[rows] - start, slopes)
     x = 0.5 * (chebyshev.nodes(degree + 1) + 1.0)
-    sampled = np.stack([_newton_at(array, nodes, newton) for array in x])
-    table = chebyshev.coefficients(sampled)
-    table[0] += start[:, 0]
+    table = chebyshev.coefficients(np.stack([newton_values(*newton, at)[0] for at in x]))
+    table[0] += start
     return np.ascontiguousarray(table.transpose(1, 2, 0)).reshape(len(width), -1)
 
 
@@ -76,29 +70,41 @@ def settled_degree(degree: int, rows: int, with_rates: bool) -> int:
     return min(degree, rows - 1)
 
 
-def _divided_differences(nodes, values, slopes):
-    """The coefficients of Newton's form (intervals, nodes, 3); nodes may be equal in pairs."""
-    table = values.copy()
-    count = nodes.shape[1]
-    for order in range(1, count):
-        gap = nodes[:, order:] - nodes[:, :-order]
-        change = table[:, order:] - table[:, order - 1 : -1]
+def newton_form(
+    nodes: FloatArray, values: FloatArray, slopes: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray]:
+    """The nodes (K, N) and coefficients (K, N, C) of Newton's form of N polynomials through values,
+    and slopes, (W, N, C) at nodes (W, N or 1); K is W, or 2 W with slopes: each node twice.
+    """
+    if slopes is not None:
+        nodes, values, slopes = (np.repeat(array, 2, axis=0) for array in (nodes, values, slopes))
+    table = np.array(values)
+    for order in range(1, len(nodes)):
+        gap = (nodes[order:] - nodes[:-order])[..., None]
+        change = table[order:] - table[order - 1 : -1]
         if order == 1 and slopes is not None:
-            twin = gap == 0.0
-            gap = np.where(twin, 1.0, gap)
-            change = np.where(twin[..., None], slopes[:, 1:], change / gap[..., None])
+            change[::2] = slopes[::2]
+            change[1::2] /= gap[1::2]
         else:
-            change = change / gap[..., None]
-        table[:, order:] = change
-    return table
+            change /= gap
+        table[order:] = change
+    return nodes, table
 
 
-def _newton_at(x, nodes, newton):
-    """The values (intervals, 3) of Newton's form at one x of each interval, from 0 to 1."""
-    total = newton[:, -1]
-    for order in range(newton.shape[1] - 2, -1, -1):
-        total = newton[:, order] + total * (x - nodes[:, order])[:, None]
-    return total
+def newton_values(
+    nodes: FloatArray, coefficients: FloatArray, x: Reals, order: int = 0
+) -> list[FloatArray]:
+    """Values (N, C) of Newton's form at x, a number or (N,), and its derivatives up to `order`."""
+    p = coefficients[-1]
+    dp = ddp = 0.0 * p
+    for node, coefficient in zip(nodes[-2::-1], coefficients[-2::-1], strict=True):
+        ahead = (x - node)[:, None]
+        if order > 1:
+            ddp = ddp * ahead + 2.0 * dp
+        if order:
+            dp = dp * ahead + p
+        p = p * ahead + coefficient
+    return [p, dp, ddp][: order + 1]
 
 
 INTERPOLATIONS: tuple[str, ...] = ("lagrange", "hermite")
