@@ -133,19 +133,19 @@ def _convert(arguments, written, source, path):
                 "give --fit to fit a free rotation to them."
             )
         settings |= written.labels(motion, source.said)
-        detect.write_motion(arguments.output, motion, **settings)
+        written.write(arguments.output, motion, **settings)
     elif written.holds == "span":
         _write_span(arguments, written, motion, settings)
     elif _by_tolerance(arguments, written, source.motion):
         start, stop = _ends(arguments, motion)
         settings |= {"start": start, "stop": stop, "tolerance": arguments.tolerance}
         settings |= written.labels(motion, source.said)
-        print(detect.write(arguments.output, motion, **settings))
+        print(written.write(arguments.output, motion, **settings))
     else:
         records = _records(arguments, motion)
         if isinstance(motion, FreeRotation):
             records.meta.update(message_labels(motion, source.said))
-        detect.write(arguments.output, records, **settings)
+        written.write(arguments.output, records, **settings)
 
 
 def _by_tolerance(arguments, written, read):

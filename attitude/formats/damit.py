@@ -206,6 +206,9 @@ register(
         reading=(),
         write=write,
         holds="motion",
-        resembles=lambda line: len(line.split()) == 3 and b"=" not in line,
+        # Three words; a line of TOML has an equals sign, is a comment or names a table.
+        resembles=lambda line: (
+            len(line.split()) == 3 and b"=" not in line and line[:1] not in b"#["
+        ),
     )
 )

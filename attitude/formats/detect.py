@@ -8,7 +8,7 @@ import re
 from typing import TYPE_CHECKING, Any
 
 from attitude._support.synonyms import arguments
-from attitude._textfiles.lines import beginning, is_number, path_text, prefixed
+from attitude._textfiles.lines import beginning, path_text, prefixed
 from attitude.errors import AttitudeError
 from attitude.formats import spin_file
 from attitude.formats._format import Format, OpenedFile, ending_of, endings, formats
@@ -201,24 +201,33 @@ def write(
     AttitudeError
         For an ending of no format or of a format of motions, and as the writer of the format.
     """
-    file_format = format_to_write(path)
-    if file_format.holds != "records":
-        raise AttitudeError(
-            f"{os.fspath(path)!r} would hold a motion, not attitudes at epochs; use write_motion."
-        )
-    return file_format.write(path, source, t=t, **settings)
+    return _format_holding("records", path).write(path, source, t=t, **settings)
 
 
 def write_motion(path: FilePath, motion: FreeRotation, **settings: Any) -> None:
     """Write a free rotation as a spin file (.toml, exact), an APM (.apm) or a DAMIT file
     (.spin).
     """
+    _format_holding("motion", path).write(path, motion, **settings)
+
+
+# What files hold, by `Format.holds`, and what writes them.
+_CONTENTS = {
+    "records": ("attitudes at epochs", "write"),
+    "motion": ("a motion", "write_motion"),
+    "span": ("attitudes at any epoch of a span", "motion.write with start= and stop="),
+}
+
+
+def _format_holding(content, path):
+    """The format of a file to be written, which must hold a content, one of _CONTENTS."""
     file_format = format_to_write(path)
-    if file_format.holds != "motion":
+    if file_format.holds != content:
+        held, writer = _CONTENTS[file_format.holds]
         raise AttitudeError(
-            f"{os.fspath(path)!r} would hold attitudes at epochs, not a motion; use write."
+            f"{os.fspath(path)!r} would hold {held}, not {_CONTENTS[content][0]}; use {writer}."
         )
-    file_format.write(path, motion, **settings)
+    return file_format
 
 
 def write_any(
@@ -289,13 +298,8 @@ def _is_spin_file(path: FilePath) -> bool:
     """Whether a file is a spin file by its ending, or because it is in no other known format."""
     if os.path.splitext(path_text(path))[1].lower() == ".toml":  # loads no other format
         return True
-    first = beginning(path).lstrip().split(b"\n")[0].split()
-    if len(first) == 3 and all(map(is_number, first)):  # of DAMIT, and no TOML
-        return False
     try:
-        file_format = format_of(path)
+        format_of(path)
     except AttitudeError:
         return True
-    # Three words, which resemble DAMIT, also begin a line of TOML.
-    has_ending = os.fspath(path).lower().endswith(file_format.endings)
-    return file_format.name == "damit" and not has_ending
+    return False
