@@ -40,8 +40,21 @@ _WHERE = {
 
 __all__ = ["AttitudeError", *sorted(_WHERE)]
 
+# The modules of formats that register one, in the order in which sentences list their endings.
+FORMAT_MODULES: tuple[str, ...] = (
+    "aem",
+    "apm",
+    "acm",
+    "stk",
+    "cic",
+    "spin_file",
+    "damit",
+    "ck",
+    "tables",
+    "quat",
+)
 # The modules whose names are public; others may change in any release.
-PUBLIC_MODULES: tuple[str, ...] = (
+_PUBLIC: tuple[str, ...] = (
     "attitude",
     "attitude.arcs",
     "attitude.averaged",
@@ -53,19 +66,9 @@ PUBLIC_MODULES: tuple[str, ...] = (
     "attitude.events",
     "attitude.fitting",
     "attitude.formats",
-    "attitude.formats.acm",
-    "attitude.formats.aem",
-    "attitude.formats.apm",
-    "attitude.formats.cic",
-    "attitude.formats.ck",
-    "attitude.formats.damit",
     "attitude.formats.damit_light_curve",
     "attitude.formats.detect",
     "attitude.formats.mission",
-    "attitude.formats.quat",
-    "attitude.formats.spin_file",
-    "attitude.formats.stk",
-    "attitude.formats.tables",
     "attitude.frames",
     "attitude.frames.quaternion",
     "attitude.frames.representations",
@@ -90,7 +93,9 @@ PUBLIC_MODULES: tuple[str, ...] = (
     "attitude.torch",
     "attitude.torques",
     "attitude.viewer",
+    *(f"attitude.formats.{name}" for name in FORMAT_MODULES),
 )
+PUBLIC_MODULES: tuple[str, ...] = tuple(sorted(_PUBLIC))
 
 # Those that are imported when they are first used as attributes, such as attitude.events.
 _MODULES = tuple(dict.fromkeys(name.split(".")[1] for name in PUBLIC_MODULES[1:]))

@@ -55,4 +55,5 @@ from attitude.torques._torqued import TorquedRotation as TorquedRotation
 
 __version__: str
 __all__: list[str]
+FORMAT_MODULES: tuple[str, ...]
 PUBLIC_MODULES: tuple[str, ...]

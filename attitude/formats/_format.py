@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
@@ -15,20 +16,6 @@ from attitude.errors import AttitudeError
 if TYPE_CHECKING:
     from attitude.motions._motion import Motion
 
-# The modules of this folder that register formats, in the order in which sentences list endings:
-# `attitude.PUBLIC_MODULES` has them, and others, in the order of the alphabet.
-MODULES: tuple[str, ...] = (
-    "aem",
-    "apm",
-    "acm",
-    "stk",
-    "cic",
-    "spin_file",
-    "damit",
-    "ck",
-    "tables",
-    "quat",
-)
 _by_name: dict[str, Format] = {}
 
 
@@ -232,7 +219,7 @@ def formats() -> dict[str, Format]:
     >>> formats()["stk"].endings
     ('.a',)
     """
-    modules = [f"{__package__}.{module}" for module in MODULES]
+    modules = [f"{__package__}.{module}" for module in sys.modules["attitude"].FORMAT_MODULES]
     for module in modules:
         import_module(module)
     place = {module: k for k, module in enumerate(modules)}

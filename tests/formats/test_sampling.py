@@ -273,6 +273,16 @@ def test_no_segments_are_refused(tmp_path, ending):
             detect.write(tmp_path / f"a.{ending}", source)
 
 
+def test_writers_name_the_one_for_what_a_file_holds(tmp_path):
+    with pytest.raises(AttitudeError, match=r"would hold a motion, .* use write_motion"):
+        detect.write(tmp_path / "a.toml", MOTION, t=[0.0])
+    with pytest.raises(AttitudeError, match=r"would hold attitudes at epochs, .* use write"):
+        detect.write_motion(tmp_path / "a.aem", MOTION)
+    for write in (detect.write, detect.write_motion):
+        with pytest.raises(AttitudeError, match=r"any epoch of a span, .* use motion\.write with"):
+            write(tmp_path / "a.bc", MOTION)
+
+
 @pytest.mark.parametrize("ending", ["aem", "xml", "acm", "cic", "quat", "csv"])
 def test_epochs_that_would_be_the_same_text_are_refused(tmp_path, ending):
     path = tmp_path / f"a.{ending}"
