@@ -91,10 +91,17 @@ class MeanTorques:
         """Each mean alone, with the numbers of its path at an epoch."""
         pairs = zip(self.torques, self.periods, self.means, strict=True)
         return [
-            [Packed(self.axes, self.body, [(Sampling(torque, period, False, math.inf), mean)],
-                    self.instant) for mean in means]
+            [
+                Packed(
+                    self.axes,
+                    self.body,
+                    [(Sampling(torque, period, False, math.inf), mean)],
+                    self.instant,
+                )
+                for mean in means
+            ]
             for torque, period, means in pairs
-        ]  # fmt: skip
+        ]
 
     def packing(self, kinds: list[str], size: float, y: float, region: int) -> Packing:
         """The packed means for "averaged", "followed" or "auto" of each torque, for a state."""

@@ -105,8 +105,15 @@ def means_of(torque: Torque, body: Body, axes: Axes, degree: int) -> Sequence[Me
 
 def over_torus(torque: Torque) -> Mean:
     """The mean of any torque over nodes of both phases."""
-    empty = np.zeros((4, 2, 0)), np.zeros((4, 0))
-    return Mean(_rates.TORUS, lambda samples: samples, *empty, 0, 1.0, torque=torque)
+    return Mean(
+        _rates.TORUS,
+        lambda samples: samples,
+        np.zeros((4, 2, 0)),
+        np.zeros((4, 0)),
+        0,
+        1.0,
+        torque=torque,
+    )
 
 
 def over_plane(mean: Mean) -> Mean:

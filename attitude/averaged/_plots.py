@@ -163,6 +163,11 @@ def _mark(panels: Any, events: Iterable[AveragedEvent], scale: float) -> None:
             )
     if lines:
         panels[0].legend(
-            lines.values(), lines.keys(), fontsize=9, loc="lower center",
-            bbox_to_anchor=(0.5, 1.0), ncols=len(lines), frameon=False,
-        )  # fmt: skip
+            lines.values(),
+            lines.keys(),
+            fontsize=9,
+            loc="lower center",
+            bbox_to_anchor=(0.5, 1.0),
+            ncols=len(lines),
+            frameon=False,
+        )

@@ -436,10 +436,11 @@ def _divergence(packing: Packing, time: float, state: FloatArray, region: int) -
         times = [time]
         if is_averaged and not isinstance(torque, _WITHOUT_PHASE):
             times = _turn(torques, time, period)
-        total += float(np.mean([
+        divergences = [
             _mean_state.divergence(torques.body, spin, [torque], torques.instant, when)
             for when in times
-        ]))  # fmt: skip
+        ]
+        total += float(np.mean(divergences))
     return total
 
 

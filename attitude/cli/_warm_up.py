@@ -41,9 +41,15 @@ _STATES = [
     (Body(moments=(10, 20, 26)), _SPINS[3]),
 ]
 _ORBIT = _two_body.kepler(
-    epoch="2026-01-01", center="earth", semi_major_axis=7e6, eccentricity=0.1, inclination=0.5,
-    node=0.2, pericenter_argument=0.1, mean_anomaly=0.3,
-)  # fmt: skip
+    epoch="2026-01-01",
+    center="earth",
+    semi_major_axis=7e6,
+    eccentricity=0.1,
+    inclination=0.5,
+    node=0.2,
+    pericenter_argument=0.1,
+    mean_anomaly=0.3,
+)
 
 
 def features(everything: bool) -> Iterator[Callable[[], None]]:

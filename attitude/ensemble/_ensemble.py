@@ -395,14 +395,30 @@ class Ensemble(Immutable):
         if names is not None:
             known = [str(name) for name in np.asarray(names).ravel().tolist()]
         states = _published.states_from_periods(
-            body if moments is None else moments, pole=pole, phi0=phi0, mode=mode,
-            convention=convention, P_psi=P_psi, P_phi=P_phi, psi0=psi0, theta_branch=theta_branch,
-            P=P, names=known, on_error=on_error,
-        )  # fmt: skip
+            body if moments is None else moments,
+            pole=pole,
+            phi0=phi0,
+            mode=mode,
+            convention=convention,
+            P_psi=P_psi,
+            P_phi=P_phi,
+            psi0=psi0,
+            theta_branch=theta_branch,
+            P=P,
+            names=known,
+            on_error=on_error,
+        )
         return cls(
-            body, states.wxyz, states.angular_velocity, epoch, frame, known,
-            moments=moments, relative=relative if body is None else False, on_error=on_error,
-        )  # fmt: skip
+            body,
+            states.wxyz,
+            states.angular_velocity,
+            epoch,
+            frame,
+            known,
+            moments=moments,
+            relative=relative if body is None else False,
+            on_error=on_error,
+        )
 
     @classmethod
     def from_table(
@@ -1648,9 +1664,13 @@ class TorquedEnsemble(Immutable):
         self._set_all(torques=(), _systems=[], _states=np.zeros((0, STATE_ENTRIES)))
         if len(ensemble):
             first = TorquedRotation(
-                ensemble[0].body, ensemble[0].spin, torques, step=None, scheme=self.scheme,
+                ensemble[0].body,
+                ensemble[0].spin,
+                torques,
+                step=None,
+                scheme=self.scheme,
                 step_tolerance=1e-2,
-            )  # fmt: skip
+            )
             self._set("torques", first.torques)
             self._prepare()
 

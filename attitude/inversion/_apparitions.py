@@ -552,9 +552,13 @@ class RotatorSearch(Search):
             if self.is_over:
                 break
             evaluation = _refinement.refine(
-                problem, candidate.state, iterations=_STEPS_FREE, tie=self.tie,
-                fixed=self._fixed(candidate.state), gain=_GAIN,
-            )  # fmt: skip
+                problem,
+                candidate.state,
+                iterations=_STEPS_FREE,
+                tie=self.tie,
+                fixed=self._fixed(candidate.state),
+                gain=_GAIN,
+            )
             self.axial.append(evaluation.linearised)
         self.axial = self._most_probable(self.axial, problem)
         self.progress(f"{len(self.axial)} poles that compete")

@@ -389,11 +389,16 @@ def covariance_of_state(
         w = omega + step[:, 3:]
         parts = [
             costs(
-                solution.problem, known, point.body.moments, q[k : k + block], w[k : k + block],
-                seconds, least,
+                solution.problem,
+                known,
+                point.body.moments,
+                q[k : k + block],
+                w[k : k + block],
+                seconds,
+                least,
             ).cost
             for k in range(0, len(step), block)
-        ]  # fmt: skip
+        ]
         return -0.5 * np.concatenate(parts)
 
     wide = second_moments(density, len(which), np.random.default_rng(_SEED))

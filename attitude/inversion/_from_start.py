@@ -102,9 +102,13 @@ class Refinement(CurveFit):
 
         with _refinement.limited():
             errors_of = _errors.errors(
-                self.weighted, self._model(problem), self._groups, self.point.size, refitted,
+                self.weighted,
+                self._model(problem),
+                self._groups,
+                self.point.size,
+                refitted,
                 self._second_moments(),
-            )  # fmt: skip
+            )
         return errors_of.covariance + _errors.spread(errors_of.covariance, self.rivals)
 
     def _second_moments(self) -> FloatArray | None:

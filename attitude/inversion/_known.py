@@ -391,9 +391,14 @@ def found(
     known = _shapes.known(mesh, law).over(axes)
     zero_points = curve.zero_points
     problem, averaged = _problem.problem(
-        curve, most, settings.ellipsoid_error, zero_points, is_known=True, settings=settings,
+        curve,
+        most,
+        settings.ellipsoid_error,
+        zero_points,
+        is_known=True,
+        settings=settings,
         tally=Tally(seconds),
-    )  # fmt: skip
+    )
     search = PassSearch(
         problem,
         known,

@@ -229,10 +229,14 @@ class Search:
     def verdict_of(self, solutions: Sequence[Robust]) -> tuple[str, str]:
         """The verdict of solutions of this search, and its criterion in words."""
         verdict = _verdicts.verdict(
-            solutions, self.problem, self.is_complete, self.most,
-            is_given_axis=self.modes == ("PA",), is_hidden=not self.tie.is_wide,
+            solutions,
+            self.problem,
+            self.is_complete,
+            self.most,
+            is_given_axis=self.modes == ("PA",),
+            is_hidden=not self.tie.is_wide,
             is_interrupted=self.is_interrupted,
-        )  # fmt: skip
+        )
         return _verdicts.of_dips(verdict, solutions, self.problem, self.dips)
 
     def satellite_is_ahead(self) -> float:
@@ -366,8 +370,14 @@ class Search:
         rival = replace(
             self,
             problem=problem,
-            convex=[], solutions=[], axial=[], held_poles=[], beside=[], dips=[], notes=[],
-        )  # fmt: skip
+            convex=[],
+            solutions=[],
+            axial=[],
+            held_poles=[],
+            beside=[],
+            dips=[],
+            notes=[],
+        )
         rival._axial(_satellites.rates_beside(problem, rates, self.most))
         rival.finish()
         return [rival] if rival.solutions else []

@@ -203,9 +203,13 @@ def _of_scene(
     """What `_geometry` returns, at times (T,) of light where those of the curve are."""
     ordered, order = np.unique(t, return_inverse=True)
     seen = LightCurve(
-        ordered, np.zeros(len(ordered)), epoch=curve.epoch, scene=scene, time_of=curve.time_of,
+        ordered,
+        np.zeros(len(ordered)),
+        epoch=curve.epoch,
+        scene=scene,
+        time_of=curve.time_of,
         light_time=scene.light_time,
-    )  # fmt: skip
+    )
     emission = seen.emission + (seen.epoch.seconds - curve.epoch.seconds)
     sun, observer = seen.vectors
     return t, emission[order], sun[order], observer[order]

@@ -300,9 +300,13 @@ class Body(Valued):
     ) -> None:
         axes = _GIVEN_AXES if principal is None else principal.axes[0]
         self._set_all(
-            moments=moments, tensor=tensor, principal_axes=axes[..., 0].copy(), _moments=pairs,
-            _axes=axes, _found=principal,
-        )  # fmt: skip
+            moments=moments,
+            tensor=tensor,
+            principal_axes=axes[..., 0].copy(),
+            _moments=pairs,
+            _axes=axes,
+            _found=principal,
+        )
 
     @property
     def has_given_axes(self) -> bool:

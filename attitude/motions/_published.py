@@ -144,9 +144,9 @@ def refuse_missing_mode(moments: FloatArray, mode: str) -> None:
     """AttitudeError if a body with these moments (3,), ascending, has no motion in the mode."""
     if not _exists(moments, mode):
         listed = ", ".join(f"{moment:.9g}" for moment in moments)
-        why = "the least is zero" if moments[0] == 0.0 else (
-            "the least two are equal" if mode == "LAM" else "the greatest two are equal"
-        )  # fmt: skip
+        why = "the least two are equal" if mode == "LAM" else "the greatest two are equal"
+        if moments[0] == 0.0:
+            why = "the least is zero"
         raise AttitudeError(
             f"a body with the moments {listed} has no {mode}: {why}. "
             + ("Give another mode." if moments[2] > moments[0] > 0.0 else "Give rates instead.")

@@ -283,9 +283,17 @@ class Spin(Valued):
         <Spin at 2012-12-23T00:00:00 UTC: angular velocity ...>
         """
         state = _published.states_from_two_periods(
-            body, mode=mode, convention=convention, P_psi=P_psi, P_phi=P_phi, pole=pole,
-            phi0=phi0, psi0=psi0, theta_branch=theta_branch, P=P,
-        )  # fmt: skip
+            body,
+            mode=mode,
+            convention=convention,
+            P_psi=P_psi,
+            P_phi=P_phi,
+            pole=pole,
+            phi0=phi0,
+            psi0=psi0,
+            theta_branch=theta_branch,
+            P=P,
+        )
         return cls(epoch, *state, frame)
 
     @classmethod
@@ -316,9 +324,17 @@ class Spin(Valued):
         `from_periods`.
         """
         state = _published.from_energy(
-            body, energy_ratio=energy_ratio, convention=convention, pole=pole, phi0=phi0,
-            psi0=psi0, P_psi=P_psi, P_phi=P_phi, mode=mode, theta_branch=theta_branch,
-        )  # fmt: skip
+            body,
+            energy_ratio=energy_ratio,
+            convention=convention,
+            pole=pole,
+            phi0=phi0,
+            psi0=psi0,
+            P_psi=P_psi,
+            P_phi=P_phi,
+            mode=mode,
+            theta_branch=theta_branch,
+        )
         return cls(epoch, *state, frame)
 
     @classmethod
@@ -349,9 +365,16 @@ class Spin(Valued):
         theta0, psi0 and one of P_psi and P_phi.  The others as in `from_periods`.
         """
         state = _published.from_pole(
-            body, convention=convention, pole=pole, phi0=phi0, theta0=theta0, psi0=psi0,
-            P_psi=P_psi, P_phi=P_phi, angular_velocity=angular_velocity,
-        )  # fmt: skip
+            body,
+            convention=convention,
+            pole=pole,
+            phi0=phi0,
+            theta0=theta0,
+            psi0=psi0,
+            P_psi=P_psi,
+            P_phi=P_phi,
+            angular_velocity=angular_velocity,
+        )
         return cls(epoch, *state, frame)
 
     @classmethod

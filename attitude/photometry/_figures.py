@@ -40,9 +40,15 @@ def of_light_curve(data: LightCurve, path: FilePath | None = None) -> Any:
             continue
         error = np.where(np.isfinite(data.sigma[in_filter]), data.sigma[in_filter], 0.0)
         axes.errorbar(
-            data.seconds[in_filter] / unit, data.value[in_filter], error, fmt=".", ms=4, lw=0.6,
-            color=f"C{number}" if number < _COLOURS else "k", label=plots.plain(name) or None,
-        )  # fmt: skip
+            data.seconds[in_filter] / unit,
+            data.value[in_filter],
+            error,
+            fmt=".",
+            ms=4,
+            lw=0.6,
+            color=f"C{number}" if number < _COLOURS else "k",
+            label=plots.plain(name) or None,
+        )
     if not data.is_flux:
         axes.invert_yaxis()
     brightness = ("flux" if data.is_flux else "magnitude") + " at 1 au" * data.unit_distances
@@ -168,9 +174,13 @@ def _folded(axes: Any, folded: Folded, which: int) -> None:
         colour = f"C{number}" if number < _COLOURS and data.curves > 1 else DATA
         name = data.names[number] if data.names and number < _COLOURS else ""
         axes.plot(
-            folded.phase[which, in_curve], folded.values[which, in_curve], ".", color=colour, ms=4,
+            folded.phase[which, in_curve],
+            folded.values[which, in_curve],
+            ".",
+            color=colour,
+            ms=4,
             label=plots.plain(name) or None,
-        )  # fmt: skip
+        )
     draw_series(axes, folded, which)
     axes.set(
         xlabel=f"phase of {of_time(folded.periods[which], 7)}",

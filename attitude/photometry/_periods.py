@@ -379,8 +379,11 @@ def periods(
     """
     data = _samples.tempered(_samples.of(t, values, errors, curve, zero_points))
     for name, bound in (
-        ("min_period", min_period), ("max_period", max_period), ("first", first), ("second", second)
-    ):  # fmt: skip
+        ("min_period", min_period),
+        ("max_period", max_period),
+        ("first", first),
+        ("second", second),
+    ):
         _samples.warn_of_plain(bound, name, data.t)
     if not isinstance(count, (int, np.integer)) or count not in (1, 2):
         raise AttitudeError(f"count is {count!r}; give 1 period or 2; keep= is that of the peaks.")

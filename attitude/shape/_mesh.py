@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from dataclasses import dataclass
 from functools import cached_property
@@ -838,8 +839,8 @@ def flat_sides(mesh: Mesh) -> tuple[FlatSide, ...]:
 def _place(groups, material, place):
     """The key of the group of a facet: that of a neighbouring cell, if there is one."""
     x, y, z = place
-    for key in ((material, x + i, y + j, z + k) for i in (0, -1, 1) for j in (0, -1, 1)
-                for k in (0, -1, 1)):  # fmt: skip
+    for i, j, k in itertools.product((0, -1, 1), repeat=3):
+        key = material, x + i, y + j, z + k
         if key in groups:
             return key
     return material, x, y, z

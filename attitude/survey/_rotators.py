@@ -159,9 +159,12 @@ class Rotators:
             moments, axes, body = self._of_meshes(columns, shape, names)
         states, self.epochs = rotator_states(columns, moments, axes, names)
         self.ensemble = Ensemble(
-            wxyz=states.wxyz, angular_velocity=states.angular_velocity, epoch=Instant(0.0),
-            frame="ecliptic", **body,
-        )  # fmt: skip
+            wxyz=states.wxyz,
+            angular_velocity=states.angular_velocity,
+            epoch=Instant(0.0),
+            frame="ecliptic",
+            **body,
+        )
 
     def __len__(self) -> int:
         return len(self.epochs)
@@ -245,9 +248,14 @@ class Rotators:
         t = (mjd - self.epochs[who]) * DAY_S
         one = isinstance(self._shapes, list) and len(set(map(id, self._shapes))) == 1
         bright = self.ensemble.brightness(
-            t, who, sun, observer, shape=self._shapes[0] if one else self._shapes,
-            law=self._law, threads=threads,
-        )  # fmt: skip
+            t,
+            who,
+            sun,
+            observer,
+            shape=self._shapes[0] if one else self._shapes,
+            law=self._law,
+            threads=threads,
+        )
         areas = (self.area / _SPHERE.area)[who]
         assert self._law.weights is not None  # the constructor refuses others
         if self._law.has_phase or self._law.weights[1] != 0.0:

@@ -164,9 +164,14 @@ def directions(subject: Subject, which: str) -> FloatArray:
         return np.degrees(np.linalg.norm(middle - vectors[1:-1:2], axis=1).max()) / 4.0
 
     vectors = _close_enough(
-        subject.duration, partial(subject.toward, which), error, np.degrees(TOLERANCE),
-        (_FIRST, _MOST_DIRECTIONS), f"directions to the {which}", "deg",
-    )[1]  # fmt: skip
+        subject.duration,
+        partial(subject.toward, which),
+        error,
+        np.degrees(TOLERANCE),
+        (_FIRST, _MOST_DIRECTIONS),
+        f"directions to the {which}",
+        "deg",
+    )[1]
     return vectors if np.ptp(vectors, axis=0).max() > 0.0 else vectors[:1]
 
 
@@ -186,9 +191,14 @@ def trajectory(subject: Subject, path: Path) -> tuple[FloatArray, FloatArray, Fl
 
     first = int(np.clip(np.ceil(subject.duration / _STEP) + 1.0, 9, _FIRST_STATES))
     times, states = _close_enough(
-        subject.duration, partial(path.state, subject.start), error, _OFF,
-        (first, _MOST_STATES), "positions", "m",
-    )  # fmt: skip
+        subject.duration,
+        partial(path.state, subject.start),
+        error,
+        _OFF,
+        (first, _MOST_STATES),
+        "positions",
+        "m",
+    )
     return times, *states
 
 
