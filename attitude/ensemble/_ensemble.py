@@ -24,6 +24,7 @@ from attitude._support import markup, pairs, validation
 from attitude._support.arrays import Immutable, frozen, read_only
 from attitude._support.blocks import ProgressBar, in_blocks
 from attitude._support.pairs import Seconds
+from attitude._textfiles.lines import prefixed
 from attitude.averaged._ensemble import AveragedEnsemble
 from attitude.ensemble import _arcs, _light, _members, _quantities, _tables
 from attitude.ensemble._evaluation import MemberGrid, MemberRows
@@ -473,10 +474,8 @@ class Ensemble(Immutable):
                     f"not {value!r}; leave {name} out."
                 )
         low = arguments.pop("low", None)
-        try:
+        with prefixed(origin):
             ensemble = cls(**{"frame": axes, "relative": unknown, **arguments}, on_error=on_error)
-        except AttitudeError as err:
-            raise AttitudeError(f"{origin}: {err}") from err
         return ensemble if low is None else ensemble._with_low(low)
 
     @classmethod
@@ -649,11 +648,15 @@ class Ensemble(Immutable):
         """Numbers of members of any shape, those below 0 counted from the end."""
         bad = np.flatnonzero((array.ravel() < -len(self)) | (array.ravel() >= len(self)))
         if len(bad):
-            raise AttitudeError(
-                f"member {array.ravel()[bad[0]]} (entry {bad[0]}) is out of range: the ensemble "
-                f"has {len(self)} members, 0 to {len(self) - 1}."
-            )
+            raise self._outside(f"{array.ravel()[bad[0]]} (entry {bad[0]})")
         return np.where(array < 0, array + len(self), array).astype(np.int64)
+
+    def _outside(self, member: str) -> AttitudeError:
+        """The error for the number of a member that there is not."""
+        return AttitudeError(
+            f"member {member} is out of range: the ensemble has {len(self)} members, 0 to "
+            f"{len(self) - 1}."
+        )
 
     def _member(self, k: int) -> FreeRotation:
         if k in self._bad:
@@ -683,9 +686,7 @@ class Ensemble(Immutable):
         if not isinstance(member, (int, np.integer)) or isinstance(member, bool):
             raise AttitudeError(f"member is {validation.shown(member)}; give a number or a name.")
         if not -len(self) <= member < len(self):
-            raise AttitudeError(
-                f"member {member} is out of range: the ensemble has {len(self)} members."
-            )
+            raise self._outside(f"{member}")
         return int(member) % len(self)
 
     @cached_property
@@ -1005,10 +1006,7 @@ class Ensemble(Immutable):
         if least < 0 or greatest >= len(self):
             flat = numbers.reshape(-1)
             row = int(np.argmax((flat < 0) | (flat >= len(self))))
-            raise AttitudeError(
-                f"member {flat[row]} of row {row} is out of range: the ensemble has {len(self)} "
-                f"members, 0 to {len(self) - 1}."
-            )
+            raise self._outside(f"{flat[row]} of row {row}")
         return numbers, in_runs
 
     def _history(self, epochs: MemberGrid | MemberRows, outs: Any, threads: int) -> EnsembleHistory:
@@ -1562,10 +1560,8 @@ class ArcsEnsemble(Immutable):
     def _single(self, k: int) -> Arcs:
         """The motion of member k; its errors have the name of the member."""
         motion = self.ensemble[k]
-        try:
+        with prefixed(self.ensemble.label(k)):
             return Arcs(motion.body, motion.spin, self.changes)
-        except AttitudeError as err:
-            raise AttitudeError(f"{self.ensemble.label(k)}: {err}") from None
 
     @contextmanager
     def _named(self) -> Iterator[None]:
@@ -1604,11 +1600,9 @@ class ArcsEnsemble(Immutable):
             """Fill the rows of members one by one; errors have the name of the member."""
             for k in range(begin, end):
                 motion = self[k]
-                try:
+                with prefixed(self.ensemble.label(k)):
                     history = motion.at(hi, lo)
                     wxyz[k], rates[k] = history.wxyz.T, history.angular_velocity.T
-                except AttitudeError as err:
-                    raise AttitudeError(f"{self.ensemble.label(k)}: {err}") from None
 
         if self._chains is None:
             in_blocks(evaluate_singles, count, 64, threads, ProgressBar("chains of arcs"))
@@ -1694,11 +1688,9 @@ class TorquedEnsemble(Immutable):
             state[OMEGA] = ensemble.angular_velocity[k] @ self._system(k).axes
         speeds = np.sum(states[:, OMEGA] ** 2, axis=1)
         worst = int(np.argmax(speeds))
-        try:
+        with prefixed(ensemble.label(worst)):
             motion = ensemble[worst]
             System(motion.body, motion.spin, self.torques, self.scheme).check_step(self.step)
-        except AttitudeError as err:
-            raise AttitudeError(f"{ensemble.label(worst)}: {err}") from err
         self._set("_states", frozen(states))
 
     def _system(self, k: int) -> System:

@@ -20,6 +20,7 @@ from attitude._solver import covariance as covariances
 from attitude._solver.states import States
 from attitude._support import pairs, validation
 from attitude._support.constants import DAY_S, MJD_OF_J2000
+from attitude._textfiles.lines import prefixed
 from attitude.errors import AttitudeError
 from attitude.formats.tables import meta_of
 from attitude.frames import quaternion
@@ -284,11 +285,9 @@ def rotator_states(
 def _of_rotators(columns: Mapping[str, Any], origin: str, on_error: str) -> dict[str, Any]:
     """The arguments of `Ensemble` in the columns of a survey."""
     names = _names(columns, ("ObjID", "name"), origin)
-    try:
+    with prefixed(origin):
         _, moments = rotator_moments(columns, names)
         states, mjd = rotator_states(columns, moments, None, names, on_error)
-    except AttitudeError as err:
-        raise AttitudeError(f"{origin}: {err}") from err
     return {
         "wxyz": states.wxyz,
         "angular_velocity": states.angular_velocity,

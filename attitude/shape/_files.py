@@ -15,7 +15,7 @@ from attitude._support import validation
 from attitude._support.quoting import quoted
 from attitude._support.validation import flag
 from attitude._textfiles.atomic_write import written_whole
-from attitude._textfiles.lines import path_text, whole
+from attitude._textfiles.lines import path_text, prefixed, whole
 from attitude.errors import AttitudeError
 from attitude.shape._mesh import SURFACE, Mesh, of_printed, of_single_precision
 
@@ -82,12 +82,10 @@ def read(
     vertices, facets, materials = parts
     if repair:
         vertices, facets, materials = _repaired(vertices, facets)
-    try:
+    with prefixed(file.name):
         mesh = Mesh(vertices * factor, facets, materials, open=not closed)
         mesh = mesh.with_rounding(rounding * factor)
         return mesh.require_closed() if closed else mesh
-    except AttitudeError as err:
-        raise AttitudeError(f"{file.name}: {err}") from err
 
 
 def write(path: FilePath, mesh: Mesh, *, unit: str = "m", format: str | None = None) -> None:
