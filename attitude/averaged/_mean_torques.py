@@ -149,9 +149,10 @@ class MeanTorques:
         x, out, total = np.array([0.6 * size, 0.0, 0.8 * size, y]), np.empty(4), 0.0
         for packed in self._single[number]:
             forcing = packed.window(0, math.inf, (0.0, 0.0))
-            arguments = packed.data, packed.models, forcing, packed.work, out, 1
             with raising_callback_errors():
-                eps = layout.rates_at(0.0, x, region, *arguments)
+                eps = layout.rates_at(
+                    0.0, x, region, packed.data, packed.models, forcing, packed.work, out, 1
+                )
             total = max(total, eps * size / float(self.axes.moments[2]))
         return total
 
@@ -236,10 +237,11 @@ class Packing:
     ) -> tuple[FloatArray, float]:
         """dL/dt and dy/dt (4,) of a state (4,), and |N| P/(2 pi |L|), of all or some means."""
         window = self.window(t, 1.0 if t < self.torques.span[1] else -1.0)
-        out, work = np.empty(4), np.empty_like(self.packed.work)
-        arguments = self.packed.data, window.models[means], window.forcing, work, out, 1
+        out, work, models = np.empty(4), np.empty_like(self.packed.work), window.models[means]
         with raising_callback_errors():
-            eps = layout.rates_at(t, np.array(x), region, *arguments)
+            eps = layout.rates_at(
+                t, np.array(x), region, self.packed.data, models, window.forcing, work, out, 1
+            )
         return out, float(eps)
 
     def crossing(self, t: float, x: FloatArray, region: int, sign: float) -> Crossing:
@@ -249,9 +251,10 @@ class Packing:
         state = np.array(x)
         state[3] = self.axes.separatrix
         work = np.empty_like(self.packed.work)
-        arguments = self.packed.data, window.models, window.forcing, arcs, seconds, work, out
         with raising_callback_errors():
-            layout.changes_on_arcs(t, state, *arguments)
+            layout.changes_on_arcs(
+                t, state, self.packed.data, window.models, window.forcing, arcs, seconds, work, out
+            )
         change = sign * out.reshape(2, 2)  # by sA and by sC
         if region >= LAM_PLUS:
             change, start, goals = -change, region - LAM_PLUS, (0, 1)

@@ -240,10 +240,19 @@ class Track:
         """Integrate to seconds `target` or to an event: what ended it, and the steps."""
         course, rows = self.course, np.empty((_ROWS, layout.ROW_ENTRIES))
         limits = np.array([*course.ends, WEAK, self.sign])
-        arguments = course.packing.packed.data, models, forcing, self._work, rows
         with raising_callback_errors():
             status, count = layout.advance(
-                self.clock, self.x, self.region, target, tolerance, limits, *arguments
+                self.clock,
+                self.x,
+                self.region,
+                target,
+                tolerance,
+                limits,
+                course.packing.packed.data,
+                models,
+                forcing,
+                self._work,
+                rows,
             )
         if status == layout.BAD:
             raise AttitudeError(

@@ -81,9 +81,14 @@ class Chains:
 
         def work(rows: slice, epochs: tuple[int, int]) -> None:
             columns = slice(*epochs)
-            out = wxyz[rows], rates[rows], epochs[0]
             failed = compiled().evaluate_members(
-                read_only(self._records[rows]), self._starts, high[columns], lows[columns], *out
+                read_only(self._records[rows]),
+                self._starts,
+                high[columns],
+                lows[columns],
+                wxyz[rows],
+                rates[rows],
+                epochs[0],
             )
             if failed >= 0:
                 raise Failed(rows.start + failed)

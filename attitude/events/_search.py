@@ -144,7 +144,10 @@ class _Block(NamedTuple):
         some = count[self.channel, parts[1]] > count[self.channel, parts[0]]
         end[some] = _sectioned(
             lambda s: level.sign(source.at(*shifted(self.base, s))),
-            *(self.begin[some], end[some], self.rising[some], _RESOLUTION * self.step),
+            self.begin[some],
+            end[some],
+            self.rising[some],
+            _RESOLUTION * self.step,
         )
         return self._replace(end=end)
 

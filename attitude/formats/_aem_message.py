@@ -500,8 +500,8 @@ class WrittenSegment:
             row, order = self._row_in_xml(out), [in_file.index(n) for n in columns]
         else:
             row = out.row("", len(columns))
-        how = self._kind, self._how, self._axes, self._settings["orbit"]
-        for history, values in columns_of(self._records.pieces(), *how):
+        pieces, orbit = self._records.pieces(), self._settings["orbit"]
+        for history, values in columns_of(pieces, self._kind, self._how, self._axes, orbit):
             codes = self._texts(history.epoch, history.seconds, history.low)
             out.table(ccsds_epochs.distinct(codes), values[:, order], row)
 

@@ -237,8 +237,8 @@ def beside(problem: CurveProblem, pair: AdditivePair, alone: Explained) -> Curve
     likelihoods = []
     for choice in itertools.product(_AMPLITUDES, _CHANGES, _WIDE):
         wide = _deviations(*choice)
-        held = inner * np.outer(wide, wide), along * wide
-        likelihoods.append((_evidence_of(*held, alone), choice))
+        evidence = _evidence_of(inner * np.outer(wide, wide), along * wide, alone)
+        likelihoods.append((evidence, choice))
     return problem.with_terms(terms, _deviations(*min(likelihoods)[1]), pair.orbit)
 
 

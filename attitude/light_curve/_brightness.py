@@ -354,8 +354,15 @@ def _facet_kernel(mesh, law, table):
     masks, resolution = frozen(np.zeros((1, clusters.count), dtype=np.uint64)), 0
     if table is not None:
         masks, resolution = table.masks.view(np.uint64), table.resolution
-    facets = clusters.blocks, clusters.axes, clusters.sky, clusters.cells
-    records = *facets, _segments(which, len(rows)), which.astype(float), masks
+    records = (
+        clusters.blocks,
+        clusters.axes,
+        clusters.sky,
+        clusters.cells,
+        _segments(which, len(rows)),
+        which.astype(float),
+        masks,
+    )
     element = law.element if law.elements is None else law.elements
     summed = _sums.over_facets(law.of_phase, element, law.elements is not None)
     size = max(_GATHERED, SIZE * (clusters.count + 2 * len(rows)))
