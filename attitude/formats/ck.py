@@ -377,7 +377,7 @@ def _halved(temporary, plan, clock, instrument):
         os.unlink(temporary)
     raise AttitudeError(
         f"the kernel deviates by {error:.2g} rad and {rate_error:.2g} rad/s from the motion at "
-        f"steps of {plan.step:.3g} s, more than the tolerances {plan.tolerance:g} rad and "
+        f"steps of {2.0 * plan.step:.3g} s, more than the tolerances {plan.tolerance:g} rad and "
         f"{plan.rate_tolerance:.3g} rad/s; give larger ones."
     )
 

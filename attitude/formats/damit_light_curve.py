@@ -151,7 +151,7 @@ class DamitLightCurve(Immutable):
     @property
     def phase_angle(self) -> FloatArray:
         """(N,) angles at the asteroid between Sun and Earth, rad."""
-        s, e = _icrf_units(self.sun), _icrf_units(self.earth)
+        s, e = self.sun_direction, self.earth_direction
         return 2.0 * np.arctan2(
             np.sqrt(np.sum((s - e) ** 2, axis=-1)), np.sqrt(np.sum((s + e) ** 2, axis=-1))
         )
