@@ -85,9 +85,7 @@ def write_cosmographia(
         clock=clock,
     )
     surface = _subject.surface(subject, _MOST)
-    with written_whole(f"{base}.obj") as file:
-        file.writelines(f"v {x:.7g} {y:.7g} {z:.7g}\n" for x, y, z in surface.vertices.tolist())
-        file.writelines(f"f {a} {b} {c}\n" for a, b, c in (surface.facets + 1).tolist())
+    _write_mesh(f"{base}.obj", surface)
     trajectory: dict[str, Any] = {"type": "FixedPoint", "position": [0.0, 0.0, 0.0]}
     if scene is not None and scene.center is not None:
         with written_whole(f"{base}.xyzv") as file:
@@ -121,6 +119,14 @@ def write_cosmographia(
     }
     with written_whole(path) as file:
         file.write(toml.written(catalogue, indent=2) + "\n")
+
+
+def _write_mesh(path, surface):
+    from attitude._textfiles.atomic_write import written_whole
+
+    with written_whole(path) as file:
+        file.writelines(f"v {x:.7g} {y:.7g} {z:.7g}\n" for x, y, z in surface.vertices.tolist())
+        file.writelines(f"f {a} {b} {c}\n" for a, b, c in (surface.facets + 1).tolist())
 
 
 def _frame(title):
