@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from attitude._textfiles import messages
+from attitude._textfiles.lines import prefixed
 from attitude._textfiles.messages import Form, MessageRows
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
@@ -166,7 +167,7 @@ def _path(block, origin, degree, center):
     interpolation, degree = _interpolation(meta, where, degree)
     states = 1e3 * np.concatenate(rows.states)
     span = _useable(meta, rows.times, where)
-    try:
+    with prefixed(f"{where} (states to line {rows.line})"):
         return table(
             [_dated(time, meta) for time in rows.times],
             states[:, :3],
@@ -179,8 +180,6 @@ def _path(block, origin, degree, center):
             source=os.path.basename(origin),
             span=span,
         )
-    except AttitudeError as err:
-        raise AttitudeError(f"{where} (states to line {rows.line}): {err}") from err
 
 
 def _center_of(meta):

@@ -31,6 +31,7 @@ from attitude._solver.states import Evaluation, States, compiled
 from attitude._support import markup, pairs, validation
 from attitude._support.arrays import Valued, frozen, read_only
 from attitude._support.synonyms import arguments
+from attitude._textfiles.lines import prefixed
 from attitude.epochs import _inputs
 from attitude.errors import AttitudeError
 from attitude.frames import quaternion
@@ -761,10 +762,8 @@ class Arcs(Differentiable):
         self._set("_constants", frozen(records[:1]))
         for k, (change, time, added, body) in enumerate(self._joints()):
             self._join(change, added, self._bodies[k], time, records[k], q, w)
-            try:
+            with prefixed(f"changes[{k}] leaves no physical state"):
                 records[k + 1] = _constants(body, q, w)
-            except AttitudeError as err:
-                raise AttitudeError(f"changes[{k}] leaves no physical state: {err}") from err
             self._set("_constants", frozen(records[: k + 2]))
 
     def _integrate(self, first: TorquedRotation) -> None:
@@ -778,12 +777,10 @@ class Arcs(Differentiable):
                 added = quaternion.rotate(quaternion.conjugate(wxyz), inertial)
             momentum = self._bodies[k].tensor @ omega + added
             start = self.spin.epoch.after(*time)
-            try:
+            with prefixed(f"changes[{k}] leaves no state to integrate"):
                 rate = np.linalg.solve(body.tensor, momentum)
                 spin = Spin(epoch=start, wxyz=wxyz, angular_velocity=rate)
                 arc = constructor(body, spin, torques, origin=self.spin.epoch)
-            except AttitudeError as err:
-                raise AttitudeError(f"changes[{k}] leaves no state to integrate: {err}") from err
             self._set("_torqued", (*self._torqued, arc))
 
     def _joints(self):
@@ -808,10 +805,8 @@ class Arcs(Differentiable):
             assert isinstance(change.at, Trigger)
             end = next((t[0] for t in times if t is not None), np.inf)
             time = first_crossing(change.at, self, start, end, name), 0.0
-        try:
+        with prefixed(f"{name}.at"):
             self._evaluate(*map(np.asarray, time), 0)
-        except AttitudeError as err:
-            raise AttitudeError(f"{name}.at: {err}") from err
         return time
 
     def _before(self, time: Pair) -> AttitudeHistory:
