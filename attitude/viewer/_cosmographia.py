@@ -69,6 +69,7 @@ def write_cosmographia(
     ends = seen.start.time, seen.start.after(seen.duration).time
     subject = _subject.subject(seen.motion, *ends, shape=seen.shape)
     base = os.path.splitext(path)[0]
+    name = os.path.basename(base)
     center, number = "Sun", 10
     if scene is not None and scene.center is not None:
         center, number = _center(scene.center)
@@ -85,13 +86,13 @@ def write_cosmographia(
         clock=clock,
     )
     surface = _subject.surface(subject, _MOST)
-    _write_mesh(f"{base}.obj", surface)
+    with written_whole(f"{base}.obj") as file:
+        file.writelines(_rows_of_obj(surface))
     trajectory: dict[str, Any] = {"type": "FixedPoint", "position": [0.0, 0.0, 0.0]}
     if scene is not None and scene.center is not None:
         with written_whole(f"{base}.xyzv") as file:
             file.write(_states(subject, scene.center))
-        trajectory = {"type": "InterpolatedStates", "source": f"{os.path.basename(base)}.xyzv"}
-    name = os.path.basename(base)
+        trajectory = {"type": "InterpolatedStates", "source": f"{name}.xyzv"}
     begin, end = (f"{date} UTC" for date in subject.utc(np.array([0.0, subject.duration])))
     catalogue = {
         "version": "1.0",
@@ -121,12 +122,10 @@ def write_cosmographia(
         file.write(toml.written(catalogue, indent=2) + "\n")
 
 
-def _write_mesh(path, surface):
-    from attitude._textfiles.atomic_write import written_whole
-
-    with written_whole(path) as file:
-        file.writelines(f"v {x:.7g} {y:.7g} {z:.7g}\n" for x, y, z in surface.vertices.tolist())
-        file.writelines(f"f {a} {b} {c}\n" for a, b, c in (surface.facets + 1).tolist())
+def _rows_of_obj(surface):
+    """The rows of vertices, in the unit of the surface, and of facets."""
+    yield from (f"v {x:.7g} {y:.7g} {z:.7g}\n" for x, y, z in surface.vertices.tolist())
+    yield from (f"f {a} {b} {c}\n" for a, b, c in (surface.facets + 1).tolist())
 
 
 def _frame(title):
