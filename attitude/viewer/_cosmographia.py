@@ -64,15 +64,13 @@ def write_cosmographia(
     from attitude.formats import ck
 
     path = _subject.output_name(path, ("json",))
-    scene = motion if isinstance(motion, Scene) else None
+    orbit = motion.center if isinstance(motion, Scene) else None
     seen = _subject.subject(motion, start, stop, shape=shape, title=title)
     ends = seen.start.time, seen.start.after(seen.duration).time
     subject = _subject.subject(seen.motion, *ends, shape=seen.shape)
     base = os.path.splitext(path)[0]
     name = os.path.basename(base)
-    center, number = "Sun", 10
-    if scene is not None and scene.center is not None:
-        center, number = _center(scene.center)
+    center, number = ("Sun", 10) if orbit is None else _center(orbit)
     frame, clock = _frame(seen.title)
     ck.write(
         f"{base}.bc",
@@ -89,9 +87,9 @@ def write_cosmographia(
     with written_whole(f"{base}.obj") as file:
         file.writelines(_rows_of_obj(surface))
     trajectory: dict[str, Any] = {"type": "FixedPoint", "position": [0.0, 0.0, 0.0]}
-    if scene is not None and scene.center is not None:
+    if orbit is not None:
         with written_whole(f"{base}.xyzv") as file:
-            file.write(_states(subject, scene.center))
+            file.write(_states(subject, orbit))
         trajectory = {"type": "InterpolatedStates", "source": f"{name}.xyzv"}
     begin, end = (f"{date} UTC" for date in subject.utc(np.array([0.0, subject.duration])))
     catalogue = {
