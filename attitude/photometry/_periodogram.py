@@ -304,8 +304,10 @@ def best_peaks(
     rows: list[tuple[float, float, float]] = []
     total = float(np.sum((data.weights * data.detrended) ** 2))
     by_power = (float(frequency[k]) for k in np.argsort(-power, kind="stable"))
-    for start in distinct(by_power, lambda one, other: abs(one - other) <= closest, 2 * count):
-        best = refined(data, start, order)
+    starts = distinct(by_power, lambda one, other: abs(one - other) <= closest, 2 * count)
+    numbers = _spectrum.series_numbers(order, 1)
+    for peak in _spectrum.least(data, np.array(starts)[:, None], numbers)[0]:
+        best = _spectrum.fixed(data, peak, numbers)
         f = abs(float(best.frequencies[0]))
         is_inside = frequency[0] <= f <= frequency[-1]
         if is_inside and all(abs(f - other[0]) > 0.5 * closest for other in rows):
@@ -313,7 +315,7 @@ def best_peaks(
     if not rows:
         # no maximum within the range: the power rises towards an end
         k = int(np.argmax(power))
-        best = _spectrum.fixed(data, frequency[k : k + 1], _spectrum.series_numbers(order, 1))
+        best = _spectrum.fixed(data, frequency[k : k + 1], numbers)
         end = "longest" if 2 * k < len(power) else "shortest"
         left = best.chi_squared / total
         error = float(best.errors[0])

@@ -543,14 +543,12 @@ def _refined(data, scan, numbers, count, bounds):
     total = float(np.sum((data.weights * data.detrended) ** 2))
     closest = 0.3 / data.span
     # a peak may lie a third of the resolution from the grid, where the scan sees half of it
-    rough = [
-        _spectrum.refined(data, np.array(pair) / size, numbers, steps=_FIRST_STEPS)
-        for pair in zip(scan.first, scan.second, strict=True)
-    ]
-    rough.sort(key=lambda series: series.chi_squared)
+    starts = np.stack([scan.first, scan.second], axis=1) / size
+    rough, shares = _spectrum.least(data, starts, numbers, _FIRST_STEPS)
+    starts = rough[np.argsort(shares, kind="stable")[: 2 * count]]
     rows = []
-    for peak in rough[: 2 * count]:
-        best = _spectrum.refined(data, peak.frequencies, numbers, steps=_STEPS)
+    for peak in _spectrum.least(data, starts, numbers, _STEPS)[0]:
+        best = _spectrum.fixed(data, peak, numbers)
         f = np.abs(best.frequencies)
         order = np.argsort(f)
         f, errors = f[order], best.errors[order]

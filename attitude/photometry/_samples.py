@@ -83,17 +83,22 @@ class Samples:
                     f"they lie between {1.0 / _HUGE:g} and {_HUGE:g}."
                 )
 
-    @property
+    @cached_property
     def span(self) -> float:
         """From the first to the last epoch, s."""
         return float(np.ptp(self.t))
 
-    @property
+    @cached_property
+    def middle(self) -> float:
+        """Between the first and the last epoch, s."""
+        return float(0.5 * (self.t.min() + self.t.max()))
+
+    @cached_property
     def weights(self) -> FloatArray:
         """1 / errors (N,), or ones."""
         return np.ones_like(self.t) if self.errors is None else 1.0 / self.errors
 
-    @property
+    @cached_property
     def curves(self) -> int:
         """The number of zero points."""
         return int(self.curve.max()) + 1

@@ -30,10 +30,6 @@ if TYPE_CHECKING:
     from attitude.photometry._curve import LightCurve
 
 
-# Singular values below this part of the greatest belong to lines that the span does not resolve.
-_RANK = 1e-8
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class SeriesFit(Immutable):
     """A series in two frequencies, fitted by least squares.
@@ -91,7 +87,8 @@ class SeriesFit(Immutable):
                 f"curve is {validation.shown(curves)}; give whole numbers from 0 to "
                 f"{len(self.offsets) - 1}, one for all epochs or one for each."
             )
-        angles = _angles(seconds.reshape(-1), self.start, self.P_psi, self.P_phi, self.numbers)
+        frequencies = np.array([1.0 / self.P_phi, 1.0 / self.P_psi])
+        angles = _spectrum.line_angles(seconds.reshape(-1), self.start, frequencies, self.numbers)
         wave = np.cos(angles) @ self.cosines + np.sin(angles) @ self.sines
         return wave.reshape(seconds.shape) + self.offsets[curves]
 
@@ -177,42 +174,27 @@ def fit_series(
     unknowns = first + 2 * count
     if len(data.t) < unknowns:
         raise _spectrum.too_few(data, counted(unknowns, "unknown"))
-    start = float(0.5 * (data.t.min() + data.t.max()))
-    angles = _angles(data.t, start, 1.0 / psi, 1.0 / phi, numbers)
-    matrix = np.concatenate([data.columns, np.cos(angles), np.sin(angles)], axis=1)
-    least, _, rank, _ = np.linalg.lstsq(
-        matrix * data.weights[:, None], data.values * data.weights, rcond=_RANK
-    )
-    solution = np.asarray(least, dtype=np.float64)
-    residuals = data.values - matrix @ solution
-    if rank < unknowns:
+    fit = _spectrum.series_at(data, np.array([phi, psi]), numbers, data.weights)
+    if fit.rank < unknowns:
         warnings.warn(
-            f"the values determine {rank} of the {unknowns} parameters: within "
+            f"the values determine {fit.rank} of the {unknowns} parameters: within "
             f"{np.ptp(data.t):.4g} s some lines are not separated, and their amplitudes are those "
             "of least norm. Give a longer span, more epochs, or a lower order.",
             AttitudeWarning,
             stacklevel=2,
         )
-    free = max(1, len(data.t) - int(rank))
     return SeriesFit(
         P_psi=1.0 / psi,
         P_phi=1.0 / phi,
         order=orders,
-        offsets=frozen(solution[: data.curves]),
-        cosines=frozen(solution[first : first + count]),
-        sines=frozen(solution[first + count :]),
+        offsets=frozen(fit.solution[: data.curves]),
+        cosines=frozen(fit.solution[first : first + count]),
+        sines=frozen(fit.solution[first + count :]),
         numbers=frozen(numbers),
-        start=start,
-        residuals=frozen(residuals),
-        rms=float(np.sqrt(np.sum((residuals * data.weights) ** 2) / free)),
-        rank=int(rank),
+        start=data.middle,
+        residuals=frozen(fit.residuals / data.weights),
+        rms=float(np.sqrt(fit.chi_squared / max(1, len(data.t) - fit.rank))),
+        rank=fit.rank,
         parameters=unknowns,
         epoch=data.epoch,
     )
-
-
-def _angles(t, start, P_psi, P_phi, numbers):
-    """Angles (N, K) of the lines in rad; turns are reduced before they are multiplied by 2 pi."""
-    elapsed = t - start
-    turns = np.outer(elapsed / P_phi, numbers[:, 0]) + np.outer(elapsed / P_psi, numbers[:, 1])
-    return 2.0 * np.pi * (turns - np.rint(turns))

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from attitude._support.annotations import FloatArray, IntArray
+    from attitude._support.annotations import BoolArray, FloatArray, IntArray
     from attitude.photometry._samples import Samples
 
 
@@ -359,14 +359,18 @@ def _peaks(first, second, gain, keep):
 
 
 # ---- Fourier series in one or more frequencies, refined in all parameters
-# With lines at n . f (whole numbers n, frequencies f) the model is linear but in f.  The joint
-# matrix of the linear terms and of the derivatives by f gives the step, and at the minimum the
-# covariance of f.
+# With lines at n . f (whole numbers n, frequencies f) the model is linear but in f.  Slopes by f,
+# less what linear terms make up of them, give the step, and at the minimum the covariance of f.
 
 # Steps at most.
 _STEPS = 25
-# Part of the resolution 1/span below which a step is the last.
-_LAST = 1e-7
+# Steps of each draw of a bootstrap, which begin at the least squares of all values.
+_DRAWN = 4
+# Damping only after steps that fail: the next but one is half as long.  A decrease by 1e-13 of
+# chi-squared is that of a step of 1e-5 standard errors of 1000 values.
+_RULE = least_squares.Rule(start=1e-12, least=1e-12, stuck=1e7, larger=1e6, gain=1e-13, settled=1)
+# The longest step, turns per span.
+_LONGEST = 0.3
 # Eigenvalues of scaled normal equations below this part of the greatest belong to lines that the
 # span does not resolve.
 _RANK = 1e-11
@@ -410,7 +414,7 @@ class RefinedSeries:
 
     def wave(self, t: FloatArray, which: int) -> FloatArray:
         """The sum of the lines of one frequency alone at seconds t, without zero points."""
-        angles = _angles(t, self.start, self.frequencies, self.numbers)
+        angles = line_angles(t, self.start, self.frequencies, self.numbers)
         chosen = np.all(np.delete(self.numbers, which, axis=1) == 0, axis=1).astype(float)
         return np.cos(angles) @ (self.cosines * chosen) + np.sin(angles) @ (self.sines * chosen)
 
@@ -421,145 +425,136 @@ def too_few(samples: Samples, what: str) -> AttitudeError:
     return AttitudeError(f"{values} given for {what}; give more values, or a lower order.")
 
 
-def refined(
-    samples: Samples, frequencies: FloatArray, numbers: IntArray, steps: int = _STEPS
-) -> RefinedSeries:
-    """The series of least squares near frequencies (D,), with lines numbers (K, D)."""
-    numbers = np.asarray(numbers).reshape(len(numbers), -1)
+def fixed(samples: Samples, frequencies: FloatArray, numbers: IntArray) -> RefinedSeries:
+    """The series at given frequencies; its covariance is that of frequencies that are free."""
     lines, dimensions = numbers.shape
-    parameters = samples.linear + 2 * lines + dimensions
-    if len(samples.t) <= parameters:
-        raise too_few(samples, counted(parameters, "unknown"))
-    start = float(0.5 * (samples.t.min() + samples.t.max()))
-    model = _Model(samples, numbers, start, samples.weights)
-    f = np.array(frequencies, dtype=float)
-    fit = model.fitted(f)
-    for _ in range(steps):
-        step = model.step(fit)
-        step *= min(1.0, 0.3 / max(float(np.abs(step).max()), 1e-300))
-        scale = 1.0
-        while scale > 0.05:
-            tried = f + scale * step * model.unit
-            nearer = model.fitted(tried)
-            if nearer.chi_squared <= fit.chi_squared:
-                break
-            scale *= 0.5
-        else:
-            break
-        f, fit = tried, nearer
-        if np.abs(scale * step).max() < _LAST:
-            break
-    joint = model.joint(fit)
-    freedom = max(1, len(samples.t) - parameters)
-    inverse = least_squares.inverse(joint.T @ joint)[-dimensions:]
-    curvature = inverse[:, -dimensions:] * fit.chi_squared / freedom
-    scores = np.zeros((samples.group.max() + 1, joint.shape[1]))
-    np.add.at(scores, samples.group, joint * fit.residuals[:, None])
-    scatter = np.sum((scores @ inverse.T) ** 2, axis=0) * len(scores) / max(1, len(scores) - 1)
+    parameters = _parameters(samples, numbers)
+    fit = series_at(samples, frequencies, numbers, samples.weights)
+    inverse = least_squares.inverse(fit.slopes.T @ fit.slopes)
+    curvature = inverse * fit.chi_squared / max(1, len(samples.t) - parameters)
+    scores = np.zeros((samples.group.max() + 1, dimensions))
+    np.add.at(scores, samples.group, fit.slopes * fit.residuals[:, None])
+    scatter = np.sum((scores @ inverse) ** 2, axis=0) * len(scores) / max(1, len(scores) - 1)
     wider = np.sqrt(np.maximum(1.0, scatter / np.maximum(np.diag(curvature), 1e-300)))
     first = samples.linear
     return RefinedSeries(
-        frequencies=f,
-        covariance=curvature * np.outer(wider, wider) * model.unit**2,
+        frequencies=frequencies,
+        covariance=curvature * np.outer(wider, wider),
         numbers=numbers,
         offsets=fit.solution[: samples.curves],
         cosines=fit.solution[first : first + lines],
         sines=fit.solution[first + lines :],
-        start=start,
+        start=samples.middle,
         residuals=fit.residuals / samples.weights,
         chi_squared=fit.chi_squared,
         parameters=parameters,
     )
 
 
-def fixed(samples: Samples, frequencies: FloatArray, numbers: IntArray) -> RefinedSeries:
-    """The series at given frequencies; its covariance is that of frequencies that are free."""
-    return refined(samples, frequencies, numbers, steps=0)
+def refined(samples: Samples, frequencies: FloatArray, numbers: IntArray) -> RefinedSeries:
+    """The series of least squares near frequencies (D,), with lines numbers (K, D)."""
+    _parameters(samples, numbers)
+    minima, _ = least(samples, frequencies[None], numbers)
+    return fixed(samples, minima[0], numbers)
+
+
+def least(
+    samples: Samples,
+    starts: FloatArray,
+    numbers: IntArray,
+    steps: int = _STEPS,
+    often: IntArray | None = None,
+) -> tuple[FloatArray, FloatArray]:
+    """Frequencies (S, D) of least squares near starts (S, D), and shares of chi-squared left (S,).
+
+    often: (S, G), how many times the groups of values count for each start, by default once.
+    """
+    total = float(np.sum((samples.weights * samples.detrended) ** 2))
+    weights = samples.weights / math.sqrt(max(total, 1e-200))
+
+    def linearised(states: FloatArray) -> least_squares.Near:
+        columns = []
+        for row in states:
+            times = 1.0 if often is None else np.sqrt(often[int(row[-1]), samples.group])
+            fit = series_at(samples, row[:-1], numbers, weights * times)
+            normal, gradient = fit.slopes.T @ fit.slopes, fit.slopes.T @ fit.residuals
+            columns.append((fit.chi_squared, normal, gradient))
+        return least_squares.Near(states, *map(np.array, zip(*columns, strict=True)))
+
+    def moved(states: FloatArray, steps: FloatArray) -> tuple[FloatArray, BoolArray]:
+        longest = np.abs(steps).max(axis=1, keepdims=True) * max(samples.span, 1e-300)
+        new = states.copy()
+        new[:, :-1] += steps * np.minimum(1.0, _LONGEST / np.maximum(longest, 1e-300))
+        return new, np.ones(len(states), bool)
+
+    # the last column is the row of `often`
+    states = np.column_stack([starts, np.arange(len(starts))])
+    problem = least_squares.Problem(linearised, moved)
+    best = least_squares.minimum(problem, states, _RULE, steps + 1)
+    return best.states[:, :-1], best.cost
 
 
 def bootstrap(samples: Samples, series: RefinedSeries, draws: int, seed: int) -> FloatArray:
     """Frequencies (draws, D) of the series through nights drawn anew, or points of few nights."""
     generator = validation.generator(seed)
     count = int(samples.group.max()) + 1
-    out = np.empty((draws, len(series.frequencies)))
-    for draw in range(draws):
-        often = np.bincount(generator.integers(0, count, count), minlength=count)
-        weights = samples.weights * np.sqrt(often[samples.group])
-        model = _Model(samples, series.numbers, series.start, weights)
-        f = series.frequencies.copy()
-        for _ in range(4):
-            step = model.step(model.fitted(f))
-            f = f + np.clip(step, -0.3, 0.3) * model.unit
-        out[draw] = f
-    return out
+    chosen = [generator.integers(0, count, count) for _ in range(draws)]
+    often = np.array([np.bincount(groups, minlength=count) for groups in chosen])
+    starts = np.tile(series.frequencies, (draws, 1))
+    return least(samples, starts, series.numbers, _DRAWN, often)[0]
 
 
-def _angles(t: FloatArray, start: float, frequencies: FloatArray, numbers: IntArray) -> FloatArray:
+def _parameters(samples: Samples, numbers: IntArray) -> int:
+    """The number of unknowns of a series; AttitudeError for no more values than these."""
+    parameters = samples.linear + 2 * len(numbers) + numbers.shape[1]
+    if len(samples.t) <= parameters:
+        raise too_few(samples, counted(parameters, "unknown"))
+    return parameters
+
+
+def line_angles(
+    t: FloatArray, start: float, frequencies: FloatArray, numbers: IntArray
+) -> FloatArray:
     """Angles (N, K) of the lines, rad; turns are reduced before they are multiplied by 2 pi."""
     turns = np.multiply.outer(t - start, numbers @ frequencies)
     return 2.0 * np.pi * (turns - np.rint(turns))
 
 
-def _least_squares(matrix, right):
-    """The solution of least norm of scaled normal equations, corrected once by its residuals."""
-    scale = np.sqrt(np.einsum("nk,nk->k", matrix, matrix))
-    scale[scale == 0.0] = 1.0
-    scaled = matrix / scale
-    values, vectors = np.linalg.eigh(scaled.T @ scaled)
-    inverse = np.where(values > _RANK * values[-1], 1.0 / np.maximum(values, 1e-300), 0.0)
-    solution = vectors @ (inverse * (vectors.T @ (scaled.T @ right)))
-    residual = right - scaled @ solution
-    solution += vectors @ (inverse * (vectors.T @ (scaled.T @ residual)))
-    return solution / scale
+class SeriesAt(NamedTuple):
+    """The linear fit at frequencies: coefficients, and weighted residuals (N,).
 
+    slopes (N, D): of the weighted model by the frequencies, s, less what linear terms make up.
+    rank: of these terms.
+    """
 
-class _LinearFit(NamedTuple):
-    """Weighted matrix, coefficients and weighted residuals of the linear fit."""
-
-    matrix: FloatArray
     solution: FloatArray
     residuals: FloatArray
     chi_squared: float
+    slopes: FloatArray
+    rank: int
 
 
-class _Model(NamedTuple):
-    """A series with lines numbers (K, D) about the epoch `start`, fitted with weights (N,)."""
-
-    samples: Samples
-    numbers: IntArray
-    start: float
-    weights: FloatArray
-
-    @property
-    def unit(self) -> float:
-        """The unit of steps in frequency, 1/span, Hz."""
-        return 1.0 / max(self.samples.span, 1e-300)
-
-    def fitted(self, f: FloatArray) -> _LinearFit:
-        """The linear fit at frequencies (D,)."""
-        angles = _angles(self.samples.t, self.start, f, self.numbers)
-        matrix = np.concatenate([self.samples.columns, np.cos(angles), np.sin(angles)], axis=1)
-        matrix = matrix * self.weights[:, None]
-        right = self.samples.values * self.weights
-        solution = _least_squares(matrix, right)
-        residuals = right - matrix @ solution
-        return _LinearFit(matrix, solution, residuals, float(residuals @ residuals))
-
-    def joint(self, fit: _LinearFit) -> FloatArray:
-        """The matrix of all parameters: linear terms, and frequencies in units of 1/span."""
-        first, lines = self.samples.linear, len(self.numbers)
-        middle = first + lines
-        cosines, sines = fit.solution[first:middle], fit.solution[middle:]
-        # the weighted cosines and sines are columns of the matrix
-        rate = fit.matrix[:, first:middle] * sines - fit.matrix[:, middle:] * cosines
-        elapsed = (self.samples.t - self.start)[:, None]
-        by_f = 2.0 * np.pi * self.unit * elapsed * (rate @ self.numbers)
-        return np.concatenate([fit.matrix, by_f], axis=1)
-
-    def step(self, fit: _LinearFit) -> FloatArray:
-        """The step of Gauss and Newton in the frequencies (D,), in units of 1/span."""
-        step: FloatArray = _least_squares(self.joint(fit), fit.residuals)
-        return step[-self.numbers.shape[1] :]
+def series_at(
+    samples: Samples, frequencies: FloatArray, numbers: IntArray, weights: FloatArray
+) -> SeriesAt:
+    """The linear fit with lines numbers (K, D) at frequencies (D,), by weights (N,)."""
+    angles = line_angles(samples.t, samples.middle, frequencies, numbers)
+    matrix = np.concatenate([samples.columns, np.cos(angles), np.sin(angles)], axis=1)
+    matrix *= weights[:, None]
+    right = samples.values * weights
+    normal = least_squares.Decomposed(matrix.T @ matrix)
+    factor = normal.inverse_factor(_RANK * normal.values[-1])
+    solution = factor @ (factor.T @ (matrix.T @ right))
+    # once more, for what rounding leaves
+    solution += factor @ (factor.T @ (matrix.T @ (right - matrix @ solution)))
+    residuals = right - matrix @ solution
+    first, middle = samples.linear, samples.linear + len(numbers)
+    # the weighted cosines and sines are columns of the matrix
+    by_angle = matrix[:, first:middle] * solution[middle:]
+    by_angle -= matrix[:, middle:] * solution[first:middle]
+    slopes = 2.0 * np.pi * (samples.t - samples.middle)[:, None] * (by_angle @ numbers)
+    slopes -= matrix @ (factor @ (factor.T @ (matrix.T @ slopes)))
+    return SeriesAt(solution, residuals, float(residuals @ residuals), slopes, factor.shape[1])
 
 
 # ---- What pairs of frequencies mean: chance among permuted values, and aliases of one cycle a day
