@@ -313,8 +313,7 @@ def _fastest(problem: CurveProblem, spans: Sequence[IntArray]) -> float:
     fastest = 0.0
     for chosen in spans:
         length = float(np.ptp(problem.t[chosen]))
-        bisector = (problem.sun + problem.observer)[:, chosen]
-        bisector = bisector / np.linalg.norm(bisector, axis=0)
+        bisector = problem.bisector[:, chosen]
         angle = math.acos(max(-1.0, float((bisector.T @ bisector).min())))
         # less than a full turn about a pole close by
         if length > 0.0:
@@ -338,10 +337,8 @@ class Trial(NamedTuple):
 def harmonics_about(problem: CurveProblem, pole: FloatArray) -> Columns:
     """Spherical harmonics of the bisector of Sun and observer about a pole (3,)."""
     first, second = two_across(pole)
-    bisector = problem.sun + problem.observer
-    bisector = bisector / np.linalg.norm(bisector, axis=0)
-    z = pole @ bisector
-    across = (first @ bisector) + 1j * (second @ bisector)
+    z = pole @ problem.bisector
+    across = (first @ problem.bisector) + 1j * (second @ problem.bisector)
     alpha = np.arccos(np.clip(np.sum(problem.sun * problem.observer, axis=0), -1.0, 1.0))
     more = 1.0 + _BY_PHASE * alpha
     values = [

@@ -15,6 +15,7 @@
 | what puts a solution behind one that fits as well and is more usual | `behind` |
 | ln det of the terms with a prior, where fits differ in these | `among_problems` |
 | 2 ln of the orbits tried | `among_problems` |
+| ln det of the series of an orbit, where widths of its prior differ | `of_orbit` |
 
 The evidence of fits without Student's errors is `of_fit`; that of a motion which two apparitions
 have in common is `of_common_motion`.  `ranked` orders solutions, by this sum and nothing else.
@@ -64,6 +65,8 @@ _MEAN_BELOW = 0.9733
 _LEAST_ERROR = 0.003
 # Fits with weights of Student's distribution, each with those of the residuals before it.
 _ROUNDS = 2
+# Rounds in which the errors that the series of an orbit leaves are estimated.
+_ROUNDS_OF_ERRORS = 4
 # The largest share of their variance that neighbouring residuals are taken to have in common.
 _MOST_COMMON = 0.9
 # Nights at least of a standard error.
@@ -201,6 +204,26 @@ def of_narrower_prior(fitted: Refined, fixed: BoolArray) -> float:
 def of_fit(fit: Refined, points: int) -> float:
     """The evidence of a fit by least squares, without Student's errors, to compare such fits."""
     return fit.cost + occam(fit.normal, points)
+
+
+def of_orbit(
+    inner: FloatArray, along: FloatArray, left: FloatArray, points: float, least: float
+) -> float:
+    """The evidence of terms of an orbit beside a body, with amplitudes of unit variance.
+
+    inner (M, M), along (M,): their products, and those with what the body leaves (N,) of so many
+    points.  Errors are those that the terms leave, of a variance of `least` or more.
+    """
+    values, vectors = np.linalg.eigh(inner)
+    along = (vectors.T @ along) ** 2
+    total = float(left @ left)
+    size = 1.0
+    for _ in range(_ROUNDS_OF_ERRORS):
+        # chi-squared over the points less the terms that are not held
+        chi_squared = total - float(np.sum(along * (values + 2.0 * size) / (values + size) ** 2))
+        size = max(least, chi_squared / (points - float(np.sum(values / (values + size)))))
+    whole = total - float(np.sum(along / (values + size)))
+    return whole / size + points * math.log(size) + float(np.sum(np.log1p(values / size)))
 
 
 def of_common_motion(chi_squared: float, first: float, second: float) -> float:

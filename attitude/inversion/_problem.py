@@ -111,6 +111,12 @@ class CurveProblem:
         return 1.0 / self.errors
 
     @cached_property
+    def bisector(self) -> FloatArray:
+        """Unit vectors (3, N) between the directions to Sun and observer."""
+        total = self.sun + self.observer
+        return np.asarray(total / np.linalg.norm(total, axis=0), np.float64)
+
+    @cached_property
     def u(self) -> FloatArray:
         """Combinations (K, N) of weighted terms whose squares are what coefficients take up.
 

@@ -19,7 +19,7 @@ import numpy as np
 from attitude._support import least_squares
 from attitude._support.arrays import distinct
 from attitude._support.least_squares import Near
-from attitude.inversion import _lattices, _refinement
+from attitude.inversion import _evidence, _lattices, _refinement
 from attitude.inversion._ellipsoid import SearchState
 from attitude.photometry import _spectrum
 
@@ -234,10 +234,14 @@ def beside(problem: CurveProblem, pair: AdditivePair, alone: Explained) -> Curve
     """
     terms = changing(pair.orbit, problem.t)
     inner, along = alone.beside(terms)
+    # in units of the errors with the model error
+    least = float(np.mean((alone.problem.sigma * alone.problem.root) ** 2))
     likelihoods = []
     for choice in itertools.product(_AMPLITUDES, _CHANGES, _WIDE):
         wide = _deviations(*choice)
-        evidence = _evidence_of(inner * np.outer(wide, wide), along * wide, alone)
+        evidence = _evidence.of_orbit(
+            inner * np.outer(wide, wide), along * wide, alone.left, alone.points, least
+        )
         likelihoods.append((evidence, choice))
     return problem.with_terms(terms, _deviations(*min(likelihoods)[1]), pair.orbit)
 
@@ -259,25 +263,6 @@ def _brightening(dips: FloatArray) -> float:
     """How much a series, mag, brightens over how much it dims, from its median."""
     off = dips - np.median(dips)
     return -float(off.min()) / max(float(off.max()), 1e-30)
-
-
-def _evidence_of(inner: FloatArray, along: FloatArray, alone: Explained) -> float:
-    """-2 ln of the evidence of terms with amplitudes of unit variance, from their products.
-
-    Errors are those that the terms leave, of a variance of sigma or more.
-    """
-    values, vectors = np.linalg.eigh(inner)
-    along = (vectors.T @ along) ** 2
-    # in units of the errors with the model error
-    least = float(np.mean((alone.problem.sigma * alone.problem.root) ** 2))
-    total = float(alone.left @ alone.left)
-    size = 1.0
-    for _ in range(_STEPS):
-        # chi-squared over the points less the terms that are not held
-        chi_squared = total - float(np.sum(along * (values + 2.0 * size) / (values + size) ** 2))
-        size = max(least, chi_squared / (alone.points - float(np.sum(values / (values + size)))))
-    whole = total - float(np.sum(along / (values + size)))
-    return whole / size + alone.points * math.log(size) + float(np.sum(np.log1p(values / size)))
 
 
 def orbits_beside(alone: Explained) -> list[AdditivePair]:
