@@ -236,10 +236,6 @@ _HARMONICS = np.arange(1, 5)
 _AMPLITUDES = np.array([_OTHER, _TWO, _OTHER, _OTHER])
 # Least points of an apparition with a series.
 _LEAST_POINTS = 20
-# Windows of rates that are tried at least, and that notes name.
-_WINDOWS = 6
-# The share of the budget after which no further window is tried.
-_SHARE = 0.75
 # Rates between looks at the budget.
 _BLOCK = 10_000
 # Rates of all, the best, that stay in memory.
@@ -248,10 +244,6 @@ _KEPT = 50_000
 _WHOLE = 800.0
 # Half the width of a window beside the turn of the scene, turns in the longest apparition.
 _HALF = 0.6
-# What a series may leave of chi-squared, over what the best one leaves.
-_LEFT = 2.0
-# What it may leave beside that, for the best may leave nothing.
-_BESIDE = 30.0
 
 
 class Windows(NamedTuple):
@@ -294,7 +286,8 @@ def windows(problem: CurveProblem, low: float, high: float) -> Windows:
     half = _HALF / length + _fastest(problem, spans)
     # by the number of a window, which holds one at most
     peaks: dict[int, float] = {}
-    most = _LEFT * max(float(left.min()), 0.0) + _BESIDE
+    settings = problem.settings
+    most = settings.window_left * max(float(left.min()), 0.0) + settings.window_above
     # the best rates and half of each, a window apart
     for k in np.argsort(left, kind="stable"):
         if left[k] > most:
@@ -415,14 +408,8 @@ def ellipsoid_of(trial: Trial) -> FloatArray:
 
 # ---- The search
 
-# Trials that become ellipsoids.
-_TRIALS = 240
 # Steps of these ellipsoids.
 _ITERATIONS = 25
-# Ellipsoids that become convex.
-_CONVEX = 40
-# Chi-squared of an ellipsoid over that of the best, with which it becomes convex.
-_WORSE = 1.6
 # Steps of convex bodies with the errors that the best one shows.
 _STEPS_FREE = 40
 # Their relative gain at which they end.
@@ -498,14 +485,14 @@ class RotatorSearch(Search):
     def _trials(self, chosen: list[tuple[float, float]]) -> tuple[list[Trial], int]:
         """The best trials of windows, the best first, and how many the budget allows to try."""
         combs, poles = Combs(self.problem), _shapes.even_directions(POLES)
-        tally = self.problem.tally
+        tally, settings = self.problem.tally, self.settings
         trials: list[Trial] = []
         count = 0
         for low, high in chosen:
-            if count >= _WINDOWS and tally.spent > _SHARE * tally.budget:
+            if count >= settings.windows and tally.spent > settings.window_share * tally.budget:
                 break
             trials += scan(combs, poles, low, high, lambda: self.is_over)
-            trials = sorted(trials, key=lambda trial: -trial.gain)[:_TRIALS]
+            trials = sorted(trials, key=lambda trial: -trial.gain)[: settings.window_trials]
             self.progress(f"rates of {len(poles)} poles, {high - low:.0f} turns a span")
             count += 1
         return trials, count
@@ -519,8 +506,9 @@ class RotatorSearch(Search):
         pool = _ellipsoid.minimised(self.problem, starts, _ITERATIONS, fixed=fixed)
         ordered = _ellipsoid.in_order(pool)
         self.progress(f"{len(starts)} ellipsoids")
-        good = ordered.cost <= _WORSE * ordered.cost[:1] + _BESIDE
-        return distinct(ordered.states[good], self.is_same, _CONVEX)
+        settings = self.settings
+        most = settings.window_worse * ordered.cost[:1] + settings.window_above
+        return distinct(ordered.states[ordered.cost <= most], self.is_same, settings.window_bodies)
 
     def _take_scatter(self) -> None:
         """Enlarge the errors of sparse sessions to what the best body leaves of them."""
@@ -562,12 +550,12 @@ class RotatorSearch(Search):
 
     def _words(self, chosen: list[tuple[float, float]]) -> str:
         """What was searched."""
-        hours = self.problem.span / 3600.0
+        hours, most = self.problem.span / 3600.0, self.settings.windows
         named = ", ".join(
-            f"{hours / high:.5g} to {hours / low:.5g} h" for low, high in chosen[:_WINDOWS]
+            f"{hours / high:.5g} to {hours / low:.5g} h" for low, high in chosen[:most]
         )
-        if len(chosen) > _WINDOWS:
-            named += f", and {len(chosen) - _WINDOWS} other windows"
+        if len(chosen) > most:
+            named += f", and {len(chosen) - most} other windows"
         count = self._apparitions
         return (
             f"Only rotations about one axis were searched, over {count} "

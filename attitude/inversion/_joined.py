@@ -263,7 +263,8 @@ class JoinedSearch(Search):
             self.is_complete &= bool(fits) and not self.is_over
             known = _joined(fits, self.settings)
         self.convex = [*fits]
-        settings = replace(self.settings, finals=self.settings.joined, poles=2)
+        settings = self.settings
+        settings = replace(settings, finals=settings.joined, poles=settings.joined_poles)
         self.problem = replace(self.problem, settings=settings)
         self.finish()
 

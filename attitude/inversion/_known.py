@@ -75,9 +75,6 @@ _GAP_STEPS = 20.0
 _ERRORS = 0.4, 0.1
 # First spans that are tried.
 _ATTEMPTS = 28
-# The number of points over the cost at which a state fits: errors of the model are added to those
-# of the points.
-_EXPECTED = 1.3
 _RULE = least_squares.Rule(
     start=1e-2, least=1e-6, stuck=1e4, larger=5.0, gain=1e-4, settled=1, ridge=1e-9
 )
@@ -151,7 +148,7 @@ class PassSearch:
                 best, origin = self.states, self.origin
                 is_rough = self._mean_square() < settings.known_rough
             agreeing = sum(cost < settings.known_alike * min(costs) for cost in costs)
-            fits = min(costs) < len(problem) / _EXPECTED
+            fits = min(costs) < len(problem) / settings.known_expected
             is_found = is_rough and agreeing >= settings.known_agreeing
             if fits or is_found or self.problem.tally.is_over:
                 break
@@ -335,8 +332,6 @@ def _joined(*groups: States) -> States:
 
 # ---- Ranked spin states of a body of known shape: a search, and least squares from its best states
 
-# States of the search that are fitted at most.
-_FITTED = 12
 # Rates and momenta closer than this, relative, are one.
 _SAME_RATES = 0.01
 # Turn, rad, within which two minima are in one lobe of the density.
@@ -408,10 +403,10 @@ def found(
         progress,
     )
     search.run()
+    costs = search.states.cost[: settings.known_fitted]
     fits = _evidence.ranked(
         _fitted(curve, problem, known, body, search, k)
-        for k in range(len(search.states.cost))
-        if k < _FITTED and search.states.cost[k] < search.states.cost[0] + settings.known_behind
+        for k in np.flatnonzero(costs < costs[0] + settings.known_behind).tolist()
     )
     symmetry = symmetry_of(known, body.moments, float(np.median(problem.sigma)))
     kept: list[_Fitted] = []

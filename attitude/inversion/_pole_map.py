@@ -58,14 +58,8 @@ _FREE = (40, 3e-4)
 _BODIES = (8, 1e-3)
 # What stays where the pole is held.
 _POLE_HELD = np.arange(_refinement.SIZE) < 2
-# Iterations at held poles after which those go on whose cost is at most so far above the least,
-# and so many of them beside the best of each pole: poles of final lists were 235 above it after
-# four iterations and at most the 89th, 63 and the 20th after six; others were 250 to 1700 above it.
-_STAGES = ((4, 700.0, 160), (4, 200.0, 100))
 # Angle, rad, up to which other minima are errors of a pole.
 _LOBE = math.radians(60.0)
-# Angle, rad, between poles that are the same entry of a list.
-_ENTRY = math.radians(15.0)
 # Angle, rad, between directions that are one pole of the map.
 _ONE_POLE = 1e-4
 
@@ -306,7 +300,7 @@ def minima(
     held = fixed.copy()
     held[_refinement.TILT] = True
     held_states = starts.states
-    for iterations, above, most in _STAGES:
+    for iterations, above, most in settings.axial_stages:
         accuracy = (iterations, _HELD[1])
         evaluations = _refined(problem, held_states, tie, held, accuracy, is_over)
         fits = [evaluation.fitted for evaluation in evaluations]
@@ -327,9 +321,12 @@ def apart(
     fits: Sequence[BodyFit],
     others: Sequence[FloatArray],
     settings: Settings,
-    width: float = _ENTRY,
+    width: float | None = None,
 ) -> list[BodyFit]:
-    """Those whose pole no better one has, nor one of others (WIDTH,), within an angle, rad."""
+    """Those whose pole no better one has, nor one of others (WIDTH,), within an angle, rad.
+
+    By default that of entries of a list.
+    """
 
     def is_entry(a: FloatArray, b: FloatArray) -> bool:
         return _is_entry(a, b, settings, width)
@@ -390,6 +387,6 @@ def listed(
     return entries, beside
 
 
-def _is_entry(a: FloatArray, b: FloatArray, settings: Settings, width: float = _ENTRY) -> bool:
+def _is_entry(a: FloatArray, b: FloatArray, settings: Settings, width: float | None = None) -> bool:
     has_rate = bool(2.0 * abs(a[OF_PRECESSION] - b[OF_PRECESSION]) < settings.same_rate)
-    return has_rate and _ellipsoid.have_pole(a, b, width)
+    return has_rate and _ellipsoid.have_pole(a, b, settings.axial_entry if width is None else width)

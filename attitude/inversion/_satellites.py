@@ -44,16 +44,6 @@ DIPS = 24
 _FINE = 12
 # Strong lines whose orbits are scanned.
 _ROTATIONS = 12
-# Orbits of each line.
-_ORBITS = 12
-# Pairs that are fitted in two steps.
-_FITTED = 80
-# Pairs that are fitted in more; the best also with twice and half the period of the orbit.
-_FREE = 24
-# Orbits of the scan beside a body that are fitted.
-_ORBITS_BESIDE = 3
-# Orbits beside whose series the rotation is looked for once more: deep dips drown its lines.
-_BESIDE = 4
 # Rates of bodies over that of a series: one of six lines of it is the body's second.
 RATIOS = (0.5, 1.0, 1.5, 2.0, 3.0)
 # Distance of frequencies, turns per span, at which two orbits are one.
@@ -87,9 +77,6 @@ _PHASES = 360
 # How much a series brightens at most, over how much it dims: moons 0.1 to 0.2, series that mimic
 # tumbling 0.4 to 1.4.
 _BRIGHTEST = 0.35
-# Depth of the second dip, over the range, from which it is one: of true orbits 0.3 to 0.9, of noise
-# at twice their frequency up to 0.15.
-_SECOND = 0.2
 # Orbits by which the second dip is off the half at most: an orbit is not always a circle.
 _OFF_HALF = 0.06
 # Standard deviations, mag, of the amplitudes of a series beside a body before the curve is seen.
@@ -272,15 +259,16 @@ def orbits_beside(alone: Explained) -> list[AdditivePair]:
     that no low frequency explains what the body lacks.  Both eclipses of an orbit are alike: often
     twice its frequency fits best.
     """
+    settings = alone.problem.settings
     orbits = np.arange(int(_LEAST_ORBITS * _FINE), int(alone.rate * _FINE)) / _FINE
     orbits = orbits[~_is_comb(orbits, alone.rate)]
     fits = [_beside(alone, orbit, _SCANNED[1]) for orbit in orbits.tolist()]
     fits = [fit for fit in fits if fit.are_dips and fit.only_dims]
     fits.sort(key=lambda fit: fit.left)
     pairs = []
-    for fit in distinct(fits, lambda a, b: _are_one(a.orbit, b.orbit), _ORBITS_BESIDE):
+    for fit in distinct(fits, lambda a, b: _are_one(a.orbit, b.orbit), settings.orbits_beside):
         pair = fitted_beside(alone, fit.orbit)
-        has_two = pair.second > _SECOND * pair.range
+        has_two = pair.second > settings.second_dip * pair.range
         pairs.append(pair if has_two else fitted_beside(alone, 0.5 * pair.orbit))
     return distinct(pairs, lambda a, b: _are_one(a.orbit, b.orbit))
 
@@ -316,7 +304,8 @@ def additive_pairs(problem: CurveProblem, most: float, keep: int = 4) -> list[Ad
     rotation, turns per span.
     """
     pairs = _scanned(problem, _rotations(problem, most))
-    for orbit in distinct((pair.orbit for pair in pairs), _are_one, _BESIDE):
+    orbits = (pair.orbit for pair in pairs)
+    for orbit in distinct(orbits, _are_one, problem.settings.orbits_again):
         pairs += _with_rotations(problem, orbit, most)
     pairs = _distinct(pairs)
     pairs += [
@@ -371,6 +360,7 @@ def _scanned(problem: CurveProblem, rotations: FloatArray) -> list[AdditivePair]
     """The best pairs of rates (R,) and slower orbits."""
     if not len(rotations):
         return []
+    settings = problem.settings
     # sums and differences of any two lines
     count = int(2.0 * max(_SCANNED) * rotations.max() * _FINE) + 2
     sums = _spectrum.tables(problem.t, problem.root**2, problem.detrended, 1.0 / _FINE, count)
@@ -387,13 +377,14 @@ def _scanned(problem: CurveProblem, rotations: FloatArray) -> list[AdditivePair]
             continue
         first = np.full(len(orbits), round(rotation * _FINE))
         gain = _spectrum.decreases(sums, first, orbits, lines)
-        problem.tally.add(len(orbits), problem.settings.pair_cost)
-        best = np.argsort(-gain, kind="stable")[: 8 * _ORBITS]
+        problem.tally.add(len(orbits), settings.pair_cost)
+        best = np.argsort(-gain, kind="stable")[: 8 * settings.orbits_of_line]
         rows = ((-float(gain[k]), float(rotation), float(orbits[k]) / _FINE) for k in best)
-        scanned += distinct(rows, lambda a, b: _are_one(a[2], b[2]), _ORBITS)
-    fits = [_fitted(problem, *pair[1:], steps=2) for pair in sorted(scanned)[:_FITTED]]
+        scanned += distinct(rows, lambda a, b: _are_one(a[2], b[2]), settings.orbits_of_line)
+    best_ones = sorted(scanned)[: settings.orbits_fitted]
+    fits = [_fitted(problem, *pair[1:], steps=2) for pair in best_ones]
     fits.sort(key=lambda fit: fit.left)
-    return [_fitted(problem, fit.rotation, fit.orbit) for fit in fits[:_FREE]]
+    return [_fitted(problem, fit.rotation, fit.orbit) for fit in fits[: settings.orbits_freed]]
 
 
 def rivals(
@@ -452,7 +443,7 @@ def with_orbit(problem: CurveProblem, pair: AdditivePair) -> AdditivePair:
     shortest = _shortest(
         [_fitted_about(problem, rotation, factor * pair.orbit) for factor in _FACTORS], problem
     )
-    if shortest.second > _SECOND * shortest.range:
+    if shortest.second > problem.settings.second_dip * shortest.range:
         return shortest
     return _fitted(problem, shortest.rotation, 0.5 * shortest.orbit)
 

@@ -1,6 +1,11 @@
 """`Settings`: the thresholds of a search, each with its reason; `Tally`: the work that it has done.
 
-A problem carries both, so that a search can be run with a changed threshold.  The budget of a
+A field is what decides which states are accepted, listed, compared or searched further, and how
+many, and what work costs.  What belongs to a method stands beside it, as a constant with a reason:
+grids, orders, steps and damping, laws of distributions, tests for degenerate shapes, and what a
+record without a problem is judged by, as the dips of `_satellites.AdditivePair`.
+
+A problem carries `Settings` and `Tally`, so that a search can be run with a changed threshold.  The budget of a
 search is in seconds of one idle core, estimated from the work: a seed gives one result on every
 machine and under every load.
 """
@@ -21,6 +26,7 @@ _ABOVE_ZERO = frozenset(
     {
         *("tie", "tie_given", "tumblers", "by_chance", "short_modes", "poles", "block"),
         *("quick_starts", "scan_starts", "deep_starts", "class_starts", "map_starts"),
+        *("windows", "joined_poles", "known_fitted", "known_expected"),
         *("alias_starts", "axial_starts", "axial_coarser", "scan_points", "scan_rates"),
     }
 )
@@ -249,12 +255,48 @@ class Settings:
     # By how much the map of another rate is coarser, in poles, bodies at each, and poles that are
     # freed: whether it comes first is seen at fewer, and then it is mapped as the best.
     axial_coarser: int = 2
+    # Iterations at held poles after which those go on whose cost is at most so far above the least,
+    # and so many of them beside the best of each pole: poles of final lists were 235 above it after
+    # four iterations and at most the 89th, 63 and the 20th after six; others were 250 to 1700 above
+    # it.
+    axial_stages: tuple[tuple[int, float, int], ...] = ((4, 700.0, 160), (4, 200.0, 100))
+    # Angle, rad, between poles that are the same entry of a list.
+    axial_entry: float = math.radians(15.0)
     # Rates, turns per span, that one map of poles comprises.
     axial_width: float = 1.2
     # Rotations that are compared with a motion that explains the curve better by far.
     axial_others: int = 3
 
+    # ---- Rotation about one axis in several apparitions
+    # Windows of rates that are tried at least, and that notes name.
+    windows: int = 6
+    # The share of the budget after which no further window is tried.
+    window_share: float = 0.75
+    # What a series may leave of chi-squared, over what the best one leaves.
+    window_left: float = 2.0
+    # What series and ellipsoids may leave beside that, for the best may leave nothing.
+    window_above: float = 30.0
+    # Trials that become ellipsoids.
+    window_trials: int = 240
+    # Ellipsoids that become convex.
+    window_bodies: int = 40
+    # Chi-squared of an ellipsoid over that of the best, with which it becomes convex.
+    window_worse: float = 1.6
+
     # ---- Moons
+    # Orbits of each strong line that are kept in the scan.
+    orbits_of_line: int = 12
+    # Pairs of rotation and orbit, the best of the scan, that are fitted in two steps.
+    orbits_fitted: int = 80
+    # Pairs that are fitted in more; the best also with twice and half the period of the orbit.
+    orbits_freed: int = 24
+    # Orbits of the scan beside a body that are fitted.
+    orbits_beside: int = 3
+    # Orbits beside whose series the rotation is looked for once more: deep dips drown its lines.
+    orbits_again: int = 4
+    # Depth of the second dip, over the range, from which it is one: of true orbits 0.3 to 0.9, of
+    # noise at twice their frequency up to 0.15.
+    second_dip: float = 0.2
     # Pairs of rotation and orbit, the best, that become bodies.
     orbits: int = 4
     # The rms of their series, over that of the best solution, above which none does: for binaries
@@ -285,6 +327,8 @@ class Settings:
     joined_trials: int = 400
     # Pairs of numbers of turns, the best of these, that are fitted in more steps and listed.
     joined: int = 40
+    # Poles of one pair of rates among those listed.
+    joined_poles: int = 2
 
     # ---- Bodies of known shape
     # A model with errors of its own, such as shadows of coarse facets, fits no better: searches
@@ -294,6 +338,11 @@ class Settings:
     known_alike: float = 1.03
     # Mean square of residuals over the errors of a state that these searches agree on, at most.
     known_rough: float = 4.0
+    # The number of points over the cost at which a state fits: errors of the model are added to
+    # those of the points.
+    known_expected: float = 1.3
+    # States of the search that are fitted at most.
+    known_fitted: int = 12
     # Cost behind the best beyond which no state of the search is fitted.
     known_behind: float = 150.0
     # Like `floor`: a known shape has no areas that take up errors of the model.

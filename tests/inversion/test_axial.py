@@ -220,7 +220,7 @@ def test_the_list_has_one_entry_a_pole_and_no_other_periods_close_by(solved):
     assert "best" in found[0].relation and all(each.relation for each in found)
 
 
-def test_a_map_of_poles_ends_early_where_a_pole_is_far_behind(solved, monkeypatch):
+def test_a_map_of_poles_ends_early_where_a_pole_is_far_behind(solved):
     """The most probable poles are those of a map whose fits all go on, for less work."""
     found = solved[1]
     weighted = found[0].weighted
@@ -230,8 +230,9 @@ def test_a_map_of_poles_ends_early_where_a_pole_is_far_behind(solved, monkeypatc
     fixed = np.zeros(_refinement.SIZE, bool)
     fixed[:8] = _ellipsoid.AXIAL_FIXED[:8]
     spent, poles = [], []
-    for stages in (_pole_map._STAGES, ()):
-        monkeypatch.setattr(_pole_map, "_STAGES", stages)
+    for stages in (problem.settings.axial_stages, ()):
+        settings = replace(problem.settings, axial_stages=stages)
+        problem = replace(problem, settings=settings)
         problem.tally.spent = 0.0
         generator = np.random.default_rng(0)
         arguments = problem, problem, weighted.refined.state, generator, _shapes.Tie(), fixed
