@@ -170,7 +170,7 @@ class _Segment(Rows):
             self._kind = _attitude_types.known_type(meta["ATTITUDE_TYPE"], version)
         scale = _messages.scale_of(meta)
         self._axes, self._body, body_is_a = _messages.axes_of(meta, options.frame)
-        self._how = self._convention(body_is_a)
+        self._convention = self._convention_of(body_is_a)
         self._usable = [self._epoch(f"USEABLE_{end}_TIME", scale) for end in ("START", "STOP")]
         self._limits = self._epoch("START_TIME", scale), self._epoch("STOP_TIME", scale)
         _messages.refuse_reversed(meta, *self._limits)
@@ -182,9 +182,9 @@ class _Segment(Rows):
                 "flag of quality (QF) is not read"
             )
             self._kind, self.others = "QUATERNION/ANGVEL", {_MMS: _READ}
-            self._how = replace(self._how, rates_over_body=True, scalar_first=False)
+            self._convention = replace(self._convention, rates_over_body=True, scalar_first=False)
         columns = _attitude_types.COLUMNS[self._kind]
-        names = _scalar_first(columns) if self._how.scalar_first else columns
+        names = _scalar_first(columns) if self._convention.scalar_first else columns
         lead, epoch = (2, "an MJD and its seconds") if self._is_cic else (1, "an epoch")
         super().__init__(scale, block.message.fault, names, lead)
         self.holds = (
@@ -211,7 +211,7 @@ class _Segment(Rows):
             if not meta.get(keyword) and not self._is_cic:
                 assume(f"{keyword} is missing: that of the records")
 
-    def _convention(self, body_is_a):
+    def _convention_of(self, body_is_a):
         """Directions and axes of the columns."""
         meta, is_old, kind = self.block.meta, self._is_old, self._kind
         to_body, scalar_first, over_body, sequence = not body_is_a, False, True, None
@@ -290,10 +290,10 @@ class _Segment(Rows):
     def _axes_of_rates(self, letters):
         """The axes of the columns of rates; an axis named twice means derivatives of angles."""
         letters = [letter for letter in letters.values() if letter]
-        if len(letters) == 3 > len(set(letters)) and not self._how.rates_of_angles:
+        if len(letters) == 3 > len(set(letters)) and not self._convention.rates_of_angles:
             sequence = _messages.sequence_of(self.block.meta)
-            self._how = replace(self._how, sequence=sequence, rates_of_angles=True)
-        return self._how.sequence.upper() if self._how.rates_of_angles else "XYZ"
+            self._convention = replace(self._convention, sequence=sequence, rates_of_angles=True)
+        return self._convention.sequence.upper() if self._convention.rates_of_angles else "XYZ"
 
     def _by_axis(self, columns, letters, axes, what):
         """Columns by number -> those of the axes that letters, by place, name; all or none are."""
@@ -309,7 +309,7 @@ class _Segment(Rows):
         """Whether the file does not say what its rates of version 1 are, nor does the caller."""
         stated = self.block.meta["ATTITUDE_TYPE"].upper().endswith("/RATE")
         is_rated = self._is_old and self._kind.endswith("/ANGVEL") and stated
-        return is_rated and self._options.rates is None and not self._how.rates_of_angles
+        return is_rated and self._options.rates is None and not self._convention.rates_of_angles
 
     def finished(self):
         """The AttitudeTable of the complete records."""
@@ -328,7 +328,7 @@ class _Segment(Rows):
         with self.block.located():
             return self.table(
                 self._kind,
-                self._how,
+                self._convention,
                 self._axes,
                 tolerance=options.tolerance,
                 orbit=options.orbit,
@@ -473,7 +473,7 @@ class WrittenSegment:
             settings["time_system"] or records.meta.get("time_system") or "UTC"
         )
         validation.one_of(settings["rates_over"], "rates_over", ("body", "frame"))
-        self._how = _attitude_types.Convention(
+        self._convention = _attitude_types.Convention(
             rates_over_body=settings["rates_over"] == "body",
             rates_follow=version != "1.0",
             scalar_first=settings["scalar_first"] and version == "1.0",
@@ -496,12 +496,12 @@ class WrittenSegment:
         columns = _attitude_types.COLUMNS[self._kind]
         order = list(range(len(columns)))
         if isinstance(out, XmlGenerator):
-            in_file = _scalar_first(columns) if self._how.scalar_first else list(columns)
+            in_file = _scalar_first(columns) if self._convention.scalar_first else list(columns)
             row, order = self._row_in_xml(out), [in_file.index(n) for n in columns]
         else:
             row = out.row("", len(columns))
         pieces, orbit = self._records.pieces(), self._settings["orbit"]
-        for history, values in columns_of(pieces, self._kind, self._how, self._axes, orbit):
+        for history, values in columns_of(pieces, self._kind, self._convention, self._axes, orbit):
             codes = self._texts(history.epoch, history.seconds, history.low)
             out.table(ccsds_epochs.distinct(codes), values[:, order], row)
 
@@ -517,7 +517,7 @@ class WrittenSegment:
         keys = list(_attitude_types.COLUMNS[kind])
         if version == "1.0":
             sequence = self._settings["sequence"]
-            rates = sequence if self._how.rates_of_angles else "XYZ"
+            rates = sequence if self._convention.rates_of_angles else "XYZ"
             names = {f"ANGLE_{k + 1}": f"{axis}_ANGLE" for k, axis in enumerate(sequence)}
             names |= {ANGVEL[k]: f"{axis}_RATE" for k, axis in enumerate(rates)}
             keys = [names.get(key, key) for key in keys]
@@ -534,7 +534,8 @@ class WrittenSegment:
         return written(epoch, seconds, low, self._scale, self._settings["digits"])
 
     def _keywords(self, version):
-        records, how, kind, is_old = self._records, self._how, self._kind, version == "1.0"
+        records, convention, kind = self._records, self._convention, self._kind
+        is_old = version == "1.0"
         *names, body = self._settings["names"]
         body = written_body(body, records.meta)
         frame = _axes.WRITTEN.get(self._axes.kind) if self._axes.name.islower() else self._axes.name
@@ -551,15 +552,15 @@ class WrittenSegment:
             "ATTITUDE_TYPE": _attitude_types.IN_VERSION_1[kind] if is_old else kind,
         }
         if kind.startswith("QUATERNION"):
-            known["QUATERNION_TYPE"] = "FIRST" if how.scalar_first else "LAST"
+            known["QUATERNION_TYPE"] = "FIRST" if convention.scalar_first else "LAST"
         is_rated = kind.endswith("/ANGVEL")
         if kind.startswith("EULER") or (is_old and is_rated):
             digits = str.maketrans("XYZ", "123") if is_old else {}
-            known["EULER_ROT_SEQ"] = how.sequence.translate(digits)
+            known["EULER_ROT_SEQ"] = convention.sequence.translate(digits)
         if is_rated and is_old:
-            known["RATE_FRAME"] = "REF_FRAME_B" if how.rates_over_body else "REF_FRAME_A"
+            known["RATE_FRAME"] = "REF_FRAME_B" if convention.rates_over_body else "REF_FRAME_A"
         elif is_rated:
-            known["ANGVEL_FRAME"] = body if how.rates_over_body else frame
+            known["ANGVEL_FRAME"] = body if convention.rates_over_body else frame
         known |= self._interpolation() | self._usable()
         return {key: known[key] for key in FORM.meta_of(version) if known.get(key) is not None}
 

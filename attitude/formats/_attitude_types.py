@@ -130,18 +130,20 @@ def has_rates(kind: str) -> bool:
     return kind not in ("QUATERNION", "EULER_ANGLE")
 
 
-def decoded(kind: str, rows: FloatArray, how: Convention) -> tuple[FloatArray, FloatArray | None]:
+def decoded(
+    kind: str, rows: FloatArray, convention: Convention
+) -> tuple[FloatArray, FloatArray | None]:
     """Attitudes wxyz (N, 4) and angular velocities (N, 3) from the rows (N, columns) of a file."""
     families = {"QUATERNION": _of_quaternions, "EULER_ANGLE": _of_angles, "SPIN": _of_spin}
-    wxyz, rates = families[kind.partition("/")[0]](kind, rows, how)
-    if kind.endswith("/ANGVEL") and how.rates_of_angles:
-        rates = of_euler_derivatives(wxyz, np.radians(rows[:, -3:]), how)
+    wxyz, rates = families[kind.partition("/")[0]](kind, rows, convention)
+    if kind.endswith("/ANGVEL") and convention.rates_of_angles:
+        rates = of_euler_derivatives(wxyz, np.radians(rows[:, -3:]), convention)
     elif kind.endswith("/ANGVEL"):
-        rates = rows[:, -3:] if how.in_radians else np.radians(rows[:, -3:])
-        if not how.rates_over_body:
+        rates = rows[:, -3:] if convention.in_radians else np.radians(rows[:, -3:])
+        if not convention.rates_over_body:
             unit = frames_quaternion.unit(wxyz)
             rates = frames_quaternion.rotate(frames_quaternion.conjugate(unit), rates)
-        if how.rates_follow and not how.to_body:
+        if convention.rates_follow and not convention.to_body:
             rates = -rates
     return wxyz, rates
 
@@ -151,45 +153,48 @@ def encoded(
     wxyz: FloatArray,
     rates: FloatArray | None,
     acceleration: FloatArray | None,
-    how: Convention,
+    convention: Convention,
 ) -> FloatArray:
     """Rows (N, columns) in deg, deg/s and s from wxyz (N, 4), rates and acceleration (N, 3)."""
     family = kind.partition("/")[0]
     if family == "SPIN":
         return _spin_columns(kind, wxyz, rates, acceleration)
-    of_file = wxyz if how.to_body else frames_quaternion.conjugate(wxyz)
+    of_file = wxyz if convention.to_body else frames_quaternion.conjugate(wxyz)
     if family == "QUATERNION":
-        columns = [_ordered(of_file, how)]
+        columns = [_ordered(of_file, convention)]
     else:
-        assert how.sequence is not None
-        angles = forms.to_euler(how.sequence, of_file)
+        assert convention.sequence is not None
+        angles = forms.to_euler(convention.sequence, of_file)
         columns = [np.degrees(angles)]
-    if kind == "EULER_ANGLE/DERIVATIVE" or (kind.endswith("/ANGVEL") and how.rates_of_angles):
-        assert rates is not None and how.sequence is not None
-        angles = forms.to_euler(how.sequence, of_file)
-        over = rates if how.to_body else -frames_quaternion.rotate(wxyz, rates)
-        columns.append(np.degrees(forms.euler_rates(how.sequence, angles, over)))
+    if kind == "EULER_ANGLE/DERIVATIVE" or (
+        kind.endswith("/ANGVEL") and convention.rates_of_angles
+    ):
+        assert rates is not None and convention.sequence is not None
+        angles = forms.to_euler(convention.sequence, of_file)
+        over = rates if convention.to_body else -frames_quaternion.rotate(wxyz, rates)
+        columns.append(np.degrees(forms.euler_rates(convention.sequence, angles, over)))
     elif kind.endswith("/ANGVEL"):
         assert rates is not None
-        over = rates if how.rates_over_body else frames_quaternion.rotate(wxyz, rates)
-        columns.append(np.degrees(-over if how.rates_follow and not how.to_body else over))
+        over = rates if convention.rates_over_body else frames_quaternion.rotate(wxyz, rates)
+        is_reverse = convention.rates_follow and not convention.to_body
+        columns.append(np.degrees(-over if is_reverse else over))
     elif kind == "QUATERNION/DERIVATIVE":
         assert rates is not None
         change = forms.quaternion_rate(wxyz, rates)
-        change = change if how.to_body else frames_quaternion.conjugate(change)
-        columns.append(_ordered(change, how))
+        change = change if convention.to_body else frames_quaternion.conjugate(change)
+        columns.append(_ordered(change, convention))
     return np.concatenate(columns, axis=1)
 
 
-def _ordered(wxyz, how):
-    return wxyz if how.scalar_first else forms.to_xyzw(wxyz)
+def _ordered(wxyz, convention):
+    return wxyz if convention.scalar_first else forms.to_xyzw(wxyz)
 
 
-def _of_quaternions(kind, rows, how):
+def _of_quaternions(kind, rows, convention):
     parts = [rows[:, :4], rows[:, 4:8]] if kind == "QUATERNION/DERIVATIVE" else [rows[:, :4]]
-    if not how.scalar_first:
+    if not convention.scalar_first:
         parts = [np.roll(columns, 1, axis=1) for columns in parts]
-    if not how.to_body:
+    if not convention.to_body:
         parts = [frames_quaternion.conjugate(columns) for columns in parts]
     if len(parts) == 1:
         return parts[0], None
@@ -197,18 +202,20 @@ def _of_quaternions(kind, rows, how):
     return parts[0], forms.angular_velocity_from_quaternion_rate(*parts) / square
 
 
-def of_euler_derivatives(wxyz: FloatArray, change: FloatArray, how: Convention) -> FloatArray:
+def of_euler_derivatives(
+    wxyz: FloatArray, change: FloatArray, convention: Convention
+) -> FloatArray:
     """Rates (N, 3), rad/s over the body, from wxyz (N, 4) and the change (N, 3) of angles."""
-    assert how.sequence is not None
+    assert convention.sequence is not None
     of_file = frames_quaternion.unit(wxyz)
-    of_file = of_file if how.to_body else frames_quaternion.conjugate(of_file)
-    return _of_changes(of_file, forms.to_euler(how.sequence, of_file), change, how)
+    of_file = of_file if convention.to_body else frames_quaternion.conjugate(of_file)
+    return _of_changes(of_file, forms.to_euler(convention.sequence, of_file), change, convention)
 
 
-def _of_changes(of_file, angles, change, how):
+def _of_changes(of_file, angles, change, convention):
     """Rates (N, 3) over the body, from the rotation of the file, its angles and their change."""
-    rates = forms.angular_velocity_from_euler_rates(how.sequence, angles, change)
-    return rates if how.to_body else -frames_quaternion.rotate(of_file, rates)
+    rates = forms.angular_velocity_from_euler_rates(convention.sequence, angles, change)
+    return rates if convention.to_body else -frames_quaternion.rotate(of_file, rates)
 
 
 def rates_by_axis(letters: str, sequence: str) -> list[int] | None:
@@ -225,16 +232,16 @@ def rates_by_axis(letters: str, sequence: str) -> list[int] | None:
     return places
 
 
-def _of_angles(kind, rows, how):
+def _of_angles(kind, rows, convention):
     angles = np.radians(rows[:, :3])
-    wxyz = frames_quaternion.from_euler(how.sequence, angles)
+    wxyz = frames_quaternion.from_euler(convention.sequence, angles)
     rates = None
     if kind == "EULER_ANGLE/DERIVATIVE":
-        rates = _of_changes(wxyz, angles, np.radians(rows[:, 3:6]), how)
-    return (wxyz if how.to_body else frames_quaternion.conjugate(wxyz)), rates
+        rates = _of_changes(wxyz, angles, np.radians(rows[:, 3:6]), convention)
+    return (wxyz if convention.to_body else frames_quaternion.conjugate(wxyz)), rates
 
 
-def _of_spin(kind, rows, how):
+def _of_spin(kind, rows, convention):
     alpha, delta, angle, spin = np.radians(rows[:, :4]).T
     wxyz = forms.from_pole(alpha, delta, angle)
     rates = np.zeros((len(rows), 3))

@@ -130,7 +130,7 @@ class Rows(MessageRows):
     def table(
         self,
         kind: str,
-        how: Convention,
+        convention: Convention,
         axes: Axes,
         *,
         tolerance: float = TOLERANCE,
@@ -141,14 +141,14 @@ class Rows(MessageRows):
         epoch, seconds, low, values, lines = self.joined()
         if kind.startswith("QUATERNION"):
             refuse_length(values[:, :4], lines, tolerance, self.fault)
-        wxyz, rates = in_icrf(kind, values, how, axes, (epoch, seconds, low, orbit))
+        wxyz, rates = in_icrf(kind, values, convention, axes, (epoch, seconds, low, orbit))
         return AttitudeTable(epoch, seconds, wxyz, low=low, angular_velocity=rates, **settings)
 
 
 def in_icrf(
     kind: str,
     rows: FloatArray,
-    how: Convention,
+    convention: Convention,
     axes: Axes,
     where: tuple[Instant, FloatArray, FloatArray, Path | None],
 ) -> tuple[FloatArray, FloatArray | None]:
@@ -157,7 +157,7 @@ def in_icrf(
     where: what axes turn with: epoch, seconds since it, hi and lo (N,), path of the body.
     """
     with np.errstate(over="ignore", invalid="ignore"):  # refuse_speed refuses overflow
-        wxyz, rates = _attitude_types.decoded(kind, rows, how)
+        wxyz, rates = _attitude_types.decoded(kind, rows, convention)
     wxyz = quaternion.unit(wxyz)
     if axes.kind in ("icrf", "gcrf"):
         return wxyz, rates
@@ -173,7 +173,7 @@ def in_icrf(
 def columns_of(
     histories: Iterable[AttitudeHistory],
     kind: str,
-    how: Convention,
+    convention: Convention,
     axes: Axes,
     orbit: Path | None = None,
 ) -> Iterator[tuple[AttitudeHistory, FloatArray]]:
@@ -188,7 +188,7 @@ def columns_of(
         if axes.turning:
             wxyz = forms.continuous(np.concatenate([before, wxyz]))[len(before) :]
             before = wxyz[-1:]
-        yield history, _attitude_types.encoded(kind, wxyz, rates, acceleration, how)
+        yield history, _attitude_types.encoded(kind, wxyz, rates, acceleration, convention)
 
 
 def _in_axes(history, kind, axes, orbit):

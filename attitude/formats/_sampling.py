@@ -320,7 +320,7 @@ def write(
     t: Epochs | None,
     span: Sequence[EpochOrSeconds | None],
     tolerance: float | None,
-    how: Writing,
+    writing: Writing,
 ) -> SampledFile | None:
     """Write the records at `t`, or a motion over `span` (start, stop) to a tolerance, rad."""
     if tolerance is not None:
@@ -329,12 +329,14 @@ def write(
                 "t and tolerance are given; the epochs of records follow from the tolerance: give "
                 "one of both."
             )
-        return sampled(path, source, span, tolerance, how)
+        return sampled(path, source, span, tolerance, writing)
     if span[0] is not None or span[1] is not None:
         raise AttitudeError(
             "start or stop is given without tolerance=; give tolerance=, or the epochs t=."
         )
-    how.write(path, segments(source, t) if how.holder is None else [_only(source, t, how.holder)])
+    holder = writing.holder
+    records = segments(source, t) if holder is None else [_only(source, t, holder)]
+    writing.write(path, records)
     return None
 
 
@@ -343,7 +345,7 @@ def sampled(
     source: AttitudeSource,
     span: Sequence[EpochOrSeconds | None],
     tolerance: float,
-    how: Writing,
+    writing: Writing,
     stretch: int | None = None,
 ) -> SampledFile:
     """As `write`; of all stretches, or of the one with a number, counted from 0."""
@@ -351,14 +353,14 @@ def sampled(
     stretches = stretches_of(source, span)
     if stretch is not None:
         stretches = stretches[stretch : stretch + 1]
-    if how.holder is not None and len(stretches) > 1:
+    if writing.holder is not None and len(stretches) > 1:
         raise AttitudeError(
             f"the angular velocity of the motion jumps, or the table has a gap, "
-            f"{stretches[1].begin[0]:.9g} s after its epoch, and {how.name} holds one segment; "
+            f"{stretches[1].begin[0]:.9g} s after its epoch, and {writing.name} holds one segment; "
             "write a file for each stretch (start=, stop=; of STK also split=True)."
         )
-    step = _first_step(stretches, tolerance, *how.stated)
-    with made_whole(path, how.name) as temporary:
+    step = _first_step(stretches, tolerance, *writing.stated)
+    with made_whole(path, writing.name) as temporary:
         for _ in range(_REPEATED):
             count = sum(piece.length / step for piece in stretches)
             if count > _MOST_RECORDS:
@@ -366,15 +368,15 @@ def sampled(
                     f"the tolerance needs {count:.3g} records, more than {_MOST_RECORDS}; give a "
                     "larger one, a shorter span, or another method or degree of interpolation."
                 )
-            records = [piece.records(step, _window(*how.stated)) for piece in stretches]
-            how.write(temporary, records)
-            error = _measured(stretches, how.read(temporary), step)
+            records = [piece.records(step, _window(*writing.stated)) for piece in stretches]
+            writing.write(temporary, records)
+            error = _measured(stretches, writing.read(temporary), step)
             if error <= tolerance:
                 break
             step *= 0.5
         else:
             raise AttitudeError(
-                f"{how.name} deviates by {error:.2g} rad from the motion at steps of "
+                f"{writing.name} deviates by {error:.2g} rad from the motion at steps of "
                 f"{2 * step:.3g} s, more than the tolerance {tolerance:g}; give a larger one, "
                 "or another method or degree of interpolation."
             )

@@ -513,7 +513,7 @@ def _table(block, tolerance, frame, orbit):
     euler = kind == "EULER_ANGLES" or rate == "EULER_RATE"
     sequence = _messages.sequence_of(block) if euler else None
     angles, rates = np.split(values, [len(_ATTITUDES[kind])], axis=1)
-    how = Convention(
+    convention = Convention(
         to_body=not body_is_a,
         sequence=sequence,
         rates_over_body=not body_is_a,
@@ -538,7 +538,7 @@ def _table(block, tolerance, frame, orbit):
             angles = forms.to_xyzw(quaternion.from_euler(sequence, np.radians(angles)))
         columns = np.concatenate((angles, rates), axis=1)
         where = epoch, seconds, low, orbit
-        wxyz, speeds = in_icrf(_DECODED.get(rate, "QUATERNION"), columns, how, axes, where)
+        wxyz, speeds = in_icrf(_DECODED.get(rate, "QUATERNION"), columns, convention, axes, where)
         return AttitudeTable(epoch, seconds, wxyz, low=low, angular_velocity=speeds, meta=meta)
 
 

@@ -234,13 +234,13 @@ def write(
         written = [WrittenSegment(records, settings).parts for records in segments]
         messages.write(target, _aem_message.FORM, version, header, written, xml=xml)
 
-    how = _sampling.Writing(
+    writing = _sampling.Writing(
         stated,
         write_records,
         lambda target: read(target, orbit=orbit, rates=rates),
         "the AEM",
     )
-    return _sampling.write(path, source, t, (start, stop), tolerance, how)
+    return _sampling.write(path, source, t, (start, stop), tolerance, writing)
 
 
 _OPTIONS = (

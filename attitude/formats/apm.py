@@ -210,16 +210,16 @@ class _State:
         """Attitude and rates of a block; rates may be a function of the attitude."""
         axes, to_body, body_is_a = self._axes(block)
         sequence = _messages.sequence_of(block) if block.name == "EULER" else None
-        how = Convention(to_body=to_body, sequence=sequence)
+        convention = Convention(to_body=to_body, sequence=sequence)
         if block.name == "EULER" and self._is_old:
-            return self._old_euler(block, how, axes, body_is_a)
+            return self._old_euler(block, convention, axes, body_is_a)
         kinds = _KINDS[block.name]
         kind = next(kind for kind, words in kinds if not words or block.keys() & set(words))
         row = [block.number(name) for name in _attitude_types.COLUMNS[kind]]
         if block.name == "QUAT":
             place = [block.lines["QC"]]
             refuse_length(np.array([row[:4]]), place, self._tolerance, self._message.fault)
-        return self._relative(kind, row, how, axes)
+        return self._relative(kind, row, convention, axes)
 
     def _axes(self, block):
         """The external axes; whether the rotation leads from them to the body; whether A is it."""
@@ -227,24 +227,24 @@ class _State:
         is_turned = self._is_old and block.one_of("DIR", ("A2B", "B2A")) == "B2A"
         return axes, body_is_a == is_turned, body_is_a
 
-    def _relative(self, kind, row, how, axes):
+    def _relative(self, kind, row, convention, axes):
         """Attitude (4,) and rates (3,) relative to ICRF from the numbers of an attitude type."""
-        wxyz, rates = in_icrf(kind, np.array([row]), how, axes, self._where)
+        wxyz, rates = in_icrf(kind, np.array([row]), convention, axes, self._where)
         return wxyz[0], None if rates is None else rates[0]
 
-    def _old_euler(self, block, how, axes, body_is_a):
+    def _old_euler(self, block, convention, axes, body_is_a):
         """Version 1: angles under the names of their axes, rates over the axes of a frame."""
         letters = [name[0] for name, _, _ in block.order if name.endswith("_RATE")]
         is_of_angles = self._rates == "euler" or len(set(letters)) < len(letters)
-        angles = _by_axis(block, "ANGLE", how.sequence)
-        rates = _by_axis(block, "RATE", how.sequence if is_of_angles else None)
+        angles = _by_axis(block, "ANGLE", convention.sequence)
+        rates = _by_axis(block, "RATE", convention.sequence if is_of_angles else None)
         wxyz = None
         if angles is not None:
-            wxyz = self._relative("EULER_ANGLE", angles, how, axes)[0]
+            wxyz = self._relative("EULER_ANGLE", angles, convention, axes)[0]
         if rates is None:
             return wxyz, None
         if is_of_angles:
-            return wxyz, self._rates_of(np.radians(rates), axes, how=how)
+            return wxyz, self._rates_of(np.radians(rates), axes, convention=convention)
         if self._rates is None:
             _attitude_types.warn(self._message.path, "the block of Euler angles")
         frames = {"EULER_FRAME_A": body_is_a, "EULER_FRAME_B": not body_is_a}
@@ -260,16 +260,16 @@ class _State:
         rates = np.radians(values) * (1.0 if to_body else -1.0)
         return None, self._rates_of(rates, axes, over_body)
 
-    def _rates_of(self, rates, axes, over_body=True, how=None):
-        """A function: attitude -> rates in ICRF; `how`: from derivatives of the angles."""
+    def _rates_of(self, rates, axes, over_body=True, convention=None):
+        """A function: attitude -> rates in ICRF; `convention`: from derivatives of the angles."""
         refuse_speed(rates)
 
         def of(wxyz):
             body, relative = forms.conjugate(wxyz), rates
             outer = axes.to_icrf(*self._where).reshape(4)
-            if how is not None:
+            if convention is not None:
                 inner = forms.multiply(forms.conjugate(outer), wxyz)[None]
-                relative = _attitude_types.of_euler_derivatives(inner, rates[None], how)[0]
+                relative = _attitude_types.of_euler_derivatives(inner, rates[None], convention)[0]
             elif not over_body:
                 relative = forms.rotate(forms.multiply(body, outer), rates)
             turning = axes.angular_velocity(*self._where)

@@ -152,14 +152,14 @@ def write(
         written = [(keywords, segment.comments, segment.write)]
         messages.write(target, _FORM, "1.0", header, written)
 
-    how = _sampling.Writing(
+    writing = _sampling.Writing(
         ("slerp", 1),
         write_records,
         lambda target: read(target, orbit=orbit),
         name="a CIC file",
         holder="a CIC file",
     )
-    return _sampling.write(path, source, t, (start, stop), tolerance, how)
+    return _sampling.write(path, source, t, (start, stop), tolerance, writing)
 
 
 def _labels(motion, said):

@@ -78,7 +78,7 @@ def read(
     with opened(path) as lines:
         scalar_first, words = _header(lines)
         to_body = words.get("direction", _DIRECTIONS[0]) == _DIRECTIONS[0]
-        how = Convention(scalar_first=scalar_first, to_body=to_body)
+        convention = Convention(scalar_first=scalar_first, to_body=to_body)
         if frame:
             axes = named(frame)
         else:
@@ -92,7 +92,9 @@ def read(
                 rows.take(rows.known(tokens, lines.number), lines.number)
         rows.convert()
         settings = {"meta": {"format": "quat", "frame": axes.name}}
-        return rows.table("QUATERNION", how, axes, tolerance=tolerance, orbit=orbit, **settings)
+        return rows.table(
+            "QUATERNION", convention, axes, tolerance=tolerance, orbit=orbit, **settings
+        )
 
 
 def _header(lines):
@@ -181,19 +183,19 @@ def write(
     def write_records(target, parts):
         with written_whole(target, "the table of quaternions") as file:
             file.write(f"# time w x y z frame={axes.name}\n")
-            how, pieces = Convention(scalar_first=True), parts[0].pieces()
-            for history, columns in columns_of(pieces, "QUATERNION", how, axes, orbit):
+            convention, pieces = Convention(scalar_first=True), parts[0].pieces()
+            for history, columns in columns_of(pieces, "QUATERNION", convention, axes, orbit):
                 dates = ccsds_epochs.texts(history.epoch, history.seconds, history.low, "utc")
                 file.write(text_of_rows(ccsds_epochs.distinct(dates), columns.T.tolist(), " "))
 
-    how = _sampling.Writing(
+    writing = _sampling.Writing(
         _sampling.stated(None, None, has_rates=False),
         write_records,
         lambda target: read(target, orbit=orbit),
         name="the table of quaternions",
         holder="a table of quaternions",
     )
-    return _sampling.write(path, source, t, (start, stop), tolerance, how)
+    return _sampling.write(path, source, t, (start, stop), tolerance, writing)
 
 
 register(

@@ -455,7 +455,9 @@ def read(
                 f"the file has {records.count} records, but NumberOfAttitudePoints is "
                 f"{header.count}" + ("." if has_ended else "; is it cut off?"),
             )
-        how = Convention(scalar_first=header.section.scalar_first, sequence=header.decoder.sequence)
+        convention = Convention(
+            scalar_first=header.section.scalar_first, sequence=header.decoder.sequence
+        )
         meta = {
             "format": "STK",
             "keywords": dict(header.keywords),
@@ -465,7 +467,7 @@ def read(
         with lines.located():
             return records.table(
                 header.section.kind,
-                how,
+                convention,
                 records.axes,
                 tolerance=tolerance,
                 orbit=orbit,
@@ -628,8 +630,10 @@ def write(
     head = {"CentralBody": center, "CoordinateAxes": _NAMES[axes.kind]}
     if SECTIONS[section].kind == "EULER_ANGLE":
         head["Sequence"] = sequence.translate(str.maketrans("XYZ", "123"))
-    how = Convention(scalar_first=SECTIONS[section].scalar_first, sequence=sequence)
-    write_file = partial(_write, section=section, axes=axes, how=how, head=head, orbit=orbit)
+    convention = Convention(scalar_first=SECTIONS[section].scalar_first, sequence=sequence)
+    write_file = partial(
+        _write, section=section, axes=axes, convention=convention, head=head, orbit=orbit
+    )
     is_of_records = split and tolerance is None and start is None and stop is None
     if is_of_records and len(parts := _sampling.segments(source, t)) > 1:
         _sampling.warn_of_usable(parts, "an STK file")
@@ -672,7 +676,7 @@ def _names(path, count):
     return names
 
 
-def _write(path, records, *, section, axes, how, head, order, orbit):
+def _write(path, records, *, section, axes, convention, head, order, orbit):
     """Write one segment; `head` are the keywords that do not depend on its records."""
     start, shift = _whole_second(records)
     if order is None:
@@ -689,7 +693,7 @@ def _write(path, records, *, section, axes, how, head, order, orbit):
             file.write(f"{key} {value}\n")
         file.write(f"\n{section}\n\n")
         kind = SECTIONS[section].kind
-        for history, columns in columns_of(records.pieces(), kind, how, axes, orbit):
+        for history, columns in columns_of(records.pieces(), kind, convention, axes, orbit):
             file.write(text_of_rows(shift(history).tolist(), columns.T.tolist(), " "))
         file.write("\nEND Attitude\n")
 

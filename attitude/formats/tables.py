@@ -401,14 +401,14 @@ def write(
         has_rates = rates and _sampling.known_of(source, None)[1]
         # CSV and the other tables of motions state no interpolation: readers take the usual one.
         stated = _sampling.stated(None, None, has_rates, None if kind == "csv" else source)
-    how = _sampling.Writing(
+    writing = _sampling.Writing(
         stated,
         lambda target, parts: _write(target, kind, parts, rates, sigma),
         read,
         name="CSV" if kind == "csv" else "the table",
         holder="CSV" if kind == "csv" else None,
     )
-    return _sampling.write(path, source, t, (start, stop), tolerance, how)
+    return _sampling.write(path, source, t, (start, stop), tolerance, writing)
 
 
 def _write(path, kind, parts, rates, sigma):
