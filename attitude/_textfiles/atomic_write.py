@@ -52,11 +52,11 @@ def written_whole(
     target = _target(path, name)
     direct = os.path.exists(target) and not os.path.isfile(target)
     with _temporary(target, direct) as temporary:
-        how: dict[str, Any] = {"mode": "wb"}
+        options: dict[str, Any] = {"mode": "wb"}
         if not binary:
-            how = {"mode": "w", "encoding": "utf-8", "newline": ""}
+            options = {"mode": "w", "encoding": "utf-8", "newline": ""}
         try:
-            with open(temporary, **how) as file:
+            with open(temporary, **options) as file:
                 _lock(file)
                 yield file
             if not direct:
