@@ -381,20 +381,20 @@ def fit(
     """
     observed = _observed(table, sigma, rate_sigma)
     model = Model(body, axes)
-    how = known_loss(loss, f_scale, sigma)
+    scaled_loss = known_loss(loss, f_scale, sigma)
     if observed.used < (3 if model.count > 6 else 2):
         raise AttitudeError(_too_few(observed.used))
     states = velocities_observed(observed)
     speed = float(np.median(np.linalg.norm(states[2], axis=1)))
-    first = first_stage(observed.t, speed, FEWEST_ROBUST if how.robust else FEWEST)
+    first = first_stage(observed.t, speed, FEWEST_ROBUST if scaled_loss.robust else FEWEST)
     others: Callable[[], Sequence[Point]] = tuple
     if start is not None:
         point = point_of(model, observed, start)
     else:
-        point = guess(Problem(model, observed.at(slice(first)), how.wide), states)
+        point = guess(Problem(model, observed.at(slice(first)), scaled_loss.wide), states)
         turn = first_stage(observed.t, speed, 1)
-        others = partial(points_of_windows, Problem(model, observed, how), turn)
-    return fitted(model, observed, how, point, first, others, is_start=start is not None)
+        others = partial(points_of_windows, Problem(model, observed, scaled_loss), turn)
+    return fitted(model, observed, scaled_loss, point, first, others, is_start=start is not None)
 
 
 def guess(problem: Problem, states: tuple[FloatArray, FloatArray, FloatArray]) -> Point:
@@ -522,7 +522,7 @@ def fit_rates(
     array([1. , 2. , 2.6])
     """
     model = Model(body, axes)
-    how = known_loss(loss, f_scale, sigma)
+    scaled_loss = known_loss(loss, f_scale, sigma)
     first_epoch, seconds = epochs_of(t, epoch)
     count = len(seconds)
     omega = validation.real(angular_velocity, "angular_velocity", shape=(count, 3), unit="rad/s")
@@ -535,20 +535,20 @@ def fit_rates(
             "with start=, one with body=)."
         )
     speed = float(np.mean(np.linalg.norm(omega, axis=1)))
-    first = first_stage(seconds, speed, FEWEST_ROBUST if how.robust else FEWEST)
+    first = first_stage(seconds, speed, FEWEST_ROBUST if scaled_loss.robust else FEWEST)
     if start is not None:
         point = point_of(model, observed, start)
     else:
         shape = np.zeros(0)
         if body is None:
-            tensor = inertia_of_rates(seconds, omega, axes, robust=how.robust)
+            tensor = inertia_of_rates(seconds, omega, axes, robust=scaled_loss.robust)
             shape = model.shape_of(tensor)
         attitudes = np.broadcast_to(_IDENTITY, (count, 4))
-        problem = Problem(model, observed.at(slice(first)), how.wide)
+        problem = Problem(model, observed.at(slice(first)), scaled_loss.wide)
         point = best_state(problem, shape, (seconds, attitudes, omega))
     # The attitude has no influence: that of the first record is the identity.
     point = replace(point, wxyz=_IDENTITY)
-    return fitted(model, observed, how, point, first, is_start=start is not None)
+    return fitted(model, observed, scaled_loss, point, first, is_start=start is not None)
 
 
 # ---- Attitudes and angular velocities from directions, by Davenport's method
@@ -736,7 +736,7 @@ def fit_directions(
     array([1. , 2. , 2.6])
     """
     model = Model(body, axes)
-    how = known_loss(loss, f_scale, sigma)
+    scaled_loss = known_loss(loss, f_scale, sigma)
     first_epoch, seconds = epochs_of(t, epoch, repeated=True)
     count = len(seconds)
     measured = _unit(body_directions, "body_directions", count)
@@ -754,13 +754,13 @@ def fit_directions(
             f"with finite sigma for {model.count} parameters; give "
             f"{(model.count + 1) // 2} or more."
         )
-    fewest = FEWEST_ROBUST if how.robust else _FEWEST
+    fewest = FEWEST_ROBUST if scaled_loss.robust else _FEWEST
     if start is not None:
         point = point_of(model, observed, start)
     else:
-        point = _guess(model, observed, directions, how, fewest)
+        point = _guess(model, observed, directions, scaled_loss, fewest)
     first = first_stage(seconds, float(np.linalg.norm(point.omega)), fewest)
-    return fitted(model, observed, how, point, first, is_start=start is not None)
+    return fitted(model, observed, scaled_loss, point, first, is_start=start is not None)
 
 
 def _guess(
