@@ -471,16 +471,16 @@ class _File:
             _Torque(self, section, number, ephemeris).made()
             for number, section in enumerate(sections, start=1)
         ]
-        how = self.content.get("integration", {})
-        if not isinstance(how, dict):
-            raise AttitudeError(f"integration is {quoted(how)}; give a section [integration].")
+        section = self.content.get("integration", {})
+        if not isinstance(section, dict):
+            raise AttitudeError(f"integration is {quoted(section)}; give a section [integration].")
         units = {"tolerance": "rad", "step": "s", "step_tolerance": "rad"}
-        refuse_unknown(how, (*units, "scheme"), "[integration]")
+        refuse_unknown(section, (*units, "scheme"), "[integration]")
         options = {
             key: _surface.number_of(value, f"[integration] {key}", units[key])
             if key in units
             else value
-            for key, value in how.items()
+            for key, value in section.items()
         }
         return TorquedRotation(free.body, free.spin, acting, **options)
 

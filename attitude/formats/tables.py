@@ -70,7 +70,7 @@ RATES: tuple[str, ...] = ("omega_x", "omega_y", "omega_z")
 SIGMA: tuple[str, ...] = ("sigma_x", "sigma_y", "sigma_z")
 SIGMA_RATES: tuple[str, ...] = ("sigma_omega_x", "sigma_omega_y", "sigma_omega_z")
 # Order and units of the columns.
-_HOW = Convention(scalar_first=True, in_radians=True)
+_CONVENTION = Convention(scalar_first=True, in_radians=True)
 
 
 def names(*, rates: bool, sigma: bool = False) -> list[str]:
@@ -141,7 +141,7 @@ def _read_csv(path, tolerance):
             rows.take(entries, lines.number)
         rows.convert()
         meta = {"format": "CSV"}
-        return rows.table(kind, _HOW, named("ICRF"), tolerance=tolerance, meta=meta)
+        return rows.table(kind, _CONVENTION, named("ICRF"), tolerance=tolerance, meta=meta)
 
 
 def _names(lines):
@@ -293,10 +293,10 @@ def from_table(
         wxyz = forms.unit(wxyz, tolerance=tolerance)
         axes, where = named(meta.get("frame", "ICRF")), (_instants.Instant(0.0), *time, orbit)
         if rates is None:
-            wxyz, rates = in_icrf("QUATERNION", wxyz, _HOW, axes, where)
+            wxyz, rates = in_icrf("QUATERNION", wxyz, _CONVENTION, axes, where)
         else:
             both = np.concatenate([wxyz, rates], axis=1)
-            wxyz, rates = in_icrf("QUATERNION/ANGVEL", both, _HOW, axes, where)
+            wxyz, rates = in_icrf("QUATERNION/ANGVEL", both, _CONVENTION, axes, where)
         return _segmented(time, wxyz, rates, meta)
 
 
