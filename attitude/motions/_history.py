@@ -156,14 +156,14 @@ class AttitudeHistory(Attitudes):
             return self.covariance[..., :3, :3]
         return frozen(self._of_errors("covariance_at", rates=False))
 
-    def _of_errors(self, method: str, **how: bool) -> FloatArray:
+    def _of_errors(self, method: str, **options: bool) -> FloatArray:
         """What a method of the motion answers of its errors at the epochs."""
         if not hasattr(self.motion, method):
             raise AttitudeError(
                 f"{type(self.motion).__name__} has no covariance; standard deviations and "
                 "covariances follow from a FreeRotation whose spin has a covariance."
             )
-        return getattr(self.motion, method)(self.seconds, self.low, **how)
+        return getattr(self.motion, method)(self.seconds, self.low, **options)
 
     @cached_property
     def nonlinearity(self) -> FloatArray:
