@@ -226,9 +226,9 @@ def times_of(changes: Sequence[Change], epoch: Instant) -> list[Pair | None]:
         time = _inputs.one_since(epoch, change.at, f"changes[{k}].at")
         if time <= before:
             early = (before[0] - time[0]) + (before[1] - time[1])
-            how = f"{early:.2g} s earlier than" if time < before else "the same as"
+            order = f"{early:.2g} s earlier than" if time < before else "the same as"
             raise AttitudeError(
-                f"changes[{k}] at {time[0]:.9g} s is {how} {whose} ({before[0]:.9g} s); give "
+                f"changes[{k}] at {time[0]:.9g} s is {order} {whose} ({before[0]:.9g} s); give "
                 "changes in order of time, after the epoch of the spin, and one change where "
                 "several have the same epoch."
             )
@@ -441,7 +441,7 @@ def _since(start: FloatArray, high: ArrayLike, low: ArrayLike) -> tuple[FloatArr
 
 _HINTS = dict.fromkeys(("impulses", "impulse", "maneuvers", "events", "arcs"), "give changes=")
 # Arguments of `TorquedRotation` that `Arcs` takes for arcs under torques.
-_HOW = ("step", "scheme", "tolerance", "step_tolerance")
+_STEPPING = ("step", "scheme", "tolerance", "step_tolerance")
 
 
 @dataclass(frozen=True, eq=False, repr=False, init=False)
@@ -502,7 +502,7 @@ class Arcs(Differentiable):
 
     smooth = True
 
-    _value = ("body", "spin", "changes", "torques", *_HOW)
+    _value = ("body", "spin", "changes", "torques", *_STEPPING)
 
     @arguments(_HINTS, "Arcs(body, spin, [Impulse(at=60.0, angular_momentum=(0, 0, -13))])")
     def __init__(
@@ -523,10 +523,10 @@ class Arcs(Differentiable):
         self._torqued: tuple[TorquedRotation, ...]
         refuse_others(body, spin, "Arcs takes a Body, a Spin and a list of changes")
         self._set_all(body=body, spin=spin, changes=known_changes(changes))
-        how: dict[str, Any] = dict(
-            zip(_HOW, (step, scheme, tolerance, step_tolerance), strict=True)
+        stepping: dict[str, Any] = dict(
+            zip(_STEPPING, (step, scheme, tolerance, step_tolerance), strict=True)
         )
-        for name, value in how.items():
+        for name, value in stepping.items():
             self._set(name, value)
             if torques is None and value is not None:
                 raise AttitudeError(
@@ -536,7 +536,7 @@ class Arcs(Differentiable):
         if torques is None:
             self._build()
             return
-        first = TorquedRotation(body, spin, torques, **how)
+        first = TorquedRotation(body, spin, torques, **stepping)
         self._set("torques", first.torques)
         if any(torque.changes_inertia for torque in first.torques):
             raise AttitudeError(
@@ -561,8 +561,8 @@ class Arcs(Differentiable):
     def __reduce__(self) -> tuple[Any, ...]:
         if not self.torques:
             return Arcs, (self.body, self.spin, self.changes)
-        how = {name: getattr(self, name) for name in _HOW}
-        return partial(Arcs, **how), (self.body, self.spin, self.changes, self.torques)
+        stepping = {name: getattr(self, name) for name in _STEPPING}
+        return partial(Arcs, **stepping), (self.body, self.spin, self.changes, self.torques)
 
     def _repr_html_(self) -> str:
         """A table for notebooks: begin, mode and periods of each arc."""

@@ -824,8 +824,8 @@ class TorquedRotation(Differentiable):
 
     def __reduce__(self):
         names = "step", "scheme", "tolerance", "step_tolerance", "origin"
-        how = {name: getattr(self, name) for name in names} | {"span": self._span_given}
-        return partial(TorquedRotation, **how), (self.body, self.spin, self.torques)
+        stepping = {name: getattr(self, name) for name in names} | {"span": self._span_given}
+        return partial(TorquedRotation, **stepping), (self.body, self.spin, self.torques)
 
     @cached_property
     def _sensitivity(self) -> TorquedSensitivity:
@@ -842,7 +842,7 @@ class TorquedRotation(Differentiable):
         ----------
         others : iterable of (float, 4 tuples of Torque)
             For each parameter a step, and the torques with it changed by the step times +1, -1,
-            +2, -2 (`sensitivity.NODES`).
+            +2, -2 (`_system.NODES`).
 
         Returns
         -------
@@ -868,13 +868,13 @@ class TorquedRotation(Differentiable):
 
     def __repr__(self) -> str:
         if self.step is not None:
-            how = f"step {self.step:g} s"
+            stepping = f"step {self.step:g} s"
         elif self.step_tolerance is not None:
-            how = f"to {self.step_tolerance:g} rad a step"
+            stepping = f"to {self.step_tolerance:g} rad a step"
         else:
-            how = f"to {self.tolerance:g} rad"
+            stepping = f"to {self.tolerance:g} rad"
         names = ", ".join(type(torque).__name__ for torque in self.torques)
-        return f"<TorquedRotation: {names}; {self.scheme.name}, {how}>"
+        return f"<TorquedRotation: {names}; {self.scheme.name}, {stepping}>"
 
     @property
     def epoch(self) -> Instant:
