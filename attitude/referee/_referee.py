@@ -171,10 +171,7 @@ def exact(moments, q, w, h):
 
 @subroutine
 def dullweber_leimkuhler_mclachlan(moments, q, w, h):
-    """The kinetic energy split by axes: turns about x, y, z, y, x.
-
-    J. Chem. Phys. 107, 5840 (1997).
-    """
+    """The kinetic energy split by axes: x, y, z, y, x.  J. Chem. Phys. 107, 5840 (1997)."""
     momentum = moments[0] * w[0], moments[1] * w[1], moments[2] * w[2]
     q, momentum = _about(0, momentum[0] / moments[0], q, momentum, 0.5 * h)
     q, momentum = _about(1, momentum[1] / moments[1], q, momentum, 0.5 * h)
@@ -200,10 +197,7 @@ def reich(moments, q, w, h):
 
 @subroutine
 def celledoni_safstrom(moments, q, w, h):
-    """Exact Euler equations, attitude by a Magnus series of fourth order.
-
-    J. Phys. A 39, 5463 (2006).
-    """
+    """Exact Euler equations, attitude by a Magnus series, order 4.  J. Phys. A 39, 5463 (2006)."""
     one = _rates_after(moments, w, 0.21132486540518713 * h)
     two = _rates_after(moments, w, 0.7886751345948129 * h)
     half, more = 0.5 * h, h * h * 0.14433756729740643  # sqrt(3)/12
@@ -217,10 +211,7 @@ def celledoni_safstrom(moments, q, w, h):
 
 @subroutine
 def buss(moments, q, w, h):
-    """Augmented second-order method, momentum fixed in space.
-
-    J. Comput. Phys. 164, 377 (2000).
-    """
+    """Augmented second-order method, momentum fixed in space.  J. Comput. Phys. 164, 377 (2000)."""
     momentum = moments[0] * w[0], moments[1] * w[1], moments[2] * w[2]
     space = turned_by(q, momentum)
     k1, k2, k3 = gains(moments)
