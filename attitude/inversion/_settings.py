@@ -5,9 +5,9 @@ many, and what work costs.  What belongs to a method stands beside it, as a cons
 grids, orders, steps and damping, laws of distributions, tests for degenerate shapes, and what a
 record without a problem is judged by, as the dips of `_satellites.AdditivePair`.
 
-A problem carries `Settings` and `Tally`, so that a search can be run with a changed threshold.  The budget of a
-search is in seconds of one idle core, estimated from the work: a seed gives one result on every
-machine and under every load.
+A problem carries `Settings` and `Tally`, so that a search can be run with a changed threshold.  The
+budget of a search is in seconds of one idle core, estimated from the work: a seed gives one result
+on every machine and under every load.
 """
 
 from __future__ import annotations
