@@ -72,9 +72,7 @@ _interrupted = False
 
 
 def hold_interrupts() -> None:
-    """Defer Ctrl-C in the main thread, under Python's handler, until as many calls of
-    `release_interrupts`.
-    """
+    """Defer Ctrl-C in the main thread, under Python's handler, until as many releases."""
     global _holds
     if threading.current_thread() is not threading.main_thread():
         return

@@ -515,9 +515,7 @@ def _store(pair, internal):
 
 @subroutine
 def _trigonometric_rates(c):
-    """Amplitudes times cn, sn, dn as theta quotients, nome q; theta1, theta2 without their 2
-    q^(1/4).
-    """
+    """Amplitudes times cn, sn, dn as theta quotients, nome q; theta1, theta2 over 2 q^(1/4)."""
     q, rates = math.sqrt(c.nome), c.rates
     theta2 = theta3 = theta4 = 0.0
     sign = even = odd = step = 1.0

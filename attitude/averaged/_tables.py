@@ -242,10 +242,7 @@ def weights(degree: int) -> FloatArray:
 
 
 def sums_of(coefficients: FloatArray, axes: Axes) -> tuple[FloatArray, FloatArray]:
-    """Means (4 regions, n + 1, C) at `coordinates`, and integrals (4 arcs, C), times `weights`.
-
-    C = 4 (l + 1).
-    """
+    """Means (4 regions, n + 1, C) at `coordinates`, integrals (4 arcs, C = 4 (l + 1)), weighted."""
     degree = coefficients.shape[-1] - 1
     steps, h = _steps(degree), distances(coordinates(axes))
     means = np.empty((4, len(h), degree + 1, 4))

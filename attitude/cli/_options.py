@@ -52,10 +52,7 @@ _ROUNDING = Fraction(1, 10**9)
 
 @dataclass(frozen=True)
 class Grid:
-    """Epochs start + k step, for k from 0 to count - 1: a step of seconds of UTC or TDB.
-
-    The seconds of `block` count from the epoch.
-    """
+    """Epochs start + k step, 0 <= k < count, of s of UTC or TDB; `block`: s since the epoch."""
 
     epoch: _instants.Instant
     start: _instants.Instant

@@ -370,10 +370,7 @@ def volume_of_offsets(problem: CurveProblem) -> float:
 
 
 def share_left(solution: Weighted[object], problem: CurveProblem) -> float:
-    """Mean square of the residuals over that of the magnitudes less the linear terms.
-
-    Both without the worst, as `floor_ratio`.
-    """
+    """Mean square of residuals over that of magnitudes less linear terms, as in `floor_ratio`."""
     worst = problem.settings.worst
     whole = problem.detrended - np.median(problem.detrended)
     left, before = (_neighbours.trimmed(values**2, worst) for values in (solution.residual, whole))
@@ -428,9 +425,6 @@ def gain(solution: Weighted[object], other: Weighted[object], problem: CurveProb
 def _less_likely(
     solution: Weighted[object], other: Weighted[object], size: FloatArray
 ) -> FloatArray:
-    """-2 ln of Student's density (N,) of another solution less that of one, over FREEDOM + 1.
-
-    size (N,): squares of the errors.
-    """
+    """-2 ln of Student's densities (N,) of two solutions over FREEDOM + 1; size: squared errors."""
     logs = [np.log1p(one.residual**2 / size / FREEDOM) for one in (solution, other)]
     return logs[1] - logs[0]

@@ -322,10 +322,7 @@ _MARK = np.array([4.0, 3.0])
 
 
 def free_places(poles: Sequence[tuple[float, float]]) -> list[tuple[float, float] | None]:
-    """Where the number of each pole (longitude, latitude, deg) hides no other one; None: nowhere.
-
-    Those of better ranks come first.
-    """
+    """Where the number of each pole (lon, lat, deg; best first) hides no other; None: nowhere."""
     taken = [(np.array(pole), _MARK) for pole in poles]
     places: list[tuple[float, float] | None] = []
     for k, pole in enumerate(poles):

@@ -287,10 +287,7 @@ def penalties(
 
 
 def _hold_back(by: FloatArray, moments: MotionMoments) -> float:
-    """The residual that holds the largest moment below the sum of the others; by (M,): its slopes.
-
-    0 of nearly all bodies.
-    """
+    """The residual, mostly 0, that holds the largest moment below the sum of others; by: slopes."""
     ratios = [*map(math.exp, moments.log_ratios.tolist()), 1.0]
     largest = ratios.index(max(ratios))
     others = sum(ratios) - ratios[largest]

@@ -372,9 +372,7 @@ def _laid_out(ways, first, x, y, z):
 
 @reduction_inlined
 def _cosines(x, y, ways, way, height):
-    """Cosines between a direction and normals of slopes x, y, over heights; `way`, `height` as
-    `Clusters.axes`.
-    """
+    """Cosines of a direction and normals of slopes x, y, over heights; `way` as `Clusters.axes`."""
     return x * ways[way] + y * ways[way + _1] + ways[height]
 
 
@@ -642,9 +640,7 @@ def packs_of(mesh: Mesh, number: IntArray, rows: int, order: IntArray) -> Packs 
 def arranged(
     masks: NDArray[np.uint8], packs: Packs, order: IntArray | None = None
 ) -> NDArray[np.uint64]:
-    """The masks of `Visibility`, a column for each facet in `order`, a word a pack; zeros without
-    an order.
-    """
+    """Masks of `Visibility`, a column a facet in `order`, a word a pack; zeros without an order."""
     arranged_masks = np.zeros((len(masks), len(packs.order)), dtype=np.uint8)
     if order is not None:
         is_used, column = order >= 0, np.empty(len(order), dtype=np.int64)

@@ -556,10 +556,7 @@ def subject(
     title: str | None = None,
     magnitude: tuple[Callable[[View], FloatArray], str] | None = None,
 ) -> Subject:
-    """The Subject of a motion or a scene.
-
-    Shapes: magnitude (callable, str).
-    """
+    """The Subject of a motion or a scene; magnitude: (callable, str)."""
     if shape is not None and not isinstance(shape, (Ellipsoid, Mesh)):
         raise AttitudeError(
             f"shape is {type(shape).__name__}; give an Ellipsoid or Mesh of attitude.shape, such "
