@@ -307,10 +307,10 @@ def best_peaks(
     starts = distinct(by_power, lambda one, other: abs(one - other) <= closest, 2 * count)
     numbers = _spectrum.series_numbers(order, 1)
     for peak in _spectrum.least(data, np.array(starts)[:, None], numbers)[0]:
-        best = _spectrum.fixed(data, peak, numbers)
-        f = abs(float(best.frequencies[0]))
+        f = abs(float(peak[0]))
         is_inside = frequency[0] <= f <= frequency[-1]
         if is_inside and all(abs(f - other[0]) > 0.5 * closest for other in rows):
+            best = _spectrum.fixed(data, peak, numbers)
             rows.append((f, float(best.errors[0]), best.chi_squared / total))
     if not rows:
         # no maximum within the range: the power rises towards an end
