@@ -32,7 +32,6 @@ MEASURED = {
     ("paths/_ground.py", "RATE"),
     ("paths/_ground.py", "rotation_angle"),
     ("paths/_two_body.py", "GM"),
-    ("photometry/_periodogram.py", "_NAMES"),
     ("_support/constants.py", "EARTH_FLATTENING"),
     ("scene/_scene.py", "_OF_ORBIT"),
     ("torques/_magnetic.py", "_MU_0_OVER_4_PI"),

@@ -298,6 +298,7 @@ def _is_spin_file(path: FilePath) -> bool:
     """Whether a file is a spin file by its ending, or because it is in no other known format."""
     if os.path.splitext(path_text(path))[1].lower() == ".toml":  # loads no other format
         return True
+    beginning(path)  # refuses a file that cannot be read
     try:
         format_of(path)
     except AttitudeError:
