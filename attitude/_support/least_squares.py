@@ -139,25 +139,23 @@ def minimum(
 
 def damped_steps(linearised: Near, damping: FloatArray) -> FloatArray:
     """The steps (S, P) for damping (S,), relative to the diagonal."""
-    diagonal = np.arange(linearised.normal.shape[-1])
-    scale = _scale(linearised.normal[:, diagonal, diagonal])
-    scaled = linearised.normal / (scale[:, :, None] * scale[:, None, :])
-    scaled[:, diagonal, diagonal] += damping[:, None]
-    right = linearised.gradient / scale
+    scaled, right, scale = _scaled(linearised, damping)
     return np.linalg.solve(scaled, right[:, :, None])[:, :, 0] / scale
 
 
 def steps_of_one(linearised: Near, damping: FloatArray) -> FloatArray:
     """As `damped_steps`, of one state: with many parameters in less time."""
-    damped = linearised.normal[0].copy()
-    # Cholesky's factors need no scaling: rounding is the same in any units
-    damped.flat[:: len(damped) + 1] += damping * _scale(damped.diagonal()) ** 2
-    return solved(damped, linearised.gradient[0])[None]
+    scaled, right, scale = _scaled(linearised, damping)
+    return solved(scaled[0], right[0])[None] / scale
 
 
-def _scale(diagonal: FloatArray) -> FloatArray:
-    """The roots of diagonals of normal matrices, above 0."""
-    return np.sqrt(np.maximum(diagonal, 0.0)) + 1e-12
+def _scaled(linearised, damping):
+    """Normal matrices scaled to a diagonal of ones and damped, gradients, and the scales."""
+    diagonal = np.arange(linearised.normal.shape[-1])
+    scale = np.sqrt(np.maximum(linearised.normal[:, diagonal, diagonal], 0.0)) + 1e-12
+    scaled = linearised.normal / (scale[:, :, None] * scale[:, None, :])
+    scaled[:, diagonal, diagonal] += damping[:, None]
+    return scaled, linearised.gradient / scale, scale
 
 
 # ---- Normal matrices, whose parameters may have any units
@@ -167,8 +165,7 @@ def solved(normal: FloatArray, right: FloatArray) -> FloatArray:
     """The solution (P,), by Cholesky's factors where rounding leaves a matrix that has them."""
     from scipy.linalg.lapack import dposv
 
-    # the transpose of a symmetric matrix is in the order of Fortran's arrays, and the same
-    _, solution, failed = dposv(normal.T, right, lower=1)
+    _, solution, failed = dposv(normal, right, lower=1)
     return np.asarray(np.linalg.solve(normal, right) if failed else solution, np.float64)
 
 

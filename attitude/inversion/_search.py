@@ -846,13 +846,7 @@ class Search:
         """Add the bodies of a map of poles at the rates of a state, behind known ones."""
         self._mapped_rates.append(state)
         with_rates = _pole_map.of_rates(
-            # which poles have minima shows in as few points as ellipsoids need
-            self._thinned(self.problem, 0),
-            self.generator,
-            state,
-            self._held,
-            self.tie,
-            lambda: self.is_over,
+            self.problem, self.generator, state, self._held, self.tie, lambda: self.is_over
         )
         poles = distinct(
             (*known, *with_rates),
