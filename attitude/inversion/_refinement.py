@@ -226,9 +226,9 @@ def model(problem: CurveProblem, state: FloatArray) -> ShapeModel:
     problem.tally.add(1, settings.step_cost + share * count * settings.body_cost)
     drift = state[WIDTH:]
     r, g = _drifting(state, t) if drift.size else _motions.at_epochs(state, t)
-    sun, observer = np.empty((2, count, 3))
+    sun, observer = np.empty((2, 3, count))
     _over_body(state, r, nodes.sun, nodes.observer, sun, observer)
-    lit = _shapes.magnitudes(sun, observer, state[:WIDTH][OF_SHAPE])
+    lit = _shapes.magnitudes(sun.T, observer.T, state[:WIDTH][OF_SHAPE])
 
     def by_motion() -> tuple[FloatArray, FloatArray]:
         rows = np.empty((MOTION, count))
@@ -263,7 +263,7 @@ def _drifting(state: FloatArray, t: FloatArray) -> _motions.SeriesAttitudes:
 
 @reduction
 def _over_body(state, r, suns, observers, over_sun, over_observer):
-    """Directions (3, N) over the axes of the body, into arrays (N, 3); r as in `at_epochs`."""
+    """Directions (3, N) over the axes of the body, into arrays (3, N); r as in `at_epochs`."""
     c = state[5:14]
     for vectors, over in ((suns, over_sun), (observers, over_observer)):
         for i in range(r.shape[1]):
@@ -272,7 +272,7 @@ def _over_body(state, r, suns, observers, over_sun, over_observer):
             v = c[1] * x + c[4] * y + c[7] * z
             w = c[2] * x + c[5] * y + c[8] * z
             for k in range(3):
-                over[i, k] = r[k, i] * u + r[3 + k, i] * v + r[6 + k, i] * w
+                over[k, i] = r[k, i] * u + r[3 + k, i] * v + r[6 + k, i] * w
 
 
 @reduction

@@ -11,16 +11,16 @@ deviation of ln I1/I3; the axes to 1 degree), see benchmarks/inversion.py.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache, cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from attitude._compilation.decorators import reduction, reduction_subroutine
-from attitude._compilation.simd import at_least, chosen, eight, every, put_eight, summed_up
+from attitude._compilation.decorators import reduction, reduction_subroutine, reduction_within
+from attitude._compilation.simd import at_least, chosen, every, put_eight
 from attitude.errors import AttitudeError
-from attitude.inversion._motions import LANES, padded, three
+from attitude.inversion._motions import padded, three
 from attitude.light_curve._brightness import BLOCK, components, kernel_of, paired, with_phase
 from attitude.scattering._law import law as known_law
 from attitude.scattering._weighted import LommelSeeligerLambert
@@ -29,14 +29,24 @@ from attitude.shape._mesh import Mesh
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from attitude._support.annotations import FloatArray
+    from attitude._support.annotations import BoolArray, FloatArray, IntArray
     from attitude.scattering._law import Law
 
 
-# Facets of a convex body.
-COUNT = 260
-# The same with facets of no area, to whole vectors.
-_PADDED = COUNT + -COUNT % LANES
+# Facets of a convex body in one octant, by rings of equal distances from the pole outwards.
+_RINGS = (1, 2, 4, 5, 6, 7, 7)
+_OCTANT = sum(_RINGS)
+# The octants: signs of the coordinates, opposite ones four apart.
+_SIGNS = np.array([(1, 1, 1), (1, 1, -1), (1, -1, 1), (-1, 1, 1)])
+_SIGNS = np.concatenate([_SIGNS, -_SIGNS])
+# Parities of functions of the normals: whether they change sign with each coordinate.  The first
+# four are even under inversion.
+_ODD = np.array([(0, 0, 0), (1, 1, 0), (1, 0, 1), (0, 1, 1)])
+_ODD = np.concatenate([_ODD, 1 - _ODD])
+# The sign (8, 8) of a function of each parity in each octant, over that in the first.
+_IN_OCTANTS = np.prod(np.where(_ODD[:, None] == 1, _SIGNS, 1.0), axis=-1)
+# All facets.
+COUNT = len(_SIGNS) * _OCTANT
 # Modes of the logarithms of their areas.
 MODES = 90
 # Standard deviation of the logarithm of an area.
@@ -72,58 +82,106 @@ def even_directions(count: int) -> FloatArray:
     return np.stack([r * np.cos(angle), r * np.sin(angle), z], axis=-1)
 
 
-@dataclass(frozen=True, eq=False)
-class Sphere:
-    """Normals (3, F), their squares, and modes (F, M) of the logarithm of the areas."""
+def _octant() -> FloatArray:
+    """The normals (F / 8, 3) of the first octant: each stands for an equal part of the sphere."""
+    normals = []
+    above = 0.0
+    for count in _RINGS:
+        z = 1.0 - (above + 0.5 * count) / _OCTANT
+        angle = 0.5 * math.pi * (np.arange(count) + 0.5) / count
+        r = np.full(count, math.sqrt(1.0 - z * z))
+        normals.append(np.stack([r * np.cos(angle), r * np.sin(angle), np.full(count, z)], axis=-1))
+        above += count
+    return np.concatenate(normals)
 
-    normals: FloatArray
-    squares: FloatArray
-    modes: FloatArray
+
+@dataclass(frozen=True, eq=False)
+class Modes:
+    """Modes of the logarithm of the areas by parity, the largest first in each.
+
+    of_octant: (8, K, F / 8), their values in the first octant; zero behind the last.
+    places: (M,), where each of them stands among those 8 K, the largest first.
+    """
+
+    of_octant: FloatArray
+    places: IntArray
 
     @cached_property
-    def padded_normals(self) -> FloatArray:
-        """The components of the normals, one after the other, each to whole vectors."""
-        return padded(self.normals).reshape(-1)
+    def of_facets(self) -> FloatArray:
+        """Their values (F, M)."""
+        of_octants = self.of_octant[:, :, None] * _IN_OCTANTS[:, None, :, None]
+        return np.ascontiguousarray(of_octants.reshape(-1, COUNT)[self.places].T)
+
+    @cached_property
+    def is_odd(self) -> BoolArray:
+        """Which of them (M,) change sign under inversion."""
+        return self.places >= 4 * self.of_octant.shape[1]
+
+    def sums(self, by_parity: FloatArray) -> FloatArray:
+        """Sums (M, N) over facets of each mode times functions (8, F / 8, N), as `by_parity`."""
+        return (self.of_octant @ by_parity).reshape(-1, by_parity.shape[-1])[self.places]
+
+
+def by_parity(of_facets: FloatArray) -> FloatArray:
+    """The parts (8, F / 8, N) of each parity, summed over the octants, of functions (N, F)."""
+    of_octants = of_facets.reshape(len(of_facets), len(_SIGNS), _OCTANT)
+    return (_IN_OCTANTS @ of_octants).transpose(1, 2, 0)
+
+
+@dataclass(frozen=True, eq=False)
+class Sphere:
+    """Normals (3, F), octant by octant, those (3, F / 8) of the first, and squares of all."""
+
+    normals: FloatArray
+    octant: FloatArray
+    squares: FloatArray
 
 
 @cache
 def sphere() -> Sphere:
-    """The normals and modes of all bodies."""
-    normals = np.ascontiguousarray(even_directions(COUNT).T)
-    kernel = _AMPLITUDE**2 * np.exp((normals.T @ normals - 1.0) / _LENGTH**2)
-    values, vectors = np.linalg.eigh(kernel)
-    modes = vectors[:, ::-1][:, :MODES] * np.sqrt(values[::-1][:MODES])
-    # the sign of an eigenvector depends on the library of linear algebra
-    modes *= np.sign(modes[np.argmax(np.abs(modes), axis=0), np.arange(MODES)])
-    return Sphere(normals, normals**2, np.ascontiguousarray(modes))
+    """The normals of all bodies: those of an octant and their images in the planes of the axes."""
+    octant = _octant()
+    normals = np.ascontiguousarray((_SIGNS[:, None] * octant).reshape(-1, 3).T)
+    return Sphere(normals, np.ascontiguousarray(octant.T), normals**2)
 
 
 @cache
-def _inversion() -> FloatArray:
-    """The coefficients (M, M) of the body inverted through its centre, from those of the body.
+def modes_of(count: int) -> Modes:
+    """The largest modes, so many.
 
-    The factor of the areas at the opposite normals, by the interpolation of its Gaussian process.
+    Images in the planes of the axes leave the Gaussian process as it is: its modes are even or odd
+    in each coordinate, and sums with them are sums over one octant.
     """
-    on = sphere()
-    across = np.exp((-(on.normals.T @ on.normals) - 1.0) / _LENGTH**2)
-    # the modes are eigenvectors: K^-1 of their factor is the factor over its eigenvalue
-    sizes = np.sum(on.modes**2, axis=0)
-    return (on.modes / sizes).T @ (across @ (on.modes / sizes)) * _AMPLITUDE**2
+    octant = _octant()
+    across = np.einsum("ij,oj,kj->oik", octant, _SIGNS, octant)
+    kernel = _AMPLITUDE**2 * np.exp((across - 1.0) / _LENGTH**2)
+    values, vectors = np.linalg.eigh(np.einsum("po,oik->pik", _IN_OCTANTS, kernel))
+    # x and y are alike: two parities have equal modes, whose order rounding must not decide
+    order = np.argsort(-np.round(values, 9), axis=None, kind="stable")[:count]
+    parity, number = np.divmod(order, _OCTANT)
+    rank = _OCTANT - 1 - number
+    width = int(rank.max(initial=-1)) + 1
+    size = np.sqrt(values / len(_SIGNS))
+    of_octant = (vectors * size[:, None])[:, :, ::-1].swapaxes(1, 2)[:, :width].copy()
+    # the sign of an eigenvector depends on the library of linear algebra
+    largest = np.argmax(np.abs(of_octant), axis=2)[:, :, None]
+    of_octant *= np.sign(np.take_along_axis(of_octant, largest, axis=2))
+    return Modes(of_octant, parity * width + rank)
 
 
 def inverted(modes: FloatArray) -> FloatArray:
     """The coefficients (M,) of a body whose areas are exchanged with those of opposite normals."""
-    return _inversion() @ modes if len(modes) else modes
+    return np.where(modes_of(len(modes)).is_odd, -modes, modes) if len(modes) else modes
 
 
-def areas(flat: FloatArray, modes: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Areas (F,), the largest being 1, and slopes (F, 2 + M) of their logarithms.
+def areas(shape: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Areas (F,) of a shape (S,), with all modes or the largest, relative to the largest area.
 
-    Shapes: flat (2,), modes (M,): of the smoothest modes, all or fewer.
+    And slopes (F, 2) of their logarithms by the ellipsoid.
     """
-    on = sphere()
-    area, slopes = np.empty(COUNT), np.empty((COUNT, ELLIPSOID + len(modes)))
-    _areas(flat, modes, on.squares, on.modes, area, slopes)
+    area, slopes = np.empty(COUNT), np.empty((COUNT, ELLIPSOID))
+    modes = shape[ELLIPSOID:]
+    _areas(shape, modes_of(len(modes)).of_facets, sphere().squares, area, slopes)
     return area, slopes
 
 
@@ -139,11 +197,17 @@ class Constraints(NamedTuple):
     slopes: FloatArray  # (8, 2 + M), of both
 
 
-def constraints(flat: FloatArray, area: FloatArray, slopes: FloatArray) -> Constraints:
-    """What a shape has to satisfy; arguments as of and from `areas`."""
+def constraints(shape: FloatArray, area: FloatArray, slopes: FloatArray) -> Constraints:
+    """What a shape (S,) has to satisfy, with areas (F,) and slopes (F, 2) as from `areas`."""
     values, by_areas = np.empty(8), np.empty((8, COUNT))
-    _constraints(flat, area, sphere().normals, values, by_areas)
-    return Constraints(values[:6], values[6:], by_areas @ slopes)
+    _constraints(shape[:ELLIPSOID], area, sphere().normals, values, by_areas)
+    by_shape = _by_shape(by_parity(by_areas), slopes, len(shape) - ELLIPSOID)
+    return Constraints(values[:6], values[6:], by_shape.T)
+
+
+def _by_shape(parts: FloatArray, slopes: FloatArray, count: int) -> FloatArray:
+    """Slopes (2 + M, N) by the ellipsoid and M modes, from those by ln areas, as `by_parity`."""
+    return np.concatenate([slopes[:_OCTANT].T @ parts[0], modes_of(count).sums(parts)])
 
 
 # ---- Magnitudes of a convex body, with derivatives, and what its shape has to satisfy
@@ -173,22 +237,26 @@ _MAGNITUDE = -2.5 / math.log(10.0)
 class BodyLight:
     """Magnitudes (N,) of a body seen from given directions, and their derivatives.
 
-    across (N, 3): by a turn of the body, rad, over its own axes; areas (F,) and the slopes (F, S)
-    of their logarithms; light of each facet (N, F), and in total (N,).
+    across (N, 3): by a turn of the body, rad, over its own axes.  Of a convex shape: the number of
+    its modes, areas (F,) and slopes (F, 2) of their logarithms by the ellipsoid, and the light of
+    facets (8, F / 8, N), as `by_parity`, and in total (N,).
     """
 
     magnitude: FloatArray
     across: FloatArray
-    areas: FloatArray
-    slopes: FloatArray
-    of_facets: FloatArray
-    total: FloatArray
+    modes: int = 0
+    areas: FloatArray = field(default_factory=lambda: np.zeros(0))
+    slopes: FloatArray = field(default_factory=lambda: np.zeros((0, ELLIPSOID)))
+    of_facets: FloatArray = field(default_factory=lambda: np.zeros((0, 0, 0)))
+    total: FloatArray = field(default_factory=lambda: np.zeros(0))
 
     @cached_property
     def by_shape(self) -> FloatArray:
-        """Derivatives (S, N) by the shape."""
+        """Derivatives (S, N) by the shape, none by a known one."""
+        if not len(self.areas):
+            return np.zeros((0, len(self.magnitude)))
         # in single precision processors that round otherwise lead a search to other minima
-        return self.slopes.T @ self.of_facets.T * (_MAGNITUDE / self.total)
+        return _by_shape(self.of_facets, self.slopes, self.modes) * (_MAGNITUDE / self.total)
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,14 +292,15 @@ class MotionMoments(NamedTuple):
 def magnitudes(sun: FloatArray, observer: FloatArray, shape: FloatArray) -> BodyLight:
     """The magnitudes of a shape (S,) seen from unit vectors (N, 3) over its axes."""
     count = len(sun)
-    area, slopes = areas(shape[:ELLIPSOID], shape[ELLIPSOID:])
-    of_facets, total = np.empty((count, _PADDED)), np.empty(count)
-    across, padded_areas = np.empty((count, 3)), np.zeros(_PADDED)
-    padded_areas[:COUNT] = area
-    normals = sphere().padded_normals
-    _light(sun, observer, normals, padded_areas, LAMBERT, of_facets.reshape(-1), total, across)
-    magnitude = _MAGNITUDE * np.log(total)
-    return BodyLight(magnitude, across, area, slopes, of_facets[:, :COUNT], total)
+    area, slopes = areas(shape)
+    suns, observers = padded(sun.T, "constant"), padded(observer.T, "constant")
+    of_facets, total = np.empty((COUNT, suns.shape[1])), np.empty(suns.shape[1])
+    across, normals = np.empty_like(suns), sphere().octant
+    _light(suns, observers, normals, area, LAMBERT, of_facets.reshape(-1), total, across)
+    by_parity = of_facets.reshape(len(_ODD), _OCTANT, -1)[:, :, :count]
+    magnitude, across = _MAGNITUDE * np.log(total[:count]), np.ascontiguousarray(across[:, :count].T)
+    modes = len(shape) - ELLIPSOID
+    return BodyLight(magnitude, across, modes, area, slopes, by_parity, total[:count])
 
 
 class Priors(NamedTuple):
@@ -257,7 +326,7 @@ def penalties(
     tie: Tie,
 ) -> Priors:
     """The priors of a shape (S,), with all modes or fewer, behind so many parameters of motion."""
-    held = constraints(shape[:ELLIPSOID], areas, slopes)
+    held = constraints(shape, areas, slopes)
     size = motion + len(shape)
     r, by = np.zeros(9), np.zeros((9, size))
     of_ratios = held.slopes[6:]
@@ -337,21 +406,20 @@ def wanted(ordered: FloatArray, moments: MotionMoments) -> FloatArray:
 
 
 @reduction
-def _areas(flat, modes, squares, of_modes, areas, slopes):
-    """What `areas` returns, into areas (F,) and slopes (F, 2 + M).
+def _areas(shape, modes, squares, areas, slopes):
+    """What `areas` returns, into areas (F,) and slopes (F, 2).
 
-    flat (2,), modes (M,); squares of the normals (3, F), all modes (F, M or more).
+    shape (2 + M,); modes (F, M); squares of the normals (3, F).
     """
-    a, b = math.exp(-flat[0]), math.exp(-flat[1])
+    a, b = math.exp(-shape[0]), math.exp(-shape[1])
     largest = -math.inf
     for i in range(areas.size):
         across = a * squares[0, i] + b * squares[1, i] + squares[2, i]
         slopes[i, 0] = 2.0 * a * squares[0, i] / across
         slopes[i, 1] = 2.0 * b * squares[1, i] / across
         log_area = -2.0 * math.log(across)
-        for k in range(modes.size):
-            slopes[i, 2 + k] = of_modes[i, k]
-            log_area += of_modes[i, k] * modes[k]
+        for k in range(modes.shape[1]):
+            log_area += modes[i, k] * shape[2 + k]
         areas[i] = log_area
         largest = max(largest, log_area)
     for i in range(areas.size):
@@ -451,40 +519,75 @@ def _constraints(flat, areas, normals, values, by_areas):
 # S = mu0 mu (1/(mu0 + mu) + c) for each lit and seen facet.
 
 
-@reduction
-def _light(sun, observer, normals, areas, lambert, of_facets, total, across):
-    """The light of facets, into of_facets (N F,), their sums, into total (N,).
+@reduction_within
+def _of_two(m0, m, area, opposite, lambert):
+    """The light of the one of two opposite facets that is lit and seen; with its sign; and slopes.
 
-    Into across (N, 3) the slopes of magnitudes by a turn.  sun, observer (N, 3): unit vectors over
-    body axes; normals (3 F,) by components; areas (F,), where `LANES` divides F.
+    The sign, also that of the slopes by the cosines m0 and m, is minus for the second facet.
     """
-    count = areas.size
-    for i in range(sun.shape[0]):
-        s0, s1, s2 = sun[i, 0], sun[i, 1], sun[i, 2]
-        o0, o1, o2 = observer[i, 0], observer[i, 1], observer[i, 2]
-        zero = every(0.0, eight(areas, 0))
-        light = a0 = a1 = a2 = b0 = b1 = b2 = zero
-        for j in range(0, count, 8):
-            x, y, z = three(normals, j, count)
-            m0 = at_least(s0 * x + s1 * y + s2 * z, 0.0)
-            m = at_least(o0 * x + o1 * y + o2 * z, 0.0)
-            area = chosen(m0 * m, eight(areas, j), zero)
-            over = 1.0 / at_least(m0 + m, 1e-9)
-            by_m0, by_m = area * m, area * m0
-            of_facet = by_m * m * (over + lambert)
-            put_eight(of_facets, i * count + j, of_facet)
-            light = light + of_facet
-            square = over * over
-            by_m0, by_m = by_m0 * (m * square + lambert), by_m * (m0 * square + lambert)
-            a0, a1, a2 = a0 + by_m0 * x, a1 + by_m0 * y, a2 + by_m0 * z
-            b0, b1, b2 = b0 + by_m * x, b1 + by_m * y, b2 + by_m * z
-        total[i] = max(summed_up(light), 1e-12)
-        factor = _MAGNITUDE / total[i]
-        u0, u1, u2 = summed_up(a0), summed_up(a1), summed_up(a2)
-        v0, v1, v2 = summed_up(b0), summed_up(b1), summed_up(b2)
-        across[i, 0] = factor * (u1 * s2 - u2 * s1 + v1 * o2 - v2 * o1)
-        across[i, 1] = factor * (u2 * s0 - u0 * s2 + v2 * o0 - v0 * o2)
-        across[i, 2] = factor * (u0 * s1 - u1 * s0 + v0 * o1 - v1 * o0)
+    zero = every(0.0, m0)
+    sign = chosen(m0, every(1.0, m0), every(-1.0, m0))
+    area = chosen(m0 * m, chosen(m0, every(area, m0), every(opposite, m0)), zero)
+    m0, m = sign * m0, at_least(m, zero - m)
+    over = 1.0 / at_least(m0 + m, 1e-9)
+    square = over * over
+    by_m0, by_m = area * m, area * m0
+    light = by_m * m * (over + lambert)
+    by_m0, by_m = by_m0 * (m * square + lambert), by_m * (m0 * square + lambert)
+    return light, sign * light, sign * by_m0, sign * by_m
+
+
+@reduction_within
+def _put_parities(sums, at, step, a, b, c, d, sign):
+    """Store sums over four octants, of which b, c, d lie across the planes of z, y, x.
+
+    Of the parities even under inversion, or of the others by sign -1.
+    """
+    put_eight(sums, at, a + sign * (b + c + d))
+    put_eight(sums, at + step, a + sign * (b - c - d))
+    put_eight(sums, at + 2 * step, a + sign * (c - b - d))
+    put_eight(sums, at + 3 * step, a + sign * (d - b - c))
+
+
+@reduction
+def _light(sun, observer, octant, areas, lambert, sums, total, across):
+    """The light of facets by parity, into sums (F N,), in all, into total (N,).
+
+    Into across (3, N) the slopes of magnitudes by a turn.  sun, observer (3, N): unit vectors over
+    body axes, where `LANES` divides N; octant (3, F / 8): normals of the first octant; areas (F,).
+    Of two opposite facets one at most is lit.
+    """
+    n, count = total.size, octant.shape[1]
+    suns, observers, slopes = sun.reshape(-1), observer.reshape(-1), across.reshape(-1)
+    half = 4 * count
+    for i in range(0, n, 8):
+        s0, s1, s2 = three(suns, i, n)
+        o0, o1, o2 = three(observers, i, n)
+        light = a0 = a1 = a2 = b0 = b1 = b2 = every(0.0, s0)
+        for j in range(count):
+            x, y, z = octant[0, j], octant[1, j], octant[2, j]
+            sx, sy, sz = s0 * x, s1 * y, s2 * z
+            ox, oy, oz = o0 * x, o1 * y, o2 * z
+            u, v = areas[j], areas[j + half]
+            f0, g0, p0, q0 = _of_two(sx + sy + sz, ox + oy + oz, u, v, lambert)
+            u, v = areas[j + count], areas[j + half + count]
+            f1, g1, p1, q1 = _of_two(sx + sy - sz, ox + oy - oz, u, v, lambert)
+            u, v = areas[j + 2 * count], areas[j + half + 2 * count]
+            f2, g2, p2, q2 = _of_two(sx - sy + sz, ox - oy + oz, u, v, lambert)
+            u, v = areas[j + 3 * count], areas[j + half + 3 * count]
+            f3, g3, p3, q3 = _of_two(sy + sz - sx, oy + oz - ox, u, v, lambert)
+            _put_parities(sums, j * n + i, count * n, f0, f1, f2, f3, 1.0)
+            _put_parities(sums, (j + half) * n + i, count * n, g0, g1, g2, g3, -1.0)
+            light = light + (f0 + f1 + f2 + f3)
+            a0, b0 = a0 + x * (p0 + p1 + p2 - p3), b0 + x * (q0 + q1 + q2 - q3)
+            a1, b1 = a1 + y * (p0 + p1 - p2 + p3), b1 + y * (q0 + q1 - q2 + q3)
+            a2, b2 = a2 + z * (p0 - p1 + p2 + p3), b2 + z * (q0 - q1 + q2 + q3)
+        light = at_least(light, 1e-12)
+        put_eight(total, i, light)
+        over = _MAGNITUDE / light
+        put_eight(slopes, i, over * (a1 * s2 - a2 * s1 + b1 * o2 - b2 * o1))
+        put_eight(slopes, i + n, over * (a2 * s0 - a0 * s2 + b2 * o0 - b0 * o2))
+        put_eight(slopes, i + 2 * n, over * (a0 * s1 - a1 * s0 + b0 * o1 - b1 * o0))
 
 
 # ---- Magnitudes of a known shape under a known law, with their derivative by a turn of the body
@@ -493,7 +596,6 @@ def _light(sun, observer, normals, areas, lambert, of_facets, total, across):
 _STEP_OF_DIFFERENCES = 1e-4
 # Flux, over the mean, below which a magnitude is that of this flux: the body is unlit.
 _DARK = 1e-4
-_NOTHING = np.zeros(0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -545,8 +647,7 @@ class KnownShape:
                 for side in (_STEP_OF_DIFFERENCES, -_STEP_OF_DIFFERENCES)
             ]
             across[..., k] = (ends[0] - ends[1]) / (2.0 * _STEP_OF_DIFFERENCES)
-        values, nothing = self.magnitudes(sun, observer, least), np.zeros((len(sun), 0))
-        return BodyLight(values, across, _NOTHING, np.zeros((0, 0)), nothing, np.ones(len(sun)))
+        return BodyLight(self.magnitudes(sun, observer, least), across)
 
 
 def known(mesh: Mesh, law: str | Law | None) -> KnownShape:

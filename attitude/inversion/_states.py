@@ -13,7 +13,7 @@ from attitude.errors import AttitudeError
 from attitude.frames import quaternion
 from attitude.frames import representations as forms
 from attitude.inversion import _ellipsoid, _errors, _motions, _pole_map, _refinement, _shapes
-from attitude.inversion._ellipsoid import SearchState, is_axial
+from attitude.inversion._ellipsoid import OF_SHAPE, SearchState, is_axial
 from attitude.inversion._refinement import MOTION
 from attitude.inversion._shapes import Tie
 from attitude.motions._body import Body
@@ -89,7 +89,8 @@ def physical(state: FloatArray, known: FloatArray | None = None) -> PhysicalStat
     fields = SearchState.of(state)
     matrix = fields.frame @ body
     if fields.is_axial:
-        held = _shapes.constraints(fields.flat, *_shapes.areas(fields.flat, fields.modes))
+        shape = state[OF_SHAPE]
+        held = _shapes.constraints(shape, *_shapes.areas(shape))
         ratios = np.exp(np.append(held.log_ratios, 0.0))
         ratios[2] = max(ratios[2], 1.0001 * float(ratios[:2].max()))
         if known is not None:
