@@ -183,9 +183,13 @@ class Search:
             self.finish()
             if self._hardly_nutating():
                 self.finish()
-            if self._other_poles():
+            # where a moon explains what no body does, poles of these are sought in vain
+            is_first = number == 0 and bool(self.solutions) and not self.is_at_floor
+            if is_first:
+                self._compare_with_satellite()
+            if not self._is_far_behind_satellite and self._other_poles():
                 self.finish()
-            if number == 0:
+            if number == 0 and not is_first:
                 self._compare_with_satellite()
             is_accepted = self.is_decided and not self._is_doubtful
             if self.is_over or is_accepted or is_ended(False):
@@ -238,6 +242,14 @@ class Search:
             is_interrupted=self.is_interrupted,
         )
         return _verdicts.of_dips(verdict, solutions, self.problem, self.dips)
+
+    @property
+    def _is_far_behind_satellite(self) -> bool:
+        """Whether no map of poles brings tumbling bodies near the rival with a moon."""
+        if self.rival is None:
+            return False
+        gained = self.settings.axial_tumbling
+        return self.satellite_is_ahead() > self.rival.needed_ahead + gained
 
     def satellite_is_ahead(self) -> float:
         """By how much the evidence of the rival with a moon is better than that of the best."""
@@ -350,9 +362,17 @@ class Search:
                 break
             if pair.only_dims:
                 rivals += self._beside(problem, rates)
-            elif pair.left < self._left:
+            elif self._may_brighten(pair, rivals):
                 rivals += self._beside_other_rotation(problem, rates)
         return rivals
+
+    def _may_brighten(self, pair: AdditivePair, rivals: Sequence[Search]) -> bool:
+        """Whether a wrong rotation may have made the series of a moon brighten.
+
+        Where the best solution is at the floor no such series came ahead.
+        """
+        is_sought = not self.is_at_floor and not any(self._is_ahead(rival) for rival in rivals)
+        return is_sought and pair.left < self._left
 
     def _beside_other_rotation(self, problem: CurveProblem, rates: FloatArray) -> list[Search]:
         """The search beside the orbit of a problem, where a wrong rotation made it brighten."""
@@ -406,12 +426,15 @@ class Search:
         count = self.settings.pairs * more
         self._pairs, _ = _lattices.lattice_pairs(self.problem, self.most, count)
         rates = _lattices.candidates(self._pairs, self.most, self.modes, self.shifts)
+        first = self._pairs[: self.settings.first_pairs * more]
+        end = len(_lattices.candidates(first, self.most, self.modes, self.shifts))
         starts = self.settings.quick_starts * more
-        yield self._ellipsoids(problem, rates, None, starts, more, "periods of the lines")
+        yield self._ellipsoids(problem, rates, None, starts, end, more, "periods of the lines")
         if number == 0 and self._is_clear():
             return
+        rates, poles = self._scan()
         starts = self.settings.scan_starts * more
-        yield self._ellipsoids(problem, *self._scan(), starts, more, "periods of psi")
+        yield self._ellipsoids(problem, rates, poles, starts, len(rates), more, "periods of psi")
 
     def _is_clear(self) -> bool:
         """Whether a tumbling state is at the floor and others are far behind: none is sought."""
@@ -431,11 +454,13 @@ class Search:
         rates: list[_lattices.Candidate],
         poles: FloatArray | None,
         starts: int,
+        end: int,
         more: int,
         name: str,
     ) -> Pool:
         """Ellipsoids of rates, from poles (R, P, 3) too if given, with more starts for the best.
 
+        Each of the rates up to a number, `end`, has so many starts, others have half of these.
         A few starts of few steps miss one body in ten: each pair of rates has many, of which the
         best go on.
         """
@@ -448,7 +473,7 @@ class Search:
                     problem,
                     self.generator,
                     block_of_rates,
-                    starts,
+                    starts if start < end else max(1, starts // 2),
                     tie=self._held,
                     poles=block_of_poles,
                 )

@@ -295,12 +295,12 @@ def magnitudes(sun: FloatArray, observer: FloatArray, shape: FloatArray) -> Body
     area, slopes = areas(shape)
     suns, observers = padded(sun.T, "constant"), padded(observer.T, "constant")
     of_facets, total = np.empty((COUNT, suns.shape[1])), np.empty(suns.shape[1])
-    across, normals = np.empty_like(suns), sphere().octant
-    _light(suns, observers, normals, area, LAMBERT, of_facets.reshape(-1), total, across)
-    by_parity = of_facets.reshape(len(_ODD), _OCTANT, -1)[:, :, :count]
-    magnitude, across = _MAGNITUDE * np.log(total[:count]), np.ascontiguousarray(across[:, :count].T)
+    turned = np.empty_like(suns)
+    _light(suns, observers, sphere().octant, area, LAMBERT, of_facets.reshape(-1), total, turned)
+    parts = of_facets.reshape(len(_ODD), _OCTANT, -1)[:, :, :count]
+    total, across = total[:count], np.ascontiguousarray(turned[:, :count].T)
     modes = len(shape) - ELLIPSOID
-    return BodyLight(magnitude, across, modes, area, slopes, by_parity, total[:count])
+    return BodyLight(_MAGNITUDE * np.log(total), across, modes, area, slopes, parts, total)
 
 
 class Priors(NamedTuple):

@@ -159,9 +159,9 @@ def test_a_concave_body_has_a_smaller_least_moment(is_long_axis, is_swapped):
     flat = np.array([1.0, 0.6] if is_long_axis else [-1.0, -0.6])
     if is_swapped:
         flat = flat[::-1]
-    areas, slopes = _shapes.areas(flat, np.zeros(_shapes.MODES))
     shape = np.concatenate([flat, np.zeros(_shapes.MODES)])
-    ratios = _shapes.constraints(flat, areas, slopes).log_ratios
+    areas, slopes = _shapes.areas(shape)
+    ratios = _shapes.constraints(shape, areas, slopes).log_ratios
     least, width = np.argmin(np.append(ratios, 0.0)), _shapes.TOLERANCE
 
     def priors(shift):
@@ -194,8 +194,8 @@ def test_a_concave_body_has_a_smaller_least_moment(is_long_axis, is_swapped):
 def test_moments_that_no_body_has_are_held_back(ratios):
     """A body exists up to a largest moment of the sum of the others; the slopes are exact."""
     flat = np.array([0.4, 0.2])
-    areas, slopes = _shapes.areas(flat, np.zeros(_shapes.MODES))
     shape = np.concatenate([flat, np.zeros(_shapes.MODES)])
+    areas, slopes = _shapes.areas(shape)
 
     def held_back(log_ratios):
         moments = _shapes.MotionMoments(log_ratios, np.eye(2), ratios[0] > 1.0, False)
@@ -269,15 +269,50 @@ def test_prior_of_linear_terms_is_marginalised():
     assert weighted @ weighted - along @ along == pytest.approx(expected, rel=1e-5)
 
 
+@pytest.mark.parametrize("count", [0, 1, 24, _shapes.MODES])
+def test_modes_are_those_of_the_gaussian_process(count):
+    """By octants, against the eigenvectors of the whole kernel, of which they are the largest."""
+    normals, modes = _shapes.sphere().normals, _shapes.modes_of(count).of_facets
+    kernel = np.exp((normals.T @ normals - 1.0) / 0.35**2)
+    sizes = np.linalg.eigvalsh(kernel)[::-1][:count]
+    assert modes.T @ modes == pytest.approx(np.diag(sizes), abs=1e-12)
+    assert kernel @ modes == pytest.approx(modes * sizes, abs=1e-12)
+    assert np.array_equal(modes, _shapes.modes_of(_shapes.MODES).of_facets[:, :count])
+
+
+@pytest.mark.parametrize("count", [0, 24, _shapes.MODES])
+@pytest.mark.parametrize("points", [1, 16, 21])
+def test_light_of_a_convex_body(count, points):
+    """Against the sum over all facets, and slopes by the shape against differences."""
+    generator = np.random.default_rng(count + points)
+    sun, observer = generator.normal(size=(2, points, 3))
+    sun, observer = (each / np.linalg.norm(each, axis=-1)[:, None] for each in (sun, observer))
+    shape = np.append([-0.8, 0.3], 0.4 * generator.normal(size=count))
+
+    def expected(shape):
+        m0, m = (np.maximum(each @ _shapes.sphere().normals, 0.0) for each in (sun, observer))
+        flux = m0 * m * (1.0 / np.maximum(m0 + m, 1e-9) + _shapes.LAMBERT) @ _shapes.areas(shape)[0]
+        return -2.5 * np.log10(np.maximum(flux, 1e-12))
+
+    light = _shapes.magnitudes(sun, observer, shape)
+    assert light.magnitude == pytest.approx(expected(shape), abs=1e-12)
+    step = 1e-5 * np.eye(len(shape))
+    slopes = np.array([expected(shape + each) - expected(shape - each) for each in step]) / 2e-5
+    # areas are relative to the largest: slopes by one parameter may differ by a constant
+    lit = expected(shape) < 20.0
+    off = (light.by_shape - slopes)[:, lit]
+    assert off == pytest.approx(np.broadcast_to(off[:, :1], off.shape), abs=1e-8)
+
+
 def test_mesh_of_areas_is_the_body():
     """Moments of the closed mesh are those of the surface tensor, to the error that is stated."""
     generator = np.random.default_rng(6)
-    flat, modes = np.array([-1.2, -0.5]), 0.5 * generator.normal(size=_shapes.MODES)
-    area, slopes = _shapes.areas(flat, modes)
+    shape = np.append([-1.2, -0.5], 0.5 * generator.normal(size=_shapes.MODES))
+    area, slopes = _shapes.areas(shape)
     area = _shapes.closed(area, _shapes.sphere().normals)
     found = _shapes.mesh(area, _shapes.sphere().normals)
     inertia = np.diag(found.mass_properties(density=1.0).inertia)
-    held = _shapes.constraints(flat, area, slopes)
+    held = _shapes.constraints(shape, area, slopes)
     assert found.is_convex and found.is_closed
     assert np.log(inertia[:2] / inertia[2]) == pytest.approx(held.log_ratios, abs=0.05)
 

@@ -259,7 +259,7 @@ def test_correlated_errors_widen_the_covariance():
 def test_axial_penalty_holds_the_greatest_moment():
     shape = np.zeros(_shapes.SIZE)
     shape[:2] = 1.0, 0.5  # the third axis is the longest: its moment is the least
-    areas, slopes = _shapes.areas(shape[:2], shape[2:])
+    areas, slopes = _shapes.areas(shape)
     priors = _shapes.penalties(shape, areas, slopes, None, 8, _shapes.Tie())
     assert priors.strain > 100.0
     assert priors.slopes.shape == (len(priors.residuals), 8 + _shapes.SIZE)
