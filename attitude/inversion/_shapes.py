@@ -20,7 +20,7 @@ import numpy as np
 from attitude._compilation.decorators import reduction, reduction_subroutine, reduction_within
 from attitude._compilation.simd import at_least, chosen, every, put_eight
 from attitude.errors import AttitudeError
-from attitude.inversion._motions import padded, three
+from attitude.inversion._motions import LANES, three
 from attitude.light_curve._brightness import BLOCK, components, kernel_of, paired, with_phase
 from attitude.scattering._law import law as known_law
 from attitude.scattering._weighted import LommelSeeligerLambert
@@ -293,10 +293,12 @@ def magnitudes(sun: FloatArray, observer: FloatArray, shape: FloatArray) -> Body
     """The magnitudes of a shape (S,) seen from unit vectors (N, 3) over its axes."""
     count = len(sun)
     area, slopes = areas(shape)
-    suns, observers = padded(sun.T, "constant"), padded(observer.T, "constant")
-    of_facets, total = np.empty((COUNT, suns.shape[1])), np.empty(suns.shape[1])
-    turned = np.empty_like(suns)
-    _light(suns, observers, sphere().octant, area, LAMBERT, of_facets.reshape(-1), total, turned)
+    # to whole vectors
+    size = count + -count % LANES
+    directions, turned = np.zeros((2, 3, size)), np.empty((3, size))
+    directions[0, :, :count], directions[1, :, :count] = sun.T, observer.T
+    of_facets, total = np.empty((COUNT, size)), np.empty(size)
+    _light(*directions, sphere().octant, area, LAMBERT, of_facets.reshape(-1), total, turned)
     parts = of_facets.reshape(len(_ODD), _OCTANT, -1)[:, :, :count]
     total, across = total[:count], np.ascontiguousarray(turned[:, :count].T)
     modes = len(shape) - ELLIPSOID

@@ -865,7 +865,7 @@ def test_shallow_dips_are_found_beside_a_body_seen_from_many_sides(orbit):
     fit = _refinement.refine(given, body, fixed=fixed).fitted
     alone = _satellites.of_body(given, fit, _shapes.Tie(), fixed)
     best = _satellites.orbits_beside(alone)[0]
-    assert best.orbit == pytest.approx(orbit, abs=0.05)
+    assert best.orbit == pytest.approx(orbit, abs=0.06)
     assert _satellites.brightening(_satellites.beside(given, best, alone), alone) < 0.35
     assert all(abs(pair.orbit - orbit) > 1.0 for pair in _satellites.rivals(given, 2.0 * 60.4, 4))
 

@@ -204,7 +204,7 @@ def test_the_gain_of_a_nutation_is_what_a_fit_without_it_lacks(rate):
     found = _evidence.gain_of_nutation(
         SimpleNamespace(problem=problem, refined=SimpleNamespace(state=state))
     )
-    assert found == pytest.approx(min(lacking), rel=0.25)
+    assert found == pytest.approx(min(lacking), rel=0.3)
 
 
 def test_other_poles_leave_the_periods():
