@@ -81,7 +81,7 @@ class Settings:
     term_cost: float = 6.0e-10
     # A convex body, a point, with derivatives and its part of the normal matrix, half of it with
     # few modes.
-    body_cost: float = 2.4e-6
+    body_cost: float = 1.9e-6
     # What of a step of a convex body does not depend on the points: its priors and the solution.
     step_cost: float = 1.0e-4
     # A step of the series of a rotation and an orbit, a point.
