@@ -200,13 +200,16 @@ class CurveProblem:
         flux = np.sum(0.5 * _WEIGHTS[:, None] * 10.0 ** (-0.4 * at), axis=-2)
         return -2.5 * np.log10(flux)
 
-    def over_exposures(self, magnitude: FloatArray, jacobian: FloatArray) -> FloatArray:
-        """Derivatives (P, N) of magnitudes of mean fluxes, from (P, K N) of (K N,) at nodes."""
+    def shares(self, magnitude: FloatArray) -> FloatArray | None:
+        """Shares (K, N) of nodes with magnitudes (K N,) in fluxes of exposures; None without any.
+
+        Derivatives of magnitudes of mean fluxes are sums of those at nodes times these.
+        """
         if len(magnitude) == len(self):
-            return jacobian
+            return None
         at = magnitude.reshape(len(_NODES), -1)
         share = 0.5 * _WEIGHTS[:, None] * 10.0 ** (-0.4 * (at - self.mean_magnitudes(magnitude)))
-        return np.einsum("pkn,kn->pn", jacobian.reshape(len(jacobian), *share.shape), share)
+        return np.asarray(share, np.float64)
 
     def projected(self, rows: FloatArray) -> FloatArray:
         """Weighted rows (..., N), the linear terms taken off."""

@@ -212,9 +212,11 @@ class ShapeModel:
     @cached_property
     def jacobian(self) -> FloatArray:
         """Derivatives (P, N) by motion, shape and drift."""
+        shares = self.problem.shares(self.lit.magnitude)
         motion, drift = self.by_motion()
-        at_nodes = np.concatenate([motion, self.lit.by_shape, drift])
-        return self.problem.over_exposures(self.lit.magnitude, at_nodes)
+        if shares is not None:
+            motion, drift = _shapes.summed(motion, shares), _shapes.summed(drift, shares)
+        return np.concatenate([motion, self.lit.by_shape(shares), drift])
 
 
 def model(problem: CurveProblem, state: FloatArray) -> ShapeModel:

@@ -250,13 +250,22 @@ class BodyLight:
     of_facets: FloatArray = field(default_factory=lambda: np.zeros((0, 0, 0)))
     total: FloatArray = field(default_factory=lambda: np.zeros(0))
 
-    @cached_property
-    def by_shape(self) -> FloatArray:
-        """Derivatives (S, N) by the shape, none by a known one."""
+    def by_shape(self, shares: FloatArray | None = None) -> FloatArray:
+        """Derivatives (S, N) by the shape, none by a known one; summed with shares, if given."""
         if not len(self.areas):
-            return np.zeros((0, len(self.magnitude)))
+            return np.zeros((0, len(self.magnitude) if shares is None else shares.shape[1]))
         # in single precision processors that round otherwise lead a search to other minima
-        return _by_shape(self.of_facets, self.slopes, self.modes) * (_MAGNITUDE / self.total)
+        parts, slope = self.of_facets, _MAGNITUDE / self.total
+        if shares is None:
+            return _by_shape(parts, self.slopes, self.modes) * slope
+        parts = summed(parts, shares * slope.reshape(shares.shape))
+        return _by_shape(parts, self.slopes, self.modes)
+
+
+def summed(at_nodes: FloatArray, shares: FloatArray) -> FloatArray:
+    """Sums (..., N) over K nodes of numbers (..., K N) times shares (K, N)."""
+    of_nodes = at_nodes.reshape(*at_nodes.shape[:-1], *shares.shape)
+    return np.asarray(np.einsum("...kn,kn->...n", of_nodes, shares), np.float64)
 
 
 @dataclass(frozen=True, eq=False)

@@ -300,7 +300,7 @@ def test_light_of_a_convex_body(count, points):
     slopes = np.array([expected(shape + each) - expected(shape - each) for each in step]) / 2e-5
     # areas are relative to the largest: slopes by one parameter may differ by a constant
     lit = expected(shape) < 20.0
-    off = (light.by_shape - slopes)[:, lit]
+    off = (light.by_shape() - slopes)[:, lit]
     assert off == pytest.approx(np.broadcast_to(off[:, :1], off.shape), abs=1e-8)
 
 
