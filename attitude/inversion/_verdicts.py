@@ -405,15 +405,17 @@ def verdict(
             if not is_axial(other.refined.state) and not counts_as(other, best, problem)
         ]
         least = needed(best, problem)
-        close = sum(other.evidence - best.evidence < least for other in tumbling)
+        close = [other for other in tumbling if other.evidence - best.evidence < least]
         better = _better_by_nutation([best, *tumbling], problem, least, most)
         if not (better or is_given_axis):
             better = _nutation_unnoticed([best, *poles], problem, most)
         if better:
             return OPEN, f"{words}; {better}."
         if close:
-            tumblers = with_verb(close, "tumbling state", "lie")
-            return PERIODS, f"{words}; {tumblers} within {least:.3g}, with this period."
+            tumblers = f"{with_verb(len(close), 'tumbling state', 'lie')} within {least:.3g}"
+            if not all(_keeps_period(other, best, problem) for other in close):
+                return OPEN, f"{words}; {tumblers}, with other periods."
+            return PERIODS, f"{words}; {tumblers}, with this period."
     errors = f"{settings.pole_errors:g} standard errors between nights"
     width, likely = _widths_of_poles(best, problem)
     within = (
@@ -633,6 +635,15 @@ def _is_motion_of(state: FloatArray, best: FloatArray, problem: CurveProblem) ->
     if is_axial(best) and not is_axial(state):
         return True
     return _has_periods(state, best, problem)
+
+
+def _keeps_period(tumbler: Robust, rotator: Robust, problem: CurveProblem) -> bool:
+    """Whether the scene sees a tumbling state turn as a rotation does, by phi or phi and psi."""
+    states = [SearchState.of(one.refined.state) for one in (tumbler, rotator)]
+    turns = _pole_map.turn_of_scene(problem, np.stack([state.pole for state in states]))
+    rate = states[1].rates[0] - float(turns[1])
+    lines = np.array([states[0].rates[0], 2.0 * states[0].precession]) - float(turns[0])
+    return bool(np.abs(lines - rate).min() < problem.settings.comb_width)
 
 
 def _has_rates(state: FloatArray, best: FloatArray, problem: CurveProblem) -> bool:

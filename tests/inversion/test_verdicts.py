@@ -73,6 +73,23 @@ def test_rotation_about_one_axis_beside_a_tumbling_state(residual, behind, expec
     assert _verdicts.verdict(found, _problem(0.02))[0] == expected
 
 
+@pytest.mark.parametrize(
+    ("precession", "nutation", "words"),
+    [
+        (20.0, -7.0, "with this period"),
+        (23.5, 7.0, "with this period"),
+        (30.0, -10.0, "with other"),
+    ],
+)
+def test_periods_of_a_tumbling_state_that_competes_with_one_axis(precession, nutation, words):
+    """Those of phi or of phi and psi together are the rotation's, or it is not solved."""
+    found = [_solution(0.0, 0.0, 0.01), _solution(nutation, 5.0, 0.01)]
+    found[1].refined.state[0] = precession
+    verdict, criterion = _verdicts.verdict(found, _problem(0.02))
+    assert words in criterion
+    assert verdict == (_verdicts.OPEN if "other" in words else _verdicts.PERIODS)
+
+
 @pytest.mark.parametrize(("residual", "expected"), [(0.01, "solved"), (0.05, "not solved")])
 def test_a_rotation_beside_dips_is_claimed_at_the_floor_alone(residual, expected):
     """Of moons 121809 a rotation of 2.5 times the period left a tenth of the variance of dips."""
