@@ -114,8 +114,8 @@ class Settings:
     pairs_fitted: int = 300_000
     # Pairs of frequencies in the first round; doubled in each.
     pairs: int = 200
-    # Pairs among them, the first, whose rates have all starts, others half: of 73 curves true pairs
-    # came up to here in 57, later in 8.
+    # Pairs among them, the first, whose rates have all starts, others half: of 96 curves true pairs
+    # came up to here in 78, later in 10.
     first_pairs: int = 60
     # Starts of each pair of rates that follow from these, in the first round; doubled in each:
     # three missed a needle (`nonconvex` 125008 of docs/inversion.md).
